@@ -1,0 +1,103 @@
+//! From a ray to numbers in [0, 1], and from those to integers of 22 bits.
+
+use super::{COORDINATE_BITS, LightSite};
+
+/// One over √3, the longest distance in unit space.
+pub const INVERSE_SQRT_3: f32 = 0.577_350_26;
+
+/// Quantises to 22 bits: equal cells, NaN and negatives to 0, overflow to the last cell (KEYS).
+/// A coordinate of n < 22 bits is the top n of these.
+pub fn quantise(value: f32) -> u32 {
+    const LAST: f32 = ((1 << COORDINATE_BITS) - 1) as f32;
+    if value > 0.0 { (value * (1u32 << COORDINATE_BITS) as f32).min(LAST) as u32 } else { 0 }
+}
+
+/// Cartesian map of a unit vector's coordinate: (x + 1)/2.
+pub fn cartesian(x: f32) -> f32 {
+    (x + 1.0) * 0.5
+}
+
+/// Octahedral map of a direction of any length to [0, 1]²; (0.5, 0.5) for a zero vector.
+pub fn octahedral(d: [f32; 3]) -> [f32; 2] {
+    let sum = d[0].abs() + d[1].abs() + d[2].abs();
+    if sum == 0.0 {
+        return [0.5; 2];
+    }
+    let mut p = [d[0] / sum, d[1] / sum];
+    if d[2] < 0.0 {
+        let sign = |x: f32| if x > 0.0 { 1.0 } else { -1.0 };
+        p = [(1.0 - p[1].abs()) * sign(d[0]), (1.0 - p[0].abs()) * sign(d[1])];
+    }
+    p.map(cartesian)
+}
+
+/// Coordinates of a shadow ray seen from its light: (u, v, r), each in [0, 1].
+///
+/// `origin` in unit space. See KEYS, light-octahedron.
+pub fn from_light(site: &LightSite, origin: [f32; 3], direction: [f32; 3]) -> [f32; 3] {
+    match site {
+        LightSite::Placed { centre } => {
+            let d = [0, 1, 2].map(|axis| origin[axis] - centre[axis]);
+            let [u, v] = octahedral(d);
+            [u, v, dot(d, d).sqrt() * INVERSE_SQRT_3]
+        }
+        LightSite::Directional { direction, tangent, bitangent } => {
+            [tangent, bitangent, direction].map(|axis| cartesian(dot(origin, *axis) * INVERSE_SQRT_3))
+        }
+        LightSite::Environment => {
+            let [u, v] = octahedral(direction);
+            [u, v, 0.0]
+        }
+    }
+}
+
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantising_has_equal_cells_and_clamps() {
+        assert_eq!(quantise(0.0), 0);
+        assert_eq!(quantise(-1.0), 0);
+        assert_eq!(quantise(f32::NAN), 0);
+        assert_eq!(quantise(0.5), 1 << 21);
+        assert_eq!(quantise(1.0), (1 << 22) - 1);
+        assert_eq!(quantise(f32::INFINITY), (1 << 22) - 1);
+        // The oracle: floor in f64, for n bits and as a prefix of 22.
+        for i in 0..100_000u32 {
+            let value = i.wrapping_mul(2_654_435_761) as f32 / u32::MAX as f32;
+            for n in [1, 5, 11, 21, 22] {
+                let truth = ((f64::from(value) * f64::from(1u32 << n)).floor() as u32).min((1 << n) - 1);
+                assert_eq!(quantise(value) >> (22 - n), truth, "{value} at {n} bits");
+            }
+        }
+    }
+
+    #[test]
+    fn octahedral_covers_the_square_and_separates_hemispheres() {
+        assert_eq!(octahedral([0.0; 3]), [0.5, 0.5]);
+        assert_eq!(octahedral([0.0, 0.0, 1.0]), [0.5, 0.5]);
+        assert_eq!(octahedral([1.0, 0.0, 0.0]), [1.0, 0.5]);
+        assert_eq!(octahedral([0.0, -2.0, 0.0]), [0.5, 0.0]);
+        assert_eq!(octahedral([1.0, 1.0, -2.0]), [0.875, 0.875]);
+        assert_eq!(octahedral([0.0, 0.0, -1.0]), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn seen_from_a_light() {
+        let placed = LightSite::Placed { centre: [0.5; 3] };
+        let [u, v, r] = from_light(&placed, [0.5, 0.5, 1.0], [0.0; 3]);
+        assert_eq!([u, v], [0.5, 0.5]);
+        assert!((r - 0.5 / 3f32.sqrt()).abs() < 1e-7);
+        let sun = LightSite::directional([0.0, 0.0, 1.0]);
+        let [u, v, r] = from_light(&sun, [0.25, 0.5, 1.0], [0.0; 3]);
+        let expected = |x: f32| (x / 3f32.sqrt() + 1.0) / 2.0;
+        for (found, x) in [(u, 0.25), (v, 0.5), (r, 1.0)] {
+            assert!((found - expected(x)).abs() < 1e-6);
+        }
+    }
+}

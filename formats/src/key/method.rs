@@ -1,0 +1,186 @@
+//! Methods: a layout of key bits and, where it needs one, an estimate of the ray's length.
+//!
+//! Adding a method is adding a row to [`BUILTIN`]; users add theirs with [`Method::from_user`].
+
+use serde::{Deserialize, Serialize};
+
+use super::{LayoutError, LayoutText};
+use crate::ray::Kind;
+
+/// Where a method's estimate of a ray's length comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Termination {
+    /// The layout has no termination point.
+    Unused,
+    /// One length for all rays (`--two-point-length`, a quarter of the largest extent by default).
+    Fixed,
+    /// The mean of the ray's cell in the length table.
+    Adaptive,
+    /// The traced length: an upper bound, since the ray must be traced first.
+    Real,
+}
+
+/// A way to make a key from a ray.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Method {
+    /// Name on the command line, in paths and in figures.
+    pub name: String,
+    /// The key's bits.
+    pub layout: LayoutText,
+    /// Source of the length estimate.
+    pub termination: Termination,
+}
+
+/// The baseline: canonical order, no key, no permutation.
+pub const UNSORTED: &str = "unsorted";
+
+const TWO_POINT: &str = "(ox oy oz ex ey ez)*10 ox oy oz ex";
+
+/// Name, layout and length estimate of every built-in method (layouts: KEYS).
+pub const BUILTIN: &[(&str, &str, Termination)] = &[
+    ("origin", "(ox oy oz)*21 ox", Termination::Unused),
+    ("reis", "(ox oy oz)*7 ox (theta phi)*21", Termination::Unused),
+    ("costa", "(theta phi)*4 (ox oy oz)*15 (theta phi)*5 theta", Termination::Unused),
+    ("aila", "(ox oy oz)*3 (ox oy oz dx dy dz)*9 ox", Termination::Unused),
+    ("octahedron", "(ox oy oz)*4 (ox oy oz u v)*10 ox oy", Termination::Unused),
+    ("two-point", TWO_POINT, Termination::Fixed),
+    ("two-point-adaptive", TWO_POINT, Termination::Adaptive),
+    ("two-point-real", TWO_POINT, Termination::Real),
+    ("light-octahedron", "light (lu lv)*8 (lu lv lr)*14 (ox oy oz)*", Termination::Unused),
+];
+
+/// Why a method cannot be had.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MethodError {
+    /// No built-in method has this name.
+    #[error("there is no method '{name}'; there are unsorted, {known}, and your own as 'name=layout'", known = builtin_names())]
+    Unknown {
+        /// What was asked for.
+        name: String,
+    },
+    /// A user's method without a usable name.
+    #[error(
+        "'{definition}' is not a method: write 'name=layout' with a name of small letters, digits and dashes that no built-in method has"
+    )]
+    BadName {
+        /// What was typed.
+        definition: String,
+    },
+    /// The layout of a user's method is wrong.
+    #[error("method '{name}': {source}")]
+    Layout {
+        /// The method's name.
+        name: String,
+        /// What is wrong, and where.
+        source: LayoutError,
+    },
+}
+
+fn builtin_names() -> String {
+    BUILTIN.iter().map(|(name, ..)| *name).collect::<Vec<_>>().join(", ")
+}
+
+impl Method {
+    /// A built-in method by name (not [`UNSORTED`], which has no key).
+    ///
+    /// # Errors
+    /// If there is no such method.
+    pub fn builtin(name: &str) -> Result<Self, MethodError> {
+        let unknown = || MethodError::Unknown { name: name.to_owned() };
+        let &(name, layout, termination) =
+            BUILTIN.iter().find(|(known, ..)| *known == name).ok_or_else(unknown)?;
+        Self::new(name, layout, termination)
+    }
+
+    /// A user's method from `name=layout`. A layout with `ex ey ez` uses the fixed length.
+    ///
+    /// # Errors
+    /// If the name is missing, taken or has other characters than `a-z 0-9 -`, or the layout is wrong.
+    pub fn from_user(definition: &str) -> Result<Self, MethodError> {
+        let bad_name = || MethodError::BadName { definition: definition.to_owned() };
+        let (name, layout) = definition.split_once('=').ok_or_else(bad_name)?;
+        let name = name.trim();
+        let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+        let taken = name == UNSORTED || BUILTIN.iter().any(|(known, ..)| *known == name);
+        if name.is_empty() || name.starts_with('-') || !name.chars().all(plain) || taken {
+            return Err(bad_name());
+        }
+        let mut method = Self::new(name, layout, Termination::Unused)?;
+        if method.uses(super::Coordinate::needs_length) {
+            method.termination = Termination::Fixed;
+        }
+        Ok(method)
+    }
+
+    fn new(name: &str, layout: &str, termination: Termination) -> Result<Self, MethodError> {
+        let layout = LayoutText::parse(layout)
+            .map_err(|source| MethodError::Layout { name: name.to_owned(), source })?;
+        Ok(Self { name: name.to_owned(), layout, termination })
+    }
+
+    fn uses(&self, predicate: impl Fn(super::Coordinate) -> bool) -> bool {
+        // With two lights the index has a bit, so that `light` shows.
+        self.layout.expand(2).is_ok_and(|layout| layout.uses(predicate))
+    }
+
+    /// Whether the method makes sense for this kind of ray: what needs a light is for shadow rays.
+    pub fn applies_to(&self, kind: Kind) -> bool {
+        kind == Kind::Shadow || !self.uses(super::Coordinate::needs_light)
+    }
+
+    /// Whether a length table can be addressed by this method: it must not need a length itself,
+    /// nor a light, so that both kinds of ray have a cell.
+    pub fn can_address_table(&self) -> bool {
+        !self.uses(|coordinate| coordinate.needs_length() || coordinate.needs_light())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::key::LAYOUT_BITS;
+
+    #[test]
+    fn every_builtin_layout_fills_64_bits() {
+        for (name, ..) in BUILTIN {
+            for lights in [1, 3, 1000, 100_000] {
+                let layout = Method::builtin(name).unwrap().layout.expand(lights).unwrap();
+                assert_eq!(layout.bits().len(), LAYOUT_BITS as usize, "{name} with {lights} lights");
+            }
+        }
+    }
+
+    /// KEYS gives the split at 32 bits, origin first.
+    #[test]
+    fn the_split_at_32_bits_is_the_documented_one() {
+        for (name, origin_bits) in
+            [("origin", 32), ("reis", 22), ("costa", 24), ("aila", 21), ("octahedron", 24), ("two-point", 17)]
+        {
+            let layout = Method::builtin(name).unwrap().layout.expand(1).unwrap();
+            let is_origin = |name: &str| matches!(name, "ox" | "oy" | "oz");
+            let found = layout.bits()[..32].iter().filter(|coordinate| is_origin(coordinate.name())).count();
+            assert_eq!(found, origin_bits, "{name}");
+        }
+    }
+
+    #[test]
+    fn users_methods_are_named_and_checked() {
+        let mine = Method::from_user("mine=(ox oy oz)*4 (u v ex ey ez)*10").unwrap();
+        assert_eq!((mine.name.as_str(), mine.termination), ("mine", Termination::Fixed));
+        for bad in ["mine", "=ox", "costa=ox", "unsorted=ox", "My=ox", "a b=ox", "../x=ox"] {
+            assert!(matches!(Method::from_user(bad), Err(MethodError::BadName { .. })), "{bad}");
+        }
+        let error = Method::from_user("mine=(ox oq)*2").unwrap_err();
+        assert!(error.to_string().contains("^^"), "{error}");
+    }
+
+    #[test]
+    fn lights_are_for_shadow_rays() {
+        let method = Method::builtin("light-octahedron").unwrap();
+        assert!(method.applies_to(Kind::Shadow) && !method.applies_to(Kind::Closest));
+        assert!(!method.can_address_table());
+        assert!(!Method::builtin("two-point").unwrap().can_address_table());
+        assert!(Method::builtin("aila").unwrap().can_address_table());
+    }
+}

@@ -1,0 +1,27 @@
+//! Sorting keys: what goes into them, in which order, and how to read them back.
+//!
+//! - [`layout`]: a key's bits as data, in words that users can type
+//! - [`method`]: the paper's methods and those beyond it, each a layout and a length estimate
+//! - [`coordinates`], [`angle`], [`termination`]: the numbers that the bits are taken from
+//! - [`encode`], [`decode`]: from ray to key and back to fields
+
+pub mod angle;
+pub mod coordinates;
+pub mod decode;
+pub mod encode;
+pub mod layout;
+pub mod light_site;
+pub mod method;
+pub mod termination;
+
+pub use encode::Encoder;
+pub use layout::{Coordinate, Layout, LayoutError, LayoutText};
+pub use light_site::LightSite;
+pub use method::{Method, MethodError, Termination};
+
+/// Widest key; layouts describe this many bits, keys are prefixes of them.
+pub const LAYOUT_BITS: u32 = 64;
+/// Narrowest key.
+pub const KEY_BITS_MIN: u32 = 8;
+/// Bits to which every coordinate but the light's index is quantised before a layout takes its share.
+pub const COORDINATE_BITS: u32 = 22;

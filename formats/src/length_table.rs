@@ -1,0 +1,193 @@
+//! The hashed table of mean ray lengths that two-point-adaptive reads (KEYS, "Length table").
+
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+
+use bytemuck::{Pod, Zeroable};
+
+/// Fraction bits of the fixed-point sums: a length of 1 counts as 2²⁴.
+pub const LENGTH_FRACTION_BITS: u32 = 24;
+/// Longest length that is summed, unit lengths.
+pub const LONGEST_SUMMED: f32 = 2.0;
+/// Sum of an untouched cell: one dummy ray of length 0.25.
+pub const DUMMY_SUM: u64 = 1 << (LENGTH_FRACTION_BITS - 2);
+/// Fewest and most address bits, and the default.
+pub const TABLE_BITS_MIN: u32 = 8;
+/// Most address bits.
+pub const TABLE_BITS_MAX: u32 = 24;
+/// Address bits unless told otherwise.
+pub const TABLE_BITS_DEFAULT: u32 = 20;
+
+/// One touched cell as a dump holds it; 16 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct LengthCell {
+    /// Address of the cell.
+    pub cell: u32,
+    /// Rays summed, the dummy included: ≥ 2.
+    pub count: u32,
+    /// Sum of lengths in units of 2⁻²⁴, the dummy included.
+    pub sum: u64,
+}
+
+/// Sums and counts of ray lengths per cell; 2^bits cells.
+///
+/// Adding is order-independent, so any number of threads gives the same table.
+#[derive(Debug)]
+pub struct LengthTable {
+    bits: u32,
+    sums: Vec<AtomicU64>,
+    counts: Vec<AtomicU32>,
+}
+
+/// Why stored cells are not a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum LengthTableError {
+    /// Cells must ascend and stay below 2^bits.
+    #[error("cell {cell} at place {place} is out of order or not below 2^{bits}")]
+    Cell {
+        /// The address found.
+        cell: u32,
+        /// Its place in the array.
+        place: usize,
+        /// Address bits of the table.
+        bits: u32,
+    },
+    /// A stored cell counts at least the dummy and one ray.
+    #[error("cell {cell} holds {count} rays, expected 2 or more")]
+    Count {
+        /// The address.
+        cell: u32,
+        /// The count found.
+        count: u32,
+    },
+}
+
+/// A length in unit space as the fixed-point number that is summed.
+pub fn fixed_point(length: f32) -> u32 {
+    (length.min(LONGEST_SUMMED) * (1u32 << LENGTH_FRACTION_BITS) as f32) as u32
+}
+
+/// Mean length in unit space from a cell's sum and count, exact on every device.
+pub fn mean_length(sum: u64, count: u32) -> f32 {
+    let mean = (sum / u64::from(count)) as u32;
+    (mean >> 1) as f32 * (2.0 / (1u32 << LENGTH_FRACTION_BITS) as f32)
+}
+
+impl LengthTable {
+    /// A table of 2^`bits` cells, each with its dummy ray. `bits` from 8 to 24.
+    pub fn new(bits: u32) -> Self {
+        let cells = 1usize << bits;
+        Self {
+            bits,
+            sums: std::iter::repeat_with(|| AtomicU64::new(DUMMY_SUM)).take(cells).collect(),
+            counts: std::iter::repeat_with(|| AtomicU32::new(1)).take(cells).collect(),
+        }
+    }
+
+    /// The table whose touched cells are `cells`, as [`LengthTable::touched`] gave them.
+    ///
+    /// # Errors
+    /// If the cells do not ascend, are out of range or hold fewer than two rays.
+    pub fn from_touched(bits: u32, cells: &[LengthCell]) -> Result<Self, LengthTableError> {
+        let table = Self::new(bits);
+        let mut next = 0u64;
+        for (place, &LengthCell { cell, count, sum }) in cells.iter().enumerate() {
+            if u64::from(cell) < next || u64::from(cell) >= 1 << bits {
+                return Err(LengthTableError::Cell { cell, place, bits });
+            }
+            if count < 2 {
+                return Err(LengthTableError::Count { cell, count });
+            }
+            table.sums[cell as usize].store(sum, Ordering::Relaxed);
+            table.counts[cell as usize].store(count, Ordering::Relaxed);
+            next = u64::from(cell) + 1;
+        }
+        Ok(table)
+    }
+
+    /// Address bits.
+    pub fn bits(&self) -> u32 {
+        self.bits
+    }
+
+    /// Mean length of a cell in unit space.
+    pub fn mean(&self, cell: u32) -> f32 {
+        let cell = cell as usize;
+        mean_length(self.sums[cell].load(Ordering::Relaxed), self.counts[cell].load(Ordering::Relaxed))
+    }
+
+    /// Adds a ray of traced `length` (unit lengths, ≥ 0) to a cell.
+    pub fn add(&self, cell: u32, length: f32) {
+        self.sums[cell as usize].fetch_add(u64::from(fixed_point(length)), Ordering::Relaxed);
+        self.counts[cell as usize].fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// The cells with a count of 2 or more, ascending: what a dump stores.
+    pub fn touched(&self) -> Vec<LengthCell> {
+        let counts = self.counts.iter().map(|count| count.load(Ordering::Relaxed));
+        let cells = counts.zip(&self.sums).zip(0u32..);
+        cells
+            .filter(|((count, _), _)| *count >= 2)
+            .map(|((count, sum), cell)| LengthCell { cell, count, sum: sum.load(Ordering::Relaxed) })
+            .collect()
+    }
+}
+
+impl Clone for LengthTable {
+    fn clone(&self) -> Self {
+        let sums = self.sums.iter().map(|sum| AtomicU64::new(sum.load(Ordering::Relaxed)));
+        let counts = self.counts.iter().map(|count| AtomicU32::new(count.load(Ordering::Relaxed)));
+        Self { bits: self.bits, sums: sums.collect(), counts: counts.collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn untouched_cells_say_a_quarter() {
+        let table = LengthTable::new(8);
+        assert_eq!(table.mean(17), 0.25);
+        assert!(table.touched().is_empty());
+    }
+
+    #[test]
+    fn means_are_those_of_f64_to_the_last_kept_bit() {
+        let table = LengthTable::new(8);
+        let mut sum = 0.25f64;
+        for i in 1..=1000u32 {
+            let length = (i.wrapping_mul(2_654_435_761) >> 8) as f32 / (1u32 << 24) as f32 * 2.5;
+            table.add(3, length);
+            sum += f64::from(length.min(2.0));
+            let truth = sum / f64::from(i + 1);
+            assert!((f64::from(table.mean(3)) - truth).abs() < 2.0 / f64::from(1u32 << 22), "after {i}");
+        }
+        assert_eq!(table.touched().len(), 1);
+        assert_eq!(table.touched()[0].count, 1001);
+    }
+
+    #[test]
+    fn touched_cells_rebuild_the_table() {
+        let table = LengthTable::new(10);
+        for i in 0..500u32 {
+            table.add(i * i % 1024, i as f32 / 400.0);
+        }
+        let again = LengthTable::from_touched(10, &table.touched()).unwrap();
+        assert_eq!(again.touched(), table.touched());
+        for cell in 0..1024 {
+            assert_eq!(again.mean(cell), table.mean(cell));
+        }
+    }
+
+    #[test]
+    fn bad_cells_are_refused() {
+        let cell = |cell, count| LengthCell { cell, count, sum: 1 << 24 };
+        assert!(matches!(LengthTable::from_touched(8, &[cell(256, 2)]), Err(LengthTableError::Cell { .. })));
+        assert!(matches!(
+            LengthTable::from_touched(8, &[cell(5, 2), cell(5, 2)]),
+            Err(LengthTableError::Cell { place: 1, .. })
+        ));
+        assert!(matches!(LengthTable::from_touched(8, &[cell(5, 0)]), Err(LengthTableError::Count { .. })));
+    }
+}

@@ -1,0 +1,13 @@
+//! What a dump is: its values, its bytes and their meaning. No GPU, no window, no scene loading.
+//!
+//! - [`ray`], [`unit_space`]: the values that everything else is made of
+//! - [`key`]: layouts as data, from ray to key and back
+//! - [`length_table`], [`permutation`], [`metrics`]: what is derived from rays and keys
+//! - [`npy`], [`manifest`], [`writer`], [`reader`], [`verify`], [`recover`]: the files
+
+pub mod key;
+pub mod length_table;
+pub mod metrics;
+pub mod permutation;
+pub mod ray;
+pub mod unit_space;

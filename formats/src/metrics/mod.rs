@@ -1,0 +1,3 @@
+//! What recordings are judged by.
+
+pub mod speedup;

@@ -1,0 +1,97 @@
+//! What a scene is once it is loaded: flat arrays in world space.
+
+use crate::{Camera, Light, Material, Texture};
+
+/// Axis-aligned box in world space; `min > max` on every axis when it holds nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Lowest corner.
+    pub min: [f32; 3],
+    /// Highest corner.
+    pub max: [f32; 3],
+}
+
+impl Bounds {
+    /// The box that holds no point.
+    pub const EMPTY: Self = Self {
+        min: [f32::INFINITY; 3],
+        max: [f32::NEG_INFINITY; 3],
+    };
+
+    /// The smallest box around `points`.
+    pub fn of<'a>(points: impl IntoIterator<Item = &'a [f32; 3]>) -> Self {
+        let mut bounds = Self::EMPTY;
+        for point in points {
+            bounds.grow(point);
+        }
+        bounds
+    }
+
+    /// Enlarges the box so that it holds `point`.
+    pub fn grow(&mut self, point: &[f32; 3]) {
+        for ((min, max), &x) in self.min.iter_mut().zip(&mut self.max).zip(point) {
+            *min = min.min(x);
+            *max = max.max(x);
+        }
+    }
+
+    /// Extent along each axis.
+    pub fn extent(&self) -> [f32; 3] {
+        [0, 1, 2].map(|axis| self.max[axis] - self.min[axis])
+    }
+
+    /// The point half-way between the corners.
+    pub fn centre(&self) -> [f32; 3] {
+        [0, 1, 2].map(|axis| 0.5 * self.min[axis] + 0.5 * self.max[axis])
+    }
+}
+
+/// A scene in world space, ready to trace: instances flattened, everything finite and in range.
+///
+/// Invariants, kept by every loader: all positions are finite; every index is in range; at least
+/// one triangle and one camera; `triangle_materials.len() == triangles.len()`; `normals` and
+/// `uvs` are empty or have one entry per position.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// File stem or built-in name.
+    pub name: String,
+    /// World-space vertex positions.
+    pub positions: Vec<[f32; 3]>,
+    /// Unit vertex normals, or a zero vector where a vertex has none (the face normal counts
+    /// there). Empty if no vertex has a normal.
+    pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates (glTF convention: v runs down). Empty if no material has a texture.
+    pub uvs: Vec<[f32; 2]>,
+    /// Vertex indices, three per triangle. Degenerate triangles stay: they are never hit.
+    pub triangles: Vec<[u32; 3]>,
+    /// Index into `materials` per triangle.
+    pub triangle_materials: Vec<u32>,
+    /// At least one.
+    pub materials: Vec<Material>,
+    /// Base-colour textures that materials refer to.
+    pub textures: Vec<Texture>,
+    /// All lights in the order that numbers them: file, sidecar, emissive mesh primitives, environment.
+    pub lights: Vec<Light>,
+    /// At least one; the first is the default.
+    pub cameras: Vec<Camera>,
+    /// What the loader wants to tell the user, one sentence each (unknown extensions, a made-up
+    /// camera, degenerate triangles …).
+    pub notices: Vec<String>,
+}
+
+impl Scene {
+    /// The box around all vertices that a triangle refers to.
+    pub fn bounds(&self) -> Bounds {
+        Bounds::of(
+            self.triangles
+                .iter()
+                .flatten()
+                .map(|&index| &self.positions[index as usize]),
+        )
+    }
+
+    /// World-space corners of a triangle.
+    pub fn corners(&self, triangle: usize) -> [[f32; 3]; 3] {
+        self.triangles[triangle].map(|index| self.positions[index as usize])
+    }
+}
