@@ -5,9 +5,16 @@
 //! - [`length_table`], [`permutation`], [`metrics`]: what is derived from rays and keys
 //! - [`npy`], [`manifest`], [`writer`], [`reader`], [`verify`], [`recover`]: the files
 
+pub mod folder;
 pub mod key;
 pub mod length_table;
+pub mod manifest;
 pub mod metrics;
+pub mod npy;
 pub mod permutation;
 pub mod ray;
+pub mod reader;
+pub mod recover;
+pub mod summary;
 pub mod unit_space;
+pub mod writer;

@@ -1,1 +1,11 @@
-//! x
+//! Looks at Rayscope recordings: what is in them, whether it is right, and what can be saved.
+//!
+//! - [`cli`]: the command line
+//! - `info`, `verify`, `recover`: the commands that need no window and no GPU
+//! - `output`: tables, sizes and JSON on standard output
+
+pub mod cli;
+mod info;
+mod output;
+mod recover;
+mod verify;

@@ -1,1 +1,22 @@
-//! x
+//! A wavefront path tracer that records what reordering does to its rays.
+//!
+//! [`wavefront`] is the loop, [`stages`] the verbs in it. [`backend`] is what the loop needs from a
+//! device; [`cpu`] and [`gpu`] are the two that exist. [`measure`] times methods on a queue,
+//! [`capture`] carries arrays to the dump, [`observer`] ties both to the loop, [`recording`] is a
+//! whole run.
+
+pub mod backend;
+pub mod capture;
+pub mod cli;
+pub mod cpu;
+pub mod device;
+pub mod gpu;
+pub mod measure;
+pub mod observer;
+pub mod options;
+pub mod oracle;
+pub mod progress;
+pub mod recording;
+pub mod report;
+pub mod stages;
+pub mod wavefront;

@@ -66,7 +66,9 @@ impl Light {
     /// An emissive primitive's centre is the centre of its bounding box.
     pub fn centre(&self, scene: &crate::Scene) -> Option<[f32; 3]> {
         match *self {
-            Self::Sphere { position, .. } | Self::Point { position, .. } | Self::Spot { position, .. } => Some(position),
+            Self::Sphere { position, .. } | Self::Point { position, .. } | Self::Spot { position, .. } => {
+                Some(position)
+            }
             Self::Emissive { first_triangle, triangle_count } => {
                 let triangles = first_triangle as usize..(first_triangle + triangle_count) as usize;
                 let indices = scene.triangles[triangles].iter().flatten();

@@ -13,10 +13,7 @@ pub struct Bounds {
 
 impl Bounds {
     /// The box that holds no point.
-    pub const EMPTY: Self = Self {
-        min: [f32::INFINITY; 3],
-        max: [f32::NEG_INFINITY; 3],
-    };
+    pub const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
 
     /// The smallest box around `points`.
     pub fn of<'a>(points: impl IntoIterator<Item = &'a [f32; 3]>) -> Self {
@@ -82,12 +79,7 @@ pub struct Scene {
 impl Scene {
     /// The box around all vertices that a triangle refers to.
     pub fn bounds(&self) -> Bounds {
-        Bounds::of(
-            self.triangles
-                .iter()
-                .flatten()
-                .map(|&index| &self.positions[index as usize]),
-        )
+        Bounds::of(self.triangles.iter().flatten().map(|&index| &self.positions[index as usize]))
     }
 
     /// World-space corners of a triangle.

@@ -1,1 +1,13 @@
-//! x
+//! What the whole-system tests share: where the sources are, the built programs, what they leave behind.
+//!
+//! - [`sources`]: the project's own files, for the tests that read them
+//! - [`programs`]: `recorder` and `inspector` as a user runs them
+//! - [`recordings`]: the arrays of a recording, byte by byte
+//! - [`scene_files`]: small GLB files, sound and broken
+//! - [`keys`]: keys and lengths once more, written from their definition alone
+
+pub mod keys;
+pub mod programs;
+pub mod recordings;
+pub mod scene_files;
+pub mod sources;

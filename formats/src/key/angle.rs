@@ -20,7 +20,7 @@ pub const ARCTANGENT: [f32; 8] = [
 
 /// `acos(x) = sqrt(1 − x)·Σ c[i]·x^i` for 0 ≤ x ≤ 1.
 pub const ARCCOSINE: [f32; 8] = [
-    1.570_796_3,
+    FRAC_PI_2,
     -0.214_598_8,
     0.088_978_99,
     -0.050_174_305,

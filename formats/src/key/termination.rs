@@ -16,7 +16,7 @@ pub const STEP_BITS: u32 = 15;
 /// `origin` is the ray's origin in unit space.
 pub fn bounded_length(unit: &UnitSpace, ray: &Ray, origin: [f32; 3], length: f32) -> f32 {
     let exit = unit.exit(origin, ray.direction);
-    length.min(ray.t_max * unit.scale).min(exit).min(LONGEST).max(0.0)
+    length.min(ray.t_max * unit.scale).min(exit).clamp(0.0, LONGEST)
 }
 
 /// `e22` along one axis: the quantised origin moved by `length · direction` in integers.

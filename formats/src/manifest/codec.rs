@@ -1,0 +1,148 @@
+//! A record as bytes, and back: bincode 2, fixed-width integers, little-endian.
+
+use bincode::config::{Configuration, Fixint, Limit, LittleEndian};
+use bincode::de::{BorrowDecoder, Decoder};
+use bincode::enc::Encoder;
+use bincode::error::{DecodeError, EncodeError};
+use bincode::{BorrowDecode, Decode, Encode};
+
+use super::{FORMAT_VERSION, FRAME_BYTES, Place, RECORD_BYTES_MAX, Record};
+use crate::key::{LightSite, Termination};
+use crate::npy::Dtype;
+use crate::ray::Kind;
+
+/// Kinds of records that this version knows: the number of variants of [`Record`].
+pub(super) const RECORD_KINDS: u32 = 6;
+
+/// Decoded values may take this many times their bytes: a record cannot ask for more memory than that.
+const EXPANSION: usize = 4;
+
+const CONFIGURATION: Configuration<LittleEndian, Fixint, Limit<{ EXPANSION * RECORD_BYTES_MAX }>> =
+    bincode::config::standard().with_fixed_int_encoding().with_limit::<{ EXPANSION * RECORD_BYTES_MAX }>();
+
+/// A record with its length and checksum before it, as it is appended to a manifest.
+///
+/// # Errors
+/// If the record is longer than [`RECORD_BYTES_MAX`]; the length found is given.
+pub fn encode_frame(record: &Record) -> Result<Vec<u8>, usize> {
+    let mut frame = vec![0; FRAME_BYTES];
+    let written = bincode::encode_into_std_write(record, &mut frame, CONFIGURATION);
+    let length = frame.len() - FRAME_BYTES;
+    if written.is_err() || length > RECORD_BYTES_MAX {
+        return Err(length);
+    }
+    let checksum = crc32c::crc32c(&frame[FRAME_BYTES..]);
+    frame[..4].copy_from_slice(&(length as u32).to_le_bytes());
+    frame[4..8].copy_from_slice(&checksum.to_le_bytes());
+    Ok(frame)
+}
+
+/// The record that these bytes are, all of them.
+///
+/// # Errors
+/// What is wrong with them, as a phrase.
+pub(super) fn decode(payload: &[u8]) -> Result<Record, String> {
+    match bincode::decode_from_slice(payload, CONFIGURATION) {
+        Ok((record, used)) if used == payload.len() => Ok(record),
+        Ok((_, used)) => Err(format!("it is {} bytes long, but its fields take {used}", payload.len())),
+        Err(DecodeError::LimitExceeded) => Err("a length in it is larger than any record".into()),
+        Err(DecodeError::UnexpectedEnd { .. }) => Err("its fields go on after its end".into()),
+        Err(DecodeError::Utf8 { .. }) => Err("a text in it is not UTF-8".into()),
+        Err(DecodeError::UnexpectedVariant { found, .. }) => {
+            Err(format!("format version {FORMAT_VERSION} has no choice {found} where it has one"))
+        }
+        Err(DecodeError::OtherString(problem)) => Err(problem),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+/// Encodes values that another module owns as text or as a number, so that bincode stays in here.
+macro_rules! encode_as {
+    ($type:ty as $wire:ty, $to:expr, $from:expr) => {
+        impl Encode for $type {
+            fn encode<E: Encoder>(&self, encoder: &mut E) -> Result<(), EncodeError> {
+                let to: fn(&$type) -> $wire = $to;
+                to(self).encode(encoder)
+            }
+        }
+
+        impl<Context> Decode<Context> for $type {
+            fn decode<D: Decoder<Context = Context>>(decoder: &mut D) -> Result<Self, DecodeError> {
+                let from: fn($wire) -> Result<$type, String> = $from;
+                from(<$wire>::decode(decoder)?).map_err(DecodeError::OtherString)
+            }
+        }
+
+        impl<'de, Context> BorrowDecode<'de, Context> for $type {
+            fn borrow_decode<D: BorrowDecoder<'de, Context = Context>>(
+                decoder: &mut D,
+            ) -> Result<Self, DecodeError> {
+                Self::decode(decoder)
+            }
+        }
+    };
+}
+
+encode_as!(Place as String, Place::to_string, |path| {
+    Place::parse(&path).ok_or_else(|| format!("'{}' is not the path of an array", path.escape_debug()))
+});
+
+encode_as!(Dtype as String, |dtype| dtype.descr().to_owned(), |descr| {
+    Dtype::from_descr(&descr).ok_or_else(|| format!("unknown element type '{}'", descr.escape_debug()))
+});
+
+encode_as!(
+    Kind as u32,
+    |kind| match kind {
+        Kind::Closest => 0,
+        Kind::Shadow => 1,
+    },
+    |number| match number {
+        0 => Ok(Kind::Closest),
+        1 => Ok(Kind::Shadow),
+        _ => Err(format!("unknown kind of queue {number}")),
+    }
+);
+
+encode_as!(
+    Termination as u32,
+    |termination| match termination {
+        Termination::Unused => 0,
+        Termination::Fixed => 1,
+        Termination::Adaptive => 2,
+        Termination::Real => 3,
+    },
+    |number| match number {
+        0 => Ok(Termination::Unused),
+        1 => Ok(Termination::Fixed),
+        2 => Ok(Termination::Adaptive),
+        3 => Ok(Termination::Real),
+        _ => Err(format!("unknown length estimate {number}")),
+    }
+);
+
+/// [`LightSite`] on the wire.
+#[derive(Encode, Decode)]
+enum WireLight {
+    Placed { centre: [f32; 3] },
+    Directional { direction: [f32; 3], tangent: [f32; 3], bitangent: [f32; 3] },
+    Environment,
+}
+
+encode_as!(
+    LightSite as WireLight,
+    |light| match *light {
+        LightSite::Placed { centre } => WireLight::Placed { centre },
+        LightSite::Directional { direction, tangent, bitangent } => {
+            WireLight::Directional { direction, tangent, bitangent }
+        }
+        LightSite::Environment => WireLight::Environment,
+    },
+    |wire| Ok(match wire {
+        WireLight::Placed { centre } => LightSite::Placed { centre },
+        WireLight::Directional { direction, tangent, bitangent } => {
+            LightSite::Directional { direction, tangent, bitangent }
+        }
+        WireLight::Environment => LightSite::Environment,
+    })
+);

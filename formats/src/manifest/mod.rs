@@ -1,0 +1,42 @@
+//! The manifest of a dump: what was recorded, how, and which arrays there are.
+//!
+//! - [`records`]: what the manifest says, record by record
+//! - [`place`]: where each array lies and what it may look like
+//! - `codec`: a record as bytes, and back
+//! - [`scan`]: a manifest file as records, up to the first fault
+//!
+//! The bytes are described in FORMAT.md.
+
+mod codec;
+pub mod place;
+pub mod records;
+pub mod scan;
+
+pub use codec::encode_frame;
+pub use place::{MethodArray, Place, QueueArray, QueueId, SceneArray};
+pub use records::{
+    Adapter, ArrayRecord, Backend, CameraPose, Check, End, Features, Header, ImageDigest, MethodRecord,
+    Mismatches, Options, Outcome, QueueRecord, Record, SceneSummary, Stage, TimingRecord,
+};
+pub use scan::{Fault, Manifest, ManifestError};
+
+/// Name of the manifest in a dump's folder.
+pub const FILE_NAME: &str = "manifest.bin";
+/// The first bytes of a manifest.
+pub const MAGIC: [u8; 8] = *b"RAYDUMP\0";
+/// Version of the format, of which FORMAT.md speaks. A new kind of record or array is a new version.
+pub const FORMAT_VERSION: u32 = 1;
+/// Magic, version and four reserved bytes that are 0.
+pub const PREAMBLE_BYTES: usize = 16;
+/// Length and checksum before every record.
+pub const FRAME_BYTES: usize = 8;
+/// Longest record that is read or written; no header, however many lights there are, comes near it.
+pub const RECORD_BYTES_MAX: usize = 64 << 20;
+
+/// The first [`PREAMBLE_BYTES`] bytes of a manifest.
+pub fn preamble() -> [u8; PREAMBLE_BYTES] {
+    let mut bytes = [0; PREAMBLE_BYTES];
+    bytes[..8].copy_from_slice(&MAGIC);
+    bytes[8..12].copy_from_slice(&FORMAT_VERSION.to_le_bytes());
+    bytes
+}

@@ -1,0 +1,292 @@
+//! A manifest file as records, up to the first fault.
+
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use super::codec::{self, RECORD_KINDS};
+use super::{
+    ArrayRecord, End, FORMAT_VERSION, FRAME_BYTES, Header, MAGIC, MethodRecord, PREAMBLE_BYTES, QueueRecord,
+    RECORD_BYTES_MAX, Record, TimingRecord,
+};
+use crate::npy;
+
+/// Why a manifest cannot be read at all.
+#[derive(Debug, thiserror::Error)]
+pub enum ManifestError {
+    /// The file cannot be opened or read.
+    #[error("{}: {cause}", path.display())]
+    Io {
+        /// The manifest.
+        path: PathBuf,
+        /// What the system said.
+        cause: io::Error,
+    },
+    /// Another kind of file.
+    #[error("{}: found a file that does not start with RAYDUMP; expected the manifest of a recording", path.display())]
+    Magic {
+        /// The manifest.
+        path: PathBuf,
+    },
+    /// Written by another version of the format.
+    #[error("{}: found format version {found}, this program reads version {FORMAT_VERSION}; use the program that recorded it", path.display())]
+    Version {
+        /// The manifest.
+        path: PathBuf,
+        /// The version found.
+        found: u32,
+    },
+    /// Reserved bytes that are not 0.
+    #[error("{}: the reserved bytes at offset 12 are {found:#010x}, expected 0: the file is damaged", path.display())]
+    Reserved {
+        /// The manifest.
+        path: PathBuf,
+        /// Their value.
+        found: u32,
+    },
+    /// A record of a kind that this version does not know, although its checksum is right.
+    #[error("{}: the record at offset {offset} is of kind {kind}, which format version {FORMAT_VERSION} does not have; use a newer program", path.display())]
+    UnknownRecord {
+        /// The manifest.
+        path: PathBuf,
+        /// Where the record starts.
+        offset: u64,
+        /// The number of its kind.
+        kind: u32,
+    },
+}
+
+/// Where the records of a manifest stop making sense, and why.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Fault {
+    /// The file ends within a record, as when the recorder is killed while it writes one.
+    #[error("the record at offset {offset} should have {expected} bytes, but the file ends after {found}")]
+    Torn {
+        /// Where the record starts.
+        offset: u64,
+        /// Bytes that are there, length and checksum included.
+        found: u64,
+        /// Bytes that the record says it has.
+        expected: u64,
+    },
+    /// A record that is whole, but damaged or out of place.
+    #[error("the record at offset {offset} is damaged: {problem}")]
+    Damaged {
+        /// Where the record starts.
+        offset: u64,
+        /// What was found and expected.
+        problem: String,
+    },
+}
+
+/// The readable records of a manifest, by kind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Manifest {
+    /// What is recorded and how.
+    pub header: Header,
+    /// The methods.
+    pub methods: Vec<MethodRecord>,
+    /// The arrays, in the order in which they were finished.
+    pub arrays: Vec<ArrayRecord>,
+    /// The queues, in the order in which they were finished.
+    pub queues: Vec<QueueRecord>,
+    /// The timings.
+    pub timings: Vec<TimingRecord>,
+    /// How the recording ended; `None` if it did not.
+    pub end: Option<End>,
+}
+
+/// A record and where it lies in the manifest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Where it starts, bytes from the start of the file.
+    pub offset: u64,
+    /// Where the next one starts.
+    pub end: u64,
+    /// The record.
+    pub record: Record,
+}
+
+/// What a manifest file holds: whole records, and the first fault after them, if there is one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scan {
+    /// The records before the fault, in order.
+    pub frames: Vec<Frame>,
+    /// Why there are no more of them, unless the file simply ends.
+    pub fault: Option<Fault>,
+}
+
+/// Reads the records of the manifest at `path`.
+///
+/// # Errors
+/// If the file cannot be read, or is not a manifest of this version.
+pub fn scan(path: &Path) -> Result<Scan, ManifestError> {
+    let io_error = |cause| ManifestError::Io { path: path.to_owned(), cause };
+    let file = File::open(path).map_err(io_error)?;
+    let file_bytes = file.metadata().map_err(io_error)?.len();
+    scan_bytes(BufReader::with_capacity(1 << 18, file), file_bytes, path)
+}
+
+/// Reads the records of a manifest of `bytes` bytes; `path` is what errors call it. Memory: the
+/// records, none of which takes more than [`RECORD_BYTES_MAX`] bytes of the file.
+///
+/// # Errors
+/// If it cannot be read, or is not a manifest of this version.
+pub fn scan_bytes(mut reader: impl Read, bytes: u64, path: &Path) -> Result<Scan, ManifestError> {
+    let io_error = |cause| ManifestError::Io { path: path.to_owned(), cause };
+    if bytes < PREAMBLE_BYTES as u64 {
+        let fault = Fault::Torn { offset: 0, found: bytes, expected: PREAMBLE_BYTES as u64 };
+        return Ok(Scan { frames: Vec::new(), fault: Some(fault) });
+    }
+    let mut preamble = [0; PREAMBLE_BYTES];
+    reader.read_exact(&mut preamble).map_err(io_error)?;
+    check_preamble(path, &preamble)?;
+
+    let mut frames = Vec::new();
+    let mut order = Order::default();
+    let mut offset = PREAMBLE_BYTES as u64;
+    while offset < bytes {
+        let payload = match read_payload(&mut reader, offset, bytes - offset).map_err(io_error)? {
+            Ok(payload) => payload,
+            Err(fault) => return Ok(Scan { frames, fault: Some(fault) }),
+        };
+        if let Some(kind) = payload.first_chunk().map(|kind| u32::from_le_bytes(*kind))
+            && kind >= RECORD_KINDS
+        {
+            return Err(ManifestError::UnknownRecord { path: path.to_owned(), offset, kind });
+        }
+        let end = offset + (FRAME_BYTES + payload.len()) as u64;
+        match codec::decode(&payload).and_then(|record| order.check(&record).map(|()| record)) {
+            Ok(record) => frames.push(Frame { offset, end, record }),
+            Err(problem) => {
+                return Ok(Scan { frames, fault: Some(Fault::Damaged { offset, problem }) });
+            }
+        }
+        offset = end;
+    }
+    Ok(Scan { frames, fault: None })
+}
+
+fn check_preamble(path: &Path, preamble: &[u8; PREAMBLE_BYTES]) -> Result<(), ManifestError> {
+    let path = path.to_owned();
+    let [.., v0, v1, v2, v3, r0, r1, r2, r3] = *preamble;
+    if !preamble.starts_with(&MAGIC) {
+        return Err(ManifestError::Magic { path });
+    }
+    match (u32::from_le_bytes([v0, v1, v2, v3]), u32::from_le_bytes([r0, r1, r2, r3])) {
+        (FORMAT_VERSION, 0) => Ok(()),
+        (FORMAT_VERSION, found) => Err(ManifestError::Reserved { path, found }),
+        (found, _) => Err(ManifestError::Version { path, found }),
+    }
+}
+
+/// The bytes of the record at `offset`, of which the file has `left`; the outer error is the system's.
+fn read_payload(reader: &mut impl Read, offset: u64, left: u64) -> io::Result<Result<Vec<u8>, Fault>> {
+    let torn = |expected| Ok(Err(Fault::Torn { offset, found: left, expected }));
+    if left < FRAME_BYTES as u64 {
+        return torn(FRAME_BYTES as u64);
+    }
+    let mut frame = [0; FRAME_BYTES];
+    reader.read_exact(&mut frame)?;
+    let [l0, l1, l2, l3, c0, c1, c2, c3] = frame;
+    let length = u32::from_le_bytes([l0, l1, l2, l3]);
+    let checksum = u32::from_le_bytes([c0, c1, c2, c3]);
+    if length as usize > RECORD_BYTES_MAX {
+        let problem = format!("it says it is {length} bytes long, expected at most {RECORD_BYTES_MAX}");
+        return Ok(Err(Fault::Damaged { offset, problem }));
+    }
+    let expected = FRAME_BYTES as u64 + u64::from(length);
+    if left < expected {
+        return torn(expected);
+    }
+    let mut payload = vec![0; length as usize];
+    reader.read_exact(&mut payload)?;
+    let found = crc32c::crc32c(&payload);
+    if found != checksum {
+        let problem = format!("its checksum is {found:08x}, expected {checksum:08x}");
+        return Ok(Err(Fault::Damaged { offset, problem }));
+    }
+    Ok(Ok(payload))
+}
+
+/// The rules about records that follow one another.
+#[derive(Default)]
+struct Order {
+    has_header: bool,
+    has_ended: bool,
+    names: BTreeSet<String>,
+}
+
+impl Order {
+    fn check(&mut self, record: &Record) -> Result<(), String> {
+        if self.has_ended {
+            return Err("it follows the end record".into());
+        }
+        if matches!(record, Record::Header(_)) == self.has_header {
+            let expected =
+                if self.has_header { "a second header" } else { "not the header, which comes first" };
+            return Err(format!("it is {expected}"));
+        }
+        self.has_header = true;
+        let name = match record {
+            Record::Array(array) => {
+                check_array(array)?;
+                format!("array {}", array.place)
+            }
+            Record::Method(method) => format!("method {}", method.name.escape_debug()),
+            Record::Queue(queue) => format!("queue {}", queue.id),
+            Record::End(_) => {
+                self.has_ended = true;
+                return Ok(());
+            }
+            Record::Header(_) | Record::Timing(_) => return Ok(()),
+        };
+        if self.names.contains(&name) {
+            return Err(format!("it describes {name} a second time"));
+        }
+        self.names.insert(name);
+        Ok(())
+    }
+}
+
+fn check_array(array: &ArrayRecord) -> Result<(), String> {
+    let ArrayRecord { place, dtype, shape, bytes, .. } = array;
+    if !place.allows(*dtype, shape) {
+        return Err(format!("{place} is {dtype} {shape:?}, expected {}", place.expectation()));
+    }
+    match npy::data_bytes(*dtype, shape) {
+        Some(expected) if expected == *bytes => Ok(()),
+        expected => Err(format!(
+            "{place} is said to have {bytes} bytes of data, but {dtype} {shape:?} takes {}",
+            expected.map_or("more than there can be".to_owned(), |bytes| bytes.to_string())
+        )),
+    }
+}
+
+impl Manifest {
+    /// The records sorted by kind; `None` if not even the header is among them.
+    pub fn from_frames(frames: impl IntoIterator<Item = Frame>) -> Option<Self> {
+        let mut frames = frames.into_iter();
+        let Some(Record::Header(header)) = frames.next().map(|frame| frame.record) else { return None };
+        let mut manifest = Self {
+            header: *header,
+            methods: Vec::new(),
+            arrays: Vec::new(),
+            queues: Vec::new(),
+            timings: Vec::new(),
+            end: None,
+        };
+        for frame in frames {
+            match frame.record {
+                Record::Header(_) => return None,
+                Record::Method(method) => manifest.methods.push(method),
+                Record::Array(array) => manifest.arrays.push(array),
+                Record::Queue(queue) => manifest.queues.push(queue),
+                Record::Timing(timing) => manifest.timings.push(timing),
+                Record::End(end) => manifest.end = Some(end),
+            }
+        }
+        Some(manifest)
+    }
+}

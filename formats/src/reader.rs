@@ -1,0 +1,349 @@
+//! Reads dumps and trusts nothing: everything that the manifest says is checked before it is used.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::marker::PhantomData;
+use std::ops::Deref;
+use std::path::{Path, PathBuf};
+
+use memmap2::Mmap;
+
+use crate::manifest::{self, ArrayRecord, Fault, Manifest, ManifestError, Outcome, Place};
+use crate::npy::{self, Dtype, Element, NpyError};
+use crate::{folder, manifest::scan::scan};
+
+#[cfg(target_endian = "big")]
+compile_error!("arrays are mapped as they lie in the file, which is little-endian");
+
+/// Why a dump or one of its arrays cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// There is nothing of that name.
+    #[error("there is no recording {}{hint}", path.display())]
+    Missing {
+        /// What was asked for.
+        path: PathBuf,
+        /// What there is instead; may be empty.
+        hint: String,
+    },
+    /// Something else than a dump's folder.
+    #[error("{} is not a recording: expected a folder with a {}", path.display(), manifest::FILE_NAME)]
+    NotARecording {
+        /// What was asked for.
+        path: PathBuf,
+    },
+    /// The manifest cannot be read at all.
+    #[error(transparent)]
+    Manifest(#[from] ManifestError),
+    /// Not even the header of the manifest is there.
+    #[error("{} holds no header yet, so there is nothing to read", path.display())]
+    Empty {
+        /// The manifest.
+        path: PathBuf,
+    },
+    /// The manifest of a dump is damaged.
+    #[error("{}: {fault}; `inspector recover` keeps what comes before", path.display())]
+    Damaged {
+        /// The manifest.
+        path: PathBuf,
+        /// Where and how.
+        fault: Fault,
+    },
+    /// The manifest of a dump has no end record.
+    #[error("{} ends without an end record: the recording was not finished, or the file was cut; `inspector recover` makes it a dump", path.display())]
+    NoEnd {
+        /// The manifest.
+        path: PathBuf,
+    },
+    /// The dump has no such array.
+    #[error("{} has no {place}", dump.display())]
+    NoSuchArray {
+        /// The dump.
+        dump: PathBuf,
+        /// The array.
+        place: Place,
+    },
+    /// An array was asked for as something that it is not.
+    #[error("{place} is {found}; it was asked for as {expected}")]
+    WrongType {
+        /// The array.
+        place: Place,
+        /// Type and shape on disk.
+        found: String,
+        /// Type asked for.
+        expected: String,
+    },
+    /// A file or folder of the dump cannot be read.
+    #[error("cannot read {}: {cause}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        cause: io::Error,
+    },
+    /// Something else than a plain file or folder, such as a link that may lead out of the dump.
+    #[error("{} is {found}; expected a plain {expected}", path.display())]
+    NotPlain {
+        /// The path.
+        path: PathBuf,
+        /// What is there.
+        found: &'static str,
+        /// What should be there.
+        expected: &'static str,
+    },
+    /// A file that is shorter or longer than its record says.
+    #[error("{} is {found} bytes long; expected {expected}, of which {data} are data", path.display())]
+    FileLength {
+        /// The file.
+        path: PathBuf,
+        /// Its length.
+        found: u64,
+        /// Length of the header and the data.
+        expected: u64,
+        /// Length of the data.
+        data: u64,
+    },
+    /// A file that does not start with an NPY header.
+    #[error("{}: {cause}", path.display())]
+    Npy {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        cause: NpyError,
+    },
+    /// A file whose header says something else than its record.
+    #[error("{}: the NPY header at offset 0 says {found}; expected {expected}", path.display())]
+    Header {
+        /// The file.
+        path: PathBuf,
+        /// Type and shape in the header.
+        found: String,
+        /// Type and shape in the manifest.
+        expected: String,
+    },
+}
+
+/// How far a recording got.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DumpState {
+    /// It ran to its end.
+    Complete,
+    /// It was ended early and made a dump by `recover`.
+    Recovered,
+    /// It is still being written, or was ended early: a `.partial` folder.
+    Partial,
+}
+
+/// A dump, opened for reading. Arrays are mapped when they are asked for.
+#[derive(Debug)]
+pub struct Dump {
+    root: PathBuf,
+    manifest: Manifest,
+    places: BTreeMap<Place, usize>,
+    state: DumpState,
+}
+
+impl Dump {
+    /// Opens the dump in a folder, or what there is so far in a `.partial` folder.
+    ///
+    /// # Errors
+    /// If there is no dump or its manifest is damaged. Arrays are checked when they are mapped.
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let path = &find(path)?;
+        let manifest_path = path.join(manifest::FILE_NAME);
+        match fs::symlink_metadata(&manifest_path) {
+            Ok(metadata) if metadata.is_file() => {}
+            _ => return Err(ReadError::NotARecording { path: path.clone() }),
+        }
+        let is_partial = folder::dump_of_partial(path).is_some();
+        let scan = scan(&manifest_path)?;
+        match scan.fault {
+            // The recorder may be writing this record right now.
+            Some(Fault::Torn { .. }) if is_partial => {}
+            Some(fault) => return Err(ReadError::Damaged { path: manifest_path, fault }),
+            None => {}
+        }
+        let manifest = Manifest::from_frames(scan.frames)
+            .ok_or_else(|| ReadError::Empty { path: manifest_path.clone() })?;
+        let state = match &manifest.end {
+            Some(end) if end.outcome == Outcome::Complete => DumpState::Complete,
+            Some(_) => DumpState::Recovered,
+            None if is_partial => DumpState::Partial,
+            None => return Err(ReadError::NoEnd { path: manifest_path }),
+        };
+        let places =
+            manifest.arrays.iter().enumerate().map(|(at, array)| (array.place.clone(), at)).collect();
+        Ok(Self { root: path.clone(), manifest, places, state })
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// What the manifest says.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// How far the recording got.
+    pub fn state(&self) -> DumpState {
+        self.state
+    }
+
+    /// The record of an array, if the dump has it.
+    pub fn record(&self, place: &Place) -> Option<&ArrayRecord> {
+        self.places.get(place).map(|&at| &self.manifest.arrays[at])
+    }
+
+    /// Maps an array. `T` must be its element type; if `T` has columns, so must the array.
+    ///
+    /// # Errors
+    /// If the dump does not have it, or its file is not what the manifest says.
+    pub fn array<T: Element>(&self, place: &Place) -> Result<Mapped<T>, ReadError> {
+        let missing = || ReadError::NoSuchArray { dump: self.root.clone(), place: place.clone() };
+        let record = self.record(place).ok_or_else(missing)?;
+        let columns_fit = T::COLUMNS == 1 || record.shape.last() == Some(&T::COLUMNS);
+        if record.dtype != T::DTYPE || !columns_fit {
+            return Err(ReadError::WrongType {
+                place: place.clone(),
+                found: described(record.dtype, &record.shape),
+                expected: format!("{} in columns of {}", T::DTYPE, T::COLUMNS),
+            });
+        }
+        let MappedBytes { map, data_offset } = self.bytes(record)?;
+        Ok(Mapped { map, data_offset, element: PhantomData })
+    }
+
+    /// Maps the data of an array of this dump as bytes, without its header. The checksum is not
+    /// computed here, since that would read all of it.
+    ///
+    /// # Errors
+    /// If its file is not what the record says.
+    pub fn bytes(&self, record: &ArrayRecord) -> Result<MappedBytes, ReadError> {
+        map_array(&self.root, record)
+    }
+}
+
+/// The path that was meant: a folder, or a helpful error.
+fn find(path: &Path) -> Result<PathBuf, ReadError> {
+    if path.is_dir() {
+        return Ok(path.to_owned());
+    }
+    if folder::exists(path) {
+        return Err(ReadError::NotARecording { path: path.to_owned() });
+    }
+    let dump = folder::dump_folder(path);
+    let partial = dump.as_deref().map(folder::partial_of).filter(|partial| partial.is_dir());
+    let hint = match (dump.filter(|dump| dump.is_dir()), partial) {
+        (Some(dump), _) => format!("; there is {}", dump.display()),
+        (None, Some(partial)) => format!(
+            "; there is {}, which `inspector recover` makes a recording if its recorder has ended",
+            partial.display()
+        ),
+        (None, None) => String::new(),
+    };
+    Err(ReadError::Missing { path: path.to_owned(), hint })
+}
+
+fn described(dtype: Dtype, shape: &[u64]) -> String {
+    format!("{dtype} {shape:?}")
+}
+
+/// Checks the file of an array against its record and maps it.
+pub(crate) fn map_array(root: &Path, record: &ArrayRecord) -> Result<MappedBytes, ReadError> {
+    let path = plain_file(root, &record.place)?;
+    let io_error = |cause| ReadError::Io { path: path.clone(), cause };
+    let header = npy::header(record.dtype, &record.shape);
+    let mut file = File::open(&path).map_err(io_error)?;
+    let found = file.metadata().map_err(io_error)?.len();
+    let expected = record.bytes.checked_add(header.len() as u64);
+    if expected != Some(found) {
+        let expected = expected.unwrap_or(u64::MAX);
+        return Err(ReadError::FileLength { path, found, expected, data: record.bytes });
+    }
+    let mut start = vec![0; header.len()];
+    file.read_exact(&mut start).map_err(io_error)?;
+    if start != header {
+        return Err(match npy::parse_header(&start) {
+            Ok(found) => ReadError::Header {
+                path,
+                found: format!("{} in {} bytes", described(found.dtype, &found.shape), found.data_offset),
+                expected: format!("{} in {} bytes", described(record.dtype, &record.shape), header.len()),
+            },
+            Err(cause) => ReadError::Npy { path, cause },
+        });
+    }
+    // SAFETY: the map is read-only, and its length was just compared with the file's. Dumps are not
+    // changed once they have their name; whoever cuts a file that is mapped ends this process by a
+    // signal, and whoever writes to it changes plain numbers that are valid whatever their bits.
+    let map = unsafe { Mmap::map(&file) }.map_err(io_error)?;
+    if map.len() as u64 != found {
+        return Err(ReadError::FileLength {
+            path,
+            found: map.len() as u64,
+            expected: found,
+            data: record.bytes,
+        });
+    }
+    Ok(MappedBytes { map, data_offset: header.len() })
+}
+
+/// The path of an array, if all that leads to it from the root is plain folders and a plain file.
+fn plain_file(root: &Path, place: &Place) -> Result<PathBuf, ReadError> {
+    let mut path = root.to_owned();
+    let relative = place.to_string();
+    let mut parts = relative.split('/').peekable();
+    while let Some(part) = parts.next() {
+        path.push(part);
+        let kind = match fs::symlink_metadata(&path) {
+            Ok(metadata) => metadata.file_type(),
+            Err(cause) => return Err(ReadError::Io { path, cause }),
+        };
+        let is_last = parts.peek().is_none();
+        if !(if is_last { kind.is_file() } else { kind.is_dir() }) {
+            let expected = if is_last { "file" } else { "folder" };
+            let found = match (kind.is_symlink(), kind.is_dir(), kind.is_file()) {
+                (true, ..) => "a link",
+                (_, true, _) => "a folder",
+                (_, _, true) => "a file",
+                _ => "neither a file nor a folder",
+            };
+            return Err(ReadError::NotPlain { path, found, expected });
+        }
+    }
+    Ok(path)
+}
+
+/// The data of an array as bytes.
+#[derive(Debug)]
+pub struct MappedBytes {
+    map: Mmap,
+    data_offset: usize,
+}
+
+impl Deref for MappedBytes {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        &self.map[self.data_offset..]
+    }
+}
+
+/// The data of an array as values.
+#[derive(Debug)]
+pub struct Mapped<T> {
+    map: Mmap,
+    data_offset: usize,
+    element: PhantomData<fn() -> T>,
+}
+
+impl<T: Element> Deref for Mapped<T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        // Maps start at a page and data at a multiple of 64 bytes, so the cast cannot fail.
+        bytemuck::cast_slice(&self.map[self.data_offset..])
+    }
+}

@@ -1,0 +1,331 @@
+//! Makes a dump of what a recording left that did not end.
+//!
+//! The longest run of records from the start of the manifest whose arrays are whole (length, header
+//! and checksum) is kept and ended by a record that says so. Array files are never copied, changed
+//! or deleted: what is kept stays where it is, everything else (an array that was being written,
+//! arrays after a damaged one, a manifest of which whole records are cut off) moves to
+//! `NAME.raydump.leftover` beside the dump, which the user may delete. Ended at any moment, it can
+//! be run again.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use crate::folder;
+use crate::manifest::scan::{Frame, scan};
+use crate::manifest::{self, ArrayRecord, End, Fault, ManifestError, Outcome, Record, encode_frame};
+use crate::reader::map_array;
+
+/// The new manifest until it takes the old one's name.
+pub(crate) const NEW_MANIFEST: &str = "manifest.bin.new";
+
+/// Why nothing could be recovered.
+#[derive(Debug, thiserror::Error)]
+pub enum RecoverError {
+    /// There is no such folder.
+    #[error("there is no recording {}, and no .partial folder of that name", path.display())]
+    Missing {
+        /// What was asked for.
+        path: PathBuf,
+    },
+    /// The manifest has no header, or no array was complete.
+    #[error("nothing was complete yet in {}, so there is nothing to recover", path.display())]
+    Nothing {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The recorder has not ended.
+    #[error("{} is being written by another process; wait until it ends", path.display())]
+    Busy {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The name that the dump would get is taken.
+    #[error("{} exists already; rename {} to another NAME.raydump.partial first", dump.display(), partial.display())]
+    Exists {
+        /// The dump.
+        dump: PathBuf,
+        /// The folder to recover.
+        partial: PathBuf,
+    },
+    /// The manifest is not one of this version.
+    #[error(transparent)]
+    Manifest(#[from] ManifestError),
+    /// The system refused something.
+    #[error("cannot {action} {}: {cause}; nothing is lost, so run recover again when that is mended", path.display())]
+    Io {
+        /// What was being done.
+        action: &'static str,
+        /// To which file or folder.
+        path: PathBuf,
+        /// What the system said.
+        cause: io::Error,
+    },
+}
+
+/// What was recovered.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Recovery {
+    /// The dump.
+    pub dump: PathBuf,
+    /// Arrays that it holds.
+    pub arrays: usize,
+    /// Bytes of their data.
+    pub bytes: u64,
+    /// Whether the recording had ended, so that nothing is missing.
+    pub is_complete: bool,
+    /// Why the manifest was cut, if it was.
+    pub cut: Option<String>,
+    /// Files that do not belong to the dump, and where they are now.
+    pub leftover: Option<(PathBuf, usize)>,
+}
+
+/// What of a manifest is kept.
+struct Kept {
+    arrays: Vec<ArrayRecord>,
+    /// Bytes of the manifest up to there.
+    manifest_bytes: u64,
+    end: Option<End>,
+    cut: Option<String>,
+    /// Whether nothing but half a record comes after, as when the recorder was killed.
+    is_plain_tail: bool,
+}
+
+/// Recovers the recording in `path`: a `.partial` folder, the dump that it was going to be, or a
+/// damaged dump.
+///
+/// # Errors
+/// If no array was complete, the recorder is still running, or a file cannot be read or moved.
+pub fn recover(path: &Path) -> Result<Recovery, RecoverError> {
+    let root = find(path)?;
+    if folder::is_being_written(&root) {
+        return Err(RecoverError::Busy { path: root });
+    }
+    let dump = folder::dump_of_partial(&root).unwrap_or_else(|| root.clone());
+    if dump != root && folder::exists(&dump) {
+        return Err(RecoverError::Exists { dump, partial: root });
+    }
+    let manifest_path = root.join(manifest::FILE_NAME);
+    if !manifest_path.is_file() {
+        return Err(RecoverError::Nothing { path: root });
+    }
+    let kept = longest_prefix(&root, &manifest_path)?;
+    if kept.arrays.is_empty() {
+        return Err(RecoverError::Nothing { path: root });
+    }
+    let reserve = root.join(folder::RESERVE_NAME);
+    if folder::exists(&reserve) {
+        fs::remove_file(&reserve).map_err(io_error("remove", &reserve))?;
+    }
+    for array in &kept.arrays {
+        let path = root.join(array.place.to_string());
+        File::open(&path).and_then(|file| sync(&file)).map_err(io_error("write", &path))?;
+    }
+    let mut leftover = Leftover { beside: dump.clone(), folder: None, files: 0 };
+    if kept.end.is_none() || kept.cut.is_some() {
+        end_manifest(&root, &manifest_path, &kept, &mut leftover)?;
+    }
+    let places: BTreeSet<String> = kept.arrays.iter().map(|array| array.place.to_string()).collect();
+    for stray in strays(&root, &places).map_err(io_error("read", &root))? {
+        leftover.take(&root, &stray)?;
+    }
+    remove_empty_folders(&root).map_err(io_error("read", &root))?;
+    folder::sync_folder(&root).map_err(io_error("write", &root))?;
+    if dump != root {
+        fs::rename(&root, &dump).map_err(io_error("rename", &root))?;
+    }
+    let parent = folder::parent(&dump);
+    folder::sync_folder(parent).map_err(io_error("write", parent))?;
+    Ok(Recovery {
+        arrays: kept.arrays.len(),
+        bytes: kept.arrays.iter().map(|array| array.bytes).sum(),
+        is_complete: kept.end.is_some_and(|end| end.outcome == Outcome::Complete),
+        cut: kept.cut,
+        leftover: leftover.folder.map(|folder| (folder, leftover.files)),
+        dump,
+    })
+}
+
+fn find(path: &Path) -> Result<PathBuf, RecoverError> {
+    if path.is_dir() {
+        return Ok(path.to_owned());
+    }
+    let dump = folder::dump_folder(path);
+    let candidates = dump.iter().flat_map(|dump| [dump.clone(), folder::partial_of(dump)]);
+    let missing = || RecoverError::Missing { path: path.to_owned() };
+    candidates.into_iter().find(|candidate| candidate.is_dir()).ok_or_else(missing)
+}
+
+/// The records from the start whose arrays are whole.
+fn longest_prefix(root: &Path, manifest_path: &Path) -> Result<Kept, RecoverError> {
+    let scan = scan(manifest_path)?;
+    let mut frames = scan.frames;
+    let mut is_plain_tail = matches!(scan.fault, None | Some(Fault::Torn { .. }));
+    let mut cut = scan.fault.map(|fault| fault.to_string());
+    let damaged = |frame: &Frame| match &frame.record {
+        Record::Array(array) => damage(root, array),
+        _ => None,
+    };
+    let first = frames.par_iter().enumerate().find_map_first(|(at, frame)| Some((at, damaged(frame)?)));
+    if let Some((at, damage)) = first {
+        frames.truncate(at);
+        cut = Some(damage);
+        is_plain_tail = false;
+    }
+    let manifest_bytes = frames.last().map_or(0, |frame| frame.end);
+    let end = match frames.last().map(|frame| &frame.record) {
+        Some(Record::End(end)) => Some(*end),
+        _ => None,
+    };
+    let arrays = frames.into_iter().filter_map(|frame| match frame.record {
+        Record::Array(array) => Some(array),
+        _ => None,
+    });
+    Ok(Kept { arrays: arrays.collect(), manifest_bytes, end, cut, is_plain_tail })
+}
+
+/// What is wrong with an array's file, if anything.
+pub(crate) fn damage(root: &Path, array: &ArrayRecord) -> Option<String> {
+    match map_array(root, array) {
+        Ok(bytes) => {
+            let found = crc32c::crc32c(&bytes);
+            (found != array.crc32c).then(|| {
+                format!(
+                    "{}: the checksum of the data is {found:08x}, expected {:08x}",
+                    array.place, array.crc32c
+                )
+            })
+        }
+        Err(error) => Some(error.to_string()),
+    }
+}
+
+/// Ends the manifest after the kept records.
+fn end_manifest(
+    root: &Path,
+    manifest: &Path,
+    kept: &Kept,
+    leftover: &mut Leftover,
+) -> Result<(), RecoverError> {
+    let end = End { outcome: Outcome::Recovered, image: None, wall_ns: 0 };
+    // An end record is short, so that it can always be encoded.
+    let frame = match kept.end {
+        Some(_) => Vec::new(),
+        None => encode_frame(&Record::End(end)).unwrap_or_default(),
+    };
+    if kept.is_plain_tail && folder::dump_of_partial(root).is_some() {
+        // In place, since a full disk may have no room for a second manifest.
+        return end_in_place(manifest, kept.manifest_bytes, &frame).map_err(io_error("write", manifest));
+    }
+    let old = fs::read(manifest).map_err(io_error("read", manifest))?;
+    let kept_bytes = &old[..old.len().min(kept.manifest_bytes as usize)];
+    let new = root.join(NEW_MANIFEST);
+    let mut file = File::create(&new).map_err(io_error("create", &new))?;
+    file.write_all(kept_bytes).map_err(io_error("write", &new))?;
+    file.write_all(&frame).map_err(io_error("write", &new))?;
+    file.sync_all().map_err(io_error("write", &new))?;
+    drop(file);
+    if kept_bytes.len() < old.len() {
+        leftover.keep_a_copy(manifest)?;
+    }
+    fs::rename(&new, manifest).map_err(io_error("rename", &new))
+}
+
+/// Ended half-way, this leaves half a record at the end, as it found it.
+fn end_in_place(manifest: &Path, kept_bytes: u64, frame: &[u8]) -> io::Result<()> {
+    let mut file = OpenOptions::new().write(true).open(manifest)?;
+    file.set_len(kept_bytes)?;
+    file.seek(SeekFrom::End(0))?;
+    file.write_all(frame)?;
+    file.sync_all()
+}
+
+/// The folder for what is not part of the dump, made when it is needed.
+struct Leftover {
+    beside: PathBuf,
+    folder: Option<PathBuf>,
+    files: usize,
+}
+
+impl Leftover {
+    fn folder(&mut self) -> Result<PathBuf, RecoverError> {
+        if let Some(folder) = &self.folder {
+            return Ok(folder.clone());
+        }
+        let mut number = 1;
+        let mut folder = folder::beside(&self.beside, ".leftover");
+        while folder::exists(&folder) {
+            number += 1;
+            folder = folder::beside(&self.beside, &format!(".leftover-{number}"));
+        }
+        fs::create_dir(&folder).map_err(io_error("create", &folder))?;
+        self.folder = Some(folder.clone());
+        Ok(folder)
+    }
+
+    fn keep_a_copy(&mut self, file: &Path) -> Result<(), RecoverError> {
+        let copy = self.folder()?.join(file.file_name().unwrap_or_default());
+        // A link takes no space, of which a full disk has none.
+        if fs::hard_link(file, &copy).is_err() {
+            fs::copy(file, &copy).map_err(io_error("copy", file))?;
+        }
+        self.files += 1;
+        Ok(())
+    }
+
+    fn take(&mut self, root: &Path, relative: &Path) -> Result<(), RecoverError> {
+        let (from, to) = (root.join(relative), self.folder()?.join(relative));
+        let folder = folder::parent(&to);
+        fs::create_dir_all(folder).map_err(io_error("create", folder))?;
+        fs::rename(&from, &to).map_err(io_error("move", &from))?;
+        self.files += 1;
+        Ok(())
+    }
+}
+
+/// Paths from the root, with `/`, of everything but folders that is no manifest and not in `known`.
+pub(crate) fn strays(root: &Path, known: &BTreeSet<String>) -> io::Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    let mut folders = vec![(root.to_owned(), String::new())];
+    while let Some((folder, prefix)) = folders.pop() {
+        for entry in fs::read_dir(&folder)? {
+            let entry = entry?;
+            let name = entry.file_name();
+            let relative = format!("{prefix}{}", name.to_string_lossy());
+            if entry.file_type()?.is_dir() {
+                folders.push((entry.path(), format!("{relative}/")));
+            } else if relative != manifest::FILE_NAME
+                && (name.to_str().is_none() || !known.contains(&relative))
+            {
+                found.push(folder.strip_prefix(root).unwrap_or(Path::new("")).join(name));
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+fn remove_empty_folders(folder: &Path) -> io::Result<bool> {
+    let mut is_empty = true;
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let is_gone = entry.file_type()?.is_dir() && remove_empty_folders(&entry.path())?;
+        if is_gone {
+            fs::remove_dir(entry.path())?;
+        }
+        is_empty &= is_gone;
+    }
+    Ok(is_empty)
+}
+
+fn sync(file: &File) -> io::Result<()> {
+    // Other systems sync only files that are open for writing; there the writer did what can be done.
+    if cfg!(unix) { file.sync_all() } else { Ok(()) }
+}
+
+fn io_error(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> RecoverError {
+    move |cause| RecoverError::Io { action, path: path.to_owned(), cause }
+}

@@ -1,0 +1,220 @@
+//! A dump in one object: what `recorder record --json` and `inspector info --json` print.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::manifest::{
+    Adapter, ArrayRecord, Check, FORMAT_VERSION, Features, Manifest, Mismatches, Options, Outcome,
+    QueueRecord, TimingRecord,
+};
+use crate::metrics::speedup::{interquartile_range, median};
+use crate::ray::Kind;
+
+/// What a dump holds, without its arrays' contents.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Path of the dump, as it was given.
+    pub dump: String,
+    /// Version of the format.
+    pub format_version: u32,
+    /// Version of the program that recorded.
+    pub program_version: String,
+    /// Whether the recording ran to its end.
+    pub complete: bool,
+    /// Whether `recover` made this dump.
+    pub recovered: bool,
+    /// `gpu` or `cpu`.
+    pub backend: &'static str,
+    /// The machine.
+    pub adapter: Adapter,
+    /// The scene.
+    pub scene: SceneLine,
+    /// The picture.
+    pub image: ImageLine,
+    /// What the scene needed.
+    pub features: Features,
+    /// What was asked for.
+    pub options: Options,
+    /// What the times were taken with.
+    pub time_source: String,
+    /// Wall time of the recording in nanoseconds; `null` if it is not known.
+    pub wall_ns: Option<u64>,
+    /// What the self-check found.
+    pub self_check: Vec<Check>,
+    /// What else was said to the user.
+    pub notices: Vec<String>,
+    /// The queues, in the order in which they were traced.
+    pub queues: Vec<QueueLine>,
+    /// The timings.
+    pub timings: Vec<TimingLine>,
+    /// The arrays.
+    pub arrays: Vec<ArrayLine>,
+}
+
+/// The scene in a [`Summary`].
+#[derive(Clone, Debug, Serialize)]
+pub struct SceneLine {
+    /// Name of the file or built-in scene.
+    pub name: String,
+    /// Number of triangles.
+    pub triangles: u64,
+    /// Number of vertices.
+    pub vertices: u64,
+    /// Number of lights.
+    pub lights: usize,
+    /// Hash of its content, hexadecimal.
+    pub content_hash: String,
+    /// Lowest corner of its bounding box, world units.
+    pub bounds_min: [f32; 3],
+    /// Highest corner.
+    pub bounds_max: [f32; 3],
+}
+
+/// The picture in a [`Summary`].
+#[derive(Clone, Debug, Serialize)]
+pub struct ImageLine {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Hash of its data, hexadecimal; `null` if there is no picture.
+    pub sha256: Option<String>,
+}
+
+/// A queue in a [`Summary`].
+#[derive(Clone, Debug, Serialize)]
+pub struct QueueLine {
+    /// Pass, from 0.
+    pub pass: u32,
+    /// Bounce, from 0.
+    pub bounce: u32,
+    /// Kind of its rays.
+    pub kind: Kind,
+    /// Number of rays.
+    pub rays: u64,
+    /// Methods that were measured on it.
+    pub methods: Vec<String>,
+    /// Results that differ from the baseline's, by method.
+    pub mismatches: Vec<Mismatches>,
+}
+
+/// A timing in a [`Summary`].
+#[derive(Clone, Debug, Serialize)]
+pub struct TimingLine {
+    /// Pass, from 0.
+    pub pass: u32,
+    /// Bounce, from 0.
+    pub bounce: u32,
+    /// Kind of the queue; `null` for stages that serve both.
+    pub kind: Option<Kind>,
+    /// Method.
+    pub method: String,
+    /// Stage.
+    pub stage: &'static str,
+    /// Median of the samples in nanoseconds; `null` without samples.
+    pub median_ns: Option<f64>,
+    /// Interquartile range in nanoseconds; `null` without samples.
+    pub iqr_ns: Option<f64>,
+    /// Number of samples.
+    pub samples: usize,
+}
+
+/// An array in a [`Summary`].
+#[derive(Clone, Debug, Serialize)]
+pub struct ArrayLine {
+    /// Path from the dump's folder.
+    pub path: String,
+    /// NumPy's description of the element type.
+    pub dtype: &'static str,
+    /// Lengths of the dimensions.
+    pub shape: Vec<u64>,
+    /// Bytes of data.
+    pub bytes: u64,
+}
+
+impl Summary {
+    /// Of the dump at `path`, whose manifest this is.
+    pub fn new(path: &Path, manifest: &Manifest) -> Self {
+        let header = &manifest.header;
+        let end = manifest.end.as_ref();
+        let image = end.and_then(|end| end.image);
+        let outcome = end.map(|end| end.outcome);
+        Self {
+            dump: path.display().to_string(),
+            format_version: FORMAT_VERSION,
+            program_version: header.program_version.clone(),
+            complete: outcome == Some(Outcome::Complete),
+            recovered: outcome == Some(Outcome::Recovered),
+            backend: header.backend.name(),
+            adapter: header.adapter.clone(),
+            scene: SceneLine {
+                name: header.scene.name.clone(),
+                triangles: header.scene.triangles,
+                vertices: header.scene.vertices,
+                lights: header.lights.len(),
+                content_hash: hexadecimal(&header.scene.content_hash),
+                bounds_min: header.scene.bounds_min,
+                bounds_max: header.scene.bounds_max,
+            },
+            image: ImageLine {
+                width: image.map_or(header.options.width, |image| image.width),
+                height: image.map_or(header.options.height, |image| image.height),
+                sha256: image.map(|image| hexadecimal(&image.sha256)),
+            },
+            features: header.features.clone(),
+            options: header.options.clone(),
+            time_source: header.time_source.clone(),
+            wall_ns: end.map(|end| end.wall_ns).filter(|&wall_ns| wall_ns > 0),
+            self_check: header.self_check.clone(),
+            notices: header.notices.clone(),
+            queues: manifest.queues.iter().map(QueueLine::from).collect(),
+            timings: manifest.timings.iter().map(TimingLine::from).collect(),
+            arrays: manifest.arrays.iter().map(ArrayLine::from).collect(),
+        }
+    }
+}
+
+impl From<&QueueRecord> for QueueLine {
+    fn from(queue: &QueueRecord) -> Self {
+        Self {
+            pass: queue.id.pass,
+            bounce: queue.id.bounce,
+            kind: queue.id.kind,
+            rays: queue.rays,
+            methods: queue.methods.clone(),
+            mismatches: queue.mismatches.clone(),
+        }
+    }
+}
+
+impl From<&TimingRecord> for TimingLine {
+    fn from(timing: &TimingRecord) -> Self {
+        Self {
+            pass: timing.pass,
+            bounce: timing.bounce,
+            kind: timing.kind,
+            method: timing.method.clone(),
+            stage: timing.stage.name(),
+            median_ns: median(&timing.samples_ns),
+            iqr_ns: interquartile_range(&timing.samples_ns),
+            samples: timing.samples_ns.len(),
+        }
+    }
+}
+
+impl From<&ArrayRecord> for ArrayLine {
+    fn from(array: &ArrayRecord) -> Self {
+        Self {
+            path: array.place.to_string(),
+            dtype: array.dtype.descr(),
+            shape: array.shape.clone(),
+            bytes: array.bytes,
+        }
+    }
+}
+
+/// Bytes as lower-case hexadecimal digits.
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,208 @@
+//! Hits and distances against their rays and triangles.
+//!
+//! Whether a nearer triangle was missed cannot be seen without tracing; that the point named by a
+//! hit lies on its ray, and within the ray's limits, can.
+
+use std::fmt;
+
+use super::{Check, Results, Subject};
+use crate::manifest::{Place, SceneArray};
+use crate::ray::{Hit, Ray};
+use crate::reader::Mapped;
+
+/// How many roundings of single precision a point may be off, for a well-shaped triangle.
+const ROUNDINGS: f64 = 32.0;
+/// How far barycentric weights may leave 0 to 1 by rounding.
+const WEIGHT_TOLERANCE: f64 = 1e-5;
+
+pub(super) fn check(subject: &Subject<'_>) -> [Check; 2] {
+    let mut hits_check = Check::new("hits");
+    let mut distances_check = Check::new("distances");
+    let scene = Geometry::of(subject);
+    if scene.is_none() {
+        hits_check.not_checked.push("points on triangles: the scene was not kept".to_owned());
+    }
+    for &queue in subject.queues.keys() {
+        let Some(traced) = subject.traced(queue) else { continue };
+        let rays = &traced.rays;
+        match &traced.results {
+            Results::Hits(hits) => {
+                let fault = |index: usize| fault(&rays[index], &hits[index], scene.as_ref());
+                hits_check.each(
+                    hits.len(),
+                    |index| fault(index).is_none(),
+                    |index| {
+                        let fault = fault(index).map_or(String::new(), |fault| fault.to_string());
+                        format!("{queue}/hits.npy: ray {index} {fault}: {:?}", hits[index])
+                    },
+                );
+            }
+            Results::Distances(distances) => {
+                let is_right = |index: usize| {
+                    let (ray, distance) = (&rays[index], distances[index]);
+                    distance == f32::INFINITY || (distance >= ray.t_min && distance <= ray.t_max)
+                };
+                distances_check.each(distances.len(), is_right, |index| {
+                    let Ray { t_min, t_max, .. } = rays[index];
+                    format!(
+                        "{queue}/distances.npy: ray {index} is stopped at {}, expected {t_min} to {t_max}, or inf",
+                        distances[index]
+                    )
+                });
+            }
+        }
+    }
+    [hits_check, distances_check]
+}
+
+/// The scene's triangles.
+struct Geometry {
+    positions: Mapped<[f32; 3]>,
+    triangles: Mapped<[u32; 3]>,
+}
+
+impl Geometry {
+    fn of(subject: &Subject<'_>) -> Option<Self> {
+        Some(Self {
+            positions: subject.array(&Place::Scene(SceneArray::Positions))?,
+            triangles: subject.array(&Place::Scene(SceneArray::Triangles))?,
+        })
+    }
+
+    /// The corners of a triangle; `None` if there is no such triangle or vertex.
+    fn corners(&self, triangle: u32) -> Option<[Vector; 3]> {
+        let indices = self.triangles.get(triangle as usize)?;
+        let corner = |index: u32| self.positions.get(index as usize).map(|point| point.map(f64::from));
+        Some([corner(indices[0])?, corner(indices[1])?, corner(indices[2])?])
+    }
+}
+
+/// What is wrong with a hit.
+#[derive(Debug, PartialEq)]
+enum Fault {
+    /// A miss is written in one way only.
+    Miss,
+    /// The triangle does not exist.
+    Triangle,
+    /// t is outside the ray's limits.
+    Distance,
+    /// The weights are not those of a point in a triangle.
+    Weights,
+    /// The point on the triangle is not the point on the ray; world units.
+    Point { apart: f64, tolerance: f64 },
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Miss => f.write_str("misses, but not with t = inf and u = v = 0"),
+            Self::Triangle => f.write_str("hits a triangle that does not exist"),
+            Self::Distance => f.write_str("is hit outside its t_min and t_max"),
+            Self::Weights => f.write_str("has barycentric weights outside 0 to 1"),
+            Self::Point { apart, tolerance } => {
+                write!(f, "is hit {apart:e} away from the triangle's point, expected at most {tolerance:e}")
+            }
+        }
+    }
+}
+
+type Vector = [f64; 3];
+
+fn subtract(a: Vector, b: Vector) -> Vector {
+    [0, 1, 2].map(|axis| a[axis] - b[axis])
+}
+
+fn cross(a: Vector, b: Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn length(a: Vector) -> f64 {
+    dot(a, a).sqrt()
+}
+
+fn fault(ray: &Ray, hit: &Hit, scene: Option<&Geometry>) -> Option<Fault> {
+    if !hit.is_hit() {
+        return (*hit != Hit::MISS).then_some(Fault::Miss);
+    }
+    if !(hit.t >= ray.t_min && hit.t <= ray.t_max && hit.t.is_finite()) {
+        return Some(Fault::Distance);
+    }
+    let (u, v) = (f64::from(hit.u), f64::from(hit.v));
+    let in_triangle = [u, v, 1.0 - u - v].iter().all(|&weight| weight >= -WEIGHT_TOLERANCE);
+    if !in_triangle {
+        return Some(Fault::Weights);
+    }
+    let scene = scene?;
+    let Some(corners) = scene.corners(hit.triangle) else { return Some(Fault::Triangle) };
+    let (apart, tolerance) = distance_and_tolerance(ray, hit, corners);
+    let is_close = apart <= tolerance;
+    (!is_close).then_some(Fault::Point { apart, tolerance })
+}
+
+/// How far the triangle's point is from the ray's, and how far it may be, in world units.
+///
+/// Rounding moves the weights by its size over the triangle's projected area, so the point, which
+/// stays in the triangle, may move along slivers and triangles seen edge-on: the tolerance grows
+/// with (longest edge)² / projected area, up to the longest edge.
+fn distance_and_tolerance(ray: &Ray, hit: &Hit, [a, b, c]: [Vector; 3]) -> (f64, f64) {
+    let (origin, direction) = (ray.origin.map(f64::from), ray.direction.map(f64::from));
+    let (t, u, v) = (f64::from(hit.t), f64::from(hit.u), f64::from(hit.v));
+    let (to_b, to_c) = (subtract(b, a), subtract(c, a));
+    let apart: Vector = [0, 1, 2]
+        .map(|axis| a[axis] + u * to_b[axis] + v * to_c[axis] - (origin[axis] + t * direction[axis]));
+    let longest = length(to_b).max(length(to_c)).max(length(subtract(c, b)));
+    let largest = |point: Vector| point.iter().fold(0.0f64, |largest, along| largest.max(along.abs()));
+    let scale = [origin, a, b, c].into_iter().map(largest).fold(t.max(longest), f64::max);
+    let rounding = ROUNDINGS * f64::from(f32::EPSILON) * scale;
+    let projected_area = dot(cross(to_b, to_c), direction).abs();
+    let slant = longest * longest / projected_area.max(f64::MIN_POSITIVE);
+    (length(apart), rounding + (rounding * slant).min(longest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CORNERS: [Vector; 3] = [[0.0, 0.0, 5.0], [4.0, 0.0, 5.0], [0.0, 4.0, 5.0]];
+
+    fn ray() -> Ray {
+        Ray { origin: [1.0, 1.0, 0.0], t_min: 0.0, direction: [0.0, 0.0, 1.0], t_max: f32::INFINITY }
+    }
+
+    fn hit() -> Hit {
+        Hit { t: 5.0, triangle: 0, u: 0.25, v: 0.25 }
+    }
+
+    #[test]
+    fn points_are_compared_within_rounding() {
+        let (apart, tolerance) = distance_and_tolerance(&ray(), &hit(), CORNERS);
+        assert!(apart == 0.0 && tolerance < 2e-4, "{apart} {tolerance}");
+        for wrong in [Hit { t: 5.01, ..hit() }, Hit { u: 0.26, ..hit() }, Hit { v: 0.0, ..hit() }] {
+            let (apart, tolerance) = distance_and_tolerance(&ray(), &wrong, CORNERS);
+            assert!(apart > tolerance, "{wrong:?}: {apart} {tolerance}");
+        }
+    }
+
+    #[test]
+    fn limits_weights_and_misses_are_held() {
+        assert_eq!(fault(&ray(), &hit(), None), None);
+        assert_eq!(fault(&ray(), &Hit::MISS, None), None);
+        for (wrong, expected) in [
+            (Hit { t: 5.0, ..Hit::MISS }, Fault::Miss),
+            (Hit { u: 0.5, ..Hit::MISS }, Fault::Miss),
+            (Hit { t: f32::INFINITY, ..hit() }, Fault::Distance),
+            (Hit { t: f32::NAN, ..hit() }, Fault::Distance),
+            (Hit { t: -1.0, ..hit() }, Fault::Distance),
+            (Hit { u: 0.8, v: 0.3, ..hit() }, Fault::Weights),
+            (Hit { u: f32::NAN, ..hit() }, Fault::Weights),
+        ] {
+            assert_eq!(fault(&ray(), &wrong, None), Some(expected), "{wrong:?}");
+        }
+        let short = Ray { t_max: 4.0, ..ray() };
+        assert_eq!(fault(&short, &hit(), None), Some(Fault::Distance));
+    }
+}

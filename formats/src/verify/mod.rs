@@ -1,0 +1,142 @@
+//! Checks a dump against everything that the format and the definitions say about it.
+//!
+//! - [`report`]: what was checked and what was found
+//! - `files`: checksums, lengths, headers, files that no record names
+//! - `scene`: the header's own numbers, the scene's arrays, the picture
+//! - `queues`: arrays that belong together, rays, path indices, lights
+//! - `hits`: hits and distances against their rays and triangles
+//! - `orders`: keys recomputed from the stored rays, permutations
+//! - `tables`: length tables, each the one before plus the traced lengths
+//!
+//! Memory is bounded whatever the size of the dump: arrays are mapped one queue at a time.
+
+mod files;
+mod hits;
+mod orders;
+mod queues;
+pub mod report;
+mod scene;
+mod tables;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+pub use report::{Check, Findings, Report};
+
+use crate::key::{Encoder, LayoutText};
+use crate::length_table::{LengthCell, LengthTable, TABLE_BITS_MAX, TABLE_BITS_MIN};
+use crate::manifest::{Place, QueueArray, QueueId};
+use crate::npy::Element;
+use crate::ray::{Hit, Kind, Ray};
+use crate::reader::{Dump, Mapped};
+use crate::unit_space::UnitSpace;
+
+/// Checks everything in a dump that can be checked with what it holds.
+pub fn verify(dump: &Dump) -> Report {
+    let subject = Subject::new(dump);
+    let files = files::check(&subject);
+    let mut checks = vec![files];
+    checks.extend(scene::check(&subject));
+    checks.extend(queues::check(&subject));
+    checks.extend(hits::check(&subject));
+    checks.extend(orders::check(&subject));
+    checks.push(tables::check(&subject));
+    Report { checks }
+}
+
+/// The dump that is checked, and what most checks need of it.
+struct Subject<'a> {
+    dump: &'a Dump,
+    unit: UnitSpace,
+    /// Every queue with a record or an array, with the arrays' places.
+    queues: BTreeMap<QueueId, BTreeSet<Place>>,
+}
+
+impl<'a> Subject<'a> {
+    fn new(dump: &'a Dump) -> Self {
+        let manifest = dump.manifest();
+        let scene = &manifest.header.scene;
+        let mut queues: BTreeMap<QueueId, BTreeSet<Place>> = BTreeMap::new();
+        for queue in &manifest.queues {
+            queues.entry(queue.id).or_default();
+        }
+        for array in &manifest.arrays {
+            if let Some(queue) = array.place.queue() {
+                queues.entry(queue).or_default().insert(array.place.clone());
+            }
+        }
+        Self { dump, unit: UnitSpace::from_bounds(scene.bounds_min, scene.bounds_max), queues }
+    }
+
+    /// An array, if the dump has it and its file is what the manifest says; if it is not, `files`
+    /// has found that already.
+    fn array<T: Element>(&self, place: &Place) -> Option<Mapped<T>> {
+        self.dump.array(place).ok()
+    }
+
+    fn queue_array<T: Element>(&self, queue: QueueId, array: QueueArray) -> Option<Mapped<T>> {
+        self.array(&Place::Queue(queue, array))
+    }
+
+    /// Whether the adapter's arithmetic is such that every number must be met exactly.
+    fn is_exact(&self) -> bool {
+        self.dump.manifest().header.ieee_arithmetic
+    }
+
+    /// What gives a ray's cell in the length table.
+    fn cell_encoder(&self) -> Option<Encoder> {
+        let options = &self.dump.manifest().header.options;
+        let bits = options.table_bits;
+        if !(TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&bits) {
+            return None;
+        }
+        let layout = LayoutText::parse(&options.table_layout).ok()?.expand(1).ok()?;
+        let fits = !layout.uses(|coordinate| coordinate.needs_light() || coordinate.needs_length());
+        fits.then(|| Encoder::new(&layout, bits, self.unit, &[]))
+    }
+
+    /// The length table of these cells, if they are one.
+    fn table(&self, cells: &[LengthCell]) -> Result<LengthTable, String> {
+        let bits = self.dump.manifest().header.options.table_bits;
+        if !(TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&bits) {
+            return Err(format!("{bits} address bits, expected {TABLE_BITS_MIN} to {TABLE_BITS_MAX}"));
+        }
+        LengthTable::from_touched(bits, cells).map_err(|error| error.to_string())
+    }
+
+    /// What the traced lengths of a queue are made from, if it was kept.
+    fn traced(&self, queue: QueueId) -> Option<Traced> {
+        let rays = self.queue_array::<Ray>(queue, QueueArray::Rays)?;
+        let results = match queue.kind {
+            Kind::Closest => Results::Hits(self.queue_array(queue, QueueArray::Hits)?),
+            Kind::Shadow => Results::Distances(self.queue_array(queue, QueueArray::Distances)?),
+        };
+        let results_len = match &results {
+            Results::Hits(hits) => hits.len(),
+            Results::Distances(distances) => distances.len(),
+        };
+        (results_len == rays.len()).then_some(Traced { unit: self.unit, rays, results })
+    }
+}
+
+/// The rays of a queue and what came of them, equally many.
+struct Traced {
+    unit: UnitSpace,
+    rays: Mapped<Ray>,
+    results: Results,
+}
+
+enum Results {
+    Hits(Mapped<Hit>),
+    Distances(Mapped<f32>),
+}
+
+impl Traced {
+    /// Traced length of a ray in unit lengths (KEYS, "Traced length").
+    fn length(&self, index: usize) -> f32 {
+        let ray = &self.rays[index];
+        match &self.results {
+            Results::Hits(hits) => self.unit.closest_length(ray, &hits[index]),
+            Results::Distances(distances) => self.unit.shadow_length(ray, distances[index]),
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! Keys recomputed from the stored rays, and permutations: bijective, ascending in the keys, stable.
+
+use super::report::findings;
+use super::scene::method_problem;
+use super::{Check, Findings, Subject, Traced};
+use crate::key::{Coordinate, Encoder, LayoutText, Termination};
+use crate::length_table::LengthTable;
+use crate::manifest::{MethodArray, MethodRecord, Place, QueueArray, QueueId};
+use crate::npy::Dtype;
+use crate::permutation::{check_bijection, check_order};
+use crate::ray::Ray;
+use crate::reader::Mapped;
+
+pub(super) fn check(subject: &Subject<'_>) -> [Check; 2] {
+    let mut keys_check = Check::new("keys");
+    let mut permutations_check = Check::new("permutations");
+    for (&queue, places) in &subject.queues {
+        for place in places {
+            match place {
+                Place::Method(_, method, MethodArray::Keys) => {
+                    check_keys(subject, queue, method, &mut keys_check);
+                }
+                Place::Method(_, method, MethodArray::Permutation) => {
+                    check_permutation(subject, queue, method, &mut permutations_check);
+                }
+                _ => {}
+            }
+        }
+    }
+    [keys_check, permutations_check]
+}
+
+/// The keys of a method as they are stored.
+enum Keys {
+    Narrow(Mapped<u32>),
+    Wide(Mapped<u64>),
+}
+
+impl Keys {
+    fn of(subject: &Subject<'_>, place: &Place) -> Option<Self> {
+        match subject.dump.record(place)?.dtype {
+            Dtype::U8 => subject.array(place).map(Self::Wide),
+            _ => subject.array(place).map(Self::Narrow),
+        }
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::Narrow(keys) => keys.len(),
+            Self::Wide(keys) => keys.len(),
+        }
+    }
+
+    fn at(&self, ray: usize) -> u64 {
+        match self {
+            Self::Narrow(keys) => u64::from(keys[ray]),
+            Self::Wide(keys) => keys[ray],
+        }
+    }
+}
+
+fn check_permutation(subject: &Subject<'_>, queue: QueueId, method: &str, check: &mut Check) {
+    let place = Place::Method(queue, method.to_owned(), MethodArray::Permutation);
+    let Some(permutation) = subject.array::<u32>(&place) else { return };
+    check.checked += permutation.len() as u64;
+    let bijective = check_bijection(&permutation, permutation.len());
+    let keys = Keys::of(subject, &Place::Method(queue, method.to_owned(), MethodArray::Keys));
+    let ordered = match (&bijective, keys) {
+        (Err(_), _) => return check.problems.add(with_place(&place, bijective)),
+        (Ok(()), Some(keys)) if keys.len() != permutation.len() => return,
+        (Ok(()), Some(Keys::Narrow(keys))) => check_order(&permutation, &keys[..]),
+        (Ok(()), Some(Keys::Wide(keys))) => check_order(&permutation, &keys[..]),
+        (Ok(()), None) => {
+            check.not_checked.push(format!("{place}: its keys were not kept"));
+            return;
+        }
+    };
+    if ordered.is_err() {
+        check.problems.add(with_place(&place, ordered));
+    }
+}
+
+fn with_place(place: &Place, result: Result<(), impl std::fmt::Display>) -> String {
+    result.map_or_else(|error| format!("{place}: {error}"), |()| String::new())
+}
+
+fn check_keys(subject: &Subject<'_>, queue: QueueId, name: &str, check: &mut Check) {
+    let place = Place::Method(queue, name.to_owned(), MethodArray::Keys);
+    let manifest = subject.dump.manifest();
+    let Some(keys) = Keys::of(subject, &place) else { return };
+    // That the method has no record, or a wrong one, was found before.
+    let Some(method) = manifest.methods.iter().find(|method| method.name == name) else { return };
+    if method_problem(method, manifest.header.lights.len()).is_some() {
+        return;
+    }
+    let is_wide = matches!(keys, Keys::Wide(_));
+    check.require(is_wide == (method.key_bits > 32), || {
+        format!(
+            "{place}: keys of {} bits are stored in {} bits",
+            method.key_bits,
+            if is_wide { 64 } else { 32 }
+        )
+    });
+    let recomputed = match Recomputed::new(subject, queue, method) {
+        Ok(recomputed) => recomputed,
+        Err(reason) => return check.not_checked.push(format!("{place}: {reason}")),
+    };
+    if recomputed.rays.len() != keys.len() {
+        return;
+    }
+    check.checked += keys.len() as u64;
+    let found = findings(
+        keys.len(),
+        |ray| recomputed.key(ray) == Some(keys.at(ray)),
+        |ray| {
+            let expected = recomputed
+                .key(ray)
+                .map_or("none, as its light does not exist".to_owned(), |key| format!("{key:#x}"));
+            format!("{place}: ray {ray} has key {:#x}, expected {expected}", keys.at(ray))
+        },
+    );
+    tolerated(subject, check).merge(found);
+}
+
+/// Where numbers belong that differ: on an adapter with other than IEEE arithmetic they may.
+pub(super) fn tolerated<'a>(subject: &Subject<'_>, check: &'a mut Check) -> &'a mut Findings {
+    if subject.is_exact() { &mut check.problems } else { &mut check.differences }
+}
+
+/// Makes the keys of a queue again.
+struct Recomputed {
+    encoder: Encoder,
+    rays: Mapped<Ray>,
+    lights: Option<Mapped<u32>>,
+    light_count: u32,
+    length: Length,
+}
+
+/// Where the length estimate of a ray comes from.
+enum Length {
+    Fixed(f32),
+    Adaptive { cells: Encoder, table: LengthTable },
+    Real(Traced),
+}
+
+impl Recomputed {
+    /// The error says what was not kept.
+    fn new(subject: &Subject<'_>, queue: QueueId, method: &MethodRecord) -> Result<Self, String> {
+        let header = &subject.dump.manifest().header;
+        let rays = subject.queue_array::<Ray>(queue, QueueArray::Rays).ok_or("the rays were not kept")?;
+        let parsed = LayoutText::parse(&method.text).and_then(|text| text.expand(header.lights.len()));
+        let layout = parsed.map_err(|error| error.message)?;
+        let lights = if layout.uses(Coordinate::needs_light) {
+            let lights = subject.queue_array::<u32>(queue, QueueArray::Lights);
+            Some(lights.filter(|lights| lights.len() == rays.len()).ok_or("the lights were not kept")?)
+        } else {
+            None
+        };
+        let length = match method.termination {
+            Termination::Unused => Length::Fixed(0.0),
+            Termination::Fixed => Length::Fixed(header.options.two_point_length),
+            Termination::Adaptive => {
+                let stored = subject.queue_array(queue, QueueArray::Lengths);
+                let stored = stored.ok_or("the length table was not kept")?;
+                let cells = subject.cell_encoder().ok_or("the length table has no usable layout")?;
+                let table = subject.table(&stored).map_err(|_| "the length table is damaged")?;
+                Length::Adaptive { cells, table }
+            }
+            Termination::Real => {
+                Length::Real(subject.traced(queue).ok_or("the traced lengths were not kept")?)
+            }
+        };
+        let encoder = Encoder::new(&layout, method.key_bits, subject.unit, &header.lights);
+        Ok(Self { encoder, rays, lights, light_count: header.lights.len() as u32, length })
+    }
+
+    /// The key of a ray; `None` if it goes to a light that does not exist.
+    fn key(&self, index: usize) -> Option<u64> {
+        let ray = &self.rays[index];
+        let light = self.lights.as_ref().map_or(0, |lights| lights[index]);
+        if self.lights.is_some() && light >= self.light_count {
+            return None;
+        }
+        let length = match &self.length {
+            Length::Fixed(length) => *length,
+            Length::Adaptive { cells, table } => table.mean(cells.encode(ray, 0.0, 0) as u32),
+            Length::Real(traced) => traced.length(index),
+        };
+        Some(self.encoder.encode(ray, length, light))
+    }
+}

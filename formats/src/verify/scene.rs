@@ -1,0 +1,146 @@
+//! The header's own numbers, the scene's arrays and the picture.
+
+use sha2::{Digest, Sha256};
+
+use super::{Check, Subject};
+use crate::key::{KEY_BITS_MIN, LAYOUT_BITS, LayoutText};
+use crate::length_table::{TABLE_BITS_MAX, TABLE_BITS_MIN};
+use crate::manifest::{MethodRecord, Outcome, Place, SceneArray};
+use crate::npy::MaterialMask;
+use crate::reader::DumpState;
+use crate::summary::hexadecimal;
+
+pub(super) fn check(subject: &Subject<'_>) -> [Check; 3] {
+    [check_header(subject), check_scene(subject), check_image(subject)]
+}
+
+fn check_header(subject: &Subject<'_>) -> Check {
+    let manifest = subject.dump.manifest();
+    let (options, scene) = (&manifest.header.options, &manifest.header.scene);
+    let mut check = Check::new("header");
+    check.require(options.width > 0 && options.height > 0, || {
+        format!("the picture has {} × {} pixels, expected at least 1 × 1", options.width, options.height)
+    });
+    check.require((TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&options.table_bits), || {
+        format!("{} table bits, expected {TABLE_BITS_MIN} to {TABLE_BITS_MAX}", options.table_bits)
+    });
+    check.require(subject.cell_encoder().is_some(), || {
+        format!("the table's layout '{}' is none that gives every ray a cell", options.table_layout)
+    });
+    let corners = scene.bounds_min.into_iter().zip(scene.bounds_max);
+    check.require(
+        corners.clone().all(|(low, high)| low <= high && low.is_finite() && high.is_finite()),
+        || format!("the scene's box goes from {:?} to {:?}", scene.bounds_min, scene.bounds_max),
+    );
+    for method in &manifest.methods {
+        let lights = manifest.header.lights.len();
+        let problem = method_problem(method, lights);
+        check.require(problem.is_none(), || {
+            format!("method {}: {}", method.name, problem.unwrap_or_default())
+        });
+    }
+    check
+}
+
+/// What is wrong with the record of a method, if anything.
+pub(super) fn method_problem(method: &MethodRecord, lights: usize) -> Option<String> {
+    if !(KEY_BITS_MIN..=LAYOUT_BITS).contains(&method.key_bits) {
+        return Some(format!("keys of {} bits, expected {KEY_BITS_MIN} to {LAYOUT_BITS}", method.key_bits));
+    }
+    let layout = match LayoutText::parse(&method.text).and_then(|text| text.expand(lights)) {
+        Ok(layout) => layout,
+        Err(error) => return Some(error.message),
+    };
+    let names = layout.bits().iter().map(|coordinate| coordinate.name());
+    let is_same = names.eq(method.layout.iter().map(String::as_str));
+    (!is_same).then(|| format!("its bits are not those of '{}' for {lights} lights", method.text))
+}
+
+fn check_scene(subject: &Subject<'_>) -> Check {
+    let scene = &subject.dump.manifest().header.scene;
+    let mut check = Check::new("scene");
+    let array = |array| Place::Scene(array);
+    let positions = subject.array::<[f32; 3]>(&array(SceneArray::Positions));
+    let triangles = subject.array::<[u32; 3]>(&array(SceneArray::Triangles));
+    let (Some(positions), Some(triangles)) = (positions, triangles) else {
+        check.not_checked.push("the scene was not kept".to_owned());
+        return check;
+    };
+    let is_inside = |point: &[f32; 3]| {
+        (0..3).all(|axis| point[axis] >= scene.bounds_min[axis] && point[axis] <= scene.bounds_max[axis])
+    };
+    check.require(scene.vertices == positions.len() as u64, || {
+        format!("the header counts {} vertices, positions.npy {}", scene.vertices, positions.len())
+    });
+    check.require(scene.triangles == triangles.len() as u64, || {
+        format!("the header counts {} triangles, triangles.npy {}", scene.triangles, triangles.len())
+    });
+    let in_range =
+        |triangle: usize| triangles[triangle].iter().all(|&index| (index as usize) < positions.len());
+    check.each(triangles.len(), in_range, |triangle| {
+        format!("triangle {triangle} has corners {:?} of {} vertices", triangles[triangle], positions.len())
+    });
+    let corners_inside = |triangle: usize| {
+        let corners = triangles[triangle].iter();
+        corners.filter_map(|&index| positions.get(index as usize)).all(is_inside)
+    };
+    check.each(triangles.len(), corners_inside, |triangle| {
+        format!("triangle {triangle} leaves the scene's box, or is not finite")
+    });
+    if let Some(materials) = subject.array::<u32>(&array(SceneArray::Materials)) {
+        check.require(materials.len() == triangles.len(), || {
+            format!("materials.npy has {} entries for {} triangles", materials.len(), triangles.len())
+        });
+        check_masks(subject, &mut check, &materials, positions.len());
+    }
+    check
+}
+
+/// Alpha masks: one entry per material, texture coordinates for every vertex, textures that exist.
+fn check_masks(subject: &Subject<'_>, check: &mut Check, materials: &[u32], vertices: usize) {
+    let Some(masks) = subject.array::<MaterialMask>(&Place::Scene(SceneArray::Masks)) else { return };
+    let in_range = |triangle: usize| (materials[triangle] as usize) < masks.len();
+    check.each(materials.len(), in_range, |triangle| {
+        format!("triangle {triangle} has material {} of {}", materials[triangle], masks.len())
+    });
+    let uvs = subject.array::<[f32; 2]>(&Place::Scene(SceneArray::Uvs)).map_or(0, |uvs| uvs.len());
+    let textures =
+        masks.iter().map(|mask| mask.texture).filter(|&texture| texture != MaterialMask::NO_TEXTURE);
+    for texture in textures {
+        check.require(uvs == vertices, || format!("uvs.npy has {uvs} entries for {vertices} vertices"));
+        let place = Place::Scene(SceneArray::Mask(texture));
+        // A recording that was ended early may have got no further.
+        let is_there = subject.dump.record(&place).is_some() || subject.dump.state() != DumpState::Complete;
+        check.require(is_there, || format!("there is no {place}"));
+    }
+}
+
+fn check_image(subject: &Subject<'_>) -> Check {
+    let mut check = Check::new("image");
+    let end = subject.dump.manifest().end;
+    let Some(image) = subject.array::<f32>(&Place::Image) else {
+        check.not_checked.push("the picture was not kept".to_owned());
+        return check;
+    };
+    let is_finite = |at: usize| image[at].is_finite() && image[at] >= 0.0;
+    check.each(image.len(), is_finite, |at| format!("image.npy: value {at} is {}", image[at]));
+    let Some(digest) = end.and_then(|end| end.image) else {
+        if end.is_some_and(|end| end.outcome == Outcome::Complete) {
+            check.problems.add("there is an image.npy, but the end record has no hash for it".to_owned());
+        }
+        return check;
+    };
+    let shape = subject.dump.record(&Place::Image).map_or(&[][..], |record| &record.shape);
+    check.require(shape == [u64::from(digest.height), u64::from(digest.width), 3], || {
+        format!("image.npy has shape {shape:?}, the end record says {} × {}", digest.width, digest.height)
+    });
+    let found: [u8; 32] = Sha256::digest(bytemuck::cast_slice::<f32, u8>(&image)).into();
+    check.require(found == digest.sha256, || {
+        format!(
+            "image.npy has SHA-256 {}, the end record says {}",
+            hexadecimal(&found),
+            hexadecimal(&digest.sha256)
+        )
+    });
+    check
+}

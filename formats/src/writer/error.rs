@@ -1,0 +1,128 @@
+//! What can go wrong while a dump is written.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::manifest::Place;
+
+/// Why a dump cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The disk, or the user's share of it, is full.
+    #[error("no space is left on the disk for {}; what was complete before is kept: make space, then run `inspector recover` on the .partial folder", path.display())]
+    Full {
+        /// The file or folder that did not fit.
+        path: PathBuf,
+    },
+    /// Any other failure of the system.
+    #[error("cannot {action} {}: {cause}", path.display())]
+    Io {
+        /// What was being done.
+        action: &'static str,
+        /// To which file or folder.
+        path: PathBuf,
+        /// What the system said.
+        cause: io::Error,
+    },
+    /// A path that names no folder.
+    #[error("'{}' is not a name for a recording; expected something like NAME.raydump", path.display())]
+    Name {
+        /// The path found.
+        path: PathBuf,
+    },
+    /// The dump exists.
+    #[error("{} exists already; use --force to replace it, or another name", path.display())]
+    Exists {
+        /// The dump.
+        path: PathBuf,
+    },
+    /// A killed recording left its folder.
+    #[error("{} was left by a recording that did not end; keep it with `inspector recover`, or use --force to remove it", path.display())]
+    LeftOver {
+        /// The `.partial` folder.
+        path: PathBuf,
+    },
+    /// Another process is writing this dump.
+    #[error("{} is being written by another process; use another name", path.display())]
+    Busy {
+        /// The `.partial` folder.
+        path: PathBuf,
+    },
+    /// Something that is not a recording has the dump's name.
+    #[error("{} is not a recording, so it is not replaced, even by --force; use another name", path.display())]
+    NotARecording {
+        /// The file or folder found.
+        path: PathBuf,
+    },
+    /// An array that cannot look like this.
+    #[error("{place} cannot be {found}; expected {expected}")]
+    Shape {
+        /// The array.
+        place: Place,
+        /// Element type and shape found.
+        found: String,
+        /// What is expected there.
+        expected: String,
+    },
+    /// More or fewer bytes than the shape takes.
+    #[error("{place} was given {found} bytes; expected {expected}")]
+    Count {
+        /// The array.
+        place: Place,
+        /// Bytes given.
+        found: u64,
+        /// Bytes of the shape.
+        expected: u64,
+    },
+    /// An array that was begun before.
+    #[error("{place} was begun before; an array is written once")]
+    Twice {
+        /// The array.
+        place: Place,
+    },
+    /// The dump was finished before one of its arrays.
+    #[error("{place} was begun, but not finished")]
+    Unfinished {
+        /// The array.
+        place: Place,
+    },
+    /// A record that no reader would take.
+    #[error("a record of {bytes} bytes is too long for {}", path.display())]
+    RecordTooLong {
+        /// The manifest.
+        path: PathBuf,
+        /// Its length.
+        bytes: usize,
+    },
+    /// The manifest could not be written before.
+    #[error("{} could not be written before, so nothing can be added", path.display())]
+    Broken {
+        /// The manifest.
+        path: PathBuf,
+    },
+}
+
+/// Turns the system's error into ours, with what was being done to which path.
+pub(super) fn io_error(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> WriteError {
+    move |cause| match cause.kind() {
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            WriteError::Full { path: path.to_owned() }
+        }
+        _ => WriteError::Io { action, path: path.to_owned(), cause },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_disk_has_a_message_of_its_own() {
+        let path = Path::new("x.raydump.partial/image.npy");
+        let full = io_error("write", path)(io::ErrorKind::StorageFull.into());
+        assert!(matches!(&full, WriteError::Full { .. }), "{full}");
+        assert!(full.to_string().contains("image.npy") && full.to_string().contains("recover"), "{full}");
+        let denied = io_error("create", path)(io::ErrorKind::PermissionDenied.into()).to_string();
+        assert!(denied.starts_with("cannot create x.raydump.partial/image.npy"), "{denied}");
+    }
+}

@@ -1,0 +1,268 @@
+//! Writes a dump: streamed arrays, a manifest that only grows, and a rename at the very end.
+//!
+//! Everything goes to `NAME.raydump.partial`. An array's record is appended when its last byte has
+//! been written, so that whatever ends the recording, the manifest names complete arrays alone.
+//! A helper thread hands finished files to the disk while the next ones are being written.
+
+mod array;
+mod error;
+mod write_back;
+
+use std::collections::BTreeSet;
+use std::fs::{self, File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+pub use array::ArrayWriter;
+pub use error::WriteError;
+
+use crate::folder;
+use crate::manifest::{
+    self, ArrayRecord, End, Header, MethodRecord, Place, QueueRecord, Record, TimingRecord, encode_frame,
+};
+use crate::npy::{self, Dtype, Element};
+use error::io_error;
+use write_back::WriteBack;
+
+/// Writes one dump. Can be sent to another thread, and shared: arrays may be written side by side.
+///
+/// Dropped without [`DumpWriter::finish`] it leaves the `.partial` folder, for `recover`.
+#[derive(Debug)]
+pub struct DumpWriter {
+    target: PathBuf,
+    overwrite: bool,
+    shared: Arc<Shared>,
+}
+
+/// What array writers share with the writer of the dump.
+#[derive(Debug)]
+struct Shared {
+    partial: PathBuf,
+    state: Mutex<State>,
+    write_back: WriteBack,
+}
+
+#[derive(Debug)]
+struct State {
+    manifest: File,
+    manifest_bytes: u64,
+    is_broken: bool,
+    begun: BTreeSet<Place>,
+    unfinished: BTreeSet<Place>,
+    folders: BTreeSet<PathBuf>,
+}
+
+impl DumpWriter {
+    /// Begins the dump `out`; `.raydump` is added to a name that does not end in it.
+    ///
+    /// With `overwrite`, an existing dump is replaced, but only when this one is complete, and what
+    /// a killed recording left is removed at once. Nothing but recordings is ever replaced.
+    ///
+    /// # Errors
+    /// If the dump exists (without `overwrite`), is no recording, is being written by another
+    /// process, or cannot be created.
+    pub fn create(out: &Path, header: Header, overwrite: bool) -> Result<Self, WriteError> {
+        let target = folder::dump_folder(out).ok_or_else(|| WriteError::Name { path: out.to_owned() })?;
+        let partial = folder::partial_of(&target);
+        if folder::exists(&target) {
+            check_replaceable(&target, overwrite, || WriteError::Exists { path: target.clone() })?;
+        }
+        if folder::exists(&partial) {
+            if folder::is_being_written(&partial) {
+                return Err(WriteError::Busy { path: partial });
+            }
+            check_replaceable(&partial, overwrite, || WriteError::LeftOver { path: partial.clone() })?;
+            fs::remove_dir_all(&partial).map_err(io_error("remove", &partial))?;
+        }
+        fs::create_dir(&partial).map_err(io_error("create", &partial))?;
+        let path = partial.join(manifest::FILE_NAME);
+        let mut file = create_file(&path)?;
+        // Held until the end, so that no other process takes this folder for a left-over one. Where
+        // the file system has no locks, that protection is missing, and nothing else.
+        let _ = file.try_lock();
+        file.write_all(&manifest::preamble()).map_err(io_error("write", &path))?;
+        let reserve = partial.join(folder::RESERVE_NAME);
+        create_file(&reserve)?.write_all(&[0; folder::RESERVE_BYTES]).map_err(io_error("write", &reserve))?;
+        let state = State {
+            manifest: file,
+            manifest_bytes: manifest::PREAMBLE_BYTES as u64,
+            is_broken: false,
+            begun: BTreeSet::new(),
+            unfinished: BTreeSet::new(),
+            folders: BTreeSet::new(),
+        };
+        let write_back = WriteBack::start().map_err(io_error("start the write-back thread for", &partial))?;
+        let shared = Arc::new(Shared { partial, state: Mutex::new(state), write_back });
+        shared.append(&Record::Header(Box::new(header)))?;
+        Ok(Self { target, overwrite, shared })
+    }
+
+    /// Where the dump will be once it is finished.
+    pub fn target(&self) -> &Path {
+        &self.target
+    }
+
+    /// Begins an array; its data is streamed to the result, which must be finished.
+    ///
+    /// # Errors
+    /// If the array was begun before, cannot look like this, or its file cannot be created.
+    pub fn array(&self, place: &Place, dtype: Dtype, shape: &[u64]) -> Result<ArrayWriter, WriteError> {
+        let bytes = npy::data_bytes(dtype, shape).filter(|_| place.allows(dtype, shape));
+        let Some(bytes) = bytes else {
+            return Err(WriteError::Shape {
+                place: place.clone(),
+                found: format!("{dtype} {shape:?}"),
+                expected: place.expectation(),
+            });
+        };
+        let path = self.shared.begin(place)?;
+        let record = ArrayRecord { place: place.clone(), dtype, shape: shape.to_vec(), crc32c: 0, bytes };
+        ArrayWriter::create(Arc::clone(&self.shared), path, record)
+    }
+
+    /// Writes a whole array whose last dimension is that of `T`, the others as in `shape`.
+    ///
+    /// # Errors
+    /// As [`DumpWriter::array`], and if the values do not fill the shape.
+    pub fn whole_array<T: Element>(
+        &self,
+        place: &Place,
+        shape: &[u64],
+        values: &[T],
+    ) -> Result<(), WriteError> {
+        let mut array = self.array(place, T::DTYPE, shape)?;
+        array.write(bytemuck::cast_slice(values))?;
+        array.finish()
+    }
+
+    /// Appends a method.
+    ///
+    /// # Errors
+    /// If the manifest cannot be written.
+    pub fn method(&self, method: MethodRecord) -> Result<(), WriteError> {
+        self.shared.append(&Record::Method(method))
+    }
+
+    /// Appends a queue whose arrays are finished.
+    ///
+    /// # Errors
+    /// If the manifest cannot be written.
+    pub fn queue(&self, queue: QueueRecord) -> Result<(), WriteError> {
+        self.shared.append(&Record::Queue(queue))
+    }
+
+    /// Appends a timing.
+    ///
+    /// # Errors
+    /// If the manifest cannot be written.
+    pub fn timing(&self, timing: TimingRecord) -> Result<(), WriteError> {
+        self.shared.append(&Record::Timing(timing))
+    }
+
+    /// Waits until everything is on the disk, ends the manifest and gives the dump its name.
+    ///
+    /// # Errors
+    /// If an array is unfinished or anything cannot be written; the `.partial` folder stays.
+    pub fn finish(self, end: End) -> Result<PathBuf, WriteError> {
+        let Self { target, overwrite, shared } = self;
+        if let Some(place) = shared.state().unfinished.first() {
+            return Err(WriteError::Unfinished { place: place.clone() });
+        }
+        let partial = shared.partial.clone();
+        shared.write_back.wait().map_err(|(path, cause)| io_error("write", &path)(cause))?;
+        let reserve = partial.join(folder::RESERVE_NAME);
+        fs::remove_file(&reserve).map_err(io_error("remove", &reserve))?;
+        let folders = shared.state().folders.clone();
+        for folder in folders.iter().chain([&partial]) {
+            folder::sync_folder(folder).map_err(io_error("write", folder))?;
+        }
+        shared.append(&Record::End(end))?;
+        let manifest = partial.join(manifest::FILE_NAME);
+        shared.state().manifest.sync_all().map_err(io_error("write", &manifest))?;
+        // Some systems do not rename a folder in which a file is open.
+        drop(shared);
+        replace(&partial, &target, overwrite)?;
+        Ok(target)
+    }
+}
+
+impl Shared {
+    fn state(&self) -> MutexGuard<'_, State> {
+        // The state is whole between statements, so a panic elsewhere has not broken it.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Notes that an array is begun and makes its folder.
+    fn begin(&self, place: &Place) -> Result<PathBuf, WriteError> {
+        let mut state = self.state();
+        if !state.begun.insert(place.clone()) {
+            return Err(WriteError::Twice { place: place.clone() });
+        }
+        let path = self.partial.join(place.to_string());
+        let folder = folder::parent(&path).to_owned();
+        if !state.folders.contains(&folder) {
+            fs::create_dir_all(&folder).map_err(io_error("create", &folder))?;
+            let above = folder.ancestors().take_while(|above| *above != self.partial);
+            state.folders.extend(above.map(Path::to_owned));
+        }
+        state.unfinished.insert(place.clone());
+        Ok(path)
+    }
+
+    /// Appends a record in one piece.
+    fn append(&self, record: &Record) -> Result<(), WriteError> {
+        let path = self.partial.join(manifest::FILE_NAME);
+        let frame =
+            encode_frame(record).map_err(|bytes| WriteError::RecordTooLong { path: path.clone(), bytes })?;
+        let mut state = self.state();
+        if state.is_broken {
+            return Err(WriteError::Broken { path });
+        }
+        if let Err(cause) = state.manifest.write_all(&frame) {
+            // Half a record must stay the last one; better still if it can be taken back.
+            state.is_broken = true;
+            let _ = state.manifest.set_len(state.manifest_bytes);
+            return Err(io_error("write", &path)(cause));
+        }
+        state.manifest_bytes += frame.len() as u64;
+        Ok(())
+    }
+}
+
+fn create_file(path: &Path) -> Result<File, WriteError> {
+    OpenOptions::new().write(true).create_new(true).open(path).map_err(io_error("create", path))
+}
+
+fn check_replaceable(
+    folder: &Path,
+    overwrite: bool,
+    refusal: impl FnOnce() -> WriteError,
+) -> Result<(), WriteError> {
+    if !overwrite {
+        return Err(refusal());
+    }
+    match folder::is_recording(folder).map_err(io_error("read", folder))? {
+        true => Ok(()),
+        false => Err(WriteError::NotARecording { path: folder.to_owned() }),
+    }
+}
+
+/// Gives a complete dump its name; an old one of that name goes only then.
+fn replace(partial: &Path, target: &Path, overwrite: bool) -> Result<(), WriteError> {
+    let replaced = folder::beside(target, ".replaced");
+    if folder::exists(target) {
+        check_replaceable(target, overwrite, || WriteError::Exists { path: target.to_owned() })?;
+        if folder::exists(&replaced) {
+            fs::remove_dir_all(&replaced).map_err(io_error("remove", &replaced))?;
+        }
+        fs::rename(target, &replaced).map_err(io_error("rename", target))?;
+    }
+    fs::rename(partial, target).map_err(io_error("rename", partial))?;
+    let parent = folder::parent(target);
+    folder::sync_folder(parent).map_err(io_error("write", parent))?;
+    if folder::exists(&replaced) {
+        fs::remove_dir_all(&replaced).map_err(io_error("remove", &replaced))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,202 @@
+//! Every method's key, bit by bit, against an oracle in f64 that shares no code with the encoder.
+//!
+//! The oracle spells KEYS out: it lists a layout's bits with plain loops and takes each bit from a
+//! coordinate computed in f64. A wrong bit order, a swapped axis or a shifted field shows at once.
+
+use formats::key::{Encoder, LightSite, Method};
+use formats::ray::Ray;
+use formats::unit_space::UnitSpace;
+
+const MIN: [f32; 3] = [-3.0, 10.0, 0.5];
+const MAX: [f32; 3] = [5.0, 14.0, 2.5];
+const LENGTH: f64 = 0.25;
+
+fn lights() -> Vec<LightSite> {
+    vec![
+        LightSite::Placed { centre: [0.25, 0.4, 0.125] },
+        LightSite::directional([0.48, -0.64, 0.6]),
+        LightSite::Environment,
+        LightSite::Placed { centre: [0.75, 0.1, 0.2] },
+        LightSite::Placed { centre: [0.5, 0.2, 0.1] },
+    ]
+}
+
+/// The layouts, spelled out: names of the bits, most significant first.
+fn bits_of(method: &str, lights: usize) -> Vec<&'static str> {
+    let mut bits = Vec::new();
+    let mut repeat = |group: &[&'static str], times: usize| {
+        for _ in 0..times {
+            bits.extend_from_slice(group);
+        }
+    };
+    match method {
+        "origin" => {
+            repeat(&["ox", "oy", "oz"], 21);
+            repeat(&["ox"], 1);
+        }
+        "reis" => {
+            repeat(&["ox", "oy", "oz"], 7);
+            repeat(&["ox"], 1);
+            repeat(&["theta", "phi"], 21);
+        }
+        "costa" => {
+            repeat(&["theta", "phi"], 4);
+            repeat(&["ox", "oy", "oz"], 15);
+            repeat(&["theta", "phi"], 5);
+            repeat(&["theta"], 1);
+        }
+        "aila" => {
+            repeat(&["ox", "oy", "oz"], 3);
+            repeat(&["ox", "oy", "oz", "dx", "dy", "dz"], 9);
+            repeat(&["ox"], 1);
+        }
+        "octahedron" => {
+            repeat(&["ox", "oy", "oz"], 4);
+            repeat(&["ox", "oy", "oz", "u", "v"], 10);
+            repeat(&["ox", "oy"], 1);
+        }
+        "light-octahedron" => {
+            let mut index_bits = 0;
+            while 1 << index_bits < lights {
+                index_bits += 1;
+            }
+            repeat(&["light"], index_bits);
+            repeat(&["lu", "lv"], 8);
+            repeat(&["lu", "lv", "lr"], 14);
+            repeat(&["ox", "oy", "oz"], 2);
+        }
+        _ => {
+            repeat(&["ox", "oy", "oz", "ex", "ey", "ez"], 10);
+            repeat(&["ox", "oy", "oz", "ex"], 1);
+        }
+    }
+    bits.truncate(64);
+    bits
+}
+
+fn octahedral(d: [f64; 3]) -> [f64; 2] {
+    let sum = d[0].abs() + d[1].abs() + d[2].abs();
+    let (x, y) = (d[0] / sum, d[1] / sum);
+    let sign = |v: f64| if v > 0.0 { 1.0 } else { -1.0 };
+    let (u, v) = if d[2] < 0.0 { ((1.0 - y.abs()) * sign(x), (1.0 - x.abs()) * sign(y)) } else { (x, y) };
+    [(u + 1.0) / 2.0, (v + 1.0) / 2.0]
+}
+
+/// The value of a coordinate in [0, 1], in f64.
+fn coordinate(name: &str, ray: &Ray, light: u32) -> f64 {
+    let scale = 1.0 / (0..3).map(|axis| f64::from(MAX[axis]) - f64::from(MIN[axis])).fold(0.0, f64::max);
+    let o: [f64; 3] = std::array::from_fn(|axis| (f64::from(ray.origin[axis]) - f64::from(MIN[axis])) * scale);
+    let d: [f64; 3] = std::array::from_fn(|axis| f64::from(ray.direction[axis]));
+    let exit = (0..3)
+        .map(|axis| {
+            let side = (f64::from(MAX[axis]) - f64::from(MIN[axis])) * scale;
+            (-o[axis] / d[axis]).max((side - o[axis]) / d[axis])
+        })
+        .fold(f64::INFINITY, f64::min);
+    let length = LENGTH.min(exit).min(f64::from(ray.t_max) * scale).max(0.0);
+    let seen = || match lights()[light as usize] {
+        LightSite::Placed { centre } => {
+            let v: [f64; 3] = std::array::from_fn(|axis| o[axis] - f64::from(centre[axis]));
+            let [a, b] = octahedral(v);
+            [a, b, v.iter().map(|x| x * x).sum::<f64>().sqrt() / 3f64.sqrt()]
+        }
+        LightSite::Directional { direction, tangent, bitangent } => [tangent, bitangent, direction]
+            .map(|axis| ((0..3).map(|i| o[i] * f64::from(axis[i])).sum::<f64>() / 3f64.sqrt() + 1.0) / 2.0),
+        LightSite::Environment => {
+            let [a, b] = octahedral(d);
+            [a, b, 0.0]
+        }
+    };
+    match name {
+        "ox" => o[0],
+        "oy" => o[1],
+        "oz" => o[2],
+        "ex" => o[0] + length * d[0],
+        "ey" => o[1] + length * d[1],
+        "ez" => o[2] + length * d[2],
+        "dx" => (d[0] + 1.0) / 2.0,
+        "dy" => (d[1] + 1.0) / 2.0,
+        "dz" => (d[2] + 1.0) / 2.0,
+        "u" => octahedral(d)[0],
+        "v" => octahedral(d)[1],
+        "theta" => d[1].atan2(d[0]) / (2.0 * std::f64::consts::PI) + 0.5,
+        "phi" => d[2].acos() / std::f64::consts::PI,
+        "lu" => seen()[0],
+        "lv" => seen()[1],
+        "lr" => seen()[2],
+        other => panic!("no coordinate {other}"),
+    }
+}
+
+/// The key, or `None` if some coordinate lies so close to the border of its cell that rounding in
+/// f32 may put it on the other side.
+fn oracle_key(bits: &[&'static str], key_bits: usize, ray: &Ray, light: u32) -> Option<u64> {
+    let index_bits = bits.iter().filter(|name| **name == "light").count();
+    let mut key = 0u64;
+    for (place, name) in bits.iter().take(key_bits).enumerate() {
+        let level = bits[..place].iter().filter(|other| *other == name).count() as i32 + 1;
+        let bit = if *name == "light" {
+            u64::from(light) >> (index_bits as i32 - level) & 1
+        } else {
+            let scaled = coordinate(name, ray, light).clamp(0.0, 1.0) * 2f64.powi(level);
+            // The termination point is stepped in factors rounded to 2^-15; all else is f32.
+            let error_bits = if name.starts_with('e') { 13 } else { 19 };
+            if (scaled - scaled.round()).abs() < 2f64.powi(level - error_bits) {
+                return None;
+            }
+            scaled.floor() as u64 & 1
+        };
+        key = key << 1 | bit;
+    }
+    Some(key)
+}
+
+fn rays() -> impl Iterator<Item = Ray> {
+    let mut state = 0x1234_5678u32;
+    let mut number = move || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / (1u32 << 24) as f32
+    };
+    (0..20_000).map(move |index| {
+        let origin = [0, 1, 2].map(|axis| MIN[axis] + (MAX[axis] - MIN[axis]) * number());
+        let d: [f32; 3] = std::array::from_fn(|_| number() * 2.0 - 1.0);
+        let length = d.iter().map(|x| x * x).sum::<f32>().sqrt().max(1e-3);
+        Ray { origin, t_min: 0.0, direction: d.map(|x| x / length), t_max: if index % 4 == 0 { 1.0 } else { f32::INFINITY } }
+    })
+}
+
+#[test]
+fn every_method_puts_every_bit_where_keys_says() {
+    let unit = UnitSpace::from_bounds(MIN, MAX);
+    let lights = lights();
+    let methods = ["origin", "reis", "costa", "aila", "octahedron", "two-point", "two-point-adaptive", "two-point-real", "light-octahedron"];
+    for name in methods {
+        let layout = Method::builtin(name).unwrap().layout.expand(lights.len()).unwrap();
+        let bits = bits_of(name, lights.len());
+        for key_bits in [8, 12, 16, 24, 32] {
+            let encoder = Encoder::new(&layout, key_bits, unit, &lights);
+            let mut compared = 0;
+            for (index, ray) in rays().enumerate() {
+                let light = index as u32 % lights.len() as u32;
+                if let Some(expected) = oracle_key(&bits, key_bits as usize, &ray, light) {
+                    let found = encoder.encode(&ray, LENGTH as f32, light);
+                    assert_eq!(found, expected, "{name} at {key_bits} bits: {found:b} instead of {expected:b} for {ray:?}");
+                    compared += 1;
+                }
+            }
+            assert!(compared > 200, "{name} at {key_bits} bits: only {compared} rays were far from a border");
+        }
+    }
+}
+
+#[test]
+fn layouts_name_the_same_bits() {
+    for name in ["origin", "reis", "costa", "aila", "octahedron", "two-point", "light-octahedron"] {
+        for lights in [1, 5, 64] {
+            let layout = Method::builtin(name).unwrap().layout.expand(lights).unwrap();
+            let names: Vec<_> = layout.bits().iter().map(|coordinate| coordinate.name()).collect();
+            let expected = bits_of(name, lights);
+            assert_eq!(names[..expected.len()], expected[..], "{name} with {lights} lights");
+        }
+    }
+}

@@ -1,0 +1,404 @@
+//! A small dump that is right in every respect, made without a tracer: brute force in f64.
+#![allow(clippy::unwrap_used, reason = "this is test code, although not in test functions")]
+#![allow(dead_code, reason = "every test file compiles it anew and uses its own share")]
+
+use std::path::{Path, PathBuf};
+
+use formats::key::{Encoder, LightSite, Method, Termination};
+use formats::length_table::LengthTable;
+use formats::manifest::{
+    Adapter, Backend, CameraPose, Check, End, Features, Header, ImageDigest, MethodArray, MethodRecord,
+    Mismatches, Options, Outcome, Place, QueueArray, QueueId, QueueRecord, SceneArray, SceneSummary, Stage,
+    TimingRecord,
+};
+use formats::npy::{Dtype, MaterialMask};
+use formats::ray::{Hit, Kind, Ray, Work};
+use formats::unit_space::UnitSpace;
+use formats::writer::{DumpWriter, WriteError};
+use sha2::{Digest, Sha256};
+
+pub(crate) const WIDTH: u32 = 16;
+pub(crate) const HEIGHT: u32 = 12;
+pub(crate) const PASSES: u32 = 2;
+pub(crate) const BOUNCES: u32 = 2;
+const TABLE_LAYOUT: &str = "(ox oy oz)*3 (ox oy oz dx dy dz)*9 ox";
+
+/// A box of 4 × 2 × 3 without its ceiling, with a board across it.
+pub(crate) fn positions() -> Vec<[f32; 3]> {
+    let corner = |i: u32| [(i & 1) as f32 * 4.0, (i >> 1 & 1) as f32 * 2.0, (i >> 2) as f32 * 3.0];
+    let mut positions: Vec<_> = (0..8).map(corner).collect();
+    positions.extend([[1.0, 0.25, 0.5], [3.0, 0.25, 1.0], [1.5, 1.5, 2.5]]);
+    positions
+}
+
+pub(crate) const TRIANGLES: [[u32; 3]; 11] = [
+    [0, 1, 5],
+    [0, 5, 4],
+    [0, 2, 3],
+    [0, 3, 1],
+    [4, 5, 7],
+    [4, 7, 6],
+    [0, 4, 6],
+    [0, 6, 2],
+    [1, 3, 7],
+    [1, 7, 5],
+    [8, 9, 10],
+];
+
+fn unit() -> UnitSpace {
+    UnitSpace::from_bounds([0.0; 3], [4.0, 2.0, 3.0])
+}
+
+fn lights() -> Vec<LightSite> {
+    vec![
+        LightSite::Placed { centre: unit().point([2.0, 1.75, 1.5]) },
+        LightSite::directional([0.0, -1.0, 0.0]),
+        LightSite::Environment,
+    ]
+}
+
+/// Numbers in [0, 1) that look random and are always the same.
+fn random(seed: u64) -> f64 {
+    let mut z = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x5eed);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+fn direction(seed: u64) -> [f32; 3] {
+    let z = random(seed * 2) * 2.0 - 1.0;
+    let angle = random(seed * 2 + 1) * std::f64::consts::TAU;
+    let radius = (1.0 - z * z).sqrt();
+    [(radius * angle.cos()) as f32, (radius * angle.sin()) as f32, z as f32]
+}
+
+/// Möller–Trumbore in f64, every triangle, the nearest.
+fn nearest(ray: &Ray) -> Hit {
+    let at = |i: u32| positions()[i as usize].map(f64::from);
+    let sub = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    let (origin, direction) = (ray.origin.map(f64::from), ray.direction.map(f64::from));
+    let mut best = Hit::MISS;
+    for (index, corners) in TRIANGLES.iter().enumerate() {
+        let [a, b, c] = corners.map(at);
+        let (e1, e2) = (sub(b, a), sub(c, a));
+        let p = cross(direction, e2);
+        let determinant = dot(e1, p);
+        let s = sub(origin, a);
+        let u = dot(s, p) / determinant;
+        let q = cross(s, e1);
+        let v = dot(direction, q) / determinant;
+        let t = dot(e2, q) / determinant;
+        let is_inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
+        if is_inside && t > f64::from(ray.t_min) && t < f64::from(ray.t_max) && t < f64::from(best.t) {
+            best = Hit { t: t as f32, triangle: index as u32, u: u as f32, v: v as f32 };
+        }
+    }
+    best
+}
+
+/// A queue with everything that a dump keeps of it.
+struct Queue {
+    id: QueueId,
+    path_ids: Vec<u32>,
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    distances: Vec<f32>,
+    lights: Vec<u32>,
+}
+
+impl Queue {
+    fn traced_length(&self, ray: usize) -> f32 {
+        match self.id.kind {
+            Kind::Closest => unit().closest_length(&self.rays[ray], &self.hits[ray]),
+            Kind::Shadow => unit().shadow_length(&self.rays[ray], self.distances[ray]),
+        }
+    }
+}
+
+fn closest_queue(pass: u32, bounce: u32, paths: Vec<(u32, [f32; 3])>) -> Queue {
+    let seed = |path: u32| u64::from(path) * 100 + u64::from(bounce * 10 + pass);
+    let rays: Vec<Ray> = paths
+        .iter()
+        .map(|&(path, origin)| Ray {
+            origin,
+            t_min: 1e-4,
+            direction: direction(seed(path)),
+            t_max: f32::INFINITY,
+        })
+        .collect();
+    let hits = rays.iter().map(nearest).collect();
+    let path_ids = paths.into_iter().map(|(path, _)| path).collect();
+    let id = QueueId { pass, bounce, kind: Kind::Closest };
+    Queue { id, path_ids, rays, hits, distances: Vec::new(), lights: Vec::new() }
+}
+
+/// Where the hits of a queue are, a little before the surface.
+fn hit_points(queue: &Queue) -> Vec<(u32, [f32; 3])> {
+    let hits = queue.rays.iter().zip(&queue.hits).zip(&queue.path_ids).filter(|((_, hit), _)| hit.is_hit());
+    let before = |ray: &Ray, hit: &Hit| [0, 1, 2].map(|k| ray.origin[k] + hit.t * 0.999 * ray.direction[k]);
+    hits.map(|((ray, hit), &path)| (path, before(ray, hit))).collect()
+}
+
+fn shadow_queue(pass: u32, bounce: u32, points: &[(u32, [f32; 3])]) -> Queue {
+    let id = QueueId { pass, bounce, kind: Kind::Shadow };
+    let mut queue = Queue {
+        id,
+        path_ids: Vec::new(),
+        rays: Vec::new(),
+        hits: Vec::new(),
+        distances: Vec::new(),
+        lights: Vec::new(),
+    };
+    for &(path, origin) in points {
+        let light = (path + pass + bounce) % 3;
+        let (direction, t_max) = match light {
+            0 => {
+                let to = [2.0 - origin[0], 1.75 - origin[1], 1.5 - origin[2]];
+                let length = (to[0] * to[0] + to[1] * to[1] + to[2] * to[2]).sqrt();
+                (to.map(|along| along / length), length)
+            }
+            1 => ([0.0, 1.0, 0.0], f32::INFINITY),
+            _ => (direction(u64::from(path) * 7 + 3), f32::INFINITY),
+        };
+        let ray = Ray { origin, t_min: 1e-4, direction, t_max };
+        queue.distances.push(nearest(&ray).t);
+        queue.rays.push(ray);
+        queue.path_ids.push(path);
+        queue.lights.push(light);
+    }
+    queue
+}
+
+pub(crate) fn header() -> Header {
+    let names =
+        ["unsorted", "aila", "two-point", "two-point-adaptive", "two-point-real", "light-octahedron", "mine"];
+    Header {
+        program_version: "0.1.0".into(),
+        options: Options {
+            width: WIDTH,
+            height: HEIGHT,
+            bounces: BOUNCES,
+            passes: PASSES,
+            repeats: 3,
+            seed: 7,
+            camera: "middle".into(),
+            methods: names.map(str::to_owned).to_vec(),
+            key_bits: 32,
+            two_point_length: 0.25,
+            table_bits: 12,
+            table_method: "aila".into(),
+            table_layout: TABLE_LAYOUT.into(),
+            trace_kernel: "bvh2".into(),
+            threads: 1,
+            keep: ["rays", "hits", "keys", "permutations", "lengths", "scene", "image"]
+                .map(str::to_owned)
+                .to_vec(),
+            keep_passes: "all".into(),
+            russian_roulette: false,
+        },
+        scene: SceneSummary {
+            name: "open box".into(),
+            content_hash: [7; 32],
+            bounds_min: [0.0; 3],
+            bounds_max: [4.0, 2.0, 3.0],
+            triangles: TRIANGLES.len() as u64,
+            vertices: positions().len() as u64,
+        },
+        camera: CameraPose {
+            eye: [2.0, 1.0, 0.25],
+            forward: [0.0, 0.0, 1.0],
+            right: [-1.0, 0.0, 0.0],
+            up: [0.0, 1.0, 0.0],
+            yfov_radians: 1.0,
+        },
+        lights: lights(),
+        backend: Backend::Cpu,
+        adapter: Adapter {
+            name: "a processor".into(),
+            driver: String::new(),
+            device_type: "cpu".into(),
+            backend: "threads".into(),
+        },
+        limits: vec![("max_storage_buffer_binding_size".into(), 1 << 27)],
+        self_check: vec![Check { name: "division".into(), outcome: "passed".into(), detail: "IEEE".into() }],
+        ieee_arithmetic: true,
+        features: Features { used: vec!["sphere lights".into()], skipped: vec!["alpha masks".into()] },
+        time_source: "monotonic clock".into(),
+        notices: vec!["there is no camera in the file; one was made".into()],
+    }
+}
+
+fn write_scene(writer: &DumpWriter) -> Result<(), WriteError> {
+    let positions = positions();
+    let (vertices, triangles) = (positions.len() as u64, TRIANGLES.len() as u64);
+    let scene = Place::Scene;
+    writer.whole_array(&scene(SceneArray::Positions), &[vertices, 3], &positions)?;
+    writer.whole_array(&scene(SceneArray::Triangles), &[triangles, 3], &TRIANGLES)?;
+    let materials: Vec<u32> = (0..TRIANGLES.len() as u32).map(|i| i / 10).collect();
+    writer.whole_array(&scene(SceneArray::Materials), &[triangles], &materials)?;
+    let uvs: Vec<[f32; 2]> = positions.iter().map(|p| [p[0], p[1]]).collect();
+    writer.whole_array(&scene(SceneArray::Uvs), &[vertices, 2], &uvs)?;
+    let none = MaterialMask { texture: MaterialMask::NO_TEXTURE, cutoff: 0.0 };
+    let masks = [none, MaterialMask { texture: 0, cutoff: 0.5 }];
+    writer.whole_array(&scene(SceneArray::Masks), &[2], &masks)?;
+    writer.whole_array(&scene(SceneArray::Mask(0)), &[2, 3], &[255u8, 255, 255, 255, 255, 255])
+}
+
+fn write_queue(writer: &DumpWriter, queue: &Queue) -> Result<(), WriteError> {
+    let place = |array| Place::Queue(queue.id, array);
+    let rays = queue.rays.len() as u64;
+    writer.whole_array(&place(QueueArray::Rays), &[rays], &queue.rays)?;
+    writer.whole_array(&place(QueueArray::PathIds), &[rays], &queue.path_ids)?;
+    match queue.id.kind {
+        Kind::Closest => writer.whole_array(&place(QueueArray::Hits), &[rays], &queue.hits)?,
+        Kind::Shadow => {
+            writer.whole_array(&place(QueueArray::Distances), &[rays], &queue.distances)?;
+            writer.whole_array(&place(QueueArray::Lights), &[rays], &queue.lights)?;
+        }
+    }
+    let work = vec![Work { nodes: 1, triangles: TRIANGLES.len() as u32 }; queue.rays.len()];
+    writer.whole_array(&place(QueueArray::Work), &[rays], &work)
+}
+
+fn cell_of(encoder: &Encoder, ray: &Ray) -> u32 {
+    encoder.encode(ray, 0.0, 0) as u32
+}
+
+fn write_method(
+    writer: &DumpWriter,
+    queue: &Queue,
+    method: &Method,
+    key_bits: u32,
+    table: &LengthTable,
+) -> Result<(), WriteError> {
+    let layout = method.layout.expand(lights().len()).unwrap();
+    let encoder = Encoder::new(&layout, key_bits, unit(), &lights());
+    let cells = Encoder::new(&table_layout(), table.bits(), unit(), &[]);
+    let keys: Vec<u64> = (0..queue.rays.len())
+        .map(|i| {
+            let ray = &queue.rays[i];
+            let length = match method.termination {
+                Termination::Unused => 0.0,
+                Termination::Fixed => 0.25,
+                Termination::Adaptive => table.mean(cell_of(&cells, ray)),
+                Termination::Real => queue.traced_length(i),
+            };
+            encoder.encode(ray, length, queue.lights.get(i).copied().unwrap_or(0))
+        })
+        .collect();
+    let place = |array| Place::Method(queue.id, method.name.clone(), array);
+    let rays = queue.rays.len() as u64;
+    if key_bits > 32 {
+        writer.whole_array(&place(MethodArray::Keys), &[rays], &keys)?;
+    } else {
+        let narrow: Vec<u32> = keys.iter().map(|&key| key as u32).collect();
+        writer.whole_array(&place(MethodArray::Keys), &[rays], &narrow)?;
+    }
+    let mut permutation: Vec<u32> = (0..queue.rays.len() as u32).collect();
+    permutation.sort_by_key(|&ray| keys[ray as usize]);
+    // Streamed in odd pieces, as readbacks come.
+    let mut array = writer.array(&place(MethodArray::Permutation), Dtype::U4, &[rays])?;
+    for piece in bytemuck::cast_slice::<u32, u8>(&permutation).chunks(100) {
+        array.write(piece)?;
+    }
+    array.finish()
+}
+
+fn table_layout() -> formats::key::Layout {
+    formats::key::LayoutText::parse(TABLE_LAYOUT).unwrap().expand(1).unwrap()
+}
+
+/// The sample's methods with their key bits: narrow, wide, one of a user.
+fn methods() -> Vec<(Method, u32)> {
+    let builtin = |name| Method::builtin(name).unwrap();
+    vec![
+        (builtin("aila"), 16),
+        (builtin("two-point"), 64),
+        (builtin("two-point-adaptive"), 32),
+        (builtin("two-point-real"), 33),
+        (builtin("light-octahedron"), 64),
+        (Method::from_user("mine=(u v)*3 (ox oy oz ex ey ez)*5").unwrap(), 32),
+    ]
+}
+
+fn write_timings(writer: &DumpWriter, id: QueueId, method: &str) -> Result<(), WriteError> {
+    for (stage, samples_ns) in [(Stage::Key, vec![500, 700, 600]), (Stage::TraceIndirect, vec![10, 20])] {
+        let (pass, bounce, kind) = (id.pass, id.bounce, Some(id.kind));
+        writer.timing(TimingRecord { pass, bounce, kind, method: method.to_owned(), stage, samples_ns })?;
+    }
+    Ok(())
+}
+
+fn write_measured(
+    writer: &DumpWriter,
+    queue: &Queue,
+    table: &LengthTable,
+    is_last: bool,
+) -> Result<(), WriteError> {
+    let place = |array| Place::Queue(queue.id, array);
+    let before = table.touched();
+    writer.whole_array(&place(QueueArray::Lengths), &[before.len() as u64], &before)?;
+    write_queue(writer, queue)?;
+    let mut measured = Vec::new();
+    if queue.id.pass + 1 == PASSES {
+        measured.push("unsorted".to_owned());
+        for (method, key_bits) in methods().iter().filter(|(method, _)| method.applies_to(queue.id.kind)) {
+            write_method(writer, queue, method, *key_bits, table)?;
+            write_timings(writer, queue.id, &method.name)?;
+            measured.push(method.name.clone());
+        }
+    }
+    let cells = Encoder::new(&table_layout(), table.bits(), unit(), &[]);
+    for (i, ray) in queue.rays.iter().enumerate() {
+        table.add(cell_of(&cells, ray), queue.traced_length(i));
+    }
+    if is_last {
+        let after = table.touched();
+        writer.whole_array(&place(QueueArray::FinalLengths), &[after.len() as u64], &after)?;
+    }
+    let mismatches = measured.iter().map(|method| Mismatches { method: method.clone(), rays: 0 }).collect();
+    writer.queue(QueueRecord { id: queue.id, rays: queue.rays.len() as u64, methods: measured, mismatches })
+}
+
+/// Everything but the end.
+pub(crate) fn write_all(writer: &DumpWriter) -> Result<End, WriteError> {
+    write_scene(writer)?;
+    for (method, key_bits) in methods() {
+        let layout = method.layout.expand(lights().len()).unwrap();
+        writer.method(MethodRecord {
+            name: method.name.clone(),
+            text: method.layout.text().to_owned(),
+            layout: layout.bits().iter().map(|bit| bit.name().to_owned()).collect(),
+            termination: method.termination,
+            key_bits,
+        })?;
+    }
+    let tables = [LengthTable::new(12), LengthTable::new(12)];
+    for pass in 0..PASSES {
+        let eye = (0..WIDTH * HEIGHT).map(|path| (path, header().camera.eye)).collect();
+        let mut rays = closest_queue(pass, 0, eye);
+        for bounce in 0..BOUNCES {
+            let is_last = pass + 1 == PASSES && bounce + 1 == BOUNCES;
+            write_measured(writer, &rays, &tables[0], is_last)?;
+            let points = hit_points(&rays);
+            write_measured(writer, &shadow_queue(pass, bounce, &points), &tables[1], is_last)?;
+            rays = closest_queue(pass, bounce + 1, points);
+        }
+    }
+    let image: Vec<f32> = (0..WIDTH * HEIGHT * 3).map(|i| random(u64::from(i)) as f32).collect();
+    writer.whole_array(&Place::Image, &[u64::from(HEIGHT), u64::from(WIDTH), 3], &image)?;
+    let sha256 = Sha256::digest(bytemuck::cast_slice::<f32, u8>(&image)).into();
+    let digest = ImageDigest { width: WIDTH, height: HEIGHT, sha256 };
+    Ok(End { outcome: Outcome::Complete, image: Some(digest), wall_ns: 1_500_000_000 })
+}
+
+/// Writes `sample.raydump` into a folder.
+pub(crate) fn write(folder: &Path) -> PathBuf {
+    let writer = DumpWriter::create(&folder.join("sample"), header(), false).unwrap();
+    let end = write_all(&writer).unwrap();
+    writer.finish(end).unwrap()
+}

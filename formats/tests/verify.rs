@@ -1,0 +1,290 @@
+//! `verify` accepts what is right and finds each thing that is wrong.
+#![allow(clippy::unwrap_used, reason = "this is test code, also outside test functions")]
+
+mod sample;
+
+use std::fs;
+use std::path::Path;
+
+use formats::length_table::LengthCell;
+use formats::manifest::scan::scan;
+use formats::manifest::{
+    MethodArray, Place, QueueArray, QueueId, Record, SceneArray, encode_frame, preamble,
+};
+use formats::npy;
+use formats::ray::{Hit, Kind, Ray};
+use formats::reader::Dump;
+use formats::verify::{Report, verify};
+
+const CLOSEST: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
+const SHADOW: QueueId = QueueId { pass: 1, bounce: 0, kind: Kind::Shadow };
+
+fn queue(array: QueueArray) -> Place {
+    Place::Queue(CLOSEST, array)
+}
+
+fn shadow(array: QueueArray) -> Place {
+    Place::Queue(SHADOW, array)
+}
+
+fn method(name: &str, array: MethodArray) -> Place {
+    Place::Method(SHADOW, name.to_owned(), array)
+}
+
+fn check(path: &Path) -> Report {
+    verify(&Dump::open(path).unwrap())
+}
+
+/// What the check of this name found, as one text; empty if it found nothing.
+fn problems(report: &Report, name: &str) -> String {
+    let check = report.checks.iter().find(|check| check.name == name).unwrap();
+    check.problems.first.join("\n")
+}
+
+/// Rewrites the records of a manifest.
+fn edit_manifest(path: &Path, mut edit: impl FnMut(&mut Record)) {
+    let manifest = path.join("manifest.bin");
+    let mut bytes = preamble().to_vec();
+    for mut frame in scan(&manifest).unwrap().frames {
+        edit(&mut frame.record);
+        bytes.extend(encode_frame(&frame.record).unwrap());
+    }
+    fs::write(&manifest, bytes).unwrap();
+}
+
+/// Changes the data of an array and its checksum, so that only its meaning is wrong.
+fn edit_array<T: bytemuck::Pod>(path: &Path, place: &Place, edit: impl FnOnce(&mut [T])) {
+    let file = path.join(place.to_string());
+    let bytes = fs::read(&file).unwrap();
+    let data_offset = npy::parse_header(&bytes).unwrap().data_offset;
+    let mut values: Vec<T> = bytemuck::pod_collect_to_vec(&bytes[data_offset..]);
+    edit(&mut values);
+    let data: &[u8] = bytemuck::cast_slice(&values);
+    fs::write(&file, [&bytes[..data_offset], data].concat()).unwrap();
+    edit_manifest(path, |record| match record {
+        Record::Array(array) if array.place == *place => array.crc32c = crc32c::crc32c(data),
+        _ => {}
+    });
+}
+
+/// The sample after `edit`, and whether the check `name` then finds `part`.
+fn assert_found(name: &str, part: &str, edit: impl FnOnce(&Path)) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = sample::write(folder.path());
+    edit(&path);
+    let report = check(&path);
+    assert!(!report.is_ok(), "{name}: expected {part}");
+    let found = problems(&report, name);
+    assert!(found.contains(part), "{name} found {found:?}, expected {part}");
+}
+
+#[test]
+fn a_right_dump_is_right_and_everything_was_looked_at() {
+    let folder = tempfile::tempdir().unwrap();
+    let report = check(&sample::write(folder.path()));
+    assert!(report.is_ok(), "{report:#?}");
+    for check in &report.checks {
+        assert!(check.checked > 0, "{}", check.name);
+        assert!(check.not_checked.is_empty() && check.differences.count == 0, "{check:?}");
+    }
+    let checked = |name| report.checks.iter().find(|check| check.name == name).unwrap().checked;
+    // 4 queues of each kind, each with its table, and two last states.
+    assert_eq!(checked("length tables"), 10);
+    assert!(checked("keys") > 2000 && checked("permutations") > 2000 && checked("hits") > 600);
+}
+
+#[test]
+fn damaged_files_are_found() {
+    let flip = |path: &Path| {
+        let file = path.join(queue(QueueArray::Work).to_string());
+        let mut bytes = fs::read(&file).unwrap();
+        *bytes.last_mut().unwrap() ^= 1;
+        fs::write(&file, bytes).unwrap();
+    };
+    assert_found("files", "work.npy: the checksum of the data is", flip);
+    assert_found("files", "no record names this file", |path| {
+        fs::write(path.join("pass-001/x.npy"), b"").unwrap()
+    });
+    assert_found("files", "rays.npy", |path| {
+        fs::remove_file(path.join(queue(QueueArray::Rays).to_string())).unwrap();
+    });
+}
+
+#[test]
+fn wrong_orders_are_found() {
+    let permutation = method("two-point-adaptive", MethodArray::Permutation);
+    assert_found("permutations", "smaller than the one before", |path| {
+        edit_array::<u32>(path, &permutation, |order| order.reverse());
+    });
+    assert_found("permutations", "at an earlier one", |path| {
+        edit_array::<u32>(path, &permutation, |order| order[1] = order[0]);
+    });
+    assert_found("permutations", "only", |path| {
+        edit_array::<u32>(path, &permutation, |order| order[5] = 70_000);
+    });
+    // 16-bit keys of camera rays, which all start at one point, tie.
+    let camera = QueueId { bounce: 0, ..CLOSEST };
+    let aila = |array| Place::Method(camera, "aila".into(), array);
+    assert_found("permutations", "breaks a tie", |path| {
+        let keys = Dump::open(path).unwrap().array::<u32>(&aila(MethodArray::Keys)).unwrap().to_vec();
+        edit_array::<u32>(path, &aila(MethodArray::Permutation), |order| {
+            let tie =
+                (1..order.len()).find(|&i| keys[order[i] as usize] == keys[order[i - 1] as usize]).unwrap();
+            order.swap(tie - 1, tie);
+        });
+    });
+}
+
+#[test]
+fn wrong_keys_of_every_method_are_found() {
+    for name in ["aila", "two-point-adaptive", "mine"] {
+        assert_found("keys", &format!("{name}/keys.npy: ray 3 has key"), |path| {
+            edit_array::<u32>(path, &method(name, MethodArray::Keys), |keys| keys[3] ^= 1);
+        });
+    }
+    for name in ["two-point", "two-point-real", "light-octahedron"] {
+        assert_found("keys", &format!("{name}/keys.npy: ray 3 has key"), |path| {
+            edit_array::<u64>(path, &method(name, MethodArray::Keys), |keys| keys[3] ^= 1);
+        });
+    }
+}
+
+#[test]
+fn differing_keys_are_counted_where_arithmetic_is_not_ieee() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = sample::write(folder.path());
+    edit_array::<u64>(&path, &method("two-point", MethodArray::Keys), |keys| {
+        keys.iter_mut().for_each(|key| *key ^= 1)
+    });
+    edit_manifest(&path, |record| {
+        if let Record::Header(header) = record {
+            header.ieee_arithmetic = false;
+        }
+    });
+    let report = check(&path);
+    let keys = report.checks.iter().find(|check| check.name == "keys").unwrap();
+    assert_eq!(keys.problems.count, 0);
+    assert!(keys.differences.count > 50 && keys.differences.first.len() == 5, "{keys:?}");
+}
+
+#[test]
+fn wrong_hits_are_found() {
+    let first_hit = |hits: &[Hit]| hits.iter().position(|hit| hit.is_hit() && hit.t > 0.5).unwrap();
+    let edit = |change: fn(&mut Hit)| {
+        move |path: &Path| {
+            edit_array::<Hit>(path, &queue(QueueArray::Hits), |hits| change(&mut hits[first_hit(hits)]));
+        }
+    };
+    assert_found("hits", "away from the triangle's point", edit(|hit| hit.t *= 1.01));
+    assert_found(
+        "hits",
+        "away from the triangle's point",
+        edit(|hit| hit.triangle = (hit.triangle + 5) % 11),
+    );
+    assert_found("hits", "does not exist", edit(|hit| hit.triangle = 11));
+    assert_found("hits", "barycentric", edit(|hit| hit.u += 1.0));
+    assert_found("hits", "outside its t_min", edit(|hit| hit.t = -hit.t));
+    assert_found("hits", "misses", edit(|hit| hit.triangle = Hit::NONE));
+    assert_found("distances", "is stopped at", |path| {
+        edit_array::<f32>(path, &shadow(QueueArray::Distances), |distances| distances[0] = -1.0);
+    });
+}
+
+#[test]
+fn wrong_rays_paths_and_lights_are_found() {
+    assert_found("rays", "no unit vector", |path| {
+        edit_array::<Ray>(path, &queue(QueueArray::Rays), |rays| rays[7].direction[0] += 0.5);
+    });
+    assert_found("path indices", "ascending", |path| {
+        edit_array::<u32>(path, &queue(QueueArray::PathIds), |ids| ids.swap(3, 4));
+    });
+    assert_found("path indices", "below 192", |path| {
+        edit_array::<u32>(path, &queue(QueueArray::PathIds), |ids| *ids.last_mut().unwrap() = 192);
+    });
+    assert_found("lights", "light 3 of 3", |path| {
+        edit_array::<u32>(path, &shadow(QueueArray::Lights), |lights| lights[2] = 3);
+    });
+    assert_found("keys", "its light does not exist", |path| {
+        edit_array::<u32>(path, &shadow(QueueArray::Lights), |lights| lights[2] = 3);
+    });
+}
+
+#[test]
+fn wrong_tables_are_found() {
+    let add = |path: &Path, place: &Place| {
+        edit_array::<LengthCell>(path, place, |cells| cells[0].sum += 1);
+    };
+    assert_found("length tables", "final-lengths.npy: not the table before", |path| {
+        add(path, &queue(QueueArray::FinalLengths));
+    });
+    assert_found("length tables", "bounce-01/closest/lengths.npy: not the table before", |path| {
+        add(path, &queue(QueueArray::Lengths));
+    });
+    assert_found("length tables", "out of order", |path| {
+        edit_array::<LengthCell>(path, &queue(QueueArray::Lengths), |cells| cells.swap(0, 1));
+    });
+    // A hit that moves changes the sums as well.
+    assert_found("length tables", "final-lengths.npy", |path| {
+        edit_array::<Ray>(path, &queue(QueueArray::Rays), |rays| rays[0].origin[0] += 0.5);
+    });
+}
+
+#[test]
+fn wrong_scenes_and_pictures_are_found() {
+    assert_found("scene", "has corners", |path| {
+        edit_array::<u32>(path, &Place::Scene(SceneArray::Triangles), |indices| indices[4] = 99);
+    });
+    assert_found("scene", "leaves the scene's box", |path| {
+        edit_array::<f32>(path, &Place::Scene(SceneArray::Positions), |values| values[0] = f32::NAN);
+    });
+    assert_found("scene", "material 2 of 2", |path| {
+        edit_array::<u32>(path, &Place::Scene(SceneArray::Materials), |materials| materials[0] = 2);
+    });
+    assert_found("image", "SHA-256", |path| {
+        edit_array::<f32>(path, &Place::Image, |values| values[0] += 0.5);
+    });
+}
+
+/// Whatever the header and the methods say, nothing panics and nothing huge is allocated.
+#[test]
+fn absurd_headers_are_found() {
+    let header = |edit: fn(&mut formats::manifest::Header)| {
+        move |path: &Path| {
+            edit_manifest(path, |record| {
+                if let Record::Header(header) = record {
+                    edit(header);
+                }
+            });
+        }
+    };
+    assert_found("header", "60 table bits", header(|header| header.options.table_bits = 60));
+    assert_found("header", "0 × 12", header(|header| header.options.width = 0));
+    assert_found(
+        "header",
+        "gives every ray a cell",
+        header(|header| header.options.table_layout = "light".into()),
+    );
+    assert_found("header", "box goes from", header(|header| header.scene.bounds_max[1] = f32::NAN));
+    assert_found("header", "for 0 lights", header(|header| header.lights.clear()));
+    let methods = |edit: fn(&mut formats::manifest::MethodRecord)| {
+        move |path: &Path| {
+            edit_manifest(path, |record| {
+                if let Record::Method(method) = record {
+                    edit(method);
+                }
+            });
+        }
+    };
+    assert_found("header", "keys of 65 bits", methods(|method| method.key_bits = 65));
+    assert_found("header", "unknown coordinate", methods(|method| method.text = "oq".into()));
+    assert_found("header", "more than 22", methods(|method| method.text = "(ox)*23".into()));
+    assert_found("header", "its bits are not those", methods(|method| method.layout.reverse()));
+    assert_found("queues", "no record of", methods(|method| method.name = format!("x-{}", method.name)));
+    assert_found("queues", "its record has", |path| {
+        edit_manifest(path, |record| {
+            if let Record::Queue(queue) = record {
+                queue.rays += 1;
+            }
+        });
+    });
+}

@@ -1,0 +1,209 @@
+//! `inspector info`: what a recording holds.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use formats::reader::Dump;
+use formats::summary::{Summary, TimingLine};
+
+use crate::output::{count, print, print_json, size, table, time};
+
+pub(crate) fn run(path: &Path, json: bool) -> anyhow::Result<()> {
+    let dump = Dump::open(path)?;
+    let summary = Summary::new(path, dump.manifest());
+    if json {
+        return print_json(&summary);
+    }
+    let parts = [facts(&summary), queues(&summary), timings(&summary), arrays(&summary)];
+    print(&parts.join("\n\n"))
+}
+
+/// What was recorded, line by line.
+fn facts(summary: &Summary) -> String {
+    let options = &summary.options;
+    let state = match (summary.complete, summary.recovered) {
+        (true, _) => "complete",
+        (false, true) => "recovered: the recording was ended early",
+        (false, false) => "not finished: being recorded, or to be recovered",
+    };
+    let took = summary.wall_ns.map_or(String::new(), |ns| format!(" in {}", time(ns as f64)));
+    let mut lines = vec![
+        ("recording", format!("{} ({state})", summary.dump)),
+        (
+            "recorded",
+            format!("by version {}{took}, format {}", summary.program_version, summary.format_version),
+        ),
+    ];
+    lines.extend(scene_lines(summary));
+    lines.push(("backend", backend_line(summary)));
+    lines.push((
+        "options",
+        format!(
+            "camera {}, {}×{}, {} passes ({} kept), {} bounces, {} repeats, seed {}",
+            options.camera,
+            options.width,
+            options.height,
+            options.passes,
+            options.keep_passes,
+            options.bounces,
+            options.repeats,
+            options.seed
+        ),
+    ));
+    lines.push((
+        "",
+        format!(
+            "{}-bit keys, two-point length {}, table of 2^{} cells by {}{}",
+            options.key_bits,
+            options.two_point_length,
+            options.table_bits,
+            options.table_method,
+            if options.russian_roulette { ", Russian roulette" } else { "" }
+        ),
+    ));
+    lines.push(("methods", options.methods.join(", ")));
+    lines.push(("features", or_none(&summary.features.used)));
+    lines.push(("skipped", or_none(&summary.features.skipped)));
+    for check in &summary.self_check {
+        let detail = if check.detail.is_empty() { String::new() } else { format!(" ({})", check.detail) };
+        lines.push(("self-check", format!("{}: {}{detail}", check.name, check.outcome)));
+    }
+    lines.extend(summary.notices.iter().map(|notice| ("notice", notice.clone())));
+    let mut last = "";
+    let aligned = lines.iter().map(|(name, value)| {
+        let shown = if *name == last { "" } else { name };
+        last = name;
+        format!("{shown:<11} {value}")
+    });
+    aligned.collect::<Vec<_>>().join("\n")
+}
+
+fn scene_lines(summary: &Summary) -> Vec<(&'static str, String)> {
+    let scene = &summary.scene;
+    let corner = |point: [f32; 3]| format!("({}, {}, {})", point[0], point[1], point[2]);
+    let image = &summary.image;
+    let hash = image.sha256.as_ref().map_or("no picture".to_owned(), |hash| format!("sha256 {hash}"));
+    vec![
+        (
+            "scene",
+            format!(
+                "{}: {} triangles, {} vertices, {} lights",
+                scene.name,
+                count(scene.triangles),
+                count(scene.vertices),
+                count(scene.lights as u64)
+            ),
+        ),
+        ("", format!("from {} to {}", corner(scene.bounds_min), corner(scene.bounds_max))),
+        ("image", format!("{}×{}, {hash}", image.width, image.height)),
+    ]
+}
+
+fn backend_line(summary: &Summary) -> String {
+    let adapter = &summary.adapter;
+    let driver = if adapter.driver.is_empty() { String::new() } else { format!(", {}", adapter.driver) };
+    let threads = match summary.options.threads {
+        0 => String::new(),
+        1 => ", 1 thread".to_owned(),
+        threads => format!(", {threads} threads"),
+    };
+    format!(
+        "{}: {} ({}, {}{driver}{threads}), kernel {}, timed by {}",
+        summary.backend,
+        adapter.name,
+        adapter.device_type,
+        adapter.backend,
+        summary.options.trace_kernel,
+        summary.time_source
+    )
+}
+
+fn or_none(names: &[String]) -> String {
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+}
+
+fn queues(summary: &Summary) -> String {
+    if summary.queues.is_empty() {
+        return "No queue was complete.".to_owned();
+    }
+    let mut table = table(&["kind", "pass", "bounce", "rays", "methods", "differing results"], 1);
+    for queue in &summary.queues {
+        let differing: u64 = queue.mismatches.iter().map(|mismatch| mismatch.rays).sum();
+        let methods = queue.methods.len().to_string();
+        table.add_row([
+            queue.kind.to_string(),
+            queue.pass.to_string(),
+            queue.bounce.to_string(),
+            count(queue.rays),
+            methods,
+            count(differing),
+        ]);
+    }
+    format!("Queues\n{table}")
+}
+
+/// One line per queue and method, one column per stage that was timed: median ± interquartile range.
+fn timings(summary: &Summary) -> String {
+    if summary.timings.is_empty() {
+        return "Nothing was timed.".to_owned();
+    }
+    const STAGES: [&str; 8] =
+        ["key", "sort", "gather", "trace", "trace_indirect", "accumulate", "generate", "shade"];
+    let timed: Vec<&str> = STAGES
+        .into_iter()
+        .filter(|stage| summary.timings.iter().any(|timing| timing.stage == *stage))
+        .collect();
+    let mut rows: BTreeMap<_, BTreeMap<&str, &TimingLine>> = BTreeMap::new();
+    for timing in &summary.timings {
+        let at_method = summary.options.methods.iter().position(|method| *method == timing.method);
+        let row = (timing.pass, timing.bounce, timing.kind, at_method, timing.method.as_str());
+        rows.entry(row).or_default().insert(timing.stage, timing);
+    }
+    let header: Vec<&str> =
+        ["kind", "method", "pass", "bounce"].into_iter().chain(timed.iter().copied()).collect();
+    let mut table = table(&header, 2);
+    for ((pass, bounce, kind, _, method), stages) in rows {
+        let kind = kind.map_or("–".to_owned(), |kind| kind.to_string());
+        let cells =
+            timed.iter().map(|stage| stages.get(stage).map_or(String::new(), |timing| sample(timing)));
+        table.add_row(
+            [kind, method.to_owned(), pass.to_string(), bounce.to_string()].into_iter().chain(cells),
+        );
+    }
+    format!("Times: median ± interquartile range\n{table}")
+}
+
+fn sample(timing: &TimingLine) -> String {
+    match (timing.median_ns, timing.iqr_ns) {
+        (Some(median_ns), Some(iqr_ns)) if timing.samples > 1 => {
+            format!("{} ± {}", time(median_ns), time(iqr_ns))
+        }
+        (Some(median_ns), _) => time(median_ns),
+        (None, _) => String::new(),
+    }
+}
+
+/// Arrays of one name together: there are hundreds of files, but few kinds of them.
+fn arrays(summary: &Summary) -> String {
+    let mut kinds: BTreeMap<(&str, &str), (u64, u64)> = BTreeMap::new();
+    for array in &summary.arrays {
+        let name = array.path.rsplit('/').next().unwrap_or(&array.path);
+        let (files, bytes) = kinds.entry((name, array.dtype)).or_default();
+        *files += 1;
+        *bytes += array.bytes;
+    }
+    let mut table = table(&["array", "element", "files", "data"], 2);
+    for ((name, dtype), (files, bytes)) in kinds {
+        table.add_row([name.to_owned(), element(dtype), count(files), size(bytes)]);
+    }
+    let bytes = summary.arrays.iter().map(|array| array.bytes).sum();
+    format!("Arrays: {} files, {}\n{table}", count(summary.arrays.len() as u64), size(bytes))
+}
+
+/// An element type, records by their fields: `{t, triangle, u, v}`.
+fn element(dtype: &str) -> String {
+    // Each field is a tuple that starts with its quoted name.
+    let names: Vec<&str> =
+        dtype.split("('").skip(1).filter_map(|field| Some(field.split_once('\'')?.0)).collect();
+    if names.is_empty() { dtype.to_owned() } else { format!("{{{}}}", names.join(", ")) }
+}

@@ -1,0 +1,183 @@
+//! The verbs of the loop: what the wavefront needs from a backend, and no more.
+
+use std::sync::Arc;
+
+use anyhow::Result;
+use formats::key::{Layout, LightSite, Termination};
+use formats::length_table::LengthCell;
+use formats::ray::Kind;
+use formats::unit_space::UnitSpace;
+use scenes::{Camera, Scene};
+
+use crate::stages::shade::tables::ShadeTables;
+
+/// A value and how long the device took to make it.
+#[derive(Clone, Copy, Debug)]
+pub struct Timed<T> {
+    /// The value.
+    pub value: T,
+    /// Nanoseconds, on the device's clock where it has one.
+    pub elapsed_ns: u64,
+}
+
+/// A method as a backend runs it: layout expanded for the scene's lights.
+#[derive(Clone, Debug)]
+pub struct MethodPlan {
+    /// Name in paths and tables.
+    pub name: String,
+    /// What the user typed or KEYS says.
+    pub text: String,
+    /// The key's bits.
+    pub layout: Layout,
+    /// Source of the length estimate.
+    pub termination: Termination,
+    /// Width of the key, 8 to 64.
+    pub key_bits: u32,
+    /// Whether closest rays have such keys.
+    pub for_closest: bool,
+}
+
+impl MethodPlan {
+    /// Whether the method makes sense for this kind of ray.
+    pub fn applies_to(&self, kind: Kind) -> bool {
+        kind == Kind::Shadow || self.for_closest
+    }
+}
+
+/// Everything about a run that kernels depend on.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// Scene arrays for shading.
+    pub tables: Arc<ShadeTables>,
+    /// What the scene uses.
+    pub features: scenes::features::Features,
+    /// World to unit space.
+    pub unit: UnitSpace,
+    /// Where the lights are, by index.
+    pub light_sites: Vec<LightSite>,
+    /// The view.
+    pub camera: Camera,
+    /// Picture width in pixels.
+    pub width: u32,
+    /// Picture height in pixels.
+    pub height: u32,
+    /// Bounces traced; the last has number `bounces − 1`.
+    pub bounces: u32,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Whether dark paths end by chance.
+    pub roulette: bool,
+    /// Methods to measure, in order.
+    pub methods: Vec<MethodPlan>,
+    /// Address bits of the length tables.
+    pub table_bits: u32,
+    /// Layout whose top bits address them.
+    pub table_layout: Layout,
+    /// Length of the plain two-point method, unit lengths.
+    pub two_point_length: f32,
+}
+
+impl Setup {
+    /// Unit space and light sites of a scene.
+    pub fn light_sites(scene: &Scene, unit: &UnitSpace) -> Vec<LightSite> {
+        let site = |light: &scenes::Light| match (light, light.centre(scene)) {
+            (_, Some(centre)) => LightSite::Placed { centre: unit.point(centre) },
+            (scenes::Light::Directional { direction, .. }, None) => LightSite::directional(*direction),
+            (_, None) => LightSite::Environment,
+        };
+        scene.lights.iter().map(site).collect()
+    }
+
+    /// The seed as kernels take it, low word first.
+    pub fn seed_words(&self) -> [u32; 2] {
+        [self.seed as u32, (self.seed >> 32) as u32]
+    }
+}
+
+/// A queue: the live rays of one pass, bounce and kind, in canonical order.
+pub trait Queue {
+    /// Number of rays.
+    fn len(&self) -> usize;
+    /// What they ask for.
+    fn kind(&self) -> Kind;
+    /// Their bounce.
+    fn bounce(&self) -> u32;
+
+    /// Whether no ray is left.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// The queues that a bounce leaves behind.
+#[derive(Debug)]
+pub struct Shaded<R> {
+    /// The paths' next rays.
+    pub next: R,
+    /// Rays to light samples.
+    pub shadow: R,
+}
+
+/// Takes an array's bytes, piece by piece.
+pub type Sink<'a> = dyn FnMut(&[u8]) -> Result<()> + 'a;
+
+/// A device that runs the stages. Queues and everything made of them are opaque.
+pub trait Backend {
+    /// Rays with the state of their paths.
+    type Rays: Queue;
+    /// What tracing a queue in canonical order found.
+    type Hits;
+    /// What tracing it in another order found, brought back to canonical places.
+    type Scattered;
+    /// Keys in canonical order.
+    type Keys;
+    /// A permutation of a queue.
+    type Order;
+    /// Rays copied into another order.
+    type Gathered;
+
+    /// Camera rays of a pass.
+    fn generate(&mut self, pass: u32) -> Result<Timed<Self::Rays>>;
+    /// Traces a queue in canonical order.
+    fn trace(&mut self, rays: &Self::Rays) -> Result<Timed<Self::Hits>>;
+    /// Adds traced lengths to the table of the queue's kind.
+    fn accumulate(&mut self, rays: &Self::Rays, hits: &Self::Hits) -> Result<()>;
+    /// Shades hits: film, next rays, shadow rays.
+    fn shade(&mut self, pass: u32, rays: &Self::Rays, hits: &Self::Hits) -> Result<Timed<Shaded<Self::Rays>>>;
+    /// Adds the light of shadow rays that arrived to the film.
+    fn add_light(&mut self, rays: &Self::Rays, hits: &Self::Hits) -> Result<()>;
+
+    /// Keys of a queue by method number, the query of the length table included.
+    fn key(&mut self, rays: &Self::Rays, hits: &Self::Hits, method: usize) -> Result<Timed<Self::Keys>>;
+    /// Sorts keys, stably.
+    fn sort(&mut self, keys: &Self::Keys) -> Result<Timed<Self::Order>>;
+    /// Copies rays into an order.
+    fn gather(&mut self, rays: &Self::Rays, order: &Self::Order) -> Result<Timed<Self::Gathered>>;
+    /// Traces copied rays; results go to canonical places.
+    fn trace_gathered(&mut self, gathered: &Self::Gathered, order: &Self::Order) -> Result<Timed<Self::Scattered>>;
+    /// Traces rays where they are, in an order; results go to canonical places.
+    fn trace_indirect(&mut self, rays: &Self::Rays, order: &Self::Order) -> Result<Timed<Self::Scattered>>;
+    /// Counts results that differ: all of a hit's fields, for shadow rays the occlusion.
+    fn differences(&mut self, rays: &Self::Rays, hits: &Self::Hits, other: &Self::Scattered) -> Result<u64>;
+    /// Time of [`Backend::accumulate`] on a scratch table.
+    fn time_accumulate(&mut self, rays: &Self::Rays, hits: &Self::Hits) -> Result<u64>;
+
+    /// Bytes of the rays, [`formats::ray::Ray`] each.
+    fn read_rays(&mut self, rays: &Self::Rays, sink: &mut Sink<'_>) -> Result<()>;
+    /// Path index of each ray, u32.
+    fn read_path_ids(&mut self, rays: &Self::Rays, sink: &mut Sink<'_>) -> Result<()>;
+    /// Light index of each shadow ray, u32.
+    fn read_lights(&mut self, rays: &Self::Rays, sink: &mut Sink<'_>) -> Result<()>;
+    /// Bytes of the hits, [`formats::ray::Hit`] each, or f32 distances of shadow rays.
+    fn read_hits(&mut self, hits: &Self::Hits, sink: &mut Sink<'_>) -> Result<()>;
+    /// Work of tracing each ray, [`formats::ray::Work`] each, from an untimed run.
+    fn read_work(&mut self, rays: &Self::Rays, sink: &mut Sink<'_>) -> Result<()>;
+    /// Keys in canonical order, u32 up to 32 bits, else u64.
+    fn read_keys(&mut self, keys: &Self::Keys, sink: &mut Sink<'_>) -> Result<()>;
+    /// The permutation, u32.
+    fn read_order(&mut self, order: &Self::Order, sink: &mut Sink<'_>) -> Result<()>;
+    /// Touched cells of the length table of a kind.
+    fn touched_cells(&mut self, kind: Kind) -> Result<Vec<LengthCell>>;
+    /// The film divided by the number of passes, linear RGB, top row first.
+    fn image(&mut self, passes: u32) -> Result<Vec<[f32; 3]>>;
+}

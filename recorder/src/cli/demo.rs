@@ -1,0 +1,46 @@
+//! `recorder demo`: a first recording without having to know anything.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Args;
+
+use super::record::{DeviceArguments, RecordArguments};
+use crate::recording;
+use crate::report;
+
+/// The built-in scene and a size that takes seconds on two cores.
+const DEMO: [&str; 13] = [
+    "builtin:atrium", "--width", "480", "--height", "270", "--bounces", "4", "--passes", "2", "--repeats", "3", "--force",
+    "--out",
+];
+
+#[derive(Debug, Args)]
+pub(super) struct DemoArguments {
+    /// Folder that the recording, demo.raydump, is put into.
+    #[arg(long, default_value = ".", value_name = "DIR")]
+    out: PathBuf,
+    #[command(flatten)]
+    device: DeviceArguments,
+    /// Print the results as one JSON object on stdout.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(arguments: &DemoArguments) -> Result<()> {
+    let out = arguments.out.join("demo.raydump");
+    let words = DEMO.iter().map(|&word| word.into()).chain([out.into_os_string()]);
+    let options = RecordArguments::parse_words(words)?.with_device(arguments.device.clone()).options()?;
+    let recorded = recording::record(&options)?;
+    if arguments.json {
+        println!("{}", recorded.json()?);
+        return Ok(());
+    }
+    report::print(&recorded);
+    let path = recorded.path.display();
+    println!("\nWhere to look next:");
+    println!("  inspector info {path}       what was recorded");
+    println!("  inspector verify {path}     check every key, permutation and hit of it");
+    println!("  recorder record SCENE.glb --out NAME.raydump     the same for a scene of your own");
+    Ok(())
+}

@@ -1,0 +1,66 @@
+//! The command line: one file per command.
+
+mod adapters;
+mod demo;
+mod record;
+mod scenes;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::options::OptionError;
+
+const EXAMPLES: &str = "\
+Examples:
+  recorder demo
+  recorder record scene.glb --out scene.raydump
+  recorder record 'builtin:atrium?triangles=100000' --out atrium.raydump --preset paper
+  recorder record scene.glb --out x.raydump --methods aila,two-point --method 'mine=(ox oy oz)*4 (u v ex ey ez)*10'
+
+Exit codes: 0 done, 1 failed, 2 the command line makes no sense.";
+
+/// Records what happens to rays when a GPU path tracer reorders them.
+#[derive(Debug, Parser)]
+#[command(name = "recorder", version, about, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Record a built-in scene with all methods and show the results; under a minute without a GPU.
+    Demo(demo::DemoArguments),
+    /// Trace a scene and write a recording.
+    Record(Box<record::RecordArguments>),
+    /// List the adapters of this machine and what the self-check finds.
+    Adapters(adapters::AdaptersArguments),
+    /// List the built-in scenes.
+    Scenes(scenes::ScenesArguments),
+}
+
+/// The options that these words after `recorder record` stand for.
+///
+/// # Errors
+/// As the command line would report them.
+pub fn parse_record(words: impl Iterator<Item = std::ffi::OsString>) -> anyhow::Result<crate::options::RecordOptions> {
+    Ok(record::RecordArguments::parse_words(words)?.options()?)
+}
+
+/// Runs the program on the arguments of the process.
+pub fn run() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Demo(arguments) => demo::run(&arguments),
+        Command::Record(arguments) => record::run(&arguments),
+        Command::Adapters(arguments) => adapters::run(&arguments),
+        Command::Scenes(arguments) => scenes::run(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(if error.is::<OptionError>() { 2 } else { 1 })
+        }
+    }
+}

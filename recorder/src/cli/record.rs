@@ -1,0 +1,177 @@
+//! `recorder record`.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::{Args, FromArgMatches, ValueEnum};
+
+use crate::options::{BackendChoice, Keep, KeepPasses, OptionError, RecordOptions, parse_methods};
+use crate::recording;
+use crate::report;
+use crate::stages::trace::TraceKernel;
+use formats::key::Method;
+
+/// Sets of defaults.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Preset {
+    /// 960×540, 5 bounces, 2 passes, 3 repeats.
+    Quick,
+    /// 1920×1080, 8 bounces, 4 passes, 10 repeats, 32-bit keys: the paper's settings.
+    Paper,
+}
+
+struct PresetValues {
+    width: u32,
+    height: u32,
+    bounces: u32,
+    passes: u32,
+    repeats: u32,
+}
+
+impl Preset {
+    fn values(self) -> PresetValues {
+        match self {
+            Self::Quick => PresetValues { width: 960, height: 540, bounces: 5, passes: 2, repeats: 3 },
+            Self::Paper => PresetValues { width: 1920, height: 1080, bounces: 8, passes: 4, repeats: 10 },
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(super) struct RecordArguments {
+    /// A .gltf or .glb file, or builtin:NAME (see `recorder scenes`).
+    scene: String,
+    /// Folder of the recording; `.raydump` is added if missing.
+    #[arg(long, value_name = "X.raydump")]
+    out: PathBuf,
+    /// Defaults for the size of the run; each value also by its own flag.
+    #[arg(long, value_enum, default_value_t = Preset::Quick)]
+    preset: Preset,
+    /// Picture width in pixels.
+    #[arg(long)]
+    width: Option<u32>,
+    /// Picture height in pixels.
+    #[arg(long)]
+    height: Option<u32>,
+    /// Bounces to trace: 1 is camera rays alone.
+    #[arg(long)]
+    bounces: Option<u32>,
+    /// Samples per pixel; methods are measured in the last pass.
+    #[arg(long)]
+    passes: Option<u32>,
+    /// Timed repeats of every method.
+    #[arg(long)]
+    repeats: Option<u32>,
+    /// Seed of all random numbers.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Camera by name; the scene's first if not given.
+    #[arg(long)]
+    camera: Option<String>,
+    /// Methods to compare, `all` or a list such as aila,two-point; unsorted is always measured.
+    #[arg(long, default_value = "all", value_name = "LIST")]
+    methods: String,
+    /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10'; may be repeated.
+    #[arg(long = "method", value_name = "NAME=LAYOUT")]
+    own_methods: Vec<String>,
+    /// Bits of a key, 8 to 64.
+    #[arg(long, default_value_t = 32)]
+    key_bits: u32,
+    /// Length that two-point assumes, in units of the scene's largest extent.
+    #[arg(long, default_value_t = 0.25)]
+    two_point_length: f32,
+    /// Address bits of the length tables, 8 to 24.
+    #[arg(long, default_value_t = 20)]
+    table_bits: u32,
+    /// Method whose key addresses the length tables.
+    #[arg(long, default_value = "aila", value_name = "METHOD")]
+    table_method: String,
+    #[command(flatten)]
+    device: DeviceArguments,
+    /// Arrays to keep: rays,hits,keys,permutations,lengths,scene,image,work, or none.
+    #[arg(long, default_value = "rays,hits,keys,permutations,lengths,scene,image", value_name = "LIST")]
+    keep: String,
+    /// Passes to keep arrays of.
+    #[arg(long, value_enum, default_value_t = KeepPasses::Measured)]
+    keep_passes: KeepPasses,
+    /// End paths at random by their throughput from the third bounce on.
+    #[arg(long)]
+    russian_roulette: bool,
+    /// Replace an existing recording.
+    #[arg(long)]
+    force: bool,
+    /// Print the results as one JSON object on stdout.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Where and how to trace.
+#[derive(Clone, Debug, Args)]
+pub(super) struct DeviceArguments {
+    /// Where to run: auto takes a hardware GPU that passes the self-check, else the CPU.
+    #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
+    pub(super) backend: BackendChoice,
+    /// GPU by a part of its name, driver or backend (see `recorder adapters`).
+    #[arg(long, value_name = "TEXT")]
+    pub(super) adapter: Option<String>,
+    /// Trace kernel.
+    #[arg(long, value_enum, default_value_t = TraceKernel::Cwbvh)]
+    pub(super) trace: TraceKernel,
+    /// Threads of the CPU backend; all cores if not given.
+    #[arg(long)]
+    pub(super) threads: Option<usize>,
+}
+
+impl RecordArguments {
+    /// As if these words had been typed after `recorder record`.
+    pub(super) fn parse_words(words: impl Iterator<Item = OsString>) -> Result<Self, clap::Error> {
+        let command = Self::augment_args(clap::Command::new("record"));
+        Self::from_arg_matches(&command.try_get_matches_from([OsString::from("record")].into_iter().chain(words))?)
+    }
+
+    /// The same on another device.
+    pub(super) fn with_device(self, device: DeviceArguments) -> Self {
+        Self { device, ..self }
+    }
+
+    pub(super) fn options(&self) -> Result<RecordOptions, OptionError> {
+        let preset = self.preset.values();
+        let options = RecordOptions {
+            scene: self.scene.clone(),
+            out: self.out.clone(),
+            width: self.width.unwrap_or(preset.width),
+            height: self.height.unwrap_or(preset.height),
+            bounces: self.bounces.unwrap_or(preset.bounces),
+            passes: self.passes.unwrap_or(preset.passes),
+            repeats: self.repeats.unwrap_or(preset.repeats),
+            seed: self.seed,
+            camera: self.camera.clone(),
+            methods: parse_methods(&self.methods, &self.own_methods)?,
+            key_bits: self.key_bits,
+            two_point_length: self.two_point_length,
+            table_bits: self.table_bits,
+            table_method: Method::builtin(&self.table_method)?,
+            backend: self.device.backend,
+            adapter: self.device.adapter.clone(),
+            trace: self.device.trace,
+            threads: self.device.threads,
+            keep: Keep::parse(&self.keep)?,
+            keep_passes: self.keep_passes,
+            russian_roulette: self.russian_roulette,
+            force: self.force,
+        };
+        options.check()?;
+        Ok(options)
+    }
+}
+
+pub(super) fn run(arguments: &RecordArguments) -> Result<()> {
+    let recorded = recording::record(&arguments.options()?)?;
+    if arguments.json {
+        println!("{}", recorded.json()?);
+    } else {
+        report::print(&recorded);
+    }
+    Ok(())
+}

@@ -1,0 +1,45 @@
+//! `recorder scenes`.
+
+use anyhow::Result;
+use clap::Args;
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{ContentArrangement, Table};
+
+#[derive(Debug, Args)]
+pub(super) struct ScenesArguments {
+    /// Print the list as JSON on stdout.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(arguments: &ScenesArguments) -> Result<()> {
+    let scenes = scenes::builtin::list();
+    if arguments.json {
+        let list: Vec<_> = scenes
+            .iter()
+            .map(|scene| {
+                serde_json::json!({
+                    "name": scene.name,
+                    "description": scene.description,
+                    "default_triangles": scene.default_triangles,
+                    "most_triangles": scene.most_triangles,
+                })
+            })
+            .collect();
+        println!("{}", serde_json::to_string_pretty(&list)?);
+        return Ok(());
+    }
+    let mut table = Table::new();
+    table.load_style(UTF8_HORIZONTAL_ONLY).set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_header(["scene", "triangles", "up to", "what it shows"]);
+    for scene in scenes {
+        table.add_row([
+            format!("builtin:{}", scene.name),
+            scene.default_triangles.to_string(),
+            scene.most_triangles.to_string(),
+            scene.description.to_owned(),
+        ]);
+    }
+    println!("{table}\nAsk for another size with builtin:NAME?triangles=N.");
+    Ok(())
+}

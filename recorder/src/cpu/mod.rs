@@ -1,0 +1,331 @@
+//! The backend on native threads.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use anyhow::Result;
+use formats::key::Encoder;
+use formats::length_table::{LengthCell, LengthTable};
+use formats::ray::{Hit, Kind, Ray};
+use glam::Vec3;
+
+use crate::backend::{Backend, Queue, Setup, Shaded, Sink, Timed};
+use crate::stages::key::Keys;
+use crate::stages::key::cpu::{Lengths, encode};
+use crate::stages::shade::cpu::{Compacted, Paths};
+use crate::stages::shared::{PathState, ShadowState};
+use crate::stages::trace::cpu::{CpuTracer, ScatteredDistances, ScatteredHits};
+use crate::stages::{accumulate, gather, generate, shade, sort};
+
+/// Bytes that are handed to a sink at once.
+const SINK_BYTES: usize = 4 << 20;
+
+/// Runs every stage on the threads of the current rayon pool.
+pub struct CpuBackend {
+    setup: Arc<Setup>,
+    tracer: CpuTracer,
+    encoders: Vec<Encoder>,
+    cells: Encoder,
+    tables: [LengthTable; 2],
+    scratch_tables: [LengthTable; 2],
+    film: Vec<Vec3>,
+}
+
+/// A queue on the CPU.
+#[derive(Debug)]
+pub enum CpuRays {
+    /// Closest rays of a bounce.
+    Closest(u32, Compacted<PathState>),
+    /// Shadow rays of a bounce.
+    Shadow(u32, Compacted<ShadowState>),
+}
+
+/// Results of a queue in canonical order.
+#[derive(Debug)]
+pub enum CpuHits {
+    /// Of closest rays.
+    Closest(Vec<Hit>),
+    /// Distances to the occluders of shadow rays, `+inf` for none.
+    Shadow(Vec<f32>),
+}
+
+/// Results that were written from another order.
+#[derive(Debug)]
+pub enum CpuScattered {
+    /// Of closest rays.
+    Closest(ScatteredHits),
+    /// Of shadow rays.
+    Shadow(ScatteredDistances),
+}
+
+/// Rays copied into another order.
+#[derive(Debug)]
+pub struct CpuGathered {
+    kind: Kind,
+    rays: Vec<Ray>,
+}
+
+impl CpuRays {
+    fn rays(&self) -> &[Ray] {
+        match self {
+            Self::Closest(_, queue) => &queue.rays,
+            Self::Shadow(_, queue) => &queue.rays,
+        }
+    }
+
+    fn path_ids(&self) -> &[u32] {
+        match self {
+            Self::Closest(_, queue) => &queue.path_ids,
+            Self::Shadow(_, queue) => &queue.path_ids,
+        }
+    }
+
+    fn light(&self, index: usize) -> u32 {
+        match self {
+            Self::Closest(..) => 0,
+            Self::Shadow(_, queue) => queue.states[index].light,
+        }
+    }
+}
+
+impl Queue for CpuRays {
+    fn len(&self) -> usize {
+        self.rays().len()
+    }
+
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Closest(..) => Kind::Closest,
+            Self::Shadow(..) => Kind::Shadow,
+        }
+    }
+
+    fn bounce(&self) -> u32 {
+        match self {
+            Self::Closest(bounce, _) | Self::Shadow(bounce, _) => *bounce,
+        }
+    }
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> Timed<T> {
+    let start = Instant::now();
+    let value = work();
+    Timed { value, elapsed_ns: start.elapsed().as_nanos() as u64 }
+}
+
+impl CpuBackend {
+    /// A backend for one run.
+    pub fn new(setup: Arc<Setup>, tracer: CpuTracer) -> Self {
+        let encoder = |layout, bits| Encoder::new(layout, bits, setup.unit, &setup.light_sites);
+        let encoders = setup.methods.iter().map(|method| encoder(&method.layout, method.key_bits)).collect();
+        let cells = encoder(&setup.table_layout, setup.table_bits);
+        let tables = || [LengthTable::new(setup.table_bits), LengthTable::new(setup.table_bits)];
+        Self {
+            tables: tables(),
+            scratch_tables: tables(),
+            encoders,
+            cells,
+            tracer,
+            film: vec![Vec3::ZERO; setup.width as usize * setup.height as usize],
+            setup,
+        }
+    }
+
+    fn traced_length(&self, rays: &CpuRays, hits: &CpuHits, index: usize) -> f32 {
+        let ray = &rays.rays()[index];
+        match hits {
+            CpuHits::Closest(hits) => self.setup.unit.closest_length(ray, &hits[index]),
+            CpuHits::Shadow(distances) => self.setup.unit.shadow_length(ray, distances[index]),
+        }
+    }
+
+    fn add_lengths(&self, table: &LengthTable, rays: &CpuRays, hits: &CpuHits) {
+        accumulate::on_threads(table, &self.cells, rays.rays(), |index| self.traced_length(rays, hits, index));
+    }
+}
+
+impl Backend for CpuBackend {
+    type Rays = CpuRays;
+    type Hits = CpuHits;
+    type Scattered = CpuScattered;
+    type Keys = KeysOfWidth;
+    type Order = Vec<u32>;
+    type Gathered = CpuGathered;
+
+    fn generate(&mut self, pass: u32) -> Result<Timed<CpuRays>> {
+        let params = generate::params(&self.setup, pass);
+        let generated = timed(|| generate::cpu::generate(&params));
+        let count = generated.value.len();
+        let queue = Compacted {
+            rays: generated.value,
+            path_ids: (0..count as u32).collect(),
+            states: vec![PathState { color: [1.0; 3], density: 0.0 }; count],
+        };
+        Ok(Timed { value: CpuRays::Closest(0, queue), elapsed_ns: generated.elapsed_ns })
+    }
+
+    fn trace(&mut self, rays: &CpuRays) -> Result<Timed<CpuHits>> {
+        Ok(match rays {
+            CpuRays::Closest(_, queue) => {
+                let mut hits = vec![Hit::MISS; queue.rays.len()];
+                let elapsed_ns = timed(|| self.tracer.closest(&queue.rays, &mut hits)).elapsed_ns;
+                Timed { value: CpuHits::Closest(hits), elapsed_ns }
+            }
+            CpuRays::Shadow(_, queue) => {
+                let mut distances = vec![f32::INFINITY; queue.rays.len()];
+                let elapsed_ns = timed(|| self.tracer.occlusion(&queue.rays, &mut distances)).elapsed_ns;
+                Timed { value: CpuHits::Shadow(distances), elapsed_ns }
+            }
+        })
+    }
+
+    fn accumulate(&mut self, rays: &CpuRays, hits: &CpuHits) -> Result<()> {
+        self.add_lengths(&self.tables[rays.kind() as usize], rays, hits);
+        Ok(())
+    }
+
+    fn shade(&mut self, pass: u32, rays: &CpuRays, hits: &CpuHits) -> Result<Timed<Shaded<CpuRays>>> {
+        let (CpuRays::Closest(bounce, queue), CpuHits::Closest(hits)) = (rays, hits) else {
+            anyhow::bail!("only closest rays are shaded");
+        };
+        let params = shade::params(&self.setup, pass, *bounce);
+        let paths = Paths { rays: &queue.rays, hits, path_ids: &queue.path_ids, states: &queue.states };
+        let shaded = timed(|| shade::cpu::shade(&self.setup.tables, &self.setup.features, &params, paths, &mut self.film));
+        let (next, shadow) = shaded.value;
+        let value = Shaded { next: CpuRays::Closest(bounce + 1, next), shadow: CpuRays::Shadow(*bounce, shadow) };
+        Ok(Timed { value, elapsed_ns: shaded.elapsed_ns })
+    }
+
+    fn add_light(&mut self, rays: &CpuRays, hits: &CpuHits) -> Result<()> {
+        let (CpuRays::Shadow(_, queue), CpuHits::Shadow(distances)) = (rays, hits) else {
+            anyhow::bail!("only shadow rays bring light");
+        };
+        shade::cpu::add_light(&queue.path_ids, &queue.states, distances, &mut self.film);
+        Ok(())
+    }
+
+    fn key(&mut self, rays: &CpuRays, hits: &CpuHits, method: usize) -> Result<Timed<KeysOfWidth>> {
+        let plan = &self.setup.methods[method];
+        let real = |index: usize| self.traced_length(rays, hits, index);
+        let table = &self.tables[rays.kind() as usize];
+        let lengths = Lengths::of(plan.termination, self.setup.two_point_length, table, &self.cells, &real);
+        let made = timed(|| encode(&self.encoders[method], plan.key_bits, rays.rays(), &lengths, |index| rays.light(index)));
+        Ok(Timed { value: KeysOfWidth { keys: made.value, bits: plan.key_bits }, elapsed_ns: made.elapsed_ns })
+    }
+
+    fn sort(&mut self, keys: &KeysOfWidth) -> Result<Timed<Vec<u32>>> {
+        Ok(timed(|| match &keys.keys {
+            Keys::Narrow(narrow) => sort::cpu::sort_u32(narrow, keys.bits),
+            Keys::Wide(wide) => sort::cpu::sort_u64(wide, keys.bits),
+        }))
+    }
+
+    fn gather(&mut self, rays: &CpuRays, order: &Vec<u32>) -> Result<Timed<CpuGathered>> {
+        let kind = rays.kind();
+        Ok(timed(|| CpuGathered { kind, rays: gather::on_threads(rays.rays(), order) }))
+    }
+
+    fn trace_gathered(&mut self, gathered: &CpuGathered, order: &Vec<u32>) -> Result<Timed<CpuScattered>> {
+        let count = order.len();
+        Ok(match gathered.kind {
+            Kind::Closest => {
+                let hits = ScatteredHits::new(count);
+                let elapsed_ns = timed(|| self.tracer.closest_gathered(&gathered.rays, order, &hits)).elapsed_ns;
+                Timed { value: CpuScattered::Closest(hits), elapsed_ns }
+            }
+            Kind::Shadow => {
+                let distances = ScatteredDistances::new(count);
+                let elapsed_ns = timed(|| self.tracer.occlusion_gathered(&gathered.rays, order, &distances)).elapsed_ns;
+                Timed { value: CpuScattered::Shadow(distances), elapsed_ns }
+            }
+        })
+    }
+
+    fn trace_indirect(&mut self, rays: &CpuRays, order: &Vec<u32>) -> Result<Timed<CpuScattered>> {
+        let count = order.len();
+        Ok(match rays {
+            CpuRays::Closest(_, queue) => {
+                let hits = ScatteredHits::new(count);
+                let elapsed_ns = timed(|| self.tracer.closest_indirect(&queue.rays, order, &hits)).elapsed_ns;
+                Timed { value: CpuScattered::Closest(hits), elapsed_ns }
+            }
+            CpuRays::Shadow(_, queue) => {
+                let distances = ScatteredDistances::new(count);
+                let elapsed_ns = timed(|| self.tracer.occlusion_indirect(&queue.rays, order, &distances)).elapsed_ns;
+                Timed { value: CpuScattered::Shadow(distances), elapsed_ns }
+            }
+        })
+    }
+
+    fn differences(&mut self, _rays: &CpuRays, hits: &CpuHits, other: &CpuScattered) -> Result<u64> {
+        match (hits, other) {
+            (CpuHits::Closest(hits), CpuScattered::Closest(other)) => Ok(other.differences(hits)),
+            (CpuHits::Shadow(distances), CpuScattered::Shadow(other)) => Ok(other.differences(distances)),
+            _ => anyhow::bail!("results of different kinds were compared"),
+        }
+    }
+
+    fn time_accumulate(&mut self, rays: &CpuRays, hits: &CpuHits) -> Result<u64> {
+        Ok(timed(|| self.add_lengths(&self.scratch_tables[rays.kind() as usize], rays, hits)).elapsed_ns)
+    }
+
+    fn read_rays(&mut self, rays: &CpuRays, sink: &mut Sink<'_>) -> Result<()> {
+        in_pieces(bytemuck::cast_slice(rays.rays()), sink)
+    }
+
+    fn read_path_ids(&mut self, rays: &CpuRays, sink: &mut Sink<'_>) -> Result<()> {
+        in_pieces(bytemuck::cast_slice(rays.path_ids()), sink)
+    }
+
+    fn read_lights(&mut self, rays: &CpuRays, sink: &mut Sink<'_>) -> Result<()> {
+        let CpuRays::Shadow(_, queue) = rays else {
+            anyhow::bail!("only shadow rays have lights");
+        };
+        for states in queue.states.chunks(SINK_BYTES / 4) {
+            let lights: Vec<u32> = states.iter().map(|state| state.light).collect();
+            sink(bytemuck::cast_slice(&lights))?;
+        }
+        Ok(())
+    }
+
+    fn read_hits(&mut self, hits: &CpuHits, sink: &mut Sink<'_>) -> Result<()> {
+        match hits {
+            CpuHits::Closest(hits) => in_pieces(bytemuck::cast_slice(hits), sink),
+            CpuHits::Shadow(distances) => in_pieces(bytemuck::cast_slice(distances), sink),
+        }
+    }
+
+    fn read_work(&mut self, rays: &CpuRays, sink: &mut Sink<'_>) -> Result<()> {
+        in_pieces(bytemuck::cast_slice(&self.tracer.work(rays.rays(), rays.kind())), sink)
+    }
+
+    fn read_keys(&mut self, keys: &KeysOfWidth, sink: &mut Sink<'_>) -> Result<()> {
+        match &keys.keys {
+            Keys::Narrow(keys) => in_pieces(bytemuck::cast_slice(keys), sink),
+            Keys::Wide(keys) => in_pieces(bytemuck::cast_slice(keys), sink),
+        }
+    }
+
+    fn read_order(&mut self, order: &Vec<u32>, sink: &mut Sink<'_>) -> Result<()> {
+        in_pieces(bytemuck::cast_slice(order), sink)
+    }
+
+    fn touched_cells(&mut self, kind: Kind) -> Result<Vec<LengthCell>> {
+        Ok(self.tables[kind as usize].touched())
+    }
+
+    fn image(&mut self, passes: u32) -> Result<Vec<[f32; 3]>> {
+        Ok(self.film.iter().map(|pixel| (*pixel * (1.0 / passes as f32)).to_array()).collect())
+    }
+}
+
+/// Keys and how many bits of them count.
+#[derive(Debug)]
+pub struct KeysOfWidth {
+    keys: Keys,
+    bits: u32,
+}
+
+fn in_pieces(bytes: &[u8], sink: &mut Sink<'_>) -> Result<()> {
+    bytes.chunks(SINK_BYTES).try_for_each(sink)
+}

@@ -1,0 +1,256 @@
+//! Where a recording runs: opened, checked, described for the manifest.
+
+use anyhow::{Context, Result, bail};
+use formats::manifest::{Adapter, Backend as BackendName, Check};
+use scenes::Scene;
+use scenes::bvh::{Bvh, BvhKind};
+use sysinfo::System;
+
+use crate::backend::Setup;
+use crate::gpu::self_check::SelfCheck;
+use crate::gpu::{AdapterRequest, Gpu, GpuError};
+use crate::options::{BackendChoice, RecordOptions};
+use crate::stages::trace::TraceKernel;
+
+/// Where stages run.
+pub enum Device {
+    /// Native threads.
+    Cpu(CpuDevice),
+    /// An adapter that passed its self-check.
+    Gpu(GpuDevice),
+}
+
+/// Native threads.
+pub struct CpuDevice {
+    /// The threads.
+    pub pool: rayon::ThreadPool,
+    /// What `auto` passed over on the way here.
+    passed_over: Option<String>,
+}
+
+/// An adapter and what its self-check found.
+pub struct GpuDevice {
+    /// The adapter.
+    pub gpu: Gpu,
+    /// What it does and does not.
+    pub self_check: SelfCheck,
+}
+
+/// Opens the device that the options ask for.
+///
+/// # Errors
+/// If there is none, or its self-check fails.
+pub fn open(options: &RecordOptions) -> Result<Device> {
+    let request = match (&options.adapter, options.backend) {
+        (Some(name), _) => AdapterRequest::Named(name.clone()),
+        (None, BackendChoice::Gpu) => AdapterRequest::Any,
+        (None, BackendChoice::Auto) if options.trace == TraceKernel::RayQuery => AdapterRequest::Hardware,
+        (None, BackendChoice::Auto) => return open_auto(options),
+        (None, BackendChoice::Cpu) => return open_cpu(options, None),
+    };
+    open_gpu(&request, options.trace)
+}
+
+fn open_auto(options: &RecordOptions) -> Result<Device> {
+    match open_gpu(&AdapterRequest::Hardware, options.trace) {
+        Ok(device) => Ok(device),
+        // No hardware is what auto is for; a card that fails is worth a word.
+        Err(error) => {
+            let is_absent = matches!(error.downcast_ref(), Some(GpuError::NoAdapter | GpuError::NoHardware { .. }));
+            let passed_over = (!is_absent).then(|| format!("the GPU was passed over: {error:#}"));
+            open_cpu(options, passed_over)
+        }
+    }
+}
+
+fn open_gpu(request: &AdapterRequest, trace: TraceKernel) -> Result<Device> {
+    let gpu = if trace == TraceKernel::RayQuery { Gpu::open_with_ray_query(request)? } else { Gpu::open(request)? };
+    let self_check = SelfCheck::run(&gpu)?;
+    Ok(Device::Gpu(GpuDevice { gpu, self_check }))
+}
+
+fn open_cpu(options: &RecordOptions, passed_over: Option<String>) -> Result<Device> {
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0));
+    let pool = builder.build().context("starting the threads of the cpu backend")?;
+    Ok(Device::Cpu(CpuDevice { pool, passed_over }))
+}
+
+/// The hierarchy that a trace kernel walks, from the cache where it is there; `ray-query` has its own.
+///
+/// # Errors
+/// If it cannot be built.
+pub fn hierarchy(scene: &Scene, trace: TraceKernel) -> Result<Option<Bvh>> {
+    let kind = match trace {
+        TraceKernel::Cwbvh => BvhKind::Cwbvh,
+        TraceKernel::Bvh2 => BvhKind::Bvh2,
+        TraceKernel::RayQuery => return Ok(None),
+    };
+    let folder = scenes::bvh::default_cache_folder();
+    let (bvh, _) = scenes::bvh::load_or_build(scene, kind, folder.as_deref())?;
+    Ok(Some(bvh))
+}
+
+/// Bytes of CPU memory that a run needs per pixel: two queues of closest and one of shadow rays
+/// with state and results, a sorted copy, keys, sort buffers, the film.
+const CPU_BYTES_PER_PIXEL: u64 = 2 * 52 + 52 + 2 * 16 + 32 + 4 * 16 + 12;
+/// Bytes of CPU memory that a scene needs per triangle: its arrays twice, leaf triangles, nodes.
+const CPU_BYTES_PER_TRIANGLE: u64 = 2 * 64 + 48 + 80;
+/// Bytes per item of the largest arrays on the GPU: a half of a ray, four words of a triangle.
+const GPU_BYTES_PER_ITEM: u64 = 16;
+
+impl Device {
+    /// Refuses what cannot fit, before anything runs.
+    ///
+    /// # Errors
+    /// If it does not fit, with the limit.
+    pub fn check_capacity(&self, setup: &Setup, scene: &Scene, options: &RecordOptions) -> Result<()> {
+        let pixels = u64::from(setup.width) * u64::from(setup.height);
+        let size = format!("{}×{}", setup.width, setup.height);
+        match self {
+            Self::Cpu(_) => {
+                let needed = pixels * CPU_BYTES_PER_PIXEL + scene.triangles.len() as u64 * CPU_BYTES_PER_TRIANGLE;
+                // Where the system does not tell, nothing is refused.
+                let available = System::new().map_or(0, |mut system| {
+                    system.refresh_memory();
+                    system.available_memory()
+                });
+                if available > 0 && needed > available {
+                    bail!(
+                        "{size} pixels and {} triangles need about {} MiB of memory, but only {} MiB are free; ask for a smaller picture or scene",
+                        scene.triangles.len(),
+                        needed >> 20,
+                        available >> 20
+                    );
+                }
+            }
+            Self::Gpu(device) => {
+                let limits = &device.gpu.adapter().limits;
+                let limit = limits.storage_binding_bytes.min(limits.buffer_bytes);
+                let items = [
+                    ("pixels", format!("{size} pixels"), pixels),
+                    ("vertices", format!("{} vertices", scene.positions.len()), scene.positions.len() as u64),
+                    ("triangles", format!("{} triangles", scene.triangles.len()), scene.triangles.len() as u64),
+                ];
+                for (_, what, count) in items {
+                    let needed = count * GPU_BYTES_PER_ITEM;
+                    if needed > limit {
+                        bail!(
+                            "{what} need a storage binding of {} MiB, but {} allows {} MiB; ask for less, or use --backend cpu",
+                            needed.div_ceil(1 << 20),
+                            device.gpu.adapter().title(),
+                            limit >> 20
+                        );
+                    }
+                }
+            }
+        }
+        if options.keep.rays && pixels >= u64::from(u32::MAX) {
+            bail!("{size} pixels are more than path indices of 32 bits can name; ask for a smaller picture");
+        }
+        Ok(())
+    }
+
+    /// What the user should know.
+    pub fn notices(&self) -> Vec<String> {
+        match self {
+            Self::Cpu(device) => device.passed_over.iter().cloned().collect(),
+            Self::Gpu(device) if device.gpu.adapter().is_software() => {
+                vec![format!("{} computes on the CPU: its times say nothing about graphics cards", device.gpu.adapter().name)]
+            }
+            Self::Gpu(_) => Vec::new(),
+        }
+    }
+
+    /// For the manifest.
+    pub fn backend(&self) -> BackendName {
+        match self {
+            Self::Cpu(_) => BackendName::Cpu,
+            Self::Gpu(_) => BackendName::Gpu,
+        }
+    }
+
+    /// For the manifest.
+    pub fn adapter(&self) -> Adapter {
+        match self {
+            Self::Cpu(_) => {
+                let name = System::new().ok().and_then(|mut system| {
+                    system.refresh_cpu_all();
+                    system.cpus().first().map(|cpu| cpu.brand().trim().to_owned())
+                });
+                Adapter {
+                    name: name.filter(|name| !name.is_empty()).unwrap_or_else(|| std::env::consts::ARCH.to_owned()),
+                    driver: String::new(),
+                    device_type: "cpu".into(),
+                    backend: "threads".into(),
+                }
+            }
+            Self::Gpu(device) => {
+                let adapter = device.gpu.adapter();
+                Adapter {
+                    name: adapter.name.clone(),
+                    driver: format!("{} {}", adapter.driver, adapter.driver_info).trim().to_owned(),
+                    device_type: adapter.device_type.clone(),
+                    backend: adapter.backend.clone(),
+                }
+            }
+        }
+    }
+
+    /// For the manifest.
+    pub fn limits(&self) -> Vec<(String, u64)> {
+        match self {
+            Self::Cpu(_) => Vec::new(),
+            Self::Gpu(device) => {
+                let limits = &device.gpu.adapter().limits;
+                [
+                    ("buffer_bytes", limits.buffer_bytes),
+                    ("storage_binding_bytes", limits.storage_binding_bytes),
+                    ("storage_bindings", limits.storage_bindings.into()),
+                    ("workgroup_bytes", limits.workgroup_bytes.into()),
+                    ("workgroup_threads", limits.workgroup_threads.into()),
+                    ("workgroups_per_axis", limits.workgroups_per_axis.into()),
+                ]
+                .map(|(name, limit)| (name.to_owned(), limit))
+                .to_vec()
+            }
+        }
+    }
+
+    /// For the manifest.
+    pub fn self_check(&self) -> Vec<Check> {
+        match self {
+            Self::Cpu(_) => Vec::new(),
+            Self::Gpu(device) => device
+                .self_check
+                .checks
+                .iter()
+                .map(|check| Check { name: check.name.to_owned(), outcome: check.outcome.name().to_owned(), detail: check.detail.clone() })
+                .collect(),
+        }
+    }
+
+    /// Whether keys must equal those of IEEE arithmetic.
+    pub fn ieee_arithmetic(&self) -> bool {
+        match self {
+            Self::Cpu(_) => true,
+            Self::Gpu(device) => device.self_check.ieee_division && !device.self_check.contracts,
+        }
+    }
+
+    /// For the manifest.
+    pub fn time_source(&self) -> String {
+        match self {
+            Self::Gpu(device) if device.gpu.adapter().timestamps => "gpu timestamps".to_owned(),
+            Self::Gpu(_) => "monotonic clock around submissions".to_owned(),
+            Self::Cpu(_) => "monotonic clock".to_owned(),
+        }
+    }
+
+    /// Threads of the cpu backend; 0 on a GPU.
+    pub fn threads(&self) -> u32 {
+        match self {
+            Self::Cpu(device) => device.pool.current_num_threads() as u32,
+            Self::Gpu(_) => 0,
+        }
+    }
+}

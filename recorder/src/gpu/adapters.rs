@@ -1,0 +1,2 @@
+//! temporary
+pub fn reports() -> Vec<String> { vec![] }

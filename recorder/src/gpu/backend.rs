@@ -1,0 +1,475 @@
+//! The backend on a GPU.
+
+use std::sync::Arc;
+
+use anyhow::{Context, Result, bail};
+use formats::length_table::LengthCell;
+use formats::ray::{Kind, Ray};
+use scenes::Scene;
+use scenes::bvh::Bvh;
+
+use super::kernels::Kernels;
+use super::run::ItemRange;
+use super::scene::SceneArrays;
+use super::table::GpuTable;
+use super::{DeviceArray, Gpu, Kernel, Readback, StageRun};
+use crate::backend::{Backend, Queue, Setup, Shaded, Sink, Timed};
+use crate::stages::compact::gpu::Scan;
+use crate::stages::shared::{GenerateParams, ShadeParams, Span};
+use crate::stages::sort::gpu::{SortKeys, Sorter};
+use crate::stages::trace::TraceKernel;
+use crate::stages::trace::gpu::{Order, Tracer};
+use crate::stages::{generate, key, shade};
+
+/// Threads of a workgroup, in every kernel here.
+const WORKGROUP: u32 = 64;
+/// Rays that are read back at once where halves have to be joined.
+const JOIN_RAYS: usize = 1 << 18;
+
+/// Runs every stage as a compute kernel.
+pub struct GpuBackend {
+    gpu: Gpu,
+    setup: Arc<Setup>,
+    kernels: Kernels,
+    tracer: Tracer,
+    sorter: Sorter,
+    scan: Scan,
+    scene: SceneArrays,
+    light_sites: DeviceArray<crate::stages::shared::LightSiteData>,
+    film: DeviceArray<[f32; 4]>,
+    tables: [GpuTable; 2],
+    scratch_tables: Option<[GpuTable; 2]>,
+    scratch: Scratch,
+}
+
+/// Arrays for one ray per pixel that every queue uses anew.
+struct Scratch {
+    candidates: [Candidates; 2],
+    places: DeviceArray<u32>,
+    keys_low: DeviceArray<u32>,
+    keys_high: Option<DeviceArray<u32>>,
+    gathered_origins: DeviceArray<[f32; 4]>,
+    gathered_directions: DeviceArray<[f32; 4]>,
+    hits: DeviceArray<[u32; 4]>,
+    distances: DeviceArray<f32>,
+    counter: DeviceArray<u32>,
+}
+
+/// What shading writes at the place of each path: shadow rays, next rays.
+struct Candidates {
+    origins: DeviceArray<[f32; 4]>,
+    directions: DeviceArray<[f32; 4]>,
+    states: DeviceArray<[u32; 4]>,
+    flags: DeviceArray<u32>,
+}
+
+/// A queue on the GPU.
+pub struct GpuRays {
+    kind: Kind,
+    bounce: u32,
+    count: usize,
+    pub(crate) origins: DeviceArray<[f32; 4]>,
+    pub(crate) directions: DeviceArray<[f32; 4]>,
+    path_ids: DeviceArray<u32>,
+    states: DeviceArray<[u32; 4]>,
+}
+
+/// Results in canonical order.
+pub enum GpuHits {
+    /// t, triangle, u, v of closest rays.
+    Closest(DeviceArray<[u32; 4]>),
+    /// Distances of shadow rays.
+    Shadow(DeviceArray<f32>),
+}
+
+/// Keys in the scratch arrays.
+pub struct GpuKeys {
+    keys: SortKeys,
+    count: usize,
+}
+
+/// A permutation.
+pub struct GpuOrder {
+    permutation: DeviceArray<u32>,
+    count: usize,
+}
+
+/// Gathered rays in the scratch arrays.
+pub struct GpuGathered {
+    kind: Kind,
+}
+
+impl Queue for GpuRays {
+    fn len(&self) -> usize {
+        self.count
+    }
+
+    fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    fn bounce(&self) -> u32 {
+        self.bounce
+    }
+}
+
+impl GpuHits {
+    fn array(&self) -> wgpu::BindingResource<'_> {
+        match self {
+            Self::Closest(array) => array.binding(),
+            Self::Shadow(array) => array.binding(),
+        }
+    }
+}
+
+impl Candidates {
+    fn new(gpu: &Gpu, queue: &str, pixels: usize) -> Result<Self> {
+        let label = |array: &str| format!("shade::{queue}_{array}");
+        Ok(Self {
+            origins: gpu.array(&label("origins"), pixels)?,
+            directions: gpu.array(&label("directions"), pixels)?,
+            states: gpu.array(&label("states"), pixels)?,
+            flags: gpu.array(&label("flags"), pixels)?,
+        })
+    }
+}
+
+impl Scratch {
+    fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
+        let pixels = setup.width as usize * setup.height as usize;
+        let wide = setup.methods.iter().any(|method| method.key_bits > 32);
+        Ok(Self {
+            candidates: [Candidates::new(gpu, "shadow", pixels)?, Candidates::new(gpu, "next", pixels)?],
+            places: gpu.array("compact::places", pixels)?,
+            keys_low: gpu.array("key::low", pixels)?,
+            keys_high: wide.then(|| gpu.array("key::high", pixels)).transpose()?,
+            gathered_origins: gpu.array("gather::origins", pixels)?,
+            gathered_directions: gpu.array("gather::directions", pixels)?,
+            hits: gpu.array("trace::scattered_hits", pixels)?,
+            distances: gpu.array("trace::scattered_distances", pixels)?,
+            counter: gpu.array("measure::counter", 1)?,
+        })
+    }
+}
+
+impl GpuBackend {
+    /// A backend for one run; `bvh` is what the trace kernel walks, none for `ray-query`.
+    ///
+    /// # Errors
+    /// If something does not fit the adapter, or the driver refuses a kernel.
+    pub fn new(gpu: Gpu, scene: &Scene, bvh: Option<&Bvh>, setup: Arc<Setup>, kernel: TraceKernel) -> Result<Self> {
+        let pixels = setup.width as usize * setup.height as usize;
+        let sites: Vec<_> = setup.light_sites.iter().map(key::gpu::site_data).collect();
+        let tables = [GpuTable::new(&gpu, setup.table_bits)?, GpuTable::new(&gpu, setup.table_bits)?];
+        Ok(Self {
+            kernels: Kernels::new(&gpu, &setup)?,
+            scene: SceneArrays::new(&gpu, &setup.tables)?,
+            tracer: Tracer::new(&gpu, scene, bvh, kernel)?,
+            sorter: Sorter::new(&gpu)?,
+            scan: Scan::new(&gpu)?,
+            light_sites: gpu.array_of("key::light_sites", &sites)?,
+            film: gpu.array("film", pixels)?,
+            scratch: Scratch::new(&gpu, &setup)?,
+            scratch_tables: None,
+            tables,
+            setup,
+            gpu,
+        })
+    }
+
+    fn add_spans(&self, run: &mut StageRun<'_>, kernel: &Kernel, resources: &[wgpu::BindingResource<'_>], count: usize) -> Result<()> {
+        let group = kernel.bind(&self.gpu, 0, resources)?;
+        let total = count as u32;
+        run.dispatch_chunks(kernel, &[&group], ItemRange::new(total, WORKGROUP), |chunk| Span {
+            first: chunk.first,
+            count: chunk.count,
+            total,
+            unused: 0,
+        });
+        Ok(())
+    }
+
+    /// Runs a kernel over spans of `count` items.
+    fn run_spans(&self, kernel: &Kernel, resources: &[wgpu::BindingResource<'_>], count: usize) -> Result<u64> {
+        let mut run = self.gpu.stage(kernel.label());
+        self.add_spans(&mut run, kernel, resources, count)?;
+        Ok(run.finish()?.elapsed_ns)
+    }
+
+    fn compact(&self, candidates: &Candidates, path_ids: &DeviceArray<u32>, count: usize, kind: Kind, bounce: u32) -> Result<(GpuRays, u64)> {
+        let scanned = self.scan.run(&self.gpu, &candidates.flags, &self.scratch.places, count)?;
+        let live = scanned.total as usize;
+        let rays = GpuRays {
+            kind,
+            bounce,
+            count: live,
+            origins: self.gpu.array("queue::origins", live)?,
+            directions: self.gpu.array("queue::directions", live)?,
+            path_ids: self.gpu.array("queue::path_ids", live)?,
+            states: self.gpu.array("queue::states", live)?,
+        };
+        let resources = [
+            candidates.flags.binding(),
+            self.scratch.places.binding(),
+            candidates.origins.binding(),
+            candidates.directions.binding(),
+            candidates.states.binding(),
+            path_ids.binding(),
+            rays.origins.binding(),
+            rays.directions.binding(),
+            rays.states.binding(),
+            rays.path_ids.binding(),
+        ];
+        let elapsed_ns = self.run_spans(&self.kernels.compact, &resources, count)?;
+        Ok((rays, scanned.elapsed_ns + elapsed_ns))
+    }
+
+    fn add_lengths(&self, rays: &GpuRays, hits: &GpuHits, table: &GpuTable) -> Result<u64> {
+        let resources = [
+            rays.origins.binding(),
+            rays.directions.binding(),
+            hits.array(),
+            table.sums_low.binding(),
+            table.sums_high.binding(),
+            table.counts.binding(),
+        ];
+        self.run_spans(&self.kernels.accumulate[rays.kind as usize], &resources, rays.count)
+    }
+
+    fn trace_in(&mut self, kind: Kind, order: Order<'_>, origins: &DeviceArray<[f32; 4]>, directions: &DeviceArray<[f32; 4]>, count: usize) -> Result<Timed<GpuHits>> {
+        let results = match kind {
+            Kind::Closest => GpuHits::Closest(self.scratch.hits.clone()),
+            Kind::Shadow => GpuHits::Shadow(self.scratch.distances.clone()),
+        };
+        let elapsed_ns = self.tracer.trace(&self.gpu, kind, order, origins, directions, results.array(), count)?;
+        Ok(Timed { value: results, elapsed_ns })
+    }
+
+    fn read_words(&self, array: &DeviceArray<u32>, count: usize, sink: &mut Sink<'_>) -> Result<()> {
+        Readback::new(&self.gpu).read_chunks(array, 0..count, sink)
+    }
+}
+
+impl Backend for GpuBackend {
+    type Rays = GpuRays;
+    type Hits = GpuHits;
+    type Scattered = GpuHits;
+    type Keys = GpuKeys;
+    type Order = GpuOrder;
+    type Gathered = GpuGathered;
+
+    fn generate(&mut self, pass: u32) -> Result<Timed<GpuRays>> {
+        let params = generate::params(&self.setup, pass);
+        let count = params.count as usize;
+        let rays = GpuRays {
+            kind: Kind::Closest,
+            bounce: 0,
+            count,
+            origins: self.gpu.array("queue::origins", count)?,
+            directions: self.gpu.array("queue::directions", count)?,
+            path_ids: self.gpu.array("queue::path_ids", count)?,
+            states: self.gpu.array("queue::states", count)?,
+        };
+        let kernel = &self.kernels.generate;
+        let resources = [rays.origins.binding(), rays.directions.binding(), rays.path_ids.binding(), rays.states.binding()];
+        let group = kernel.bind(&self.gpu, 0, &resources)?;
+        let mut run = self.gpu.stage(kernel.label());
+        run.dispatch_chunks(kernel, &[&group], ItemRange::new(params.count, WORKGROUP), |chunk| GenerateParams {
+            first: chunk.first,
+            count: chunk.count,
+            ..params
+        });
+        let elapsed_ns = run.finish()?.elapsed_ns;
+        Ok(Timed { value: rays, elapsed_ns })
+    }
+
+    fn trace(&mut self, rays: &GpuRays) -> Result<Timed<GpuHits>> {
+        let results = match rays.kind {
+            Kind::Closest => GpuHits::Closest(self.gpu.array("trace::hits", rays.count)?),
+            Kind::Shadow => GpuHits::Shadow(self.gpu.array("trace::distances", rays.count)?),
+        };
+        let elapsed_ns = self.tracer.trace(&self.gpu, rays.kind, Order::Canonical, &rays.origins, &rays.directions, results.array(), rays.count)?;
+        Ok(Timed { value: results, elapsed_ns })
+    }
+
+    fn accumulate(&mut self, rays: &GpuRays, hits: &GpuHits) -> Result<()> {
+        self.add_lengths(rays, hits, &self.tables[rays.kind as usize])?;
+        Ok(())
+    }
+
+    fn shade(&mut self, pass: u32, rays: &GpuRays, hits: &GpuHits) -> Result<Timed<Shaded<GpuRays>>> {
+        let params = shade::params(&self.setup, pass, rays.bounce);
+        let scene = &self.scene;
+        let mut resources = vec![rays.directions.binding(), rays.path_ids.binding(), rays.states.binding(), hits.array()];
+        resources.extend([scene.triangles.binding(), scene.positions.binding(), scene.materials.binding(), scene.emitters.binding()]);
+        resources.extend(scene.normals.iter().map(DeviceArray::binding));
+        if let Some(textures) = &scene.textures {
+            resources.extend([textures.uvs.binding(), textures.textures.binding(), textures.texels.binding()]);
+        }
+        resources.push(self.film.binding());
+        for candidates in &self.scratch.candidates {
+            resources.extend([candidates.origins.binding(), candidates.directions.binding(), candidates.states.binding(), candidates.flags.binding()]);
+        }
+        let kernel = &self.kernels.shade;
+        let group = kernel.bind(&self.gpu, 0, &resources)?;
+        let mut run = self.gpu.stage(kernel.label());
+        run.dispatch_chunks(kernel, &[&group], ItemRange::new(rays.count as u32, WORKGROUP), |chunk| ShadeParams {
+            first: chunk.first,
+            count: chunk.count,
+            ..params
+        });
+        let shade_ns = run.finish()?.elapsed_ns;
+        let [shadow, next] = &self.scratch.candidates;
+        let (shadow, shadow_ns) = self.compact(shadow, &rays.path_ids, rays.count, Kind::Shadow, rays.bounce)?;
+        let (next, next_ns) = self.compact(next, &rays.path_ids, rays.count, Kind::Closest, rays.bounce + 1)?;
+        Ok(Timed { value: Shaded { next, shadow }, elapsed_ns: shade_ns + shadow_ns + next_ns })
+    }
+
+    fn add_light(&mut self, rays: &GpuRays, hits: &GpuHits) -> Result<()> {
+        let resources = [rays.path_ids.binding(), rays.states.binding(), hits.array(), self.film.binding()];
+        self.run_spans(&self.kernels.add_light, &resources, rays.count)?;
+        Ok(())
+    }
+
+    fn key(&mut self, rays: &GpuRays, hits: &GpuHits, method: usize) -> Result<Timed<GpuKeys>> {
+        let plan = &self.setup.methods[method];
+        let kernel = self.kernels.key[method][rays.kind as usize].as_ref();
+        let kernel = kernel.with_context(|| format!("method '{}' has no keys for {} rays", plan.name, rays.kind))?;
+        let inputs = key::gpu::KeyInputs::of(plan);
+        let mut resources = vec![rays.origins.binding(), rays.directions.binding()];
+        if inputs.table {
+            let table = &self.tables[rays.kind as usize];
+            resources.extend([table.sums_low.binding(), table.sums_high.binding(), table.counts.binding()]);
+        }
+        if inputs.results {
+            resources.push(hits.array());
+        }
+        if inputs.lights {
+            resources.extend([rays.states.binding(), self.light_sites.binding()]);
+        }
+        let high = self.scratch.keys_high.as_ref().filter(|_| plan.key_bits > 32);
+        resources.push(self.scratch.keys_low.binding());
+        resources.extend(high.map(DeviceArray::binding));
+        let elapsed_ns = self.run_spans(kernel, &resources, rays.count)?;
+        let keys = SortKeys { low: self.scratch.keys_low.clone(), high: high.cloned(), bits: plan.key_bits };
+        Ok(Timed { value: GpuKeys { keys, count: rays.count }, elapsed_ns })
+    }
+
+    fn sort(&mut self, keys: &GpuKeys) -> Result<Timed<GpuOrder>> {
+        let sorted = self.sorter.sort(&self.gpu, &keys.keys, keys.count)?;
+        Ok(Timed { value: GpuOrder { permutation: sorted.permutation, count: keys.count }, elapsed_ns: sorted.elapsed_ns })
+    }
+
+    fn gather(&mut self, rays: &GpuRays, order: &GpuOrder) -> Result<Timed<GpuGathered>> {
+        let resources = [
+            order.permutation.binding(),
+            rays.origins.binding(),
+            rays.directions.binding(),
+            self.scratch.gathered_origins.binding(),
+            self.scratch.gathered_directions.binding(),
+        ];
+        let elapsed_ns = self.run_spans(&self.kernels.gather, &resources, rays.count)?;
+        Ok(Timed { value: GpuGathered { kind: rays.kind }, elapsed_ns })
+    }
+
+    fn trace_gathered(&mut self, gathered: &GpuGathered, order: &GpuOrder) -> Result<Timed<GpuHits>> {
+        let (origins, directions) = (self.scratch.gathered_origins.clone(), self.scratch.gathered_directions.clone());
+        self.trace_in(gathered.kind, Order::Gathered(&order.permutation), &origins, &directions, order.count)
+    }
+
+    fn trace_indirect(&mut self, rays: &GpuRays, order: &GpuOrder) -> Result<Timed<GpuHits>> {
+        self.trace_in(rays.kind, Order::Indirect(&order.permutation), &rays.origins, &rays.directions, rays.count)
+    }
+
+    fn differences(&mut self, rays: &GpuRays, hits: &GpuHits, other: &GpuHits) -> Result<u64> {
+        let kernel = &self.kernels.differences[rays.kind as usize];
+        let mut run = self.gpu.stage(kernel.label());
+        run.clear(&self.scratch.counter);
+        self.add_spans(&mut run, kernel, &[hits.array(), other.array(), self.scratch.counter.binding()], rays.count)?;
+        run.submit()?;
+        Ok(self.gpu.read_vec(&self.scratch.counter)?.iter().map(|&count| u64::from(count)).sum())
+    }
+
+    fn time_accumulate(&mut self, rays: &GpuRays, hits: &GpuHits) -> Result<u64> {
+        let bits = self.setup.table_bits;
+        if self.scratch_tables.is_none() {
+            self.scratch_tables = Some([GpuTable::new(&self.gpu, bits)?, GpuTable::new(&self.gpu, bits)?]);
+        }
+        let tables = self.scratch_tables.as_ref().context("the scratch tables were just made")?;
+        self.add_lengths(rays, hits, &tables[rays.kind as usize])
+    }
+
+    fn read_rays(&mut self, rays: &GpuRays, sink: &mut Sink<'_>) -> Result<()> {
+        let mut readback = Readback::new(&self.gpu);
+        let mut joined = Vec::with_capacity(JOIN_RAYS.min(rays.count));
+        for first in (0..rays.count).step_by(JOIN_RAYS) {
+            let range = first..rays.count.min(first + JOIN_RAYS);
+            let origins = readback.read_vec(&rays.origins, range.clone())?;
+            let directions = readback.read_vec(&rays.directions, range)?;
+            joined.clear();
+            joined.extend(origins.iter().zip(&directions).map(|(&[ox, oy, oz, t_min], &[dx, dy, dz, t_max])| Ray {
+                origin: [ox, oy, oz],
+                t_min,
+                direction: [dx, dy, dz],
+                t_max,
+            }));
+            sink(bytemuck::cast_slice(&joined))?;
+        }
+        Ok(())
+    }
+
+    fn read_path_ids(&mut self, rays: &GpuRays, sink: &mut Sink<'_>) -> Result<()> {
+        self.read_words(&rays.path_ids, rays.count, sink)
+    }
+
+    fn read_lights(&mut self, rays: &GpuRays, sink: &mut Sink<'_>) -> Result<()> {
+        if rays.kind != Kind::Shadow {
+            bail!("only shadow rays have lights");
+        }
+        Readback::new(&self.gpu).read_chunks(&rays.states, 0..rays.count, |bytes| {
+            let lights: Vec<u8> = bytes.chunks_exact(16).flat_map(|state| &state[12..]).copied().collect();
+            sink(&lights)
+        })
+    }
+
+    fn read_hits(&mut self, hits: &GpuHits, sink: &mut Sink<'_>) -> Result<()> {
+        let mut readback = Readback::new(&self.gpu);
+        match hits {
+            GpuHits::Closest(array) => readback.read_chunks(array, 0..array.len(), sink),
+            GpuHits::Shadow(array) => readback.read_chunks(array, 0..array.len(), sink),
+        }
+    }
+
+    fn read_work(&mut self, rays: &GpuRays, sink: &mut Sink<'_>) -> Result<()> {
+        let work = self.tracer.work(&self.gpu, rays.kind, &rays.origins, &rays.directions, rays.count)?;
+        Readback::new(&self.gpu).read_chunks(&work, 0..rays.count, sink)
+    }
+
+    fn read_keys(&mut self, keys: &GpuKeys, sink: &mut Sink<'_>) -> Result<()> {
+        let Some(high) = &keys.keys.high else {
+            return self.read_words(&keys.keys.low, keys.count, sink);
+        };
+        let mut readback = Readback::new(&self.gpu);
+        for first in (0..keys.count).step_by(JOIN_RAYS) {
+            let range = first..keys.count.min(first + JOIN_RAYS);
+            let low = readback.read_vec(&keys.keys.low, range.clone())?;
+            let high = readback.read_vec(high, range)?;
+            let joined: Vec<u64> = low.iter().zip(&high).map(|(&low, &high)| u64::from(high) << 32 | u64::from(low)).collect();
+            sink(bytemuck::cast_slice(&joined))?;
+        }
+        Ok(())
+    }
+
+    fn read_order(&mut self, order: &GpuOrder, sink: &mut Sink<'_>) -> Result<()> {
+        self.read_words(&order.permutation, order.count, sink)
+    }
+
+    fn touched_cells(&mut self, kind: Kind) -> Result<Vec<LengthCell>> {
+        Ok(self.tables[kind as usize].touched(&self.gpu)?)
+    }
+
+    fn image(&mut self, passes: u32) -> Result<Vec<[f32; 3]>> {
+        let scale = 1.0 / passes as f32;
+        Ok(self.gpu.read_vec(&self.film)?.iter().map(|&[r, g, b, _]| [r * scale, g * scale, b * scale]).collect())
+    }
+}

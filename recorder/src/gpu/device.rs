@@ -1,0 +1,455 @@
+//! One adapter, opened: its description, its limits, and its errors as `Err` of the call that ran.
+
+use std::panic::AssertUnwindSafe;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::ThreadId;
+
+use serde::Serialize;
+
+use super::GpuError;
+
+/// Which adapter to open.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum AdapterRequest {
+    /// The best hardware GPU; software adapters are passed over.
+    Hardware,
+    /// The best hardware GPU, else a software adapter.
+    Any,
+    /// The first whose name, driver or backend contains this text, whatever the case.
+    Named(String),
+}
+
+/// What an adapter is and how much it allows; this goes into the manifest.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct AdapterDescription {
+    /// The card, as the driver calls it.
+    pub name: String,
+    /// Name of the driver.
+    pub driver: String,
+    /// Version of the driver, in its own words.
+    pub driver_info: String,
+    /// `vulkan`, `metal` or `dx12`.
+    pub backend: String,
+    /// `discrete`, `integrated`, `virtual`, `software` or `other`.
+    pub device_type: String,
+    /// Vendor, mostly a PCI id.
+    pub vendor_id: u32,
+    /// Device, mostly a PCI id.
+    pub device_id: u32,
+    /// Fewest threads in a subgroup.
+    pub subgroup_min_size: u32,
+    /// Most threads in a subgroup.
+    pub subgroup_max_size: u32,
+    /// Whether compute shaders may use subgroup operations.
+    pub subgroups: bool,
+    /// Whether the device can say how long a pass took.
+    pub timestamps: bool,
+    /// Whether traversal by the driver (`ray-query`) is offered.
+    pub ray_query: bool,
+    /// The limits that decide what fits.
+    pub limits: AdapterLimits,
+}
+
+/// The limits that decide what fits on an adapter.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct AdapterLimits {
+    /// Bytes of the largest buffer.
+    pub buffer_bytes: u64,
+    /// Bytes of a buffer that one kernel can see through one binding.
+    pub storage_binding_bytes: u64,
+    /// Storage buffers that one kernel can see.
+    pub storage_bindings: u32,
+    /// Bytes of memory that the threads of a workgroup share.
+    pub workgroup_bytes: u32,
+    /// Threads of a workgroup.
+    pub workgroup_threads: u32,
+    /// Workgroups of a dispatch, along each axis.
+    pub workgroups_per_axis: u32,
+}
+
+impl AdapterDescription {
+    /// Describes an adapter without opening it.
+    pub fn of(adapter: &wgpu::Adapter) -> Self {
+        let info = adapter.get_info();
+        let features = adapter.features();
+        let limits = adapter.limits();
+        Self {
+            name: info.name,
+            driver: info.driver,
+            driver_info: info.driver_info,
+            backend: info.backend.to_str().to_owned(),
+            device_type: device_type_name(info.device_type).to_owned(),
+            vendor_id: info.vendor,
+            device_id: info.device,
+            subgroup_min_size: info.subgroup_min_size,
+            subgroup_max_size: info.subgroup_max_size,
+            subgroups: features.contains(wgpu::Features::SUBGROUP),
+            timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
+            ray_query: features.contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY),
+            limits: AdapterLimits {
+                buffer_bytes: limits.max_buffer_size,
+                storage_binding_bytes: limits.max_storage_buffer_binding_size,
+                storage_bindings: limits.max_storage_buffers_per_shader_stage,
+                workgroup_bytes: limits.max_compute_workgroup_storage_size,
+                workgroup_threads: limits.max_compute_invocations_per_workgroup,
+                workgroups_per_axis: limits.max_compute_workgroups_per_dimension,
+            },
+        }
+    }
+
+    /// Name and driver, as error messages give them.
+    pub fn title(&self) -> String {
+        let version = [self.driver.as_str(), self.driver_info.as_str()];
+        let version: Vec<&str> = version.into_iter().filter(|text| !text.is_empty()).collect();
+        format!("{} ({}, {})", self.name, version.join(" "), self.backend)
+    }
+
+    /// Whether the adapter computes on the CPU.
+    pub fn is_software(&self) -> bool {
+        self.device_type == device_type_name(wgpu::DeviceType::Cpu)
+    }
+
+    /// Whether the text occurs in the name, the driver or the backend, whatever the case.
+    fn matches(&self, wanted: &str) -> bool {
+        let wanted = wanted.to_lowercase();
+        [&self.name, &self.driver, &self.driver_info, &self.backend]
+            .into_iter()
+            .any(|text| text.to_lowercase().contains(&wanted))
+    }
+}
+
+/// A device that is open, with the queue that work is sent to.
+#[derive(Debug)]
+pub struct Gpu {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    adapter: AdapterDescription,
+    limits: wgpu::Limits,
+    faults: Arc<Mutex<Faults>>,
+}
+
+/// What wgpu reported outside of any return value, until the call that caused it picks it up.
+#[derive(Debug, Default)]
+struct Faults {
+    /// Errors, with the thread whose call raised them: wgpu reports on the calling thread.
+    errors: Vec<(ThreadId, wgpu::Error)>,
+    /// Why the device was lost; stays for good.
+    lost: Option<String>,
+}
+
+impl Gpu {
+    /// Opens an adapter with all of its own limits, and the features that the stages use.
+    ///
+    /// # Errors
+    /// When there is no such adapter, or it cannot be opened.
+    pub fn open(request: &AdapterRequest) -> Result<Self, GpuError> {
+        Self::open_adapter(&choose(request)?, wgpu::Features::empty())
+    }
+
+    /// As [`Gpu::open`], with traversal by the driver (`ray-query`).
+    ///
+    /// # Errors
+    /// As [`Gpu::open`], and [`GpuError::MissingFeature`] where the adapter has no ray query.
+    pub fn open_with_ray_query(request: &AdapterRequest) -> Result<Self, GpuError> {
+        let adapter = choose(request)?;
+        let description = AdapterDescription::of(&adapter);
+        if !description.ray_query {
+            return Err(GpuError::MissingFeature {
+                adapter: description.title(),
+                feature: "ray query",
+                remedy: "use --trace cwbvh or --trace bvh2",
+            });
+        }
+        Self::open_adapter(&adapter, wgpu::Features::EXPERIMENTAL_RAY_QUERY)
+    }
+
+    /// Opens this very adapter with `extra` features, which it must offer.
+    pub(super) fn open_adapter(adapter: &wgpu::Adapter, extra: wgpu::Features) -> Result<Self, GpuError> {
+        let description = AdapterDescription::of(adapter);
+        if !adapter.features().contains(wgpu::Features::IMMEDIATES) {
+            return Err(GpuError::MissingFeature {
+                adapter: description.title(),
+                feature: "immediate data (push constants)",
+                remedy: "use another adapter or --backend cpu",
+            });
+        }
+        let optional = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::SUBGROUP;
+        let features = wgpu::Features::IMMEDIATES | extra | (adapter.features() & optional);
+        let limits = adapter.limits();
+        let experimental = if extra.contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY) {
+            // SAFETY: ray query is used by our own kernels alone, which keep to its call order.
+            unsafe { wgpu::ExperimentalFeatures::enabled() }
+        } else {
+            wgpu::ExperimentalFeatures::disabled()
+        };
+        let opening = adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("rayscope"),
+            required_features: features,
+            required_limits: limits.clone(),
+            experimental_features: experimental,
+            ..Default::default()
+        });
+        let (device, queue) = pollster::block_on(opening)
+            .map_err(|source| GpuError::Open { adapter: description.title(), source })?;
+        let faults = Arc::new(Mutex::new(Faults::default()));
+        listen(&device, &faults);
+        Ok(Self { device, queue, adapter: description, limits, faults })
+    }
+
+    /// wgpu's device, for what has no helper here. Follow up with [`Gpu::check`].
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// wgpu's queue, for what has no helper here. Follow up with [`Gpu::check`].
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+
+    /// What was opened.
+    pub fn adapter(&self) -> &AdapterDescription {
+        &self.adapter
+    }
+
+    /// All limits of the device, which are the adapter's own.
+    pub fn limits(&self) -> &wgpu::Limits {
+        &self.limits
+    }
+
+    /// Whether the device was opened with these features.
+    pub fn has(&self, features: wgpu::Features) -> bool {
+        self.device.features().contains(features)
+    }
+
+    /// Turns what wgpu reported on this thread since the last check into an error.
+    /// `running` says what was being done, as in "compiling sort::scatter".
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`], [`GpuError::OutOfMemory`] or [`GpuError::Refused`].
+    pub fn check(&self, running: &str) -> Result<(), GpuError> {
+        let errors = self.take_errors();
+        if !errors.is_empty() {
+            // What follows from a lost device is reported as "invalid"; only a poll says why.
+            let _ = self.poll(wgpu::PollType::Poll);
+        }
+        let faults = lock(&self.faults);
+        if let Some(reason) = &faults.lost {
+            return Err(GpuError::Lost {
+                adapter: self.adapter.title(),
+                running: running.to_owned(),
+                reason: reason.clone(),
+            });
+        }
+        // The first error is the cause; those after it mostly follow from it.
+        match errors.into_iter().next() {
+            None => Ok(()),
+            Some(wgpu::Error::OutOfMemory { .. }) => {
+                Err(GpuError::OutOfMemory { adapter: self.adapter.title(), running: running.to_owned() })
+            }
+            Some(error) => Err(GpuError::Refused {
+                adapter: self.adapter.title(),
+                running: running.to_owned(),
+                description: error.to_string(),
+            }),
+        }
+    }
+
+    /// Sends commands to the device without waiting for them.
+    ///
+    /// # Errors
+    /// As [`Gpu::check`].
+    pub fn submit(
+        &self,
+        running: &str,
+        commands: wgpu::CommandBuffer,
+    ) -> Result<wgpu::SubmissionIndex, GpuError> {
+        let submission = self.queue.submit([commands]);
+        self.check(running)?;
+        Ok(submission)
+    }
+
+    /// Waits until the device has done what was submitted, up to `submission` if one is given.
+    ///
+    /// # Errors
+    /// As [`Gpu::check`].
+    pub fn wait(&self, running: &str, submission: Option<wgpu::SubmissionIndex>) -> Result<(), GpuError> {
+        let wait = wgpu::PollType::Wait { submission_index: submission, timeout: None };
+        let waited = self.poll(wait);
+        self.check(running)?;
+        waited.map_err(|description| GpuError::Refused {
+            adapter: self.adapter.title(),
+            running: running.to_owned(),
+            description,
+        })
+    }
+
+    /// Takes the errors that calls on this thread have raised.
+    fn take_errors(&self) -> Vec<wgpu::Error> {
+        let here = std::thread::current().id();
+        let mut faults = lock(&self.faults);
+        let mine = faults.errors.extract_if(.., |(thread, _)| *thread == here);
+        mine.map(|(_, error)| error).collect()
+    }
+
+    /// Polls the device; `Err` says in words what went wrong.
+    fn poll(&self, poll: wgpu::PollType) -> Result<(), String> {
+        // wgpu panics when it finds the device lost; nothing of ours is left half-changed by that.
+        match std::panic::catch_unwind(AssertUnwindSafe(|| self.device.poll(poll))) {
+            Ok(Ok(_)) => Ok(()),
+            Ok(Err(error)) => Err(error.to_string()),
+            Err(_) => Err("the wait for the device broke off".to_owned()),
+        }
+    }
+}
+
+/// All adapters of this machine, the best first: hardware before software, discrete before
+/// integrated, Vulkan and Metal before DX12.
+pub(super) fn enumerate() -> Vec<wgpu::Adapter> {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = wgpu::Backends::PRIMARY;
+    // Vulkan's validation layers cost time and are not what debug builds of this program test.
+    descriptor.flags = wgpu::InstanceFlags::empty().with_env();
+    let instance = wgpu::Instance::new(descriptor);
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
+    adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
+    adapters
+}
+
+fn rank(info: &wgpu::AdapterInfo) -> (u32, u32) {
+    let by_type = match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    };
+    (by_type, u32::from(info.backend == wgpu::Backend::Dx12))
+}
+
+fn choose(request: &AdapterRequest) -> Result<wgpu::Adapter, GpuError> {
+    let adapters = enumerate();
+    if adapters.is_empty() {
+        return Err(GpuError::NoAdapter);
+    }
+    let described: Vec<_> = adapters.iter().map(AdapterDescription::of).collect();
+    let chosen = described.iter().position(|adapter| match request {
+        AdapterRequest::Hardware => !adapter.is_software(),
+        AdapterRequest::Any => true,
+        AdapterRequest::Named(wanted) => adapter.matches(wanted),
+    });
+    match chosen {
+        Some(index) => Ok(adapters[index].clone()),
+        None => {
+            let titles: Vec<_> = described.iter().map(AdapterDescription::title).collect();
+            let found = titles.join("; ");
+            Err(match request {
+                AdapterRequest::Named(wanted) => GpuError::NoSuchAdapter { wanted: wanted.clone(), found },
+                AdapterRequest::Hardware | AdapterRequest::Any => GpuError::NoHardware { found },
+            })
+        }
+    }
+}
+
+/// Collects what wgpu would otherwise panic about.
+fn listen(device: &wgpu::Device, faults: &Arc<Mutex<Faults>>) {
+    let errors = Arc::clone(faults);
+    device.on_uncaptured_error(Arc::new(move |error| {
+        lock(&errors).errors.push((std::thread::current().id(), error));
+    }));
+    let lost = Arc::clone(faults);
+    device.set_device_lost_callback(move |reason, message| {
+        lock(&lost).lost.get_or_insert(format!("{reason:?} {message}").trim().to_owned());
+    });
+}
+
+/// The lock, also after a panic elsewhere: faults are only ever added or taken whole.
+fn lock(faults: &Mutex<Faults>) -> MutexGuard<'_, Faults> {
+    faults.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn device_type_name(device_type: wgpu::DeviceType) -> &'static str {
+    match device_type {
+        wgpu::DeviceType::DiscreteGpu => "discrete",
+        wgpu::DeviceType::IntegratedGpu => "integrated",
+        wgpu::DeviceType::VirtualGpu => "virtual",
+        wgpu::DeviceType::Cpu => "software",
+        wgpu::DeviceType::Other => "other",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{AdapterRequest, Gpu};
+    use crate::gpu::{GpuError, test_gpu};
+
+    #[test]
+    fn an_adapter_is_found_by_part_of_its_name_in_any_case() {
+        let name = test_gpu().adapter().name.clone();
+        let part = name.chars().take(6).collect::<String>().to_uppercase();
+        let gpu = Gpu::open(&AdapterRequest::Named(part)).unwrap();
+        assert_eq!(gpu.adapter().name, name);
+    }
+
+    #[test]
+    fn an_unknown_adapter_is_refused_with_those_that_there_are() {
+        let error = Gpu::open(&AdapterRequest::Named("abacus".into())).unwrap_err();
+        let text = error.to_string();
+        assert!(text.contains("\"abacus\"") && text.contains(&test_gpu().adapter().name), "{text}");
+    }
+
+    #[test]
+    fn hardware_is_not_software() {
+        match Gpu::open(&AdapterRequest::Hardware) {
+            Ok(gpu) => assert!(!gpu.adapter().is_software()),
+            Err(error) => assert!(matches!(error, GpuError::NoHardware { .. }), "{error}"),
+        }
+    }
+
+    #[test]
+    fn ray_query_is_opened_where_it_is_offered_and_refused_elsewhere() {
+        match Gpu::open_with_ray_query(&AdapterRequest::Any) {
+            Ok(gpu) => assert!(gpu.has(wgpu::Features::EXPERIMENTAL_RAY_QUERY)),
+            Err(error) => {
+                assert!(!test_gpu().adapter().ray_query, "{error}");
+                assert!(matches!(error, GpuError::MissingFeature { .. }), "{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_wgpu_refuses_is_an_error_of_the_call_and_of_no_later_one() {
+        let gpu = Gpu::open(&AdapterRequest::Any).unwrap();
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::STORAGE;
+        let broken = wgpu::BufferDescriptor {
+            label: Some("test::broken"),
+            size: 16,
+            usage,
+            mapped_at_creation: false,
+        };
+        let _buffer = gpu.device().create_buffer(&broken);
+        let elsewhere = std::thread::scope(|scope| scope.spawn(|| gpu.check("b")).join().unwrap());
+        assert!(elsewhere.is_ok(), "another thread's call is blamed: {elsewhere:?}");
+        let error = gpu.check("making a broken buffer").unwrap_err();
+        assert!(error.to_string().contains("making a broken buffer"), "{error}");
+        gpu.check("the next call").unwrap();
+    }
+
+    #[test]
+    fn a_lost_device_is_an_error_with_what_was_being_run() {
+        let gpu = Gpu::open(&AdapterRequest::Any).unwrap();
+        let array = gpu.array::<u32>("test::array", 4).unwrap();
+        gpu.device().destroy();
+        let error = gpu.read_vec(&array).unwrap_err();
+        assert!(matches!(error, GpuError::Lost { .. }), "{error}");
+        assert!(error.to_string().contains("reading test::array"), "{error}");
+    }
+
+    #[test]
+    fn an_array_beyond_the_limits_is_refused_with_the_limit() {
+        let gpu = test_gpu();
+        let limit = gpu.adapter().limits.storage_binding_bytes;
+        let error = gpu.array::<u32>("test::huge", limit as usize / 4 + 1).unwrap_err();
+        let text = error.to_string();
+        assert!(text.contains("test::huge") && text.contains(&limit.to_string()), "{text}");
+    }
+}

@@ -1,0 +1,193 @@
+//! Every kernel of a run, compiled once for its scene and methods.
+
+use std::sync::Arc;
+
+use anyhow::Result;
+use formats::key::method::BUILTIN;
+use formats::key::{Coordinate, Layout, LightSite, Method};
+use formats::ray::Kind;
+use formats::unit_space::UnitSpace;
+use scenes::Camera;
+use scenes::features::Features;
+
+use super::{Gpu, Kernel, Module};
+use crate::backend::{MethodPlan, Setup};
+use crate::stages::shared::Span;
+use crate::stages::trace::TraceKernel;
+use crate::stages::trace::gpu::{OrderKind, TraceVariant};
+use crate::stages::{accumulate, compact, gather, generate, key, shade, trace};
+
+/// The kernels that do not trace or sort.
+pub struct Kernels {
+    pub(super) generate: Kernel,
+    pub(super) shade: Kernel,
+    pub(super) compact: Kernel,
+    pub(super) add_light: Kernel,
+    pub(super) gather: Kernel,
+    /// By kind.
+    pub(super) accumulate: [Kernel; 2],
+    /// By method and kind; `None` where the method does not apply.
+    pub(super) key: Vec<[Option<Kernel>; 2]>,
+    /// By kind.
+    pub(super) differences: [Kernel; 2],
+}
+
+/// Results of a kind are the same where this says so.
+const SAME_HIT: &str = "
+fn differs(index: u32) -> bool {
+    return any(results[index] != others[index]);
+}
+";
+/// Shadow rays only say whether the light is seen.
+const SAME_OCCLUSION: &str = "
+fn differs(index: u32) -> bool {
+    return (bitcast<u32>(results[index]) == 0x7f800000u) != (bitcast<u32>(others[index]) == 0x7f800000u);
+}
+";
+
+/// Bindings: results, others; counter.
+pub fn differences_module(kind: Kind) -> Module {
+    let (element, differs) = match kind {
+        Kind::Closest => ("vec4<u32>", SAME_HIT),
+        Kind::Shadow => ("f32", SAME_OCCLUSION),
+    };
+    Module::new(&format!("measure::differences_{kind}"))
+        .immediate::<Span>("span", "Span")
+        .read("results", element)
+        .read("others", element)
+        .write("counter", "atomic<u32>")
+        .text(&Span::description().wgsl)
+        .text(differs)
+        .text(include_str!("differences.wgsl"))
+}
+
+/// All modules of a run but those that trace and sort: what [`Kernels`] compiles.
+pub fn modules(setup: &Setup) -> Vec<Module> {
+    let mut modules = vec![
+        generate::gpu::module(),
+        shade::gpu::module(&setup.features),
+        compact::queue::module(),
+        shade::gpu::add_light_module(),
+        gather::gpu::module(),
+    ];
+    for kind in Kind::ALL {
+        modules.push(accumulate::gpu::module(kind, &setup.unit, &setup.table_layout, setup.table_bits));
+        modules.push(differences_module(kind));
+        let applicable = setup.methods.iter().filter(|method| method.applies_to(kind));
+        modules.extend(applicable.map(|method| key::gpu::module(setup, method, kind)));
+    }
+    modules
+}
+
+impl Kernels {
+    /// Compiles all of them.
+    ///
+    /// # Errors
+    /// If the driver refuses one.
+    pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
+        // SAFETY: every kernel returns where `span.count` ends, loops a constant number of times,
+        // and indexes arrays by its item, by path ids below the number of pixels, by places that a
+        // prefix sum gave, by cells below the table's size, or by scene indices that the loader
+        // checked. Counts of the length table are never 0.
+        let compile = |module: Module| unsafe { module.compile(gpu) };
+        let by_kind = |module: &dyn Fn(Kind) -> Module| -> Result<[Kernel; 2]> {
+            Ok([compile(module(Kind::Closest))?, compile(module(Kind::Shadow))?])
+        };
+        let mut key = Vec::new();
+        for method in &setup.methods {
+            let mut kernels = [None, None];
+            for kind in Kind::ALL.into_iter().filter(|&kind| method.applies_to(kind)) {
+                kernels[kind as usize] = Some(compile(key::gpu::module(setup, method, kind))?);
+            }
+            key.push(kernels);
+        }
+        Ok(Self {
+            generate: compile(generate::gpu::module())?,
+            shade: compile(shade::gpu::module(&setup.features))?,
+            compact: compile(compact::queue::module())?,
+            add_light: compile(shade::gpu::add_light_module())?,
+            gather: compile(gather::gpu::module())?,
+            accumulate: by_kind(&|kind| accumulate::gpu::module(kind, &setup.unit, &setup.table_layout, setup.table_bits))?,
+            key,
+            differences: by_kind(&differences_module)?,
+        })
+    }
+}
+
+/// Modules for made-up runs that between them need every line of WGSL.
+pub(crate) fn every_module() -> Vec<Module> {
+    let mut modules = Vec::new();
+    for all_features in [false, true] {
+        for key_bits in [32, 64] {
+            modules.extend(self::modules(&made_up_setup(all_features, key_bits)));
+        }
+        for kernel in [TraceKernel::Cwbvh, TraceKernel::Bvh2, TraceKernel::RayQuery] {
+            for kind in Kind::ALL {
+                for order in [OrderKind::Canonical, OrderKind::Gathered, OrderKind::Indirect] {
+                    let variant = TraceVariant { kernel, kind, order, masks: all_features, count_work: all_features };
+                    modules.push(trace::gpu::module(&variant));
+                }
+            }
+        }
+    }
+    modules
+}
+
+fn made_up_setup(all_features: bool, key_bits: u32) -> Setup {
+    let features = Features {
+        alpha_masks: all_features,
+        textures: all_features,
+        emissive_triangles: all_features,
+        sphere_lights: all_features,
+        punctual_lights: all_features,
+        environment: all_features,
+        specular: all_features,
+        vertex_normals: all_features,
+    };
+    let light_sites = vec![LightSite::Placed { centre: [0.5; 3] }, LightSite::directional([0.0, -1.0, 0.0]), LightSite::Environment];
+    let expand = |method: &Method| method.layout.expand(light_sites.len()).ok();
+    let methods = BUILTIN.iter().filter_map(|(name, ..)| {
+        let method = Method::builtin(name).ok()?;
+        Some(MethodPlan {
+            name: method.name.clone(),
+            text: method.layout.text().to_owned(),
+            layout: expand(&method)?,
+            termination: method.termination,
+            key_bits,
+            for_closest: method.applies_to(Kind::Closest),
+        })
+    });
+    Setup {
+        tables: Arc::default(),
+        features,
+        unit: UnitSpace::from_bounds([-1.0; 3], [1.0; 3]),
+        camera: Camera { name: String::new(), eye: [0.0; 3], forward: [0.0, 0.0, 1.0], right: [1.0, 0.0, 0.0], up: [0.0, 1.0, 0.0], yfov_radians: 1.0 },
+        width: 64,
+        height: 64,
+        bounces: 2,
+        seed: 0,
+        roulette: all_features,
+        methods: methods.collect(),
+        table_bits: 20,
+        table_layout: Layout::from_bits(vec![Coordinate::OriginX, Coordinate::DirectionX]),
+        two_point_length: 0.25,
+        light_sites,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_module_compiles_here() {
+        let gpu = crate::gpu::test_gpu();
+        for module in every_module() {
+            if module.label().starts_with("trace::ray-query") {
+                continue;
+            }
+            // SAFETY: the kernels are compiled and not run.
+            unsafe { module.compile(gpu) }.unwrap();
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! The ground under every GPU stage: one adapter opened, kernels compiled, arrays, timed runs, read-back.
+//!
+//! - [`device`]: the adapter that was chosen, and every wgpu error turned into a [`GpuError`]
+//! - [`buffer`]: typed arrays in GPU memory, checked against the adapter's limits
+//! - [`kernel`]: WGSL to pipeline, bindings, grids beyond 65,535 workgroups, chunks
+//! - [`run`]: the dispatches of one stage, recorded, submitted and timed as one figure
+//! - [`timing`]: where an elapsed time came from
+//! - [`readback`]: GPU memory to the CPU through a ring of staging buffers
+
+pub mod adapters;
+pub mod backend;
+pub mod buffer;
+pub mod device;
+pub mod error;
+pub mod kernel;
+pub mod module;
+pub mod kernels;
+pub mod readback;
+pub mod run;
+pub mod scene;
+pub mod self_check;
+mod table;
+pub mod timing;
+
+pub use buffer::DeviceArray;
+pub use device::{AdapterDescription, AdapterRequest, Gpu};
+pub use error::GpuError;
+pub use kernel::{Binding, Chunk, Kernel, KernelSource};
+pub use module::Module;
+pub use readback::Readback;
+pub use run::StageRun;
+pub use timing::{Elapsed, TimeSource};
+
+/// The device that the tests of one process share: any adapter, software ones too.
+///
+/// # Panics
+/// Without an adapter, saying what to install: a GPU test is never skipped in silence.
+#[cfg(test)]
+pub(crate) fn test_gpu() -> &'static Gpu {
+    static GPU: std::sync::OnceLock<Gpu> = std::sync::OnceLock::new();
+    GPU.get_or_init(|| match Gpu::open(&AdapterRequest::Any) {
+        Ok(gpu) => gpu,
+        Err(error) => panic!("the GPU tests need an adapter: {error}"),
+    })
+}

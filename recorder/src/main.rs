@@ -1,0 +1,7 @@
+//! The recorder's binary.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    recorder::cli::run()
+}

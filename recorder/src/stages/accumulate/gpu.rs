@@ -1,0 +1,28 @@
+//! The module of the accumulate kernel.
+
+use formats::key::Layout;
+use formats::ray::Kind;
+use formats::unit_space::UnitSpace;
+
+use crate::gpu::Module;
+use crate::stages::key::gpu::traced_length;
+use crate::stages::key::wgsl::{constants, encode_function};
+use crate::stages::shared::Span;
+
+/// Bindings: origins, directions, hits or distances; low and high words of the sums, counts.
+pub fn module(kind: Kind, unit: &UnitSpace, table_layout: &Layout, table_bits: u32) -> Module {
+    let module = Module::new(&format!("accumulate::{kind}"))
+        .immediate::<Span>("span", "Span")
+        .read("origins", "vec4<f32>")
+        .read("directions", "vec4<f32>");
+    traced_length(module, kind)
+        .write("sums_low", "atomic<u32>")
+        .write("sums_high", "atomic<u32>")
+        .write("counts", "atomic<u32>")
+        .text(&Span::description().wgsl)
+        .text(&constants(unit))
+        .text(include_str!("../key/kernel.wgsl"))
+        .text(include_str!("../key/lengths.wgsl"))
+        .text(&encode_function("table_cell", table_layout, table_bits, &[]))
+        .text(include_str!("kernel.wgsl"))
+}

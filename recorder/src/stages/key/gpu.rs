@@ -1,0 +1,122 @@
+//! The module of a method's key kernel.
+
+use formats::key::{Coordinate, LightSite, Termination};
+use formats::ray::{Hit, Kind};
+
+use super::wgsl::{constants, encode_function, length_expression};
+use crate::backend::{MethodPlan, Setup};
+use crate::gpu::Module;
+use crate::stages::shared::{LightSiteData, Span};
+
+/// Shape of a light with a place, in `LightSiteData`.
+pub const SITE_PLACED: u32 = 0;
+/// Shape of parallel light.
+pub const SITE_DIRECTIONAL: u32 = 1;
+/// Shape of light from everywhere.
+pub const SITE_ENVIRONMENT: u32 = 2;
+
+/// A light's site as the kernel reads it.
+pub fn site_data(site: &LightSite) -> LightSiteData {
+    match *site {
+        LightSite::Placed { centre } => LightSiteData { place: centre, shape: SITE_PLACED, ..LightSiteData::default() },
+        LightSite::Directional { direction, tangent, bitangent } => {
+            LightSiteData { place: direction, shape: SITE_DIRECTIONAL, tangent, bitangent, ..LightSiteData::default() }
+        }
+        LightSite::Environment => LightSiteData { shape: SITE_ENVIRONMENT, ..LightSiteData::default() },
+    }
+}
+
+/// What a method's key kernel binds beside the rays and the keys.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct KeyInputs {
+    /// The length table: low and high words of the sums, counts.
+    pub table: bool,
+    /// Hits, or distances of shadow rays.
+    pub results: bool,
+    /// States of shadow rays, which hold the light, and the sites of the lights.
+    pub lights: bool,
+}
+
+impl KeyInputs {
+    /// Of a method for a kind of ray.
+    pub fn of(method: &MethodPlan) -> Self {
+        Self {
+            table: method.termination == Termination::Adaptive,
+            results: method.termination == Termination::Real,
+            lights: method.layout.uses(Coordinate::needs_light),
+        }
+    }
+}
+
+/// Adds the binding and the function of traced lengths.
+pub fn traced_length(module: Module, kind: Kind) -> Module {
+    let none = crate::gpu::kernel::constants_wgsl(&[("NO_TRIANGLE", Hit::NONE)]);
+    match kind {
+        Kind::Closest => module.read("hits", "vec4<u32>").text(&none).text(include_str!("closest_length.wgsl")),
+        Kind::Shadow => module.read("distances", "f32").text(include_str!("shadow_length.wgsl")),
+    }
+}
+
+/// Bindings: origins, directions, then those of [`KeyInputs`] in their order, then low words of
+/// the keys and, for more than 32 bits, high words.
+pub fn module(setup: &Setup, method: &MethodPlan, kind: Kind) -> Module {
+    let inputs = KeyInputs::of(method);
+    let mut module = Module::new(&format!("key::{}", method.name))
+        .immediate::<Span>("span", "Span")
+        .read("origins", "vec4<f32>")
+        .read("directions", "vec4<f32>");
+    if inputs.table {
+        module = module.read("sums_low", "u32").read("sums_high", "u32").read("counts", "u32");
+    }
+    if inputs.results {
+        module = traced_length(module, kind);
+    }
+    if inputs.lights {
+        module = module.read("states", "vec4<u32>").read("light_sites", "LightSiteData").text(&LightSiteData::description().wgsl);
+    }
+    module = module.write("keys_low", "u32");
+    if method.key_bits > 32 {
+        module = module.write("keys_high", "u32");
+    }
+    let sites = [("SITE_PLACED", SITE_PLACED), ("SITE_DIRECTIONAL", SITE_DIRECTIONAL), ("SITE_ENVIRONMENT", SITE_ENVIRONMENT)];
+    module = module
+        .text(&Span::description().wgsl)
+        .text(&constants(&setup.unit))
+        .text(&crate::gpu::kernel::constants_wgsl(&sites))
+        .text(include_str!("kernel.wgsl"))
+        .text(&encode_function("encode", &method.layout, method.key_bits, &setup.light_sites));
+    if inputs.table {
+        module = module
+            .text(include_str!("lengths.wgsl"))
+            .text(&encode_function("table_cell", &setup.table_layout, setup.table_bits, &[]))
+            .text(TABLE_LENGTH);
+    }
+    module.text(&main_function(setup, method, inputs))
+}
+
+const TABLE_LENGTH: &str = "
+fn table_length(ray: UnitRay) -> f32 {
+    let cell = table_cell(ray, 0.0, 0u).x;
+    return mean_length(sums_low[cell], sums_high[cell], counts[cell]);
+}
+";
+
+fn main_function(setup: &Setup, method: &MethodPlan, inputs: KeyInputs) -> String {
+    let length = length_expression(method.termination, setup.two_point_length);
+    let light = if inputs.lights { "states[index].w" } else { "0u" };
+    let high = if method.key_bits > 32 { "    keys_high[index] = key.y;\n" } else { "" };
+    format!(
+        "@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {{
+    let item = (group.y * groups.x + group.x) * 64u + lane;
+    if item >= span.count {{
+        return;
+    }}
+    let index = span.first + item;
+    let ray = unit_ray(origins[index].xyz, directions[index].xyz, directions[index].w);
+    let key = encode(ray, {length}, {light});
+    keys_low[index] = key.x;
+{high}}}
+"
+    )
+}

@@ -1,0 +1,114 @@
+// Coordinates that keys are taken from: the twin of `formats::key`. `encode` is generated per layout.
+
+struct UnitRay {
+    origin: vec3<f32>,
+    direction: vec3<f32>,
+    // The ray's own end, unit lengths.
+    t_max: f32,
+}
+
+fn unit_ray(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> UnitRay {
+    return UnitRay((origin - unit.min) * unit.scale, direction, t_max * unit.scale);
+}
+
+fn quantise(value: f32) -> u32 {
+    if value > 0.0 {
+        return u32(min(value * QUANTISE_SCALE, QUANTISE_LAST));
+    }
+    return 0u;
+}
+
+fn cartesian(x: f32) -> f32 {
+    return (x + 1.0) * 0.5;
+}
+
+fn sign_of(x: f32) -> f32 {
+    return select(-1.0, 1.0, x > 0.0);
+}
+
+fn octahedral(d: vec3<f32>) -> vec2<f32> {
+    let sum = abs(d.x) + abs(d.y) + abs(d.z);
+    if sum == 0.0 {
+        return vec2(0.5);
+    }
+    var p = vec2(d.x / sum, d.y / sum);
+    if d.z < 0.0 {
+        p = vec2((1.0 - abs(p.y)) * sign_of(d.x), (1.0 - abs(p.x)) * sign_of(d.y));
+    }
+    return vec2(cartesian(p.x), cartesian(p.y));
+}
+
+fn azimuth(x: f32, y: f32) -> f32 {
+    let ax = abs(x);
+    let ay = abs(y);
+    let larger = max(ax, ay);
+    if larger == 0.0 {
+        return 0.5;
+    }
+    let z = min(ax, ay) / larger;
+    let z2 = z * z;
+    var sum = ARCTANGENT[7];
+    for (var i = 6; i >= 0; i--) {
+        sum = sum * z2 + ARCTANGENT[i];
+    }
+    var angle = z * (sum * z2 + 1.0);
+    if ay > ax {
+        angle = FRAC_PI_2 - angle;
+    }
+    if x < 0.0 {
+        angle = PI - angle;
+    }
+    if y < 0.0 {
+        angle = -angle;
+    }
+    return angle * (0.5 * FRAC_1_PI) + 0.5;
+}
+
+fn polar(z: f32) -> f32 {
+    let a = min(abs(z), 1.0);
+    var sum = ARCCOSINE[7];
+    for (var i = 6; i >= 0; i--) {
+        sum = sum * a + ARCCOSINE[i];
+    }
+    var angle = sqrt(1.0 - a) * sum;
+    if z < 0.0 {
+        angle = PI - angle;
+    }
+    return angle * FRAC_1_PI;
+}
+
+fn exit_along(origin: f32, direction: f32, side: f32, bounds: vec2<f32>) -> vec2<f32> {
+    // x: largest near bound, y: smallest far bound; an empty interval says "never".
+    if direction == 0.0 {
+        if origin < 0.0 || origin > side {
+            return vec2(1.0, 0.0);
+        }
+        return bounds;
+    }
+    let to_min = (0.0 - origin) / direction;
+    let to_max = (side - origin) / direction;
+    return vec2(max(bounds.x, min(to_min, to_max)), min(bounds.y, max(to_min, to_max)));
+}
+
+var<private> infinity_bits: u32 = 0x7f800000u;
+
+fn exit_length(origin: vec3<f32>, direction: vec3<f32>) -> f32 {
+    var bounds = vec2(0.0, bitcast<f32>(infinity_bits));
+    bounds = exit_along(origin.x, direction.x, unit.sides.x, bounds);
+    bounds = exit_along(origin.y, direction.y, unit.sides.y, bounds);
+    bounds = exit_along(origin.z, direction.z, unit.sides.z, bounds);
+    return select(bounds.y, 0.0, bounds.y < bounds.x);
+}
+
+fn bounded_length(ray: UnitRay, length: f32) -> f32 {
+    return max(min(min(min(length, ray.t_max), exit_length(ray.origin, ray.direction)), LONGEST), 0.0);
+}
+
+fn end_quantised(origin: f32, length: f32, direction: f32) -> u32 {
+    let step = (i32(length * STEP_ONE) * i32(direction * STEP_ONE)) >> STEP_SHIFT;
+    return u32(clamp(i32(quantise(origin)) + step, 0, i32(QUANTISE_LAST)));
+}
+
+fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}

@@ -1,0 +1,10 @@
+//! Key: from each ray to the number that it is sorted by.
+//!
+//! The bits come from a layout (`formats::key::layout`); threads run `formats::key::Encoder`, the
+//! GPU a kernel that [`wgsl`] generates from the same layout.
+
+pub mod cpu;
+pub mod gpu;
+pub mod wgsl;
+
+pub use cpu::Keys;

@@ -1,0 +1,149 @@
+//! WGSL from layouts: the key kernel of a method, and the cell function of the length table.
+
+use std::fmt::Write;
+
+use formats::key::coordinates::INVERSE_SQRT_3;
+use formats::key::layout::{Coordinate, Field};
+use formats::key::{COORDINATE_BITS, Layout, LightSite, Termination, angle, termination};
+use formats::length_table::{LENGTH_FRACTION_BITS, LONGEST_SUMMED};
+use formats::unit_space::UnitSpace;
+
+/// A float that WGSL reads back bit for bit.
+pub fn wgsl_f32(value: f32) -> String {
+    format!("{value:?}f")
+}
+
+/// A constant array of floats.
+pub fn wgsl_f32_array(name: &str, values: &[f32]) -> String {
+    let list: Vec<_> = values.iter().map(|&value| wgsl_f32(value)).collect();
+    format!("const {name} = array<f32, {}>({});\n", values.len(), list.join(", "))
+}
+
+/// The constants of `kernel.wgsl` and `lengths.wgsl`, written once in `formats`.
+pub fn constants(unit: &UnitSpace) -> String {
+    let mut text = String::new();
+    let one = (1u32 << COORDINATE_BITS) as f32;
+    for (name, value) in [
+        ("QUANTISE_SCALE", one),
+        ("QUANTISE_LAST", one - 1.0),
+        ("PI", std::f32::consts::PI),
+        ("FRAC_PI_2", std::f32::consts::FRAC_PI_2),
+        ("FRAC_1_PI", std::f32::consts::FRAC_1_PI),
+        ("LONGEST", termination::LONGEST),
+        ("STEP_ONE", (1u32 << termination::STEP_BITS) as f32),
+        ("INVERSE_SQRT_3", INVERSE_SQRT_3),
+        ("LONGEST_SUMMED", LONGEST_SUMMED),
+        ("FIXED_POINT_ONE", (1u32 << LENGTH_FRACTION_BITS) as f32),
+        ("MEAN_SCALE", 2.0 / (1u32 << LENGTH_FRACTION_BITS) as f32),
+    ] {
+        let _ = writeln!(text, "const {name} = {};", wgsl_f32(value));
+    }
+    let _ = writeln!(text, "const STEP_SHIFT = {}u;", 2 * termination::STEP_BITS - COORDINATE_BITS);
+    text.push_str(&wgsl_f32_array("ARCTANGENT", &angle::ARCTANGENT));
+    text.push_str(&wgsl_f32_array("ARCCOSINE", &angle::ARCCOSINE));
+    let vector = |v: [f32; 3]| format!("vec3({})", v.map(wgsl_f32).join(", "));
+    let _ = writeln!(text, "struct UnitSpace {{ min: vec3<f32>, scale: f32, sides: vec3<f32> }}");
+    let _ = writeln!(text, "const unit = UnitSpace({}, {}, {});", vector(unit.min), wgsl_f32(unit.scale), vector(unit.sides));
+    text
+}
+
+/// `fn NAME(ray: UnitRay, length: f32, light: u32) -> vec2<u32>`: the k-bit prefix of a layout,
+/// low word first.
+pub fn encode_function(name: &str, layout: &Layout, key_bits: u32, lights: &[LightSite]) -> String {
+    let fields = layout.fields(key_bits);
+    let uses = |list: &[Coordinate]| fields.iter().any(|field| list.contains(&field.coordinate));
+    let mut text = String::new();
+    if uses(&[Coordinate::LightU, Coordinate::LightV, Coordinate::LightR]) {
+        text.push_str(&from_light_function(lights));
+    }
+    let _ = writeln!(text, "fn {name}(ray: UnitRay, length: f32, light: u32) -> vec2<u32> {{");
+    if uses(&[Coordinate::EndX, Coordinate::EndY, Coordinate::EndZ]) {
+        text.push_str("    let end_length = bounded_length(ray, length);\n");
+    }
+    if uses(&[Coordinate::OctahedralU, Coordinate::OctahedralV]) {
+        text.push_str("    let square = octahedral(ray.direction);\n");
+    }
+    if uses(&[Coordinate::LightU, Coordinate::LightV, Coordinate::LightR]) {
+        text.push_str("    let seen = from_light(light, ray);\n");
+    }
+    text.push_str("    var low = 0u;\n    var high = 0u;\n");
+    for (number, field) in fields.iter().enumerate() {
+        let _ = writeln!(text, "    let c{number} = {};", quantised(field.coordinate));
+        spread(&mut text, number, field);
+    }
+    text.push_str("    return vec2(low, high);\n}\n");
+    text
+}
+
+fn quantised(coordinate: Coordinate) -> &'static str {
+    use Coordinate as C;
+    match coordinate {
+        C::OriginX => "quantise(ray.origin.x)",
+        C::OriginY => "quantise(ray.origin.y)",
+        C::OriginZ => "quantise(ray.origin.z)",
+        C::EndX => "end_quantised(ray.origin.x, end_length, ray.direction.x)",
+        C::EndY => "end_quantised(ray.origin.y, end_length, ray.direction.y)",
+        C::EndZ => "end_quantised(ray.origin.z, end_length, ray.direction.z)",
+        C::DirectionX => "quantise(cartesian(ray.direction.x))",
+        C::DirectionY => "quantise(cartesian(ray.direction.y))",
+        C::DirectionZ => "quantise(cartesian(ray.direction.z))",
+        C::OctahedralU => "quantise(square.x)",
+        C::OctahedralV => "quantise(square.y)",
+        C::Azimuth => "quantise(azimuth(ray.direction.x, ray.direction.y))",
+        C::Polar => "quantise(polar(ray.direction.z))",
+        C::Light => "light",
+        C::LightU => "quantise(seen.x)",
+        C::LightV => "quantise(seen.y)",
+        C::LightR => "quantise(seen.z)",
+    }
+}
+
+/// Adds a field's bits to the words. Neighbouring bits that keep their distance move together.
+fn spread(text: &mut String, number: usize, field: &Field) {
+    let bits = field.positions.iter().enumerate().map(|(mention, &position)| (field.width - 1 - mention as u32, position));
+    let mut runs: Vec<(u32, u32, u32)> = Vec::new();
+    for (from, to) in bits {
+        match runs.last_mut() {
+            // One run per distance moved and per word.
+            Some((mask, last_from, last_to)) if *last_from == from + 1 && *last_to == to + 1 && to % 32 != 31 => {
+                *mask |= 1 << from;
+                (*last_from, *last_to) = (from, to);
+            }
+            _ => runs.push((1 << from, from, to)),
+        }
+    }
+    for (mask, from, to) in runs {
+        let (word, to) = if to < 32 { ("low", to) } else { ("high", to - 32) };
+        let bits = format!("c{number} & {mask}u");
+        let _ = match from.cmp(&to) {
+            std::cmp::Ordering::Less => writeln!(text, "    {word} |= ({bits}) << {}u;", to - from),
+            std::cmp::Ordering::Equal => writeln!(text, "    {word} |= {bits};"),
+            std::cmp::Ordering::Greater => writeln!(text, "    {word} |= ({bits}) >> {}u;", from - to),
+        };
+    }
+}
+
+/// `fn from_light(light: u32, ray: UnitRay) -> vec3<f32>` over the `light_sites` binding.
+fn from_light_function(lights: &[LightSite]) -> String {
+    let has = |predicate: fn(&LightSite) -> bool| lights.iter().any(predicate);
+    let mut text = "fn from_light(light: u32, ray: UnitRay) -> vec3<f32> {\n    let site = light_sites[light];\n".to_owned();
+    if has(|site| matches!(site, LightSite::Directional { .. })) {
+        text.push_str(
+            "    if site.shape == SITE_DIRECTIONAL {\n        return vec3(\n            cartesian(dot3(ray.origin, site.tangent) * INVERSE_SQRT_3),\n            cartesian(dot3(ray.origin, site.bitangent) * INVERSE_SQRT_3),\n            cartesian(dot3(ray.origin, site.place) * INVERSE_SQRT_3),\n        );\n    }\n",
+        );
+    }
+    if has(|site| matches!(site, LightSite::Environment)) {
+        text.push_str("    if site.shape == SITE_ENVIRONMENT {\n        return vec3(octahedral(ray.direction), 0.0);\n    }\n");
+    }
+    text.push_str("    let d = ray.origin - site.place;\n    return vec3(octahedral(d), sqrt(dot3(d, d)) * INVERSE_SQRT_3);\n}\n");
+    text
+}
+
+/// The expression for the length estimate of ray `index` in the key kernel.
+pub fn length_expression(termination: Termination, two_point_length: f32) -> String {
+    match termination {
+        Termination::Unused | Termination::Fixed => wgsl_f32(two_point_length),
+        Termination::Adaptive => "table_length(ray)".to_owned(),
+        Termination::Real => "traced_length(ray, index)".to_owned(),
+    }
+}

@@ -1,0 +1,240 @@
+//! The table of emitters that next-event estimation picks from, by power, and how each is sampled.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+use scenes::{Light, Scene};
+
+use super::surface::{offset_origin, triangle_corners};
+use super::tables::ShadeTables;
+use crate::stages::random::{Random, sine_cosine};
+use crate::stages::shared::Emitter;
+use crate::stages::vector::{basis, cross3, dot3, luminance, normalize3};
+
+/// Shape of a sphere light.
+pub const EMITTER_SPHERE: u32 = 0;
+/// Shape of a point without extent.
+pub const EMITTER_POINT: u32 = 1;
+/// Shape of a cone of light.
+pub const EMITTER_SPOT: u32 = 2;
+/// Shape of parallel light.
+pub const EMITTER_DIRECTIONAL: u32 = 3;
+/// Shape of one emissive triangle.
+pub const EMITTER_TRIANGLE: u32 = 4;
+/// Shape of the sky.
+pub const EMITTER_SKY: u32 = 5;
+
+/// Shadow rays to a triangle end this share of the way before it, so that it does not block them.
+pub const SHORT_OF_TRIANGLE: f32 = 0.9999;
+
+/// A direction towards a light.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Unit vector from the surface.
+    pub direction: Vec3,
+    /// How far the shadow ray goes.
+    pub t_max: f32,
+    /// Radiance (or irradiance of a light without extent) over the density of picking it.
+    pub weight: Vec3,
+    /// Density over solid angle if reflection could find the same light, else 0.
+    pub density: f32,
+    /// Index of the scene's light.
+    pub light: u32,
+}
+
+/// Emitters of a scene, with their picking probabilities in proportion to power.
+///
+/// Returns the table, the total power and the sky's picking probability.
+pub(super) fn build(scene: &Scene) -> (Vec<Emitter>, f64, f32) {
+    let bounds = scene.bounds();
+    let radius = f64::from(0.5 * Vec3::from(bounds.extent()).length());
+    let disk = std::f64::consts::PI * radius * radius;
+    let mut emitters = Vec::new();
+    let mut powers: Vec<f64> = Vec::new();
+    for (index, light) in scene.lights.iter().enumerate() {
+        let mut add = |emitter: Emitter, power: f64| {
+            if power > 0.0 {
+                emitters.push(Emitter { light: index as u32, ..emitter });
+                powers.push(power);
+            }
+        };
+        add_light(scene, light, disk, &mut add);
+    }
+    let total: f64 = powers.iter().sum();
+    for (emitter, power) in emitters.iter_mut().zip(&powers) {
+        emitter.probability = (power / total) as f32;
+    }
+    fill_aliases(&mut emitters, &powers, total);
+    let sky = emitters.iter().find(|emitter| emitter.shape == EMITTER_SKY);
+    let sky_probability = sky.map_or(0.0, |emitter| emitter.probability);
+    (emitters, total, sky_probability)
+}
+
+/// Luminous power of an emissive triangle per area and luminance: both sides, a hemisphere each.
+pub(super) const POWER_PER_AREA: f64 = 2.0 * std::f64::consts::PI;
+
+fn add_light(scene: &Scene, light: &Light, disk: f64, add: &mut impl FnMut(Emitter, f64)) {
+    let bright = |color: [f32; 3]| f64::from(luminance(Vec3::from(color)));
+    let sphere = 4.0 * std::f64::consts::PI;
+    let new = |shape, power| Emitter { shape, power, ..Emitter::default() };
+    match *light {
+        Light::Sphere { position, radius, intensity } => {
+            add(Emitter { position, extent: radius, ..new(EMITTER_SPHERE, intensity) }, bright(intensity) * sphere);
+        }
+        Light::Point { position, intensity } => {
+            add(Emitter { position, ..new(EMITTER_POINT, intensity) }, bright(intensity) * sphere);
+        }
+        Light::Spot { position, direction, intensity, inner_cone_cos, outer_cone_cos } => {
+            // glTF KHR_lights_punctual, "Inner and Outer Cone Angles".
+            let cone_scale = 1.0 / (inner_cone_cos - outer_cone_cos).max(0.001);
+            let extent = -outer_cone_cos * cone_scale;
+            let share = f64::from(1.0 - outer_cone_cos) * 0.5;
+            add(Emitter { position, direction, cone_scale, extent, ..new(EMITTER_SPOT, intensity) }, bright(intensity) * sphere * share);
+        }
+        Light::Directional { direction, irradiance } => {
+            add(Emitter { direction, ..new(EMITTER_DIRECTIONAL, irradiance) }, bright(irradiance) * disk);
+        }
+        Light::Emissive { first_triangle, triangle_count } => {
+            for triangle in first_triangle..first_triangle + triangle_count {
+                let material = &scene.materials[scene.triangle_materials[triangle as usize] as usize];
+                let [a, b, c] = scene.corners(triangle as usize).map(Vec3::from);
+                let normal = cross3(b - a, c - a);
+                let area = 0.5 * dot3(normal, normal).sqrt();
+                let power = bright(material.emission) * f64::from(area) * POWER_PER_AREA;
+                add(Emitter { triangle, extent: area, ..new(EMITTER_TRIANGLE, material.emission) }, power);
+            }
+        }
+        Light::Environment(sky) => {
+            let mean = [0, 1, 2].map(|channel| 0.5 * (sky.zenith[channel] + sky.nadir[channel]));
+            add(new(EMITTER_SKY, mean), bright(mean) * sphere * disk);
+        }
+    }
+}
+
+/// Vose's construction of the alias table ("A Linear Algorithm for Generating Random Numbers with a
+/// Given Distribution", 1991).
+fn fill_aliases(emitters: &mut [Emitter], powers: &[f64], total: f64) {
+    let mut shares: Vec<f64> = powers.iter().map(|power| power / total * powers.len() as f64).collect();
+    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..shares.len()).partition(|&slot| shares[slot] < 1.0);
+    for (slot, emitter) in emitters.iter_mut().enumerate() {
+        (emitter.keep, emitter.other) = (1.0, slot as u32);
+    }
+    while let (Some(&low), Some(&high)) = (small.last(), large.last()) {
+        small.pop();
+        (emitters[low].keep, emitters[low].other) = (shares[low] as f32, high as u32);
+        shares[high] -= 1.0 - shares[low];
+        if shares[high] < 1.0 {
+            large.pop();
+            small.push(high);
+        }
+    }
+}
+
+/// Radiance of the sky in a direction.
+pub fn sky_radiance(zenith: Vec3, nadir: Vec3, direction: Vec3) -> Vec3 {
+    nadir + (zenith - nadir) * (0.5 * direction.y + 0.5)
+}
+
+/// Picks a light and a direction to it from `point`. Uses four numbers; `None` where the pick
+/// brings nothing.
+pub fn sample_light(tables: &ShadeTables, point: Vec3, random: &mut Random) -> Option<LightSample> {
+    let count = tables.emitters.len() as u32;
+    let (slot, choice, a, b) = (random.next(), random.next(), random.next(), random.next());
+    let slot = ((slot * count as f32) as u32).min(count - 1);
+    let drawn = &tables.emitters[slot as usize];
+    let emitter = if choice < drawn.keep { drawn } else { &tables.emitters[drawn.other as usize] };
+    let pick = 1.0 / emitter.probability;
+    let power = Vec3::from(emitter.power);
+    let sample = |direction, t_max, weight: Vec3, density| LightSample { direction, t_max, weight: weight * pick, density, light: emitter.light };
+    match emitter.shape {
+        EMITTER_SPHERE => {
+            let to_centre = Vec3::from(emitter.position) - point;
+            let distance2 = dot3(to_centre, to_centre);
+            let radius2 = emitter.extent * emitter.extent;
+            if distance2 <= radius2 {
+                return None;
+            }
+            // Uniform over the cone of directions that meet the sphere.
+            let distance = distance2.sqrt();
+            let sine2_max = radius2 / distance2;
+            let one_minus_cosine_max = sine2_max / (1.0 + (1.0 - sine2_max).sqrt());
+            let one_minus_cosine = a * one_minus_cosine_max;
+            let cosine = 1.0 - one_minus_cosine;
+            let sine2 = one_minus_cosine * (2.0 - one_minus_cosine);
+            let sine = sine2.sqrt();
+            let turn = sine_cosine(b);
+            let axis = to_centre * (1.0 / distance);
+            let (tangent, bitangent) = basis(axis);
+            let direction = normalize3(tangent * (sine * turn.1) + bitangent * (sine * turn.0) + axis * cosine);
+            let t_max = distance * cosine - (radius2 - distance2 * sine2).max(0.0).sqrt();
+            // Radiance is intensity over πr², the cone's solid angle 2π(1 − cos).
+            Some(sample(direction, t_max, power * (2.0 * one_minus_cosine_max / radius2), 0.0))
+        }
+        EMITTER_POINT | EMITTER_SPOT => {
+            let to_light = Vec3::from(emitter.position) - point;
+            let distance2 = dot3(to_light, to_light);
+            if distance2 <= 0.0 {
+                return None;
+            }
+            let distance = distance2.sqrt();
+            let direction = to_light * (1.0 / distance);
+            let mut falloff = 1.0;
+            if emitter.shape == EMITTER_SPOT {
+                let cosine = -dot3(direction, Vec3::from(emitter.direction));
+                let linear = (cosine * emitter.cone_scale + emitter.extent).clamp(0.0, 1.0);
+                falloff = linear * linear;
+            }
+            (falloff > 0.0).then(|| sample(direction, distance, power * (falloff / distance2), 0.0))
+        }
+        EMITTER_DIRECTIONAL => Some(sample(-Vec3::from(emitter.direction), f32::INFINITY, power, 0.0)),
+        EMITTER_TRIANGLE => {
+            let [p, q, r] = triangle_corners(tables, emitter.triangle);
+            let root = a.sqrt();
+            let (u, v) = (root * (1.0 - b), root * b);
+            let normal = normalize3(cross3(q - p, r - p));
+            let on_light = p + (q - p) * u + (r - p) * v;
+            let facing = if dot3(normal, point - on_light) < 0.0 { -normal } else { normal };
+            let to_light = offset_origin(on_light, facing) - point;
+            let distance2 = dot3(to_light, to_light);
+            let distance = distance2.sqrt();
+            let direction = to_light * (1.0 / distance);
+            let cosine = -dot3(direction, facing);
+            if !(cosine > 1e-6 && distance > 0.0) {
+                return None;
+            }
+            let density_over_area = 1.0 / emitter.extent;
+            let density = density_over_area * distance2 / cosine;
+            let light_density = density * emitter.probability;
+            Some(sample(direction, distance * SHORT_OF_TRIANGLE, power * (1.0 / density), light_density))
+        }
+        _ => {
+            let z = 1.0 - 2.0 * a;
+            let radius = (1.0 - z * z).max(0.0).sqrt();
+            let turn = sine_cosine(b);
+            let direction = Vec3::new(radius * turn.1, radius * turn.0, z);
+            let radiance = sky_radiance(tables.zenith, tables.nadir, direction);
+            Some(sample(direction, f32::INFINITY, radiance * (4.0 * PI), tables.sky_density))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn aliases_give_every_emitter_its_share() {
+        let powers = [5.0, 0.5, 3.0, 0.25, 1.25, 90.0];
+        let total: f64 = powers.iter().sum();
+        let mut emitters = vec![Emitter::default(); powers.len()];
+        fill_aliases(&mut emitters, &powers, total);
+        let mut shares = vec![0.0f64; powers.len()];
+        for (slot, emitter) in emitters.iter().enumerate() {
+            shares[slot] += f64::from(emitter.keep);
+            shares[emitter.other as usize] += 1.0 - f64::from(emitter.keep);
+        }
+        for (share, power) in shares.iter().zip(powers) {
+            assert!((share / powers.len() as f64 - power / total).abs() < 1e-6, "{shares:?}");
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! Shade: at each hit, the light that the ray met, one shadow ray to a light sample, and the
+//! path's next ray.
+//!
+//! [`path`] is the arithmetic; [`bsdf`], [`emitters`] and [`surface`] its parts, each with a WGSL
+//! twin of the same name; [`tables`] is the scene as both read it.
+
+pub mod bsdf;
+pub mod cpu;
+pub mod emitters;
+pub mod gpu;
+pub mod path;
+pub mod surface;
+pub mod tables;
+
+use crate::backend::Setup;
+use crate::stages::shared::ShadeParams;
+
+/// Parameters for all rays of a bounce; `count` is the dispatch's to set.
+pub fn params(setup: &Setup, pass: u32, bounce: u32) -> ShadeParams {
+    let tables = &setup.tables;
+    ShadeParams {
+        first: 0,
+        count: 0,
+        pass_index: pass,
+        bounce,
+        seed: setup.seed_words(),
+        is_last: u32::from(bounce + 1 == setup.bounces),
+        roulette: u32::from(setup.roulette),
+        zenith: tables.zenith.to_array(),
+        emitter_count: tables.emitters.len() as u32,
+        nadir: tables.nadir.to_array(),
+        emission_density: tables.emission_density,
+        sky_density: tables.sky_density,
+        ..ShadeParams::default()
+    }
+}

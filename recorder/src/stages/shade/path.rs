@@ -1,0 +1,162 @@
+//! What happens to one path at one surface: the arithmetic that both backends follow.
+
+use formats::ray::{Hit, Ray};
+use glam::Vec3;
+
+use super::bsdf::Surface;
+use super::emitters::{sample_light, sky_radiance};
+use super::surface::{HitSurface, hit_surface, offset_origin};
+use super::tables::ShadeTables;
+use crate::stages::random::Random;
+use crate::stages::shared::{PathState, ShadeParams, ShadowState};
+use crate::stages::vector::{basis, dot3, luminance};
+
+/// Bounces before Russian roulette starts.
+pub const ROULETTE_FREE_BOUNCES: u32 = 2;
+
+/// What a path leaves at a surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Outcome {
+    /// Light that the film gets at once: emission met by the ray.
+    pub emitted: Vec3,
+    /// A ray to a light sample and what it brings.
+    pub shadow: Option<(Ray, ShadowState)>,
+    /// The path's next ray.
+    pub next: Option<(Ray, PathState)>,
+}
+
+/// Power heuristic with exponent 2 (Veach 1997, §9.2.4): the weight of a sample drawn with density `a`.
+fn power_heuristic(a: f32, b: f32) -> f32 {
+    let a2 = a * a;
+    a2 / (a2 + b * b)
+}
+
+/// Shades the hit of one path. `pixel` is the path's index.
+pub fn shade_path<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>(
+    tables: &ShadeTables,
+    params: &ShadeParams,
+    ray: &Ray,
+    hit: &Hit,
+    state: &PathState,
+    pixel: u32,
+) -> Outcome {
+    let direction = Vec3::from(ray.direction);
+    let throughput = Vec3::from(state.color);
+    let mut outcome = Outcome::default();
+    if !hit.is_hit() {
+        if tables.sky_density > 0.0 {
+            let weight = emission_weight(state.density, tables.sky_density);
+            outcome.emitted = throughput * sky_radiance(tables.zenith, tables.nadir, direction) * weight;
+        }
+        return outcome;
+    }
+    let surface = hit_surface::<TEXTURES, NORMALS>(tables, direction, hit.triangle, hit.u, hit.v);
+    outcome.emitted = emitted(tables, ray, hit, state, &surface);
+    let reflection = Surface::new(surface.base_color, surface.material.metallic, surface.material.roughness);
+    let frame = Frame::new(surface.shading_normal);
+    let out = frame.to_local(-direction);
+    let mut random = Random::new(params.seed, pixel, params.pass_index, params.bounce + 1);
+    if !tables.emitters.is_empty() {
+        outcome.shadow = shadow_ray::<GLOSSY>(tables, params, &surface, &reflection, &frame, out, throughput, &mut random);
+    }
+    if params.is_last == 0 {
+        outcome.next = next_ray::<GLOSSY>(params, &surface, &reflection, &frame, out, throughput, &mut random);
+    }
+    outcome
+}
+
+/// Weight of emission that a ray met which was drawn with `density` (0: camera or mirror).
+fn emission_weight(density: f32, light_density: f32) -> f32 {
+    if density > 0.0 { power_heuristic(density, light_density) } else { 1.0 }
+}
+
+fn emitted(tables: &ShadeTables, ray: &Ray, hit: &Hit, state: &PathState, surface: &HitSurface) -> Vec3 {
+    let radiance = Vec3::from(surface.material.emission);
+    let brightness = luminance(radiance);
+    if brightness <= 0.0 {
+        return Vec3::ZERO;
+    }
+    let cosine = -dot3(Vec3::from(ray.direction), surface.geometric_normal);
+    let light_density = brightness * tables.emission_density * (hit.t * hit.t) / cosine.max(1e-6);
+    Vec3::from(state.color) * radiance * emission_weight(state.density, light_density)
+}
+
+struct Frame {
+    tangent: Vec3,
+    bitangent: Vec3,
+    normal: Vec3,
+}
+
+impl Frame {
+    fn new(normal: Vec3) -> Self {
+        let (tangent, bitangent) = basis(normal);
+        Self { tangent, bitangent, normal }
+    }
+
+    fn to_local(&self, v: Vec3) -> Vec3 {
+        Vec3::new(dot3(v, self.tangent), dot3(v, self.bitangent), dot3(v, self.normal))
+    }
+
+    fn to_world(&self, v: Vec3) -> Vec3 {
+        self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
+    }
+}
+
+#[expect(clippy::too_many_arguments, reason = "one path's state, kept in registers")]
+fn shadow_ray<const GLOSSY: bool>(
+    tables: &ShadeTables,
+    params: &ShadeParams,
+    surface: &HitSurface,
+    reflection: &Surface,
+    frame: &Frame,
+    out: Vec3,
+    throughput: Vec3,
+    random: &mut Random,
+) -> Option<(Ray, ShadowState)> {
+    let origin = offset_origin(surface.point, surface.geometric_normal);
+    let light = sample_light(tables, origin, random)?;
+    if dot3(light.direction, surface.geometric_normal) <= 0.0 || !(light.t_max > 0.0) {
+        return None;
+    }
+    let (value, density) = reflection.evaluate::<GLOSSY>(out, frame.to_local(light.direction));
+    // After the last bounce no ray is left that could find the light by reflection.
+    let weight = if light.density > 0.0 && params.is_last == 0 { power_heuristic(light.density, density) } else { 1.0 };
+    let color = throughput * value * light.weight * weight;
+    let brightness = luminance(color);
+    if !(brightness > 0.0 && brightness < f32::MAX) {
+        return None;
+    }
+    let ray = Ray { origin: origin.to_array(), t_min: 0.0, direction: light.direction.to_array(), t_max: light.t_max };
+    Some((ray, ShadowState { color: color.to_array(), light: light.light }))
+}
+
+fn next_ray<const GLOSSY: bool>(
+    params: &ShadeParams,
+    surface: &HitSurface,
+    reflection: &Surface,
+    frame: &Frame,
+    out: Vec3,
+    throughput: Vec3,
+    random: &mut Random,
+) -> Option<(Ray, PathState)> {
+    let sample = reflection.sample::<GLOSSY>(out, random)?;
+    let direction = crate::stages::vector::normalize3(frame.to_world(sample.direction));
+    if dot3(direction, surface.geometric_normal) <= 0.0 {
+        return None;
+    }
+    let mut color = throughput * sample.weight;
+    if params.roulette != 0 && params.bounce >= ROULETTE_FREE_BOUNCES {
+        let survival = color.x.max(color.y).max(color.z).clamp(0.05, 1.0);
+        if random.next() >= survival {
+            return None;
+        }
+        color *= 1.0 / survival;
+    }
+    let brightness = luminance(color);
+    if !(brightness > 0.0 && brightness < f32::MAX) {
+        return None;
+    }
+    let origin = offset_origin(surface.point, surface.geometric_normal);
+    let ray = Ray { origin: origin.to_array(), t_min: 0.0, direction: direction.to_array(), t_max: f32::INFINITY };
+    Some((ray, PathState { color: color.to_array(), density: sample.density }))
+}

@@ -1,0 +1,100 @@
+//! A scene as the shading kernels of both backends read it.
+
+use bytemuck::Zeroable;
+use glam::Vec3;
+use scenes::{Light, Scene};
+
+use super::emitters;
+use crate::stages::shared::{Emitter, MaterialData, TextureData};
+
+/// Value of [`MaterialData::texture`] for materials without one.
+pub const NO_TEXTURE: u32 = u32::MAX;
+/// Texels begin after the table that turns sRGB bytes into linear values.
+pub const LINEAR_TABLE_SIZE: u32 = 256;
+
+/// Flat arrays for shading; index meanings as in [`Scene`].
+#[derive(Clone, Debug, Default)]
+pub struct ShadeTables {
+    /// Vertex positions.
+    pub positions: Vec<[f32; 3]>,
+    /// Vertex normals; empty if the scene has none.
+    pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates; empty if the scene has no textures.
+    pub uvs: Vec<[f32; 2]>,
+    /// Vertex indices and material of each triangle.
+    pub triangles: Vec<[u32; 4]>,
+    /// Materials.
+    pub materials: Vec<MaterialData>,
+    /// Textures.
+    pub textures: Vec<TextureData>,
+    /// The bits of 256 linear values, one per sRGB byte, then every texture's RGBA bytes.
+    pub texels: Vec<u32>,
+    /// What shadow rays pick from; empty if nothing shines.
+    pub emitters: Vec<Emitter>,
+    /// Density over area of picking a point on an emissive triangle, per luminance of its radiance.
+    pub emission_density: f32,
+    /// Density over solid angle of picking a sky direction; 0 without a sky.
+    pub sky_density: f32,
+    /// Sky radiance straight up.
+    pub zenith: Vec3,
+    /// Sky radiance straight down.
+    pub nadir: Vec3,
+}
+
+impl ShadeTables {
+    /// From a scene that keeps the invariants of [`Scene`].
+    pub fn new(scene: &Scene) -> Self {
+        let (emitters, total_power, sky_probability) = emitters::build(scene);
+        let sky = scene.lights.iter().find_map(|light| match light {
+            Light::Environment(sky) => Some(*sky),
+            _ => None,
+        });
+        let (textures, texels) = pack_textures(scene);
+        let triangles = scene.triangles.iter().zip(&scene.triangle_materials);
+        Self {
+            positions: scene.positions.clone(),
+            normals: scene.normals.clone(),
+            uvs: scene.uvs.clone(),
+            triangles: triangles.map(|(&[a, b, c], &material)| [a, b, c, material]).collect(),
+            materials: scene.materials.iter().map(material_data).collect(),
+            textures,
+            texels,
+            emission_density: if total_power > 0.0 { (emitters::POWER_PER_AREA / total_power) as f32 } else { 0.0 },
+            emitters,
+            sky_density: sky_probability / (4.0 * std::f32::consts::PI),
+            zenith: sky.map_or(Vec3::ZERO, |sky| Vec3::from(sky.zenith)),
+            nadir: sky.map_or(Vec3::ZERO, |sky| Vec3::from(sky.nadir)),
+        }
+    }
+}
+
+fn material_data(material: &scenes::Material) -> MaterialData {
+    MaterialData {
+        base_color: material.base_color,
+        metallic: material.metallic,
+        emission: material.emission,
+        roughness: material.roughness,
+        texture: material.base_color_texture.unwrap_or(NO_TEXTURE),
+        ..MaterialData::zeroed()
+    }
+}
+
+fn pack_textures(scene: &Scene) -> (Vec<TextureData>, Vec<u32>) {
+    if scene.textures.is_empty() {
+        return (Vec::new(), Vec::new());
+    }
+    let mut texels: Vec<u32> = (0..LINEAR_TABLE_SIZE).map(|byte| linear_from_srgb(byte as u8).to_bits()).collect();
+    let mut textures = Vec::new();
+    for texture in &scene.textures {
+        textures.push(TextureData { first: texels.len() as u32, width: texture.width, height: texture.height, unused: 0 });
+        texels.extend(texture.rgba.iter().map(|&rgba| u32::from_le_bytes(rgba)));
+    }
+    (textures, texels)
+}
+
+/// Inverse of the sRGB transfer function (IEC 61966-2-1).
+fn linear_from_srgb(byte: u8) -> f32 {
+    let encoded = f64::from(byte) / 255.0;
+    let linear = if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) };
+    linear as f32
+}

@@ -1,0 +1,243 @@
+//! Structs that the CPU and WGSL share: written once here, injected into WGSL from here.
+
+use bytemuck::{Pod, Zeroable};
+
+/// A type with a WGSL counterpart of the same bytes.
+pub trait WgslType {
+    /// Its name in WGSL.
+    const NAME: &'static str;
+}
+
+macro_rules! wgsl_type {
+    ($($rust:ty = $wgsl:literal),* $(,)?) => {
+        $(impl WgslType for $rust { const NAME: &'static str = $wgsl; })*
+    };
+}
+
+wgsl_type!(u32 = "u32", f32 = "f32", [u32; 2] = "vec2<u32>", [f32; 2] = "vec2<f32>", [f32; 3] = "vec3<f32>", [f32; 4] = "vec4<f32>", [u32; 4] = "vec4<u32>");
+
+/// A struct's name, size and field offsets as the CPU lays it out, and its WGSL text.
+#[derive(Clone, Debug)]
+pub struct SharedStruct {
+    /// Name in both languages.
+    pub name: &'static str,
+    /// Size in bytes.
+    pub size: usize,
+    /// Name and byte offset of every field.
+    pub fields: Vec<(&'static str, usize)>,
+    /// The definition in WGSL.
+    pub wgsl: String,
+}
+
+macro_rules! shared_structs {
+    ($($(#[$meta:meta])* pub struct $name:ident { $($(#[$field_meta:meta])* pub $field:ident: $ty:ty,)* })*) => {
+        $($(#[$meta])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+        pub struct $name { $($(#[$field_meta])* pub $field: $ty,)* }
+
+        impl $name {
+            /// Layout and WGSL text.
+            pub fn description() -> SharedStruct {
+                let fields = vec![$((stringify!($field), std::mem::offset_of!($name, $field)),)*];
+                let mut wgsl = format!("struct {} {{\n", stringify!($name));
+                $(wgsl.push_str(&format!("    {}: {},\n", stringify!($field), <$ty as WgslType>::NAME));)*
+                wgsl.push_str("}\n");
+                SharedStruct { name: stringify!($name), size: std::mem::size_of::<$name>(), fields, wgsl }
+            }
+        })*
+
+        /// Every shared struct.
+        pub fn shared_structs() -> Vec<SharedStruct> {
+            vec![$($name::description(),)*]
+        }
+    };
+}
+
+shared_structs! {
+    /// Which of a stage's items a dispatch works on.
+    pub struct Span {
+        /// First item.
+        pub first: u32,
+        /// How many.
+        pub count: u32,
+        /// Items of the whole queue.
+        pub total: u32,
+        /// Nothing; keeps the size a multiple of 16.
+        pub unused: u32,
+    }
+
+    /// What `generate` needs to know.
+    pub struct GenerateParams {
+        /// Camera position, world space.
+        pub eye: [f32; 3],
+        /// Picture width in pixels.
+        pub width: u32,
+        /// Viewing direction.
+        pub forward: [f32; 3],
+        /// Picture height in pixels.
+        pub height: u32,
+        /// Right vector times half the picture plane's width at distance 1.
+        pub right: [f32; 3],
+        /// Pass number.
+        pub pass_index: u32,
+        /// Up vector times half the picture plane's height at distance 1.
+        pub up: [f32; 3],
+        /// First pixel of this dispatch.
+        pub first: u32,
+        /// Seed, low word first.
+        pub seed: [u32; 2],
+        /// Pixels of this dispatch.
+        pub count: u32,
+        /// Nothing.
+        pub unused: u32,
+    }
+
+    /// What `shade` needs to know.
+    pub struct ShadeParams {
+        /// First ray of this dispatch.
+        pub first: u32,
+        /// Rays of this dispatch.
+        pub count: u32,
+        /// Pass number.
+        pub pass_index: u32,
+        /// Bounce of the rays.
+        pub bounce: u32,
+        /// Seed, low word first.
+        pub seed: [u32; 2],
+        /// 1 in the last bounce, after which no path goes on.
+        pub is_last: u32,
+        /// 1 with Russian roulette.
+        pub roulette: u32,
+        /// Sky straight up.
+        pub zenith: [f32; 3],
+        /// Entries of the emitter table.
+        pub emitter_count: u32,
+        /// Sky straight down.
+        pub nadir: [f32; 3],
+        /// Density over area of picking a point on an emissive triangle, per luminance.
+        pub emission_density: f32,
+        /// Density over solid angle of picking a sky direction.
+        pub sky_density: f32,
+        /// Nothing.
+        pub unused_0: u32,
+        /// Nothing.
+        pub unused_1: u32,
+        /// Nothing.
+        pub unused_2: u32,
+    }
+
+    /// A material as kernels read it.
+    pub struct MaterialData {
+        /// Linear RGB base colour.
+        pub base_color: [f32; 3],
+        /// 0 to 1.
+        pub metallic: f32,
+        /// Emitted radiance.
+        pub emission: [f32; 3],
+        /// Perceptual roughness, 0 to 1.
+        pub roughness: f32,
+        /// Index of the base-colour texture, `u32::MAX` for none.
+        pub texture: u32,
+        /// Nothing.
+        pub unused_0: u32,
+        /// Nothing.
+        pub unused_1: u32,
+        /// Nothing.
+        pub unused_2: u32,
+    }
+
+    /// A texture's place among the texels of all.
+    pub struct TextureData {
+        /// First texel.
+        pub first: u32,
+        /// Texels per row.
+        pub width: u32,
+        /// Rows.
+        pub height: u32,
+        /// Nothing.
+        pub unused: u32,
+    }
+
+    /// One entry of the table that shadow rays pick their light from.
+    pub struct Emitter {
+        /// One of the `EMITTER_` constants.
+        pub shape: u32,
+        /// Index of the scene's light.
+        pub light: u32,
+        /// Probability of keeping this entry when its slot is drawn, else `other` is taken.
+        pub keep: f32,
+        /// The other entry of the slot (Walker 1977).
+        pub other: u32,
+        /// Centre; for a triangle unused.
+        pub position: [f32; 3],
+        /// Probability of picking this entry.
+        pub probability: f32,
+        /// Radiant intensity, irradiance or radiance, by shape.
+        pub power: [f32; 3],
+        /// Sphere: radius. Spot: offset of the angular fall-off. Triangle: area.
+        pub extent: f32,
+        /// Unit vector in which a spot or directional light shines.
+        pub direction: [f32; 3],
+        /// Spot: scale of the angular fall-off.
+        pub cone_scale: f32,
+        /// Triangle: its index in the scene.
+        pub triangle: u32,
+        /// Nothing.
+        pub unused_0: u32,
+        /// Nothing.
+        pub unused_1: u32,
+        /// Nothing.
+        pub unused_2: u32,
+    }
+
+    /// The alpha mask of one triangle.
+    pub struct MaskedTriangle {
+        /// Texture coordinates of the first corner.
+        pub uv_a: [f32; 2],
+        /// Texture coordinates of the second corner.
+        pub uv_b: [f32; 2],
+        /// Texture coordinates of the third corner.
+        pub uv_c: [f32; 2],
+        /// Smallest alpha byte that is no hole, 0 to 256.
+        pub threshold: u32,
+        /// Place of the texture's first alpha byte.
+        pub first: u32,
+        /// Texels per row, ≥ 1.
+        pub width: u32,
+        /// Rows, ≥ 1.
+        pub height: u32,
+    }
+
+    /// A light as keys see it, unit space.
+    pub struct LightSiteData {
+        /// Centre, or for a directional light the unit vector in which it shines.
+        pub place: [f32; 3],
+        /// One of the `SITE_` constants.
+        pub shape: u32,
+        /// Unit vector across a directional light.
+        pub tangent: [f32; 3],
+        /// Nothing.
+        pub unused_0: u32,
+        /// Unit vector across both.
+        pub bitangent: [f32; 3],
+        /// Nothing.
+        pub unused_1: u32,
+    }
+
+    /// State that a path carries beside its ray.
+    pub struct PathState {
+        /// Throughput of the path, or for a shadow ray the light that it brings if it arrives.
+        pub color: [f32; 3],
+        /// Density over solid angle of the last direction; 0 for camera rays and mirrors.
+        pub density: f32,
+    }
+
+    /// What the light of a shadow ray is, beside the ray.
+    pub struct ShadowState {
+        /// Radiance that the film gets if the ray arrives.
+        pub color: [f32; 3],
+        /// Index of the scene's light.
+        pub light: u32,
+    }
+}

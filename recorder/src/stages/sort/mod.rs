@@ -1,0 +1,27 @@
+//! Stable radix sort of (key, canonical index), least significant digit first, 8 bits a pass.
+//!
+//! Keys of up to 32 bits are one word, longer ones two, so that no 64-bit integers are needed on
+//! the GPU. A first look at the keys finds the bits that differ at all; passes whose digit is the
+//! same in every key are skipped. What comes out is the permutation alone: `permutation[i]` is the
+//! canonical index of the key at place i.
+//!
+//! Both sorts carry pairs of one 32-bit word and the index. For two words they sort by the low
+//! word, fetch the high words in that order, and go on: fewer bytes than carrying both all the way.
+//!
+//! - [`gpu`]: reduce, then scan (Merrill and Grimshaw 2011), without waiting between workgroups
+//! - [`cpu`]: the same passes on threads
+
+pub mod cpu;
+pub mod gpu;
+
+#[cfg(test)]
+pub(crate) mod test_keys;
+
+/// Bits that one pass sorts by.
+pub const DIGIT_BITS: u32 = 8;
+
+/// Values of a digit.
+pub const BINS: usize = 1 << DIGIT_BITS;
+
+/// Digits of a word.
+const DIGITS_PER_WORD: u32 = u32::BITS / DIGIT_BITS;

@@ -1,0 +1,272 @@
+//! Trace on threads: the same arithmetic as the WGSL kernels, with AVX2 for the box tests where
+//! the processor has it.
+
+use formats::ray::{Hit, Kind, Ray, Work};
+use rayon::prelude::*;
+use scenes::Scene;
+use scenes::bvh::Bvh;
+
+pub use super::scattered::{ScatteredDistances, ScatteredHits};
+
+use super::cpu_bvh2::BinaryTree;
+use super::cpu_cwbvh::WideTree;
+use super::mask::Masks;
+use super::triangle::{LeafTriangle, Shear};
+use super::{PADDING, farthest, reciprocal};
+
+/// Rays that a thread takes at once.
+const CHUNK: usize = 256;
+
+/// Traces rays through a hierarchy on the threads of the current rayon pool.
+#[derive(Clone, Debug)]
+pub struct CpuTracer {
+    tree: Tree,
+    triangles: Vec<LeafTriangle>,
+    masks: Masks,
+    instructions: Instructions,
+}
+
+#[derive(Clone, Debug)]
+enum Tree {
+    Binary(BinaryTree),
+    Wide(WideTree),
+}
+
+/// Which instructions the box tests use; the results are the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Instructions {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+}
+
+impl Instructions {
+    fn best() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("lzcnt")
+            && is_x86_feature_detected!("popcnt")
+        {
+            return Self::Avx2;
+        }
+        Self::Portable
+    }
+}
+
+impl CpuTracer {
+    /// A tracer for a scene and a hierarchy that was built over it; both are copied.
+    pub fn new(scene: &Scene, bvh: &Bvh) -> Self {
+        let masks = Masks::new(scene);
+        let leaf = |&triangle: &u32| {
+            LeafTriangle::new(&scene.corners(triangle as usize), triangle, masks.number(triangle))
+        };
+        let triangles = bvh.order().par_iter().map(leaf).collect();
+        let tree = match bvh {
+            Bvh::Bvh2 { nodes, .. } => Tree::Binary(BinaryTree::new(nodes)),
+            Bvh::Cwbvh { nodes, .. } => Tree::Wide(WideTree::new(nodes)),
+        };
+        Self { tree, triangles, masks, instructions: Instructions::best() }
+    }
+
+    /// The same tracer without special instructions: results are the same.
+    #[cfg(test)]
+    pub(super) fn portable(mut self) -> Self {
+        self.instructions = Instructions::Portable;
+        self
+    }
+
+    /// The nearest hit of each ray.
+    ///
+    /// # Panics
+    /// If there are not as many hits as rays.
+    pub fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
+        assert_eq!(rays.len(), hits.len(), "one hit per ray");
+        rays.par_chunks(CHUNK).zip(hits.par_chunks_mut(CHUNK)).for_each(|(rays, hits)| {
+            for (ray, hit) in rays.iter().zip(hits) {
+                *hit = self.search::<false, false>(ray).0;
+            }
+        });
+    }
+
+    /// The distance at which each ray is blocked, `+inf` where it is not.
+    ///
+    /// # Panics
+    /// If there are not as many distances as rays.
+    pub fn occlusion(&self, rays: &[Ray], distances: &mut [f32]) {
+        assert_eq!(rays.len(), distances.len(), "one distance per ray");
+        rays.par_chunks(CHUNK).zip(distances.par_chunks_mut(CHUNK)).for_each(|(rays, distances)| {
+            for (ray, distance) in rays.iter().zip(distances) {
+                *distance = self.search::<true, false>(ray).0.t;
+            }
+        });
+    }
+
+    /// [`Self::closest`] for rays in the order of `permutation`; results go to canonical places.
+    pub fn closest_gathered(&self, sorted_rays: &[Ray], permutation: &[u32], out: &ScatteredHits) {
+        in_order(sorted_rays, permutation, |ray, place| out.store(place, self.search::<false, false>(ray).0));
+    }
+
+    /// [`Self::occlusion`] for rays in the order of `permutation`; results go to canonical places.
+    pub fn occlusion_gathered(&self, sorted_rays: &[Ray], permutation: &[u32], out: &ScatteredDistances) {
+        in_order(sorted_rays, permutation, |ray, place| {
+            out.store(place, self.search::<true, false>(ray).0.t)
+        });
+    }
+
+    /// [`Self::closest`], fetching the rays in the order of `permutation`.
+    pub fn closest_indirect(&self, rays: &[Ray], permutation: &[u32], out: &ScatteredHits) {
+        through(rays, permutation, |ray, place| out.store(place, self.search::<false, false>(ray).0));
+    }
+
+    /// [`Self::occlusion`], fetching the rays in the order of `permutation`.
+    pub fn occlusion_indirect(&self, rays: &[Ray], permutation: &[u32], out: &ScatteredDistances) {
+        through(rays, permutation, |ray, place| out.store(place, self.search::<true, false>(ray).0.t));
+    }
+
+    /// What tracing each ray takes.
+    pub fn work(&self, rays: &[Ray], kind: Kind) -> Vec<Work> {
+        let work = |ray: &Ray| match kind {
+            Kind::Closest => self.search::<false, true>(ray).1,
+            Kind::Shadow => self.search::<true, true>(ray).1,
+        };
+        rays.par_iter().with_min_len(CHUNK).map(work).collect()
+    }
+
+    fn search<const ANY: bool, const COUNT: bool>(&self, ray: &Ray) -> (Hit, Work) {
+        if self.masks.is_empty() {
+            self.search_with::<ANY, COUNT, false>(ray)
+        } else {
+            self.search_with::<ANY, COUNT, true>(ray)
+        }
+    }
+
+    fn search_with<const ANY: bool, const COUNT: bool, const MASKS: bool>(&self, ray: &Ray) -> (Hit, Work) {
+        match self.instructions {
+            Instructions::Portable => {
+                let mut query = Query::<ANY, COUNT, MASKS>::new(self, ray);
+                match &self.tree {
+                    Tree::Binary(tree) => {
+                        tree.traverse::<super::cpu_bvh2::Portable, ANY, COUNT, MASKS>(&mut query)
+                    }
+                    Tree::Wide(tree) => {
+                        tree.traverse::<super::cpu_cwbvh::Portable, ANY, COUNT, MASKS>(&mut query)
+                    }
+                }
+                query.result()
+            }
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: this variant is made where the processor has these instructions.
+            Instructions::Avx2 => unsafe { search_avx2::<ANY, COUNT, MASKS>(self, ray) },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn search_avx2<const ANY: bool, const COUNT: bool, const MASKS: bool>(
+    tracer: &CpuTracer,
+    ray: &Ray,
+) -> (Hit, Work) {
+    let mut query = Query::<ANY, COUNT, MASKS>::new(tracer, ray);
+    match &tracer.tree {
+        Tree::Binary(tree) => tree.traverse::<super::cpu_bvh2::Avx2, ANY, COUNT, MASKS>(&mut query),
+        Tree::Wide(tree) => tree.traverse::<super::cpu_cwbvh::Avx2, ANY, COUNT, MASKS>(&mut query),
+    }
+    query.result()
+}
+
+/// Calls `trace` for each ray with its canonical place.
+fn in_order(rays: &[Ray], permutation: &[u32], trace: impl Fn(&Ray, u32) + Sync) {
+    assert_eq!(rays.len(), permutation.len(), "one place per ray");
+    rays.par_chunks(CHUNK).zip(permutation.par_chunks(CHUNK)).for_each(|(rays, places)| {
+        for (ray, &place) in rays.iter().zip(places) {
+            trace(ray, place);
+        }
+    });
+}
+
+/// Calls `trace` for each canonical place with its ray.
+fn through(rays: &[Ray], permutation: &[u32], trace: impl Fn(&Ray, u32) + Sync) {
+    permutation.par_chunks(CHUNK).for_each(|places| {
+        for &place in places {
+            trace(&rays[place as usize], place);
+        }
+    });
+}
+
+/// A ray on its way through a hierarchy, and what it has found.
+///
+/// `ANY`: ends at the first hit. `COUNT`: counts its work. `MASKS`: looks for holes.
+pub(super) struct Query<'a, const ANY: bool, const COUNT: bool, const MASKS: bool> {
+    /// Where the ray starts.
+    pub origin: [f32; 3],
+    /// Reciprocals of its direction.
+    pub inverse: [f32; 3],
+    /// Nearest distance that counts.
+    pub t_min: f32,
+    shear: Shear,
+    best: Hit,
+    work: Work,
+    triangles: &'a [LeafTriangle],
+    masks: &'a Masks,
+}
+
+impl<'a, const ANY: bool, const COUNT: bool, const MASKS: bool> Query<'a, ANY, COUNT, MASKS> {
+    #[inline(always)]
+    fn new(tracer: &'a CpuTracer, ray: &Ray) -> Self {
+        Self {
+            origin: ray.origin,
+            inverse: ray.direction.map(reciprocal),
+            t_min: ray.t_min,
+            shear: Shear::new(ray),
+            best: Hit { t: farthest(ray), ..Hit::MISS },
+            work: Work::default(),
+            triangles: &tracer.triangles,
+            masks: &tracer.masks,
+        }
+    }
+
+    /// Boxes beyond this distance need not be entered.
+    #[inline(always)]
+    pub(super) fn limit(&self) -> f32 {
+        self.best.t * PADDING
+    }
+
+    /// Counts a node whose children are tested.
+    #[inline(always)]
+    pub(super) fn count_node(&mut self) {
+        if COUNT {
+            self.work.nodes += 1;
+        }
+    }
+
+    /// Tests the triangle in a leaf slot; true if the search is over.
+    #[inline(always)]
+    pub(super) fn test(&mut self, slot: usize) -> bool {
+        let leaf = &self.triangles[slot];
+        if COUNT {
+            self.work.triangles += 1;
+        }
+        let Some(at) = leaf.intersect(&self.shear) else {
+            return false;
+        };
+        let triangle = leaf.triangle();
+        let is_nearer = at.t < self.best.t || (at.t == self.best.t && triangle < self.best.triangle);
+        if !(at.t >= self.t_min && is_nearer) {
+            return false;
+        }
+        if MASKS && leaf.mask() != 0 && self.masks.is_hole(leaf.mask(), at.u, at.v) {
+            return false;
+        }
+        // No distance is negative here, but it may be a negative zero.
+        self.best = Hit { t: at.t.abs(), triangle, u: at.u, v: at.v };
+        ANY
+    }
+
+    #[inline(always)]
+    fn result(self) -> (Hit, Work) {
+        (if self.best.is_hit() { self.best } else { Hit::MISS }, self.work)
+    }
+}

@@ -1,0 +1,295 @@
+//! Trace on the GPU: kernels composed per hierarchy, kind of ray, order and alpha masks.
+
+use anyhow::{Context, Result};
+use formats::ray::{Hit, Kind};
+use scenes::Scene;
+use scenes::bvh::{BVH2_STACK, Bvh, CWBVH_STACK};
+
+use super::driver::DriverHierarchy;
+use super::mask::Masks;
+use super::{PADDING, RECIPROCAL_LIMIT, TraceKernel};
+use crate::gpu::kernel::constants_wgsl;
+use crate::gpu::run::ItemRange;
+use crate::gpu::scene::padded;
+use crate::gpu::{DeviceArray, Gpu, Kernel, Module};
+use crate::stages::key::wgsl::wgsl_f32;
+use crate::stages::shared::{MaskedTriangle, Span};
+
+/// Threads of a workgroup.
+const WORKGROUP: u32 = 64;
+
+/// The order in which a queue is traced; results always go to canonical places.
+#[derive(Clone, Copy, Debug)]
+pub enum Order<'a> {
+    /// Ray i is the i-th ray of the queue.
+    Canonical,
+    /// Ray i was gathered from place `permutation[i]`.
+    Gathered(&'a DeviceArray<u32>),
+    /// The i-th ray to trace lies at place `permutation[i]`.
+    Indirect(&'a DeviceArray<u32>),
+}
+
+/// The order as far as a kernel's text depends on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OrderKind {
+    /// See [`Order::Canonical`].
+    Canonical,
+    /// See [`Order::Gathered`].
+    Gathered,
+    /// See [`Order::Indirect`].
+    Indirect,
+}
+
+/// What a trace kernel is specialised on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TraceVariant {
+    /// What walks which hierarchy.
+    pub kernel: TraceKernel,
+    /// Kind of rays.
+    pub kind: Kind,
+    /// Their order.
+    pub order: OrderKind,
+    /// Whether the scene has alpha masks.
+    pub masks: bool,
+    /// Writes counters instead of results.
+    pub count_work: bool,
+}
+
+const NO_MASKS: &str = "
+fn is_hole(triangle: u32, u: f32, v: f32) -> bool {
+    return false;
+}
+";
+const CLOSEST_RESULT: &str = "
+fn write_result(place: u32, query: ptr<function, Query>) {
+    let is_hit = (*query).best_triangle != NO_TRIANGLE;
+    let t = select(0x7f800000u, bitcast<u32>((*query).best_t), is_hit);
+    results[place] = vec4(t, (*query).best_triangle, bitcast<u32>((*query).best_u), bitcast<u32>((*query).best_v));
+}
+";
+const SHADOW_RESULT: &str = "
+var<private> infinity_bits: u32 = 0x7f800000u;
+
+fn write_result(place: u32, query: ptr<function, Query>) {
+    results[place] = select(bitcast<f32>(infinity_bits), (*query).best_t, (*query).best_triangle != NO_TRIANGLE);
+}
+";
+const WORK_RESULT: &str = "
+fn write_result(place: u32, query: ptr<function, Query>) {
+    results[place] = (*query).work;
+}
+";
+
+/// The module of a variant. Bindings: origins, directions; the permutation where there is one;
+/// results; leaves (or scene triangles), positions; mask numbers, triangles and alphas where there
+/// are masks; the nodes or the driver's hierarchy.
+pub fn module(variant: &TraceVariant) -> Module {
+    let element = match (variant.count_work, variant.kind) {
+        (true, _) => "vec2<u32>",
+        (false, Kind::Closest) => "vec4<u32>",
+        (false, Kind::Shadow) => "f32",
+    };
+    let mut module = Module::new(&format!("trace::{}_{}", variant.kernel.name(), variant.kind))
+        .immediate::<Span>("span", "Span")
+        .read("origins", "vec4<f32>")
+        .read("directions", "vec4<f32>");
+    if variant.order != OrderKind::Canonical {
+        module = module.read("permutation", "u32");
+    }
+    module = module.write("results", element).read("leaves", "vec4<u32>").read("positions", "vec4<f32>");
+    if variant.masks {
+        module = module.read("mask_numbers", "u32").read("mask_triangles", "MaskedTriangle").read("mask_alphas", "u32");
+    }
+    module = match variant.kernel {
+        TraceKernel::RayQuery => module.driver_hierarchy("hierarchy"),
+        TraceKernel::Cwbvh | TraceKernel::Bvh2 => module.read("nodes", "vec4<u32>"),
+    };
+    let (ray_place, result_place) = match variant.order {
+        OrderKind::Canonical => ("index", "index"),
+        OrderKind::Gathered => ("index", "permutation[index]"),
+        OrderKind::Indirect => ("permutation[index]", "permutation[index]"),
+    };
+    let result = match (variant.count_work, variant.kind) {
+        (true, _) => WORK_RESULT,
+        (false, Kind::Closest) => CLOSEST_RESULT,
+        (false, Kind::Shadow) => SHADOW_RESULT,
+    };
+    let masks = if variant.masks { format!("{}{}", MaskedTriangle::description().wgsl, include_str!("mask.wgsl")) } else { NO_MASKS.to_owned() };
+    module
+        .text(&Span::description().wgsl)
+        .text(&constants(variant))
+        .text(&format!("fn ray_place(index: u32) -> u32 {{ return {ray_place}; }}\nfn result_place(index: u32) -> u32 {{ return {result_place}; }}\n"))
+        .text(&masks)
+        .text(include_str!("triangle.wgsl"))
+        .text(include_str!("query.wgsl"))
+        .text(match variant.kernel {
+            TraceKernel::Cwbvh => include_str!("cwbvh.wgsl"),
+            TraceKernel::Bvh2 => include_str!("bvh2.wgsl"),
+            TraceKernel::RayQuery => include_str!("ray_query.wgsl"),
+        })
+        .text(result)
+        .text(include_str!("kernel.wgsl"))
+}
+
+fn constants(variant: &TraceVariant) -> String {
+    let floats = [
+        ("PADDING", PADDING),
+        ("RECIPROCAL_LIMIT", RECIPROCAL_LIMIT),
+        ("RECIPROCAL_THRESHOLD", 1.0 / RECIPROCAL_LIMIT),
+        ("F32_MAX", f32::MAX),
+    ];
+    let floats = floats.map(|(name, value)| format!("const {name} = {};\n", wgsl_f32(value))).concat();
+    let integers = constants_wgsl(&[("BVH2_STACK", BVH2_STACK as u32), ("CWBVH_STACK", CWBVH_STACK as u32), ("NO_TRIANGLE", Hit::NONE)]);
+    let any = variant.kind == Kind::Shadow;
+    format!("{floats}{integers}const ANY = {any};\nconst COUNT = {};\n", variant.count_work)
+}
+
+/// A scene's hierarchy on the GPU and the kernels that walk it.
+pub struct Tracer {
+    kernel: TraceKernel,
+    leaves: DeviceArray<[u32; 4]>,
+    positions: DeviceArray<[f32; 4]>,
+    masks: Option<MaskArrays>,
+    hierarchy: Hierarchy,
+    compiled: Vec<(TraceVariant, Kernel)>,
+}
+
+enum Hierarchy {
+    Nodes(DeviceArray<[u32; 4]>),
+    Driver(DriverHierarchy),
+}
+
+struct MaskArrays {
+    numbers: DeviceArray<u32>,
+    triangles: DeviceArray<MaskedTriangle>,
+    alphas: DeviceArray<u32>,
+}
+
+impl MaskArrays {
+    fn new(gpu: &Gpu, masks: &Masks) -> Result<Option<Self>> {
+        if masks.is_empty() {
+            return Ok(None);
+        }
+        let words = masks.alphas.chunks(4).map(|bytes| (0..).zip(bytes).fold(0u32, |word, (place, &byte)| word | u32::from(byte) << (8 * place)));
+        Ok(Some(Self {
+            numbers: gpu.array_of("trace::mask_numbers", &masks.numbers)?,
+            triangles: gpu.array_of("trace::mask_triangles", &masks.triangles)?,
+            alphas: gpu.array_of("trace::mask_alphas", &words.collect::<Vec<_>>())?,
+        }))
+    }
+}
+
+impl Tracer {
+    /// Uploads a hierarchy, or lets the driver build one where `bvh` is `None`.
+    ///
+    /// # Errors
+    /// If something is too large for the adapter.
+    pub fn new(gpu: &Gpu, scene: &Scene, bvh: Option<&Bvh>, kernel: TraceKernel) -> Result<Self> {
+        let positions = gpu.array_of("trace::positions", &padded(&scene.positions))?;
+        let leaf = |triangle: u32| {
+            let [a, b, c] = scene.triangles[triangle as usize];
+            [a, b, c, triangle]
+        };
+        let masks = Masks::new(scene);
+        let (leaves, hierarchy): (Vec<_>, _) = match (bvh, kernel) {
+            (None, TraceKernel::RayQuery) => {
+                let leaves = (0..scene.triangles.len() as u32).map(leaf).collect();
+                (leaves, Hierarchy::Driver(DriverHierarchy::new(gpu, scene, &positions, masks.is_empty())?))
+            }
+            (bvh, _) => {
+                let bvh = bvh.with_context(|| format!("trace kernel {} needs a hierarchy", kernel.name()))?;
+                let nodes: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(bvh.node_bytes());
+                (bvh.order().iter().map(|&triangle| leaf(triangle)).collect(), Hierarchy::Nodes(gpu.array_of("trace::nodes", &nodes)?))
+            }
+        };
+        Ok(Self {
+            kernel,
+            leaves: gpu.array_of("trace::leaves", &leaves)?,
+            positions,
+            masks: MaskArrays::new(gpu, &masks)?,
+            hierarchy,
+            compiled: Vec::new(),
+        })
+    }
+
+    /// Traces `count` rays; returns the device's time in nanoseconds.
+    ///
+    /// # Errors
+    /// If the driver refuses a kernel or the device is lost.
+    #[expect(clippy::too_many_arguments, reason = "rays on the GPU are two arrays and a count")]
+    pub fn trace(
+        &mut self,
+        gpu: &Gpu,
+        kind: Kind,
+        order: Order<'_>,
+        origins: &DeviceArray<[f32; 4]>,
+        directions: &DeviceArray<[f32; 4]>,
+        results: wgpu::BindingResource<'_>,
+        count: usize,
+    ) -> Result<u64> {
+        self.run(gpu, kind, order, [origins, directions], results, count, false)
+    }
+
+    /// What tracing each ray takes, in canonical order.
+    ///
+    /// # Errors
+    /// As [`Tracer::trace`].
+    pub fn work(&mut self, gpu: &Gpu, kind: Kind, origins: &DeviceArray<[f32; 4]>, directions: &DeviceArray<[f32; 4]>, count: usize) -> Result<DeviceArray<[u32; 2]>> {
+        let work = gpu.array("trace::work", count)?;
+        self.run(gpu, kind, Order::Canonical, [origins, directions], work.binding(), count, true)?;
+        Ok(work)
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "as `trace`")]
+    fn run(
+        &mut self,
+        gpu: &Gpu,
+        kind: Kind,
+        order: Order<'_>,
+        [origins, directions]: [&DeviceArray<[f32; 4]>; 2],
+        results: wgpu::BindingResource<'_>,
+        count: usize,
+        count_work: bool,
+    ) -> Result<u64> {
+        let (order, permutation) = match order {
+            Order::Canonical => (OrderKind::Canonical, None),
+            Order::Gathered(permutation) => (OrderKind::Gathered, Some(permutation)),
+            Order::Indirect(permutation) => (OrderKind::Indirect, Some(permutation)),
+        };
+        let kernel = self.compiled(gpu, kind, order, count_work)?;
+        let mut resources = vec![origins.binding(), directions.binding()];
+        resources.extend(permutation.map(DeviceArray::binding));
+        resources.extend([results, self.leaves.binding(), self.positions.binding()]);
+        if let Some(masks) = &self.masks {
+            resources.extend([masks.numbers.binding(), masks.triangles.binding(), masks.alphas.binding()]);
+        }
+        resources.push(match &self.hierarchy {
+            Hierarchy::Nodes(nodes) => nodes.binding(),
+            Hierarchy::Driver(hierarchy) => hierarchy.binding(),
+        });
+        let group = kernel.bind(gpu, 0, &resources)?;
+        let total = count as u32;
+        let mut run = gpu.stage(kernel.label());
+        run.dispatch_chunks(&kernel, &[&group], ItemRange::new(total, WORKGROUP), |chunk| Span {
+            first: chunk.first,
+            count: chunk.count,
+            total,
+            unused: 0,
+        });
+        Ok(run.finish()?.elapsed_ns)
+    }
+
+    /// The kernel of a variant, compiled when it is first needed.
+    fn compiled(&mut self, gpu: &Gpu, kind: Kind, order: OrderKind, count_work: bool) -> Result<Kernel> {
+        let variant = TraceVariant { kernel: self.kernel, kind, order, masks: self.masks.is_some(), count_work };
+        if let Some((_, kernel)) = self.compiled.iter().find(|(known, _)| *known == variant) {
+            return Ok(kernel.clone());
+        }
+        // SAFETY: `scenes::bvh` has checked that all links of the hierarchy lie inside it, that it is
+        // a tree, and that its depth fits the stack; permutations come from the sort and are
+        // bijections; vertex indices were checked by the loader; mask texels are clamped.
+        let kernel = unsafe { module(&variant).compile(gpu)? };
+        self.compiled.push((variant, kernel.clone()));
+        Ok(kernel)
+    }
+}

@@ -1,0 +1,92 @@
+//! Trace: the nearest hit of each ray of a queue, or for shadow rays any hit.
+//!
+//! Two hierarchies ([`scenes::bvh`]) and two backends follow the same arithmetic in the same
+//! order, so that on devices with IEEE division that do not contract `a·b + c` results and work
+//! counters are equal bit for bit. A ray's result depends on that ray alone.
+//!
+//! **Ray.** Per axis the reciprocal `i = 1/d` if |d| > 2^-80, else 2^80 with the sign bit of `d`:
+//! with coordinates up to [`scenes::bvh::COORDINATE_LIMIT`] no product of a box test overflows, and
+//! no NaN arises.
+//!
+//! **Boxes.** Slabs in the form `(b − o)·i`: a difference of two floats has the right sign and is
+//! monotonic, and the form leaves nothing to contract. `near = max(t_min, near planes)`,
+//! `far = min(far planes)·`[`PADDING`]; a box is entered if `near <= min(far, t·PADDING)` with `t` the
+//! nearest hit so far, at first `t_max`. So boxes at equal `t` are still entered (ties), and the
+//! rounding of all of the above and of the triangle test is covered (Ize 2013, "Robust BVH Ray
+//! Traversal"; errors that grow with a triangle and not with its distance are covered by the
+//! padding of the boxes themselves). In compressed wide nodes the grid is scaled instead of the
+//! planes, by powers of two and therefore exactly: `(q − (o − p)/step)·(i·step)`.
+//!
+//! **Order.** Binary: the nearer child first, the first at equal distance; the other one waits on
+//! the stack with its distance and is dropped if a nearer hit has been found meanwhile. Wide: the
+//! triangles of a node first, the last slot first, then the inner children in descending order of
+//! `slot ^ octant`.
+//!
+//! **Triangles.** Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection", without
+//! culling: see [`triangle`]. `t_min <= t <= t_max` counts as a hit, both ends included, if t is
+//! finite. Of equal t the lowest triangle index wins. Edges belong to both of their triangles.
+//!
+//! **Alpha masks.** Where a scene has them (a const generic, a variant of the WGSL), a hit in a hole
+//! is no hit: see [`mask`].
+//!
+//! **Shadow rays** end at the first hit that the order above comes upon; its `t` is the result,
+//! `+inf` if there is none.
+//!
+//! **Work.** `nodes` counts the nodes whose children were tested (a leaf or a single-leaf tree
+//! counts none), `triangles` the triangle tests.
+
+pub mod cpu;
+mod cpu_bvh2;
+mod cpu_cwbvh;
+mod driver;
+pub mod gpu;
+pub mod mask;
+pub mod scattered;
+#[cfg(test)]
+mod tests;
+pub mod triangle;
+
+use formats::ray::Ray;
+
+/// Factor on far planes and on the nearest hit: 1 + 2^-19, which is 32 roundings. Box and triangle
+/// tests add up to about 20 where division is exact, 28 where a GPU divides to 2.5 ulp.
+pub const PADDING: f32 = 1.0 + 1.0 / (1 << 19) as f32;
+
+/// Largest reciprocal of a direction: 2^80.
+pub const RECIPROCAL_LIMIT: f32 = (1u128 << 80) as f32;
+
+/// The reciprocal of a component of a direction, as box tests use it.
+pub fn reciprocal(direction: f32) -> f32 {
+    if direction.abs() > 1.0 / RECIPROCAL_LIMIT {
+        1.0 / direction
+    } else {
+        RECIPROCAL_LIMIT.copysign(direction)
+    }
+}
+
+/// The farthest `t` that counts: `t_max`, but finite.
+pub(crate) fn farthest(ray: &Ray) -> f32 {
+    ray.t_max.min(f32::MAX)
+}
+
+/// What walks which hierarchy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum TraceKernel {
+    /// Eight-wide compressed hierarchy (Ylitie et al. 2017).
+    Cwbvh,
+    /// Binary hierarchy.
+    Bvh2,
+    /// The driver's own, on GPUs that offer ray queries.
+    RayQuery,
+}
+
+impl TraceKernel {
+    /// Name on the command line and in recordings.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cwbvh => "cwbvh",
+            Self::Bvh2 => "bvh2",
+            Self::RayQuery => "ray-query",
+        }
+    }
+}

@@ -1,0 +1,60 @@
+// A ray on its way through a hierarchy, and what it has found: the twin of `stages::trace::cpu`.
+
+struct Query {
+    origin: vec3<f32>,
+    direction: vec3<f32>,
+    inverse: vec3<f32>,
+    t_min: f32,
+    shear: Shear,
+    best_t: f32,
+    best_triangle: u32,
+    best_u: f32,
+    best_v: f32,
+    work: vec2<u32>,
+}
+
+fn reciprocal(d: f32) -> f32 {
+    if abs(d) > RECIPROCAL_THRESHOLD {
+        return 1.0 / d;
+    }
+    return bitcast<f32>(bitcast<u32>(RECIPROCAL_LIMIT) | (bitcast<u32>(d) & 0x80000000u));
+}
+
+fn query_new(origin: vec4<f32>, direction: vec4<f32>) -> Query {
+    var query: Query;
+    query.origin = origin.xyz;
+    query.direction = direction.xyz;
+    query.t_min = origin.w;
+    query.inverse = vec3(reciprocal(direction.x), reciprocal(direction.y), reciprocal(direction.z));
+    query.shear = shear_new(origin.xyz, direction.xyz);
+    query.best_t = min(direction.w, F32_MAX);
+    query.best_triangle = NO_TRIANGLE;
+    return query;
+}
+
+fn query_limit(query: ptr<function, Query>) -> f32 {
+    return (*query).best_t * PADDING;
+}
+
+// Takes a hit if it is nearer; true if the search is over.
+fn query_offer(query: ptr<function, Query>, at: Intersection, triangle: u32) -> bool {
+    let is_nearer = at.t < (*query).best_t || (at.t == (*query).best_t && triangle < (*query).best_triangle);
+    if !(at.is_hit && at.t >= (*query).t_min && is_nearer) || is_hole(triangle, at.u, at.v) {
+        return false;
+    }
+    (*query).best_t = abs(at.t);
+    (*query).best_triangle = triangle;
+    (*query).best_u = at.u;
+    (*query).best_v = at.v;
+    return ANY;
+}
+
+// Tests the triangle in a leaf slot; true if the search is over.
+fn query_test(query: ptr<function, Query>, slot: u32) -> bool {
+    if COUNT {
+        (*query).work.y += 1u;
+    }
+    let leaf = leaves[slot];
+    let at = intersect((*query).shear, positions[leaf.x].xyz, positions[leaf.y].xyz, positions[leaf.z].xyz);
+    return query_offer(query, at, leaf.w);
+}

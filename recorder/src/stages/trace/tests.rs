@@ -1,0 +1,508 @@
+//! The tracers held against a double-precision oracle and against testing every triangle.
+
+use formats::ray::{Hit, Kind, Ray};
+use scenes::bvh::{BvhKind, build};
+use scenes::{Camera, Material, Scene, Texture};
+
+use super::cpu::{CpuTracer, ScatteredDistances, ScatteredHits};
+use super::farthest;
+use super::mask::Masks;
+use super::triangle::{LeafTriangle, Shear};
+use crate::oracle::Oracle;
+
+/// Numbers in 0..1 from a linear congruential generator (Knuth's MMIX).
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / (1 << 24) as f32
+    }
+
+    fn point(&mut self) -> [f32; 3] {
+        std::array::from_fn(|_| self.unit())
+    }
+
+    fn direction(&mut self) -> [f32; 3] {
+        loop {
+            let v = self.point().map(|x| 2.0 * x - 1.0);
+            let squared = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+            if squared > 0.01 && squared < 1.0 {
+                return v.map(|x| x / squared.sqrt());
+            }
+        }
+    }
+}
+
+/// A scene of triangles that share no corners.
+fn scene_of(triangles: Vec<[[f32; 3]; 3]>) -> Scene {
+    let vertices = 3 * triangles.len() as u32;
+    Scene {
+        name: "test".into(),
+        triangles: (0..vertices).collect::<Vec<u32>>().chunks(3).map(|v| [v[0], v[1], v[2]]).collect(),
+        triangle_materials: vec![0; triangles.len()],
+        positions: triangles.into_iter().flatten().collect(),
+        normals: Vec::new(),
+        uvs: Vec::new(),
+        materials: vec![Material::default()],
+        textures: Vec::new(),
+        lights: Vec::new(),
+        cameras: vec![Camera {
+            name: "test".into(),
+            eye: [0.0; 3],
+            forward: [0.0, 0.0, -1.0],
+            right: [1.0, 0.0, 0.0],
+            up: [0.0, 1.0, 0.0],
+            yfov_radians: 1.0,
+        }],
+        notices: Vec::new(),
+    }
+}
+
+fn soup(count: usize, size: f32, seed: u64) -> Scene {
+    let mut random = Random(seed);
+    let mut triangle = || {
+        let centre = random.point();
+        std::array::from_fn(|_| {
+            let offset = random.point();
+            [0, 1, 2].map(|axis| centre[axis] + size * (offset[axis] - 0.5))
+        })
+    };
+    scene_of((0..count).map(|_| triangle()).collect())
+}
+
+/// A closed sphere whose triangles share their corners, as a grid of longitudes and latitudes.
+fn sphere(rings: u32, radius: f32, centre: [f32; 3]) -> Scene {
+    let segments = 2 * rings;
+    let point = |ring: u32, segment: u32| {
+        let polar = std::f64::consts::PI * f64::from(ring) / f64::from(rings);
+        let azimuth = std::f64::consts::TAU * f64::from(segment % segments) / f64::from(segments);
+        let unit = [polar.sin() * azimuth.cos(), polar.cos(), polar.sin() * azimuth.sin()];
+        [0, 1, 2].map(|axis| (f64::from(centre[axis]) + f64::from(radius) * unit[axis]) as f32)
+    };
+    let mut triangles = Vec::new();
+    for ring in 0..rings {
+        for segment in 0..segments {
+            let [a, b] = [point(ring, segment), point(ring, segment + 1)];
+            let [c, d] = [point(ring + 1, segment), point(ring + 1, segment + 1)];
+            triangles.extend([[a, b, c], [b, d, c]]);
+        }
+    }
+    scene_of(triangles)
+}
+
+fn ray(origin: [f32; 3], direction: [f32; 3]) -> Ray {
+    Ray { origin, t_min: 0.0, direction, t_max: f32::INFINITY }
+}
+
+fn random_rays(count: usize, seed: u64) -> Vec<Ray> {
+    let mut random = Random(seed);
+    (0..count).map(|_| ray(random.point().map(|x| 3.0 * x - 1.0), random.direction())).collect()
+}
+
+/// Rays that start or run in the planes and along the edges of the unit grid.
+fn aligned_rays(seed: u64) -> Vec<Ray> {
+    let mut random = Random(seed);
+    let mut rays = Vec::new();
+    for index in 0..3000 {
+        let snap = |x: f32| (x * 8.0).round() / 8.0;
+        let origin = random.point().map(|x| if index % 2 == 0 { snap(x) } else { x });
+        let mut direction = random.direction();
+        let zero = if index % 5 < 3 { 0.0 } else { -0.0 };
+        direction[index % 3] = zero;
+        if index % 4 == 0 {
+            direction[(index + 1) % 3] = zero;
+            direction[(index + 2) % 3] = if index % 8 == 0 { 1.0 } else { -1.0 };
+        }
+        rays.push(ray(origin, direction));
+    }
+    rays
+}
+
+/// Axis-aligned walls on the unit grid: boxes without thickness, edges in the planes of boxes,
+/// every diagonal shared.
+fn walls() -> Scene {
+    let mut triangles = Vec::new();
+    for axis in 0..3 {
+        for cell in 0..9 * 8 * 8 {
+            let at = [cell / 64, cell / 8 % 8, cell % 8];
+            if (at[0] * 7 + at[1] * 5 + at[2] * 3 + axis) % 4 == 0 {
+                continue;
+            }
+            let corner = |i: usize, j: usize| {
+                let mut point = [0.0; 3];
+                point[axis] = at[0] as f32 / 8.0;
+                point[(axis + 1) % 3] = (at[1] + i) as f32 / 8.0;
+                point[(axis + 2) % 3] = (at[2] + j) as f32 / 8.0;
+                point
+            };
+            triangles.push([corner(0, 0), corner(1, 0), corner(1, 1)]);
+            triangles.push([corner(0, 0), corner(1, 1), corner(0, 1)]);
+        }
+    }
+    scene_of(triangles)
+}
+
+fn tracers(scene: &Scene) -> Vec<(String, CpuTracer)> {
+    let mut tracers = Vec::new();
+    for kind in BvhKind::ALL {
+        let tracer = CpuTracer::new(scene, &build(scene, kind).unwrap());
+        tracers.push((format!("{kind}, portable"), tracer.clone().portable()));
+        tracers.push((format!("{kind}, best instructions"), tracer));
+    }
+    tracers
+}
+
+/// The nearest hit by the tracers' own triangle test, without a hierarchy.
+fn every_triangle(scene: &Scene, ray: &Ray) -> Hit {
+    let masks = Masks::new(scene);
+    let shear = Shear::new(ray);
+    let mut best = Hit { t: farthest(ray), ..Hit::MISS };
+    for triangle in 0..scene.triangles.len() as u32 {
+        let number = masks.number(triangle);
+        let leaf = LeafTriangle::new(&scene.corners(triangle as usize), triangle, number);
+        let Some(at) = leaf.intersect(&shear) else { continue };
+        let is_hole = number != 0 && masks.is_hole(number, at.u, at.v);
+        let is_nearer = at.t < best.t || (at.t == best.t && triangle < best.triangle);
+        if at.t >= ray.t_min && is_nearer && !is_hole {
+            best = Hit { t: at.t.abs(), triangle, u: at.u, v: at.v };
+        }
+    }
+    if best.is_hit() { best } else { Hit::MISS }
+}
+
+fn bits(hit: &Hit) -> [u32; 4] {
+    bytemuck::cast(*hit)
+}
+
+fn closest(tracer: &CpuTracer, rays: &[Ray]) -> Vec<Hit> {
+    let mut hits = vec![Hit::MISS; rays.len()];
+    tracer.closest(rays, &mut hits);
+    hits
+}
+
+fn occlusion(tracer: &CpuTracer, rays: &[Ray]) -> Vec<f32> {
+    let mut distances = vec![0.0; rays.len()];
+    tracer.occlusion(rays, &mut distances);
+    distances
+}
+
+/// All tracers find what testing every triangle finds, bit for bit. Returns how many rays hit.
+fn check_against_every_triangle(what: &str, scene: &Scene, rays: &[Ray]) -> usize {
+    let expected: Vec<Hit> = rays.iter().map(|ray| every_triangle(scene, ray)).collect();
+    for (name, tracer) in tracers(scene) {
+        let hits = closest(&tracer, rays);
+        let distances = occlusion(&tracer, rays);
+        for (index, expected) in expected.iter().enumerate() {
+            let ray = &rays[index];
+            assert_eq!(
+                bits(&hits[index]),
+                bits(expected),
+                "{what}, {name}, ray {index} {ray:?}: {:?}, not {expected:?}",
+                hits[index]
+            );
+            assert_eq!(
+                distances[index].is_finite(),
+                expected.is_hit(),
+                "{what}, {name}, shadow ray {index} {ray:?}"
+            );
+            assert!(
+                !expected.is_hit() || distances[index] >= expected.t,
+                "{what}, {name}: an occluder before the nearest hit"
+            );
+        }
+    }
+    expected.iter().filter(|hit| hit.is_hit()).count()
+}
+
+#[test]
+fn every_tracer_finds_what_testing_every_triangle_finds() {
+    let cases = [
+        ("a small soup", soup(7, 0.5, 1)),
+        ("a soup", soup(1500, 0.1, 2)),
+        ("slivers and needles", {
+            let mut scene = soup(1000, 0.5, 3);
+            for (index, corner) in scene.positions.iter_mut().enumerate() {
+                if index % 3 == 0 {
+                    corner[1] *= 1e-6;
+                }
+            }
+            scene
+        }),
+        ("walls", walls()),
+        ("one triangle", soup(1, 1.0, 4)),
+    ];
+    for (name, scene) in cases {
+        let mut rays = random_rays(3000, 5);
+        rays.extend(aligned_rays(6));
+        let hits = check_against_every_triangle(name, &scene, &rays);
+        assert!(hits > 30, "{name}: only {hits} rays hit anything");
+    }
+}
+
+#[test]
+fn hits_are_where_the_oracle_says() {
+    let scene = soup(1000, 0.2, 11);
+    let oracle = Oracle::new(&scene);
+    let rays = random_rays(16_000, 12);
+    let mut compared = 0;
+    for (name, tracer) in tracers(&scene) {
+        let hits = closest(&tracer, &rays);
+        let distances = occlusion(&tracer, &rays);
+        for (index, ray) in rays.iter().enumerate() {
+            // Near an edge, single and double precision may differ on whether it is hit.
+            let mut all: Vec<_> = oracle.hits(ray).collect();
+            all.sort_by(|a, b| a.t.total_cmp(&b.t));
+            if all.iter().any(|hit| hit.inside < 1e-4) {
+                continue;
+            }
+            let Some(exact) = all.first() else { continue };
+            let hit = &hits[index];
+            if all.len() > 1 && all[1].t - exact.t < 1e-5 {
+                continue;
+            }
+            compared += 1;
+            assert_eq!(hit.triangle, exact.triangle, "{name}, {ray:?}");
+            assert!(
+                (f64::from(hit.t) - exact.t).abs() < 1e-4 * (1.0 + exact.t),
+                "{name}: {hit:?}, exactly {exact:?}"
+            );
+            assert!((f64::from(hit.u) - exact.u).abs() < 1e-3, "{name}: {hit:?}, exactly {exact:?}");
+            assert!((f64::from(hit.v) - exact.v).abs() < 1e-3, "{name}: {hit:?}, exactly {exact:?}");
+            assert!(
+                all.iter().any(|hit| (f64::from(distances[index]) - hit.t).abs() < 1e-4 * (1.0 + hit.t)),
+                "{name}: no surface at {}",
+                distances[index]
+            );
+        }
+    }
+    assert!(compared > 4000, "only {compared} rays could be compared");
+}
+
+#[test]
+fn no_ray_leaves_a_closed_sphere() {
+    for centre in [[0.0; 3], [148_376.0, 1234.0, -223_423.0]] {
+        let scene = sphere(100, 2.0, centre);
+        let mut random = Random(21);
+        let mut rays: Vec<Ray> = (0..30_000)
+            .map(|_| {
+                let offset = random.direction().map(|x| 0.4 * x);
+                ray([0, 1, 2].map(|axis| centre[axis] + offset[axis]), random.direction())
+            })
+            .collect();
+        // Straight at corners and along edges.
+        for corner in scene.positions.iter().step_by(7) {
+            let to = [0, 1, 2].map(|axis| corner[axis] - centre[axis]);
+            let length = (to[0] * to[0] + to[1] * to[1] + to[2] * to[2]).sqrt();
+            rays.push(ray(centre, to.map(|x| x / length)));
+        }
+        for (name, tracer) in tracers(&scene) {
+            let misses = closest(&tracer, &rays).iter().filter(|hit| !hit.is_hit()).count();
+            assert_eq!(misses, 0, "{name}: rays left the sphere around {centre:?}");
+            let open = occlusion(&tracer, &rays).iter().filter(|distance| distance.is_infinite()).count();
+            assert_eq!(open, 0, "{name}: shadow rays left the sphere around {centre:?}");
+        }
+    }
+}
+
+#[test]
+fn rays_through_edges_and_corners_hit() {
+    // A square of four triangles around a corner: rays straight at its edges and its middle.
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let middle = [0.5, 0.5, 0.0];
+    let scene = scene_of((0..4).map(|side| [corners[side], corners[(side + 1) % 4], middle]).collect());
+    let mut rays = Vec::new();
+    for (x, y) in [(0.5, 0.5), (0.25, 0.25), (0.75, 0.25), (0.0, 0.0), (1.0, 0.5), (0.5, 0.0), (1.0, 1.0)] {
+        for (z, dz) in [(3.0, -1.0), (-3.0, 1.0)] {
+            rays.push(ray([x, y, z], [0.0, -0.0, dz]));
+        }
+    }
+    for (name, tracer) in tracers(&scene) {
+        for (ray, hit) in rays.iter().zip(closest(&tracer, &rays)) {
+            assert_eq!(hit.t, 3.0, "{name}: {ray:?} went through an edge");
+        }
+        // Edge-on, a triangle is not there.
+        let edge_on = [ray([-1.0, 0.5, 0.0], [1.0, 0.0, 0.0])];
+        assert_eq!(closest(&tracer, &edge_on)[0], Hit::MISS, "{name}");
+    }
+}
+
+#[test]
+fn the_lowest_index_wins_ties() {
+    // The same triangle many times, and others elsewhere so that the copies get apart in the tree.
+    let mut triangles: Vec<[[f32; 3]; 3]> = Vec::new();
+    for index in 0..60 {
+        let x = if index % 3 == 0 { 0.0 } else { index as f32 };
+        triangles.push([[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x, 1.0, 0.0]]);
+    }
+    triangles.reverse();
+    let first = triangles.iter().position(|corners| corners[0][0] == 0.0).unwrap() as u32;
+    let scene = scene_of(triangles);
+    for (name, tracer) in tracers(&scene) {
+        let hit = closest(&tracer, &[ray([0.25, 0.25, 2.0], [0.0, 0.0, -1.0])])[0];
+        assert_eq!((hit.t, hit.triangle), (2.0, first), "{name}");
+    }
+}
+
+#[test]
+fn both_ends_of_a_ray_count() {
+    let scene = scene_of(vec![[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]]);
+    let (below, above) = (2f32.next_down(), 2f32.next_up());
+    let cases = [
+        (0.0, f32::INFINITY, true),
+        (2.0, f32::INFINITY, true),
+        (above, f32::INFINITY, false),
+        (0.0, 2.0, true),
+        (0.0, below, false),
+        (2.0, 2.0, true),
+        (3.0, 1.0, false),
+    ];
+    for (name, tracer) in tracers(&scene) {
+        for (t_min, t_max, is_hit) in cases {
+            let ray = Ray { origin: [0.25, 0.25, 2.0], t_min, direction: [0.0, 0.0, -1.0], t_max };
+            let hit = closest(&tracer, &[ray])[0];
+            assert_eq!(hit.is_hit(), is_hit, "{name}: {t_min}..={t_max}");
+            assert_eq!(occlusion(&tracer, &[ray])[0], if is_hit { 2.0 } else { f32::INFINITY }, "{name}");
+            assert_eq!(bits(&hit), bits(&every_triangle(&scene, &ray)), "{name}");
+        }
+        // On the surface the distance is zero, not minus zero.
+        let hit = closest(&tracer, &[ray([0.25, 0.25, 0.0], [0.0, 0.0, -1.0])])[0];
+        assert_eq!(hit.t.to_bits(), 0, "{name}");
+    }
+}
+
+#[test]
+fn the_nearest_hit_beyond_t_min_is_found() {
+    let scene = soup(800, 0.3, 31);
+    let rays: Vec<Ray> = random_rays(3000, 32)
+        .into_iter()
+        .zip(0u8..=255)
+        .cycle()
+        .take(3000)
+        .map(|(ray, step)| Ray { t_min: f32::from(step % 16) / 16.0, t_max: f32::from(step) / 100.0, ..ray })
+        .collect();
+    check_against_every_triangle("a part of each ray", &scene, &rays);
+}
+
+/// A soup with two masked materials, one of them without a texture.
+fn masked() -> Scene {
+    let mut scene = soup(600, 0.4, 41);
+    let mut random = Random(42);
+    scene.uvs =
+        scene.positions.iter().map(|_| [3.0 * random.unit() - 1.0, 3.0 * random.unit() - 1.0]).collect();
+    scene.textures = vec![Texture {
+        width: 5,
+        height: 3,
+        rgba: (0..15).map(|texel| [0, 0, 0, (texel * 17) as u8]).collect(),
+    }];
+    let leaf = Material { alpha_cutoff: Some(0.5), base_color_texture: Some(0), ..Material::default() };
+    let glass = Material { alpha_cutoff: Some(0.5), alpha: 0.25, ..Material::default() };
+    scene.materials.extend([leaf, glass]);
+    scene.triangle_materials = (0..600).map(|triangle| triangle % 3).collect();
+    scene
+}
+
+#[test]
+fn holes_are_not_hit() {
+    let scene = masked();
+    let rays = random_rays(3000, 43);
+    check_against_every_triangle("masks", &scene, &rays);
+    let hits = closest(&tracers(&scene)[0].1, &rays);
+    let of_material = |material| {
+        hits.iter()
+            .filter(|hit| hit.is_hit() && scene.triangle_materials[hit.triangle as usize] == material)
+            .count()
+    };
+    assert!(of_material(0) > 100 && of_material(1) > 50, "{} and {}", of_material(0), of_material(1));
+    assert_eq!(of_material(2), 0, "a quarter opaque is a hole everywhere at a cutoff of a half");
+    for hit in hits.iter().filter(|hit| hit.is_hit() && scene.triangle_materials[hit.triangle as usize] == 1)
+    {
+        let [a, b, c] =
+            scene.triangles[hit.triangle as usize].map(|vertex| scene.uvs[vertex as usize].map(f64::from));
+        let (u, v) = (f64::from(hit.u), f64::from(hit.v));
+        let texel = [(0, 5.0), (1, 3.0)].map(|(axis, size)| {
+            (((1.0 - u - v) * a[axis] + u * b[axis] + v * c[axis]).rem_euclid(1.0)) * size
+        });
+        if texel.iter().any(|place| (place - place.round()).abs() < 1e-4) {
+            continue; // Too near to a texel's edge to say which one it is.
+        }
+        let alpha = scene.textures[0].rgba[texel[1] as usize * 5 + texel[0] as usize][3];
+        assert!(f64::from(alpha) / 255.0 >= 0.5, "a hole was hit: {hit:?}");
+    }
+}
+
+#[test]
+fn threads_and_orders_do_not_change_results() {
+    let scene = soup(2000, 0.1, 51);
+    let rays = random_rays(5000, 52);
+    let mut random = Random(53);
+    let mut permutation: Vec<u32> = (0..rays.len() as u32).collect();
+    permutation.sort_by_cached_key(|_| (random.unit() * 1e6) as u32);
+    let gathered: Vec<Ray> = permutation.iter().map(|&place| rays[place as usize]).collect();
+    for (name, tracer) in tracers(&scene) {
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let works = Kind::ALL.map(|kind| tracer.work(&rays, kind));
+                (closest(&tracer, &rays), occlusion(&tracer, &rays), works)
+            })
+        };
+        let (hits, distances, works) = on(1);
+        assert_eq!((hits.clone(), distances.clone(), works.clone()), on(3), "{name}");
+        assert!(
+            works[0]
+                .iter()
+                .zip(&works[1])
+                .all(|(all, any)| any.nodes <= all.nodes && any.triangles <= all.triangles),
+            "{name}"
+        );
+        assert!(
+            works[0]
+                .iter()
+                .zip(&hits)
+                .all(|(work, hit)| !hit.is_hit() || (work.nodes > 0 && work.triangles > 0)),
+            "{name}"
+        );
+
+        let scattered = ScatteredHits::new(rays.len());
+        tracer.closest_gathered(&gathered, &permutation, &scattered);
+        assert_eq!(scattered.differences(&hits), 0, "{name}");
+        let scattered = ScatteredHits::new(rays.len());
+        tracer.closest_indirect(&rays, &permutation, &scattered);
+        assert_eq!(scattered.differences(&hits), 0, "{name}");
+        let mut other = hits.clone();
+        other[77].v += 1.0;
+        other[4999].triangle ^= 1;
+        assert_eq!(scattered.differences(&other), 2, "{name}");
+
+        let scattered = ScatteredDistances::new(rays.len());
+        tracer.occlusion_gathered(&gathered, &permutation, &scattered);
+        assert_eq!(scattered.differences(&distances), 0, "{name}");
+        let scattered = ScatteredDistances::new(rays.len());
+        tracer.occlusion_indirect(&rays, &permutation, &scattered);
+        assert_eq!(scattered.differences(&distances), 0, "{name}");
+        let nearer: Vec<f32> = distances.iter().map(|distance| 0.5 * distance).collect();
+        assert_eq!(scattered.differences(&nearer), 0, "{name}: blocked all the same");
+        let blocked = vec![1.0; rays.len()];
+        let free = distances.iter().filter(|distance| distance.is_infinite()).count() as u64;
+        assert!(free > 0);
+        assert_eq!(scattered.differences(&blocked), free, "{name}");
+    }
+}
+
+#[test]
+fn work_is_the_same_whatever_the_instructions() {
+    let scene = soup(2000, 0.1, 61);
+    let rays = random_rays(2000, 62);
+    for pair in tracers(&scene).chunks(2) {
+        for kind in Kind::ALL {
+            assert_eq!(
+                pair[0].1.work(&rays, kind),
+                pair[1].1.work(&rays, kind),
+                "{} and {}",
+                pair[0].0,
+                pair[1].0
+            );
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! Vector products with a fixed order of evaluation, so that both backends round alike.
+//!
+//! Sums and products by component are `glam`'s; what has an order to choose is here and, under the
+//! same names, in the WGSL twin.
+
+use glam::Vec3;
+
+/// Dot product, summed from x to z.
+pub fn dot3(a: Vec3, b: Vec3) -> f32 {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}
+
+/// Cross product.
+pub fn cross3(a: Vec3, b: Vec3) -> Vec3 {
+    Vec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+}
+
+/// A vector of length 1; NaN for a zero vector.
+pub fn normalize3(a: Vec3) -> Vec3 {
+    a * (1.0 / dot3(a, a).sqrt())
+}
+
+/// Two unit vectors across the unit vector `n` (Duff et al., "Building an Orthonormal Basis,
+/// Revisited", JCGT 2017).
+pub fn basis(n: Vec3) -> (Vec3, Vec3) {
+    let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
+    let a = -1.0 / (sign + n.z);
+    let b = n.x * n.y * a;
+    (Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3::new(b, sign + n.y * n.y * a, -n.y))
+}
+
+/// Perceived brightness of linear RGB (Rec. 709).
+pub fn luminance(color: Vec3) -> f32 {
+    0.2126 * color.x + 0.7152 * color.y + 0.0722 * color.z
+}

@@ -1,0 +1,206 @@
+//! The stages of the GPU against those on threads, each given the other's inputs: bit for bit.
+//!
+//! Rays, results and length tables are read back from the GPU; threads make keys, permutations and
+//! tables of the same inputs. Needs a device with IEEE arithmetic, such as lavapipe.
+
+use std::sync::Arc;
+
+use formats::key::{Encoder, Termination};
+use formats::length_table::LengthTable;
+use formats::ray::{Hit, Kind, Ray, Work};
+use recorder::backend::{Backend, Queue, Setup};
+use recorder::cli::parse_record;
+use recorder::gpu::backend::GpuBackend;
+use recorder::gpu::{AdapterRequest, Gpu};
+use recorder::options::RecordOptions;
+use recorder::recording;
+use recorder::stages::trace::TraceKernel;
+use recorder::stages::trace::cpu::CpuTracer;
+use scenes::Scene;
+use scenes::bvh::{Bvh, BvhKind};
+
+fn options(scene: &str, extra: &[&str]) -> RecordOptions {
+    let words = [scene, "--out", "unused", "--width", "96", "--height", "64", "--bounces", "4"];
+    parse_record(words.iter().chain(extra).map(|&word| word.into())).unwrap()
+}
+
+fn bytes(read: impl FnOnce(&mut recorder::backend::Sink<'_>) -> anyhow::Result<()>) -> Vec<u8> {
+    let mut all = Vec::new();
+    read(&mut |piece: &[u8]| {
+        all.extend_from_slice(piece);
+        Ok(())
+    })
+    .unwrap();
+    all
+}
+
+struct Machine {
+    scene: Scene,
+    setup: Arc<Setup>,
+    bvh: Bvh,
+    gpu: GpuBackend,
+}
+
+fn machine(options: &RecordOptions) -> Machine {
+    let scene = scenes::load(&options.scene).unwrap();
+    let setup = Arc::new(recording::setup(&scene, &scene.cameras[0], options).unwrap());
+    let kind = if options.trace == TraceKernel::Bvh2 { BvhKind::Bvh2 } else { BvhKind::Cwbvh };
+    let bvh = scenes::bvh::build(&scene, kind).unwrap();
+    let gpu = Gpu::open(&AdapterRequest::Any)
+        .unwrap_or_else(|error| panic!("GPU tests need an adapter; tests/run installs one: {error}"));
+    let gpu = GpuBackend::new(gpu, &scene, Some(&bvh), Arc::clone(&setup), options.trace).unwrap();
+    Machine { scene, setup, bvh, gpu }
+}
+
+/// A queue and its results on the CPU's side.
+struct Copied {
+    rays: Vec<Ray>,
+    lights: Vec<u32>,
+    lengths: Vec<f32>,
+}
+
+fn copy(gpu: &mut GpuBackend, setup: &Setup, rays: &<GpuBackend as Backend>::Rays, hits: &<GpuBackend as Backend>::Hits) -> Copied {
+    let ray_bytes = bytes(|sink| gpu.read_rays(rays, sink));
+    let hit_bytes = bytes(|sink| gpu.read_hits(hits, sink));
+    let copied: Vec<Ray> = bytemuck::pod_collect_to_vec(&ray_bytes);
+    let (lights, lengths) = match rays.kind() {
+        Kind::Closest => {
+            let hits: Vec<Hit> = bytemuck::pod_collect_to_vec(&hit_bytes);
+            let lengths = copied.iter().zip(&hits).map(|(ray, hit)| setup.unit.closest_length(ray, hit));
+            (vec![0; copied.len()], lengths.collect())
+        }
+        Kind::Shadow => {
+            let distances: Vec<f32> = bytemuck::pod_collect_to_vec(&hit_bytes);
+            let lights = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_lights(rays, sink)));
+            let lengths = copied.iter().zip(&distances).map(|(ray, &distance)| setup.unit.shadow_length(ray, distance));
+            (lights, lengths.collect())
+        }
+    };
+    assert_eq!(copied.len(), rays.len());
+    Copied { rays: copied, lights, lengths }
+}
+
+/// Compares every method's keys and permutation on one queue; returns how many keys were compared.
+fn compare_orders(gpu: &mut GpuBackend, setup: &Setup, rays: &<GpuBackend as Backend>::Rays, hits: &<GpuBackend as Backend>::Hits, table: &LengthTable) -> usize {
+    let copied = copy(gpu, setup, rays, hits);
+    let cells = Encoder::new(&setup.table_layout, setup.table_bits, setup.unit, &[]);
+    let mut compared = 0;
+    for (number, method) in setup.methods.iter().enumerate().filter(|(_, method)| method.applies_to(rays.kind())) {
+        let encoder = Encoder::new(&method.layout, method.key_bits, setup.unit, &setup.light_sites);
+        let expected: Vec<u64> = (0..copied.rays.len())
+            .map(|index| {
+                let ray = &copied.rays[index];
+                let length = match method.termination {
+                    Termination::Adaptive => table.mean(cells.encode(ray, 0.0, 0) as u32),
+                    Termination::Real => copied.lengths[index],
+                    Termination::Unused | Termination::Fixed => setup.two_point_length,
+                };
+                encoder.encode(ray, length, copied.lights[index])
+            })
+            .collect();
+        let keys = gpu.key(rays, hits, number).unwrap().value;
+        let key_bytes = bytes(|sink| gpu.read_keys(&keys, sink));
+        let found: Vec<u64> = if method.key_bits <= 32 {
+            bytemuck::pod_collect_to_vec::<u8, u32>(&key_bytes).into_iter().map(u64::from).collect()
+        } else {
+            bytemuck::pod_collect_to_vec(&key_bytes)
+        };
+        let place = format!("{} at {} bits, bounce {} {}", method.name, method.key_bits, rays.bounce(), rays.kind());
+        let wrong = found.iter().zip(&expected).position(|(found, expected)| found != expected);
+        assert_eq!(wrong, None, "first wrong key of {place}");
+        let order = gpu.sort(&keys).unwrap().value;
+        let found: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_order(&order, sink)));
+        let mut expected_order: Vec<u32> = (0..expected.len() as u32).collect();
+        expected_order.sort_by_key(|&index| expected[index as usize]);
+        assert_eq!(found, expected_order, "permutation of {place}");
+        compared += expected.len();
+    }
+    compared
+}
+
+fn add_lengths(setup: &Setup, table: &LengthTable, copied: &Copied) {
+    let cells = Encoder::new(&setup.table_layout, setup.table_bits, setup.unit, &[]);
+    for (ray, &length) in copied.rays.iter().zip(&copied.lengths) {
+        table.add(cells.encode(ray, 0.0, 0) as u32, length);
+    }
+}
+
+/// Two passes over all queues, comparing keys, permutations and tables on the way.
+fn compare_run(options: &RecordOptions) -> usize {
+    let Machine { setup, mut gpu, .. } = machine(options);
+    let tables = [LengthTable::new(setup.table_bits), LengthTable::new(setup.table_bits)];
+    let mut compared = 0;
+    for pass in 0..2 {
+        let mut rays = gpu.generate(pass).unwrap().value;
+        for _ in 0..setup.bounces {
+            let hits = gpu.trace(&rays).unwrap().value;
+            let mut queues = vec![(rays, hits)];
+            let shaded = gpu.shade(pass, &queues[0].0, &queues[0].1).unwrap().value;
+            let occlusion = gpu.trace(&shaded.shadow).unwrap().value;
+            queues.push((shaded.shadow, occlusion));
+            for (rays, hits) in &queues {
+                let table = &tables[rays.kind() as usize];
+                compared += compare_orders(&mut gpu, &setup, rays, hits, table);
+                let copied = copy(&mut gpu, &setup, rays, hits);
+                add_lengths(&setup, table, &copied);
+                gpu.accumulate(rays, hits).unwrap();
+                assert_eq!(gpu.touched_cells(rays.kind()).unwrap(), table.touched(), "table after bounce {} {}", rays.bounce(), rays.kind());
+            }
+            rays = shaded.next;
+        }
+    }
+    compared
+}
+
+#[test]
+fn keys_permutations_and_tables_are_equal_at_16_bits() {
+    assert!(compare_run(&options("builtin:cornell", &["--key-bits", "16"])) > 300_000);
+}
+
+#[test]
+fn keys_permutations_and_tables_are_equal_at_32_bits() {
+    let extra = ["--key-bits", "32", "--table-bits", "12", "--method", "mine=(ox oy oz)*4 (u v ex ey ez)*10"];
+    assert!(compare_run(&options("builtin:atrium?triangles=20000", &extra)) > 300_000);
+}
+
+#[test]
+fn keys_permutations_and_tables_are_equal_at_64_bits() {
+    let extra = ["--key-bits", "64", "--table-method", "octahedron", "--two-point-length", "0.4"];
+    assert!(compare_run(&options("builtin:terrain?triangles=20000", &extra)) > 300_000);
+}
+
+/// Results and work of every queue, GPU against threads, on a scene with alpha masks.
+fn compare_tracing(options: &RecordOptions) {
+    let Machine { scene, setup, bvh, mut gpu } = machine(options);
+    let tracer = CpuTracer::new(&scene, &bvh);
+    let mut rays = gpu.generate(0).unwrap().value;
+    for bounce in 0..setup.bounces {
+        let hits = gpu.trace(&rays).unwrap().value;
+        let copied = copy(&mut gpu, &setup, &rays, &hits);
+        let mut expected = vec![Hit::MISS; copied.rays.len()];
+        tracer.closest(&copied.rays, &mut expected);
+        let found: Vec<Hit> = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_hits(&hits, sink)));
+        let wrong = found.iter().zip(&expected).position(|(a, b)| bytemuck::bytes_of(a) != bytemuck::bytes_of(b));
+        assert_eq!(wrong, None, "first wrong hit of bounce {bounce}");
+        let work: Vec<Work> = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_work(&rays, sink)));
+        assert_eq!(work, tracer.work(&copied.rays, Kind::Closest), "work of bounce {bounce}");
+        let shaded = gpu.shade(0, &rays, &hits).unwrap().value;
+        let occlusion = gpu.trace(&shaded.shadow).unwrap().value;
+        let shadow = copy(&mut gpu, &setup, &shaded.shadow, &occlusion);
+        let mut expected = vec![0.0f32; shadow.rays.len()];
+        tracer.occlusion(&shadow.rays, &mut expected);
+        let found: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_hits(&occlusion, sink)));
+        assert_eq!(found, expected, "distances of bounce {bounce}");
+        rays = shaded.next;
+    }
+}
+
+#[test]
+fn traced_results_and_work_are_equal_with_cwbvh() {
+    compare_tracing(&options("builtin:city?triangles=60000", &["--trace", "cwbvh"]));
+}
+
+#[test]
+fn traced_results_and_work_are_equal_with_bvh2() {
+    compare_tracing(&options("builtin:atrium?triangles=20000", &["--trace", "bvh2"]));
+}

@@ -1,0 +1,150 @@
+//! What built-in scenes are drawn on: a mesh that grows, or only a count of its triangles.
+
+use glam::{DVec2, DVec3};
+
+use super::numbers::Dice;
+use crate::{Light, Material};
+
+/// One corner of a triangle, before it is rounded to single precision.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Vertex {
+    /// Place in world space, metres.
+    pub(super) position: DVec3,
+    /// Unit normal, or zero where the face normal is meant.
+    pub(super) normal: DVec3,
+    /// Texture coordinates, v down.
+    pub(super) uv: DVec2,
+}
+
+/// The flat arrays that become a scene.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Mesh {
+    pub(super) positions: Vec<[f32; 3]>,
+    pub(super) normals: Vec<[f32; 3]>,
+    pub(super) uvs: Vec<[f32; 2]>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) triangle_materials: Vec<u32>,
+}
+
+impl Mesh {
+    /// Appends a vertex and gives its index.
+    pub(super) fn vertex(&mut self, vertex: Vertex) -> u32 {
+        let index = self.positions.len() as u32;
+        self.positions.push(vertex.position.as_vec3().to_array());
+        self.normals.push(vertex.normal.as_vec3().to_array());
+        self.uvs.push(vertex.uv.as_vec2().to_array());
+        index
+    }
+
+    /// Appends a triangle, counter-clockwise seen from outside.
+    pub(super) fn triangle(&mut self, material: u32, corners: [u32; 3]) {
+        self.triangles.push(corners);
+        self.triangle_materials.push(material);
+    }
+
+    /// One light for every run of neighbouring triangles of one emissive material.
+    ///
+    /// Lamps of the same material that are drawn one after the other would become one light: give
+    /// each its own draw order, or mean it.
+    pub(super) fn emissive_lights(&self, materials: &[Material]) -> Vec<Light> {
+        let mut first_triangle = 0;
+        let mut lights = Vec::new();
+        for run in self.triangle_materials.chunk_by(|a, b| a == b) {
+            let triangle_count = run.len() as u32;
+            if materials[run[0] as usize].is_emissive() {
+                lights.push(Light::Emissive {
+                    first_triangle,
+                    triangle_count,
+                });
+            }
+            first_triangle += triangle_count;
+        }
+        lights
+    }
+}
+
+/// Where the strokes go.
+#[derive(Debug)]
+enum Target {
+    /// Only counted, to find the detail that gives a wanted number of triangles.
+    Count(u64),
+    /// Kept.
+    Mesh(Mesh),
+}
+
+/// A place to draw a scene on, at some level of detail.
+///
+/// A scene draws the same strokes in the same order at every detail; only how finely each is cut
+/// depends on it.
+#[derive(Debug)]
+pub(super) struct Canvas {
+    detail: f64,
+    dither: Dice,
+    target: Target,
+}
+
+impl Canvas {
+    /// A canvas that only counts. `detail` is 0 for the coarsest scene and 1 for about the default.
+    pub(super) fn counting(detail: f64) -> Self {
+        Self::new(detail, Target::Count(0))
+    }
+
+    /// A canvas that keeps what is drawn.
+    pub(super) fn keeping(detail: f64) -> Self {
+        Self::new(detail, Target::Mesh(Mesh::default()))
+    }
+
+    fn new(detail: f64, target: Target) -> Self {
+        Self {
+            detail,
+            dither: Dice::new(0x5EED),
+            target,
+        }
+    }
+
+    /// The level of detail, 0 for the coarsest scene.
+    pub(super) fn detail(&self) -> f64 {
+        self.detail
+    }
+
+    /// Into how many steps to cut something that wants `at_default` of them at detail 1: at least
+    /// `least`, growing in proportion to the detail.
+    pub(super) fn steps(&mut self, at_default: f64, least: u32) -> u32 {
+        self.round(at_default * self.detail).max(least)
+    }
+
+    /// A whole number near `wanted` (≥ 0), its fraction rounded up or down at random, once per call:
+    /// so the triangles of a whole scene grow smoothly with its detail although every count is an
+    /// integer.
+    pub(super) fn round(&mut self, wanted: f64) -> u32 {
+        (wanted + self.dither.unit()).floor() as u32
+    }
+
+    /// Draws `triangle_count` triangles by calling `stroke`, or counts them.
+    pub(super) fn draw(&mut self, triangle_count: u64, stroke: impl FnOnce(&mut Mesh)) {
+        match &mut self.target {
+            Target::Count(count) => *count += triangle_count,
+            Target::Mesh(mesh) => {
+                let before = mesh.triangles.len() as u64;
+                stroke(mesh);
+                debug_assert_eq!(mesh.triangles.len() as u64 - before, triangle_count);
+            }
+        }
+    }
+
+    /// How many triangles were drawn.
+    pub(super) fn triangle_count(&self) -> u64 {
+        match &self.target {
+            Target::Count(count) => *count,
+            Target::Mesh(mesh) => mesh.triangles.len() as u64,
+        }
+    }
+
+    /// The mesh that was drawn; empty if triangles were only counted.
+    pub(super) fn into_mesh(self) -> Mesh {
+        match self.target {
+            Target::Count(_) => Mesh::default(),
+            Target::Mesh(mesh) => mesh,
+        }
+    }
+}

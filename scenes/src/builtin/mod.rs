@@ -1,0 +1,207 @@
+//! Scenes that need no file: generated, deterministic, of any size.
+//!
+//! The same name and count give the same bits on every machine. Each scene draws on a [`Canvas`] at
+//! some level of detail; [`build`] searches for the level that gives the wanted number of
+//! triangles.
+
+mod atrium;
+mod city;
+mod cornell;
+mod foliage;
+mod hairball;
+mod mesh;
+mod numbers;
+mod setting;
+mod shapes;
+mod terrain;
+
+use mesh::{Canvas, Mesh};
+use setting::{Recipe, Setting};
+
+use crate::{Light, Scene};
+
+/// What there is to know about a built-in scene before it is built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BuiltinInfo {
+    /// Name to choose it by.
+    pub name: &'static str,
+    /// One sentence.
+    pub description: &'static str,
+    /// How many triangles it has, within 5 %, if none are asked for.
+    pub default_triangles: u64,
+    /// The coarsest it can be; a smaller count gives this one.
+    pub least_triangles: u64,
+    /// The finest it is made for; a larger count is refused.
+    pub most_triangles: u64,
+}
+
+/// Why a built-in scene was not built.
+#[derive(Debug, thiserror::Error, PartialEq, Eq)]
+pub enum BuiltinError {
+    /// There is no such scene.
+    #[error("there is no built-in scene \"{name}\"; there are: {known}")]
+    UnknownName {
+        /// What was asked for.
+        name: String,
+        /// All names, with commas.
+        known: String,
+    },
+    /// A scene without triangles was asked for.
+    #[error("builtin:{name} cannot have 0 triangles; ask for {least} to {most}")]
+    NoTriangles {
+        /// The scene.
+        name: &'static str,
+        /// Its coarsest.
+        least: u64,
+        /// Its finest.
+        most: u64,
+    },
+    /// More triangles were asked for than the scene is made for.
+    #[error("builtin:{name} is made for {least} to {most} triangles, not {asked}; ask for fewer")]
+    TooManyTriangles {
+        /// The scene.
+        name: &'static str,
+        /// How many were asked for.
+        asked: u64,
+        /// Its coarsest.
+        least: u64,
+        /// Its finest.
+        most: u64,
+    },
+}
+
+const RECIPES: [Recipe; 5] = [
+    cornell::RECIPE,
+    atrium::RECIPE,
+    city::RECIPE,
+    hairball::RECIPE,
+    terrain::RECIPE,
+];
+
+const INFOS: [BuiltinInfo; RECIPES.len()] = {
+    let mut infos = [RECIPES[0].info; RECIPES.len()];
+    let mut index = 0;
+    while index < infos.len() {
+        infos[index] = RECIPES[index].info;
+        index += 1;
+    }
+    infos
+};
+
+/// All built-in scenes.
+pub fn list() -> &'static [BuiltinInfo] {
+    &INFOS
+}
+
+/// Builds a built-in scene with about this many triangles: within 5 %, but never fewer than the
+/// scene's `least_triangles` (a notice in the scene says so). `None` gives its default.
+///
+/// # Errors
+/// If no scene has this name, or if `triangles` is 0 or more than the scene's `most_triangles`,
+/// which keeps every index in 32 bits.
+pub fn build(name: &str, triangles: Option<u64>) -> Result<Scene, BuiltinError> {
+    let Some(recipe) = RECIPES.iter().find(|recipe| recipe.info.name == name) else {
+        let known = INFOS.map(|info| info.name).join(", ");
+        return Err(BuiltinError::UnknownName {
+            name: name.into(),
+            known,
+        });
+    };
+    let BuiltinInfo {
+        name,
+        least_triangles: least,
+        most_triangles: most,
+        ..
+    } = recipe.info;
+    let asked = triangles.unwrap_or(recipe.info.default_triangles);
+    if asked == 0 {
+        return Err(BuiltinError::NoTriangles { name, least, most });
+    }
+    if asked > most {
+        return Err(BuiltinError::TooManyTriangles {
+            name,
+            asked,
+            least,
+            most,
+        });
+    }
+    let mut canvas = Canvas::keeping(detail_for(recipe, asked.max(least)));
+    (recipe.draw)(&mut canvas);
+    let mut scene = assemble(name, (recipe.setting)(), canvas.into_mesh());
+    if asked < least {
+        scene.notices.push(format!(
+            "builtin:{name} cannot do with {asked} triangles and has {}, about its fewest",
+            scene.triangles.len()
+        ));
+    }
+    Ok(scene)
+}
+
+/// The level of detail at which a scene has as close to `wanted` triangles as can be found.
+fn detail_for(recipe: &Recipe, wanted: u64) -> f64 {
+    let count_at = |detail: f64| {
+        let mut canvas = Canvas::counting(detail);
+        (recipe.draw)(&mut canvas);
+        canvas.triangle_count()
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    while count_at(high) < wanted {
+        low = high;
+        high *= 2.0;
+    }
+    let mut nearest = (u64::MAX, high);
+    let mut try_at = |detail: f64| {
+        let count = count_at(detail);
+        if count.abs_diff(wanted) < nearest.0 {
+            nearest = (count.abs_diff(wanted), detail);
+        }
+        // Close enough that nobody can tell; more of the search would be for nothing.
+        (count, (nearest.0 <= wanted / 400).then_some(nearest.1))
+    };
+    for _ in 0..24 {
+        let middle = 0.5 * (low + high);
+        let (count, found) = try_at(middle);
+        if let Some(detail) = found {
+            return detail;
+        }
+        if count < wanted {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    // The count jumps where a whole part of the scene comes or goes, and rounding at random makes
+    // it waver: somewhere around the jump is a level that does better than the jump itself.
+    for step in 0..60 {
+        if let (_, Some(detail)) = try_at(low * (0.88 + 0.004 * f64::from(step))) {
+            return detail;
+        }
+    }
+    nearest.1
+}
+
+/// Puts a scene together, leaving out what nothing in it uses.
+fn assemble(name: &str, setting: Setting, mut mesh: Mesh) -> Scene {
+    let mut lights = setting.lights;
+    lights.extend(mesh.emissive_lights(&setting.materials));
+    lights.extend(setting.environment.map(Light::Environment));
+    if mesh.normals.iter().all(|normal| *normal == [0.0; 3]) {
+        mesh.normals = Vec::new();
+    }
+    if setting.textures.is_empty() {
+        mesh.uvs = Vec::new();
+    }
+    Scene {
+        name: name.into(),
+        positions: mesh.positions,
+        normals: mesh.normals,
+        uvs: mesh.uvs,
+        triangles: mesh.triangles,
+        triangle_materials: mesh.triangle_materials,
+        materials: setting.materials,
+        textures: setting.textures,
+        lights,
+        cameras: setting.cameras,
+        notices: Vec::new(),
+    }
+}

@@ -1,0 +1,141 @@
+//! Bounding volume hierarchies over world-space triangles: built by obvhs, boxes made conservative
+//! here, checked before anyone traverses them, cached on disk.
+//!
+//! - [`node`]: the two node formats, as they lie in memory, in the cache and on the GPU
+//! - [`topology`]: which triangles lie below which node (obvhs: PLOC, reinsertion, collapsing)
+//! - [`boxes`]: exact and padded bounds of triangles
+//! - [`binary`], [`wide`]: from topology to nodes
+//! - [`validate`]: what traversal relies on
+//! - [`cache`]: hierarchies on disk, by content hash
+
+mod binary;
+mod boxes;
+mod cache;
+mod node;
+#[cfg(test)]
+mod tests;
+mod topology;
+mod validate;
+mod wide;
+
+pub use boxes::{COORDINATE_LIMIT, TRIANGLE_LIMIT};
+pub use cache::{Source, default_cache_folder, load_or_build};
+pub use node::{Bvh2Node, CwbvhNode};
+pub use topology::BvhKind;
+pub use validate::{Defect, validate};
+
+use crate::Scene;
+
+/// Entries that the stack of a [`Bvh2Node`] traversal needs: the number of levels below the root
+/// never exceeds it, and each level leaves at most one entry.
+pub const BVH2_STACK: usize = 64;
+
+/// Entries that the stack of a [`CwbvhNode`] traversal needs; see [`BVH2_STACK`].
+pub const CWBVH_STACK: usize = 32;
+
+/// A hierarchy that is ready to be traversed.
+///
+/// `order[i]` is the scene triangle in leaf slot `i`; every triangle of the scene has exactly one
+/// slot. What else holds is listed at [`validate`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Bvh {
+    /// Two children per node.
+    Bvh2 {
+        /// The root is node 0; node 1 is unused, so that every pair of children lies in one
+        /// 64-byte line. A tree that is one leaf has one node.
+        nodes: Vec<Bvh2Node>,
+        /// Scene triangle per leaf slot.
+        order: Vec<u32>,
+    },
+    /// Up to eight children per node, with quantised boxes.
+    Cwbvh {
+        /// The root is node 0.
+        nodes: Vec<CwbvhNode>,
+        /// Scene triangle per leaf slot.
+        order: Vec<u32>,
+    },
+}
+
+impl Bvh {
+    /// Which of the two formats it is.
+    pub fn kind(&self) -> BvhKind {
+        match self {
+            Self::Bvh2 { .. } => BvhKind::Bvh2,
+            Self::Cwbvh { .. } => BvhKind::Cwbvh,
+        }
+    }
+
+    /// Scene triangle per leaf slot.
+    pub fn order(&self) -> &[u32] {
+        match self {
+            Self::Bvh2 { order, .. } | Self::Cwbvh { order, .. } => order,
+        }
+    }
+
+    /// The nodes as bytes, in the layout of [`Bvh2Node`] or [`CwbvhNode`].
+    pub fn node_bytes(&self) -> &[u8] {
+        match self {
+            Self::Bvh2 { nodes, .. } => bytemuck::cast_slice(nodes),
+            Self::Cwbvh { nodes, .. } => bytemuck::cast_slice(nodes),
+        }
+    }
+}
+
+/// Why a scene has no hierarchy.
+#[derive(Debug, thiserror::Error)]
+pub enum BvhError {
+    /// There is nothing to build it over.
+    #[error("the scene {scene:?} has no triangles; a hierarchy needs at least one")]
+    NoTriangles {
+        /// Name of the scene.
+        scene: String,
+    },
+    /// Leaf slots are numbered with 28 bits.
+    #[error(
+        "the scene {scene:?} has {found} triangles, a hierarchy can hold at most {TRIANGLE_LIMIT}; simplify the scene"
+    )]
+    TooManyTriangles {
+        /// Name of the scene.
+        scene: String,
+        /// How many there are.
+        found: usize,
+    },
+    /// The box tests would overflow; NaN and infinities end up here too.
+    #[error(
+        "triangle {triangle} has the coordinate {value}, expected a number of at most {COORDINATE_LIMIT:e} either way; scale the scene down"
+    )]
+    Coordinate {
+        /// Index of the first such triangle.
+        triangle: usize,
+        /// The coordinate.
+        value: f32,
+    },
+    /// The builder made something that cannot be traversed safely: a bug, reported rather than traced.
+    #[error("the {kind} built for the scene {scene:?} is unusable: {defect}; please report this scene")]
+    Unusable {
+        /// Name of the scene.
+        scene: String,
+        /// Format that was built.
+        kind: BvhKind,
+        /// What is wrong with it.
+        defect: Defect,
+    },
+}
+
+/// Builds a hierarchy on the current rayon pool. The result depends on the scene and the kind
+/// alone, not on the number of threads.
+///
+/// # Errors
+/// [`BvhError`]: no triangles, too many of them, coordinates out of range.
+pub fn build(scene: &Scene, kind: BvhKind) -> Result<Bvh, BvhError> {
+    let boxes = boxes::padded(scene)?;
+    let topology = topology::find(&boxes, kind);
+    let bvh = match kind {
+        BvhKind::Bvh2 => binary::flatten(&topology, &boxes),
+        BvhKind::Cwbvh => wide::flatten(topology, &boxes),
+    };
+    match validate(&bvh, scene) {
+        Ok(()) => Ok(bvh),
+        Err(defect) => Err(BvhError::Unusable { scene: scene.name.clone(), kind, defect }),
+    }
+}

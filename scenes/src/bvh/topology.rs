@@ -1,0 +1,204 @@
+//! Which triangles lie below which node: obvhs' PLOC builder and reinsertion, fed with boxes that
+//! are scaled to the unit cube, and a limit on the depth.
+//!
+//! obvhs decides on the tree alone; its boxes are thrown away. The parameters are those of its
+//! "medium build".
+
+use glam::Vec3A;
+use obvhs::{
+    BvhBuildParams,
+    aabb::Aabb,
+    bvh2::{Bvh2, leaf_collapser::collapse, node::Bvh2Node, reinsertion::ReinsertionOptimizer},
+    ploc::PlocBuilder,
+};
+use rayon::prelude::*;
+
+use super::{BVH2_STACK, CWBVH_STACK, boxes::Boxes};
+use crate::scene::Bounds;
+
+/// The format of a hierarchy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BvhKind {
+    /// Two children per node, boxes in f32.
+    Bvh2,
+    /// Up to eight children per node, boxes quantised to 8 bits.
+    Cwbvh,
+}
+
+impl BvhKind {
+    /// All formats.
+    pub const ALL: [Self; 2] = [Self::Bvh2, Self::Cwbvh];
+
+    /// Name on the command line and in file names.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bvh2 => "bvh2",
+            Self::Cwbvh => "cwbvh",
+        }
+    }
+}
+
+impl std::fmt::Display for BvhKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// What is asked of obvhs; a part of the name under which a hierarchy is cached.
+pub(super) const PARAMETERS: BvhBuildParams = BvhBuildParams::medium_build();
+
+/// Builds the tree. For [`BvhKind::Cwbvh`] every leaf has one triangle (the converter merges them);
+/// no leaf is deeper below the root than the kind's traversal stack has entries.
+pub(super) fn find(boxes: &Boxes, kind: BvhKind) -> Bvh2 {
+    let unit = in_unit_cube(&boxes.padded);
+    let count = unit.len();
+    let indices = (0..count as u32).collect();
+    let mut tree = PlocBuilder::with_capacity(count).build(
+        PARAMETERS.ploc_search_distance,
+        &unit,
+        indices,
+        PARAMETERS.sort_precision,
+        PARAMETERS.search_depth_threshold,
+    );
+    drop(unit);
+    reinsert(&mut tree, PARAMETERS.reinsertion_batch_ratio);
+    match kind {
+        BvhKind::Bvh2 => {
+            collapse(&mut tree, PARAMETERS.max_prims_per_leaf, PARAMETERS.collapse_traversal_cost);
+            let again = PARAMETERS.post_collapse_reinsertion_batch_ratio_multiplier;
+            reinsert(&mut tree, PARAMETERS.reinsertion_batch_ratio * again);
+            limit_depth(&mut tree, BVH2_STACK);
+        }
+        // A wide node is never deeper than the binary node that it was made from.
+        BvhKind::Cwbvh => limit_depth(&mut tree, CWBVH_STACK),
+    }
+    tree
+}
+
+/// The boxes moved and scaled so that the scene fills the unit cube along its largest extent,
+/// which keeps areas from overflowing, vanishing or cancelling wherever the scene is and however
+/// large it is.
+///
+/// Each box is enlarged by up to 1/64 of its size, differently for each: PLOC merges one pair per
+/// pass where all costs are equal (a row of equal boxes, a mesh scaled to a point), which would
+/// take quadratic time and make a list of the tree.
+fn in_unit_cube(boxes: &[Bounds]) -> Vec<Aabb> {
+    let scene = boxes.par_iter().copied().reduce(|| Bounds::EMPTY, |a, b| super::boxes::union(&a, &b));
+    let min = scene.min.map(f64::from);
+    let extent = [0, 1, 2].map(|axis| f64::from(scene.max[axis]) - min[axis]);
+    // Padded boxes are never empty, so neither is the scene's.
+    let scale = 1.0 / extent.into_iter().fold(0.0, f64::max);
+    let place = |corner: &[f32; 3]| {
+        Vec3A::from([0, 1, 2].map(|axis| ((f64::from(corner[axis]) - min[axis]) * scale) as f32))
+    };
+    let enlarge = |(index, bounds): (usize, &Bounds)| {
+        let (low, high) = (place(&bounds.min), place(&bounds.max));
+        // Weyl's sequence: evenly spread, and different for neighbours.
+        let spread = (index as u32).wrapping_mul(0x9e37_79b9) as f32 / 2f32.powi(32);
+        Aabb::new(low, high + ((high - low) / 64.0 + 2f32.powi(-20)) * spread)
+    };
+    boxes.par_iter().enumerate().map(enlarge).collect()
+}
+
+/// Moves subtrees to where they cost less (Meister and Bittner 2018, "Parallel Reinsertion for
+/// Bounding Volume Hierarchy Optimization"), in obvhs' sequence of ever smaller batches.
+///
+/// The candidates are chosen here: obvhs sorts them with a parallel unstable radix sort, which
+/// may leave nodes of equal area in an order that depends on the number of threads.
+fn reinsert(tree: &mut Bvh2, batch_ratio: f32) {
+    if tree.nodes[0].is_leaf() {
+        return;
+    }
+    let mut optimizer = ReinsertionOptimizer::default();
+    for divisor in (1..32).step_by(2) {
+        let wanted = tree.nodes.len() as f32 * batch_ratio / divisor as f32;
+        let wanted = (wanted as usize).clamp(1, tree.nodes.len() - 1);
+        // Nodes near the root come first in memory; obvhs takes its candidates from twice as many
+        // nodes as it wants, too.
+        let considered = (2 * (wanted + 1)).min(tree.nodes.len());
+        let area = |node: &u32| tree.nodes[*node as usize].aabb().half_area();
+        let mut candidates: Vec<u32> = (1..considered as u32).collect();
+        candidates.par_sort_unstable_by(|a, b| area(b).total_cmp(&area(a)).then(a.cmp(b)));
+        candidates.truncate(wanted);
+        optimizer.run_with_candidates(tree, &candidates, 1);
+    }
+}
+
+/// Rebuilds subtrees that are too deep as balanced ones, so that no node is more than `limit`
+/// levels below the root.
+fn limit_depth(tree: &mut Bvh2, limit: usize) {
+    let (height, leaves) = measure(tree);
+    let mut pending = vec![(0u32, limit as u32)];
+    while let Some((node, budget)) = pending.pop() {
+        if height[node as usize] <= budget {
+            continue;
+        }
+        let first = tree.nodes[node as usize].first_index;
+        let fits = |child: u32| balanced_height(leaves[child as usize]) < budget;
+        if fits(first) && fits(first + 1) {
+            pending.extend([(first, budget - 1), (first + 1, budget - 1)]);
+        } else {
+            balance(tree, node);
+        }
+    }
+}
+
+/// Levels below the root of a balanced tree with this many leaves.
+fn balanced_height(leaves: u32) -> u32 {
+    leaves.next_power_of_two().ilog2()
+}
+
+/// Levels below each node, and leaves below each node (1 for a leaf).
+fn measure(tree: &Bvh2) -> (Vec<u32>, Vec<u32>) {
+    let mut height = vec![0; tree.nodes.len()];
+    let mut leaves = vec![1; tree.nodes.len()];
+    for &node in preorder(tree, 0).iter().rev() {
+        let entry = &tree.nodes[node as usize];
+        if !entry.is_leaf() {
+            let (a, b) = (entry.first_index as usize, entry.first_index as usize + 1);
+            height[node as usize] = 1 + height[a].max(height[b]);
+            leaves[node as usize] = leaves[a] + leaves[b];
+        }
+    }
+    (height, leaves)
+}
+
+/// All nodes from `root` down, parents before children.
+pub(super) fn preorder(tree: &Bvh2, root: u32) -> Vec<u32> {
+    let mut found = Vec::new();
+    let mut pending = vec![root];
+    while let Some(node) = pending.pop() {
+        found.push(node);
+        let entry = &tree.nodes[node as usize];
+        if !entry.is_leaf() {
+            pending.extend([entry.first_index + 1, entry.first_index]);
+        }
+    }
+    found
+}
+
+/// Rebuilds the subtree below `root` from its leaves in their order, halving them at each level.
+/// A binary tree with the same number of leaves has the same number of pairs, so the nodes are
+/// used again.
+fn balance(tree: &mut Bvh2, root: u32) {
+    let below = preorder(tree, root);
+    let is_leaf = |node: &u32| tree.nodes[*node as usize].is_leaf();
+    let leaves: Vec<Bvh2Node> =
+        below.iter().filter(|&node| is_leaf(node)).map(|&node| tree.nodes[node as usize]).collect();
+    let mut pairs = below
+        .iter()
+        .filter(|&node| !is_leaf(node))
+        .map(|&node| tree.nodes[node as usize].first_index)
+        .collect::<Vec<u32>>();
+    let mut pending = vec![(root, 0..leaves.len())];
+    while let Some((node, range)) = pending.pop() {
+        let bounds = leaves[range.clone()].iter().fold(Aabb::empty(), |all, leaf| all.union(leaf.aabb()));
+        if range.len() == 1 {
+            tree.nodes[node as usize] = leaves[range.start];
+        } else if let Some(first) = pairs.pop() {
+            tree.nodes[node as usize] = Bvh2Node::new(bounds, 0, first);
+            let middle = range.start + range.len().div_ceil(2);
+            pending.extend([(first, range.start..middle), (first + 1, middle..range.end)]);
+        }
+    }
+}

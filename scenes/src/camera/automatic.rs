@@ -1,0 +1,193 @@
+//! A camera and lights for scenes that come without, by looking around with a few rays.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{Camera, CameraError};
+use crate::{Environment, Light, Scene};
+
+/// How many directions [`look_around`] looks in.
+const DIRECTIONS: usize = 14;
+/// The first this many of them are level.
+const LEVEL_DIRECTIONS: usize = 8;
+/// The direction that looks up.
+const UP: usize = 8;
+/// An eye that sees this many fronts of surfaces is in a room or a yard. A solid thing shows only
+/// backs from inside, and a window, a door or a missing roof may let some directions escape.
+const ROOM_FRONTS: usize = 12;
+/// A place from which no more than this many directions escape gets no light from a sky to speak of.
+const CLOSED_ESCAPES: usize = 1;
+/// An eye keeps this share of the scene's largest extent from all surfaces.
+const MIN_CLEARANCE: f64 = 0.01;
+/// Half of 60°.
+const HALF_FIELD_OF_VIEW_RADIANS: f64 = TAU / 12.0;
+
+/// What one ray met.
+#[derive(Clone, Copy)]
+struct Sight {
+    /// Infinite if nothing.
+    distance: f64,
+    /// Whether it was the front of a triangle (anticlockwise corners).
+    is_front: bool,
+}
+
+const NOTHING: Sight = Sight { distance: f64::INFINITY, is_front: false };
+
+impl Sight {
+    /// Whether it is nearer; of two coincident triangles the front counts, whatever the order of
+    /// the threads.
+    fn comes_before(self, other: Self) -> bool {
+        (self.distance, !self.is_front) < (other.distance, !other.is_front)
+    }
+}
+
+/// A camera named `auto`: inside if the scene is a room, from where one sees farthest at the height
+/// of an eye; else from above a corner, far enough to see everything.
+pub(crate) fn camera(scene: &Scene) -> Result<Camera, CameraError> {
+    let bounds = scene.bounds();
+    let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from_array(corner.map(f64::from)));
+    let yfov_radians = (2.0 * HALF_FIELD_OF_VIEW_RADIANS) as f32;
+    if let Some((eye, forward)) = place_in_room(scene, min, max) {
+        return Camera::from_axes("auto", eye, forward, DVec3::Y, yfov_radians);
+    }
+    let radius = match 0.5 * (max - min).length() {
+        0.0 => 1.0,
+        radius => radius,
+    };
+    // Off every diagonal, so that flat scenes are not seen edge-on.
+    let back = DVec3::new(0.75, 0.55, 1.0).normalize();
+    let eye = 0.5 * (min + max) + back * (radius / HALF_FIELD_OF_VIEW_RADIANS.sin());
+    Camera::from_axes("auto", eye, -back, DVec3::Y, yfov_radians)
+}
+
+/// Where to stand in a room and where to look, or `None` if the scene is not one.
+fn place_in_room(scene: &Scene, min: DVec3, max: DVec3) -> Option<(DVec3, DVec3)> {
+    let extent = max - min;
+    let mut eyes = Vec::new();
+    // Two heights: the bounds of a house have more than one storey, or a cellar.
+    for y in [0.55, 0.3] {
+        for x in [0.2, 0.5, 0.8] {
+            for z in [0.2, 0.5, 0.8] {
+                eyes.push(min + extent * DVec3::new(x, y, z));
+            }
+        }
+    }
+    let clearance = MIN_CLEARANCE * extent.max_element();
+    let mut best: Option<(f64, DVec3, DVec3)> = None;
+    for (&eye, sights) in eyes.iter().zip(look_around(scene, &eyes)) {
+        let fronts = sights.iter().filter(|sight| sight.is_front).count();
+        let is_clear = sights.iter().all(|sight| sight.distance > clearance);
+        if fronts < ROOM_FRONTS || !is_clear {
+            continue;
+        }
+        for (direction, sight) in directions().into_iter().zip(sights).take(LEVEL_DIRECTIONS) {
+            let is_farther = best.is_none_or(|(farthest, ..)| sight.distance > farthest);
+            if sight.distance.is_finite() && is_farther {
+                best = Some((sight.distance, eye, direction));
+            }
+        }
+    }
+    // A little down: floors have more to show than ceilings.
+    best.map(|(_, eye, direction)| (eye, direction - 0.1 * DVec3::Y))
+}
+
+/// A sky, and where `camera` is in a closed room a lamp above it, first.
+pub(crate) fn lights(scene: &Scene, camera: &Camera) -> Vec<Light> {
+    let eye = DVec3::from_array(camera.eye.map(f64::from));
+    let sights = look_around(scene, &[eye]).into_iter().next().unwrap_or([NOTHING; DIRECTIONS]);
+    let sky = Light::Environment(Environment { zenith: [0.9, 0.95, 1.0], nadir: [0.6, 0.58, 0.55] });
+    let distances: Vec<f64> = sights.iter().map(|sight| sight.distance).filter(|d| d.is_finite()).collect();
+    let height = sights[UP].distance;
+    if distances.len() + CLOSED_ESCAPES < DIRECTIONS || !height.is_finite() {
+        return vec![sky];
+    }
+    // Half-way to the ceiling, and as bright as makes a white wall at the mean distance white.
+    let mean_distance = distances.iter().sum::<f64>() / distances.len() as f64;
+    let intensity = std::f64::consts::PI * mean_distance * mean_distance;
+    let lamp = Light::Sphere {
+        position: (eye + 0.5 * height * DVec3::Y).to_array().map(|x| x as f32),
+        radius: (0.02 * mean_distance).min(0.1 * height) as f32,
+        intensity: [1.0, 0.95, 0.85].map(|channel| (channel * intensity) as f32),
+    };
+    vec![lamp, sky]
+}
+
+/// Unit vectors: level ones all round, up, down, and four half-way up. None lies along an axis or in
+/// a diagonal plane, where the edges of built things are.
+fn directions() -> [DVec3; DIRECTIONS] {
+    let around = |step: usize, steps: usize, height: f64| {
+        let angle = TAU * (step as f64 + 0.29) / steps as f64;
+        DVec3::new(angle.cos(), height, angle.sin()).normalize()
+    };
+    std::array::from_fn(|index| match index {
+        0..LEVEL_DIRECTIONS => around(index, LEVEL_DIRECTIONS, 0.0),
+        UP => DVec3::new(0.011, 1.0, 0.007).normalize(),
+        9 => DVec3::new(0.007, -1.0, 0.011).normalize(),
+        _ => around(index, 4, 0.9),
+    })
+}
+
+/// What every eye sees in all [`directions`]. Without a hierarchy: the few rays meet each triangle
+/// once, which takes less time than building one.
+fn look_around(scene: &Scene, eyes: &[DVec3]) -> Vec<[Sight; DIRECTIONS]> {
+    /// Enough work for a thread to be woken.
+    const TRIANGLES_AT_A_TIME: usize = 4096;
+
+    let directions = directions();
+    let nothing = || vec![[NOTHING; DIRECTIONS]; eyes.len()];
+    let look_at = |mut seen: Vec<[Sight; DIRECTIONS]>, triangles: &[[u32; 3]]| {
+        for triangle in triangles {
+            let [a, b, c] =
+                triangle.map(|vertex| DVec3::from_array(scene.positions[vertex as usize].map(f64::from)));
+            let edges = [b - a, c - a];
+            for (sights, &eye) in seen.iter_mut().zip(eyes) {
+                let corner = Corner { from_eye: a - eye, edges };
+                for (sight, &direction) in sights.iter_mut().zip(&directions) {
+                    if let Some(nearer) = corner.sight(direction, *sight) {
+                        *sight = nearer;
+                    }
+                }
+            }
+        }
+        seen
+    };
+    let nearest = |mut a: Vec<[Sight; DIRECTIONS]>, b: Vec<[Sight; DIRECTIONS]>| {
+        for (a, b) in a.as_flattened_mut().iter_mut().zip(b.as_flattened()) {
+            if b.comes_before(*a) {
+                *a = *b;
+            }
+        }
+        a
+    };
+    let pieces = scene.triangles.par_chunks(TRIANGLES_AT_A_TIME);
+    pieces.fold(nothing, look_at).reduce(nothing, nearest)
+}
+
+/// A triangle, seen from an eye.
+struct Corner {
+    from_eye: DVec3,
+    edges: [DVec3; 2],
+}
+
+impl Corner {
+    /// The intersection with a ray from the eye, if it comes before `known` (Möller & Trumbore
+    /// 1997). A ray that slips through between two triangles does no harm here.
+    fn sight(&self, direction: DVec3, known: Sight) -> Option<Sight> {
+        let [ab, ac] = self.edges;
+        let across = direction.cross(ac);
+        let determinant = ab.dot(across);
+        if determinant == 0.0 {
+            return None;
+        }
+        let inverse = 1.0 / determinant;
+        let u = -self.from_eye.dot(across) * inverse;
+        let turned = ab.cross(self.from_eye);
+        let v = direction.dot(turned) * inverse;
+        let distance = ac.dot(turned) * inverse;
+        let is_hit = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0;
+        let sight = Sight { distance, is_front: determinant > 0.0 };
+        (is_hit && sight.comes_before(known)).then_some(sight)
+    }
+}

@@ -1,0 +1,91 @@
+//! Decoding of PNG and JPEG images, in parallel and each once.
+
+use std::io::Cursor;
+
+use ::gltf::json::{Index, image::Image};
+use image::{ImageReader, RgbaImage};
+use rayon::prelude::*;
+
+use super::error::GltfError;
+use super::{Document, uri};
+use crate::Texture;
+
+/// The longest file of one image that is read, in bytes.
+const MAX_IMAGE_FILE_BYTES: u64 = 1 << 32;
+
+/// An image that some material needs, and in which form.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted {
+    /// Its number in the file.
+    pub(super) image: Index<Image>,
+    /// Its texels.
+    pub(super) texels: bool,
+    /// Its mean colour.
+    pub(super) mean: bool,
+}
+
+/// What became of a [`Wanted`] image.
+pub(super) struct Decoded {
+    pub(super) texture: Option<Texture>,
+    /// Mean of red, green and blue, taken as numbers from 0 to 1. Zero if not wanted.
+    pub(super) mean: [f32; 3],
+    /// The same of the light that the bytes stand for as sRGB.
+    pub(super) mean_linear: [f32; 3],
+}
+
+/// Decodes all images, in the same order.
+pub(super) fn decode_all(document: &Document, wanted: &[Wanted]) -> Result<Vec<Decoded>, GltfError> {
+    wanted.par_iter().map(|wanted| decode(document, wanted)).collect()
+}
+
+fn decode(document: &Document, wanted: &Wanted) -> Result<Decoded, GltfError> {
+    let index = wanted.image.value();
+    let json = document.get(wanted.image, || "a texture".into(), "image")?;
+    let file;
+    let encoded = match (json.buffer_view, &json.uri) {
+        (Some(view), _) => document.view(view, || format!("image {index}"))?.0,
+        (None, Some(uri)) => {
+            file = uri::read(uri, document.folder, MAX_IMAGE_FILE_BYTES)
+                .map_err(|source| GltfError::Uri { what: format!("image {index}"), source })?;
+            &file
+        }
+        (None, None) => return Err(GltfError::NoImageData { image: index }),
+    };
+    // By content: declared types are often wrong. The reader's own limits bound the allocation.
+    let pixels = ImageReader::new(Cursor::new(encoded))
+        .with_guessed_format()
+        .map_err(image::ImageError::IoError)
+        .and_then(ImageReader::decode)
+        .map_err(|source| GltfError::Image { image: index, source })?
+        .into_rgba8();
+    let linear: [f32; 256] = std::array::from_fn(|byte| linear_from_srgb(byte as f32 / 255.0));
+    let mean_of = |value: &dyn Fn(u8) -> f32| {
+        if wanted.mean { mean(&pixels, value) } else { [0.0; 3] }
+    };
+    Ok(Decoded {
+        mean: mean_of(&|byte| f32::from(byte) / 255.0),
+        mean_linear: mean_of(&|byte| linear[byte as usize]),
+        texture: wanted.texels.then(|| Texture {
+            width: pixels.width(),
+            height: pixels.height(),
+            rgba: pixels.pixels().map(|pixel| pixel.0).collect(),
+        }),
+    })
+}
+
+/// The mean of red, green and blue, each byte standing for `value(byte)`.
+fn mean(pixels: &RgbaImage, value: &dyn Fn(u8) -> f32) -> [f32; 3] {
+    let mut sum = [0.0_f64; 3];
+    for pixel in pixels.pixels() {
+        for (sum, &byte) in sum.iter_mut().zip(&pixel.0) {
+            *sum += f64::from(value(byte));
+        }
+    }
+    let count = (f64::from(pixels.width()) * f64::from(pixels.height())).max(1.0);
+    sum.map(|sum| (sum / count) as f32)
+}
+
+/// The transfer function of IEC 61966-2-1.
+fn linear_from_srgb(encoded: f32) -> f32 {
+    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}

@@ -1,0 +1,171 @@
+//! The one way in: from what a user types to a scene that is complete.
+
+use std::collections::HashSet;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::builtin::{self, BuiltinError};
+use crate::camera::{CameraError, automatic};
+use crate::gltf::{self, GltfError};
+use crate::sidecar::{self, Sidecar, SidecarError};
+use crate::{Camera, Light, Scene};
+
+/// What a built-in scene's name starts with.
+const BUILTIN_PREFIX: &str = "builtin:";
+
+/// Why there is no scene.
+#[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what its fields mean")]
+pub enum LoadError {
+    /// No such file, or one that may not be read.
+    #[error("cannot read {}", path.display())]
+    Read { path: PathBuf, source: io::Error },
+    /// A folder where a file was expected.
+    #[error("{} is a directory, expected a .gltf or .glb file", path.display())]
+    Directory { path: PathBuf },
+    /// A pipe or a device.
+    #[error("{} is not a regular file, expected a .gltf or .glb file", path.display())]
+    NotAFile { path: PathBuf },
+    /// A file of no bytes.
+    #[error("{} is empty, expected a glTF or GLB file", path.display())]
+    Empty { path: PathBuf },
+    /// A file of another format.
+    #[error("{} is not a scene, expected a name that ends in .gltf or .glb, or builtin:NAME", path.display())]
+    UnknownFormat { path: PathBuf },
+    /// Something wrong inside the file.
+    #[error("cannot load {}", path.display())]
+    Gltf { path: PathBuf, source: GltfError },
+    /// Something wrong inside the sidecar.
+    #[error("cannot use the sidecar {}", path.display())]
+    Sidecar { path: PathBuf, source: SidecarError },
+    /// No camera in the file, and none can be made.
+    #[error("{} has no camera and none can be made for it; give it one in {}", path.display(), sidecar.display())]
+    AutomaticCamera { path: PathBuf, sidecar: PathBuf, source: CameraError },
+    /// No such built-in scene, or not of this size.
+    #[error(transparent)]
+    Builtin(#[from] BuiltinError),
+    /// A built-in scene with something odd behind its name.
+    #[error(
+        "\"{parameter}\" is not a parameter of a built-in scene, expected triangles=N, as in builtin:atrium?triangles=100000"
+    )]
+    BuiltinParameter { parameter: String },
+}
+
+/// Loads a scene from a `.gltf` or `.glb` file, with the sidecar beside it, or builds
+/// `builtin:NAME` or `builtin:NAME?triangles=N`.
+///
+/// Cameras: those of the file, then those of the sidecar, names made unique; without any, one named
+/// `auto` that sees the scene. Lights: punctual lights of the file, spheres of the sidecar, emissive
+/// primitives, environment; without any, a sky, and a sphere if the camera is in a closed room.
+/// What was made up is said in the scene's notices.
+///
+/// # Errors
+/// If there is no such scene or it cannot be traced, in one sentence that says why.
+pub fn load(source: &str) -> Result<Scene, LoadError> {
+    match source.strip_prefix(BUILTIN_PREFIX) {
+        Some(name) => load_builtin(name),
+        None => load_file(Path::new(source)),
+    }
+}
+
+fn load_builtin(name: &str) -> Result<Scene, LoadError> {
+    let (name, parameter) = match name.split_once('?') {
+        Some((name, parameter)) => (name, Some(parameter)),
+        None => (name, None),
+    };
+    let count = |parameter: &str| match parameter.strip_prefix("triangles=").map(str::parse) {
+        Some(Ok(count)) => Ok(count),
+        _ => Err(LoadError::BuiltinParameter { parameter: parameter.into() }),
+    };
+    Ok(builtin::build(name, parameter.map(count).transpose()?)?)
+}
+
+fn load_file(path: &Path) -> Result<Scene, LoadError> {
+    let bytes = read_file(path)?;
+    let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let scene = gltf::import(name, &bytes, folder);
+    drop(bytes);
+    let mut scene = scene.map_err(|source| LoadError::Gltf { path: path.into(), source })?;
+
+    let sidecar_path = sidecar::path_beside(path);
+    match sidecar::read(&sidecar_path) {
+        Ok(Some(sidecar)) => add_sidecar(&mut scene, sidecar),
+        Ok(None) => {}
+        Err(source) => {
+            return Err(LoadError::Sidecar { path: sidecar_path, source });
+        }
+    }
+    make_names_unique(&mut scene.cameras);
+    complete(&mut scene).map_err(|source| LoadError::AutomaticCamera {
+        path: path.into(),
+        sidecar: sidecar_path,
+        source,
+    })?;
+    Ok(scene)
+}
+
+/// The bytes of what is a scene file by its name and kind.
+fn read_file(path: &Path) -> Result<Vec<u8>, LoadError> {
+    let failed = |source| LoadError::Read { path: path.into(), source };
+    // Before opening, which would wait for ever on a pipe.
+    let metadata = std::fs::metadata(path).map_err(failed)?;
+    if metadata.is_dir() {
+        return Err(LoadError::Directory { path: path.into() });
+    }
+    if !metadata.is_file() {
+        return Err(LoadError::NotAFile { path: path.into() });
+    }
+    let is_scene = |extension: &std::ffi::OsStr| {
+        extension.eq_ignore_ascii_case("gltf") || extension.eq_ignore_ascii_case("glb")
+    };
+    if !path.extension().is_some_and(is_scene) {
+        return Err(LoadError::UnknownFormat { path: path.into() });
+    }
+    let bytes = std::fs::read(path).map_err(failed)?;
+    match bytes.is_empty() {
+        true => Err(LoadError::Empty { path: path.into() }),
+        false => Ok(bytes),
+    }
+}
+
+/// Adds what a sidecar has, in the order that numbers lights.
+fn add_sidecar(scene: &mut Scene, sidecar: Sidecar) {
+    scene.cameras.extend(sidecar.cameras);
+    let is_emissive = |light: &Light| matches!(light, Light::Emissive { .. });
+    let place = scene.lights.iter().position(is_emissive).unwrap_or(scene.lights.len());
+    scene.lights.splice(place..place, sidecar.lights);
+    scene.lights.extend(sidecar.environment.map(Light::Environment));
+}
+
+/// Appends numbers to names that are taken.
+fn make_names_unique(cameras: &mut [Camera]) {
+    let mut taken = HashSet::new();
+    for camera in cameras {
+        let name = camera.name.clone();
+        let mut number = 2;
+        while !taken.insert(camera.name.clone()) {
+            camera.name = format!("{name}-{number}");
+            number += 1;
+        }
+    }
+}
+
+/// Makes up a camera and a light where there is none.
+fn complete(scene: &mut Scene) -> Result<(), CameraError> {
+    if scene.cameras.is_empty() {
+        let camera = automatic::camera(scene)?;
+        scene.cameras.push(camera);
+        scene.notices.push("no camera was found: \"auto\" was made to see the scene".into());
+    }
+    if scene.lights.is_empty() {
+        let lights = automatic::lights(scene, &scene.cameras[0]);
+        let what = match lights.len() {
+            1 => "a sky was",
+            _ => "a sky and a lamp in the room of the first camera were",
+        };
+        scene.lights = lights;
+        scene.notices.push(format!("no light was found: {what} made"));
+    }
+    Ok(())
+}

@@ -1,0 +1,114 @@
+//! The camera and the lights that are made for scenes that have none.
+
+use scenes::{Camera, Light, Scene};
+use serde_json::json;
+
+use crate::fixture::Fixture;
+
+/// A box of 4 × 2.5 × 6 around (10, 1.25, 0), whose fronts are inside or outside.
+fn house(fronts_inside: bool, has_ceiling: bool) -> Fixture {
+    let mut fixture = Fixture::new();
+    let corner = |index: usize| [index & 1, index >> 1 & 1, index >> 2 & 1].map(|bit| bit as f32 - 0.5);
+    let corners: Vec<[f32; 3]> = (0..8).map(corner).collect();
+    let positions = fixture.vectors(&corners);
+    // Seen from outside, anticlockwise: left, right, floor, front, back, ceiling.
+    let sides: [[u32; 4]; 6] =
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [4, 5, 7, 6], [0, 2, 3, 1], [2, 6, 7, 3]];
+    let sides = &sides[..if has_ceiling { 6 } else { 5 }];
+    let mut indices: Vec<u32> = sides.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]).collect();
+    if fronts_inside {
+        indices.reverse();
+    }
+    let indices = fixture.indices(&indices);
+    fixture.primitive(json!({ "attributes": { "POSITION": positions }, "indices": indices }));
+    fixture.json["nodes"][0]["scale"] = json!([4, 2.5, 6]);
+    fixture.json["nodes"][0]["translation"] = json!([10, 1.25, 0]);
+    fixture
+}
+
+/// The only camera, which must be the automatic one.
+fn automatic(scene: &Scene) -> &Camera {
+    let [camera] = &*scene.cameras else { panic!("{:?}", scene.cameras) };
+    assert_eq!(camera.name, "auto");
+    assert!(scene.notices.contains(&"no camera was found: \"auto\" was made to see the scene".to_owned()));
+    camera
+}
+
+fn is_inside(scene: &Scene, point: [f32; 3]) -> bool {
+    let bounds = scene.bounds();
+    (0..3).all(|axis| bounds.min[axis] < point[axis] && point[axis] < bounds.max[axis])
+}
+
+/// How far each corner of the box is from the view axis, as tangents of angles; all must be in a
+/// picture at least as wide as high.
+fn sees_all(scene: &Scene, camera: &Camera) -> bool {
+    let bounds = scene.bounds();
+    (0..8).all(|index| {
+        let corner =
+            [0, 1, 2].map(|axis| if index >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] });
+        let to_corner = [0, 1, 2].map(|axis| corner[axis] - camera.eye[axis]);
+        let along = |axis: [f32; 3]| axis.iter().zip(to_corner).map(|(a, b)| a * b).sum::<f32>();
+        let limit = (camera.yfov_radians / 2.0).tan() * along(camera.forward);
+        along(camera.forward) > 0.0 && along(camera.up).abs() < limit && along(camera.right).abs() < limit
+    })
+}
+
+#[test]
+fn rooms_are_seen_from_inside_and_lit_from_inside() {
+    let scene = house(true, true).scene();
+    let camera = automatic(&scene);
+    assert!(is_inside(&scene, camera.eye), "{camera:?}");
+    // Along the room, not into the nearest wall.
+    assert!(camera.forward[2].abs() > 0.7, "{camera:?}");
+    let [Light::Sphere { position, radius, intensity }, Light::Environment(_)] = &*scene.lights else {
+        panic!("{:?}", scene.lights)
+    };
+    assert!(is_inside(&scene, *position) && position[1] > camera.eye[1]);
+    assert!(*radius > 0.0 && position[1] + radius < 2.5 && intensity[0] > 0.0);
+    let expected = "no light was found: a sky and a lamp in the room of the first camera were made";
+    assert!(scene.notices.contains(&expected.to_owned()));
+}
+
+#[test]
+fn solid_things_are_seen_from_outside() {
+    let scene = house(false, true).scene();
+    let camera = automatic(&scene);
+    assert!(!is_inside(&scene, camera.eye) && sees_all(&scene, camera), "{camera:?}");
+    assert!(matches!(&*scene.lights, [Light::Environment(_)]));
+    assert!(scene.notices.contains(&"no light was found: a sky was made".to_owned()));
+}
+
+#[test]
+fn yards_are_seen_from_inside_and_lit_by_the_sky() {
+    let scene = house(true, false).scene();
+    let camera = automatic(&scene);
+    assert!(is_inside(&scene, camera.eye), "{camera:?}");
+    assert!(matches!(&*scene.lights, [Light::Environment(_)]));
+}
+
+#[test]
+fn scenes_of_any_size_can_be_seen() {
+    for scale in [1e-30, 1e-3, 1.0, 1e6, 1e30] {
+        let mut fixture = Fixture::triangle();
+        fixture.json["nodes"][0]["scale"] = json!([scale, scale, scale]);
+        let scene = fixture.scene();
+        assert!(sees_all(&scene, automatic(&scene)), "scale {scale}");
+    }
+    // Nothing but one point.
+    let mut fixture = Fixture::triangle();
+    fixture.json["nodes"][0]["scale"] = json!([0, 0, 0]);
+    automatic(&fixture.scene());
+    // Too large for any camera outside.
+    fixture.json["nodes"][0]["scale"] = json!([3.4e38, 3.4e38, 3.4e38]);
+    let message = fixture.load().unwrap_err();
+    assert!(message.starts_with("scene.glb has no camera and none can be made"), "{message}");
+}
+
+#[test]
+fn the_same_scene_gets_the_same_camera() {
+    let first = house(true, true).scene();
+    for _ in 0..5 {
+        let again = house(true, true).scene();
+        assert_eq!((again.cameras, again.lights), (first.cameras.clone(), first.lights.clone()));
+    }
+}

@@ -1,0 +1,72 @@
+//! Recordings as the tests see them: made by the program, compared byte by byte.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::programs::Program;
+
+/// A picture and a path length that take a second or two, with every array that can be kept.
+pub const SMALL: &str = "--width 64 --height 36 --bounces 3 --passes 2 \
+    --keep rays,hits,keys,permutations,lengths,scene,image,work";
+
+/// Records `scene` as `NAME.raydump` in `folder` with [`SMALL`] and further `options`; gives what `--json` printed.
+///
+/// # Panics
+/// If the recorder fails.
+pub fn record(folder: &Path, name: &str, scene: &str, options: &str) -> Value {
+    let line = format!("record {scene} --out {name}.raydump --json {SMALL} {options}");
+    Program::Recorder.run(folder, &line).succeeded().json()
+}
+
+/// Contents of every array of a recording, by its path from the recording's folder.
+///
+/// # Panics
+/// If it has none, or one that cannot be read.
+pub fn arrays(recording: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    collect(recording, "", &mut found);
+    assert!(!found.is_empty(), "{} has no arrays", recording.display());
+    found
+}
+
+fn collect(folder: &Path, prefix: &str, found: &mut BTreeMap<String, Vec<u8>>) {
+    let entries =
+        fs::read_dir(folder).unwrap_or_else(|error| panic!("cannot list {}: {error}", folder.display()));
+    for entry in entries {
+        let entry = entry.expect("the folder can be listed");
+        let path = format!("{prefix}{}", entry.file_name().to_string_lossy());
+        if entry.path().is_dir() {
+            collect(&entry.path(), &format!("{path}/"), found);
+        } else if path.ends_with(".npy") {
+            found.insert(path, fs::read(entry.path()).expect("the array can be read"));
+        }
+    }
+}
+
+/// The arrays that may not depend on which methods were measured.
+pub fn without_methods(mut arrays: BTreeMap<String, Vec<u8>>) -> BTreeMap<String, Vec<u8>> {
+    arrays.retain(|path, _| !path.ends_with("/keys.npy") && !path.ends_with("/permutation.npy"));
+    arrays
+}
+
+/// Checks that two recordings have the same arrays with the same bytes.
+///
+/// # Panics
+/// If not, with the paths that differ.
+pub fn assert_same(left: &BTreeMap<String, Vec<u8>>, right: &BTreeMap<String, Vec<u8>>, what: &str) {
+    let paths = |arrays: &BTreeMap<String, Vec<u8>>| arrays.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(paths(left), paths(right), "which arrays there are: {what}");
+    let different = differing(left, right);
+    assert!(different.is_empty(), "{what}: these arrays differ: {different:?}");
+}
+
+/// Paths of the arrays that both have, but with different bytes.
+pub fn differing<'a>(left: &'a BTreeMap<String, Vec<u8>>, right: &BTreeMap<String, Vec<u8>>) -> Vec<&'a str> {
+    left.iter()
+        .filter(|(path, bytes)| right.get(*path).is_some_and(|other| other != *bytes))
+        .map(|(path, _)| path.as_str())
+        .collect()
+}

@@ -1,0 +1,157 @@
+//! Holds the arrows between the packages: who may depend on whom, and on what.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use tests::sources::{files, root};
+
+/// `package → packages of ours that it may depend on`.
+const ARROWS: [(&str, &[&str]); 5] = [
+    ("formats", &[]),
+    ("scenes", &[]),
+    ("recorder", &["formats", "scenes"]),
+    ("inspector", &["formats"]),
+    ("tests", &["formats", "inspector", "recorder", "scenes"]),
+];
+
+/// What `formats` never reaches, through whatever crate: a GPU, a window, a scene file.
+const NOT_IN_FORMATS: [&str; 7] = ["wgpu", "naga", "ash", "winit", "egui", "gltf", "obvhs"];
+
+/// What `scenes` never reaches: it is CPU only and knows no dump.
+const NOT_IN_SCENES: [&str; 6] = ["wgpu", "naga", "ash", "winit", "egui", "bincode"];
+
+fn parse(path: &str) -> toml::Table {
+    let text = std::fs::read_to_string(root().join(path))
+        .unwrap_or_else(|error| panic!("cannot read {path}: {error}"));
+    text.parse().unwrap_or_else(|error| panic!("cannot parse {path}: {error}"))
+}
+
+fn members() -> Vec<String> {
+    let manifest = parse("Cargo.toml");
+    let members = manifest["workspace"]["members"].as_array().unwrap();
+    members.iter().map(|member| member.as_str().unwrap().to_owned()).collect()
+}
+
+/// Names of all dependencies in a manifest: normal, development and build ones, of every target.
+fn dependencies(manifest: &toml::Table) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for (key, value) in manifest {
+        let Some(table) = value.as_table() else { continue };
+        match key.as_str() {
+            "dependencies" | "dev-dependencies" | "build-dependencies" => {
+                for (name, wanted) in table {
+                    // A renamed dependency says its real name in `package`.
+                    let package = wanted.get("package").and_then(toml::Value::as_str);
+                    names.insert(package.unwrap_or(name).to_owned());
+                }
+            }
+            "target" => {
+                for target in table.values().filter_map(toml::Value::as_table) {
+                    names.extend(dependencies(target));
+                }
+            }
+            _ => {}
+        }
+    }
+    names
+}
+
+/// `package → all packages it reaches`, from the lock file; two versions of a crate count as one name.
+fn reached_from(package: &str) -> BTreeSet<String> {
+    let lock = parse("Cargo.lock");
+    let mut edges: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for entry in lock["package"].as_array().unwrap() {
+        let next = entry.get("dependencies").and_then(toml::Value::as_array).into_iter().flatten();
+        // An entry is `name`, or `name version` where there are several versions.
+        let next = next.map(|text| text.as_str().unwrap().split(' ').next().unwrap().to_owned());
+        edges.entry(entry["name"].as_str().unwrap().to_owned()).or_default().extend(next);
+    }
+    assert!(edges.contains_key(package), "Cargo.lock has no package {package}");
+    let mut reached = BTreeSet::new();
+    let mut waiting = vec![package.to_owned()];
+    while let Some(name) = waiting.pop() {
+        for next in edges.get(&name).into_iter().flatten() {
+            if reached.insert(next.clone()) {
+                waiting.push(next.clone());
+            }
+        }
+    }
+    reached
+}
+
+#[test]
+fn packages_depend_on_each_other_as_the_arrows_say() {
+    let members = members();
+    let known: BTreeSet<&str> = ARROWS.iter().map(|(package, _)| *package).collect();
+    assert_eq!(
+        members.iter().map(String::as_str).collect::<BTreeSet<_>>(),
+        known,
+        "a package without a row in ARROWS"
+    );
+    for (package, allowed) in ARROWS {
+        let found = dependencies(&parse(&format!("{package}/Cargo.toml")));
+        for other in found.iter().filter(|name| members.contains(name)) {
+            assert!(
+                allowed.contains(&other.as_str()),
+                "{package} depends on {other}; it may depend on {allowed:?} alone"
+            );
+        }
+    }
+    let recorder = dependencies(&parse("recorder/Cargo.toml"));
+    assert!(
+        recorder.contains("formats") && recorder.contains("scenes"),
+        "reading dependencies found only {recorder:?}"
+    );
+}
+
+#[test]
+fn formats_and_scenes_reach_nothing_beyond_their_part() {
+    for (package, forbidden) in [("formats", &NOT_IN_FORMATS[..]), ("scenes", &NOT_IN_SCENES[..])] {
+        let reached = reached_from(package);
+        assert!(reached.len() > 5, "{package} reaches only {reached:?}: the lock file was not read right");
+        for name in forbidden {
+            assert!(!reached.contains(*name), "{package} reaches {name}");
+        }
+    }
+    let recorder = reached_from("recorder");
+    assert!(
+        recorder.contains("wgpu") && recorder.contains("gltf"),
+        "the recorder's reach was not read right: {recorder:?}"
+    );
+}
+
+#[test]
+fn bincode_stays_inside_the_manifest() {
+    for (package, _) in ARROWS {
+        let has_bincode = dependencies(&parse(&format!("{package}/Cargo.toml"))).contains("bincode");
+        assert_eq!(has_bincode, package == "formats", "whether {package} depends on bincode");
+    }
+    let users: Vec<String> = files("formats/src", "rs")
+        .into_iter()
+        .filter(|source| source.text.lines().any(|line| line.split("//").next().unwrap().contains("bincode")))
+        .map(|source| source.path)
+        .collect();
+    assert!(!users.is_empty(), "nothing in formats uses bincode: drop it, and this test");
+    for path in users {
+        assert!(
+            path.starts_with("formats/src/manifest"),
+            "{path} uses bincode; it belongs to formats::manifest alone"
+        );
+    }
+}
+
+#[test]
+fn the_loop_names_no_backend() {
+    let source =
+        files("recorder/src", "rs").into_iter().find(|source| source.path == "recorder/src/wavefront.rs");
+    let text = source.expect("recorder/src/wavefront.rs is the loop").text;
+    for (index, line) in text.lines().enumerate() {
+        let code = line.split("//").next().unwrap();
+        for backend in ["wgpu", "gpu::", "cpu::", "rayon"] {
+            assert!(
+                !code.contains(backend),
+                "wavefront.rs:{} names a backend ({backend}): {line}",
+                index + 1
+            );
+        }
+    }
+}
