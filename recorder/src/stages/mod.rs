@@ -12,8 +12,6 @@ pub mod random;
 pub mod shade;
 pub mod shared;
 pub mod sort;
-#[cfg(test)]
-pub(crate) mod test_random;
 pub mod trace;
 pub mod vector;
 

@@ -4,11 +4,9 @@ use bytemuck::{Pod, Zeroable};
 
 use super::{BINS, DIGIT_BITS, DIGITS_PER_WORD};
 use crate::gpu::kernel::{LINEAR_WORKGROUP_WGSL, constants_wgsl};
-use crate::gpu::{Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource};
+use crate::gpu::{AdapterDescription, Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource};
 use crate::stages::compact::WORKGROUP_SCAN_WGSL;
 
-/// Threads of a workgroup that scans the tiles of a bin; a power of two.
-const SCAN_THREADS: u32 = 64;
 /// Threads of a workgroup that looks for bits that differ.
 const EXAMINE_THREADS: u32 = 128;
 /// Keys that one of them looks at.
@@ -34,13 +32,28 @@ pub struct Sorted {
     pub elapsed_ns: u64,
 }
 
+/// Words in front of the totals of the bins: bits seen as 1 and as 0 in the low and high words.
+const SEEN_WORDS: usize = 4;
+/// Subgroups of a workgroup that sorts a tile together.
+const SUBGROUPS: u32 = 8;
+/// Most threads of such a workgroup.
+const MOST_THREADS: u32 = 256;
+/// Keys that each of its threads sorts; they stay in registers.
+const KEYS_PER_THREAD: u32 = 16;
+/// Most threads of a workgroup whose threads walk tiles of their own.
+const MOST_SERIAL_THREADS: u32 = 32;
+/// Keys of the tile of such a thread: enough that moving its 256 counters does not show.
+const SERIAL_TILE_KEYS: u32 = 2048;
+
 /// How tiles are spread over threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Tiling {
+struct Tiling {
     /// The kernels that do it.
     wgsl: &'static str,
     /// Threads of a workgroup.
     threads: u32,
+    /// Threads of a workgroup that scans the tiles of a bin; a power of two.
+    scan_threads: u32,
     /// Keys of a tile.
     tile_keys: u32,
     /// Tiles that one workgroup takes care of.
@@ -48,9 +61,39 @@ pub(super) struct Tiling {
 }
 
 impl Tiling {
-    pub(super) fn serial(threads: u32, tile_keys: u32) -> Self {
-        let wgsl = include_str!("serial.wgsl");
-        Self { wgsl, threads, tile_keys, tiles_per_workgroup: threads }
+    /// Workgroups that sort tiles together where subgroups let them, else threads on their own.
+    fn of(adapter: &AdapterDescription) -> Self {
+        let threads = (SUBGROUPS * adapter.subgroup_min_size).min(MOST_THREADS);
+        let can_share = adapter.subgroups && threads >= adapter.subgroup_max_size;
+        if can_share && !adapter.is_software() {
+            Self::shared(threads, KEYS_PER_THREAD)
+        } else {
+            let columns = adapter.limits.workgroup_bytes / (BINS * size_of::<u32>()) as u32;
+            Self::serial(columns.min(MOST_SERIAL_THREADS), SERIAL_TILE_KEYS)
+        }
+    }
+
+    /// Each thread walks a tile of its own.
+    fn serial(threads: u32, tile_keys: u32) -> Self {
+        Self {
+            wgsl: include_str!("serial.wgsl"),
+            threads,
+            scan_threads: 64,
+            tile_keys,
+            tiles_per_workgroup: threads,
+        }
+    }
+
+    /// The threads of a workgroup, [`SUBGROUPS`] subgroups at most, sort a tile together. A power
+    /// of two of threads, at most [`BINS`].
+    fn shared(threads: u32, keys_per_thread: u32) -> Self {
+        Self {
+            wgsl: include_str!("subgroup.wgsl"),
+            threads,
+            scan_threads: threads,
+            tile_keys: threads * keys_per_thread,
+            tiles_per_workgroup: 1,
+        }
     }
 }
 
@@ -62,13 +105,12 @@ pub struct Sorter {
     count: Kernel,
     scan: Kernel,
     scatter: Kernel,
-    seen: DeviceArray<u32>,
-    bin_totals: DeviceArray<u32>,
+    totals: DeviceArray<u32>,
     room: Option<Room>,
 }
 
 /// Arrays whose size depends on the number of keys.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Room {
     keys: [DeviceArray<u32>; 2],
     order: DeviceArray<u32>,
@@ -90,14 +132,14 @@ impl Sorter {
     /// # Errors
     /// If the driver refuses one.
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
-        Self::with_tiling(gpu, Tiling::serial(32, 1024))
+        Self::with_tiling(gpu, Tiling::of(gpu.adapter()))
     }
 
-    pub(super) fn with_tiling(gpu: &Gpu, tiling: Tiling) -> Result<Self, GpuError> {
+    fn with_tiling(gpu: &Gpu, tiling: Tiling) -> Result<Self, GpuError> {
         let wgsl = wgsl(&tiling);
         let groups: &[&[Binding]] = &[&[
             Binding::Read,
-            Binding::ReadWrite,
+            Binding::Read,
             Binding::ReadWrite,
             Binding::ReadWrite,
             Binding::ReadWrite,
@@ -124,8 +166,7 @@ impl Sorter {
             count: compile("count")?,
             scan: compile("scan")?,
             scatter: compile("scatter")?,
-            seen: gpu.array("sort::seen", 4)?,
-            bin_totals: gpu.array("sort::bin_totals", BINS)?,
+            totals: gpu.array("sort::totals", SEEN_WORDS + BINS)?,
             room: None,
         })
     }
@@ -139,83 +180,57 @@ impl Sorter {
     /// If the arrays of keys are shorter than `count`, or keys of more than 32 bits have no high
     /// words.
     pub fn sort(&mut self, gpu: &Gpu, keys: &SortKeys, count: usize) -> Result<Sorted, GpuError> {
-        let words = words_of(keys);
-        for word in &words {
+        let is_wide = keys.bits > u32::BITS;
+        let high = if is_wide { keys.high.as_ref() } else { Some(&keys.low) };
+        let high = high.expect("keys of more than 32 bits have high words");
+        for word in [&keys.low, high] {
             assert!(count <= word.len(), "{count} keys of {} in {}", word.len(), word.label());
         }
         let permutation = gpu.array::<u32>("sort::permutation", count)?;
         let count = u32::try_from(count).expect("binding limits keep arrays below 2^32 elements");
         let tiles = count.div_ceil(self.tiling.tile_keys);
-        self.make_room(gpu, count as usize, tiles as usize)?;
-        let groups = self.bind(gpu, &words, &permutation)?;
+        let room = self.make_room(gpu, count as usize, tiles as usize)?;
+        let resources = [
+            keys.low.binding(),
+            high.binding(),
+            room.keys[0].binding(),
+            room.keys[1].binding(),
+            permutation.binding(),
+            room.order.binding(),
+            room.tile_counts.binding(),
+            self.totals.binding(),
+        ];
+        let group = self.count.bind(gpu, 0, &resources)?;
         let mut run = gpu.stage("sort");
-        run.clear(&self.seen);
-        let examine_tile = EXAMINE_THREADS * EXAMINE_KEYS_PER_THREAD;
-        for (word, group) in (0..).zip(&groups) {
-            let pass = SortPass { count, tiles, digit: word * DIGITS_PER_WORD };
-            run.dispatch(&self.examine, &[group], &pass, count.div_ceil(examine_tile));
+        run.clear(&self.totals);
+        let examined = count.div_ceil(EXAMINE_THREADS * EXAMINE_KEYS_PER_THREAD);
+        for digit in (0..if is_wide { 2 } else { 1 }).map(|word| word * DIGITS_PER_WORD) {
+            run.dispatch(&self.examine, &[&group], &SortPass { count, tiles, digit }, examined);
         }
         let workgroups = tiles.div_ceil(self.tiling.tiles_per_workgroup);
         for digit in 0..keys.bits.div_ceil(DIGIT_BITS) {
             let pass = SortPass { count, tiles, digit };
-            let group = &groups[(digit / DIGITS_PER_WORD) as usize];
-            run.dispatch(&self.count, &[group], &pass, workgroups);
-            run.dispatch(&self.scan, &[group], &pass, BINS as u32);
-            run.dispatch(&self.scatter, &[group], &pass, workgroups);
+            run.dispatch(&self.count, &[&group], &pass, workgroups);
+            run.dispatch(&self.scan, &[&group], &pass, BINS as u32);
+            run.dispatch(&self.scatter, &[&group], &pass, workgroups);
         }
         let elapsed_ns = run.finish()?.elapsed_ns;
         Ok(Sorted { permutation, elapsed_ns })
     }
 
-    /// Makes the arrays that depend on the number of keys, unless those there are large enough.
-    fn make_room(&mut self, gpu: &Gpu, count: usize, tiles: usize) -> Result<(), GpuError> {
-        if self.room.as_ref().is_some_and(|room| room.order.len() >= count) {
-            return Ok(());
-        }
-        // Large arrays must not be there twice.
-        self.room = None;
-        self.room = Some(Room {
-            keys: [gpu.array("sort::keys_a", count)?, gpu.array("sort::keys_b", count)?],
-            order: gpu.array("sort::order_b", count)?,
-            tile_counts: gpu.array("sort::tile_counts", tiles * BINS)?,
-        });
-        Ok(())
+    /// The arrays that depend on the number of keys, made anew unless those there are large enough.
+    fn make_room(&mut self, gpu: &Gpu, count: usize, tiles: usize) -> Result<Room, GpuError> {
+        // Taken out first: large arrays must not be there twice.
+        let room = match self.room.take().filter(|room| room.order.len() >= count) {
+            Some(room) => room,
+            None => Room {
+                keys: [gpu.array("sort::keys_a", count)?, gpu.array("sort::keys_b", count)?],
+                order: gpu.array("sort::order_b", count)?,
+                tile_counts: gpu.array("sort::tile_counts", tiles * BINS)?,
+            },
+        };
+        Ok(self.room.insert(room).clone())
     }
-
-    /// The bindings of the passes over each word.
-    fn bind(
-        &self,
-        gpu: &Gpu,
-        words: &[&DeviceArray<u32>],
-        permutation: &DeviceArray<u32>,
-    ) -> Result<Vec<wgpu::BindGroup>, GpuError> {
-        let room = self.room.iter();
-        let pairs = words.iter().flat_map(|word| room.clone().map(move |room| (word, room)));
-        pairs
-            .map(|(word, room)| {
-                let resources = [
-                    word.binding(),
-                    room.keys[0].binding(),
-                    room.keys[1].binding(),
-                    permutation.binding(),
-                    room.order.binding(),
-                    room.tile_counts.binding(),
-                    self.bin_totals.binding(),
-                    self.seen.binding(),
-                ];
-                self.count.bind(gpu, 0, &resources)
-            })
-            .collect()
-    }
-}
-
-/// The words of the keys, low first.
-fn words_of(keys: &SortKeys) -> Vec<&DeviceArray<u32>> {
-    let mut words = vec![&keys.low];
-    if keys.bits > u32::BITS {
-        words.push(keys.high.as_ref().expect("keys of more than 32 bits have high words"));
-    }
-    words
 }
 
 /// The whole module.
@@ -224,11 +239,12 @@ fn wgsl(tiling: &Tiling) -> String {
         ("DIGIT_BITS", DIGIT_BITS),
         ("DIGITS_PER_WORD", DIGITS_PER_WORD),
         ("BINS", BINS as u32),
-        ("SCAN_THREADS", SCAN_THREADS),
+        ("SCAN_THREADS", tiling.scan_threads),
         ("EXAMINE_THREADS", EXAMINE_THREADS),
         ("EXAMINE_KEYS_PER_THREAD", EXAMINE_KEYS_PER_THREAD),
         ("TILE_THREADS", tiling.threads),
         ("TILE_KEYS", tiling.tile_keys),
+        ("SUBGROUPS", SUBGROUPS),
     ];
     [
         &constants_wgsl(&constants),
@@ -268,13 +284,27 @@ mod tests {
         assert_eq!(found.len(), keys.len());
     }
 
+    /// Small tiles, so that few keys already have many borders.
+    fn small_tilings() -> Vec<Tiling> {
+        let adapter = test_gpu().adapter();
+        let mut tilings = vec![Tiling::serial(16, 64)];
+        if adapter.subgroups {
+            let threads = SUBGROUPS * adapter.subgroup_min_size;
+            tilings.push(Tiling::shared(threads.min(MOST_THREADS), 2));
+        }
+        tilings
+    }
+
     #[test]
     fn keys_of_any_width_sort_like_the_standard_stable_sort() {
-        // Borders of tiles of 64 keys, of workgroups of 32 such tiles, and of examined stretches.
-        let mut sorter = Sorter::with_tiling(test_gpu(), Tiling::serial(32, 64)).unwrap();
-        for count in [0, 1, 2, 3, 63, 64, 65, 2047, 2048, 2049, 8191, 8192, 8193, 20_011] {
-            for (what, bits, keys) in test_keys::cases(count) {
-                check(&mut sorter, &keys, bits, what);
+        for tiling in small_tilings() {
+            let mut sorter = Sorter::with_tiling(test_gpu(), tiling).unwrap();
+            let workgroup_keys = (tiling.tile_keys * tiling.tiles_per_workgroup) as usize;
+            let borders = [1, tiling.tile_keys as usize, workgroup_keys, 8192, 20_011];
+            for count in borders.iter().flat_map(|&border| border - 1..=border + 1) {
+                for (what, bits, keys) in test_keys::cases(count) {
+                    check(&mut sorter, &keys, bits, what);
+                }
             }
         }
     }
@@ -299,15 +329,17 @@ mod tests {
     #[ignore = "a measurement: run it alone, in a release build"]
     fn speed() {
         let gpu = test_gpu();
-        let tilings = [(8, 1024), (16, 1024), (32, 512), (32, 1024), (32, 2048), (32, 4096)];
-        for (threads, tile_keys) in tilings {
-            let mut sorter = Sorter::with_tiling(gpu, Tiling::serial(threads, tile_keys)).unwrap();
+        let serial = [1024, 2048, 4096].map(|keys| Tiling::serial(32, keys));
+        let shared = [8, 16].map(|keys| Tiling::shared(64, keys));
+        for tiling in serial.into_iter().chain(shared) {
+            let mut sorter = Sorter::with_tiling(gpu, tiling).unwrap();
             for bits in [16, 32, 64] {
                 let keys = upload(&test_keys::random(2_000_000, bits, 1), bits);
                 let mut times: Vec<u64> =
                     (0..7).map(|_| sorter.sort(gpu, &keys, 2_000_000).unwrap().elapsed_ns).collect();
                 times.sort_unstable();
-                println!("{threads} x {tile_keys}, {bits} bits: {:.1} Mkeys/s", 2e9 / times[3] as f64);
+                let rate = 2e9 / times[3] as f64;
+                println!("{} x {}, {bits} bits: {rate:.1} Mkeys/s", tiling.threads, tiling.tile_keys);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 var<workgroup> seen_here: array<atomic<u32>, 2>;
 
-// Finds out which bits differ in the words of this half of the key.
+// Finds out which bits differ in the word that the digit is in.
 @compute @workgroup_size(EXAMINE_THREADS)
 fn examine(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -14,12 +14,14 @@ fn examine(
     }
     workgroupBarrier();
     let first = linear_workgroup(group, groups) * EXAMINE_THREADS * EXAMINE_KEYS_PER_THREAD + thread;
+    let is_low = sort_pass.digit < DIGITS_PER_WORD;
+    let source = select(FROM_HIGH_WORDS, FROM_LOW_WORDS, is_low);
     var ones = 0u;
     var zeros = 0u;
     for (var row = 0u; row < EXAMINE_KEYS_PER_THREAD; row++) {
         let place = first + row * EXAMINE_THREADS;
         if place < sort_pass.count {
-            let word = words[place];
+            let word = key_at(place, source);
             ones |= word;
             zeros |= ~word;
         }
@@ -28,8 +30,8 @@ fn examine(
     atomicOr(&seen_here[1], zeros);
     workgroupBarrier();
     if thread < 2u {
-        let half = sort_pass.digit / DIGITS_PER_WORD;
-        atomicOr(&seen[2u * half + thread], atomicLoad(&seen_here[thread]));
+        let word = select(2u, 0u, is_low);
+        atomicOr(&totals.seen[word + thread], atomicLoad(&seen_here[thread]));
     }
 }
 
@@ -57,6 +59,6 @@ fn scan(
         place += count;
     }
     if thread == SCAN_THREADS - 1u {
-        bin_totals[group.x] = scan_sums[SCAN_THREADS - 1u];
+        totals.bins[group.x] = scan_sums[SCAN_THREADS - 1u];
     }
 }

@@ -21,7 +21,7 @@ fn count(
     let first = tile * TILE_KEYS;
     let end = min(first + TILE_KEYS, sort_pass.count);
     for (var place = first; place < end; place++) {
-        columns[bin_of(key_at(place, plan.from_array)) * TILE_THREADS + thread] += 1u;
+        columns[bin_of(key_at(place, plan.source)) * TILE_THREADS + thread] += 1u;
     }
     for (var bin = 0u; bin < BINS; bin++) {
         tile_counts[bin * sort_pass.tiles + tile] = columns[bin * TILE_THREADS + thread];
@@ -42,12 +42,12 @@ fn scatter(
     var bin_start = 0u;
     for (var bin = 0u; bin < BINS; bin++) {
         columns[bin * TILE_THREADS + thread] = bin_start + tile_counts[bin * sort_pass.tiles + tile];
-        bin_start += bin_totals[bin];
+        bin_start += totals.bins[bin];
     }
     let first = tile * TILE_KEYS;
     let end = min(first + TILE_KEYS, sort_pass.count);
     for (var place = first; place < end; place++) {
-        let pair = pair_at(place, plan.from_array);
+        let pair = Pair(key_at(place, plan.source), index_at(place, plan.source));
         let column = bin_of(pair.key) * TILE_THREADS + thread;
         let slot = columns[column];
         columns[column] = slot + 1u;
