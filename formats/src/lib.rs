@@ -3,7 +3,8 @@
 //! - [`ray`], [`unit_space`]: the values that everything else is made of
 //! - [`key`]: layouts as data, from ray to key and back
 //! - [`length_table`], [`permutation`], [`metrics`]: what is derived from rays and keys
-//! - [`npy`], [`manifest`], [`writer`], [`reader`], [`verify`], [`recover`]: the files
+//! - [`npy`], [`manifest`], [`folder`], [`writer`], [`reader`], [`verify`], [`recover`]: the files
+//! - [`summary`]: a dump in one object, for people and programs
 
 pub mod folder;
 pub mod key;
@@ -17,4 +18,5 @@ pub mod reader;
 pub mod recover;
 pub mod summary;
 pub mod unit_space;
+pub mod verify;
 pub mod writer;

@@ -85,7 +85,8 @@ fn octahedral(d: [f64; 3]) -> [f64; 2] {
 /// The value of a coordinate in [0, 1], in f64.
 fn coordinate(name: &str, ray: &Ray, light: u32) -> f64 {
     let scale = 1.0 / (0..3).map(|axis| f64::from(MAX[axis]) - f64::from(MIN[axis])).fold(0.0, f64::max);
-    let o: [f64; 3] = std::array::from_fn(|axis| (f64::from(ray.origin[axis]) - f64::from(MIN[axis])) * scale);
+    let o: [f64; 3] =
+        std::array::from_fn(|axis| (f64::from(ray.origin[axis]) - f64::from(MIN[axis])) * scale);
     let d: [f64; 3] = std::array::from_fn(|axis| f64::from(ray.direction[axis]));
     let exit = (0..3)
         .map(|axis| {
@@ -161,7 +162,12 @@ fn rays() -> impl Iterator<Item = Ray> {
         let origin = [0, 1, 2].map(|axis| MIN[axis] + (MAX[axis] - MIN[axis]) * number());
         let d: [f32; 3] = std::array::from_fn(|_| number() * 2.0 - 1.0);
         let length = d.iter().map(|x| x * x).sum::<f32>().sqrt().max(1e-3);
-        Ray { origin, t_min: 0.0, direction: d.map(|x| x / length), t_max: if index % 4 == 0 { 1.0 } else { f32::INFINITY } }
+        Ray {
+            origin,
+            t_min: 0.0,
+            direction: d.map(|x| x / length),
+            t_max: if index % 4 == 0 { 1.0 } else { f32::INFINITY },
+        }
     })
 }
 
@@ -169,7 +175,17 @@ fn rays() -> impl Iterator<Item = Ray> {
 fn every_method_puts_every_bit_where_keys_says() {
     let unit = UnitSpace::from_bounds(MIN, MAX);
     let lights = lights();
-    let methods = ["origin", "reis", "costa", "aila", "octahedron", "two-point", "two-point-adaptive", "two-point-real", "light-octahedron"];
+    let methods = [
+        "origin",
+        "reis",
+        "costa",
+        "aila",
+        "octahedron",
+        "two-point",
+        "two-point-adaptive",
+        "two-point-real",
+        "light-octahedron",
+    ];
     for name in methods {
         let layout = Method::builtin(name).unwrap().layout.expand(lights.len()).unwrap();
         let bits = bits_of(name, lights.len());
@@ -180,7 +196,10 @@ fn every_method_puts_every_bit_where_keys_says() {
                 let light = index as u32 % lights.len() as u32;
                 if let Some(expected) = oracle_key(&bits, key_bits as usize, &ray, light) {
                     let found = encoder.encode(&ray, LENGTH as f32, light);
-                    assert_eq!(found, expected, "{name} at {key_bits} bits: {found:b} instead of {expected:b} for {ray:?}");
+                    assert_eq!(
+                        found, expected,
+                        "{name} at {key_bits} bits: {found:b} instead of {expected:b} for {ray:?}"
+                    );
                     compared += 1;
                 }
             }

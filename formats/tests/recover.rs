@@ -20,6 +20,7 @@ fn killed(sample: &Path, frames: &[Frame], manifest_bytes: usize, folder: &Path)
     fs::create_dir(&partial).unwrap();
     let manifest = fs::read(sample.join("manifest.bin")).unwrap();
     fs::write(partial.join("manifest.bin"), &manifest[..manifest_bytes]).unwrap();
+    fs::write(partial.join(formats::folder::RESERVE_NAME), [0; 100]).unwrap();
     for frame in frames {
         let Record::Array(array) = &frame.record else { continue };
         let relative = array.place.to_string();
@@ -78,6 +79,8 @@ fn killed_at_any_record_the_rest_is_recovered() {
                 let before = frames[..at].iter().filter(|frame| matches!(frame.record, Record::Array(_)));
                 assert_eq!(recovery.arrays, before.count(), "cut at {cut}");
                 assert!(!recovery.is_complete && !partial.exists());
+                // At most the array that was being written.
+                assert!(recovery.leftover.is_none_or(|(_, files)| files == 1));
                 assert_eq!(Dump::open(&dump).unwrap().state(), DumpState::Recovered);
                 assert_right(&dump);
             }

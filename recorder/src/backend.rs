@@ -143,7 +143,8 @@ pub trait Backend {
     /// Adds traced lengths to the table of the queue's kind.
     fn accumulate(&mut self, rays: &Self::Rays, hits: &Self::Hits) -> Result<()>;
     /// Shades hits: film, next rays, shadow rays.
-    fn shade(&mut self, pass: u32, rays: &Self::Rays, hits: &Self::Hits) -> Result<Timed<Shaded<Self::Rays>>>;
+    fn shade(&mut self, pass: u32, rays: &Self::Rays, hits: &Self::Hits)
+    -> Result<Timed<Shaded<Self::Rays>>>;
     /// Adds the light of shadow rays that arrived to the film.
     fn add_light(&mut self, rays: &Self::Rays, hits: &Self::Hits) -> Result<()>;
 
@@ -154,7 +155,11 @@ pub trait Backend {
     /// Copies rays into an order.
     fn gather(&mut self, rays: &Self::Rays, order: &Self::Order) -> Result<Timed<Self::Gathered>>;
     /// Traces copied rays; results go to canonical places.
-    fn trace_gathered(&mut self, gathered: &Self::Gathered, order: &Self::Order) -> Result<Timed<Self::Scattered>>;
+    fn trace_gathered(
+        &mut self,
+        gathered: &Self::Gathered,
+        order: &Self::Order,
+    ) -> Result<Timed<Self::Scattered>>;
     /// Traces rays where they are, in an order; results go to canonical places.
     fn trace_indirect(&mut self, rays: &Self::Rays, order: &Self::Order) -> Result<Timed<Self::Scattered>>;
     /// Counts results that differ: all of a hit's fields, for shadow rays the occlusion.

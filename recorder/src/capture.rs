@@ -50,7 +50,13 @@ impl Capture {
     ///
     /// # Errors
     /// Whatever `fill` reports, or what went wrong with writing up to now.
-    pub fn array(&mut self, place: Place, dtype: Dtype, shape: &[u64], fill: impl FnOnce(&mut crate::backend::Sink<'_>) -> Result<()>) -> Result<()> {
+    pub fn array(
+        &mut self,
+        place: Place,
+        dtype: Dtype,
+        shape: &[u64],
+        fill: impl FnOnce(&mut crate::backend::Sink<'_>) -> Result<()>,
+    ) -> Result<()> {
         self.send(Message::Begin(place, dtype, shape.to_vec()))?;
         fill(&mut |bytes: &[u8]| self.send_bytes(bytes))?;
         self.send(Message::FinishArray)
@@ -114,7 +120,9 @@ impl Capture {
     fn buffer(&mut self) -> Vec<u8> {
         match self.used_buffers.try_recv() {
             Ok(buffer) => buffer,
-            Err(TryRecvError::Empty) if self.buffers_made >= BUFFERS => self.used_buffers.recv().unwrap_or_default(),
+            Err(TryRecvError::Empty) if self.buffers_made >= BUFFERS => {
+                self.used_buffers.recv().unwrap_or_default()
+            }
             Err(_) => {
                 self.buffers_made += 1;
                 Vec::with_capacity(BUFFER_BYTES)
@@ -140,7 +148,11 @@ impl Capture {
     }
 }
 
-fn write_all(writer: DumpWriter, inbox: &Receiver<Message>, give_back: impl Fn(Vec<u8>)) -> Result<std::path::PathBuf, WriteError> {
+fn write_all(
+    writer: DumpWriter,
+    inbox: &Receiver<Message>,
+    give_back: impl Fn(Vec<u8>),
+) -> Result<std::path::PathBuf, WriteError> {
     let target = writer.target().to_owned();
     let mut array = None;
     while let Ok(message) = inbox.recv() {

@@ -17,7 +17,7 @@ pub enum Device {
     /// Native threads.
     Cpu(CpuDevice),
     /// An adapter that passed its self-check.
-    Gpu(GpuDevice),
+    Gpu(Box<GpuDevice>),
 }
 
 /// Native threads.
@@ -56,7 +56,8 @@ fn open_auto(options: &RecordOptions) -> Result<Device> {
         Ok(device) => Ok(device),
         // No hardware is what auto is for; a card that fails is worth a word.
         Err(error) => {
-            let is_absent = matches!(error.downcast_ref(), Some(GpuError::NoAdapter | GpuError::NoHardware { .. }));
+            let is_absent =
+                matches!(error.downcast_ref(), Some(GpuError::NoAdapter | GpuError::NoHardware { .. }));
             let passed_over = (!is_absent).then(|| format!("the GPU was passed over: {error:#}"));
             open_cpu(options, passed_over)
         }
@@ -64,9 +65,10 @@ fn open_auto(options: &RecordOptions) -> Result<Device> {
 }
 
 fn open_gpu(request: &AdapterRequest, trace: TraceKernel) -> Result<Device> {
-    let gpu = if trace == TraceKernel::RayQuery { Gpu::open_with_ray_query(request)? } else { Gpu::open(request)? };
+    let gpu =
+        if trace == TraceKernel::RayQuery { Gpu::open_with_ray_query(request)? } else { Gpu::open(request)? };
     let self_check = SelfCheck::run(&gpu)?;
-    Ok(Device::Gpu(GpuDevice { gpu, self_check }))
+    Ok(Device::Gpu(Box::new(GpuDevice { gpu, self_check })))
 }
 
 fn open_cpu(options: &RecordOptions, passed_over: Option<String>) -> Result<Device> {
@@ -108,7 +110,8 @@ impl Device {
         let size = format!("{}×{}", setup.width, setup.height);
         match self {
             Self::Cpu(_) => {
-                let needed = pixels * CPU_BYTES_PER_PIXEL + scene.triangles.len() as u64 * CPU_BYTES_PER_TRIANGLE;
+                let needed =
+                    pixels * CPU_BYTES_PER_PIXEL + scene.triangles.len() as u64 * CPU_BYTES_PER_TRIANGLE;
                 // Where the system does not tell, nothing is refused.
                 let available = System::new().map_or(0, |mut system| {
                     system.refresh_memory();
@@ -129,7 +132,11 @@ impl Device {
                 let items = [
                     ("pixels", format!("{size} pixels"), pixels),
                     ("vertices", format!("{} vertices", scene.positions.len()), scene.positions.len() as u64),
-                    ("triangles", format!("{} triangles", scene.triangles.len()), scene.triangles.len() as u64),
+                    (
+                        "triangles",
+                        format!("{} triangles", scene.triangles.len()),
+                        scene.triangles.len() as u64,
+                    ),
                 ];
                 for (_, what, count) in items {
                     let needed = count * GPU_BYTES_PER_ITEM;
@@ -155,7 +162,10 @@ impl Device {
         match self {
             Self::Cpu(device) => device.passed_over.iter().cloned().collect(),
             Self::Gpu(device) if device.gpu.adapter().is_software() => {
-                vec![format!("{} computes on the CPU: its times say nothing about graphics cards", device.gpu.adapter().name)]
+                vec![format!(
+                    "{} computes on the CPU: its times say nothing about graphics cards",
+                    device.gpu.adapter().name
+                )]
             }
             Self::Gpu(_) => Vec::new(),
         }
@@ -178,7 +188,9 @@ impl Device {
                     system.cpus().first().map(|cpu| cpu.brand().trim().to_owned())
                 });
                 Adapter {
-                    name: name.filter(|name| !name.is_empty()).unwrap_or_else(|| std::env::consts::ARCH.to_owned()),
+                    name: name
+                        .filter(|name| !name.is_empty())
+                        .unwrap_or_else(|| std::env::consts::ARCH.to_owned()),
                     driver: String::new(),
                     device_type: "cpu".into(),
                     backend: "threads".into(),
@@ -224,7 +236,11 @@ impl Device {
                 .self_check
                 .checks
                 .iter()
-                .map(|check| Check { name: check.name.to_owned(), outcome: check.outcome.name().to_owned(), detail: check.detail.clone() })
+                .map(|check| Check {
+                    name: check.name.to_owned(),
+                    outcome: check.outcome.name().to_owned(),
+                    detail: check.detail.clone(),
+                })
                 .collect(),
         }
     }

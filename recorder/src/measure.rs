@@ -50,15 +50,14 @@ pub fn measure<B: Backend>(
     observer: &mut impl OrderObserver<B>,
 ) -> Result<QueueMeasurement> {
     let applicable = (0..methods.len()).filter(|&method| methods[method].applies_to(rays.kind()));
-    let mut measured: Vec<MethodMeasurement> =
-        applicable.map(|method| MethodMeasurement { method, stages: StageSamples::default(), mismatches: 0 }).collect();
+    let mut measured: Vec<MethodMeasurement> = applicable
+        .map(|method| MethodMeasurement { method, stages: StageSamples::default(), mismatches: 0 })
+        .collect();
     for entry in &mut measured {
         let keys = backend.key(rays, hits, entry.method)?.value;
         let order = backend.sort(&keys)?.value;
         observer.ordered(backend, entry.method, &keys, &order)?;
-        let gathered = backend.gather(rays, &order)?.value;
-        let scattered = backend.trace_gathered(&gathered, &order)?.value;
-        entry.mismatches = backend.differences(rays, hits, &scattered)?;
+        warm_up(backend, rays, hits, &order)?;
     }
     let mut unsorted_ns = Vec::new();
     for repeat in 0..repeats as usize {
@@ -72,7 +71,22 @@ pub fn measure<B: Backend>(
     Ok(QueueMeasurement { unsorted_ns, methods: measured })
 }
 
-fn measure_once<B: Backend>(backend: &mut B, rays: &B::Rays, hits: &B::Hits, method: &MethodPlan, entry: &mut MethodMeasurement) -> Result<()> {
+/// Runs every stage after the sort once, so that no timed one is the first to compile or to touch memory.
+fn warm_up<B: Backend>(backend: &mut B, rays: &B::Rays, hits: &B::Hits, order: &B::Order) -> Result<()> {
+    let gathered = backend.gather(rays, order)?.value;
+    backend.trace_gathered(&gathered, order)?;
+    backend.trace_indirect(rays, order)?;
+    backend.time_accumulate(rays, hits)?;
+    Ok(())
+}
+
+fn measure_once<B: Backend>(
+    backend: &mut B,
+    rays: &B::Rays,
+    hits: &B::Hits,
+    method: &MethodPlan,
+    entry: &mut MethodMeasurement,
+) -> Result<()> {
     let keys = backend.key(rays, hits, entry.method)?;
     entry.stages.key.push(keys.elapsed_ns);
     let order = backend.sort(&keys.value)?;

@@ -4,7 +4,7 @@ use anyhow::{Result, bail};
 use formats::key::method::UNSORTED;
 use formats::length_table::LengthCell;
 use formats::manifest::{
-    Mismatches, MethodArray, Place as ArrayPlace, QueueArray, QueueId, QueueRecord, Stage, TimingRecord,
+    MethodArray, Mismatches, Place as ArrayPlace, QueueArray, QueueId, QueueRecord, Stage, TimingRecord,
 };
 use formats::npy::Dtype;
 use formats::ray::Kind;
@@ -90,15 +90,26 @@ impl<'a> Recorder<'a> {
         self.capture.whole_array(ArrayPlace::Queue(id, array), &[cells.len() as u64], cells)
     }
 
-    fn keep_queue<B: Backend>(&mut self, backend: &mut B, id: QueueId, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
+    fn keep_queue<B: Backend>(
+        &mut self,
+        backend: &mut B,
+        id: QueueId,
+        rays: &B::Rays,
+        hits: &B::Hits,
+    ) -> Result<()> {
         let keep = &self.plan.keep;
         let shape = [rays.len() as u64];
         let at = |array| ArrayPlace::Queue(id, array);
         if keep.rays {
-            self.capture.array(at(QueueArray::Rays), Dtype::Ray, &shape, |sink| backend.read_rays(rays, sink))?;
-            self.capture.array(at(QueueArray::PathIds), Dtype::U4, &shape, |sink| backend.read_path_ids(rays, sink))?;
+            self.capture
+                .array(at(QueueArray::Rays), Dtype::Ray, &shape, |sink| backend.read_rays(rays, sink))?;
+            self.capture.array(at(QueueArray::PathIds), Dtype::U4, &shape, |sink| {
+                backend.read_path_ids(rays, sink)
+            })?;
             if id.kind == Kind::Shadow {
-                self.capture.array(at(QueueArray::Lights), Dtype::U4, &shape, |sink| backend.read_lights(rays, sink))?;
+                self.capture.array(at(QueueArray::Lights), Dtype::U4, &shape, |sink| {
+                    backend.read_lights(rays, sink)
+                })?;
             }
         }
         if keep.hits {
@@ -109,7 +120,8 @@ impl<'a> Recorder<'a> {
             self.capture.array(at(array), dtype, &shape, |sink| backend.read_hits(hits, sink))?;
         }
         if keep.work && self.plan.counts_work {
-            self.capture.array(at(QueueArray::Work), Dtype::Work, &shape, |sink| backend.read_work(rays, sink))?;
+            self.capture
+                .array(at(QueueArray::Work), Dtype::Work, &shape, |sink| backend.read_work(rays, sink))?;
         }
         if keep.lengths {
             let cells = backend.touched_cells(id.kind)?;
@@ -153,7 +165,8 @@ impl<'a> Recorder<'a> {
         let name = |entry: &MethodMeasurement| self.plan.methods[entry.method].name.clone();
         let entries = measurement.map_or(&[][..], |measurement| &measurement.methods);
         let baseline = measurement.map(|_| UNSORTED.to_owned());
-        let mismatches = entries.iter().map(|entry| Mismatches { method: name(entry), rays: entry.mismatches });
+        let mismatches =
+            entries.iter().map(|entry| Mismatches { method: name(entry), rays: entry.mismatches });
         QueueRecord {
             id,
             rays: rays as u64,
@@ -164,7 +177,14 @@ impl<'a> Recorder<'a> {
 }
 
 impl<B: Backend> Observer<B> for Recorder<'_> {
-    fn traced(&mut self, backend: &mut B, place: Place, rays: &B::Rays, hits: &B::Hits, _elapsed_ns: u64) -> Result<()> {
+    fn traced(
+        &mut self,
+        backend: &mut B,
+        place: Place,
+        rays: &B::Rays,
+        hits: &B::Hits,
+        _elapsed_ns: u64,
+    ) -> Result<()> {
         let id = QueueId { pass: place.pass, bounce: place.bounce, kind: place.kind };
         self.progress.traced(place, rays.len());
         if self.keeps(place) {
@@ -184,7 +204,12 @@ impl<B: Backend> Observer<B> for Recorder<'_> {
             self.capture.queue(self.queue_record(id, rays.len(), measurement.as_ref()))?;
         }
         if let Some(measurement) = measurement {
-            self.measured.push(MeasuredQueue { bounce: place.bounce, kind: place.kind, rays: rays.len(), measurement });
+            self.measured.push(MeasuredQueue {
+                bounce: place.bounce,
+                kind: place.kind,
+                rays: rays.len(),
+                measurement,
+            });
         }
         Ok(())
     }
@@ -233,7 +258,9 @@ impl<B: Backend> OrderObserver<B> for OrderCapture<'_> {
             self.capture.array(at(MethodArray::Keys), dtype, &shape, |sink| backend.read_keys(keys, sink))?;
         }
         if self.plan.keep.permutations {
-            self.capture.array(at(MethodArray::Permutation), Dtype::U4, &shape, |sink| backend.read_order(order, sink))?;
+            self.capture.array(at(MethodArray::Permutation), Dtype::U4, &shape, |sink| {
+                backend.read_order(order, sink)
+            })?;
         }
         Ok(())
     }

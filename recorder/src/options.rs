@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method, MethodError};
 use formats::key::method::{BUILTIN, UNSORTED};
+use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method, MethodError};
 use formats::length_table::{TABLE_BITS_MAX, TABLE_BITS_MIN};
 
 use crate::stages::trace::TraceKernel;
@@ -51,7 +51,8 @@ pub struct Keep {
 
 impl Keep {
     /// The words of `--keep`, in the order in which they are listed.
-    pub const WORDS: [&'static str; 8] = ["rays", "hits", "keys", "permutations", "lengths", "scene", "image", "work"];
+    pub const WORDS: [&'static str; 8] =
+        ["rays", "hits", "keys", "permutations", "lengths", "scene", "image", "work"];
 
     fn flag(&mut self, word: &str) -> Option<&mut bool> {
         Some(match word {
@@ -82,7 +83,11 @@ impl Keep {
     /// The words for what is kept.
     pub fn words(&self) -> Vec<String> {
         let mut copy = *self;
-        Self::WORDS.iter().filter(|word| copy.flag(word).is_some_and(|flag| *flag)).map(|&word| word.to_owned()).collect()
+        Self::WORDS
+            .iter()
+            .filter(|word| copy.flag(word).is_some_and(|flag| *flag))
+            .map(|&word| word.to_owned())
+            .collect()
     }
 }
 
@@ -164,7 +169,9 @@ pub enum OptionError {
         name: String,
     },
     /// A table method that needs a length or a light.
-    #[error("--table-method: '{name}' cannot address the length table, since its key needs a length or a light; use origin, reis, costa, aila or octahedron")]
+    #[error(
+        "--table-method: '{name}' cannot address the length table, since its key needs a length or a light; use origin, reis, costa, aila or octahedron"
+    )]
     TableMethod {
         /// Its name.
         name: String,
@@ -205,7 +212,12 @@ pub fn parse_methods(list: &str, own: &[String]) -> Result<Vec<Method>, OptionEr
 ///
 /// # Errors
 /// If it does not.
-pub fn in_range<T: PartialOrd + std::fmt::Display>(option: &'static str, value: T, min: T, max: T) -> Result<T, OptionError> {
+pub fn in_range<T: PartialOrd + std::fmt::Display>(
+    option: &'static str,
+    value: T,
+    min: T,
+    max: T,
+) -> Result<T, OptionError> {
     if value >= min && value <= max {
         return Ok(value);
     }
@@ -232,7 +244,8 @@ impl RecordOptions {
         if !self.table_method.can_address_table() {
             return Err(OptionError::TableMethod { name: self.table_method.name.clone() });
         }
-        let additions = u64::from(self.width) * u64::from(self.height) * u64::from(self.bounces) * u64::from(self.passes);
+        let additions =
+            u64::from(self.width) * u64::from(self.height) * u64::from(self.bounces) * u64::from(self.passes);
         if additions >= 1 << 32 {
             let message = format!(
                 "{} × {} rays over {} bounces and {} passes could add {additions} lengths to one cell of the length table, whose count ends at 2^32; ask for less",
@@ -245,7 +258,8 @@ impl RecordOptions {
             return Err(OptionError::Conflict { message });
         }
         if self.backend == BackendChoice::Cpu && self.adapter.is_some() {
-            let message = "--adapter names a GPU, but --backend cpu asks for threads; leave one of them out".to_owned();
+            let message =
+                "--adapter names a GPU, but --backend cpu asks for threads; leave one of them out".to_owned();
             return Err(OptionError::Conflict { message });
         }
         Ok(())

@@ -18,7 +18,9 @@ impl Progress {
     /// times more.
     pub fn new(passes: u32, bounces: u32, pixels: u64, measured_traces: u64) -> Self {
         let bar = ProgressBar::new(0);
-        let style = ProgressStyle::with_template("{msg:22} {wide_bar} {human_pos}/{human_len} rays  {per_sec}  {eta} left");
+        let style = ProgressStyle::with_template(
+            "{msg:22} {wide_bar} {human_pos}/{human_len} rays  {per_sec}  {eta} left",
+        );
         if let Ok(style) = style {
             bar.set_style(style);
         }
@@ -59,7 +61,8 @@ impl Progress {
         let per_queue = |measured: bool| if measured { 1 + self.measured_traces } else { 1 };
         let this_pass = queues_left * rays * per_queue(passes_left == 0);
         let whole_pass = 2 * u64::from(self.bounces) * rays;
-        let later = whole_pass * passes_left.saturating_sub(1) + if passes_left > 0 { whole_pass * per_queue(true) } else { 0 };
+        let later = whole_pass * passes_left.saturating_sub(1)
+            + if passes_left > 0 { whole_pass * per_queue(true) } else { 0 };
         self.bar.set_length(self.bar.position() + this_pass + later);
     }
 }

@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use formats::manifest::{
-    Backend as BackendName, CameraPose, End, Features as FeatureNames, Header, ImageDigest, MethodRecord, Options, Outcome,
-    Place as ArrayPlace, SceneArray, SceneSummary,
+    Backend as BackendName, CameraPose, End, Features as FeatureNames, Header, ImageDigest, MethodRecord,
+    Options, Outcome, Place as ArrayPlace, SceneArray, SceneSummary,
 };
 use formats::npy::MaterialMask;
 use formats::unit_space::UnitSpace;
@@ -95,7 +95,11 @@ pub fn record(options: &RecordOptions) -> Result<Recorded> {
         Device::Gpu(gpu) => run.on(&mut gpu_backend(gpu.gpu, &scene, &setup, options)?, &mut capture)?,
     };
     progress.finish();
-    let path = capture.finish(End { outcome: Outcome::Complete, image: Some(image), wall_ns: start.elapsed().as_nanos() as u64 })?;
+    let path = capture.finish(End {
+        outcome: Outcome::Complete,
+        image: Some(image),
+        wall_ns: start.elapsed().as_nanos() as u64,
+    })?;
     Ok(Recorded { path, headline, methods: setup.methods.clone(), queues, notices })
 }
 
@@ -107,7 +111,11 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn on<B: Backend>(&self, backend: &mut B, capture: &mut Capture) -> Result<(Vec<MeasuredQueue>, ImageDigest)> {
+    fn on<B: Backend>(
+        &self,
+        backend: &mut B,
+        capture: &mut Capture,
+    ) -> Result<(Vec<MeasuredQueue>, ImageDigest)> {
         let mut recorder = Recorder::new(self.plan, capture, self.progress);
         wavefront::run(backend, self.options.passes, self.options.bounces, &mut recorder)?;
         recorder.finish(backend)?;
@@ -128,14 +136,23 @@ fn cpu_backend(scene: &Scene, setup: &Arc<Setup>, options: &RecordOptions) -> Re
     Ok(crate::cpu::CpuBackend::new(Arc::clone(setup), tracer))
 }
 
-fn gpu_backend(gpu: crate::gpu::Gpu, scene: &Scene, setup: &Arc<Setup>, options: &RecordOptions) -> Result<crate::gpu::backend::GpuBackend> {
+fn gpu_backend(
+    gpu: crate::gpu::Gpu,
+    scene: &Scene,
+    setup: &Arc<Setup>,
+    options: &RecordOptions,
+) -> Result<crate::gpu::backend::GpuBackend> {
     let bvh = device::hierarchy(scene, options.trace)?;
     crate::gpu::backend::GpuBackend::new(gpu, scene, bvh.as_ref(), Arc::clone(setup), options.trace)
 }
 
 fn choose_camera(scene: &Scene, name: Option<&str>) -> Result<Camera> {
     let Some(name) = name else {
-        return scene.cameras.first().cloned().with_context(|| format!("scene '{}' has no camera", scene.name));
+        return scene
+            .cameras
+            .first()
+            .cloned()
+            .with_context(|| format!("scene '{}' has no camera", scene.name));
     };
     match scene.cameras.iter().find(|camera| camera.name == name) {
         Some(camera) => Ok(camera.clone()),
@@ -182,7 +199,13 @@ pub fn setup(scene: &Scene, camera: &Camera, options: &RecordOptions) -> Result<
     })
 }
 
-fn header(scene: &Scene, setup: &Setup, options: &RecordOptions, device: &Device, notices: &[String]) -> Header {
+fn header(
+    scene: &Scene,
+    setup: &Setup,
+    options: &RecordOptions,
+    device: &Device,
+    notices: &[String],
+) -> Header {
     let bounds = scene.bounds();
     let names = |list: Vec<&'static str>| list.into_iter().map(str::to_owned).collect();
     Header {
@@ -209,7 +232,10 @@ fn header(scene: &Scene, setup: &Setup, options: &RecordOptions, device: &Device
         limits: device.limits(),
         self_check: device.self_check(),
         ieee_arithmetic: device.ieee_arithmetic(),
-        features: FeatureNames { used: names(setup.features.used()), skipped: names(setup.features.skipped()) },
+        features: FeatureNames {
+            used: names(setup.features.used()),
+            skipped: names(setup.features.skipped()),
+        },
         time_source: device.time_source(),
         notices: notices.to_vec(),
     }
@@ -234,7 +260,8 @@ fn manifest_options(setup: &Setup, options: &RecordOptions, device: &Device) -> 
         trace_kernel: options.trace.name().to_owned(),
         threads: device.threads(),
         keep: options.keep.words(),
-        keep_passes: if options.keep_passes == crate::options::KeepPasses::All { "all" } else { "measured" }.to_owned(),
+        keep_passes: if options.keep_passes == crate::options::KeepPasses::All { "all" } else { "measured" }
+            .to_owned(),
         russian_roulette: options.russian_roulette,
     }
 }
@@ -251,13 +278,26 @@ fn method_record(plan: &MethodPlan) -> MethodRecord {
 
 fn headline(header: &Header, setup: &Setup) -> Vec<String> {
     let options = &header.options;
-    let backend = if header.backend == BackendName::Cpu { format!("cpu, {} threads", options.threads) } else { "gpu".to_owned() };
+    let backend = if header.backend == BackendName::Cpu {
+        format!("cpu, {} threads", options.threads)
+    } else {
+        "gpu".to_owned()
+    };
     vec![
-        format!("scene    {} ({} triangles), camera '{}'", header.scene.name, header.scene.triangles, options.camera),
+        format!(
+            "scene    {} ({} triangles), camera '{}'",
+            header.scene.name, header.scene.triangles, options.camera
+        ),
         format!("device   {} ({backend}), trace kernel {}", header.adapter.name, options.trace_kernel),
         format!(
             "run      {}×{}, {} bounces, {} passes, {} repeats, {}-bit keys, seed {}",
-            setup.width, setup.height, setup.bounces, options.passes, options.repeats, options.key_bits, setup.seed
+            setup.width,
+            setup.height,
+            setup.bounces,
+            options.passes,
+            options.repeats,
+            options.key_bits,
+            setup.seed
         ),
         format!("scene uses {}; skipped: {}", list(&header.features.used), list(&header.features.skipped)),
     ]

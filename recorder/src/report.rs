@@ -11,7 +11,18 @@ use crate::observer::MeasuredQueue;
 use crate::recording::Recorded;
 
 const COLUMNS: [&str; 12] = [
-    "bounce", "kind", "rays", "method", "key", "sort", "gather", "trace", "indirect", "accumulate", "trace speedup", "net speedup",
+    "bounce",
+    "kind",
+    "rays",
+    "method",
+    "key",
+    "sort",
+    "gather",
+    "trace",
+    "indirect",
+    "accumulate",
+    "trace speedup",
+    "net speedup",
 ];
 
 /// Prints scene, device, settings, notices and the table on stdout.
@@ -22,7 +33,9 @@ pub fn print(recorded: &Recorded) {
     for notice in &recorded.notices {
         println!("note     {notice}");
     }
-    println!("\nMedians in ms; speedups against unsorted with 95 % bootstrap intervals; ≈ marks no significant difference.");
+    println!(
+        "\nMedians in ms; speedups against unsorted with 95 % bootstrap intervals; ≈ marks no significant difference."
+    );
     println!("{}", table(recorded));
     for line in mismatches(recorded) {
         println!("{line}");
@@ -33,12 +46,22 @@ pub fn print(recorded: &Recorded) {
 fn table(recorded: &Recorded) -> Table {
     let mut table = Table::new();
     table.load_style(UTF8_HORIZONTAL_ONLY).set_header(COLUMNS);
-    for column in table.column_iter_mut().enumerate().filter(|(index, _)| !matches!(index, 1 | 3)).map(|(_, column)| column) {
+    for column in table
+        .column_iter_mut()
+        .enumerate()
+        .filter(|(index, _)| !matches!(index, 1 | 3))
+        .map(|(_, column)| column)
+    {
         column.set_cell_alignment(CellAlignment::Right);
     }
     for queue in &recorded.queues {
         let unsorted = &queue.measurement.unsorted_ns;
-        let mut row = vec![queue.bounce.to_string(), queue.kind.to_string(), queue.rays.to_string(), UNSORTED.to_owned()];
+        let mut row = vec![
+            queue.bounce.to_string(),
+            queue.kind.to_string(),
+            queue.rays.to_string(),
+            UNSORTED.to_owned(),
+        ];
         row.extend(["", "", ""].map(str::to_owned));
         row.push(milliseconds(unsorted));
         table.add_row(row);
@@ -53,7 +76,9 @@ fn method_row(queue: &MeasuredQueue, entry: &MethodMeasurement, method: &MethodP
     let stages = &entry.stages;
     let unsorted = &queue.measurement.unsorted_ns;
     let mut row = vec![String::new(), String::new(), String::new(), method.name.clone()];
-    for samples in [&stages.key, &stages.sort, &stages.gather, &stages.trace, &stages.trace_indirect, &stages.accumulate] {
+    for samples in
+        [&stages.key, &stages.sort, &stages.gather, &stages.trace, &stages.trace_indirect, &stages.accumulate]
+    {
         row.push(milliseconds(samples));
     }
     if has_speedup(method) {

@@ -20,7 +20,14 @@ pub struct Place {
 /// What wants to look at the loop: measuring and capturing stand outside it.
 pub trait Observer<B: Backend> {
     /// A queue was traced in canonical order; its table still is as before.
-    fn traced(&mut self, backend: &mut B, place: Place, rays: &B::Rays, hits: &B::Hits, elapsed_ns: u64) -> Result<()>;
+    fn traced(
+        &mut self,
+        backend: &mut B,
+        place: Place,
+        rays: &B::Rays,
+        hits: &B::Hits,
+        elapsed_ns: u64,
+    ) -> Result<()>;
     /// A stage that has no queue of its own to show took this long.
     fn stage(&mut self, place: Place, stage: Stage, elapsed_ns: u64) -> Result<()>;
 }
@@ -29,7 +36,12 @@ pub trait Observer<B: Backend> {
 ///
 /// # Errors
 /// Whatever the backend or the observer reports.
-pub fn run<B: Backend>(backend: &mut B, passes: u32, bounces: u32, observer: &mut impl Observer<B>) -> Result<()> {
+pub fn run<B: Backend>(
+    backend: &mut B,
+    passes: u32,
+    bounces: u32,
+    observer: &mut impl Observer<B>,
+) -> Result<()> {
     for pass in 0..passes {
         let at = |bounce, kind| Place { pass, bounce, kind };
         let generated = backend.generate(pass)?;
@@ -47,7 +59,13 @@ pub fn run<B: Backend>(backend: &mut B, passes: u32, bounces: u32, observer: &mu
             let shadow_rays = shaded.value.shadow;
             if !shadow_rays.is_empty() {
                 let occlusion = backend.trace(&shadow_rays)?;
-                observer.traced(backend, at(bounce, Kind::Shadow), &shadow_rays, &occlusion.value, occlusion.elapsed_ns)?;
+                observer.traced(
+                    backend,
+                    at(bounce, Kind::Shadow),
+                    &shadow_rays,
+                    &occlusion.value,
+                    occlusion.elapsed_ns,
+                )?;
                 backend.accumulate(&shadow_rays, &occlusion.value)?;
                 backend.add_light(&shadow_rays, &occlusion.value)?;
             }

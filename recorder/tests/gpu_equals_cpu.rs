@@ -3,6 +3,8 @@
 //! Rays, results and length tables are read back from the GPU; threads make keys, permutations and
 //! tables of the same inputs. Needs a device with IEEE arithmetic, such as lavapipe.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::sync::Arc;
 
 use formats::key::{Encoder, Termination};
@@ -59,7 +61,12 @@ struct Copied {
     lengths: Vec<f32>,
 }
 
-fn copy(gpu: &mut GpuBackend, setup: &Setup, rays: &<GpuBackend as Backend>::Rays, hits: &<GpuBackend as Backend>::Hits) -> Copied {
+fn copy(
+    gpu: &mut GpuBackend,
+    setup: &Setup,
+    rays: &<GpuBackend as Backend>::Rays,
+    hits: &<GpuBackend as Backend>::Hits,
+) -> Copied {
     let ray_bytes = bytes(|sink| gpu.read_rays(rays, sink));
     let hit_bytes = bytes(|sink| gpu.read_hits(hits, sink));
     let copied: Vec<Ray> = bytemuck::pod_collect_to_vec(&ray_bytes);
@@ -72,7 +79,8 @@ fn copy(gpu: &mut GpuBackend, setup: &Setup, rays: &<GpuBackend as Backend>::Ray
         Kind::Shadow => {
             let distances: Vec<f32> = bytemuck::pod_collect_to_vec(&hit_bytes);
             let lights = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_lights(rays, sink)));
-            let lengths = copied.iter().zip(&distances).map(|(ray, &distance)| setup.unit.shadow_length(ray, distance));
+            let lengths =
+                copied.iter().zip(&distances).map(|(ray, &distance)| setup.unit.shadow_length(ray, distance));
             (lights, lengths.collect())
         }
     };
@@ -81,11 +89,19 @@ fn copy(gpu: &mut GpuBackend, setup: &Setup, rays: &<GpuBackend as Backend>::Ray
 }
 
 /// Compares every method's keys and permutation on one queue; returns how many keys were compared.
-fn compare_orders(gpu: &mut GpuBackend, setup: &Setup, rays: &<GpuBackend as Backend>::Rays, hits: &<GpuBackend as Backend>::Hits, table: &LengthTable) -> usize {
+fn compare_orders(
+    gpu: &mut GpuBackend,
+    setup: &Setup,
+    rays: &<GpuBackend as Backend>::Rays,
+    hits: &<GpuBackend as Backend>::Hits,
+    table: &LengthTable,
+) -> usize {
     let copied = copy(gpu, setup, rays, hits);
     let cells = Encoder::new(&setup.table_layout, setup.table_bits, setup.unit, &[]);
     let mut compared = 0;
-    for (number, method) in setup.methods.iter().enumerate().filter(|(_, method)| method.applies_to(rays.kind())) {
+    for (number, method) in
+        setup.methods.iter().enumerate().filter(|(_, method)| method.applies_to(rays.kind()))
+    {
         let encoder = Encoder::new(&method.layout, method.key_bits, setup.unit, &setup.light_sites);
         let expected: Vec<u64> = (0..copied.rays.len())
             .map(|index| {
@@ -105,7 +121,8 @@ fn compare_orders(gpu: &mut GpuBackend, setup: &Setup, rays: &<GpuBackend as Bac
         } else {
             bytemuck::pod_collect_to_vec(&key_bytes)
         };
-        let place = format!("{} at {} bits, bounce {} {}", method.name, method.key_bits, rays.bounce(), rays.kind());
+        let place =
+            format!("{} at {} bits, bounce {} {}", method.name, method.key_bits, rays.bounce(), rays.kind());
         let wrong = found.iter().zip(&expected).position(|(found, expected)| found != expected);
         assert_eq!(wrong, None, "first wrong key of {place}");
         let order = gpu.sort(&keys).unwrap().value;
@@ -144,7 +161,13 @@ fn compare_run(options: &RecordOptions) -> usize {
                 let copied = copy(&mut gpu, &setup, rays, hits);
                 add_lengths(&setup, table, &copied);
                 gpu.accumulate(rays, hits).unwrap();
-                assert_eq!(gpu.touched_cells(rays.kind()).unwrap(), table.touched(), "table after bounce {} {}", rays.bounce(), rays.kind());
+                assert_eq!(
+                    gpu.touched_cells(rays.kind()).unwrap(),
+                    table.touched(),
+                    "table after bounce {} {}",
+                    rays.bounce(),
+                    rays.kind()
+                );
             }
             rays = shaded.next;
         }
@@ -180,7 +203,8 @@ fn compare_tracing(options: &RecordOptions) {
         let mut expected = vec![Hit::MISS; copied.rays.len()];
         tracer.closest(&copied.rays, &mut expected);
         let found: Vec<Hit> = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_hits(&hits, sink)));
-        let wrong = found.iter().zip(&expected).position(|(a, b)| bytemuck::bytes_of(a) != bytemuck::bytes_of(b));
+        let wrong =
+            found.iter().zip(&expected).position(|(a, b)| bytemuck::bytes_of(a) != bytemuck::bytes_of(b));
         assert_eq!(wrong, None, "first wrong hit of bounce {bounce}");
         let work: Vec<Work> = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_work(&rays, sink)));
         assert_eq!(work, tracer.work(&copied.rays, Kind::Closest), "work of bounce {bounce}");

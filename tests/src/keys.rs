@@ -5,6 +5,8 @@
 //! directions and light indices must be exact; where the definition leaves the rounding to the device,
 //! one quantum is allowed.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::f64::consts::PI;
 
 use formats::key::LightSite;

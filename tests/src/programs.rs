@@ -1,5 +1,7 @@
 //! The programs `recorder` and `inspector`, run as a user runs them.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

@@ -1,5 +1,7 @@
 //! Recordings as the tests see them: made by the program, compared byte by byte.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

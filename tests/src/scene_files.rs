@@ -1,5 +1,7 @@
 //! Small GLB files for the tests: one triangle, and whatever a test makes of it.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use serde_json::{Value, json};
 
 /// The JSON of a scene with one triangle and a camera that sees it; its buffer is [`triangle_bytes`].

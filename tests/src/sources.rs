@@ -1,5 +1,7 @@
 //! The project's own files, for the tests that hold its rules by reading them.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -1,5 +1,7 @@
 //! Holds the arrows between the packages: who may depend on whom, and on what.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use tests::sources::{files, root};

@@ -1,5 +1,7 @@
 //! Threads and every trace kernel of the GPU make the same picture, and a recording that verifies.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::path::Path;
 
 use formats::manifest::Place;

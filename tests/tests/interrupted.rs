@@ -1,5 +1,7 @@
 //! Recordings that were killed or ran out of space: what is left is recovered, or said to be nothing.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::fs;
 use std::io::Write;
 use std::path::Path;

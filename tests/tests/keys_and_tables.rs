@@ -1,5 +1,7 @@
 //! Keys, permutations and length tables of recordings from both backends, against their definition.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::collections::BTreeMap;
 
 use formats::key::LightSite;

@@ -1,6 +1,8 @@
 //! Holds that every WGSL file is part of a module that naga accepts, and that the structs which the CPU
 //! and WGSL share have one layout.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};

@@ -1,5 +1,7 @@
 //! Holds what every source file promises: what it is for, its length, and why its unsafe code is sound.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use tests::sources::{Source, files};
 
 const LONGEST_FILE: usize = 600;

@@ -19,7 +19,10 @@ pub(super) fn run(arguments: &AdaptersArguments) -> Result<()> {
         return Ok(());
     }
     if reports.is_empty() {
-        println!("No GPU adapter was found; recordings run on the cpu backend. {}", crate::gpu::GpuError::NoAdapter);
+        println!(
+            "No GPU adapter was found; recordings run on the cpu backend. {}",
+            crate::gpu::GpuError::NoAdapter
+        );
     }
     for report in &reports {
         println!("{report}");

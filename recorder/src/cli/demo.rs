@@ -11,7 +11,18 @@ use crate::report;
 
 /// The built-in scene and a size that takes seconds on two cores.
 const DEMO: [&str; 13] = [
-    "builtin:atrium", "--width", "480", "--height", "270", "--bounces", "4", "--passes", "2", "--repeats", "3", "--force",
+    "builtin:atrium",
+    "--width",
+    "480",
+    "--height",
+    "270",
+    "--bounces",
+    "4",
+    "--passes",
+    "2",
+    "--repeats",
+    "3",
+    "--force",
     "--out",
 ];
 

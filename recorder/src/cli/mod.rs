@@ -44,7 +44,9 @@ enum Command {
 ///
 /// # Errors
 /// As the command line would report them.
-pub fn parse_record(words: impl Iterator<Item = std::ffi::OsString>) -> anyhow::Result<crate::options::RecordOptions> {
+pub fn parse_record(
+    words: impl Iterator<Item = std::ffi::OsString>,
+) -> anyhow::Result<crate::options::RecordOptions> {
     Ok(record::RecordArguments::parse_words(words)?.options()?)
 }
 

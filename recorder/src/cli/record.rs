@@ -127,7 +127,9 @@ impl RecordArguments {
     /// As if these words had been typed after `recorder record`.
     pub(super) fn parse_words(words: impl Iterator<Item = OsString>) -> Result<Self, clap::Error> {
         let command = Self::augment_args(clap::Command::new("record"));
-        Self::from_arg_matches(&command.try_get_matches_from([OsString::from("record")].into_iter().chain(words))?)
+        Self::from_arg_matches(
+            &command.try_get_matches_from([OsString::from("record")].into_iter().chain(words))?,
+        )
     }
 
     /// The same on another device.

@@ -140,7 +140,9 @@ impl CpuBackend {
     }
 
     fn add_lengths(&self, table: &LengthTable, rays: &CpuRays, hits: &CpuHits) {
-        accumulate::on_threads(table, &self.cells, rays.rays(), |index| self.traced_length(rays, hits, index));
+        accumulate::on_threads(table, &self.cells, rays.rays(), |index| {
+            self.traced_length(rays, hits, index)
+        });
     }
 }
 
@@ -190,9 +192,12 @@ impl Backend for CpuBackend {
         };
         let params = shade::params(&self.setup, pass, *bounce);
         let paths = Paths { rays: &queue.rays, hits, path_ids: &queue.path_ids, states: &queue.states };
-        let shaded = timed(|| shade::cpu::shade(&self.setup.tables, &self.setup.features, &params, paths, &mut self.film));
+        let shaded = timed(|| {
+            shade::cpu::shade(&self.setup.tables, &self.setup.features, &params, paths, &mut self.film)
+        });
         let (next, shadow) = shaded.value;
-        let value = Shaded { next: CpuRays::Closest(bounce + 1, next), shadow: CpuRays::Shadow(*bounce, shadow) };
+        let value =
+            Shaded { next: CpuRays::Closest(bounce + 1, next), shadow: CpuRays::Shadow(*bounce, shadow) };
         Ok(Timed { value, elapsed_ns: shaded.elapsed_ns })
     }
 
@@ -209,8 +214,13 @@ impl Backend for CpuBackend {
         let real = |index: usize| self.traced_length(rays, hits, index);
         let table = &self.tables[rays.kind() as usize];
         let lengths = Lengths::of(plan.termination, self.setup.two_point_length, table, &self.cells, &real);
-        let made = timed(|| encode(&self.encoders[method], plan.key_bits, rays.rays(), &lengths, |index| rays.light(index)));
-        Ok(Timed { value: KeysOfWidth { keys: made.value, bits: plan.key_bits }, elapsed_ns: made.elapsed_ns })
+        let made = timed(|| {
+            encode(&self.encoders[method], plan.key_bits, rays.rays(), &lengths, |index| rays.light(index))
+        });
+        Ok(Timed {
+            value: KeysOfWidth { keys: made.value, bits: plan.key_bits },
+            elapsed_ns: made.elapsed_ns,
+        })
     }
 
     fn sort(&mut self, keys: &KeysOfWidth) -> Result<Timed<Vec<u32>>> {
@@ -230,12 +240,14 @@ impl Backend for CpuBackend {
         Ok(match gathered.kind {
             Kind::Closest => {
                 let hits = ScatteredHits::new(count);
-                let elapsed_ns = timed(|| self.tracer.closest_gathered(&gathered.rays, order, &hits)).elapsed_ns;
+                let elapsed_ns =
+                    timed(|| self.tracer.closest_gathered(&gathered.rays, order, &hits)).elapsed_ns;
                 Timed { value: CpuScattered::Closest(hits), elapsed_ns }
             }
             Kind::Shadow => {
                 let distances = ScatteredDistances::new(count);
-                let elapsed_ns = timed(|| self.tracer.occlusion_gathered(&gathered.rays, order, &distances)).elapsed_ns;
+                let elapsed_ns =
+                    timed(|| self.tracer.occlusion_gathered(&gathered.rays, order, &distances)).elapsed_ns;
                 Timed { value: CpuScattered::Shadow(distances), elapsed_ns }
             }
         })
@@ -251,7 +263,8 @@ impl Backend for CpuBackend {
             }
             CpuRays::Shadow(_, queue) => {
                 let distances = ScatteredDistances::new(count);
-                let elapsed_ns = timed(|| self.tracer.occlusion_indirect(&queue.rays, order, &distances)).elapsed_ns;
+                let elapsed_ns =
+                    timed(|| self.tracer.occlusion_indirect(&queue.rays, order, &distances)).elapsed_ns;
                 Timed { value: CpuScattered::Shadow(distances), elapsed_ns }
             }
         })

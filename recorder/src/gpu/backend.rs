@@ -157,7 +157,13 @@ impl GpuBackend {
     ///
     /// # Errors
     /// If something does not fit the adapter, or the driver refuses a kernel.
-    pub fn new(gpu: Gpu, scene: &Scene, bvh: Option<&Bvh>, setup: Arc<Setup>, kernel: TraceKernel) -> Result<Self> {
+    pub fn new(
+        gpu: Gpu,
+        scene: &Scene,
+        bvh: Option<&Bvh>,
+        setup: Arc<Setup>,
+        kernel: TraceKernel,
+    ) -> Result<Self> {
         let pixels = setup.width as usize * setup.height as usize;
         let sites: Vec<_> = setup.light_sites.iter().map(key::gpu::site_data).collect();
         let tables = [GpuTable::new(&gpu, setup.table_bits)?, GpuTable::new(&gpu, setup.table_bits)?];
@@ -177,7 +183,13 @@ impl GpuBackend {
         })
     }
 
-    fn add_spans(&self, run: &mut StageRun<'_>, kernel: &Kernel, resources: &[wgpu::BindingResource<'_>], count: usize) -> Result<()> {
+    fn add_spans(
+        &self,
+        run: &mut StageRun<'_>,
+        kernel: &Kernel,
+        resources: &[wgpu::BindingResource<'_>],
+        count: usize,
+    ) -> Result<()> {
         let group = kernel.bind(&self.gpu, 0, resources)?;
         let total = count as u32;
         run.dispatch_chunks(kernel, &[&group], ItemRange::new(total, WORKGROUP), |chunk| Span {
@@ -190,13 +202,25 @@ impl GpuBackend {
     }
 
     /// Runs a kernel over spans of `count` items.
-    fn run_spans(&self, kernel: &Kernel, resources: &[wgpu::BindingResource<'_>], count: usize) -> Result<u64> {
+    fn run_spans(
+        &self,
+        kernel: &Kernel,
+        resources: &[wgpu::BindingResource<'_>],
+        count: usize,
+    ) -> Result<u64> {
         let mut run = self.gpu.stage(kernel.label());
         self.add_spans(&mut run, kernel, resources, count)?;
         Ok(run.finish()?.elapsed_ns)
     }
 
-    fn compact(&self, candidates: &Candidates, path_ids: &DeviceArray<u32>, count: usize, kind: Kind, bounce: u32) -> Result<(GpuRays, u64)> {
+    fn compact(
+        &self,
+        candidates: &Candidates,
+        path_ids: &DeviceArray<u32>,
+        count: usize,
+        kind: Kind,
+        bounce: u32,
+    ) -> Result<(GpuRays, u64)> {
         let scanned = self.scan.run(&self.gpu, &candidates.flags, &self.scratch.places, count)?;
         let live = scanned.total as usize;
         let rays = GpuRays {
@@ -236,12 +260,20 @@ impl GpuBackend {
         self.run_spans(&self.kernels.accumulate[rays.kind as usize], &resources, rays.count)
     }
 
-    fn trace_in(&mut self, kind: Kind, order: Order<'_>, origins: &DeviceArray<[f32; 4]>, directions: &DeviceArray<[f32; 4]>, count: usize) -> Result<Timed<GpuHits>> {
+    fn trace_in(
+        &mut self,
+        kind: Kind,
+        order: Order<'_>,
+        origins: &DeviceArray<[f32; 4]>,
+        directions: &DeviceArray<[f32; 4]>,
+        count: usize,
+    ) -> Result<Timed<GpuHits>> {
         let results = match kind {
             Kind::Closest => GpuHits::Closest(self.scratch.hits.clone()),
             Kind::Shadow => GpuHits::Shadow(self.scratch.distances.clone()),
         };
-        let elapsed_ns = self.tracer.trace(&self.gpu, kind, order, origins, directions, results.array(), count)?;
+        let elapsed_ns =
+            self.tracer.trace(&self.gpu, kind, order, origins, directions, results.array(), count)?;
         Ok(Timed { value: results, elapsed_ns })
     }
 
@@ -271,13 +303,16 @@ impl Backend for GpuBackend {
             states: self.gpu.array("queue::states", count)?,
         };
         let kernel = &self.kernels.generate;
-        let resources = [rays.origins.binding(), rays.directions.binding(), rays.path_ids.binding(), rays.states.binding()];
+        let resources = [
+            rays.origins.binding(),
+            rays.directions.binding(),
+            rays.path_ids.binding(),
+            rays.states.binding(),
+        ];
         let group = kernel.bind(&self.gpu, 0, &resources)?;
         let mut run = self.gpu.stage(kernel.label());
-        run.dispatch_chunks(kernel, &[&group], ItemRange::new(params.count, WORKGROUP), |chunk| GenerateParams {
-            first: chunk.first,
-            count: chunk.count,
-            ..params
+        run.dispatch_chunks(kernel, &[&group], ItemRange::new(params.count, WORKGROUP), |chunk| {
+            GenerateParams { first: chunk.first, count: chunk.count, ..params }
         });
         let elapsed_ns = run.finish()?.elapsed_ns;
         Ok(Timed { value: rays, elapsed_ns })
@@ -288,7 +323,15 @@ impl Backend for GpuBackend {
             Kind::Closest => GpuHits::Closest(self.gpu.array("trace::hits", rays.count)?),
             Kind::Shadow => GpuHits::Shadow(self.gpu.array("trace::distances", rays.count)?),
         };
-        let elapsed_ns = self.tracer.trace(&self.gpu, rays.kind, Order::Canonical, &rays.origins, &rays.directions, results.array(), rays.count)?;
+        let elapsed_ns = self.tracer.trace(
+            &self.gpu,
+            rays.kind,
+            Order::Canonical,
+            &rays.origins,
+            &rays.directions,
+            results.array(),
+            rays.count,
+        )?;
         Ok(Timed { value: results, elapsed_ns })
     }
 
@@ -300,28 +343,43 @@ impl Backend for GpuBackend {
     fn shade(&mut self, pass: u32, rays: &GpuRays, hits: &GpuHits) -> Result<Timed<Shaded<GpuRays>>> {
         let params = shade::params(&self.setup, pass, rays.bounce);
         let scene = &self.scene;
-        let mut resources = vec![rays.directions.binding(), rays.path_ids.binding(), rays.states.binding(), hits.array()];
-        resources.extend([scene.triangles.binding(), scene.positions.binding(), scene.materials.binding(), scene.emitters.binding()]);
+        let mut resources =
+            vec![rays.directions.binding(), rays.path_ids.binding(), rays.states.binding(), hits.array()];
+        resources.extend([
+            scene.triangles.binding(),
+            scene.positions.binding(),
+            scene.materials.binding(),
+            scene.emitters.binding(),
+        ]);
         resources.extend(scene.normals.iter().map(DeviceArray::binding));
         if let Some(textures) = &scene.textures {
-            resources.extend([textures.uvs.binding(), textures.textures.binding(), textures.texels.binding()]);
+            resources.extend([
+                textures.uvs.binding(),
+                textures.textures.binding(),
+                textures.texels.binding(),
+            ]);
         }
         resources.push(self.film.binding());
         for candidates in &self.scratch.candidates {
-            resources.extend([candidates.origins.binding(), candidates.directions.binding(), candidates.states.binding(), candidates.flags.binding()]);
+            resources.extend([
+                candidates.origins.binding(),
+                candidates.directions.binding(),
+                candidates.states.binding(),
+                candidates.flags.binding(),
+            ]);
         }
         let kernel = &self.kernels.shade;
         let group = kernel.bind(&self.gpu, 0, &resources)?;
         let mut run = self.gpu.stage(kernel.label());
-        run.dispatch_chunks(kernel, &[&group], ItemRange::new(rays.count as u32, WORKGROUP), |chunk| ShadeParams {
-            first: chunk.first,
-            count: chunk.count,
-            ..params
+        run.dispatch_chunks(kernel, &[&group], ItemRange::new(rays.count as u32, WORKGROUP), |chunk| {
+            ShadeParams { first: chunk.first, count: chunk.count, ..params }
         });
         let shade_ns = run.finish()?.elapsed_ns;
         let [shadow, next] = &self.scratch.candidates;
-        let (shadow, shadow_ns) = self.compact(shadow, &rays.path_ids, rays.count, Kind::Shadow, rays.bounce)?;
-        let (next, next_ns) = self.compact(next, &rays.path_ids, rays.count, Kind::Closest, rays.bounce + 1)?;
+        let (shadow, shadow_ns) =
+            self.compact(shadow, &rays.path_ids, rays.count, Kind::Shadow, rays.bounce)?;
+        let (next, next_ns) =
+            self.compact(next, &rays.path_ids, rays.count, Kind::Closest, rays.bounce + 1)?;
         Ok(Timed { value: Shaded { next, shadow }, elapsed_ns: shade_ns + shadow_ns + next_ns })
     }
 
@@ -334,7 +392,8 @@ impl Backend for GpuBackend {
     fn key(&mut self, rays: &GpuRays, hits: &GpuHits, method: usize) -> Result<Timed<GpuKeys>> {
         let plan = &self.setup.methods[method];
         let kernel = self.kernels.key[method][rays.kind as usize].as_ref();
-        let kernel = kernel.with_context(|| format!("method '{}' has no keys for {} rays", plan.name, rays.kind))?;
+        let kernel =
+            kernel.with_context(|| format!("method '{}' has no keys for {} rays", plan.name, rays.kind))?;
         let inputs = key::gpu::KeyInputs::of(plan);
         let mut resources = vec![rays.origins.binding(), rays.directions.binding()];
         if inputs.table {
@@ -357,7 +416,10 @@ impl Backend for GpuBackend {
 
     fn sort(&mut self, keys: &GpuKeys) -> Result<Timed<GpuOrder>> {
         let sorted = self.sorter.sort(&self.gpu, &keys.keys, keys.count)?;
-        Ok(Timed { value: GpuOrder { permutation: sorted.permutation, count: keys.count }, elapsed_ns: sorted.elapsed_ns })
+        Ok(Timed {
+            value: GpuOrder { permutation: sorted.permutation, count: keys.count },
+            elapsed_ns: sorted.elapsed_ns,
+        })
     }
 
     fn gather(&mut self, rays: &GpuRays, order: &GpuOrder) -> Result<Timed<GpuGathered>> {
@@ -373,19 +435,31 @@ impl Backend for GpuBackend {
     }
 
     fn trace_gathered(&mut self, gathered: &GpuGathered, order: &GpuOrder) -> Result<Timed<GpuHits>> {
-        let (origins, directions) = (self.scratch.gathered_origins.clone(), self.scratch.gathered_directions.clone());
+        let (origins, directions) =
+            (self.scratch.gathered_origins.clone(), self.scratch.gathered_directions.clone());
         self.trace_in(gathered.kind, Order::Gathered(&order.permutation), &origins, &directions, order.count)
     }
 
     fn trace_indirect(&mut self, rays: &GpuRays, order: &GpuOrder) -> Result<Timed<GpuHits>> {
-        self.trace_in(rays.kind, Order::Indirect(&order.permutation), &rays.origins, &rays.directions, rays.count)
+        self.trace_in(
+            rays.kind,
+            Order::Indirect(&order.permutation),
+            &rays.origins,
+            &rays.directions,
+            rays.count,
+        )
     }
 
     fn differences(&mut self, rays: &GpuRays, hits: &GpuHits, other: &GpuHits) -> Result<u64> {
         let kernel = &self.kernels.differences[rays.kind as usize];
         let mut run = self.gpu.stage(kernel.label());
         run.clear(&self.scratch.counter);
-        self.add_spans(&mut run, kernel, &[hits.array(), other.array(), self.scratch.counter.binding()], rays.count)?;
+        self.add_spans(
+            &mut run,
+            kernel,
+            &[hits.array(), other.array(), self.scratch.counter.binding()],
+            rays.count,
+        )?;
         run.submit()?;
         Ok(self.gpu.read_vec(&self.scratch.counter)?.iter().map(|&count| u64::from(count)).sum())
     }
@@ -407,12 +481,14 @@ impl Backend for GpuBackend {
             let origins = readback.read_vec(&rays.origins, range.clone())?;
             let directions = readback.read_vec(&rays.directions, range)?;
             joined.clear();
-            joined.extend(origins.iter().zip(&directions).map(|(&[ox, oy, oz, t_min], &[dx, dy, dz, t_max])| Ray {
-                origin: [ox, oy, oz],
-                t_min,
-                direction: [dx, dy, dz],
-                t_max,
-            }));
+            joined.extend(origins.iter().zip(&directions).map(
+                |(&[ox, oy, oz, t_min], &[dx, dy, dz, t_max])| Ray {
+                    origin: [ox, oy, oz],
+                    t_min,
+                    direction: [dx, dy, dz],
+                    t_max,
+                },
+            ));
             sink(bytemuck::cast_slice(&joined))?;
         }
         Ok(())
@@ -454,7 +530,8 @@ impl Backend for GpuBackend {
             let range = first..keys.count.min(first + JOIN_RAYS);
             let low = readback.read_vec(&keys.keys.low, range.clone())?;
             let high = readback.read_vec(high, range)?;
-            let joined: Vec<u64> = low.iter().zip(&high).map(|(&low, &high)| u64::from(high) << 32 | u64::from(low)).collect();
+            let joined: Vec<u64> =
+                low.iter().zip(&high).map(|(&low, &high)| u64::from(high) << 32 | u64::from(low)).collect();
             sink(bytemuck::cast_slice(&joined))?;
         }
         Ok(())
@@ -470,6 +547,11 @@ impl Backend for GpuBackend {
 
     fn image(&mut self, passes: u32) -> Result<Vec<[f32; 3]>> {
         let scale = 1.0 / passes as f32;
-        Ok(self.gpu.read_vec(&self.film)?.iter().map(|&[r, g, b, _]| [r * scale, g * scale, b * scale]).collect())
+        Ok(self
+            .gpu
+            .read_vec(&self.film)?
+            .iter()
+            .map(|&[r, g, b, _]| [r * scale, g * scale, b * scale])
+            .collect())
     }
 }

@@ -107,7 +107,9 @@ impl Kernels {
             compact: compile(compact::queue::module())?,
             add_light: compile(shade::gpu::add_light_module())?,
             gather: compile(gather::gpu::module())?,
-            accumulate: by_kind(&|kind| accumulate::gpu::module(kind, &setup.unit, &setup.table_layout, setup.table_bits))?,
+            accumulate: by_kind(&|kind| {
+                accumulate::gpu::module(kind, &setup.unit, &setup.table_layout, setup.table_bits)
+            })?,
             key,
             differences: by_kind(&differences_module)?,
         })
@@ -124,7 +126,8 @@ pub(crate) fn every_module() -> Vec<Module> {
         for kernel in [TraceKernel::Cwbvh, TraceKernel::Bvh2, TraceKernel::RayQuery] {
             for kind in Kind::ALL {
                 for order in [OrderKind::Canonical, OrderKind::Gathered, OrderKind::Indirect] {
-                    let variant = TraceVariant { kernel, kind, order, masks: all_features, count_work: all_features };
+                    let variant =
+                        TraceVariant { kernel, kind, order, masks: all_features, count_work: all_features };
                     modules.push(trace::gpu::module(&variant));
                 }
             }
@@ -144,7 +147,11 @@ fn made_up_setup(all_features: bool, key_bits: u32) -> Setup {
         specular: all_features,
         vertex_normals: all_features,
     };
-    let light_sites = vec![LightSite::Placed { centre: [0.5; 3] }, LightSite::directional([0.0, -1.0, 0.0]), LightSite::Environment];
+    let light_sites = vec![
+        LightSite::Placed { centre: [0.5; 3] },
+        LightSite::directional([0.0, -1.0, 0.0]),
+        LightSite::Environment,
+    ];
     let expand = |method: &Method| method.layout.expand(light_sites.len()).ok();
     let methods = BUILTIN.iter().filter_map(|(name, ..)| {
         let method = Method::builtin(name).ok()?;
@@ -161,7 +168,14 @@ fn made_up_setup(all_features: bool, key_bits: u32) -> Setup {
         tables: Arc::default(),
         features,
         unit: UnitSpace::from_bounds([-1.0; 3], [1.0; 3]),
-        camera: Camera { name: String::new(), eye: [0.0; 3], forward: [0.0, 0.0, 1.0], right: [1.0, 0.0, 0.0], up: [0.0, 1.0, 0.0], yfov_radians: 1.0 },
+        camera: Camera {
+            name: String::new(),
+            eye: [0.0; 3],
+            forward: [0.0, 0.0, 1.0],
+            right: [1.0, 0.0, 0.0],
+            up: [0.0, 1.0, 0.0],
+            yfov_radians: 1.0,
+        },
         width: 64,
         height: 64,
         bounces: 2,

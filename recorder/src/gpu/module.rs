@@ -15,7 +15,13 @@ pub struct Module {
 impl Module {
     /// An empty module; the label reads `stage::name`.
     pub fn new(label: &str) -> Self {
-        Self { label: label.to_owned(), declarations: String::new(), body: String::new(), bindings: Vec::new(), immediate_bytes: 0 }
+        Self {
+            label: label.to_owned(),
+            declarations: String::new(),
+            body: String::new(),
+            bindings: Vec::new(),
+            immediate_bytes: 0,
+        }
     }
 
     /// Adds WGSL text.
@@ -51,7 +57,8 @@ impl Module {
     pub fn driver_hierarchy(mut self, name: &str) -> Self {
         let number = self.bindings.len();
         self.declarations.insert_str(0, "enable wgpu_ray_query;\n");
-        self.declarations.push_str(&format!("@group(0) @binding({number}) var {name}: acceleration_structure;\n"));
+        self.declarations
+            .push_str(&format!("@group(0) @binding({number}) var {name}: acceleration_structure;\n"));
         self.bindings.push(Binding::AccelerationStructure);
         self
     }
@@ -59,7 +66,9 @@ impl Module {
     fn storage(mut self, name: &str, element: &str, binding: Binding) -> Self {
         let access = if binding == Binding::Read { "read" } else { "read_write" };
         let number = self.bindings.len();
-        self.declarations.push_str(&format!("@group(0) @binding({number}) var<storage, {access}> {name}: array<{element}>;\n"));
+        self.declarations.push_str(&format!(
+            "@group(0) @binding({number}) var<storage, {access}> {name}: array<{element}>;\n"
+        ));
         self.bindings.push(binding);
         self
     }

@@ -40,7 +40,8 @@ impl SceneArrays {
                 texels: gpu.array_of("scene::texels", &tables.texels)?,
             })
         };
-        let normals = (!tables.normals.is_empty()).then(|| gpu.array_of("scene::normals", &padded(&tables.normals)));
+        let normals =
+            (!tables.normals.is_empty()).then(|| gpu.array_of("scene::normals", &padded(&tables.normals)));
         Ok(Self {
             triangles: gpu.array_of("scene::triangles", &tables.triangles)?,
             positions: gpu.array_of("scene::positions", &padded(&tables.positions))?,

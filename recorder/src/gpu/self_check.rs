@@ -1,7 +1,294 @@
-//! temporary
-use super::*;
-pub struct SelfCheck { pub checks: Vec<Check>, pub ieee_division: bool, pub contracts: bool }
-pub struct Check { pub name: String, pub outcome: Outcome, pub detail: String }
-pub struct Outcome;
-impl Outcome { pub fn name(&self) -> &'static str { "passed" } }
-impl SelfCheck { pub fn run(_: &Gpu) -> Result<Self, GpuError> { Ok(Self { checks: vec![], ieee_division: true, contracts: false }) } }
+//! What every run asks a device before it trusts it: known answers, in well under a second.
+
+use serde::Serialize;
+
+use super::{Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource};
+use crate::stages::sort::gpu::{SortKeys, Sorter};
+
+/// Keys of the trial sort.
+const SORT_KEYS: u32 = 70_003;
+/// Rows of four floats whose rounding is compared.
+const ROUNDING_ROWS: u32 = 4096;
+/// Threads that add to one counter.
+const ADDERS: u32 = 4096;
+/// Loops that a device must finish; some drivers stop at 65,535.
+const LOOPS: [u32; 4] = [65_535, 65_536, 70_003, 200_003];
+
+/// What came out of a check.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Outcome {
+    /// As it must be.
+    Passed,
+    /// Wrong.
+    Failed,
+    /// Allowed, but not as IEEE 754 has it.
+    Differs,
+}
+
+impl Outcome {
+    /// Name in manifests and lists.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Passed => "passed",
+            Self::Failed => "failed",
+            Self::Differs => "differs",
+        }
+    }
+}
+
+/// One thing that was asked.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Check {
+    /// What.
+    pub name: &'static str,
+    /// What came out.
+    pub outcome: Outcome,
+    /// The numbers behind it.
+    pub detail: String,
+}
+
+/// What a device does, and how it rounds.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct SelfCheck {
+    /// Every check, in the order in which they ran.
+    pub checks: Vec<Check>,
+    /// Whether quotients and square roots are the nearest floats.
+    pub ieee_division: bool,
+    /// Whether a·b − c·d is rounded once less than written.
+    pub contracts: bool,
+}
+
+/// Why a device is not used.
+#[derive(Debug, thiserror::Error)]
+pub enum SelfCheckError {
+    /// A check that results depend on failed.
+    #[error("{adapter} fails the self-check '{check}': {detail}; update the driver, or use --backend cpu")]
+    Failed {
+        /// Adapter with its driver.
+        adapter: String,
+        /// The check.
+        check: &'static str,
+        /// What was found.
+        detail: String,
+    },
+    /// The checks could not be run.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
+impl SelfCheck {
+    /// Runs every check; a failed one is an error.
+    ///
+    /// # Errors
+    /// [`SelfCheckError::Failed`] for the first check that failed, or what the device reports.
+    pub fn run(gpu: &Gpu) -> Result<Self, SelfCheckError> {
+        let found = Self::look(gpu)?;
+        match found.checks.iter().find(|check| check.outcome == Outcome::Failed) {
+            None => Ok(found),
+            Some(check) => Err(SelfCheckError::Failed {
+                adapter: gpu.adapter().title(),
+                check: check.name,
+                detail: check.detail.clone(),
+            }),
+        }
+    }
+
+    /// Runs every check and says what came out.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn look(gpu: &Gpu) -> Result<Self, GpuError> {
+        let bench = Bench { gpu };
+        let mut checks = vec![bench.long_loops()?, bench.barriers()?, bench.atomics()?];
+        for bits in [32, 64] {
+            checks.push(bench.sort(bits)?);
+        }
+        checks.push(bench.timestamps()?);
+        let rounding = bench.rounding()?;
+        let is_exact = |check: &Check| check.outcome == Outcome::Passed;
+        let ieee_division = rounding[..2].iter().all(is_exact);
+        let contracts = !is_exact(&rounding[2]);
+        checks.extend(rounding);
+        Ok(Self { checks, ieee_division, contracts })
+    }
+}
+
+struct Bench<'a> {
+    gpu: &'a Gpu,
+}
+
+impl Bench<'_> {
+    /// Runs one kernel over `inputs`; returns its outputs and counters.
+    fn run(
+        &self,
+        entry_point: &str,
+        inputs: &[u32],
+        workgroups: u32,
+    ) -> Result<(Vec<u32>, Vec<u32>, u64), GpuError> {
+        let gpu = self.gpu;
+        let source = KernelSource {
+            label: &format!("self_check::{entry_point}"),
+            wgsl: include_str!("self_check.wgsl"),
+            entry_point,
+            groups: &[&[Binding::Read, Binding::ReadWrite, Binding::ReadWrite]],
+            immediate_bytes: 0,
+        };
+        // SAFETY: threads index below the number of inputs, and every loop counts up to a bound.
+        let kernel = unsafe { Kernel::trusted(gpu, &source)? };
+        let read: DeviceArray<u32> = gpu.array_of("self_check::inputs", inputs)?;
+        let outputs = gpu.array("self_check::outputs", inputs.len())?;
+        let counters = gpu.array("self_check::counters", 4)?;
+        let group = kernel.bind(gpu, 0, &[read.binding(), outputs.binding(), counters.binding()])?;
+        let mut run = gpu.stage("self_check");
+        run.dispatch(&kernel, &[&group], &(), workgroups);
+        let elapsed = run.finish()?;
+        Ok((gpu.read_vec(&outputs)?, gpu.read_vec(&counters)?, elapsed.elapsed_ns))
+    }
+
+    fn long_loops(&self) -> Result<Check, GpuError> {
+        let inputs: Vec<u32> = LOOPS.iter().copied().cycle().take(64).collect();
+        let (outputs, ..) = self.run("long_loops", &inputs, 1)?;
+        let wrong = outputs.iter().zip(&inputs).find(|(found, expected)| found != expected);
+        Ok(verdict(
+            "long loops",
+            wrong.map(|(found, expected)| format!("a loop of {expected} rounds ended after {found}")),
+        ))
+    }
+
+    fn barriers(&self) -> Result<Check, GpuError> {
+        let inputs: Vec<u32> = numbers(1).take(64).map(|number| number >> 8).collect();
+        let expected: u32 = inputs.iter().sum();
+        let (outputs, ..) = self.run("barriers", &inputs, 1)?;
+        let wrong = outputs.iter().find(|&&sum| sum != expected);
+        Ok(verdict(
+            "workgroup barriers",
+            wrong.map(|sum| format!("a sum over 64 threads is {sum}, expected {expected}")),
+        ))
+    }
+
+    fn atomics(&self) -> Result<Check, GpuError> {
+        let inputs: Vec<u32> = numbers(2).take(ADDERS as usize).collect();
+        let expected: u64 = inputs.iter().map(|&number| u64::from(number)).sum();
+        let (_, counters, _) = self.run("atomics", &inputs, ADDERS / 64)?;
+        let sum = u64::from(counters[1]) << 32 | u64::from(counters[0]);
+        let wrong = (sum != expected || counters[2] != ADDERS).then(|| {
+            format!("{ADDERS} threads added up to {sum} in {} additions, expected {expected}", counters[2])
+        });
+        Ok(verdict("atomics", wrong))
+    }
+
+    fn sort(&self, bits: u32) -> Result<Check, GpuError> {
+        let words = |seed| -> Vec<u32> { numbers(seed).take(SORT_KEYS as usize).collect() };
+        let (low, high) = (words(3), words(4));
+        let gpu = self.gpu;
+        let keys = SortKeys {
+            low: gpu.array_of("self_check::keys_low", &low)?,
+            high: if bits > 32 { Some(gpu.array_of("self_check::keys_high", &high)?) } else { None },
+            bits,
+        };
+        let key = |index: u32| {
+            let index = index as usize;
+            if bits > 32 {
+                u64::from(high[index]) << 32 | u64::from(low[index])
+            } else {
+                u64::from(low[index])
+            }
+        };
+        let mut expected: Vec<u32> = (0..SORT_KEYS).collect();
+        expected.sort_by_key(|&index| key(index));
+        let sorted = Sorter::new(gpu)?.sort(gpu, &keys, SORT_KEYS as usize)?;
+        let found = gpu.read_vec(&sorted.permutation)?;
+        let wrong = found.iter().zip(&expected).position(|(found, expected)| found != expected);
+        let name = if bits > 32 { "sort of 64-bit keys" } else { "sort of 32-bit keys" };
+        Ok(verdict(name, wrong.map(|place| format!("place {place} of {SORT_KEYS} holds the wrong key"))))
+    }
+
+    fn timestamps(&self) -> Result<Check, GpuError> {
+        let name = "timestamps";
+        if !self.gpu.adapter().timestamps {
+            let detail = "the device has none; times are taken around submissions".to_owned();
+            return Ok(Check { name, outcome: Outcome::Differs, detail });
+        }
+        let (.., elapsed_ns) = self.run("long_loops", &[200_003; 64], 1)?;
+        let mut check = verdict(
+            name,
+            (elapsed_ns == 0).then(|| "two of them around a loop of 200,003 rounds are equal".to_owned()),
+        );
+        if elapsed_ns > 0 {
+            check.detail = format!("{elapsed_ns} ns for a loop of 200,003 rounds");
+        }
+        Ok(check)
+    }
+
+    /// Division, square root, contraction, denormal numbers.
+    fn rounding(&self) -> Result<[Check; 4], GpuError> {
+        let mut random = numbers(5);
+        let mut float = || {
+            let number = random.next().unwrap_or_default();
+            // Within a few powers of two of 1, where every mantissa occurs.
+            f32::from_bits(0x3e00_0000 + (number >> 6))
+        };
+        let rows: Vec<[f32; 4]> = (0..ROUNDING_ROWS).map(|_| std::array::from_fn(|_| float())).collect();
+        let (outputs, ..) = self.run("rounding", bytemuck::cast_slice(&rows), ROUNDING_ROWS / 64)?;
+        let count = |column: usize, expected: &dyn Fn(&[f32; 4]) -> f32| {
+            let found = outputs.chunks_exact(4).map(|row| row[column]);
+            found.zip(&rows).filter(|(found, row)| *found != expected(row).to_bits()).count()
+        };
+        let compare = |name, column, expected: &dyn Fn(&[f32; 4]) -> f32| {
+            let wrong = count(column, expected);
+            let outcome = if wrong == 0 { Outcome::Passed } else { Outcome::Differs };
+            Check {
+                name,
+                outcome,
+                detail: format!("{wrong} of {ROUNDING_ROWS} results are not those of IEEE 754"),
+            }
+        };
+        Ok([
+            compare("division", 0, &|[a, b, ..]| a / b),
+            compare("square root", 1, &|[a, ..]| a.sqrt()),
+            compare("no contraction of a·b − c·d", 2, &|[a, b, c, d]| a * b - c * d),
+            self.denormals()?,
+        ])
+    }
+
+    fn denormals(&self) -> Result<Check, GpuError> {
+        let row = [1e-10f32, 1.0, 1.0, 1.0];
+        let rows = [row; 64];
+        let (outputs, ..) = self.run("rounding", bytemuck::cast_slice(&rows), 1)?;
+        let is_kept = outputs[3] == (1e-10f32 * 1e-30).to_bits();
+        let outcome = if is_kept { Outcome::Passed } else { Outcome::Differs };
+        let detail = if is_kept { "kept" } else { "flushed to zero" };
+        Ok(Check { name: "denormal numbers", outcome, detail: detail.to_owned() })
+    }
+}
+
+fn verdict(name: &'static str, fault: Option<String>) -> Check {
+    match fault {
+        None => Check { name, outcome: Outcome::Passed, detail: String::new() },
+        Some(detail) => Check { name, outcome: Outcome::Failed, detail },
+    }
+}
+
+/// Pseudo-random words (Numerical Recipes' linear congruential generator, high bits folded in).
+fn numbers(seed: u32) -> impl Iterator<Item = u32> {
+    let mut state = seed.wrapping_mul(0x9e37_79b9);
+    std::iter::repeat_with(move || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        state ^ (state >> 15)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn this_device_passes_in_under_a_second() {
+        let gpu = crate::gpu::test_gpu();
+        let start = std::time::Instant::now();
+        let found = SelfCheck::run(gpu).unwrap();
+        println!("{found:#?} in {:?}", start.elapsed());
+        assert_eq!(found.checks.len(), 10);
+    }
+}

@@ -24,11 +24,16 @@ impl GpuTable {
 
     /// The cells with a count of 2 or more, ascending.
     pub(super) fn touched(&self, gpu: &Gpu) -> Result<Vec<LengthCell>, GpuError> {
-        let (low, high, counts) = (gpu.read_vec(&self.sums_low)?, gpu.read_vec(&self.sums_high)?, gpu.read_vec(&self.counts)?);
+        let (low, high, counts) =
+            (gpu.read_vec(&self.sums_low)?, gpu.read_vec(&self.sums_high)?, gpu.read_vec(&self.counts)?);
         let cells = (0u32..).zip(&counts).zip(low.iter().zip(&high));
         Ok(cells
             .filter(|((_, count), _)| **count >= 2)
-            .map(|((cell, &count), (&low, &high))| LengthCell { cell, count, sum: u64::from(high) << 32 | u64::from(low) })
+            .map(|((cell, &count), (&low, &high))| LengthCell {
+                cell,
+                count,
+                sum: u64::from(high) << 32 | u64::from(low),
+            })
             .collect())
     }
 }

@@ -20,5 +20,8 @@ pub use shared::{SharedStruct, shared_structs};
 /// Label and WGSL of every module that a run can compile: scenes with all features and with none,
 /// all methods at 32 and 64 bits, every trace kernel. For tests that look at all of them.
 pub fn all_shader_sources() -> Vec<(String, String)> {
-    crate::gpu::kernels::every_module().iter().map(|module| (module.label().to_owned(), module.wgsl())).collect()
+    crate::gpu::kernels::every_module()
+        .iter()
+        .map(|module| (module.label().to_owned(), module.wgsl()))
+        .collect()
 }

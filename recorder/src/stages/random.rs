@@ -24,14 +24,15 @@ impl Random {
     }
 
     /// The next number in [0, 1), a multiple of 2⁻²⁴.
-    pub fn next(&mut self) -> f32 {
+    pub fn draw(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9);
         (pcg(self.0) >> 8) as f32 * (1.0 / 16_777_216.0)
     }
 }
 
 /// Coefficients of sin(πx/2) = x·Σ c[i]·x^2i for |x| ≤ ½, by Taylor; error below 2·10⁻⁹.
-pub const SINE: [f32; 5] = [std::f32::consts::FRAC_PI_2, -0.645_964_1, 0.079_692_63, -0.004_681_754, 0.000_160_441_2];
+pub const SINE: [f32; 5] =
+    [std::f32::consts::FRAC_PI_2, -0.645_964_1, 0.079_692_63, -0.004_681_754, 0.000_160_441_2];
 /// Coefficients of cos(πx/2) = Σ c[i]·x^2i for |x| ≤ ½, by Taylor; error below 3·10⁻⁸.
 pub const COSINE: [f32; 5] = [1.0, -1.233_700_6, 0.253_669_5, -0.020_863_48, 0.000_919_260_3];
 
@@ -78,7 +79,7 @@ mod tests {
         let mut sums = [0.0f64; 4];
         for pixel in 0..100_000 {
             let mut random = Random::new([1, 2], pixel, 3, 4);
-            let (a, b) = (f64::from(random.next()), f64::from(random.next()));
+            let (a, b) = (f64::from(random.draw()), f64::from(random.draw()));
             assert!((0.0..1.0).contains(&a));
             for (sum, value) in sums.iter_mut().zip([a, a * a, a * b, b]) {
                 *sum += value / 100_000.0;
@@ -87,9 +88,15 @@ mod tests {
         for (found, expected) in sums.iter().zip([0.5, 1.0 / 3.0, 0.25, 0.5]) {
             assert!((found - expected).abs() < 0.005, "{sums:?}");
         }
-        let first = |seed, pixel, pass, stream| Random::new(seed, pixel, pass, stream).next();
+        let first = |seed, pixel, pass, stream| Random::new(seed, pixel, pass, stream).draw();
         let base = first([0, 0], 5, 1, 1);
-        for other in [first([1, 0], 5, 1, 1), first([0, 1], 5, 1, 1), first([0, 0], 6, 1, 1), first([0, 0], 5, 2, 1), first([0, 0], 5, 1, 2)] {
+        for other in [
+            first([1, 0], 5, 1, 1),
+            first([0, 1], 5, 1, 1),
+            first([0, 0], 6, 1, 1),
+            first([0, 0], 5, 2, 1),
+            first([0, 0], 5, 1, 2),
+        ] {
             assert_ne!(base, other);
         }
     }

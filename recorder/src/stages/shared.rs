@@ -14,7 +14,15 @@ macro_rules! wgsl_type {
     };
 }
 
-wgsl_type!(u32 = "u32", f32 = "f32", [u32; 2] = "vec2<u32>", [f32; 2] = "vec2<f32>", [f32; 3] = "vec3<f32>", [f32; 4] = "vec4<f32>", [u32; 4] = "vec4<u32>");
+wgsl_type!(
+    u32 = "u32",
+    f32 = "f32",
+    [u32; 2] = "vec2<u32>",
+    [f32; 2] = "vec2<f32>",
+    [f32; 3] = "vec3<f32>",
+    [f32; 4] = "vec4<f32>",
+    [u32; 4] = "vec4<u32>"
+);
 
 /// A struct's name, size and field offsets as the CPU lays it out, and its WGSL text.
 #[derive(Clone, Debug)]

@@ -65,19 +65,8 @@ fn draw(canvas: &mut Canvas) {
     walls(canvas, &paint);
     ceiling(canvas, &paint);
     for (height, footprint) in [
-        (
-            165.0,
-            [[130.0, 65.0], [82.0, 225.0], [240.0, 272.0], [290.0, 114.0]],
-        ),
-        (
-            330.0,
-            [
-                [423.0, 247.0],
-                [265.0, 296.0],
-                [314.0, 456.0],
-                [472.0, 406.0],
-            ],
-        ),
+        (165.0, [[130.0, 65.0], [82.0, 225.0], [240.0, 272.0], [290.0, 114.0]]),
+        (330.0, [[423.0, 247.0], [265.0, 296.0], [314.0, 456.0], [472.0, 406.0]]),
     ] {
         standing_block(canvas, paint.white, height, footprint);
     }
@@ -97,8 +86,8 @@ fn wall(canvas: &mut Canvas, material: u32, corners: [DVec3; 4]) {
 
 fn walls(canvas: &mut Canvas, paint: &Paint) {
     let (width, height, depth) = (556.0, 548.8, 559.2);
-    let [a, b, c, d] = [(0.0, 0.0), (width, 0.0), (width, depth), (0.0, depth)]
-        .map(|(x, z)| millimetres(x, 0.0, z));
+    let [a, b, c, d] =
+        [(0.0, 0.0), (width, 0.0), (width, depth), (0.0, depth)].map(|(x, z)| millimetres(x, 0.0, z));
     let up = millimetres(0.0, height, 0.0);
     wall(canvas, paint.white, [d, c, b, a]);
     wall(canvas, paint.white, [c, d, d + up, c + up]);
@@ -126,10 +115,7 @@ fn standing_block(canvas: &mut Canvas, material: u32, height: f64, footprint: [[
     let below = footprint.map(|[x, z]| millimetres(x, 0.0, z));
     let above = footprint.map(|[x, z]| millimetres(x, height, z));
     // Shared by the faces that meet in an edge, so that no edge opens.
-    let around = [
-        cells(canvas, below[0], below[1]),
-        cells(canvas, below[1], below[2]),
-    ];
+    let around = [cells(canvas, below[0], below[1]), cells(canvas, below[1], below[2])];
     let upwards = cells(canvas, below[0], above[0]);
     patch(canvas, material, above, around);
     for here in 0..4 {

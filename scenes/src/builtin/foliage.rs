@@ -12,10 +12,8 @@ const TEXELS: u32 = 64;
 /// A sprig of seven leaves on a stem; what is around them is transparent.
 pub(super) fn sprig_texture() -> Texture {
     let texel = |index: u32| {
-        let point = dvec2(
-            f64::from(index % TEXELS) + 0.5,
-            f64::from(index / TEXELS) + 0.5,
-        ) / f64::from(TEXELS);
+        let point =
+            dvec2(f64::from(index % TEXELS) + 0.5, f64::from(index / TEXELS) + 0.5) / f64::from(TEXELS);
         let on_stem = (point.x - 0.5).abs() < 0.014 && point.y > 0.2;
         match (leaf_at(point), on_stem) {
             (Some(shade), _) => {
@@ -26,11 +24,7 @@ pub(super) fn sprig_texture() -> Texture {
             (None, false) => [96, 120, 60, 0],
         }
     };
-    Texture {
-        width: TEXELS,
-        height: TEXELS,
-        rgba: (0..TEXELS * TEXELS).map(texel).collect(),
-    }
+    Texture { width: TEXELS, height: TEXELS, rgba: (0..TEXELS * TEXELS).map(texel).collect() }
 }
 
 /// How bright the leaf is that covers this point of the unit square, if any does.
@@ -38,11 +32,7 @@ fn leaf_at(point: DVec2) -> Option<f64> {
     let pairs = (0..6).map(|leaf| {
         let side = if leaf % 2 == 0 { 1.0 } else { -1.0 };
         let height = 0.88 - 0.1 * f64::from(leaf);
-        (
-            dvec2(0.5, height),
-            side * 0.17,
-            1.0 - 0.04 * f64::from(leaf),
-        )
+        (dvec2(0.5, height), side * 0.17, 1.0 - 0.04 * f64::from(leaf))
     });
     let top = std::iter::once((dvec2(0.5, 0.34), 0.0, 1.1));
     pairs.chain(top).find_map(|(root, turns, brightness)| {

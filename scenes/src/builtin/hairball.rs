@@ -54,10 +54,7 @@ fn setting() -> Setting {
             sphere_light([3.0, 4.0, 3.5], [120.0, 110.0, 95.0]),
             sphere_light([-0.1, 0.2, -0.1], [2.4, 2.0, 1.5]),
         ],
-        environment: Some(Environment {
-            zenith: [0.7, 0.85, 1.1],
-            nadir: [0.35, 0.3, 0.27],
-        }),
+        environment: Some(Environment { zenith: [0.7, 0.85, 1.1], nadir: [0.35, 0.3, 0.27] }),
         cameras: vec![
             camera("outside", [0.0, 1.2, 6.0], [0.0, 0.0, 0.0], 0.125),
             camera("close", [1.6, 1.0, 2.1], [0.0, 0.3, 0.2], 0.14),

@@ -52,10 +52,7 @@ impl Mesh {
         for run in self.triangle_materials.chunk_by(|a, b| a == b) {
             let triangle_count = run.len() as u32;
             if materials[run[0] as usize].is_emissive() {
-                lights.push(Light::Emissive {
-                    first_triangle,
-                    triangle_count,
-                });
+                lights.push(Light::Emissive { first_triangle, triangle_count });
             }
             first_triangle += triangle_count;
         }
@@ -95,11 +92,7 @@ impl Canvas {
     }
 
     fn new(detail: f64, target: Target) -> Self {
-        Self {
-            detail,
-            dither: Dice::new(0x5EED),
-            target,
-        }
+        Self { detail, dither: Dice::new(0x5EED), target }
     }
 
     /// The level of detail, 0 for the coarsest scene.

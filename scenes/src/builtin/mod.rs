@@ -4,6 +4,7 @@
 //! some level of detail; [`build`] searches for the level that gives the wanted number of
 //! triangles.
 
+mod apartment;
 mod atrium;
 mod city;
 mod cornell;
@@ -14,6 +15,9 @@ mod numbers;
 mod setting;
 mod shapes;
 mod terrain;
+
+#[cfg(test)]
+mod tests;
 
 use mesh::{Canvas, Mesh};
 use setting::{Recipe, Setting};
@@ -70,13 +74,8 @@ pub enum BuiltinError {
     },
 }
 
-const RECIPES: [Recipe; 5] = [
-    cornell::RECIPE,
-    atrium::RECIPE,
-    city::RECIPE,
-    hairball::RECIPE,
-    terrain::RECIPE,
-];
+const RECIPES: [Recipe; 6] =
+    [cornell::RECIPE, atrium::RECIPE, apartment::RECIPE, city::RECIPE, hairball::RECIPE, terrain::RECIPE];
 
 const INFOS: [BuiltinInfo; RECIPES.len()] = {
     let mut infos = [RECIPES[0].info; RECIPES.len()];
@@ -102,28 +101,15 @@ pub fn list() -> &'static [BuiltinInfo] {
 pub fn build(name: &str, triangles: Option<u64>) -> Result<Scene, BuiltinError> {
     let Some(recipe) = RECIPES.iter().find(|recipe| recipe.info.name == name) else {
         let known = INFOS.map(|info| info.name).join(", ");
-        return Err(BuiltinError::UnknownName {
-            name: name.into(),
-            known,
-        });
+        return Err(BuiltinError::UnknownName { name: name.into(), known });
     };
-    let BuiltinInfo {
-        name,
-        least_triangles: least,
-        most_triangles: most,
-        ..
-    } = recipe.info;
+    let BuiltinInfo { name, least_triangles: least, most_triangles: most, .. } = recipe.info;
     let asked = triangles.unwrap_or(recipe.info.default_triangles);
     if asked == 0 {
         return Err(BuiltinError::NoTriangles { name, least, most });
     }
     if asked > most {
-        return Err(BuiltinError::TooManyTriangles {
-            name,
-            asked,
-            least,
-            most,
-        });
+        return Err(BuiltinError::TooManyTriangles { name, asked, least, most });
     }
     let mut canvas = Canvas::keeping(detail_for(recipe, asked.max(least)));
     (recipe.draw)(&mut canvas);
@@ -144,40 +130,49 @@ fn detail_for(recipe: &Recipe, wanted: u64) -> f64 {
         (recipe.draw)(&mut canvas);
         canvas.triangle_count()
     };
-    let (mut low, mut high) = (0.0, 1.0);
-    while count_at(high) < wanted {
+    // Each a level of detail and its count; the wanted one lies between them.
+    let mut low = (0.0, count_at(0.0));
+    let mut high = (1.0, count_at(1.0));
+    while high.1 < wanted {
         low = high;
-        high *= 2.0;
+        high = (2.0 * high.0, count_at(2.0 * high.0));
     }
-    let mut nearest = (u64::MAX, high);
-    let mut try_at = |detail: f64| {
-        let count = count_at(detail);
-        if count.abs_diff(wanted) < nearest.0 {
-            nearest = (count.abs_diff(wanted), detail);
+    let mut nearest = if wanted.abs_diff(low.1) < wanted.abs_diff(high.1) { low } else { high };
+    // Close enough that nobody can tell; more of the search would be for nothing.
+    let is_close = |count: u64| count.abs_diff(wanted) <= wanted / 400;
+    for step in 0..24 {
+        if is_close(nearest.1) {
+            return nearest.0;
         }
-        // Close enough that nobody can tell; more of the search would be for nothing.
-        (count, (nearest.0 <= wanted / 400).then_some(nearest.1))
-    };
-    for _ in 0..24 {
-        let middle = 0.5 * (low + high);
-        let (count, found) = try_at(middle);
-        if let Some(detail) = found {
-            return detail;
+        // The count is nearly linear in the detail; where it is not, halving always gets on.
+        let share = match step % 3 {
+            2 => 0.5,
+            _ => wanted.saturating_sub(low.1) as f64 / high.1.abs_diff(low.1).max(1) as f64,
+        };
+        let middle = low.0 + (high.0 - low.0) * share.clamp(0.01, 0.99);
+        let found = (middle, count_at(middle));
+        if found.1.abs_diff(wanted) < nearest.1.abs_diff(wanted) {
+            nearest = found;
         }
-        if count < wanted {
-            low = middle;
+        if found.1 < wanted {
+            low = found;
         } else {
-            high = middle;
+            high = found;
         }
     }
     // The count jumps where a whole part of the scene comes or goes, and rounding at random makes
     // it waver: somewhere around the jump is a level that does better than the jump itself.
     for step in 0..60 {
-        if let (_, Some(detail)) = try_at(low * (0.88 + 0.004 * f64::from(step))) {
-            return detail;
+        if is_close(nearest.1) {
+            break;
+        }
+        let detail = low.0 * (0.88 + 0.004 * f64::from(step));
+        let count = count_at(detail);
+        if count.abs_diff(wanted) < nearest.1.abs_diff(wanted) {
+            nearest = (detail, count);
         }
     }
-    nearest.1
+    nearest.0
 }
 
 /// Puts a scene together, leaving out what nothing in it uses.

@@ -26,10 +26,7 @@ pub(super) fn sin_cos(turns: f64) -> (f64, f64) {
 
 /// `1 - x/first · (1 - x/rest₀ · (1 - …))`: the common form of the two series.
 fn series(x: f64, first: f64, rest: &[f64]) -> f64 {
-    let tail = rest
-        .iter()
-        .rev()
-        .fold(1.0, |inner, divisor| 1.0 - x / divisor * inner);
+    let tail = rest.iter().rev().fold(1.0, |inner, divisor| 1.0 - x / divisor * inner);
     1.0 - x / first * tail
 }
 
@@ -88,9 +85,8 @@ impl Dice {
 /// that slope and curvature are continuous.
 pub(super) fn value_noise(seed: u64, x: f64, z: f64) -> f64 {
     let (cell_x, cell_z) = (x.floor(), z.floor());
-    let corner = |dx: i64, dz: i64| {
-        2.0 * Dice::of_cell(seed, cell_x as i64 + dx, cell_z as i64 + dz).unit() - 1.0
-    };
+    let corner =
+        |dx: i64, dz: i64| 2.0 * Dice::of_cell(seed, cell_x as i64 + dx, cell_z as i64 + dz).unit() - 1.0;
     let (across, along) = (ease(x - cell_x), ease(z - cell_z));
     let near = corner(0, 0) + (corner(1, 0) - corner(0, 0)) * across;
     let far = corner(0, 1) + (corner(1, 1) - corner(0, 1)) * across;
@@ -128,26 +124,15 @@ mod tests {
             let turns = f64::from(step) * 0.001_3;
             let (sine, cosine) = sin_cos(turns);
             let angle = turns * std::f64::consts::TAU;
-            assert!(
-                (sine - angle.sin()).abs() < 4e-15,
-                "sin({turns} turns) = {sine}"
-            );
-            assert!(
-                (cosine - angle.cos()).abs() < 4e-15,
-                "cos({turns} turns) = {cosine}"
-            );
+            assert!((sine - angle.sin()).abs() < 4e-15, "sin({turns} turns) = {sine}");
+            assert!((cosine - angle.cos()).abs() < 4e-15, "cos({turns} turns) = {cosine}");
         }
     }
 
     #[test]
     fn quarter_turns_are_exact_and_circles_close() {
-        let quarters: Vec<_> = (0..5)
-            .map(|quarter| sin_cos(0.25 * f64::from(quarter)))
-            .collect();
-        assert_eq!(
-            quarters,
-            [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 1.0)]
-        );
+        let quarters: Vec<_> = (0..5).map(|quarter| sin_cos(0.25 * f64::from(quarter))).collect();
+        assert_eq!(quarters, [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 1.0)]);
     }
 
     #[test]
@@ -155,9 +140,7 @@ mod tests {
         let mut dice = Dice::new(7);
         let mean = (0..10_000).map(|_| dice.unit()).sum::<f64>() / 10_000.0;
         assert!((mean - 0.5).abs() < 0.02, "mean {mean}");
-        let mut first: Vec<u64> = (0..64)
-            .map(|i| Dice::of_cell(1, i % 8, i / 8).bits())
-            .collect();
+        let mut first: Vec<u64> = (0..64).map(|i| Dice::of_cell(1, i % 8, i / 8).bits()).collect();
         first.sort_unstable();
         first.dedup();
         assert_eq!(first.len(), 64, "two cells of the grid share a stream");
@@ -169,10 +152,7 @@ mod tests {
             let x = f64::from(step) * 0.05;
             let noise = value_noise(3, x, 0.3);
             assert!(noise.abs() <= 1.0);
-            assert!(
-                (noise - value_noise(3, x + 1e-7, 0.3)).abs() < 1e-5,
-                "jump at {x}"
-            );
+            assert!((noise - value_noise(3, x + 1e-7, 0.3)).abs() < 1e-5, "jump at {x}");
         }
     }
 }

@@ -43,35 +43,19 @@ impl Materials {
 
     /// A dielectric with a highlight.
     pub(super) fn glossy(&mut self, name: &str, base_color: [f32; 3], roughness: f32) -> u32 {
-        self.add(Material {
-            name: name.into(),
-            base_color,
-            roughness,
-            ..Material::default()
-        })
+        self.add(Material { name: name.into(), base_color, roughness, ..Material::default() })
     }
 
     /// A metal; roughness 0 is a mirror.
     pub(super) fn metal(&mut self, name: &str, base_color: [f32; 3], roughness: f32) -> u32 {
         let name = name.into();
-        self.add(Material {
-            name,
-            base_color,
-            roughness,
-            metallic: 1.0,
-            ..Material::default()
-        })
+        self.add(Material { name, base_color, roughness, metallic: 1.0, ..Material::default() })
     }
 
     /// A surface that emits this radiance and reflects nothing.
     pub(super) fn lamp(&mut self, name: &str, emission: [f32; 3]) -> u32 {
         let base_color = [0.0; 3];
-        self.add(Material {
-            name: name.into(),
-            base_color,
-            emission,
-            ..Material::default()
-        })
+        self.add(Material { name: name.into(), base_color, emission, ..Material::default() })
     }
 
     /// Diffuse, cut out by the alpha of a texture.
@@ -88,11 +72,7 @@ impl Materials {
 
 /// A light of the kind the paper uses: a glowing sphere of radius 0.05.
 pub(super) fn sphere_light(position: [f32; 3], intensity: [f32; 3]) -> Light {
-    Light::Sphere {
-        position,
-        radius: 0.05,
-        intensity,
-    }
+    Light::Sphere { position, radius: 0.05, intensity }
 }
 
 /// A camera that stands at `eye` and looks at `target`, which is not straight above or below it.

@@ -10,22 +10,14 @@ use super::numbers::sin_cos;
 /// A frame that stands at a point and is turned about the vertical by so many turns.
 pub(super) fn place(x: f64, y: f64, z: f64, turns: f64) -> DAffine3 {
     let (sine, cosine) = sin_cos(turns);
-    let rotation = DMat3::from_cols(
-        dvec3(cosine, 0.0, -sine),
-        DVec3::Y,
-        dvec3(sine, 0.0, cosine),
-    );
+    let rotation = DMat3::from_cols(dvec3(cosine, 0.0, -sine), DVec3::Y, dvec3(sine, 0.0, cosine));
     DAffine3::from_mat3_translation(rotation, dvec3(x, y, z))
 }
 
 /// A frame at the origin, turned about its own x axis by so many turns (y towards z).
 pub(super) fn tilt(turns: f64) -> DAffine3 {
     let (sine, cosine) = sin_cos(turns);
-    DAffine3::from_mat3(DMat3::from_cols(
-        DVec3::X,
-        dvec3(0.0, cosine, sine),
-        dvec3(0.0, -sine, cosine),
-    ))
+    DAffine3::from_mat3(DMat3::from_cols(DVec3::X, dvec3(0.0, cosine, sine), dvec3(0.0, -sine, cosine)))
 }
 
 /// Shrinks or stretches along the axes; all factors > 0.
@@ -39,11 +31,7 @@ pub(super) struct NormalTransform(DMat3);
 impl NormalTransform {
     pub(super) fn of(frame: &DAffine3) -> Self {
         let m = frame.matrix3;
-        Self(DMat3::from_cols(
-            m.y_axis.cross(m.z_axis),
-            m.z_axis.cross(m.x_axis),
-            m.x_axis.cross(m.y_axis),
-        ))
+        Self(DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis)))
     }
 
     /// The unit normal in world space; zero stays zero.
@@ -105,6 +93,12 @@ impl Net {
         }
         let (columns, rows) = (self.columns as usize, self.rows as usize);
         let stride = columns + 1;
+        for (row, _) in [0, rows].into_iter().zip(self.poles).filter(|(_, is_pole)| *is_pole) {
+            let around = row * stride..(row + 1) * stride;
+            let sum = sums[around.clone()].iter().sum::<DVec3>();
+            sums[around].fill(sum);
+        }
+        // After the poles: their sums must not count what the ends of a row share twice.
         for row in 0..=rows {
             let ends = [row * stride, row * stride + columns];
             if self.vertices[ends[0]].position == self.vertices[ends[1]].position {
@@ -112,15 +106,6 @@ impl Net {
                 sums[ends[0]] = sum;
                 sums[ends[1]] = sum;
             }
-        }
-        for (row, _) in [0, rows]
-            .into_iter()
-            .zip(self.poles)
-            .filter(|(_, is_pole)| *is_pole)
-        {
-            let around = row * stride..(row + 1) * stride;
-            let sum = sums[around.clone()].iter().sum::<DVec3>();
-            sums[around].fill(sum);
         }
         for (vertex, sum) in self.vertices.iter_mut().zip(sums) {
             vertex.normal = sum.normalize_or_zero();
@@ -187,19 +172,10 @@ fn surface(
             for column in 0..=columns {
                 let u = f64::from(column) / f64::from(columns);
                 let uv = dvec2(u, 1.0 - v);
-                vertices.push(Vertex {
-                    position: point(u, v),
-                    normal: DVec3::ZERO,
-                    uv,
-                });
+                vertices.push(Vertex { position: point(u, v), normal: DVec3::ZERO, uv });
             }
         }
-        let mut net = Net {
-            columns,
-            rows,
-            poles,
-            vertices,
-        };
+        let mut net = Net { columns, rows, poles, vertices };
         if shading == Shading::Smooth {
             net.smooth();
         }
@@ -211,49 +187,31 @@ fn surface(
 fn sides(low: DVec3, high: DVec3) -> [[DVec3; 3]; 6] {
     let e = high - low;
     let (x, y, z) = (e * DVec3::X, e * DVec3::Y, e * DVec3::Z);
-    [
-        [low, y, x],
-        [low + z, x, y],
-        [low, z, y],
-        [low + x, y, z],
-        [low, x, z],
-        [low + y, z, x],
-    ]
+    [[low, y, x], [low + z, x, y], [low, z, y], [low + x, y, z], [low, x, z], [low + y, z, x]]
 }
 
 /// A block with sharp edges between two corners in `frame`; 12 triangles.
 pub(super) fn block(canvas: &mut Canvas, material: u32, frame: &DAffine3, low: DVec3, high: DVec3) {
     canvas.draw(12, |mesh| {
         for [origin, first, second] in sides(low, high) {
-            let corners = [
-                origin,
-                origin + first,
-                origin + first + second,
-                origin + second,
-            ];
-            quad(
-                mesh,
-                material,
-                corners.map(|corner| frame.transform_point3(corner)),
-            );
+            let corners = [origin, origin + first, origin + first + second, origin + second];
+            quad(mesh, material, corners.map(|corner| frame.transform_point3(corner)));
         }
     });
 }
 
+/// Several blocks of one material, each from its lowest to its highest corner.
+pub(super) fn blocks(canvas: &mut Canvas, material: u32, frame: &DAffine3, corners: &[([f64; 3], [f64; 3])]) {
+    for &(low, high) in corners {
+        block(canvas, material, frame, low.into(), high.into());
+    }
+}
+
 /// Two triangles between four corners, counter-clockwise.
 fn quad(mesh: &mut Mesh, material: u32, corners: [DVec3; 4]) {
-    const UVS: [DVec2; 4] = [
-        dvec2(0.0, 1.0),
-        dvec2(1.0, 1.0),
-        dvec2(1.0, 0.0),
-        dvec2(0.0, 0.0),
-    ];
+    const UVS: [DVec2; 4] = [dvec2(0.0, 1.0), dvec2(1.0, 1.0), dvec2(1.0, 0.0), dvec2(0.0, 0.0)];
     let [a, b, c, d] = [0, 1, 2, 3].map(|corner| {
-        mesh.vertex(Vertex {
-            position: corners[corner],
-            normal: DVec3::ZERO,
-            uv: UVS[corner],
-        })
+        mesh.vertex(Vertex { position: corners[corner], normal: DVec3::ZERO, uv: UVS[corner] })
     });
     mesh.triangle(material, [a, b, c]);
     mesh.triangle(material, [a, c, d]);
@@ -271,13 +229,8 @@ pub(super) fn band(
 ) {
     let loops = profile.iter().map(|&[out, y]| {
         let (low, high) = (low - out, high + out);
-        [
-            (low.x, high.y),
-            (high.x, high.y),
-            (high.x, low.y),
-            (low.x, low.y),
-        ]
-        .map(|(x, z)| frame.transform_point3(dvec3(x, y, z)))
+        [(low.x, high.y), (high.x, high.y), (high.x, low.y), (low.x, low.y)]
+            .map(|(x, z)| frame.transform_point3(dvec3(x, y, z)))
     });
     canvas.draw(8 * (profile.len() as u64 - 1), |mesh| {
         let loops: Vec<[DVec3; 4]> = loops.collect();
@@ -285,11 +238,7 @@ pub(super) fn band(
             let [below, above] = [pair[0], pair[1]];
             for here in 0..4 {
                 let next = (here + 1) % 4;
-                quad(
-                    mesh,
-                    material,
-                    [below[here], below[next], above[next], above[here]],
-                );
+                quad(mesh, material, [below[here], below[next], above[next], above[here]]);
             }
         }
     });
@@ -304,13 +253,7 @@ pub(super) fn ring(
     thickness: f64,
 ) {
     let (foot, top) = (low.y, high.y);
-    let profile = [
-        [-thickness, foot],
-        [0.0, foot],
-        [0.0, top],
-        [-thickness, top],
-        [-thickness, foot],
-    ];
+    let profile = [[-thickness, foot], [0.0, foot], [0.0, top], [-thickness, top], [-thickness, foot]];
     band(canvas, material, frame, [low.xz(), high.xz()], &profile);
 }
 
@@ -326,7 +269,8 @@ pub(super) fn rounded_block(
 ) {
     let cells = 2 * steps + 1;
     let half = 0.5 * (high - low);
-    let radius = radius.min(half.min_element());
+    // A little of each side stays flat, or its facets would have no area.
+    let radius = radius.min(0.95 * half.min_element());
     let centre = low + half;
     let core = half - radius;
     let normals = NormalTransform::of(frame);
@@ -360,13 +304,7 @@ pub(super) fn rounded_block(
                     });
                 }
             }
-            Net {
-                columns: cells,
-                rows: cells,
-                poles: [false; 2],
-                vertices,
-            }
-            .write(mesh, material);
+            Net { columns: cells, rows: cells, poles: [false; 2], vertices }.write(mesh, material);
         }
     });
 }
@@ -386,11 +324,7 @@ pub(super) fn revolve(
         let spans = piece.len() as u32 - 1;
         let poles = [piece[0][0] == 0.0, piece[piece.len() - 1][0] == 0.0];
         let needed = 1 + u32::from(poles[0] && poles[1]);
-        let rows = if spans == 1 {
-            needed
-        } else {
-            (rows * spans).max(needed)
-        };
+        let rows = if spans == 1 { needed } else { (rows * spans).max(needed) };
         canvas.draw(net_count(around, rows, poles), |mesh| {
             let mut vertices = Vec::with_capacity(((around + 1) * (rows + 1)) as usize);
             for row in 0..=rows {
@@ -407,12 +341,7 @@ pub(super) fn revolve(
                     });
                 }
             }
-            let mut net = Net {
-                columns: around,
-                rows,
-                poles,
-                vertices,
-            };
+            let mut net = Net { columns: around, rows, poles, vertices };
             net.smooth();
             net.write(mesh, material);
         });
@@ -431,22 +360,10 @@ fn curve(points: &[[f64; 2]], t: f64) -> [f64; 2] {
     if local == 0.0 || local == 1.0 || spans == 1 {
         let point = start + (end - start) * local;
         // Ends are met exactly, so that a pole is a single point.
-        return if local == 1.0 {
-            end.to_array()
-        } else {
-            point.to_array()
-        };
+        return if local == 1.0 { end.to_array() } else { point.to_array() };
     }
-    let slope_at_start = if span == 0 {
-        end - start
-    } else {
-        0.5 * (end - at(span - 1))
-    };
-    let slope_at_end = if span + 1 == spans {
-        end - start
-    } else {
-        0.5 * (at(span + 2) - start)
-    };
+    let slope_at_start = if span == 0 { end - start } else { 0.5 * (end - at(span - 1)) };
+    let slope_at_end = if span + 1 == spans { end - start } else { 0.5 * (at(span + 2) - start) };
     let (square, cube) = (local * local, local * local * local);
     let point = start * (2.0 * cube - 3.0 * square + 1.0)
         + slope_at_start * (cube - 2.0 * square + local)
@@ -469,20 +386,13 @@ pub(super) fn lump(
     reach: impl Fn(DVec3) -> f64,
 ) {
     let rows = rows.max(2);
-    surface(
-        canvas,
-        material,
-        [2 * rows, rows],
-        [true; 2],
-        Shading::Smooth,
-        |u, v| {
-            // From the lower pole to the upper one.
-            let (height, radius) = sin_cos(0.5 * v - 0.25);
-            let (sine, cosine) = sin_cos(u);
-            let outward = dvec3(radius * cosine, height, -radius * sine);
-            frame.transform_point3(outward * reach(outward))
-        },
-    );
+    surface(canvas, material, [2 * rows, rows], [true; 2], Shading::Smooth, |u, v| {
+        // From the lower pole to the upper one.
+        let (height, radius) = sin_cos(0.5 * v - 0.25);
+        let (sine, cosine) = sin_cos(u);
+        let outward = dvec3(radius * cosine, height, -radius * sine);
+        frame.transform_point3(outward * reach(outward))
+    });
 }
 
 /// A tube along `path` (at least two points, no two neighbours equal), `around` facets around.
@@ -507,8 +417,7 @@ pub(super) fn tube(
         for (row, &centre) in path.iter().enumerate() {
             let forward = tangent(row);
             // Carried along from ring to ring, so that the tube does not twist.
-            side =
-                (side - forward * side.dot(forward)).normalize_or(forward.any_orthonormal_vector());
+            side = (side - forward * side.dot(forward)).normalize_or(forward.any_orthonormal_vector());
             let other = forward.cross(side);
             let v = row as f64 / f64::from(rows);
             let reach = radius(v);
@@ -517,19 +426,9 @@ pub(super) fn tube(
                 let (sine, cosine) = sin_cos(u);
                 let normal = side * cosine + other * sine;
                 let uv = dvec2(u, 1.0 - v);
-                vertices.push(Vertex {
-                    position: centre + normal * reach,
-                    normal,
-                    uv,
-                });
+                vertices.push(Vertex { position: centre + normal * reach, normal, uv });
             }
         }
-        Net {
-            columns: around,
-            rows,
-            poles,
-            vertices,
-        }
-        .write(mesh, material);
+        Net { columns: around, rows, poles, vertices }.write(mesh, material);
     });
 }

@@ -36,24 +36,9 @@ struct View {
 }
 
 const VIEWS: [View; 3] = [
-    View {
-        name: "shore",
-        stand: [-60.0, 215.0],
-        above: 7.0,
-        target: [60.0, 38.0, -300.0],
-    },
-    View {
-        name: "ridge",
-        stand: [330.0, 330.0],
-        above: 45.0,
-        target: [-40.0, 10.0, -60.0],
-    },
-    View {
-        name: "forest",
-        stand: [-250.0, 120.0],
-        above: 9.0,
-        target: [120.0, 20.0, -80.0],
-    },
+    View { name: "shore", stand: [-60.0, 215.0], above: 7.0, target: [60.0, 38.0, -300.0] },
+    View { name: "ridge", stand: [330.0, 330.0], above: 45.0, target: [-40.0, 10.0, -60.0] },
+    View { name: "forest", stand: [-250.0, 120.0], above: 9.0, target: [120.0, 20.0, -80.0] },
 ];
 
 /// Nothing grows nearer than this to a camera, metres.
@@ -98,19 +83,11 @@ fn setting() -> Setting {
             direction: from_sun.as_vec3().to_array(),
             irradiance: [4.2, 3.7, 3.0],
         }],
-        environment: Some(Environment {
-            zenith: [0.45, 0.75, 1.3],
-            nadir: [0.75, 0.8, 0.85],
-        }),
+        environment: Some(Environment { zenith: [0.45, 0.75, 1.3], nadir: [0.75, 0.8, 0.85] }),
         cameras: VIEWS
-            .map(
-                |View {
-                     name,
-                     stand: [x, z],
-                     above,
-                     target,
-                 }| { camera(name, [x, height(x, z) + above, z], target, 0.14) },
-            )
+            .map(|View { name, stand: [x, z], above, target }| {
+                camera(name, [x, height(x, z) + above, z], target, 0.14)
+            })
             .to_vec(),
     }
 }
@@ -160,12 +137,9 @@ fn land(canvas: &mut Canvas, paint: &Paint) {
             let z = step * f64::from(row) - 0.5 * EDGE;
             dvec3(x, height(x, z), z)
         };
-        let points: Vec<DVec3> = (0..stride * stride)
-            .map(|i| at(i % stride, i / stride))
-            .collect();
+        let points: Vec<DVec3> = (0..stride * stride).map(|i| at(i % stride, i / stride)).collect();
         let first = mesh.positions.len() as u32;
-        let of =
-            |column: u32, row: u32| points[(row.min(cells) * stride + column.min(cells)) as usize];
+        let of = |column: u32, row: u32| points[(row.min(cells) * stride + column.min(cells)) as usize];
         for row in 0..stride {
             for column in 0..stride {
                 let across = of(column + 1, row) - of(column.saturating_sub(1), row);
@@ -199,9 +173,7 @@ fn ground(paint: &Paint, [a, b, c]: [DVec3; 3]) -> u32 {
         paint.sand
     } else if middle.y > 105.0 + 20.0 * blur && level > 0.58 + 0.06 * blur {
         paint.snow
-    } else if level < 0.72 + 0.04 * blur {
-        paint.rock
-    } else if middle.y > 70.0 + 20.0 * blur {
+    } else if level < 0.72 + 0.04 * blur || middle.y > 70.0 + 20.0 * blur {
         paint.rock
     } else if blur > 0.15 {
         paint.meadow
@@ -217,19 +189,14 @@ fn scatter(canvas: &mut Canvas, paint: &Paint) {
     for cell in 0..CELLS * CELLS {
         let (column, row) = (cell % CELLS, cell / CELLS);
         let mut dice = Dice::of_cell(77, column, row);
-        let place_in =
-            |index: i64, shift: f64| EDGE * ((index as f64 + shift) / CELLS as f64 - 0.5);
+        let place_in = |index: i64, shift: f64| EDGE * ((index as f64 + shift) / CELLS as f64 - 0.5);
         let (x, z) = (place_in(column, dice.unit()), place_in(row, dice.unit()));
         let y = height(x, z);
-        let slope = (height(x + 2.0, z) - y)
-            .abs()
-            .max((height(x, z + 2.0) - y).abs())
-            / 2.0;
+        let slope = (height(x + 2.0, z) - y).abs().max((height(x, z + 2.0) - y).abs()) / 2.0;
         let kept = dice.chance(0.02 + 0.98 * share);
         let wooded = value_noise(101, x / 90.0, z / 90.0) > -0.25;
-        let in_view = VIEWS
-            .iter()
-            .any(|View { stand, .. }| (x - stand[0]).abs().max((z - stand[1]).abs()) < CLEARING);
+        let in_view =
+            VIEWS.iter().any(|View { stand, .. }| (x - stand[0]).abs().max((z - stand[1]).abs()) < CLEARING);
         if !kept || y < 2.5 || in_view {
             continue;
         }
@@ -246,29 +213,13 @@ fn fir(canvas: &mut Canvas, paint: &Paint, foot: DVec3, dice: &mut Dice) {
     let size = dice.between(6.0, 13.0);
     let frame = place(foot.x, foot.y - 0.4, foot.z, dice.unit()) * stretch(size, size, size);
     let around = canvas.steps(6.0, 4);
-    revolve(
-        canvas,
-        paint.bark,
-        &frame,
-        &[&[[0.03, 0.0], [0.015, 0.5]]],
-        [around, 1],
-    );
+    revolve(canvas, paint.bark, &frame, &[&[[0.03, 0.0], [0.015, 0.5]]], [around, 1]);
     let skirts = 4;
     for skirt in 0..skirts {
         let t = f64::from(skirt) / f64::from(skirts);
         let (reach, foot) = (0.21 * (1.0 - 0.75 * t), 0.14 + 0.68 * t);
-        let profile = [
-            [0.3 * reach, foot + 0.05],
-            [reach, foot],
-            [0.0, foot + 0.32 - 0.1 * t],
-        ];
-        revolve(
-            canvas,
-            paint.needles,
-            &frame,
-            &[&profile[..2], &profile[1..]],
-            [around, 1],
-        );
+        let profile = [[0.3 * reach, foot + 0.05], [reach, foot], [0.0, foot + 0.32 - 0.1 * t]];
+        revolve(canvas, paint.needles, &frame, &[&profile[..2], &profile[1..]], [around, 1]);
     }
 }
 
@@ -279,12 +230,6 @@ fn boulder(canvas: &mut Canvas, paint: &Paint, foot: DVec3, dice: &mut Dice) {
     let lumps = dice.bits();
     let rows = canvas.steps(6.0, 3);
     lump(canvas, paint.boulder, &frame, rows, |outward| {
-        1.0 + 0.2
-            * fractal_noise(
-                lumps,
-                1.4 * outward.x + outward.y,
-                1.4 * outward.z - outward.y,
-                2,
-            )
+        1.0 + 0.2 * fractal_noise(lumps, 1.4 * outward.x + outward.y, 1.4 * outward.z - outward.y, 2)
     });
 }

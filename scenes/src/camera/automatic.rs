@@ -43,8 +43,8 @@ impl Sight {
     }
 }
 
-/// A camera named `auto`: inside if the scene is a room, from where one sees farthest at the height
-/// of an eye; else from above a corner, far enough to see everything.
+/// A camera named `auto`: inside if the scene is a room, where there is most space about, looking
+/// along the longest view; else from above a corner, far enough to see everything.
 pub(crate) fn camera(scene: &Scene) -> Result<Camera, CameraError> {
     let bounds = scene.bounds();
     let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from_array(corner.map(f64::from)));
@@ -75,22 +75,20 @@ fn place_in_room(scene: &Scene, min: DVec3, max: DVec3) -> Option<(DVec3, DVec3)
         }
     }
     let clearance = MIN_CLEARANCE * extent.max_element();
-    let mut best: Option<(f64, DVec3, DVec3)> = None;
-    for (&eye, sights) in eyes.iter().zip(look_around(scene, &eyes)) {
+    let spacious = eyes.iter().zip(look_around(scene, &eyes)).filter(|(_, sights)| {
         let fronts = sights.iter().filter(|sight| sight.is_front).count();
-        let is_clear = sights.iter().all(|sight| sight.distance > clearance);
-        if fronts < ROOM_FRONTS || !is_clear {
-            continue;
-        }
-        for (direction, sight) in directions().into_iter().zip(sights).take(LEVEL_DIRECTIONS) {
-            let is_farther = best.is_none_or(|(farthest, ..)| sight.distance > farthest);
-            if sight.distance.is_finite() && is_farther {
-                best = Some((sight.distance, eye, direction));
-            }
-        }
-    }
+        fronts >= ROOM_FRONTS && sights.iter().all(|sight| sight.distance > clearance)
+    });
+    // The mean of logarithms, so that a niche with one long view does not win.
+    let space = |sights: &[Sight; DIRECTIONS]| -> f64 {
+        sights.iter().map(|sight| sight.distance.min(extent.max_element()).ln()).sum()
+    };
+    let (&eye, sights) = spacious.max_by(|(_, a), (_, b)| space(a).total_cmp(&space(b)))?;
+    let level = sights.iter().zip(directions()).take(LEVEL_DIRECTIONS);
+    let within = level.filter(|(sight, _)| sight.distance.is_finite());
+    let (_, forward) = within.max_by(|(a, _), (b, _)| a.distance.total_cmp(&b.distance))?;
     // A little down: floors have more to show than ceilings.
-    best.map(|(_, eye, direction)| (eye, direction - 0.1 * DVec3::Y))
+    Some((eye, forward - 0.1 * DVec3::Y))
 }
 
 /// A sky, and where `camera` is in a closed room a lamp above it, first.

@@ -96,12 +96,12 @@ pub enum GltfError {
     Camera { camera: String, source: crate::camera::CameraError },
     /// More triangles or vertices than 32-bit indices can number.
     #[error(
-        "flattened, it has more than {limit} {what}, which 32-bit indices cannot number; use fewer instances"
+        "flattened, it has {found} {what}, more than the {limit} that can be numbered; use fewer instances"
     )]
-    TooLarge { what: &'static str, limit: u64 },
+    TooLarge { what: &'static str, found: u64, limit: u64 },
     /// The machine is out of memory.
-    #[error("there is no memory for {count} {what}")]
-    Memory { what: &'static str, count: usize },
+    #[error("there is no memory for its {count} {what}")]
+    Memory { what: &'static str, count: u64 },
     /// A file with nothing to trace.
     #[error("it has no triangles in its scene")]
     NoTriangles,

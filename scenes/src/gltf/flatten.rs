@@ -1,8 +1,5 @@
 //! From placed nodes to one soup of world-space triangles.
 
-use std::collections::HashMap;
-use std::rc::Rc;
-
 use ::gltf::json::mesh::{Mesh, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
 use glam::{DMat3, DVec3};
@@ -12,6 +9,10 @@ use super::error::GltfError;
 use super::nodes::{self, PlacedNode};
 use super::notices::Notices;
 use super::primitive::{self, LocalMesh};
+
+/// The largest number of vertices, and of triangles: all have 32-bit numbers, and the largest one
+/// stands for no triangle.
+pub(super) const LIMIT: u64 = u32::MAX as u64;
 
 /// The triangles of the whole scene. `normals` are as in [`crate::Scene`]; `uvs` end with the last
 /// vertex that has any.
@@ -25,8 +26,6 @@ pub(super) struct Flat {
     pub(super) ranges: Vec<PlacedPrimitive>,
     /// Per material of the file, and one more for primitives without a material.
     pub(super) material_is_used: Vec<bool>,
-    /// The largest number of vertices, and of triangles.
-    limit: u64,
 }
 
 /// Where the triangles of one primitive of one instance lie.
@@ -36,6 +35,14 @@ pub(super) struct PlacedPrimitive {
     pub(super) material: u32,
 }
 
+/// One primitive of a mesh that has triangles.
+struct LocalPrimitive {
+    /// Its number in the mesh.
+    number: usize,
+    triangles: LocalMesh,
+    material: u32,
+}
+
 /// Flattens the meshes of all placed nodes.
 pub(super) fn flatten(
     document: &Document,
@@ -43,52 +50,73 @@ pub(super) fn flatten(
     notices: &mut Notices,
 ) -> Result<Flat, GltfError> {
     let root = &document.root;
-    let mesh_of = |node: &PlacedNode| root.nodes[node.index].mesh;
-    let mut uses = vec![0_usize; root.meshes.len()];
-    for mesh in nodes.iter().filter_map(mesh_of) {
-        if let Some(uses) = uses.get_mut(mesh.value()) {
-            *uses += 1;
+    let mut meshes: Vec<Option<Vec<LocalPrimitive>>> = Vec::new();
+    meshes.resize_with(root.meshes.len(), || None);
+    let mut instances: Vec<(&PlacedNode, usize)> = Vec::new();
+    for node in nodes {
+        let json = &root.nodes[node.index];
+        let Some(mesh) = json.mesh else { continue };
+        let mesh_json = document.get(mesh, || nodes::describe(root, node.index), "mesh")?;
+        let mesh = mesh.value();
+        if meshes[mesh].is_none() {
+            let read = read_mesh(document, mesh_json, notices);
+            meshes[mesh] = Some(read.map_err(|(number, source)| at(document, node, mesh, number, source))?);
         }
+        if json.skin.is_some() {
+            notices.count("skinned meshes are shown in their bind pose", 1);
+        }
+        instances.push((node, mesh));
     }
 
+    // The size is known before anything large is made, so that too large a scene is refused at once.
     let mut flat = Flat::new(root.materials.len());
-    let mut instanced: HashMap<(usize, usize), Option<Rc<LocalMesh>>> = HashMap::new();
-    for node in nodes {
-        let Some(index) = mesh_of(node) else { continue };
-        let mesh = document.get(index, || nodes::describe(root, node.index), "mesh")?;
-        note_what_is_ignored(document, node, mesh, notices);
+    flat.reserve(instances.iter().flat_map(|&(_, mesh)| meshes[mesh].iter().flatten()), LIMIT)?;
+    for &(node, mesh) in &instances {
         let placement = Placement::of(node);
-        for (number, primitive) in mesh.primitives.iter().enumerate() {
-            let in_primitive = |source| GltfError::Primitive {
-                node: nodes::describe(root, node.index),
-                mesh: index.value(),
-                primitive: number,
-                source: Box::new(source),
-            };
-            let uv_set = uv_set(document, primitive).map_err(in_primitive)?;
-            let read = || Ok(primitive::read(document, primitive, uv_set)?.map(Rc::new));
-            // Only what is met again is worth its memory.
-            let local = if uses[index.value()] > 1 {
-                let key = (index.value(), number);
-                match instanced.get(&key) {
-                    Some(known) => known.clone(),
-                    None => instanced.entry(key).or_insert(read().map_err(in_primitive)?).clone(),
-                }
-            } else {
-                read().map_err(in_primitive)?
-            };
-            let Some(local) = local else {
-                notices.count("primitives of points or lines are skipped", 1);
-                continue;
-            };
-            if uv_set.is_some() && local.uvs.is_empty() {
-                notices.count("textured primitives without texture coordinates show one texel", 1);
-            }
-            let material = primitive.material.map_or(root.materials.len(), |material| material.value());
-            flat.append(&local, &placement, material as u32).map_err(in_primitive)?;
+        for primitive in meshes[mesh].iter().flatten() {
+            let appended = flat.append(primitive, &placement);
+            appended.map_err(|source| at(document, node, mesh, primitive.number, source))?;
         }
     }
     flat.finish(notices)
+}
+
+/// An error, and the primitive at fault.
+fn at(document: &Document, node: &PlacedNode, mesh: usize, primitive: usize, source: GltfError) -> GltfError {
+    let node = nodes::describe(&document.root, node.index);
+    GltfError::Primitive { node, mesh, primitive, source: Box::new(source) }
+}
+
+/// Reads the primitives of a mesh, without those of points and lines. An error comes with the
+/// number of its primitive.
+fn read_mesh(
+    document: &Document,
+    mesh: &Mesh,
+    notices: &mut Notices,
+) -> Result<Vec<LocalPrimitive>, (usize, GltfError)> {
+    let mut read = Vec::with_capacity(mesh.primitives.len());
+    for (number, primitive) in mesh.primitives.iter().enumerate() {
+        let uv_set = uv_set(document, primitive).map_err(|error| (number, error))?;
+        let triangles = primitive::read(document, primitive, uv_set).map_err(|error| (number, error))?;
+        let Some(triangles) = triangles else {
+            notices.count("primitives of points or lines are skipped", 1);
+            continue;
+        };
+        if uv_set.is_some() && triangles.uvs.is_empty() {
+            notices.count("textured primitives without texture coordinates show one texel", 1);
+        }
+        if primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
+            notices.count("primitives have morph targets, which are ignored", 1);
+        }
+        if primitive.attributes.contains_key(&Checked::Valid(Semantic::Colors(0))) {
+            notices.count("primitives have vertex colours, which are ignored", 1);
+        }
+        let material = primitive.material.map_or(document.root.materials.len(), |material| material.value());
+        if !triangles.triangles.is_empty() {
+            read.push(LocalPrimitive { number, triangles, material: material as u32 });
+        }
+    }
+    Ok(read)
 }
 
 /// The set of texture coordinates that a primitive's base-colour texture uses.
@@ -99,20 +127,6 @@ fn uv_set(document: &Document, primitive: &Primitive) -> Result<Option<u32>, Glt
     let material = document.get(material, || "the primitive".into(), "material")?;
     let texture = material.pbr_metallic_roughness.base_color_texture.as_ref();
     Ok(texture.map(|texture| texture.tex_coord))
-}
-
-fn note_what_is_ignored(document: &Document, node: &PlacedNode, mesh: &Mesh, notices: &mut Notices) {
-    if document.root.nodes[node.index].skin.is_some() {
-        notices.count("skinned meshes are shown in their bind pose", 1);
-    }
-    for primitive in &mesh.primitives {
-        if primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
-            notices.count("primitives have morph targets, which are ignored", 1);
-        }
-        if primitive.attributes.contains_key(&Checked::Valid(Semantic::Colors(0))) {
-            notices.count("primitives have vertex colours, which are ignored", 1);
-        }
-    }
 }
 
 /// How one node's meshes get into the world.
@@ -158,19 +172,40 @@ impl Flat {
             triangle_materials: Vec::new(),
             ranges: Vec::new(),
             material_is_used: vec![false; materials + 1],
-            limit: u64::from(u32::MAX),
         }
     }
 
-    /// Adds one instance of a primitive.
-    fn append(&mut self, local: &LocalMesh, placement: &Placement, material: u32) -> Result<(), GltfError> {
-        if local.triangles.is_empty() {
-            return Ok(());
+    /// Makes room for all primitives. At most `limit` vertices and as many triangles.
+    fn reserve<'a>(
+        &mut self,
+        primitives: impl Iterator<Item = &'a LocalPrimitive>,
+        limit: u64,
+    ) -> Result<(), GltfError> {
+        let (mut vertices, mut triangles, mut has_normals, mut has_uvs) = (0, 0, false, false);
+        for LocalPrimitive { triangles: local, .. } in primitives {
+            vertices += local.positions.len() as u64;
+            triangles += local.triangles.len() as u64;
+            has_normals |= !local.normals.is_empty();
+            has_uvs |= !local.uvs.is_empty();
         }
-        let first_vertex = grow(&mut self.positions, local.positions.len(), "vertices", self.limit)?;
-        let first_triangle = grow(&mut self.triangles, local.triangles.len(), "triangles", self.limit)?;
-        grow(&mut self.triangle_materials, local.triangles.len(), "triangles", self.limit)?;
+        if vertices > limit {
+            return Err(GltfError::TooLarge { what: "vertices", found: vertices, limit });
+        }
+        if triangles > limit {
+            return Err(GltfError::TooLarge { what: "triangles", found: triangles, limit });
+        }
+        reserve(&mut self.positions, vertices, "vertices")?;
+        reserve(&mut self.normals, if has_normals { vertices } else { 0 }, "vertex normals")?;
+        reserve(&mut self.uvs, if has_uvs { vertices } else { 0 }, "texture coordinates")?;
+        reserve(&mut self.triangles, triangles, "triangles")?;
+        reserve(&mut self.triangle_materials, triangles, "triangles")
+    }
 
+    /// Adds one instance of a primitive.
+    fn append(&mut self, primitive: &LocalPrimitive, placement: &Placement) -> Result<(), GltfError> {
+        let &LocalPrimitive { triangles: ref local, material, .. } = primitive;
+        let first_vertex = self.positions.len() as u32;
+        let first_triangle = self.triangles.len() as u32;
         for (&vertex, &position) in local.vertices.iter().zip(&local.positions) {
             let exact = placement.position(position);
             let position = exact.map(|x| x as f32);
@@ -220,13 +255,34 @@ impl Flat {
     }
 }
 
-/// Makes room for `count` more items and returns the number of the first. At most `limit` in all.
-fn grow<T>(items: &mut Vec<T>, count: usize, what: &'static str, limit: u64) -> Result<u32, GltfError> {
-    if (items.len() + count) as u64 > limit {
-        return Err(GltfError::TooLarge { what, limit });
-    }
-    match items.try_reserve(count) {
-        Ok(()) => Ok(items.len() as u32),
-        Err(_) => Err(GltfError::Memory { what, count: items.len() + count }),
+/// Makes room for `count` items, exactly.
+fn reserve<T>(items: &mut Vec<T>, count: u64, what: &'static str) -> Result<(), GltfError> {
+    let capacity = usize::try_from(count).unwrap_or(usize::MAX);
+    items.try_reserve_exact(capacity).map_err(|_| GltfError::Memory { what, count })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_32_bits_cannot_number_is_refused_before_it_is_made() {
+        let triangles = LocalMesh {
+            vertices: vec![0, 1, 2],
+            positions: vec![[0.0; 3]; 3],
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            triangles: vec![[0, 1, 2]; 4],
+        };
+        let primitive = LocalPrimitive { number: 0, triangles, material: 0 };
+        let refusal = |count: usize, limit: u64| {
+            let mut flat = Flat::new(0);
+            let error = flat.reserve(std::iter::repeat_n(&primitive, count), limit).unwrap_err();
+            assert_eq!(flat.triangles.capacity(), 0);
+            error.to_string()
+        };
+        assert!(Flat::new(0).reserve(std::iter::repeat_n(&primitive, 5), 20).is_ok());
+        assert!(refusal(5, 19).contains("has 20 triangles, more than the 19 that"));
+        assert!(refusal(5, 14).contains("has 15 vertices, more than the 14 that"));
     }
 }

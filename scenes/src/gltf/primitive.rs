@@ -9,6 +9,7 @@ use ::gltf::json::{Index, validation::Checked};
 use super::Document;
 use super::accessor::Elements;
 use super::error::GltfError;
+use super::flatten::LIMIT;
 
 /// Triangles of one primitive, not yet placed.
 pub(super) struct LocalMesh {
@@ -82,10 +83,9 @@ fn vertex_indices(
     vertices: usize,
 ) -> Result<Vec<u32>, GltfError> {
     let Some(accessor) = accessor else {
-        let limit = u64::from(u32::MAX);
         return match u32::try_from(vertices) {
-            Ok(vertices) => Ok((0..vertices).collect()),
-            Err(_) => Err(GltfError::TooLarge { what: "vertices", limit }),
+            Ok(count) => Ok((0..count).collect()),
+            Err(_) => Err(GltfError::TooLarge { what: "vertices", found: vertices as u64, limit: LIMIT }),
         };
     };
     let elements = Elements::open(document, accessor, Type::Scalar, || "the primitive".into())?;

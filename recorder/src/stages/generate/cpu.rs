@@ -15,10 +15,11 @@ pub fn generate(params: &GenerateParams) -> Vec<Ray> {
 
 fn camera_ray(params: &GenerateParams, pixel: u32) -> Ray {
     let mut random = Random::new(params.seed, pixel, params.pass_index, 0);
-    let x = (pixel % params.width) as f32 + random.next();
-    let y = (pixel / params.width) as f32 + random.next();
+    let x = (pixel % params.width) as f32 + random.draw();
+    let y = (pixel / params.width) as f32 + random.draw();
     let sx = 2.0 * x / params.width as f32 - 1.0;
     let sy = 1.0 - 2.0 * y / params.height as f32;
-    let direction = normalize3(Vec3::from(params.forward) + Vec3::from(params.right) * sx + Vec3::from(params.up) * sy);
+    let direction =
+        normalize3(Vec3::from(params.forward) + Vec3::from(params.right) * sx + Vec3::from(params.up) * sy);
     Ray { origin: params.eye, t_min: 0.0, direction: direction.to_array(), t_max: f32::INFINITY }
 }

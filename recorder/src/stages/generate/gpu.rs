@@ -1,9 +1,9 @@
 //! The module of the generate kernel.
 
 use crate::gpu::Module;
+use crate::stages::key::wgsl::wgsl_f32_array;
 use crate::stages::random::{COSINE, SINE};
 use crate::stages::shared::GenerateParams;
-use crate::stages::key::wgsl::wgsl_f32_array;
 
 /// Bindings: origins, directions, path ids, states.
 pub fn module() -> Module {

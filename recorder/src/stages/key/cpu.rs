@@ -29,7 +29,13 @@ pub enum Lengths<'a> {
 
 impl<'a> Lengths<'a> {
     /// The source that `termination` names.
-    pub fn of(termination: Termination, fixed: f32, table: &'a LengthTable, cells: &'a Encoder, real: &'a (dyn Fn(usize) -> f32 + Sync)) -> Self {
+    pub fn of(
+        termination: Termination,
+        fixed: f32,
+        table: &'a LengthTable,
+        cells: &'a Encoder,
+        real: &'a (dyn Fn(usize) -> f32 + Sync),
+    ) -> Self {
         match termination {
             Termination::Unused | Termination::Fixed => Self::Fixed(fixed),
             Termination::Adaptive => Self::Adaptive(table, cells),
@@ -39,7 +45,13 @@ impl<'a> Lengths<'a> {
 }
 
 /// Encodes a queue. `light` gives the light of a ray by canonical index (0 where it has none).
-pub fn encode(encoder: &Encoder, key_bits: u32, rays: &[Ray], lengths: &Lengths<'_>, light: impl Fn(usize) -> u32 + Sync) -> Keys {
+pub fn encode(
+    encoder: &Encoder,
+    key_bits: u32,
+    rays: &[Ray],
+    lengths: &Lengths<'_>,
+    light: impl Fn(usize) -> u32 + Sync,
+) -> Keys {
     let key = |index: usize| {
         let ray = &rays[index];
         let length = match lengths {
@@ -50,7 +62,9 @@ pub fn encode(encoder: &Encoder, key_bits: u32, rays: &[Ray], lengths: &Lengths<
         encoder.encode(ray, length, light(index))
     };
     if key_bits <= 32 {
-        Keys::Narrow((0..rays.len()).into_par_iter().with_min_len(CHUNK).map(|index| key(index) as u32).collect())
+        Keys::Narrow(
+            (0..rays.len()).into_par_iter().with_min_len(CHUNK).map(|index| key(index) as u32).collect(),
+        )
     } else {
         Keys::Wide((0..rays.len()).into_par_iter().with_min_len(CHUNK).map(key).collect())
     }

@@ -18,10 +18,16 @@ pub const SITE_ENVIRONMENT: u32 = 2;
 /// A light's site as the kernel reads it.
 pub fn site_data(site: &LightSite) -> LightSiteData {
     match *site {
-        LightSite::Placed { centre } => LightSiteData { place: centre, shape: SITE_PLACED, ..LightSiteData::default() },
-        LightSite::Directional { direction, tangent, bitangent } => {
-            LightSiteData { place: direction, shape: SITE_DIRECTIONAL, tangent, bitangent, ..LightSiteData::default() }
+        LightSite::Placed { centre } => {
+            LightSiteData { place: centre, shape: SITE_PLACED, ..LightSiteData::default() }
         }
+        LightSite::Directional { direction, tangent, bitangent } => LightSiteData {
+            place: direction,
+            shape: SITE_DIRECTIONAL,
+            tangent,
+            bitangent,
+            ..LightSiteData::default()
+        },
         LightSite::Environment => LightSiteData { shape: SITE_ENVIRONMENT, ..LightSiteData::default() },
     }
 }
@@ -52,7 +58,9 @@ impl KeyInputs {
 pub fn traced_length(module: Module, kind: Kind) -> Module {
     let none = crate::gpu::kernel::constants_wgsl(&[("NO_TRIANGLE", Hit::NONE)]);
     match kind {
-        Kind::Closest => module.read("hits", "vec4<u32>").text(&none).text(include_str!("closest_length.wgsl")),
+        Kind::Closest => {
+            module.read("hits", "vec4<u32>").text(&none).text(include_str!("closest_length.wgsl"))
+        }
         Kind::Shadow => module.read("distances", "f32").text(include_str!("shadow_length.wgsl")),
     }
 }
@@ -72,13 +80,20 @@ pub fn module(setup: &Setup, method: &MethodPlan, kind: Kind) -> Module {
         module = traced_length(module, kind);
     }
     if inputs.lights {
-        module = module.read("states", "vec4<u32>").read("light_sites", "LightSiteData").text(&LightSiteData::description().wgsl);
+        module = module
+            .read("states", "vec4<u32>")
+            .read("light_sites", "LightSiteData")
+            .text(&LightSiteData::description().wgsl);
     }
     module = module.write("keys_low", "u32");
     if method.key_bits > 32 {
         module = module.write("keys_high", "u32");
     }
-    let sites = [("SITE_PLACED", SITE_PLACED), ("SITE_DIRECTIONAL", SITE_DIRECTIONAL), ("SITE_ENVIRONMENT", SITE_ENVIRONMENT)];
+    let sites = [
+        ("SITE_PLACED", SITE_PLACED),
+        ("SITE_DIRECTIONAL", SITE_DIRECTIONAL),
+        ("SITE_ENVIRONMENT", SITE_ENVIRONMENT),
+    ];
     module = module
         .text(&Span::description().wgsl)
         .text(&constants(&setup.unit))

@@ -43,7 +43,13 @@ pub fn constants(unit: &UnitSpace) -> String {
     text.push_str(&wgsl_f32_array("ARCCOSINE", &angle::ARCCOSINE));
     let vector = |v: [f32; 3]| format!("vec3({})", v.map(wgsl_f32).join(", "));
     let _ = writeln!(text, "struct UnitSpace {{ min: vec3<f32>, scale: f32, sides: vec3<f32> }}");
-    let _ = writeln!(text, "const unit = UnitSpace({}, {}, {});", vector(unit.min), wgsl_f32(unit.scale), vector(unit.sides));
+    let _ = writeln!(
+        text,
+        "const unit = UnitSpace({}, {}, {});",
+        vector(unit.min),
+        wgsl_f32(unit.scale),
+        vector(unit.sides)
+    );
     text
 }
 
@@ -100,12 +106,18 @@ fn quantised(coordinate: Coordinate) -> &'static str {
 
 /// Adds a field's bits to the words. Neighbouring bits that keep their distance move together.
 fn spread(text: &mut String, number: usize, field: &Field) {
-    let bits = field.positions.iter().enumerate().map(|(mention, &position)| (field.width - 1 - mention as u32, position));
+    let bits = field
+        .positions
+        .iter()
+        .enumerate()
+        .map(|(mention, &position)| (field.width - 1 - mention as u32, position));
     let mut runs: Vec<(u32, u32, u32)> = Vec::new();
     for (from, to) in bits {
         match runs.last_mut() {
             // One run per distance moved and per word.
-            Some((mask, last_from, last_to)) if *last_from == from + 1 && *last_to == to + 1 && to % 32 != 31 => {
+            Some((mask, last_from, last_to))
+                if *last_from == from + 1 && *last_to == to + 1 && to % 32 != 31 =>
+            {
                 *mask |= 1 << from;
                 (*last_from, *last_to) = (from, to);
             }
@@ -126,7 +138,9 @@ fn spread(text: &mut String, number: usize, field: &Field) {
 /// `fn from_light(light: u32, ray: UnitRay) -> vec3<f32>` over the `light_sites` binding.
 fn from_light_function(lights: &[LightSite]) -> String {
     let has = |predicate: fn(&LightSite) -> bool| lights.iter().any(predicate);
-    let mut text = "fn from_light(light: u32, ray: UnitRay) -> vec3<f32> {\n    let site = light_sites[light];\n".to_owned();
+    let mut text =
+        "fn from_light(light: u32, ray: UnitRay) -> vec3<f32> {\n    let site = light_sites[light];\n"
+            .to_owned();
     if has(|site| matches!(site, LightSite::Directional { .. })) {
         text.push_str(
             "    if site.shape == SITE_DIRECTIONAL {\n        return vec3(\n            cartesian(dot3(ray.origin, site.tangent) * INVERSE_SQRT_3),\n            cartesian(dot3(ray.origin, site.bitangent) * INVERSE_SQRT_3),\n            cartesian(dot3(ray.origin, site.place) * INVERSE_SQRT_3),\n        );\n    }\n",

@@ -92,13 +92,13 @@ impl Surface {
 
     /// Draws an incident direction; `None` if it falls below the horizon. Uses three numbers.
     pub fn sample<const GLOSSY: bool>(&self, out: Vec3, random: &mut Random) -> Option<BsdfSample> {
-        let (choice, a, b) = (random.next(), random.next(), random.next());
+        let (choice, a, b) = (random.draw(), random.draw(), random.draw());
         if out.z <= 0.0 {
             return None;
         }
         if !GLOSSY || !self.is_glossy {
             let direction = cosine_hemisphere(a, b);
-            return (direction.z > 0.0).then(|| BsdfSample {
+            return (direction.z > 0.0).then_some(BsdfSample {
                 direction,
                 weight: self.diffuse,
                 density: direction.z * FRAC_1_PI,
@@ -120,7 +120,7 @@ impl Surface {
             return None;
         }
         let (value, density) = self.evaluate::<GLOSSY>(out, direction);
-        (density > 1e-12).then(|| BsdfSample { direction, weight: value * (1.0 / density), density })
+        (density > 1e-12).then_some(BsdfSample { direction, weight: value * (1.0 / density), density })
     }
 }
 
@@ -180,12 +180,14 @@ mod tests {
             for out in directions() {
                 let n = 400_000;
                 let mut random = Random::new([9, 9], number as u32, 0, 0);
-                let (mut uniform, mut density_sum, mut sampled, mut kept) = (Vec3::ZERO, 0.0f64, Vec3::ZERO, 0.0f64);
+                let (mut uniform, mut density_sum, mut sampled, mut kept) =
+                    (Vec3::ZERO, 0.0f64, Vec3::ZERO, 0.0f64);
                 for _ in 0..n {
-                    let (z, b) = (random.next(), random.next());
+                    let (z, b) = (random.draw(), random.draw());
                     let (sine, cosine) = sine_cosine(b);
                     let radius = (1.0 - z * z).sqrt();
-                    let (value, density) = surface.evaluate::<true>(out, Vec3::new(radius * cosine, radius * sine, z));
+                    let (value, density) =
+                        surface.evaluate::<true>(out, Vec3::new(radius * cosine, radius * sine, z));
                     uniform += value * std::f32::consts::TAU / n as f32;
                     density_sum += f64::from(density) * std::f64::consts::TAU / f64::from(n);
                     if let Some(sample) = surface.sample::<true>(out, &mut random)
@@ -195,8 +197,14 @@ mod tests {
                         kept += 1.0 / f64::from(n);
                     }
                 }
-                assert!((density_sum - kept).abs() < 0.04, "{surface:?} {out}: density {density_sum}, kept {kept}");
-                assert!((uniform - sampled).abs().max_element() < 0.04, "{surface:?} {out}: {uniform} {sampled}");
+                assert!(
+                    (density_sum - kept).abs() < 0.04,
+                    "{surface:?} {out}: density {density_sum}, kept {kept}"
+                );
+                assert!(
+                    (uniform - sampled).abs().max_element() < 0.04,
+                    "{surface:?} {out}: {uniform} {sampled}"
+                );
             }
         }
     }

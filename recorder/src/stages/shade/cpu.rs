@@ -38,7 +38,11 @@ impl<S: Copy + Send + Sync> Compacted<S> {
 
     fn joined(parts: Vec<Self>) -> Self {
         let total = parts.iter().map(|part| part.rays.len()).sum();
-        let mut all = Self { rays: Vec::with_capacity(total), path_ids: Vec::with_capacity(total), states: Vec::with_capacity(total) };
+        let mut all = Self {
+            rays: Vec::with_capacity(total),
+            path_ids: Vec::with_capacity(total),
+            states: Vec::with_capacity(total),
+        };
         for part in parts {
             all.rays.extend_from_slice(&part.rays);
             all.path_ids.extend_from_slice(&part.path_ids);
@@ -80,7 +84,14 @@ pub fn shade(
         (true, true, true) => shade_path::<true, true, true>,
     };
     let shade_one = |index: usize| -> Outcome {
-        specialised(tables, params, &paths.rays[index], &paths.hits[index], &paths.states[index], paths.path_ids[index])
+        specialised(
+            tables,
+            params,
+            &paths.rays[index],
+            &paths.hits[index],
+            &paths.states[index],
+            paths.path_ids[index],
+        )
     };
     let chunks = film_chunks(paths.path_ids, film);
     let parts: Vec<_> = chunks
@@ -133,7 +144,8 @@ fn film_chunks<'a>(path_ids: &[u32], film: &'a mut [Vec3]) -> Vec<FilmChunk<'a>>
     let mut first_pixel = 0;
     for (number, chunk) in path_ids.chunks(CHUNK).enumerate() {
         let first = number * CHUNK;
-        let end_pixel = path_ids.get(first + chunk.len()).map_or(first_pixel + rest.len(), |&pixel| pixel as usize);
+        let end_pixel =
+            path_ids.get(first + chunk.len()).map_or(first_pixel + rest.len(), |&pixel| pixel as usize);
         let (film, after) = rest.split_at_mut(end_pixel - first_pixel);
         chunks.push(FilmChunk { first, count: chunk.len(), first_pixel, film });
         (rest, first_pixel) = (after, end_pixel);

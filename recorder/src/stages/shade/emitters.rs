@@ -79,7 +79,10 @@ fn add_light(scene: &Scene, light: &Light, disk: f64, add: &mut impl FnMut(Emitt
     let new = |shape, power| Emitter { shape, power, ..Emitter::default() };
     match *light {
         Light::Sphere { position, radius, intensity } => {
-            add(Emitter { position, extent: radius, ..new(EMITTER_SPHERE, intensity) }, bright(intensity) * sphere);
+            add(
+                Emitter { position, extent: radius, ..new(EMITTER_SPHERE, intensity) },
+                bright(intensity) * sphere,
+            );
         }
         Light::Point { position, intensity } => {
             add(Emitter { position, ..new(EMITTER_POINT, intensity) }, bright(intensity) * sphere);
@@ -89,7 +92,10 @@ fn add_light(scene: &Scene, light: &Light, disk: f64, add: &mut impl FnMut(Emitt
             let cone_scale = 1.0 / (inner_cone_cos - outer_cone_cos).max(0.001);
             let extent = -outer_cone_cos * cone_scale;
             let share = f64::from(1.0 - outer_cone_cos) * 0.5;
-            add(Emitter { position, direction, cone_scale, extent, ..new(EMITTER_SPOT, intensity) }, bright(intensity) * sphere * share);
+            add(
+                Emitter { position, direction, cone_scale, extent, ..new(EMITTER_SPOT, intensity) },
+                bright(intensity) * sphere * share,
+            );
         }
         Light::Directional { direction, irradiance } => {
             add(Emitter { direction, ..new(EMITTER_DIRECTIONAL, irradiance) }, bright(irradiance) * disk);
@@ -115,7 +121,8 @@ fn add_light(scene: &Scene, light: &Light, disk: f64, add: &mut impl FnMut(Emitt
 /// Given Distribution", 1991).
 fn fill_aliases(emitters: &mut [Emitter], powers: &[f64], total: f64) {
     let mut shares: Vec<f64> = powers.iter().map(|power| power / total * powers.len() as f64).collect();
-    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..shares.len()).partition(|&slot| shares[slot] < 1.0);
+    let (mut small, mut large): (Vec<usize>, Vec<usize>) =
+        (0..shares.len()).partition(|&slot| shares[slot] < 1.0);
     for (slot, emitter) in emitters.iter_mut().enumerate() {
         (emitter.keep, emitter.other) = (1.0, slot as u32);
     }
@@ -139,83 +146,113 @@ pub fn sky_radiance(zenith: Vec3, nadir: Vec3, direction: Vec3) -> Vec3 {
 /// brings nothing.
 pub fn sample_light(tables: &ShadeTables, point: Vec3, random: &mut Random) -> Option<LightSample> {
     let count = tables.emitters.len() as u32;
-    let (slot, choice, a, b) = (random.next(), random.next(), random.next(), random.next());
+    let (slot, choice, a, b) = (random.draw(), random.draw(), random.draw(), random.draw());
     let slot = ((slot * count as f32) as u32).min(count - 1);
     let drawn = &tables.emitters[slot as usize];
     let emitter = if choice < drawn.keep { drawn } else { &tables.emitters[drawn.other as usize] };
-    let pick = 1.0 / emitter.probability;
-    let power = Vec3::from(emitter.power);
-    let sample = |direction, t_max, weight: Vec3, density| LightSample { direction, t_max, weight: weight * pick, density, light: emitter.light };
-    match emitter.shape {
-        EMITTER_SPHERE => {
-            let to_centre = Vec3::from(emitter.position) - point;
-            let distance2 = dot3(to_centre, to_centre);
-            let radius2 = emitter.extent * emitter.extent;
-            if distance2 <= radius2 {
-                return None;
-            }
-            // Uniform over the cone of directions that meet the sphere.
-            let distance = distance2.sqrt();
-            let sine2_max = radius2 / distance2;
-            let one_minus_cosine_max = sine2_max / (1.0 + (1.0 - sine2_max).sqrt());
-            let one_minus_cosine = a * one_minus_cosine_max;
-            let cosine = 1.0 - one_minus_cosine;
-            let sine2 = one_minus_cosine * (2.0 - one_minus_cosine);
-            let sine = sine2.sqrt();
-            let turn = sine_cosine(b);
-            let axis = to_centre * (1.0 / distance);
-            let (tangent, bitangent) = basis(axis);
-            let direction = normalize3(tangent * (sine * turn.1) + bitangent * (sine * turn.0) + axis * cosine);
-            let t_max = distance * cosine - (radius2 - distance2 * sine2).max(0.0).sqrt();
-            // Radiance is intensity over πr², the cone's solid angle 2π(1 − cos).
-            Some(sample(direction, t_max, power * (2.0 * one_minus_cosine_max / radius2), 0.0))
-        }
-        EMITTER_POINT | EMITTER_SPOT => {
-            let to_light = Vec3::from(emitter.position) - point;
-            let distance2 = dot3(to_light, to_light);
-            if distance2 <= 0.0 {
-                return None;
-            }
-            let distance = distance2.sqrt();
-            let direction = to_light * (1.0 / distance);
-            let mut falloff = 1.0;
-            if emitter.shape == EMITTER_SPOT {
-                let cosine = -dot3(direction, Vec3::from(emitter.direction));
-                let linear = (cosine * emitter.cone_scale + emitter.extent).clamp(0.0, 1.0);
-                falloff = linear * linear;
-            }
-            (falloff > 0.0).then(|| sample(direction, distance, power * (falloff / distance2), 0.0))
-        }
-        EMITTER_DIRECTIONAL => Some(sample(-Vec3::from(emitter.direction), f32::INFINITY, power, 0.0)),
-        EMITTER_TRIANGLE => {
-            let [p, q, r] = triangle_corners(tables, emitter.triangle);
-            let root = a.sqrt();
-            let (u, v) = (root * (1.0 - b), root * b);
-            let normal = normalize3(cross3(q - p, r - p));
-            let on_light = p + (q - p) * u + (r - p) * v;
-            let facing = if dot3(normal, point - on_light) < 0.0 { -normal } else { normal };
-            let to_light = offset_origin(on_light, facing) - point;
-            let distance2 = dot3(to_light, to_light);
-            let distance = distance2.sqrt();
-            let direction = to_light * (1.0 / distance);
-            let cosine = -dot3(direction, facing);
-            if !(cosine > 1e-6 && distance > 0.0) {
-                return None;
-            }
-            let density_over_area = 1.0 / emitter.extent;
-            let density = density_over_area * distance2 / cosine;
-            let light_density = density * emitter.probability;
-            Some(sample(direction, distance * SHORT_OF_TRIANGLE, power * (1.0 / density), light_density))
-        }
-        _ => {
-            let z = 1.0 - 2.0 * a;
-            let radius = (1.0 - z * z).max(0.0).sqrt();
-            let turn = sine_cosine(b);
-            let direction = Vec3::new(radius * turn.1, radius * turn.0, z);
-            let radiance = sky_radiance(tables.zenith, tables.nadir, direction);
-            Some(sample(direction, f32::INFINITY, radiance * (4.0 * PI), tables.sky_density))
-        }
+    let sample = match emitter.shape {
+        EMITTER_SPHERE => sample_sphere(emitter, point, a, b)?,
+        EMITTER_POINT | EMITTER_SPOT => sample_point(emitter, point)?,
+        EMITTER_DIRECTIONAL => LightSample::new(
+            emitter,
+            -Vec3::from(emitter.direction),
+            f32::INFINITY,
+            Vec3::from(emitter.power),
+            0.0,
+        ),
+        EMITTER_TRIANGLE => sample_triangle(tables, emitter, point, a, b)?,
+        _ => sample_sky(tables, emitter, a, b),
+    };
+    Some(LightSample { weight: sample.weight * (1.0 / emitter.probability), ..sample })
+}
+
+impl LightSample {
+    fn new(emitter: &Emitter, direction: Vec3, t_max: f32, weight: Vec3, density: f32) -> Self {
+        Self { direction, t_max, weight, density, light: emitter.light }
     }
+}
+
+/// Uniform over the cone of directions that meet the sphere.
+fn sample_sphere(emitter: &Emitter, point: Vec3, a: f32, b: f32) -> Option<LightSample> {
+    let to_centre = Vec3::from(emitter.position) - point;
+    let distance2 = dot3(to_centre, to_centre);
+    let radius2 = emitter.extent * emitter.extent;
+    if distance2 <= radius2 {
+        return None;
+    }
+    let distance = distance2.sqrt();
+    let sine2_max = radius2 / distance2;
+    let one_minus_cosine_max = sine2_max / (1.0 + (1.0 - sine2_max).sqrt());
+    let one_minus_cosine = a * one_minus_cosine_max;
+    let cosine = 1.0 - one_minus_cosine;
+    let sine2 = one_minus_cosine * (2.0 - one_minus_cosine);
+    let sine = sine2.sqrt();
+    let turn = sine_cosine(b);
+    let axis = to_centre * (1.0 / distance);
+    let (tangent, bitangent) = basis(axis);
+    let direction = normalize3(tangent * (sine * turn.1) + bitangent * (sine * turn.0) + axis * cosine);
+    let t_max = distance * cosine - (radius2 - distance2 * sine2).max(0.0).sqrt();
+    // Radiance is intensity over πr², the cone's solid angle 2π(1 − cos).
+    let weight = Vec3::from(emitter.power) * (2.0 * one_minus_cosine_max / radius2);
+    Some(LightSample::new(emitter, direction, t_max, weight, 0.0))
+}
+
+fn sample_point(emitter: &Emitter, point: Vec3) -> Option<LightSample> {
+    let to_light = Vec3::from(emitter.position) - point;
+    let distance2 = dot3(to_light, to_light);
+    if distance2 <= 0.0 {
+        return None;
+    }
+    let distance = distance2.sqrt();
+    let direction = to_light * (1.0 / distance);
+    let mut falloff = 1.0;
+    if emitter.shape == EMITTER_SPOT {
+        let cosine = -dot3(direction, Vec3::from(emitter.direction));
+        let linear = (cosine * emitter.cone_scale + emitter.extent).clamp(0.0, 1.0);
+        falloff = linear * linear;
+    }
+    let weight = Vec3::from(emitter.power) * (falloff / distance2);
+    (falloff > 0.0).then(|| LightSample::new(emitter, direction, distance, weight, 0.0))
+}
+
+/// Uniform over the triangle's area.
+fn sample_triangle(
+    tables: &ShadeTables,
+    emitter: &Emitter,
+    point: Vec3,
+    a: f32,
+    b: f32,
+) -> Option<LightSample> {
+    let [p, q, r] = triangle_corners(tables, emitter.triangle);
+    let root = a.sqrt();
+    let (u, v) = (root * (1.0 - b), root * b);
+    let normal = normalize3(cross3(q - p, r - p));
+    let on_light = p + (q - p) * u + (r - p) * v;
+    let facing = if dot3(normal, point - on_light) < 0.0 { -normal } else { normal };
+    let to_light = offset_origin(on_light, facing) - point;
+    let distance2 = dot3(to_light, to_light);
+    let distance = distance2.sqrt();
+    let direction = to_light * (1.0 / distance);
+    let cosine = -dot3(direction, facing);
+    let is_seen = cosine > 1e-6 && distance > 0.0;
+    if !is_seen {
+        return None;
+    }
+    let density_over_area = 1.0 / emitter.extent;
+    let density = density_over_area * distance2 / cosine;
+    let light_density = density * emitter.probability;
+    let weight = Vec3::from(emitter.power) * (1.0 / density);
+    Some(LightSample::new(emitter, direction, distance * SHORT_OF_TRIANGLE, weight, light_density))
+}
+
+/// Uniform over all directions.
+fn sample_sky(tables: &ShadeTables, emitter: &Emitter, a: f32, b: f32) -> LightSample {
+    let z = 1.0 - 2.0 * a;
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let turn = sine_cosine(b);
+    let direction = Vec3::new(radius * turn.1, radius * turn.0, z);
+    let radiance = sky_radiance(tables.zenith, tables.nadir, direction);
+    LightSample::new(emitter, direction, f32::INFINITY, radiance * (4.0 * PI), tables.sky_density)
 }
 
 #[cfg(test)]

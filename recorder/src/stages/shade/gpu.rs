@@ -4,7 +4,8 @@ use scenes::features::Features;
 
 use super::bsdf::{DIELECTRIC_F0, MIRROR_ALPHA};
 use super::emitters::{
-    EMITTER_DIRECTIONAL, EMITTER_POINT, EMITTER_SKY, EMITTER_SPHERE, EMITTER_SPOT, EMITTER_TRIANGLE, SHORT_OF_TRIANGLE,
+    EMITTER_DIRECTIONAL, EMITTER_POINT, EMITTER_SKY, EMITTER_SPHERE, EMITTER_SPOT, EMITTER_TRIANGLE,
+    SHORT_OF_TRIANGLE,
 };
 use super::path::ROULETTE_FREE_BOUNCES;
 use super::surface::{OFFSET_ORIGIN, OFFSET_STEP, OFFSET_ULPS};
@@ -56,7 +57,13 @@ pub fn module(features: &Features) -> Module {
             .write(&format!("{queue}_states"), "vec4<u32>")
             .write(&format!("{queue}_flags"), "u32");
     }
-    for shared in [ShadeParams::description(), MaterialData::description(), TextureData::description(), Emitter::description(), PathState::description()] {
+    for shared in [
+        ShadeParams::description(),
+        MaterialData::description(),
+        TextureData::description(),
+        Emitter::description(),
+        PathState::description(),
+    ] {
         module = module.text(&shared.wgsl);
     }
     module
@@ -107,5 +114,10 @@ fn constants(features: &Features) -> String {
         ("ROULETTE_FREE_BOUNCES", ROULETTE_FREE_BOUNCES),
     ];
     let floats = floats.map(|(name, value)| format!("const {name} = {};\n", wgsl_f32(value)));
-    format!("{}{}const GLOSSY = {};\n", floats.concat(), crate::gpu::kernel::constants_wgsl(&integers), features.specular)
+    format!(
+        "{}{}const GLOSSY = {};\n",
+        floats.concat(),
+        crate::gpu::kernel::constants_wgsl(&integers),
+        features.specular
+    )
 }

@@ -55,7 +55,7 @@ fn cast_shadow_ray(
 ) -> bool {
     let origin = offset_origin(surface.point, surface.geometric_normal);
     let light = sample_light(origin, random);
-    if dot3(light.direction, surface.geometric_normal) <= 0.0 || !(light.t_max > 0.0) {
+    if dot3(light.direction, surface.geometric_normal) <= 0.0 || light.t_max <= 0.0 {
         return false;
     }
     let found = bsdf_evaluate(reflection, out_direction, to_local(frame, surface.shading_normal, light.direction));

@@ -57,10 +57,12 @@ pub fn shade_path<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>
     let out = frame.to_local(-direction);
     let mut random = Random::new(params.seed, pixel, params.pass_index, params.bounce + 1);
     if !tables.emitters.is_empty() {
-        outcome.shadow = shadow_ray::<GLOSSY>(tables, params, &surface, &reflection, &frame, out, throughput, &mut random);
+        outcome.shadow =
+            shadow_ray::<GLOSSY>(tables, params, &surface, &reflection, &frame, out, throughput, &mut random);
     }
     if params.is_last == 0 {
-        outcome.next = next_ray::<GLOSSY>(params, &surface, &reflection, &frame, out, throughput, &mut random);
+        outcome.next =
+            next_ray::<GLOSSY>(params, &surface, &reflection, &frame, out, throughput, &mut random);
     }
     outcome
 }
@@ -115,18 +117,27 @@ fn shadow_ray<const GLOSSY: bool>(
 ) -> Option<(Ray, ShadowState)> {
     let origin = offset_origin(surface.point, surface.geometric_normal);
     let light = sample_light(tables, origin, random)?;
-    if dot3(light.direction, surface.geometric_normal) <= 0.0 || !(light.t_max > 0.0) {
+    if dot3(light.direction, surface.geometric_normal) <= 0.0 || light.t_max <= 0.0 {
         return None;
     }
     let (value, density) = reflection.evaluate::<GLOSSY>(out, frame.to_local(light.direction));
     // After the last bounce no ray is left that could find the light by reflection.
-    let weight = if light.density > 0.0 && params.is_last == 0 { power_heuristic(light.density, density) } else { 1.0 };
+    let weight = if light.density > 0.0 && params.is_last == 0 {
+        power_heuristic(light.density, density)
+    } else {
+        1.0
+    };
     let color = throughput * value * light.weight * weight;
     let brightness = luminance(color);
     if !(brightness > 0.0 && brightness < f32::MAX) {
         return None;
     }
-    let ray = Ray { origin: origin.to_array(), t_min: 0.0, direction: light.direction.to_array(), t_max: light.t_max };
+    let ray = Ray {
+        origin: origin.to_array(),
+        t_min: 0.0,
+        direction: light.direction.to_array(),
+        t_max: light.t_max,
+    };
     Some((ray, ShadowState { color: color.to_array(), light: light.light }))
 }
 
@@ -147,7 +158,7 @@ fn next_ray<const GLOSSY: bool>(
     let mut color = throughput * sample.weight;
     if params.roulette != 0 && params.bounce >= ROULETTE_FREE_BOUNCES {
         let survival = color.x.max(color.y).max(color.z).clamp(0.05, 1.0);
-        if random.next() >= survival {
+        if random.draw() >= survival {
             return None;
         }
         color *= 1.0 / survival;
@@ -157,6 +168,7 @@ fn next_ray<const GLOSSY: bool>(
         return None;
     }
     let origin = offset_origin(surface.point, surface.geometric_normal);
-    let ray = Ray { origin: origin.to_array(), t_min: 0.0, direction: direction.to_array(), t_max: f32::INFINITY };
+    let ray =
+        Ray { origin: origin.to_array(), t_min: 0.0, direction: direction.to_array(), t_max: f32::INFINITY };
     Some((ray, PathState { color: color.to_array(), density: sample.density }))
 }

@@ -48,7 +48,13 @@ pub struct HitSurface {
 }
 
 /// The surface that a ray along `direction` hit.
-pub fn hit_surface<const TEXTURES: bool, const NORMALS: bool>(tables: &ShadeTables, direction: Vec3, triangle: u32, u: f32, v: f32) -> HitSurface {
+pub fn hit_surface<const TEXTURES: bool, const NORMALS: bool>(
+    tables: &ShadeTables,
+    direction: Vec3,
+    triangle: u32,
+    u: f32,
+    v: f32,
+) -> HitSurface {
     let [a, b, c, material] = tables.triangles[triangle as usize];
     let material = tables.materials[material as usize];
     let [p, q, r] = triangle_corners(tables, triangle);

@@ -59,7 +59,11 @@ impl ShadeTables {
             materials: scene.materials.iter().map(material_data).collect(),
             textures,
             texels,
-            emission_density: if total_power > 0.0 { (emitters::POWER_PER_AREA / total_power) as f32 } else { 0.0 },
+            emission_density: if total_power > 0.0 {
+                (emitters::POWER_PER_AREA / total_power) as f32
+            } else {
+                0.0
+            },
             emitters,
             sky_density: sky_probability / (4.0 * std::f32::consts::PI),
             zenith: sky.map_or(Vec3::ZERO, |sky| Vec3::from(sky.zenith)),
@@ -83,10 +87,16 @@ fn pack_textures(scene: &Scene) -> (Vec<TextureData>, Vec<u32>) {
     if scene.textures.is_empty() {
         return (Vec::new(), Vec::new());
     }
-    let mut texels: Vec<u32> = (0..LINEAR_TABLE_SIZE).map(|byte| linear_from_srgb(byte as u8).to_bits()).collect();
+    let mut texels: Vec<u32> =
+        (0..LINEAR_TABLE_SIZE).map(|byte| linear_from_srgb(byte as u8).to_bits()).collect();
     let mut textures = Vec::new();
     for texture in &scene.textures {
-        textures.push(TextureData { first: texels.len() as u32, width: texture.width, height: texture.height, unused: 0 });
+        textures.push(TextureData {
+            first: texels.len() as u32,
+            width: texture.width,
+            height: texture.height,
+            unused: 0,
+        });
         texels.extend(texture.rgba.iter().map(|&rgba| u32::from_le_bytes(rgba)));
     }
     (textures, texels)

@@ -2,11 +2,12 @@
 //!
 //! The order of a stable sort is unique, so it does not depend on how many threads there are.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::{BINS, DIGIT_BITS, DIGITS_PER_WORD};
+use super::{BINS, DIGIT_BITS};
 
 /// Fewest pairs that are worth a thread of their own.
 const SMALLEST_BLOCK: usize = 1 << 14;
@@ -14,148 +15,175 @@ const SMALLEST_BLOCK: usize = 1 << 14;
 /// How often each digit occurs.
 type Counts = [u32; BINS];
 
-/// The permutation that sorts keys of `bits` bits (1 to 32); higher bits must be 0.
-///
-/// # Panics
-/// If there are 2^32 keys or more.
-pub fn sort_u32(keys: &[u32], bits: u32) -> Vec<u32> {
-    sort_words(keys.len(), bits, |index| u64::from(keys[index]))
-}
-
-/// The permutation that sorts keys of `bits` bits (1 to 64); higher bits must be 0.
-///
-/// # Panics
-/// If there are 2^32 keys or more.
-pub fn sort_u64(keys: &[u64], bits: u32) -> Vec<u32> {
-    sort_words(keys.len(), bits, |index| keys[index])
-}
-
-fn sort_words(count: usize, bits: u32, key: impl Fn(usize) -> u64 + Sync) -> Vec<u32> {
-    assert!(u32::try_from(count).is_ok(), "{count} keys are more than 32-bit indices can name");
-    let varying = varying_bits(count, &key);
-    let low = digits(varying as u32);
-    let high = if bits > u32::BITS { digits((varying >> u32::BITS) as u32) } else { Vec::new() };
-    let mut sorter = Sorter::new(count);
-    sorter.sort_by_word(&low, |index| key(index) as u32);
-    sorter.sort_by_word(&high, |index| (key(index) >> u32::BITS) as u32);
-    sorter.permutation.unwrap_or_else(|| (0..count as u32).collect())
-}
-
-/// The bits that are not the same in all keys.
-fn varying_bits(count: usize, key: &(impl Fn(usize) -> u64 + Sync)) -> u64 {
-    let fold = |(ones, zeros): (u64, u64), index| (ones | key(index), zeros | !key(index));
-    let (ones, zeros) = (0..count)
-        .into_par_iter()
-        .with_min_len(SMALLEST_BLOCK)
-        .fold(|| (0, 0), fold)
-        .reduce(|| (0, 0), |a, b| (a.0 | b.0, a.1 | b.1));
-    ones & zeros
-}
-
-/// Shifts of the digits of a word in which some bit varies.
-fn digits(varying: u32) -> Vec<u32> {
-    (0..DIGITS_PER_WORD)
-        .map(|digit| digit * DIGIT_BITS)
-        .filter(|&shift| digit_of(varying, shift) != 0)
-        .collect()
-}
-
-fn digit_of(word: u32, shift: u32) -> usize {
-    (word >> shift) as usize % BINS
-}
-
-/// The order so far and the room to make a new one in.
-struct Sorter {
-    count: usize,
-    /// Pairs per block; every block is one thread's work.
-    block: usize,
-    /// None before the first pass: canonical order.
-    permutation: Option<Vec<u32>>,
-    /// Pairs, key above index, that passes read and write in turn.
+/// Sorts, and keeps the memory in which it does for the next time: touching 16 bytes per key for
+/// the first time can take longer than sorting them.
+#[derive(Debug, Default)]
+pub struct Sorter {
+    /// Pairs, word above index, that passes read and write in turn.
     pairs: [Vec<AtomicU64>; 2],
 }
 
+/// The permutation that sorts keys of `bits` bits (1 to 32), in memory that is given back.
+///
+/// # Panics
+/// As [`Sorter::sort_u32`].
+pub fn sort_u32(keys: &[u32], bits: u32) -> Vec<u32> {
+    Sorter::default().sort_u32(keys, bits)
+}
+
+/// The permutation that sorts keys of `bits` bits (1 to 64), in memory that is given back.
+///
+/// # Panics
+/// As [`Sorter::sort_u64`].
+pub fn sort_u64(keys: &[u64], bits: u32) -> Vec<u32> {
+    Sorter::default().sort_u64(keys, bits)
+}
+
 impl Sorter {
-    fn new(count: usize) -> Self {
-        let blocks = rayon::current_num_threads().min(count / SMALLEST_BLOCK).max(1);
-        Self {
-            count,
-            block: count.div_ceil(blocks).max(1),
-            permutation: None,
-            pairs: [Vec::new(), Vec::new()],
-        }
+    /// The permutation that sorts keys of `bits` bits (1 to 32); higher bits must be 0.
+    ///
+    /// # Panics
+    /// If there are 2^32 keys or more.
+    pub fn sort_u32(&mut self, keys: &[u32], bits: u32) -> Vec<u32> {
+        self.sort_words(keys.len(), bits, move |index| u64::from(keys[index]))
     }
 
-    /// Sorts the order so far by the digits at these shifts, lowest first.
-    fn sort_by_word(&mut self, shifts: &[u32], word: impl Fn(usize) -> u32 + Sync) {
+    /// The permutation that sorts keys of `bits` bits (1 to 64); higher bits must be 0.
+    ///
+    /// # Panics
+    /// If there are 2^32 keys or more.
+    pub fn sort_u64(&mut self, keys: &[u64], bits: u32) -> Vec<u32> {
+        self.sort_words(keys.len(), bits, move |index| keys[index])
+    }
+
+    fn sort_words(&mut self, count: usize, bits: u32, key: impl Key) -> Vec<u32> {
+        assert!(u32::try_from(count).is_ok(), "{count} keys are more than 32-bit indices can name");
+        let blocks = Blocks::of(count);
+        let shifts = differing_digits(varying_bits(&blocks, key), bits);
         let Some((&last, before)) = shifts.split_last() else {
-            return;
+            return (0..count as u32).collect();
         };
-        let canonical = |place: usize| match &self.permutation {
-            None => place as u32,
-            Some(permutation) => permutation[place],
-        };
-        let first_pair = |place: usize| {
-            let index = canonical(place);
-            u64::from(word(index as usize)) << u32::BITS | u64::from(index)
+        let pair = move |index: usize, shift: u32| {
+            let word = key(index) >> (shift / u32::BITS * u32::BITS);
+            word << u32::BITS | index as u64
         };
         let [from, to] = &mut self.pairs;
-        for (pass, &shift) in before.iter().enumerate() {
-            if to.len() < self.count {
-                *to = zeros(self.count);
-            }
-            let write = |place: usize, pair: u64| to[place].store(pair, Relaxed);
-            if pass == 0 {
-                scatter(self.count, self.block, shift, first_pair, write);
-            } else {
-                scatter(self.count, self.block, shift, |place| from[place].load(Relaxed), write);
+        for (pass, (&shift, &next_shift)) in before.iter().zip(&shifts[1..]).enumerate() {
+            make_room(to, count);
+            let (source, target) = (&from[..], &to[..]);
+            let write = move |place: usize, moved: u64| target[place].store(moved, Relaxed);
+            // The last pass over the low word hands over the high words.
+            let change_word = move |place, moved| write(place, pair(moved as u32 as usize, next_shift));
+            let read = move |place: usize| source[place].load(Relaxed);
+            let read_first = move |place| pair(place, shift);
+            match (pass == 0, shift / u32::BITS == next_shift / u32::BITS) {
+                (true, true) => blocks.scatter(shift, read_first, write),
+                (true, false) => blocks.scatter(shift, read_first, change_word),
+                (false, true) => blocks.scatter(shift, read, write),
+                (false, false) => blocks.scatter(shift, read, change_word),
             }
             std::mem::swap(from, to);
         }
-        let order: Vec<AtomicU32> = (0..self.count).into_par_iter().map(|_| AtomicU32::new(0)).collect();
-        let write = |place: usize, pair: u64| order[place].store(pair as u32, Relaxed);
-        if before.is_empty() {
-            scatter(self.count, self.block, last, first_pair, write);
-        } else {
-            scatter(self.count, self.block, last, |place| from[place].load(Relaxed), write);
+        let order: Vec<AtomicU32> = (0..count).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+        let (source, target) = (&from[..], &order[..]);
+        let write = move |place: usize, moved: u64| target[place].store(moved as u32, Relaxed);
+        match before {
+            [] => blocks.scatter(last, move |place| pair(place, last), write),
+            _ => blocks.scatter(last, move |place| source[place].load(Relaxed), write),
         }
-        self.permutation = Some(order.into_iter().map(AtomicU32::into_inner).collect());
+        order.into_iter().map(AtomicU32::into_inner).collect()
     }
 }
 
-fn zeros(count: usize) -> Vec<AtomicU64> {
-    (0..count).into_par_iter().map(|_| AtomicU64::new(0)).collect()
+/// Gives the key of a canonical index. Copied into inner loops, so that what it captures stays in
+/// registers; behind a reference the loops take twice as long.
+trait Key: Fn(usize) -> u64 + Copy + Send + Sync {}
+impl<T: Fn(usize) -> u64 + Copy + Send + Sync> Key for T {}
+
+/// Makes an array of pairs large enough; zeros are written by all threads, since it is the first
+/// touch of memory that takes its time.
+fn make_room(pairs: &mut Vec<AtomicU64>, count: usize) {
+    if pairs.len() < count {
+        // Given back first: large arrays must not be there twice.
+        *pairs = Vec::new();
+        *pairs = (0..count).into_par_iter().map(|_| AtomicU64::new(0)).collect();
+    }
 }
 
-/// One pass: `read` gives the pair at a place, `write` puts it where its digit belongs, pairs of
-/// one digit in the order in which they were.
-fn scatter(
-    count: usize,
-    block: usize,
+/// The bits that are not the same in all keys.
+fn varying_bits(blocks: &Blocks, key: impl Key) -> u64 {
+    let of_block = move |range: Range<usize>| {
+        range.fold((0, 0), |(ones, zeros), index| (ones | key(index), zeros | !key(index)))
+    };
+    let ranges = blocks.ranges.par_iter().cloned();
+    let (ones, zeros) = ranges.map(of_block).reduce(|| (0, 0), |a, b| (a.0 | b.0, a.1 | b.1));
+    ones & zeros
+}
+
+/// Shifts of the digits in which some bit varies, lowest first.
+fn differing_digits(varying: u64, bits: u32) -> Vec<u32> {
+    (0..bits)
+        .step_by(DIGIT_BITS as usize)
+        .filter(|&shift| !((varying >> shift) as usize).is_multiple_of(BINS))
+        .collect()
+}
+
+/// Keys cut into stretches, one per thread.
+struct Blocks {
+    ranges: Vec<Range<usize>>,
+}
+
+impl Blocks {
+    fn of(count: usize) -> Self {
+        let blocks = rayon::current_num_threads().min(count / SMALLEST_BLOCK).max(1);
+        let block = count.div_ceil(blocks).max(1);
+        Self { ranges: (0..count).step_by(block).map(|first| first..count.min(first + block)).collect() }
+    }
+
+    /// One pass: `read` gives the pair at a place, `write` puts it where its digit belongs, pairs
+    /// of one digit in the order in which they were.
+    fn scatter(
+        &self,
+        shift: u32,
+        read: impl Fn(usize) -> u64 + Copy + Send + Sync,
+        write: impl Fn(usize, u64) + Copy + Send + Sync,
+    ) {
+        let shift_in_pair = u32::BITS + shift % u32::BITS;
+        let ranges = self.ranges.par_iter();
+        let mut places: Vec<Counts> =
+            ranges.clone().map(move |range| count_digits(range.clone(), shift_in_pair, read)).collect();
+        counts_to_places(&mut places);
+        ranges.zip(places).for_each(move |(range, places)| {
+            scatter_block(range.clone(), shift_in_pair, places, read, write);
+        });
+    }
+}
+
+fn count_digits(range: Range<usize>, shift: u32, read: impl Fn(usize) -> u64) -> Counts {
+    let mut counts = [0; BINS];
+    for place in range {
+        counts[digit_of(read(place), shift)] += 1;
+    }
+    counts
+}
+
+fn scatter_block(
+    range: Range<usize>,
     shift: u32,
-    read: impl Fn(usize) -> u64 + Sync,
-    write: impl Fn(usize, u64) + Sync,
+    mut places: Counts,
+    read: impl Fn(usize) -> u64,
+    write: impl Fn(usize, u64),
 ) {
-    let digit = |pair: u64| digit_of((pair >> u32::BITS) as u32, shift);
-    let range = |index: usize| index * block..count.min((index + 1) * block);
-    let blocks = count.div_ceil(block);
-    let mut places: Vec<Counts> = (0..blocks)
-        .into_par_iter()
-        .map(|index| {
-            let mut counts = [0; BINS];
-            range(index).for_each(|place| counts[digit(read(place))] += 1);
-            counts
-        })
-        .collect();
-    counts_to_places(&mut places);
-    places.into_par_iter().enumerate().for_each(|(index, mut next)| {
-        for place in range(index) {
-            let pair = read(place);
-            let target = &mut next[digit(pair)];
-            write(*target as usize, pair);
-            *target += 1;
-        }
-    });
+    for place in range {
+        let pair = read(place);
+        let slot = &mut places[digit_of(pair, shift)];
+        write(*slot as usize, pair);
+        *slot += 1;
+    }
+}
+
+fn digit_of(pair: u64, shift: u32) -> usize {
+    (pair >> shift) as usize % BINS
 }
 
 /// From counts per block to the place of each block's first pair of each digit.
@@ -204,11 +232,14 @@ mod tests {
             for bits in [16, 32, 64] {
                 let keys = test_keys::random(2_000_000, bits, 1);
                 let narrow: Vec<u32> = keys.iter().map(|&key| key as u32).collect();
+                let mut sorter = Sorter::default();
+                let pool = pool(threads);
                 let mut times: Vec<f64> = (0..9)
                     .map(|_| {
                         let start = std::time::Instant::now();
-                        pool(threads).install(|| {
-                            if bits <= 32 { sort_u32(&narrow, bits) } else { sort_u64(&keys, bits) }
+                        pool.install(|| match bits {
+                            64 => sorter.sort_u64(&keys, bits),
+                            _ => sorter.sort_u32(&narrow, bits),
                         });
                         start.elapsed().as_secs_f64()
                     })

@@ -15,7 +15,12 @@ impl DriverHierarchy {
     ///
     /// # Errors
     /// If there are more triangles than the driver takes, or it refuses them.
-    pub(super) fn new(gpu: &Gpu, scene: &Scene, positions: &DeviceArray<[f32; 4]>, is_opaque: bool) -> Result<Self> {
+    pub(super) fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        positions: &DeviceArray<[f32; 4]>,
+        is_opaque: bool,
+    ) -> Result<Self> {
         let limit = gpu.limits().max_blas_primitive_count;
         if scene.triangles.len() as u64 > u64::from(limit) {
             bail!(
@@ -24,13 +29,18 @@ impl DriverHierarchy {
                 gpu.adapter().title()
             );
         }
-        let indices: DeviceArray<u32> = gpu.array_of("trace::indices", bytemuck::cast_slice(&scene.triangles))?;
+        let indices: DeviceArray<u32> =
+            gpu.array_of("trace::indices", bytemuck::cast_slice(&scene.triangles))?;
         let size = wgpu::BlasTriangleGeometrySizeDescriptor {
             vertex_format: wgpu::VertexFormat::Float32x3,
             vertex_count: scene.positions.len() as u32,
             index_format: Some(wgpu::IndexFormat::Uint32),
             index_count: Some(indices.len() as u32),
-            flags: if is_opaque { wgpu::AccelerationStructureGeometryFlags::OPAQUE } else { wgpu::AccelerationStructureGeometryFlags::empty() },
+            flags: if is_opaque {
+                wgpu::AccelerationStructureGeometryFlags::OPAQUE
+            } else {
+                wgpu::AccelerationStructureGeometryFlags::empty()
+            },
         };
         let bottom = gpu.device().create_blas(
             &wgpu::CreateBlasDescriptor {
@@ -58,8 +68,13 @@ impl DriverHierarchy {
             transform_buffer: None,
             transform_buffer_offset: None,
         };
-        let entry = wgpu::BlasBuildEntry { blas: &bottom, geometry: wgpu::BlasGeometries::TriangleGeometries(vec![geometry]) };
-        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("trace::build") });
+        let entry = wgpu::BlasBuildEntry {
+            blas: &bottom,
+            geometry: wgpu::BlasGeometries::TriangleGeometries(vec![geometry]),
+        };
+        let mut encoder = gpu
+            .device()
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("trace::build") });
         encoder.build_acceleration_structures([&entry], [&top]);
         let building = "building the driver's hierarchy";
         gpu.check(building)?;

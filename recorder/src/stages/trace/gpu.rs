@@ -98,7 +98,10 @@ pub fn module(variant: &TraceVariant) -> Module {
     }
     module = module.write("results", element).read("leaves", "vec4<u32>").read("positions", "vec4<f32>");
     if variant.masks {
-        module = module.read("mask_numbers", "u32").read("mask_triangles", "MaskedTriangle").read("mask_alphas", "u32");
+        module = module
+            .read("mask_numbers", "u32")
+            .read("mask_triangles", "MaskedTriangle")
+            .read("mask_alphas", "u32");
     }
     module = match variant.kernel {
         TraceKernel::RayQuery => module.driver_hierarchy("hierarchy"),
@@ -114,7 +117,11 @@ pub fn module(variant: &TraceVariant) -> Module {
         (false, Kind::Closest) => CLOSEST_RESULT,
         (false, Kind::Shadow) => SHADOW_RESULT,
     };
-    let masks = if variant.masks { format!("{}{}", MaskedTriangle::description().wgsl, include_str!("mask.wgsl")) } else { NO_MASKS.to_owned() };
+    let masks = if variant.masks {
+        format!("{}{}", MaskedTriangle::description().wgsl, include_str!("mask.wgsl"))
+    } else {
+        NO_MASKS.to_owned()
+    };
     module
         .text(&Span::description().wgsl)
         .text(&constants(variant))
@@ -139,7 +146,11 @@ fn constants(variant: &TraceVariant) -> String {
         ("F32_MAX", f32::MAX),
     ];
     let floats = floats.map(|(name, value)| format!("const {name} = {};\n", wgsl_f32(value))).concat();
-    let integers = constants_wgsl(&[("BVH2_STACK", BVH2_STACK as u32), ("CWBVH_STACK", CWBVH_STACK as u32), ("NO_TRIANGLE", Hit::NONE)]);
+    let integers = constants_wgsl(&[
+        ("BVH2_STACK", BVH2_STACK as u32),
+        ("CWBVH_STACK", CWBVH_STACK as u32),
+        ("NO_TRIANGLE", Hit::NONE),
+    ]);
     let any = variant.kind == Kind::Shadow;
     format!("{floats}{integers}const ANY = {any};\nconst COUNT = {};\n", variant.count_work)
 }
@@ -170,7 +181,9 @@ impl MaskArrays {
         if masks.is_empty() {
             return Ok(None);
         }
-        let words = masks.alphas.chunks(4).map(|bytes| (0..).zip(bytes).fold(0u32, |word, (place, &byte)| word | u32::from(byte) << (8 * place)));
+        let words = masks.alphas.chunks(4).map(|bytes| {
+            (0..).zip(bytes).fold(0u32, |word, (place, &byte)| word | u32::from(byte) << (8 * place))
+        });
         Ok(Some(Self {
             numbers: gpu.array_of("trace::mask_numbers", &masks.numbers)?,
             triangles: gpu.array_of("trace::mask_triangles", &masks.triangles)?,
@@ -199,7 +212,10 @@ impl Tracer {
             (bvh, _) => {
                 let bvh = bvh.with_context(|| format!("trace kernel {} needs a hierarchy", kernel.name()))?;
                 let nodes: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(bvh.node_bytes());
-                (bvh.order().iter().map(|&triangle| leaf(triangle)).collect(), Hierarchy::Nodes(gpu.array_of("trace::nodes", &nodes)?))
+                (
+                    bvh.order().iter().map(|&triangle| leaf(triangle)).collect(),
+                    Hierarchy::Nodes(gpu.array_of("trace::nodes", &nodes)?),
+                )
             }
         };
         Ok(Self {
@@ -234,7 +250,14 @@ impl Tracer {
     ///
     /// # Errors
     /// As [`Tracer::trace`].
-    pub fn work(&mut self, gpu: &Gpu, kind: Kind, origins: &DeviceArray<[f32; 4]>, directions: &DeviceArray<[f32; 4]>, count: usize) -> Result<DeviceArray<[u32; 2]>> {
+    pub fn work(
+        &mut self,
+        gpu: &Gpu,
+        kind: Kind,
+        origins: &DeviceArray<[f32; 4]>,
+        directions: &DeviceArray<[f32; 4]>,
+        count: usize,
+    ) -> Result<DeviceArray<[u32; 2]>> {
         let work = gpu.array("trace::work", count)?;
         self.run(gpu, kind, Order::Canonical, [origins, directions], work.binding(), count, true)?;
         Ok(work)
@@ -281,7 +304,8 @@ impl Tracer {
 
     /// The kernel of a variant, compiled when it is first needed.
     fn compiled(&mut self, gpu: &Gpu, kind: Kind, order: OrderKind, count_work: bool) -> Result<Kernel> {
-        let variant = TraceVariant { kernel: self.kernel, kind, order, masks: self.masks.is_some(), count_work };
+        let variant =
+            TraceVariant { kernel: self.kernel, kind, order, masks: self.masks.is_some(), count_work };
         if let Some((_, kernel)) = self.compiled.iter().find(|(known, _)| *known == variant) {
             return Ok(kernel.clone());
         }

@@ -29,11 +29,7 @@ pub(super) fn draw(canvas: &mut Canvas, paint: &Paint, side: &Side, seed: u64) {
     let corner = side.frame * place(-0.5 * DEPTH, 0.0, 0.5 * DEPTH, 0.0);
     vault(canvas, paint, &corner, [0.5 * DEPTH, 0.5 * DEPTH]);
     for rib in 0..=side.bays {
-        transverse_rib(
-            canvas,
-            paint,
-            &(side.frame * place(BAY * f64::from(rib), 0.0, 0.0, 0.0)),
-        );
+        transverse_rib(canvas, paint, &(side.frame * place(BAY * f64::from(rib), 0.0, 0.0, 0.0)));
     }
     roof(canvas, paint, side, seed);
 }
@@ -53,20 +49,13 @@ fn floors(canvas: &mut Canvas, paint: &Paint, side: &Side) {
                 (-DEPTH + 0.25 * DEPTH * f64::from(x - tiles), 0.25 * DEPTH)
             };
             let near = HALF_WALL + row * f64::from(z);
-            let material = if (x + z) % 2 == 0 {
-                paint.dark_tile
-            } else {
-                paint.light_tile
-            };
+            let material = if (x + z) % 2 == 0 { paint.dark_tile } else { paint.light_tile };
             let corners = [(0.0, row), (width, row), (width, 0.0), (0.0, 0.0)];
             let corners = corners.map(|(dx, dz)| side.point(dvec3(left + dx, 0.0, near + dz)));
             patch(canvas, material, corners, [1, 1]);
         }
     }
-    let (low, high) = (
-        dvec3(-DEPTH, 4.75, -HALF_WALL),
-        dvec3(side.length(), UPPER_FLOOR, DEPTH),
-    );
+    let (low, high) = (dvec3(-DEPTH, 4.75, -HALF_WALL), dvec3(side.length(), UPPER_FLOOR, DEPTH));
     block(canvas, paint.light_tile, &side.frame, low, high);
 }
 
@@ -104,22 +93,15 @@ fn transverse_rib(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
 /// The wall behind the aisles, both storeys, with its skirting and the mouldings on top.
 fn outer_wall(canvas: &mut Canvas, paint: &Paint, side: &Side) {
     let length = side.length();
-    let corners = [
-        (length + DEPTH, 0.0),
-        (-DEPTH, 0.0),
-        (-DEPTH, WALL_TOP),
-        (length + DEPTH, WALL_TOP),
-    ];
+    let corners = [(length + DEPTH, 0.0), (-DEPTH, 0.0), (-DEPTH, WALL_TOP), (length + DEPTH, WALL_TOP)];
     let cells = [canvas.steps(12.0, 1), canvas.steps(5.0, 1)];
     let inside = corners.map(|(x, y)| side.point(dvec3(x, y, DEPTH)));
     patch(canvas, paint.plaster, inside, cells);
     let [a, b, c, d] = corners.map(|(x, y)| side.point(dvec3(x, y, DEPTH + 0.3)));
     patch(canvas, paint.plaster, [b, a, d, c], [1, 1]);
-    for (low_y, high_y, reach) in [
-        (0.0, 0.35, 0.05),
-        (UPPER_FLOOR, UPPER_FLOOR + 0.2, 0.04),
-        (WALL_TOP, WALL_TOP + 0.25, 0.12),
-    ] {
+    for (low_y, high_y, reach) in
+        [(0.0, 0.35, 0.05), (UPPER_FLOOR, UPPER_FLOOR + 0.2, 0.04), (WALL_TOP, WALL_TOP + 0.25, 0.12)]
+    {
         let low = dvec3(-DEPTH, low_y, DEPTH - reach);
         let high = dvec3(length + DEPTH, high_y, DEPTH + 0.3 + reach);
         block(canvas, paint.limestone, &side.frame, low, high);
@@ -131,16 +113,13 @@ fn wall_bay(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3, bay: u32) {
     let on_wall = *frame * place(0.0, 0.0, DEPTH, 0.5);
     let mut slab = |half: f64, low_y: f64, high_y: f64, depth: f64| {
         let left = -0.5 * BAY;
-        let (low, high) = (
-            dvec3(left - half, low_y, 0.0),
-            dvec3(left + half, high_y, depth),
-        );
+        let (low, high) = (dvec3(left - half, low_y, 0.0), dvec3(left + half, high_y, depth));
         block(canvas, paint.limestone, &on_wall, low, high);
     };
     slab(0.24, 0.0, 0.5, 0.16);
     slab(0.2, 0.5, SPRINGING - 0.2, 0.12);
     slab(0.26, SPRINGING - 0.2, SPRINGING, 0.18);
-    if bay % 2 == 0 {
+    if bay.is_multiple_of(2) {
         door(canvas, paint, &on_wall);
     } else {
         vase_on_pedestal(canvas, paint, &(on_wall * place(0.0, 0.0, 0.45, 0.0)));
@@ -156,10 +135,7 @@ fn door(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
     let steps = canvas.steps(2.0, 1);
     for leaf in [-1.0, 1.0] {
         let centre = 0.3 * leaf;
-        let (low, high) = (
-            dvec3(centre - 0.29, 0.0, 0.0),
-            dvec3(centre + 0.29, 2.3, 0.05),
-        );
+        let (low, high) = (dvec3(centre - 0.29, 0.0, 0.0), dvec3(centre + 0.29, 2.3, 0.05));
         block(canvas, paint.wood, frame, low, high);
         for (bottom, top) in [(0.12, 0.72), (0.82, 1.42), (1.52, 2.18)] {
             let low = dvec3(centre - 0.21, bottom, 0.02);
@@ -167,47 +143,17 @@ fn door(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
             rounded_block(canvas, paint.wood, frame, [low, high], 0.03, steps);
         }
         let knob = *frame * place(0.06 * leaf, 1.1, 0.05, 0.0) * tilt(0.25);
-        let turned = [
-            [0.012, 0.0],
-            [0.012, 0.03],
-            [0.035, 0.05],
-            [0.03, 0.08],
-            [0.0, 0.09],
-        ];
-        revolve(
-            canvas,
-            paint.bronze,
-            &knob,
-            &[&turned],
-            [4 * steps + 4, steps],
-        );
+        let turned = [[0.012, 0.0], [0.012, 0.03], [0.035, 0.05], [0.03, 0.08], [0.0, 0.09]];
+        revolve(canvas, paint.bronze, &knob, &[&turned], [4 * steps + 4, steps]);
     }
 }
 
 fn vase_on_pedestal(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
-    block(
-        canvas,
-        paint.marble,
-        frame,
-        dvec3(-0.22, 0.0, -0.22),
-        dvec3(0.22, 0.9, 0.22),
-    );
-    block(
-        canvas,
-        paint.marble,
-        frame,
-        dvec3(-0.27, 0.9, -0.27),
-        dvec3(0.27, 0.98, 0.27),
-    );
+    block(canvas, paint.marble, frame, dvec3(-0.22, 0.0, -0.22), dvec3(0.22, 0.9, 0.22));
+    block(canvas, paint.marble, frame, dvec3(-0.27, 0.9, -0.27), dvec3(0.27, 0.98, 0.27));
     let facets = [canvas.steps(28.0, 8), canvas.steps(4.0, 1)];
     let foot = [[0.12, 0.98], [0.1, 1.02], [0.05, 1.08]];
-    let belly = [
-        [0.05, 1.08],
-        [0.19, 1.25],
-        [0.2, 1.4],
-        [0.09, 1.58],
-        [0.13, 1.66],
-    ];
+    let belly = [[0.05, 1.08], [0.19, 1.25], [0.2, 1.4], [0.09, 1.58], [0.13, 1.66]];
     revolve(canvas, paint.bronze, frame, &[&foot, &belly], facets);
 }
 
@@ -219,10 +165,7 @@ fn upper_bay(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
     ring(canvas, paint.limestone, &upright, [low, high], 0.1);
     for shutter in [-1.0, 1.0] {
         let centre = 0.26 * shutter;
-        let (low, high) = (
-            dvec3(centre - 0.25, 0.01, -2.39),
-            dvec3(centre + 0.25, 0.06, -0.81),
-        );
+        let (low, high) = (dvec3(centre - 0.25, 0.01, -2.39), dvec3(centre + 0.25, 0.06, -0.81));
         ring(canvas, paint.wood, &upright, [low, high], 0.05);
         let slats = canvas.steps(22.0, 5);
         for slat in 0..slats {
@@ -235,10 +178,7 @@ fn upper_bay(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
     }
     for beam in 0..3 {
         let x = BAY * (f64::from(beam) / 3.0 - 0.5);
-        let (low, high) = (
-            dvec3(x - 0.09, CORNICE - 0.05, 0.0),
-            dvec3(x + 0.09, CORNICE + 0.17, DEPTH),
-        );
+        let (low, high) = (dvec3(x - 0.09, CORNICE - 0.05, 0.0), dvec3(x + 0.09, CORNICE + 0.17, DEPTH));
         block(canvas, paint.wood, frame, low, high);
     }
 }
@@ -268,12 +208,7 @@ fn roof(canvas: &mut Canvas, paint: &Paint, side: &Side, seed: u64) {
     let slope = (WALL_TOP - EAVES_HEIGHT) / (DEPTH - EAVES);
     let length = side.length();
     let at = |x: f64, z: f64| side.point(dvec3(x, EAVES_HEIGHT + slope * (z - EAVES), z));
-    let boards = [
-        at(-EAVES, EAVES),
-        at(length + EAVES, EAVES),
-        at(length + DEPTH, DEPTH),
-        at(-DEPTH, DEPTH),
-    ];
+    let boards = [at(-EAVES, EAVES), at(length + EAVES, EAVES), at(length + DEPTH, DEPTH), at(-DEPTH, DEPTH)];
     patch(canvas, paint.wood, boards, [1, 1]);
     let [a, b, c, d] = boards.map(|corner| corner + DVec3::Y * 0.05);
     patch(canvas, paint.roof_tile, [b, a, d, c], [1, 1]);
@@ -292,19 +227,13 @@ fn roof(canvas: &mut Canvas, paint: &Paint, side: &Side, seed: u64) {
             let tile_length = (DEPTH - start) / f64::from(tiles);
             let near = start + tile_length * f64::from(tile);
             let askew = dice.between(-0.012, 0.012);
-            sheet(
-                canvas,
-                paint.roof_tile,
-                [around, 1],
-                Shading::Smooth,
-                |u, v| {
-                    let (sine, cosine) = sin_cos(0.5 * u);
-                    // Each tile's lower end lies on the one below it.
-                    let radius = 0.11 - 0.02 * v;
-                    let point = at(x + askew - radius * cosine, near + tile_length * 1.1 * v);
-                    point + DVec3::Y * (radius * sine + 0.06 - 0.02 * v)
-                },
-            );
+            sheet(canvas, paint.roof_tile, [around, 1], Shading::Smooth, |u, v| {
+                let (sine, cosine) = sin_cos(0.5 * u);
+                // Each tile's lower end lies on the one below it.
+                let radius = 0.11 - 0.02 * v;
+                let point = at(x + askew - radius * cosine, near + tile_length * 1.1 * v);
+                point + DVec3::Y * (radius * sine + 0.06 - 0.02 * v)
+            });
         }
     }
 }

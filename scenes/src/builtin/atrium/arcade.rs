@@ -23,14 +23,7 @@ struct Storey {
     flutes: u32,
 }
 
-const GROUND: Storey = Storey {
-    floor: 0.0,
-    springing: 3.0,
-    reach: 1.2,
-    top: 4.75,
-    girth: 1.0,
-    flutes: 16,
-};
+const GROUND: Storey = Storey { floor: 0.0, springing: 3.0, reach: 1.2, top: 4.75, girth: 1.0, flutes: 16 };
 const UPPER: Storey = Storey {
     floor: UPPER_FLOOR,
     springing: 2.4,
@@ -86,37 +79,18 @@ fn draw_column(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3, storey: &St
     plinth(canvas, 0.4 * girth, height - 0.05, height);
     let facets = [canvas.steps(26.0, 8), canvas.steps(2.0, 1)];
     let scaled = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
-        points
-            .iter()
-            .map(|[radius, height]| [radius * girth, *height])
-            .collect()
+        points.iter().map(|[radius, height]| [radius * girth, *height]).collect()
     };
     let base = scaled(&[[0.3, 0.15], [0.335, 0.2], [0.3, 0.26]]);
     let hollow = scaled(&[[0.28, 0.26], [0.25, 0.31], [0.27, 0.36]]);
     let upper_base = scaled(&[[0.27, 0.36], [0.295, 0.4], [0.25, 0.45]]);
-    revolve(
-        canvas,
-        paint.marble,
-        frame,
-        &[&base, &hollow, &upper_base],
-        facets,
-    );
+    revolve(canvas, paint.marble, frame, &[&base, &hollow, &upper_base], facets);
     let neck = height - 0.6;
     shaft(canvas, paint.marble, frame, storey, neck);
     let collar = scaled(&[[0.215, neck], [0.25, neck + 0.03], [0.215, neck + 0.06]]);
-    let bell = scaled(&[
-        [0.205, neck + 0.06],
-        [0.21, neck + 0.2],
-        [0.25, neck + 0.36],
-        [0.36, neck + 0.47],
-    ]);
+    let bell = scaled(&[[0.205, neck + 0.06], [0.21, neck + 0.2], [0.25, neck + 0.36], [0.36, neck + 0.47]]);
     revolve(canvas, paint.marble, frame, &[&collar, &bell], facets);
-    capital_leaves(
-        canvas,
-        paint,
-        &(*frame * place(0.0, neck + 0.08, 0.0, 0.0)),
-        girth,
-    );
+    capital_leaves(canvas, paint, &(*frame * place(0.0, neck + 0.08, 0.0, 0.0)), girth);
 }
 
 /// The shaft of a column, a little thinner at its top; fluted where the detail allows.
@@ -124,11 +98,7 @@ fn shaft(canvas: &mut Canvas, material: u32, frame: &DAffine3, storey: &Storey, 
     let facets = canvas.steps(4.0, 1);
     let fluted = facets > 1 && storey.flutes > 0;
     let plain = canvas.steps(24.0, 8);
-    let around = if fluted {
-        storey.flutes * facets
-    } else {
-        plain
-    };
+    let around = if fluted { storey.flutes * facets } else { plain };
     let rows = canvas.steps(6.0, 1);
     let depth = if fluted { 0.06 } else { 0.0 };
     sheet(canvas, material, [around, rows], Shading::Smooth, |u, v| {
@@ -155,9 +125,9 @@ fn capital_leaves(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3, girth: f
                 let across = 2.0 * u - 1.0;
                 // Wide in the middle, pointed at the top, where it curls outwards and down.
                 let width = 0.085 * girth * (1.0 - v * v * v) + 0.004;
-                let curl = (v - 0.7).max(0.0);
-                let out = girth * (0.225 + 0.04 * v + 0.5 * curl - 0.012 * across * across);
-                let y = height * (v - 2.4 * curl * curl);
+                let curl = (v - 0.65).max(0.0);
+                let out = girth * (0.225 + 0.04 * v + 0.45 * curl - 0.012 * across * across);
+                let y = height * (v - 1.6 * curl * curl);
                 frame.transform_point3(dvec3(across * width, y, out))
             });
         }
@@ -181,42 +151,22 @@ fn arch(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3, storey: &Storey) {
         dvec3(x, storey.springing + y, 0.0)
     };
     for (face, outward) in [(-HALF_WALL, false), (HALF_WALL, true)] {
-        sheet(
-            canvas,
-            paint.limestone,
-            [around, rows],
-            Shading::Flat,
-            |u, v| {
-                let u = if outward { u } else { 1.0 - u };
-                let (inner, outer) = (on_arch(u, storey.reach), on_edge(u));
-                frame.transform_point3(inner + (outer - inner) * v + DVec3::Z * face)
-            },
-        );
-        moulding(canvas, paint, frame, face, |u| {
-            on_arch(u, storey.reach + 0.09)
+        sheet(canvas, paint.limestone, [around, rows], Shading::Flat, |u, v| {
+            let u = if outward { u } else { 1.0 - u };
+            let (inner, outer) = (on_arch(u, storey.reach), on_edge(u));
+            frame.transform_point3(inner + (outer - inner) * v + DVec3::Z * face)
         });
+        moulding(canvas, paint, frame, face, |u| on_arch(u, storey.reach + 0.09));
     }
-    sheet(
-        canvas,
-        paint.limestone,
-        [around, rows],
-        Shading::Smooth,
-        |u, v| {
-            let depth = HALF_WALL * (2.0 * v - 1.0);
-            frame.transform_point3(on_arch(u, storey.reach) + DVec3::Z * depth)
-        },
-    );
+    sheet(canvas, paint.limestone, [around, rows], Shading::Smooth, |u, v| {
+        let depth = HALF_WALL * (2.0 * v - 1.0);
+        frame.transform_point3(on_arch(u, storey.reach) + DVec3::Z * depth)
+    });
     keystone(canvas, paint, frame, storey);
 }
 
 /// A round bar along an arch, on one face of its wall.
-fn moulding(
-    canvas: &mut Canvas,
-    paint: &Paint,
-    frame: &DAffine3,
-    face: f64,
-    on_arch: impl Fn(f64) -> DVec3,
-) {
+fn moulding(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3, face: f64, on_arch: impl Fn(f64) -> DVec3) {
     let along = canvas.steps(26.0, 6);
     let around = canvas.steps(7.0, 4);
     let path: Vec<DVec3> = (0..=along)
@@ -231,10 +181,7 @@ fn moulding(
 fn keystone(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3, storey: &Storey) {
     let crown = storey.springing + storey.reach;
     let depth = HALF_WALL + 0.09;
-    let (low, high) = (
-        dvec3(-0.11, crown - 0.04, -depth),
-        dvec3(0.11, crown + 0.26, depth),
-    );
+    let (low, high) = (dvec3(-0.11, crown - 0.04, -depth), dvec3(0.11, crown + 0.26, depth));
     block(canvas, paint.limestone, frame, low, high);
 }
 
@@ -242,10 +189,7 @@ fn keystone(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3, storey: &Store
 fn balustrade(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
     let mut bar = |half_width: f64, bottom: f64, top: f64| {
         let half = 0.5 * BAY - 0.2;
-        let (low, high) = (
-            dvec3(-half, bottom, -half_width),
-            dvec3(half, top, half_width),
-        );
+        let (low, high) = (dvec3(-half, bottom, -half_width), dvec3(half, top, half_width));
         block(canvas, paint.limestone, frame, low, high);
     };
     bar(0.13, 0.0, 0.12);
@@ -257,21 +201,9 @@ fn balustrade(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
         let frame = *frame * place(x * (BAY - 0.4), 0.12, 0.0, 0.0);
         let facets = [canvas.steps(11.0, 5), canvas.steps(2.0, 1)];
         let foot: [[f64; 2]; 2] = [[0.07, 0.0], [0.07, 0.06]];
-        let belly = [
-            [0.045, 0.06],
-            [0.05, 0.12],
-            [0.085, 0.24],
-            [0.05, 0.44],
-            [0.035, 0.58],
-        ];
+        let belly = [[0.045, 0.06], [0.05, 0.12], [0.085, 0.24], [0.05, 0.44], [0.035, 0.58]];
         let head = [[0.035, 0.58], [0.06, 0.62], [0.045, 0.66], [0.07, 0.73]];
-        revolve(
-            canvas,
-            paint.marble,
-            &frame,
-            &[&foot, &belly, &head],
-            facets,
-        );
+        revolve(canvas, paint.marble, &frame, &[&foot, &belly, &head], facets);
     }
 }
 

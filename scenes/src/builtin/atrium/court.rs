@@ -35,27 +35,15 @@ fn paving(canvas: &mut Canvas, paint: &Paint) {
     let (columns, rows) = ((2.0 * half_x / 0.8) as u32, (2.0 * half_z / 0.8) as u32);
     let at = |column: u32, row: u32| {
         let x = 2.0 * half_x * f64::from(column) / f64::from(columns) - half_x;
-        dvec3(
-            x,
-            0.0,
-            2.0 * half_z * f64::from(row) / f64::from(rows) - half_z,
-        )
+        dvec3(x, 0.0, 2.0 * half_z * f64::from(row) / f64::from(rows) - half_z)
     };
     for column in 0..columns {
         for row in 0..rows {
             let rim = column == 0 || row == 0 || column + 1 == columns || row + 1 == rows;
             let light = rim || (column + row) % 2 == 0;
-            let material = if light {
-                paint.limestone
-            } else {
-                paint.light_tile
-            };
-            let corners = [
-                at(column, row + 1),
-                at(column + 1, row + 1),
-                at(column + 1, row),
-                at(column, row),
-            ];
+            let material = if light { paint.limestone } else { paint.light_tile };
+            let corners =
+                [at(column, row + 1), at(column + 1, row + 1), at(column + 1, row), at(column, row)];
             patch(canvas, material, corners, [1, 1]);
         }
     }
@@ -67,68 +55,25 @@ fn fountain(canvas: &mut Canvas, paint: &Paint) {
     let frame = place(2.0, 0.0, 0.0, 0.0);
     let step: [[f64; 2]; 3] = [[1.75, 0.0], [1.75, 0.12], [1.45, 0.12]];
     let wall = [[1.3, 0.12], [1.38, 0.3], [1.3, 0.5]];
-    let rim = [
-        [1.3, 0.5],
-        [1.42, 0.53],
-        [1.42, 0.58],
-        [1.2, 0.6],
-        [1.16, 0.5],
-    ];
+    let rim = [[1.3, 0.5], [1.42, 0.53], [1.42, 0.58], [1.2, 0.6], [1.16, 0.5]];
     let inside = [[1.16, 0.5], [1.1, 0.2]];
     let pieces: [&[[f64; 2]]; 5] = [&step[..2], &step[1..], &wall, &rim, &inside];
     revolve(canvas, paint.marble, &frame, &pieces, facets);
-    revolve(
-        canvas,
-        paint.water,
-        &frame,
-        &[&[[1.15, 0.46], [0.0, 0.46]]],
-        [facets[0], 1],
-    );
-    let stem = [
-        [0.3, 0.2],
-        [0.22, 0.5],
-        [0.1, 0.8],
-        [0.16, 1.1],
-        [0.1, 1.25],
-    ];
+    revolve(canvas, paint.water, &frame, &[&[[1.15, 0.46], [0.0, 0.46]]], [facets[0], 1]);
+    let stem = [[0.3, 0.2], [0.22, 0.5], [0.1, 0.8], [0.16, 1.1], [0.1, 1.25]];
     let bowl = [[0.1, 1.25], [0.5, 1.38], [0.72, 1.55], [0.74, 1.6]];
     let bowl_inside = [[0.74, 1.6], [0.66, 1.57], [0.3, 1.45]];
     let upper_stem = [[0.12, 1.4], [0.07, 1.65], [0.1, 1.9], [0.06, 2.0]];
-    let upper_bowl = [
-        [0.06, 2.0],
-        [0.26, 2.08],
-        [0.38, 2.2],
-        [0.36, 2.22],
-        [0.1, 2.12],
-    ];
-    let finial = [
-        [0.05, 2.1],
-        [0.1, 2.22],
-        [0.05, 2.34],
-        [0.07, 2.42],
-        [0.0, 2.56],
-    ];
+    let upper_bowl = [[0.06, 2.0], [0.26, 2.08], [0.38, 2.2], [0.36, 2.22], [0.1, 2.12]];
+    let finial = [[0.05, 2.1], [0.1, 2.22], [0.05, 2.34], [0.07, 2.42], [0.0, 2.56]];
     revolve(
         canvas,
         paint.marble,
         &frame,
-        &[
-            &stem,
-            &bowl,
-            &bowl_inside,
-            &upper_stem,
-            &upper_bowl,
-            &finial,
-        ],
+        &[&stem, &bowl, &bowl_inside, &upper_stem, &upper_bowl, &finial],
         facets,
     );
-    revolve(
-        canvas,
-        paint.water,
-        &frame,
-        &[&[[0.68, 1.575], [0.08, 1.575]]],
-        [facets[0], 1],
-    );
+    revolve(canvas, paint.water, &frame, &[&[[0.68, 1.575], [0.08, 1.575]]], [facets[0], 1]);
 }
 
 /// A curtain in an arch of the ground floor, drawn to one side and tied.
@@ -142,13 +87,9 @@ fn curtain(canvas: &mut Canvas, cloth: u32, frame: &DAffine3, seed: u64) {
         let height = 0.04 + 2.9 * v;
         // Widest at the rod, narrowest at the tie, a little wider again at the floor.
         let tie = (v - 0.38).abs();
-        let spread = if v > 0.38 {
-            0.13 + 2.3 * tie * tie
-        } else {
-            0.13 + 0.5 * tie * tie
-        };
+        let spread = if v > 0.38 { 0.13 + 2.3 * tie * tie } else { 0.13 + 0.5 * tie * tie };
         let (wave, _) = sin_cos(folds * u + phase + 0.12 * v);
-        let depth = (0.03 + 0.05 * spread) * wave;
+        let depth = (0.018 + 0.06 * spread) * wave;
         let sway = 0.02 * fractal_noise(seed, 4.0 * u, 3.0 * v, 2);
         let x = hand * (1.16 - 2.32 * spread.min(1.0) * if hand > 0.0 { 1.0 - u } else { u });
         frame.transform_point3(dvec3(x, height, depth + sway))
@@ -163,20 +104,12 @@ fn banner(canvas: &mut Canvas, cloth: u32, frame: &DAffine3, seed: u64) {
     sheet(canvas, cloth, cells, Shading::Smooth, |u, v| {
         let across = 1.0 - 2.0 * u;
         // From the lower end of the cloth up to the rail and a little over it.
-        let (y, z) = if v < 0.9 {
-            (-1.9 + 2.89 * v / 0.9, -0.52)
-        } else {
-            (0.99, -0.52 + 6.5 * (v - 0.9))
-        };
+        let (y, z) = if v < 0.9 { (-1.9 + 2.89 * v / 0.9, -0.52) } else { (0.99, -0.52 + 6.5 * (v - 0.9)) };
         let hang = 1.0 - v;
         let (wave, _) = sin_cos(3.0 * u + 0.1 * f64::from(seed as u32));
         let billow = 0.05 * hang * wave + 0.05 * hang * fractal_noise(seed, 3.0 * u, 3.0 * v, 3);
         // The lower end is cut to a point.
-        let point = if v == 0.0 {
-            -0.35 * (1.0 - across.abs())
-        } else {
-            0.0
-        };
+        let point = if v == 0.0 { -0.35 * (1.0 - across.abs()) } else { 0.0 };
         frame.transform_point3(dvec3(0.75 * across, y + point, z + billow))
     });
 }
@@ -188,13 +121,7 @@ fn potted_plant(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3, seed: u64)
     let belly = [[0.21, 0.04], [0.3, 0.25], [0.31, 0.42], [0.26, 0.52]];
     let rim = [[0.26, 0.52], [0.32, 0.54], [0.31, 0.59], [0.25, 0.58]];
     revolve(canvas, paint.clay, frame, &[&foot, &belly, &rim], facets);
-    revolve(
-        canvas,
-        paint.wood,
-        frame,
-        &[&[[0.25, 0.54], [0.0, 0.56]]],
-        [facets[0], 1],
-    );
+    revolve(canvas, paint.wood, frame, &[&[[0.25, 0.54], [0.0, 0.56]]], [facets[0], 1]);
     let mut dice = Dice::of_cell(41, seed as i64, 0);
     for _ in 0..7 {
         let (sine, cosine) = sin_cos(dice.unit());
@@ -212,10 +139,5 @@ fn potted_plant(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3, seed: u64)
     let count = canvas.steps(320.0, 40);
     let size = 0.24 * (320.0 / f64::from(count)).sqrt();
     let crown = *frame * place(0.0, 1.2, 0.0, 0.0) * stretch(0.52, 0.55, 0.52);
-    Leaves {
-        material: paint.leaves,
-        count,
-        size,
-    }
-    .draw(canvas, &crown, &mut dice);
+    Leaves { material: paint.leaves, count, size }.draw(canvas, &crown, &mut dice);
 }

@@ -83,16 +83,12 @@ fn setting() -> Setting {
     let mut materials = Materials::default();
     Paint::new(&mut materials);
     let warm = [24.0, 19.0, 12.0];
-    let light =
-        |lantern: Lantern| sphere_light(lantern.frame.translation.as_vec3().to_array(), warm);
+    let light = |lantern: Lantern| sphere_light(lantern.frame.translation.as_vec3().to_array(), warm);
     Setting {
         materials: materials.0,
         textures: vec![sprig_texture()],
         lights: lanterns().map(light).to_vec(),
-        environment: Some(Environment {
-            zenith: [1.5, 2.0, 2.9],
-            nadir: [0.6, 0.54, 0.48],
-        }),
+        environment: Some(Environment { zenith: [1.5, 2.0, 2.9], nadir: [0.6, 0.54, 0.48] }),
         cameras: vec![
             camera("court", [-10.9, 1.7, 1.6], [6.0, 3.9, -0.9], 0.17),
             camera("gallery", [9.6, 6.9, 6.4], [-4.0, 4.0, -2.6], 0.17),
@@ -113,16 +109,8 @@ impl Side {
         let [x, z] = COURT;
         let long = (2.0 * x / BAY) as u32;
         let short = (2.0 * z / BAY) as u32;
-        [
-            (-x, z, long, 0.0),
-            (x, z, short, 0.25),
-            (x, -z, long, 0.5),
-            (-x, -z, short, 0.75),
-        ]
-        .map(|(x, z, bays, turns)| Self {
-            frame: place(x, 0.0, z, turns),
-            bays,
-        })
+        [(-x, z, long, 0.0), (x, z, short, 0.25), (x, -z, long, 0.5), (-x, -z, short, 0.75)]
+            .map(|(x, z, bays, turns)| Self { frame: place(x, 0.0, z, turns), bays })
     }
 
     fn length(&self) -> f64 {
@@ -153,18 +141,8 @@ fn lanterns() -> [Lantern; 6] {
     let [front, _, back, _] = Side::all();
     let lower = |side: &Side, bay| (side.bay(bay, 3.27), 1.1);
     let upper = |side: &Side, bay| (side.bay(bay, UPPER_FLOOR + 3.0), 2.0);
-    [
-        lower(&front, 1),
-        lower(&front, 6),
-        lower(&back, 1),
-        lower(&back, 6),
-        upper(&front, 4),
-        upper(&back, 4),
-    ]
-    .map(|(bay, chain)| Lantern {
-        frame: bay * place(0.0, 0.0, 0.5 * DEPTH, 0.0),
-        chain,
-    })
+    [lower(&front, 1), lower(&front, 6), lower(&back, 1), lower(&back, 6), upper(&front, 4), upper(&back, 4)]
+        .map(|(bay, chain)| Lantern { frame: bay * place(0.0, 0.0, 0.5 * DEPTH, 0.0), chain })
 }
 
 fn draw(canvas: &mut Canvas) {

@@ -29,12 +29,7 @@ impl Tier {
 /// One large tower on a podium, or four smaller ones.
 pub(super) fn tower_block(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
     if plot.dice.chance(0.4) {
-        let podium = Tier {
-            half: DVec2::splat(HALF_LOT - 1.0),
-            foot: KERB,
-            floors: 3,
-            floor_height: 4.5,
-        };
+        let podium = Tier { half: DVec2::splat(HALF_LOT - 1.0), foot: KERB, floors: 3, floor_height: 4.5 };
         let frame = plot.frame;
         glass_tier(canvas, paint, plot, &frame, &podium, paint.sandstone);
         roof(canvas, paint, plot, &frame, &podium);
@@ -65,36 +60,19 @@ pub(super) fn flats_block(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
     }
     for _ in 0..3 {
         let frame = plot.frame
-            * place(
-                plot.dice.between(-6.0, 6.0),
-                KERB,
-                plot.dice.between(-6.0, 6.0),
-                plot.dice.unit(),
-            );
+            * place(plot.dice.between(-6.0, 6.0), KERB, plot.dice.between(-6.0, 6.0), plot.dice.unit());
         let height = plot.dice.between(5.0, 8.0);
         super::tree(canvas, paint, plot, &frame, height);
     }
 }
 
 /// A tower that steps back as it rises.
-fn tower(
-    canvas: &mut Canvas,
-    paint: &Paint,
-    plot: &mut Plot,
-    frame: &DAffine3,
-    half: DVec2,
-    foot: f64,
-) {
+fn tower(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot, frame: &DAffine3, half: DVec2, foot: f64) {
     let tiers = 1 + plot.dice.below(4) as u32;
     let nearness = (1.0 - plot.distance() / 4.0).max(0.2);
     let floors = 8 + (plot.dice.between(0.2, 1.0) * 38.0 * nearness) as u32;
     let ribs = [paint.concrete, paint.steel, paint.sandstone, paint.white][plot.dice.below(4)];
-    let mut tier = Tier {
-        half,
-        foot,
-        floors: 0,
-        floor_height: 3.5,
-    };
+    let mut tier = Tier { half, foot, floors: 0, floor_height: 3.5 };
     for index in 0..tiers {
         tier.foot = tier.top();
         tier.floors = (floors / tiers).max(3);
@@ -108,42 +86,21 @@ fn tower(
     if spire {
         let top = tier.top();
         let height = 0.25 * (top - foot);
-        let path =
-            [0.0, 0.5, 1.0].map(|t| frame.transform_point3(dvec3(0.0, top + height * t, 0.0)));
+        let path = [0.0, 0.5, 1.0].map(|t| frame.transform_point3(dvec3(0.0, top + height * t, 0.0)));
         tube(canvas, paint.steel, &path, |t| 0.45 - 0.4 * t, 6);
     }
 }
 
 /// A glass core with a ledge on every floor and ribs up the façade.
-fn glass_tier(
-    canvas: &mut Canvas,
-    paint: &Paint,
-    plot: &Plot,
-    frame: &DAffine3,
-    tier: &Tier,
-    ribs: u32,
-) {
-    let Tier {
-        half,
-        foot,
-        floors,
-        floor_height,
-    } = *tier;
-    let (low, high) = (
-        dvec3(-half.x, foot, -half.y),
-        dvec3(half.x, tier.top(), half.y),
-    );
+fn glass_tier(canvas: &mut Canvas, paint: &Paint, plot: &Plot, frame: &DAffine3, tier: &Tier, ribs: u32) {
+    let Tier { half, foot, floors, floor_height } = *tier;
+    let (low, high) = (dvec3(-half.x, foot, -half.y), dvec3(half.x, tier.top(), half.y));
     block(canvas, paint.glass, frame, low, high);
     let ledges = plot.steps(canvas, f64::from(floors), 1).min(floors);
     for ledge in 0..ledges {
         let y = foot + (tier.top() - foot) * f64::from(ledge) / f64::from(ledges);
         let thickness = 0.28 * floor_height;
-        let profile = [
-            [0.0, y],
-            [0.22, y],
-            [0.22, y + thickness],
-            [0.0, y + thickness],
-        ];
+        let profile = [[0.0, y], [0.22, y], [0.22, y + thickness], [0.0, y + thickness]];
         band(canvas, ribs, frame, tier.rectangle(), &profile);
     }
     for side in 0..4 {
@@ -151,10 +108,7 @@ fn glass_tier(
         let bays = plot.steps(canvas, width / 1.5, 1);
         for rib in 0..=bays {
             let x = width * (2.0 * f64::from(rib) / f64::from(bays) - 1.0);
-            let (low, high) = (
-                dvec3(x - 0.16, foot, -0.1),
-                dvec3(x + 0.16, tier.top(), 0.34),
-            );
+            let (low, high) = (dvec3(x - 0.16, foot, -0.1), dvec3(x + 0.16, tier.top(), 0.34));
             block(canvas, ribs, &facade, low, high);
         }
     }
@@ -162,31 +116,15 @@ fn glass_tier(
 
 /// The frame of one side of a footprint, x along it and z outwards, and half its width.
 fn facade(frame: &DAffine3, half: DVec2, side: u32) -> (DAffine3, f64) {
-    let (out, width) = if side % 2 == 0 {
-        (half.y, half.x)
-    } else {
-        (half.x, half.y)
-    };
+    let (out, width) = if side.is_multiple_of(2) { (half.y, half.x) } else { (half.x, half.y) };
     let turned = *frame * place(0.0, 0.0, 0.0, 0.25 * f64::from(side));
     (turned * place(0.0, 0.0, out, 0.0), width)
 }
 
 /// Brick or plaster flats: walls between the windows, sills, balconies, a parapet.
-fn flats(
-    canvas: &mut Canvas,
-    paint: &Paint,
-    plot: &mut Plot,
-    frame: &DAffine3,
-    half: DVec2,
-    floors: u32,
-) {
+fn flats(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot, frame: &DAffine3, half: DVec2, floors: u32) {
     let wall = [paint.brick, paint.sandstone, paint.white, paint.concrete][plot.dice.below(4)];
-    let tier = Tier {
-        half,
-        foot: KERB,
-        floors,
-        floor_height: 3.1,
-    };
+    let tier = Tier { half, foot: KERB, floors, floor_height: 3.1 };
     let top = tier.top();
     let (low, high) = (dvec3(-half.x, KERB, -half.y), dvec3(half.x, top, half.y));
     block(canvas, paint.glass, frame, low, high);
@@ -196,13 +134,7 @@ fn flats(
         let profile = [[0.0, foot], [0.25, foot], [0.25, y + 0.9], [0.0, y + 0.9]];
         band(canvas, wall, frame, tier.rectangle(), &profile);
     }
-    let profile = [
-        [0.0, top - 0.6],
-        [0.25, top - 0.6],
-        [0.45, top - 0.2],
-        [0.45, top],
-        [0.0, top],
-    ];
+    let profile = [[0.0, top - 0.6], [0.25, top - 0.6], [0.45, top - 0.2], [0.45, top], [0.0, top]];
     band(canvas, wall, frame, tier.rectangle(), &profile);
     for side in 0..4 {
         let (facade, width) = facade(frame, half, side);
@@ -212,22 +144,12 @@ fn flats(
 }
 
 /// Walls between the windows of one façade, sills below them, and columns of balconies.
-fn windows(
-    canvas: &mut Canvas,
-    plot: &mut Plot,
-    facade: &DAffine3,
-    tier: &Tier,
-    width: f64,
-    wall: u32,
-) {
+fn windows(canvas: &mut Canvas, plot: &mut Plot, facade: &DAffine3, tier: &Tier, width: f64, wall: u32) {
     let bays = plot.steps(canvas, width / 1.4, 1).max(2);
     let bay = 2.0 * width / f64::from(bays);
     for pier in 0..=bays {
         let x = -width + bay * f64::from(pier);
-        let (low, high) = (
-            dvec3(x - 0.45, KERB, -0.1),
-            dvec3(x + 0.45, tier.top(), 0.25),
-        );
+        let (low, high) = (dvec3(x - 0.45, KERB, -0.1), dvec3(x + 0.45, tier.top(), 0.25));
         block(canvas, wall, facade, low, high);
     }
     for column in 0..bays {
@@ -240,10 +162,7 @@ fn windows(
                 balcony(canvas, facade, x, y, 0.42 * bay, wall);
             } else if !bare {
                 let reach = 0.5 * bay - 0.38;
-                let (low, high) = (
-                    dvec3(x - reach, y + 0.9, 0.0),
-                    dvec3(x + reach, y + 0.97, 0.42),
-                );
+                let (low, high) = (dvec3(x - reach, y + 0.9, 0.0), dvec3(x + reach, y + 0.97, 0.42));
                 block(canvas, wall, facade, low, high);
             }
         }
@@ -254,13 +173,7 @@ fn windows(
 fn balcony(canvas: &mut Canvas, facade: &DAffine3, x: f64, y: f64, half: f64, material: u32) {
     let mut part = |low: [f64; 3], high: [f64; 3]| {
         let offset = dvec3(x, y, 0.25);
-        block(
-            canvas,
-            material,
-            facade,
-            offset + DVec3::from(low),
-            offset + DVec3::from(high),
-        );
+        block(canvas, material, facade, offset + DVec3::from(low), offset + DVec3::from(high));
     };
     part([-half, -0.12, 0.0], [half, 0.0, 1.2]);
     part([-half, 0.0, 1.12], [half, 1.0, 1.2]);
@@ -271,18 +184,9 @@ fn balcony(canvas: &mut Canvas, facade: &DAffine3, x: f64, y: f64, half: f64, ma
 /// A flat roof: felt, parapet, stair head, vents and sometimes a water tank.
 fn roof(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot, frame: &DAffine3, tier: &Tier) {
     let (half, top) = (tier.half, tier.top());
-    let (low, high) = (
-        dvec3(-half.x, top, -half.y),
-        dvec3(half.x, top + 0.1, half.y),
-    );
+    let (low, high) = (dvec3(-half.x, top, -half.y), dvec3(half.x, top + 0.1, half.y));
     block(canvas, paint.roof, frame, low, high);
-    let profile = [
-        [0.0, top],
-        [0.3, top],
-        [0.3, top + 0.9],
-        [0.0, top + 0.9],
-        [0.0, top + 0.1],
-    ];
+    let profile = [[0.0, top], [0.3, top], [0.3, top + 0.9], [0.0, top + 0.9], [0.0, top + 0.1]];
     band(canvas, paint.concrete, frame, tier.rectangle(), &profile);
     let mut somewhere = |share: f64| {
         let x = plot.dice.between(-share, share) * half.x;
@@ -291,38 +195,17 @@ fn roof(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot, frame: &DAffine3, t
     let stair = *frame * somewhere(0.4);
     let vents: Vec<DAffine3> = (0..4).map(|_| *frame * somewhere(0.8)).collect();
     let tank = *frame * somewhere(0.6);
-    block(
-        canvas,
-        paint.concrete,
-        &stair,
-        dvec3(-1.6, 0.0, -2.0),
-        dvec3(1.6, 2.6, 2.0),
-    );
+    block(canvas, paint.concrete, &stair, dvec3(-1.6, 0.0, -2.0), dvec3(1.6, 2.6, 2.0));
     for vent in &vents {
-        block(
-            canvas,
-            paint.steel,
-            vent,
-            dvec3(-0.6, 0.0, -0.5),
-            dvec3(0.6, 0.9, 0.5),
-        );
+        block(canvas, paint.steel, vent, dvec3(-0.6, 0.0, -0.5), dvec3(0.6, 0.9, 0.5));
     }
     if plot.dice.chance(0.4) {
         let around = plot.steps(canvas, 14.0, 6);
         let profile = [[1.3, 1.6], [1.3, 4.2], [0.0, 5.2]];
         let floor = [[0.0, 1.6], [1.3, 1.6]];
-        revolve(
-            canvas,
-            paint.bark,
-            &tank,
-            &[&floor, &profile[..2], &profile[1..]],
-            [around, 1],
-        );
+        revolve(canvas, paint.bark, &tank, &[&floor, &profile[..2], &profile[1..]], [around, 1]);
         for (x, z) in [(-0.8, -0.8), (0.8, -0.8), (0.8, 0.8), (-0.8, 0.8)] {
-            let (low, high) = (
-                dvec3(x - 0.08, 0.0, z - 0.08),
-                dvec3(x + 0.08, 1.6, z + 0.08),
-            );
+            let (low, high) = (dvec3(x - 0.08, 0.0, z - 0.08), dvec3(x + 0.08, 1.6, z + 0.08));
             block(canvas, paint.steel, &tank, low, high);
         }
     }

@@ -9,10 +9,8 @@ use super::{HALF_LOT, KERB, Paint, Plot};
 /// Two rows of houses, back to back.
 pub(super) fn row(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
     const HOUSES: u32 = 3;
-    let lawn = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].map(|(x, z)| {
-        plot.frame
-            .transform_point3(dvec3(HALF_LOT * x, KERB + 0.02, HALF_LOT * z))
-    });
+    let lawn = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)]
+        .map(|(x, z)| plot.frame.transform_point3(dvec3(HALF_LOT * x, KERB + 0.02, HALF_LOT * z)));
     patch(canvas, paint.lawn, lawn, [1, 1]);
     for side in 0..2 {
         for place_in_row in 0..HOUSES {
@@ -22,13 +20,7 @@ pub(super) fn row(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
             let set_back = plot.dice.between(12.5, 15.0);
             let frame = front * place(x, 0.0, set_back, 0.0);
             house(canvas, paint, plot, &frame);
-            garden(
-                canvas,
-                paint,
-                plot,
-                &(front * place(x, 0.0, 0.0, 0.0)),
-                0.5 * width,
-            );
+            garden(canvas, paint, plot, &(front * place(x, 0.0, 0.0, 0.0)), 0.5 * width);
         }
     }
 }
@@ -44,17 +36,11 @@ fn house(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot, frame: &DAffine3) 
     block(canvas, wall, frame, low, high);
     gable_roof(canvas, paint, frame, [half_x, half_z], eaves, wall);
     let chimney = plot.dice.between(-0.7, 0.7) * half_x;
-    let (low, high) = (
-        dvec3(chimney - 0.35, eaves, -1.4),
-        dvec3(chimney + 0.35, eaves + 3.6, -0.7),
-    );
+    let (low, high) = (dvec3(chimney - 0.35, eaves, -1.4), dvec3(chimney + 0.35, eaves + 3.6, -0.7));
     block(canvas, paint.brick, frame, low, high);
-    for (turns, out, width) in [
-        (0.0, half_z, half_x),
-        (0.25, half_x, half_z),
-        (0.5, half_z, half_x),
-        (0.75, half_x, half_z),
-    ] {
+    for (turns, out, width) in
+        [(0.0, half_z, half_x), (0.25, half_x, half_z), (0.5, half_z, half_x), (0.75, half_x, half_z)]
+    {
         let facade = *frame * place(0.0, 0.0, 0.0, turns) * place(0.0, 0.0, out, 0.0);
         for floor in 0..floors {
             let columns = plot.steps(canvas, 3.0, 1);
@@ -73,38 +59,14 @@ fn house(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot, frame: &DAffine3) 
 }
 
 fn door(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
-    block(
-        canvas,
-        paint.white,
-        frame,
-        dvec3(-0.65, 0.0, 0.0),
-        dvec3(0.65, 2.4, 0.08),
-    );
-    block(
-        canvas,
-        paint.bark,
-        frame,
-        dvec3(-0.5, 0.1, 0.0),
-        dvec3(0.5, 2.25, 0.12),
-    );
-    block(
-        canvas,
-        paint.paving,
-        frame,
-        dvec3(-0.9, 0.0, 0.0),
-        dvec3(0.9, 0.12, 1.2),
-    );
+    block(canvas, paint.white, frame, dvec3(-0.65, 0.0, 0.0), dvec3(0.65, 2.4, 0.08));
+    block(canvas, paint.bark, frame, dvec3(-0.5, 0.1, 0.0), dvec3(0.5, 2.25, 0.12));
+    block(canvas, paint.paving, frame, dvec3(-0.9, 0.0, 0.0), dvec3(0.9, 0.12, 1.2));
 }
 
 /// A pane in a frame with a bar across, above a sill.
 fn window(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
-    block(
-        canvas,
-        paint.glass,
-        frame,
-        dvec3(-0.55, 0.0, 0.0),
-        dvec3(0.55, 1.3, 0.03),
-    );
+    block(canvas, paint.glass, frame, dvec3(-0.55, 0.0, 0.0), dvec3(0.55, 1.3, 0.03));
     for (low, high) in [
         ([-0.65, -0.1, 0.0], [0.65, 0.0, 0.14]),
         ([-0.65, 1.3, 0.0], [0.65, 1.42, 0.08]),
@@ -158,12 +120,8 @@ fn gable_roof(
 
 fn triangle(canvas: &mut Canvas, material: u32, corners: [glam::DVec3; 3]) {
     canvas.draw(1, |mesh| {
-        let corners = corners.map(|position| {
-            mesh.vertex(super::super::mesh::Vertex {
-                position,
-                ..Default::default()
-            })
-        });
+        let corners = corners
+            .map(|position| mesh.vertex(super::super::mesh::Vertex { position, ..Default::default() }));
         mesh.triangle(material, corners);
     });
 }
@@ -173,10 +131,7 @@ fn garden(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot, frame: &DAffine3,
     let corners = [(-0.7, HALF_LOT), (0.7, HALF_LOT), (0.7, 16.0), (-0.7, 16.0)]
         .map(|(x, z)| frame.transform_point3(dvec3(x, 0.04, z)));
     patch(canvas, paint.paving, corners, [1, 1]);
-    let (low, high) = (
-        dvec3(half - 0.25, 0.0, 0.0),
-        dvec3(half + 0.25, 1.0, HALF_LOT),
-    );
+    let (low, high) = (dvec3(half - 0.25, 0.0, 0.0), dvec3(half + 0.25, 1.0, HALF_LOT));
     block(canvas, paint.white, frame, low, high);
     for z in [2.5, 5.5, 20.5] {
         let x = plot.dice.between(-0.75, 0.75) * half;

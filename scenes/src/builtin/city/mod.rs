@@ -93,10 +93,7 @@ fn setting() -> Setting {
         materials: materials.0,
         textures: vec![sprig_texture()],
         lights: Vec::new(),
-        environment: Some(Environment {
-            zenith: [0.8, 1.15, 1.8],
-            nadir: [0.55, 0.5, 0.45],
-        }),
+        environment: Some(Environment { zenith: [0.8, 1.15, 1.8], nadir: [0.55, 0.5, 0.45] }),
         cameras: vec![
             camera("skyline", [-235.0, 150.0, 290.0], [20.0, 22.0, -20.0], 0.11),
             camera("avenue", [38.6, 2.4, 104.0], [36.0, 13.0, 0.0], 0.16),
@@ -182,8 +179,7 @@ fn draw(canvas: &mut Canvas) {
 
 /// Fills the block of a plot with what stands in this part of the city.
 fn build_up(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
-    let distance =
-        plot.distance() + 0.8 * value_noise(507, plot.column as f64 * 0.7, plot.row as f64 * 0.7);
+    let distance = plot.distance() + 0.8 * value_noise(507, plot.column as f64 * 0.7, plot.row as f64 * 0.7);
     let park = plot.dice.chance(0.09) && plot.distance() > 0.5;
     if park {
         street::park(canvas, paint, plot);
@@ -205,22 +201,10 @@ fn tree(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot, frame: &DAffine3, h
     let path = [0.0, 0.3, 0.55, 0.8]
         .map(|t| frame.transform_point3(dvec3(lean * t * t, height * t, 0.5 * lean * t)));
     let around = plot.steps(canvas, 6.0, 3);
-    tube(
-        canvas,
-        paint.bark,
-        &path,
-        |t| (0.035 - 0.025 * t) * height,
-        around,
-    );
+    tube(canvas, paint.bark, &path, |t| (0.035 - 0.025 * t) * height, around);
     let count = plot.steps(canvas, 75.0, 8);
     let size = 0.23 * height * (75.0 / f64::from(count)).sqrt();
     let (wide, high) = (0.28 * height, 0.33 * height);
-    let crown =
-        *frame * place(lean * 0.5, 0.66 * height, 0.2 * lean, 0.0) * stretch(wide, high, wide);
-    Leaves {
-        material: paint.leaves,
-        count,
-        size,
-    }
-    .draw(canvas, &crown, &mut plot.dice);
+    let crown = *frame * place(lean * 0.5, 0.66 * height, 0.2 * lean, 0.0) * stretch(wide, high, wide);
+    Leaves { material: paint.leaves, count, size }.draw(canvas, &crown, &mut plot.dice);
 }

@@ -10,17 +10,8 @@ use super::{HALF_BLOCK, HALF_LOT, KERB, PITCH, Paint, Plot};
 pub(super) fn draw(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
     let frame = plot.frame;
     let half = 0.5 * PITCH;
-    flat(
-        canvas,
-        paint.asphalt,
-        &frame,
-        [-half, -half, half, half],
-        0.0,
-    );
-    let (low, high) = (
-        dvec3(-HALF_BLOCK, 0.0, -HALF_BLOCK),
-        dvec3(HALF_BLOCK, KERB, HALF_BLOCK),
-    );
+    flat(canvas, paint.asphalt, &frame, [-half, -half, half, half], 0.0);
+    let (low, high) = (dvec3(-HALF_BLOCK, 0.0, -HALF_BLOCK), dvec3(HALF_BLOCK, KERB, HALF_BLOCK));
     block(canvas, paint.paving, &frame, low, high);
     for side in 0..4 {
         // x along the street, z towards its middle.
@@ -30,11 +21,7 @@ pub(super) fn draw(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
         }
         for lamp in [-14.0, 14.0] {
             if plot.keeps(canvas) {
-                street_lamp(
-                    canvas,
-                    paint,
-                    &(frame * place(lamp, KERB, HALF_BLOCK - 0.6, 0.0)),
-                );
+                street_lamp(canvas, paint, &(frame * place(lamp, KERB, HALF_BLOCK - 0.6, 0.0)));
             }
         }
         for tree in [-21.0, -7.0, 7.0, 21.0] {
@@ -46,10 +33,7 @@ pub(super) fn draw(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
         }
         for space in 0..7 {
             let taken = plot.dice.chance(0.4) && plot.keeps(canvas);
-            let (x, turns) = (
-                f64::from(space) * 6.4 - 19.2,
-                if plot.dice.chance(0.5) { 0.5 } else { 0.0 },
-            );
+            let (x, turns) = (f64::from(space) * 6.4 - 19.2, if plot.dice.chance(0.5) { 0.5 } else { 0.0 });
             let colour = paint.cars[plot.dice.below(paint.cars.len())];
             if taken {
                 let spot = frame * place(x, 0.0, HALF_BLOCK + 1.3, turns);
@@ -88,13 +72,7 @@ fn street_lamp(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
     let path = [[0.0, 0.0], [6.2, 0.0], [7.0, 0.35], [7.3, 1.0], [7.35, 2.0]]
         .map(|[y, z]| frame.transform_point3(dvec3(0.0, y, z)));
     tube(canvas, paint.steel, &path, |t| 0.1 - 0.05 * t, 5);
-    block(
-        canvas,
-        paint.steel,
-        frame,
-        dvec3(-0.16, 7.26, 1.6),
-        dvec3(0.16, 7.4, 2.4),
-    );
+    block(canvas, paint.steel, frame, dvec3(-0.16, 7.26, 1.6), dvec3(0.16, 7.4, 2.4));
 }
 
 /// A parked car, along x.
@@ -106,33 +84,15 @@ fn car(canvas: &mut Canvas, paint: &Paint, plot: &Plot, frame: &DAffine3, colour
     };
     part(colour, [-2.1, 0.28, -0.86], [2.1, 0.88, 0.86], 0.2);
     part(paint.glass, [-1.5, 0.7, -0.76], [1.0, 1.38, 0.76], 0.3);
-    block(
-        canvas,
-        colour,
-        frame,
-        dvec3(-1.2, 1.36, -0.6),
-        dvec3(0.7, 1.41, 0.6),
-    );
+    block(canvas, colour, frame, dvec3(-1.2, 1.36, -0.6), dvec3(0.7, 1.41, 0.6));
     let around = plot.steps(canvas, 10.0, 5);
     for (x, z) in [(-1.3, 0.72), (1.3, 0.72), (-1.3, -0.72), (1.3, -0.72)] {
         let axle = *frame * place(x, 0.32, z, 0.0) * tilt(0.25);
         let (edge, hub) = (0.32, 0.19);
         let tyre = [[hub, -0.12], [edge, -0.12], [edge, 0.12], [hub, 0.12]];
-        revolve(
-            canvas,
-            paint.tyre,
-            &axle,
-            &[&tyre[..2], &tyre[1..3], &tyre[2..]],
-            [around, 1],
-        );
+        revolve(canvas, paint.tyre, &axle, &[&tyre[..2], &tyre[1..3], &tyre[2..]], [around, 1]);
         let caps = [[[0.0, -0.1], [hub, -0.11]], [[hub, 0.11], [0.0, 0.1]]];
-        revolve(
-            canvas,
-            paint.steel,
-            &axle,
-            &[&caps[0], &caps[1]],
-            [around, 1],
-        );
+        revolve(canvas, paint.steel, &axle, &[&caps[0], &caps[1]], [around, 1]);
     }
 }
 
@@ -140,27 +100,9 @@ fn car(canvas: &mut Canvas, paint: &Paint, plot: &Plot, frame: &DAffine3, colour
 pub(super) fn park(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
     let frame = plot.frame;
     let reach = HALF_LOT;
-    flat(
-        canvas,
-        paint.lawn,
-        &frame,
-        [-reach, -reach, reach, reach],
-        KERB + 0.02,
-    );
-    flat(
-        canvas,
-        paint.paving,
-        &frame,
-        [-reach, -1.2, reach, 1.2],
-        KERB + 0.04,
-    );
-    flat(
-        canvas,
-        paint.paving,
-        &frame,
-        [-1.2, -reach, 1.2, reach],
-        KERB + 0.045,
-    );
+    flat(canvas, paint.lawn, &frame, [-reach, -reach, reach, reach], KERB + 0.02);
+    flat(canvas, paint.paving, &frame, [-reach, -1.2, reach, 1.2], KERB + 0.04);
+    flat(canvas, paint.paving, &frame, [-1.2, -reach, 1.2, reach], KERB + 0.045);
     for cell in 0..36 {
         let (column, row) = (cell % 6, cell / 6);
         let at = |index: i32| 8.0 * (f64::from(index) - 2.5);
@@ -176,20 +118,8 @@ pub(super) fn park(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
         let side = if bench % 2 == 0 { 0.0 } else { 0.5 };
         let x = 11.0 * (f64::from(bench / 2) - 1.5);
         let frame = frame * place(x, KERB, 0.0, side) * place(0.0, 0.0, -1.9, 0.0);
-        block(
-            canvas,
-            paint.bark,
-            &frame,
-            dvec3(-0.9, 0.42, -0.22),
-            dvec3(0.9, 0.48, 0.22),
-        );
-        block(
-            canvas,
-            paint.bark,
-            &frame,
-            dvec3(-0.9, 0.55, -0.28),
-            dvec3(0.9, 0.95, -0.22),
-        );
+        block(canvas, paint.bark, &frame, dvec3(-0.9, 0.42, -0.22), dvec3(0.9, 0.48, 0.22));
+        block(canvas, paint.bark, &frame, dvec3(-0.9, 0.55, -0.28), dvec3(0.9, 0.95, -0.22));
         for leg in [-0.7, 0.7] {
             let (low, high) = (dvec3(leg - 0.05, 0.0, -0.2), dvec3(leg + 0.05, 0.42, 0.2));
             block(canvas, paint.steel, &frame, low, high);
