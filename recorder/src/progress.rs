@@ -29,12 +29,6 @@ impl Progress {
         progress
     }
 
-    /// Sets what a bar without work to do says.
-    pub fn say(&self, message: &str) {
-        self.bar.set_message(message.to_owned());
-        self.bar.tick();
-    }
-
     /// A queue of `rays` was traced once.
     pub fn traced(&self, place: Place, rays: usize) {
         self.bar.set_message(format!("pass {} bounce {} {}", place.pass, place.bounce, place.kind));

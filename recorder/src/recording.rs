@@ -18,12 +18,16 @@ use sha2::{Digest, Sha256};
 
 use crate::backend::{Backend, MethodPlan, Setup};
 use crate::capture::Capture;
+use crate::cpu::CpuBackend;
 use crate::device::{self, Device};
+use crate::gpu::Gpu;
+use crate::gpu::backend::GpuBackend;
 use crate::observer::{MeasuredQueue, Plan, Recorder};
 use crate::options::RecordOptions;
 use crate::progress::Progress;
 use crate::stages::shade::tables::ShadeTables;
 use crate::stages::trace::TraceKernel;
+use crate::stages::trace::cpu::CpuTracer;
 use crate::wavefront;
 
 /// A finished recording.
@@ -57,6 +61,7 @@ impl Recorded {
 /// One sentence on what went wrong with scene, device or disk.
 pub fn record(options: &RecordOptions) -> Result<Recorded> {
     let start = Instant::now();
+    DumpWriter::check(&options.out, options.force)?;
     let scene = scenes::load(&options.scene)?;
     let camera = choose_camera(&scene, options.camera.as_deref())?;
     let device = device::open(options)?;
@@ -65,14 +70,18 @@ pub fn record(options: &RecordOptions) -> Result<Recorded> {
     let mut notices = scene.notices.clone();
     notices.extend(device.notices());
     let header = header(&scene, &setup, options, &device, &notices);
-    let headline = headline(&header, &setup);
-    let writer = DumpWriter::create(&options.out, header, options.force)?;
-    let mut capture = Capture::start(writer)?;
-    write_scene(&mut capture, &scene, options)?;
-    for plan in &setup.methods {
-        capture.method(method_record(plan))?;
-    }
-    let plan = Plan {
+    let run = Run { plan: plan(&setup, options), scene: &scene, setup: &setup, options, header, start };
+    let headline = headline(&run.header, &setup);
+    // The backend comes first: what does not fit a device is refused before anything is written.
+    let (path, queues) = match device {
+        Device::Cpu(cpu) => cpu.pool.install(|| run.on(&mut cpu_backend(&scene, &setup, options)?))?,
+        Device::Gpu(gpu) => run.on(&mut gpu_backend(gpu.gpu, &scene, &setup, options)?)?,
+    };
+    Ok(Recorded { path, headline, methods: setup.methods.clone(), queues, notices })
+}
+
+fn plan(setup: &Setup, options: &RecordOptions) -> Plan {
+    Plan {
         methods: setup.methods.clone(),
         passes: options.passes,
         repeats: options.repeats,
@@ -80,70 +89,67 @@ pub fn record(options: &RecordOptions) -> Result<Recorded> {
         keep_passes: options.keep_passes,
         tolerates_mismatches: options.trace == TraceKernel::RayQuery,
         counts_work: options.trace != TraceKernel::RayQuery,
-    };
-    let pixels = u64::from(options.width) * u64::from(options.height);
-    let repeats = u64::from(options.repeats);
-    let traces = repeats + setup.methods.len() as u64 * (1 + 2 * repeats);
-    let progress = Progress::new(options.passes, options.bounces, pixels, traces);
-    progress.say("building the hierarchy");
-    let run = Run { plan: &plan, options, setup: &setup, progress: &progress };
-    let (queues, image) = match device {
-        Device::Cpu(cpu) => {
-            let pool = cpu.pool;
-            pool.install(|| run.on(&mut cpu_backend(&scene, &setup, options)?, &mut capture))?
-        }
-        Device::Gpu(gpu) => run.on(&mut gpu_backend(gpu.gpu, &scene, &setup, options)?, &mut capture)?,
-    };
-    progress.finish();
-    let path = capture.finish(End {
-        outcome: Outcome::Complete,
-        image: Some(image),
-        wall_ns: start.elapsed().as_nanos() as u64,
-    })?;
-    Ok(Recorded { path, headline, methods: setup.methods.clone(), queues, notices })
+    }
 }
 
+/// Everything of a recording but the device.
 struct Run<'a> {
-    plan: &'a Plan,
-    options: &'a RecordOptions,
+    plan: Plan,
+    scene: &'a Scene,
     setup: &'a Setup,
-    progress: &'a Progress,
+    options: &'a RecordOptions,
+    header: Header,
+    start: Instant,
 }
 
 impl Run<'_> {
-    fn on<B: Backend>(
-        &self,
-        backend: &mut B,
-        capture: &mut Capture,
-    ) -> Result<(Vec<MeasuredQueue>, ImageDigest)> {
-        let mut recorder = Recorder::new(self.plan, capture, self.progress);
-        wavefront::run(backend, self.options.passes, self.options.bounces, &mut recorder)?;
+    /// Records on a backend; returns the dump and what was measured.
+    fn on<B: Backend>(&self, backend: &mut B) -> Result<(PathBuf, Vec<MeasuredQueue>)> {
+        let options = self.options;
+        let writer = DumpWriter::create(&options.out, self.header.clone(), options.force)?;
+        let mut capture = Capture::start(writer)?;
+        write_scene(&mut capture, self.scene, options)?;
+        for method in &self.setup.methods {
+            capture.method(method_record(method))?;
+        }
+        let progress = self.progress();
+        let mut recorder = Recorder::new(&self.plan, &mut capture, &progress);
+        wavefront::run(backend, options.passes, options.bounces, &mut recorder)?;
         recorder.finish(backend)?;
         let measured = recorder.measured;
+        progress.finish();
+        let image = self.write_image(backend, &mut capture)?;
+        let wall_ns = self.start.elapsed().as_nanos() as u64;
+        let path = capture.finish(End { outcome: Outcome::Complete, image: Some(image), wall_ns })?;
+        Ok((path, measured))
+    }
+
+    fn progress(&self) -> Progress {
+        let pixels = u64::from(self.setup.width) * u64::from(self.setup.height);
+        let repeats = u64::from(self.options.repeats);
+        let traces = repeats + self.setup.methods.len() as u64 * (2 + 2 * repeats);
+        Progress::new(self.options.passes, self.options.bounces, pixels, traces)
+    }
+
+    fn write_image<B: Backend>(&self, backend: &mut B, capture: &mut Capture) -> Result<ImageDigest> {
         let image = backend.image(self.options.passes)?;
         let (width, height) = (self.setup.width, self.setup.height);
         let digest = Sha256::digest(bytemuck::cast_slice::<_, u8>(&image));
         if self.options.keep.image {
             capture.whole_array(ArrayPlace::Image, &[height.into(), width.into(), 3], &image)?;
         }
-        Ok((measured, ImageDigest { width, height, sha256: digest.into() }))
+        Ok(ImageDigest { width, height, sha256: digest.into() })
     }
 }
 
-fn cpu_backend(scene: &Scene, setup: &Arc<Setup>, options: &RecordOptions) -> Result<crate::cpu::CpuBackend> {
+fn cpu_backend(scene: &Scene, setup: &Arc<Setup>, options: &RecordOptions) -> Result<CpuBackend> {
     let bvh = device::hierarchy(scene, options.trace)?.context("threads trace a hierarchy of their own")?;
-    let tracer = crate::stages::trace::cpu::CpuTracer::new(scene, &bvh);
-    Ok(crate::cpu::CpuBackend::new(Arc::clone(setup), tracer))
+    Ok(CpuBackend::new(Arc::clone(setup), CpuTracer::new(scene, &bvh)))
 }
 
-fn gpu_backend(
-    gpu: crate::gpu::Gpu,
-    scene: &Scene,
-    setup: &Arc<Setup>,
-    options: &RecordOptions,
-) -> Result<crate::gpu::backend::GpuBackend> {
+fn gpu_backend(gpu: Gpu, scene: &Scene, setup: &Arc<Setup>, options: &RecordOptions) -> Result<GpuBackend> {
     let bvh = device::hierarchy(scene, options.trace)?;
-    crate::gpu::backend::GpuBackend::new(gpu, scene, bvh.as_ref(), Arc::clone(setup), options.trace)
+    GpuBackend::new(gpu, scene, bvh.as_ref(), Arc::clone(setup), options.trace)
 }
 
 fn choose_camera(scene: &Scene, name: Option<&str>) -> Result<Camera> {

@@ -63,16 +63,8 @@ impl DumpWriter {
     /// If the dump exists (without `overwrite`), is no recording, is being written by another
     /// process, or cannot be created.
     pub fn create(out: &Path, header: Header, overwrite: bool) -> Result<Self, WriteError> {
-        let target = folder::dump_folder(out).ok_or_else(|| WriteError::Name { path: out.to_owned() })?;
-        let partial = folder::partial_of(&target);
-        if folder::exists(&target) {
-            check_replaceable(&target, overwrite, || WriteError::Exists { path: target.clone() })?;
-        }
+        let (target, partial) = Self::check(out, overwrite)?;
         if folder::exists(&partial) {
-            if folder::is_being_written(&partial) {
-                return Err(WriteError::Busy { path: partial });
-            }
-            check_replaceable(&partial, overwrite, || WriteError::LeftOver { path: partial.clone() })?;
             fs::remove_dir_all(&partial).map_err(io_error("remove", &partial))?;
         }
         fs::create_dir(&partial).map_err(io_error("create", &partial))?;
@@ -96,6 +88,26 @@ impl DumpWriter {
         let shared = Arc::new(Shared { partial, state: Mutex::new(state), write_back });
         shared.append(&Record::Header(Box::new(header)))?;
         Ok(Self { target, overwrite, shared })
+    }
+
+    /// Whether [`DumpWriter::create`] would begin, without touching anything: for a word before long
+    /// preparations. Returns the folder of the dump and the one that it is written in.
+    ///
+    /// # Errors
+    /// As [`DumpWriter::create`], as far as can be told without writing.
+    pub fn check(out: &Path, overwrite: bool) -> Result<(PathBuf, PathBuf), WriteError> {
+        let target = folder::dump_folder(out).ok_or_else(|| WriteError::Name { path: out.to_owned() })?;
+        let partial = folder::partial_of(&target);
+        if folder::exists(&target) {
+            check_replaceable(&target, overwrite, || WriteError::Exists { path: target.clone() })?;
+        }
+        if folder::exists(&partial) {
+            if folder::is_being_written(&partial) {
+                return Err(WriteError::Busy { path: partial });
+            }
+            check_replaceable(&partial, overwrite, || WriteError::LeftOver { path: partial.clone() })?;
+        }
+        Ok((target, partial))
     }
 
     /// Where the dump will be once it is finished.

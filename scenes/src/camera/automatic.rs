@@ -102,14 +102,16 @@ pub(crate) fn lights(scene: &Scene, camera: &Camera) -> Vec<Light> {
         return vec![sky];
     }
     // Half-way to the ceiling, and as bright as makes a white wall at the mean distance white.
-    let mean_distance = distances.iter().sum::<f64>() / distances.len() as f64;
+    let mean_distance = (distances.iter().map(|d| d.ln()).sum::<f64>() / distances.len() as f64).exp();
     let intensity = std::f64::consts::PI * mean_distance * mean_distance;
-    let lamp = Light::Sphere {
-        position: (eye + 0.5 * height * DVec3::Y).to_array().map(|x| x as f32),
-        radius: (0.02 * mean_distance).min(0.1 * height) as f32,
-        intensity: [1.0, 0.95, 0.85].map(|channel| (channel * intensity) as f32),
-    };
-    vec![lamp, sky]
+    let radius = (0.02 * mean_distance).min(0.1 * height) as f32;
+    let intensity = [1.0, 0.95, 0.85].map(|channel| (channel * intensity) as f32);
+    if radius == 0.0 || !intensity.iter().all(|&channel| channel.is_finite() && channel > 0.0) {
+        // Too small or too large a room for a lamp in f32.
+        return vec![sky];
+    }
+    let position = (eye + 0.5 * height * DVec3::Y).to_array().map(|x| x as f32);
+    vec![Light::Sphere { position, radius, intensity }, sky]
 }
 
 /// Unit vectors: level ones all round, up, down, and four half-way up. None lies along an axis or in

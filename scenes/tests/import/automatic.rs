@@ -94,6 +94,15 @@ fn scenes_of_any_size_can_be_seen() {
         let scene = fixture.scene();
         assert!(sees_all(&scene, automatic(&scene)), "scale {scale}");
     }
+    // Rooms too small or too large for a lamp.
+    for scale in [1e-38, 1e30] {
+        let mut fixture = house(true, true);
+        fixture.json["nodes"][0]["scale"] = json!([scale, scale, scale]);
+        fixture.json["nodes"][0]["translation"] = json!([0, 0, 0]);
+        let scene = fixture.scene();
+        assert!(is_inside(&scene, automatic(&scene).eye));
+        assert!(matches!(&*scene.lights, [Light::Environment(_)]), "{:?}", scene.lights);
+    }
     // Nothing but one point.
     let mut fixture = Fixture::triangle();
     fixture.json["nodes"][0]["scale"] = json!([0, 0, 0]);

@@ -181,12 +181,14 @@ fn an_image_is_kept_once_and_only_if_a_triangle_shows_it() {
     // No triangle has this one, so nobody misses its image.
     fixture.push("images", json!({ "uri": "missing.png" }));
     fixture.push("textures", json!({ "source": 1 }));
-    let unused = json!({ "baseColorTexture": { "index": 2 } });
-    fixture.push("materials", json!({ "pbrMetallicRoughness": unused }));
+    for texture in [2, 99] {
+        let unused = json!({ "baseColorTexture": { "index": texture } });
+        fixture.push("materials", json!({ "pbrMetallicRoughness": unused }));
+    }
     let scene = fixture.scene();
     assert_eq!(scene.textures.len(), 1);
     let textures: Vec<Option<u32>> = scene.materials.iter().map(|m| m.base_color_texture).collect();
-    assert_eq!(textures, [Some(0), Some(0), None]);
+    assert_eq!(textures, [Some(0), Some(0), None, None]);
     // A primitive without coordinates beside one that has them.
     assert_eq!(scene.uvs[3..], [[0.0, 0.0]; 3]);
 }
