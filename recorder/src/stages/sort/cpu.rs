@@ -224,29 +224,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    #[ignore = "a measurement: run it alone, in a release build"]
-    fn speed() {
-        for threads in [1, 2] {
-            for bits in [16, 32, 64] {
-                let keys = test_keys::random(2_000_000, bits, 1);
-                let narrow: Vec<u32> = keys.iter().map(|&key| key as u32).collect();
-                let mut sorter = Sorter::default();
-                let pool = pool(threads);
-                let mut times: Vec<f64> = (0..9)
-                    .map(|_| {
-                        let start = std::time::Instant::now();
-                        pool.install(|| match bits {
-                            64 => sorter.sort_u64(&keys, bits),
-                            _ => sorter.sort_u32(&narrow, bits),
-                        });
-                        start.elapsed().as_secs_f64()
-                    })
-                    .collect();
-                times.sort_by(f64::total_cmp);
-                println!("{threads} threads, {bits} bits: {:.1} Mkeys/s", 2.0 / times[4]);
-            }
-        }
-    }
 }

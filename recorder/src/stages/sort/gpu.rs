@@ -324,23 +324,4 @@ mod tests {
         let count = (1 << 24) + 12_345;
         check(&mut sorter, &test_keys::random(count, 24, 3), 24, "random keys");
     }
-
-    #[test]
-    #[ignore = "a measurement: run it alone, in a release build"]
-    fn speed() {
-        let gpu = test_gpu();
-        let serial = [1024, 2048, 4096].map(|keys| Tiling::serial(32, keys));
-        let shared = [8, 16].map(|keys| Tiling::shared(64, keys));
-        for tiling in serial.into_iter().chain(shared) {
-            let mut sorter = Sorter::with_tiling(gpu, tiling).unwrap();
-            for bits in [16, 32, 64] {
-                let keys = upload(&test_keys::random(2_000_000, bits, 1), bits);
-                let mut times: Vec<u64> =
-                    (0..7).map(|_| sorter.sort(gpu, &keys, 2_000_000).unwrap().elapsed_ns).collect();
-                times.sort_unstable();
-                let rate = 2e9 / times[3] as f64;
-                println!("{} x {}, {bits} bits: {rate:.1} Mkeys/s", tiling.threads, tiling.tile_keys);
-            }
-        }
-    }
 }
