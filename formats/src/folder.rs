@@ -4,6 +4,7 @@ use std::ffi::OsStr;
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use crate::manifest;
 
@@ -78,10 +79,20 @@ pub(crate) fn is_recording(folder: &Path) -> io::Result<bool> {
     Ok(has_manifest || fs::read_dir(folder)?.next().is_none())
 }
 
-/// Whether another process is writing the dump in `folder` right now.
+/// How long a recorder may take to go after it was killed: its last sync has to end first.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Whether another process is writing the dump in `folder`, and goes on for [`PATIENCE`].
 pub(crate) fn is_being_written(folder: &Path) -> bool {
-    let file = File::open(folder.join(manifest::FILE_NAME));
-    file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+    let Ok(file) = File::open(folder.join(manifest::FILE_NAME)) else { return false };
+    let start = Instant::now();
+    while matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)) {
+        if start.elapsed() > PATIENCE {
+            return true;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    false
 }
 
 /// Makes the names in a folder as durable as the bytes of its files.

@@ -100,7 +100,8 @@ impl std::fmt::Display for Dtype {
 pub struct MaterialMask {
     /// Number of the alpha texture (`scene/mask-NNN.npy`); [`MaterialMask::NO_TEXTURE`] for none.
     pub texture: u32,
-    /// Texels whose alpha, 0 to 1, is below this are holes; 0 for a material without a mask.
+    /// Texels whose alpha byte is below this times 255, rounded, are holes; without a texture the
+    /// byte is 255. 0 for a material without a mask.
     pub cutoff: f32,
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use formats::reader::Dump;
 use formats::summary::{Summary, TimingLine};
 
-use crate::output::{count, print, print_json, size, table, time};
+use crate::output::{count, counted, print, print_json, size, table, time};
 
 pub(crate) fn run(path: &Path, json: bool) -> anyhow::Result<()> {
     let dump = Dump::open(path)?;
@@ -39,14 +39,14 @@ fn facts(summary: &Summary) -> String {
     lines.push((
         "options",
         format!(
-            "camera {}, {}×{}, {} passes ({} kept), {} bounces, {} repeats, seed {}",
+            "camera {}, {}×{}, {} ({} kept), {}, {}, seed {}",
             options.camera,
             options.width,
             options.height,
-            options.passes,
+            counted(options.passes.into(), "pass", "passes"),
             options.keep_passes,
-            options.bounces,
-            options.repeats,
+            counted(options.bounces.into(), "bounce", "bounces"),
+            counted(options.repeats.into(), "repeat", "repeats"),
             options.seed
         ),
     ));
@@ -87,11 +87,11 @@ fn scene_lines(summary: &Summary) -> Vec<(&'static str, String)> {
         (
             "scene",
             format!(
-                "{}: {} triangles, {} vertices, {} lights",
+                "{}: {}, {}, {}",
                 scene.name,
-                count(scene.triangles),
-                count(scene.vertices),
-                count(scene.lights as u64)
+                counted(scene.triangles, "triangle", "triangles"),
+                counted(scene.vertices, "vertex", "vertices"),
+                counted(scene.lights as u64, "light", "lights")
             ),
         ),
         ("", format!("from {} to {}", corner(scene.bounds_min), corner(scene.bounds_max))),
@@ -104,8 +104,7 @@ fn backend_line(summary: &Summary) -> String {
     let driver = if adapter.driver.is_empty() { String::new() } else { format!(", {}", adapter.driver) };
     let threads = match summary.options.threads {
         0 => String::new(),
-        1 => ", 1 thread".to_owned(),
-        threads => format!(", {threads} threads"),
+        threads => format!(", {}", counted(threads.into(), "thread", "threads")),
     };
     format!(
         "{}: {} ({}, {}{driver}{threads}), kernel {}, timed by {}",

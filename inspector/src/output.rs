@@ -61,6 +61,11 @@ pub(crate) fn count(number: u64) -> String {
     grouped
 }
 
+/// A count and what is counted: `1 light`, `3 lights`.
+pub(crate) fn counted(number: u64, one: &str, many: &str) -> String {
+    format!("{} {}", count(number), if number == 1 { one } else { many })
+}
+
 /// A time for people, with three digits: `1.23 ms`.
 pub(crate) fn time(nanoseconds: f64) -> String {
     let (value, unit) = match nanoseconds {
@@ -82,6 +87,10 @@ mod tests {
         assert_eq!([size(0), size(1023), size(1024)], ["0 B", "1023 B", "1.0 KiB"]);
         assert_eq!([size(1 << 20), size((1 << 30) - 1)], ["1.0 MiB", "1.0 GiB"]);
         assert_eq!([count(0), count(999), count(1000), count(2_073_600)], ["0", "999", "1,000", "2,073,600"]);
+        assert_eq!(
+            [counted(1, "pass", "passes"), counted(2000, "pass", "passes")],
+            ["1 pass", "2,000 passes"]
+        );
         assert_eq!([time(12.0), time(1234.0), time(99_900_000.0)], ["12.0 ns", "1.23 µs", "99.9 ms"]);
         assert_eq!(time(123e9), "123 s");
     }

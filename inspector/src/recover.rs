@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use formats::recover::recover;
 use serde::Serialize;
 
-use crate::output::{count, print, print_json, size};
+use crate::output::{counted, print, print_json, size};
 
 /// What `recover --json` prints.
 #[derive(Serialize)]
@@ -35,7 +35,7 @@ pub(crate) fn run(path: &Path, json: bool) -> anyhow::Result<()> {
 }
 
 fn in_words(report: &Report) -> String {
-    let arrays = format!("{} arrays, {}", count(report.arrays as u64), size(report.bytes));
+    let arrays = format!("{}, {}", counted(report.arrays as u64, "array", "arrays"), size(report.bytes));
     let name = report.dump.display();
     let mut text = match (report.complete, &report.cut) {
         (true, None) => format!("{name} is complete: {arrays}."),
@@ -45,8 +45,7 @@ fn in_words(report: &Report) -> String {
         text.push_str(&format!("\nIt ends there because {cut}."));
     }
     if let Some(leftover) = &report.leftover {
-        let files =
-            if report.leftover_files == 1 { "1 file" } else { &format!("{} files", report.leftover_files) };
+        let files = counted(report.leftover_files as u64, "file", "files");
         text.push_str(&format!(
             "\nWhat does not belong to it ({files}) is in {}; delete it if you do not need it.",
             leftover.display()

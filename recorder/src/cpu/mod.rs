@@ -13,7 +13,8 @@ use crate::backend::{Backend, Queue, Setup, Shaded, Sink, Timed};
 use crate::stages::key::Keys;
 use crate::stages::key::cpu::{Lengths, encode};
 use crate::stages::shade::cpu::{Compacted, Paths};
-use crate::stages::shared::{PathState, ShadowState};
+use crate::stages::shade::path::ShadowState;
+use crate::stages::shared::PathState;
 use crate::stages::trace::cpu::{CpuTracer, ScatteredDistances, ScatteredHits};
 use crate::stages::{accumulate, gather, generate, shade, sort};
 

@@ -14,6 +14,9 @@ const ADDERS: u32 = 4096;
 /// Loops that a device must finish; some drivers stop at 65,535.
 const LOOPS: [u32; 4] = [65_535, 65_536, 70_003, 200_003];
 
+/// The kernels.
+pub(crate) const WGSL: &str = include_str!("self_check.wgsl");
+
 /// What came out of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -129,7 +132,7 @@ impl Bench<'_> {
         let gpu = self.gpu;
         let source = KernelSource {
             label: &format!("self_check::{entry_point}"),
-            wgsl: include_str!("self_check.wgsl"),
+            wgsl: WGSL,
             entry_point,
             groups: &[&[Binding::Read, Binding::ReadWrite, Binding::ReadWrite]],
             immediate_bytes: 0,

@@ -235,17 +235,9 @@ shared_structs! {
 
     /// State that a path carries beside its ray.
     pub struct PathState {
-        /// Throughput of the path, or for a shadow ray the light that it brings if it arrives.
+        /// Throughput of the path.
         pub color: [f32; 3],
         /// Density over solid angle of the last direction; 0 for camera rays and mirrors.
         pub density: f32,
-    }
-
-    /// What the light of a shadow ray is, beside the ray.
-    pub struct ShadowState {
-        /// Radiance that the film gets if the ray arrives.
-        pub color: [f32; 3],
-        /// Index of the scene's light.
-        pub light: u32,
     }
 }

@@ -100,7 +100,7 @@ impl Scan {
 }
 
 /// The whole module.
-fn wgsl() -> String {
+pub(crate) fn wgsl() -> String {
     let constants = [("SCAN_THREADS", THREADS), ("ITEMS_PER_THREAD", ITEMS_PER_THREAD)];
     let kernel = include_str!("kernel.wgsl");
     [&constants_wgsl(&constants), LINEAR_WORKGROUP_WGSL, WORKGROUP_SCAN_WGSL, kernel].concat()

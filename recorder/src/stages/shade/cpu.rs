@@ -5,9 +5,9 @@ use glam::Vec3;
 use rayon::prelude::*;
 use scenes::features::Features;
 
-use super::path::{Outcome, shade_path};
+use super::path::{Outcome, ShadowState, shade_path};
 use super::tables::ShadeTables;
-use crate::stages::shared::{PathState, ShadeParams, ShadowState};
+use crate::stages::shared::{PathState, ShadeParams};
 
 /// Paths that one task shades.
 const CHUNK: usize = 1 << 13;

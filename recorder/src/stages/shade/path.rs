@@ -8,11 +8,20 @@ use super::emitters::{sample_light, sky_radiance};
 use super::surface::{HitSurface, hit_surface, offset_origin};
 use super::tables::ShadeTables;
 use crate::stages::random::Random;
-use crate::stages::shared::{PathState, ShadeParams, ShadowState};
+use crate::stages::shared::{PathState, ShadeParams};
 use crate::stages::vector::{basis, dot3, luminance};
 
 /// Bounces before Russian roulette starts.
 pub const ROULETTE_FREE_BOUNCES: u32 = 2;
+
+/// What a shadow ray carries beside itself.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowState {
+    /// Radiance that the film gets if the ray arrives.
+    pub color: [f32; 3],
+    /// Index of the scene's light.
+    pub light: u32,
+}
 
 /// What a path leaves at a surface.
 #[derive(Clone, Copy, Debug, Default)]

@@ -234,6 +234,13 @@ impl Sorter {
 }
 
 /// The whole module.
+/// Label and text of the module of each way to tile, for tests that look at every module.
+pub(crate) fn sources() -> Vec<(String, String)> {
+    let tilings =
+        [("sort::serial", Tiling::serial(32, 2048)), ("sort::shared", Tiling::shared(64, KEYS_PER_THREAD))];
+    tilings.into_iter().map(|(label, tiling)| (label.to_owned(), wgsl(&tiling))).collect()
+}
+
 fn wgsl(tiling: &Tiling) -> String {
     let constants = [
         ("DIGIT_BITS", DIGIT_BITS),
