@@ -1,5 +1,9 @@
 //! Diffuse and GGX metallic-roughness reflection (glTF 2.0 Appendix B), sampled by visible normals.
 //!
+//! Deviation: Appendix B weakens the diffuse lobe by the Fresnel term of the half vector and so
+//! reflects more than it gets at grazing angles; here it is weakened by what the surface reflects
+//! on the way in and on the way out.
+//!
 //! All vectors are in the local frame of the shading normal, z up, and point away from the surface.
 
 use std::f32::consts::FRAC_1_PI;
@@ -73,9 +77,9 @@ impl Surface {
         }
         let specular_probability = self.specular_probability(out.z);
         let diffuse_probability = 1.0 - specular_probability;
+        let diffuse = diffuse * (Vec3::ONE - fresnel(self.f0, out.z)) * (Vec3::ONE - fresnel(self.f0, incident.z));
         if self.is_mirror() {
-            let through = Vec3::ONE - fresnel(self.f0, out.z);
-            return (diffuse * through, diffuse_density * diffuse_probability);
+            return (diffuse, diffuse_density * diffuse_probability);
         }
         let half = normalize3(out + incident);
         let reflected = fresnel(self.f0, dot3(out, half));
@@ -85,7 +89,7 @@ impl Surface {
         let specular = reflected * (distribution * shadowing / (4.0 * out.z));
         let specular_density = distribution / ((1.0 + shadowing_out) * 4.0 * out.z);
         (
-            specular + diffuse * (Vec3::ONE - reflected),
+            specular + diffuse,
             specular_density * specular_probability + diffuse_density * diffuse_probability,
         )
     }

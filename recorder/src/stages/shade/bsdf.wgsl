@@ -72,9 +72,9 @@ fn bsdf_evaluate(surface: Surface, out_direction: vec3<f32>, incident: vec3<f32>
     }
     let probability = specular_probability(surface, out_direction.z);
     let diffuse_probability = 1.0 - probability;
+    let through = diffuse * (vec3(1.0) - fresnel(surface.f0, out_direction.z)) * (vec3(1.0) - fresnel(surface.f0, incident.z));
     if surface.alpha < MIRROR_ALPHA {
-        let through = vec3(1.0) - fresnel(surface.f0, out_direction.z);
-        return BsdfValue(diffuse * through, diffuse_density * diffuse_probability);
+        return BsdfValue(through, diffuse_density * diffuse_probability);
     }
     let half_vector = normalize3(out_direction + incident);
     let reflected = fresnel(surface.f0, dot3(out_direction, half_vector));
@@ -84,7 +84,7 @@ fn bsdf_evaluate(surface: Surface, out_direction: vec3<f32>, incident: vec3<f32>
     let specular = reflected * (distribution * shadowing / (4.0 * out_direction.z));
     let specular_density = distribution / ((1.0 + shadowing_out) * 4.0 * out_direction.z);
     return BsdfValue(
-        specular + diffuse * (vec3(1.0) - reflected),
+        specular + through,
         specular_density * probability + diffuse_density * diffuse_probability,
     );
 }
