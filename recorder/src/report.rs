@@ -1,6 +1,6 @@
 //! The closing table of a recording: what each method cost and gained, queue by queue.
 
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 use formats::key::method::UNSORTED;
 use formats::metrics::speedup::{Speedup, median};
@@ -45,7 +45,7 @@ pub fn print(recorded: &Recorded) {
 
 fn table(recorded: &Recorded) -> Table {
     let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY).set_header(COLUMNS);
+    table.load_style(UTF8_BORDERS_ONLY).set_header(COLUMNS);
     for column in table
         .column_iter_mut()
         .enumerate()

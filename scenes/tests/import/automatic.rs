@@ -87,6 +87,23 @@ fn yards_are_seen_from_inside_and_lit_by_the_sky() {
 }
 
 #[test]
+fn a_roof_without_walls_lets_the_sky_in() {
+    let mut fixture = house(true, true);
+    // Ceiling and floor: the sides of such a house are listed backwards.
+    let sides = [0..6, 18..24].map(|range| {
+        let scene = house(true, true).scene();
+        scene.triangles.as_flattened()[range].to_vec()
+    });
+    let indices = fixture.indices(&sides.concat());
+    fixture.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
+    fixture.push("cameras", json!({ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1 } }));
+    fixture.node(json!({ "camera": 0, "translation": [10, 1.25, 0] }));
+    let scene = fixture.scene();
+    assert_eq!(scene.bounds().extent(), [4.0, 2.5, 6.0]);
+    assert!(matches!(&*scene.lights, [Light::Environment(_)]), "{:?}", scene.lights);
+}
+
+#[test]
 fn scenes_of_any_size_can_be_seen() {
     for scale in [1e-30, 1e-3, 1.0, 1e6, 1e30] {
         let mut fixture = Fixture::triangle();

@@ -94,14 +94,15 @@ fn cameras_of_nodes() {
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let rotation = json!([0, half, 0, half]);
     fixture.node(json!({ "camera": 0, "rotation": rotation, "translation": [1, 2, 3], "scale": [-3, 3, 3] }));
-    fixture.node(json!({ "camera": 0, "name": "outer" }));
-    fixture.node(json!({ "camera": 0, "name": "outer" }));
+    for _ in 0..3 {
+        fixture.node(json!({ "camera": 0, "name": "outer" }));
+    }
     let orthographic = json!({ "xmag": 1, "ymag": 1, "znear": 0.1, "zfar": 9 });
     fixture.push("cameras", json!({ "type": "orthographic", "orthographic": orthographic }));
     fixture.node(json!({ "camera": 1 }));
     let scene = fixture.scene();
     let names: Vec<&str> = scene.cameras.iter().map(|camera| &*camera.name).collect();
-    assert_eq!(names, ["inner", "outer", "outer-2"]);
+    assert_eq!(names, ["inner", "outer", "outer-2", "outer-3"]);
     let turned = &scene.cameras[0];
     assert_eq!((turned.eye, turned.yfov_radians), ([1.0, 2.0, 3.0], 0.5));
     // A quarter turn to the left looks along −x, and a mirror does not make a left-handed camera.

@@ -77,7 +77,8 @@ impl Surface {
         }
         let specular_probability = self.specular_probability(out.z);
         let diffuse_probability = 1.0 - specular_probability;
-        let diffuse = diffuse * (Vec3::ONE - fresnel(self.f0, out.z)) * (Vec3::ONE - fresnel(self.f0, incident.z));
+        let diffuse =
+            diffuse * (Vec3::ONE - fresnel(self.f0, out.z)) * (Vec3::ONE - fresnel(self.f0, incident.z));
         if self.is_mirror() {
             return (diffuse, diffuse_density * diffuse_probability);
         }
@@ -88,10 +89,7 @@ impl Surface {
         let shadowing = 1.0 / (1.0 + shadowing_out + smith_lambda(self.alpha, incident.z));
         let specular = reflected * (distribution * shadowing / (4.0 * out.z));
         let specular_density = distribution / ((1.0 + shadowing_out) * 4.0 * out.z);
-        (
-            specular + diffuse,
-            specular_density * specular_probability + diffuse_density * diffuse_probability,
-        )
+        (specular + diffuse, specular_density * specular_probability + diffuse_density * diffuse_probability)
     }
 
     /// Draws an incident direction; `None` if it falls below the horizon. Uses three numbers.

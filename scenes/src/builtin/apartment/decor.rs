@@ -164,9 +164,10 @@ pub(super) fn pile_of_books(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3
 pub(super) fn vase(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3, height: f64) {
     let facets = [canvas.steps(36.0, 8), canvas.steps(4.0, 1)];
     let body = [[0.22, 0.0], [0.36, 0.25], [0.3, 0.55], [0.12, 0.8], [0.18, 1.0]];
-    let inside = [[0.18, 1.0], [0.1, 0.8], [0.0, 0.6]];
+    let lip = [[0.18, 1.0], [0.16, 1.0]];
+    let inside = [[0.16, 1.0], [0.1, 0.8], [0.1, 0.6]];
     let frame = *frame * stretch(height, height, height);
-    revolve(canvas, paint.copper, &frame, &[&body, &inside], facets);
+    revolve(canvas, paint.copper, &frame, &[&body, &lip, &inside], facets);
 }
 
 /// A plump square cushion, lying; `half` is half its edge.

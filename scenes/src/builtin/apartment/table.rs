@@ -77,16 +77,18 @@ pub(super) fn chair(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
 pub(super) fn plate(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3, radius: f64) {
     let facets = [canvas.steps(48.0, 10), canvas.steps(3.0, 1)];
     let under = [[0.0, 0.002], [0.6 * radius, 0.0], [radius, 0.016]];
-    let upper = [[radius, 0.016], [0.98 * radius, 0.019], [0.64 * radius, 0.006], [0.0, 0.006]];
-    revolve(canvas, paint.china, frame, &[&under, &upper], facets);
+    let lip = [[radius, 0.016], [0.98 * radius, 0.019]];
+    let upper = [[0.98 * radius, 0.019], [0.64 * radius, 0.006], [0.0, 0.006]];
+    revolve(canvas, paint.china, frame, &[&under, &lip, &upper], facets);
 }
 
 /// A cup with its handle.
 pub(super) fn cup(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
     let facets = [canvas.steps(36.0, 8), canvas.steps(3.0, 1)];
     let outside = [[0.0, 0.001], [0.024, 0.0], [0.037, 0.04], [0.04, 0.08]];
-    let inside = [[0.04, 0.08], [0.037, 0.081], [0.033, 0.04], [0.0, 0.006]];
-    revolve(canvas, paint.china, frame, &[&outside, &inside], facets);
+    let lip = [[0.04, 0.08], [0.037, 0.081]];
+    let inside = [[0.037, 0.081], [0.033, 0.04], [0.025, 0.006], [0.0, 0.006]];
+    revolve(canvas, paint.china, frame, &[&outside, &lip, &inside[..3], &inside[2..]], facets);
     let along = canvas.steps(14.0, 4);
     let path: Vec<DVec3> = (0..=along)
         .map(|step| {
@@ -102,16 +104,19 @@ fn glass(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
     let facets = [canvas.steps(32.0, 8), canvas.steps(4.0, 1)];
     let foot = [[0.0, 0.0], [0.033, 0.001], [0.006, 0.008], [0.004, 0.07]];
     let bowl = [[0.004, 0.07], [0.034, 0.1], [0.036, 0.14], [0.03, 0.17]];
-    let inside = [[0.03, 0.17], [0.034, 0.14], [0.031, 0.1], [0.0, 0.078]];
-    revolve(canvas, paint.bottle, frame, &[&foot, &bowl, &inside], facets);
+    let lip = [[0.03, 0.17], [0.028, 0.17]];
+    let inside = [[0.028, 0.17], [0.032, 0.14], [0.03, 0.105], [0.015, 0.082], [0.0, 0.078]];
+    revolve(canvas, paint.bottle, frame, &[&foot, &bowl, &lip, &inside], facets);
 }
 
 pub(super) fn bottle(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
     let facets = [canvas.steps(36.0, 8), canvas.steps(4.0, 1)];
-    let body = [[0.0, 0.0], [0.036, 0.003], [0.038, 0.02], [0.038, 0.18]];
-    let neck = [[0.038, 0.18], [0.034, 0.2], [0.015, 0.235], [0.014, 0.3], [0.016, 0.305]];
+    let body = [[0.036, 0.0], [0.038, 0.01], [0.038, 0.18]];
+    let underside = [[0.0, 0.0], [0.036, 0.0]];
+    let lip = [[0.014, 0.3], [0.016, 0.303], [0.011, 0.305]];
+    let neck = [[0.038, 0.18], [0.034, 0.2], [0.015, 0.235], [0.014, 0.3]];
     let cork = [[0.011, 0.3], [0.011, 0.32], [0.0, 0.32]];
-    revolve(canvas, paint.bottle, frame, &[&body, &neck], facets);
+    revolve(canvas, paint.bottle, frame, &[&underside, &body, &neck, &lip[..2], &lip[1..]], facets);
     revolve(canvas, paint.pages, frame, &[&cork[..2], &cork[1..]], [facets[0], 1]);
 }
 
@@ -119,8 +124,9 @@ pub(super) fn bottle(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
 pub(super) fn fruit_bowl(canvas: &mut Canvas, paint: &Paint, frame: &DAffine3) {
     let facets = [canvas.steps(56.0, 12), canvas.steps(5.0, 1)];
     let outside = [[0.0, 0.001], [0.06, 0.0], [0.055, 0.012], [0.12, 0.05], [0.15, 0.09]];
-    let inside = [[0.15, 0.09], [0.146, 0.092], [0.11, 0.055], [0.0, 0.022]];
-    revolve(canvas, paint.copper, frame, &[&outside, &inside], facets);
+    let lip = [[0.15, 0.09], [0.146, 0.092]];
+    let inside = [[0.146, 0.092], [0.11, 0.052], [0.05, 0.025], [0.0, 0.022]];
+    revolve(canvas, paint.copper, frame, &[&outside, &lip, &inside], facets);
     let mut dice = Dice::new(331);
     for fruit in 0..7 {
         let (sine, cosine) = sin_cos(f64::from(fruit) / 6.0);

@@ -28,15 +28,24 @@ impl Tier {
 
 /// One large tower on a podium, or four smaller ones.
 pub(super) fn tower_block(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
-    if plot.dice.chance(0.4) {
+    let is_single = plot.dice.chance(0.4);
+    if is_single {
         let podium = Tier { half: DVec2::splat(HALF_LOT - 1.0), foot: KERB, floors: 3, floor_height: 4.5 };
         let frame = plot.frame;
-        glass_tier(canvas, paint, plot, &frame, &podium, paint.sandstone);
-        roof(canvas, paint, plot, &frame, &podium);
         let half = dvec2(plot.dice.between(13.0, 18.0), plot.dice.between(12.0, 17.0));
-        tower(canvas, paint, plot, &frame, half, podium.top());
+        if !plot.is_vacant(0, 4) {
+            glass_tier(canvas, paint, plot, &frame, &podium, paint.sandstone);
+            roof(canvas, paint, plot, &frame, &podium);
+        }
+        if !plot.is_vacant(1, 4) {
+            tower(canvas, paint, plot, &frame, half, podium.top());
+        }
     } else {
-        for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        for (lot, (x, z)) in (0..).zip(corners) {
+            if plot.is_vacant(lot, 4) {
+                break;
+            }
             let frame = plot.frame * place(0.52 * HALF_LOT * x, 0.0, 0.52 * HALF_LOT * z, 0.0);
             let half = dvec2(plot.dice.between(8.0, 11.0), plot.dice.between(8.0, 11.0));
             if plot.dice.chance(0.6) {
@@ -51,6 +60,9 @@ pub(super) fn tower_block(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
 /// Four blocks of flats around a yard with trees.
 pub(super) fn flats_block(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
     for side in 0..4 {
+        if plot.is_vacant(side, 4) {
+            break;
+        }
         let out = HALF_LOT - 7.5;
         let frame = plot.frame * place(0.0, 0.0, 0.0, 0.25 * f64::from(side));
         let frame = frame * place(-7.0, 0.0, out, 0.0);
@@ -68,9 +80,10 @@ pub(super) fn flats_block(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
 
 /// A tower that steps back as it rises.
 fn tower(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot, frame: &DAffine3, half: DVec2, foot: f64) {
+    let plot = &mut plot.part();
     let tiers = 1 + plot.dice.below(4) as u32;
     let nearness = (1.0 - plot.distance() / 4.0).max(0.2);
-    let floors = 8 + (plot.dice.between(0.2, 1.0) * 38.0 * nearness) as u32;
+    let floors = 8 + (plot.dice.between(0.2, 1.0) * 38.0 * nearness * plot.built_up) as u32;
     let ribs = [paint.concrete, paint.steel, paint.sandstone, paint.white][plot.dice.below(4)];
     let mut tier = Tier { half, foot, floors: 0, floor_height: 3.5 };
     for index in 0..tiers {
@@ -123,6 +136,7 @@ fn facade(frame: &DAffine3, half: DVec2, side: u32) -> (DAffine3, f64) {
 
 /// Brick or plaster flats: walls between the windows, sills, balconies, a parapet.
 fn flats(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot, frame: &DAffine3, half: DVec2, floors: u32) {
+    let plot = &mut plot.part();
     let wall = [paint.brick, paint.sandstone, paint.white, paint.concrete][plot.dice.below(4)];
     let tier = Tier { half, foot: KERB, floors, floor_height: 3.1 };
     let top = tier.top();

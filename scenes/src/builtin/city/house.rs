@@ -14,6 +14,9 @@ pub(super) fn row(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
     patch(canvas, paint.lawn, lawn, [1, 1]);
     for side in 0..2 {
         for place_in_row in 0..HOUSES {
+            if plot.is_vacant(side * HOUSES + place_in_row, 2 * HOUSES) {
+                return;
+            }
             let width = 2.0 * HALF_LOT / f64::from(HOUSES);
             let x = -HALF_LOT + width * (f64::from(place_in_row) + 0.5);
             let front = plot.frame * place(0.0, KERB, 0.0, 0.5 * f64::from(side));
@@ -27,6 +30,7 @@ pub(super) fn row(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
 
 /// A house of one or two floors; z points to its street.
 fn house(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot, frame: &DAffine3) {
+    let plot = &mut plot.part();
     let half_x = plot.dice.between(4.6, 6.2);
     let half_z = plot.dice.between(3.8, 4.8);
     let floors = 1 + plot.dice.below(2) as u32;

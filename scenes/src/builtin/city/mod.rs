@@ -110,11 +110,13 @@ struct Plot {
     dice: Dice,
     /// How much to put on it, in (0, 1].
     richness: f64,
+    /// Which share of its lots has buildings: the youngest plot is still growing.
+    built_up: f64,
 }
 
 impl Plot {
     /// The plots in the order in which the city grows: outwards in square rings.
-    fn nth(index: u32, richness: f64) -> Self {
+    fn nth(index: u32, richness: f64, built_up: f64) -> Self {
         let (column, row) = spiral(i64::from(index));
         Self {
             column,
@@ -122,7 +124,14 @@ impl Plot {
             frame: place(PITCH * column as f64, 0.0, PITCH * row as f64, 0.0),
             dice: Dice::of_cell(501, column, row),
             richness,
+            built_up,
         }
+    }
+
+    /// The same plot with dice of its own: what is drawn with them can throw them as often as its
+    /// detail wants, and nothing drawn later changes.
+    fn part(&mut self) -> Self {
+        Self { dice: Dice::new(self.dice.bits()), ..*self }
     }
 
     /// How far from the middle of the city, in plots.
@@ -131,9 +140,14 @@ impl Plot {
         (column * column + row * row).sqrt()
     }
 
+    /// Whether nothing was built yet on this one of so many lots.
+    fn is_vacant(&self, lot: u32, lots: u32) -> bool {
+        (f64::from(lot) + 0.5) / f64::from(lots) > self.built_up
+    }
+
     /// Whether something that a rich plot has is there on this one.
     fn keeps(&self, canvas: &mut Canvas) -> bool {
-        canvas.round(self.richness) > 0
+        canvas.round(2.0 * self.richness) > 0
     }
 
     /// Rounds a number of things up or down at random after scaling it by the richness.
@@ -165,13 +179,15 @@ fn draw(canvas: &mut Canvas) {
     let paint = Paint::new(&mut Materials::default());
     // A smaller city has fewer plots and less on each of them.
     let richness = canvas.detail().sqrt().clamp(0.02, 1.0);
-    let plots = ((150.0 * canvas.detail() / richness) as u32).max(9);
+    let area = (140.0 * canvas.detail() / richness).max(9.0);
+    let plots = area.ceil() as u32;
     let reach = PITCH * (f64::from(plots).sqrt() + 16.0);
     let corners = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
     let ground = corners.map(|(x, z)| dvec3(reach * x, -0.3, reach * z));
     patch(canvas, paint.lawn, ground, [1, 1]);
     for index in 0..plots {
-        let mut plot = Plot::nth(index, richness);
+        let built_up = (area - f64::from(index)).min(1.0);
+        let mut plot = Plot::nth(index, richness, built_up);
         street::draw(canvas, &paint, &mut plot);
         build_up(canvas, &paint, &mut plot);
     }
@@ -194,6 +210,7 @@ fn build_up(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot) {
 
 /// A tree of this height, if the plot is rich enough; its frame stands on the ground.
 fn tree(canvas: &mut Canvas, paint: &Paint, plot: &mut Plot, frame: &DAffine3, height: f64) {
+    let plot = &mut plot.part();
     if !plot.keeps(canvas) {
         return;
     }
