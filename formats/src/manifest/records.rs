@@ -6,7 +6,7 @@
 use bincode::{Decode, Encode};
 use serde::Serialize;
 
-use super::Place;
+use super::{Place, QueueId};
 use crate::key::LightSite;
 use crate::npy::Dtype;
 use crate::ray::Kind;
@@ -237,8 +237,6 @@ pub struct Mismatches {
     /// Rays with another result.
     pub rays: u64,
 }
-
-pub use super::place::QueueId;
 
 /// The samples of one stage's time.
 #[derive(Clone, Debug, PartialEq, Eq, Encode, Decode)]
