@@ -71,8 +71,9 @@ enum Target {
 
 /// A place to draw a scene on, at some level of detail.
 ///
-/// A scene draws the same strokes in the same order at every detail; only how finely each is cut
-/// depends on it.
+/// A scene is drawn twice: first on canvases that only count, then on one that keeps. So how many
+/// triangles a stroke has must be known before it is drawn, and random numbers that later strokes
+/// depend on must not be taken inside it.
 #[derive(Debug)]
 pub(super) struct Canvas {
     detail: f64,
