@@ -4,8 +4,10 @@
 //! - [`key`]: layouts as data, from ray to key and back
 //! - [`length_table`], [`permutation`], [`metrics`]: what is derived from rays and keys
 //! - [`npy`], [`manifest`], [`folder`], [`writer`], [`reader`], [`verify`], [`recover`]: the files
+//! - [`bench_result`]: what benchmarks print and figures read
 //! - [`summary`]: a dump in one object, for people and programs
 
+pub mod bench_result;
 pub mod folder;
 pub mod key;
 pub mod length_table;

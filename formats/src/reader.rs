@@ -8,8 +8,9 @@ use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
 use memmap2::Mmap;
+use sha2::{Digest, Sha256};
 
-use crate::manifest::{self, ArrayRecord, Fault, Manifest, ManifestError, Outcome, Place};
+use crate::manifest::{self, ArrayRecord, Fault, Manifest, ManifestError, Outcome, Place, Source};
 use crate::npy::{self, Dtype, Element, NpyError};
 use crate::{folder, manifest::scan::scan};
 
@@ -57,12 +58,14 @@ pub enum ReadError {
         path: PathBuf,
     },
     /// The dump has no such array.
-    #[error("{} has no {place}", dump.display())]
+    #[error("{} has no {place}{hint}", dump.display())]
     NoSuchArray {
         /// The dump.
         dump: PathBuf,
         /// The array.
         place: Place,
+        /// Where it may be; may be empty.
+        hint: String,
     },
     /// An array was asked for as something that it is not.
     #[error("{place} is {found}; it was asked for as {expected}")]
@@ -142,6 +145,8 @@ pub struct Dump {
     manifest: Manifest,
     places: BTreeMap<Place, usize>,
     state: DumpState,
+    /// The recording whose rays a replay measured, if it was found.
+    source: Option<Box<Dump>>,
 }
 
 impl Dump {
@@ -174,7 +179,29 @@ impl Dump {
         };
         let places =
             manifest.arrays.iter().enumerate().map(|(at, array)| (array.place.clone(), at)).collect();
-        Ok(Self { root: path.clone(), manifest, places, state })
+        let source = find_source(path, &manifest.header.source).map(Box::new);
+        Ok(Self { root: path.clone(), manifest, places, state, source })
+    }
+
+    /// The recording whose rays this one measured again, if it is a replay and its source lies in the
+    /// same folder unchanged.
+    pub fn source(&self) -> Option<&Dump> {
+        self.source.as_deref()
+    }
+
+    /// SHA-256 of the manifest, which holds a checksum of every array: what a replay knows its source by.
+    ///
+    /// # Errors
+    /// If the manifest cannot be read.
+    pub fn manifest_sha256(&self) -> Result<[u8; 32], ReadError> {
+        let path = self.root.join(manifest::FILE_NAME);
+        let bytes = fs::read(&path).map_err(|cause| ReadError::Io { path, cause })?;
+        Ok(Sha256::digest(&bytes).into())
+    }
+
+    /// Whether an array is kept, here or in the source.
+    pub fn has(&self, place: &Place) -> bool {
+        self.record(place).is_some() || self.source().is_some_and(|source| source.has(place))
     }
 
     /// The folder.
@@ -197,13 +224,18 @@ impl Dump {
         self.places.get(place).map(|&at| &self.manifest.arrays[at])
     }
 
-    /// Maps an array. `T` must be its element type; if `T` has columns, so must the array.
+    /// Maps an array, that of the source if this is a replay without its own. `T` must be its element
+    /// type; if `T` has columns, so must the array.
     ///
     /// # Errors
     /// If the dump does not have it, or its file is not what the manifest says.
     pub fn array<T: Element>(&self, place: &Place) -> Result<Mapped<T>, ReadError> {
-        let missing = || ReadError::NoSuchArray { dump: self.root.clone(), place: place.clone() };
-        let record = self.record(place).ok_or_else(missing)?;
+        let Some(record) = self.record(place) else {
+            return match &self.source {
+                Some(source) => source.array(place),
+                None => Err(self.missing(place)),
+            };
+        };
         let columns_fit = T::COLUMNS == 1 || record.shape.last() == Some(&T::COLUMNS);
         if record.dtype != T::DTYPE || !columns_fit {
             return Err(ReadError::WrongType {
@@ -216,6 +248,16 @@ impl Dump {
         Ok(Mapped { map, data_offset, element: PhantomData })
     }
 
+    fn missing(&self, place: &Place) -> ReadError {
+        let hint = match &self.manifest.header.source {
+            Source::Replayed { name, .. } => format!(
+                "; it is a replay of {name}, which is not in the same folder, or is another recording by now"
+            ),
+            Source::Traced | Source::Imported { .. } => String::new(),
+        };
+        ReadError::NoSuchArray { dump: self.root.clone(), place: place.clone(), hint }
+    }
+
     /// Maps the data of an array of this dump as bytes, without its header. The checksum is not
     /// computed here, since that would read all of it.
     ///
@@ -224,6 +266,20 @@ impl Dump {
     pub fn bytes(&self, record: &ArrayRecord) -> Result<MappedBytes, ReadError> {
         map_array(&self.root, record)
     }
+}
+
+/// Opens the source of a replay in `path`. A replay of a replay refers to the first recording itself, so
+/// this goes one level deep, and a link is not followed.
+fn find_source(path: &Path, source: &Source) -> Option<Dump> {
+    let Source::Replayed { name, manifest_sha256 } = source else { return None };
+    let is_plain = Path::new(name).file_name().is_some_and(|plain| plain == name.as_str());
+    let folder = std::path::absolute(path).ok()?.parent()?.join(name);
+    if !is_plain || !fs::symlink_metadata(&folder).ok()?.is_dir() {
+        return None;
+    }
+    let dump = Dump::open(&folder).ok()?;
+    let is_first = !matches!(dump.manifest.header.source, Source::Replayed { .. });
+    (is_first && dump.manifest_sha256().ok()? == *manifest_sha256).then_some(dump)
 }
 
 /// The path that was meant: a folder, or a helpful error.

@@ -5,8 +5,8 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::manifest::{
-    Adapter, ArrayRecord, Check, FORMAT_VERSION, Features, Manifest, Mismatches, Options, Outcome,
-    QueueRecord, TimingRecord,
+    Adapter, ArrayRecord, CacheRecord, Check, FORMAT_VERSION, Features, Manifest, Mismatches, Options,
+    Outcome, QueueRecord, Source, TimingRecord,
 };
 use crate::metrics::speedup::{interquartile_range, median};
 use crate::ray::Kind;
@@ -34,6 +34,8 @@ pub struct Summary {
     pub image: ImageLine,
     /// What the scene needed.
     pub features: Features,
+    /// Where the rays come from.
+    pub source: SourceLine,
     /// What was asked for.
     pub options: Options,
     /// What the times were taken with.
@@ -48,6 +50,8 @@ pub struct Summary {
     pub queues: Vec<QueueLine>,
     /// The timings.
     pub timings: Vec<TimingLine>,
+    /// What the cache model says.
+    pub caches: Vec<CacheRecord>,
     /// The arrays.
     pub arrays: Vec<ArrayLine>,
 }
@@ -69,6 +73,32 @@ pub struct SceneLine {
     pub bounds_min: [f32; 3],
     /// Highest corner.
     pub bounds_max: [f32; 3],
+}
+
+/// Where the rays come from, in a [`Summary`].
+#[derive(Clone, Debug, Serialize)]
+pub struct SourceLine {
+    /// `traced`, `replayed` or `imported`.
+    pub how: &'static str,
+    /// Name of the recording or file; `null` if the rays were traced here.
+    pub name: Option<String>,
+    /// SHA-256 of its manifest, or of the file.
+    pub sha256: Option<String>,
+}
+
+impl From<&Source> for SourceLine {
+    fn from(source: &Source) -> Self {
+        let (how, from) = match source {
+            Source::Traced => ("traced", None),
+            Source::Replayed { name, manifest_sha256 } => ("replayed", Some((name, manifest_sha256))),
+            Source::Imported { name, sha256 } => ("imported", Some((name, sha256))),
+        };
+        Self {
+            how,
+            name: from.map(|(name, _)| name.clone()),
+            sha256: from.map(|(_, sha256)| hexadecimal(sha256)),
+        }
+    }
 }
 
 /// The picture in a [`Summary`].
@@ -163,6 +193,7 @@ impl Summary {
                 sha256: image.map(|image| hexadecimal(&image.sha256)),
             },
             features: header.features.clone(),
+            source: SourceLine::from(&header.source),
             options: header.options.clone(),
             time_source: header.time_source.clone(),
             wall_ns: end.map(|end| end.wall_ns).filter(|&wall_ns| wall_ns > 0),
@@ -170,6 +201,7 @@ impl Summary {
             notices: header.notices.clone(),
             queues: manifest.queues.iter().map(QueueLine::from).collect(),
             timings: manifest.timings.iter().map(TimingLine::from).collect(),
+            caches: manifest.caches.clone(),
             arrays: manifest.arrays.iter().map(ArrayLine::from).collect(),
         }
     }

@@ -11,7 +11,7 @@ use std::process::Command;
 use formats::manifest::{ArrayRecord, Record};
 use formats::reader::Dump;
 
-const READER_LINES_MAX: usize = 60;
+const READER_LINES_MAX: usize = 80;
 
 fn format_md() -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../FORMAT.md")).unwrap()
@@ -72,6 +72,8 @@ for kind, fields in records:
 header, end = records[0][1], records[-1][1]
 print(header['options']['table_layout'], header['options']['russian_roulette'], header['scene']['vertices'])
 print([kind for kind, _ in header['lights']], header['notices'][-1], header['limits'][0]['value'])
+caches = [fields for kind, fields in records if kind == 'cache']
+print(caches[0]['method'], caches[0]['accesses'], caches[0]['l2_hits'], header['source'])
 print(end['outcome'], end['image']['sha256'], end['wall_ns'])
 timing = next(fields for kind, fields in records if kind == 'timing')
 print(timing['pass'], timing['bounce'], timing['kind'], timing['method'], timing['stage'], timing['samples_ns'])
@@ -91,6 +93,8 @@ for path, array in arrays.items():
     let header = &manifest.header;
     expected.push(format!("{} False {}", header.options.table_layout, header.scene.vertices));
     expected.push(format!("['placed', 'directional', 'environment'] {} 134217728", header.notices[0]));
+    let cache = &manifest.caches[0];
+    expected.push(format!("{} {} {} ('traced', {{}})", cache.method, cache.accesses, cache.l2_hits));
     let image = manifest.end.unwrap().image.unwrap();
     expected.push(format!("complete {} 1500000000", formats::summary::hexadecimal(&image.sha256)));
     expected.push("1 0 closest aila key [500, 700, 600]".to_owned());
@@ -111,6 +115,7 @@ fn kind_and_name(record: &Record) -> String {
         Record::Queue(queue) => format!("queue {}", queue.rays),
         Record::Timing(_) => "timing".to_owned(),
         Record::End(_) => "end".to_owned(),
+        Record::Cache(cache) => format!("cache {}", cache.rays),
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use formats::key::LightSite;
 use formats::manifest::{
     Adapter, ArrayRecord, Backend, CameraPose, End, Features, Header, ImageDigest, Manifest, Mismatches,
-    Options, Outcome, Place, QueueId, QueueRecord, SceneSummary, Stage, TimingRecord,
+    Options, Outcome, Place, QueueId, QueueRecord, SceneSummary, Source, Stage, TimingRecord,
 };
 use formats::npy::Dtype;
 use formats::ray::Kind;
@@ -65,6 +65,7 @@ fn header() -> Header {
         features: Features { used: words(&["environment"]), skipped: words(&["textures"]) },
         time_source: "gpu timestamps".into(),
         notices: Vec::new(),
+        source: Source::Traced,
     }
 }
 

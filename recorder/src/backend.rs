@@ -25,6 +25,8 @@ pub struct Timed<T> {
 pub struct MethodPlan {
     /// Name in paths and tables.
     pub name: String,
+    /// Method that this is a variant of; its own name if it is none.
+    pub base: String,
     /// What the user typed or KEYS says.
     pub text: String,
     /// The key's bits.
@@ -33,6 +35,8 @@ pub struct MethodPlan {
     pub termination: Termination,
     /// Width of the key, 8 to 64.
     pub key_bits: u32,
+    /// Length that a fixed estimate assumes, unit lengths.
+    pub two_point_length: f32,
     /// Whether closest rays have such keys.
     pub for_closest: bool,
 }
@@ -73,8 +77,6 @@ pub struct Setup {
     pub table_bits: u32,
     /// Layout whose top bits address them.
     pub table_layout: Layout,
-    /// Length of the plain two-point method, unit lengths.
-    pub two_point_length: f32,
 }
 
 impl Setup {

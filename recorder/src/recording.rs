@@ -7,7 +7,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use formats::manifest::{
     Backend as BackendName, CameraPose, End, Features as FeatureNames, Header, ImageDigest, MethodRecord,
-    Options, Outcome, Place as ArrayPlace, SceneArray, SceneSummary,
+    Options, Outcome, Place as ArrayPlace, SceneArray, SceneSummary, Source,
 };
 use formats::npy::MaterialMask;
 use formats::unit_space::UnitSpace;
@@ -180,10 +180,12 @@ pub fn setup(scene: &Scene, camera: &Camera, options: &RecordOptions) -> Result<
     let methods = options.methods.iter().map(|method| {
         Ok(MethodPlan {
             name: method.name.clone(),
+            base: method.name.clone(),
             text: method.layout.text().to_owned(),
             layout: method.layout.expand(lights)?,
             termination: method.termination,
             key_bits: options.key_bits,
+            two_point_length: options.two_point_length,
             for_closest: method.applies_to(formats::ray::Kind::Closest),
         })
     });
@@ -201,7 +203,6 @@ pub fn setup(scene: &Scene, camera: &Camera, options: &RecordOptions) -> Result<
         methods: methods.collect::<Result<_>>()?,
         table_bits: options.table_bits,
         table_layout: options.table_method.layout.expand(lights)?,
-        two_point_length: options.two_point_length,
     })
 }
 
@@ -244,6 +245,7 @@ fn header(
         },
         time_source: device.time_source(),
         notices: notices.to_vec(),
+        source: Source::Traced,
     }
 }
 
@@ -279,6 +281,8 @@ fn method_record(plan: &MethodPlan) -> MethodRecord {
         layout: plan.layout.bits().iter().map(|coordinate| coordinate.name().to_owned()).collect(),
         termination: plan.termination,
         key_bits: plan.key_bits,
+        base: plan.base.clone(),
+        two_point_length: plan.two_point_length,
     }
 }
 

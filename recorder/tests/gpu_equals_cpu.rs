@@ -109,7 +109,7 @@ fn compare_orders(
                 let length = match method.termination {
                     Termination::Adaptive => table.mean(cells.encode(ray, 0.0, 0) as u32),
                     Termination::Real => copied.lengths[index],
-                    Termination::Unused | Termination::Fixed => setup.two_point_length,
+                    Termination::Unused | Termination::Fixed => method.two_point_length,
                 };
                 encoder.encode(ray, length, copied.lights[index])
             })

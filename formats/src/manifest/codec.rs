@@ -12,7 +12,7 @@ use crate::npy::Dtype;
 use crate::ray::Kind;
 
 /// Kinds of records that this version knows: the number of variants of [`Record`].
-pub(super) const RECORD_KINDS: u32 = 6;
+pub(super) const RECORD_KINDS: u32 = 7;
 
 /// Decoded values may take this many times their bytes: a record cannot ask for more memory than that.
 const EXPANSION: usize = 4;

@@ -26,6 +26,8 @@ pub enum Record {
     Timing(TimingRecord),
     /// The last record of a whole dump, and only there.
     End(End),
+    /// What the cache model says of one order.
+    Cache(CacheRecord),
 }
 
 /// What is recorded, on which machine and how.
@@ -58,6 +60,31 @@ pub struct Header {
     pub time_source: String,
     /// Whatever else was said to the user, such as extensions of a file that were not used.
     pub notices: Vec<String>,
+    /// Where the rays come from.
+    pub source: Source,
+}
+
+/// Where the rays of a recording come from.
+#[derive(Clone, Debug, PartialEq, Eq, Encode, Decode, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// They were traced along paths from the camera.
+    Traced,
+    /// They are another recording's: `recorder replay`. That recording keeps the arrays that do not
+    /// depend on the methods, and readers find it beside this one.
+    Replayed {
+        /// Name of its folder.
+        name: String,
+        /// SHA-256 of its `manifest.bin`, which holds a checksum of every array.
+        manifest_sha256: [u8; 32],
+    },
+    /// Another program wrote them: `recorder import`.
+    Imported {
+        /// Name of the file.
+        name: String,
+        /// SHA-256 of the file.
+        sha256: [u8; 32],
+    },
 }
 
 /// The options of a recording, with defaults filled in.
@@ -199,6 +226,40 @@ pub struct MethodRecord {
     pub termination: crate::key::Termination,
     /// Bits of its keys, 8 to 64; keys of up to 32 bits are stored as u32, wider ones as u64.
     pub key_bits: u32,
+    /// The method that this is a variant of, as in a sweep over key bits; its own name if it is none.
+    pub base: String,
+    /// Length that a fixed estimate assumes, in unit lengths.
+    pub two_point_length: f32,
+}
+
+/// What the cache model says of one order: node and triangle addresses of sampled whole groups,
+/// replayed through two set-associative caches. A model, not a measurement.
+#[derive(Clone, Debug, PartialEq, Eq, Encode, Decode, Serialize)]
+pub struct CacheRecord {
+    /// Pass.
+    pub pass: u32,
+    /// Bounce.
+    pub bounce: u32,
+    /// Kind of the queue.
+    pub kind: Kind,
+    /// Method whose order was traced; `unsorted` for canonical order.
+    pub method: String,
+    /// Groups that were sampled.
+    pub groups: u64,
+    /// Rays in them.
+    pub rays: u64,
+    /// Bytes of a cache line.
+    pub line_bytes: u32,
+    /// Bytes of the first level.
+    pub l1_bytes: u64,
+    /// Bytes of the second level.
+    pub l2_bytes: u64,
+    /// Lines that were asked for.
+    pub accesses: u64,
+    /// Of these, found in the first level.
+    pub l1_hits: u64,
+    /// Of those not found there, found in the second level.
+    pub l2_hits: u64,
 }
 
 /// An array whose file is complete.

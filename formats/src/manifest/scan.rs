@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use super::codec::{self, RECORD_KINDS};
 use super::{
-    ArrayRecord, End, FORMAT_VERSION, FRAME_BYTES, Header, MAGIC, MethodRecord, PREAMBLE_BYTES, QueueRecord,
-    RECORD_BYTES_MAX, Record, TimingRecord,
+    ArrayRecord, CacheRecord, End, FORMAT_VERSION, FRAME_BYTES, Header, MAGIC, MethodRecord, PREAMBLE_BYTES,
+    QueueId, QueueRecord, RECORD_BYTES_MAX, Record, TimingRecord,
 };
 use crate::npy;
 
@@ -93,6 +93,8 @@ pub struct Manifest {
     pub queues: Vec<QueueRecord>,
     /// The timings.
     pub timings: Vec<TimingRecord>,
+    /// What the cache model says of each order.
+    pub caches: Vec<CacheRecord>,
     /// How the recording ended; `None` if it did not.
     pub end: Option<End>,
 }
@@ -240,6 +242,10 @@ impl Order {
                 self.has_ended = true;
                 return Ok(());
             }
+            Record::Cache(cache) => {
+                let CacheRecord { pass, bounce, kind, method, .. } = cache;
+                format!("caches of {method} in {}", QueueId { pass: *pass, bounce: *bounce, kind: *kind })
+            }
             Record::Header(_) | Record::Timing(_) => return Ok(()),
         };
         if self.names.contains(&name) {
@@ -275,6 +281,7 @@ impl Manifest {
             arrays: Vec::new(),
             queues: Vec::new(),
             timings: Vec::new(),
+            caches: Vec::new(),
             end: None,
         };
         for frame in frames {
@@ -284,6 +291,7 @@ impl Manifest {
                 Record::Array(array) => manifest.arrays.push(array),
                 Record::Queue(queue) => manifest.queues.push(queue),
                 Record::Timing(timing) => manifest.timings.push(timing),
+                Record::Cache(cache) => manifest.caches.push(cache),
                 Record::End(end) => manifest.end = Some(end),
             }
         }

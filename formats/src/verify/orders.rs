@@ -158,7 +158,7 @@ impl Recomputed {
         };
         let length = match method.termination {
             Termination::Unused => Length::Fixed(0.0),
-            Termination::Fixed => Length::Fixed(header.options.two_point_length),
+            Termination::Fixed => Length::Fixed(method.two_point_length),
             Termination::Adaptive => {
                 let stored = subject.queue_array(queue, QueueArray::Lengths);
                 let stored = stored.ok_or("the length table was not kept")?;

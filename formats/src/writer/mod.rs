@@ -19,7 +19,8 @@ pub use error::WriteError;
 
 use crate::folder;
 use crate::manifest::{
-    self, ArrayRecord, End, Header, MethodRecord, Place, QueueRecord, Record, TimingRecord, encode_frame,
+    self, ArrayRecord, CacheRecord, End, Header, MethodRecord, Place, QueueRecord, Record, TimingRecord,
+    encode_frame,
 };
 use crate::npy::{self, Dtype, Element};
 use error::io_error;
@@ -162,6 +163,14 @@ impl DumpWriter {
     /// If the manifest cannot be written.
     pub fn queue(&self, queue: QueueRecord) -> Result<(), WriteError> {
         self.shared.append(&Record::Queue(queue))
+    }
+
+    /// Appends what the cache model says of an order.
+    ///
+    /// # Errors
+    /// If the manifest cannot be written.
+    pub fn cache(&self, cache: CacheRecord) -> Result<(), WriteError> {
+        self.shared.append(&Record::Cache(cache))
     }
 
     /// Appends a timing.

@@ -214,7 +214,7 @@ impl Backend for CpuBackend {
         let plan = &self.setup.methods[method];
         let real = |index: usize| self.traced_length(rays, hits, index);
         let table = &self.tables[rays.kind() as usize];
-        let lengths = Lengths::of(plan.termination, self.setup.two_point_length, table, &self.cells, &real);
+        let lengths = Lengths::of(plan.termination, plan.two_point_length, table, &self.cells, &real);
         let made = timed(|| {
             encode(&self.encoders[method], plan.key_bits, rays.rays(), &lengths, |index| rays.light(index))
         });

@@ -157,10 +157,12 @@ fn made_up_setup(all_features: bool, key_bits: u32) -> Setup {
         let method = Method::builtin(name).ok()?;
         Some(MethodPlan {
             name: method.name.clone(),
+            base: method.name.clone(),
             text: method.layout.text().to_owned(),
             layout: expand(&method)?,
             termination: method.termination,
             key_bits,
+            two_point_length: 0.25,
             for_closest: method.applies_to(Kind::Closest),
         })
     });
@@ -184,7 +186,6 @@ fn made_up_setup(all_features: bool, key_bits: u32) -> Setup {
         methods: methods.collect(),
         table_bits: 20,
         table_layout: Layout::from_bits(vec![Coordinate::OriginX, Coordinate::DirectionX]),
-        two_point_length: 0.25,
         light_sites,
     }
 }

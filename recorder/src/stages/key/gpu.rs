@@ -117,7 +117,7 @@ fn table_length(ray: UnitRay) -> f32 {
 ";
 
 fn main_function(setup: &Setup, method: &MethodPlan, inputs: KeyInputs) -> String {
-    let length = length_expression(method.termination, setup.two_point_length);
+    let length = length_expression(method.termination, method.two_point_length);
     let light = if inputs.lights { "states[index].w" } else { "0u" };
     let high = if method.key_bits > 32 { "    keys_high[index] = key.y;\n" } else { "" };
     format!(

@@ -1,0 +1,155 @@
+//! What `recorder bench --json` prints and `inspector plot` reads.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::ray::Kind;
+
+/// Version of this object.
+pub const BENCH_VERSION: u32 = 1;
+
+/// The result of one benchmark on one machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BenchResult {
+    /// [`BENCH_VERSION`]; the field that tells such a file from any other JSON.
+    pub rayscope_bench: u32,
+    /// Version of the program.
+    pub program_version: String,
+    /// The command that gave it.
+    pub command: String,
+    /// `gpu` or `cpu`.
+    pub backend: String,
+    /// Name of the adapter or processor.
+    pub adapter: String,
+    /// Driver with its version; empty for the cpu backend.
+    pub driver: String,
+    /// Threads of the cpu backend; 0 for the gpu backend.
+    pub threads: u32,
+    /// What the times were taken with.
+    pub time_source: String,
+    /// What was measured.
+    pub rows: Rows,
+}
+
+/// The rows of a benchmark, by what it measures.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "bench", content = "rows", rename_all = "lowercase")]
+pub enum Rows {
+    /// `bench sort`.
+    Sort(Vec<SortRow>),
+    /// `bench trace`.
+    Trace(Vec<TraceRow>),
+}
+
+/// Sorting n keys with their indices.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SortRow {
+    /// Keys sorted.
+    pub n: u64,
+    /// Bits of a key, 8 to 64, all of them random.
+    pub key_bits: u32,
+    /// One sample per repeat, nanoseconds.
+    pub samples_ns: Vec<u64>,
+}
+
+/// Tracing one queue of a scene in one order with one kernel.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TraceRow {
+    /// Name of the scene.
+    pub scene: String,
+    /// Its triangles.
+    pub triangles: u64,
+    /// Trace kernel: `cwbvh`, `bvh2` or `ray-query`.
+    pub kernel: String,
+    /// Bounce of the rays.
+    pub bounce: u32,
+    /// Kind of the rays.
+    pub kind: Kind,
+    /// Their order: a method, or `unsorted`. Sorted rays are gathered before, untimed.
+    pub order: String,
+    /// Rays traced.
+    pub rays: u64,
+    /// One sample per repeat, nanoseconds.
+    pub samples_ns: Vec<u64>,
+}
+
+/// Why a file is no benchmark result.
+#[derive(Debug, thiserror::Error)]
+pub enum BenchError {
+    /// It cannot be read.
+    #[error("cannot read {}: {cause}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        cause: std::io::Error,
+    },
+    /// It is something else.
+    #[error("{} is not what `recorder bench --json` prints: {cause}", path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and where.
+        cause: serde_json::Error,
+    },
+    /// Another version.
+    #[error("{} is a benchmark result of version {found}, this program reads version {BENCH_VERSION}; use the program that made it", path.display())]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// The version found.
+        found: u32,
+    },
+}
+
+impl BenchResult {
+    /// Reads a file that `recorder bench --json` printed.
+    ///
+    /// # Errors
+    /// If it cannot be read, is something else, or of another version.
+    pub fn read(path: &Path) -> Result<Self, BenchError> {
+        let io_error = |cause| BenchError::Io { path: path.to_owned(), cause };
+        let json_error = |cause| BenchError::Json { path: path.to_owned(), cause };
+        let text = fs::read_to_string(path).map_err(io_error)?;
+        let value: serde_json::Value = serde_json::from_str(&text).map_err(json_error)?;
+        let version = value.get("rayscope_bench").and_then(serde_json::Value::as_u64);
+        if let Some(found) = version.filter(|&version| version != u64::from(BENCH_VERSION)) {
+            return Err(BenchError::Version { path: path.to_owned(), found: found as u32 });
+        }
+        serde_json::from_value(value).map_err(json_error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_result_comes_back_and_other_files_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sort.json");
+        let result = BenchResult {
+            rayscope_bench: BENCH_VERSION,
+            program_version: "0".into(),
+            command: "recorder bench sort".into(),
+            backend: "cpu".into(),
+            adapter: "a processor".into(),
+            driver: String::new(),
+            threads: 2,
+            time_source: "monotonic clock".into(),
+            rows: Rows::Sort(vec![SortRow { n: 1024, key_bits: 32, samples_ns: vec![5, 6] }]),
+        };
+        fs::write(&path, serde_json::to_string(&result).unwrap()).unwrap();
+        assert_eq!(BenchResult::read(&path).unwrap(), result);
+        for (text, expected) in
+            [("{}", "is not what"), ("{\"rayscope_bench\": 9}", "version 9"), ("[", "is not what")]
+        {
+            fs::write(&path, text).unwrap();
+            let message = BenchResult::read(&path).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}");
+        }
+        assert!(BenchResult::read(&folder.path().join("none")).is_err());
+    }
+}
