@@ -1,0 +1,133 @@
+//! A figure as data: what is drawn, written as CSV and captioned is made from this alone.
+
+/// A figure of one or more panels side by side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// File name without extension, and the word for `--figure`.
+    pub name: String,
+    /// One line above it in the report.
+    pub title: String,
+    /// What is shown and how to read it, in sentences. Settings are not part of it.
+    pub caption: String,
+    /// Scene, machine, settings, n and spread: one line each, for the caption file.
+    pub settings: Vec<String>,
+    /// The panels, left to right and top to bottom.
+    pub panels: Vec<Panel>,
+}
+
+/// One pair of axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// Above it: a scene, a kind of ray. Empty for a figure of one panel.
+    pub title: String,
+    /// The axis to the right.
+    pub x: Axis,
+    /// The axis upwards.
+    pub y: Axis,
+    /// What is drawn.
+    pub content: Content,
+    /// Lines across it, such as break-even.
+    pub references: Vec<Reference>,
+}
+
+/// An axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// What it shows, with its unit: `trace time (ms)`.
+    pub label: String,
+    /// How numbers become places.
+    pub scale: Scale,
+}
+
+/// How numbers become places on an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Scale {
+    /// Evenly; starting at 0 if `from_zero`.
+    Linear {
+        /// Whether 0 is always shown.
+        from_zero: bool,
+    },
+    /// By powers of this base: 2 or 10.
+    Logarithmic {
+        /// The base.
+        base: u32,
+    },
+    /// Names at 0, 1, 2, …: coordinates are places in this list.
+    Categories(Vec<String>),
+}
+
+/// What a panel shows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Content {
+    /// Lines through their points, with markers.
+    Lines(Vec<Series>),
+    /// Markers alone.
+    Scatter(Vec<Series>),
+    /// Bars beside each other at each category, one per series.
+    Bars(Vec<Series>),
+    /// Bars on top of each other at each category, one per series.
+    Stacks(Vec<Series>),
+    /// A picture.
+    Picture(Picture),
+}
+
+/// Numbers that belong together: a method, a stage, a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Name in the legend.
+    pub label: String,
+    /// Which colour, marker, dash and hatch: one number per method or stage in every figure.
+    pub style: usize,
+    /// Its points.
+    pub points: Vec<Point>,
+}
+
+/// A number and how sure it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Coordinate to the right, or the place of a category.
+    pub x: f64,
+    /// Coordinate upwards.
+    pub y: f64,
+    /// What the spread reaches from and to, if it is known.
+    pub spread: Option<(f64, f64)>,
+    /// Samples behind it.
+    pub n: usize,
+    /// What it is, for tooltips and the CSV: scene, bounce, kind, method.
+    pub name: String,
+}
+
+/// A line across a panel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    /// What it stands for.
+    pub label: String,
+    /// Where it cuts the upward axis.
+    pub y: f64,
+    /// The stretch of the axis to the right that it covers; all of it without one.
+    pub span: Option<(f64, f64)>,
+}
+
+/// A picture with its colour bar.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// sRGB, top row first.
+    pub rgb: Vec<[u8; 3]>,
+    /// What the colours mean; `None` for a photograph.
+    pub colour_bar: Option<ColourBar>,
+}
+
+/// What the colours of a picture mean.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColourBar {
+    /// What it shows, with its unit.
+    pub label: String,
+    /// Value of the first colour and of the last.
+    pub range: (f64, f64),
+    /// Colours from the first to the last, sRGB.
+    pub colours: Vec<[u8; 3]>,
+}
