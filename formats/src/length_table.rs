@@ -105,6 +105,12 @@ impl LengthTable {
         Ok(table)
     }
 
+    /// Sum and count of every cell, in order.
+    pub fn cells(&self) -> impl Iterator<Item = (u64, u32)> {
+        let cells = self.sums.iter().zip(&self.counts);
+        cells.map(|(sum, count)| (sum.load(Ordering::Relaxed), count.load(Ordering::Relaxed)))
+    }
+
     /// Address bits.
     pub fn bits(&self) -> u32 {
         self.bits

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use formats::key::{Layout, LightSite, Termination};
+use formats::key::{Layout, LayoutError, LightSite, Method, Termination};
 use formats::length_table::LengthCell;
-use formats::ray::Kind;
+use formats::ray::{Kind, Ray};
 use formats::unit_space::UnitSpace;
 use scenes::{Camera, Scene};
 
@@ -42,6 +42,28 @@ pub struct MethodPlan {
 }
 
 impl MethodPlan {
+    /// A method as it is, for a scene with this many lights.
+    ///
+    /// # Errors
+    /// If the layout is too long for so many lights.
+    pub fn new(
+        method: &Method,
+        lights: usize,
+        key_bits: u32,
+        two_point_length: f32,
+    ) -> Result<Self, LayoutError> {
+        Ok(Self {
+            name: method.name.clone(),
+            base: method.name.clone(),
+            text: method.layout.text().to_owned(),
+            layout: method.layout.expand(lights)?,
+            termination: method.termination,
+            key_bits,
+            two_point_length,
+            for_closest: method.applies_to(Kind::Closest),
+        })
+    }
+
     /// Whether the method makes sense for this kind of ray.
     pub fn applies_to(&self, kind: Kind) -> bool {
         kind == Kind::Shadow || self.for_closest
@@ -120,6 +142,21 @@ pub struct Shaded<R> {
     pub shadow: R,
 }
 
+/// Rays that were recorded, in canonical order.
+#[derive(Clone, Copy, Debug)]
+pub struct UploadedRays<'a> {
+    /// What they ask for.
+    pub kind: Kind,
+    /// Their bounce.
+    pub bounce: u32,
+    /// The rays; at most one per pixel of the [`Setup`].
+    pub rays: &'a [Ray],
+    /// Path index of each.
+    pub path_ids: &'a [u32],
+    /// Light index of each shadow ray; empty for closest rays.
+    pub lights: &'a [u32],
+}
+
 /// Takes an array's bytes, piece by piece.
 pub type Sink<'a> = dyn FnMut(&[u8]) -> Result<()> + 'a;
 
@@ -137,6 +174,11 @@ pub trait Backend {
     type Order;
     /// Rays copied into another order.
     type Gathered;
+
+    /// A queue of recorded rays. What paths carry beside their rays is not recorded, so it cannot be shaded.
+    fn upload(&mut self, queue: UploadedRays<'_>) -> Result<Self::Rays>;
+    /// Replaces the length table of a kind.
+    fn load_table(&mut self, kind: Kind, cells: &[LengthCell]) -> Result<()>;
 
     /// Camera rays of a pass.
     fn generate(&mut self, pass: u32) -> Result<Timed<Self::Rays>>;

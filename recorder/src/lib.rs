@@ -3,7 +3,7 @@
 //! [`wavefront`] is the loop, [`stages`] the verbs in it. [`backend`] is what the loop needs from a
 //! device; [`cpu`] and [`gpu`] are the two that exist. [`measure`] times methods on a queue,
 //! [`capture`] carries arrays to the dump, [`observer`] ties both to the loop, [`recording`] is a
-//! whole run.
+//! whole run, [`replay`] one over rays that were recorded before.
 
 pub mod backend;
 pub mod capture;
@@ -17,6 +17,7 @@ pub mod options;
 pub mod oracle;
 pub mod progress;
 pub mod recording;
+pub mod replay;
 pub mod report;
 pub mod stages;
 pub mod wavefront;

@@ -45,14 +45,16 @@ pub struct Keep {
     pub scene: bool,
     /// The picture.
     pub image: bool,
+    /// What the cache model says.
+    pub caches: bool,
     /// Work counters.
     pub work: bool,
 }
 
 impl Keep {
     /// The words of `--keep`, in the order in which they are listed.
-    pub const WORDS: [&'static str; 8] =
-        ["rays", "hits", "keys", "permutations", "lengths", "scene", "image", "work"];
+    pub const WORDS: [&'static str; 9] =
+        ["rays", "hits", "keys", "permutations", "lengths", "scene", "image", "caches", "work"];
 
     fn flag(&mut self, word: &str) -> Option<&mut bool> {
         Some(match word {
@@ -63,6 +65,7 @@ impl Keep {
             "lengths" => &mut self.lengths,
             "scene" => &mut self.scene,
             "image" => &mut self.image,
+            "caches" => &mut self.caches,
             "work" => &mut self.work,
             _ => return None,
         })

@@ -77,6 +77,24 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Geometry alone, as a recording holds it: one plain material, no lights, no cameras. Enough to
+    /// trace rays through, not to make pictures.
+    pub fn of_geometry(name: String, positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
+        Self {
+            name,
+            positions,
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            triangle_materials: vec![0; triangles.len()],
+            triangles,
+            materials: vec![Material::default()],
+            textures: Vec::new(),
+            lights: Vec::new(),
+            cameras: Vec::new(),
+            notices: Vec::new(),
+        }
+    }
+
     /// The box around all vertices that a triangle refers to.
     pub fn bounds(&self) -> Bounds {
         Bounds::of(self.triangles.iter().flatten().map(|&index| &self.positions[index as usize]))

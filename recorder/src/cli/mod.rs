@@ -2,7 +2,9 @@
 
 mod adapters;
 mod demo;
+mod import;
 mod record;
+mod replay;
 mod scenes;
 
 use std::process::ExitCode;
@@ -34,6 +36,12 @@ enum Command {
     Demo(demo::DemoArguments),
     /// Trace a scene and write a recording.
     Record(Box<record::RecordArguments>),
+    /// Measure the rays of a recording again: other methods, bits, lengths, kernels or adapters.
+    #[command(after_help = replay::EXAMPLES)]
+    Replay(Box<replay::ReplayArguments>),
+    /// Record rays that another tracer wrote.
+    #[command(after_help = import::EXAMPLES)]
+    Import(Box<import::ImportArguments>),
     /// List the adapters of this machine and what the self-check finds.
     Adapters(adapters::AdaptersArguments),
     /// List the built-in scenes.
@@ -55,6 +63,8 @@ pub fn run() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
+        Command::Replay(arguments) => replay::run(&arguments),
+        Command::Import(arguments) => import::run(&arguments),
         Command::Adapters(arguments) => adapters::run(&arguments),
         Command::Scenes(arguments) => scenes::run(&arguments),
     };

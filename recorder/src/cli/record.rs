@@ -7,7 +7,7 @@ use anyhow::Result;
 use clap::{Args, FromArgMatches, ValueEnum};
 
 use crate::options::{BackendChoice, Keep, KeepPasses, OptionError, RecordOptions, parse_methods};
-use crate::recording;
+use crate::recording::{self, Recorded};
 use crate::report;
 use crate::stages::trace::TraceKernel;
 use formats::key::Method;
@@ -89,8 +89,12 @@ pub(super) struct RecordArguments {
     table_method: String,
     #[command(flatten)]
     device: DeviceArguments,
-    /// Arrays to keep: rays,hits,keys,permutations,lengths,scene,image,work, or none.
-    #[arg(long, default_value = "rays,hits,keys,permutations,lengths,scene,image", value_name = "LIST")]
+    /// Arrays to keep: rays,hits,keys,permutations,lengths,scene,image,caches,work, or none.
+    #[arg(
+        long,
+        default_value = "rays,hits,keys,permutations,lengths,scene,image,caches",
+        value_name = "LIST"
+    )]
     keep: String,
     /// Passes to keep arrays of.
     #[arg(long, value_enum, default_value_t = KeepPasses::Measured)]
@@ -115,12 +119,19 @@ pub(super) struct DeviceArguments {
     /// GPU by a part of its name, driver or backend (see `recorder adapters`).
     #[arg(long, value_name = "TEXT")]
     pub(super) adapter: Option<String>,
-    /// Trace kernel.
-    #[arg(long, value_enum, default_value_t = TraceKernel::Cwbvh)]
-    pub(super) trace: TraceKernel,
+    /// Trace kernel: cwbvh unless a recording says otherwise.
+    #[arg(long, value_enum)]
+    pub(super) trace: Option<TraceKernel>,
     /// Threads of the CPU backend; all cores if not given.
     #[arg(long)]
     pub(super) threads: Option<usize>,
+}
+
+impl DeviceArguments {
+    /// The trace kernel that was asked for, or the default.
+    pub(super) fn kernel(&self) -> TraceKernel {
+        self.trace.unwrap_or(TraceKernel::Cwbvh)
+    }
 }
 
 impl RecordArguments {
@@ -156,7 +167,7 @@ impl RecordArguments {
             table_method: Method::builtin(&self.table_method)?,
             backend: self.device.backend,
             adapter: self.device.adapter.clone(),
-            trace: self.device.trace,
+            trace: self.device.kernel(),
             threads: self.device.threads,
             keep: Keep::parse(&self.keep)?,
             keep_passes: self.keep_passes,
@@ -169,11 +180,15 @@ impl RecordArguments {
 }
 
 pub(super) fn run(arguments: &RecordArguments) -> Result<()> {
-    let recorded = recording::record(&arguments.options()?)?;
-    if arguments.json {
+    show(&recording::record(&arguments.options()?)?, arguments.json)
+}
+
+/// Prints what was recorded, as a table or as JSON.
+pub(super) fn show(recorded: &Recorded, json: bool) -> Result<()> {
+    if json {
         println!("{}", recorded.json()?);
     } else {
-        report::print(&recorded);
+        report::print(recorded);
     }
     Ok(())
 }

@@ -9,7 +9,7 @@ use formats::length_table::{LengthCell, LengthTable};
 use formats::ray::{Hit, Kind, Ray};
 use glam::Vec3;
 
-use crate::backend::{Backend, Queue, Setup, Shaded, Sink, Timed};
+use crate::backend::{Backend, Queue, Setup, Shaded, Sink, Timed, UploadedRays};
 use crate::stages::key::Keys;
 use crate::stages::key::cpu::{Lengths, encode};
 use crate::stages::shade::cpu::{Compacted, Paths};
@@ -154,6 +154,26 @@ impl Backend for CpuBackend {
     type Keys = KeysOfWidth;
     type Order = Vec<u32>;
     type Gathered = CpuGathered;
+
+    fn upload(&mut self, queue: UploadedRays<'_>) -> Result<CpuRays> {
+        let UploadedRays { bounce, rays, path_ids, lights, .. } = queue;
+        let (rays, path_ids, count) = (rays.to_vec(), path_ids.to_vec(), rays.len());
+        Ok(match queue.kind {
+            Kind::Closest => {
+                let states = vec![PathState { color: [0.0; 3], density: 0.0 }; count];
+                CpuRays::Closest(bounce, Compacted { rays, path_ids, states })
+            }
+            Kind::Shadow => {
+                let states = lights.iter().map(|&light| ShadowState { color: [0.0; 3], light }).collect();
+                CpuRays::Shadow(bounce, Compacted { rays, path_ids, states })
+            }
+        })
+    }
+
+    fn load_table(&mut self, kind: Kind, cells: &[LengthCell]) -> Result<()> {
+        self.tables[kind as usize] = LengthTable::from_touched(self.setup.table_bits, cells)?;
+        Ok(())
+    }
 
     fn generate(&mut self, pass: u32) -> Result<Timed<CpuRays>> {
         let params = generate::params(&self.setup, pass);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
-use formats::length_table::LengthCell;
+use formats::length_table::{LengthCell, LengthTable};
 use formats::ray::{Kind, Ray};
 use scenes::Scene;
 use scenes::bvh::Bvh;
@@ -13,7 +13,7 @@ use super::run::ItemRange;
 use super::scene::SceneArrays;
 use super::table::GpuTable;
 use super::{DeviceArray, Gpu, Kernel, Readback, StageRun};
-use crate::backend::{Backend, Queue, Setup, Shaded, Sink, Timed};
+use crate::backend::{Backend, Queue, Setup, Shaded, Sink, Timed, UploadedRays};
 use crate::stages::compact::gpu::Scan;
 use crate::stages::shared::{GenerateParams, ShadeParams, Span};
 use crate::stages::sort::gpu::{SortKeys, Sorter};
@@ -289,6 +289,29 @@ impl Backend for GpuBackend {
     type Keys = GpuKeys;
     type Order = GpuOrder;
     type Gathered = GpuGathered;
+
+    fn upload(&mut self, queue: UploadedRays<'_>) -> Result<GpuRays> {
+        let halves = |half: fn(&Ray) -> [f32; 4]| queue.rays.iter().map(half).collect::<Vec<_>>();
+        let origins = halves(|ray| [ray.origin[0], ray.origin[1], ray.origin[2], ray.t_min]);
+        let directions = halves(|ray| [ray.direction[0], ray.direction[1], ray.direction[2], ray.t_max]);
+        let light = |at: usize| queue.lights.get(at).copied().unwrap_or(0);
+        let states: Vec<[u32; 4]> = (0..queue.rays.len()).map(|at| [0, 0, 0, light(at)]).collect();
+        Ok(GpuRays {
+            kind: queue.kind,
+            bounce: queue.bounce,
+            count: queue.rays.len(),
+            origins: self.gpu.array_of("queue::origins", &origins)?,
+            directions: self.gpu.array_of("queue::directions", &directions)?,
+            path_ids: self.gpu.array_of("queue::path_ids", queue.path_ids)?,
+            states: self.gpu.array_of("queue::states", &states)?,
+        })
+    }
+
+    fn load_table(&mut self, kind: Kind, cells: &[LengthCell]) -> Result<()> {
+        let table = LengthTable::from_touched(self.setup.table_bits, cells)?;
+        self.tables[kind as usize] = GpuTable::filled(&self.gpu, &table)?;
+        Ok(())
+    }
 
     fn generate(&mut self, pass: u32) -> Result<Timed<GpuRays>> {
         let params = generate::params(&self.setup, pass);

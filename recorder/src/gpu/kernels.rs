@@ -152,19 +152,9 @@ fn made_up_setup(all_features: bool, key_bits: u32) -> Setup {
         LightSite::directional([0.0, -1.0, 0.0]),
         LightSite::Environment,
     ];
-    let expand = |method: &Method| method.layout.expand(light_sites.len()).ok();
     let methods = BUILTIN.iter().filter_map(|(name, ..)| {
         let method = Method::builtin(name).ok()?;
-        Some(MethodPlan {
-            name: method.name.clone(),
-            base: method.name.clone(),
-            text: method.layout.text().to_owned(),
-            layout: expand(&method)?,
-            termination: method.termination,
-            key_bits,
-            two_point_length: 0.25,
-            for_closest: method.applies_to(Kind::Closest),
-        })
+        MethodPlan::new(&method, light_sites.len(), key_bits, 0.25).ok()
     });
     Setup {
         tables: Arc::default(),

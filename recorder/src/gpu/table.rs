@@ -1,6 +1,6 @@
 //! A length table on the GPU: three arrays of words.
 
-use formats::length_table::{DUMMY_SUM, LengthCell};
+use formats::length_table::{DUMMY_SUM, LengthCell, LengthTable};
 
 use super::{DeviceArray, Gpu, GpuError};
 
@@ -19,6 +19,18 @@ impl GpuTable {
             sums_low: gpu.array_of("length_table::sums_low", &vec![DUMMY_SUM as u32; cells])?,
             sums_high: gpu.array("length_table::sums_high", cells)?,
             counts: gpu.array_of("length_table::counts", &vec![1u32; cells])?,
+        })
+    }
+
+    /// A copy of a table.
+    pub(super) fn filled(gpu: &Gpu, table: &LengthTable) -> Result<Self, GpuError> {
+        let (sums, counts): (Vec<u64>, Vec<u32>) = table.cells().unzip();
+        let low: Vec<u32> = sums.iter().map(|&sum| sum as u32).collect();
+        let high: Vec<u32> = sums.iter().map(|&sum| (sum >> 32) as u32).collect();
+        Ok(Self {
+            sums_low: gpu.array_of("length_table::sums_low", &low)?,
+            sums_high: gpu.array_of("length_table::sums_high", &high)?,
+            counts: gpu.array_of("length_table::counts", &counts)?,
         })
     }
 

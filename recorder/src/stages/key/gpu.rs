@@ -106,7 +106,7 @@ pub fn module(setup: &Setup, method: &MethodPlan, kind: Kind) -> Module {
             .text(&encode_function("table_cell", &setup.table_layout, setup.table_bits, &[]))
             .text(TABLE_LENGTH);
     }
-    module.text(&main_function(setup, method, inputs))
+    module.text(&main_function(method, inputs))
 }
 
 const TABLE_LENGTH: &str = "
@@ -116,7 +116,7 @@ fn table_length(ray: UnitRay) -> f32 {
 }
 ";
 
-fn main_function(setup: &Setup, method: &MethodPlan, inputs: KeyInputs) -> String {
+fn main_function(method: &MethodPlan, inputs: KeyInputs) -> String {
     let length = length_expression(method.termination, method.two_point_length);
     let light = if inputs.lights { "states[index].w" } else { "0u" };
     let high = if method.key_bits > 32 { "    keys_high[index] = key.y;\n" } else { "" };

@@ -16,20 +16,34 @@ pub(super) struct BinaryTree {
     pairs: Vec<Pair>,
 }
 
-/// A node's box and the reference to what is in it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
-struct Child {
-    min: [f32; 3],
-    reference: u32,
-    max: [f32; 3],
-    unused: u32,
-}
-
-/// Two siblings, in one cache line.
+/// Two siblings in one cache line, axis by axis, so that one vector holds the planes of both.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pair([Child; 2]);
+pub(super) struct Pair {
+    /// Per axis: lower plane of the first box and of the second, upper plane of the first and of the second.
+    planes: [[f32; 4]; 3],
+    references: [u32; 2],
+    unused: [u32; 2],
+}
+
+impl Pair {
+    fn new(nodes: &[Bvh2Node]) -> Self {
+        let (first, second) = (&nodes[0], &nodes[1]);
+        let planes = |axis: usize| [first.min[axis], second.min[axis], first.max[axis], second.max[axis]];
+        Self {
+            planes: [planes(0), planes(1), planes(2)],
+            references: [reference(first), reference(second)],
+            unused: [0; 2],
+        }
+    }
+}
+
+fn reference(node: &Bvh2Node) -> u32 {
+    match node.count {
+        0 => node.first / 2 - 1,
+        count => count << FIRST_BITS | node.first,
+    }
+}
 
 /// What waits on the stack: a reference and the distance of its box.
 type Waiting = (u32, f32);
@@ -37,17 +51,8 @@ type Waiting = (u32, f32);
 impl BinaryTree {
     /// From nodes as they come from the builder.
     pub(super) fn new(nodes: &[Bvh2Node]) -> Self {
-        let reference = |node: &Bvh2Node| match node.count {
-            0 => node.first / 2 - 1,
-            count => count << FIRST_BITS | node.first,
-        };
-        let child =
-            |node: &Bvh2Node| Child { min: node.min, reference: reference(node), max: node.max, unused: 0 };
         let pairs = nodes[1..].get(1..).unwrap_or_default().chunks_exact(2);
-        Self {
-            root: reference(&nodes[0]),
-            pairs: pairs.map(|pair| Pair([child(&pair[0]), child(&pair[1])])).collect(),
-        }
+        Self { root: reference(&nodes[0]), pairs: pairs.map(Pair::new).collect() }
     }
 
     /// Finds what the query asks for.
@@ -67,17 +72,18 @@ impl BinaryTree {
                 query.count_node();
                 let pair = &self.pairs[first];
                 let (near, is_hit) = test.test(pair, query.limit());
-                let references = [pair.0[0].reference, pair.0[1].reference];
+                let [first, second] = pair.references;
                 if is_hit == 0b11 {
-                    let nearer = usize::from(near[1] < near[0]);
+                    let is_swapped = near[1] < near[0];
+                    let farther = if is_swapped { (first, near[0]) } else { (second, near[1]) };
                     // The depth was checked when the tree was built; the mask only saves a check.
-                    stack[waiting % BVH2_STACK] = (references[1 - nearer], near[1 - nearer]);
+                    stack[waiting % BVH2_STACK] = farther;
                     waiting += 1;
-                    current = references[nearer];
+                    current = if is_swapped { second } else { first };
                     continue;
                 }
                 if is_hit != 0 {
-                    current = references[(is_hit >> 1) as usize];
+                    current = if is_hit == 0b10 { second } else { first };
                     continue;
                 }
             } else if (first..first + count).any(|slot| query.test(slot)) {
@@ -120,17 +126,17 @@ impl PairTest for Portable {
     }
 
     fn test(&self, pair: &Pair, limit: f32) -> ([f32; 2], u32) {
-        let test = |child: &Child| {
+        let test = |child: usize| {
             let (mut near, mut far) = (self.t_min, f32::INFINITY);
             for axis in 0..3 {
-                let low = (child.min[axis] - self.origin[axis]) * self.inverse[axis];
-                let high = (child.max[axis] - self.origin[axis]) * self.inverse[axis];
+                let low = (pair.planes[axis][child] - self.origin[axis]) * self.inverse[axis];
+                let high = (pair.planes[axis][child + 2] - self.origin[axis]) * self.inverse[axis];
                 near = near.max(low.min(high));
                 far = far.min(low.max(high));
             }
             (near, near <= (far * PADDING).min(limit))
         };
-        let [(near_0, is_hit_0), (near_1, is_hit_1)] = [test(&pair.0[0]), test(&pair.0[1])];
+        let [(near_0, is_hit_0), (near_1, is_hit_1)] = [test(0), test(1)];
         ([near_0, near_1], u32::from(is_hit_0) | u32::from(is_hit_1) << 1)
     }
 }
@@ -147,10 +153,9 @@ mod avx2 {
 
     /// Both boxes at once; made and used by functions with AVX2 alone.
     pub(in super::super) struct Avx2 {
-        /// Twice x, y, z, and 1 in the lanes where a node has no plane.
-        origin: __m256,
-        inverse: __m256,
-        t_min: __m256,
+        origin: [__m128; 3],
+        inverse: [__m128; 3],
+        t_min: __m128,
     }
 
     impl PairTest for Avx2 {
@@ -171,31 +176,26 @@ mod avx2 {
     #[target_feature(enable = "avx2")]
     fn prepare([ox, oy, oz]: [f32; 3], [ix, iy, iz]: [f32; 3], t_min: f32) -> Avx2 {
         Avx2 {
-            // The lane between the corners holds integers, most of them denormal numbers, which
-            // are slow to multiply: subtracting 1 makes them −1.
-            origin: _mm256_setr_ps(ox, oy, oz, 1.0, ox, oy, oz, 1.0),
-            inverse: _mm256_setr_ps(ix, iy, iz, 1.0, ix, iy, iz, 1.0),
-            t_min: _mm256_set1_ps(t_min),
+            origin: [_mm_set1_ps(ox), _mm_set1_ps(oy), _mm_set1_ps(oz)],
+            inverse: [_mm_set1_ps(ix), _mm_set1_ps(iy), _mm_set1_ps(iz)],
+            t_min: _mm_set1_ps(t_min),
         }
     }
 
     #[inline]
     #[target_feature(enable = "avx2")]
     fn test(ray: &Avx2, pair: &Pair, limit: f32) -> ([f32; 2], u32) {
-        let boxes: [__m256; 2] = bytemuck::cast(pair.0);
-        let planes = boxes.map(|planes| _mm256_mul_ps(_mm256_sub_ps(planes, ray.origin), ray.inverse));
-        let low = _mm256_permute2f128_ps::<0x20>(planes[0], planes[1]);
-        let high = _mm256_permute2f128_ps::<0x31>(planes[0], planes[1]);
-        let near = _mm256_blend_ps::<0x88>(_mm256_min_ps(low, high), ray.t_min);
-        let far = _mm256_blend_ps::<0x88>(_mm256_max_ps(low, high), _mm256_set1_ps(f32::INFINITY));
-        let near = _mm256_max_ps(near, _mm256_shuffle_ps::<0b10_11_00_01>(near, near));
-        let far = _mm256_min_ps(far, _mm256_shuffle_ps::<0b10_11_00_01>(far, far));
-        let near = _mm256_max_ps(near, _mm256_shuffle_ps::<0b01_00_11_10>(near, near));
-        let far = _mm256_min_ps(far, _mm256_shuffle_ps::<0b01_00_11_10>(far, far));
-        let far = _mm256_min_ps(_mm256_mul_ps(far, _mm256_set1_ps(PADDING)), _mm256_set1_ps(limit));
-        let is_hit = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32;
-        let first = _mm_cvtss_f32(_mm256_castps256_ps128(near));
-        let second = _mm_cvtss_f32(_mm256_extractf128_ps::<1>(near));
-        ([first, second], is_hit & 1 | is_hit >> 3 & 2)
+        let planes: [__m128; 3] = bytemuck::cast(pair.planes);
+        let slab = |axis: usize| {
+            let at = _mm_mul_ps(_mm_sub_ps(planes[axis], ray.origin[axis]), ray.inverse[axis]);
+            let swapped = _mm_movehl_ps(at, at);
+            (_mm_min_ps(at, swapped), _mm_max_ps(at, swapped))
+        };
+        let [(near_x, far_x), (near_y, far_y), (near_z, far_z)] = [slab(0), slab(1), slab(2)];
+        let near = _mm_max_ps(_mm_max_ps(near_x, near_y), _mm_max_ps(near_z, ray.t_min));
+        let far = _mm_min_ps(_mm_min_ps(far_x, far_y), far_z);
+        let far = _mm_min_ps(_mm_mul_ps(far, _mm_set1_ps(PADDING)), _mm_set1_ps(limit));
+        let is_hit = _mm_movemask_ps(_mm_cmple_ps(near, far)) as u32;
+        ([_mm_cvtss_f32(near), _mm_cvtss_f32(_mm_movehdup_ps(near))], is_hit & 0b11)
     }
 }

@@ -1,35 +1,66 @@
-// Traversal by the driver. The hit that it commits is evaluated again by our own triangle test, so
-// that pictures agree; where ours says miss, the driver's numbers stay.
+// Traversal by the driver, its hits evaluated again by our own triangle test, so that pictures agree.
+//
+// The driver's test is its own affair: near the start of a ray it may find the surface that the ray
+// leaves. So a hit that our test rejects is not believed, and the ray is traced once more with every
+// triangle offered to our test first. That is slower, and rare.
+
+// RayDesc flags of WGSL's ray query.
+const FORCE_NO_OPAQUE = 2u;
+const TERMINATE_ON_FIRST_HIT = 4u;
 
 fn scene_intersection(query: ptr<function, Query>, triangle: u32) -> Intersection {
     let corners = leaves[triangle];
     return intersect((*query).shear, positions[corners.x].xyz, positions[corners.y].xyz, positions[corners.z].xyz);
 }
 
+fn is_accepted(query: ptr<function, Query>, at: Intersection) -> bool {
+    return at.is_hit && at.t >= (*query).t_min && at.t <= (*query).best_t;
+}
+
+// Whether the driver may commit to a triangle.
+fn is_confirmed(query: ptr<function, Query>, triangle: u32) -> bool {
+    let at = scene_intersection(query, triangle);
+    return is_accepted(query, at) && !is_hole(triangle, at.u, at.v);
+}
+
+// Takes what the driver committed to; false if our test rejects it.
+fn is_taken(query: ptr<function, Query>, committed: RayIntersection) -> bool {
+    if committed.kind != RAY_QUERY_INTERSECTION_TRIANGLE {
+        return true;
+    }
+    let at = scene_intersection(query, committed.primitive_index);
+    if !is_accepted(query, at) {
+        return false;
+    }
+    (*query).best_triangle = committed.primitive_index;
+    (*query).best_t = abs(at.t);
+    (*query).best_u = at.u;
+    (*query).best_v = at.v;
+    return true;
+}
+
 fn traverse(query: ptr<function, Query>) {
+    let flags = select(0u, TERMINATE_ON_FIRST_HIT, ANY);
+    let origin = (*query).origin;
+    let direction = (*query).direction;
+    let range = vec2((*query).t_min, (*query).best_t);
     var driver: ray_query;
-    let flags = select(0u, 4u, ANY);
-    rayQueryInitialize(&driver, hierarchy, RayDesc(flags, 0xffu, (*query).t_min, (*query).best_t, (*query).origin, (*query).direction));
+    rayQueryInitialize(&driver, hierarchy, RayDesc(flags, 0xffu, range.x, range.y, origin, direction));
     while rayQueryProceed(&driver) {
-        let candidate = rayQueryGetCandidateIntersection(&driver);
-        if !is_hole(candidate.primitive_index, candidate.barycentrics.x, candidate.barycentrics.y) {
+        if is_confirmed(query, rayQueryGetCandidateIntersection(&driver).primitive_index) {
             rayQueryConfirmIntersection(&driver);
         }
     }
-    let committed = rayQueryGetCommittedIntersection(&driver);
-    if committed.kind != RAY_QUERY_INTERSECTION_TRIANGLE {
+    if is_taken(query, rayQueryGetCommittedIntersection(&driver)) {
         return;
     }
-    let triangle = committed.primitive_index;
-    let ours = scene_intersection(query, triangle);
-    (*query).best_triangle = triangle;
-    if ours.is_hit && ours.t >= (*query).t_min && ours.t <= (*query).best_t {
-        (*query).best_t = abs(ours.t);
-        (*query).best_u = ours.u;
-        (*query).best_v = ours.v;
-    } else {
-        (*query).best_t = committed.t;
-        (*query).best_u = committed.barycentrics.x;
-        (*query).best_v = committed.barycentrics.y;
+    var careful: ray_query;
+    rayQueryInitialize(&careful, hierarchy, RayDesc(flags | FORCE_NO_OPAQUE, 0xffu, range.x, range.y, origin, direction));
+    while rayQueryProceed(&careful) {
+        if is_confirmed(query, rayQueryGetCandidateIntersection(&careful).primitive_index) {
+            rayQueryConfirmIntersection(&careful);
+        }
     }
+    // Nothing that our test rejects was committed.
+    _ = is_taken(query, rayQueryGetCommittedIntersection(&careful));
 }

@@ -12,6 +12,7 @@
 //! both triangles, and the lowest index wins.
 
 use formats::ray::Ray;
+use glam::{Vec4, Vec4Swizzles};
 
 /// A ray's transformation: which axes are sheared, and by how much.
 #[derive(Clone, Copy, Debug)]
@@ -79,23 +80,26 @@ impl LeafTriangle {
     /// Where a line hits the triangle's plane inside its edges; `t` may be anything, also NaN.
     #[inline(always)]
     pub fn intersect(&self, ray: &Shear) -> Option<Intersection> {
-        let [rx, ry, rz] = ray.axes.map(|axis| &self.rows[axis]);
-        let z: [f32; 3] = std::array::from_fn(|corner| rz[corner] - ray.origin[2]);
-        let x: [f32; 3] =
-            std::array::from_fn(|corner| (rx[corner] - ray.origin[0]) - ray.shear[0] * z[corner]);
-        let y: [f32; 3] =
-            std::array::from_fn(|corner| (ry[corner] - ray.origin[1]) - ray.shear[1] * z[corner]);
+        // Four lanes at a time; what the last one holds and becomes is of no interest.
+        let [rx, ry, rz] = ray.axes.map(|axis| Vec4::from_array(self.rows[axis]));
+        let z = rz - Vec4::splat(ray.origin[2]);
+        let x = (rx - Vec4::splat(ray.origin[0])) - Vec4::splat(ray.shear[0]) * z;
+        let y = (ry - Vec4::splat(ray.origin[1])) - Vec4::splat(ray.shear[1]) * z;
         // Weight of a corner: the edge function of the two others.
-        let a = x[2] * y[1] - y[2] * x[1];
-        let b = x[0] * y[2] - y[0] * x[2];
-        let c = x[1] * y[0] - y[1] * x[0];
-        let is_negative = a < 0.0 || b < 0.0 || c < 0.0;
-        let is_positive = a > 0.0 || b > 0.0 || c > 0.0;
-        let sum = (a + b) + c;
-        if (is_negative && is_positive) || sum == 0.0 {
+        let edges = x.zxyw() * y.yzxw() - y.zxyw() * x.yzxw();
+        let corners = 0b111;
+        let is_negative = edges.cmplt(Vec4::ZERO).bitmask() & corners != 0;
+        let is_positive = edges.cmpgt(Vec4::ZERO).bitmask() & corners != 0;
+        if is_negative && is_positive {
             return None;
         }
-        let [az, bz, cz] = z.map(|z| ray.shear[2] * z);
+        let [a, b, c, _] = edges.to_array();
+        let sum = (a + b) + c;
+        if sum == 0.0 {
+            return None;
+        }
+        let z = z.to_array();
+        let [az, bz, cz] = [z[0], z[1], z[2]].map(|z| ray.shear[2] * z);
         let scaled_t = (a * az + b * bz) + c * cz;
         // Quotients of numbers of the same sign: `abs` only removes the sign of a zero, which
         // depends on the order of an edge's corners.

@@ -1,0 +1,123 @@
+//! What the manifest says about a run before its first array.
+
+use formats::manifest::{
+    Backend, CameraPose, Features as FeatureNames, Header, MethodRecord, Options, SceneSummary, Source,
+};
+use scenes::Scene;
+
+use crate::backend::{MethodPlan, Setup};
+use crate::device::Device;
+use crate::options::RecordOptions;
+
+/// The header of a run over a scene.
+pub(crate) fn header(
+    scene: &Scene,
+    setup: &Setup,
+    options: &RecordOptions,
+    device: &Device,
+    notices: &[String],
+    source: Source,
+) -> Header {
+    let bounds = scene.bounds();
+    let names = |list: Vec<&'static str>| list.into_iter().map(str::to_owned).collect();
+    Header {
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
+        options: manifest_options(setup, options, device),
+        scene: SceneSummary {
+            name: scene.name.clone(),
+            content_hash: scenes::hash::content_hash(scene),
+            bounds_min: bounds.min,
+            bounds_max: bounds.max,
+            triangles: scene.triangles.len() as u64,
+            vertices: scene.positions.len() as u64,
+        },
+        camera: CameraPose {
+            eye: setup.camera.eye,
+            forward: setup.camera.forward,
+            right: setup.camera.right,
+            up: setup.camera.up,
+            yfov_radians: setup.camera.yfov_radians,
+        },
+        lights: setup.light_sites.clone(),
+        backend: device.backend(),
+        adapter: device.adapter(),
+        limits: device.limits(),
+        self_check: device.self_check(),
+        ieee_arithmetic: device.ieee_arithmetic(),
+        features: FeatureNames {
+            used: names(setup.features.used()),
+            skipped: names(setup.features.skipped()),
+        },
+        time_source: device.time_source(),
+        notices: notices.to_vec(),
+        source,
+    }
+}
+
+fn manifest_options(setup: &Setup, options: &RecordOptions, device: &Device) -> Options {
+    let names = setup.methods.iter().map(|method| method.name.clone());
+    Options {
+        width: options.width,
+        height: options.height,
+        bounces: options.bounces,
+        passes: options.passes,
+        repeats: options.repeats,
+        seed: options.seed,
+        camera: setup.camera.name.clone(),
+        methods: [formats::key::method::UNSORTED.to_owned()].into_iter().chain(names).collect(),
+        key_bits: options.key_bits,
+        two_point_length: options.two_point_length,
+        table_bits: options.table_bits,
+        table_method: options.table_method.name.clone(),
+        table_layout: options.table_method.layout.text().to_owned(),
+        trace_kernel: options.trace.name().to_owned(),
+        threads: device.threads(),
+        keep: options.keep.words(),
+        keep_passes: if options.keep_passes == crate::options::KeepPasses::All { "all" } else { "measured" }
+            .to_owned(),
+        russian_roulette: options.russian_roulette,
+    }
+}
+
+pub(super) fn method_record(plan: &MethodPlan) -> MethodRecord {
+    MethodRecord {
+        name: plan.name.clone(),
+        text: plan.text.clone(),
+        layout: plan.layout.bits().iter().map(|coordinate| coordinate.name().to_owned()).collect(),
+        termination: plan.termination,
+        key_bits: plan.key_bits,
+        base: plan.base.clone(),
+        two_point_length: plan.two_point_length,
+    }
+}
+
+pub(super) fn headline(header: &Header, setup: &Setup) -> Vec<String> {
+    let options = &header.options;
+    let backend = if header.backend == Backend::Cpu {
+        format!("cpu, {} threads", options.threads)
+    } else {
+        "gpu".to_owned()
+    };
+    vec![
+        format!(
+            "scene    {} ({} triangles), camera '{}'",
+            header.scene.name, header.scene.triangles, options.camera
+        ),
+        format!("device   {} ({backend}), trace kernel {}", header.adapter.name, options.trace_kernel),
+        format!(
+            "run      {}×{}, {} bounces, {} passes, {} repeats, {}-bit keys, seed {}",
+            setup.width,
+            setup.height,
+            setup.bounces,
+            options.passes,
+            options.repeats,
+            options.key_bits,
+            setup.seed
+        ),
+        format!("scene uses {}; skipped: {}", list(&header.features.used), list(&header.features.skipped)),
+    ]
+}
+
+fn list(words: &[String]) -> String {
+    if words.is_empty() { "nothing special".to_owned() } else { words.join(", ") }
+}

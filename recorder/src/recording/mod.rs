@@ -1,0 +1,115 @@
+//! A recording from options to a finished dump: scene, device, loop, files.
+
+mod header;
+mod run;
+mod scene_arrays;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+use formats::manifest::Source;
+use formats::unit_space::UnitSpace;
+use formats::writer::DumpWriter;
+use scenes::features::Features;
+use scenes::{Camera, Scene};
+
+pub(crate) use header::header;
+pub(crate) use run::{Rays, Run};
+
+use crate::backend::{MethodPlan, Setup};
+use crate::device;
+use crate::observer::MeasuredQueue;
+use crate::options::RecordOptions;
+use crate::stages::shade::tables::ShadeTables;
+
+/// A finished recording.
+pub struct Recorded {
+    /// The dump.
+    pub path: PathBuf,
+    /// Scene, adapter and settings in a line each.
+    pub headline: Vec<String>,
+    /// Methods, in order.
+    pub methods: Vec<MethodPlan>,
+    /// Every queue of the measured pass.
+    pub queues: Vec<MeasuredQueue>,
+    /// Things the user should know.
+    pub notices: Vec<String>,
+}
+
+impl Recorded {
+    /// The summary of the dump as JSON.
+    ///
+    /// # Errors
+    /// If the dump cannot be read back.
+    pub fn json(&self) -> Result<String> {
+        let dump = formats::reader::Dump::open(&self.path)?;
+        Ok(serde_json::to_string_pretty(&formats::summary::Summary::new(&self.path, dump.manifest()))?)
+    }
+}
+
+/// Records a scene.
+///
+/// # Errors
+/// One sentence on what went wrong with scene, device or disk.
+pub fn record(options: &RecordOptions) -> Result<Recorded> {
+    let start = Instant::now();
+    DumpWriter::check(&options.out, options.force)?;
+    let scene = scenes::load(&options.scene)?;
+    let camera = choose_camera(&scene, options.camera.as_deref())?;
+    let device = device::open(options)?;
+    let setup = Arc::new(setup(&scene, &camera, options)?);
+    device.check_capacity(&setup, &scene, options)?;
+    let mut notices = scene.notices.clone();
+    notices.extend(device.notices());
+    let header = header(&scene, &setup, options, &device, &notices, Source::Traced);
+    Run { scene: &scene, setup, options, header, rays: Rays::Paths, notices, start }.on(device)
+}
+
+/// The camera of this name, or the first.
+///
+/// # Errors
+/// If there is none.
+pub(crate) fn choose_camera(scene: &Scene, name: Option<&str>) -> Result<Camera> {
+    let Some(name) = name else {
+        return scene
+            .cameras
+            .first()
+            .cloned()
+            .with_context(|| format!("scene '{}' has no camera", scene.name));
+    };
+    match scene.cameras.iter().find(|camera| camera.name == name) {
+        Some(camera) => Ok(camera.clone()),
+        None => {
+            let names: Vec<_> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
+            bail!("scene '{}' has no camera '{name}'; it has {}", scene.name, names.join(", "))
+        }
+    }
+}
+
+/// What kernels depend on, for a scene seen by one of its cameras.
+///
+/// # Errors
+/// None beyond those of layouts, which options have checked already.
+pub fn setup(scene: &Scene, camera: &Camera, options: &RecordOptions) -> Result<Setup> {
+    let bounds = scene.bounds();
+    let unit = UnitSpace::from_bounds(bounds.min, bounds.max);
+    let lights = scene.lights.len();
+    let plan = |method| MethodPlan::new(method, lights, options.key_bits, options.two_point_length);
+    Ok(Setup {
+        tables: Arc::new(ShadeTables::new(scene)),
+        features: Features::of(scene),
+        light_sites: Setup::light_sites(scene, &unit),
+        unit,
+        camera: camera.clone(),
+        width: options.width,
+        height: options.height,
+        bounces: options.bounces,
+        seed: options.seed,
+        roulette: options.russian_roulette,
+        methods: options.methods.iter().map(plan).collect::<Result<_, _>>()?,
+        table_bits: options.table_bits,
+        table_layout: options.table_method.layout.expand(lights)?,
+    })
+}

@@ -1,0 +1,141 @@
+//! A run on a device: the loop or recorded rays, measured and written.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use formats::manifest::{End, Header, ImageDigest, Outcome, Place};
+use formats::writer::DumpWriter;
+use scenes::Scene;
+use sha2::{Digest, Sha256};
+
+use super::{Recorded, header, scene_arrays};
+use crate::backend::{Backend, Setup};
+use crate::capture::Capture;
+use crate::cpu::CpuBackend;
+use crate::device::{self, Device};
+use crate::gpu::backend::GpuBackend;
+use crate::observer::{MeasuredQueue, Plan, Recorder};
+use crate::options::RecordOptions;
+use crate::progress::Progress;
+use crate::replay::queues::{self, RecordedRays};
+use crate::stages::trace::TraceKernel;
+use crate::stages::trace::cpu::CpuTracer;
+use crate::wavefront;
+
+/// Where the rays of a run come from.
+pub(crate) enum Rays<'a> {
+    /// Paths from the camera.
+    Paths,
+    /// A recording or a file.
+    Recorded(RecordedRays<'a>),
+}
+
+/// Everything of a run but the device.
+pub(crate) struct Run<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) setup: Arc<Setup>,
+    pub(crate) options: &'a RecordOptions,
+    pub(crate) header: Header,
+    pub(crate) rays: Rays<'a>,
+    pub(crate) notices: Vec<String>,
+    pub(crate) start: Instant,
+}
+
+/// What a run left: the dump, what was measured, and rays that did not find what was recorded.
+type Outcomes = (PathBuf, Vec<MeasuredQueue>, u64);
+
+impl Run<'_> {
+    /// Runs on a device.
+    ///
+    /// # Errors
+    /// One sentence on what went wrong with the device or the disk.
+    pub(crate) fn on(self, device: Device) -> Result<Recorded> {
+        // The backend comes first: what does not fit a device is refused before anything is written.
+        let kernel = self.options.trace;
+        let bvh = device::hierarchy(self.scene, kernel)?;
+        let setup = Arc::clone(&self.setup);
+        let (path, queues, differing) = match device {
+            Device::Cpu(cpu) => cpu.pool.install(|| {
+                let bvh = bvh.context("threads trace a hierarchy of their own")?;
+                self.with(&mut CpuBackend::new(setup, CpuTracer::new(self.scene, &bvh)))
+            })?,
+            Device::Gpu(gpu) => {
+                self.with(&mut GpuBackend::new(gpu.gpu, self.scene, bvh.as_ref(), setup, kernel)?)?
+            }
+        };
+        let headline = header::headline(&self.header, &self.setup);
+        let mut notices = self.notices;
+        if differing > 0 {
+            notices.push(format!("{differing} rays found something else than in the recording"));
+        }
+        Ok(Recorded { path, headline, methods: self.setup.methods.clone(), queues, notices })
+    }
+
+    fn plan(&self) -> Plan {
+        let options = self.options;
+        Plan {
+            methods: self.setup.methods.clone(),
+            passes: options.passes,
+            repeats: options.repeats,
+            keep: options.keep,
+            keep_passes: options.keep_passes,
+            tolerates_mismatches: options.trace == TraceKernel::RayQuery,
+            counts_work: options.trace != TraceKernel::RayQuery,
+        }
+    }
+
+    fn with<B: Backend>(&self, backend: &mut B) -> Result<Outcomes> {
+        let options = self.options;
+        let plan = self.plan();
+        let writer = DumpWriter::create(&options.out, self.header.clone(), options.force)?;
+        let mut capture = Capture::start(writer)?;
+        if options.keep.scene {
+            scene_arrays::write(&mut capture, self.scene)?;
+        }
+        for method in &self.setup.methods {
+            capture.method(header::method_record(method))?;
+        }
+        let progress = self.progress();
+        let mut recorder = Recorder::new(&plan, &mut capture, &progress);
+        let differing = match &self.rays {
+            Rays::Paths => {
+                wavefront::run(backend, options.passes, options.bounces, &mut recorder)?;
+                0
+            }
+            Rays::Recorded(rays) => queues::run(backend, rays, &mut recorder)?,
+        };
+        recorder.finish(backend)?;
+        let measured = recorder.measured;
+        progress.finish();
+        let image = match self.rays {
+            Rays::Paths => Some(self.write_image(backend, &mut capture)?),
+            Rays::Recorded(_) => None,
+        };
+        let wall_ns = self.start.elapsed().as_nanos() as u64;
+        let path = capture.finish(End { outcome: Outcome::Complete, image, wall_ns })?;
+        Ok((path, measured, differing))
+    }
+
+    fn progress(&self) -> Progress {
+        let pixels = u64::from(self.setup.width) * u64::from(self.setup.height);
+        let repeats = u64::from(self.options.repeats);
+        let traces = repeats + self.setup.methods.len() as u64 * (2 + 2 * repeats);
+        let passes = match &self.rays {
+            Rays::Paths => self.options.passes,
+            Rays::Recorded(_) => 1,
+        };
+        Progress::new(passes, self.options.bounces, pixels, traces)
+    }
+
+    fn write_image<B: Backend>(&self, backend: &mut B, capture: &mut Capture) -> Result<ImageDigest> {
+        let image = backend.image(self.options.passes)?;
+        let (width, height) = (self.setup.width, self.setup.height);
+        let digest = Sha256::digest(bytemuck::cast_slice::<_, u8>(&image));
+        if self.options.keep.image {
+            capture.whole_array(Place::Image, &[height.into(), width.into(), 3], &image)?;
+        }
+        Ok(ImageDigest { width, height, sha256: digest.into() })
+    }
+}

@@ -1,0 +1,88 @@
+//! The scene as a recording holds it: triangles and their alpha masks.
+
+use anyhow::{Context, Result};
+use formats::manifest::{Place, SceneArray};
+use formats::npy::MaterialMask;
+use formats::reader::Dump;
+use scenes::{Material, Scene, Texture};
+
+/// What rays can be traced through.
+///
+/// # Errors
+/// If the scene was not kept, or its arrays do not belong together.
+pub(super) fn scene(dump: &Dump) -> Result<Scene> {
+    let kept = "a replay needs the scene of a recording; record with --keep scene and more";
+    let positions = dump.array::<[f32; 3]>(&Place::Scene(SceneArray::Positions)).context(kept)?;
+    let triangles = dump.array::<[u32; 3]>(&Place::Scene(SceneArray::Triangles)).context(kept)?;
+    check_below(triangles.iter().flatten(), positions.len(), "a vertex")?;
+    let name = dump.manifest().header.scene.name.clone();
+    let mut scene = Scene::of_geometry(name, positions.to_vec(), triangles.to_vec());
+    if dump.has(&Place::Scene(SceneArray::Masks)) {
+        add_masks(dump, &mut scene)?;
+    }
+    Ok(scene)
+}
+
+fn add_masks(dump: &Dump, scene: &mut Scene) -> Result<()> {
+    let masks = dump.array::<MaterialMask>(&Place::Scene(SceneArray::Masks))?;
+    let materials = dump.array::<u32>(&Place::Scene(SceneArray::Materials))?;
+    anyhow::ensure!(
+        materials.len() == scene.triangles.len(),
+        "the recording has {} triangles, but materials for {}; run `inspector verify` on it",
+        scene.triangles.len(),
+        materials.len()
+    );
+    check_below(materials.iter(), masks.len(), "a material")?;
+    scene.triangle_materials = materials.to_vec();
+    if dump.has(&Place::Scene(SceneArray::Uvs)) {
+        scene.uvs = dump.array::<[f32; 2]>(&Place::Scene(SceneArray::Uvs))?.to_vec();
+    }
+    let used = masks.iter().map(|mask| mask.texture).filter(|&texture| texture != MaterialMask::NO_TEXTURE);
+    let textures = used.map(|texture| texture as usize + 1).max().unwrap_or(0);
+    scene.textures = (0..textures).map(|number| texture(dump, number as u32)).collect::<Result<_>>()?;
+    scene.materials = masks.iter().map(material).collect();
+    Ok(())
+}
+
+fn texture(dump: &Dump, number: u32) -> Result<Texture> {
+    let place = Place::Scene(SceneArray::Mask(number));
+    let alpha = dump.array::<u8>(&place)?;
+    let shape = dump.record(&place).map(|record| record.shape.clone()).unwrap_or_default();
+    let [height, width] = shape.as_slice() else { anyhow::bail!("{place} is no picture") };
+    anyhow::ensure!(!alpha.is_empty(), "{place} has no texels");
+    let rgba = alpha.iter().map(|&alpha| [0, 0, 0, alpha]).collect();
+    Ok(Texture { width: *width as u32, height: *height as u32, rgba })
+}
+
+/// A material whose threshold is that of the mask.
+fn material(mask: &MaterialMask) -> Material {
+    let threshold = (mask.cutoff * 255.0).round();
+    Material {
+        base_color_texture: (mask.texture != MaterialMask::NO_TEXTURE).then_some(mask.texture),
+        // Half a step below, so that rounding cannot lift it to the next threshold.
+        alpha_cutoff: (threshold > 0.0).then_some((threshold - 0.5) / 255.0),
+        ..Material::default()
+    }
+}
+
+fn check_below<'a>(indices: impl Iterator<Item = &'a u32>, count: usize, what: &str) -> Result<()> {
+    match indices.copied().find(|&index| index as usize >= count) {
+        None => Ok(()),
+        Some(index) => anyhow::bail!(
+            "a triangle of the recording has {what} {index}, but there are {count}; run `inspector verify` on it"
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thresholds_come_back() {
+        for threshold in 0..=256u32 {
+            let mask = MaterialMask { texture: 0, cutoff: threshold as f32 / 255.0 };
+            assert_eq!(material(&mask).alpha_threshold(), threshold);
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! Measures recorded rays again, without tracing paths: other methods, other bits, another device.
+//!
+//! - [`variants`]: methods at several key bits and lengths
+//! - [`queues`]: the loop over recorded queues
+//! - `geometry`: the scene as a recording holds it
+//! - [`import`]: rays from any other tracer
+
+mod geometry;
+pub mod import;
+pub mod queues;
+pub mod variants;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
+use formats::key::{LayoutText, Method};
+use formats::manifest::{Header, MethodRecord, Source};
+use formats::reader::{Dump, DumpState};
+use formats::writer::DumpWriter;
+use scenes::Camera;
+
+use crate::device;
+use crate::options::{BackendChoice, Keep, KeepPasses, RecordOptions};
+use crate::recording::{Rays, Recorded, Run, header, setup};
+use crate::stages::trace::TraceKernel;
+use queues::RecordedRays;
+use variants::Sweep;
+
+/// Everything that `recorder replay` was asked for; what is not given is as it was recorded.
+#[derive(Clone, Debug)]
+pub struct ReplayOptions {
+    /// The recording.
+    pub source: PathBuf,
+    /// Where the new one goes.
+    pub out: PathBuf,
+    /// Methods to measure.
+    pub methods: Option<Vec<Method>>,
+    /// Key bits and lengths.
+    pub sweep: Sweep,
+    /// Address bits of the length tables.
+    pub table_bits: Option<u32>,
+    /// Method that addresses them.
+    pub table_method: Option<Method>,
+    /// Timed repeats.
+    pub repeats: Option<u32>,
+    /// Where to run.
+    pub backend: BackendChoice,
+    /// Adapter by part of its name.
+    pub adapter: Option<String>,
+    /// Trace kernel.
+    pub trace: Option<TraceKernel>,
+    /// Threads of the CPU backend; all cores if not given.
+    pub threads: Option<usize>,
+    /// Arrays to keep: keys, permutations, work, caches.
+    pub keep: Keep,
+    /// Whether an existing recording may be replaced.
+    pub force: bool,
+}
+
+/// Measures the rays of a recording again.
+///
+/// # Errors
+/// One sentence on what went wrong with the recording, device or disk.
+pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
+    let start = Instant::now();
+    DumpWriter::check(&options.out, options.force)?;
+    let asked = Dump::open(&options.source)?;
+    let dump = match (&asked.manifest().header.source, asked.source()) {
+        (Source::Replayed { name, .. }, None) => bail!(
+            "{} is a replay of {name}, which is not in the same folder, or is another recording by now; replay {name} itself",
+            options.source.display()
+        ),
+        (_, Some(source)) => source,
+        (_, None) => &asked,
+    };
+    if dump.state() == DumpState::Partial {
+        bail!(
+            "{} is not finished; wait for its recorder, or run `inspector recover` on it",
+            dump.root().display()
+        );
+    }
+    let recorded = &asked.manifest().header;
+    let run_options = run_options(options, recorded, &asked.manifest().methods)?;
+    run_options.check()?;
+    let scene = geometry::scene(dump)?;
+    let camera = camera(recorded);
+    let device = device::open(&run_options)?;
+    let mut setup = setup(&scene, &camera, &run_options)?;
+    setup.light_sites = recorded.lights.clone();
+    setup.unit =
+        formats::unit_space::UnitSpace::from_bounds(recorded.scene.bounds_min, recorded.scene.bounds_max);
+    let fixed_length = recorded.options.two_point_length;
+    setup.methods = options.sweep.plans(
+        &run_options.methods,
+        setup.light_sites.len(),
+        recorded.options.key_bits,
+        fixed_length,
+    )?;
+    let setup = Arc::new(setup);
+    device.check_capacity(&setup, &scene, &run_options)?;
+    let notices: Vec<String> = device.notices();
+    let source =
+        Source::Replayed { name: folder_name(dump.root())?, manifest_sha256: dump.manifest_sha256()? };
+    let header = Header {
+        scene: recorded.scene.clone(),
+        camera: recorded.camera,
+        features: recorded.features.clone(),
+        ..header(&scene, &setup, &run_options, &device, &notices, source)
+    };
+    let is_same_table = run_options.table_bits == recorded.options.table_bits
+        && run_options.table_method.layout.text() == recorded.options.table_layout;
+    let rays = Rays::Recorded(RecordedRays::Dump { dump, is_same_table });
+    Run { scene: &scene, setup, options: &run_options, header, rays, notices, start }.on(device)
+}
+
+/// The options of a run over what was recorded.
+fn run_options(
+    options: &ReplayOptions,
+    recorded: &Header,
+    methods: &[MethodRecord],
+) -> Result<RecordOptions> {
+    let before = &recorded.options;
+    let methods = match &options.methods {
+        Some(methods) => methods.clone(),
+        None => recorded_methods(methods)?,
+    };
+    let table_method = match &options.table_method {
+        Some(method) => method.clone(),
+        None => Method {
+            layout: LayoutText::parse(&before.table_layout)?,
+            ..Method::builtin(&before.table_method)?
+        },
+    };
+    let trace = match options.trace {
+        Some(kernel) => kernel,
+        None => TraceKernel::from_str(&before.trace_kernel, false).ok().with_context(|| {
+            format!("the recording names an unknown trace kernel '{}'", before.trace_kernel)
+        })?,
+    };
+    let mut keep = options.keep;
+    let table_bits = options.table_bits.unwrap_or(before.table_bits);
+    // Tables of other addresses are made anew, and belong to what differs.
+    keep.lengths = table_bits != before.table_bits || table_method.layout.text() != before.table_layout;
+    Ok(RecordOptions {
+        scene: recorded.scene.name.clone(),
+        out: options.out.clone(),
+        width: before.width,
+        height: before.height,
+        bounces: before.bounces,
+        passes: before.passes,
+        repeats: options.repeats.unwrap_or(before.repeats),
+        seed: before.seed,
+        camera: Some(before.camera.clone()),
+        methods,
+        key_bits: options.sweep.key_bits.first().copied().unwrap_or(before.key_bits),
+        two_point_length: options.sweep.lengths.first().copied().unwrap_or(before.two_point_length),
+        table_bits,
+        table_method,
+        backend: options.backend,
+        adapter: options.adapter.clone(),
+        trace,
+        threads: options.threads,
+        keep,
+        keep_passes: if before.keep_passes == "all" { KeepPasses::All } else { KeepPasses::Measured },
+        russian_roulette: before.russian_roulette,
+        force: options.force,
+    })
+}
+
+/// The methods of a recording, without the variants of a sweep.
+fn recorded_methods(records: &[MethodRecord]) -> Result<Vec<Method>> {
+    let mut methods: Vec<Method> = Vec::new();
+    for record in records {
+        if methods.iter().any(|method| method.name == record.base) {
+            continue;
+        }
+        let built_in = Method::builtin(&record.base).ok();
+        methods.push(match built_in.filter(|method| method.layout.text() == record.text) {
+            Some(method) => method,
+            None => Method::from_user(&format!("{}={}", record.base, record.text))?,
+        });
+    }
+    Ok(methods)
+}
+
+fn camera(recorded: &Header) -> Camera {
+    let pose = &recorded.camera;
+    Camera {
+        name: recorded.options.camera.clone(),
+        eye: pose.eye,
+        forward: pose.forward,
+        right: pose.right,
+        up: pose.up,
+        yfov_radians: pose.yfov_radians,
+    }
+}
+
+/// The name of a recording's folder, by which a replay finds it.
+fn folder_name(path: &Path) -> Result<String> {
+    let path = std::path::absolute(path)?;
+    let name = path.file_name().and_then(|name| name.to_str()).map(str::to_owned);
+    name.with_context(|| format!("the name of {} is not UTF-8; rename it", path.display()))
+}
