@@ -229,7 +229,7 @@ fn sample_triangle(
     let normal = normalize3(cross3(q - p, r - p));
     let on_light = p + (q - p) * u + (r - p) * v;
     let facing = if dot3(normal, point - on_light) < 0.0 { -normal } else { normal };
-    let to_light = offset_origin(on_light, facing) - point;
+    let to_light = offset_origin(on_light, facing, q - p, r - p) - point;
     let distance2 = dot3(to_light, to_light);
     let distance = distance2.sqrt();
     let direction = to_light * (1.0 / distance);

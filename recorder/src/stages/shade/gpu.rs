@@ -8,7 +8,7 @@ use super::emitters::{
     SHORT_OF_TRIANGLE,
 };
 use super::path::ROULETTE_FREE_BOUNCES;
-use super::surface::{OFFSET_ORIGIN, OFFSET_STEP, OFFSET_ULPS};
+use super::surface::{OFFSET_OF_POINT, OFFSET_OF_TRIANGLE};
 use super::tables::NO_TEXTURE;
 use crate::gpu::Module;
 use crate::stages::generate::gpu::random_text;
@@ -98,9 +98,8 @@ fn constants(features: &Features) -> String {
         ("DIELECTRIC_F0", DIELECTRIC_F0),
         ("MIRROR_ALPHA", MIRROR_ALPHA),
         ("SHORT_OF_TRIANGLE", SHORT_OF_TRIANGLE),
-        ("OFFSET_ORIGIN", OFFSET_ORIGIN),
-        ("OFFSET_STEP", OFFSET_STEP),
-        ("OFFSET_ULPS", OFFSET_ULPS),
+        ("OFFSET_OF_POINT", OFFSET_OF_POINT),
+        ("OFFSET_OF_TRIANGLE", OFFSET_OF_TRIANGLE),
     ];
     let integers = [
         ("EMITTER_SPHERE", EMITTER_SPHERE),

@@ -53,7 +53,7 @@ fn cast_shadow_ray(
     throughput: vec3<f32>,
     random: ptr<function, u32>,
 ) -> bool {
-    let origin = offset_origin(surface.point, surface.geometric_normal);
+    let origin = surface.origin;
     let light = sample_light(origin, random);
     if dot3(light.direction, surface.geometric_normal) <= 0.0 || light.t_max <= 0.0 {
         return false;
@@ -101,7 +101,7 @@ fn cast_next_ray(
     if !is_bright(color) {
         return false;
     }
-    next_origins[index] = vec4(offset_origin(surface.point, surface.geometric_normal), 0.0);
+    next_origins[index] = vec4(surface.origin, 0.0);
     next_directions[index] = vec4(direction, bitcast<f32>(infinity_bits));
     next_states[index] = bitcast<vec4<u32>>(vec4(color, sample.density));
     return true;

@@ -68,7 +68,7 @@ fn sample_triangle(emitter: Emitter, point: vec3<f32>, a: f32, b: f32) -> LightS
     let normal = normalize3(cross3(q - p, r - p));
     let on_light = p + (q - p) * u + (r - p) * v;
     let facing = select(normal, -normal, dot3(normal, point - on_light) < 0.0);
-    let to_light = offset_origin(on_light, facing) - point;
+    let to_light = offset_origin(on_light, facing, q - p, r - p) - point;
     let distance2 = dot3(to_light, to_light);
     let distance = sqrt(distance2);
     let direction = to_light * (1.0 / distance);

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::bsdf::Surface;
 use super::emitters::{sample_light, sky_radiance};
-use super::surface::{HitSurface, hit_surface, offset_origin};
+use super::surface::{HitSurface, hit_surface};
 use super::tables::ShadeTables;
 use crate::stages::random::Random;
 use crate::stages::shared::{PathState, ShadeParams};
@@ -124,7 +124,7 @@ fn shadow_ray<const GLOSSY: bool>(
     throughput: Vec3,
     random: &mut Random,
 ) -> Option<(Ray, ShadowState)> {
-    let origin = offset_origin(surface.point, surface.geometric_normal);
+    let origin = surface.origin;
     let light = sample_light(tables, origin, random)?;
     if dot3(light.direction, surface.geometric_normal) <= 0.0 || light.t_max <= 0.0 {
         return None;
@@ -176,7 +176,7 @@ fn next_ray<const GLOSSY: bool>(
     if !(brightness > 0.0 && brightness < f32::MAX) {
         return None;
     }
-    let origin = offset_origin(surface.point, surface.geometric_normal);
+    let origin = surface.origin;
     let ray =
         Ray { origin: origin.to_array(), t_min: 0.0, direction: direction.to_array(), t_max: f32::INFINITY };
     Some((ray, PathState { color: color.to_array(), density: sample.density }))

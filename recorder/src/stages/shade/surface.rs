@@ -6,12 +6,11 @@ use super::tables::{NO_TEXTURE, ShadeTables};
 use crate::stages::shared::MaterialData;
 use crate::stages::vector::{cross3, dot3, normalize3};
 
-/// Coordinates below this are offset by a fixed step instead of by ulps (Wächter & Binder).
-pub const OFFSET_ORIGIN: f32 = 1.0 / 32.0;
-/// That fixed step.
-pub const OFFSET_STEP: f32 = 1.0 / 65_536.0;
-/// Ulps of the offset along a unit normal.
-pub const OFFSET_ULPS: f32 = 256.0;
+/// How far a ray starts off its surface, in parts of the point's largest coordinate: 8 ulps, since the
+/// point itself is rounded.
+pub const OFFSET_OF_POINT: f32 = 1.0 / 1_048_576.0;
+/// The same in parts of the triangle's largest extent, with which the error of the triangle test grows.
+pub const OFFSET_OF_TRIANGLE: f32 = 1.0 / 262_144.0;
 
 /// The corners of a triangle of the scene.
 pub fn triangle_corners(tables: &ShadeTables, triangle: u32) -> [Vec3; 3] {
@@ -19,17 +18,17 @@ pub fn triangle_corners(tables: &ShadeTables, triangle: u32) -> [Vec3; 3] {
     [a, b, c].map(|index| Vec3::from(tables.positions[index as usize]))
 }
 
-/// A point on the side of `normal` that no rounding puts back into the surface (Wächter & Binder,
-/// "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems, 2019).
-pub fn offset_origin(point: Vec3, normal: Vec3) -> Vec3 {
-    let along = |p: f32, n: f32| {
-        if p.abs() < OFFSET_ORIGIN {
-            return p + OFFSET_STEP * n;
-        }
-        let ulps = (OFFSET_ULPS * n) as i32;
-        f32::from_bits((p.to_bits() as i32).wrapping_add(if p < 0.0 { -ulps } else { ulps }) as u32)
-    };
-    Vec3::new(along(point.x, normal.x), along(point.y, normal.y), along(point.z, normal.z))
+/// A point on the side of `normal` from which the triangle test cannot find the triangle again.
+///
+/// Offsetting each coordinate by its own ulps (Wächter & Binder, Ray Tracing Gems 2019) is not enough: a
+/// floor at a height of nearly 0 is a large triangle whose other coordinates decide how much the test is
+/// off. So the step is proportional to the largest coordinate of the point and to the extent of the
+/// triangle, `pq` and `pr` being two of its edges, as error bounds of the test are (Pharr, Jakob &
+/// Humphreys, Physically Based Rendering, §6.8.3).
+pub fn offset_origin(point: Vec3, normal: Vec3, pq: Vec3, pr: Vec3) -> Vec3 {
+    let largest = |v: Vec3| v.x.abs().max(v.y.abs()).max(v.z.abs());
+    let step = largest(point) * OFFSET_OF_POINT + largest(pq).max(largest(pr)) * OFFSET_OF_TRIANGLE;
+    point + normal * step
 }
 
 /// A hit surface, seen from the side that the ray came from.
@@ -37,6 +36,8 @@ pub fn offset_origin(point: Vec3, normal: Vec3) -> Vec3 {
 pub struct HitSurface {
     /// The hit point, from the triangle's corners (more exact than along the ray).
     pub point: Vec3,
+    /// Where rays leave it.
+    pub origin: Vec3,
     /// Unit normal of the triangle.
     pub geometric_normal: Vec3,
     /// Unit normal to shade with.
@@ -74,7 +75,9 @@ pub fn hit_surface<const TEXTURES: bool, const NORMALS: bool>(
         let at = |axis: usize| ta[axis] + (tb[axis] - ta[axis]) * u + (tc[axis] - ta[axis]) * v;
         base_color *= texture_color(tables, material.texture, at(0), at(1));
     }
-    HitSurface { point: p + pq * u + pr * v, geometric_normal, shading_normal, material, base_color }
+    let point = p + pq * u + pr * v;
+    let origin = offset_origin(point, geometric_normal, pq, pr);
+    HitSurface { point, origin, geometric_normal, shading_normal, material, base_color }
 }
 
 /// Falls back to the geometric normal where vertices have none or the ray would come from behind.
@@ -115,18 +118,89 @@ fn texture_color(tables: &ShadeTables, texture: u32, u: f32, v: f32) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use formats::ray::Ray;
 
+    use super::*;
+    use crate::stages::trace::triangle::{LeafTriangle, Shear};
+
+    /// No ray that leaves a triangle finds it again, however far away, large, thin or grazing.
     #[test]
-    fn offsets_leave_the_surface_on_the_right_side_at_any_scale() {
-        for scale in [1e-4f32, 1.0, 1e3, 1e6] {
-            for point in [Vec3::new(0.3, -0.7, 0.01), Vec3::new(-5.0, 2.0, 900.0)].map(|p| p * scale) {
-                for normal in [Vec3::X, -Vec3::Y, Vec3::new(0.6, 0.0, -0.8)] {
-                    let moved = offset_origin(point, normal) - point;
-                    assert!(dot3(moved, normal) > 0.0, "{point} {normal}");
-                    assert!(moved.length() < 1e-3 * scale.max(1.0) * 1e2, "{point} {normal} {moved}");
-                }
+    fn rays_do_not_find_the_triangle_that_they_leave() {
+        let mut state = 7u32;
+        let mut random = || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            (state >> 8) as f32 / 8_388_608.0 - 1.0
+        };
+        let mut again = 0;
+        for round in 0..4000 {
+            let scale = |exponent: u32| 10f32.powi(exponent as i32 % 9 - 4);
+            let (size, distance) = (scale(round), scale(round / 9));
+            let centre = Vec3::new(random(), random(), random()) * distance;
+            let mut corner = || centre + Vec3::new(random(), random(), random()) * size;
+            let mut corners = [corner(), corner(), corner()];
+            if round % 4 == 0 {
+                // A floor at a height of almost 0, as in scenes in millimetres.
+                corners.iter_mut().for_each(|corner| corner.y *= 1e-6);
+            }
+            let [p, q, r] = corners;
+            let normal = cross3(q - p, r - p);
+            // Triangles of a few ulps have no normal to speak of.
+            let fine = [p, q, r].map(|v| v.abs().max_element()).into_iter().fold(0.0, f32::max) * 1e-4;
+            if normal.length() < fine * (q - p).length().max((r - p).length()) {
+                continue;
+            }
+            let normal = normalize3(normal);
+            let leaf = LeafTriangle::new(&corners.map(|corner| corner.to_array()), 0, 0);
+            for _ in 0..50 {
+                let (a, b) = (random().abs().sqrt(), random().abs());
+                let point = p + (q - p) * (a * (1.0 - b)) + (r - p) * (a * b);
+                let origin = offset_origin(point, normal, q - p, r - p);
+                let mut direction = Vec3::new(random(), random(), random());
+                let up = dot3(direction, normal);
+                // Mostly grazing.
+                direction += normal * (up.abs() * random().abs().powi(4) - up);
+                let ray = Ray {
+                    origin: origin.to_array(),
+                    t_min: 0.0,
+                    direction: normalize3(direction).to_array(),
+                    t_max: f32::INFINITY,
+                };
+                again += usize::from(leaf.intersect(&Shear::new(&ray)).is_some_and(|at| at.t >= 0.0));
             }
         }
+        assert_eq!(again, 0);
+    }
+
+    /// Nor does it find a large triangle in the same plane: seen in a room in millimetres, where a ceiling
+    /// of small and large triangles shadowed itself.
+    #[test]
+    fn rays_do_not_find_a_larger_triangle_in_the_plane_that_they_leave() {
+        let mut state = 11u32;
+        let mut random = || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            (state >> 8) as f32 / 8_388_608.0 - 1.0
+        };
+        let mut again = 0;
+        for height in [0.0f32, 6.5e-4, 2126.5] {
+            for _ in 0..500 {
+                let at = |x: f32, z: f32| Vec3::new(1e4 + 5e3 * x, height, -6e3 + 5e3 * z);
+                // Long and thin, as the rim of a ceiling with holes for lamps.
+                let (p, q) = (at(random(), random()), at(random(), random()));
+                let r = p.lerp(q, random().abs()) + Vec3::new(q.z - p.z, 0.0, p.x - q.x) * (random() * 0.01);
+                let leaf = LeafTriangle::new(&[p, q, r].map(|corner| corner.to_array()), 0, 0);
+                let (a, b) = (random().abs().sqrt(), random().abs());
+                let point = p + (q - p) * (a * (1.0 - b)) + (r - p) * (a * b);
+                let origin = offset_origin(point, Vec3::Y, Vec3::X * 0.7, Vec3::Z * 0.9);
+                let direction = Vec3::new(random(), random().abs().powi(3), random());
+                let ray = Ray {
+                    origin: origin.to_array(),
+                    t_min: 0.0,
+                    direction: normalize3(direction).to_array(),
+                    t_max: f32::INFINITY,
+                };
+                again += usize::from(leaf.intersect(&Shear::new(&ray)).is_some_and(|at| at.t >= 0.0));
+            }
+        }
+        assert_eq!(again, 0);
     }
 }

@@ -2,26 +2,20 @@
 
 struct HitSurface {
     point: vec3<f32>,
+    origin: vec3<f32>,
     geometric_normal: vec3<f32>,
     shading_normal: vec3<f32>,
     material: MaterialData,
     base_color: vec3<f32>,
 }
 
-fn offset_along(p: f32, n: f32) -> f32 {
-    if abs(p) < OFFSET_ORIGIN {
-        return p + OFFSET_STEP * n;
-    }
-    let ulps = i32(OFFSET_ULPS * n);
-    return bitcast<f32>(bitcast<i32>(p) + select(ulps, -ulps, p < 0.0));
+fn largest(v: vec3<f32>) -> f32 {
+    return max(max(abs(v.x), abs(v.y)), abs(v.z));
 }
 
-fn offset_origin(point: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
-    return vec3(
-        offset_along(point.x, normal.x),
-        offset_along(point.y, normal.y),
-        offset_along(point.z, normal.z),
-    );
+fn offset_origin(point: vec3<f32>, normal: vec3<f32>, pq: vec3<f32>, pr: vec3<f32>) -> vec3<f32> {
+    let step = largest(point) * OFFSET_OF_POINT + max(largest(pq), largest(pr)) * OFFSET_OF_TRIANGLE;
+    return point + normal * step;
 }
 
 fn hit_surface(direction: vec3<f32>, triangle_index: u32, u: f32, v: f32) -> HitSurface {
@@ -34,8 +28,10 @@ fn hit_surface(direction: vec3<f32>, triangle_index: u32, u: f32, v: f32) -> Hit
     if dot3(geometric_normal, direction) > 0.0 {
         geometric_normal = -geometric_normal;
     }
+    let point = p + pq * u + pr * v;
     return HitSurface(
-        p + pq * u + pr * v,
+        point,
+        offset_origin(point, geometric_normal, pq, pr),
         geometric_normal,
         shading_normal(triangle, u, v, geometric_normal, direction),
         material,

@@ -7,6 +7,7 @@ use scenes::bvh::{BVH2_STACK, Bvh, CWBVH_STACK};
 
 use super::driver::DriverHierarchy;
 use super::mask::Masks;
+use super::triangle::{GAMMA_2, GAMMA_3, GAMMA_5};
 use super::{PADDING, RECIPROCAL_LIMIT, TraceKernel};
 use crate::gpu::kernel::constants_wgsl;
 use crate::gpu::run::ItemRange;
@@ -144,6 +145,9 @@ fn constants(variant: &TraceVariant) -> String {
         ("RECIPROCAL_LIMIT", RECIPROCAL_LIMIT),
         ("RECIPROCAL_THRESHOLD", 1.0 / RECIPROCAL_LIMIT),
         ("F32_MAX", f32::MAX),
+        ("GAMMA_2", GAMMA_2),
+        ("GAMMA_3", GAMMA_3),
+        ("GAMMA_5", GAMMA_5),
     ];
     let floats = floats.map(|(name, value)| format!("const {name} = {};\n", wgsl_f32(value))).concat();
     let integers = constants_wgsl(&[

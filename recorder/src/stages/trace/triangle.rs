@@ -10,9 +10,20 @@
 //! We deviate from the paper in one point: where an edge function is zero we do not fall back to
 //! double precision but count the edge in, on both sides. Rays exactly through an edge then hit
 //! both triangles, and the lowest index wins.
+//!
+//! Hits nearer than the error of their own distance are not believed. Without that, a ray that leaves a
+//! small triangle finds a large one that lies in the same plane, at a distance that is nothing but
+//! rounding: in a room in millimetres some percent of all shadow rays did.
 
 use formats::ray::Ray;
-use glam::{Vec4, Vec4Swizzles};
+use glam::{Vec3, Vec4, Vec4Swizzles};
+
+/// Bounds of the relative error of 2, 3 and 5 roundings in a row, `nε / (1 − nε)` with ε = 2⁻²⁴.
+pub const GAMMA_2: f32 = 1.192_093e-7;
+/// See [`GAMMA_2`].
+pub const GAMMA_3: f32 = 1.788_139_7e-7;
+/// See [`GAMMA_2`].
+pub const GAMMA_5: f32 = 2.980_233_3e-7;
 
 /// A ray's transformation: which axes are sheared, and by how much.
 #[derive(Clone, Copy, Debug)]
@@ -98,13 +109,31 @@ impl LeafTriangle {
         if sum == 0.0 {
             return None;
         }
-        let z = z.to_array();
-        let [az, bz, cz] = [z[0], z[1], z[2]].map(|z| ray.shear[2] * z);
+        let depths = (Vec4::splat(ray.shear[2]) * z).truncate();
+        let [az, bz, cz] = depths.to_array();
         let scaled_t = (a * az + b * bz) + c * cz;
+        let t = scaled_t / sum;
+        // Few triangles come this far, so that the bound costs little.
+        if t <= error_bound(x.truncate(), y.truncate(), depths, edges.truncate(), sum) {
+            return None;
+        }
         // Quotients of numbers of the same sign: `abs` only removes the sign of a zero, which
         // depends on the order of an edge's corners.
-        Some(Intersection { t: scaled_t / sum, u: (b / sum).abs(), v: (c / sum).abs() })
+        Some(Intersection { t, u: (b / sum).abs(), v: (c / sum).abs() })
     }
+}
+
+/// How far off the computed distance may be: nearer than this, nobody knows on which side of the triangle
+/// the ray starts. From the sheared corners, their depths along the ray, the edge functions and their sum
+/// (Pharr, Jakob & Humphreys, Physically Based Rendering, 3rd edition, §3.9.6).
+#[inline(always)]
+fn error_bound(x: Vec3, y: Vec3, depths: Vec3, edges: Vec3, sum: f32) -> f32 {
+    let largest = |v: Vec3| v.abs().max_element();
+    let (x, y, z, edge) = (largest(x), largest(y), largest(depths), largest(edges));
+    let error_z = GAMMA_3 * z;
+    let (error_x, error_y) = (GAMMA_5 * (x + z), GAMMA_5 * (y + z));
+    let error_edge = 2.0 * (GAMMA_2 * x * y + error_y * x + error_x * y);
+    3.0 * (GAMMA_3 * edge * z + error_edge * z + error_z * edge) / sum.abs()
 }
 
 /// Where a line meets a triangle.

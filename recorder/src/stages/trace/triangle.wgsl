@@ -49,6 +49,22 @@ fn edge(p: vec3<f32>, q: vec3<f32>) -> f32 {
     return select(area, -area, is_swapped);
 }
 
+fn largest_of(v: vec3<f32>) -> f32 {
+    return max(max(abs(v.x), abs(v.y)), abs(v.z));
+}
+
+fn error_bound(xs: vec3<f32>, ys: vec3<f32>, depths: vec3<f32>, edges: vec3<f32>, sum: f32) -> f32 {
+    let x = largest_of(xs);
+    let y = largest_of(ys);
+    let z = largest_of(depths);
+    let edge_size = largest_of(edges);
+    let error_z = GAMMA_3 * z;
+    let error_x = GAMMA_5 * (x + z);
+    let error_y = GAMMA_5 * (y + z);
+    let error_edge = 2.0 * (GAMMA_2 * x * y + error_y * x + error_x * y);
+    return 3.0 * (GAMMA_3 * edge_size * z + error_edge * z + error_z * edge_size) / abs(sum);
+}
+
 fn intersect(shear: Shear, corner_a: vec3<f32>, corner_b: vec3<f32>, corner_c: vec3<f32>) -> Intersection {
     let p = sheared(shear, corner_a);
     let q = sheared(shear, corner_b);
@@ -66,5 +82,10 @@ fn intersect(shear: Shear, corner_a: vec3<f32>, corner_b: vec3<f32>, corner_c: v
     let bz = shear.factors.z * q.z;
     let cz = shear.factors.z * r.z;
     let scaled_t = (a * az + b * bz) + c * cz;
-    return Intersection(true, scaled_t / sum, abs(b / sum), abs(c / sum));
+    let t = scaled_t / sum;
+    let error = error_bound(vec3(p.x, q.x, r.x), vec3(p.y, q.y, r.y), vec3(az, bz, cz), vec3(a, b, c), sum);
+    if t <= error {
+        return Intersection(false, 0.0, 0.0, 0.0);
+    }
+    return Intersection(true, t, abs(b / sum), abs(c / sum));
 }
