@@ -36,11 +36,35 @@ pub struct GpuDevice {
     pub self_check: SelfCheck,
 }
 
-/// Opens the device that the options ask for.
+/// What is asked of a device.
+#[derive(Clone, Debug)]
+pub struct DeviceRequest {
+    /// Where to run.
+    pub backend: BackendChoice,
+    /// Adapter by part of its name.
+    pub adapter: Option<String>,
+    /// Trace kernel that it must have.
+    pub trace: TraceKernel,
+    /// Threads of the CPU backend; all cores if not given.
+    pub threads: Option<usize>,
+}
+
+impl From<&RecordOptions> for DeviceRequest {
+    fn from(options: &RecordOptions) -> Self {
+        Self {
+            backend: options.backend,
+            adapter: options.adapter.clone(),
+            trace: options.trace,
+            threads: options.threads,
+        }
+    }
+}
+
+/// Opens the device that is asked for.
 ///
 /// # Errors
 /// If there is none, or its self-check fails.
-pub fn open(options: &RecordOptions) -> Result<Device> {
+pub fn open(options: &DeviceRequest) -> Result<Device> {
     let request = match (&options.adapter, options.backend) {
         (Some(name), _) => AdapterRequest::Named(name.clone()),
         (None, BackendChoice::Gpu) => AdapterRequest::Any,
@@ -51,7 +75,7 @@ pub fn open(options: &RecordOptions) -> Result<Device> {
     open_gpu(&request, options.trace)
 }
 
-fn open_auto(options: &RecordOptions) -> Result<Device> {
+fn open_auto(options: &DeviceRequest) -> Result<Device> {
     match open_gpu(&AdapterRequest::Hardware, options.trace) {
         Ok(device) => Ok(device),
         // No hardware is what auto is for; a card that fails is worth a word.
@@ -71,7 +95,7 @@ fn open_gpu(request: &AdapterRequest, trace: TraceKernel) -> Result<Device> {
     Ok(Device::Gpu(Box::new(GpuDevice { gpu, self_check })))
 }
 
-fn open_cpu(options: &RecordOptions, passed_over: Option<String>) -> Result<Device> {
+fn open_cpu(options: &DeviceRequest, passed_over: Option<String>) -> Result<Device> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0));
     let pool = builder.build().context("starting the threads of the cpu backend")?;
     Ok(Device::Cpu(CpuDevice { pool, passed_over }))

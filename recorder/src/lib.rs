@@ -3,9 +3,10 @@
 //! [`wavefront`] is the loop, [`stages`] the verbs in it. [`backend`] is what the loop needs from a
 //! device; [`cpu`] and [`gpu`] are the two that exist. [`measure`] times methods on a queue,
 //! [`capture`] carries arrays to the dump, [`observer`] ties both to the loop, [`recording`] is a
-//! whole run, [`replay`] one over rays that were recorded before.
+//! whole run, [`replay`] one over rays that were recorded before, [`bench`] measures single stages.
 
 pub mod backend;
+pub mod bench;
 pub mod capture;
 pub mod cli;
 pub mod cpu;

@@ -1,6 +1,7 @@
 //! The command line: one file per command.
 
 mod adapters;
+mod bench;
 mod demo;
 mod import;
 mod record;
@@ -18,6 +19,7 @@ Examples:
   recorder demo
   recorder record scene.glb --out scene.raydump
   recorder record 'builtin:atrium?triangles=100000' --out atrium.raydump --preset paper
+  recorder replay scene.raydump --out bits.raydump --methods two-point --key-bits 8,16,32
   recorder record scene.glb --out x.raydump --methods aila,two-point --method 'mine=(ox oy oz)*4 (u v ex ey ez)*10'
 
 Exit codes: 0 done, 1 failed, 2 the command line makes no sense.";
@@ -42,6 +44,9 @@ enum Command {
     /// Record rays that another tracer wrote.
     #[command(after_help = import::EXAMPLES)]
     Import(Box<import::ImportArguments>),
+    /// Measure single stages.
+    #[command(after_help = bench::EXAMPLES)]
+    Bench(bench::BenchArguments),
     /// List the adapters of this machine and what the self-check finds.
     Adapters(adapters::AdaptersArguments),
     /// List the built-in scenes.
@@ -65,6 +70,7 @@ pub fn run() -> ExitCode {
         Command::Record(arguments) => record::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Adapters(arguments) => adapters::run(&arguments),
         Command::Scenes(arguments) => scenes::run(&arguments),
     };

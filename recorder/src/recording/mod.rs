@@ -58,7 +58,7 @@ pub fn record(options: &RecordOptions) -> Result<Recorded> {
     DumpWriter::check(&options.out, options.force)?;
     let scene = scenes::load(&options.scene)?;
     let camera = choose_camera(&scene, options.camera.as_deref())?;
-    let device = device::open(options)?;
+    let device = device::open(&options.into())?;
     let setup = Arc::new(setup(&scene, &camera, options)?);
     device.check_capacity(&setup, &scene, options)?;
     let mut notices = scene.notices.clone();

@@ -87,7 +87,7 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     run_options.check()?;
     let scene = geometry::scene(dump)?;
     let camera = camera(recorded);
-    let device = device::open(&run_options)?;
+    let device = device::open(&(&run_options).into())?;
     let mut setup = setup(&scene, &camera, &run_options)?;
     setup.light_sites = recorded.lights.clone();
     setup.unit =

@@ -1,0 +1,36 @@
+//! Benchmarks of single stages, as `formats::bench_result` for figures and as a table.
+//!
+//! - [`sort`]: sort throughput over the number of keys and their bits
+//! - [`trace`]: trace rate per scene, kernel, bounce, kind and order
+
+pub mod sort;
+pub mod trace;
+
+use formats::bench_result::{BENCH_VERSION, BenchResult, Rows};
+use formats::metrics::speedup::{interquartile_range, median};
+
+use crate::device::Device;
+
+/// What was measured, on which device.
+pub(crate) fn result(device: &Device, rows: Rows) -> BenchResult {
+    let adapter = device.adapter();
+    let command: Vec<String> = std::env::args().skip(1).collect();
+    BenchResult {
+        rayscope_bench: BENCH_VERSION,
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
+        command: format!("recorder {}", command.join(" ")),
+        backend: device.backend().name().to_owned(),
+        adapter: adapter.name,
+        driver: adapter.driver,
+        threads: device.threads(),
+        time_source: device.time_source(),
+        rows,
+    }
+}
+
+/// Millions of items a second at the median, and the interquartile range in percent of the median.
+pub(crate) fn rate(items: u64, samples_ns: &[u64]) -> Option<(f64, f64)> {
+    let median_ns = median(samples_ns)?;
+    let spread = interquartile_range(samples_ns)? / median_ns.max(1.0) * 100.0;
+    Some((items as f64 / median_ns.max(1.0) * 1e3, spread))
+}

@@ -1,0 +1,104 @@
+//! Sort throughput: random keys with their indices, n and key bits interleaved.
+
+use anyhow::Result;
+use formats::bench_result::{BenchResult, Rows, SortRow};
+use std::time::Instant;
+
+use super::result;
+use crate::device::{self, Device, DeviceRequest};
+use crate::gpu::Gpu;
+use crate::stages::sort;
+use crate::stages::sort::gpu::{SortKeys, Sorter};
+
+/// What to measure.
+#[derive(Clone, Debug)]
+pub struct SortBench {
+    /// Numbers of keys.
+    pub counts: Vec<u64>,
+    /// Bits of a key, 8 to 64.
+    pub key_bits: Vec<u32>,
+    /// Timed repeats.
+    pub repeats: u32,
+    /// Where to run.
+    pub device: DeviceRequest,
+}
+
+/// Sorts random keys.
+///
+/// # Errors
+/// If there is no such device or the keys do not fit it.
+pub fn run(bench: &SortBench) -> Result<BenchResult> {
+    let device = device::open(&bench.device)?;
+    let rows = match &device {
+        Device::Cpu(cpu) => cpu.pool.install(|| measure(bench, |keys, bits| Ok(on_threads(keys, bits))))?,
+        Device::Gpu(gpu) => {
+            let mut sorter = Sorter::new(&gpu.gpu)?;
+            measure(bench, |keys, bits| on_gpu(&gpu.gpu, &mut sorter, keys, bits))?
+        }
+    };
+    Ok(result(&device, Rows::Sort(rows)))
+}
+
+/// Every n and width once per repeat, after a warm-up. Keys of one n are made once.
+fn measure(bench: &SortBench, mut sort_ns: impl FnMut(&[u64], u32) -> Result<u64>) -> Result<Vec<SortRow>> {
+    let mut rows = Vec::new();
+    for &n in &bench.counts {
+        let keys = random_keys(n as usize);
+        let first = rows.len();
+        for &key_bits in &bench.key_bits {
+            sort_ns(&keys, key_bits)?;
+            rows.push(SortRow { n, key_bits, samples_ns: Vec::new() });
+        }
+        for repeat in 0..bench.repeats as usize {
+            let count = bench.key_bits.len();
+            for turn in 0..count {
+                let row = &mut rows[first + (turn + repeat) % count];
+                row.samples_ns.push(sort_ns(&keys, row.key_bits)?);
+            }
+        }
+    }
+    Ok(rows)
+}
+
+fn on_threads(keys: &[u64], bits: u32) -> u64 {
+    if bits <= u32::BITS {
+        let narrow: Vec<u32> = keys.iter().map(|key| (key >> (64 - bits)) as u32).collect();
+        let start = Instant::now();
+        let order = sort::cpu::sort_u32(&narrow, bits);
+        let elapsed = start.elapsed();
+        drop(order);
+        return elapsed.as_nanos() as u64;
+    }
+    let wide: Vec<u64> = keys.iter().map(|key| key >> (64 - bits)).collect();
+    let start = Instant::now();
+    let order = sort::cpu::sort_u64(&wide, bits);
+    let elapsed = start.elapsed();
+    drop(order);
+    elapsed.as_nanos() as u64
+}
+
+fn on_gpu(gpu: &Gpu, sorter: &mut Sorter, keys: &[u64], bits: u32) -> Result<u64> {
+    let cut = |key: &u64| key >> (64 - bits);
+    let low: Vec<u32> = keys.iter().map(|key| cut(key) as u32).collect();
+    let high = if bits > u32::BITS {
+        let words: Vec<u32> = keys.iter().map(|key| (cut(key) >> 32) as u32).collect();
+        Some(gpu.array_of("sort::high", &words)?)
+    } else {
+        None
+    };
+    let keys = SortKeys { low: gpu.array_of("sort::low", &low)?, high, bits };
+    Ok(sorter.sort(gpu, &keys, low.len())?.elapsed_ns)
+}
+
+/// The same keys on every machine (SplitMix64, Steele, Lea & Flood 2014).
+fn random_keys(count: usize) -> Vec<u64> {
+    let mut state = 0u64;
+    let mut next = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    };
+    (0..count).map(|_| next()).collect()
+}

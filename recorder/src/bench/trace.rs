@@ -1,0 +1,227 @@
+//! Trace rate per scene, kernel, bounce, kind and order, all of them on the same rays, interleaved.
+
+use std::sync::Arc;
+
+use anyhow::{Context, Result};
+use formats::bench_result::{BenchResult, Rows, TraceRow};
+use formats::key::method::UNSORTED;
+use formats::manifest::Stage;
+use formats::ray::{Kind, Ray};
+use scenes::Scene;
+
+use super::result;
+use crate::backend::{Backend, Queue, Setup, UploadedRays};
+use crate::cpu::CpuBackend;
+use crate::device::{self, Device, DeviceRequest};
+use crate::gpu::backend::GpuBackend;
+use crate::options::RecordOptions;
+use crate::recording::{choose_camera, setup};
+use crate::stages::trace::TraceKernel;
+use crate::stages::trace::cpu::CpuTracer;
+use crate::wavefront::{self, Observer, Place};
+
+/// What to measure: scenes one after the other, the rest as for a recording.
+#[derive(Clone, Debug)]
+pub struct TraceBench {
+    /// Scenes, files or built-in names.
+    pub scenes: Vec<String>,
+    /// Trace kernels; rays are made with the first.
+    pub kernels: Vec<TraceKernel>,
+    /// Size of the run, methods, device; what is to be kept is of no interest.
+    pub run: RecordOptions,
+}
+
+/// Traces every queue of each scene's last pass with every kernel in every order.
+///
+/// # Errors
+/// One sentence on what went wrong with scene or device.
+pub fn run(bench: &TraceBench) -> Result<BenchResult> {
+    let mut rows = Vec::new();
+    let needs_queries = bench.kernels.contains(&TraceKernel::RayQuery);
+    let kernel = if needs_queries { TraceKernel::RayQuery } else { TraceKernel::Cwbvh };
+    let request = DeviceRequest { trace: kernel, ..(&bench.run).into() };
+    for name in &bench.scenes {
+        let scene = scenes::load(name)?;
+        let camera = choose_camera(&scene, bench.run.camera.as_deref())?;
+        let setup = Arc::new(setup(&scene, &camera, &bench.run)?);
+        device::open(&request)?.check_capacity(&setup, &scene, &bench.run)?;
+        rows.extend(scene_rows(bench, &request, &scene, &setup)?);
+    }
+    Ok(result(&device::open(&request)?, Rows::Trace(rows)))
+}
+
+fn scene_rows(
+    bench: &TraceBench,
+    request: &DeviceRequest,
+    scene: &Scene,
+    setup: &Arc<Setup>,
+) -> Result<Vec<TraceRow>> {
+    let hierarchy = |kernel| device::hierarchy(scene, kernel);
+    match device::open(request)? {
+        Device::Cpu(cpu) => cpu.pool.install(|| {
+            let backend = |&kernel: &TraceKernel| {
+                let bvh = hierarchy(kernel)?.context("threads have no ray queries; use --backend gpu")?;
+                Ok(CpuBackend::new(Arc::clone(setup), CpuTracer::new(scene, &bvh)))
+            };
+            over_paths(bench, scene, setup, bench.kernels.iter().map(backend).collect::<Result<_>>()?)
+        }),
+        Device::Gpu(_) => {
+            // Each kernel has a device of its own: they share nothing but the adapter.
+            let backend = |&kernel: &TraceKernel| {
+                let Device::Gpu(device) = device::open(request)? else {
+                    anyhow::bail!("the adapter has gone");
+                };
+                GpuBackend::new(device.gpu, scene, hierarchy(kernel)?.as_ref(), Arc::clone(setup), kernel)
+            };
+            over_paths(bench, scene, setup, bench.kernels.iter().map(backend).collect::<Result<_>>()?)
+        }
+    }
+}
+
+fn over_paths<B: Backend>(
+    bench: &TraceBench,
+    scene: &Scene,
+    setup: &Setup,
+    mut backends: Vec<B>,
+) -> Result<Vec<TraceRow>> {
+    let mut first = backends.remove(0);
+    let mut observer = KernelsAndOrders { bench, scene, setup, others: backends, rows: Vec::new() };
+    wavefront::run(&mut first, bench.run.passes, bench.run.bounces, &mut observer)?;
+    Ok(observer.rows)
+}
+
+/// Measures each queue of the last pass.
+struct KernelsAndOrders<'a, B> {
+    bench: &'a TraceBench,
+    scene: &'a Scene,
+    setup: &'a Setup,
+    /// The backends of all kernels but the first, which makes the rays.
+    others: Vec<B>,
+    rows: Vec<TraceRow>,
+}
+
+impl<B: Backend> Observer<B> for KernelsAndOrders<'_, B> {
+    fn traced(
+        &mut self,
+        backend: &mut B,
+        place: Place,
+        rays: &B::Rays,
+        hits: &B::Hits,
+        _elapsed_ns: u64,
+    ) -> Result<()> {
+        if place.pass + 1 != self.bench.run.passes {
+            return Ok(());
+        }
+        let copied = Copied::of(backend, rays)?;
+        let cells = backend.touched_cells(place.kind)?;
+        // Keys are made once, by the backend that has the length table as paths made it.
+        let methods: Vec<usize> = (0..self.setup.methods.len())
+            .filter(|&at| self.setup.methods[at].applies_to(place.kind))
+            .collect();
+        let mut kernels = vec![prepare(backend, rays, hits, &methods)?];
+        let mut queues = Vec::new();
+        for other in &mut self.others {
+            other.load_table(place.kind, &cells)?;
+            let queue = other.upload(copied.queue(place))?;
+            let hits = other.trace(&queue)?.value;
+            kernels.push(prepare(other, &queue, &hits, &methods)?);
+            queues.push(queue);
+        }
+        let mut samples = vec![vec![Vec::new(); methods.len() + 1]; kernels.len()];
+        for _ in 0..self.bench.run.repeats {
+            sample(backend, rays, &kernels[0], &mut samples[0])?;
+            for (at, other) in self.others.iter_mut().enumerate() {
+                sample(other, &queues[at], &kernels[at + 1], &mut samples[at + 1])?;
+            }
+        }
+        for (kernel, samples) in self.bench.kernels.iter().zip(samples) {
+            let names = methods.iter().map(|&method| self.setup.methods[method].name.as_str());
+            for (order, samples_ns) in [UNSORTED].into_iter().chain(names).zip(samples) {
+                self.rows.push(TraceRow {
+                    scene: self.scene.name.clone(),
+                    triangles: self.scene.triangles.len() as u64,
+                    kernel: kernel.name().to_owned(),
+                    bounce: place.bounce,
+                    kind: place.kind,
+                    order: order.to_owned(),
+                    rays: rays.len() as u64,
+                    samples_ns,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn stage(&mut self, _place: Place, _stage: Stage, _elapsed_ns: u64) -> Result<()> {
+        Ok(())
+    }
+}
+
+/// The order of every method.
+fn prepare<B: Backend>(
+    backend: &mut B,
+    rays: &B::Rays,
+    hits: &B::Hits,
+    methods: &[usize],
+) -> Result<Vec<B::Order>> {
+    let mut order = |&method: &usize| {
+        let keys = backend.key(rays, hits, method)?.value;
+        Ok(backend.sort(&keys)?.value)
+    };
+    methods.iter().map(&mut order).collect()
+}
+
+/// One sample per order, the canonical one first.
+fn sample<B: Backend>(
+    backend: &mut B,
+    rays: &B::Rays,
+    orders: &[B::Order],
+    samples: &mut [Vec<u64>],
+) -> Result<()> {
+    samples[0].push(backend.trace(rays)?.elapsed_ns);
+    for (order, samples) in orders.iter().zip(&mut samples[1..]) {
+        let gathered = backend.gather(rays, order)?.value;
+        samples.push(backend.trace_gathered(&gathered, order)?.elapsed_ns);
+    }
+    Ok(())
+}
+
+/// A queue in main memory.
+struct Copied {
+    rays: Vec<Ray>,
+    path_ids: Vec<u32>,
+    lights: Vec<u32>,
+}
+
+impl Copied {
+    fn of<B: Backend>(backend: &mut B, queue: &B::Rays) -> Result<Self> {
+        let mut bytes = Vec::new();
+        let mut take = |read: &mut dyn FnMut(&mut crate::backend::Sink<'_>) -> Result<()>| {
+            bytes.clear();
+            read(&mut |piece| {
+                bytes.extend_from_slice(piece);
+                Ok(())
+            })?;
+            Ok::<_, anyhow::Error>(bytes.clone())
+        };
+        let rays = bytemuck::pod_collect_to_vec(&take(&mut |sink| backend.read_rays(queue, sink))?);
+        let path_ids = bytemuck::pod_collect_to_vec(&take(&mut |sink| backend.read_path_ids(queue, sink))?);
+        let lights = match queue.kind() {
+            Kind::Closest => Vec::new(),
+            Kind::Shadow => {
+                bytemuck::pod_collect_to_vec(&take(&mut |sink| backend.read_lights(queue, sink))?)
+            }
+        };
+        Ok(Self { rays, path_ids, lights })
+    }
+
+    fn queue(&self, place: Place) -> UploadedRays<'_> {
+        UploadedRays {
+            kind: place.kind,
+            bounce: place.bounce,
+            rays: &self.rays,
+            path_ids: &self.path_ids,
+            lights: &self.lights,
+        }
+    }
+}

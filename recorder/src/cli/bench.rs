@@ -1,0 +1,205 @@
+//! `recorder bench`.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::{Args, Subcommand};
+use comfy_table::Table;
+use comfy_table::presets::UTF8_BORDERS_ONLY;
+use formats::bench_result::{BenchResult, Rows};
+use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
+
+use super::record::DeviceArguments;
+use crate::bench::rate;
+use crate::bench::sort::{self, SortBench};
+use crate::bench::trace::{self, TraceBench};
+use crate::device::DeviceRequest;
+use crate::options::{Keep, KeepPasses, OptionError, RecordOptions, in_range, parse_methods};
+use crate::stages::trace::TraceKernel;
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  recorder bench sort
+  recorder bench sort --backend cpu --threads 1 --key-bits 16,32 --json > sort.json
+  recorder bench trace builtin:atrium sponza.glb --methods two-point,costa --json > trace.json
+  inspector plot sort.json trace.json --out figures/";
+
+#[derive(Debug, Args)]
+pub(super) struct BenchArguments {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// Sort throughput over the number of keys and their bits.
+    Sort(SortArguments),
+    /// Trace rate per scene, kernel, bounce, kind and order.
+    Trace(Box<TraceArguments>),
+}
+
+#[derive(Debug, Args)]
+struct SortArguments {
+    /// Numbers of keys, as powers of two.
+    #[arg(long, value_delimiter = ',', default_value = "10,12,14,16,18,20,21,22,24")]
+    log2_n: Vec<u32>,
+    /// Bits of a key, 8 to 64.
+    #[arg(long, value_delimiter = ',', default_value = "8,16,24,32,48,64")]
+    key_bits: Vec<u32>,
+    /// Timed repeats.
+    #[arg(long, default_value_t = 5)]
+    repeats: u32,
+    #[command(flatten)]
+    device: DeviceArguments,
+    /// Print the results as one JSON object on stdout.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Args)]
+struct TraceArguments {
+    /// .gltf or .glb files, or builtin:NAME.
+    #[arg(default_value = "builtin:atrium")]
+    scenes: Vec<String>,
+    /// Trace kernels to compare.
+    #[arg(long, value_delimiter = ',', default_value = "cwbvh,bvh2")]
+    kernels: Vec<TraceKernel>,
+    /// Orders to compare beside unsorted, `all` or a list of methods.
+    #[arg(long, default_value = "two-point", value_name = "LIST")]
+    methods: String,
+    /// Picture width in pixels.
+    #[arg(long, default_value_t = 640)]
+    width: u32,
+    /// Picture height in pixels.
+    #[arg(long, default_value_t = 360)]
+    height: u32,
+    /// Bounces to trace.
+    #[arg(long, default_value_t = 3)]
+    bounces: u32,
+    /// Samples per pixel; the last pass is measured.
+    #[arg(long, default_value_t = 1)]
+    passes: u32,
+    /// Timed repeats.
+    #[arg(long, default_value_t = 5)]
+    repeats: u32,
+    /// Camera by name; each scene's first if not given.
+    #[arg(long)]
+    camera: Option<String>,
+    /// Bits of a key, 8 to 64.
+    #[arg(long, default_value_t = 32)]
+    key_bits: u32,
+    #[command(flatten)]
+    device: DeviceArguments,
+    /// Print the results as one JSON object on stdout.
+    #[arg(long)]
+    json: bool,
+}
+
+impl SortArguments {
+    fn bench(&self) -> Result<SortBench, OptionError> {
+        for &power in &self.log2_n {
+            in_range("log2-n", power, 0, 30)?;
+        }
+        for &bits in &self.key_bits {
+            in_range("key-bits", bits, KEY_BITS_MIN, LAYOUT_BITS)?;
+        }
+        in_range("repeats", self.repeats, 1, 10_000)?;
+        Ok(SortBench {
+            counts: self.log2_n.iter().map(|&power| 1 << power).collect(),
+            key_bits: self.key_bits.clone(),
+            repeats: self.repeats,
+            device: DeviceRequest {
+                backend: self.device.backend,
+                adapter: self.device.adapter.clone(),
+                trace: TraceKernel::Cwbvh,
+                threads: self.device.threads,
+            },
+        })
+    }
+}
+
+impl TraceArguments {
+    fn bench(&self) -> Result<TraceBench, OptionError> {
+        if self.device.trace.is_some() {
+            let message = "--trace: a benchmark of tracing takes its kernels from --kernels".to_owned();
+            return Err(OptionError::Conflict { message });
+        }
+        let run = RecordOptions {
+            scene: String::new(),
+            out: PathBuf::new(),
+            width: self.width,
+            height: self.height,
+            bounces: self.bounces,
+            passes: self.passes,
+            repeats: self.repeats,
+            seed: 0,
+            camera: self.camera.clone(),
+            methods: parse_methods(&self.methods, &[])?,
+            key_bits: self.key_bits,
+            two_point_length: 0.25,
+            table_bits: formats::length_table::TABLE_BITS_DEFAULT,
+            table_method: Method::builtin("aila")?,
+            backend: self.device.backend,
+            adapter: self.device.adapter.clone(),
+            trace: self.kernels.first().copied().unwrap_or(TraceKernel::Cwbvh),
+            threads: self.device.threads,
+            keep: Keep::default(),
+            keep_passes: KeepPasses::Measured,
+            russian_roulette: false,
+            force: false,
+        };
+        run.check()?;
+        let mut kernels = self.kernels.clone();
+        kernels.dedup();
+        Ok(TraceBench { scenes: self.scenes.clone(), kernels, run })
+    }
+}
+
+pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
+    let (result, json) = match &arguments.what {
+        What::Sort(arguments) => (sort::run(&arguments.bench()?)?, arguments.json),
+        What::Trace(arguments) => (trace::run(&arguments.bench()?)?, arguments.json),
+    };
+    if json {
+        println!("{}", serde_json::to_string_pretty(&result)?);
+    } else {
+        println!("{} ({}), medians and interquartile ranges", result.adapter, result.backend);
+        println!("{}", table(&result));
+    }
+    Ok(())
+}
+
+fn table(result: &BenchResult) -> Table {
+    let mut table = Table::new();
+    table.load_style(UTF8_BORDERS_ONLY);
+    let shown = |items, samples: &[u64]| match rate(items, samples) {
+        Some((rate, spread)) => [format!("{rate:.2}"), format!("{spread:.0} %")],
+        None => [String::new(), String::new()],
+    };
+    match &result.rows {
+        Rows::Sort(rows) => {
+            table.set_header(["keys", "key bits", "Mkeys/s", "spread"]);
+            for row in rows {
+                let [rate, spread] = shown(row.n, &row.samples_ns);
+                table.add_row([row.n.to_string(), row.key_bits.to_string(), rate, spread]);
+            }
+        }
+        Rows::Trace(rows) => {
+            table.set_header(["scene", "bounce", "kind", "rays", "kernel", "order", "Mrays/s", "spread"]);
+            for row in rows {
+                let [rate, spread] = shown(row.rays, &row.samples_ns);
+                table.add_row([
+                    row.scene.clone(),
+                    row.bounce.to_string(),
+                    row.kind.to_string(),
+                    row.rays.to_string(),
+                    row.kernel.clone(),
+                    row.order.clone(),
+                    rate,
+                    spread,
+                ]);
+            }
+        }
+    }
+    table
+}
