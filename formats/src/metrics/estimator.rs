@@ -17,19 +17,28 @@ pub struct EstimateError {
 
 impl EstimateError {
     /// From pairs of (estimated, traced) lengths; `None` for no pair. Pairs that are not finite, as those
-    /// of rays without a direction, do not count. Memory: 8 bytes a pair, for the median.
+    /// of rays without a direction, do not count. Memory: 4 bytes a pair, since the median is taken from
+    /// single-precision errors.
     pub fn of(lengths: impl IntoIterator<Item = (f32, f32)>) -> Option<Self> {
-        let apart = |(estimated, traced): (f32, f32)| (f64::from(estimated) - f64::from(traced)).abs();
-        let mut errors: Vec<f64> = lengths.into_iter().map(apart).filter(|error| error.is_finite()).collect();
+        let (mut sum, mut squares) = (0.0f64, 0.0f64);
+        let mut errors: Vec<f32> = Vec::new();
+        for (estimated, traced) in lengths {
+            let error = (f64::from(estimated) - f64::from(traced)).abs();
+            if error.is_finite() {
+                sum += error;
+                squares += error * error;
+                errors.push(error as f32);
+            }
+        }
         let n = errors.len();
         if n == 0 {
             return None;
         }
-        let mean_absolute = errors.iter().sum::<f64>() / n as f64;
-        let mean_square = errors.iter().map(|error| error * error).sum::<f64>() / n as f64;
-        let (below, &mut upper, _) = errors.select_nth_unstable_by(n / 2, f64::total_cmp);
-        let lower = below.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let median_absolute = if n.is_multiple_of(2) { 0.5 * (lower + upper) } else { upper };
+        let (mean_absolute, mean_square) = (sum / n as f64, squares / n as f64);
+        let (below, &mut upper, _) = errors.select_nth_unstable_by(n / 2, f32::total_cmp);
+        let lower = below.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let lower = if n.is_multiple_of(2) { lower } else { upper };
+        let median_absolute = 0.5 * (f64::from(lower) + f64::from(upper));
         Some(Self { mean_absolute, median_absolute, root_mean_square: mean_square.sqrt(), n: n as u64 })
     }
 }
@@ -58,7 +67,8 @@ mod tests {
             let (low, high) = (errors[(errors.len() - 1) / 2], errors[errors.len() / 2]);
             let endless = [(0.25, f32::INFINITY), (f32::NAN, 1.0)];
             let found = EstimateError::of((0..n).map(pair).chain(endless)).unwrap();
-            assert_eq!((found.median_absolute, found.n), (0.5 * (low + high), u64::from(n)));
+            assert!((found.median_absolute - 0.5 * (low + high)).abs() < 1e-7);
+            assert_eq!(found.n, u64::from(n));
         }
     }
 }

@@ -63,7 +63,8 @@ pub fn interquartile_range(samples: &[u64]) -> Option<f64> {
     Some(quantile(samples, 0.75)? - quantile(samples, 0.25)?)
 }
 
-fn quantile(samples: &[u64], q: f64) -> Option<f64> {
+/// Quantile `q` (0 to 1) of samples, by linear interpolation. `None` if there are none.
+pub fn quantile(samples: &[u64], q: f64) -> Option<f64> {
     let mut sorted = samples.to_vec();
     sorted.sort_unstable();
     let place = sorted.len().checked_sub(1)? as f64 * q;
