@@ -109,7 +109,7 @@ fn tables(analysis: &Analysis) -> String {
     let header = ["kind", "pass", "bounce", "table fill", "error of table", "error of constant"];
     let mut table = table(&header, 1);
     for queue in analysis.recordings.iter().flat_map(|recording| &recording.queues) {
-        let fill = queue.table.known().map_or("–".into(), |fill| percent(fill.fill));
+        let fill = queue.table.known().map_or("–".into(), |fill| format!("{:.2} %", fill.fill * 100.0));
         let error = queue.estimators.known();
         table.add_row([
             queue.kind.to_string(),
