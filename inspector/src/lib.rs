@@ -2,12 +2,14 @@
 //!
 //! - [`cli`]: the command line
 //! - [`analysis`]: whole recordings by the numbers of `formats::metrics`
+//! - [`figures`]: figures as data, and the catalogue of them
 //! - `info`, `verify`, `recover`: the commands that need no window and no GPU
 //! - `method_table`: analyses as text
 //! - `output`: tables, sizes and JSON on standard output
 
 pub mod analysis;
 pub mod cli;
+pub mod figures;
 mod info;
 mod method_table;
 mod output;
