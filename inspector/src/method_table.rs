@@ -1,7 +1,9 @@
 //! Analyses as text: methods beside each other, and what is missing for it.
 
+use formats::metrics::correlation::Correlation;
+
 use crate::analysis::summary::{MeanSpeedup, Rays};
-use crate::analysis::{Analysis, MethodSummary, Metric};
+use crate::analysis::{Analysis, CorrelationLine, MethodSummary, Metric, OrderAnalysis, QueueAnalysis};
 use crate::output::{counted, table};
 
 /// One line per kind of rays and method: geometric means over the bounces.
@@ -64,33 +66,22 @@ fn significance(summaries: &[MethodSummary], rays: Rays) -> Option<String> {
     })
 }
 
-/// One line per queue: what its table knows, how far estimates are off, how its best order does.
+/// What the arrays say: coherence of each order, length tables, correlations, and what is not known.
 pub(crate) fn arrays(analysis: &Analysis) -> String {
-    let mut parts = vec![orders(analysis), tables(analysis)];
-    let mut lines = Vec::new();
-    for line in &analysis.correlations {
-        let kind = line.kind.map_or("all rays".to_owned(), |kind| format!("{kind} rays"));
-        lines.push(match &line.correlation {
-            Metric::Known(found) => format!(
-                "{}, {kind}: Pearson {:.2}, Spearman {:.2}, n = {}",
-                line.of, found.pearson, found.spearman, found.n
-            ),
-            Metric::Missing { missing } => format!("{}, {kind}: none: {missing}", line.of),
-        });
-    }
-    parts.push(format!("Mean capsule area against trace time\n{}", lines.join("\n")));
-    parts.extend(reasons(analysis));
-    parts.join("\n\n")
+    let parts = [orders(analysis), tables(analysis), correlations(analysis), reasons(analysis)];
+    parts.into_iter().flatten().collect::<Vec<_>>().join("\n\n")
 }
 
-fn orders(analysis: &Analysis) -> String {
+fn orders(analysis: &Analysis) -> Option<String> {
     let header =
         ["kind", "method", "bounce", "capsule area", "direction spread", "lanes of 8", "of 32", "of 64"];
     let mut table = table(&header, 2);
+    let mut is_known = false;
     for queue in analysis.recordings.iter().flat_map(|recording| recording.measured()) {
         for order in &queue.orders {
             let coherence = order.coherence.known();
             let lanes = order.lanes.known().map_or(&[][..], |lanes| lanes);
+            is_known |= coherence.is_some() || !lanes.is_empty();
             let mut row = vec![queue.kind.to_string(), order.method.clone(), queue.bounce.to_string()];
             row.push(coherence.map_or("–".into(), |found| format!("{:.6}", found.mean_capsule_area)));
             row.push(coherence.map_or("–".into(), |found| format!("{:.4}", found.mean_direction_spread)));
@@ -99,16 +90,20 @@ fn orders(analysis: &Analysis) -> String {
             table.add_row(row);
         }
     }
-    format!(
-        "Coherence: means over groups of {} rays, weighted by rays, in unit space; lane utilisation is a model\n{table}",
-        analysis.group_width
-    )
+    is_known.then(|| {
+        format!(
+            "Coherence: means over groups of {} rays, weighted by rays, in unit space; lane utilisation is a model\n{table}",
+            analysis.group_width
+        )
+    })
 }
 
-fn tables(analysis: &Analysis) -> String {
+fn tables(analysis: &Analysis) -> Option<String> {
     let header = ["kind", "pass", "bounce", "table fill", "error of table", "error of constant"];
     let mut table = table(&header, 1);
-    for queue in analysis.recordings.iter().flat_map(|recording| &recording.queues) {
+    let known = |queue: &&QueueAnalysis| queue.table.known().is_some() || queue.estimators.known().is_some();
+    let queues = analysis.recordings.iter().flat_map(|recording| &recording.queues);
+    for queue in queues.filter(known) {
         let fill = queue.table.known().map_or("–".into(), |fill| format!("{:.2} %", fill.fill * 100.0));
         let error = queue.estimators.known();
         table.add_row([
@@ -120,29 +115,43 @@ fn tables(analysis: &Analysis) -> String {
             error.map_or("–".into(), |error| format!("{:.4}", error.constant.mean_absolute)),
         ]);
     }
-    format!("Estimated lengths: mean |estimate − traced length| in unit lengths\n{table}")
+    let is_known = table.row_count() > 0;
+    is_known.then(|| format!("Estimated lengths: mean |estimate − traced length| in unit lengths\n{table}"))
 }
 
-/// Why numbers are missing, each reason once.
+fn correlations(analysis: &Analysis) -> Option<String> {
+    let line = |line: &CorrelationLine| {
+        let kind = line.kind.map_or("all rays".to_owned(), |kind| format!("{kind} rays"));
+        let Correlation { pearson, spearman, n } = line.correlation.known()?;
+        Some(format!("{}, {kind}: Pearson {pearson:.2}, Spearman {spearman:.2}, n = {n}", line.of))
+    };
+    let lines: Vec<String> = analysis.correlations.iter().filter_map(line).collect();
+    (!lines.is_empty())
+        .then(|| format!("Mean capsule area with trace time per ray, over orders\n{}", lines.join("\n")))
+}
+
+/// Why numbers are missing: for each kind of number the first reason, and how many queues lack it.
 fn reasons(analysis: &Analysis) -> Option<String> {
-    let mut reasons: Vec<&str> = Vec::new();
-    for queue in analysis.recordings.iter().flat_map(|recording| recording.measured()) {
-        let first = queue.orders.first();
-        let of_order = first.map(|order| [order.coherence.reason(), order.lanes.reason()]);
-        let of_queue = [queue.table.reason(), queue.estimators.reason()];
-        for reason in of_order.into_iter().flatten().chain(of_queue).flatten() {
-            if !reasons.contains(&reason) {
-                reasons.push(reason);
-            }
-        }
-    }
-    // The first few name what the others lack as well, queue by queue.
-    const SHOWN: usize = 4;
-    let more = reasons.len().saturating_sub(SHOWN);
-    let mut lines: Vec<String> =
-        reasons.iter().take(SHOWN).map(|reason| format!("not known: {reason}")).collect();
-    lines.extend((more > 0).then(|| format!("and {more} more of these")));
-    (!lines.is_empty()).then(|| lines.join("\n"))
+    let queues = || analysis.recordings.iter().flat_map(|recording| recording.measured());
+    let of_order = |of: fn(&OrderAnalysis) -> Option<&str>| -> Vec<&str> {
+        queues().filter_map(|queue| queue.orders.iter().find_map(of)).collect()
+    };
+    let of_queue =
+        |of: fn(&QueueAnalysis) -> Option<&str>| -> Vec<&str> { queues().filter_map(of).collect() };
+    let missing = [
+        ("capsules and direction spread", of_order(|order| order.coherence.reason())),
+        ("lane utilisation", of_order(|order| order.lanes.reason())),
+        ("fill of the length table", of_queue(|queue| queue.table.reason())),
+        ("estimated lengths", of_queue(|queue| queue.estimators.reason())),
+    ];
+    let lines = missing.iter().filter_map(|(what, reasons)| {
+        let queues = counted(reasons.len() as u64, "queue", "queues");
+        Some(format!("{what}: not known in {queues}: {}", reasons.first()?))
+    });
+    let lines: Vec<String> = lines.collect();
+    (!lines.is_empty()).then(|| {
+        format!("{}\nWhat a recording holds is said with `recorder record --keep`.", lines.join("\n"))
+    })
 }
 
 fn percent(share: f64) -> String {

@@ -168,6 +168,37 @@ fn variants_of_a_base_make_a_sweep() {
     let [line] = series(&figure.panels[0]) else { panic!("one line") };
     assert_eq!(line.label, "aila");
     assert_eq!(line.points.iter().map(|point| point.x).collect::<Vec<_>>(), [16.0, 32.0]);
+    let speedups = self::figure(&material, "trace-speedup").unwrap();
+    let labels: Vec<&str> = series(&speedups.panels[0]).iter().map(|series| series.label.as_str()).collect();
+    assert!(
+        labels.contains(&"aila") && !labels.contains(&"mine"),
+        "a variant belongs to its sweep: {labels:?}"
+    );
+}
+
+/// A recording of variants alone is left out beside others, but shown where there is nothing else; tables
+/// and pictures that two recordings share are shown once.
+#[test]
+fn replays_do_not_repeat_what_their_source_shows() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut analysis = analysis(folder.path(), Depth::Arrays);
+    let panels = |analysis: &Analysis| {
+        let material = Material { analysis, benches: &[] };
+        ["overhead", "lane-utilisation", "table-fill", "pixel-cost"]
+            .map(|name| figure(&material, name).unwrap().panels.len())
+    };
+    let alone = panels(&analysis);
+    let mut replay = analysis.recordings[0].clone();
+    replay.label = "replay".into();
+    for order in replay.queues.iter_mut().flat_map(|queue| &mut queue.orders) {
+        if order.method != "unsorted" {
+            order.method = format!("{}-8-bits", order.base);
+        }
+    }
+    analysis.recordings.push(replay);
+    assert_eq!(panels(&analysis), alone);
+    analysis.recordings.remove(0);
+    assert_eq!(panels(&analysis), alone);
 }
 
 #[test]

@@ -33,6 +33,8 @@ pub struct AreaAndTime<'a> {
     pub kind: Kind,
     /// The order.
     pub method: &'a str,
+    /// The method that it is a variant of; itself if it is none.
+    pub base: &'a str,
     /// Mean capsule area in unit space.
     pub mean_capsule_area: f64,
     /// Trace time of a ray: median and quartiles.
@@ -63,6 +65,7 @@ pub fn points(recording: &RecordingAnalysis) -> Vec<AreaAndTime<'_>> {
                 bounce,
                 kind,
                 method,
+                base: &order.base,
                 mean_capsule_area,
                 ns_per_ray,
                 quartiles_ns_per_ray,

@@ -2,15 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use formats::manifest::Header;
+use formats::manifest::{Header, Source};
 use formats::reader::Dump;
 use formats::summary::hexadecimal;
 
 /// Hexadecimal digits of a scene's hash that tell two scenes of one name apart.
 const HASH_DIGITS: usize = 8;
 
-/// A label for each recording, all different: its scene's name, then whatever of camera, machine, kernel,
-/// threads and size differs among the recordings of that name, then its folder's name.
+/// A label for each recording, all different: its scene's name, then as much of what differs among the
+/// recordings of that name (content, camera, replay, machine, kernel, threads, size, …) as it takes to tell
+/// them apart, then its folder's name.
 pub fn labels(dumps: &[Dump]) -> Vec<String> {
     let folder = |dump: &Dump| {
         let name = dump.root().file_name();
@@ -18,7 +19,8 @@ pub fn labels(dumps: &[Dump]) -> Vec<String> {
     };
     let facts = |dump: &Dump| {
         let header = &dump.manifest().header;
-        Facts { scene: scene_name(header), details: details(header), folder: folder(dump) }
+        let folder = folder(dump);
+        Facts { scene: scene_name(header), details: details(header, &folder), folder }
     };
     distinct(&dumps.iter().map(facts).collect::<Vec<_>>())
 }
@@ -47,11 +49,16 @@ fn scene_name(header: &Header) -> String {
 }
 
 /// What may tell recordings of one scene apart, the most telling first.
-fn details(header: &Header) -> Vec<String> {
+fn details(header: &Header, folder: &str) -> Vec<String> {
     let options = &header.options;
+    let replay = match header.source {
+        Source::Replayed { .. } => format!("replay {}", folder.trim_end_matches(".raydump")),
+        Source::Traced | Source::Imported { .. } => String::new(),
+    };
     vec![
         hexadecimal(&header.scene.content_hash)[..HASH_DIGITS].to_owned(),
         format!("camera {}", options.camera),
+        replay,
         header.backend.name().to_owned(),
         header.adapter.name.clone(),
         options.trace_kernel.clone(),
@@ -74,20 +81,8 @@ fn distinct(facts: &[Facts]) -> Vec<String> {
     for fact in facts {
         scenes.entry(&fact.scene).or_default().push(fact);
     }
-    let mut labels: Vec<String> = facts
-        .iter()
-        .map(|fact| {
-            let same_scene = &scenes[fact.scene.as_str()];
-            let differs = |at: &usize| same_scene.iter().any(|other| other.details[*at] != fact.details[*at]);
-            let telling = (0..fact.details.len()).filter(differs).map(|at| fact.details[at].as_str());
-            let telling: Vec<&str> = telling.filter(|detail| !detail.is_empty()).collect();
-            if telling.is_empty() {
-                fact.scene.clone()
-            } else {
-                format!("{} ({})", fact.scene, telling.join(", "))
-            }
-        })
-        .collect();
+    let mut labels: Vec<String> =
+        facts.iter().map(|fact| label(fact, &scenes[fact.scene.as_str()])).collect();
     for unlike in [|fact: &Facts, _| fact.folder.clone(), |_: &Facts, at: usize| format!("#{}", at + 1)] {
         let taken = labels.clone();
         for (at, label) in labels.iter_mut().enumerate() {
@@ -97,6 +92,24 @@ fn distinct(facts: &[Facts]) -> Vec<String> {
         }
     }
     labels
+}
+
+/// A recording's label among those of its scene.
+fn label(fact: &Facts, same_scene: &[&Facts]) -> String {
+    let telling = |fact: &Facts, details: usize| -> Vec<String> {
+        let differs = |at: &usize| same_scene.iter().any(|other| other.details[*at] != fact.details[*at]);
+        let telling = (0..details).filter(differs).map(|at| fact.details[at].clone());
+        telling.filter(|detail| !detail.is_empty()).collect()
+    };
+    let all = fact.details.len();
+    let are_told_apart = |details: &usize| {
+        let mut labels: Vec<Vec<String>> = same_scene.iter().map(|fact| telling(fact, *details)).collect();
+        labels.sort_unstable();
+        labels.windows(2).all(|pair| pair[0] != pair[1])
+    };
+    let enough = (0..all).find(are_told_apart).unwrap_or(all);
+    let telling = telling(fact, enough);
+    if telling.is_empty() { fact.scene.clone() } else { format!("{} ({})", fact.scene, telling.join(", ")) }
 }
 
 #[cfg(test)]
@@ -115,7 +128,7 @@ mod tests {
     fn labels_say_what_differs_and_no_more() {
         let labels = distinct(&[
             fact("sponza", &["cpu", "bvh2", "1 thread"], "a"),
-            fact("sponza", &["cpu", "cwbvh", "1 thread"], "b"),
+            fact("sponza", &["cpu", "cwbvh", "2 threads"], "b"),
             fact("kitchen", &["gpu", "cwbvh", ""], "c"),
         ]);
         assert_eq!(labels, ["sponza (bvh2)", "sponza (cwbvh)", "kitchen"]);

@@ -15,6 +15,8 @@ use super::order::{Context, OrderAnalysis};
 use super::tables::{Estimators, TableFill};
 use super::timing::Samples;
 
+/// A quarter of the scene's largest extent (KEYS, "Termination point").
+const DEFAULT_TWO_POINT_LENGTH: f32 = 0.25;
 /// Rays that a thread takes at a time.
 const RAYS_PER_TASK: usize = 8192;
 
@@ -54,6 +56,13 @@ impl QueueAnalysis {
     pub fn unsorted(&self) -> Option<&OrderAnalysis> {
         self.orders.iter().find(|order| order.method == UNSORTED)
     }
+}
+
+/// The length that two-point assumes in this recording; its default where it was not measured or is
+/// swept over, as in a replay.
+fn constant_length(dump: &Dump) -> f32 {
+    let two_point = dump.manifest().methods.iter().find(|method| method.name == "two-point");
+    two_point.map_or(DEFAULT_TWO_POINT_LENGTH, |method| method.two_point_length)
 }
 
 /// The arrays of a queue that its orders share; where they are not to be had, why.
@@ -110,8 +119,7 @@ impl QueueArrays {
         let estimators = match (&self.traced, &table) {
             (Err(reason), _) | (_, Err(reason)) => Metric::missing(reason),
             (Ok((traced, lengths)), Ok(table)) => {
-                let constant = dump.manifest().header.options.two_point_length;
-                let estimators = Estimators::of(traced, lengths, table, constant);
+                let estimators = Estimators::of(traced, lengths, table, constant_length(dump));
                 estimators.ok_or("no ray has a length").into()
             }
         };

@@ -2,7 +2,7 @@
 
 use formats::manifest::Stage;
 
-use super::building::{categories, figure, linear, methods, of_method, order, settings};
+use super::building::{categories, figure, linear, methods, of_method, order, recordings, settings};
 use super::overhead::words;
 use super::{Material, Skipped};
 use crate::analysis::RecordingAnalysis;
@@ -11,7 +11,7 @@ use crate::figures::model::{Content, Figure, Panel, Point, Series};
 
 /// Bytes that each stage must read and write, over its time.
 pub fn bandwidth(material: &Material<'_>) -> Result<Figure, Skipped> {
-    let panels = material.analysis.recordings.iter().map(|recording| panel(material, recording)).collect();
+    let panels = recordings(material).into_iter().map(|recording| panel(material, recording)).collect();
     let parts = Figure {
         name: "bandwidth".to_owned(),
         title: "Achieved bandwidth per stage".to_owned(),
@@ -32,7 +32,7 @@ fn panel(material: &Material<'_>, recording: &RecordingAnalysis) -> Panel {
         title: if material.analysis.recordings.len() > 1 { recording.label.clone() } else { String::new() },
         x: categories("stage", STAGES.map(words)),
         y: linear("bandwidth (GB/s)", true),
-        content: Content::Bars(methods(&material.analysis.recordings).into_iter().map(series).collect()),
+        content: Content::Bars(methods(material).into_iter().map(series).collect()),
         references: Vec::new(),
     }
 }

@@ -5,7 +5,7 @@ use formats::key::method::{BUILTIN, UNSORTED};
 use formats::ray::Kind;
 
 use super::{Material, Skipped};
-use crate::analysis::summary::Rays;
+use crate::analysis::summary::{Rays, distinct};
 use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Figure, Panel, Point, Scale, Series};
 
@@ -61,20 +61,53 @@ pub fn method_style(material: &Material<'_>, method: &str) -> usize {
     if let Some(place) = BUILTIN.iter().position(|(name, ..)| *name == method) {
         return place + 1;
     }
-    let others = methods(&material.analysis.recordings).into_iter();
-    let mut others = others.filter(|name| !BUILTIN.iter().any(|(builtin, ..)| builtin == name));
+    let others = measured_methods(material).into_iter().map(|(name, _)| name);
+    let mut others =
+        others.filter(|name| *name != UNSORTED && !BUILTIN.iter().any(|(builtin, ..)| builtin == name));
     others.position(|name| name == method).unwrap_or(0) + BUILTIN.len() + 1
 }
 
-/// Every method that was measured, each once: `unsorted`, the built-in ones in their order, the others.
-pub fn methods(recordings: &[RecordingAnalysis]) -> Vec<&str> {
-    let orders = recordings.iter().flat_map(RecordingAnalysis::measured).flat_map(|queue| &queue.orders);
-    let mut methods = crate::analysis::summary::distinct(orders.map(|order| order.method.as_str()));
-    methods.sort_by_key(|method| {
-        let builtin = || BUILTIN.iter().position(|(name, ..)| name == method);
-        if *method == UNSORTED { 0 } else { builtin().map_or(usize::MAX, |place| place + 1) }
+/// Every method that was measured, each once, with whether it is a variant of another in all its orders:
+/// `unsorted`, the built-in ones in their order, users', variants.
+fn measured_methods<'a>(material: &Material<'a>) -> Vec<(&'a str, bool)> {
+    let recordings = &material.analysis.recordings;
+    let orders = || recordings.iter().flat_map(RecordingAnalysis::measured).flat_map(|queue| &queue.orders);
+    let is_variant = |method: &str| {
+        orders().filter(|order| order.method == method).all(|order| order.base != order.method)
+    };
+    let names = distinct(orders().map(|order| order.method.as_str()));
+    let mut methods: Vec<(&str, bool)> = names.into_iter().map(|name| (name, is_variant(name))).collect();
+    methods.sort_by_key(|&(method, is_variant)| {
+        let builtin = BUILTIN.iter().position(|(name, ..)| *name == method);
+        (method != UNSORTED, builtin.unwrap_or(BUILTIN.len()), is_variant)
     });
     methods
+}
+
+/// The methods of figures that set methods beside each other: `unsorted`, the built-in ones, users'.
+/// Variants, which sweeps show, are among them only if nothing else was measured.
+pub fn methods<'a>(material: &Material<'a>) -> Vec<&'a str> {
+    let measured = measured_methods(material);
+    let is_plain = |(method, is_variant): &&(&str, bool)| !is_variant && *method != UNSORTED;
+    let has_plain = measured.iter().any(|method| is_plain(&method));
+    measured
+        .into_iter()
+        .filter(|(_, is_variant)| !(has_plain && *is_variant))
+        .map(|(method, _)| method)
+        .collect()
+}
+
+/// The recordings of such figures: those in which one of [`methods`] was measured besides `unsorted`, or
+/// all if there is none.
+pub fn recordings<'a>(material: &Material<'a>) -> Vec<&'a RecordingAnalysis> {
+    let methods = methods(material);
+    let is_shown =
+        |order: &OrderAnalysis| order.method != UNSORTED && methods.contains(&order.method.as_str());
+    let all = || material.analysis.recordings.iter();
+    let shown: Vec<&RecordingAnalysis> = all()
+        .filter(|recording| recording.measured().any(|queue| queue.orders.iter().any(is_shown)))
+        .collect();
+    if shown.is_empty() { all().collect() } else { shown }
 }
 
 /// The measured queues of a recording with these rays.

@@ -4,7 +4,8 @@ use formats::metrics::correlation::Correlation;
 use formats::ray::Kind;
 
 use super::building::{
-    figure, kind_title, linear, logarithmic, methods, of_method, order, panel_title, reason, settings,
+    figure, kind_title, linear, logarithmic, methods, of_method, order, panel_title, reason, recordings,
+    settings,
 };
 use super::{Material, Skipped};
 use crate::analysis::correlations::{AreaAndTime, correlation, points};
@@ -31,6 +32,15 @@ pub fn against_time(material: &Material<'_>) -> Result<Figure, Skipped> {
             panels.push(scatter(material, &points, kind, format!("{rays}: {}", coefficients(&correlation))));
         }
     }
+    if recordings.len() > 1 {
+        for line in &material.analysis.correlations {
+            let of_recording = recordings.iter().any(|recording| recording.label == line.of);
+            let kind = line.kind.filter(|_| of_recording && line.correlation.known().is_some());
+            found.extend(kind.map(|kind| {
+                format!("{}, {}: {}", line.of, kind_title(kind), coefficients(&line.correlation))
+            }));
+        }
+    }
     let parts = Figure {
         name: "capsule-area".to_owned(),
         title: "Mean capsule area against trace time".to_owned(),
@@ -55,22 +65,24 @@ fn coefficients(correlation: &Metric<Correlation>) -> String {
 }
 
 fn scatter(material: &Material<'_>, points: &[AreaAndTime<'_>], kind: Kind, title: String) -> Panel {
-    let series = |method: &str| -> Series {
-        let own = points.iter().filter(|point| point.kind == kind && point.method == method);
+    // Variants go by the method that they are variants of.
+    let bases = distinct(points.iter().map(|point| point.base));
+    let series = |base: &str| -> Series {
+        let own = points.iter().filter(|point| point.kind == kind && point.base == base);
         let points = own.map(|point| Point {
             x: point.mean_capsule_area,
             y: point.ns_per_ray,
             spread: (point.n > 1).then_some(point.quartiles_ns_per_ray),
             n: point.n,
-            name: format!("{}, bounce {}, {kind}, {method}", point.recording, point.bounce),
+            name: format!("{}, bounce {}, {kind}, {}", point.recording, point.bounce, point.method),
         });
-        of_method(material, method, points.collect())
+        of_method(material, base, points.collect())
     };
     Panel {
         title,
         x: linear("mean capsule area (unit space)", false),
         y: linear("trace time per ray (ns)", true),
-        content: Content::Scatter(methods(&material.analysis.recordings).into_iter().map(series).collect()),
+        content: Content::Scatter(bases.into_iter().map(series).collect()),
         references: Vec::new(),
     }
 }
@@ -78,7 +90,7 @@ fn scatter(material: &Material<'_>, points: &[AreaAndTime<'_>], kind: Kind, titl
 /// Which share of the rays is in capsules of at most some area: bounce 1, or the first that there is.
 pub fn distribution(material: &Material<'_>) -> Result<Figure, Skipped> {
     let mut panels = Vec::new();
-    for recording in &material.analysis.recordings {
+    for recording in recordings(material) {
         for kind in Kind::ALL {
             let of_kind = || recording.measured().filter(|queue| queue.kind == kind);
             let queue = of_kind().find(|queue| queue.bounce == 1).or_else(|| of_kind().next());
@@ -117,7 +129,7 @@ fn shares(material: &Material<'_>, recording: &RecordingAnalysis, queue: &QueueA
         title: panel_title(material, recording, &rays),
         x: logarithmic("capsule area (unit space)", 10),
         y: linear("share of rays (%)", true),
-        content: Content::Lines(methods(&material.analysis.recordings).into_iter().map(series).collect()),
+        content: Content::Lines(methods(material).into_iter().map(series).collect()),
         references: Vec::new(),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::building::{
     categories, figure, linear, methods, of_method, order, panel_title, queues, range, rays_title, reason,
-    settings,
+    recordings, settings,
 };
 use super::{Material, Skipped};
 use crate::analysis::summary::Rays;
@@ -52,11 +52,10 @@ pub fn caches(material: &Material<'_>) -> Result<Figure, Skipped> {
 
 fn panels(material: &Material<'_>, shares: Shares, x: &dyn Fn() -> Axis, y: &str) -> Vec<Panel> {
     let mut panels = Vec::new();
-    for recording in &material.analysis.recordings {
+    for recording in recordings(material) {
         for rays in Rays::ALL {
             let series = |method: &str| of_method(material, method, points(recording, rays, method, shares));
-            let series: Vec<Series> =
-                methods(&material.analysis.recordings).into_iter().map(series).collect();
+            let series: Vec<Series> = methods(material).into_iter().map(series).collect();
             panels.push(Panel {
                 title: panel_title(material, recording, &rays_title(rays)),
                 x: x(),

@@ -4,7 +4,7 @@ use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 
 use super::building::{
-    categories, figure, linear, methods, order, panel_title, queues, rays_title, settings,
+    categories, figure, linear, methods, order, panel_title, queues, rays_title, recordings, settings,
 };
 use super::{Material, Skipped};
 use crate::analysis::summary::Rays;
@@ -15,7 +15,7 @@ use crate::figures::model::{Content, Figure, Panel, Point, Reference, Series};
 /// Time of each stage per method, stacked.
 pub fn overhead(material: &Material<'_>) -> Result<Figure, Skipped> {
     let mut panels = Vec::new();
-    for recording in &material.analysis.recordings {
+    for recording in recordings(material) {
         for rays in Rays::ALL {
             panels.push(panel(material, recording, rays));
         }
@@ -33,7 +33,7 @@ pub fn overhead(material: &Material<'_>) -> Result<Figure, Skipped> {
 fn panel(material: &Material<'_>, recording: &RecordingAnalysis, rays: Rays) -> Panel {
     let measured: Vec<&QueueAnalysis> = queues(recording, rays).collect();
     let has_method = |method: &&str| measured.iter().any(|queue| order(queue, method).is_some());
-    let methods: Vec<&str> = methods(&material.analysis.recordings).into_iter().filter(has_method).collect();
+    let methods: Vec<&str> = methods(material).into_iter().filter(has_method).collect();
     let series = |(style, stage): (usize, Stage)| -> Series {
         let points = methods.iter().enumerate().filter_map(|(place, method)| {
             let (ns, n) = stage_time(&measured, method, stage)?;

@@ -16,10 +16,16 @@ const SHOWN_SHARE: f64 = 0.99;
 /// The image, and the nodes and triangles behind each of its pixels.
 pub fn pixel_cost(material: &Material<'_>) -> Result<Figure, Skipped> {
     let (mut panels, mut reasons) = (Vec::new(), Vec::new());
+    let mut shown: Vec<PixelCost> = Vec::new();
     for recording in &material.analysis.recordings {
         let cost = Dump::open(&recording.root).map_or_else(Metric::missing, |dump| PixelCost::of(&dump));
         match cost {
-            Metric::Known(cost) => panels.extend(beside(material, recording, &cost)),
+            // A replay has the picture of its source, and often the work.
+            Metric::Known(cost) if shown.contains(&cost) => {}
+            Metric::Known(cost) => {
+                panels.extend(beside(material, recording, &cost));
+                shown.push(cost);
+            }
             Metric::Missing { missing } => reasons.push(missing),
         }
     }

@@ -3,7 +3,9 @@
 use formats::manifest::Stage;
 use formats::ray::Kind;
 
-use super::building::{figure, kind_title, linear, methods, of_method, order, panel_title, settings};
+use super::building::{
+    figure, kind_title, linear, methods, of_method, order, panel_title, recordings, settings,
+};
 use super::{Material, Skipped};
 use crate::analysis::{QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Content, Figure, Panel, Point, Series};
@@ -11,7 +13,7 @@ use crate::figures::model::{Content, Figure, Panel, Point, Series};
 /// Trace rate per bounce and method.
 pub fn rays_per_second(material: &Material<'_>) -> Result<Figure, Skipped> {
     let mut panels = Vec::new();
-    for recording in &material.analysis.recordings {
+    for recording in recordings(material) {
         for kind in Kind::ALL {
             panels.push(panel(material, recording, kind));
         }
@@ -36,7 +38,7 @@ fn panel(material: &Material<'_>, recording: &RecordingAnalysis, kind: Kind) -> 
         title: panel_title(material, recording, &kind_title(kind)),
         x: linear("bounce", true),
         y: linear("trace rate (Mrays/s)", true),
-        content: Content::Lines(methods(&material.analysis.recordings).into_iter().map(series).collect()),
+        content: Content::Lines(methods(material).into_iter().map(series).collect()),
         references: Vec::new(),
     }
 }

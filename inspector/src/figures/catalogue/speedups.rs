@@ -1,7 +1,7 @@
 //! Trace and net speedup per scene and method.
 
 use super::building::{
-    categories, figure, linear, methods, of_method, order, queues, rays_title, reason, settings,
+    categories, figure, linear, methods, of_method, order, queues, rays_title, reason, recordings, settings,
 };
 use super::{Material, Skipped};
 use crate::analysis::summary::{MeanSpeedup, Rays, distinct};
@@ -50,13 +50,16 @@ struct Words {
 }
 
 fn speedups(material: &Material<'_>, speedup: Speedup, words: &Words) -> Result<Figure, Skipped> {
-    let recordings = &material.analysis.recordings;
+    let recordings = recordings(material);
     let configurations = distinct(recordings.iter().map(|recording| recording.configuration.as_str()));
     let mut panels = Vec::new();
     for configuration in &configurations {
         for rays in Rays::ALL {
-            let same: Vec<&RecordingAnalysis> =
-                recordings.iter().filter(|recording| recording.configuration == *configuration).collect();
+            let same: Vec<&RecordingAnalysis> = recordings
+                .iter()
+                .copied()
+                .filter(|recording| recording.configuration == *configuration)
+                .collect();
             let title = if configurations.len() > 1 {
                 format!("{}, {configuration}", rays_title(rays))
             } else {
@@ -113,7 +116,7 @@ fn panel(
         title,
         x: categories("scene", names.iter().copied()),
         y: linear(words.axis, true),
-        content: Content::Bars(methods(&material.analysis.recordings).into_iter().map(series).collect()),
+        content: Content::Bars(methods(material).into_iter().map(series).collect()),
         references: vec![Reference { label: words.reference.to_owned(), y: 1.0, span: None }],
     }
 }

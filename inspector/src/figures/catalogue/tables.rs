@@ -70,8 +70,23 @@ pub fn errors(material: &Material<'_>) -> Result<Figure, Skipped> {
     figure(parts, reason(material, |queue| queue.estimators.reason()))
 }
 
+/// Each recording and kind; without recordings whose tables are another's, as those of most replays are.
 fn each_kind<'a>(material: &Material<'a>) -> impl Iterator<Item = (&'a RecordingAnalysis, Kind)> {
-    material.analysis.recordings.iter().flat_map(|recording| Kind::ALL.map(|kind| (recording, kind)))
+    let recordings = &material.analysis.recordings;
+    let tables = |recording: &'a RecordingAnalysis| {
+        recording
+            .queues
+            .iter()
+            .map(|queue| (queue.pass, queue.bounce, queue.kind, &queue.table, &queue.estimators))
+    };
+    let is_new = move |(at, recording): &(usize, &'a RecordingAnalysis)| {
+        let same = |earlier: &'a RecordingAnalysis| {
+            earlier.content_hash == recording.content_hash && tables(earlier).eq(tables(recording))
+        };
+        !recordings[..*at].iter().any(same)
+    };
+    let new = recordings.iter().enumerate().filter(is_new);
+    new.flat_map(|(_, recording)| Kind::ALL.map(|kind| (recording, kind)))
 }
 
 fn of_pass(recording: &RecordingAnalysis, kind: Kind, pass: u32) -> impl Iterator<Item = &QueueAnalysis> {
