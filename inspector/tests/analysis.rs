@@ -5,12 +5,13 @@
 use std::path::Path;
 use std::process::Command;
 
-use formats::manifest::{MethodArray, Place, QueueArray, Stage};
+use formats::manifest::{End, MethodArray, Outcome, Place, QueueArray, QueueRecord, Source, Stage};
 use formats::metrics::capsule::{Capsule, Segment};
 use formats::metrics::speedup::median;
-use formats::ray::{Ray, Work};
+use formats::ray::{Kind, Ray, Work};
 use formats::reader::{Dump, Mapped};
 use formats::traced::Traced;
+use formats::writer::DumpWriter;
 use inspector::analysis::timing::Verdict;
 use inspector::analysis::{Analysis, Depth, GroupWidth, Options, analyse};
 
@@ -135,6 +136,43 @@ fn what_was_not_kept_is_said_and_does_not_fail() {
     assert!(closest.estimators.reason().unwrap().contains("hits.npy"));
     assert!(shadow.orders[0].lanes.reason().unwrap().contains("work.npy"));
     assert!(shadow.orders[0].coherence.known().is_some());
+}
+
+/// A replay without arrays but its permutations: rays and results are its source's, and so is the work if
+/// the kernel is the same.
+#[test]
+fn a_replay_is_analysed_with_the_arrays_of_its_source() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = Dump::open(&sample::write(folder.path())).unwrap();
+    let record = source.manifest().queues.iter().rfind(|queue| queue.id.kind == Kind::Closest).unwrap();
+    let mut dumps = vec![Dump::open(source.root()).unwrap()];
+    for kernel in ["bvh2", "cwbvh"] {
+        let mut header = sample::header();
+        let manifest_sha256 = source.manifest_sha256().unwrap();
+        header.source = Source::Replayed { name: "sample.raydump".into(), manifest_sha256 };
+        header.options.trace_kernel = kernel.into();
+        let writer = DumpWriter::create(&folder.path().join(kernel), header, false).unwrap();
+        writer.method(source.manifest().methods[0].clone()).unwrap();
+        let place = Place::Method(record.id, "aila".into(), MethodArray::Permutation);
+        let permutation: Mapped<u32> = source.array(&place).unwrap();
+        writer.whole_array(&place, &[record.rays], &permutation[..]).unwrap();
+        let methods = vec!["unsorted".to_owned(), "aila".to_owned()];
+        let mismatches = Vec::new();
+        writer.queue(QueueRecord { id: record.id, rays: record.rays, methods, mismatches }).unwrap();
+        let end = End { outcome: Outcome::Complete, image: None, wall_ns: 1 };
+        dumps.push(Dump::open(&writer.finish(end).unwrap()).unwrap());
+    }
+    let analysis = analysed(&dumps, GroupWidth::Rays64, 1);
+    let aila = |recording: usize| {
+        let queue =
+            analysis.recordings[recording].measured().rfind(|queue| queue.kind == Kind::Closest).unwrap();
+        queue.orders.iter().find(|order| order.method == "aila").unwrap()
+    };
+    assert_eq!(aila(1).coherence, aila(0).coherence);
+    assert_eq!((&aila(2).coherence, &aila(1).lanes), (&aila(0).coherence, &aila(0).lanes));
+    assert!(aila(2).lanes.reason().unwrap().contains("another kernel"));
+    let labels: Vec<&str> = analysis.recordings.iter().map(|recording| recording.label.as_str()).collect();
+    assert_eq!(labels, ["open box", "open box (replay bvh2)", "open box (replay cwbvh)"]);
 }
 
 /// A permutation whose last place names a ray that does not exist is a reason, not a panic.

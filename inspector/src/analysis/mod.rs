@@ -8,6 +8,7 @@
 //! - [`tables`]: fill of the length table, errors of estimated lengths
 //! - [`summary`], [`correlations`]: over all recordings
 //! - [`labels`]: what recordings are called beside each other
+//! - [`work`]: nodes and triangles of the recording's own kernel
 //! - [`picture`]: the image and what each pixel cost
 //!
 //! Arrays are mapped one queue at a time. Beyond the maps, memory is about 12 bytes for each ray of the
@@ -25,6 +26,7 @@ pub mod recording;
 pub mod summary;
 pub mod tables;
 pub mod timing;
+pub mod work;
 
 use std::path::PathBuf;
 

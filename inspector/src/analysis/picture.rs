@@ -2,10 +2,9 @@
 
 use formats::manifest::{Place, QueueArray, QueueId};
 use formats::metrics::lanes::work_of;
-use formats::ray::Work;
 use formats::reader::{Dump, Mapped};
 
-use super::Metric;
+use super::{Metric, work};
 
 /// The image and the work behind each pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,7 +50,7 @@ impl PixelCost {
 
 fn add(dump: &Dump, queue: QueueId, cost: &mut [u32]) -> Result<(), String> {
     let text = |error: formats::reader::ReadError| error.to_string();
-    let work: Mapped<Work> = dump.array(&Place::Queue(queue, QueueArray::Work)).map_err(text)?;
+    let work = work::work(dump, queue)?;
     let paths: Mapped<u32> = dump.array(&Place::Queue(queue, QueueArray::PathIds)).map_err(text)?;
     for (work, &path) in work.iter().zip(&*paths) {
         let pixels = cost.len();

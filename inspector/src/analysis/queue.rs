@@ -1,7 +1,7 @@
 //! The numbers of one queue.
 
 use formats::key::method::UNSORTED;
-use formats::manifest::{Place, QueueArray, QueueId, QueueRecord};
+use formats::manifest::{QueueId, QueueRecord};
 use formats::ray::{Kind, Work};
 use formats::reader::{Dump, Mapped};
 use formats::stored_table::StoredTable;
@@ -9,11 +9,11 @@ use formats::traced::Traced;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::Metric;
 use super::options::{Depth, Options};
 use super::order::{Context, OrderAnalysis};
 use super::tables::{Estimators, TableFill};
 use super::timing::Samples;
+use super::{Metric, work};
 
 /// A quarter of the scene's largest extent (KEYS, "Termination point").
 const DEFAULT_TWO_POINT_LENGTH: f32 = 0.25;
@@ -102,8 +102,7 @@ impl QueueArrays {
             Ok((traced, lengths))
         };
         let work = || {
-            let place = Place::Queue(record.id, QueueArray::Work);
-            let work: Mapped<Work> = dump.array(&place).map_err(|error| error.to_string())?;
+            let work = work::work(dump, record.id)?;
             of_all("work", work.len())?;
             Ok(work)
         };

@@ -59,7 +59,7 @@ impl RecordingAnalysis {
     }
 
     /// The queues in which methods were measured.
-    pub fn measured(&self) -> impl Iterator<Item = &QueueAnalysis> {
+    pub fn measured(&self) -> impl DoubleEndedIterator<Item = &QueueAnalysis> {
         self.queues.iter().filter(|queue| !queue.orders.is_empty())
     }
 }
