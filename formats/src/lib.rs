@@ -4,6 +4,7 @@
 //! - [`key`]: layouts as data, from ray to key and back
 //! - [`length_table`], [`permutation`], [`metrics`]: what is derived from rays and keys
 //! - [`npy`], [`manifest`], [`folder`], [`writer`], [`reader`], [`verify`], [`recover`]: the files
+//! - [`traced`], [`stored_table`]: what a dump's rays came to, and what was expected of them
 //! - [`bench_result`]: what benchmarks print and figures read
 //! - [`summary`]: a dump in one object, for people and programs
 
@@ -18,7 +19,9 @@ pub mod permutation;
 pub mod ray;
 pub mod reader;
 pub mod recover;
+pub mod stored_table;
 pub mod summary;
+pub mod traced;
 pub mod unit_space;
 pub mod verify;
 pub mod writer;

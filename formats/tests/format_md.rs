@@ -97,7 +97,7 @@ for path, array in arrays.items():
     expected.push(format!("{} {} {} ('traced', {{}})", cache.method, cache.accesses, cache.l2_hits));
     let image = manifest.end.unwrap().image.unwrap();
     expected.push(format!("complete {} 1500000000", formats::summary::hexadecimal(&image.sha256)));
-    expected.push("1 0 closest aila key [500, 700, 600]".to_owned());
+    expected.push("1 0 closest unsorted trace [10020, 9990, 10000]".to_owned());
     for array in &manifest.arrays {
         let data = dump.bytes(array).unwrap();
         let sum: u64 = data.iter().zip(0u64..).map(|(&byte, at)| u64::from(byte) * (at % 251 + 1)).sum();

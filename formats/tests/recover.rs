@@ -166,9 +166,9 @@ fn nothing_is_written_over() {
     assert!(matches!(recover(&folder.path().join("other")), Err(RecoverError::Missing { .. })));
     let newer = folder.path().join("newer.raydump.partial");
     fs::create_dir(&newer).unwrap();
-    fs::write(newer.join("manifest.bin"), b"RAYDUMP\0\x02\0\0\0\0\0\0\0").unwrap();
+    fs::write(newer.join("manifest.bin"), b"RAYDUMP\0\x63\0\0\0\0\0\0\0").unwrap();
     let error = recover(&newer).unwrap_err().to_string();
-    assert!(error.contains("format version 2") && newer.join("manifest.bin").exists(), "{error}");
+    assert!(error.contains("format version 99") && newer.join("manifest.bin").exists(), "{error}");
 }
 
 fn count_files(folder: &Path) -> usize {

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::analysis::{Depth, GroupWidth, Options};
 use crate::{info, recover, verify};
 
 /// The command failed, and said why on standard error.
@@ -17,6 +18,7 @@ const EXAMPLES: &str = "\
 Examples:
   inspector info sponza.raydump             what was recorded, on which machine, with which times
   inspector info sponza.raydump --json      the same as one JSON object
+  inspector info sponza.raydump --metrics   how coherent the rays of each order are
   inspector verify sponza.raydump           whether every array is what the format says it is
   inspector recover sponza.raydump.partial  make a recording of what a killed recorder left
 
@@ -25,8 +27,11 @@ Exit codes: 0 done, 1 failed (for verify: something is wrong), 2 the command lin
 const INFO_EXAMPLES: &str = "\
 Examples:
   inspector info sponza.raydump
+  inspector info sponza.raydump --metrics   capsules, direction spread, lanes and length tables too
+  inspector info sponza.raydump --metrics --group-width 32
   inspector info sponza.raydump.partial     what a running or killed recorder has written so far
-  inspector info sponza.raydump --json | jq '.timings[] | select(.stage == \"trace\")'";
+  inspector info sponza.raydump --json | jq '.timings[] | select(.stage == \"trace\")'
+  inspector info sponza.raydump --json --metrics | jq '.metrics.summaries'";
 
 const VERIFY_EXAMPLES: &str = "\
 Checks checksums, shapes and element types; that permutations are bijections and keys ascend under
@@ -56,7 +61,7 @@ struct CommandLine {
 enum Command {
     /// Show what a recording holds.
     #[command(after_help = INFO_EXAMPLES)]
-    Info(Target),
+    Info(InfoTarget),
     /// Check whether a recording is what the format says it is.
     #[command(after_help = VERIFY_EXAMPLES)]
     Verify(Target),
@@ -76,6 +81,32 @@ struct Target {
     json: bool,
 }
 
+/// What `info` looks at, and how deep.
+#[derive(Debug, Args)]
+struct InfoTarget {
+    #[command(flatten)]
+    target: Target,
+    /// Read the arrays too: capsules, direction spread, lane utilisation, length tables, correlations.
+    #[arg(long)]
+    metrics: bool,
+    /// Rays of a group, whose capsule and direction spread are taken.
+    #[arg(long, value_enum, default_value_t, requires = "metrics")]
+    group_width: GroupWidth,
+    /// Threads that read the arrays; the numbers do not depend on it [default: one per processor].
+    #[arg(long, value_name = "N", requires = "metrics", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+}
+
+impl InfoTarget {
+    fn options(&self) -> Options {
+        Options {
+            group_width: self.group_width,
+            threads: self.threads.map(usize::from),
+            depth: if self.metrics { Depth::Arrays } else { Depth::Manifest },
+        }
+    }
+}
+
 /// Runs the command that `arguments` (the program's name first) ask for.
 pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> ExitCode {
     let command_line = match CommandLine::try_parse_from(arguments) {
@@ -87,7 +118,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         }
     };
     let done = match command_line.command {
-        Command::Info(Target { dump, json }) => info::run(&dump, json),
+        Command::Info(info) => info::run(&info.target.dump, info.target.json, &info.options()),
         Command::Verify(Target { dump, json }) => verify::run(&dump, json),
         Command::Recover(Target { dump, json }) => recover::run(&dump, json),
     };

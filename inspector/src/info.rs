@@ -3,18 +3,42 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use formats::reader::Dump;
+use formats::reader::{Dump, DumpState};
 use formats::summary::{Summary, TimingLine};
+use serde::Serialize;
 
+use crate::analysis::{Analysis, Depth, Options, analyse};
+use crate::method_table;
 use crate::output::{count, counted, print, print_json, size, table, time};
 
-pub(crate) fn run(path: &Path, json: bool) -> anyhow::Result<()> {
+/// What `--json --metrics` prints: the summary's fields, and the analysis in one more.
+#[derive(Serialize)]
+struct WithMetrics<'a> {
+    #[serde(flatten)]
+    summary: &'a Summary,
+    metrics: &'a Analysis,
+}
+
+pub(crate) fn run(path: &Path, json: bool, options: &Options) -> anyhow::Result<()> {
     let dump = Dump::open(path)?;
     let summary = Summary::new(path, dump.manifest());
-    if json {
+    if json && options.depth == Depth::Manifest {
         return print_json(&summary);
     }
-    let parts = [facts(&summary), queues(&summary), timings(&summary), arrays(&summary)];
+    let is_partial = dump.state() == DumpState::Partial;
+    let mut parts = vec![facts(&summary), queues(&summary), timings(&summary)];
+    // What there is so far of a recording can be looked at, but has no means yet.
+    if !is_partial || options.depth == Depth::Arrays {
+        let analysis = analyse(std::slice::from_ref(&dump), options)?;
+        if json {
+            return print_json(&WithMetrics { summary: &summary, metrics: &analysis });
+        }
+        parts.push(method_table::methods(&analysis));
+        if options.depth == Depth::Arrays {
+            parts.push(method_table::arrays(&analysis));
+        }
+    }
+    parts.push(arrays(&summary));
     print(&parts.join("\n\n"))
 }
 

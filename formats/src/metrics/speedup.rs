@@ -41,6 +41,14 @@ impl Speedup {
     }
 }
 
+/// Geometric mean of ratios: the mean under which twice as fast and half as fast cancel. `None` if there
+/// are none; those that are not above 0 and finite do not count.
+pub fn geometric_mean(ratios: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let logarithms = ratios.into_iter().filter(|ratio| *ratio > 0.0 && ratio.is_finite()).map(f64::ln);
+    let (sum, count) = logarithms.fold((0.0, 0u32), |(sum, count), ln| (sum + ln, count + 1));
+    (count > 0).then(|| (sum / f64::from(count)).exp())
+}
+
 fn ratio(above: f64, below: f64) -> f64 {
     above / below.max(f64::MIN_POSITIVE)
 }
@@ -55,7 +63,8 @@ pub fn interquartile_range(samples: &[u64]) -> Option<f64> {
     Some(quantile(samples, 0.75)? - quantile(samples, 0.25)?)
 }
 
-fn quantile(samples: &[u64], q: f64) -> Option<f64> {
+/// Quantile `q` (0 to 1) of samples, by linear interpolation. `None` if there are none.
+pub fn quantile(samples: &[u64], q: f64) -> Option<f64> {
     let mut sorted = samples.to_vec();
     sorted.sort_unstable();
     let place = sorted.len().checked_sub(1)? as f64 * q;
@@ -128,6 +137,14 @@ mod tests {
         assert_eq!(median(&[5, 1, 3]), Some(3.0));
         assert_eq!(median(&[4, 1, 2, 3]), Some(2.5));
         assert_eq!(interquartile_range(&[1, 2, 3, 4, 5]), Some(2.0));
+    }
+
+    #[test]
+    fn halves_and_doubles_cancel() {
+        let mean = geometric_mean([0.5, 2.0, 4.0, 0.25, f64::NAN, 0.0]).unwrap();
+        assert!((mean - 1.0).abs() < 1e-12);
+        assert!((geometric_mean([1.0, 8.0]).unwrap() - 8.0f64.sqrt()).abs() < 1e-12);
+        assert_eq!(geometric_mean([]), None);
     }
 
     #[test]

@@ -5,10 +5,11 @@
 
 use std::fmt;
 
-use super::{Check, Results, Subject};
+use super::{Check, Subject};
 use crate::manifest::{Place, SceneArray};
 use crate::ray::{Hit, Ray};
 use crate::reader::Mapped;
+use crate::traced::Results;
 
 /// How many roundings of single precision a point may be off, for a well-shaped triangle.
 const ROUNDINGS: f64 = 32.0;
@@ -24,8 +25,8 @@ pub(super) fn check(subject: &Subject<'_>) -> [Check; 2] {
     }
     for &queue in subject.queues.keys() {
         let Some(traced) = subject.traced(queue) else { continue };
-        let rays = &traced.rays;
-        match &traced.results {
+        let rays = traced.rays();
+        match traced.results() {
             Results::Hits(hits) => {
                 let fault = |index: usize| fault(&rays[index], &hits[index], scene.as_ref());
                 hits_check.each(

@@ -22,12 +22,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 pub use report::{Check, Findings, Report};
 
-use crate::key::{Encoder, LayoutText};
-use crate::length_table::{LengthCell, LengthTable, TABLE_BITS_MAX, TABLE_BITS_MIN};
+use crate::key::Encoder;
+use crate::length_table::{LengthCell, LengthTable};
 use crate::manifest::{Place, QueueArray, QueueId};
 use crate::npy::Element;
-use crate::ray::{Hit, Kind, Ray};
 use crate::reader::{Dump, Mapped};
+use crate::stored_table::{self, StoredTableError};
+use crate::traced::Traced;
 use crate::unit_space::UnitSpace;
 
 /// Checks everything in a dump that can be checked with what it holds.
@@ -84,59 +85,16 @@ impl<'a> Subject<'a> {
 
     /// What gives a ray's cell in the length table.
     fn cell_encoder(&self) -> Option<Encoder> {
-        let options = &self.dump.manifest().header.options;
-        let bits = options.table_bits;
-        if !(TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&bits) {
-            return None;
-        }
-        let layout = LayoutText::parse(&options.table_layout).ok()?.expand(1).ok()?;
-        let fits = !layout.uses(|coordinate| coordinate.needs_light() || coordinate.needs_length());
-        fits.then(|| Encoder::new(&layout, bits, self.unit, &[]))
+        stored_table::cell_encoder(&self.dump.manifest().header)
     }
 
     /// The length table of these cells, if they are one.
-    fn table(&self, cells: &[LengthCell]) -> Result<LengthTable, String> {
-        let bits = self.dump.manifest().header.options.table_bits;
-        if !(TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&bits) {
-            return Err(format!("{bits} address bits, expected {TABLE_BITS_MIN} to {TABLE_BITS_MAX}"));
-        }
-        LengthTable::from_touched(bits, cells).map_err(|error| error.to_string())
+    fn table(&self, cells: &[LengthCell]) -> Result<LengthTable, StoredTableError> {
+        stored_table::from_cells(&self.dump.manifest().header, cells)
     }
 
     /// What the traced lengths of a queue are made from, if it was kept.
     fn traced(&self, queue: QueueId) -> Option<Traced> {
-        let rays = self.queue_array::<Ray>(queue, QueueArray::Rays)?;
-        let results = match queue.kind {
-            Kind::Closest => Results::Hits(self.queue_array(queue, QueueArray::Hits)?),
-            Kind::Shadow => Results::Distances(self.queue_array(queue, QueueArray::Distances)?),
-        };
-        let results_len = match &results {
-            Results::Hits(hits) => hits.len(),
-            Results::Distances(distances) => distances.len(),
-        };
-        (results_len == rays.len()).then_some(Traced { unit: self.unit, rays, results })
-    }
-}
-
-/// The rays of a queue and what came of them, equally many.
-struct Traced {
-    unit: UnitSpace,
-    rays: Mapped<Ray>,
-    results: Results,
-}
-
-enum Results {
-    Hits(Mapped<Hit>),
-    Distances(Mapped<f32>),
-}
-
-impl Traced {
-    /// Traced length of a ray in unit lengths (KEYS, "Traced length").
-    fn length(&self, index: usize) -> f32 {
-        let ray = &self.rays[index];
-        match &self.results {
-            Results::Hits(hits) => self.unit.closest_length(ray, &hits[index]),
-            Results::Distances(distances) => self.unit.shadow_length(ray, distances[index]),
-        }
+        Traced::open(self.dump, queue).ok()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::report::findings;
 use super::scene::method_problem;
-use super::{Check, Findings, Subject, Traced};
+use super::{Check, Findings, Subject};
 use crate::key::{Coordinate, Encoder, LayoutText, Termination};
 use crate::length_table::LengthTable;
 use crate::manifest::{MethodArray, MethodRecord, Place, QueueArray, QueueId};
@@ -10,6 +10,7 @@ use crate::npy::Dtype;
 use crate::permutation::{check_bijection, check_order};
 use crate::ray::Ray;
 use crate::reader::Mapped;
+use crate::traced::Traced;
 
 pub(super) fn check(subject: &Subject<'_>) -> [Check; 2] {
     let mut keys_check = Check::new("keys");

@@ -83,8 +83,8 @@ fn after(
     cells: &Encoder,
 ) -> Option<Vec<LengthCell>> {
     let traced = subject.traced(queue)?;
-    (0..traced.rays.len()).into_par_iter().with_min_len(RAYS_PER_TASK).for_each(|ray| {
-        table.add(cells.encode(&traced.rays[ray], 0.0, 0) as u32, traced.length(ray));
+    traced.rays().par_iter().enumerate().with_min_len(RAYS_PER_TASK).for_each(|(index, ray)| {
+        table.add(cells.encode(ray, 0.0, 0) as u32, traced.length(index));
     });
     Some(table.touched())
 }

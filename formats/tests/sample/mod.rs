@@ -261,7 +261,8 @@ fn write_queue(writer: &DumpWriter, queue: &Queue) -> Result<(), WriteError> {
             writer.whole_array(&place(QueueArray::Lights), &[rays], &queue.lights)?;
         }
     }
-    let work = vec![Work { nodes: 1, triangles: TRIANGLES.len() as u32 }; queue.rays.len()];
+    let work_of = |ray: u32| Work { nodes: 1 + ray * ray % 7, triangles: TRIANGLES.len() as u32 };
+    let work: Vec<Work> = (0..queue.rays.len() as u32).map(work_of).collect();
     writer.whole_array(&place(QueueArray::Work), &[rays], &work)
 }
 
@@ -326,8 +327,21 @@ fn methods() -> Vec<(Method, u32)> {
     ]
 }
 
-fn write_timings(writer: &DumpWriter, id: QueueId, method: &str) -> Result<(), WriteError> {
-    for (stage, samples_ns) in [(Stage::Key, vec![500, 700, 600]), (Stage::TraceIndirect, vec![10, 20])] {
+/// Times of a queue and method: made up, but such that some methods pay off and some do not.
+fn write_timings(writer: &DumpWriter, id: QueueId, method: &str, number: u64) -> Result<(), WriteError> {
+    let around = |ns: u64| vec![ns + 20, ns - 10, ns];
+    let trace = 10_000 + 3_000 * u64::from(id.bounce) - 700 * number;
+    let mut stages = vec![(Stage::Trace, around(trace))];
+    if method != "unsorted" {
+        stages.push((Stage::Key, vec![500, 700, 600]));
+        stages.push((Stage::Sort, around(1_000 + 100 * number)));
+        stages.push((Stage::Gather, around(900)));
+        stages.push((Stage::TraceIndirect, around(trace + 500 * (number % 3))));
+    }
+    if method == "two-point-adaptive" {
+        stages.push((Stage::Accumulate, around(250)));
+    }
+    for (stage, samples_ns) in stages {
         let (pass, bounce, kind) = (id.pass, id.bounce, Some(id.kind));
         writer.timing(TimingRecord { pass, bounce, kind, method: method.to_owned(), stage, samples_ns })?;
     }
@@ -347,9 +361,10 @@ fn write_measured(
     let mut measured = Vec::new();
     if queue.id.pass + 1 == PASSES {
         measured.push("unsorted".to_owned());
+        write_timings(writer, queue.id, "unsorted", 0)?;
         for (method, key_bits) in methods().iter().filter(|(method, _)| method.applies_to(queue.id.kind)) {
             write_method(writer, queue, method, *key_bits, table)?;
-            write_timings(writer, queue.id, &method.name)?;
+            write_timings(writer, queue.id, &method.name, measured.len() as u64)?;
             measured.push(method.name.clone());
         }
     }

@@ -1,0 +1,92 @@
+//! A stored length table and how rays find their cell in it.
+
+use crate::key::{Encoder, LayoutText};
+use crate::length_table::{LengthCell, LengthTable, LengthTableError, TABLE_BITS_MAX, TABLE_BITS_MIN};
+use crate::manifest::{Header, Place, QueueArray, QueueId};
+use crate::ray::Ray;
+use crate::reader::{Dump, Mapped, ReadError};
+use crate::unit_space::UnitSpace;
+
+/// Why a queue has no usable length table.
+#[derive(Debug, thiserror::Error)]
+pub enum StoredTableError {
+    /// It was not kept or cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// More or fewer cells than any table has.
+    #[error("{bits} address bits, expected {TABLE_BITS_MIN} to {TABLE_BITS_MAX}")]
+    Bits {
+        /// What the header says.
+        bits: u32,
+    },
+    /// The header does not say how a ray finds its cell.
+    #[error("'{layout}' is no layout by which a ray finds its cell in the length table")]
+    Layout {
+        /// What the header says.
+        layout: String,
+    },
+    /// The cells are not a table.
+    #[error(transparent)]
+    Table(#[from] LengthTableError),
+}
+
+/// What gives a ray's cell in the length tables of a recording, if the header says so.
+pub fn cell_encoder(header: &Header) -> Option<Encoder> {
+    let (options, scene) = (&header.options, &header.scene);
+    if !(TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&options.table_bits) {
+        return None;
+    }
+    let layout = LayoutText::parse(&options.table_layout).ok()?.expand(1).ok()?;
+    let fits = !layout.uses(|coordinate| coordinate.needs_light() || coordinate.needs_length());
+    let unit = UnitSpace::from_bounds(scene.bounds_min, scene.bounds_max);
+    fits.then(|| Encoder::new(&layout, options.table_bits, unit, &[]))
+}
+
+/// The length table of stored cells.
+///
+/// # Errors
+/// If they are none.
+pub fn from_cells(header: &Header, cells: &[LengthCell]) -> Result<LengthTable, StoredTableError> {
+    let bits = header.options.table_bits;
+    if !(TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&bits) {
+        return Err(StoredTableError::Bits { bits });
+    }
+    Ok(LengthTable::from_touched(bits, cells)?)
+}
+
+/// The length table that the methods of a queue read.
+#[derive(Debug)]
+pub struct StoredTable {
+    encoder: Encoder,
+    table: LengthTable,
+    touched: usize,
+}
+
+impl StoredTable {
+    /// Reads the table of a queue. Memory: 12 bytes a cell, touched or not.
+    ///
+    /// # Errors
+    /// If it was not kept, cannot be read, or is damaged.
+    pub fn open(dump: &Dump, queue: QueueId) -> Result<Self, StoredTableError> {
+        let header = &dump.manifest().header;
+        let cells: Mapped<LengthCell> = dump.array(&Place::Queue(queue, QueueArray::Lengths))?;
+        let table = from_cells(header, &cells)?;
+        let layout = || StoredTableError::Layout { layout: header.options.table_layout.clone() };
+        Ok(Self { encoder: cell_encoder(header).ok_or_else(layout)?, table, touched: cells.len() })
+    }
+
+    /// Mean length of a ray's cell, unit lengths: what two-point-adaptive takes the ray's length for.
+    pub fn mean(&self, ray: &Ray) -> f32 {
+        self.table.mean(self.encoder.encode(ray, 0.0, 0) as u32)
+    }
+
+    /// Cells that a ray was added to.
+    pub fn touched(&self) -> u64 {
+        self.touched as u64
+    }
+
+    /// All cells.
+    pub fn cells(&self) -> u64 {
+        1 << self.table.bits()
+    }
+}

@@ -1,0 +1,96 @@
+//! Traced lengths: the rays of a queue and what came of them (KEYS, "Traced length").
+
+use crate::manifest::{Place, QueueArray, QueueId};
+use crate::ray::{Hit, Kind, Ray};
+use crate::reader::{Dump, Mapped, ReadError};
+use crate::unit_space::UnitSpace;
+
+/// Why a queue has no traced lengths.
+#[derive(Debug, thiserror::Error)]
+pub enum TracedError {
+    /// Its rays, or their hits or distances, were not kept or cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// Arrays of one queue that do not belong together.
+    #[error("{queue} has {rays} rays and {results} results of them; `inspector verify` says what is wrong")]
+    Lengths {
+        /// The queue.
+        queue: QueueId,
+        /// Entries of its rays.
+        rays: usize,
+        /// Entries of its hits or distances.
+        results: usize,
+    },
+}
+
+/// The rays of a queue and what came of them, equally many, in canonical order.
+#[derive(Debug)]
+pub struct Traced {
+    unit: UnitSpace,
+    rays: Mapped<Ray>,
+    results: Results,
+}
+
+/// What came of a queue's rays.
+#[derive(Debug)]
+pub enum Results {
+    /// Of closest rays.
+    Hits(Mapped<Hit>),
+    /// Of shadow rays: world units to the occluder, `+inf` for none.
+    Distances(Mapped<f32>),
+}
+
+impl Results {
+    fn len(&self) -> usize {
+        match self {
+            Self::Hits(hits) => hits.len(),
+            Self::Distances(distances) => distances.len(),
+        }
+    }
+}
+
+impl Traced {
+    /// Maps the rays of a queue and their results, those of its source if the dump is a replay.
+    ///
+    /// # Errors
+    /// If either was not kept, cannot be read, or they do not belong together.
+    pub fn open(dump: &Dump, queue: QueueId) -> Result<Self, TracedError> {
+        let scene = &dump.manifest().header.scene;
+        let rays: Mapped<Ray> = dump.array(&Place::Queue(queue, QueueArray::Rays))?;
+        let results = match queue.kind {
+            Kind::Closest => Results::Hits(dump.array(&Place::Queue(queue, QueueArray::Hits))?),
+            Kind::Shadow => Results::Distances(dump.array(&Place::Queue(queue, QueueArray::Distances))?),
+        };
+        if results.len() != rays.len() {
+            return Err(TracedError::Lengths { queue, rays: rays.len(), results: results.len() });
+        }
+        Ok(Self { unit: UnitSpace::from_bounds(scene.bounds_min, scene.bounds_max), rays, results })
+    }
+
+    /// The map from the rays' world space to unit space.
+    pub fn unit(&self) -> &UnitSpace {
+        &self.unit
+    }
+
+    /// The rays, world space.
+    pub fn rays(&self) -> &[Ray] {
+        &self.rays
+    }
+
+    /// What came of them.
+    pub fn results(&self) -> &Results {
+        &self.results
+    }
+
+    /// Traced length of a ray in unit lengths.
+    ///
+    /// # Panics
+    /// If there is no such ray.
+    pub fn length(&self, index: usize) -> f32 {
+        let ray = &self.rays[index];
+        match &self.results {
+            Results::Hits(hits) => self.unit.closest_length(ray, &hits[index]),
+            Results::Distances(distances) => self.unit.shadow_length(ray, distances[index]),
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Whole recordings by the numbers of [`formats::metrics`]: nothing is drawn or printed here.
+//!
+//! - [`options`]: group width, threads, how deep to look
+//! - [`metric`]: a number, or why there is none
+//! - [`recording`], [`queue`], [`order`]: the numbers of one recording, queue and order
+//! - [`timing`]: times, speedups, bandwidths of an order's stages
+//! - [`coherence`]: capsules, direction spread and lane utilisation, streamed over mapped arrays
+//! - [`tables`]: fill of the length table, errors of estimated lengths
+//! - [`summary`], [`correlations`]: over all recordings
+//! - [`labels`]: what recordings are called beside each other
+//! - [`work`]: nodes and triangles of the recording's own kernel
+//! - [`picture`]: the image and what each pixel cost
+//!
+//! Arrays are mapped one queue at a time. Beyond the maps, memory is about 12 bytes for each ray of the
+//! largest queue and 16 for each of its groups, whatever the number of methods.
+
+pub mod coherence;
+pub mod correlations;
+pub mod labels;
+pub mod metric;
+pub mod options;
+pub mod order;
+pub mod picture;
+pub mod queue;
+pub mod recording;
+pub mod summary;
+pub mod tables;
+pub mod timing;
+pub mod work;
+
+use std::path::PathBuf;
+
+use formats::reader::{Dump, DumpState};
+use serde::Serialize;
+
+pub use correlations::CorrelationLine;
+pub use metric::Metric;
+pub use options::{Depth, GroupWidth, Options};
+pub use order::OrderAnalysis;
+pub use queue::QueueAnalysis;
+pub use recording::RecordingAnalysis;
+pub use summary::MethodSummary;
+
+/// What recordings come to.
+#[derive(Clone, Debug, Serialize)]
+pub struct Analysis {
+    /// Rays of a group.
+    pub group_width: usize,
+    /// The recordings, in the order in which they were given.
+    pub recordings: Vec<RecordingAnalysis>,
+    /// Per machine, rays and method: means over scenes and bounces.
+    pub summaries: Vec<MethodSummary>,
+    /// How capsule area and trace time go together.
+    pub correlations: Vec<CorrelationLine>,
+}
+
+/// Why recordings cannot be analysed.
+#[derive(Debug, thiserror::Error)]
+pub enum AnalysisError {
+    /// A recording without an end.
+    #[error(
+        "{} is not finished: wait until its recorder has ended, or make a recording of what a killed one left with `inspector recover`",
+        path.display()
+    )]
+    Unfinished {
+        /// The recording.
+        path: PathBuf,
+    },
+    /// Threads that cannot be had.
+    #[error("cannot start {threads} threads: {cause}")]
+    Threads {
+        /// How many were asked for.
+        threads: usize,
+        /// What the system said.
+        cause: rayon::ThreadPoolBuildError,
+    },
+}
+
+/// Analyses recordings, together. The results do not depend on the number of threads.
+///
+/// # Errors
+/// If a recording is not finished, or the threads cannot be had. Arrays that were not kept or cannot be
+/// read are no error: what needs them says so.
+pub fn analyse(dumps: &[Dump], options: &Options) -> Result<Analysis, AnalysisError> {
+    if let Some(dump) = dumps.iter().find(|dump| dump.state() == DumpState::Partial) {
+        return Err(AnalysisError::Unfinished { path: dump.root().to_owned() });
+    }
+    let Some(threads) = options.threads else { return Ok(analyse_finished(dumps, options)) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|cause| AnalysisError::Threads { threads, cause })?;
+    Ok(pool.install(|| analyse_finished(dumps, options)))
+}
+
+fn analyse_finished(dumps: &[Dump], options: &Options) -> Analysis {
+    let labels = labels::labels(dumps);
+    let recordings: Vec<RecordingAnalysis> =
+        dumps.iter().zip(labels).map(|(dump, label)| RecordingAnalysis::of(dump, label, options)).collect();
+    let summaries = summary::summaries(&recordings);
+    let correlations = correlations::correlations(&recordings);
+    Analysis { group_width: options.group_width.rays(), recordings, summaries, correlations }
+}

@@ -1,0 +1,200 @@
+//! The numbers of one order of one queue.
+
+use formats::key::Termination;
+use formats::key::method::UNSORTED;
+use formats::manifest::{CacheRecord, Manifest, MethodArray, MethodRecord, Place, QueueId};
+use formats::metrics::bandwidth::{KeyTraffic, Traffic};
+use formats::metrics::speedup::StageSamples;
+use formats::reader::Dump;
+use serde::Serialize;
+
+use super::Metric;
+use super::coherence::{Coherence, LaneUtilisation, Places, coherence, lanes};
+use super::options::{Depth, Options};
+use super::queue::QueueArrays;
+use super::timing::{Samples, SpeedupLine, StageTime, Time, stages};
+
+/// The numbers of one order of one queue.
+#[derive(Clone, Debug, Serialize)]
+pub struct OrderAnalysis {
+    /// The method, or `unsorted`.
+    pub method: String,
+    /// The method that it is a variant of; its own name if it is none.
+    pub base: String,
+    /// Bits of its keys; `null` for `unsorted`.
+    pub key_bits: Option<u32>,
+    /// Length that it assumes for all rays, unit lengths; `null` if it assumes none.
+    pub two_point_length: Option<f32>,
+    /// The stages that were timed.
+    pub stages: Vec<StageTime>,
+    /// All stages that tracing in this order takes; `null` where it was not timed.
+    pub total: Option<Time>,
+    /// Unsorted trace over trace in this order.
+    pub trace_speedup: Metric<SpeedupLine>,
+    /// Unsorted trace over all stages.
+    pub net_speedup: Metric<SpeedupLine>,
+    /// What the cache model says.
+    pub caches: Metric<CacheHits>,
+    /// How coherent its groups are.
+    pub coherence: Metric<Coherence>,
+    /// Lane utilisation, by width. A model.
+    pub lanes: Metric<Vec<LaneUtilisation>>,
+}
+
+/// Hit ratios of the cache model.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CacheHits {
+    /// Lines that were asked for.
+    pub accesses: u64,
+    /// Of these, the share found in the first level.
+    pub l1: f64,
+    /// Of the others, the share found in the second; 0 if there are no others.
+    pub l2: f64,
+    /// Share found in either.
+    pub either: f64,
+}
+
+impl From<&CacheRecord> for CacheHits {
+    fn from(record: &CacheRecord) -> Self {
+        let ratio = |part: u64, whole: u64| if whole == 0 { 0.0 } else { part as f64 / whole as f64 };
+        let beyond_l1 = record.accesses.saturating_sub(record.l1_hits);
+        Self {
+            accesses: record.accesses,
+            l1: ratio(record.l1_hits, record.accesses),
+            l2: ratio(record.l2_hits, beyond_l1),
+            either: ratio(record.l1_hits.saturating_add(record.l2_hits), record.accesses),
+        }
+    }
+}
+
+/// A queue and everything that its orders share.
+#[derive(Debug)]
+pub(super) struct Context<'a> {
+    pub(super) dump: &'a Dump,
+    pub(super) queue: QueueId,
+    pub(super) rays: u64,
+    pub(super) samples: &'a Samples<'a>,
+    pub(super) arrays: &'a QueueArrays,
+    pub(super) options: &'a Options,
+}
+
+impl<'a> Context<'a> {
+    fn manifest(&self) -> &'a Manifest {
+        self.dump.manifest()
+    }
+
+    /// The numbers of a method's order.
+    pub(super) fn order(&self, method: &'a str) -> OrderAnalysis {
+        let record = self.manifest().methods.iter().find(|record| record.name == method);
+        let traffic = Traffic {
+            kind: self.queue.kind,
+            order: record
+                .map(|record| KeyTraffic { key_bits: record.key_bits, termination: record.termination }),
+        };
+        let own = self.samples.get(self.queue, method);
+        let totals = own.map(StageSamples::totals).unwrap_or_default();
+        let places = self.places(method);
+        OrderAnalysis {
+            method: method.to_owned(),
+            base: record.map_or(method, |record| &record.base).to_owned(),
+            key_bits: record.map(|record| record.key_bits),
+            two_point_length: record
+                .filter(|record| record.termination == Termination::Fixed)
+                .map(|record| record.two_point_length),
+            stages: own.map_or(Vec::new(), |own| stages(own, &traffic, self.rays)),
+            total: Time::of(&totals, self.rays),
+            trace_speedup: self.speedup(method, record, own.map_or(&[], |own| &own.trace)),
+            net_speedup: self.speedup(method, record, &totals),
+            caches: self.caches(method),
+            coherence: self.coherence(&places),
+            lanes: self.lanes(&places),
+        }
+    }
+
+    fn speedup(&self, method: &str, record: Option<&MethodRecord>, samples: &[u64]) -> Metric<SpeedupLine> {
+        if method == UNSORTED {
+            return Metric::missing("unsorted rays are what others are compared with");
+        }
+        if record.is_some_and(|record| record.termination == Termination::Real) {
+            return Metric::missing(
+                "it must trace the rays before it can sort them: an upper bound, not a method",
+            );
+        }
+        let baseline = self.samples.get(self.queue, UNSORTED).map_or(&[][..], |unsorted| &unsorted.trace);
+        if baseline.is_empty() {
+            return Metric::missing("the trace of unsorted rays was not timed");
+        }
+        SpeedupLine::of(baseline, samples).ok_or("it was not timed").into()
+    }
+
+    fn caches(&self, method: &str) -> Metric<CacheHits> {
+        let is_order = |cache: &&CacheRecord| {
+            let queue = QueueId { pass: cache.pass, bounce: cache.bounce, kind: cache.kind };
+            queue == self.queue && cache.method == method
+        };
+        let record = self.manifest().caches.iter().find(is_order);
+        record.map(CacheHits::from).ok_or("the recorder did not run the cache model").into()
+    }
+
+    /// The places of a method's order; if it has none, why.
+    fn places(&self, method: &str) -> Result<Places, String> {
+        let rays = usize::try_from(self.rays).map_err(|error| error.to_string())?;
+        if self.options.depth == Depth::Manifest {
+            return Err(QueueArrays::NOT_READ.to_owned());
+        }
+        if method == UNSORTED {
+            return Ok(Places::Canonical(rays));
+        }
+        let place = Place::Method(self.queue, method.to_owned(), MethodArray::Permutation);
+        Places::sorted(self.dump.array(&place).map_err(|error| error.to_string())?, rays)
+    }
+
+    fn coherence(&self, places: &Result<Places, String>) -> Metric<Coherence> {
+        let of = |places: &Places| {
+            let (traced, lengths) = self.arrays.traced.as_ref().map_err(String::clone)?;
+            let width = self.options.group_width.rays();
+            coherence(traced, lengths, places, width).ok_or_else(|| "there are no rays".to_owned())
+        };
+        places.as_ref().map_err(String::clone).and_then(of).into()
+    }
+
+    fn lanes(&self, places: &Result<Places, String>) -> Metric<Vec<LaneUtilisation>> {
+        let of = |places: &Places| {
+            let work = self.arrays.work.as_ref().map_err(String::clone)?;
+            Some(lanes(work, places))
+                .filter(|lanes| !lanes.is_empty())
+                .ok_or_else(|| "no ray did any work".into())
+        };
+        places.as_ref().map_err(String::clone).and_then(of).into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use formats::ray::Kind;
+
+    use super::*;
+
+    #[test]
+    fn cache_ratios_by_hand() {
+        let mut record = CacheRecord {
+            pass: 0,
+            bounce: 0,
+            kind: Kind::Closest,
+            method: "aila".into(),
+            groups: 1,
+            rays: 64,
+            line_bytes: 128,
+            l1_bytes: 1,
+            l2_bytes: 2,
+            accesses: 1000,
+            l1_hits: 500,
+            l2_hits: 250,
+        };
+        let hits = CacheHits::from(&record);
+        assert_eq!((hits.l1, hits.l2, hits.either), (0.5, 0.5, 0.75));
+        record.l1_hits = 1000;
+        record.l2_hits = 0;
+        assert_eq!(CacheHits::from(&record).l2, 0.0);
+    }
+}

@@ -1,0 +1,65 @@
+//! The numbers of one recording.
+
+use std::path::PathBuf;
+
+use formats::manifest::{Adapter, Options as RecordingOptions};
+use formats::reader::Dump;
+use formats::summary::hexadecimal;
+use serde::Serialize;
+
+use super::labels;
+use super::options::Options;
+use super::queue::QueueAnalysis;
+use super::timing::Samples;
+
+/// The numbers of one recording.
+#[derive(Clone, Debug, Serialize)]
+pub struct RecordingAnalysis {
+    /// What it is called beside the others: its scene, and what tells it from others of that scene.
+    pub label: String,
+    /// Its folder.
+    pub root: PathBuf,
+    /// Name of the scene.
+    pub scene: String,
+    /// Hash of the scene's content, hexadecimal: only equal scenes can be compared.
+    pub content_hash: String,
+    /// Triangles of the scene.
+    pub triangles: u64,
+    /// What its times depend on besides scene and method: backend, adapter, kernel and threads.
+    pub configuration: String,
+    /// The machine.
+    pub adapter: Adapter,
+    /// What was asked for.
+    #[serde(skip)]
+    pub options: RecordingOptions,
+    /// What the times were taken with.
+    pub time_source: String,
+    /// Its queues, in the order in which they were traced.
+    pub queues: Vec<QueueAnalysis>,
+}
+
+impl RecordingAnalysis {
+    pub(super) fn of(dump: &Dump, label: String, options: &Options) -> Self {
+        let manifest = dump.manifest();
+        let header = &manifest.header;
+        let samples = Samples::of(manifest);
+        let queues = manifest.queues.iter().map(|queue| QueueAnalysis::of(dump, queue, &samples, options));
+        Self {
+            label,
+            root: dump.root().to_owned(),
+            scene: header.scene.name.clone(),
+            content_hash: hexadecimal(&header.scene.content_hash),
+            triangles: header.scene.triangles,
+            configuration: labels::configuration(header),
+            adapter: header.adapter.clone(),
+            options: header.options.clone(),
+            time_source: header.time_source.clone(),
+            queues: queues.collect(),
+        }
+    }
+
+    /// The queues in which methods were measured.
+    pub fn measured(&self) -> impl DoubleEndedIterator<Item = &QueueAnalysis> {
+        self.queues.iter().filter(|queue| !queue.orders.is_empty())
+    }
+}

@@ -1,0 +1,175 @@
+//! Per machine, rays and method: means over scenes and bounces.
+
+use formats::key::method::UNSORTED;
+use formats::metrics::speedup::geometric_mean;
+use formats::ray::Kind;
+use serde::Serialize;
+
+use super::timing::{SpeedupLine, Verdict};
+use super::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
+
+/// The rays that a mean is taken over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rays {
+    /// Closest rays of bounces ≥ 1.
+    Secondary,
+    /// Shadow rays of all bounces.
+    Shadow,
+}
+
+impl Rays {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Secondary, Self::Shadow];
+
+    /// Those of a queue; `None` for camera rays, which no mean is taken over.
+    pub fn of(queue: &QueueAnalysis) -> Option<Self> {
+        match (queue.kind, queue.bounce) {
+            (Kind::Closest, 0) => None,
+            (Kind::Closest, _) => Some(Self::Secondary),
+            (Kind::Shadow, _) => Some(Self::Shadow),
+        }
+    }
+
+    /// Name in tables and figures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Secondary => "secondary",
+            Self::Shadow => "shadow",
+        }
+    }
+}
+
+/// One method on one machine, over scenes and bounces.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MethodSummary {
+    /// Backend, adapter, kernel and threads: times of different ones have no common mean.
+    pub configuration: String,
+    /// The rays.
+    pub rays: Rays,
+    /// The method.
+    pub method: String,
+    /// Queues in which it was measured.
+    pub queues: usize,
+    /// Speedup of the trace alone.
+    pub trace_speedup: Metric<MeanSpeedup>,
+    /// Speedup with all that sorting costs.
+    pub net_speedup: Metric<MeanSpeedup>,
+    /// Geometric mean of mean capsule areas over those of unsorted rays.
+    pub capsule_area_ratio: Metric<f64>,
+}
+
+/// Speedups of one method over scenes and bounces.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MeanSpeedup {
+    /// Geometric mean.
+    pub mean: f64,
+    /// Smallest.
+    pub lowest: f64,
+    /// Largest.
+    pub highest: f64,
+    /// Queues.
+    pub n: usize,
+    /// Queues that are faster, by their interval.
+    pub faster: usize,
+    /// Queues that are slower, by their interval.
+    pub slower: usize,
+}
+
+impl MeanSpeedup {
+    /// Of the speedups of some queues; `None` for none.
+    pub fn of<'a>(speedups: impl IntoIterator<Item = &'a SpeedupLine>) -> Option<Self> {
+        let speedups: Vec<&SpeedupLine> = speedups.into_iter().collect();
+        let ratios = || speedups.iter().map(|speedup| speedup.ratio);
+        let with = |verdict| speedups.iter().filter(|speedup| speedup.verdict == verdict).count();
+        Some(Self {
+            mean: geometric_mean(ratios())?,
+            lowest: ratios().fold(f64::INFINITY, f64::min),
+            highest: ratios().fold(f64::NEG_INFINITY, f64::max),
+            n: speedups.len(),
+            faster: with(Verdict::Faster),
+            slower: with(Verdict::Slower),
+        })
+    }
+}
+
+/// Every machine, kind of rays and method, in the order in which they come up.
+pub fn summaries(recordings: &[RecordingAnalysis]) -> Vec<MethodSummary> {
+    let mut summaries = Vec::new();
+    for configuration in distinct(recordings.iter().map(|recording| recording.configuration.as_str())) {
+        let same = || recordings.iter().filter(|recording| recording.configuration == configuration);
+        for rays in Rays::ALL {
+            let queues: Vec<&QueueAnalysis> = same()
+                .flat_map(RecordingAnalysis::measured)
+                .filter(|queue| Rays::of(queue) == Some(rays))
+                .collect();
+            let methods = queues.iter().flat_map(|queue| &queue.orders).map(|order| order.method.as_str());
+            for method in distinct(methods.filter(|method| *method != UNSORTED)) {
+                summaries.push(summary(configuration, rays, method, &queues));
+            }
+        }
+    }
+    summaries
+}
+
+fn summary(configuration: &str, rays: Rays, method: &str, queues: &[&QueueAnalysis]) -> MethodSummary {
+    let of_queue = |queue: &&&QueueAnalysis| queue.orders.iter().any(|order| order.method == method);
+    let with_method: Vec<&&QueueAnalysis> = queues.iter().filter(of_queue).collect();
+    let orders = || with_method.iter().flat_map(|queue| &queue.orders).filter(|order| order.method == method);
+    let speedup = |of: fn(&OrderAnalysis) -> &Metric<SpeedupLine>| {
+        let mean = MeanSpeedup::of(orders().filter_map(|order| of(order).known()));
+        let reason =
+            || orders().find_map(|order| of(order).reason()).unwrap_or("it was not timed").to_owned();
+        Metric::from(mean.ok_or_else(reason))
+    };
+    let area = |order: &OrderAnalysis| order.coherence.known().map(|coherence| coherence.mean_capsule_area);
+    let area_ratio = |queue: &&&QueueAnalysis| {
+        let own = queue.orders.iter().find(|order| order.method == method)?;
+        Some(area(own)? / area(queue.unsorted()?)?)
+    };
+    let no_area = || {
+        let own = orders().find_map(|order| order.coherence.reason());
+        own.unwrap_or("the capsules of unsorted rays are not known").to_owned()
+    };
+    MethodSummary {
+        configuration: configuration.to_owned(),
+        rays,
+        method: method.to_owned(),
+        queues: with_method.len(),
+        trace_speedup: speedup(|order| &order.trace_speedup),
+        net_speedup: speedup(|order| &order.net_speedup),
+        capsule_area_ratio: geometric_mean(with_method.iter().filter_map(area_ratio))
+            .ok_or_else(no_area)
+            .into(),
+    }
+}
+
+/// Each name once, in the order in which they first come up.
+pub fn distinct<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut found: Vec<&str> = Vec::new();
+    for name in names {
+        if !found.contains(&name) {
+            found.push(name);
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_are_geometric_and_count_verdicts() {
+        let line = |ratio, verdict| SpeedupLine { ratio, interval: None, verdict, n: 3 };
+        let lines = [
+            line(2.0, Verdict::Faster),
+            line(0.5, Verdict::Slower),
+            line(8.0, Verdict::NoSignificantDifference),
+        ];
+        let mean = MeanSpeedup::of(&lines).unwrap();
+        assert!((mean.mean - 2.0).abs() < 1e-12);
+        assert_eq!((mean.lowest, mean.highest, mean.n, mean.faster, mean.slower), (0.5, 8.0, 3, 1, 1));
+        assert_eq!(MeanSpeedup::of(&[]), None);
+    }
+}

@@ -1,0 +1,165 @@
+//! Times of an order's stages, and what follows from them: rates, speedups, bandwidths.
+
+use std::collections::BTreeMap;
+
+use formats::manifest::{Manifest, QueueId, Stage, TimingRecord};
+use formats::metrics::bandwidth::{Traffic, bytes_per_second};
+use formats::metrics::speedup::{Speedup, StageSamples, median, quantile};
+use serde::Serialize;
+
+/// Samples of one time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Time {
+    /// Median in nanoseconds.
+    pub median_ns: f64,
+    /// First and third quartile.
+    pub quartiles_ns: (f64, f64),
+    /// Every sample, as it was taken.
+    pub samples_ns: Vec<u64>,
+    /// Million rays a second, by the median.
+    pub mrays_per_second: f64,
+}
+
+impl Time {
+    /// Of samples of the time that `rays` rays took; `None` for no samples.
+    pub fn of(samples_ns: &[u64], rays: u64) -> Option<Self> {
+        let median_ns = median(samples_ns)?;
+        Some(Self {
+            median_ns,
+            quartiles_ns: (quantile(samples_ns, 0.25)?, quantile(samples_ns, 0.75)?),
+            samples_ns: samples_ns.to_vec(),
+            mrays_per_second: rays as f64 / median_ns.max(f64::MIN_POSITIVE) * 1e3,
+        })
+    }
+}
+
+/// One stage of an order.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StageTime {
+    /// The stage.
+    pub stage: Stage,
+    /// How long it took.
+    #[serde(flatten)]
+    pub time: Time,
+    /// Bytes per ray that it must read and write, a lower bound; `null` if that depends on the scene.
+    pub bytes_per_ray: Option<u64>,
+    /// These bytes over the median time.
+    pub bytes_per_second: Option<f64>,
+}
+
+/// What a speedup says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// All of the interval is above 1.
+    Faster,
+    /// All of it is below 1.
+    Slower,
+    /// The interval contains 1.
+    NoSignificantDifference,
+    /// There are too few samples for an interval.
+    Unknown,
+}
+
+/// A speedup over the trace of unsorted rays.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SpeedupLine {
+    /// Median of the baseline over median of the method.
+    pub ratio: f64,
+    /// 95 % bootstrap interval; `null` with fewer than two samples.
+    pub interval: Option<(f64, f64)>,
+    /// What it says.
+    pub verdict: Verdict,
+    /// Samples of the method.
+    pub n: usize,
+}
+
+impl SpeedupLine {
+    /// Of `method` over `baseline`; `None` if either has no samples.
+    pub fn of(baseline: &[u64], method: &[u64]) -> Option<Self> {
+        let Speedup { ratio, interval } = Speedup::of(baseline, method)?;
+        let verdict = match interval {
+            None => Verdict::Unknown,
+            Some((low, _)) if low > 1.0 => Verdict::Faster,
+            Some((_, high)) if high < 1.0 => Verdict::Slower,
+            Some(_) => Verdict::NoSignificantDifference,
+        };
+        Some(Self { ratio, interval, verdict, n: method.len() })
+    }
+}
+
+/// The samples of a recording, by queue and method.
+#[derive(Debug, Default)]
+pub struct Samples<'a>(BTreeMap<(QueueId, &'a str), StageSamples>);
+
+impl<'a> Samples<'a> {
+    /// All that a manifest has. Stages that serve both kinds belong to no order and are left out.
+    pub fn of(manifest: &'a Manifest) -> Self {
+        let mut samples: BTreeMap<_, StageSamples> = BTreeMap::new();
+        for TimingRecord { pass, bounce, kind, method, stage, samples_ns } in &manifest.timings {
+            let Some(kind) = *kind else { continue };
+            let queue = QueueId { pass: *pass, bounce: *bounce, kind };
+            let stages = samples.entry((queue, method.as_str())).or_default();
+            if let Some(stage) = samples_of(stages, *stage) {
+                stage.extend(samples_ns);
+            }
+        }
+        Self(samples)
+    }
+
+    /// Those of one order.
+    pub fn get(&self, queue: QueueId, method: &'a str) -> Option<&StageSamples> {
+        self.0.get(&(queue, method))
+    }
+}
+
+/// The stages of an order, in the order in which they run.
+pub const STAGES: [Stage; 6] =
+    [Stage::Key, Stage::Sort, Stage::Gather, Stage::Trace, Stage::TraceIndirect, Stage::Accumulate];
+
+fn samples_of(samples: &mut StageSamples, stage: Stage) -> Option<&mut Vec<u64>> {
+    match stage {
+        Stage::Key => Some(&mut samples.key),
+        Stage::Sort => Some(&mut samples.sort),
+        Stage::Gather => Some(&mut samples.gather),
+        Stage::Trace => Some(&mut samples.trace),
+        Stage::TraceIndirect => Some(&mut samples.trace_indirect),
+        Stage::Accumulate => Some(&mut samples.accumulate),
+        Stage::Generate | Stage::Shade => None,
+    }
+}
+
+/// The times of an order's stages, those that were taken.
+pub fn stages(samples: &StageSamples, traffic: &Traffic, rays: u64) -> Vec<StageTime> {
+    let mut samples = samples.clone();
+    let mut of = |stage: Stage| {
+        let time = Time::of(samples_of(&mut samples, stage)?, rays)?;
+        let bytes_per_ray = traffic.bytes_per_ray(stage);
+        let bytes_per_second = bytes_per_ray.and_then(|bytes| bytes_per_second(bytes * rays, time.median_ns));
+        Some(StageTime { stage, time, bytes_per_ray, bytes_per_second })
+    };
+    STAGES.into_iter().filter_map(&mut of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verdicts_follow_the_interval() {
+        let verdict = |baseline: &[u64], method: &[u64]| SpeedupLine::of(baseline, method).unwrap().verdict;
+        assert_eq!(verdict(&[200, 201, 199], &[100, 101, 99]), Verdict::Faster);
+        assert_eq!(verdict(&[100, 101, 99], &[200, 201, 199]), Verdict::Slower);
+        assert_eq!(verdict(&[90, 110, 100], &[92, 108, 101]), Verdict::NoSignificantDifference);
+        assert_eq!(verdict(&[90], &[92]), Verdict::Unknown);
+        assert_eq!(SpeedupLine::of(&[], &[1]), None);
+    }
+
+    #[test]
+    fn rates_are_rays_over_medians() {
+        let time = Time::of(&[2_000, 1_000, 3_000], 4_000).unwrap();
+        assert_eq!((time.median_ns, time.quartiles_ns), (2_000.0, (1_500.0, 2_500.0)));
+        assert_eq!(time.mrays_per_second, 2_000.0);
+        assert_eq!(Time::of(&[], 1), None);
+    }
+}

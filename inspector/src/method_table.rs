@@ -1,0 +1,159 @@
+//! Analyses as text: methods beside each other, and what is missing for it.
+
+use formats::metrics::correlation::Correlation;
+
+use crate::analysis::summary::{MeanSpeedup, Rays};
+use crate::analysis::{Analysis, CorrelationLine, MethodSummary, Metric, OrderAnalysis, QueueAnalysis};
+use crate::output::{counted, table};
+
+/// One line per kind of rays and method: geometric means over the bounces.
+pub(crate) fn methods(analysis: &Analysis) -> String {
+    if analysis.summaries.is_empty() {
+        return "No method was measured on secondary or shadow rays.".to_owned();
+    }
+    let has_areas = analysis.summaries.iter().any(|summary| summary.capsule_area_ratio.known().is_some());
+    let mut header = vec!["rays", "method", "bounces", "trace speedup", "net speedup"];
+    header.extend(has_areas.then_some("capsule area"));
+    let mut table = table(&header, 2);
+    for summary in &analysis.summaries {
+        let mut row = vec![
+            summary.rays.name().to_owned(),
+            summary.method.clone(),
+            summary.queues.to_string(),
+            speedup(&summary.trace_speedup),
+            speedup(&summary.net_speedup),
+        ];
+        let ratio = summary.capsule_area_ratio.known();
+        row.extend(has_areas.then(|| ratio.map_or("–".to_owned(), |ratio| format!("{ratio:.3}×"))));
+        table.add_row(row);
+    }
+    let mut lines = vec![
+        "Methods: geometric means over bounces (lowest to highest) against unsorted rays".to_owned(),
+        table.to_string(),
+    ];
+    lines.extend(Rays::ALL.into_iter().filter_map(|rays| significance(&analysis.summaries, rays)));
+    lines.join("\n")
+}
+
+fn speedup(speedup: &Metric<MeanSpeedup>) -> String {
+    match speedup.known() {
+        None => "–".to_owned(),
+        Some(MeanSpeedup { mean, n: 1, .. }) => format!("{mean:.2}×"),
+        Some(MeanSpeedup { mean, lowest, highest, .. }) => {
+            format!("{mean:.2}× ({lowest:.2} to {highest:.2})")
+        }
+    }
+}
+
+/// How many of the net speedups mean anything.
+fn significance(summaries: &[MethodSummary], rays: Rays) -> Option<String> {
+    let known = || {
+        summaries
+            .iter()
+            .filter(|summary| summary.rays == rays)
+            .filter_map(|summary| summary.net_speedup.known())
+    };
+    let total: usize = known().map(|mean| mean.n).sum();
+    let faster: usize = known().map(|mean| mean.faster).sum();
+    let slower: usize = known().map(|mean| mean.slower).sum();
+    (total > 0).then(|| {
+        format!(
+            "{} rays, with all costs: {} measured, {faster} faster, {slower} slower, {} with no significant difference",
+            rays.name(),
+            counted(total as u64, "order", "orders"),
+            total - faster - slower
+        )
+    })
+}
+
+/// What the arrays say: coherence of each order, length tables, correlations, and what is not known.
+pub(crate) fn arrays(analysis: &Analysis) -> String {
+    let parts = [orders(analysis), tables(analysis), correlations(analysis), reasons(analysis)];
+    parts.into_iter().flatten().collect::<Vec<_>>().join("\n\n")
+}
+
+fn orders(analysis: &Analysis) -> Option<String> {
+    let header =
+        ["kind", "method", "bounce", "capsule area", "direction spread", "lanes of 8", "of 32", "of 64"];
+    let mut table = table(&header, 2);
+    let mut is_known = false;
+    for queue in analysis.recordings.iter().flat_map(|recording| recording.measured()) {
+        for order in &queue.orders {
+            let coherence = order.coherence.known();
+            let lanes = order.lanes.known().map_or(&[][..], |lanes| lanes);
+            is_known |= coherence.is_some() || !lanes.is_empty();
+            let mut row = vec![queue.kind.to_string(), order.method.clone(), queue.bounce.to_string()];
+            row.push(coherence.map_or("–".into(), |found| format!("{:.6}", found.mean_capsule_area)));
+            row.push(coherence.map_or("–".into(), |found| format!("{:.4}", found.mean_direction_spread)));
+            let lane = |at: usize| lanes.get(at).map_or("–".into(), |lane| percent(lane.utilisation));
+            row.extend([lane(0), lane(1), lane(2)]);
+            table.add_row(row);
+        }
+    }
+    is_known.then(|| {
+        format!(
+            "Coherence: means over groups of {} rays, weighted by rays, in unit space; lane utilisation is a model\n{table}",
+            analysis.group_width
+        )
+    })
+}
+
+fn tables(analysis: &Analysis) -> Option<String> {
+    let header = ["kind", "pass", "bounce", "table fill", "error of table", "error of constant"];
+    let mut table = table(&header, 1);
+    let known = |queue: &&QueueAnalysis| queue.table.known().is_some() || queue.estimators.known().is_some();
+    let queues = analysis.recordings.iter().flat_map(|recording| &recording.queues);
+    for queue in queues.filter(known) {
+        let fill = queue.table.known().map_or("–".into(), |fill| format!("{:.2} %", fill.fill * 100.0));
+        let error = queue.estimators.known();
+        table.add_row([
+            queue.kind.to_string(),
+            queue.pass.to_string(),
+            queue.bounce.to_string(),
+            fill,
+            error.map_or("–".into(), |error| format!("{:.4}", error.table.mean_absolute)),
+            error.map_or("–".into(), |error| format!("{:.4}", error.constant.mean_absolute)),
+        ]);
+    }
+    let is_known = table.row_count() > 0;
+    is_known.then(|| format!("Estimated lengths: mean |estimate − traced length| in unit lengths\n{table}"))
+}
+
+fn correlations(analysis: &Analysis) -> Option<String> {
+    let line = |line: &CorrelationLine| {
+        let kind = line.kind.map_or("all rays".to_owned(), |kind| format!("{kind} rays"));
+        let Correlation { pearson, spearman, n } = line.correlation.known()?;
+        Some(format!("{}, {kind}: Pearson {pearson:.2}, Spearman {spearman:.2}, n = {n}", line.of))
+    };
+    let lines: Vec<String> = analysis.correlations.iter().filter_map(line).collect();
+    (!lines.is_empty())
+        .then(|| format!("Mean capsule area with trace time per ray, over orders\n{}", lines.join("\n")))
+}
+
+/// Why numbers are missing: for each kind of number the first reason, and how many queues lack it.
+fn reasons(analysis: &Analysis) -> Option<String> {
+    let queues = || analysis.recordings.iter().flat_map(|recording| recording.measured());
+    let of_order = |of: fn(&OrderAnalysis) -> Option<&str>| -> Vec<&str> {
+        queues().filter_map(|queue| queue.orders.iter().find_map(of)).collect()
+    };
+    let of_queue =
+        |of: fn(&QueueAnalysis) -> Option<&str>| -> Vec<&str> { queues().filter_map(of).collect() };
+    let missing = [
+        ("capsules and direction spread", of_order(|order| order.coherence.reason())),
+        ("lane utilisation", of_order(|order| order.lanes.reason())),
+        ("fill of the length table", of_queue(|queue| queue.table.reason())),
+        ("estimated lengths", of_queue(|queue| queue.estimators.reason())),
+    ];
+    let lines = missing.iter().filter_map(|(what, reasons)| {
+        let queues = counted(reasons.len() as u64, "queue", "queues");
+        Some(format!("{what}: not known in {queues}: {}", reasons.first()?))
+    });
+    let lines: Vec<String> = lines.collect();
+    (!lines.is_empty()).then(|| {
+        format!("{}\nWhat a recording holds is said with `recorder record --keep`.", lines.join("\n"))
+    })
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", share * 100.0)
+}

@@ -1,0 +1,228 @@
+//! The analysis of a small recording against brute force, and what it says where arrays are missing.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::path::Path;
+use std::process::Command;
+
+use formats::manifest::{End, MethodArray, Outcome, Place, QueueArray, QueueRecord, Source, Stage};
+use formats::metrics::capsule::{Capsule, Segment};
+use formats::metrics::speedup::median;
+use formats::ray::{Kind, Ray, Work};
+use formats::reader::{Dump, Mapped};
+use formats::traced::Traced;
+use formats::writer::DumpWriter;
+use inspector::analysis::timing::Verdict;
+use inspector::analysis::{Analysis, Depth, GroupWidth, Options, analyse};
+
+#[path = "../../formats/tests/sample/mod.rs"]
+mod sample;
+
+fn analysed(dumps: &[Dump], group_width: GroupWidth, threads: usize) -> Analysis {
+    let options = Options { group_width, threads: Some(threads), depth: Depth::Arrays };
+    analyse(dumps, &options).unwrap()
+}
+
+fn json(analysis: &Analysis) -> String {
+    serde_json::to_string(analysis).unwrap()
+}
+
+fn assert_close(found: f64, expected: f64, what: &str) {
+    assert!((found - expected).abs() <= 1e-9 * expected.abs(), "{what}: {found}, expected {expected}");
+}
+
+/// Canonical indices of an order, read without the analysis.
+fn order(dump: &Dump, place: impl Fn(MethodArray) -> Place, method: &str, rays: usize) -> Vec<usize> {
+    if method == "unsorted" {
+        return (0..rays).collect();
+    }
+    let permutation: Mapped<u32> = dump.array(&place(MethodArray::Permutation)).unwrap();
+    permutation.iter().map(|&ray| ray as usize).collect()
+}
+
+#[test]
+fn coherence_and_lanes_are_those_of_brute_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = Dump::open(&sample::write(folder.path())).unwrap();
+    for width in [GroupWidth::Rays32, GroupWidth::Rays64, GroupWidth::Rays128] {
+        let analysis = analysed(std::slice::from_ref(&dump), width, 2);
+        let recording = &analysis.recordings[0];
+        let mut compared = 0;
+        for (queue, record) in recording.queues.iter().zip(&dump.manifest().queues) {
+            let traced = Traced::open(&dump, record.id).unwrap();
+            let rays: Mapped<Ray> = dump.array(&Place::Queue(record.id, QueueArray::Rays)).unwrap();
+            let work: Mapped<Work> = dump.array(&Place::Queue(record.id, QueueArray::Work)).unwrap();
+            for found in &queue.orders {
+                let place = |array| Place::Method(record.id, found.method.clone(), array);
+                let order = order(&dump, place, &found.method, rays.len());
+                let (mut area, mut spread) = (0.0, 0.0);
+                for group in order.chunks(width.rays()) {
+                    let segment = |&ray: &usize| Segment::of(traced.unit(), &rays[ray], traced.length(ray));
+                    let segments: Vec<Segment> = group.iter().map(segment).collect();
+                    let sum = [0, 1, 2]
+                        .map(|k| group.iter().map(|&ray| f64::from(rays[ray].direction[k])).sum::<f64>());
+                    area += Capsule::around(&segments).unwrap().area() * group.len() as f64;
+                    spread += group.len() as f64 - sum.iter().map(|along| along * along).sum::<f64>().sqrt();
+                }
+                let coherence = found.coherence.known().unwrap();
+                assert_close(coherence.mean_capsule_area, area / rays.len() as f64, &found.method);
+                assert_close(coherence.mean_direction_spread, spread / rays.len() as f64, &found.method);
+                assert!(coherence.area_quantiles.is_sorted() && coherence.area_quantiles.len() == 101);
+                for lanes in found.lanes.known().unwrap() {
+                    let work_at = |&ray: &usize| f64::from(work[ray].nodes + work[ray].triangles);
+                    let slowest: f64 = order
+                        .chunks(lanes.width)
+                        .map(|group| group.iter().map(work_at).fold(0.0, f64::max))
+                        .sum();
+                    let all: f64 = order.iter().map(work_at).sum();
+                    assert_close(lanes.utilisation, all / (slowest * lanes.width as f64), &found.method);
+                }
+                compared += 1;
+            }
+        }
+        assert_eq!(compared, 2 * 6 + 2 * 7, "orders of the measured pass");
+    }
+}
+
+#[test]
+fn results_do_not_depend_on_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let dumps = [Dump::open(&sample::write(folder.path())).unwrap()];
+    let one = json(&analysed(&dumps, GroupWidth::Rays64, 1));
+    assert_eq!(one, json(&analysed(&dumps, GroupWidth::Rays64, 3)));
+}
+
+#[test]
+fn speedups_rates_and_bandwidths_follow_from_the_samples() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = Dump::open(&sample::write(folder.path())).unwrap();
+    let analysis = analyse(std::slice::from_ref(&dump), &Options::default()).unwrap();
+    let queue = analysis.recordings[0].measured().find(|queue| queue.bounce == 1).unwrap();
+    let samples = |method: &str, stage: Stage| {
+        let of = |timing: &&formats::manifest::TimingRecord| {
+            timing.method == method
+                && timing.stage == stage
+                && timing.bounce == 1
+                && timing.kind == Some(queue.kind)
+        };
+        median(&dump.manifest().timings.iter().find(of).unwrap().samples_ns).unwrap()
+    };
+    let own = |method: &str| queue.orders.iter().find(|order| order.method == method).unwrap();
+    let trace = own("aila").trace_speedup.known().unwrap();
+    assert_close(trace.ratio, samples("unsorted", Stage::Trace) / samples("aila", Stage::Trace), "trace");
+    assert_eq!(trace.verdict, Verdict::Faster);
+    assert!(own("unsorted").trace_speedup.reason().is_some());
+    assert!(own("two-point-real").net_speedup.reason().unwrap().contains("upper bound"));
+    assert!(own("aila").coherence.reason().unwrap().contains("not read"));
+    let sort = own("aila").stages.iter().find(|stage| stage.stage == Stage::Sort).unwrap();
+    assert_eq!(sort.bytes_per_ray, Some(2 * 20), "16-bit keys");
+    let expected = 40.0 * queue.rays as f64 / samples("aila", Stage::Sort) * 1e9;
+    assert_close(sort.bytes_per_second.unwrap(), expected, "bandwidth");
+    let hits = own("aila").caches.known().unwrap();
+    assert_eq!((hits.l1, hits.accesses), (0.7, 1000));
+}
+
+#[test]
+fn what_was_not_kept_is_said_and_does_not_fail() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = sample::write(folder.path());
+    std::fs::remove_file(path.join("pass-001/bounce-01/closest/hits.npy")).unwrap();
+    std::fs::remove_file(path.join("pass-001/bounce-01/shadow/work.npy")).unwrap();
+    let analysis = analysed(&[Dump::open(&path).unwrap()], GroupWidth::Rays64, 1);
+    let last = analysis.recordings[0].measured().filter(|queue| queue.bounce == 1);
+    let [closest, shadow] = last.collect::<Vec<_>>()[..] else { panic!("two kinds") };
+    assert!(closest.orders[0].coherence.reason().unwrap().contains("hits.npy"));
+    assert!(closest.orders[0].lanes.known().is_some() && closest.table.known().is_some());
+    assert!(closest.estimators.reason().unwrap().contains("hits.npy"));
+    assert!(shadow.orders[0].lanes.reason().unwrap().contains("work.npy"));
+    assert!(shadow.orders[0].coherence.known().is_some());
+}
+
+/// A replay without arrays but its permutations: rays and results are its source's, and so is the work if
+/// the kernel is the same.
+#[test]
+fn a_replay_is_analysed_with_the_arrays_of_its_source() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = Dump::open(&sample::write(folder.path())).unwrap();
+    let record = source.manifest().queues.iter().rfind(|queue| queue.id.kind == Kind::Closest).unwrap();
+    let mut dumps = vec![Dump::open(source.root()).unwrap()];
+    for kernel in ["bvh2", "cwbvh"] {
+        let mut header = sample::header();
+        let manifest_sha256 = source.manifest_sha256().unwrap();
+        header.source = Source::Replayed { name: "sample.raydump".into(), manifest_sha256 };
+        header.options.trace_kernel = kernel.into();
+        let writer = DumpWriter::create(&folder.path().join(kernel), header, false).unwrap();
+        writer.method(source.manifest().methods[0].clone()).unwrap();
+        let place = Place::Method(record.id, "aila".into(), MethodArray::Permutation);
+        let permutation: Mapped<u32> = source.array(&place).unwrap();
+        writer.whole_array(&place, &[record.rays], &permutation[..]).unwrap();
+        let methods = vec!["unsorted".to_owned(), "aila".to_owned()];
+        let mismatches = Vec::new();
+        writer.queue(QueueRecord { id: record.id, rays: record.rays, methods, mismatches }).unwrap();
+        let end = End { outcome: Outcome::Complete, image: None, wall_ns: 1 };
+        dumps.push(Dump::open(&writer.finish(end).unwrap()).unwrap());
+    }
+    let analysis = analysed(&dumps, GroupWidth::Rays64, 1);
+    let aila = |recording: usize| {
+        let queue =
+            analysis.recordings[recording].measured().rfind(|queue| queue.kind == Kind::Closest).unwrap();
+        queue.orders.iter().find(|order| order.method == "aila").unwrap()
+    };
+    assert_eq!(aila(1).coherence, aila(0).coherence);
+    assert_eq!((&aila(2).coherence, &aila(1).lanes), (&aila(0).coherence, &aila(0).lanes));
+    assert!(aila(2).lanes.reason().unwrap().contains("another kernel"));
+    let labels: Vec<&str> = analysis.recordings.iter().map(|recording| recording.label.as_str()).collect();
+    assert_eq!(labels, ["open box", "open box (replay bvh2)", "open box (replay cwbvh)"]);
+}
+
+/// A permutation whose last place names a ray that does not exist is a reason, not a panic.
+#[test]
+fn a_broken_permutation_is_a_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = sample::write(folder.path());
+    let file = path.join("pass-001/bounce-00/closest/aila/permutation.npy");
+    let mut bytes = std::fs::read(&file).unwrap();
+    let end = bytes.len();
+    bytes[end - 4..].fill(0xff);
+    std::fs::write(&file, bytes).unwrap();
+    let analysis = analysed(&[Dump::open(&path).unwrap()], GroupWidth::Rays64, 1);
+    let queue = analysis.recordings[0].measured().next().unwrap();
+    let aila = queue.orders.iter().find(|order| order.method == "aila").unwrap();
+    assert!(aila.coherence.reason().unwrap().contains("4294967295 of 192"), "{:?}", aila.coherence);
+}
+
+#[test]
+fn an_unfinished_recording_is_refused_with_a_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = sample::write(folder.path());
+    let partial = folder.path().join("sample.raydump.partial");
+    std::fs::rename(&path, &partial).unwrap();
+    let manifest = partial.join("manifest.bin");
+    let bytes = std::fs::read(&manifest).unwrap();
+    std::fs::write(&manifest, &bytes[..bytes.len() - 1]).unwrap();
+    let message = analyse(&[Dump::open(&partial).unwrap()], &Options::default()).unwrap_err().to_string();
+    assert!(message.contains("not finished") && message.contains("inspector recover"), "{message}");
+}
+
+#[test]
+fn info_shows_means_and_with_metrics_the_arrays() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = sample::write(folder.path());
+    let info = |path: &Path, options: &[&str]| {
+        let inspector = env!("CARGO_BIN_EXE_inspector");
+        let output = Command::new(inspector).arg("info").arg(path).args(options).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let text = info(&path, &[]);
+    assert!(text.contains("Methods: geometric means") && !text.contains("capsule area"), "{text}");
+    let text = info(&path, &["--metrics", "--threads", "1"]);
+    for part in ["capsule area", "direction spread", "table fill", "Pearson", "lanes of 8"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let value: serde_json::Value = serde_json::from_str(&info(&path, &["--json"])).unwrap();
+    assert!(value.get("metrics").is_none() && value.get("timings").is_some());
+    let value: serde_json::Value = serde_json::from_str(&info(&path, &["--json", "--metrics"])).unwrap();
+    assert_eq!(value["metrics"]["recordings"][0]["queues"][0]["orders"], serde_json::json!([]));
+    assert!(value["metrics"]["summaries"][0]["capsule_area_ratio"].as_f64().is_some());
+}
