@@ -4,7 +4,7 @@ use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, channel, sync_channel}
 use std::thread::JoinHandle;
 
 use anyhow::{Context, Result, anyhow};
-use formats::manifest::{End, MethodRecord, Place, QueueRecord, TimingRecord};
+use formats::manifest::{CacheRecord, End, MethodRecord, Place, QueueRecord, TimingRecord};
 use formats::npy::{Dtype, Element};
 use formats::writer::{DumpWriter, WriteError};
 
@@ -20,6 +20,7 @@ enum Message {
     Method(MethodRecord),
     Queue(QueueRecord),
     Timing(TimingRecord),
+    Cache(CacheRecord),
     End(End),
 }
 
@@ -94,6 +95,14 @@ impl Capture {
     /// What went wrong with writing up to now.
     pub fn timing(&mut self, timing: TimingRecord) -> Result<()> {
         self.send(Message::Timing(timing))
+    }
+
+    /// Appends what the cache model says of an order.
+    ///
+    /// # Errors
+    /// What went wrong with writing up to now.
+    pub fn cache(&mut self, cache: CacheRecord) -> Result<()> {
+        self.send(Message::Cache(cache))
     }
 
     /// Waits until all is on the disk and the dump has its name, which is returned.
@@ -172,6 +181,7 @@ fn write_all(
             Message::Method(method) => writer.method(method)?,
             Message::Queue(queue) => writer.queue(queue)?,
             Message::Timing(timing) => writer.timing(timing)?,
+            Message::Cache(cache) => writer.cache(cache)?,
             Message::End(end) => return writer.finish(end),
         }
     }

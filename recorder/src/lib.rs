@@ -7,6 +7,7 @@
 
 pub mod backend;
 pub mod bench;
+pub mod cache_model;
 pub mod capture;
 pub mod cli;
 pub mod cpu;

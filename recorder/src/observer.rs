@@ -7,9 +7,10 @@ use formats::manifest::{
     MethodArray, Mismatches, Place as ArrayPlace, QueueArray, QueueId, QueueRecord, Stage, TimingRecord,
 };
 use formats::npy::Dtype;
-use formats::ray::Kind;
+use formats::ray::{Kind, Ray};
 
-use crate::backend::{Backend, MethodPlan, Queue};
+use crate::backend::{Backend, MethodPlan, Queue, Sink};
+use crate::cache_model::CacheModel;
 use crate::capture::Capture;
 use crate::measure::{MethodMeasurement, OrderObserver, QueueMeasurement, measure, queue_name};
 use crate::options::{Keep, KeepPasses};
@@ -32,6 +33,8 @@ pub struct Plan {
     pub tolerates_mismatches: bool,
     /// Whether the trace kernel counts its work.
     pub counts_work: bool,
+    /// Says what caches would make of each order, if that is kept.
+    pub cache_model: Option<CacheModel>,
 }
 
 /// A measured queue, for the closing table.
@@ -130,6 +133,19 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
+    /// What the cache model says of canonical order; returns the rays, for the other orders.
+    fn model_baseline<B: Backend>(
+        &mut self,
+        backend: &mut B,
+        id: QueueId,
+        rays: &B::Rays,
+    ) -> Result<Vec<Ray>> {
+        let Some(model) = &self.plan.cache_model else { return Ok(Vec::new()) };
+        let copied: Vec<Ray> = collected(|sink| backend.read_rays(rays, sink))?;
+        self.capture.cache(model.record(id, UNSORTED, &copied, |at| at))?;
+        Ok(copied)
+    }
+
     fn write_timings(&mut self, id: QueueId, measurement: &QueueMeasurement) -> Result<()> {
         self.timing(id, UNSORTED, Stage::Trace, &measurement.unsorted_ns)?;
         for MethodMeasurement { method, stages, .. } in &measurement.methods {
@@ -193,7 +209,9 @@ impl<B: Backend> Observer<B> for Recorder<'_> {
         }
         let mut measurement = None;
         if self.is_measured(place) {
-            let mut orders = OrderCapture { plan: self.plan, capture: self.capture, id, rays: rays.len() };
+            let copied = self.model_baseline(backend, id, rays)?;
+            let mut orders =
+                OrderCapture { plan: self.plan, capture: self.capture, id, rays: rays.len(), copied };
             let measured = measure(backend, rays, hits, &self.plan.methods, self.plan.repeats, &mut orders)?;
             self.progress.measured(place, rays.len());
             self.check_mismatches(place, &measured)?;
@@ -246,6 +264,18 @@ struct OrderCapture<'a> {
     capture: &'a mut Capture,
     id: QueueId,
     rays: usize,
+    /// The rays themselves, for the cache model; empty without it.
+    copied: Vec<Ray>,
+}
+
+/// The elements that a backend hands to a sink.
+fn collected<T: bytemuck::Pod>(read: impl FnOnce(&mut Sink<'_>) -> Result<()>) -> Result<Vec<T>> {
+    let mut elements = Vec::new();
+    read(&mut |bytes| {
+        elements.extend(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned::<T>));
+        Ok(())
+    })?;
+    Ok(elements)
 }
 
 impl<B: Backend> OrderObserver<B> for OrderCapture<'_> {
@@ -261,6 +291,11 @@ impl<B: Backend> OrderObserver<B> for OrderCapture<'_> {
             self.capture.array(at(MethodArray::Permutation), Dtype::U4, &shape, |sink| {
                 backend.read_order(order, sink)
             })?;
+        }
+        if let Some(model) = &self.plan.cache_model {
+            let permutation: Vec<u32> = collected(|sink| backend.read_order(order, sink))?;
+            let record = model.record(self.id, &plan.name, &self.copied, |at| permutation[at] as usize);
+            self.capture.cache(record)?;
         }
         Ok(())
     }

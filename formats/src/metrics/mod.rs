@@ -12,3 +12,6 @@ pub mod estimator;
 pub mod lanes;
 pub mod speedup;
 pub mod spread;
+
+/// Rays of a group, as recordings are analysed unless told otherwise.
+pub const GROUP_RAYS: usize = 64;

@@ -61,7 +61,7 @@ fn scene_rows(
         Device::Cpu(cpu) => cpu.pool.install(|| {
             let backend = |&kernel: &TraceKernel| {
                 let bvh = hierarchy(kernel)?.context("threads have no ray queries; use --backend gpu")?;
-                Ok(CpuBackend::new(Arc::clone(setup), CpuTracer::new(scene, &bvh)))
+                Ok(CpuBackend::new(Arc::clone(setup), Arc::new(CpuTracer::new(scene, &bvh))))
             };
             over_paths(bench, scene, setup, bench.kernels.iter().map(backend).collect::<Result<_>>()?)
         }),

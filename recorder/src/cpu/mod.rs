@@ -24,7 +24,7 @@ const SINK_BYTES: usize = 4 << 20;
 /// Runs every stage on the threads of the current rayon pool.
 pub struct CpuBackend {
     setup: Arc<Setup>,
-    tracer: CpuTracer,
+    tracer: Arc<CpuTracer>,
     encoders: Vec<Encoder>,
     cells: Encoder,
     tables: [LengthTable; 2],
@@ -116,7 +116,7 @@ fn timed<T>(work: impl FnOnce() -> T) -> Timed<T> {
 
 impl CpuBackend {
     /// A backend for one run.
-    pub fn new(setup: Arc<Setup>, tracer: CpuTracer) -> Self {
+    pub fn new(setup: Arc<Setup>, tracer: Arc<CpuTracer>) -> Self {
         let encoder = |layout, bits| Encoder::new(layout, bits, setup.unit, &setup.light_sites);
         let encoders = setup.methods.iter().map(|method| encoder(&method.layout, method.key_bits)).collect();
         let cells = encoder(&setup.table_layout, setup.table_bits);

@@ -12,6 +12,7 @@ use sha2::{Digest, Sha256};
 
 use super::{Recorded, header, scene_arrays};
 use crate::backend::{Backend, Setup};
+use crate::cache_model::{self, CacheModel};
 use crate::capture::Capture;
 use crate::cpu::CpuBackend;
 use crate::device::{self, Device};
@@ -56,13 +57,18 @@ impl Run<'_> {
         let kernel = self.options.trace;
         let bvh = device::hierarchy(self.scene, kernel)?;
         let setup = Arc::clone(&self.setup);
+        let tracer = || bvh.as_ref().map(|bvh| Arc::new(CpuTracer::new(self.scene, bvh)));
+        let model = |tracer| CacheModel { tracer, l2_bytes: cache_model::L2_BYTES };
         let (path, queues, differing) = match device {
             Device::Cpu(cpu) => cpu.pool.install(|| {
-                let bvh = bvh.context("threads trace a hierarchy of their own")?;
-                self.with(&mut CpuBackend::new(setup, CpuTracer::new(self.scene, &bvh)))
+                let tracer = tracer().context("threads trace a hierarchy of their own")?;
+                let model = self.options.keep.caches.then(|| model(Arc::clone(&tracer)));
+                self.with(&mut CpuBackend::new(setup, tracer), model)
             })?,
             Device::Gpu(gpu) => {
-                self.with(&mut GpuBackend::new(gpu.gpu, self.scene, bvh.as_ref(), setup, kernel)?)?
+                let mut backend = GpuBackend::new(gpu.gpu, self.scene, bvh.as_ref(), setup, kernel)?;
+                let tracer = self.options.keep.caches.then(tracer).flatten();
+                self.with(&mut backend, tracer.map(model))?
             }
         };
         let headline = header::headline(&self.header, &self.setup);
@@ -73,7 +79,7 @@ impl Run<'_> {
         Ok(Recorded { path, headline, methods: self.setup.methods.clone(), queues, notices })
     }
 
-    fn plan(&self) -> Plan {
+    fn plan(&self, cache_model: Option<CacheModel>) -> Plan {
         let options = self.options;
         Plan {
             methods: self.setup.methods.clone(),
@@ -83,12 +89,13 @@ impl Run<'_> {
             keep_passes: options.keep_passes,
             tolerates_mismatches: options.trace == TraceKernel::RayQuery,
             counts_work: options.trace != TraceKernel::RayQuery,
+            cache_model,
         }
     }
 
-    fn with<B: Backend>(&self, backend: &mut B) -> Result<Outcomes> {
+    fn with<B: Backend>(&self, backend: &mut B, cache_model: Option<CacheModel>) -> Result<Outcomes> {
         let options = self.options;
-        let plan = self.plan();
+        let plan = self.plan(cache_model);
         let writer = DumpWriter::create(&options.out, self.header.clone(), options.force)?;
         let mut capture = Capture::start(writer)?;
         if options.keep.scene {

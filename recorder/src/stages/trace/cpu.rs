@@ -85,7 +85,7 @@ impl CpuTracer {
         assert_eq!(rays.len(), hits.len(), "one hit per ray");
         rays.par_chunks(CHUNK).zip(hits.par_chunks_mut(CHUNK)).for_each(|(rays, hits)| {
             for (ray, hit) in rays.iter().zip(hits) {
-                *hit = self.search::<false, false>(ray).0;
+                *hit = self.search::<false>(ray);
             }
         });
     }
@@ -98,83 +98,149 @@ impl CpuTracer {
         assert_eq!(rays.len(), distances.len(), "one distance per ray");
         rays.par_chunks(CHUNK).zip(distances.par_chunks_mut(CHUNK)).for_each(|(rays, distances)| {
             for (ray, distance) in rays.iter().zip(distances) {
-                *distance = self.search::<true, false>(ray).0.t;
+                *distance = self.search::<true>(ray).t;
             }
         });
     }
 
     /// [`Self::closest`] for rays in the order of `permutation`; results go to canonical places.
     pub fn closest_gathered(&self, sorted_rays: &[Ray], permutation: &[u32], out: &ScatteredHits) {
-        in_order(sorted_rays, permutation, |ray, place| out.store(place, self.search::<false, false>(ray).0));
+        in_order(sorted_rays, permutation, |ray, place| out.store(place, self.search::<false>(ray)));
     }
 
     /// [`Self::occlusion`] for rays in the order of `permutation`; results go to canonical places.
     pub fn occlusion_gathered(&self, sorted_rays: &[Ray], permutation: &[u32], out: &ScatteredDistances) {
-        in_order(sorted_rays, permutation, |ray, place| {
-            out.store(place, self.search::<true, false>(ray).0.t)
-        });
+        in_order(sorted_rays, permutation, |ray, place| out.store(place, self.search::<true>(ray).t));
     }
 
     /// [`Self::closest`], fetching the rays in the order of `permutation`.
     pub fn closest_indirect(&self, rays: &[Ray], permutation: &[u32], out: &ScatteredHits) {
-        through(rays, permutation, |ray, place| out.store(place, self.search::<false, false>(ray).0));
+        through(rays, permutation, |ray, place| out.store(place, self.search::<false>(ray)));
     }
 
     /// [`Self::occlusion`], fetching the rays in the order of `permutation`.
     pub fn occlusion_indirect(&self, rays: &[Ray], permutation: &[u32], out: &ScatteredDistances) {
-        through(rays, permutation, |ray, place| out.store(place, self.search::<true, false>(ray).0.t));
+        through(rays, permutation, |ray, place| out.store(place, self.search::<true>(ray).t));
     }
 
     /// What tracing each ray takes.
     pub fn work(&self, rays: &[Ray], kind: Kind) -> Vec<Work> {
         let work = |ray: &Ray| match kind {
-            Kind::Closest => self.search::<false, true>(ray).1,
-            Kind::Shadow => self.search::<true, true>(ray).1,
+            Kind::Closest => self.search_with_account::<Work, false>(ray, Work::default()).1,
+            Kind::Shadow => self.search_with_account::<Work, true>(ray, Work::default()).1,
         };
         rays.par_iter().with_min_len(CHUNK).map(work).collect()
     }
 
-    fn search<const ANY: bool, const COUNT: bool>(&self, ray: &Ray) -> (Hit, Work) {
-        if self.masks.is_empty() {
-            self.search_with::<ANY, COUNT, false>(ray)
-        } else {
-            self.search_with::<ANY, COUNT, true>(ray)
+    /// What tracing a ray reads, step by step.
+    pub fn trail(&self, ray: &Ray, kind: Kind) -> Trail {
+        let node_bytes = match &self.tree {
+            Tree::Binary(_) => BinaryTree::NODE_BYTES,
+            Tree::Wide(_) => WideTree::NODE_BYTES,
+        };
+        let trail = Trail { node_bytes, reads: Vec::new() };
+        match kind {
+            Kind::Closest => self.search_with_account::<Trail, false>(ray, trail).1,
+            Kind::Shadow => self.search_with_account::<Trail, true>(ray, trail).1,
         }
     }
 
-    fn search_with<const ANY: bool, const COUNT: bool, const MASKS: bool>(&self, ray: &Ray) -> (Hit, Work) {
+    fn search<const ANY: bool>(&self, ray: &Ray) -> Hit {
+        self.search_with_account::<(), ANY>(ray, ()).0
+    }
+
+    fn search_with_account<A: Account, const ANY: bool>(&self, ray: &Ray, account: A) -> (Hit, A) {
+        if self.masks.is_empty() {
+            self.search_with::<A, ANY, false>(ray, account)
+        } else {
+            self.search_with::<A, ANY, true>(ray, account)
+        }
+    }
+
+    fn search_with<A: Account, const ANY: bool, const MASKS: bool>(&self, ray: &Ray, account: A) -> (Hit, A) {
         match self.instructions {
             Instructions::Portable => {
-                let mut query = Query::<ANY, COUNT, MASKS>::new(self, ray);
+                let mut query = Query::<A, ANY, MASKS>::new(self, ray, account);
                 match &self.tree {
                     Tree::Binary(tree) => {
-                        tree.traverse::<super::cpu_bvh2::Portable, ANY, COUNT, MASKS>(&mut query)
+                        tree.traverse::<super::cpu_bvh2::Portable, A, ANY, MASKS>(&mut query)
                     }
                     Tree::Wide(tree) => {
-                        tree.traverse::<super::cpu_cwbvh::Portable, ANY, COUNT, MASKS>(&mut query)
+                        tree.traverse::<super::cpu_cwbvh::Portable, A, ANY, MASKS>(&mut query)
                     }
                 }
                 query.result()
             }
             #[cfg(target_arch = "x86_64")]
             // SAFETY: this variant is made where the processor has these instructions.
-            Instructions::Avx2 => unsafe { search_avx2::<ANY, COUNT, MASKS>(self, ray) },
+            Instructions::Avx2 => unsafe { search_avx2::<A, ANY, MASKS>(self, ray, account) },
         }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn search_avx2<const ANY: bool, const COUNT: bool, const MASKS: bool>(
+fn search_avx2<A: Account, const ANY: bool, const MASKS: bool>(
     tracer: &CpuTracer,
     ray: &Ray,
-) -> (Hit, Work) {
-    let mut query = Query::<ANY, COUNT, MASKS>::new(tracer, ray);
+    account: A,
+) -> (Hit, A) {
+    let mut query = Query::<A, ANY, MASKS>::new(tracer, ray, account);
     match &tracer.tree {
-        Tree::Binary(tree) => tree.traverse::<super::cpu_bvh2::Avx2, ANY, COUNT, MASKS>(&mut query),
-        Tree::Wide(tree) => tree.traverse::<super::cpu_cwbvh::Avx2, ANY, COUNT, MASKS>(&mut query),
+        Tree::Binary(tree) => tree.traverse::<super::cpu_bvh2::Avx2, A, ANY, MASKS>(&mut query),
+        Tree::Wide(tree) => tree.traverse::<super::cpu_cwbvh::Avx2, A, ANY, MASKS>(&mut query),
     }
     query.result()
+}
+
+/// What is kept of a ray's way beside its hit; nothing where rates are measured.
+pub(super) trait Account {
+    /// The children of a node are tested.
+    fn node(&mut self, index: usize);
+    /// The triangle in a leaf slot is tested.
+    fn triangle(&mut self, slot: usize);
+}
+
+impl Account for () {
+    #[inline(always)]
+    fn node(&mut self, _index: usize) {}
+
+    #[inline(always)]
+    fn triangle(&mut self, _slot: usize) {}
+}
+
+impl Account for Work {
+    #[inline(always)]
+    fn node(&mut self, _index: usize) {
+        self.nodes += 1;
+    }
+
+    #[inline(always)]
+    fn triangle(&mut self, _slot: usize) {
+        self.triangles += 1;
+    }
+}
+
+/// What a ray reads on its way.
+#[derive(Clone, Debug, Default)]
+pub struct Trail {
+    node_bytes: usize,
+    /// Address and bytes of each read, in order. Triangles lie far behind all nodes.
+    pub reads: Vec<(u64, u32)>,
+}
+
+/// Where the triangles start in the addresses of a [`Trail`].
+const TRIANGLES_START: u64 = 1 << 40;
+
+impl Account for Trail {
+    fn node(&mut self, index: usize) {
+        self.reads.push(((index * self.node_bytes) as u64, self.node_bytes as u32));
+    }
+
+    fn triangle(&mut self, slot: usize) {
+        let bytes = size_of::<LeafTriangle>();
+        self.reads.push((TRIANGLES_START + (slot * bytes) as u64, bytes as u32));
+    }
 }
 
 /// Calls `trace` for each ray with its canonical place.
@@ -198,8 +264,8 @@ fn through(rays: &[Ray], permutation: &[u32], trace: impl Fn(&Ray, u32) + Sync) 
 
 /// A ray on its way through a hierarchy, and what it has found.
 ///
-/// `ANY`: ends at the first hit. `COUNT`: counts its work. `MASKS`: looks for holes.
-pub(super) struct Query<'a, const ANY: bool, const COUNT: bool, const MASKS: bool> {
+/// `ANY`: ends at the first hit. `MASKS`: looks for holes.
+pub(super) struct Query<'a, A: Account, const ANY: bool, const MASKS: bool> {
     /// Where the ray starts.
     pub origin: [f32; 3],
     /// Reciprocals of its direction.
@@ -208,21 +274,21 @@ pub(super) struct Query<'a, const ANY: bool, const COUNT: bool, const MASKS: boo
     pub t_min: f32,
     shear: Shear,
     best: Hit,
-    work: Work,
+    account: A,
     triangles: &'a [LeafTriangle],
     masks: &'a Masks,
 }
 
-impl<'a, const ANY: bool, const COUNT: bool, const MASKS: bool> Query<'a, ANY, COUNT, MASKS> {
+impl<'a, A: Account, const ANY: bool, const MASKS: bool> Query<'a, A, ANY, MASKS> {
     #[inline(always)]
-    fn new(tracer: &'a CpuTracer, ray: &Ray) -> Self {
+    fn new(tracer: &'a CpuTracer, ray: &Ray, account: A) -> Self {
         Self {
             origin: ray.origin,
             inverse: ray.direction.map(reciprocal),
             t_min: ray.t_min,
             shear: Shear::new(ray),
             best: Hit { t: farthest(ray), ..Hit::MISS },
-            work: Work::default(),
+            account,
             triangles: &tracer.triangles,
             masks: &tracer.masks,
         }
@@ -234,21 +300,17 @@ impl<'a, const ANY: bool, const COUNT: bool, const MASKS: bool> Query<'a, ANY, C
         self.best.t * PADDING
     }
 
-    /// Counts a node whose children are tested.
+    /// Takes down a node whose children are tested.
     #[inline(always)]
-    pub(super) fn count_node(&mut self) {
-        if COUNT {
-            self.work.nodes += 1;
-        }
+    pub(super) fn visit(&mut self, index: usize) {
+        self.account.node(index);
     }
 
     /// Tests the triangle in a leaf slot; true if the search is over.
     #[inline(always)]
     pub(super) fn test(&mut self, slot: usize) -> bool {
         let leaf = &self.triangles[slot];
-        if COUNT {
-            self.work.triangles += 1;
-        }
+        self.account.triangle(slot);
         let Some(at) = leaf.intersect(&self.shear) else {
             return false;
         };
@@ -266,7 +328,7 @@ impl<'a, const ANY: bool, const COUNT: bool, const MASKS: bool> Query<'a, ANY, C
     }
 
     #[inline(always)]
-    fn result(self) -> (Hit, Work) {
-        (if self.best.is_hit() { self.best } else { Hit::MISS }, self.work)
+    fn result(self) -> (Hit, A) {
+        (if self.best.is_hit() { self.best } else { Hit::MISS }, self.account)
     }
 }

@@ -3,7 +3,7 @@
 use scenes::bvh::{BVH2_STACK, Bvh2Node};
 
 use super::PADDING;
-use super::cpu::Query;
+use super::cpu::{Account, Query};
 
 /// Bits of a reference that hold the first leaf slot or node pair; those above hold the number of
 /// triangles, 0 for an inner node.
@@ -49,6 +49,9 @@ fn reference(node: &Bvh2Node) -> u32 {
 type Waiting = (u32, f32);
 
 impl BinaryTree {
+    /// Bytes that visiting a node reads.
+    pub(super) const NODE_BYTES: usize = size_of::<Pair>();
+
     /// From nodes as they come from the builder.
     pub(super) fn new(nodes: &[Bvh2Node]) -> Self {
         let pairs = nodes[1..].get(1..).unwrap_or_default().chunks_exact(2);
@@ -57,9 +60,9 @@ impl BinaryTree {
 
     /// Finds what the query asks for.
     #[inline(always)]
-    pub(super) fn traverse<T: PairTest, const ANY: bool, const COUNT: bool, const MASKS: bool>(
+    pub(super) fn traverse<T: PairTest, A: Account, const ANY: bool, const MASKS: bool>(
         &self,
-        query: &mut Query<'_, ANY, COUNT, MASKS>,
+        query: &mut Query<'_, A, ANY, MASKS>,
     ) {
         let test = T::new(query.origin, query.inverse, query.t_min);
         let mut stack: [Waiting; BVH2_STACK] = [(0, 0.0); BVH2_STACK];
@@ -69,7 +72,7 @@ impl BinaryTree {
             let first = (current & ((1 << FIRST_BITS) - 1)) as usize;
             let count = (current >> FIRST_BITS) as usize;
             if count == 0 {
-                query.count_node();
+                query.visit(first);
                 let pair = &self.pairs[first];
                 let (near, is_hit) = test.test(pair, query.limit());
                 let [first, second] = pair.references;

@@ -4,7 +4,7 @@
 use scenes::bvh::{CWBVH_STACK, CwbvhNode};
 
 use super::PADDING;
-use super::cpu::Query;
+use super::cpu::{Account, Query};
 
 /// The nodes, in 16-byte units so that each lies in two cache lines.
 #[derive(Clone, Debug)]
@@ -29,6 +29,9 @@ pub(super) struct Node {
 type Waiting = (u32, u32);
 
 impl WideTree {
+    /// Bytes that visiting a node reads.
+    pub(super) const NODE_BYTES: usize = size_of::<Node>();
+
     /// From nodes as they come from the builder.
     pub(super) fn new(nodes: &[CwbvhNode]) -> Self {
         Self(nodes.iter().map(|&node| bytemuck::cast(node)).collect())
@@ -36,9 +39,9 @@ impl WideTree {
 
     /// Finds what the query asks for.
     #[inline(always)]
-    pub(super) fn traverse<T: WideTest, const ANY: bool, const COUNT: bool, const MASKS: bool>(
+    pub(super) fn traverse<T: WideTest, A: Account, const ANY: bool, const MASKS: bool>(
         &self,
-        query: &mut Query<'_, ANY, COUNT, MASKS>,
+        query: &mut Query<'_, A, ANY, MASKS>,
     ) {
         let test = T::new(query.origin, query.inverse, query.t_min);
         let is_positive = query.inverse.map(|inverse| u32::from(inverse > 0.0));
@@ -47,7 +50,7 @@ impl WideTree {
         let mut waiting = 0;
         let mut current = 0;
         loop {
-            query.count_node();
+            query.visit(current as usize);
             let node = &self.0[current as usize];
             let hits = test.test(node, query.limit());
             let imask = u32::from(node.imask);

@@ -1,0 +1,192 @@
+//! Which part of what an order reads is still in the caches: a model, not a measurement (KEYS).
+//!
+//! Sampled whole groups of 64 rays walk the hierarchy of the cpu backend in lockstep: first every ray's
+//! first read, then every ray's second, and so on. Their addresses go through two set-associative caches
+//! with least-recently-used replacement.
+
+use std::sync::Arc;
+
+use formats::manifest::{CacheRecord, QueueId};
+use formats::metrics::GROUP_RAYS;
+use formats::ray::{Kind, Ray};
+use rayon::prelude::*;
+
+use crate::stages::trace::cpu::CpuTracer;
+
+/// Bytes of a line.
+pub const LINE_BYTES: u32 = 128;
+/// Bytes of the first level.
+pub const L1_BYTES: u64 = 128 << 10;
+/// Bytes of the second level unless told otherwise.
+pub const L2_BYTES: u64 = 4 << 20;
+/// Lines of a set, in both levels.
+const WAYS: usize = 16;
+
+/// Stretches of an order that are sampled, evenly apart.
+const STRETCHES: usize = 8;
+/// Groups of a stretch, one after the other.
+const STRETCH_GROUPS: usize = 16;
+
+/// The model of a run: a hierarchy and two caches.
+#[derive(Clone, Debug)]
+pub struct CacheModel {
+    /// Walks the hierarchy.
+    pub tracer: Arc<CpuTracer>,
+    /// Bytes of the second level.
+    pub l2_bytes: u64,
+}
+
+impl CacheModel {
+    /// What the model says of a queue traced in an order: `place(i)` is the canonical index of the ray at
+    /// place i of `count`.
+    pub fn record(
+        &self,
+        id: QueueId,
+        method: &str,
+        rays: &[Ray],
+        place: impl Fn(usize) -> usize,
+    ) -> CacheRecord {
+        let places = sampled_places(rays.len()).into_iter().flatten();
+        let sampled: Vec<Ray> = places.map(|at| rays[place(at)]).collect();
+        let Traffic { groups, rays, accesses, l1_hits, l2_hits } =
+            replay(&self.tracer, &sampled, id.kind, self.l2_bytes);
+        CacheRecord {
+            pass: id.pass,
+            bounce: id.bounce,
+            kind: id.kind,
+            method: method.to_owned(),
+            groups,
+            rays,
+            line_bytes: LINE_BYTES,
+            l1_bytes: L1_BYTES,
+            l2_bytes: self.l2_bytes,
+            accesses,
+            l1_hits,
+            l2_hits,
+        }
+    }
+}
+
+/// What the model says of one order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Groups that were sampled.
+    pub groups: u64,
+    /// Rays in them.
+    pub rays: u64,
+    /// Lines that were asked for.
+    pub accesses: u64,
+    /// Of these, found in the first level.
+    pub l1_hits: u64,
+    /// Of those not found there, found in the second level.
+    pub l2_hits: u64,
+}
+
+/// The places of an order that are sampled: ranges of whole groups, ascending and apart.
+pub fn sampled_places(count: usize) -> Vec<std::ops::Range<usize>> {
+    let groups = count.div_ceil(GROUP_RAYS);
+    if groups <= STRETCHES * STRETCH_GROUPS {
+        return vec![0..count];
+    }
+    let stretch = |number: usize| {
+        let first = (groups - STRETCH_GROUPS) * number / (STRETCHES - 1);
+        first * GROUP_RAYS..((first + STRETCH_GROUPS) * GROUP_RAYS).min(count)
+    };
+    (0..STRETCHES).map(stretch).collect()
+}
+
+/// Replays what the rays at sampled places read; `rays` are those of all ranges of [`sampled_places`].
+pub fn replay(tracer: &CpuTracer, rays: &[Ray], kind: Kind, l2_bytes: u64) -> Traffic {
+    let mut levels = [Cache::new(L1_BYTES), Cache::new(l2_bytes)];
+    let mut traffic = Traffic::default();
+    for group in rays.chunks(GROUP_RAYS) {
+        traffic.groups += 1;
+        traffic.rays += group.len() as u64;
+        let trails: Vec<_> = group.par_iter().map(|ray| tracer.trail(ray, kind).reads).collect();
+        let steps = trails.iter().map(Vec::len).max().unwrap_or(0);
+        for step in 0..steps {
+            for &(address, bytes) in trails.iter().filter_map(|trail| trail.get(step)) {
+                let lines = address / u64::from(LINE_BYTES)
+                    ..=(address + u64::from(bytes) - 1) / u64::from(LINE_BYTES);
+                lines.for_each(|line| traffic.read(&mut levels, line));
+            }
+        }
+    }
+    traffic
+}
+
+impl Traffic {
+    fn read(&mut self, [first, second]: &mut [Cache; 2], line: u64) {
+        self.accesses += 1;
+        if first.read(line) {
+            self.l1_hits += 1;
+        } else if second.read(line) {
+            self.l2_hits += 1;
+        }
+    }
+}
+
+/// A set-associative cache; each set holds its lines from the most to the least recently used.
+struct Cache {
+    sets: Vec<[u64; WAYS]>,
+}
+
+/// No line has this number.
+const EMPTY: u64 = u64::MAX;
+
+impl Cache {
+    fn new(bytes: u64) -> Self {
+        let sets = bytes / u64::from(LINE_BYTES) / WAYS as u64;
+        Self { sets: vec![[EMPTY; WAYS]; sets.max(1) as usize] }
+    }
+
+    /// Whether the line was there; it is afterwards.
+    fn read(&mut self, line: u64) -> bool {
+        let sets = self.sets.len() as u64;
+        // Triangles start at a multiple of every number of sets: fold the high bits in.
+        let set = &mut self.sets[((line ^ line >> 33) % sets) as usize];
+        let found = set.iter().position(|&known| known == line);
+        set[..=found.unwrap_or(WAYS - 1)].rotate_right(1);
+        set[0] = line;
+        found.is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_recently_used_line_goes_first() {
+        let mut cache = Cache::new(u64::from(LINE_BYTES) * WAYS as u64);
+        let lines: Vec<u64> = (0..WAYS as u64).collect();
+        assert!(lines.iter().all(|&line| !cache.read(line)));
+        assert!(lines.iter().all(|&line| cache.read(line)));
+        cache.read(0);
+        assert!(!cache.read(99));
+        assert!(cache.read(0) && !cache.read(1));
+    }
+
+    #[test]
+    fn a_cache_holds_as_many_lines_as_it_has_bytes_for() {
+        let mut cache = Cache::new(L1_BYTES);
+        let lines = L1_BYTES / u64::from(LINE_BYTES);
+        assert_eq!((0..lines).filter(|&line| cache.read(line)).count(), 0);
+        assert_eq!((0..lines).filter(|&line| cache.read(line)).count() as u64, lines);
+        // One round robin through more lines than fit defeats it altogether.
+        let more = lines + lines / 2;
+        let mut cache = Cache::new(L1_BYTES);
+        assert_eq!((0..3 * more).filter(|&at| cache.read(at % more)).count() as u64, 0);
+    }
+
+    #[test]
+    fn samples_are_whole_groups_apart_from_each_other() {
+        for count in [0, 1, 64, 8192, 8193, 100_000, 2_073_600] {
+            let places = sampled_places(count);
+            assert!(places.windows(2).all(|pair| pair[0].end <= pair[1].start), "{count}");
+            assert!(places.iter().all(|range| range.start % GROUP_RAYS == 0 && range.end <= count));
+            let sampled: usize = places.iter().map(ExactSizeIterator::len).sum();
+            assert!(sampled <= count && sampled + GROUP_RAYS > count.min(8192), "{count}: {sampled}");
+        }
+    }
+}
