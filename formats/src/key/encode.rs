@@ -7,32 +7,35 @@ use crate::ray::Ray;
 use crate::unit_space::UnitSpace;
 
 /// Bits of a coordinate that one table lookup spreads over the key.
-const CHUNK_BITS: u32 = 6;
+const CHUNK_BITS: u32 = 8;
 
 /// Turns rays into keys of `key_bits` bits, right-aligned, by one layout.
 #[derive(Clone, Debug)]
 pub struct Encoder {
-    unit: UnitSpace,
-    lights: Vec<LightSite>,
-    spreads: Vec<Spread>,
-    needs: Needs,
+    pub(super) unit: UnitSpace,
+    pub(super) lights: Vec<LightSite>,
+    pub(super) spreads: Vec<Spread>,
+    pub(super) needs: Needs,
 }
 
 /// One field's bits, spread to their places by table.
 #[derive(Clone, Debug)]
-struct Spread {
-    coordinate: Coordinate,
+pub(super) struct Spread {
+    pub(super) coordinate: Coordinate,
     /// Shift that brings a quantised coordinate down to the bits that the key uses.
-    drop: u32,
+    pub(super) drop: u32,
     /// One table per chunk of used bits, lowest chunk first.
-    tables: Vec<[u64; 1 << CHUNK_BITS]>,
+    pub(super) tables: Vec<[u64; 1 << CHUNK_BITS]>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct Needs {
-    end: bool,
-    octahedral: bool,
-    light: bool,
+pub(super) struct Needs {
+    pub(super) end: bool,
+    pub(super) octahedral: bool,
+    /// Light coordinates.
+    pub(super) light: bool,
+    /// Light coordinates or the light itself.
+    pub(super) light_index: bool,
 }
 
 /// A ray's coordinates as far as the layout needs them.
@@ -44,6 +47,9 @@ struct Values {
 }
 
 impl Spread {
+    /// Bits that one table spreads.
+    pub(super) const CHUNK_BITS: u32 = CHUNK_BITS;
+
     fn new(field: &Field) -> Self {
         let used = field.positions.len() as u32;
         let chunks = used.div_ceil(CHUNK_BITS);
@@ -87,6 +93,7 @@ impl Encoder {
             light: uses(|coordinate| {
                 matches!(coordinate, Coordinate::LightU | Coordinate::LightV | Coordinate::LightR)
             }),
+            light_index: uses(Coordinate::needs_light),
         };
         Self { unit, lights: lights.to_vec(), spreads: fields.iter().map(Spread::new).collect(), needs }
     }

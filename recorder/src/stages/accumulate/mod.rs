@@ -12,7 +12,8 @@ const CHUNK: usize = 1 << 14;
 
 /// On threads. `length` gives the traced length of a ray by canonical index, unit lengths.
 pub fn on_threads(table: &LengthTable, cells: &Encoder, rays: &[Ray], length: impl Fn(usize) -> f32 + Sync) {
-    rays.par_iter().enumerate().with_min_len(CHUNK).for_each(|(index, ray)| {
-        table.add(cells.encode(ray, 0.0, 0) as u32, length(index));
+    rays.par_chunks(CHUNK).enumerate().for_each(|(number, rays)| {
+        let first = number * CHUNK;
+        cells.encode_all(rays, |_| 0.0, |_| 0, |at, cell| table.add(cell as u32, length(first + at)));
     });
 }

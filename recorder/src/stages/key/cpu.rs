@@ -6,7 +6,7 @@ use formats::ray::Ray;
 use rayon::prelude::*;
 
 /// Rays that one task encodes.
-const CHUNK: usize = 1 << 14;
+const CHUNK: usize = 1 << 12;
 
 /// Keys in canonical order, in the width that a dump stores.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,20 +52,41 @@ pub fn encode(
     lengths: &Lengths<'_>,
     light: impl Fn(usize) -> u32 + Sync,
 ) -> Keys {
-    let key = |index: usize| {
-        let ray = &rays[index];
-        let length = match lengths {
-            Lengths::Fixed(length) => *length,
-            Lengths::Adaptive(table, cells) => table.mean(cells.encode(ray, 0.0, 0) as u32),
-            Lengths::Real(real) => real(index),
-        };
-        encoder.encode(ray, length, light(index))
-    };
     if key_bits <= 32 {
-        Keys::Narrow(
-            (0..rays.len()).into_par_iter().with_min_len(CHUNK).map(|index| key(index) as u32).collect(),
-        )
+        let mut keys = vec![0u32; rays.len()];
+        encode_into(encoder, rays, lengths, light, &mut keys, |key| key as u32);
+        Keys::Narrow(keys)
     } else {
-        Keys::Wide((0..rays.len()).into_par_iter().with_min_len(CHUNK).map(key).collect())
+        let mut keys = vec![0u64; rays.len()];
+        encode_into(encoder, rays, lengths, light, &mut keys, |key| key);
+        Keys::Wide(keys)
     }
+}
+
+fn encode_into<T: Send>(
+    encoder: &Encoder,
+    rays: &[Ray],
+    lengths: &Lengths<'_>,
+    light: impl Fn(usize) -> u32 + Sync,
+    keys: &mut [T],
+    narrowed: impl Fn(u64) -> T + Sync,
+) {
+    rays.par_chunks(CHUNK).zip(keys.par_chunks_mut(CHUNK)).enumerate().for_each(|(number, (rays, keys))| {
+        let first = number * CHUNK;
+        // The table is asked for all rays of a chunk at once: its cells lie far apart.
+        let means: Vec<f32> = match lengths {
+            Lengths::Adaptive(table, cells) => {
+                let mut means = Vec::with_capacity(rays.len());
+                cells.encode_all(rays, |_| 0.0, |_| 0, |_, cell| means.push(table.mean(cell as u32)));
+                means
+            }
+            Lengths::Fixed(_) | Lengths::Real(_) => Vec::new(),
+        };
+        let length = |at: usize| match lengths {
+            Lengths::Fixed(length) => *length,
+            Lengths::Adaptive(..) => means[at],
+            Lengths::Real(real) => real(first + at),
+        };
+        encoder.encode_all(rays, length, |at| light(first + at), |at, key| keys[at] = narrowed(key));
+    });
 }
