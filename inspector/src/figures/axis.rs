@@ -157,7 +157,7 @@ pub(crate) fn number(value: f64) -> String {
     if !value.is_finite() {
         return value.to_string();
     }
-    if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
+    if value != 0.0 && !(1e-3..=1e6).contains(&value.abs()) {
         let text = format!("{value:.3e}");
         let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
         let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
@@ -197,7 +197,10 @@ fn powers(low: f64, high: f64, base: f64, room: usize) -> Mapping {
     for power in first..=last {
         let value = base.powi(power);
         let is_labelled = (power - first) % stride == 0;
-        ticks.push(Tick { value, label: if is_labelled { power_label(base, power) } else { String::new() } });
+        ticks.push(Tick {
+            value,
+            label: if is_labelled { power_label(base, power, (first, last)) } else { String::new() },
+        });
         // Marks at 2 to 9 show that the axis is not an even one.
         if base == 10.0 && stride == 1 && power < last {
             ticks.extend(
@@ -208,12 +211,13 @@ fn powers(low: f64, high: f64, base: f64, room: usize) -> Mapping {
     Mapping { range: (base.powi(first), base.powi(last)), ticks, is_logarithmic: true }
 }
 
-fn power_label(base: f64, power: i32) -> String {
-    match base.powi(power) {
-        value if base == 2.0 && !(1.0 / 64.0..100_000.0).contains(&value) => {
-            format!("2^{power}").replace('-', "−")
-        }
-        value => number(value),
+/// A power, plainly if those at both ends of the axis can be written so.
+fn power_label(base: f64, power: i32, (first, last): (i32, i32)) -> String {
+    let is_plain = base.powi(first) >= 1e-3 && base.powi(last) <= 1e6;
+    match base {
+        10.0 if !is_plain => format!("1e{power}").replace('-', "−"),
+        2.0 if !is_plain => format!("2^{power}").replace('-', "−"),
+        _ => number(base.powi(power)),
     }
 }
 
@@ -243,7 +247,7 @@ mod tests {
         let ten = Scale::Logarithmic { base: 10 };
         assert_eq!(labels(&Mapping::new(&ten, [0.3, 400.0], 8)), ["0.1", "1", "10", "100", "1,000"]);
         assert_eq!(labels(&Mapping::new(&ten, [3.0, 4.0], 8)), ["2", "5"]);
-        assert_eq!(labels(&Mapping::new(&ten, [1e-9, 1e9], 3)), ["1e−9", "1e−3", "1,000", "1e9"]);
+        assert_eq!(labels(&Mapping::new(&ten, [1e-9, 1e9], 3)), ["1e−9", "1e−3", "1e3", "1e9"]);
         let two = Scale::Logarithmic { base: 2 };
         assert_eq!(labels(&Mapping::new(&two, [8.0, 60.0], 8)), ["8", "16", "32", "64"]);
         assert_eq!(labels(&Mapping::new(&two, [1048576.0, 4194304.0], 8)), ["2^20", "2^21", "2^22"]);

@@ -113,7 +113,7 @@ fn bars(canvas: &mut Canvas, plot: &Plot, series: &[Series]) {
         for point in &one.points {
             if let Some(centre) = plot.x(point.x) {
                 bar(canvas, plot, one, point, (centre + offset, width), plot.y.base(), point.y);
-                whisker(canvas, plot, centre + offset + 0.5 * width, point, 0.0, Colour::BLACK);
+                bar_whisker(canvas, plot, centre + offset + 0.5 * width, point, (width, one.style));
             }
         }
     }
@@ -155,6 +155,23 @@ fn bar(
     let style = style(series.style);
     let area = Rectangle { left: across.0, top: from.min(to), width: across.1, height: (from - to).abs() };
     canvas.bar(area, style.colour, style.hatch, &tooltip(series, point));
+}
+
+/// The spread of a bar: its part inside the bar is in the one of black and white that is seen there.
+fn bar_whisker(canvas: &mut Canvas, plot: &Plot, x: f64, point: &Point, (width, number): (f64, usize)) {
+    let Some((low, high)) = point.spread else { return };
+    let low = plot.y(low).unwrap_or(plot.area.bottom());
+    let (Some(high), Some(top)) = (plot.y(high), plot.y(point.y)) else { return };
+    if (low - high).abs() < 0.3 {
+        return;
+    }
+    let cap = (0.3 * width).min(1.6);
+    let inside = style(number).colour.contrast();
+    for (end, colour) in [(low, inside), (high, Colour::BLACK)] {
+        let stroke = Stroke { colour, width: 0.7, dash: &[] };
+        canvas.line((x, top), (x, end), stroke);
+        canvas.line((x - cap, end), (x + cap, end), stroke);
+    }
 }
 
 /// The spread of a number, with a white edge so that it is seen on dark bars.
