@@ -30,12 +30,16 @@ impl Mapping {
     pub(crate) fn new(scale: &Scale, values: impl IntoIterator<Item = f64>, room: usize) -> Self {
         let room = room.max(2);
         let is_logarithmic = matches!(scale, Scale::Logarithmic { .. });
+        let mut are_whole = true;
         let (low, high) = values
             .into_iter()
             .filter(|value| value.is_finite() && (!is_logarithmic || *value > 0.0))
+            .inspect(|value| are_whole &= value.fract() == 0.0)
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+        // There is no bounce 1.5.
+        let least_step = if are_whole && low <= high { 1.0 } else { 0.0 };
         match scale {
-            Scale::Linear { from_zero } => linear(low, high, *from_zero, room),
+            Scale::Linear { from_zero } => linear(low, high, *from_zero, room, least_step),
             Scale::Logarithmic { base: 10 } if low <= high && high / low < 20.0 => decade(low, high),
             Scale::Logarithmic { base } => powers(low, high, f64::from((*base).max(2)), room),
             Scale::Categories(names) => categories(names),
@@ -76,7 +80,7 @@ fn categories(names: &[String]) -> Mapping {
     Mapping { range: (-0.5, names.len().max(1) as f64 - 0.5), ticks, is_logarithmic: false }
 }
 
-fn linear(low: f64, high: f64, from_zero: bool, room: usize) -> Mapping {
+fn linear(low: f64, high: f64, from_zero: bool, room: usize, least_step: f64) -> Mapping {
     let (mut low, mut high) = if low <= high { (low, high) } else { (0.0, 1.0) };
     if from_zero {
         (low, high) = (low.min(0.0), high.max(0.0));
@@ -91,7 +95,7 @@ fn linear(low: f64, high: f64, from_zero: bool, room: usize) -> Mapping {
         let stays = |padded: f64, value: f64| if padded * value < 0.0 { 0.0 } else { padded };
         (low, high) = (stays(low - padding, low), stays(high + padding, high));
     }
-    let step = nice_step((high - low) / room as f64);
+    let step = nice_step((high - low) / room as f64).max(least_step);
     let (first, last) = ((low / step + 1e-9).floor(), (high / step - 1e-9).ceil());
     Mapping { range: (first * step, last * step), ticks: steps(first, last, step), is_logarithmic: false }
 }
@@ -179,8 +183,15 @@ fn decade(low: f64, high: f64) -> Mapping {
     let first = (near..near + 4).rev().find(|&place| value_at(place) <= low * 1.0001).unwrap_or(near);
     let mut last = (first..).find(|&place| value_at(place) >= high * 0.9999).unwrap_or(first);
     last = last.max(first + 1);
-    let ticks = (first..=last).map(|place| Tick { value: value_at(place), label: number(value_at(place)) });
-    Mapping { range: (value_at(first), value_at(last)), ticks: ticks.collect(), is_logarithmic: true }
+    let range = (value_at(first), value_at(last));
+    let ticks = if last == first + 1 {
+        // Two numbers alone say too little: even steps between them.
+        Mapping::exact(range.0, range.1, 5).ticks
+    } else {
+        let tick = |place| Tick { value: value_at(place), label: number(value_at(place)) };
+        (first..=last).map(tick).collect()
+    };
+    Mapping { range, ticks, is_logarithmic: true }
 }
 
 fn powers(low: f64, high: f64, base: f64, room: usize) -> Mapping {
@@ -196,7 +207,7 @@ fn powers(low: f64, high: f64, base: f64, room: usize) -> Mapping {
     let mut ticks = Vec::new();
     for power in first..=last {
         let value = base.powi(power);
-        let is_labelled = (power - first) % stride == 0;
+        let is_labelled = power.rem_euclid(stride) == 0;
         ticks.push(Tick {
             value,
             label: if is_labelled { power_label(base, power, (first, last)) } else { String::new() },
@@ -236,7 +247,7 @@ mod tests {
     fn even_axes_have_round_labels() {
         assert_eq!(labels(&Mapping::new(&FROM_ZERO, [1.7], 5)), ["0", "0.5", "1.0", "1.5", "2.0"]);
         assert_eq!(labels(&Mapping::new(&FROM_ZERO, [3914.0], 4)), ["0", "1,000", "2,000", "3,000", "4,000"]);
-        assert_eq!(labels(&Mapping::new(&FROM_ZERO, [-1.0, 1.0], 4)), ["−1.0", "−0.5", "0", "0.5", "1.0"]);
+        assert_eq!(labels(&Mapping::new(&FROM_ZERO, [-0.9, 0.9], 4)), ["−1.0", "−0.5", "0", "0.5", "1.0"]);
         assert_eq!(labels(&Mapping::new(&FROM_ZERO, [2.4e9], 3)), ["0", "1e9", "2e9", "3e9"]);
         assert_eq!(labels(&Mapping::new(&FROM_ZERO, [2.4e-7], 3)), ["0", "1e−7", "2e−7", "3e−7"]);
         assert_eq!(labels(&Mapping::exact(0.0, 1024.0, 4)), ["0", "500", "1,000"]);
@@ -246,8 +257,8 @@ mod tests {
     fn logarithmic_axes_have_powers_and_short_ones_steps_between() {
         let ten = Scale::Logarithmic { base: 10 };
         assert_eq!(labels(&Mapping::new(&ten, [0.3, 400.0], 8)), ["0.1", "1", "10", "100", "1,000"]);
-        assert_eq!(labels(&Mapping::new(&ten, [3.0, 4.0], 8)), ["2", "5"]);
-        assert_eq!(labels(&Mapping::new(&ten, [1e-9, 1e9], 3)), ["1e−9", "1e−3", "1e3", "1e9"]);
+        assert_eq!(labels(&Mapping::new(&ten, [3.0, 4.0], 8)), ["2", "3", "4", "5"]);
+        assert_eq!(labels(&Mapping::new(&ten, [1e-9, 1e9], 3)), ["1e−6", "1e0", "1e6"]);
         let two = Scale::Logarithmic { base: 2 };
         assert_eq!(labels(&Mapping::new(&two, [8.0, 60.0], 8)), ["8", "16", "32", "64"]);
         assert_eq!(labels(&Mapping::new(&two, [1048576.0, 4194304.0], 8)), ["2^20", "2^21", "2^22"]);

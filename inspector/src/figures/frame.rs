@@ -2,7 +2,7 @@
 
 use super::axis::{Mapping, Tick};
 use super::canvas::{Anchor, Canvas, Rectangle, Stroke, Text};
-use super::model::{Content, Panel, Scale};
+use super::model::{Content, Figure, Panel, Scale};
 use super::style::{AXIS_STROKE, Colour, GRID_COLOUR, LINE_HEIGHT, TEXT_SIZE, TITLE_SIZE};
 use super::text;
 use super::tick_labels::TickLabels;
@@ -45,9 +45,16 @@ pub(crate) struct Frame<'a> {
 
 impl<'a> Frame<'a> {
     /// Measures a panel in a cell of this width whose plot area is this high. `left` is the least
-    /// room to its left, so that panels above each other line up.
-    pub(crate) fn measure(panel: &'a Panel, cell_width: f64, height: f64, left: f64) -> Self {
-        let y = y_mapping(panel, height);
+    /// room to its left, so that panels above each other line up. Panels of `figure` that have the
+    /// same axis share its range.
+    pub(crate) fn measure(
+        figure: &'a Figure,
+        panel: &'a Panel,
+        cell_width: f64,
+        height: f64,
+        left: f64,
+    ) -> Self {
+        let y = y_mapping(figure, panel, height);
         let y_label = text::wrap(&panel.y.label, TEXT_SIZE, height + 20.0);
         let ticks: Vec<String> = y.ticks.iter().map(|tick| tick.label.clone()).collect();
         let y_words = text::widest(&ticks, TEXT_SIZE) + y_label.len() as f64 * LINE + TICK_GAP + 3.0;
@@ -60,13 +67,13 @@ impl<'a> Frame<'a> {
         });
         let mut right = EDGE + bar_room;
         let mut width = (cell_width - left - right).max(20.0);
-        let (mut x, mut x_ticks) = x_mapping(panel, width, left);
+        let (mut x, mut x_ticks) = x_mapping(figure, panel, width, left);
         // The last label may reach over the end of the axis.
         let overhang = x_ticks.overhang(&x, width);
         if overhang > right {
             right = overhang + 1.0;
             width = (cell_width - left - right).max(20.0);
-            (x, x_ticks) = x_mapping(panel, width, left);
+            (x, x_ticks) = x_mapping(figure, panel, width, left);
         }
         let mut frame = Self {
             panel,
@@ -84,22 +91,22 @@ impl<'a> Frame<'a> {
             x_ticks,
             colour_bar,
         };
-        frame.fit_picture();
+        frame.fit_picture(figure);
         frame.top = frame.title.len() as f64 * TITLE_LINE + EDGE;
         frame.bottom = frame.x_ticks.height() + TICK_GAP + frame.x_label.len() as f64 * LINE + 3.0;
         frame
     }
 
     /// A picture keeps its sides: the plot area shrinks to it.
-    fn fit_picture(&mut self) {
+    fn fit_picture(&mut self, figure: &Figure) {
         let Content::Picture(picture) = &self.panel.content else { return };
         let aspect = f64::from(picture.height.max(1)) / f64::from(picture.width.max(1));
         let fitted = (self.height / aspect).min(self.width);
         self.right += self.width - fitted;
         self.width = fitted;
         self.height = fitted * aspect;
-        (self.x, self.x_ticks) = x_mapping(self.panel, self.width, self.left);
-        self.y = y_mapping(self.panel, self.height);
+        (self.x, self.x_ticks) = x_mapping(figure, self.panel, self.width, self.left);
+        self.y = y_mapping(figure, self.panel, self.height);
         self.colour_bar = colour_bar(self.panel, self.height);
     }
 
@@ -254,13 +261,16 @@ fn colour_bar(panel: &Panel, height: f64) -> Option<(Mapping, Vec<String>)> {
     Some((mapping, text::wrap(&bar.label, TEXT_SIZE, height)))
 }
 
-fn y_mapping(panel: &Panel, height: f64) -> Mapping {
+fn y_mapping(figure: &Figure, panel: &Panel, height: f64) -> Mapping {
     let room = (height / 20.0) as usize;
     if let Content::Picture(picture) = &panel.content {
         return pixels(&panel.y.label, picture.height, room);
     }
-    let references = panel.references.iter().map(|reference| reference.y);
-    let mut values: Vec<f64> = references.chain(panel.content.reached()).collect();
+    let mut values: Vec<f64> = Vec::new();
+    for alike in figure.panels.iter().filter(|other| other.y == panel.y) {
+        values.extend(alike.references.iter().map(|reference| reference.y));
+        values.extend(alike.content.reached());
+    }
     if matches!(panel.content, Content::Bars(_) | Content::Stacks(_))
         && matches!(panel.y.scale, Scale::Linear { .. })
     {
@@ -278,8 +288,11 @@ fn pixels(label: &str, count: u32, room: usize) -> Mapping {
     mapping
 }
 
-fn x_mapping(panel: &Panel, width: f64, left: f64) -> (Mapping, TickLabels) {
-    let values = || panel.content.series().iter().flat_map(|series| &series.points).map(|point| point.x);
+fn x_mapping(figure: &Figure, panel: &Panel, width: f64, left: f64) -> (Mapping, TickLabels) {
+    let values = || {
+        let alike = figure.panels.iter().filter(|other| other.x == panel.x);
+        alike.flat_map(|other| other.content.series()).flat_map(|series| &series.points).map(|point| point.x)
+    };
     let with_room = |room| match &panel.content {
         Content::Picture(picture) => pixels(&panel.x.label, picture.width, room),
         _ => Mapping::new(&panel.x.scale, values(), room),

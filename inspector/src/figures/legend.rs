@@ -114,9 +114,9 @@ impl Legend {
 
     /// Draws it with its upper left corner here.
     pub(crate) fn draw(&self, canvas: &mut Canvas, left: f64, mut top: f64) {
+        let used = self.rows.iter().filter_map(|row| row.last()).map(|last| last.left + last.width);
+        let start = left + 0.5 * (self.width - used.fold(0.0, f64::max)).max(0.0);
         for row in &self.rows {
-            let used = row.last().map_or(0.0, |last| last.left + last.width);
-            let start = left + 0.5 * (self.width - used).max(0.0);
             for placed in row {
                 draw_entry(canvas, placed, start + placed.left, top);
             }

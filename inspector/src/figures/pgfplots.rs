@@ -2,10 +2,13 @@
 
 use std::fmt::Write;
 
+use super::axis::Mapping;
 use super::csv::{ABOVE_COLUMN, BELOW_COLUMN, CURVE_COLUMN, X_COLUMN, Y_COLUMN};
+use super::frame::Frame;
 use super::legend::{Entry, Sample, entries, reference_labels};
 use super::model::{Axis, Content, Figure, Panel, Picture, Scale, Series};
 use super::style::{Hatch, Marker, REFERENCE_DASHES, Style, Width, style};
+use super::svg::{Layout, layout};
 
 /// What every file starts with: packages, how rows of one curve are picked, and how the CSV is read.
 const HEAD: &str = r"% Compile with pdflatex; the CSV must lie beside this file.
@@ -37,40 +40,22 @@ pub fn picture_name(figure: &Figure, panel: usize) -> String {
     format!("{}-panel-{}.png", figure.name, panel + 1)
 }
 
-/// The LaTeX source of a figure.
+/// The LaTeX source of a figure: the same axes in the same places as in the SVG.
 pub fn write(figure: &Figure, width: Width) -> String {
     let mut tex = HEAD.replace("CURVE", &CURVE_COLUMN.to_string());
-    let references = reference_labels(figure);
-    let entries = entries(figure);
     for number in styles_of(figure) {
-        let _ = writeln!(
-            tex,
-            "\\definecolor{{style{number}}}{{HTML}}{{{}}}",
-            style(number).colour.hex().to_uppercase()
-        );
+        let hex = style(number).colour.hex().to_uppercase();
+        let _ = writeln!(tex, "\\definecolor{{style{number}}}{{HTML}}{{{hex}}}");
     }
-    let _ = writeln!(tex, "\\begin{{document}}\n\\footnotesize");
+    tex.push_str("\\begin{document}\n\\footnotesize\n");
     tex.push_str(&READ.replace("CSV", &format!("{}.csv", figure.name)));
-    let columns = super::svg::columns(figure, width);
-    let rows = figure.panels.len().div_ceil(columns);
-    let panel_width = width.points() / columns as f64 - 52.0;
-    let _ = writeln!(tex, "\\begin{{tikzpicture}}\n\\begin{{groupplot}}[");
-    let _ = writeln!(
-        tex,
-        "  group style={{group size={columns} by {rows}, horizontal sep=48bp, vertical sep=64bp}},"
-    );
-    let _ = writeln!(
-        tex,
-        "  scale only axis, width={panel_width:.0}bp, height={:.0}bp,",
-        0.72 * panel_width.min(240.0)
-    );
-    tex.push_str(
-        "  ymajorgrids, grid style={black!12}, tick align=outside, tick pos=left, unbounded coords=jump,\n",
-    );
-    tex.push_str("  title style={font=\\small, align=center}, label style={align=center},\n]\n");
+    let Layout { columns, frames, .. } = layout(figure, width);
+    tex.push_str(&group_start(&frames, columns));
+    let references = reference_labels(figure);
     let mut curve = 0;
-    for (at, panel) in figure.panels.iter().enumerate() {
-        let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(panel, panel_width));
+    for (at, frame) in frames.iter().enumerate() {
+        let panel = frame.panel;
+        let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(frame));
         for series in panel.content.series() {
             tex.push_str(&plot(panel, series, curve));
             curve += 1;
@@ -81,9 +66,22 @@ pub fn write(figure: &Figure, width: Width) -> String {
         tex.push_str(&reference_lines(panel, &references));
     }
     tex.push_str("\\end{groupplot}\n");
-    tex.push_str(&legend(&entries, width));
+    tex.push_str(&legend(&entries(figure), width));
     tex.push_str("\\end{tikzpicture}\n\\end{document}\n");
     tex
+}
+
+fn group_start(frames: &[Frame], columns: usize) -> String {
+    let rows = frames.len().div_ceil(columns);
+    let largest = |part: fn(&Frame) -> f64| frames.iter().map(part).fold(0.0, f64::max);
+    let beside = largest(|frame| frame.left) + largest(|frame| frame.right) + 4.0;
+    let above = largest(|frame| frame.top) + largest(|frame| frame.bottom) + 12.0;
+    format!(
+        "\\begin{{tikzpicture}}\n\\begin{{groupplot}}[\n  group style={{group size={columns} by {rows}, \
+         horizontal sep={beside:.0}bp, vertical sep={above:.0}bp}},\n  \
+         scale only axis, ymajorgrids, grid style={{black!12}}, tick align=outside, tick pos=left,\n  \
+         unbounded coords=jump, title style={{font=\\small, align=center}}, label style={{align=center}},\n]\n"
+    )
 }
 
 fn styles_of(figure: &Figure) -> std::collections::BTreeSet<usize> {
@@ -91,14 +89,16 @@ fn styles_of(figure: &Figure) -> std::collections::BTreeSet<usize> {
 }
 
 /// Axis labels, scales, ticks and how bars stand.
-fn axis_options(panel: &Panel, width: f64) -> String {
+fn axis_options(frame: &Frame) -> String {
+    let (panel, width) = (frame.panel, frame.width);
     let mut options = vec![
+        format!("width={:.1}bp, height={:.1}bp", frame.width, frame.height),
         format!("title={{{}}}", escape(&panel.title)),
         format!("xlabel={{{}}}", escape(&panel.x.label)),
         format!("ylabel={{{}}}", escape(&panel.y.label)),
     ];
-    options.extend(scale_options('x', &panel.x));
-    options.extend(scale_options('y', &panel.y));
+    options.extend(scale_options('x', &panel.x, &frame.x));
+    options.extend(scale_options('y', &panel.y, &frame.y));
     if let Scale::Categories(names) = &panel.x.scale {
         let bar_room = width / names.len().max(1) as f64;
         match &panel.content {
@@ -124,21 +124,20 @@ fn axis_options(panel: &Panel, width: f64) -> String {
     options.join(", ")
 }
 
-fn scale_options(axis: char, shown: &Axis) -> Vec<String> {
+fn scale_options(axis: char, shown: &Axis, mapping: &Mapping) -> Vec<String> {
+    let (low, high) = mapping.range;
+    let mut options = vec![format!("{axis}min={low}, {axis}max={high}")];
     match &shown.scale {
-        Scale::Linear { from_zero: true } => vec![format!("{axis}min=0")],
-        Scale::Linear { from_zero: false } => Vec::new(),
-        Scale::Logarithmic { base } => vec![format!("{axis}mode=log"), format!("log basis {axis}={base}")],
+        Scale::Linear { .. } => {}
+        Scale::Logarithmic { base } => options.push(format!("{axis}mode=log, log basis {axis}={base}")),
         Scale::Categories(names) => {
             let places: Vec<String> = (0..names.len()).map(|at| at.to_string()).collect();
             let labels: Vec<String> = names.iter().map(|name| format!("{{{}}}", escape(name))).collect();
-            vec![
-                format!("{axis}tick={{{}}}", places.join(",")),
-                format!("{axis}ticklabels={{{}}}", labels.join(",")),
-                format!("{axis}min=-0.5, {axis}max={}", names.len().max(1) as f64 - 0.5),
-            ]
+            options.push(format!("{axis}tick={{{}}}", places.join(",")));
+            options.push(format!("{axis}ticklabels={{{}}}", labels.join(",")));
         }
     }
+    options
 }
 
 /// One series: the rows of the CSV with its number.
@@ -218,10 +217,7 @@ fn bar_look(number: usize) -> String {
 }
 
 fn picture_options(picture: &Picture) -> String {
-    let (width, height) = (picture.width, picture.height);
-    let mut options = format!(
-        "enlargelimits=false, axis on top, axis equal image, y dir=reverse, xmin=0, xmax={width}, ymin=0, ymax={height}"
-    );
+    let mut options = String::from("axis on top, y dir=reverse");
     if let Some(bar) = &picture.colour_bar {
         let colours: Vec<String> =
             bar.colours.iter().map(|[red, green, blue]| format!("rgb255=({red},{green},{blue})")).collect();

@@ -24,9 +24,7 @@ const NARROWEST_BAR: f64 = 2.2;
 pub fn draw(figure: &Figure, width: Width, prefix: &str) -> Result<String, FigureError> {
     figure.check()?;
     let page = width.points();
-    let columns = columns(figure, width);
-    let cell = (page - 2.0 * EDGE - (columns - 1) as f64 * GAP) / columns as f64;
-    let frames = measure(figure, columns, cell);
+    let Layout { columns, cell, frames } = layout(figure, width);
     let reference_labels = reference_labels(figure);
     let mut canvas = Canvas::new(prefix);
     let mut top = EDGE;
@@ -47,8 +45,25 @@ pub fn draw(figure: &Figure, width: Width, prefix: &str) -> Result<String, Figur
     Ok(canvas.finish(page, height.ceil(), &figure.title))
 }
 
+/// The panels of a figure in their grid.
+pub(crate) struct Layout<'a> {
+    /// Panels beside each other.
+    pub(crate) columns: usize,
+    /// Width of one with all that stands around it, points.
+    pub(crate) cell: f64,
+    /// All of them, row by row.
+    pub(crate) frames: Vec<Frame<'a>>,
+}
+
+/// Measures all panels.
+pub(crate) fn layout(figure: &Figure, width: Width) -> Layout<'_> {
+    let columns = columns(figure, width);
+    let cell = (width.points() - 2.0 * EDGE - (columns - 1) as f64 * GAP) / columns as f64;
+    Layout { columns, cell, frames: measure(figure, columns, cell) }
+}
+
 /// Panels beside each other.
-pub(crate) fn columns(figure: &Figure, width: Width) -> usize {
+fn columns(figure: &Figure, width: Width) -> usize {
     let panels = figure.panels.len().max(1);
     let most = match (width, panels) {
         (Width::OneColumn, 1..=3) => 1,
@@ -77,9 +92,9 @@ fn measure(figure: &Figure, columns: usize, cell: f64) -> Vec<Frame<'_>> {
     let height_of = |panel| if is_picture(panel) { 1.3 * cell } else { height };
     let mut left = vec![0.0f64; columns];
     for (at, panel) in figure.panels.iter().enumerate() {
-        let frame = Frame::measure(panel, cell, height_of(panel), 0.0);
+        let frame = Frame::measure(figure, panel, cell, height_of(panel), 0.0);
         left[at % columns] = left[at % columns].max(frame.left);
     }
-    let lined_up = |(at, panel)| Frame::measure(panel, cell, height_of(panel), left[at % columns]);
+    let lined_up = |(at, panel)| Frame::measure(figure, panel, cell, height_of(panel), left[at % columns]);
     figure.panels.iter().enumerate().map(lined_up).collect()
 }
