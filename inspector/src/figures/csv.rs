@@ -111,11 +111,15 @@ fn bare_point(x: f64, y: f64, name: &str) -> Point {
     Point { x, y, spread: None, n: 0, name: name.to_owned() }
 }
 
-/// Text that needs no quotes, which LaTeX would not understand.
+/// Text that needs no quotes, which LaTeX would not understand, and no backslashes or braces, which
+/// it would.
 fn plain(text: &str) -> String {
     let plain = |character: char| match character {
         ',' => ';',
         '"' => '\'',
+        '\\' => '/',
+        '{' => '(',
+        '}' => ')',
         control if control.is_control() => ' ',
         other => other,
     };

@@ -36,10 +36,14 @@ pub(crate) struct Frame<'a> {
     pub(crate) width: f64,
     /// Of the plot area.
     pub(crate) height: f64,
-    title: Vec<String>,
-    x_label: Vec<String>,
-    y_label: Vec<String>,
-    x_ticks: TickLabels,
+    /// Lines above it.
+    pub(crate) title: Vec<String>,
+    /// Lines below the ticks.
+    pub(crate) x_label: Vec<String>,
+    /// Lines left of the ticks, read from below.
+    pub(crate) y_label: Vec<String>,
+    /// The words at the ticks below.
+    pub(crate) x_ticks: TickLabels,
     colour_bar: Option<(Mapping, Vec<String>)>,
 }
 
@@ -95,6 +99,11 @@ impl<'a> Frame<'a> {
         frame.top = frame.title.len() as f64 * TITLE_LINE + EDGE;
         frame.bottom = frame.x_ticks.height() + TICK_GAP + frame.x_label.len() as f64 * LINE + 3.0;
         frame
+    }
+
+    /// Width of a category, points.
+    pub(crate) fn slot(&self) -> f64 {
+        self.width / (self.x.range.1 - self.x.range.0)
     }
 
     /// A picture keeps its sides: the plot area shrinks to it.

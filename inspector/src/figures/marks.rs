@@ -15,8 +15,19 @@ use super::{FigureError, raster};
 const MOST_MARKERS: usize = 40;
 /// The part of its slot that a group of bars takes.
 const GROUP_WIDTH: f64 = 0.8;
-/// Widest bar, points.
+/// The part of its slot that a stack takes.
+const STACK_WIDTH: f64 = 0.7;
+/// Widest bar and widest stack, points.
 const WIDEST_BAR: f64 = 24.0;
+const WIDEST_STACK: f64 = 36.0;
+
+/// Width of the bars of a panel, points.
+pub(crate) fn bar_width(frame: &Frame) -> f64 {
+    match &frame.panel.content {
+        Content::Bars(series) => (GROUP_WIDTH * frame.slot() / series.len().max(1) as f64).min(WIDEST_BAR),
+        _ => (STACK_WIDTH * frame.slot()).min(WIDEST_STACK),
+    }
+}
 
 /// A panel's axes in their place.
 struct Plot<'a> {
@@ -37,11 +48,6 @@ impl Plot<'_> {
     fn point(&self, point: &Point) -> Option<(f64, f64)> {
         Some((self.x(point.x)?, self.y(point.y)?))
     }
-
-    /// Width of a category, points.
-    fn slot(&self) -> f64 {
-        self.area.width / (self.x.range.1 - self.x.range.0)
-    }
 }
 
 /// Draws what a panel shows into its plot area. `reference_labels` give the dashes of lines across.
@@ -55,8 +61,8 @@ pub(crate) fn draw(
     match &frame.panel.content {
         Content::Lines(series) => series.iter().for_each(|series| line(canvas, &plot, series)),
         Content::Scatter(series) => series.iter().for_each(|series| scatter(canvas, &plot, series)),
-        Content::Bars(series) => bars(canvas, &plot, series),
-        Content::Stacks(series) => stacks(canvas, &plot, series),
+        Content::Bars(series) => bars(canvas, &plot, series, bar_width(frame)),
+        Content::Stacks(series) => stacks(canvas, &plot, series, bar_width(frame)),
         Content::Picture(shown) => picture(canvas, area, shown)?,
     }
     for reference in &frame.panel.references {
@@ -105,9 +111,8 @@ fn scatter(canvas: &mut Canvas, plot: &Plot, series: &Series) {
     }
 }
 
-fn bars(canvas: &mut Canvas, plot: &Plot, series: &[Series]) {
+fn bars(canvas: &mut Canvas, plot: &Plot, series: &[Series], width: f64) {
     let count = series.len().max(1) as f64;
-    let width = (GROUP_WIDTH * plot.slot() / count).min(WIDEST_BAR);
     for (at, one) in series.iter().enumerate() {
         let offset = (at as f64 - 0.5 * count) * width;
         for point in &one.points {
@@ -119,8 +124,7 @@ fn bars(canvas: &mut Canvas, plot: &Plot, series: &[Series]) {
     }
 }
 
-fn stacks(canvas: &mut Canvas, plot: &Plot, series: &[Series]) {
-    let width = (0.7 * plot.slot()).min(1.5 * WIDEST_BAR);
+fn stacks(canvas: &mut Canvas, plot: &Plot, series: &[Series], width: f64) {
     let mut tops: std::collections::BTreeMap<u64, f64> = std::collections::BTreeMap::new();
     let mut whiskers = Vec::new();
     for one in series {

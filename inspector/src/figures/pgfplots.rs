@@ -3,36 +3,35 @@
 use std::fmt::Write;
 
 use super::axis::Mapping;
-use super::csv::{ABOVE_COLUMN, BELOW_COLUMN, CURVE_COLUMN, X_COLUMN, Y_COLUMN};
+use super::csv::{ABOVE_COLUMN, BELOW_COLUMN, X_COLUMN, Y_COLUMN};
 use super::frame::Frame;
 use super::legend::{Entry, Sample, entries, reference_labels};
+use super::marks::bar_width;
 use super::model::{Axis, Content, Figure, Panel, Picture, Scale, Series};
 use super::style::{Hatch, Marker, REFERENCE_DASHES, Style, Width, style};
 use super::svg::{Layout, layout};
 
-/// What every file starts with: packages, how rows of one curve are picked, and how the CSV is read.
+/// What every file starts with: packages, and how the rows of one curve are picked from the CSV.
 const HEAD: &str = r"% Compile with pdflatex; the CSV must lie beside this file.
 \documentclass[border=2pt]{standalone}
 \usepackage[utf8]{inputenc}
-\usepackage[T1]{fontenc}
-\usepackage{helvet}
-\renewcommand{\familydefault}{\sfdefault}
 \usepackage{pgfplots}
-\usepackage{pgfplotstable}
+\pgfplotsset{compat=1.16}
 \usepgfplotslibrary{groupplots}
 \usetikzlibrary{patterns}
-\pgfplotsset{compat=1.16}
+\renewcommand{\familydefault}{\sfdefault}
 \pgfplotsset{
-  /pgfplots/curve/.style={x filter/.append code={%
-    \edef\curvefound{\thisrowno{CURVE}}\edef\curvewanted{#1}%
+  curve/.style={x filter/.append code={%
+    \edef\curvefound{\thisrow{curve}}\edef\curvewanted{#1}%
     \ifx\curvefound\curvewanted\else\def\pgfmathresult{}\fi}},
 }
 ";
 
-/// Reads the CSV with its text as it is, whatever TeX's special characters in it.
-const READ: &str = r"\catcode37=12\catcode35=12\catcode36=12\catcode38=12\catcode94=12\catcode95=12\catcode126=12\relax
-\pgfplotstableread[col sep=comma,header=has colnames]{CSV}\numbers
-\catcode37=14\catcode35=6\catcode36=3\catcode38=4\catcode94=7\catcode95=8\catcode126=13\relax
+/// Text of the CSV is read as it is, so from here on no special character of TeX is one but the
+/// backslash and braces.
+const PLAIN_TEXT: &str = r"\begin{document}
+\footnotesize
+\catcode37=12\catcode35=12\catcode36=12\catcode38=12\catcode94=12\catcode95=12\catcode126=12\relax
 ";
 
 /// File name of the pixels of a panel that shows a picture.
@@ -42,13 +41,12 @@ pub fn picture_name(figure: &Figure, panel: usize) -> String {
 
 /// The LaTeX source of a figure: the same axes in the same places as in the SVG.
 pub fn write(figure: &Figure, width: Width) -> String {
-    let mut tex = HEAD.replace("CURVE", &CURVE_COLUMN.to_string());
+    let mut tex = HEAD.to_owned();
     for number in styles_of(figure) {
         let hex = style(number).colour.hex().to_uppercase();
         let _ = writeln!(tex, "\\definecolor{{style{number}}}{{HTML}}{{{hex}}}");
     }
-    tex.push_str("\\begin{document}\n\\footnotesize\n");
-    tex.push_str(&READ.replace("CSV", &format!("{}.csv", figure.name)));
+    tex.push_str(PLAIN_TEXT);
     let Layout { columns, frames, .. } = layout(figure, width);
     tex.push_str(&group_start(&frames, columns));
     let references = reference_labels(figure);
@@ -57,7 +55,7 @@ pub fn write(figure: &Figure, width: Width) -> String {
         let panel = frame.panel;
         let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(frame));
         for series in panel.content.series() {
-            tex.push_str(&plot(panel, series, curve));
+            tex.push_str(&plot(figure, frame, series, curve));
             curve += 1;
         }
         if let Content::Picture(picture) = &panel.content {
@@ -90,33 +88,27 @@ fn styles_of(figure: &Figure) -> std::collections::BTreeSet<usize> {
 
 /// Axis labels, scales, ticks and how bars stand.
 fn axis_options(frame: &Frame) -> String {
-    let (panel, width) = (frame.panel, frame.width);
+    let panel = frame.panel;
     let mut options = vec![
         format!("width={:.1}bp, height={:.1}bp", frame.width, frame.height),
-        format!("title={{{}}}", escape(&panel.title)),
-        format!("xlabel={{{}}}", escape(&panel.x.label)),
-        format!("ylabel={{{}}}", escape(&panel.y.label)),
+        format!("title={{{}}}", lines(&frame.title)),
+        format!("xlabel={{{}}}", lines(&frame.x_label)),
+        format!("ylabel={{{}}}", lines(&frame.y_label)),
     ];
     options.extend(scale_options('x', &panel.x, &frame.x));
     options.extend(scale_options('y', &panel.y, &frame.y));
-    if let Scale::Categories(names) = &panel.x.scale {
-        let bar_room = width / names.len().max(1) as f64;
-        match &panel.content {
-            Content::Bars(series) => {
-                options.push(format!(
-                    "bar width={:.2}bp",
-                    (0.8 * bar_room / series.len().max(1) as f64).min(24.0)
-                ));
-            }
-            Content::Stacks(_) => {
-                options.push(format!("ybar stacked, bar width={:.2}bp", (0.7 * bar_room).min(36.0)));
-            }
-            _ => {}
-        }
-        let widest = names.iter().map(|name| super::text::width(name, 8.0)).fold(0.0, f64::max);
-        if widest + 5.0 > bar_room {
-            options.push("x tick label style={rotate=45, anchor=north east, inner sep=1pt}".to_owned());
-        }
+    match &panel.content {
+        Content::Bars(_) => options.push(format!("bar width={:.2}bp", bar_width(frame))),
+        Content::Stacks(_) => options.push(format!("ybar stacked, bar width={:.2}bp", bar_width(frame))),
+        _ => {}
+    }
+    let turned = match frame.x_ticks.degrees() {
+        0 => format!("align=center, text width={:.1}bp", frame.slot().max(4.0)),
+        90 => "rotate=90, anchor=east".to_owned(),
+        degrees => format!("rotate={degrees}, anchor=north east, inner sep=1pt"),
+    };
+    if matches!(panel.x.scale, Scale::Categories(_)) {
+        options.push(format!("x tick label style={{{turned}}}"));
     }
     if let Content::Picture(picture) = &panel.content {
         options.push(picture_options(picture));
@@ -126,29 +118,32 @@ fn axis_options(frame: &Frame) -> String {
 
 fn scale_options(axis: char, shown: &Axis, mapping: &Mapping) -> Vec<String> {
     let (low, high) = mapping.range;
-    let mut options = vec![format!("{axis}min={low}, {axis}max={high}")];
-    match &shown.scale {
-        Scale::Linear { .. } => {}
-        Scale::Logarithmic { base } => options.push(format!("{axis}mode=log, log basis {axis}={base}")),
-        Scale::Categories(names) => {
-            let places: Vec<String> = (0..names.len()).map(|at| at.to_string()).collect();
-            let labels: Vec<String> = names.iter().map(|name| format!("{{{}}}", escape(name))).collect();
-            options.push(format!("{axis}tick={{{}}}", places.join(",")));
-            options.push(format!("{axis}ticklabels={{{}}}", labels.join(",")));
-        }
+    let labelled = mapping.ticks.iter().filter(|tick| !tick.label.is_empty());
+    let (places, labels): (Vec<String>, Vec<String>) =
+        labelled.map(|tick| (tick.value.to_string(), format!("{{{}}}", escape(&tick.label)))).unzip();
+    let mut options = vec![
+        format!("{axis}min={low}, {axis}max={high}"),
+        format!("{axis}tick={{{}}}", places.join(",")),
+        format!("{axis}ticklabels={{{}}}", labels.join(",")),
+    ];
+    if let Scale::Logarithmic { base } = &shown.scale {
+        options.push(format!("{axis}mode=log, log basis {axis}={base}"));
     }
     options
 }
 
 /// One series: the rows of the CSV with its number.
-fn plot(panel: &Panel, series: &Series, curve: usize) -> String {
-    let look = match &panel.content {
+fn plot(figure: &Figure, frame: &Frame, series: &Series, curve: usize) -> String {
+    let mut x = format!("x index={X_COLUMN}");
+    let look = match &frame.panel.content {
         Content::Lines(_) => format!("{}, {}", line_look(series.style), marker_look(series.style)),
         Content::Scatter(_) => format!("only marks, {}", marker_look(series.style)),
         Content::Bars(all) => {
-            let at = all.iter().position(|one| std::ptr::eq(one, series)).unwrap_or(0);
-            let shift = at as f64 - 0.5 * (all.len() as f64 - 1.0);
-            format!("ybar, bar shift={shift}*\\pgfplotbarwidth, {}", bar_look(series.style))
+            // The numbers are shifted instead of the bars, since error bars stay where the numbers are.
+            let at = all.iter().position(|one| std::ptr::eq(one, series)).unwrap_or(0) as f64;
+            let shift = (at + 0.5 - 0.5 * all.len() as f64) * bar_width(frame) / frame.slot();
+            x = format!("x expr=\\thisrowno{{{X_COLUMN}}}+{shift:.5}");
+            format!("ybar, bar shift=0pt, {}", bar_look(series.style))
         }
         Content::Stacks(_) | Content::Picture(_) => bar_look(series.style),
     };
@@ -160,8 +155,8 @@ fn plot(panel: &Panel, series: &Series, curve: usize) -> String {
         ("", String::new())
     };
     format!(
-        "% {}\n\\addplot+[{look}, curve={curve}{bars}] table[x index={X_COLUMN}, y index={Y_COLUMN}{columns}]{{\\numbers}};\n",
-        series.label.replace(['\n', '\r'], " ")
+        "\\addplot[{look}, curve={curve}{bars}] table[col sep=comma, {x}, y index={Y_COLUMN}{columns}]{{{}.csv}};\n",
+        figure.name
     )
 }
 
@@ -186,13 +181,14 @@ fn marker_look(number: usize) -> String {
         Marker::Square => "mark=square*",
         Marker::Triangle => "mark=triangle*",
         Marker::Diamond => "mark=diamond*",
-        Marker::TriangleDown => "mark=triangle*, every mark/.append style={rotate=180}",
+        Marker::TriangleDown => "mark=triangle*",
         Marker::Cross => "mark=x",
         Marker::Plus => "mark=+",
         Marker::Pentagon => "mark=pentagon*",
         Marker::Ring => "mark=o",
     };
-    format!("{shape}, mark size=2bp, mark options={{solid, style{number}, fill=style{number}}}")
+    let turned = if style(number).marker == Marker::TriangleDown { ", rotate=180" } else { "" };
+    format!("{shape}, mark size=2bp, mark options={{solid, style{number}, fill=style{number}{turned}}}")
 }
 
 fn bar_look(number: usize) -> String {
@@ -223,7 +219,8 @@ fn picture_options(picture: &Picture) -> String {
             bar.colours.iter().map(|[red, green, blue]| format!("rgb255=({red},{green},{blue})")).collect();
         let _ = write!(
             options,
-            ", colormap={{figure}}{{{}}}, colorbar, point meta min={}, point meta max={}, colorbar style={{ylabel={{{}}}, y dir=normal}}",
+            ", colormap={{figure}}{{{}}}, colorbar, point meta min={}, point meta max={}, \
+             colorbar style={{ylabel={{{}}}, y dir=normal, width=8bp, xshift=-4bp, scaled y ticks=false}}",
             colours.join(" "),
             bar.range.0,
             bar.range.1,
@@ -251,12 +248,7 @@ fn reference_lines(panel: &Panel, labels: &[String]) -> String {
                 format!("{{rel axis cs:1,0}}|-{{axis cs:{},{y}}}", inside(panel)),
             ),
         };
-        let _ = writeln!(
-            tex,
-            "% {}\n\\draw[{}] ({from}) -- ({to});",
-            reference.label.replace(['\n', '\r'], " "),
-            reference_look(number)
-        );
+        let _ = writeln!(tex, "\\draw[{}] ({from}) -- ({to});", reference_look(number));
     }
     tex
 }
@@ -272,60 +264,79 @@ fn reference_look(number: usize) -> String {
     format!("black!62, line width=0.9bp, {dash}")
 }
 
+/// Where a line in the legend runs.
+const SAMPLE: &str = "(0,0) (10bp,0) (20bp,0)";
+
 /// The legend as a paragraph below all panels, which breaks into lines by itself.
 fn legend(entries: &[Entry], width: Width) -> String {
     if entries.is_empty() {
         return String::new();
     }
     let mut tex = format!(
-        "\\node[anchor=north, align=center, text width={:.0}bp] at ([yshift=-4bp]current bounding box.south) {{%\n",
+        "\\node[anchor=north, align=center, text width={:.0}bp] at ([yshift=-4bp]current bounding box.south) {{\n",
         width.points() - 12.0
     );
     for Entry { sample, label } in entries {
-        let image = match *sample {
+        let drawn = match *sample {
             Sample::Line(number) => {
-                format!("mark repeat=2, mark phase=2, {}, {}", line_look(number), marker_look(number))
+                let (line, marker) = (line_look(number), marker_look(number));
+                format!("\\draw[{line}] plot[{marker}, mark indices={{2}}] coordinates {{{SAMPLE}}};")
             }
             Sample::Marker(number) => {
-                format!("only marks, mark repeat=2, mark phase=2, {}", marker_look(number))
+                format!("\\path plot[{}, mark indices={{2}}] coordinates {{{SAMPLE}}};", marker_look(number))
             }
-            Sample::Bar(number) => format!("area legend, {}", bar_look(number)),
-            Sample::Reference(number) => reference_look(number),
+            Sample::Bar(number) => format!("\\path[{}] (0,-4bp) rectangle (15bp,4bp);", bar_look(number)),
+            Sample::Reference(number) => format!("\\draw[{}] (0,0) -- (20bp,0);", reference_look(number)),
         };
-        let _ = writeln!(tex, "\\mbox{{\\addlegendimageintext{{{image}}}~{}}}\\quad", escape(label));
+        let _ = writeln!(tex, "\\mbox{{\\tikz[baseline=-0.6ex]{{{drawn}}} {}}}\\quad", escape(label));
     }
     tex.push_str("};\n");
     tex
 }
 
-/// Text as TeX wants it.
+/// Lines of text below each other.
+fn lines(lines: &[String]) -> String {
+    lines.iter().map(|line| escape(line)).collect::<Vec<_>>().join("\\\\ ")
+}
+
+/// Text as TeX wants it where only the backslash and braces are special.
 fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
-        match character {
-            '\\' => escaped.push_str("\\textbackslash{}"),
-            '{' | '}' | '$' | '&' | '#' | '%' | '_' => escaped.extend(['\\', character]),
-            '^' => escaped.push_str("\\textasciicircum{}"),
-            '~' => escaped.push_str("\\textasciitilde{}"),
-            '<' => escaped.push_str("\\textless{}"),
-            '>' => escaped.push_str("\\textgreater{}"),
-            '×' => escaped.push_str("$\\times$"),
-            'µ' | 'μ' => escaped.push_str("$\\mu$"),
-            '²' => escaped.push_str("$^2$"),
-            '³' => escaped.push_str("$^3$"),
-            '≥' => escaped.push_str("$\\ge$"),
-            '≤' => escaped.push_str("$\\le$"),
-            '−' => escaped.push_str("$-$"),
-            '→' => escaped.push_str("$\\to$"),
-            '±' => escaped.push_str("$\\pm$"),
-            '·' => escaped.push_str("$\\cdot$"),
-            '°' => escaped.push_str("$^\\circ$"),
-            'Δ' => escaped.push_str("$\\Delta$"),
-            '∞' => escaped.push_str("$\\infty$"),
-            '…' => escaped.push_str("\\ldots{}"),
-            control if control.is_control() => escaped.push(' '),
-            other => escaped.push(other),
-        }
+        let word = match character {
+            '\\' => "\\textbackslash{}",
+            '{' | '}' | '$' | '&' | '#' | '%' | '_' => {
+                escaped.extend(['\\', character]);
+                continue;
+            }
+            '^' => "\\textasciicircum{}",
+            '~' => "\\textasciitilde{}",
+            '<' => "\\textless{}",
+            '>' => "\\textgreater{}",
+            '"' => "''",
+            '×' => "\\ensuremath{\\times}",
+            'µ' | 'μ' => "\\ensuremath{\\mu}",
+            '²' => "\\ensuremath{\\sp{2}}",
+            '³' => "\\ensuremath{\\sp{3}}",
+            '≥' => "\\ensuremath{\\ge}",
+            '≤' => "\\ensuremath{\\le}",
+            '−' => "\\ensuremath{-}",
+            '→' => "\\ensuremath{\\to}",
+            '±' => "\\ensuremath{\\pm}",
+            '·' => "\\ensuremath{\\cdot}",
+            '°' => "\\ensuremath{\\sp{\\circ}}",
+            'Δ' => "\\ensuremath{\\Delta}",
+            '∞' => "\\ensuremath{\\infty}",
+            '…' => "\\ldots{}",
+            '–' => "\\textendash{}",
+            '—' => "\\textemdash{}",
+            control if control.is_control() => " ",
+            other => {
+                escaped.push(other);
+                continue;
+            }
+        };
+        escaped.push_str(word);
     }
     escaped
 }

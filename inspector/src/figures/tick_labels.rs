@@ -83,6 +83,15 @@ impl TickLabels {
         Self { direction: Direction::Level, labels: labels.collect() }
     }
 
+    /// How far labels rise.
+    pub(crate) fn degrees(&self) -> u32 {
+        match self.direction {
+            Direction::Level => 0,
+            Direction::Slanted => 45,
+            Direction::Upright => 90,
+        }
+    }
+
     /// Room below the axis without the gap, points.
     pub(crate) fn height(&self) -> f64 {
         let widest = self.labels.iter().map(|lines| text::widest(lines, TEXT_SIZE)).fold(0.0, f64::max);
