@@ -6,8 +6,12 @@
 //! - `output`: tables, sizes and JSON on standard output
 
 pub mod cli;
+mod export;
 pub mod figures;
 mod info;
+mod inputs;
 mod output;
+mod plot;
 mod recover;
+pub mod report;
 mod verify;

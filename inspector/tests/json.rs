@@ -99,6 +99,7 @@ fn manifest() -> Manifest {
             timing(None, "unsorted", Stage::Generate, &[7]),
             timing(Some(Kind::Closest), "reis", Stage::TraceIndirect, &[40, 10, 30, 20]),
         ],
+        caches: Vec::new(),
         end: Some(End {
             outcome: Outcome::Complete,
             image: Some(ImageDigest { width: 4, height: 2, sha256: [0xab; 32] }),
@@ -116,7 +117,7 @@ fn the_promised_fields_are_there() {
     let found = summary(&manifest());
     for (field, expected) in [
         ("dump", json!("x.raydump")),
-        ("format_version", json!(1)),
+        ("format_version", json!(2)),
         ("complete", json!(true)),
         ("backend", json!("gpu")),
         ("image", json!({"width": 4, "height": 2, "sha256": "ab".repeat(32)})),

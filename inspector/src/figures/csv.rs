@@ -8,8 +8,6 @@ const BEFORE: [&str; 5] = ["curve", "panel", "series", "name", "category"];
 /// Columns after them. `below` and `above` are distances from y to `low` and `high`, 0 where the
 /// spread is unknown: what LaTeX draws error bars from.
 const AFTER: [&str; 5] = ["low", "high", "n", "below", "above"];
-/// Place of the number that a series has in its figure, over all panels.
-pub(crate) const CURVE_COLUMN: usize = 0;
 /// Place of x.
 pub(crate) const X_COLUMN: usize = 5;
 /// Place of y.
