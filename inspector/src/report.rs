@@ -29,6 +29,9 @@ pub struct Report {
     pub commands: Vec<String>,
 }
 
+/// What the browser lets the page do: show what is in it. Nothing is run, nothing is loaded.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; font-src data:";
+
 const STYLE: &str = "
 :root { color-scheme: light dark; --ink: #1a1a1a; --page: #ffffff; --soft: #f3f4f6; --line: #d4d7dc; --faint: #5a6270; }
 @media (prefers-color-scheme: dark) {
@@ -46,7 +49,9 @@ table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size
 th, td { padding: .25rem .7rem; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
 th { color: var(--faint); font-weight: 600; }
 th:first-child, td:first-child { text-align: left; }
-.facts th, .facts td { text-align: left; white-space: normal; vertical-align: top; overflow-wrap: anywhere; }
+.facts th, .facts td { text-align: left; }
+.facts td { white-space: normal; overflow-wrap: anywhere; }
+.facts th { vertical-align: top; }
 figure { margin: 1.5rem 0 2.5rem; break-inside: avoid; }
 .paper { background: #ffffff; border: 1px solid var(--line); border-radius: 4px; padding: .6rem; }
 .paper svg { display: block; width: 100%; height: auto; max-width: 60rem; margin: 0 auto; }
@@ -70,6 +75,7 @@ pub fn html(report: &Report) -> Result<String, FigureError> {
     let title = escape(&report.title);
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
          <style>\n@font-face {{ font-family: \"{FONT_FAMILY}\"; src: url(data:font/ttf;base64,{}); }}\n{STYLE}</style>\n\
          </head>\n<body>\n<h1>{title}</h1>\n",

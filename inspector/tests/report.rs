@@ -1,4 +1,6 @@
 //! The report is read as people read it: in a browser, with scripts off.
+//!
+//! To look at it: `GALLERY_FOLDER=/tmp cargo test -p inspector --test report`.
 
 use std::path::Path;
 use std::process::Command;
@@ -95,45 +97,61 @@ fn ids_are_unique_and_all_that_is_referred_to_is_there() {
 fn chromium(profile: &Path, arguments: &[&str]) -> std::process::Output {
     let run = |program: &str| {
         Command::new(program)
-            .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run"])
-            .args(["--hide-scrollbars", "--blink-settings=scriptEnabled=false"])
+            .args([
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--disable-dev-shm-usage",
+                "--no-first-run",
+            ])
+            .args(["--hide-scrollbars"])
             .arg(format!("--user-data-dir={}", profile.display()))
             .args(arguments)
             .output()
     };
-    ["chromium", "chromium-browser", "google-chrome"].into_iter().find_map(|program| run(program).ok()).expect(
-        "a browser is needed to test the report, and the test does not skip: install chromium \
+    ["chromium", "chromium-browser", "google-chrome"]
+        .into_iter()
+        .find_map(|program| run(program).ok())
+        .expect(
+            "a browser is needed to test the report, and the test does not skip: install chromium \
          (on Debian: apt-get install --no-install-recommends chromium)",
-    )
+        )
 }
 
 #[test]
 fn the_page_is_seen_in_a_browser_without_scripts() {
     let folder = tempfile::tempdir().unwrap();
     let page = folder.path().join("report.html");
+    if let Some(kept) = std::env::var_os("GALLERY_FOLDER") {
+        std::fs::write(Path::new(&kept).join("report.html"), html(&sample()).unwrap()).unwrap();
+    }
     std::fs::write(&page, html(&sample()).unwrap()).unwrap();
+    // A frame without permissions: the browser runs no script in it.
+    let frame = folder.path().join("frame.html");
+    let style = "position:fixed;inset:0;width:100%;height:100%;border:0";
+    std::fs::write(&frame, format!("<iframe sandbox src=\"report.html\" style=\"{style}\"></iframe>"))
+        .unwrap();
     let picture = folder.path().join("seen.png");
     let output = chromium(
         &folder.path().join("profile"),
         &[
             "--window-size=1000,2600",
             &format!("--screenshot={}", picture.display()),
-            &format!("file://{}", page.display()),
+            &format!("file://{}", frame.display()),
         ],
     );
     let said = String::from_utf8_lossy(&output.stderr);
     let bytes = std::fs::read(&picture).unwrap_or_else(|error| panic!("no picture: {error}\n{said}"));
     let seen = resvg::tiny_skia::Pixmap::decode_png(&bytes).unwrap();
-    // What every figure must show: the colours of styles 1, 2 and 3 in bars, and text.
-    let count = |red: u8, green: u8, blue: u8| {
-        let is_it = |pixel: &&resvg::tiny_skia::PremultipliedColorU8| {
-            (pixel.red(), pixel.green(), pixel.blue()) == (red, green, blue)
-        };
-        seen.pixels().iter().filter(is_it).count()
+    let count = |is_it: &dyn Fn([u8; 3]) -> bool| {
+        let colours = seen.pixels().iter().map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]);
+        colours.filter(|colour| is_it(*colour)).count()
     };
-    for (red, green, blue) in [(0x00, 0x72, 0xb2), (0xd5, 0x5e, 0x00), (0x00, 0x9e, 0x73)] {
-        let pixels = count(red, green, blue);
-        assert!(pixels > 500, "colour {red} {green} {blue} is on {pixels} pixels alone\n{said}");
+    // The bars of styles 1, 2 and 3, then text and axes.
+    for bar in [[0x00, 0x72, 0xb2], [0xd5, 0x5e, 0x00], [0x00, 0x9e, 0x73]] {
+        let pixels = count(&|colour| colour == bar);
+        assert!(pixels > 500, "colour {bar:?} is on {pixels} pixels alone\n{said}");
     }
-    assert!(count(0, 0, 0) > 500, "no text and no axes\n{said}");
+    let dark = count(&|colour| colour.iter().all(|&part| part < 0x50));
+    assert!(dark > 3000, "{dark} dark pixels: no text or no axes\n{said}");
 }

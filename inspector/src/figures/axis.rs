@@ -84,6 +84,10 @@ fn linear(low: f64, high: f64, from_zero: bool, room: usize, least_step: f64) ->
     let (mut low, mut high) = if low <= high { (low, high) } else { (0.0, 1.0) };
     if from_zero {
         (low, high) = (low.min(0.0), high.max(0.0));
+    } else if least_step > 0.0 && high > low {
+        if let Some(mapping) = whole(low, high, room) {
+            return mapping;
+        }
     }
     // Differences below the accuracy of the numbers are none.
     if high - low <= 1e-12 * low.abs().max(high.abs()) {
@@ -95,9 +99,22 @@ fn linear(low: f64, high: f64, from_zero: bool, room: usize, least_step: f64) ->
         let stays = |padded: f64, value: f64| if padded * value < 0.0 { 0.0 } else { padded };
         (low, high) = (stays(low - padding, low), stays(high + padding, high));
     }
-    let step = nice_step((high - low) / room as f64).max(least_step);
+    let mut step = nice_step((high - low) / room as f64).max(least_step);
+    if least_step > 0.0 && step.fract() != 0.0 {
+        step *= 2.0;
+    }
     let (first, last) = ((low / step + 1e-9).floor(), (high / step - 1e-9).ceil());
     Mapping { range: (first * step, last * step), ticks: steps(first, last, step), is_logarithmic: false }
+}
+
+/// An axis of whole numbers that ends beside the last one; none if fewer than two would be labelled.
+fn whole(low: f64, high: f64, room: usize) -> Option<Mapping> {
+    let least = nice_step((high - low) / room as f64).max(1.0);
+    let step = if least.fract() == 0.0 { least } else { 2.0 * least };
+    let (first, last) = ((low / step).ceil(), (high / step).floor());
+    let padding = PADDING * (high - low);
+    let range = (low - padding, high + padding);
+    (last > first).then(|| Mapping { range, ticks: steps(first, last, step), is_logarithmic: false })
 }
 
 /// The smallest of 1, 2, 2.5 and 5 times a power of ten that is not below `least`.

@@ -14,6 +14,8 @@ use super::{FigureError, marks};
 const GAP: f64 = 8.0;
 /// Around the whole, points.
 const EDGE: f64 = 3.0;
+/// Highest picture, points.
+const TALLEST_PICTURE: f64 = 300.0;
 /// The least that a bar needs to be told from its neighbours, points.
 const NARROWEST_BAR: f64 = 2.2;
 
@@ -89,7 +91,7 @@ fn least_width(panel: &super::model::Panel) -> f64 {
 fn measure(figure: &Figure, columns: usize, cell: f64) -> Vec<Frame<'_>> {
     let height = (0.62 * cell).clamp(90.0, 180.0);
     let is_picture = |panel: &super::model::Panel| matches!(panel.content, Content::Picture(_));
-    let height_of = |panel| if is_picture(panel) { 1.3 * cell } else { height };
+    let height_of = |panel| if is_picture(panel) { (1.3 * cell).min(TALLEST_PICTURE) } else { height };
     let mut left = vec![0.0f64; columns];
     for (at, panel) in figure.panels.iter().enumerate() {
         let frame = Frame::measure(figure, panel, cell, height_of(panel), 0.0);
