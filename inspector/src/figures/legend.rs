@@ -7,7 +7,7 @@ use super::style::{
 };
 use super::text;
 
-const SAMPLE_WIDTH: f64 = 20.0;
+const SAMPLE_WIDTH: f64 = 24.0;
 const SAMPLE_GAP: f64 = 4.0;
 const ENTRY_GAP: f64 = 14.0;
 const ROW_HEIGHT: f64 = TEXT_SIZE * LINE_HEIGHT + 2.0;

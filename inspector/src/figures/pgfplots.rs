@@ -265,7 +265,7 @@ fn reference_look(number: usize) -> String {
 }
 
 /// Where a line in the legend runs.
-const SAMPLE: &str = "(0,0) (10bp,0) (20bp,0)";
+const SAMPLE: &str = "(0,0) (12bp,0) (24bp,0)";
 
 /// The legend as a paragraph below all panels, which breaks into lines by itself.
 fn legend(entries: &[Entry], width: Width) -> String {
@@ -286,7 +286,7 @@ fn legend(entries: &[Entry], width: Width) -> String {
                 format!("\\path plot[{}, mark indices={{2}}] coordinates {{{SAMPLE}}};", marker_look(number))
             }
             Sample::Bar(number) => format!("\\path[{}] (0,-4bp) rectangle (15bp,4bp);", bar_look(number)),
-            Sample::Reference(number) => format!("\\draw[{}] (0,0) -- (20bp,0);", reference_look(number)),
+            Sample::Reference(number) => format!("\\draw[{}] (0,0) -- (24bp,0);", reference_look(number)),
         };
         let _ = writeln!(tex, "\\mbox{{\\tikz[baseline=-0.6ex]{{{drawn}}} {}}}\\quad", escape(label));
     }
