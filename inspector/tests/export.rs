@@ -1,4 +1,5 @@
 //! What `export` writes is what the recording holds, and its geometry is where the rays are.
+#![allow(clippy::unwrap_used, reason = "this is test code, although not in test functions")]
 
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
@@ -25,8 +26,11 @@ fn export(dump: &Path, arguments: &[&str]) -> PathBuf {
     out
 }
 
-/// Vertices (places and colours) and the count of the other element of a binary PLY.
-fn read_ply(path: &Path) -> (Vec<([f32; 3], [u8; 3])>, usize) {
+/// A place and a colour.
+type Vertex = ([f32; 3], [u8; 3]);
+
+/// Vertices and the count of the other element of a binary PLY.
+fn read_ply(path: &Path) -> (Vec<Vertex>, usize) {
     let bytes = fs::read(path).unwrap();
     let end = bytes.windows(11).position(|window| window == b"end_header\n").unwrap() + 11;
     let header = std::str::from_utf8(&bytes[..end]).unwrap();

@@ -104,7 +104,12 @@ fn chromium(profile: &Path, arguments: &[&str]) -> std::process::Output {
                 "--disable-dev-shm-usage",
                 "--no-first-run",
             ])
-            .args(["--hide-scrollbars"])
+            // The frame is drawn by the same process, and the picture waits for it.
+            .args([
+                "--hide-scrollbars",
+                "--disable-features=IsolateSandboxedIframes",
+                "--virtual-time-budget=10000",
+            ])
             .arg(format!("--user-data-dir={}", profile.display()))
             .args(arguments)
             .output()

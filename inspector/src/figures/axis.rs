@@ -84,10 +84,11 @@ fn linear(low: f64, high: f64, from_zero: bool, room: usize, least_step: f64) ->
     let (mut low, mut high) = if low <= high { (low, high) } else { (0.0, 1.0) };
     if from_zero {
         (low, high) = (low.min(0.0), high.max(0.0));
-    } else if least_step > 0.0 && high > low {
-        if let Some(mapping) = whole(low, high, room) {
-            return mapping;
-        }
+    } else if least_step > 0.0
+        && high > low
+        && let Some(mapping) = whole(low, high, room)
+    {
+        return mapping;
     }
     // Differences below the accuracy of the numbers are none.
     if high - low <= 1e-12 * low.abs().max(high.abs()) {

@@ -12,10 +12,13 @@ use std::path::Path;
 use resvg::{tiny_skia, usvg};
 
 use super::model::{Content, Figure, Point};
-use super::style::{TEXT_SIZE, Width};
+use super::style::Width;
 use super::{csv, files, raster, svg};
 
 const WIDTHS: [(Width, &str); 2] = [(Width::OneColumn, "one-column"), (Width::TwoColumn, "two-column")];
+
+/// What is still read at column width, points.
+const SMALLEST_TEXT: f32 = 8.0;
 
 /// Rounding of coordinates and of font metrics, pixels.
 const TOLERANCE: f32 = 0.5;
@@ -52,7 +55,7 @@ fn gallery_text_is_inside_the_page_apart_and_large_enough() {
                 assert!(inside, "{name}: {:?} is cut at {x}, {y}", text.words);
             }
             // Pixels of CSS are 3/4 of a point.
-            assert!(text.size * 0.75 >= TEXT_SIZE as f32 - 0.01, "{name}: {:?} is small", text.words);
+            assert!(text.size * 0.75 >= SMALLEST_TEXT - 0.01, "{name}: {:?} is small", text.words);
         }
         for (at, text) in texts.iter().enumerate() {
             for other in &texts[..at] {
@@ -83,9 +86,10 @@ fn gallery_panels_are_not_empty() {
     }
 }
 
-fn numbers_of(figure: &Figure) -> Vec<&Point> {
-    let panels = figure.panels.iter();
-    panels.flat_map(|panel| panel.content.series()).flat_map(|series| &series.points).collect()
+/// All points, each with the number of its series in the figure.
+fn numbers_of(figure: &Figure) -> Vec<(usize, &Point)> {
+    let series = figure.panels.iter().flat_map(|panel| panel.content.series()).enumerate();
+    series.flat_map(|(curve, series)| series.points.iter().map(move |point| (curve, point))).collect()
 }
 
 #[test]
@@ -104,7 +108,8 @@ fn gallery_csv_holds_every_number() {
         let curves: Vec<_> = rows.iter().filter(|row| !row[0].is_empty()).collect();
         let points = numbers_of(&figure);
         assert_eq!(curves.len(), points.len(), "{}", figure.name);
-        for (row, point) in curves.iter().zip(points) {
+        for (row, (curve, point)) in curves.iter().zip(points) {
+            assert_eq!(row[0].parse(), Ok(curve));
             let number = |at: usize| row[at].parse::<f64>().ok();
             let spread = number(7).zip(number(8));
             assert_eq!((number(5), number(6), spread), (Some(point.x), Some(point.y), point.spread));

@@ -37,8 +37,9 @@ pub(super) fn all() -> Vec<Figure> {
         hard("equal-values", Scale::Logarithmic { base: 10 }, &[5.0, 5.0, 5.0]),
         hard("short-decade", Scale::Logarithmic { base: 10 }, &[110.0, 140.0, 190.0]),
         hard("many-decades", Scale::Logarithmic { base: 10 }, &[1e-9, 1.0, 1e9]),
-        bars_of("one-category", 1, 1),
-        bars_of("twenty-categories", 20, 3),
+        bars_of("one-category", "two-point-adaptive bits", 1, 1),
+        bars_of("twenty-categories", "two-point-adaptive bits", 20, 3),
+        bars_of("twenty-short-names", "n =", 20, 1),
         distributions(),
         markup(),
     ]
@@ -224,9 +225,8 @@ fn hard(name: &str, scale: Scale, values: &[f64]) -> Figure {
     figure(name, vec![panel])
 }
 
-fn bars_of(name: &str, categories: usize, count: usize) -> Figure {
-    let labels: Vec<String> =
-        (0..categories).map(|at| format!("two-point-adaptive {} bits", 8 + at)).collect();
+fn bars_of(name: &str, label: &str, categories: usize, count: usize) -> Figure {
+    let labels: Vec<String> = (0..categories).map(|at| format!("{label} {}", 8 + at)).collect();
     let bars = (0..count).map(|one| {
         let points = (0..categories).map(|x| point(x as f64, 1.0 + noise(one * 40 + x), 0.05));
         series(&format!("series {one}"), one, points.collect())
