@@ -249,8 +249,8 @@ fn distributions() -> Figure {
         content: Content::Lines(
             (0..9)
                 .map(|method| {
-                    let points = (0..=500).map(|step| {
-                        let part = f64::from(step) / 500.0;
+                    let points = (0..=100).map(|step| {
+                        let part = f64::from(step) / 100.0;
                         let area = 10f64.powf(4.0 * part - 3.0 + 0.2 * method as f64);
                         point(area, part * part * (3.0 - 2.0 * part), 0.0)
                     });
