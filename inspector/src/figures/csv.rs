@@ -12,10 +12,6 @@ const AFTER: [&str; 5] = ["low", "high", "n", "below", "above"];
 pub(crate) const X_COLUMN: usize = 5;
 /// Place of y.
 pub(crate) const Y_COLUMN: usize = 6;
-/// Place of the distance to the lower end of the spread.
-pub(crate) const BELOW_COLUMN: usize = 10;
-/// Place of the distance to the upper end of the spread.
-pub(crate) const ABOVE_COLUMN: usize = 11;
 
 /// The rows of a figure with their header. Series count from 0 over all panels (`curve`); lines across
 /// a panel are rows without a curve, one for each end; a picture gives the colours of its bar.

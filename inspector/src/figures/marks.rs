@@ -29,6 +29,11 @@ pub(crate) fn bar_width(frame: &Frame) -> f64 {
     }
 }
 
+/// A line has a marker at every so many points.
+pub(crate) fn marker_stride(series: &Series) -> usize {
+    if series.points.len() > MOST_MARKERS { series.points.len().div_ceil(12) } else { 1 }
+}
+
 /// A panel's axes in their place.
 struct Plot<'a> {
     x: &'a Mapping,
@@ -89,7 +94,7 @@ fn line(canvas: &mut Canvas, plot: &Plot, series: &Series) {
             canvas.polyline(&places, stroke);
         }
     }
-    let stride = if series.points.len() > MOST_MARKERS { series.points.len().div_ceil(12) } else { 1 };
+    let stride = marker_stride(series);
     for (at, point) in series.points.iter().enumerate() {
         if let Some(place) = plot.point(point) {
             whisker(canvas, plot, place.0, point, 0.0, style.colour);

@@ -1,15 +1,11 @@
 //! The same figure for LaTeX: a standalone file that reads the CSV beside it and draws with pgfplots.
-//!
-//! LaTeX reads the whole CSV again for each series, so its time grows with rows times series: seconds
-//! for 10 series of 100 points, minutes for 60 of 500.
 
 use std::fmt::Write;
 
 use super::axis::Mapping;
-use super::csv::{ABOVE_COLUMN, BELOW_COLUMN, X_COLUMN, Y_COLUMN};
 use super::frame::Frame;
 use super::legend::{Entry, Sample, entries, reference_labels};
-use super::marks::bar_width;
+use super::marks::{bar_width, marker_stride};
 use super::model::{Axis, Content, Figure, Panel, Picture, Scale, Series};
 use super::style::{Hatch, Marker, REFERENCE_DASHES, Style, Width, style};
 use super::svg::{Layout, layout};
@@ -23,11 +19,23 @@ const HEAD: &str = r"% Compile with pdflatex; the CSV must lie beside this file.
 \usepgfplotslibrary{groupplots}
 \usetikzlibrary{patterns}
 \renewcommand{\familydefault}{\sfdefault}
-\pgfplotsset{
-  curve/.style={x filter/.append code={%
-    \edef\curvefound{\thisrow{curve}}\edef\curvewanted{#1}%
-    \ifx\curvefound\curvewanted\else\def\pgfmathresult{}\fi}},
-}
+% Sorts the rows of the CSV into one macro per curve, so that it is read once: x, y, below, above.
+\newread\numbers
+\makeatletter
+\def\addrow#1,#2,#3,#4,#5,#6,#7,#8,#9\relax{\addends{#1}{#6}{#7}#9\relax}
+\def\addends#1#2#3#4,#5,#6,#7\relax{%
+  \ifcsname curve-#1\endcsname\else\expandafter\gdef\csname curve-#1\endcsname{}\fi
+  \expandafter\xdef\csname curve-#1\endcsname{%
+    \unexpanded\expandafter\expandafter\expandafter{\csname curve-#1\endcsname}#2,#3,#6,#7\unexpanded{\\}}}
+\def\readcurves#1{%
+  \openin\numbers=#1\relax \endlinechar=-1
+  \loop \read\numbers to\row \ifx\row\@empty\else\expandafter\addrow\row\relax\fi
+  \ifeof\numbers\else\repeat
+  \closein\numbers \endlinechar=13 }
+\makeatother
+\def\plotcurve#1#2#3{\edef\next{\noexpand\addplot[\unexpanded{#2}]
+  table[col sep=comma, row sep=\noexpand\\, header=false, y index=1, \unexpanded{#3}]
+  {\unexpanded\expandafter\expandafter\expandafter{\csname curve-#1\endcsname}}}\next;}
 ";
 
 /// Text of the CSV is read as it is, so from here on no special character of TeX is one but the
@@ -50,6 +58,7 @@ pub fn write(figure: &Figure, width: Width) -> String {
         let _ = writeln!(tex, "\\definecolor{{style{number}}}{{HTML}}{{{hex}}}");
     }
     tex.push_str(PLAIN_TEXT);
+    let _ = writeln!(tex, "\\readcurves{{{}.csv}}", figure.name);
     let Layout { columns, frames, .. } = layout(figure, width);
     tex.push_str(&group_start(&frames, columns));
     let references = reference_labels(figure);
@@ -58,7 +67,7 @@ pub fn write(figure: &Figure, width: Width) -> String {
         let panel = frame.panel;
         let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(frame));
         for series in panel.content.series() {
-            tex.push_str(&plot(figure, frame, series, curve));
+            tex.push_str(&plot(frame, series, curve));
             curve += 1;
         }
         if let Content::Picture(picture) = &panel.content {
@@ -136,16 +145,21 @@ fn scale_options(axis: char, shown: &Axis, mapping: &Mapping) -> Vec<String> {
 }
 
 /// One series: the rows of the CSV with its number.
-fn plot(figure: &Figure, frame: &Frame, series: &Series, curve: usize) -> String {
-    let mut x = format!("x index={X_COLUMN}");
+fn plot(frame: &Frame, series: &Series, curve: usize) -> String {
+    let mut x = "x index=0".to_owned();
     let look = match &frame.panel.content {
-        Content::Lines(_) => format!("{}, {}", line_look(series.style), marker_look(series.style)),
+        Content::Lines(_) => {
+            let stride = marker_stride(series);
+            let phase = 1 + (2 * stride - stride / 2 - series.style % stride) % stride;
+            let (line, marker) = (line_look(series.style), marker_look(series.style));
+            format!("{line}, {marker}, mark repeat={stride}, mark phase={phase}")
+        }
         Content::Scatter(_) => format!("only marks, {}", marker_look(series.style)),
         Content::Bars(all) => {
             // The numbers are shifted instead of the bars, since error bars stay where the numbers are.
             let at = all.iter().position(|one| std::ptr::eq(one, series)).unwrap_or(0) as f64;
             let shift = (at + 0.5 - 0.5 * all.len() as f64) * bar_width(frame) / frame.slot();
-            x = format!("x expr=\\thisrowno{{{X_COLUMN}}}+{shift:.5}");
+            x = format!("x expr=\\thisrowno{{0}}+{shift:.5}");
             format!("ybar, bar shift=0pt, {}", bar_look(series.style))
         }
         Content::Stacks(_) | Content::Picture(_) => bar_look(series.style),
@@ -153,14 +167,11 @@ fn plot(figure: &Figure, frame: &Frame, series: &Series, curve: usize) -> String
     let has_spread = series.points.iter().any(|point| point.spread.is_some());
     let (bars, columns) = if has_spread {
         let bars = ", error bars/.cd, y dir=both, y explicit, error bar style={black, solid}";
-        (bars, format!(", y error minus index={BELOW_COLUMN}, y error plus index={ABOVE_COLUMN}"))
+        (bars, ", y error minus index=2, y error plus index=3")
     } else {
-        ("", String::new())
+        ("", "")
     };
-    format!(
-        "\\addplot[{look}, curve={curve}{bars}] table[col sep=comma, {x}, y index={Y_COLUMN}{columns}]{{{}.csv}};\n",
-        figure.name
-    )
+    format!("\\plotcurve{{{curve}}}{{{look}{bars}}}{{{x}{columns}}}\n")
 }
 
 fn line_look(number: usize) -> String {
