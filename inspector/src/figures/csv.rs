@@ -6,12 +6,8 @@ use super::model::{Axis, Content, Figure, Panel, Point, Scale};
 /// Columns, before the two whose names carry the axes' labels and units.
 const BEFORE: [&str; 5] = ["curve", "panel", "series", "name", "category"];
 /// Columns after them. `below` and `above` are distances from y to `low` and `high`, 0 where the
-/// spread is unknown: what LaTeX draws error bars from.
+/// spread is unknown: what LaTeX draws error bars from. It knows columns by their places.
 const AFTER: [&str; 5] = ["low", "high", "n", "below", "above"];
-/// Place of x.
-pub(crate) const X_COLUMN: usize = 5;
-/// Place of y.
-pub(crate) const Y_COLUMN: usize = 6;
 
 /// The rows of a figure with their header. Series count from 0 over all panels (`curve`); lines across
 /// a panel are rows without a curve, one for each end; a picture gives the colours of its bar.
