@@ -4,10 +4,13 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::builder::TypedValueParser;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use formats::ray::Kind;
 
 use crate::analysis::{Depth, GroupWidth, Options};
-use crate::{info, recover, verify};
+use crate::figures::style::Width;
+use crate::{export, info, plot, recover, verify};
 
 /// The command failed, and said why on standard error.
 const FAILED: u8 = 1;
@@ -21,6 +24,9 @@ Examples:
   inspector info sponza.raydump --metrics   how coherent the rays of each order are
   inspector verify sponza.raydump           whether every array is what the format says it is
   inspector recover sponza.raydump.partial  make a recording of what a killed recorder left
+  inspector plot *.raydump --out figures/   every figure as SVG, PDF, PNG, CSV, LaTeX and caption
+  inspector report *.raydump --out page/    one page with all of them
+  inspector export sponza.raydump --format ply --out rays/
 
 Exit codes: 0 done, 1 failed (for verify: something is wrong), 2 the command line is wrong.";
 
@@ -49,6 +55,31 @@ Examples:
   inspector recover sponza.raydump.partial  after a crash, a kill or a full disk
   inspector recover sponza.raydump          the same, or a recording whose files were damaged";
 
+const PLOT_EXAMPLES: &str = "\
+Each figure is NAME.svg, .pdf, .png (300 dpi), .csv (every number), .tex (pgfplots, reads the CSV) and
+.txt (caption and settings). Widths are those of a two-column page: 3.5 in and 7 in.
+
+Examples:
+  inspector plot sponza.raydump kitchen.raydump --out figures/
+  inspector plot sort.json --out figures/   what `recorder bench sort --json > sort.json` measured
+  inspector plot *.raydump sort.json --out figures/ --figure trace-speedup --width two-column";
+
+const REPORT_EXAMPLES: &str = "\
+Writes DIR/report.html: it needs no other file, no network and no scripts, and prints well.
+
+Examples:
+  inspector report sponza.raydump --out page/
+  inspector report *.raydump sort.json trace.json --out page/";
+
+const EXPORT_EXAMPLES: &str = "\
+csv: one file of rays with their hits, in the order of a method. ply: rays and the curve of the order
+as edges, hits as points, capsules as meshes, all coloured by place in the order.
+
+Examples:
+  inspector export sponza.raydump --format csv --out rays/
+  inspector export sponza.raydump --format ply --out rays/ --bounce 2 --method two-point
+  inspector export sponza.raydump --format ply --out rays/ --kind shadow --method aila --group 100";
+
 /// Looks at Rayscope recordings.
 #[derive(Debug, Parser)]
 #[command(name = "inspector", version, after_help = EXAMPLES)]
@@ -68,6 +99,134 @@ enum Command {
     /// Make a recording of what a killed recorder or a damaged disk left.
     #[command(after_help = RECOVER_EXAMPLES)]
     Recover(Target),
+    /// Draw figures for a paper from recordings and benchmark results.
+    #[command(after_help = PLOT_EXAMPLES)]
+    Plot(Plot),
+    /// Make one page of figures and tables from recordings and benchmark results.
+    #[command(after_help = REPORT_EXAMPLES)]
+    Report(Report),
+    /// Write rays, hits, orders and capsules for other programs.
+    #[command(after_help = EXPORT_EXAMPLES)]
+    Export(Export),
+}
+
+/// Figures as files.
+#[derive(Debug, Args)]
+struct Plot {
+    /// Recordings (folders NAME.raydump) and files that `recorder bench --json` printed.
+    #[arg(value_name = "X", required = true)]
+    inputs: Vec<PathBuf>,
+    /// The folder for the files; it is made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Only these figures.
+    #[arg(long = "figure", value_name = "NAME", num_args = 1.., value_delimiter = ',')]
+    figures: Vec<String>,
+    /// How wide figures are on paper.
+    #[arg(long, value_enum, default_value_t = FigureWidth::OneColumn)]
+    width: FigureWidth,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Figures on one page.
+#[derive(Debug, Args)]
+struct Report {
+    /// Recordings (folders NAME.raydump) and files that `recorder bench --json` printed.
+    #[arg(value_name = "X", required = true)]
+    inputs: Vec<PathBuf>,
+    /// The folder for report.html; it is made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Rays as files.
+#[derive(Debug, Args)]
+struct Export {
+    /// The recording: a folder NAME.raydump, or NAME.raydump.partial.
+    #[arg(value_name = "X.raydump")]
+    dump: PathBuf,
+    /// The folder for the files; it is made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// What to write.
+    #[arg(long, value_enum)]
+    format: ExportFormat,
+    /// The pass [default: the last that was kept].
+    #[arg(long)]
+    pass: Option<u32>,
+    /// The bounce; 0 is the camera rays.
+    #[arg(long, default_value_t = 1)]
+    bounce: u32,
+    /// The kind of rays.
+    #[arg(long, value_enum, default_value_t = RayKind::Closest)]
+    kind: RayKind,
+    /// The order: a method, or unsorted.
+    #[arg(long, default_value = "unsorted")]
+    method: String,
+    /// One group of the order alone, counted from 0.
+    #[arg(long)]
+    group: Option<usize>,
+    /// Rays in a group.
+    #[arg(long, default_value_t = 64, value_parser = clap::builder::PossibleValuesParser::new(["32", "64", "128"]).map(|width| width.parse::<usize>().unwrap_or(64)))]
+    group_width: usize,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum FigureWidth {
+    /// 3.5 in (89 mm).
+    OneColumn,
+    /// 7 in (178 mm).
+    TwoColumn,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ExportFormat {
+    /// Rays with their hits as a table.
+    Csv,
+    /// Rays, hits, curve and capsules as geometry.
+    Ply,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum RayKind {
+    /// Camera and secondary rays.
+    Closest,
+    /// Rays to lights.
+    Shadow,
+}
+
+impl Plot {
+    fn run(&self) -> anyhow::Result<()> {
+        let width = match self.width {
+            FigureWidth::OneColumn => Width::OneColumn,
+            FigureWidth::TwoColumn => Width::TwoColumn,
+        };
+        plot::plot(&self.inputs, &self.out, &self.figures, width, self.json)
+    }
+}
+
+impl Export {
+    fn run(self) -> anyhow::Result<()> {
+        let format = match self.format {
+            ExportFormat::Csv => export::Format::Csv,
+            ExportFormat::Ply => export::Format::Ply,
+        };
+        let kind = match self.kind {
+            RayKind::Closest => Kind::Closest,
+            RayKind::Shadow => Kind::Shadow,
+        };
+        let Self { pass, bounce, method, group, group_width, .. } = self;
+        let selection = export::Selection { pass, bounce, kind, method, group, group_width };
+        export::run(&self.dump, &self.out, format, &selection, self.json)
+    }
 }
 
 /// What a command looks at.
@@ -121,6 +280,9 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Command::Info(info) => info::run(&info.target.dump, info.target.json, &info.options()),
         Command::Verify(Target { dump, json }) => verify::run(&dump, json),
         Command::Recover(Target { dump, json }) => recover::run(&dump, json),
+        Command::Plot(plot) => plot.run(),
+        Command::Report(Report { inputs, out, json }) => plot::report(&inputs, &out, json),
+        Command::Export(export) => export.run(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -35,6 +35,33 @@ pub(crate) fn methods(analysis: &Analysis) -> String {
     lines.join("\n")
 }
 
+/// Columns of [`rows`].
+pub(crate) const COLUMNS: [&str; 7] = [
+    "method",
+    "rays",
+    "machine",
+    "queues",
+    "trace speedup",
+    "net speedup",
+    "capsule area",
+];
+
+/// One row per machine, kind of rays and method: geometric means over scenes and bounces.
+pub(crate) fn rows(analysis: &Analysis) -> Vec<Vec<String>> {
+    let row = |summary: &MethodSummary| {
+        vec![
+            summary.method.clone(),
+            summary.rays.name().to_owned(),
+            summary.configuration.clone(),
+            summary.queues.to_string(),
+            speedup(&summary.trace_speedup),
+            speedup(&summary.net_speedup),
+            summary.capsule_area_ratio.known().map_or("–".to_owned(), |ratio| format!("{ratio:.3}×")),
+        ]
+    };
+    analysis.summaries.iter().map(row).collect()
+}
+
 fn speedup(speedup: &Metric<MeanSpeedup>) -> String {
     match speedup.known() {
         None => "–".to_owned(),

@@ -1,7 +1,56 @@
-//! Figures: what they show and how they are saved.
+//! Figures: from numbers to files that a paper can take as they are.
 //!
-//! - [`model`]: a figure as data
-//! - [`catalogue`]: every figure that recordings and benchmark results can give
+//! - [`model`]: a figure as data; `content` asks it things
+//! - [`catalogue`]: which figures there are
+//! - [`style`]: widths, sizes, colours, markers, dashes and hatches
+//! - [`svg`]: the drawing, of `axis` (numbers to places), `frame` (the room for words), `tick_labels`,
+//!   `marks`, `legend`, `text` (widths) and `canvas` (SVG itself)
+//! - [`raster`]: PNG and PDF from the SVG
+//! - [`csv`], [`pgfplots`], [`caption`]: the numbers, the same figure in LaTeX, the words
+//! - [`files`]: all of them in a folder
 
+mod axis;
+pub(crate) mod canvas;
+pub mod caption;
 pub mod catalogue;
+mod content;
+pub mod csv;
+pub mod files;
+mod frame;
+#[cfg(test)]
+mod gallery;
+mod legend;
+mod marks;
 pub mod model;
+pub mod pgfplots;
+pub mod raster;
+pub mod style;
+pub mod svg;
+mod text;
+mod tick_labels;
+
+use std::path::PathBuf;
+
+/// Why a figure cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum FigureError {
+    /// The data are not a figure.
+    #[error("figure {figure} cannot be drawn: {what}")]
+    Contradiction {
+        /// Its name.
+        figure: String,
+        /// What contradicts what.
+        what: String,
+    },
+    /// It was drawn, but a file format refused it.
+    #[error("a figure cannot be converted: {0}")]
+    Render(String),
+    /// A file or folder cannot be written.
+    #[error("cannot write {}: {cause}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        cause: std::io::Error,
+    },
+}

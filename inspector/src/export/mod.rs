@@ -1,0 +1,152 @@
+//! `inspector export`: rays, hits, orders and capsules for other programs.
+//!
+//! - `rays`: one queue in one order; `capsule`: two spheres and their hull
+//! - `csv`, `ply`: the formats. Everything is written as it is read, nothing is collected.
+
+mod capsule;
+mod csv;
+mod ply;
+mod rays;
+
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use formats::manifest::QueueId;
+use formats::ray::Kind;
+use formats::reader::Dump;
+use serde::Serialize;
+
+use crate::figures::files::make_folder;
+use crate::output::{print, print_json};
+use rays::Rays;
+
+/// What files are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Format {
+    Csv,
+    Ply,
+}
+
+/// Which rays, in which order.
+#[derive(Clone, Debug)]
+pub(crate) struct Selection {
+    /// The last that was kept if `None`.
+    pub(crate) pass: Option<u32>,
+    pub(crate) bounce: u32,
+    pub(crate) kind: Kind,
+    pub(crate) method: String,
+    /// One group alone.
+    pub(crate) group: Option<usize>,
+    pub(crate) group_width: usize,
+}
+
+impl Selection {
+    /// The queue that is meant.
+    fn queue(&self, dump: &Dump) -> anyhow::Result<QueueId> {
+        let queues = &source_of(dump).manifest().queues;
+        let is_meant = |id: &QueueId| {
+            id.bounce == self.bounce && id.kind == self.kind && self.pass.is_none_or(|pass| pass == id.pass)
+        };
+        let meant = queues.iter().map(|queue| queue.id).filter(is_meant).max();
+        meant.with_context(|| {
+            let kept: Vec<String> = queues.iter().map(|queue| queue.id.to_string()).collect();
+            let pass = self.pass.map_or(String::new(), |pass| format!(" in pass {pass}"));
+            let root = dump.root().display();
+            format!(
+                "{root} has no {} rays of bounce {}{pass}; it has: {}",
+                self.kind,
+                self.bounce,
+                kept.join(", ")
+            )
+        })
+    }
+
+    /// The places of the order that are meant, of so many.
+    fn places(&self, rays: usize) -> anyhow::Result<Range<usize>> {
+        let Some(group) = self.group else { return Ok(0..rays) };
+        let first = group.saturating_mul(self.group_width);
+        if first >= rays {
+            bail!("there is no group {group}: there are {}", rays.div_ceil(self.group_width));
+        }
+        Ok(first..(first + self.group_width).min(rays))
+    }
+}
+
+/// The recording that has the rays: a replay's source.
+fn source_of(dump: &Dump) -> &Dump {
+    if dump.manifest().queues.is_empty() { dump.source().unwrap_or(dump) } else { dump }
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Made {
+    files: Vec<PathBuf>,
+    rays: usize,
+}
+
+/// Writes the files of a format into a folder.
+pub(crate) fn run(
+    path: &Path,
+    out: &Path,
+    format: Format,
+    selection: &Selection,
+    json: bool,
+) -> anyhow::Result<()> {
+    let dump = Dump::open(path)?;
+    let rays = Rays::open(&dump, selection)?;
+    make_folder(out)?;
+    let stem = stem(&rays, selection);
+    let files = match format {
+        Format::Csv => vec![write(out, &format!("{stem}.csv"), |output| csv::write(&rays, output))?],
+        Format::Ply => {
+            let width = selection.group_width;
+            vec![
+                write(out, &format!("{stem}-rays.ply"), |output| Ok(ply::rays(&rays, output)?))?,
+                write(out, &format!("{stem}-hits.ply"), |output| Ok(ply::hits(&rays, output)?))?,
+                write(out, &format!("{stem}-curve.ply"), |output| Ok(ply::curve(&rays, output)?))?,
+                write(out, &format!("{stem}-capsules.ply"), |output| {
+                    Ok(ply::capsules(&rays, width, output)?)
+                })?,
+            ]
+        }
+    };
+    if json {
+        return print_json(&Made { files, rays: rays.len() });
+    }
+    print(&files.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join("\n"))
+}
+
+/// Names of the files up to what each holds.
+fn stem(rays: &Rays, selection: &Selection) -> String {
+    let id = rays.id;
+    let group = selection.group.map_or(String::new(), |group| format!("-group-{group}"));
+    format!("pass-{:03}-bounce-{:02}-{}-{}{group}", id.pass, id.bounce, id.kind, rays.method)
+}
+
+/// Writes a file whole or not at all.
+fn write(
+    folder: &Path,
+    name: &str,
+    fill: impl FnOnce(&mut BufWriter<File>) -> anyhow::Result<()>,
+) -> anyhow::Result<PathBuf> {
+    let path = folder.join(name);
+    let beside = folder.join(format!("{name}.partial"));
+    let written = File::create(&beside)
+        .map_err(anyhow::Error::from)
+        .and_then(|file| {
+            let mut output = BufWriter::new(file);
+            fill(&mut output)?;
+            output.flush()?;
+            Ok(())
+        })
+        .and_then(|()| Ok(fs::rename(&beside, &path)?));
+    if written.is_err() {
+        // What was half written is of no use; that it cannot be removed is not the error to report.
+        let _ = fs::remove_file(&beside);
+    }
+    written.with_context(|| format!("cannot write {}", path.display()))?;
+    Ok(path)
+}

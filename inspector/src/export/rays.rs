@@ -1,0 +1,141 @@
+//! The rays of one queue in one order, read where they lie in the recording.
+
+use anyhow::{Context, bail};
+use formats::manifest::{MethodArray, Place, QueueArray, QueueId};
+use formats::ray::{Hit, Kind, Ray};
+use formats::reader::{Dump, Mapped};
+use formats::unit_space::UnitSpace;
+
+use super::Selection;
+use super::capsule::Point;
+
+/// What is known of a queue's rays, mapped, in canonical order.
+pub(crate) struct Rays {
+    pub(crate) id: QueueId,
+    pub(crate) method: String,
+    unit_space: UnitSpace,
+    rays: Mapped<Ray>,
+    path_ids: Mapped<u32>,
+    ends: Ends,
+    /// Canonical index at each place of the order; none for canonical order itself.
+    permutation: Option<Mapped<u32>>,
+    /// Places of the order that were asked for.
+    places: std::ops::Range<usize>,
+}
+
+/// Where rays end.
+enum Ends {
+    Closest(Mapped<Hit>),
+    Shadow { distances: Mapped<f32>, lights: Mapped<u32> },
+}
+
+/// One ray with its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RayAtPlace {
+    /// Place in the order.
+    pub(crate) place: usize,
+    /// Canonical index.
+    pub(crate) index: usize,
+    pub(crate) path_id: u32,
+    pub(crate) ray: Ray,
+    pub(crate) end: End,
+    /// Where it stops, world units: at its hit, its light, or where it leaves the scene.
+    pub(crate) termination: Point,
+}
+
+/// How a ray ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum End {
+    Closest(Hit),
+    /// Distance to the occluder, `+inf` if the light is seen, and which light.
+    Shadow {
+        distance: f32,
+        light: u32,
+    },
+}
+
+impl End {
+    /// Whether it ends at a surface.
+    pub(crate) fn is_at_surface(&self) -> bool {
+        match self {
+            Self::Closest(hit) => hit.is_hit(),
+            Self::Shadow { distance, .. } => distance.is_finite(),
+        }
+    }
+}
+
+impl Rays {
+    /// Opens what a selection names.
+    pub(crate) fn open(dump: &Dump, selection: &Selection) -> anyhow::Result<Self> {
+        let id = selection.queue(dump)?;
+        let rays: Mapped<Ray> = dump.array(&Place::Queue(id, QueueArray::Rays))?;
+        let path_ids = dump.array(&Place::Queue(id, QueueArray::PathIds))?;
+        let ends = match id.kind {
+            Kind::Closest => Ends::Closest(dump.array(&Place::Queue(id, QueueArray::Hits))?),
+            Kind::Shadow => Ends::Shadow {
+                distances: dump.array(&Place::Queue(id, QueueArray::Distances))?,
+                lights: dump.array(&Place::Queue(id, QueueArray::Lights))?,
+            },
+        };
+        let method = selection.method.clone();
+        let permutation = if method == formats::key::method::UNSORTED {
+            None
+        } else {
+            let place = Place::Method(id, method.clone(), MethodArray::Permutation);
+            let permutation: Mapped<u32> = dump.array(&place)?;
+            formats::permutation::check_bijection(&permutation, rays.len()).context(place.to_string())?;
+            Some(permutation)
+        };
+        let ends_count = match &ends {
+            Ends::Closest(hits) => hits.len(),
+            Ends::Shadow { distances, lights } => distances.len().min(lights.len()),
+        };
+        if path_ids.len() != rays.len() || ends_count != rays.len() {
+            bail!(
+                "{id} has {} rays, {} paths and {ends_count} ends; expected as many of each",
+                rays.len(),
+                path_ids.len()
+            );
+        }
+        let places = selection.places(rays.len())?;
+        let scene = &dump.manifest().header.scene;
+        let unit_space = UnitSpace::from_bounds(scene.bounds_min, scene.bounds_max);
+        Ok(Self { id, method, unit_space, rays, path_ids, ends, permutation, places })
+    }
+
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// How far along the order a place is, 0 to 1.
+    pub(crate) fn part(&self, place: usize) -> f64 {
+        place as f64 / self.rays.len().saturating_sub(1).max(1) as f64
+    }
+
+    /// All of them in their order.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = RayAtPlace> + '_ {
+        self.places.clone().map(|place| self.at(place))
+    }
+
+    fn at(&self, place: usize) -> RayAtPlace {
+        let index = self.permutation.as_ref().map_or(place, |permutation| permutation[place] as usize);
+        let ray = self.rays[index];
+        let (end, unit_length) = match &self.ends {
+            Ends::Closest(hits) => {
+                (End::Closest(hits[index]), self.unit_space.closest_length(&ray, &hits[index]))
+            }
+            Ends::Shadow { distances, lights } => {
+                let distance = distances[index];
+                let end = End::Shadow { distance, light: lights[index] };
+                (end, self.unit_space.shadow_length(&ray, distance))
+            }
+        };
+        let length = f64::from(unit_length) / f64::from(self.unit_space.scale);
+        // A ray without a direction never leaves.
+        let length = if length.is_finite() { length } else { 0.0 };
+        let termination =
+            [0, 1, 2].map(|axis| f64::from(ray.origin[axis]) + length * f64::from(ray.direction[axis]));
+        RayAtPlace { place, index, path_id: self.path_ids[index], ray, end, termination }
+    }
+}

@@ -1,0 +1,117 @@
+//! Every number of a figure as CSV, one row each.
+
+use super::FigureError;
+use super::model::{Axis, Content, Figure, Panel, Point, Scale};
+
+/// Columns, before the two whose names carry the axes' labels and units.
+const BEFORE: [&str; 5] = ["curve", "panel", "series", "name", "category"];
+/// Columns after them. `below` and `above` are distances from y to `low` and `high`, 0 where the
+/// spread is unknown: what LaTeX draws error bars from. It knows columns by their places.
+const AFTER: [&str; 5] = ["low", "high", "n", "below", "above"];
+
+/// The rows of a figure with their header. Series count from 0 over all panels (`curve`); lines across
+/// a panel are rows without a curve, one for each end; a picture gives the colours of its bar.
+///
+/// # Errors
+/// Only if memory ends.
+pub fn write(figure: &Figure) -> Result<Vec<u8>, FigureError> {
+    let failed = |cause: csv::Error| FigureError::Render(cause.to_string());
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let axes = [
+        format!("x: {}", labels(figure, |panel| &panel.x)),
+        format!("y: {}", labels(figure, |panel| &panel.y)),
+    ];
+    let header = BEFORE.map(str::to_owned).into_iter().chain(axes).chain(AFTER.map(str::to_owned));
+    writer.write_record(header.map(|name| plain(&name))).map_err(failed)?;
+    let mut curve = 0;
+    for (at, panel) in figure.panels.iter().enumerate() {
+        let title = if panel.title.is_empty() { format!("panel {}", at + 1) } else { panel.title.clone() };
+        for series in panel.content.series() {
+            for point in &series.points {
+                let row = row(&curve.to_string(), &title, &series.label, panel, point);
+                writer.write_record(row).map_err(failed)?;
+            }
+            curve += 1;
+        }
+        for (label, point) in references(panel).chain(colours(panel)) {
+            writer.write_record(row("", &title, &label, panel, &point)).map_err(failed)?;
+        }
+    }
+    writer.into_inner().map_err(|cause| FigureError::Render(cause.to_string()))
+}
+
+/// The labels of one axis of all panels, each once.
+fn labels<'a>(figure: &'a Figure, axis: fn(&'a Panel) -> &'a Axis) -> String {
+    let mut labels: Vec<&str> = Vec::new();
+    for panel in &figure.panels {
+        let label = axis(panel).label.as_str();
+        if !labels.contains(&label) {
+            labels.push(label);
+        }
+    }
+    labels.join(" | ")
+}
+
+fn row(curve: &str, panel_title: &str, series: &str, panel: &Panel, point: &Point) -> [String; 12] {
+    let category = match &panel.x.scale {
+        Scale::Categories(names) => names.get(point.x as usize).map_or("", String::as_str),
+        _ => "",
+    };
+    let (low, high) = point.spread.unzip();
+    let distance = |end: Option<f64>| end.map_or(0.0, |end| (end - point.y).abs());
+    let known = |end: Option<f64>| end.map_or(String::new(), |end| end.to_string());
+    [
+        curve.to_owned(),
+        plain(panel_title),
+        plain(series),
+        plain(&point.name),
+        plain(category),
+        point.x.to_string(),
+        point.y.to_string(),
+        known(low),
+        known(high),
+        point.n.to_string(),
+        distance(low).to_string(),
+        distance(high).to_string(),
+    ]
+}
+
+/// Both ends of each line across a panel.
+fn references(panel: &Panel) -> impl Iterator<Item = (String, Point)> {
+    panel.references.iter().flat_map(|reference| {
+        let (from, to) = reference.span.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+        [from, to].map(|x| (reference.label.clone(), bare_point(x, reference.y, "reference line")))
+    })
+}
+
+/// What the colours of a picture stand for: x counts them, y is their value.
+fn colours(panel: &Panel) -> Vec<(String, Point)> {
+    let Content::Picture(picture) = &panel.content else { return Vec::new() };
+    let Some(bar) = &picture.colour_bar else { return Vec::new() };
+    let last = bar.colours.len().saturating_sub(1).max(1) as f64;
+    let value = |at: usize| bar.range.0 + (bar.range.1 - bar.range.0) * at as f64 / last;
+    let colours = bar.colours.iter().enumerate().map(|(at, [red, green, blue])| {
+        let name = format!("colour {red} {green} {blue}");
+        (bar.label.clone(), bare_point(at as f64, value(at), &name))
+    });
+    colours.collect()
+}
+
+fn bare_point(x: f64, y: f64, name: &str) -> Point {
+    Point { x, y, spread: None, n: 0, name: name.to_owned() }
+}
+
+/// Text that needs no quotes, which LaTeX would not understand, and no backslashes or braces, which
+/// it would.
+fn plain(text: &str) -> String {
+    let plain = |character: char| match character {
+        ',' => ';',
+        '"' => '\'',
+        '\\' => '/',
+        '{' => '(',
+        '}' => ')',
+        control if control.is_control() => ' ',
+        other => other,
+    };
+    text.chars().map(plain).collect()
+}

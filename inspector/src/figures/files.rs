@@ -1,0 +1,58 @@
+//! A figure's files in a folder.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::model::{Content, Figure};
+use super::style::Width;
+use super::{FigureError, caption, csv, pgfplots, raster, svg};
+
+/// Makes the folder, and all that lead to it, if it is not there.
+///
+/// # Errors
+/// If it cannot be made or nothing can be written in it.
+pub fn make_folder(folder: &Path) -> Result<(), FigureError> {
+    fs::create_dir_all(folder).map_err(|cause| FigureError::Io { path: folder.to_owned(), cause })
+}
+
+/// Writes NAME.svg, .pdf, .png, .csv, .tex and .txt, and the pictures that the .tex shows, into a
+/// folder that exists; gives their paths. All are made before the first is written.
+///
+/// # Errors
+/// If the figure contradicts itself or a file cannot be written; the error names it.
+pub fn write(figure: &Figure, width: Width, folder: &Path) -> Result<Vec<PathBuf>, FigureError> {
+    let drawing = svg::draw(figure, width, &figure.name)?;
+    let name = |extension: &str| format!("{}.{extension}", figure.name);
+    let mut files = vec![
+        (name("pdf"), raster::pdf(&drawing)?),
+        (name("png"), raster::png(&drawing)?),
+        (name("csv"), csv::write(figure)?),
+        (name("tex"), pgfplots::write(figure, width).into_bytes()),
+        (name("txt"), caption::write(figure).into_bytes()),
+        (name("svg"), drawing.into_bytes()),
+    ];
+    for (at, panel) in figure.panels.iter().enumerate() {
+        if let Content::Picture(picture) = &panel.content {
+            files.push((pgfplots::picture_name(figure, at), raster::picture_png(picture)?));
+        }
+    }
+    files.into_iter().map(|(name, bytes)| replace(&folder.join(name), &bytes)).collect()
+}
+
+/// Writes a file whole or not at all: beside it first, then by its name.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<PathBuf, FigureError> {
+    let failed = |cause| FigureError::Io { path: path.to_owned(), cause };
+    let mut beside = path.as_os_str().to_owned();
+    beside.push(".partial");
+    let beside = PathBuf::from(beside);
+    let written = fs::write(&beside, bytes).and_then(|()| fs::rename(&beside, path));
+    if written.is_err() {
+        // What was half written is of no use; that it cannot be removed is not the error to report.
+        let _ = fs::remove_file(&beside);
+    }
+    written.map_err(failed)?;
+    Ok(path.to_owned())
+}

@@ -1,0 +1,377 @@
+//! The same figure for LaTeX: a standalone file that reads the CSV beside it and draws with pgfplots.
+
+use std::fmt::Write;
+
+use super::axis::Mapping;
+use super::frame::Frame;
+use super::legend::{Entry, Sample, entries, reference_labels};
+use super::marks::{bar_width, marker_stride};
+use super::model::{Axis, Content, Figure, Panel, Picture, Scale, Series};
+use super::style::{Hatch, Marker, REFERENCE_DASHES, Style, Width, style};
+use super::svg::{Layout, layout};
+
+/// What every file starts with: packages, and how the rows of one curve are picked from the CSV.
+const HEAD: &str = r"% Compile with pdflatex; the CSV must lie beside this file.
+\documentclass[border=2pt]{standalone}
+\usepackage[utf8]{inputenc}
+\usepackage{pgfplots}
+\pgfplotsset{compat=1.16}
+\usepgfplotslibrary{groupplots}
+\usetikzlibrary{patterns}
+\renewcommand{\familydefault}{\sfdefault}
+% Sorts the rows of the CSV into one macro per curve, so that it is read once: x, y, below, above.
+\newread\numbers
+\makeatletter
+\def\addrow#1,#2,#3,#4,#5,#6,#7,#8,#9\relax{\addends{#1}{#6}{#7}#9\relax}
+\def\addends#1#2#3#4,#5,#6,#7\relax{%
+  \ifcsname curve-#1\endcsname\else\expandafter\gdef\csname curve-#1\endcsname{}\fi
+  \expandafter\xdef\csname curve-#1\endcsname{%
+    \unexpanded\expandafter\expandafter\expandafter{\csname curve-#1\endcsname}#2,#3,#6,#7\unexpanded{\\}}}
+\def\readcurves#1{%
+  \openin\numbers=#1\relax \endlinechar=-1
+  \loop \read\numbers to\row \ifx\row\@empty\else\expandafter\addrow\row\relax\fi
+  \ifeof\numbers\else\repeat
+  \closein\numbers \endlinechar=13 }
+\makeatother
+\def\plotcurve#1#2#3{\edef\next{\noexpand\addplot[\unexpanded{#2}]
+  table[col sep=comma, row sep=\noexpand\\, header=false, y index=1, \unexpanded{#3}]
+  {\unexpanded\expandafter\expandafter\expandafter{\csname curve-#1\endcsname}}}\next;}
+";
+
+/// Text of the CSV is read as it is, so from here on no special character of TeX is one but the
+/// backslash and braces.
+const PLAIN_TEXT: &str = r"\begin{document}
+\footnotesize
+\catcode37=12\catcode35=12\catcode36=12\catcode38=12\catcode94=12\catcode95=12\catcode126=12\relax
+";
+
+/// File name of the pixels of a panel that shows a picture.
+pub fn picture_name(figure: &Figure, panel: usize) -> String {
+    format!("{}-panel-{}.png", figure.name, panel + 1)
+}
+
+/// The LaTeX source of a figure: the same axes in the same places as in the SVG.
+pub fn write(figure: &Figure, width: Width) -> String {
+    let mut tex = HEAD.to_owned();
+    for number in styles_of(figure) {
+        let hex = style(number).colour.hex().to_uppercase();
+        let _ = writeln!(tex, "\\definecolor{{style{number}}}{{HTML}}{{{hex}}}");
+    }
+    tex.push_str(PLAIN_TEXT);
+    let _ = writeln!(tex, "\\readcurves{{{}.csv}}", figure.name);
+    let Layout { columns, frames, .. } = layout(figure, width);
+    tex.push_str(&group_start(&frames, columns));
+    let references = reference_labels(figure);
+    let mut curve = 0;
+    for (at, frame) in frames.iter().enumerate() {
+        let panel = frame.panel;
+        let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(frame));
+        for series in panel.content.series() {
+            tex.push_str(&plot(frame, series, curve));
+            curve += 1;
+        }
+        if let Content::Picture(picture) = &panel.content {
+            tex.push_str(&picture_plot(figure, at, picture));
+        }
+        tex.push_str(&reference_lines(panel, &references));
+    }
+    tex.push_str("\\end{groupplot}\n");
+    tex.push_str(&legend(&entries(figure), width));
+    tex.push_str("\\end{tikzpicture}\n\\end{document}\n");
+    tex
+}
+
+fn group_start(frames: &[Frame], columns: usize) -> String {
+    let rows = frames.len().div_ceil(columns);
+    let largest = |part: fn(&Frame) -> f64| frames.iter().map(part).fold(0.0, f64::max);
+    let beside = largest(|frame| frame.left) + largest(|frame| frame.right) + 4.0;
+    let above = largest(|frame| frame.top) + largest(|frame| frame.bottom) + 12.0;
+    format!(
+        "\\begin{{tikzpicture}}\n\\begin{{groupplot}}[\n  group style={{group size={columns} by {rows}, \
+         horizontal sep={beside:.0}bp, vertical sep={above:.0}bp}},\n  \
+         scale only axis, ymajorgrids, grid style={{black!12}}, tick align=outside, tick pos=left,\n  \
+         unbounded coords=jump, title style={{font=\\small, align=center}}, label style={{align=center}},\n]\n"
+    )
+}
+
+fn styles_of(figure: &Figure) -> std::collections::BTreeSet<usize> {
+    figure.panels.iter().flat_map(|panel| panel.content.series()).map(|series| series.style).collect()
+}
+
+/// Axis labels, scales, ticks and how bars stand.
+fn axis_options(frame: &Frame) -> String {
+    let panel = frame.panel;
+    let mut options = vec![
+        format!("width={:.1}bp, height={:.1}bp", frame.width, frame.height),
+        format!("title={{{}}}", lines(&frame.title)),
+        format!("xlabel={{{}}}", lines(&frame.x_label)),
+        format!("ylabel={{{}}}", lines(&frame.y_label)),
+    ];
+    options.extend(scale_options('x', &panel.x, &frame.x));
+    options.extend(scale_options('y', &panel.y, &frame.y));
+    match &panel.content {
+        Content::Bars(_) => options.push(format!("bar width={:.2}bp", bar_width(frame))),
+        Content::Stacks(_) => options.push(format!("ybar stacked, bar width={:.2}bp", bar_width(frame))),
+        _ => {}
+    }
+    let turned = match frame.x_ticks.degrees() {
+        0 => format!("align=center, text width={:.1}bp", frame.slot().max(4.0)),
+        90 => "rotate=90, anchor=east".to_owned(),
+        degrees => format!("rotate={degrees}, anchor=north east, inner sep=1pt"),
+    };
+    if matches!(panel.x.scale, Scale::Categories(_)) {
+        options.push(format!("x tick label style={{{turned}}}"));
+    }
+    if let Content::Picture(picture) = &panel.content {
+        options.push(picture_options(picture));
+    }
+    options.join(", ")
+}
+
+fn scale_options(axis: char, shown: &Axis, mapping: &Mapping) -> Vec<String> {
+    let (low, high) = mapping.range;
+    let labelled = mapping.ticks.iter().filter(|tick| !tick.label.is_empty());
+    let (places, labels): (Vec<String>, Vec<String>) =
+        labelled.map(|tick| (tick.value.to_string(), format!("{{{}}}", escape(&tick.label)))).unzip();
+    let mut options = vec![
+        format!("{axis}min={low}, {axis}max={high}"),
+        format!("{axis}tick={{{}}}", places.join(",")),
+        format!("{axis}ticklabels={{{}}}", labels.join(",")),
+    ];
+    if let Scale::Logarithmic { base } = &shown.scale {
+        options.push(format!("{axis}mode=log, log basis {axis}={base}"));
+    }
+    options
+}
+
+/// One series: the rows of the CSV with its number.
+fn plot(frame: &Frame, series: &Series, curve: usize) -> String {
+    let mut x = "x index=0".to_owned();
+    let look = match &frame.panel.content {
+        Content::Lines(_) => {
+            let stride = marker_stride(series);
+            let phase = 1 + (2 * stride - stride / 2 - series.style % stride) % stride;
+            let (line, marker) = (line_look(series.style), marker_look(series.style));
+            format!("{line}, {marker}, mark repeat={stride}, mark phase={phase}")
+        }
+        Content::Scatter(_) => format!("only marks, {}", marker_look(series.style)),
+        Content::Bars(all) => {
+            // The numbers are shifted instead of the bars, since error bars stay where the numbers are.
+            let at = all.iter().position(|one| std::ptr::eq(one, series)).unwrap_or(0) as f64;
+            let shift = (at + 0.5 - 0.5 * all.len() as f64) * bar_width(frame) / frame.slot();
+            x = format!("x expr=\\thisrowno{{0}}+{shift:.5}");
+            format!("ybar, bar shift=0pt, {}", bar_look(series.style))
+        }
+        Content::Stacks(_) | Content::Picture(_) => bar_look(series.style),
+    };
+    let has_spread = series.points.iter().any(|point| point.spread.is_some());
+    let (bars, columns) = if has_spread {
+        let bars = ", error bars/.cd, y dir=both, y explicit, error bar style={black, solid}";
+        (bars, ", y error minus index=2, y error plus index=3")
+    } else {
+        ("", "")
+    };
+    format!("\\plotcurve{{{curve}}}{{{look}{bars}}}{{{x}{columns}}}\n")
+}
+
+fn line_look(number: usize) -> String {
+    let dash = dash_pattern(style(number).dash);
+    format!("style{number}, line width=1.1bp, {dash}")
+}
+
+fn dash_pattern(lengths: &[f64]) -> String {
+    if lengths.is_empty() {
+        return "solid".to_owned();
+    }
+    let words = ["on", "off"].into_iter().cycle();
+    let parts: Vec<String> =
+        lengths.iter().zip(words).map(|(length, word)| format!("{word} {length}bp")).collect();
+    format!("dash pattern={}", parts.join(" "))
+}
+
+fn marker_look(number: usize) -> String {
+    let shape = match style(number).marker {
+        Marker::Circle => "mark=*",
+        Marker::Square => "mark=square*",
+        Marker::Triangle => "mark=triangle*",
+        Marker::Diamond => "mark=diamond*",
+        Marker::TriangleDown => "mark=triangle*",
+        Marker::Cross => "mark=x",
+        Marker::Plus => "mark=+",
+        Marker::Pentagon => "mark=pentagon*",
+        Marker::Ring => "mark=o",
+    };
+    let turned = if style(number).marker == Marker::TriangleDown { ", rotate=180" } else { "" };
+    format!("{shape}, mark size=2bp, mark options={{solid, style{number}, fill=style{number}{turned}}}")
+}
+
+fn bar_look(number: usize) -> String {
+    let Style { colour, hatch, .. } = style(number);
+    let pattern = match hatch {
+        Hatch::Solid => "",
+        Hatch::Rising => "north east lines",
+        Hatch::Falling => "north west lines",
+        Hatch::Crossed => "crosshatch",
+        Hatch::Level => "horizontal lines",
+        Hatch::Upright => "vertical lines",
+        Hatch::Dotted => "dots",
+        Hatch::Grid => "grid",
+    };
+    let fill = format!("draw=black, line width=0.4bp, fill=style{number}");
+    if pattern.is_empty() {
+        return fill;
+    }
+    let [red, ..] = colour.contrast().0;
+    let lines = if red == 0 { "black" } else { "white" };
+    format!("{fill}, postaction={{pattern={pattern}, pattern color={lines}}}")
+}
+
+fn picture_options(picture: &Picture) -> String {
+    let mut options = String::from("axis on top, grid=none, y dir=reverse");
+    if let Some(bar) = &picture.colour_bar {
+        let colours: Vec<String> =
+            bar.colours.iter().map(|[red, green, blue]| format!("rgb255=({red},{green},{blue})")).collect();
+        let _ = write!(
+            options,
+            ", colormap={{figure}}{{{}}}, colorbar, point meta min={}, point meta max={}, \
+             colorbar style={{ylabel={{{}}}, y dir=normal, width=8bp, xshift=-4bp, scaled y ticks=false}}",
+            colours.join(" "),
+            bar.range.0,
+            bar.range.1,
+            escape(&bar.label)
+        );
+    }
+    options
+}
+
+fn picture_plot(figure: &Figure, panel: usize, picture: &Picture) -> String {
+    let (width, height, name) = (picture.width, picture.height, picture_name(figure, panel));
+    format!("\\addplot graphics[xmin=0, xmax={width}, ymin={height}, ymax=0]{{{name}}};\n")
+}
+
+/// Lines across, from edge to edge where they have no span.
+fn reference_lines(panel: &Panel, labels: &[String]) -> String {
+    let mut tex = String::new();
+    for reference in &panel.references {
+        let number = labels.iter().position(|label| *label == reference.label).unwrap_or(0);
+        let y = reference.y;
+        let (from, to) = match reference.span {
+            Some((from, to)) => (format!("axis cs:{from},{y}"), format!("axis cs:{to},{y}")),
+            None => (
+                format!("{{rel axis cs:0,0}}|-{{axis cs:{},{y}}}", inside(panel)),
+                format!("{{rel axis cs:1,0}}|-{{axis cs:{},{y}}}", inside(panel)),
+            ),
+        };
+        let _ = writeln!(tex, "\\draw[{}] ({from}) -- ({to});", reference_look(number));
+    }
+    tex
+}
+
+/// A number that the axis to the right has a place for.
+fn inside(panel: &Panel) -> f64 {
+    let points = panel.content.series().iter().flat_map(|series| &series.points);
+    points.map(|point| point.x).find(|x| x.is_finite() && *x > 0.0).unwrap_or(1.0)
+}
+
+fn reference_look(number: usize) -> String {
+    let dash = dash_pattern(REFERENCE_DASHES[number % REFERENCE_DASHES.len()]);
+    format!("black!62, line width=0.9bp, {dash}")
+}
+
+/// Where a line in the legend runs.
+const SAMPLE: &str = "(0,0) (12bp,0) (24bp,0)";
+
+/// The legend as a paragraph below all panels, which breaks into lines by itself.
+fn legend(entries: &[Entry], width: Width) -> String {
+    if entries.is_empty() {
+        return String::new();
+    }
+    let mut tex = format!(
+        "\\node[anchor=north, align=center, text width={:.0}bp] at ([yshift=-4bp]current bounding box.south) {{\n",
+        width.points() - 12.0
+    );
+    for Entry { sample, label } in entries {
+        let drawn = match *sample {
+            Sample::Line(number) => {
+                let (line, marker) = (line_look(number), marker_look(number));
+                format!("\\draw[{line}] plot[{marker}, mark indices={{2}}] coordinates {{{SAMPLE}}};")
+            }
+            Sample::Marker(number) => {
+                format!("\\path plot[{}, mark indices={{2}}] coordinates {{{SAMPLE}}};", marker_look(number))
+            }
+            Sample::Bar(number) => format!("\\path[{}] (0,-4bp) rectangle (15bp,4bp);", bar_look(number)),
+            Sample::Reference(number) => format!("\\draw[{}] (0,0) -- (24bp,0);", reference_look(number)),
+        };
+        let _ = writeln!(tex, "\\mbox{{\\tikz[baseline=-0.6ex]{{{drawn}}} {}}}\\quad", escape(label));
+    }
+    tex.push_str("};\n");
+    tex
+}
+
+/// Lines of text below each other.
+fn lines(lines: &[String]) -> String {
+    lines.iter().map(|line| escape(line)).collect::<Vec<_>>().join("\\\\ ")
+}
+
+/// Text as TeX wants it where only the backslash and braces are special.
+fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        let word = match character {
+            '\\' => "\\textbackslash{}",
+            '{' | '}' | '$' | '&' | '#' | '%' | '_' => {
+                escaped.extend(['\\', character]);
+                continue;
+            }
+            '^' => "\\textasciicircum{}",
+            '~' => "\\textasciitilde{}",
+            '<' => "\\textless{}",
+            '>' => "\\textgreater{}",
+            '"' => "''",
+            '×' => "\\ensuremath{\\times}",
+            'µ' | 'μ' => "\\ensuremath{\\mu}",
+            '²' => "\\ensuremath{\\sp{2}}",
+            '³' => "\\ensuremath{\\sp{3}}",
+            '≥' => "\\ensuremath{\\ge}",
+            '≤' => "\\ensuremath{\\le}",
+            '−' => "\\ensuremath{-}",
+            '→' => "\\ensuremath{\\to}",
+            '±' => "\\ensuremath{\\pm}",
+            '·' => "\\ensuremath{\\cdot}",
+            '°' => "\\ensuremath{\\sp{\\circ}}",
+            'Δ' => "\\ensuremath{\\Delta}",
+            '∞' => "\\ensuremath{\\infty}",
+            '…' => "\\ldots{}",
+            '–' => "\\textendash{}",
+            '—' => "\\textemdash{}",
+            control if control.is_control() => " ",
+            other => {
+                escaped.push(other);
+                continue;
+            }
+        };
+        escaped.push_str(word);
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_what_tex_shows_as_it_was() {
+        assert_eq!(escape("50 % of a_b & {c} #1 $x$"), "50 \\% of a\\_b \\& \\{c\\} \\#1 \\$x\\$");
+        assert_eq!(
+            escape("\\input 2^20 × ~ µs"),
+            "\\textbackslash{}input 2\\textasciicircum{}20 \\ensuremath{\\times} \\textasciitilde{} \\ensuremath{\\mu}s"
+        );
+        assert_eq!(lines(&["a".into(), "b".into()]), "a\\\\ b");
+    }
+
+    #[test]
+    fn dashes_are_those_of_the_style() {
+        assert_eq!(dash_pattern(&[]), "solid");
+        assert_eq!(dash_pattern(&[5.0, 2.0, 1.0, 2.0]), "dash pattern=on 5bp off 2bp on 1bp off 2bp");
+    }
+}

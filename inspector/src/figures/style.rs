@@ -1,0 +1,204 @@
+//! How every figure looks: widths, sizes, colours, markers, dashes and hatches, in one place.
+//!
+//! Colours are those of Okabe and Ito (2008), which people with any colour vision tell apart. None of
+//! them stands alone: each style has a marker, a dash and a hatch of its own, so that grey print works.
+
+/// Family name of the embedded font.
+pub const FONT_FAMILY: &str = "Liberation Sans";
+/// The embedded font: Liberation Sans 2.1.5, SIL Open Font License 1.1.
+pub const FONT: &[u8] = include_bytes!("../../assets/LiberationSans-Regular.ttf");
+/// Size of ticks, legends and axis labels, points: what is still read at column width.
+pub const TEXT_SIZE: f64 = 8.0;
+/// Size of panel titles, points.
+pub const TITLE_SIZE: f64 = 9.0;
+/// From one line of text to the next, in sizes.
+pub const LINE_HEIGHT: f64 = 1.2;
+/// Pixels per inch of rasterised figures.
+pub const DOTS_PER_INCH: f64 = 300.0;
+/// Points per inch.
+pub const POINTS_PER_INCH: f64 = 72.0;
+/// Width of axes and of the outlines of bars, points.
+pub const AXIS_STROKE: f64 = 0.6;
+/// Width of the lines of series, points.
+pub const LINE_STROKE: f64 = 1.1;
+/// Half the width of a marker, points.
+pub const MARKER_RADIUS: f64 = 2.3;
+/// Of grid lines.
+pub const GRID_COLOUR: Colour = Colour([0xe2, 0xe2, 0xe2]);
+/// Of lines across a panel.
+pub const REFERENCE_COLOUR: Colour = Colour([0x60, 0x60, 0x60]);
+
+/// A colour, sRGB.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Colour(pub [u8; 3]);
+
+impl Colour {
+    /// Black.
+    pub const BLACK: Self = Self([0; 3]);
+    /// White.
+    pub const WHITE: Self = Self([255; 3]);
+
+    /// Six hexadecimal digits.
+    pub fn hex(self) -> String {
+        let [red, green, blue] = self.0;
+        format!("{red:02x}{green:02x}{blue:02x}")
+    }
+
+    /// The one of black and white that is seen on this colour.
+    pub fn contrast(self) -> Self {
+        let [red, green, blue] = self.0.map(f64::from);
+        if 0.299 * red + 0.587 * green + 0.114 * blue < 140.0 { Self::WHITE } else { Self::BLACK }
+    }
+}
+
+/// How wide a figure is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Width {
+    /// One column of a two-column page: 3.5 in (88.9 mm).
+    OneColumn,
+    /// Both columns: 7 in (177.8 mm).
+    TwoColumn,
+}
+
+impl Width {
+    /// In points.
+    pub fn points(self) -> f64 {
+        match self {
+            Self::OneColumn => 3.5 * POINTS_PER_INCH,
+            Self::TwoColumn => 7.0 * POINTS_PER_INCH,
+        }
+    }
+}
+
+/// The shape at the points of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marker {
+    /// ●
+    Circle,
+    /// ■
+    Square,
+    /// ▲
+    Triangle,
+    /// ◆
+    Diamond,
+    /// ▼
+    TriangleDown,
+    /// ×
+    Cross,
+    /// +
+    Plus,
+    /// ⬟
+    Pentagon,
+    /// ○
+    Ring,
+}
+
+/// What fills a bar besides its colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hatch {
+    /// Nothing.
+    Solid,
+    /// Lines that rise.
+    Rising,
+    /// Lines that fall.
+    Falling,
+    /// Both.
+    Crossed,
+    /// Level lines.
+    Level,
+    /// Upright lines.
+    Upright,
+    /// Dots.
+    Dotted,
+    /// Level and upright lines.
+    Grid,
+}
+
+/// How one series is told from the others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Style {
+    /// Colour of its lines, markers and bars.
+    pub colour: Colour,
+    /// Shape of its points.
+    pub marker: Marker,
+    /// Lengths of the strokes and gaps of its lines, points; none for a full line.
+    pub dash: &'static [f64],
+    /// What fills its bars.
+    pub hatch: Hatch,
+}
+
+const COLOURS: [Colour; 9] = [
+    Colour([0x00, 0x00, 0x00]), // black
+    Colour([0x00, 0x72, 0xb2]), // blue
+    Colour([0xd5, 0x5e, 0x00]), // vermilion
+    Colour([0x00, 0x9e, 0x73]), // bluish green
+    Colour([0xe6, 0x9f, 0x00]), // orange
+    Colour([0xcc, 0x79, 0xa7]), // reddish purple
+    Colour([0x56, 0xb4, 0xe9]), // sky blue
+    Colour([0xf0, 0xe4, 0x42]), // yellow
+    Colour([0x99, 0x99, 0x99]), // grey
+];
+const MARKERS: [Marker; 9] = [
+    Marker::Circle,
+    Marker::Square,
+    Marker::Triangle,
+    Marker::Diamond,
+    Marker::TriangleDown,
+    Marker::Cross,
+    Marker::Plus,
+    Marker::Pentagon,
+    Marker::Ring,
+];
+const DASHES: [&[f64]; 5] = [&[], &[5.0, 2.0], &[1.5, 1.5], &[5.0, 1.5, 1.2, 1.5], &[8.0, 1.5, 2.5, 1.5]];
+const HATCHES: [Hatch; 8] = [
+    Hatch::Solid,
+    Hatch::Rising,
+    Hatch::Falling,
+    Hatch::Dotted,
+    Hatch::Level,
+    Hatch::Crossed,
+    Hatch::Upright,
+    Hatch::Grid,
+];
+/// Dashes of the lines across a panel, in the order of their labels.
+pub(crate) const REFERENCE_DASHES: [&[f64]; 4] =
+    [&[3.0, 2.0], &[1.0, 1.5], &[6.0, 2.0, 1.0, 2.0], &[9.0, 3.0]];
+
+/// The style of this number: the same in every figure. The first 9 differ in colour and in marker;
+/// later ones repeat colours with other markers.
+pub fn style(number: usize) -> Style {
+    let round = number / COLOURS.len();
+    Style {
+        colour: COLOURS[number % COLOURS.len()],
+        marker: MARKERS[(number + round) % MARKERS.len()],
+        dash: DASHES[(number + round) % DASHES.len()],
+        hatch: HATCHES[(number + round) % HATCHES.len()],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_styles_look_the_same_in_colour_or_in_grey() {
+        let styles: Vec<Style> = (0..40).map(style).collect();
+        for (at, one) in styles.iter().enumerate() {
+            for (other_at, other) in styles[..at].iter().enumerate() {
+                assert!(
+                    (one.colour, one.marker) != (other.colour, other.marker),
+                    "styles {at} and {other_at} are the same"
+                );
+                if at < 9 {
+                    assert_ne!(one.marker, other.marker, "styles {at} and {other_at} in grey");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn hatches_are_seen_on_their_colours() {
+        assert_eq!([COLOURS[0].contrast(), COLOURS[7].contrast()], [Colour::WHITE, Colour::BLACK]);
+        assert_eq!(COLOURS[2].hex(), "d55e00");
+    }
+}

@@ -1,0 +1,83 @@
+//! How wide text is in the embedded font, and where it may be broken.
+
+use std::sync::LazyLock;
+
+use ttf_parser::Face;
+
+use super::style::FONT;
+
+static FACE: LazyLock<Option<Face<'static>>> = LazyLock::new(|| Face::parse(FONT, 0).ok());
+
+/// Advance of a character that the font lacks, in sizes.
+const UNKNOWN_ADVANCE: f64 = 0.75;
+
+/// Width of one line of text at a size, both in points. Kerning, which only narrows, is left out.
+pub(crate) fn width(text: &str, size: f64) -> f64 {
+    let advance = |character| {
+        let face = FACE.as_ref()?;
+        let advance = face.glyph_hor_advance(face.glyph_index(character)?)?;
+        Some(f64::from(advance) / f64::from(face.units_per_em()))
+    };
+    text.chars().map(|character| advance(character).unwrap_or(UNKNOWN_ADVANCE)).sum::<f64>() * size
+}
+
+/// Width of the widest of these lines.
+pub(crate) fn widest(lines: &[String], size: f64) -> f64 {
+    lines.iter().map(|line| width(line, size)).fold(0.0, f64::max)
+}
+
+/// Breaks text into lines no wider than `room` points: after spaces, hyphens and slashes. A piece
+/// that is wider than that stays whole.
+pub(crate) fn wrap(text: &str, size: f64, room: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    let mut line = String::new();
+    for piece in text.split_inclusive([' ', '-', '/']) {
+        let longer = format!("{line}{piece}");
+        if !line.is_empty() && width(longer.trim_end(), size) > room {
+            lines.push(line.trim_end().to_owned());
+            line = piece.to_owned();
+        } else {
+            line = longer;
+        }
+    }
+    if !line.trim_end().is_empty() {
+        lines.push(line.trim_end().to_owned());
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn widths_grow_with_text_and_size() {
+        assert!(FACE.is_some(), "the embedded font cannot be read");
+        assert!((width("00", 10.0) - 2.0 * 5.56).abs() < 0.05, "digits are 0.556 wide");
+        assert_eq!(width("", 8.0), 0.0);
+        assert!(width("iiii", 8.0) < width("mmmm", 8.0));
+    }
+
+    #[test]
+    fn the_font_has_what_labels_are_written_with() {
+        let face = FACE.as_ref().unwrap();
+        for character in ('!'..='~').chain("–—×µ²³≥≤−→±·Δ…“”éäß•°∞√½".chars())
+        {
+            assert!(face.glyph_index(character).is_some(), "{character} is missing");
+        }
+    }
+
+    #[test]
+    fn lines_break_where_they_may_and_lose_nothing() {
+        let text = "two-point-adaptive of Crytek Sponza/bounce 2";
+        let lines = wrap(text, 8.0, 60.0);
+        assert!(lines.len() > 2, "{lines:?}");
+        for line in &lines {
+            assert!(width(line, 8.0) <= 60.0, "{line}");
+        }
+        let without_spaces = |text: &str| text.replace(' ', "");
+        assert_eq!(without_spaces(&lines.concat()), without_spaces(text));
+        assert_eq!(wrap("unbreakable", 8.0, 1.0), ["unbreakable"]);
+        assert!(wrap("", 8.0, 10.0).is_empty());
+    }
+}

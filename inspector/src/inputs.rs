@@ -1,0 +1,110 @@
+//! What `plot` and `report` are given: recordings and benchmark results.
+
+use std::path::{Path, PathBuf};
+
+use formats::bench_result::BenchResult;
+use formats::reader::Dump;
+
+use crate::analysis::{Analysis, Depth, Options, analyse};
+use crate::figures::catalogue::{CATALOGUE, Material};
+use crate::figures::model::Figure;
+
+/// Recordings and benchmark results, in the order in which they were named.
+pub(crate) struct Inputs {
+    pub(crate) recordings: Vec<Dump>,
+    pub(crate) benches: Vec<BenchResult>,
+}
+
+impl Inputs {
+    /// Opens each path: a file is a benchmark result, anything else a recording.
+    pub(crate) fn open(paths: &[PathBuf]) -> anyhow::Result<Self> {
+        let mut inputs = Self { recordings: Vec::new(), benches: Vec::new() };
+        for path in paths {
+            if path.is_file() {
+                inputs.benches.push(BenchResult::read(path)?);
+            } else {
+                inputs.recordings.push(Dump::open(path)?);
+            }
+        }
+        Ok(inputs)
+    }
+
+    /// The numbers of all recordings, arrays included.
+    pub(crate) fn analysis(&self) -> anyhow::Result<Analysis> {
+        Ok(analyse(&self.recordings, &Options { depth: Depth::Arrays, ..Options::default() })?)
+    }
+
+    /// Every figure that they have the numbers for, those of `names` alone if there are any.
+    pub(crate) fn figures(&self, analysis: &Analysis, names: &[String]) -> anyhow::Result<Figures> {
+        let material = Material { analysis, benches: &self.benches };
+        let mut made = Figures::default();
+        for entry in CATALOGUE.iter().filter(|entry| names.is_empty() || names.iter().any(|name| name == entry.name)) {
+            match (entry.make)(&material) {
+                Ok(figure) => made.figures.push(figure),
+                Err(skipped) if names.is_empty() => made.skipped.push((entry.name.to_owned(), skipped.reason)),
+                Err(skipped) => anyhow::bail!("there is no figure {} of these: {skipped}", entry.name),
+            }
+        }
+        Ok(made)
+    }
+}
+
+/// Figures, and names of those that need what is not there, each with the reason.
+#[derive(Debug, Default)]
+pub(crate) struct Figures {
+    pub(crate) figures: Vec<Figure>,
+    pub(crate) skipped: Vec<(String, String)>,
+}
+
+/// Whether all of these are names of figures.
+///
+/// # Errors
+/// If one is not, with those that there are.
+pub(crate) fn check_names(names: &[String]) -> anyhow::Result<()> {
+    match names.iter().find(|name| CATALOGUE.iter().all(|entry| entry.name != **name)) {
+        None => Ok(()),
+        Some(name) => {
+            let known: Vec<&str> = CATALOGUE.iter().map(|entry| entry.name).collect();
+            anyhow::bail!("there is no figure {name}; there are: {}", known.join(", "))
+        }
+    }
+}
+
+/// A path as a shell takes it.
+pub(crate) fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let is_plain = |character: char| character.is_alphanumeric() || "-_./:=+,@".contains(character);
+    if !text.is_empty() && text.chars().all(is_plain) {
+        text
+    } else {
+        format!("'{}'", text.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_quoted_where_a_shell_would_split_them() {
+        assert_eq!(quoted(Path::new("a/b-1.raydump")), "a/b-1.raydump");
+        assert_eq!(quoted(Path::new("it's here")), "'it'\\''s here'");
+    }
+
+    #[test]
+    fn unknown_figures_are_named() {
+        assert!(check_names(&["overhead".to_owned()]).is_ok());
+        let message = check_names(&["overheads".to_owned()]).unwrap_err().to_string();
+        assert!(message.contains("no figure overheads; there are: trace-speedup"), "{message}");
+    }
+
+    #[test]
+    fn what_is_no_input_is_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("other.json");
+        std::fs::write(&file, "{}").unwrap();
+        let message = |path: PathBuf| Inputs::open(&[path]).err().unwrap().to_string();
+        assert!(message(file).contains("is not what `recorder bench --json` prints"));
+        assert!(message(folder.path().join("none.raydump")).contains("there is no recording"));
+    }
+}

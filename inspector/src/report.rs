@@ -1,0 +1,173 @@
+//! One HTML page that says everything about some recordings, and needs nothing beside it.
+
+use std::fmt::Write;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use crate::figures::canvas::escape;
+use crate::figures::model::Figure;
+use crate::figures::style::{FONT, FONT_FAMILY, Width};
+use crate::figures::{FigureError, svg};
+
+/// What a report says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Heading of the page.
+    pub title: String,
+    /// What was recorded, where and how: names and values.
+    pub facts: Vec<(String, String)>,
+    /// Names of the columns of the summary.
+    pub summary_header: Vec<String>,
+    /// The summary, row by row.
+    pub summary: Vec<Vec<String>>,
+    /// The figures.
+    pub figures: Vec<Figure>,
+    /// Figures that could not be made, each with the reason.
+    pub skipped: Vec<(String, String)>,
+    /// Command lines that make all of this again.
+    pub commands: Vec<String>,
+}
+
+/// What the browser lets the page do: show what is in it. Nothing is run, nothing is loaded.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; font-src data:";
+
+const STYLE: &str = "
+:root { color-scheme: light dark; --ink: #1a1a1a; --page: #ffffff; --soft: #f3f4f6; --line: #d4d7dc; --faint: #5a6270; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e6e8eb; --page: #15181d; --soft: #20252c; --line: #3a414b; --faint: #a4acb8; }
+}
+* { box-sizing: border-box; }
+body { margin: 0 auto; max-width: 62rem; padding: 1.5rem; font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--page); }
+h1 { font-size: 1.7rem; margin: 0 0 1rem; }
+h2 { font-size: 1.25rem; margin: 2.2rem 0 .7rem; border-bottom: 1px solid var(--line); padding-bottom: .2rem; }
+h3 { font-size: 1.05rem; margin: 0 0 .5rem; }
+nav ul { columns: 18rem; padding-left: 1.2rem; }
+a { color: inherit; }
+.wide { overflow-x: auto; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem; }
+th, td { padding: .25rem .7rem; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
+th { color: var(--faint); font-weight: 600; }
+th:first-child, td:first-child { text-align: left; }
+.facts th, .facts td { text-align: left; }
+.facts td { white-space: normal; overflow-wrap: anywhere; }
+.facts th { vertical-align: top; }
+figure { margin: 1.5rem 0 2.5rem; break-inside: avoid; }
+.paper { background: #ffffff; border: 1px solid var(--line); border-radius: 4px; padding: .6rem; }
+.paper svg { display: block; width: 100%; height: auto; max-width: 60rem; margin: 0 auto; }
+figcaption { margin-top: .6rem; }
+.settings { color: var(--faint); font-size: .88rem; margin: .4rem 0 0; padding-left: 1.2rem; }
+pre { background: var(--soft); border: 1px solid var(--line); padding: .8rem; overflow-x: auto; white-space: pre-wrap; overflow-wrap: anywhere; }
+@media print {
+  :root { --ink: #000; --page: #fff; --soft: #fff; --line: #999; --faint: #333; }
+  body { max-width: none; padding: 0; font-size: 10pt; }
+  nav { display: none; }
+  .paper { border: none; padding: 0; }
+}
+";
+
+/// The page. It has no scripts, loads nothing, and follows the reader's light or dark colours; figures
+/// stay on white, as in print. Numbers are shown where a bar or a point is pointed at.
+///
+/// # Errors
+/// If a figure contradicts itself.
+pub fn html(report: &Report) -> Result<String, FigureError> {
+    let title = escape(&report.title);
+    let mut page = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
+         <style>\n@font-face {{ font-family: \"{FONT_FAMILY}\"; src: url(data:font/ttf;base64,{}); }}\n{STYLE}</style>\n\
+         </head>\n<body>\n<h1>{title}</h1>\n",
+        STANDARD.encode(FONT)
+    );
+    page.push_str(&contents(report));
+    page.push_str(&facts(&report.facts));
+    page.push_str(&summary(report));
+    if !report.figures.is_empty() {
+        page.push_str("<h2 id=\"figures\">Figures</h2>\n");
+    }
+    for (at, figure) in report.figures.iter().enumerate() {
+        page.push_str(&figure_section(at, figure)?);
+    }
+    page.push_str(&skipped(&report.skipped));
+    page.push_str(&commands(&report.commands));
+    page.push_str("</body>\n</html>\n");
+    Ok(page)
+}
+
+fn contents(report: &Report) -> String {
+    if report.figures.len() < 2 {
+        return String::new();
+    }
+    let mut list = String::from("<nav aria-label=\"Figures\"><ul>\n");
+    for (at, figure) in report.figures.iter().enumerate() {
+        let _ = writeln!(list, "<li><a href=\"#figure-{}\">{}</a></li>", at + 1, escape(&figure.title));
+    }
+    list.push_str("</ul></nav>\n");
+    list
+}
+
+fn facts(facts: &[(String, String)]) -> String {
+    if facts.is_empty() {
+        return String::new();
+    }
+    let mut table = String::from("<h2>What was recorded</h2>\n<table class=\"facts\">\n");
+    for (name, value) in facts {
+        let _ = writeln!(table, "<tr><th scope=\"row\">{}</th><td>{}</td></tr>", escape(name), escape(value));
+    }
+    table.push_str("</table>\n");
+    table
+}
+
+fn summary(report: &Report) -> String {
+    if report.summary.is_empty() {
+        return String::new();
+    }
+    let mut table = String::from("<h2>Summary</h2>\n<div class=\"wide\"><table>\n<thead><tr>");
+    for name in &report.summary_header {
+        let _ = write!(table, "<th scope=\"col\">{}</th>", escape(name));
+    }
+    table.push_str("</tr></thead>\n<tbody>\n");
+    for row in &report.summary {
+        let cells: String = row.iter().map(|cell| format!("<td>{}</td>", escape(cell))).collect();
+        let _ = writeln!(table, "<tr>{cells}</tr>");
+    }
+    table.push_str("</tbody></table></div>\n");
+    table
+}
+
+fn figure_section(at: usize, figure: &Figure) -> Result<String, FigureError> {
+    let number = at + 1;
+    let drawing = svg::draw(figure, Width::TwoColumn, &format!("figure-{number}"))?;
+    let settings: String =
+        figure.settings.iter().map(|line| format!("<li>{}</li>\n", escape(line))).collect();
+    let settings =
+        if settings.is_empty() { settings } else { format!("<ul class=\"settings\">\n{settings}</ul>\n") };
+    Ok(format!(
+        "<figure id=\"figure-{number}\">\n<h3>{}</h3>\n<div class=\"paper\">\n{drawing}</div>\n\
+         <figcaption>{}\n{settings}</figcaption>\n</figure>\n",
+        escape(&figure.title),
+        escape(&figure.caption),
+    ))
+}
+
+fn skipped(skipped: &[(String, String)]) -> String {
+    if skipped.is_empty() {
+        return String::new();
+    }
+    let mut list = String::from("<h2>Figures left out</h2>\n<ul>\n");
+    for (name, reason) in skipped {
+        let _ = writeln!(list, "<li><b>{}</b>: {}</li>", escape(name), escape(reason));
+    }
+    list.push_str("</ul>\n");
+    list
+}
+
+fn commands(commands: &[String]) -> String {
+    if commands.is_empty() {
+        return String::new();
+    }
+    let lines: Vec<String> = commands.iter().map(|line| escape(line)).collect();
+    format!("<h2>How to repeat it</h2>\n<pre><code>{}</code></pre>\n", lines.join("\n"))
+}
