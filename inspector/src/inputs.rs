@@ -38,10 +38,14 @@ impl Inputs {
     pub(crate) fn figures(&self, analysis: &Analysis, names: &[String]) -> anyhow::Result<Figures> {
         let material = Material { analysis, benches: &self.benches };
         let mut made = Figures::default();
-        for entry in CATALOGUE.iter().filter(|entry| names.is_empty() || names.iter().any(|name| name == entry.name)) {
+        for entry in
+            CATALOGUE.iter().filter(|entry| names.is_empty() || names.iter().any(|name| name == entry.name))
+        {
             match (entry.make)(&material) {
                 Ok(figure) => made.figures.push(figure),
-                Err(skipped) if names.is_empty() => made.skipped.push((entry.name.to_owned(), skipped.reason)),
+                Err(skipped) if names.is_empty() => {
+                    made.skipped.push((entry.name.to_owned(), skipped.reason))
+                }
                 Err(skipped) => anyhow::bail!("there is no figure {} of these: {skipped}", entry.name),
             }
         }

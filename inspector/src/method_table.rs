@@ -36,15 +36,8 @@ pub(crate) fn methods(analysis: &Analysis) -> String {
 }
 
 /// Columns of [`rows`].
-pub(crate) const COLUMNS: [&str; 7] = [
-    "method",
-    "rays",
-    "machine",
-    "queues",
-    "trace speedup",
-    "net speedup",
-    "capsule area",
-];
+pub(crate) const COLUMNS: [&str; 7] =
+    ["method", "rays", "machine", "queues", "trace speedup", "net speedup", "capsule area"];
 
 /// One row per machine, kind of rays and method: geometric means over scenes and bounces.
 pub(crate) fn rows(analysis: &Analysis) -> Vec<Vec<String>> {
