@@ -135,6 +135,8 @@ pub struct RecordOptions {
     pub threads: Option<usize>,
     /// Arrays to keep.
     pub keep: Keep,
+    /// Bytes of the second level of the cache model.
+    pub l2_bytes: u64,
     /// Passes to keep them of.
     pub keep_passes: KeepPasses,
     /// Whether dark paths end by chance.
@@ -241,6 +243,7 @@ impl RecordOptions {
         in_range("key-bits", self.key_bits, KEY_BITS_MIN, LAYOUT_BITS)?;
         in_range("table-bits", self.table_bits, TABLE_BITS_MIN, TABLE_BITS_MAX)?;
         in_range("two-point-length", self.two_point_length, 0.0, 2.0)?;
+        in_range("l2-kib", self.l2_bytes >> 10, 64, 1 << 20)?;
         if let Some(threads) = self.threads {
             in_range("threads", threads, 1, 4096)?;
         }

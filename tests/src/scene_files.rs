@@ -57,3 +57,50 @@ pub fn glb(json: &Value, binary: &[u8]) -> Vec<u8> {
     file.extend(chunks);
     file
 }
+
+/// A GLB file of the triangle with a second one behind it; the front one's texture is a chessboard of holes.
+///
+/// # Panics
+/// If the texture cannot be encoded.
+pub fn masked() -> Vec<u8> {
+    let mut json = triangle_json();
+    let mut bytes = triangle_bytes();
+    let mut add = |data: &[u8]| {
+        let offset = bytes.len();
+        bytes.extend(data);
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+        json!({ "buffer": 0, "byteOffset": offset, "byteLength": data.len() })
+    };
+    let uvs: [f32; 6] = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0];
+    let uvs: Vec<u8> = uvs.iter().flat_map(|value| value.to_le_bytes()).collect();
+    let views = [add(&uvs), add(&chessboard())];
+    json["bufferViews"].as_array_mut().unwrap().extend(views);
+    json["accessors"].as_array_mut().unwrap().push(json!(
+        { "bufferView": 2, "componentType": 5126, "count": 3, "type": "VEC2" }
+    ));
+    json["images"] = json!([{ "bufferView": 3, "mimeType": "image/png" }]);
+    json["textures"] = json!([{ "source": 0 }]);
+    json["materials"] = json!([
+        { "alphaMode": "MASK", "alphaCutoff": 0.5, "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } },
+        { "pbrMetallicRoughness": { "metallicFactor": 0 } },
+    ]);
+    json["meshes"] = json!([
+        { "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 2 }, "indices": 1, "material": 0 }] },
+        { "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1, "material": 1 }] },
+    ]);
+    json["nodes"].as_array_mut().unwrap().push(json!({ "mesh": 1, "translation": [0, 0, -0.5] }));
+    json["scenes"][0]["nodes"].as_array_mut().unwrap().push(json!(2));
+    json["buffers"][0]["byteLength"] = json!(bytes.len());
+    glb(&json, &bytes)
+}
+
+/// An 8 × 8 PNG, every other texel transparent.
+fn chessboard() -> Vec<u8> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, 8, 8);
+    encoder.set_color(png::ColorType::Rgba);
+    let texels: Vec<u8> =
+        (0..64u8).flat_map(|at| [200, 180, 160, if (at / 8 + at) % 2 == 0 { 255 } else { 0 }]).collect();
+    encoder.write_header().unwrap().write_image_data(&texels).unwrap();
+    file
+}

@@ -13,6 +13,7 @@ use super::record::DeviceArguments;
 use crate::bench::rate;
 use crate::bench::sort::{self, SortBench};
 use crate::bench::trace::{self, TraceBench};
+use crate::cache_model::L2_BYTES;
 use crate::device::DeviceRequest;
 use crate::options::{Keep, KeepPasses, OptionError, RecordOptions, in_range, parse_methods};
 use crate::stages::trace::TraceKernel;
@@ -144,6 +145,7 @@ impl TraceArguments {
             trace: self.kernels.first().copied().unwrap_or(TraceKernel::Cwbvh),
             threads: self.device.threads,
             keep: Keep::default(),
+            l2_bytes: L2_BYTES,
             keep_passes: KeepPasses::Measured,
             russian_roulette: false,
             force: false,

@@ -97,6 +97,7 @@ impl ImportArguments {
             trace: self.device.kernel(),
             threads: self.device.threads,
             keep: Keep::parse(&self.keep)?,
+            l2_bytes: self.device.l2_kib << 10,
             keep_passes: KeepPasses::Measured,
             russian_roulette: false,
             force: self.force,

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::{Args, FromArgMatches, ValueEnum};
 
+use crate::cache_model::L2_BYTES;
 use crate::options::{BackendChoice, Keep, KeepPasses, OptionError, RecordOptions, parse_methods};
 use crate::recording::{self, Recorded};
 use crate::report;
@@ -122,6 +123,9 @@ pub(super) struct DeviceArguments {
     /// Trace kernel: cwbvh unless a recording says otherwise.
     #[arg(long, value_enum)]
     pub(super) trace: Option<TraceKernel>,
+    /// Second level of the cache model in KiB; its first level has 128.
+    #[arg(long, default_value_t = L2_BYTES >> 10)]
+    pub(super) l2_kib: u64,
     /// Threads of the CPU backend; all cores if not given.
     #[arg(long)]
     pub(super) threads: Option<usize>,
@@ -170,6 +174,7 @@ impl RecordArguments {
             trace: self.device.kernel(),
             threads: self.device.threads,
             keep: Keep::parse(&self.keep)?,
+            l2_bytes: self.device.l2_kib << 10,
             keep_passes: self.keep_passes,
             russian_roulette: self.russian_roulette,
             force: self.force,

@@ -91,6 +91,7 @@ impl ReplayArguments {
             trace: self.device.trace,
             threads: self.device.threads,
             keep,
+            l2_bytes: self.device.l2_kib << 10,
             force: self.force,
         })
     }

@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 
 use super::{Recorded, header, scene_arrays};
 use crate::backend::{Backend, Setup};
-use crate::cache_model::{self, CacheModel};
+use crate::cache_model::CacheModel;
 use crate::capture::Capture;
 use crate::cpu::CpuBackend;
 use crate::device::{self, Device};
@@ -58,7 +58,7 @@ impl Run<'_> {
         let bvh = device::hierarchy(self.scene, kernel)?;
         let setup = Arc::clone(&self.setup);
         let tracer = || bvh.as_ref().map(|bvh| Arc::new(CpuTracer::new(self.scene, bvh)));
-        let model = |tracer| CacheModel { tracer, l2_bytes: cache_model::L2_BYTES };
+        let model = |tracer| CacheModel { tracer, l2_bytes: self.options.l2_bytes };
         let (path, queues, differing) = match device {
             Device::Cpu(cpu) => cpu.pool.install(|| {
                 let tracer = tracer().context("threads trace a hierarchy of their own")?;

@@ -56,6 +56,8 @@ pub struct ReplayOptions {
     pub threads: Option<usize>,
     /// Arrays to keep: keys, permutations, work, caches.
     pub keep: Keep,
+    /// Bytes of the second level of the cache model.
+    pub l2_bytes: u64,
     /// Whether an existing recording may be replaced.
     pub force: bool,
 }
@@ -83,8 +85,9 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
         );
     }
     let recorded = &asked.manifest().header;
-    let run_options = run_options(options, recorded, &asked.manifest().methods)?;
+    let run_options = run_options(options, recorded, &asked.manifest().methods, &dump.manifest().header)?;
     run_options.check()?;
+    queues::check(dump, !run_options.keep.lengths)?;
     let scene = geometry::scene(dump)?;
     let camera = camera(recorded);
     let device = device::open(&(&run_options).into())?;
@@ -110,17 +113,16 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
         features: recorded.features.clone(),
         ..header(&scene, &setup, &run_options, &device, &notices, source)
     };
-    let is_same_table = run_options.table_bits == recorded.options.table_bits
-        && run_options.table_method.layout.text() == recorded.options.table_layout;
-    let rays = Rays::Recorded(RecordedRays::Dump { dump, is_same_table });
+    let rays = Rays::Recorded(RecordedRays::Dump { dump, is_same_table: !run_options.keep.lengths });
     Run { scene: &scene, setup, options: &run_options, header, rays, notices, start }.on(device)
 }
 
-/// The options of a run over what was recorded.
+/// The options of a run over what was recorded in `source`, by default those of `recorded`.
 fn run_options(
     options: &ReplayOptions,
     recorded: &Header,
     methods: &[MethodRecord],
+    source: &Header,
 ) -> Result<RecordOptions> {
     let before = &recorded.options;
     let methods = match &options.methods {
@@ -143,7 +145,8 @@ fn run_options(
     let mut keep = options.keep;
     let table_bits = options.table_bits.unwrap_or(before.table_bits);
     // Tables of other addresses are made anew, and belong to what differs.
-    keep.lengths = table_bits != before.table_bits || table_method.layout.text() != before.table_layout;
+    keep.lengths =
+        table_bits != source.options.table_bits || table_method.layout.text() != source.options.table_layout;
     Ok(RecordOptions {
         scene: recorded.scene.name.clone(),
         out: options.out.clone(),
@@ -164,6 +167,7 @@ fn run_options(
         trace,
         threads: options.threads,
         keep,
+        l2_bytes: options.l2_bytes,
         keep_passes: if before.keep_passes == "all" { KeepPasses::All } else { KeepPasses::Measured },
         russian_roulette: before.russian_roulette,
         force: options.force,

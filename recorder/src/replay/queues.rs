@@ -1,6 +1,6 @@
 //! The loop over recorded queues: what `wavefront` is for paths.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use formats::length_table::LengthCell;
 use formats::manifest::{Place as ArrayPlace, QueueArray, QueueId};
 use formats::npy::Element;
@@ -23,6 +23,26 @@ pub enum RecordedRays<'a> {
     /// One queue.
     Queue(UploadedRays<'a>),
 }
+
+/// Whether a recording has what [`run`] reads of it, before anything is written.
+///
+/// # Errors
+/// The first array that was not kept.
+pub fn check(dump: &Dump, is_same_table: bool) -> Result<()> {
+    for queue in &dump.manifest().queues {
+        let mut needed = vec![QueueArray::Rays, QueueArray::PathIds];
+        needed.extend((queue.id.kind == Kind::Shadow).then_some(QueueArray::Lights));
+        needed.extend(is_same_table.then_some(QueueArray::Lengths));
+        for array in needed {
+            let place = ArrayPlace::Queue(queue.id, array);
+            ensure!(dump.has(&place), "{} has no {place}: {NEEDED}", dump.root().display());
+        }
+    }
+    ensure!(!dump.manifest().queues.is_empty(), "{} has no queue of rays", dump.root().display());
+    Ok(())
+}
+
+const NEEDED: &str = "a replay needs the rays and length tables of a recording; record with --keep rays,hits,lengths,scene and more";
 
 /// Traces each queue in canonical order and hands it to the observer; returns how many rays did not find
 /// what was recorded.
@@ -87,9 +107,7 @@ fn run_recorded<B: Backend>(
 }
 
 fn array<T: Element>(dump: &Dump, id: QueueId, array: QueueArray) -> Result<Mapped<T>> {
-    dump.array(&ArrayPlace::Queue(id, array)).context(
-        "a replay needs the rays and length tables of a recording; record with --keep rays,hits,lengths,scene and more",
-    )
+    dump.array(&ArrayPlace::Queue(id, array)).context(NEEDED)
 }
 
 /// How many rays found something else than was recorded: another hit, for shadow rays another answer. 0 if

@@ -1,0 +1,211 @@
+//! Recorded rays measured again, and rays of other programs.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+use tempfile::{TempDir, tempdir};
+use tests::programs::{Program, finish};
+use tests::recordings::{arrays, record};
+
+const FAILED: i32 = 1;
+const USAGE: i32 = 2;
+
+fn recorded(scene: &str, options: &str) -> TempDir {
+    let folder = tempdir().unwrap();
+    record(folder.path(), "first", scene, options);
+    folder
+}
+
+fn run(folder: &Path, line: &str) -> Value {
+    Program::Recorder.run(folder, &format!("{line} --json")).succeeded().json()
+}
+
+/// Keys and permutations of a recording by path.
+fn orders(folder: &Path, name: &str) -> Vec<(String, Vec<u8>)> {
+    let found = arrays(&folder.join(name)).into_iter();
+    found.filter(|(path, _)| path.ends_with("keys.npy") || path.ends_with("permutation.npy")).collect()
+}
+
+fn the_same_settings_give_the_same_orders(backend: &str) {
+    let folder = recorded("builtin:cornell", &format!("--backend {backend} --repeats 1"));
+    let line = format!("replay first.raydump --out again.raydump --backend {backend}");
+    let json = run(folder.path(), &line);
+    assert_eq!(json["source"]["how"], "replayed");
+    assert_eq!(json["source"]["name"], "first.raydump");
+    let (first, again) = (orders(folder.path(), "first.raydump"), orders(folder.path(), "again.raydump"));
+    assert!(first.len() > 60, "{}", first.len());
+    assert!(first == again, "keys or permutations of the replay on {backend} differ");
+    // What does not depend on the methods is not repeated.
+    assert_eq!(arrays(&folder.path().join("again.raydump")).len(), again.len());
+    let report = Program::Inspector.run(folder.path(), "verify again.raydump --json").succeeded().json();
+    let keys = report["checks"].as_array().unwrap().iter().find(|check| check["name"] == "keys").unwrap();
+    assert!(keys["checked"].as_u64().unwrap() > 10_000, "{keys}");
+}
+
+#[test]
+fn the_same_settings_give_the_same_orders_on_threads() {
+    the_same_settings_give_the_same_orders("cpu");
+}
+
+#[test]
+fn the_same_settings_give_the_same_orders_on_the_gpu() {
+    the_same_settings_give_the_same_orders("gpu");
+}
+
+#[test]
+fn alpha_masks_are_replayed() {
+    let folder = tempdir().unwrap();
+    fs::write(folder.path().join("leaf.glb"), tests::scene_files::masked()).unwrap();
+    record(folder.path(), "first", "leaf.glb", "--backend cpu --repeats 1");
+    let outcome =
+        Program::Recorder.run(folder.path(), "replay first.raydump --out again.raydump --backend cpu");
+    let outcome = outcome.succeeded();
+    assert!(!outcome.stdout.contains("something else"), "{}", outcome.stdout);
+    assert!(orders(folder.path(), "first.raydump") == orders(folder.path(), "again.raydump"));
+}
+
+#[test]
+fn sweeps_and_other_tables() {
+    let folder =
+        recorded("builtin:cornell", "--backend cpu --repeats 1 --methods two-point,two-point-adaptive");
+    let sweep = "replay first.raydump --out sweep.raydump --backend cpu --repeats 1";
+    run(folder.path(), &format!("{sweep} --key-bits 8,40 --two-point-length 0.1..0.3:2"));
+    let names = |json: &Value| -> Vec<String> {
+        json["options"]["methods"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|name| name.as_str().unwrap().to_owned())
+            .collect()
+    };
+    let json = Program::Inspector.run(folder.path(), "info sweep.raydump --json").succeeded().json();
+    assert_eq!(
+        names(&json),
+        [
+            "unsorted",
+            "two-point-8-bits-length-0-1",
+            "two-point-8-bits-length-0-3",
+            "two-point-40-bits-length-0-1",
+            "two-point-40-bits-length-0-3",
+            "two-point-adaptive-8-bits",
+            "two-point-adaptive-40-bits",
+        ]
+    );
+    Program::Inspector.run(folder.path(), "verify sweep.raydump").succeeded();
+    // A table of other addresses is learnt anew, and kept.
+    let line =
+        "replay first.raydump --out table.raydump --backend cpu --table-bits 12 --table-method octahedron";
+    run(folder.path(), line);
+    assert!(arrays(&folder.path().join("table.raydump")).keys().any(|path| path.ends_with("/lengths.npy")));
+    Program::Inspector.run(folder.path(), "verify table.raydump").succeeded();
+    // A replay of a replay measures the rays of the first recording.
+    let json = run(folder.path(), "replay table.raydump --out twice.raydump --backend cpu --trace bvh2");
+    assert_eq!(json["source"]["name"], "first.raydump");
+    assert_eq!(json["options"]["table_bits"], 12);
+    assert_eq!(json["options"]["trace_kernel"], "bvh2");
+}
+
+#[test]
+fn what_cannot_be_replayed_is_refused() {
+    let folder = recorded("builtin:cornell", "--backend cpu --repeats 1 --methods aila");
+    let fails = |line: &str, code: i32, words: &[&str]| {
+        Program::Recorder.run(folder.path(), line).failed_with(code, words);
+    };
+    fails("replay none.raydump --out y.raydump", FAILED, &["none.raydump"]);
+    fails("replay first.raydump --out first.raydump", FAILED, &["exists already", "--force"]);
+    fails("replay first.raydump --out y --key-bits 4", USAGE, &["key-bits", "8", "64"]);
+    fails(
+        "replay first.raydump --out y --two-point-length 0.1..",
+        USAGE,
+        &["two-point-length", "0.05..0.4:8"],
+    );
+    fails("replay first.raydump --out y --methods nope", USAGE, &["nope"]);
+    fails("replay first.raydump --out y --keep rays", USAGE, &["rays", "refers to"]);
+    fails("replay first.raydump --out y --table-method two-point", USAGE, &["two-point", "aila"]);
+    let bare =
+        "record builtin:cornell --out bare.raydump --width 32 --height 18 --bounces 1 --passes 1 --repeats 1";
+    run(folder.path(), &format!("{bare} --backend cpu --methods aila --keep hits,scene"));
+    fails("replay bare.raydump --out y --backend cpu", FAILED, &["rays.npy", "--keep"]);
+    run(folder.path(), "replay first.raydump --out again.raydump --backend cpu");
+    // The source must be there, and be what it was.
+    fs::rename(folder.path().join("first.raydump"), folder.path().join("other.raydump")).unwrap();
+    fails("replay again.raydump --out y", FAILED, &["first.raydump", "same folder"]);
+    let outcome = Program::Inspector.run(folder.path(), "export again.raydump --format csv --out z");
+    outcome.failed_with(FAILED, &["first.raydump"]);
+}
+
+const SCRIPT: &str = "
+import numpy as np
+random = np.random.default_rng(7)
+origin = random.uniform(-0.5, 0.5, (5000, 3))
+direction = random.normal(size=(5000, 3))
+np.save('rays.npy', np.hstack([origin, direction]).astype('<f4'))
+limits = np.zeros((5000, 1)), np.full((5000, 1), 0.4)
+np.save('shadow.npy', np.hstack([origin, limits[0], direction, limits[1]]).astype('<f4'))
+direction[17] = 0
+np.save('zero.npy', np.hstack([origin, direction]).astype('<f4'))
+origin[18] = np.nan
+np.save('nan.npy', np.hstack([origin, direction]).astype('<f4'))
+np.save('double.npy', np.hstack([origin, direction]))
+np.save('columns.npy', origin.astype('<f4'))
+";
+
+#[test]
+fn rays_of_another_program() {
+    let folder = tempdir().unwrap();
+    let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
+    finish(Command::new(python).args(["-c", SCRIPT]).current_dir(folder.path())).succeeded();
+    let import = "import --scene builtin:cornell --backend cpu --repeats 1";
+    for (rays, kind) in [("rays", "closest"), ("shadow", "shadow")] {
+        let line = format!("{import} --rays {rays}.npy --kind {kind} --out {kind}.raydump");
+        let json = run(folder.path(), &line);
+        assert_eq!(json["queues"][0]["rays"], 5000);
+        assert_eq!(json["source"]["how"], "imported");
+        Program::Inspector.run(folder.path(), &format!("verify {kind}.raydump")).succeeded();
+        run(
+            folder.path(),
+            &format!("replay {kind}.raydump --out {kind}-again.raydump --backend cpu --key-bits 16"),
+        );
+    }
+    let line =
+        "plot closest.raydump shadow.raydump --out figures --figure trace-speedup --figure capsule-area";
+    Program::Inspector.run(folder.path(), line).succeeded();
+    for (rays, words) in [
+        ("zero", ["zero.npy", "ray 17"]),
+        ("nan", ["nan.npy", "ray 17"]),
+        ("double", ["double.npy", "<f8"]),
+        ("columns", ["columns.npy", "(N, 6)"]),
+        ("absent", ["absent.npy", "cannot read"]),
+    ] {
+        let line = format!("{import} --rays {rays}.npy --out bad.raydump");
+        Program::Recorder.run(folder.path(), &line).failed_with(FAILED, &words);
+        assert!(!folder.path().join("bad.raydump.partial").exists(), "{rays}");
+    }
+}
+
+#[test]
+fn benchmarks_are_read_by_figures() {
+    let folder = tempdir().unwrap();
+    let save = |name: &str, line: &str| {
+        let outcome = Program::Recorder.run(folder.path(), line).succeeded();
+        fs::write(folder.path().join(name), outcome.stdout).unwrap();
+    };
+    save("sort.json", "bench sort --log2-n 0,7,10 --key-bits 8,33 --repeats 2 --backend cpu --json");
+    save("gpu.json", "bench sort --log2-n 10 --key-bits 32 --repeats 1 --backend gpu --json");
+    let size = "--width 48 --height 27 --bounces 2 --repeats 2";
+    save("trace.json", &format!("bench trace builtin:cornell {size} --backend cpu --json"));
+    let trace: Value =
+        serde_json::from_str(&fs::read_to_string(folder.path().join("trace.json")).unwrap()).unwrap();
+    // Two bounces, two kinds, two kernels, two orders.
+    assert_eq!(trace["rows"]["rows"].as_array().unwrap().len(), 16, "{trace}");
+    Program::Inspector.run(folder.path(), "plot sort.json gpu.json trace.json --out figures").succeeded();
+    for name in ["sort-throughput", "trace-rate"] {
+        assert!(folder.path().join(format!("figures/{name}.svg")).exists(), "{name}");
+    }
+    let bad = Program::Recorder.run(folder.path(), "bench sort --key-bits 7");
+    bad.failed_with(USAGE, &["key-bits"]);
+}
