@@ -22,6 +22,7 @@ pub(super) fn run(arguments: &ScenesArguments) -> Result<()> {
                     "name": scene.name,
                     "description": scene.description,
                     "default_triangles": scene.default_triangles,
+                    "least_triangles": scene.least_triangles,
                     "most_triangles": scene.most_triangles,
                 })
             })
@@ -31,11 +32,12 @@ pub(super) fn run(arguments: &ScenesArguments) -> Result<()> {
     }
     let mut table = Table::new();
     table.load_style(UTF8_BORDERS_ONLY).set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_header(["scene", "triangles", "up to", "what it shows"]);
+    table.set_header(["scene", "triangles", "from", "up to", "what it shows"]);
     for scene in scenes {
         table.add_row([
             format!("builtin:{}", scene.name),
             scene.default_triangles.to_string(),
+            scene.least_triangles.to_string(),
             scene.most_triangles.to_string(),
             scene.description.to_owned(),
         ]);
