@@ -2,7 +2,9 @@
 
 use std::io::{self, Write};
 
-use super::capsule::{self, Capsule, Point};
+use formats::metrics::capsule::{Capsule, Segment};
+
+use super::capsule::{self, Point};
 use super::rays::Rays;
 
 /// Each ray as an edge from its origin to where it stops, coloured by its place in the order.
@@ -38,17 +40,15 @@ pub(crate) fn curve(rays: &Rays, output: &mut impl Write) -> io::Result<()> {
 pub(crate) fn capsules(rays: &Rays, group_width: usize, output: &mut impl Write) -> io::Result<()> {
     let groups = rays.len().div_ceil(group_width);
     header(output, groups * capsule::VERTICES, &[("face", groups * capsule::TRIANGLES, FACE)])?;
-    let mut origins: Vec<Point> = Vec::with_capacity(group_width);
-    let mut terminations: Vec<Point> = Vec::with_capacity(group_width);
+    let mut group: Vec<Segment> = Vec::with_capacity(group_width);
     for (at, ray) in rays.iter().enumerate() {
-        origins.push(ray.ray.origin.map(f64::from));
-        terminations.push(ray.termination);
-        if origins.len() == group_width || at + 1 == rays.len() {
+        group.push(Segment { origin: ray.ray.origin.map(f64::from), end: ray.termination });
+        if group.len() == group_width || at + 1 == rays.len() {
             let colour = colour(ray.place, rays);
-            let capsule = Capsule::around(&origins, &terminations);
-            capsule::vertices(&capsule).try_for_each(|point| vertex(output, point, colour))?;
-            origins.clear();
-            terminations.clear();
+            let vertices =
+                Capsule::around(&group).into_iter().flat_map(|capsule| capsule::vertices(&capsule));
+            vertices.into_iter().try_for_each(|point| vertex(output, point, colour))?;
+            group.clear();
         }
     }
     for group in 0..groups {
