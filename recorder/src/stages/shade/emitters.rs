@@ -60,6 +60,7 @@ pub(super) fn build(scene: &Scene) -> (Vec<Emitter>, f64, f32) {
         };
         add_light(scene, light, disk, &mut add);
     }
+    cap_sky(&emitters, &mut powers);
     let total: f64 = powers.iter().sum();
     for (emitter, power) in emitters.iter_mut().zip(&powers) {
         emitter.probability = (power / total) as f32;
@@ -68,6 +69,16 @@ pub(super) fn build(scene: &Scene) -> (Vec<Emitter>, f64, f32) {
     let sky = emitters.iter().find(|emitter| emitter.shape == EMITTER_SKY);
     let sky_probability = sky.map_or(0.0, |emitter| emitter.probability);
     (emitters, total, sky_probability)
+}
+
+/// Lets the sky be picked no more often than all other lights together: what of its power falls on the
+/// scene's disk hardly gets indoors, where lamps would starve. Weights stay right whatever is picked.
+fn cap_sky(emitters: &[Emitter], powers: &mut [f64]) {
+    let Some(sky) = emitters.iter().position(|emitter| emitter.shape == EMITTER_SKY) else { return };
+    let others = powers.iter().sum::<f64>() - powers[sky];
+    if others > 0.0 {
+        powers[sky] = powers[sky].min(others);
+    }
 }
 
 /// Luminous power of an emissive triangle per area and luminance: both sides, a hemisphere each.
@@ -258,6 +269,18 @@ fn sample_sky(tables: &ShadeTables, emitter: &Emitter, a: f32, b: f32) -> LightS
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_sky_leaves_room_for_lamps() {
+        let shaped = |shape| Emitter { shape, ..Emitter::default() };
+        let emitters = [shaped(EMITTER_SPHERE), shaped(EMITTER_SKY), shaped(EMITTER_TRIANGLE)];
+        let mut powers = [3.0, 1e6, 1.0];
+        cap_sky(&emitters, &mut powers);
+        assert_eq!(powers, [3.0, 4.0, 1.0]);
+        let mut alone = [1e6];
+        cap_sky(&emitters[1..2], &mut alone);
+        assert_eq!(alone, [1e6]);
+    }
 
     #[test]
     fn aliases_give_every_emitter_its_share() {
