@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::axis::Mapping;
 use super::frame::Frame;
 use super::legend::{Entry, Sample, entries, reference_labels};
-use super::marks::{bar_width, marker_stride};
+use super::marks::{bar_width, marker_stride, place_in_group};
 use super::model::{Axis, Content, Figure, Panel, Picture, Scale, Series};
 use super::style::{Hatch, Marker, REFERENCE_DASHES, Style, Width, style};
 use super::svg::{Layout, layout};
@@ -109,6 +109,10 @@ fn axis_options(frame: &Frame) -> String {
     ];
     options.extend(scale_options('x', &panel.x, &frame.x));
     options.extend(scale_options('y', &panel.y, &frame.y));
+    if matches!(panel.y.scale, Scale::Logarithmic { .. }) {
+        // Bars stand on the lower end of the axis.
+        options.push("log origin y=infty".to_owned());
+    }
     match &panel.content {
         Content::Bars(_) => options.push(format!("bar width={:.2}bp", bar_width(frame))),
         Content::Stacks(_) => options.push(format!("ybar stacked, bar width={:.2}bp", bar_width(frame))),
@@ -123,7 +127,7 @@ fn axis_options(frame: &Frame) -> String {
         options.push(format!("x tick label style={{{turned}}}"));
     }
     if let Content::Picture(picture) = &panel.content {
-        options.push(picture_options(picture));
+        options.push(picture_options(frame, picture));
     }
     options.join(", ")
 }
@@ -132,7 +136,7 @@ fn scale_options(axis: char, shown: &Axis, mapping: &Mapping) -> Vec<String> {
     let (low, high) = mapping.range;
     let labelled = mapping.ticks.iter().filter(|tick| !tick.label.is_empty());
     let (places, labels): (Vec<String>, Vec<String>) =
-        labelled.map(|tick| (tick.value.to_string(), format!("{{{}}}", escape(&tick.label)))).unzip();
+        labelled.map(|tick| (tick.value.to_string(), format!("{{{}}}", tick_label(&tick.label)))).unzip();
     let mut options = vec![
         format!("{axis}min={low}, {axis}max={high}"),
         format!("{axis}tick={{{}}}", places.join(",")),
@@ -142,6 +146,21 @@ fn scale_options(axis: char, shown: &Axis, mapping: &Mapping) -> Vec<String> {
         options.push(format!("{axis}mode=log, log basis {axis}={base}"));
     }
     options
+}
+
+/// A power as TeX writes it: `2^10` and `2.5e−7`; other labels as they are.
+fn tick_label(label: &str) -> String {
+    let is_number = |text: &str| text.parse::<f64>().is_ok();
+    let plain = label.replace('−', "-");
+    let power = match (plain.split_once('^'), plain.split_once('e')) {
+        (Some((base, power)), _) if is_number(base) && is_number(power) => format!("{base}\\sp{{{power}}}"),
+        (_, Some(("1", power))) if is_number(power) => format!("10\\sp{{{power}}}"),
+        (_, Some((factor, power))) if is_number(factor) && is_number(power) => {
+            format!("{factor}\\times10\\sp{{{power}}}")
+        }
+        _ => return escape(label),
+    };
+    format!("\\ensuremath{{{power}}}")
 }
 
 /// One series: the rows of the CSV with its number.
@@ -157,9 +176,8 @@ fn plot(frame: &Frame, series: &Series, curve: usize) -> String {
         Content::Scatter(_) => format!("only marks, {}", marker_look(series.style)),
         Content::Bars(all) => {
             // The numbers are shifted instead of the bars, since error bars stay where the numbers are.
-            let at = all.iter().position(|one| std::ptr::eq(one, series)).unwrap_or(0) as f64;
-            let shift = (at + 0.5 - 0.5 * all.len() as f64) * bar_width(frame) / frame.slot();
-            x = format!("x expr=\\thisrowno{{0}}+{shift:.5}");
+            let at = all.iter().position(|one| std::ptr::eq(one, series)).unwrap_or(0);
+            x = format!("x expr=\\thisrowno{{0}}{}", shifts(frame, all, at));
             format!("ybar, bar shift=0pt, {}", bar_look(series.style))
         }
         Content::Stacks(_) | Content::Picture(_) => bar_look(series.style),
@@ -172,6 +190,25 @@ fn plot(frame: &Frame, series: &Series, curve: usize) -> String {
         ("", "")
     };
     format!("\\plotcurve{{{curve}}}{{{look}{bars}}}{{{x}{columns}}}\n")
+}
+
+/// What is added to the category of a bar, wherever it is the same: `+0.2`, `+0.2*(\thisrowno{0}==1)`.
+fn shifts(frame: &Frame, all: &[Series], at: usize) -> String {
+    let mut shifts: Vec<(f64, Vec<f64>)> = Vec::new();
+    for x in all[at].points.iter().map(|point| point.x) {
+        let shift = place_in_group(all, at, x) * bar_width(frame) / frame.slot();
+        match shifts.iter_mut().find(|(known, _)| *known == shift) {
+            Some((_, categories)) => categories.push(x),
+            None => shifts.push((shift, vec![x])),
+        }
+    }
+    if let [(shift, _)] = shifts[..] {
+        return format!("+{shift:.5}");
+    }
+    let terms = shifts.iter().flat_map(|(shift, categories)| {
+        categories.iter().map(move |x| format!("+{shift:.5}*(\\thisrowno{{0}}=={x})"))
+    });
+    terms.collect()
 }
 
 fn line_look(number: usize) -> String {
@@ -226,7 +263,7 @@ fn bar_look(number: usize) -> String {
     format!("{fill}, postaction={{pattern={pattern}, pattern color={lines}}}")
 }
 
-fn picture_options(picture: &Picture) -> String {
+fn picture_options(frame: &Frame, picture: &Picture) -> String {
     let mut options = String::from("axis on top, grid=none, y dir=reverse");
     if let Some(bar) = &picture.colour_bar {
         let colours: Vec<String> =
@@ -234,11 +271,11 @@ fn picture_options(picture: &Picture) -> String {
         let _ = write!(
             options,
             ", colormap={{figure}}{{{}}}, colorbar, point meta min={}, point meta max={}, \
-             colorbar style={{ylabel={{{}}}, y dir=normal, width=8bp, xshift=-4bp, scaled y ticks=false}}",
+             colorbar style={{ylabel={{{}}}, ylabel style={{align=center}}, y dir=normal, width=8bp, xshift=-4bp, scaled y ticks=false}}",
             colours.join(" "),
             bar.range.0,
             bar.range.1,
-            escape(&bar.label)
+            lines(frame.colour_bar_label())
         );
     }
     options
@@ -367,6 +404,15 @@ mod tests {
             "\\textbackslash{}input 2\\textasciicircum{}20 \\ensuremath{\\times} \\textasciitilde{} \\ensuremath{\\mu}s"
         );
         assert_eq!(lines(&["a".into(), "b".into()]), "a\\\\ b");
+    }
+
+    #[test]
+    fn powers_are_raised() {
+        assert_eq!(tick_label("2^10"), "\\ensuremath{2\\sp{10}}");
+        assert_eq!(tick_label("1e−4"), "\\ensuremath{10\\sp{-4}}");
+        assert_eq!(tick_label("2.5e12"), "\\ensuremath{2.5\\times10\\sp{12}}");
+        assert_eq!(tick_label("two-point^e"), "two-point\\textasciicircum{}e");
+        assert_eq!(tick_label("1,000"), "1,000");
     }
 
     #[test]

@@ -80,7 +80,7 @@ fn scatter(material: &Material<'_>, points: &[AreaAndTime<'_>], kind: Kind, titl
     };
     Panel {
         title,
-        x: linear("mean capsule area (unit space)", false),
+        x: logarithmic("mean capsule area (unit space)", 10),
         y: linear("trace time per ray (ns)", true),
         content: Content::Scatter(bases.into_iter().map(series).collect()),
         references: Vec::new(),
@@ -124,7 +124,7 @@ fn shares(material: &Material<'_>, recording: &RecordingAnalysis, queue: &QueueA
         Some(shares.map(point).collect())
     };
     let series = |method: &str| of_method(material, method, points(method).unwrap_or_default());
-    let rays = format!("{}, bounce {}", kind_title(queue.kind), queue.bounce);
+    let rays = format!("{}, bounce {}", queue.kind, queue.bounce);
     Panel {
         title: panel_title(material, recording, &rays),
         x: logarithmic("capsule area (unit space)", 10),
