@@ -21,6 +21,8 @@ const EDGE: f64 = 5.0;
 /// Where a logarithmic axis of bars starts at the latest, in lowest values.
 const LOWEST_BAR: f64 = 0.7;
 
+/// Between two tick labels of an upward axis, at least.
+const Y_TICK_ROOM: f64 = 17.0;
 /// Lines beside a colour bar, at most.
 const MOST_BAR_LINES: usize = 2;
 /// How often a picture's height is settled with the room for its colour bar.
@@ -64,7 +66,8 @@ pub(crate) struct Frame<'a> {
     pub(crate) y_label: Vec<String>,
     /// The words at the ticks below.
     pub(crate) x_ticks: TickLabels,
-    colour_bar: Option<(Mapping, Vec<String>)>,
+    /// The numbers beside the colour bar of a picture, and the lines beside these, read from below.
+    pub(crate) colour_bar: Option<(Mapping, Vec<String>)>,
 }
 
 impl<'a> Frame<'a> {
@@ -113,7 +116,7 @@ impl<'a> Frame<'a> {
             (x, x_ticks) = x_mapping(figure, panel, width, left, turn);
         }
         let title = text::wrap_evenly(&panel.title, TITLE_SIZE, cell_width - EDGE);
-        let x_label = text::wrap(&panel.x.label, TEXT_SIZE, width + left.min(right));
+        let x_label = text::wrap_evenly(&panel.x.label, TEXT_SIZE, width + left.min(right));
         let top = title.len() as f64 * TITLE_LINE + EDGE;
         let bar_label = colour_bar.as_ref().map_or(0.0, |(_, lines)| text::widest(lines, TEXT_SIZE));
         let bottom = x_ticks.height() + TICK_GAP + x_label.len() as f64 * LINE + 3.0;
@@ -134,11 +137,6 @@ impl<'a> Frame<'a> {
             x_ticks,
             colour_bar,
         }
-    }
-
-    /// Lines beside the colour bar, read from below; none without one.
-    pub(crate) fn colour_bar_label(&self) -> &[String] {
-        self.colour_bar.as_ref().map_or(&[], |(_, label)| label)
     }
 
     /// Width of a category, points.
@@ -303,7 +301,7 @@ fn colour_bar(panel: &Panel, height: f64) -> Option<(Mapping, Vec<String>)> {
 }
 
 fn y_mapping(figure: &Figure, panel: &Panel, height: f64) -> Mapping {
-    let room = (height / 20.0) as usize;
+    let room = (height / Y_TICK_ROOM) as usize;
     if let Content::Picture(picture) = &panel.content {
         return pixels(&panel.y.label, picture.height, room);
     }

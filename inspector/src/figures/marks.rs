@@ -107,7 +107,7 @@ pub(crate) fn draw(
 
 fn line(canvas: &mut Canvas, plot: &Plot, series: &Series) {
     let style = style(series.style);
-    let stroke = Stroke { colour: style.colour, width: LINE_STROKE, dash: style.dash };
+    let stroke = Stroke { colour: style.colour.ink(), width: LINE_STROKE, dash: style.dash };
     let spread = Stroke { width: WHISKER_STROKE, dash: &[], ..stroke };
     // A point without a place, such as 0 on a logarithmic axis, leaves a gap.
     for run in series.points.split(|point| plot.point(point).is_none()) {
@@ -130,7 +130,7 @@ fn line(canvas: &mut Canvas, plot: &Plot, series: &Series) {
 
 fn scatter(canvas: &mut Canvas, plot: &Plot, series: &Series) {
     let style = style(series.style);
-    let spread = Stroke { colour: style.colour, width: WHISKER_STROKE, dash: &[] };
+    let spread = Stroke { colour: style.colour.ink(), width: WHISKER_STROKE, dash: &[] };
     for point in &series.points {
         if let Some(place) = plot.point(point) {
             whisker(canvas, plot, place.0, point, 0.0, spread);

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::axis::Mapping;
+use super::axis::{Mapping, Tick};
 use super::frame::Frame;
 use super::legend::{Entry, Sample, entries, reference_labels};
 use super::marks::{bar_width, marker_stride, place_in_group};
@@ -19,19 +19,30 @@ const HEAD: &str = r"% Compile with pdflatex; the CSV must lie beside this file.
 \usepgfplotslibrary{groupplots}
 \usetikzlibrary{patterns}
 \renewcommand{\familydefault}{\sfdefault}
-% Sorts the rows of the CSV into one macro per curve, so that it is read once: x, y, below, above.
+% Sorts the rows of the CSV into one macro per curve, so that it is read once: x, y, below, above. What is
+% at an x is kept as well, for bars, which stand beside their x, and stacks, which must not lack one.
 \newread\numbers
 \makeatletter
 \def\addrow#1,#2,#3,#4,#5,#6,#7,#8,#9\relax{\addends{#1}{#6}{#7}#9\relax}
 \def\addends#1#2#3#4,#5,#6,#7\relax{%
   \ifcsname curve-#1\endcsname\else\expandafter\gdef\csname curve-#1\endcsname{}\fi
   \expandafter\xdef\csname curve-#1\endcsname{%
-    \unexpanded\expandafter\expandafter\expandafter{\csname curve-#1\endcsname}#2,#3,#6,#7\unexpanded{\\}}}
+    \unexpanded\expandafter\expandafter\expandafter{\csname curve-#1\endcsname}#2,#3,#6,#7\unexpanded{\\}}%
+  \expandafter\gdef\csname curve-#1-at-#2\endcsname{#3,#6,#7\\}}
 \def\readcurves#1{%
   \openin\numbers=#1\relax \endlinechar=-1
   \loop \read\numbers to\row \ifx\row\@empty\else\expandafter\addrow\row\relax\fi
   \ifeof\numbers\else\repeat
   \closein\numbers \endlinechar=13 }
+% Places the numbers of a curve: x in the CSV/place on the axis, and so on. Where there is none, it is 0.
+\def\placerows#1#2{\expandafter\def\csname curve-#1\endcsname{}%
+  \@for\place:=#2\do{\expandafter\placerow\place/#1\relax}}
+\def\placerow#1/#2/#3\relax{%
+  \ifcsname curve-#3-at-#1\endcsname\else
+    \expandafter\def\csname curve-#3-at-#1\endcsname{0,0,0\\}\fi
+  \expandafter\edef\csname curve-#3\endcsname{%
+    \unexpanded\expandafter\expandafter\expandafter{\csname curve-#3\endcsname}#2,%
+    \unexpanded\expandafter\expandafter\expandafter{\csname curve-#3-at-#1\endcsname}}}
 \makeatother
 \def\plotcurve#1#2#3{\edef\next{\noexpand\addplot[\unexpanded{#2}]
   table[col sep=comma, row sep=\noexpand\\, header=false, y index=1, \unexpanded{#3}]
@@ -55,7 +66,9 @@ pub fn write(figure: &Figure, width: Width) -> String {
     let mut tex = HEAD.to_owned();
     for number in styles_of(figure) {
         let hex = style(number).colour.hex().to_uppercase();
+        let ink = style(number).colour.ink().hex().to_uppercase();
         let _ = writeln!(tex, "\\definecolor{{style{number}}}{{HTML}}{{{hex}}}");
+        let _ = writeln!(tex, "\\definecolor{{line{number}}}{{HTML}}{{{ink}}}");
     }
     tex.push_str(PLAIN_TEXT);
     let _ = writeln!(tex, "\\readcurves{{{}.csv}}", figure.name);
@@ -65,7 +78,7 @@ pub fn write(figure: &Figure, width: Width) -> String {
     let mut curve = 0;
     for (at, frame) in frames.iter().enumerate() {
         let panel = frame.panel;
-        let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(frame));
+        let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(frame, &references));
         for series in panel.content.series() {
             tex.push_str(&plot(frame, series, curve));
             curve += 1;
@@ -73,7 +86,6 @@ pub fn write(figure: &Figure, width: Width) -> String {
         if let Content::Picture(picture) = &panel.content {
             tex.push_str(&picture_plot(figure, at, picture));
         }
-        tex.push_str(&reference_lines(panel, &references));
     }
     tex.push_str("\\end{groupplot}\n");
     tex.push_str(&legend(&entries(figure), width));
@@ -89,7 +101,7 @@ fn group_start(frames: &[Frame], columns: usize) -> String {
     format!(
         "\\begin{{tikzpicture}}\n\\begin{{groupplot}}[\n  group style={{group size={columns} by {rows}, \
          horizontal sep={beside:.0}bp, vertical sep={above:.0}bp}},\n  \
-         scale only axis, ymajorgrids, grid style={{black!12}}, tick align=outside, tick pos=left,\n  \
+         scale only axis, grid style={{black!12}}, tick align=outside, tick pos=left,\n  \
          unbounded coords=jump, title style={{font=\\small, align=center}}, label style={{align=center}},\n]\n"
     )
 }
@@ -99,7 +111,7 @@ fn styles_of(figure: &Figure) -> std::collections::BTreeSet<usize> {
 }
 
 /// Axis labels, scales, ticks and how bars stand.
-fn axis_options(frame: &Frame) -> String {
+fn axis_options(frame: &Frame, references: &[String]) -> String {
     let panel = frame.panel;
     let mut options = vec![
         format!("width={:.1}bp, height={:.1}bp", frame.width, frame.height),
@@ -129,21 +141,42 @@ fn axis_options(frame: &Frame) -> String {
     if let Content::Picture(picture) = &panel.content {
         options.push(picture_options(frame, picture));
     }
+    if !panel.references.is_empty() {
+        // Stacks are drawn at the very end of an axis, so that lines across come after it.
+        options.push(format!("after end axis/.append code={{{}}}", reference_lines(frame, references)));
+    }
     options.join(", ")
 }
 
 fn scale_options(axis: char, shown: &Axis, mapping: &Mapping) -> Vec<String> {
-    let (low, high) = mapping.range;
-    let labelled = mapping.ticks.iter().filter(|tick| !tick.label.is_empty());
-    let (places, labels): (Vec<String>, Vec<String>) =
-        labelled.map(|tick| (tick.value.to_string(), format!("{{{}}}", tick_label(&tick.label)))).unzip();
-    let mut options = vec![
-        format!("{axis}min={low}, {axis}max={high}"),
-        format!("{axis}tick={{{}}}", places.join(",")),
-        format!("{axis}ticklabels={{{}}}", labels.join(",")),
-    ];
+    let mut options = tick_options(axis, mapping);
+    if !matches!(shown.scale, Scale::Categories(_)) {
+        options.push(format!("{axis}majorgrids"));
+    }
     if let Scale::Logarithmic { base } = &shown.scale {
         options.push(format!("{axis}mode=log, log basis {axis}={base}"));
+    }
+    options
+}
+
+/// Range, labelled ticks and marks between them.
+fn tick_options(axis: char, mapping: &Mapping) -> Vec<String> {
+    let (low, high) = mapping.range;
+    let mut options = vec![format!("{axis}min={low}, {axis}max={high}")];
+    let (labelled, between): (Vec<&Tick>, Vec<&Tick>) =
+        mapping.ticks.iter().partition(|tick| !tick.label.is_empty());
+    let values =
+        |ticks: &[&Tick]| ticks.iter().map(|tick| tick.value.to_string()).collect::<Vec<_>>().join(",");
+    if labelled.is_empty() {
+        options.push(format!("{axis}tick=\\empty"));
+    } else {
+        let labels: Vec<String> =
+            labelled.iter().map(|tick| format!("{{{}}}", tick_label(&tick.label))).collect();
+        options.push(format!("{axis}tick={{{}}}", values(&labelled)));
+        options.push(format!("{axis}ticklabels={{{}}}", labels.join(",")));
+    }
+    if !between.is_empty() {
+        options.push(format!("minor {axis}tick={{{}}}", values(&between)));
     }
     options
 }
@@ -165,7 +198,7 @@ fn tick_label(label: &str) -> String {
 
 /// One series: the rows of the CSV with its number.
 fn plot(frame: &Frame, series: &Series, curve: usize) -> String {
-    let mut x = "x index=0".to_owned();
+    let mut places: Vec<(f64, f64)> = Vec::new();
     let look = match &frame.panel.content {
         Content::Lines(_) => {
             let stride = marker_stride(series);
@@ -175,45 +208,43 @@ fn plot(frame: &Frame, series: &Series, curve: usize) -> String {
         }
         Content::Scatter(_) => format!("only marks, {}", marker_look(series.style)),
         Content::Bars(all) => {
-            // The numbers are shifted instead of the bars, since error bars stay where the numbers are.
+            // The numbers are moved instead of the bars, since error bars stay where the numbers are.
             let at = all.iter().position(|one| std::ptr::eq(one, series)).unwrap_or(0);
-            x = format!("x expr=\\thisrowno{{0}}{}", shifts(frame, all, at));
+            let width = bar_width(frame) / frame.slot();
+            let place = |x: f64| (x, x + place_in_group(all, at, x) * width);
+            places.extend(series.points.iter().map(|point| place(point.x)));
             format!("ybar, bar shift=0pt, {}", bar_look(series.style))
         }
-        Content::Stacks(_) | Content::Picture(_) => bar_look(series.style),
+        Content::Stacks(_) => {
+            if let Scale::Categories(names) = &frame.panel.x.scale {
+                places.extend((0..names.len()).map(|at| (at as f64, at as f64)));
+            }
+            bar_look(series.style)
+        }
+        Content::Picture(_) => bar_look(series.style),
     };
     let has_spread = series.points.iter().any(|point| point.spread.is_some());
     let (bars, columns) = if has_spread {
-        let bars = ", error bars/.cd, y dir=both, y explicit, error bar style={black, solid}";
+        let colour = match &frame.panel.content {
+            Content::Lines(_) | Content::Scatter(_) => format!("line{}", series.style),
+            _ => "black".to_owned(),
+        };
+        let bars = format!(", error bars/.cd, y dir=both, y explicit, error bar style={{{colour}, solid}}");
         (bars, ", y error minus index=2, y error plus index=3")
     } else {
-        ("", "")
+        (String::new(), "")
     };
-    format!("\\plotcurve{{{curve}}}{{{look}{bars}}}{{{x}{columns}}}\n")
-}
-
-/// What is added to the category of a bar, wherever it is the same: `+0.2`, `+0.2*(\thisrowno{0}==1)`.
-fn shifts(frame: &Frame, all: &[Series], at: usize) -> String {
-    let mut shifts: Vec<(f64, Vec<f64>)> = Vec::new();
-    for x in all[at].points.iter().map(|point| point.x) {
-        let shift = place_in_group(all, at, x) * bar_width(frame) / frame.slot();
-        match shifts.iter_mut().find(|(known, _)| *known == shift) {
-            Some((_, categories)) => categories.push(x),
-            None => shifts.push((shift, vec![x])),
-        }
-    }
-    if let [(shift, _)] = shifts[..] {
-        return format!("+{shift:.5}");
-    }
-    let terms = shifts.iter().flat_map(|(shift, categories)| {
-        categories.iter().map(move |x| format!("+{shift:.5}*(\\thisrowno{{0}}=={x})"))
-    });
-    terms.collect()
+    let places: Vec<String> = places.iter().map(|(x, place)| format!("{x}/{place:.5}")).collect();
+    let placed = match places.join(",") {
+        places if places.is_empty() => String::new(),
+        places => format!("\\placerows{{{curve}}}{{{places}}}\n"),
+    };
+    format!("{placed}\\plotcurve{{{curve}}}{{{look}{bars}}}{{x index=0{columns}}}\n")
 }
 
 fn line_look(number: usize) -> String {
     let dash = dash_pattern(style(number).dash);
-    format!("style{number}, line width=1.1bp, {dash}")
+    format!("line{number}, line width=1.1bp, {dash}")
 }
 
 fn dash_pattern(lengths: &[f64]) -> String {
@@ -227,7 +258,8 @@ fn dash_pattern(lengths: &[f64]) -> String {
 }
 
 fn marker_look(number: usize) -> String {
-    let shape = match style(number).marker {
+    let Style { colour, marker, .. } = style(number);
+    let shape = match marker {
         Marker::Circle => "mark=*",
         Marker::Square => "mark=square*",
         Marker::Triangle => "mark=triangle*",
@@ -238,8 +270,18 @@ fn marker_look(number: usize) -> String {
         Marker::Pentagon => "mark=pentagon*",
         Marker::Ring => "mark=o",
     };
-    let turned = if style(number).marker == Marker::TriangleDown { ", rotate=180" } else { "" };
-    format!("{shape}, mark size=2bp, mark options={{solid, style{number}, fill=style{number}{turned}}}")
+    let paint = match marker {
+        Marker::Cross | Marker::Plus => format!("style{number}, line width=1.1bp"),
+        Marker::Ring => format!("style{number}, fill=white, line width=1.1bp"),
+        _ if colour.ink() != colour || marker == Marker::Pentagon => {
+            format!("black, fill=style{number}, line width=0.5bp")
+        }
+        _ => format!("white, fill=style{number}, line width=0.4bp"),
+    };
+    let turned = if marker == Marker::TriangleDown { ", rotate=180" } else { "" };
+    let size =
+        if matches!(marker, Marker::Triangle | Marker::TriangleDown | Marker::Diamond) { 3.0 } else { 2.3 };
+    format!("{shape}, mark size={size}bp, mark options={{solid, {paint}{turned}}}")
 }
 
 fn bar_look(number: usize) -> String {
@@ -265,17 +307,18 @@ fn bar_look(number: usize) -> String {
 
 fn picture_options(frame: &Frame, picture: &Picture) -> String {
     let mut options = String::from("axis on top, grid=none, y dir=reverse");
-    if let Some(bar) = &picture.colour_bar {
+    if let (Some(bar), Some((mapping, label))) = (&picture.colour_bar, &frame.colour_bar) {
         let colours: Vec<String> =
             bar.colours.iter().map(|[red, green, blue]| format!("rgb255=({red},{green},{blue})")).collect();
         let _ = write!(
             options,
-            ", colormap={{figure}}{{{}}}, colorbar, point meta min={}, point meta max={}, \
-             colorbar style={{ylabel={{{}}}, ylabel style={{align=center}}, y dir=normal, width=8bp, xshift=-4bp, scaled y ticks=false}}",
+            ", colormap={{figure}}{{{}}}, colorbar, point meta min={}, point meta max={}, colorbar style={{\
+             ylabel={{{}}}, ylabel style={{align=center}}, {}, y dir=normal, width=8bp, xshift=-4bp}}",
             colours.join(" "),
             bar.range.0,
             bar.range.1,
-            lines(frame.colour_bar_label())
+            lines(label),
+            tick_options('y', mapping).join(", "),
         );
     }
     options
@@ -287,19 +330,24 @@ fn picture_plot(figure: &Figure, panel: usize, picture: &Picture) -> String {
 }
 
 /// Lines across, from edge to edge where they have no span.
-fn reference_lines(panel: &Panel, labels: &[String]) -> String {
+fn reference_lines(frame: &Frame, labels: &[String]) -> String {
+    let panel = frame.panel;
+    let (low, high) = frame.x.range;
     let mut tex = String::new();
     for reference in &panel.references {
         let number = labels.iter().position(|label| *label == reference.label).unwrap_or(0);
         let y = reference.y;
         let (from, to) = match reference.span {
-            Some((from, to)) => (format!("axis cs:{from},{y}"), format!("axis cs:{to},{y}")),
+            Some((from, to)) => (
+                format!("axis cs:{},{y}", from.clamp(low, high)),
+                format!("axis cs:{},{y}", to.clamp(low, high)),
+            ),
             None => (
                 format!("{{rel axis cs:0,0}}|-{{axis cs:{},{y}}}", inside(panel)),
                 format!("{{rel axis cs:1,0}}|-{{axis cs:{},{y}}}", inside(panel)),
             ),
         };
-        let _ = writeln!(tex, "\\draw[{}] ({from}) -- ({to});", reference_look(number));
+        let _ = write!(tex, "\\draw[{}] ({from}) -- ({to});", reference_look(number));
     }
     tex
 }

@@ -4,7 +4,7 @@
 //! no slanted or wrapped labels, and whole pixels alone, so only its background would have been left.
 
 use super::canvas::Canvas;
-use super::frame::{Frame, Room};
+use super::frame::{Frame, LINE, Room};
 use super::legend::{Legend, entries, reference_labels};
 use super::model::{Content, Figure, Panel, Scale};
 use super::style::Width;
@@ -18,7 +18,7 @@ const EDGE: f64 = 3.0;
 /// Highest picture, points.
 const TALLEST_PICTURE: f64 = 300.0;
 /// The least that a bar needs to be told from its neighbours, points.
-const NARROWEST_BAR: f64 = 2.2;
+const NARROWEST_BAR: f64 = 2.3;
 
 /// Draws a figure. Ids in the SVG start with `prefix`, so that several can be part of one page.
 ///
@@ -89,7 +89,8 @@ fn least_width(panel: &Panel) -> f64 {
         Content::Bars(series) => names.len() * (series.len() + 1),
         _ => 2 * names.len(),
     };
-    50.0 + bars as f64 * NARROWEST_BAR
+    // No name is left out for want of room.
+    50.0 + (bars as f64 * NARROWEST_BAR).max(names.len() as f64 * LINE)
 }
 
 /// All panels, those above each other lined up.
