@@ -2,7 +2,7 @@
 
 use formats::metrics::correlation::Correlation;
 
-use crate::analysis::summary::{MeanSpeedup, Rays};
+use crate::analysis::summary::{MeanSpeedup, Rays, distinct};
 use crate::analysis::{Analysis, CorrelationLine, MethodSummary, Metric, OrderAnalysis, QueueAnalysis};
 use crate::output::{counted, table};
 
@@ -35,24 +35,27 @@ pub(crate) fn methods(analysis: &Analysis) -> String {
     lines.join("\n")
 }
 
-/// Columns of [`rows`].
-pub(crate) const COLUMNS: [&str; 7] =
-    ["method", "rays", "machine", "queues", "trace speedup", "net speedup", "capsule area"];
-
-/// One row per machine, kind of rays and method: geometric means over scenes and bounces.
-pub(crate) fn rows(analysis: &Analysis) -> Vec<Vec<String>> {
+/// Names of columns, and one row per machine, kind of rays and method: geometric means over scenes and
+/// bounces. The machine is a column if there are several.
+pub(crate) fn summary(analysis: &Analysis) -> (Vec<String>, Vec<Vec<String>>) {
+    let machines = distinct(analysis.summaries.iter().map(|summary| summary.configuration.as_str()));
+    let machine = |name: &str| (machines.len() > 1).then(|| name.to_owned());
+    let mut header = vec!["method".to_owned(), "rays".to_owned()];
+    header.extend(machine("machine"));
+    header.extend(["queues", "trace speedup", "net speedup", "capsule area"].map(str::to_owned));
     let row = |summary: &MethodSummary| {
-        vec![
-            summary.method.clone(),
-            summary.rays.name().to_owned(),
-            summary.configuration.clone(),
+        let mut row = vec![summary.method.clone(), summary.rays.name().to_owned()];
+        row.extend(machine(&summary.configuration));
+        let ratio = summary.capsule_area_ratio.known();
+        row.extend([
             summary.queues.to_string(),
             speedup(&summary.trace_speedup),
             speedup(&summary.net_speedup),
-            summary.capsule_area_ratio.known().map_or("–".to_owned(), |ratio| format!("{ratio:.3}×")),
-        ]
+            ratio.map_or("–".to_owned(), |ratio| format!("{ratio:.3}×")),
+        ]);
+        row
     };
-    analysis.summaries.iter().map(row).collect()
+    (header, analysis.summaries.iter().map(row).collect())
 }
 
 fn speedup(speedup: &Metric<MeanSpeedup>) -> String {

@@ -2,12 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use formats::key::Termination;
 use formats::key::method::{Method, UNSORTED};
 use formats::manifest::Source;
 use formats::reader::Dump;
 use serde::Serialize;
 
 use crate::analysis::RecordingAnalysis;
+use crate::analysis::summary::distinct;
 use crate::figures::files;
 use crate::figures::style::Width;
 use crate::inputs::{Inputs, check_names, quoted};
@@ -17,6 +19,8 @@ use crate::report::{self, Report};
 
 /// File name of the page.
 const PAGE_NAME: &str = "report.html";
+
+const HOW_TO_HAVE_ARRAYS: &str = "arrays are kept with `recorder record --keep`; those of a replay's source are found if it lies beside the replay";
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -41,7 +45,7 @@ pub(crate) fn plot(
 ) -> anyhow::Result<()> {
     check_names(names)?;
     let inputs = Inputs::open(paths)?;
-    files::make_folder(out)?;
+    make_folder(out)?;
     let made = inputs.figures(&inputs.analysis()?, names)?;
     let mut written = Vec::new();
     for figure in &made.figures {
@@ -54,21 +58,27 @@ pub(crate) fn plot(
 /// Writes one page with every figure, the summary and how to repeat it.
 pub(crate) fn report(paths: &[PathBuf], out: &Path, json: bool) -> anyhow::Result<()> {
     let inputs = Inputs::open(paths)?;
-    files::make_folder(out)?;
+    make_folder(out)?;
     let analysis = inputs.analysis()?;
     let made = inputs.figures(&analysis, &[])?;
     let skipped = made.skipped.clone();
+    let (summary_header, summary) = method_table::summary(&analysis);
     let page = report::html(&Report {
         title: title(&inputs.recordings),
         facts: inputs.recordings.iter().zip(&analysis.recordings).map(facts).collect(),
-        summary_header: method_table::COLUMNS.map(str::to_owned).to_vec(),
-        summary: method_table::rows(&analysis),
+        summary_header,
+        summary,
         figures: made.figures,
         skipped: made.skipped,
         commands: commands(&inputs, paths, out),
     })?;
     let path = files::replace(&out.join(PAGE_NAME), page.as_bytes())?;
     say(vec![path], skipped, json)
+}
+
+/// The folder for what is written.
+fn make_folder(out: &Path) -> anyhow::Result<()> {
+    files::make_folder(out).map_err(|error| anyhow::anyhow!("{error}; name another folder with --out"))
 }
 
 fn say(files: Vec<PathBuf>, skipped: Vec<(String, String)>, json: bool) -> anyhow::Result<()> {
@@ -79,6 +89,10 @@ fn say(files: Vec<PathBuf>, skipped: Vec<(String, String)>, json: bool) -> anyho
     } else {
         let mut lines: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
         lines.extend(skipped.iter().map(|one| format!("left out: {}: {}", one.figure, one.reason)));
+        // The reasons name an array: both ways to have it.
+        lines.extend(
+            skipped.iter().any(|one| one.reason.contains(".npy")).then(|| HOW_TO_HAVE_ARRAYS.to_owned()),
+        );
         lines.push(format!("{} written", counted(files.len() as u64, "file", "files")));
         print(&lines.join("\n"))?;
         if files.is_empty() {
@@ -92,8 +106,10 @@ fn say(files: Vec<PathBuf>, skipped: Vec<(String, String)>, json: bool) -> anyho
 fn facts((dump, analysis): (&Dump, &RecordingAnalysis)) -> (String, String) {
     let header = &dump.manifest().header;
     let options = &header.options;
+    let driver = &header.adapter.driver;
+    let driver = if driver.is_empty() { String::new() } else { format!(", {driver}") };
     let line = format!(
-        "{}, camera {}, {}×{}, {}, {}, {}; {}; {}-bit keys; timed by {}",
+        "{}, camera {}, {}×{}, {}, {}, {}, seed {}; {}{driver}; {}-bit keys; timed by {}; version {}",
         counted(header.scene.triangles, "triangle", "triangles"),
         options.camera,
         options.width,
@@ -101,9 +117,11 @@ fn facts((dump, analysis): (&Dump, &RecordingAnalysis)) -> (String, String) {
         counted(options.bounces.into(), "bounce", "bounces"),
         counted(options.passes.into(), "pass", "passes"),
         counted(options.repeats.into(), "repeat", "repeats"),
+        options.seed,
         analysis.configuration,
         options.key_bits,
-        header.time_source
+        header.time_source,
+        header.program_version,
     );
     (analysis.label.clone(), line)
 }
@@ -172,26 +190,46 @@ fn path_options(recording: &Dump) -> String {
     )
 }
 
-/// The options that decide what is measured on them.
+/// The options that decide what is measured on them. Variants go by the method that they are variants of
+/// and by the values that they were swept over.
 fn measuring_options(recording: &Dump) -> String {
     let manifest = recording.manifest();
     let options = &manifest.header.options;
     let is_builtin = |name: &str| name == UNSORTED || Method::builtin(name).is_ok();
+    let bases = distinct(manifest.methods.iter().map(|method| method.base.as_str()));
     let builtin: Vec<&str> =
-        options.methods.iter().map(String::as_str).filter(|name| is_builtin(name)).collect();
-    let own =
-        manifest.methods.iter().filter(|method| method.base == method.name && !is_builtin(&method.name));
-    let own: String = own.map(|method| format!(" --method '{}={}'", method.name, method.text)).collect();
+        [UNSORTED].into_iter().chain(bases.iter().copied()).filter(|&name| is_builtin(name)).collect();
+    let own = bases.iter().filter(|&&name| !is_builtin(name)).filter_map(|name| {
+        let method = manifest.methods.iter().find(|method| method.base == *name)?;
+        Some(format!(" --method '{name}={}'", method.text))
+    });
+    let variants = || manifest.methods.iter().filter(|method| method.base != method.name);
+    let mut key_bits: Vec<u32> = variants().map(|method| method.key_bits).collect();
+    let with_length = variants().filter(|method| method.termination == Termination::Fixed);
+    let mut lengths: Vec<f32> = with_length.map(|method| method.two_point_length).collect();
+    key_bits.sort_unstable();
+    lengths.sort_by(f32::total_cmp);
+    let threads = if options.threads > 0 { format!(" --threads {}", options.threads) } else { String::new() };
     format!(
-        "--backend {} --trace {} --repeats {} --methods {}{own} --key-bits {} --two-point-length {} \
+        "--backend {} --trace {}{threads} --repeats {} --methods {}{} --key-bits {} --two-point-length {} \
          --table-bits {} --table-method {}",
         manifest.header.backend.name(),
         options.trace_kernel,
         options.repeats,
         builtin.join(","),
-        options.key_bits,
-        options.two_point_length,
+        own.collect::<String>(),
+        list(key_bits, options.key_bits),
+        list(lengths, options.two_point_length),
         options.table_bits,
         options.table_method,
     )
+}
+
+/// Numbers in their order, each once, as the command line takes them; `otherwise` if there are none.
+fn list<T: PartialEq + ToString>(mut numbers: Vec<T>, otherwise: T) -> String {
+    numbers.dedup();
+    if numbers.is_empty() {
+        numbers.push(otherwise);
+    }
+    numbers.iter().map(T::to_string).collect::<Vec<_>>().join(",")
 }

@@ -51,9 +51,15 @@ th { color: var(--faint); font-weight: 600; }
 th:first-child, td:first-child { text-align: left; }
 .facts th, .facts td { text-align: left; }
 .facts td { white-space: normal; overflow-wrap: anywhere; }
-.facts th { vertical-align: top; }
+.facts th { vertical-align: top; white-space: normal; }
+@media (max-width: 40rem) {
+  body { padding: .8rem; }
+  .facts tr, .facts th, .facts td { display: block; }
+  .facts th { border: 0; padding-bottom: 0; }
+  .paper svg { min-width: 40rem; }
+}
 figure { margin: 1.5rem 0 2.5rem; break-inside: avoid; }
-.paper { background: #ffffff; border: 1px solid var(--line); border-radius: 4px; padding: .6rem; }
+.paper { background: #ffffff; border: 1px solid var(--line); border-radius: 4px; padding: .6rem; overflow-x: auto; }
 .paper svg { display: block; width: 100%; height: auto; max-width: 60rem; margin: 0 auto; }
 figcaption { margin-top: .6rem; }
 .settings { color: var(--faint); font-size: .88rem; margin: .4rem 0 0; padding-left: 1.2rem; }

@@ -217,3 +217,15 @@ fn what_recordings_cannot_give_is_skipped_with_a_reason() {
         assert!(skipped.reason.contains(part), "{name}: {skipped}");
     }
 }
+
+/// README has a table of the figures: these and no others, in this order, in these words.
+#[test]
+fn the_readme_lists_every_figure() {
+    let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md")).unwrap();
+    let section = readme.split("\n## ").find(|section| section.starts_with("Figures\n")).unwrap();
+    let rows: Vec<&str> =
+        section.lines().filter(|line| line.starts_with("| `") && !line.contains("--figure")).collect();
+    let expected: Vec<String> =
+        CATALOGUE.iter().map(|entry| format!("| `{}` | {} |", entry.name, entry.description)).collect();
+    assert_eq!(rows, expected);
+}

@@ -11,7 +11,7 @@ const HASH_DIGITS: usize = 8;
 
 /// A label for each recording, all different: its scene's name, then as much of what differs among the
 /// recordings of that name (content, camera, replay, machine, kernel, threads, size, …) as it takes to tell
-/// them apart, then its folder's name.
+/// them apart; if nothing does, its folder's name, which may stand for the scene's.
 pub fn labels(dumps: &[Dump]) -> Vec<String> {
     let folder = |dump: &Dump| {
         let name = dump.root().file_name();
@@ -83,11 +83,16 @@ fn distinct(facts: &[Facts]) -> Vec<String> {
     }
     let mut labels: Vec<String> =
         facts.iter().map(|fact| label(fact, &scenes[fact.scene.as_str()])).collect();
-    for unlike in [|fact: &Facts, _| fact.folder.clone(), |_: &Facts, at: usize| format!("#{}", at + 1)] {
+    let by_folder = |label: &str, fact: &Facts, _: usize| {
+        let folder = fact.folder.trim_end_matches(".raydump");
+        if folder.contains(&fact.scene) { folder.to_owned() } else { format!("{label}, {folder}") }
+    };
+    let by_number = |label: &str, _: &Facts, at: usize| format!("{label}, #{}", at + 1);
+    for unlike in [&by_folder as &dyn Fn(&str, &Facts, usize) -> String, &by_number] {
         let taken = labels.clone();
         for (at, label) in labels.iter_mut().enumerate() {
             if taken.iter().filter(|other| *other == label).count() > 1 {
-                *label = format!("{label}, {}", unlike(&facts[at], at));
+                *label = unlike(label, &facts[at], at);
             }
         }
     }
@@ -139,5 +144,7 @@ mod tests {
         let labels =
             distinct(&[fact("a", &["x"], "one"), fact("a", &["x"], "two"), fact("a", &["x"], "two")]);
         assert_eq!(labels, ["a, one", "a, two, #2", "a, two, #3"]);
+        let named = ["kitchen-1.raydump", "kitchen-2.raydump"].map(|folder| fact("kitchen", &["x"], folder));
+        assert_eq!(distinct(&named), ["kitchen-1", "kitchen-2"]);
     }
 }

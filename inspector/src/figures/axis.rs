@@ -42,6 +42,7 @@ impl Mapping {
             Scale::Linear { from_zero } => linear(low, high, *from_zero, room, least_step),
             Scale::Logarithmic { base: 10 } if low <= high && high / low < 20.0 => decade(low, high),
             Scale::Logarithmic { base } => powers(low, high, f64::from((*base).max(2)), room),
+            Scale::Marked(marks) => marked(marks, low, high),
             Scale::Categories(names) => categories(names),
         }
     }
@@ -78,6 +79,15 @@ fn categories(names: &[String]) -> Mapping {
         .map(|(at, name)| Tick { value: at as f64, label: name.clone() })
         .collect::<Vec<_>>();
     Mapping { range: (-0.5, names.len().max(1) as f64 - 0.5), ticks, is_logarithmic: false }
+}
+
+/// An axis around all values, with ticks at these alone.
+fn marked(marks: &[f64], low: f64, high: f64) -> Mapping {
+    let (low, high) = marks.iter().fold((low, high), |(low, high), mark| (low.min(*mark), high.max(*mark)));
+    let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
+    let padding = if high > low { PADDING * (high - low) } else { 0.5 };
+    let ticks = marks.iter().map(|&value| Tick { value, label: number(value) }).collect();
+    Mapping { range: (low - padding, high + padding), ticks, is_logarithmic: false }
 }
 
 fn linear(low: f64, high: f64, from_zero: bool, room: usize, least_step: f64) -> Mapping {
@@ -269,6 +279,17 @@ mod tests {
         assert_eq!(labels(&Mapping::new(&FROM_ZERO, [2.4e9], 3)), ["0", "1e9", "2e9", "3e9"]);
         assert_eq!(labels(&Mapping::new(&FROM_ZERO, [2.4e-7], 3)), ["0", "1e−7", "2e−7", "3e−7"]);
         assert_eq!(labels(&Mapping::exact(0.0, 1024.0, 4)), ["0", "500", "1,000"]);
+        // A share is never more than all.
+        for (room, share) in (2..12).flat_map(|room| [60.0, 99.9, 100.0].map(|share| (room, share))) {
+            assert!(Mapping::new(&FROM_ZERO, [share], room).range.1 <= 100.0, "{share} in {room}");
+        }
+    }
+
+    #[test]
+    fn marks_are_where_numbers_were_measured() {
+        let mapping = Mapping::new(&Scale::Marked(vec![8.0, 16.0, 64.0]), [8.0, 16.0, 64.0], 2);
+        assert_eq!(labels(&mapping), ["8", "16", "64"]);
+        assert!(mapping.range.0 < 8.0 && mapping.range.1 > 64.0);
     }
 
     #[test]

@@ -29,8 +29,7 @@ impl Content {
             };
             reached.push(below + point.y);
             if let Some((low, high)) = point.spread {
-                // A little more, so that the end of a spread is not lost in the frame.
-                reached.extend([below + low, below + high + 0.02 * high.abs()]);
+                reached.extend([below + low, below + high]);
             }
         }
         reached

@@ -5,7 +5,7 @@ use super::canvas::{Anchor, Canvas, Rectangle, Stroke, Text};
 use super::model::{Content, Figure, Panel, Scale};
 use super::style::{AXIS_STROKE, Colour, GRID_COLOUR, LINE_HEIGHT, TEXT_SIZE, TITLE_SIZE};
 use super::text;
-use super::tick_labels::TickLabels;
+use super::tick_labels::{Direction, TickLabels};
 
 /// One line of small text with the gap to the next, points.
 pub(crate) const LINE: f64 = TEXT_SIZE * LINE_HEIGHT;
@@ -18,6 +18,28 @@ pub(crate) const HALF_CAPITAL: f64 = 0.36;
 const COLOUR_BAR_GAP: f64 = 6.0;
 const COLOUR_BAR_WIDTH: f64 = 8.0;
 const EDGE: f64 = 5.0;
+/// Where a logarithmic axis of bars starts at the latest, in lowest values.
+const LOWEST_BAR: f64 = 0.7;
+
+/// Between two tick labels of an upward axis, at least.
+const Y_TICK_ROOM: f64 = 17.0;
+/// Lines beside a colour bar, at most.
+const MOST_BAR_LINES: usize = 2;
+/// How often a picture's height is settled with the room for its colour bar.
+const MOST_FITTINGS: usize = 8;
+
+/// What a panel is given to be measured in, points.
+#[derive(Clone, Copy)]
+pub(crate) struct Room {
+    /// Of the panel with all that stands around it.
+    pub(crate) cell_width: f64,
+    /// Of the plot area; a picture may take less.
+    pub(crate) height: f64,
+    /// The least room left of the plot area, so that panels above each other line up.
+    pub(crate) left: f64,
+    /// The least turn of category labels, so that those of all panels have the same.
+    pub(crate) turn: Direction,
+}
 
 /// The axes of a panel, measured: the plot area and what stands around it, points.
 pub(crate) struct Frame<'a> {
@@ -44,20 +66,34 @@ pub(crate) struct Frame<'a> {
     pub(crate) y_label: Vec<String>,
     /// The words at the ticks below.
     pub(crate) x_ticks: TickLabels,
-    colour_bar: Option<(Mapping, Vec<String>)>,
+    /// The numbers beside the colour bar of a picture, and the lines beside these, read from below.
+    pub(crate) colour_bar: Option<(Mapping, Vec<String>)>,
 }
 
 impl<'a> Frame<'a> {
-    /// Measures a panel in a cell of this width whose plot area is this high. `left` is the least
-    /// room to its left, so that panels above each other line up. Panels of `figure` that have the
-    /// same axis share its range.
-    pub(crate) fn measure(
-        figure: &'a Figure,
-        panel: &'a Panel,
-        cell_width: f64,
-        height: f64,
-        left: f64,
-    ) -> Self {
+    /// Measures a panel. Panels of `figure` that have the same axis share its range.
+    pub(crate) fn measure(figure: &'a Figure, panel: &'a Panel, room: Room) -> Self {
+        let mut frame = Self::with_height(figure, panel, room);
+        let Content::Picture(picture) = &panel.content else { return frame };
+        // A picture keeps its sides. The lower it is, the more lines, and so the more of its width, the
+        // label of its colour bar takes.
+        let aspect = f64::from(picture.height.max(1)) / f64::from(picture.width.max(1));
+        for _ in 0..MOST_FITTINGS {
+            let height = frame.width * aspect;
+            if height >= frame.height {
+                break;
+            }
+            frame = Self::with_height(figure, panel, Room { height, ..room });
+        }
+        let width = (frame.height / aspect).min(frame.width);
+        frame.right += frame.width - width;
+        frame.width = width;
+        (frame.x, frame.x_ticks) = x_mapping(figure, panel, width, frame.left, room.turn);
+        frame
+    }
+
+    fn with_height(figure: &'a Figure, panel: &'a Panel, room: Room) -> Self {
+        let Room { cell_width, height, left, turn } = room;
         let y = y_mapping(figure, panel, height);
         let y_label = text::wrap(&panel.y.label, TEXT_SIZE, height + 20.0);
         let ticks: Vec<String> = y.ticks.iter().map(|tick| tick.label.clone()).collect();
@@ -71,52 +107,41 @@ impl<'a> Frame<'a> {
         });
         let mut right = EDGE + bar_room;
         let mut width = (cell_width - left - right).max(20.0);
-        let (mut x, mut x_ticks) = x_mapping(figure, panel, width, left);
+        let (mut x, mut x_ticks) = x_mapping(figure, panel, width, left, turn);
         // The last label may reach over the end of the axis.
         let overhang = x_ticks.overhang(&x, width);
         if overhang > right {
             right = overhang + 1.0;
             width = (cell_width - left - right).max(20.0);
-            (x, x_ticks) = x_mapping(figure, panel, width, left);
+            (x, x_ticks) = x_mapping(figure, panel, width, left, turn);
         }
-        let mut frame = Self {
+        let title = text::wrap_evenly(&panel.title, TITLE_SIZE, cell_width - EDGE);
+        let x_label = text::wrap_evenly(&panel.x.label, TEXT_SIZE, width + left.min(right));
+        let top = title.len() as f64 * TITLE_LINE + EDGE;
+        let bar_label = colour_bar.as_ref().map_or(0.0, |(_, lines)| text::widest(lines, TEXT_SIZE));
+        let bottom = x_ticks.height() + TICK_GAP + x_label.len() as f64 * LINE + 3.0;
+        let bottom = bottom.max(bar_label - height);
+        Self {
             panel,
             x,
             y,
             left,
             right,
-            top: 0.0,
-            bottom: 0.0,
+            top,
+            bottom,
             width,
             height,
-            title: text::wrap(&panel.title, TITLE_SIZE, cell_width - EDGE),
-            x_label: text::wrap(&panel.x.label, TEXT_SIZE, width + left.min(right)),
+            title,
+            x_label,
             y_label,
             x_ticks,
             colour_bar,
-        };
-        frame.fit_picture(figure);
-        frame.top = frame.title.len() as f64 * TITLE_LINE + EDGE;
-        frame.bottom = frame.x_ticks.height() + TICK_GAP + frame.x_label.len() as f64 * LINE + 3.0;
-        frame
+        }
     }
 
     /// Width of a category, points.
     pub(crate) fn slot(&self) -> f64 {
         self.width / (self.x.range.1 - self.x.range.0)
-    }
-
-    /// A picture keeps its sides: the plot area shrinks to it.
-    fn fit_picture(&mut self, figure: &Figure) {
-        let Content::Picture(picture) = &self.panel.content else { return };
-        let aspect = f64::from(picture.height.max(1)) / f64::from(picture.width.max(1));
-        let fitted = (self.height / aspect).min(self.width);
-        self.right += self.width - fitted;
-        self.width = fitted;
-        self.height = fitted * aspect;
-        (self.x, self.x_ticks) = x_mapping(figure, self.panel, self.width, self.left);
-        self.y = y_mapping(figure, self.panel, self.height);
-        self.colour_bar = colour_bar(self.panel, self.height);
     }
 
     /// Draws everything but what the panel shows, with the plot area's upper left corner here; gives
@@ -242,7 +267,8 @@ impl<'a> Frame<'a> {
                 rotate_degrees: 0.0,
             });
         }
-        draw_upright(canvas, label, area.right() + TICK_GAP + widest + 1.0, area.top + 0.5 * area.height);
+        let height = area.height.max(text::widest(label, TEXT_SIZE));
+        draw_upright(canvas, label, area.right() + TICK_GAP + widest + 1.0, area.top + 0.5 * height);
     }
 }
 
@@ -267,11 +293,15 @@ fn colour_bar(panel: &Panel, height: f64) -> Option<(Mapping, Vec<String>)> {
     let Content::Picture(picture) = &panel.content else { return None };
     let bar = picture.colour_bar.as_ref()?;
     let mapping = Mapping::exact(bar.range.0, bar.range.1, (height / 24.0) as usize);
-    Some((mapping, text::wrap(&bar.label, TEXT_SIZE, height)))
+    // Of a low picture the label may be higher, rather than take all of its width.
+    let label =
+        (0..).map(|tenths| text::wrap(&bar.label, TEXT_SIZE, height * (1.0 + 0.1 * f64::from(tenths))));
+    let label = label.into_iter().find(|lines| lines.len() <= MOST_BAR_LINES)?;
+    Some((mapping, label))
 }
 
 fn y_mapping(figure: &Figure, panel: &Panel, height: f64) -> Mapping {
-    let room = (height / 20.0) as usize;
+    let room = (height / Y_TICK_ROOM) as usize;
     if let Content::Picture(picture) = &panel.content {
         return pixels(&panel.y.label, picture.height, room);
     }
@@ -280,10 +310,16 @@ fn y_mapping(figure: &Figure, panel: &Panel, height: f64) -> Mapping {
         values.extend(alike.references.iter().map(|reference| reference.y));
         values.extend(alike.content.reached());
     }
-    if matches!(panel.content, Content::Bars(_) | Content::Stacks(_))
-        && matches!(panel.y.scale, Scale::Linear { .. })
-    {
-        values.push(0.0);
+    if matches!(panel.content, Content::Bars(_) | Content::Stacks(_)) {
+        match panel.y.scale {
+            Scale::Logarithmic { .. } => {
+                // So that the lowest bar has a height.
+                let lowest =
+                    values.iter().copied().filter(|value| *value > 0.0).fold(f64::INFINITY, f64::min);
+                values.push(LOWEST_BAR * lowest);
+            }
+            _ => values.push(0.0),
+        }
     }
     Mapping::new(&panel.y.scale, values, room)
 }
@@ -297,7 +333,13 @@ fn pixels(label: &str, count: u32, room: usize) -> Mapping {
     mapping
 }
 
-fn x_mapping(figure: &Figure, panel: &Panel, width: f64, left: f64) -> (Mapping, TickLabels) {
+fn x_mapping(
+    figure: &Figure,
+    panel: &Panel,
+    width: f64,
+    left: f64,
+    turn: Direction,
+) -> (Mapping, TickLabels) {
     let values = || {
         let alike = figure.panels.iter().filter(|other| other.x == panel.x);
         alike.flat_map(|other| other.content.series()).flat_map(|series| &series.points).map(|point| point.x)
@@ -307,7 +349,7 @@ fn x_mapping(figure: &Figure, panel: &Panel, width: f64, left: f64) -> (Mapping,
         _ => Mapping::new(&panel.x.scale, values(), room),
     };
     if let Scale::Categories(names) = &panel.x.scale {
-        return (with_room(0), TickLabels::of_categories(names, width, left));
+        return (with_room(0), TickLabels::of_categories(names, width, left, turn));
     }
     let most = ((width / 24.0) as usize).clamp(2, 12);
     let fitting = (2..=most).rev().map(with_room).find(|mapping| TickLabels::fit_level(mapping, width));

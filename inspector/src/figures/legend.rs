@@ -137,7 +137,11 @@ fn draw_entry(canvas: &mut Canvas, placed: &Placed, left: f64, top: f64) {
     match placed.entry.sample {
         Sample::Line(number) => {
             let style = style(number);
-            canvas.line(from, to, Stroke { colour: style.colour, width: LINE_STROKE, dash: style.dash });
+            canvas.line(
+                from,
+                to,
+                Stroke { colour: style.colour.ink(), width: LINE_STROKE, dash: style.dash },
+            );
             canvas.marker(centre, MARKER_RADIUS, style.marker, style.colour, "");
         }
         Sample::Marker(number) => {

@@ -20,13 +20,34 @@ const STACK_WIDTH: f64 = 0.7;
 /// Widest bar and widest stack, points.
 const WIDEST_BAR: f64 = 24.0;
 const WIDEST_STACK: f64 = 36.0;
+/// Width of the lines of spreads, points.
+const WHISKER_STROKE: f64 = 0.7;
 
 /// Width of the bars of a panel, points.
 pub(crate) fn bar_width(frame: &Frame) -> f64 {
     match &frame.panel.content {
-        Content::Bars(series) => (GROUP_WIDTH * frame.slot() / series.len().max(1) as f64).min(WIDEST_BAR),
+        Content::Bars(series) => {
+            (GROUP_WIDTH * frame.slot() / largest_group(series).max(1) as f64).min(WIDEST_BAR)
+        }
         _ => (STACK_WIDTH * frame.slot()).min(WIDEST_STACK),
     }
+}
+
+/// Whether a series has a bar at a category.
+fn has_bar(series: &Series, category: f64) -> bool {
+    series.points.iter().any(|point| point.x == category && point.y.is_finite())
+}
+
+/// Most bars at one category.
+pub(crate) fn largest_group(series: &[Series]) -> usize {
+    let categories = series.iter().flat_map(|series| &series.points).map(|point| point.x);
+    categories.map(|x| series.iter().filter(|one| has_bar(one, x)).count()).max().unwrap_or(0)
+}
+
+/// From a category to the middle of a series' bar there, in bars. Series without a bar there take no room.
+pub(crate) fn place_in_group(series: &[Series], at: usize, category: f64) -> f64 {
+    let count = |series: &[Series]| series.iter().filter(|one| has_bar(one, category)).count() as f64;
+    count(&series[..at]) + 0.5 - 0.5 * count(series)
 }
 
 /// A line has a marker at every so many points.
@@ -86,7 +107,8 @@ pub(crate) fn draw(
 
 fn line(canvas: &mut Canvas, plot: &Plot, series: &Series) {
     let style = style(series.style);
-    let stroke = Stroke { colour: style.colour, width: LINE_STROKE, dash: style.dash };
+    let stroke = Stroke { colour: style.colour.ink(), width: LINE_STROKE, dash: style.dash };
+    let spread = Stroke { width: WHISKER_STROKE, dash: &[], ..stroke };
     // A point without a place, such as 0 on a logarithmic axis, leaves a gap.
     for run in series.points.split(|point| plot.point(point).is_none()) {
         let places: Vec<(f64, f64)> = run.iter().filter_map(|point| plot.point(point)).collect();
@@ -97,7 +119,7 @@ fn line(canvas: &mut Canvas, plot: &Plot, series: &Series) {
     let stride = marker_stride(series);
     for (at, point) in series.points.iter().enumerate() {
         if let Some(place) = plot.point(point) {
-            whisker(canvas, plot, place.0, point, 0.0, style.colour);
+            whisker(canvas, plot, place.0, point, 0.0, spread);
             // Markers of several long lines are not above each other.
             if (at + stride / 2 + series.style).is_multiple_of(stride) {
                 canvas.marker(place, MARKER_RADIUS, style.marker, style.colour, &tooltip(series, point));
@@ -108,22 +130,22 @@ fn line(canvas: &mut Canvas, plot: &Plot, series: &Series) {
 
 fn scatter(canvas: &mut Canvas, plot: &Plot, series: &Series) {
     let style = style(series.style);
+    let spread = Stroke { colour: style.colour.ink(), width: WHISKER_STROKE, dash: &[] };
     for point in &series.points {
         if let Some(place) = plot.point(point) {
-            whisker(canvas, plot, place.0, point, 0.0, style.colour);
+            whisker(canvas, plot, place.0, point, 0.0, spread);
             canvas.marker(place, MARKER_RADIUS, style.marker, style.colour, &tooltip(series, point));
         }
     }
 }
 
 fn bars(canvas: &mut Canvas, plot: &Plot, series: &[Series], width: f64) {
-    let count = series.len().max(1) as f64;
     for (at, one) in series.iter().enumerate() {
-        let offset = (at as f64 - 0.5 * count) * width;
         for point in &one.points {
-            if let Some(centre) = plot.x(point.x) {
-                bar(canvas, plot, one, point, (centre + offset, width), plot.y.base(), point.y);
-                bar_whisker(canvas, plot, centre + offset + 0.5 * width, point, (width, one.style));
+            if let Some(category) = plot.x(point.x) {
+                let centre = category + place_in_group(series, at, point.x) * width;
+                bar(canvas, plot, one, point, (centre - 0.5 * width, width), plot.y.base(), point.y);
+                bar_whisker(canvas, plot, centre, point, (width, one.style));
             }
         }
     }
@@ -146,7 +168,7 @@ fn stacks(canvas: &mut Canvas, plot: &Plot, series: &[Series], width: f64) {
     }
     // Above all bars, since the next bar starts where a spread is centred.
     for (centre, point, below) in whiskers {
-        whisker(canvas, plot, centre, point, below, Colour::BLACK);
+        edged_whisker(canvas, plot, centre, point, below);
     }
 }
 
@@ -177,14 +199,27 @@ fn bar_whisker(canvas: &mut Canvas, plot: &Plot, x: f64, point: &Point, (width, 
     let cap = (0.3 * width).min(1.6);
     let inside = style(number).colour.contrast();
     for (end, colour) in [(low, inside), (high, Colour::BLACK)] {
-        let stroke = Stroke { colour, width: 0.7, dash: &[] };
+        let stroke = Stroke { colour, width: WHISKER_STROKE, dash: &[] };
         canvas.line((x, top), (x, end), stroke);
         canvas.line((x - cap, end), (x + cap, end), stroke);
     }
 }
 
 /// The spread of a number, with a white edge so that it is seen on dark bars.
-fn whisker(canvas: &mut Canvas, plot: &Plot, x: f64, point: &Point, below: f64, colour: Colour) {
+fn edged_whisker(canvas: &mut Canvas, plot: &Plot, x: f64, point: &Point, below: f64) {
+    whisker(canvas, plot, x, point, below, Stroke { colour: Colour::WHITE, width: 1.8, dash: &[] });
+    whisker(
+        canvas,
+        plot,
+        x,
+        point,
+        below,
+        Stroke { colour: Colour::BLACK, width: WHISKER_STROKE, dash: &[] },
+    );
+}
+
+/// The spread of a number.
+fn whisker(canvas: &mut Canvas, plot: &Plot, x: f64, point: &Point, below: f64, stroke: Stroke) {
     let Some((low, high)) = point.spread else { return };
     let low = plot.y(low + below).unwrap_or(plot.area.bottom());
     let Some(high) = plot.y(high + below) else { return };
@@ -192,12 +227,10 @@ fn whisker(canvas: &mut Canvas, plot: &Plot, x: f64, point: &Point, below: f64, 
     if (low - high).abs() < 0.3 {
         return;
     }
-    for (colour, width, cap) in [(Colour::WHITE, 1.8, 1.9), (colour, 0.7, 1.6)] {
-        let stroke = Stroke { colour, width, dash: &[] };
-        canvas.line((x, low), (x, high), stroke);
-        canvas.line((x - cap, low), (x + cap, low), stroke);
-        canvas.line((x - cap, high), (x + cap, high), stroke);
-    }
+    let cap = 1.3 + 0.5 * stroke.width;
+    canvas.line((x, low), (x, high), stroke);
+    canvas.line((x - cap, low), (x + cap, low), stroke);
+    canvas.line((x - cap, high), (x + cap, high), stroke);
 }
 
 fn picture(canvas: &mut Canvas, area: Rectangle, picture: &Picture) -> Result<(), FigureError> {

@@ -52,6 +52,8 @@ pub enum Scale {
         /// The base.
         base: u32,
     },
+    /// Evenly, marked at these numbers, which are those measured.
+    Marked(Vec<f64>),
     /// Names at 0, 1, 2, …: coordinates are places in this list.
     Categories(Vec<String>),
 }

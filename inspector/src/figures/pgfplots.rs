@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use super::axis::Mapping;
+use super::axis::{Mapping, Tick};
 use super::frame::Frame;
 use super::legend::{Entry, Sample, entries, reference_labels};
-use super::marks::{bar_width, marker_stride};
+use super::marks::{bar_width, marker_stride, place_in_group};
 use super::model::{Axis, Content, Figure, Panel, Picture, Scale, Series};
 use super::style::{Hatch, Marker, REFERENCE_DASHES, Style, Width, style};
 use super::svg::{Layout, layout};
@@ -19,19 +19,30 @@ const HEAD: &str = r"% Compile with pdflatex; the CSV must lie beside this file.
 \usepgfplotslibrary{groupplots}
 \usetikzlibrary{patterns}
 \renewcommand{\familydefault}{\sfdefault}
-% Sorts the rows of the CSV into one macro per curve, so that it is read once: x, y, below, above.
+% Sorts the rows of the CSV into one macro per curve, so that it is read once: x, y, below, above. What is
+% at an x is kept as well, for bars, which stand beside their x, and stacks, which must not lack one.
 \newread\numbers
 \makeatletter
 \def\addrow#1,#2,#3,#4,#5,#6,#7,#8,#9\relax{\addends{#1}{#6}{#7}#9\relax}
 \def\addends#1#2#3#4,#5,#6,#7\relax{%
   \ifcsname curve-#1\endcsname\else\expandafter\gdef\csname curve-#1\endcsname{}\fi
   \expandafter\xdef\csname curve-#1\endcsname{%
-    \unexpanded\expandafter\expandafter\expandafter{\csname curve-#1\endcsname}#2,#3,#6,#7\unexpanded{\\}}}
+    \unexpanded\expandafter\expandafter\expandafter{\csname curve-#1\endcsname}#2,#3,#6,#7\unexpanded{\\}}%
+  \expandafter\gdef\csname curve-#1-at-#2\endcsname{#3,#6,#7\\}}
 \def\readcurves#1{%
   \openin\numbers=#1\relax \endlinechar=-1
   \loop \read\numbers to\row \ifx\row\@empty\else\expandafter\addrow\row\relax\fi
   \ifeof\numbers\else\repeat
   \closein\numbers \endlinechar=13 }
+% Places the numbers of a curve: x in the CSV/place on the axis, and so on. Where there is none, it is 0.
+\def\placerows#1#2{\expandafter\def\csname curve-#1\endcsname{}%
+  \@for\place:=#2\do{\expandafter\placerow\place/#1\relax}}
+\def\placerow#1/#2/#3\relax{%
+  \ifcsname curve-#3-at-#1\endcsname\else
+    \expandafter\def\csname curve-#3-at-#1\endcsname{0,0,0\\}\fi
+  \expandafter\edef\csname curve-#3\endcsname{%
+    \unexpanded\expandafter\expandafter\expandafter{\csname curve-#3\endcsname}#2,%
+    \unexpanded\expandafter\expandafter\expandafter{\csname curve-#3-at-#1\endcsname}}}
 \makeatother
 \def\plotcurve#1#2#3{\edef\next{\noexpand\addplot[\unexpanded{#2}]
   table[col sep=comma, row sep=\noexpand\\, header=false, y index=1, \unexpanded{#3}]
@@ -55,7 +66,9 @@ pub fn write(figure: &Figure, width: Width) -> String {
     let mut tex = HEAD.to_owned();
     for number in styles_of(figure) {
         let hex = style(number).colour.hex().to_uppercase();
+        let ink = style(number).colour.ink().hex().to_uppercase();
         let _ = writeln!(tex, "\\definecolor{{style{number}}}{{HTML}}{{{hex}}}");
+        let _ = writeln!(tex, "\\definecolor{{line{number}}}{{HTML}}{{{ink}}}");
     }
     tex.push_str(PLAIN_TEXT);
     let _ = writeln!(tex, "\\readcurves{{{}.csv}}", figure.name);
@@ -65,7 +78,7 @@ pub fn write(figure: &Figure, width: Width) -> String {
     let mut curve = 0;
     for (at, frame) in frames.iter().enumerate() {
         let panel = frame.panel;
-        let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(frame));
+        let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(frame, &references));
         for series in panel.content.series() {
             tex.push_str(&plot(frame, series, curve));
             curve += 1;
@@ -73,7 +86,6 @@ pub fn write(figure: &Figure, width: Width) -> String {
         if let Content::Picture(picture) = &panel.content {
             tex.push_str(&picture_plot(figure, at, picture));
         }
-        tex.push_str(&reference_lines(panel, &references));
     }
     tex.push_str("\\end{groupplot}\n");
     tex.push_str(&legend(&entries(figure), width));
@@ -89,7 +101,7 @@ fn group_start(frames: &[Frame], columns: usize) -> String {
     format!(
         "\\begin{{tikzpicture}}\n\\begin{{groupplot}}[\n  group style={{group size={columns} by {rows}, \
          horizontal sep={beside:.0}bp, vertical sep={above:.0}bp}},\n  \
-         scale only axis, ymajorgrids, grid style={{black!12}}, tick align=outside, tick pos=left,\n  \
+         scale only axis, grid style={{black!12}}, tick align=outside, tick pos=left,\n  \
          unbounded coords=jump, title style={{font=\\small, align=center}}, label style={{align=center}},\n]\n"
     )
 }
@@ -99,7 +111,7 @@ fn styles_of(figure: &Figure) -> std::collections::BTreeSet<usize> {
 }
 
 /// Axis labels, scales, ticks and how bars stand.
-fn axis_options(frame: &Frame) -> String {
+fn axis_options(frame: &Frame, references: &[String]) -> String {
     let panel = frame.panel;
     let mut options = vec![
         format!("width={:.1}bp, height={:.1}bp", frame.width, frame.height),
@@ -109,6 +121,10 @@ fn axis_options(frame: &Frame) -> String {
     ];
     options.extend(scale_options('x', &panel.x, &frame.x));
     options.extend(scale_options('y', &panel.y, &frame.y));
+    if matches!(panel.y.scale, Scale::Logarithmic { .. }) {
+        // Bars stand on the lower end of the axis.
+        options.push("log origin y=infty".to_owned());
+    }
     match &panel.content {
         Content::Bars(_) => options.push(format!("bar width={:.2}bp", bar_width(frame))),
         Content::Stacks(_) => options.push(format!("ybar stacked, bar width={:.2}bp", bar_width(frame))),
@@ -123,30 +139,66 @@ fn axis_options(frame: &Frame) -> String {
         options.push(format!("x tick label style={{{turned}}}"));
     }
     if let Content::Picture(picture) = &panel.content {
-        options.push(picture_options(picture));
+        options.push(picture_options(frame, picture));
+    }
+    if !panel.references.is_empty() {
+        // Stacks are drawn at the very end of an axis, so that lines across come after it.
+        options.push(format!("after end axis/.append code={{{}}}", reference_lines(frame, references)));
     }
     options.join(", ")
 }
 
 fn scale_options(axis: char, shown: &Axis, mapping: &Mapping) -> Vec<String> {
-    let (low, high) = mapping.range;
-    let labelled = mapping.ticks.iter().filter(|tick| !tick.label.is_empty());
-    let (places, labels): (Vec<String>, Vec<String>) =
-        labelled.map(|tick| (tick.value.to_string(), format!("{{{}}}", escape(&tick.label)))).unzip();
-    let mut options = vec![
-        format!("{axis}min={low}, {axis}max={high}"),
-        format!("{axis}tick={{{}}}", places.join(",")),
-        format!("{axis}ticklabels={{{}}}", labels.join(",")),
-    ];
+    let mut options = tick_options(axis, mapping);
+    if !matches!(shown.scale, Scale::Categories(_)) {
+        options.push(format!("{axis}majorgrids"));
+    }
     if let Scale::Logarithmic { base } = &shown.scale {
         options.push(format!("{axis}mode=log, log basis {axis}={base}"));
     }
     options
 }
 
+/// Range, labelled ticks and marks between them.
+fn tick_options(axis: char, mapping: &Mapping) -> Vec<String> {
+    let (low, high) = mapping.range;
+    let mut options = vec![format!("{axis}min={low}, {axis}max={high}")];
+    let (labelled, between): (Vec<&Tick>, Vec<&Tick>) =
+        mapping.ticks.iter().partition(|tick| !tick.label.is_empty());
+    let values =
+        |ticks: &[&Tick]| ticks.iter().map(|tick| tick.value.to_string()).collect::<Vec<_>>().join(",");
+    if labelled.is_empty() {
+        options.push(format!("{axis}tick=\\empty"));
+    } else {
+        let labels: Vec<String> =
+            labelled.iter().map(|tick| format!("{{{}}}", tick_label(&tick.label))).collect();
+        options.push(format!("{axis}tick={{{}}}", values(&labelled)));
+        options.push(format!("{axis}ticklabels={{{}}}", labels.join(",")));
+    }
+    if !between.is_empty() {
+        options.push(format!("minor {axis}tick={{{}}}", values(&between)));
+    }
+    options
+}
+
+/// A power as TeX writes it: `2^10` and `2.5e−7`; other labels as they are.
+fn tick_label(label: &str) -> String {
+    let is_number = |text: &str| text.parse::<f64>().is_ok();
+    let plain = label.replace('−', "-");
+    let power = match (plain.split_once('^'), plain.split_once('e')) {
+        (Some((base, power)), _) if is_number(base) && is_number(power) => format!("{base}\\sp{{{power}}}"),
+        (_, Some(("1", power))) if is_number(power) => format!("10\\sp{{{power}}}"),
+        (_, Some((factor, power))) if is_number(factor) && is_number(power) => {
+            format!("{factor}\\times10\\sp{{{power}}}")
+        }
+        _ => return escape(label),
+    };
+    format!("\\ensuremath{{{power}}}")
+}
+
 /// One series: the rows of the CSV with its number.
 fn plot(frame: &Frame, series: &Series, curve: usize) -> String {
-    let mut x = "x index=0".to_owned();
+    let mut places: Vec<(f64, f64)> = Vec::new();
     let look = match &frame.panel.content {
         Content::Lines(_) => {
             let stride = marker_stride(series);
@@ -156,27 +208,43 @@ fn plot(frame: &Frame, series: &Series, curve: usize) -> String {
         }
         Content::Scatter(_) => format!("only marks, {}", marker_look(series.style)),
         Content::Bars(all) => {
-            // The numbers are shifted instead of the bars, since error bars stay where the numbers are.
-            let at = all.iter().position(|one| std::ptr::eq(one, series)).unwrap_or(0) as f64;
-            let shift = (at + 0.5 - 0.5 * all.len() as f64) * bar_width(frame) / frame.slot();
-            x = format!("x expr=\\thisrowno{{0}}+{shift:.5}");
+            // The numbers are moved instead of the bars, since error bars stay where the numbers are.
+            let at = all.iter().position(|one| std::ptr::eq(one, series)).unwrap_or(0);
+            let width = bar_width(frame) / frame.slot();
+            let place = |x: f64| (x, x + place_in_group(all, at, x) * width);
+            places.extend(series.points.iter().map(|point| place(point.x)));
             format!("ybar, bar shift=0pt, {}", bar_look(series.style))
         }
-        Content::Stacks(_) | Content::Picture(_) => bar_look(series.style),
+        Content::Stacks(_) => {
+            if let Scale::Categories(names) = &frame.panel.x.scale {
+                places.extend((0..names.len()).map(|at| (at as f64, at as f64)));
+            }
+            bar_look(series.style)
+        }
+        Content::Picture(_) => bar_look(series.style),
     };
     let has_spread = series.points.iter().any(|point| point.spread.is_some());
     let (bars, columns) = if has_spread {
-        let bars = ", error bars/.cd, y dir=both, y explicit, error bar style={black, solid}";
+        let colour = match &frame.panel.content {
+            Content::Lines(_) | Content::Scatter(_) => format!("line{}", series.style),
+            _ => "black".to_owned(),
+        };
+        let bars = format!(", error bars/.cd, y dir=both, y explicit, error bar style={{{colour}, solid}}");
         (bars, ", y error minus index=2, y error plus index=3")
     } else {
-        ("", "")
+        (String::new(), "")
     };
-    format!("\\plotcurve{{{curve}}}{{{look}{bars}}}{{{x}{columns}}}\n")
+    let places: Vec<String> = places.iter().map(|(x, place)| format!("{x}/{place:.5}")).collect();
+    let placed = match places.join(",") {
+        places if places.is_empty() => String::new(),
+        places => format!("\\placerows{{{curve}}}{{{places}}}\n"),
+    };
+    format!("{placed}\\plotcurve{{{curve}}}{{{look}{bars}}}{{x index=0{columns}}}\n")
 }
 
 fn line_look(number: usize) -> String {
     let dash = dash_pattern(style(number).dash);
-    format!("style{number}, line width=1.1bp, {dash}")
+    format!("line{number}, line width=1.1bp, {dash}")
 }
 
 fn dash_pattern(lengths: &[f64]) -> String {
@@ -190,7 +258,8 @@ fn dash_pattern(lengths: &[f64]) -> String {
 }
 
 fn marker_look(number: usize) -> String {
-    let shape = match style(number).marker {
+    let Style { colour, marker, .. } = style(number);
+    let shape = match marker {
         Marker::Circle => "mark=*",
         Marker::Square => "mark=square*",
         Marker::Triangle => "mark=triangle*",
@@ -201,8 +270,18 @@ fn marker_look(number: usize) -> String {
         Marker::Pentagon => "mark=pentagon*",
         Marker::Ring => "mark=o",
     };
-    let turned = if style(number).marker == Marker::TriangleDown { ", rotate=180" } else { "" };
-    format!("{shape}, mark size=2bp, mark options={{solid, style{number}, fill=style{number}{turned}}}")
+    let paint = match marker {
+        Marker::Cross | Marker::Plus => format!("style{number}, line width=1.1bp"),
+        Marker::Ring => format!("style{number}, fill=white, line width=1.1bp"),
+        _ if colour.ink() != colour || marker == Marker::Pentagon => {
+            format!("black, fill=style{number}, line width=0.5bp")
+        }
+        _ => format!("white, fill=style{number}, line width=0.4bp"),
+    };
+    let turned = if marker == Marker::TriangleDown { ", rotate=180" } else { "" };
+    let size =
+        if matches!(marker, Marker::Triangle | Marker::TriangleDown | Marker::Diamond) { 3.0 } else { 2.3 };
+    format!("{shape}, mark size={size}bp, mark options={{solid, {paint}{turned}}}")
 }
 
 fn bar_look(number: usize) -> String {
@@ -226,19 +305,20 @@ fn bar_look(number: usize) -> String {
     format!("{fill}, postaction={{pattern={pattern}, pattern color={lines}}}")
 }
 
-fn picture_options(picture: &Picture) -> String {
+fn picture_options(frame: &Frame, picture: &Picture) -> String {
     let mut options = String::from("axis on top, grid=none, y dir=reverse");
-    if let Some(bar) = &picture.colour_bar {
+    if let (Some(bar), Some((mapping, label))) = (&picture.colour_bar, &frame.colour_bar) {
         let colours: Vec<String> =
             bar.colours.iter().map(|[red, green, blue]| format!("rgb255=({red},{green},{blue})")).collect();
         let _ = write!(
             options,
-            ", colormap={{figure}}{{{}}}, colorbar, point meta min={}, point meta max={}, \
-             colorbar style={{ylabel={{{}}}, y dir=normal, width=8bp, xshift=-4bp, scaled y ticks=false}}",
+            ", colormap={{figure}}{{{}}}, colorbar, point meta min={}, point meta max={}, colorbar style={{\
+             ylabel={{{}}}, ylabel style={{align=center}}, {}, y dir=normal, width=8bp, xshift=-4bp}}",
             colours.join(" "),
             bar.range.0,
             bar.range.1,
-            escape(&bar.label)
+            lines(label),
+            tick_options('y', mapping).join(", "),
         );
     }
     options
@@ -250,19 +330,24 @@ fn picture_plot(figure: &Figure, panel: usize, picture: &Picture) -> String {
 }
 
 /// Lines across, from edge to edge where they have no span.
-fn reference_lines(panel: &Panel, labels: &[String]) -> String {
+fn reference_lines(frame: &Frame, labels: &[String]) -> String {
+    let panel = frame.panel;
+    let (low, high) = frame.x.range;
     let mut tex = String::new();
     for reference in &panel.references {
         let number = labels.iter().position(|label| *label == reference.label).unwrap_or(0);
         let y = reference.y;
         let (from, to) = match reference.span {
-            Some((from, to)) => (format!("axis cs:{from},{y}"), format!("axis cs:{to},{y}")),
+            Some((from, to)) => (
+                format!("axis cs:{},{y}", from.clamp(low, high)),
+                format!("axis cs:{},{y}", to.clamp(low, high)),
+            ),
             None => (
                 format!("{{rel axis cs:0,0}}|-{{axis cs:{},{y}}}", inside(panel)),
                 format!("{{rel axis cs:1,0}}|-{{axis cs:{},{y}}}", inside(panel)),
             ),
         };
-        let _ = writeln!(tex, "\\draw[{}] ({from}) -- ({to});", reference_look(number));
+        let _ = write!(tex, "\\draw[{}] ({from}) -- ({to});", reference_look(number));
     }
     tex
 }
@@ -367,6 +452,15 @@ mod tests {
             "\\textbackslash{}input 2\\textasciicircum{}20 \\ensuremath{\\times} \\textasciitilde{} \\ensuremath{\\mu}s"
         );
         assert_eq!(lines(&["a".into(), "b".into()]), "a\\\\ b");
+    }
+
+    #[test]
+    fn powers_are_raised() {
+        assert_eq!(tick_label("2^10"), "\\ensuremath{2\\sp{10}}");
+        assert_eq!(tick_label("1e−4"), "\\ensuremath{10\\sp{-4}}");
+        assert_eq!(tick_label("2.5e12"), "\\ensuremath{2.5\\times10\\sp{12}}");
+        assert_eq!(tick_label("two-point^e"), "two-point\\textasciicircum{}e");
+        assert_eq!(tick_label("1,000"), "1,000");
     }
 
     #[test]

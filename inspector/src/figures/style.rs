@@ -44,10 +44,19 @@ impl Colour {
         format!("{red:02x}{green:02x}{blue:02x}")
     }
 
+    /// Seen on white as a thin line: itself, or darker if it is too light.
+    pub fn ink(self) -> Self {
+        if self.luma() < 190.0 { self } else { Self(self.0.map(|part| (f64::from(part) * 0.72) as u8)) }
+    }
+
+    fn luma(self) -> f64 {
+        let [red, green, blue] = self.0.map(f64::from);
+        0.299 * red + 0.587 * green + 0.114 * blue
+    }
+
     /// The one of black and white that is seen on this colour.
     pub fn contrast(self) -> Self {
-        let [red, green, blue] = self.0.map(f64::from);
-        if 0.299 * red + 0.587 * green + 0.114 * blue < 140.0 { Self::WHITE } else { Self::BLACK }
+        if self.luma() < 140.0 { Self::WHITE } else { Self::BLACK }
     }
 }
 
@@ -193,6 +202,14 @@ mod tests {
                     assert_ne!(one.marker, other.marker, "styles {at} and {other_at} in grey");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn lines_are_seen_on_white() {
+        for colour in COLOURS {
+            assert!(colour.ink().luma() < 190.0, "{colour:?}");
+            assert_eq!(colour == colour.ink(), colour != COLOURS[7], "yellow alone is too light");
         }
     }
 

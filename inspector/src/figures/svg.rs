@@ -4,10 +4,11 @@
 //! no slanted or wrapped labels, and whole pixels alone, so only its background would have been left.
 
 use super::canvas::Canvas;
-use super::frame::Frame;
+use super::frame::{Frame, LINE, Room};
 use super::legend::{Legend, entries, reference_labels};
-use super::model::{Content, Figure, Scale};
+use super::model::{Content, Figure, Panel, Scale};
 use super::style::Width;
+use super::tick_labels::Direction;
 use super::{FigureError, marks};
 
 /// Between panels, points.
@@ -17,7 +18,7 @@ const EDGE: f64 = 3.0;
 /// Highest picture, points.
 const TALLEST_PICTURE: f64 = 300.0;
 /// The least that a bar needs to be told from its neighbours, points.
-const NARROWEST_BAR: f64 = 2.2;
+const NARROWEST_BAR: f64 = 2.3;
 
 /// Draws a figure. Ids in the SVG start with `prefix`, so that several can be part of one page.
 ///
@@ -67,6 +68,10 @@ pub(crate) fn layout(figure: &Figure, width: Width) -> Layout<'_> {
 /// Panels beside each other.
 fn columns(figure: &Figure, width: Width) -> usize {
     let panels = figure.panels.len().max(1);
+    if panels.is_multiple_of(2) && figure.panels.iter().all(is_picture) {
+        // A picture and what belongs to it stand beside each other.
+        return 2;
+    }
     let most = match (width, panels) {
         (Width::OneColumn, 1..=3) => 1,
         (Width::OneColumn, _) => 2,
@@ -78,25 +83,46 @@ fn columns(figure: &Figure, width: Width) -> usize {
 }
 
 /// How much room a panel needs for its bars and the words beside them, points.
-fn least_width(panel: &super::model::Panel) -> f64 {
+fn least_width(panel: &Panel) -> f64 {
     let Scale::Categories(names) = &panel.x.scale else { return 110.0 };
     let bars = match &panel.content {
         Content::Bars(series) => names.len() * (series.len() + 1),
         _ => 2 * names.len(),
     };
-    50.0 + bars as f64 * NARROWEST_BAR
+    // No name is left out for want of room.
+    50.0 + (bars as f64 * NARROWEST_BAR).max(names.len() as f64 * LINE)
 }
 
 /// All panels, those above each other lined up.
 fn measure(figure: &Figure, columns: usize, cell: f64) -> Vec<Frame<'_>> {
     let height = (0.62 * cell).clamp(90.0, 180.0);
-    let is_picture = |panel: &super::model::Panel| matches!(panel.content, Content::Picture(_));
-    let height_of = |panel| if is_picture(panel) { (1.3 * cell).min(TALLEST_PICTURE) } else { height };
-    let mut left = vec![0.0f64; columns];
-    for (at, panel) in figure.panels.iter().enumerate() {
-        let frame = Frame::measure(figure, panel, cell, height_of(panel), 0.0);
-        left[at % columns] = left[at % columns].max(frame.left);
+    let room_of = |panel: &Panel| Room {
+        cell_width: cell,
+        height: if is_picture(panel) { (1.3 * cell).min(TALLEST_PICTURE) } else { height },
+        left: 0.0,
+        turn: Direction::Level,
+    };
+    let mut rooms: Vec<Room> = figure.panels.iter().map(room_of).collect();
+    // What one panel needs, those beside or below it get: room on the left, turned labels, low pictures.
+    // Turned labels may need more room on the left, and lower pictures lower colour bars.
+    for _ in 0..2 {
+        let frames = figure.panels.iter().zip(&rooms);
+        let frames: Vec<Frame> = frames.map(|(panel, &room)| Frame::measure(figure, panel, room)).collect();
+        let turn = frames.iter().map(|frame| frame.x_ticks.direction).max().unwrap_or(Direction::Level);
+        for (at, (room, frame)) in rooms.iter_mut().zip(&frames).enumerate() {
+            let above = frames.iter().skip(at % columns).step_by(columns);
+            room.left = above.map(|frame| frame.left).fold(0.0, f64::max);
+            room.turn = turn;
+            if is_picture(frame.panel) {
+                let row = frames.chunks(columns).nth(at / columns).unwrap_or_default();
+                let pictures = row.iter().filter(|frame| is_picture(frame.panel));
+                room.height = pictures.map(|frame| frame.height).fold(room.height, f64::min);
+            }
+        }
     }
-    let lined_up = |(at, panel)| Frame::measure(figure, panel, cell, height_of(panel), left[at % columns]);
-    figure.panels.iter().enumerate().map(lined_up).collect()
+    figure.panels.iter().zip(rooms).map(|(panel, room)| Frame::measure(figure, panel, room)).collect()
+}
+
+fn is_picture(panel: &Panel) -> bool {
+    matches!(panel.content, Content::Picture(_))
 }

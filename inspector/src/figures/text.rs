@@ -46,6 +46,21 @@ pub(crate) fn wrap(text: &str, size: f64, room: f64) -> Vec<String> {
     lines
 }
 
+/// As [`wrap`], with lines as even as their number lets them be: no word stands alone below a full line.
+pub(crate) fn wrap_evenly(text: &str, size: f64, room: f64) -> Vec<String> {
+    let lines = wrap(text, size, room);
+    let (mut narrow, mut wide) = (0.0, room);
+    while lines.len() > 1 && wide - narrow > 0.5 {
+        let middle = 0.5 * (narrow + wide);
+        if wrap(text, size, middle).len() > lines.len() {
+            narrow = middle;
+        } else {
+            wide = middle;
+        }
+    }
+    wrap(text, size, wide)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -79,5 +94,15 @@ mod tests {
         assert_eq!(without_spaces(&lines.concat()), without_spaces(text));
         assert_eq!(wrap("unbreakable", 8.0, 1.0), ["unbreakable"]);
         assert!(wrap("", 8.0, 10.0).is_empty());
+    }
+
+    #[test]
+    fn even_lines_leave_no_word_alone() {
+        let text = "kitchen: closest rays, bounce 1";
+        let room = width("kitchen: closest rays, bounce", 8.0) + 1.0;
+        assert_eq!(wrap(text, 8.0, room), ["kitchen: closest rays, bounce", "1"]);
+        assert_eq!(wrap_evenly(text, 8.0, room), ["kitchen: closest", "rays, bounce 1"]);
+        assert_eq!(wrap_evenly(text, 8.0, 500.0), [text]);
+        assert_eq!(wrap_evenly("unbreakable", 8.0, 1.0), ["unbreakable"]);
     }
 }

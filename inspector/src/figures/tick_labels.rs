@@ -12,8 +12,9 @@ const APART: f64 = 5.0;
 const MOST_LINES: usize = 3;
 
 /// How labels are turned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Direction {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Direction {
+    /// As all other words.
     Level,
     /// Rising at 45 degrees, ending at the tick.
     Slanted,
@@ -24,19 +25,20 @@ enum Direction {
 /// One entry per tick: its lines, or none if it is left out.
 #[derive(Clone, Debug)]
 pub(crate) struct TickLabels {
-    direction: Direction,
+    pub(crate) direction: Direction,
     labels: Vec<Vec<String>>,
 }
 
 impl TickLabels {
-    /// Labels of categories on an axis of this width with `left` points beside it.
-    pub(crate) fn of_categories(names: &[String], width: f64, left: f64) -> Self {
+    /// Labels of categories on an axis of this width with `left` points beside it, turned by `least` or
+    /// more.
+    pub(crate) fn of_categories(names: &[String], width: f64, left: f64, least: Direction) -> Self {
         let slot = width / names.len().max(1) as f64;
         let wrapped: Vec<Vec<String>> =
             names.iter().map(|name| text::wrap(name, TEXT_SIZE, slot - APART)).collect();
         let fits =
             |lines: &Vec<String>| lines.len() <= MOST_LINES && text::widest(lines, TEXT_SIZE) <= slot - APART;
-        if wrapped.iter().all(fits) {
+        if least == Direction::Level && wrapped.iter().all(fits) {
             return Self { direction: Direction::Level, labels: wrapped };
         }
         let whole = |stride: usize| {
@@ -50,7 +52,8 @@ impl TickLabels {
             let tick = left + (at as f64 + 0.5) * slot;
             (text::width(name, TEXT_SIZE) + TEXT_SIZE) * half > tick
         };
-        if slot * half >= LINE && !names.iter().enumerate().any(reaches_out) {
+        let is_wide = slot * half >= LINE;
+        if least <= Direction::Slanted && is_wide && !names.iter().enumerate().any(reaches_out) {
             return Self { direction: Direction::Slanted, labels: whole(1) };
         }
         Self { direction: Direction::Upright, labels: whole((LINE / slot).ceil().max(1.0) as usize) }

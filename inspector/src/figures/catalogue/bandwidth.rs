@@ -2,10 +2,11 @@
 
 use formats::manifest::Stage;
 
-use super::building::{categories, figure, linear, methods, of_method, order, recordings, settings};
+use super::building::{categories, figure, logarithmic, methods, of_method, order, recordings, settings};
 use super::overhead::words;
 use super::{Material, Skipped};
 use crate::analysis::RecordingAnalysis;
+use crate::analysis::summary::Rays;
 use crate::analysis::timing::STAGES;
 use crate::figures::model::{Content, Figure, Panel, Point, Series};
 
@@ -15,7 +16,7 @@ pub fn bandwidth(material: &Material<'_>) -> Result<Figure, Skipped> {
     let parts = Figure {
         name: "bandwidth".to_owned(),
         title: "Achieved bandwidth per stage".to_owned(),
-        caption: "Bytes that a stage must read and write, over its median time, all queues together. A lower bound: the hierarchy that trace reads is not counted; whiskers are the lowest and highest queue. Sort counts a histogram, a read and a write per 8 bits of the key, whether or not a pass was skipped.".to_owned(),
+        caption: "Bytes that a stage must read and write, over its median time, all secondary and shadow rays together; whiskers are the lowest and highest queue. A lower bound: the hierarchy that trace reads is not counted. Sort counts a histogram, a read and a write per 8 bits of the key. It skips passes over digits that all keys share, so that a queue whose keys do is shown faster than memory was; camera rays, whose keys mostly do, are left out.".to_owned(),
         settings: settings(material),
         panels,
     };
@@ -31,7 +32,7 @@ fn panel(material: &Material<'_>, recording: &RecordingAnalysis) -> Panel {
     Panel {
         title: if material.analysis.recordings.len() > 1 { recording.label.clone() } else { String::new() },
         x: categories("stage", STAGES.map(words)),
-        y: linear("bandwidth (GB/s)", true),
+        y: logarithmic("bandwidth (GB/s)", 10),
         content: Content::Bars(methods(material).into_iter().map(series).collect()),
         references: Vec::new(),
     }
@@ -40,7 +41,7 @@ fn panel(material: &Material<'_>, recording: &RecordingAnalysis) -> Panel {
 fn point(recording: &RecordingAnalysis, method: &str, stage: Stage, place: usize) -> Option<Point> {
     let (mut bytes, mut ns, mut n) = (0.0, 0.0, 0);
     let mut each = Vec::new();
-    for queue in recording.measured() {
+    for queue in recording.measured().filter(|queue| Rays::of(queue).is_some()) {
         let Some(order) = order(queue, method) else { continue };
         let Some(found) = order.stages.iter().find(|found| found.stage == stage) else { continue };
         let Some(bytes_per_ray) = found.bytes_per_ray else { continue };

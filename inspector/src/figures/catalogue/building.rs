@@ -19,6 +19,14 @@ pub fn logarithmic(label: &str, base: u32) -> Axis {
     Axis { label: label.to_owned(), scale: Scale::Logarithmic { base } }
 }
 
+/// An axis of numbers that is marked where they were measured.
+pub fn marked(label: &str, numbers: impl IntoIterator<Item = f64>) -> Axis {
+    let mut numbers: Vec<f64> = numbers.into_iter().collect();
+    numbers.sort_by(f64::total_cmp);
+    numbers.dedup();
+    Axis { label: label.to_owned(), scale: Scale::Marked(numbers) }
+}
+
 /// An axis of names.
 pub fn categories(label: &str, names: impl IntoIterator<Item = impl Into<String>>) -> Axis {
     let names = names.into_iter().map(Into::into).collect();
@@ -193,7 +201,7 @@ pub fn bench_settings<'a>(benches: impl IntoIterator<Item = &'a BenchResult>) ->
 pub fn machine(bench: &BenchResult) -> String {
     let mut parts = vec![bench.backend.clone(), bench.adapter.clone()];
     parts.extend((!bench.driver.is_empty()).then(|| bench.driver.clone()));
-    parts.extend((bench.threads > 0).then(|| format!("threads {}", bench.threads)));
+    parts.extend((bench.threads > 0).then(|| format!("{} threads", bench.threads)));
     parts.join(", ")
 }
 

@@ -58,7 +58,7 @@ pub fn against_time(material: &Material<'_>) -> Result<Figure, Skipped> {
 fn coefficients(correlation: &Metric<Correlation>) -> String {
     match correlation {
         Metric::Known(Correlation { pearson, spearman, n }) => {
-            format!("Pearson {pearson:.2}, Spearman {spearman:.2}, n = {n}")
+            format!("Pearson {pearson:.2}, Spearman {spearman:.2}, n = {n}").replace('-', "−")
         }
         Metric::Missing { .. } => "too few orders for a coefficient".to_owned(),
     }
@@ -80,7 +80,7 @@ fn scatter(material: &Material<'_>, points: &[AreaAndTime<'_>], kind: Kind, titl
     };
     Panel {
         title,
-        x: linear("mean capsule area (unit space)", false),
+        x: logarithmic("mean capsule area (unit space)", 10),
         y: linear("trace time per ray (ns)", true),
         content: Content::Scatter(bases.into_iter().map(series).collect()),
         references: Vec::new(),
@@ -90,8 +90,8 @@ fn scatter(material: &Material<'_>, points: &[AreaAndTime<'_>], kind: Kind, titl
 /// Which share of the rays is in capsules of at most some area: bounce 1, or the first that there is.
 pub fn distribution(material: &Material<'_>) -> Result<Figure, Skipped> {
     let mut panels = Vec::new();
-    for recording in recordings(material) {
-        for kind in Kind::ALL {
+    for kind in Kind::ALL {
+        for recording in recordings(material) {
             let of_kind = || recording.measured().filter(|queue| queue.kind == kind);
             let queue = of_kind().find(|queue| queue.bounce == 1).or_else(|| of_kind().next());
             panels.extend(queue.map(|queue| shares(material, recording, queue)));
@@ -124,7 +124,7 @@ fn shares(material: &Material<'_>, recording: &RecordingAnalysis, queue: &QueueA
         Some(shares.map(point).collect())
     };
     let series = |method: &str| of_method(material, method, points(method).unwrap_or_default());
-    let rays = format!("{}, bounce {}", kind_title(queue.kind), queue.bounce);
+    let rays = format!("{}, bounce {}", queue.kind, queue.bounce);
     Panel {
         title: panel_title(material, recording, &rays),
         x: logarithmic("capsule area (unit space)", 10),

@@ -52,8 +52,8 @@ pub fn caches(material: &Material<'_>) -> Result<Figure, Skipped> {
 
 fn panels(material: &Material<'_>, shares: Shares, x: &dyn Fn() -> Axis, y: &str) -> Vec<Panel> {
     let mut panels = Vec::new();
-    for recording in recordings(material) {
-        for rays in Rays::ALL {
+    for rays in Rays::ALL {
+        for recording in recordings(material) {
             let series = |method: &str| of_method(material, method, points(recording, rays, method, shares));
             let series: Vec<Series> = methods(material).into_iter().map(series).collect();
             panels.push(Panel {

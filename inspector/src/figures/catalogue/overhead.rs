@@ -15,8 +15,8 @@ use crate::figures::model::{Content, Figure, Panel, Point, Reference, Series};
 /// Time of each stage per method, stacked.
 pub fn overhead(material: &Material<'_>) -> Result<Figure, Skipped> {
     let mut panels = Vec::new();
-    for recording in recordings(material) {
-        for rays in Rays::ALL {
+    for rays in Rays::ALL {
+        for recording in recordings(material) {
             panels.push(panel(material, recording, rays));
         }
     }

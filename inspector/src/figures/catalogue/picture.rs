@@ -59,7 +59,7 @@ fn beside(material: &Material<'_>, recording: &RecordingAnalysis, cost: &PixelCo
         height,
         rgb: work.iter().map(colour).collect(),
         colour_bar: Some(ColourBar {
-            label: "nodes visited + triangles tested".to_owned(),
+            label: "nodes + triangles".to_owned(),
             range: (0.0, most),
             colours: colours.clone(),
         }),

@@ -13,8 +13,8 @@ use crate::figures::model::{Content, Figure, Panel, Point, Series};
 /// Trace rate per bounce and method.
 pub fn rays_per_second(material: &Material<'_>) -> Result<Figure, Skipped> {
     let mut panels = Vec::new();
-    for recording in recordings(material) {
-        for kind in Kind::ALL {
+    for kind in Kind::ALL {
+        for recording in recordings(material) {
             panels.push(panel(material, recording, kind));
         }
     }

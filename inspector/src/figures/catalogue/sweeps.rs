@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::building::{figure, linear, method_style, rays_title, settings};
+use super::building::{figure, linear, marked, method_style, rays_title, settings};
 use super::{Material, Skipped};
 use crate::analysis::summary::{MeanSpeedup, Rays};
 use crate::analysis::timing::SpeedupLine;
@@ -96,6 +96,8 @@ impl Sweep {
             }
         }
         lines.retain(|_, points| points.len() > 1);
+        let measured: Vec<f64> =
+            lines.values().flat_map(BTreeMap::keys).map(|&varied| f64::from_bits(varied)).collect();
         let several_scenes =
             lines.keys().any(|line| Some(line.1) != lines.keys().next().map(|first| first.1));
         let several_machines =
@@ -125,7 +127,7 @@ impl Sweep {
         });
         Panel {
             title: format!("{}: {axis}", rays_title(rays)),
-            x: linear(self.axis, true),
+            x: marked(self.axis, measured),
             y: linear(&format!("{axis} (×)"), false),
             content: Content::Lines(series.collect()),
             references: vec![Reference { label: "unsorted".to_owned(), y: 1.0, span: None }],

@@ -70,7 +70,7 @@ pub fn errors(material: &Material<'_>) -> Result<Figure, Skipped> {
     figure(parts, reason(material, |queue| queue.estimators.reason()))
 }
 
-/// Each recording and kind; without recordings whose tables are another's, as those of most replays are.
+/// Each kind and recording; without recordings whose tables are another's, as those of most replays are.
 fn each_kind<'a>(material: &Material<'a>) -> impl Iterator<Item = (&'a RecordingAnalysis, Kind)> {
     let recordings = &material.analysis.recordings;
     let tables = |recording: &'a RecordingAnalysis| {
@@ -85,8 +85,10 @@ fn each_kind<'a>(material: &Material<'a>) -> impl Iterator<Item = (&'a Recording
         };
         !recordings[..*at].iter().any(same)
     };
-    let new = recordings.iter().enumerate().filter(is_new);
-    new.flat_map(|(_, recording)| Kind::ALL.map(|kind| (recording, kind)))
+    let new: Vec<_> = recordings.iter().enumerate().filter(is_new).map(|(_, recording)| recording).collect();
+    Kind::ALL
+        .into_iter()
+        .flat_map(move |kind| new.clone().into_iter().map(move |recording| (recording, kind)))
 }
 
 fn of_pass(recording: &RecordingAnalysis, kind: Kind, pass: u32) -> impl Iterator<Item = &QueueAnalysis> {

@@ -13,7 +13,7 @@ use resvg::{tiny_skia, usvg};
 
 use super::model::{Content, Figure, Point};
 use super::style::Width;
-use super::{csv, files, raster, svg};
+use super::{csv, files, marks, raster, svg};
 
 const WIDTHS: [(Width, &str); 2] = [(Width::OneColumn, "one-column"), (Width::TwoColumn, "two-column")];
 
@@ -68,6 +68,54 @@ fn gallery_text_is_inside_the_page_apart_and_large_enough() {
             }
         }
     }
+}
+
+/// Panels of a figure that belong together look alike.
+#[test]
+fn gallery_pictures_are_in_pairs_and_words_at_one_angle() {
+    let mut seen = 0;
+    for (name, figure, width, _) in drawn() {
+        let layout = svg::layout(&figure, width);
+        let turns: Vec<u32> = layout.frames.iter().map(|frame| frame.x_ticks.degrees()).collect();
+        assert!(turns.iter().all(|turn| *turn == turns[0]), "{name}: labels at {turns:?} degrees");
+        if figure.name == "pixel-costs" {
+            assert_eq!(layout.columns, 2, "{name}");
+            for pair in layout.frames.chunks(2) {
+                let ([left, right], aspect) = ([&pair[0], &pair[1]], 36.0 / 64.0);
+                assert_eq!(left.height, right.height, "{name}: a pair is not of one height");
+                for frame in pair {
+                    assert!((frame.height / frame.width - aspect).abs() < 1e-6, "{name}: not as it was");
+                }
+                seen += 1;
+            }
+        }
+    }
+    assert_eq!(seen, 6);
+}
+
+/// On a logarithmic axis every bar stands on its lower end, and none takes the room of one that is missing.
+#[test]
+fn gallery_bars_stand_on_the_axis_and_close_ranks() {
+    let figure = samples::all().into_iter().find(|figure| figure.name == "bandwidths").unwrap();
+    let layout = svg::layout(&figure, Width::TwoColumn);
+    let Content::Bars(all) = &layout.frames[0].panel.content else { panic!("bars") };
+    for frame in &layout.frames {
+        let points = frame.panel.content.series().iter().flat_map(|series| &series.points);
+        let places: Vec<f64> = points.filter_map(|point| frame.y.place(point.y)).collect();
+        assert!(frame.y.base() == frame.y.range.0 && places.iter().all(|place| *place > 0.01), "{places:?}");
+    }
+    let places = |category| -> Vec<f64> {
+        let with_bar = all
+            .iter()
+            .enumerate()
+            .filter(|(_, series)| series.points.iter().any(|point| point.x == category));
+        with_bar.map(|(at, _)| marks::place_in_group(all, at, category)).collect()
+    };
+    assert_eq!(marks::largest_group(all), 9);
+    assert_eq!(places(3.0), [-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0]);
+    assert_eq!(places(0.0), [-3.5, -2.5, -1.5, -0.5, 0.5, 1.5, 2.5, 3.5]);
+    let tex = super::pgfplots::write(&figure, Width::TwoColumn);
+    assert!(tex.contains("log origin y=infty") && tex.contains("\\placerows{0}{3/2."), "{tex}");
 }
 
 #[test]

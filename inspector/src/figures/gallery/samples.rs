@@ -31,6 +31,8 @@ pub(super) fn all() -> Vec<Figure> {
         correlation(),
         tables(),
         photograph(),
+        pixel_costs(),
+        bandwidths(),
         hard("tiny-numbers", Scale::Linear { from_zero: false }, &[1e-9, 2.5e-9, 4e-9]),
         hard("huge-numbers", Scale::Linear { from_zero: true }, &[3.2e12, 7.7e12, 9.9e12]),
         hard("one-point", Scale::Linear { from_zero: false }, &[42.0]),
@@ -193,6 +195,51 @@ fn tables() -> Figure {
         references: Vec::new(),
     };
     figure("tables", vec![panel(1), panel(2), panel(3)])
+}
+
+/// Pictures beside maps with colour bars, all as high as each other.
+fn pixel_costs() -> Figure {
+    let (width, height) = (64, 36);
+    let colour = |at: u32| [(at % width * 4) as u8, (at / width * 7) as u8, 90];
+    let picture =
+        |colour_bar| Picture { width, height, rgb: (0..width * height).map(colour).collect(), colour_bar };
+    let bar = |highest| ColourBar {
+        label: "nodes visited and triangles tested for each pixel".into(),
+        range: (0.0, highest),
+        colours: (0..64).map(colour).collect(),
+    };
+    let panel = |title: String, colour_bar| Panel {
+        title,
+        x: axis("", Scale::Linear { from_zero: true }),
+        y: axis("", Scale::Linear { from_zero: true }),
+        content: Content::Picture(picture(colour_bar)),
+        references: Vec::new(),
+    };
+    let pair = |(at, highest): (usize, f64)| {
+        let (picture, work) = (format!("{}: picture", SCENES[at]), format!("{}: work per pixel", SCENES[at]));
+        [panel(picture, None), panel(work, Some(bar(highest)))]
+    };
+    figure("pixel-costs", [185.0, 2.1e5, 293.0].into_iter().enumerate().flat_map(pair).collect())
+}
+
+/// Bars over three decades; not every series has a bar at every stage, and panels differ in their names.
+fn bandwidths() -> Figure {
+    let stages = ["key", "sort", "gather", "trace", "trace through indices", "accumulate"];
+    let panel = |stages: &[&str]| {
+        let bars = METHODS.iter().enumerate().map(|(at, method)| {
+            let own = (0..stages.len()).filter(|stage| at > 0 || *stage == 3);
+            let rate = |stage: usize| 10f64.powf(2.0 - stage as f64 + 0.5 * noise(at + 9 * stage));
+            series(method, at, own.map(|stage| point(stage as f64, rate(stage), 0.3)).collect())
+        });
+        Panel {
+            title: format!("{} stages", stages.len()),
+            x: axis("stage", names(stages)),
+            y: axis("bandwidth (GB/s)", Scale::Logarithmic { base: 10 }),
+            content: Content::Bars(bars.collect()),
+            references: Vec::new(),
+        }
+    };
+    figure("bandwidths", vec![panel(&stages[..4]), panel(&stages)])
 }
 
 fn photograph() -> Figure {
