@@ -1,6 +1,6 @@
 //! The window: panels in tiles, what is dropped on it, light and dark.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use egui::{Key, Modifiers};
 use egui_tiles::{Tile, TileId, Tiles, Tree, UiResponse};
@@ -24,11 +24,28 @@ pub struct App {
 impl App {
     /// With these recordings, in a window of this format.
     pub fn new(paths: &[PathBuf], format: wgpu::TextureFormat) -> Self {
-        Self {
-            context: Context::open(paths),
+        let mut app = Self {
+            context: Context::default(),
             panels: PANELS.iter().map(|entry| (entry.make)(format)).collect(),
             tree: layout(),
             is_help_open: false,
+        };
+        for path in paths {
+            app.open(path);
+        }
+        app
+    }
+
+    /// Opens one more recording; what goes wrong is shown.
+    pub fn open(&mut self, path: &Path) {
+        let problems = self.context.problems.len();
+        self.context.add(path);
+        if self.context.problems.len() > problems {
+            let is_problems = |tile: &Tile<Pane>| match tile {
+                Tile::Pane(at) => PANELS[*at].name == "problems",
+                Tile::Container(_) => false,
+            };
+            self.tree.make_active(|_, tile| is_problems(tile));
         }
     }
 
@@ -53,7 +70,7 @@ impl App {
                 if ui.button("Open...").clicked() {
                     if let Some(folder) = rfd::FileDialog::new().set_title("Open NAME.raydump").pick_folder()
                     {
-                        self.context.add(&folder);
+                        self.open(&folder);
                     }
                     ui.close();
                 }
@@ -71,7 +88,18 @@ impl App {
                     ui.close();
                 }
             });
-            egui::widgets::global_theme_preference_buttons(ui);
+            ui.menu_button("Theme", |ui| {
+                let mut theme = ui.ctx().options(|options| options.theme_preference);
+                for (choice, name) in [
+                    (egui::ThemePreference::Light, "Light"),
+                    (egui::ThemePreference::Dark, "Dark"),
+                    (egui::ThemePreference::System, "As the system"),
+                ] {
+                    if ui.selectable_value(&mut theme, choice, name).clicked() {
+                        ui.ctx().set_theme(theme);
+                    }
+                }
+            });
             ui.toggle_value(&mut self.is_help_open, "?").on_hover_text("Keys and words");
             if let Some(problem) = self.context.problems.last() {
                 let text = egui::RichText::new(&problem.what).color(Theme::of(ui.ctx()).problem());
@@ -92,7 +120,7 @@ impl App {
     fn take_dropped(&mut self, ui: &egui::Ui) {
         let dropped = ui.input(|input| input.raw.dropped_files.clone());
         for file in dropped {
-            self.context.add(file.path());
+            self.open(file.path());
         }
     }
 
@@ -188,16 +216,16 @@ fn layout() -> Tree<Pane> {
     let tabs = |tiles: &mut Tiles<Pane>, of: &[Option<TileId>]| {
         tiles.insert_tab_tile(of.iter().flatten().copied().collect())
     };
-    let left = [tabs(&mut tiles, &[navigator]), tabs(&mut tiles, &[rays[0], problems])];
-    let left = tiles.insert_vertical_tile(left.to_vec());
-    let middle = [tabs(&mut tiles, &[scene]), tabs(&mut tiles, &[rays[1]])];
-    let middle_shares = middle;
-    let middle = tiles.insert_vertical_tile(middle.to_vec());
+    let left_parts = [tabs(&mut tiles, &[navigator]), tabs(&mut tiles, &[rays[0], problems])];
+    let left = tiles.insert_vertical_tile(left_parts.to_vec());
+    let middle_parts = [tabs(&mut tiles, &[scene]), tabs(&mut tiles, &[rays[1]])];
+    let middle = tiles.insert_vertical_tile(middle_parts.to_vec());
     let right = [tabs(&mut tiles, &pictures), tabs(&mut tiles, &numbers)];
     let right = tiles.insert_vertical_tile(right.to_vec());
     let root = tiles.insert_horizontal_tile(vec![left, middle, right]);
-    share(&mut tiles, root, &[(left, 0.62), (middle, 1.55), (right, 1.1)]);
-    share(&mut tiles, middle, &[(middle_shares[0], 3.0), (middle_shares[1], 1.0)]);
+    share(&mut tiles, root, &[(left, 0.66), (middle, 1.5), (right, 1.1)]);
+    share(&mut tiles, left, &[(left_parts[0], 1.5), (left_parts[1], 1.0)]);
+    share(&mut tiles, middle, &[(middle_parts[0], 3.0), (middle_parts[1], 1.0)]);
     Tree::new(egui::Id::unique("tiles"), root, tiles)
 }
 

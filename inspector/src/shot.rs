@@ -61,6 +61,7 @@ pub(crate) struct SceneChoice {
     pub(crate) colour_by: Option<ColourBy>,
     pub(crate) stand_point: Option<StandPoint>,
     pub(crate) detail: Option<usize>,
+    pub(crate) capsules: Option<usize>,
     pub(crate) mesh: Option<MeshMode>,
     pub(crate) until: Option<f32>,
     pub(crate) part: Option<f32>,
@@ -106,7 +107,8 @@ impl Drawn {
         match self {
             Self::Window(app) => app.show(ui),
             Self::Panel(panel, context) => {
-                egui::CentralPanel::default().show(ui, |ui| panel.show(ui, context));
+                let frame = egui::Frame::central_panel(ui.style()).inner_margin(6.0);
+                egui::CentralPanel::default().frame(frame).show(ui, |ui| panel.show(ui, context));
             }
         }
     }
@@ -126,7 +128,7 @@ fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<(Image, Re
         .with_accessibility_check(false)
         .allow_missing_glyphs()
         .renderer(egui_kittest::wgpu::WgpuTestRenderer::from_render_state(state))
-        .build_ui_state(|ui, drawn: &mut Drawn| drawn.show(ui), drawn);
+        .build_ui_state(show_all_over, drawn);
     let mut times = Vec::new();
     for _ in 0..SETTLING_FRAMES {
         harness.step();
@@ -152,6 +154,14 @@ fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<(Image, Re
         resident_bytes: resident_bytes(),
     };
     Ok((Image { width, height, rgba: image.into_raw() }, report))
+}
+
+/// Draws over all of the picture, as in a window: the harness leaves a margin.
+fn show_all_over(ui: &mut egui::Ui, drawn: &mut Drawn) {
+    let all = ui.ctx().content_rect();
+    let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(all));
+    ui.set_clip_rect(all);
+    drawn.show(&mut ui);
 }
 
 /// A GPU, or why there is none.
@@ -189,15 +199,21 @@ fn scene(view: &str, shot: &Shot, format: wgpu::TextureFormat) -> SceneView {
     let default = Options::default();
     let choice = &shot.scene;
     let capsules = if shot.group.is_some() { CapsuleChoice::Selected } else { CapsuleChoice::Spread };
+    // Capsules are larger than rooms, so they are looked at from outside.
+    let (mesh, stand_point) = match view {
+        "capsules" | "cell" => (MeshMode::Ghost, StandPoint::Overview),
+        _ => (default.mesh, default.stand_point),
+    };
     scene.options = Options {
         curve: view == "curve",
         rays: view == "rays",
         ends: view == "rays",
         capsules: view == "capsules",
         capsule_choice: capsules,
-        mesh: choice.mesh.unwrap_or(default.mesh),
+        mesh: choice.mesh.unwrap_or(mesh),
+        capsule_count: choice.capsules.unwrap_or(default.capsule_count),
         colour_by: choice.colour_by.unwrap_or(default.colour_by),
-        stand_point: choice.stand_point.unwrap_or(default.stand_point),
+        stand_point: choice.stand_point.unwrap_or(stand_point),
         detail: choice.detail.unwrap_or(default.detail),
         until: choice.until.unwrap_or(default.until),
         window: choice.part.unwrap_or(default.window),

@@ -57,6 +57,9 @@ pub(crate) struct ShotArguments {
     /// Most rays in space.
     #[arg(long, value_name = "N")]
     detail: Option<usize>,
+    /// Most capsules in space.
+    #[arg(long, value_name = "N")]
+    capsules: Option<usize>,
     /// How the scene's surfaces are drawn.
     #[arg(long, value_enum)]
     mesh: Option<MeshChoice>,
@@ -127,6 +130,7 @@ impl ShotArguments {
                 CameraChoice::Overview => StandPoint::Overview,
             }),
             detail: self.detail,
+            capsules: self.capsules,
             mesh: self.mesh.map(|mesh| match mesh {
                 MeshChoice::Solid => MeshMode::Solid,
                 MeshChoice::Ghost => MeshMode::Ghost,

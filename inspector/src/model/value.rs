@@ -15,6 +15,8 @@ pub enum ColourBy {
     Group,
     /// Key.
     Key,
+    /// Distance to the origin of the next ray in the order: where the curve jumps.
+    Jump,
     /// Traced length.
     Length,
     /// Mean length of the ray's table cell over its traced length.
@@ -34,12 +36,23 @@ pub enum ColourBy {
 /// Colours that neighbouring groups go through.
 const GROUP_CYCLE: usize = 7;
 
+/// Logarithm of the distance from the ray at a place to the next; NaN for the last.
+fn jump(order: &Order, place: usize) -> f32 {
+    if place + 1 >= order.len() {
+        return f32::NAN;
+    }
+    let [here, next] = [place, place + 1].map(|place| order.queue.segment(order.places.ray(place)).origin);
+    let squared = [0, 1, 2].map(|axis| (next[axis] - here[axis]).powi(2)).iter().sum::<f64>();
+    squared.sqrt().max(1e-6).log10() as f32
+}
+
 impl ColourBy {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Place,
         Self::Group,
         Self::Key,
+        Self::Jump,
         Self::Length,
         Self::EstimateRatio,
         Self::Work,
@@ -55,6 +68,7 @@ impl ColourBy {
             Self::Place => "place",
             Self::Group => "group",
             Self::Key => "key",
+            Self::Jump => "jump",
             Self::Length => "length",
             Self::EstimateRatio => "estimate",
             Self::Work => "work",
@@ -71,6 +85,7 @@ impl ColourBy {
             Self::Place => "place in the order",
             Self::Group => "group (colours repeat)",
             Self::Key => "key, part of the largest",
+            Self::Jump => "distance to the next ray's origin, log10 of unit lengths",
             Self::Length => "traced length, unit lengths",
             Self::EstimateRatio => "estimated over actual length, log2",
             Self::Work => "nodes visited + triangles tested",
@@ -97,6 +112,7 @@ impl ColourBy {
             Self::Key => order.keys.as_ref().map_or(f32::NAN, |(keys, layout)| {
                 (keys.at(ray) as f64 / 2f64.powi(layout.key_bits as i32)) as f32
             }),
+            Self::Jump => jump(order, place),
             Self::Length => queue.lengths[ray],
             Self::EstimateRatio => queue.table.as_ref().map_or(f32::NAN, |table| {
                 (table.mean(&queue.traced.rays()[ray]) / queue.lengths[ray].max(f32::MIN_POSITIVE)).log2()

@@ -1,14 +1,17 @@
 //! How coherent each order's groups are: the areas of their capsules.
 
-use egui_plot::{Legend, Line, Plot, PlotPoints};
+use egui_plot::{Line, Plot, PlotPoints};
 
-use super::missing;
+use super::{legend, missing};
 use crate::analysis::Metric;
 use crate::analysis::coherence::Coherence;
 use crate::model::Context;
 use crate::model::coherences::OrderCoherence;
 use crate::panels::Panel;
 use crate::theme::Theme;
+
+/// Height of a row of the table below, points.
+const ROW: f32 = 23.0;
 
 /// The panel.
 #[derive(Default)]
@@ -42,7 +45,7 @@ impl Panel for CoherencePanel {
             }
         });
         let rows = total as f32 + 1.0;
-        let table_height = (rows * 20.0).min(0.45 * ui.available_height());
+        let table_height = (rows * ROW).min(0.45 * ui.available_height());
         distribution(ui, orders, &context.selection.method, ui.available_height() - table_height - 12.0);
         means(ui, orders);
     }
@@ -63,7 +66,6 @@ fn distribution(ui: &mut egui::Ui, orders: &[OrderCoherence], chosen: &str, heig
     let lines: Vec<Line<'_>> = orders.iter().enumerate().filter_map(line).collect();
     Plot::new("areas")
         .height(height.max(80.0))
-        .legend(Legend::default().position(egui_plot::Corner::LeftTop))
         .allow_scroll(false)
         .include_y(0.0)
         .include_y(100.0)
@@ -88,6 +90,7 @@ fn power_of_ten(exponent: f64) -> String {
 }
 
 fn means(ui: &mut egui::Ui, orders: &[OrderCoherence]) {
+    let theme = Theme::of(ui.ctx());
     let unsorted = orders.first().and_then(|order| order.coherence.known());
     let unsorted = unsorted.map(|coherence| coherence.mean_capsule_area);
     egui::ScrollArea::both().auto_shrink([false, true]).show(ui, |ui| {
@@ -102,8 +105,8 @@ fn means(ui: &mut egui::Ui, orders: &[OrderCoherence]) {
                 ui.strong(name).on_hover_text(about);
             }
             ui.end_row();
-            for order in orders {
-                ui.label(&order.method);
+            for (number, order) in orders.iter().enumerate() {
+                legend(ui, theme.series(number), &order.method);
                 row(ui, order, unsorted);
                 ui.end_row();
             }

@@ -88,6 +88,16 @@ pub const PANELS: &[Entry] = &[
     },
 ];
 
+/// A name with the colour of its series before it.
+fn legend(ui: &mut egui::Ui, colour: egui::Color32, name: &str) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 5.0;
+        let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
+        ui.painter().rect_filled(rect, 2.0, colour);
+        ui.label(name);
+    });
+}
+
 /// Says why something cannot be shown, where it would have been.
 fn missing(ui: &mut egui::Ui, reason: &str) {
     ui.add_space(8.0);

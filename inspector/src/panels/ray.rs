@@ -94,24 +94,24 @@ fn geometry(ui: &mut egui::Ui, order: &Order, index: usize) {
     let place = order.place_of_ray()[index];
     let result = match queue.traced.results() {
         Results::Hits(hits) if hits[index].is_hit() => {
-            format!("triangle {} at t = {:.4}", hits[index].triangle, hits[index].t)
+            format!("triangle {}", hits[index].triangle)
         }
-        Results::Hits(_) => "nothing: it left the scene".to_owned(),
+        Results::Hits(_) => "no triangle".to_owned(),
         Results::Distances(distances) if distances[index].is_finite() => {
-            format!("occluded at t = {:.4}", distances[index])
+            format!("occluder at {:.4}", distances[index])
         }
-        Results::Distances(_) => "nothing: the light is seen".to_owned(),
+        Results::Distances(_) => "its light".to_owned(),
     };
     let mut rows = vec![
         ("ray", format!("{} of {}", count(index as u64), count(order.len() as u64))),
-        ("place", format!("{} by {}", count(u64::from(place)), order.method)),
+        ("place", count(u64::from(place))),
         ("origin", vector(ray.origin)),
         ("direction", vector(ray.direction)),
-        ("length", format!("{:.5} unit lengths", queue.lengths[index])),
+        ("length", format!("{:.5} of the scene", queue.lengths[index])),
         ("found", result),
     ];
     if let Ok(table) = &queue.table {
-        rows.push(("estimated", format!("{:.5}, the mean of its table cell", table.mean(ray))));
+        rows.push(("table says", format!("{:.5}", table.mean(ray))));
     }
     if let Ok(work) = &queue.work {
         let work = work[index];
@@ -164,13 +164,11 @@ fn group(ui: &mut egui::Ui, context: &Context, order: &Order, ray: usize) {
         "group",
         &[
             ("group", format!("{} of {}", count(at as u64), count(groups.groups.len() as u64))),
-            ("capsule area", format!("{:.5}, {of_mean:.2} of the mean", group.area)),
+            ("capsule area", format!("{:.5}", group.area)),
+            ("of the mean", format!("{of_mean:.2}")),
             ("radii", format!("{:.4} and {:.4}", group.capsule.origin_radius, group.capsule.end_radius)),
             ("spread", format!("{:.4}", group.spread)),
-            (
-                "lanes",
-                group.lanes.map_or("not known: no work was kept".to_owned(), |lanes| format!("{lanes:.3}")),
-            ),
+            ("lanes", group.lanes.map_or("not known".to_owned(), |lanes| format!("{lanes:.3}"))),
         ],
     );
 }

@@ -110,6 +110,7 @@ fn table(
     let width = context.recording().map_or(1, |open| open.dump.manifest().header.options.width);
     let mut clicked = None;
     egui::ScrollArea::horizontal().show(ui, |ui| {
+        ui.spacing_mut().item_spacing.x = 14.0;
         TableBuilder::new(ui)
             .striped(true)
             .vscroll(false)

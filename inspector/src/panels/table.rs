@@ -11,6 +11,7 @@ use crate::output::count;
 use crate::panels::Panel;
 use crate::render::cell_box::{cell_of_pixel, pixel_of_cell};
 use crate::render::colour_map::ColourMap;
+use crate::render::range::ValueRange;
 use crate::theme::Theme;
 
 /// What cells are coloured by.
@@ -41,7 +42,7 @@ impl Colouring {
 #[derive(Default)]
 pub(super) struct TablePanel {
     colouring: Colouring,
-    picture: Picture<(usize, QueueId, Colouring, bool)>,
+    picture: Picture<(usize, QueueId, Colouring, bool, Blocks)>,
 }
 
 impl Panel for TablePanel {
@@ -70,22 +71,20 @@ impl Panel for TablePanel {
             let fill = 100.0 * touched as f64 / all as f64;
             ui.weak(format!("{} of {} cells touched ({fill:.1} %)", count(touched), count(all)));
         });
-        let size = [1usize << bits.div_ceil(2), 1 << (bits / 2)];
-        let (selection, theme) = (&context.selection, Theme::of(ui.ctx()));
-        let key = (selection.recording, selection.queue, self.colouring, ui.visuals().dark_mode);
         let line = ui.text_style_height(&egui::TextStyle::Small) + 8.0;
-        let shown = ui
-            .allocate_ui(ui.available_size() - egui::vec2(0.0, line), |ui| {
-                self.picture.show(ui, ("table", key), size, || pixels(cells, size, self.colouring, theme))
-            })
-            .inner;
-        let under_pointer = shown.pixel.map(|[column, row]| cell_of_pixel(column, row));
+        let room = ui.available_size() - egui::vec2(0.0, line);
+        let blocks = Blocks::fitting(bits, room.min_elem() * ui.ctx().pixels_per_point());
+        let (selection, theme) = (&context.selection, Theme::of(ui.ctx()));
+        let key = (selection.recording, selection.queue, self.colouring, ui.visuals().dark_mode, blocks);
+        let make = || pixels(cells, blocks, self.colouring, theme);
+        let shown =
+            ui.allocate_ui(room, |ui| self.picture.show(ui, ("table", key), blocks.size(), make)).inner;
+        let under_pointer = shown.pixel.map(|pixel| blocks.first_touched(cells, pixel));
         if shown.response.clicked() {
             select(context, &queue, under_pointer);
         }
         if let Some(cell) = context.selection.cell {
-            let (column, row) = pixel_of_cell(cell);
-            let mark = shown.rect_of([column, row]).expand(3.0);
+            let mark = shown.rect_of(blocks.pixel(cell)).expand(3.0);
             let stroke = egui::Stroke::new(1.5, theme.selected_mark());
             ui.painter().rect_stroke(mark, 0.0, stroke, egui::StrokeKind::Outside);
         }
@@ -95,26 +94,75 @@ impl Panel for TablePanel {
     }
 }
 
-fn pixels(cells: &[LengthCell], size: [usize; 2], colouring: Colouring, theme: Theme) -> Vec<Color32> {
-    let mean = |cell: &LengthCell| mean_length(cell.sum, cell.count);
-    let rays = |cell: &LengthCell| ((cell.count - 1) as f32).log2();
-    let largest = |of: fn(&LengthCell) -> f32| cells.iter().map(of).fold(f32::MIN_POSITIVE, f32::max);
-    let (longest, most) = (largest(mean), largest(rays).max(1.0));
-    let mut pixels = vec![theme.nothing(); size[0] * size[1]];
+/// Cells as pixels: blocks of cells with consecutive addresses, where the picture has fewer pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Blocks {
+    /// Address bits of the table.
+    bits: u32,
+    /// Cells across a block, as a power of two.
+    log2_side: u32,
+}
+
+impl Blocks {
+    /// With pixels that are seen in a square of so many pixels.
+    fn fitting(bits: u32, pixels: f32) -> Self {
+        let log2_cells = bits.div_ceil(2);
+        let log2_pixels = pixels.max(1.0).log2().floor() as u32;
+        Self { bits, log2_side: log2_cells.saturating_sub(log2_pixels).min(bits / 2) }
+    }
+
+    fn size(self) -> [usize; 2] {
+        [self.bits.div_ceil(2), self.bits / 2].map(|log2| 1 << (log2 - self.log2_side))
+    }
+
+    fn pixel(self, cell: u32) -> [u32; 2] {
+        let (column, row) = pixel_of_cell(cell);
+        [column >> self.log2_side, row >> self.log2_side]
+    }
+
+    /// The first touched cell of a pixel, or else the first one.
+    fn first_touched(self, cells: &[LengthCell], [column, row]: [u32; 2]) -> u32 {
+        let first = cell_of_pixel(column << self.log2_side, row << self.log2_side);
+        let end = first + (1 << (2 * self.log2_side));
+        let at = cells.partition_point(|cell| cell.cell < first);
+        cells.get(at).map(|cell| cell.cell).filter(|&cell| cell < end).unwrap_or(first)
+    }
+}
+
+/// Percent of the cells whose means are told apart; longer ones share the last colour.
+const LONGEST_PERCENTILE: f32 = 98.0;
+
+fn pixels(cells: &[LengthCell], blocks: Blocks, colouring: Colouring, theme: Theme) -> Vec<Color32> {
     // A damaged cell may count no ray at all.
-    for cell in cells.iter().filter(|cell| cell.count >= 2) {
-        let value = match colouring {
-            Colouring::Fill => 0.75,
-            Colouring::Count => 0.1 + 0.9 * rays(cell) / most,
-            Colouring::Mean => mean(cell) / longest,
-        };
-        let [red, green, blue] = ColourMap::Viridis.colour(value);
-        let (column, row) = pixel_of_cell(cell.cell);
-        if let Some(pixel) = pixels.get_mut(row as usize * size[0] + column as usize) {
-            *pixel = Color32::from_rgb(red, green, blue);
+    let cells = || cells.iter().filter(|cell| cell.count >= 2);
+    let value = |cell: &LengthCell| match colouring {
+        Colouring::Fill => 1.0,
+        Colouring::Count => ((cell.count - 1) as f32).log2(),
+        Colouring::Mean => mean_length(cell.sum, cell.count),
+    };
+    let values: Vec<f32> = cells().map(value).collect();
+    let largest = ValueRange::of_percentiles(&values, 0.0, LONGEST_PERCENTILE).high.max(f32::MIN_POSITIVE);
+    let [width, height] = blocks.size();
+    let mut sums = vec![(0.0f32, 0u32); width * height];
+    for (cell, value) in cells().zip(values) {
+        let [column, row] = blocks.pixel(cell.cell);
+        if let Some((sum, touched)) = sums.get_mut(row as usize * width + column as usize) {
+            *sum += value;
+            *touched += 1;
         }
     }
-    pixels
+    let all = (1u32 << (2 * blocks.log2_side)) as f32;
+    let colour = |(sum, touched): (f32, u32)| {
+        let part = match (touched, colouring) {
+            (0, _) => return theme.nothing(),
+            (touched, Colouring::Fill) => touched as f32 / all,
+            (touched, _) => sum / touched as f32 / largest,
+        };
+        // The first colours of the map are hard to tell from an untouched cell.
+        let [red, green, blue] = ColourMap::Viridis.colour(0.2 + 0.8 * part);
+        Color32::from_rgb(red, green, blue)
+    };
+    sums.into_iter().map(colour).collect()
 }
 
 /// Selects a cell, and the first ray that finds its length there.
@@ -136,5 +184,25 @@ fn described(cells: &[LengthCell], cell: u32) -> String {
             format!("cell {cell:05x}: {} rays, mean length {mean:.4}", count(u64::from(with_dummy) - 1))
         }
         _ => format!("cell {cell:05x}: no ray yet, so a length of 0.25 is assumed"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_are_consecutive_cells() {
+        for bits in [8, 9, 20, 21] {
+            let blocks = Blocks::fitting(bits, 100.0);
+            let [width, height] = blocks.size();
+            assert!(width <= 100 && width * height << (2 * blocks.log2_side) == 1 << bits, "{bits} bits");
+            for cell in (0..1u32 << bits).step_by(97) {
+                let first = blocks.first_touched(&[], blocks.pixel(cell));
+                assert_eq!(first >> (2 * blocks.log2_side), cell >> (2 * blocks.log2_side));
+                let touched = [LengthCell { cell, count: 2, sum: 1 }];
+                assert_eq!(blocks.first_touched(&touched, blocks.pixel(cell)), cell);
+            }
+        }
     }
 }

@@ -1,10 +1,10 @@
 //! The stages of each method against tracing unsorted rays: what lies left of the line pays off.
 
-use egui_plot::{Bar, BarChart, Legend, Plot, VLine};
+use egui_plot::{Bar, BarChart, Plot, VLine};
 use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 
-use super::missing;
+use super::{legend, missing};
 use crate::analysis::timing::{SpeedupLine, Verdict};
 use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis};
 use crate::model::Context;
@@ -12,6 +12,9 @@ use crate::panels::Panel;
 use crate::theme::Theme;
 
 pub(super) struct TimingsPanel;
+
+/// Height of a row of the table below, points.
+const ROW: f32 = 23.0;
 
 /// The stages of a bar, from left to right.
 const STACK: [Stage; 6] =
@@ -35,7 +38,7 @@ impl Panel for TimingsPanel {
             return missing(ui, "no method was measured on these rays; the last pass is the measured one");
         };
         let rows = queue.orders.len() as f32 + 1.0;
-        let table_height = (rows * 20.0).min(0.45 * ui.available_height());
+        let table_height = (rows * ROW).min(0.45 * ui.available_height());
         plot(ui, queue, ui.available_height() - table_height - 12.0);
         speedups(ui, queue);
     }
@@ -69,17 +72,27 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
         if stacks.iter().all(|stack| stack[at] == 0.0) {
             continue;
         }
-        let bars = stacks.iter().enumerate().map(|(row, stack)| Bar::new(row as f64, stack[at]).width(0.7));
-        let chart = BarChart::new(stage.name().replace('_', " "), bars.collect())
-            .color(theme.series(at + 1))
-            .horizontal();
+        let colour = theme.series(at + 1);
+        let bars = stacks
+            .iter()
+            .enumerate()
+            .map(|(row, stack)| Bar::new(row as f64, stack[at]).width(0.7).fill(colour));
+        let chart = BarChart::new(stage.name().replace('_', " "), bars.collect()).color(colour).horizontal();
         charts.push(chart.stack_on(&charts.iter().collect::<Vec<_>>()));
     }
     let names: Vec<String> = orders.iter().map(|order| order.method.clone()).collect();
     let break_even = stack_of(queue, UNSORTED).map(|stack| stack.iter().sum::<f64>());
+    let drawn: Vec<usize> =
+        (0..STACK.len()).filter(|&at| stacks.iter().any(|stack| stack[at] > 0.0)).collect();
+    let line = ui.horizontal_wrapped(|ui| {
+        for at in drawn {
+            legend(ui, theme.series(at + 1), &STACK[at].name().replace('_', " "));
+        }
+        ui.label("- - -  break-even: the trace of unsorted rays");
+    });
+    let height = height - line.response.rect.height() - ui.spacing().item_spacing.y;
     Plot::new("timings")
         .height(height.max(80.0))
-        .legend(Legend::default().position(egui_plot::Corner::RightTop))
         .allow_scroll(false)
         .allow_zoom(false)
         .allow_drag(false)

@@ -27,13 +27,34 @@ impl Detail {
         self.all
     }
 
+    /// The place in the middle of a part.
+    fn place(self, part: usize) -> usize {
+        // In 128 bits, so that no number of rays overflows.
+        let middle = (2 * part as u128 + 1) * self.all as u128 / (2 * self.shown.max(1) as u128);
+        self.first + middle as usize
+    }
+
     /// The places shown.
     pub fn places(self) -> impl ExactSizeIterator<Item = usize> {
-        // In 128 bits, so that no number of rays overflows.
-        let middle = move |part: usize| {
-            ((2 * part as u128 + 1) * self.all as u128 / (2 * self.shown.max(1) as u128)) as usize
-        };
-        (0..self.shown).map(move |part| self.first + middle(part))
+        (0..self.shown).map(move |part| self.place(part))
+    }
+
+    /// Which of the places shown lie in a range, counted from the first one shown.
+    pub fn between(self, places: &Range<usize>) -> Range<usize> {
+        self.parts_before(places.start)..self.parts_before(places.end)
+    }
+
+    fn parts_before(self, place: usize) -> usize {
+        let (mut low, mut high) = (0, self.shown);
+        while low < high {
+            let middle = usize::midpoint(low, high);
+            if self.place(middle) < place {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        low
     }
 }
 
@@ -48,6 +69,14 @@ mod tests {
         assert_eq!((detail.shown(), detail.all()), (5, 5));
         assert_eq!(Detail::of(&(4..4), 10).places().len(), 0);
         assert_eq!(Detail::of(&(0..9), 0).places().len(), 0);
+    }
+
+    #[test]
+    fn scrubbing_leaves_the_places_between() {
+        let detail = Detail::of(&(0..1000), 10);
+        assert_eq!(detail.between(&(0..1000)), 0..10);
+        assert_eq!(detail.between(&(100..300)), 1..3);
+        assert_eq!(detail.between(&(51..60)), 1..1);
     }
 
     #[test]

@@ -1,6 +1,5 @@
 //! The vertices of what is drawn, unit space. They are uploaded once, and drawn until they change.
 
-use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -197,12 +196,6 @@ pub fn capsule_template() -> (Vec<[f32; 4]>, Vec<u32>) {
     ((0..2 * RINGS).flat_map(ring).collect(), indices.collect())
 }
 
-/// Where a range of values begins and ends among the places shown: what the scrub slider leaves.
-pub fn shown_between(detail: Detail, places: &Range<usize>) -> Range<usize> {
-    let shown: Vec<usize> = detail.places().collect();
-    shown.partition_point(|&place| place < places.start)..shown.partition_point(|&place| place < places.end)
-}
-
 #[cfg(test)]
 mod tests {
     use std::f64::consts::FRAC_PI_2;
@@ -258,14 +251,6 @@ mod tests {
         let mut lengths: Vec<f32> = edges.iter().map(length).collect();
         lengths.sort_by(f32::total_cmp);
         assert_eq!(lengths, [1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 4.0, 4.0, 4.0, 4.0]);
-    }
-
-    #[test]
-    fn scrubbing_leaves_the_places_between() {
-        let detail = Detail::of(&(0..1000), 10);
-        assert_eq!(shown_between(detail, &(0..1000)), 0..10);
-        assert_eq!(shown_between(detail, &(100..300)), 1..3);
-        assert_eq!(shown_between(detail, &(51..60)), 1..1);
     }
 
     #[test]

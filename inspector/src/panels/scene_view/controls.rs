@@ -2,6 +2,7 @@
 
 use egui::{Align2, Color32, ComboBox, FontId, Rect, Slider, Ui, pos2, vec2};
 
+use super::layers::AREAS;
 use super::options::{CapsuleChoice, MeshMode, StandPoint};
 use super::{SceneView, stand};
 use crate::model::Context;
@@ -119,6 +120,7 @@ fn details(ui: &mut Ui, view: &mut SceneView) {
         }
     });
     ui.add(Slider::new(&mut options.capsule_count, 1..=2000).logarithmic(true).text("capsules at most"));
+    ui.add(Slider::new(&mut options.capsule_opacity, 0.02..=1.0).text("opacity of capsules"));
     ui.separator();
     ui.label("Colours from and to these percentiles");
     ui.add(Slider::new(&mut options.percentiles.0, 0.0..=50.0).text("lowest"));
@@ -171,15 +173,31 @@ pub(super) fn below(ui: &mut Ui, view: &mut SceneView) {
         options.until = options.until.min(1.0);
         ui.ctx().request_repaint();
     }
-    if let Some(range) = view.layers.range() {
-        colour_bar(ui, view.options.map, range, view.options.colour_by, view.layers.values());
-    }
+    colour_bars(ui, view);
 }
 
-fn colour_bar(ui: &mut Ui, map: ColourMap, range: ValueRange, by: ColourBy, values: &[f32]) {
+/// A bar for rays, for capsules, or for both beside each other.
+fn colour_bars(ui: &mut Ui, view: &SceneView) {
+    let options = &view.options;
+    let by = options.colour_by;
+    let values = if by == ColourBy::Place { &[] } else { view.layers.values() };
+    let rays = view.layers.range().filter(|_| options.shows_rays()).map(|range| (range, by.title(), values));
+    let capsules = options.capsules.then_some((AREAS, "capsule area, log10", &[][..]));
+    let bars: Vec<_> = rays.into_iter().chain(capsules).collect();
+    let gap = 16.0;
+    let width = (ui.available_width() - gap * bars.len().saturating_sub(1) as f32) / bars.len().max(1) as f32;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = gap;
+        for (range, title, values) in bars {
+            colour_bar(ui, options.map, width, (range, title), values);
+        }
+    });
+}
+
+fn colour_bar(ui: &mut Ui, map: ColourMap, width: f32, (range, title): (ValueRange, &str), values: &[f32]) {
     let text_height = ui.text_style_height(&egui::TextStyle::Body);
     let height = BINS_HEIGHT + BAR + text_height + 2.0;
-    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), egui::Sense::hover());
+    let (rect, _) = ui.allocate_exact_size(vec2(width, height), egui::Sense::hover());
     let painter = ui.painter();
     let counts = histogram(values, range, BINS);
     let most = counts.iter().copied().max().unwrap_or(0).max(1) as f32;
@@ -205,7 +223,7 @@ fn colour_bar(ui: &mut Ui, map: ColourMap, range: ValueRange, by: ColourBy, valu
     let colour = ui.visuals().text_color();
     for (x, align, text) in [
         (rect.left(), Align2::LEFT_TOP, number(range.low)),
-        (rect.center().x, Align2::CENTER_TOP, by.title().to_owned()),
+        (rect.center().x, Align2::CENTER_TOP, title.to_owned()),
         (rect.right(), Align2::RIGHT_TOP, number(range.high)),
     ] {
         painter.text(pos2(x, line), align, text, font.clone(), colour);

@@ -12,7 +12,7 @@ use crate::render::cell_box::cell_box;
 use crate::render::detail::Detail;
 use crate::render::frame::{Layer, Paint, Stage};
 use crate::render::geometry::{
-    CapsuleInstance, Geometry, RayEnd, Shape, Vertex, box_edges, curve, ends, rays, shown_between,
+    CapsuleInstance, Geometry, RayEnd, Shape, Vertex, box_edges, curve, ends, rays,
 };
 use crate::render::range::ValueRange;
 use crate::theme::{ShaderColour, Theme};
@@ -24,6 +24,7 @@ const SELECTED_WIDTH: f32 = 3.0;
 #[derive(Clone, Debug, PartialEq)]
 struct Key {
     order: (usize, QueueId, String, GroupWidth),
+    places: Range<usize>,
     detail: usize,
     curve: Option<RayEnd>,
     rays: bool,
@@ -45,9 +46,20 @@ struct Made {
     curve: Option<Geometry>,
     rays: Option<Geometry>,
     ends: Option<Geometry>,
-    capsules: Option<(Geometry, ValueRange)>,
+    capsules: Option<Capsules>,
     values: Vec<f32>,
 }
+
+/// Capsules, and how many there are.
+struct Capsules {
+    geometry: Geometry,
+    shown: usize,
+    all: usize,
+}
+
+/// Logarithms of areas that colours of capsules stand for, the same in all orders: a capsule around the
+/// whole scene has an area of a few units.
+pub(super) const AREAS: ValueRange = ValueRange { low: -3.0, high: 1.0 };
 
 /// The vertices of what is selected: its lines, its capsule, the box of its cell.
 struct Selected {
@@ -64,12 +76,19 @@ pub struct Layers {
     problem: Option<String>,
     range: Option<ValueRange>,
     shown: usize,
+    all: usize,
 }
 
 impl Layers {
     /// Rays in the last picture, and all rays of the queue.
     pub fn counts(&self) -> Option<(usize, usize)> {
-        self.made.as_ref().map(|(_, made)| (self.shown, made.detail.all()))
+        self.made.as_ref().map(|_| (self.shown, self.all))
+    }
+
+    /// Capsules in the last picture, and all groups of the order; none if it shows no capsules.
+    pub(super) fn capsule_counts(&self) -> Option<(usize, usize)> {
+        let (_, made) = self.made.as_ref()?;
+        made.capsules.as_ref().map(|capsules| (capsules.shown, capsules.all))
     }
 
     /// Why the last picture lacks something, if it does.
@@ -106,6 +125,7 @@ impl Layers {
             (selection.recording, selection.queue, selection.method.clone(), selection.group_width);
         let key = Key {
             order: of_order.clone(),
+            places: drawn_from(options, order.len()),
             detail: options.detail,
             curve: options.curve.then_some(options.curve_end),
             rays: options.rays,
@@ -137,20 +157,22 @@ impl Layers {
             _ => ValueRange::of_percentiles(&made.values, options.percentiles.0, options.percentiles.1),
         };
         self.range = Some(range);
-        let part = scrubbed(options, made.detail);
+        let part = made.detail.between(&scrubbed(options, order.len()));
         self.shown = part.len();
+        self.all = order.len();
+        let part = part.start as u32..part.end as u32;
         let drawing = Drawing { options, part, paint: Paint::Values(options.map, range) };
         let mut layers = Vec::new();
         // A line of the curve goes to the next point, so the last point has none.
         layers.extend(made.curve.as_ref().map(|curve| drawing.lines(curve, 1, 0.9)));
         layers.extend(made.rays.as_ref().map(|rays| drawing.lines(rays, 0, 0.7)));
         layers.extend(made.ends.as_ref().map(|ends| Layer { width: 4.0, ..drawing.lines(ends, 0, 1.0) }));
-        layers.extend(made.capsules.as_ref().map(|(capsules, areas)| Layer {
-            geometry: capsules.clone(),
+        layers.extend(made.capsules.as_ref().map(|capsules| Layer {
+            geometry: capsules.geometry.clone(),
             part: None,
             stage: Stage::Capsules,
-            paint: Paint::Values(options.map, *areas),
-            opacity: 0.3,
+            paint: Paint::Values(options.map, AREAS),
+            opacity: options.capsule_opacity,
             hidden_opacity: 0.0,
             width: 0.0,
         }));
@@ -159,13 +181,17 @@ impl Layers {
     }
 }
 
-/// Which of the rays shown the scrub slider leaves.
-fn scrubbed(options: &Options, detail: Detail) -> Range<u32> {
-    let all = detail.all() as f64;
-    let until = (f64::from(options.until) * all).round();
-    let from = (until - f64::from(options.window) * all).max(0.0).round();
-    let part = shown_between(detail, &(from as usize..until as usize));
-    part.start as u32..part.end as u32
+/// The places that the scrub slider leaves.
+fn scrubbed(options: &Options, rays: usize) -> Range<usize> {
+    let until = (f64::from(options.until) * rays as f64).round();
+    let from = (until - f64::from(options.window) * rays as f64).max(0.0).round();
+    from as usize..until as usize
+}
+
+/// The places that detail is spread over: all of them while the slider leaves everything before it, so
+/// that nothing is made anew while it moves; else those that it leaves, which then show more detail.
+fn drawn_from(options: &Options, rays: usize) -> Range<usize> {
+    if options.window >= 1.0 { 0..rays } else { scrubbed(options, rays) }
 }
 
 /// What layers of lines have in common.
@@ -193,7 +219,7 @@ impl Drawing<'_> {
 impl Made {
     fn of(order: &Order, key: &Key) -> Self {
         let width = key.order.3;
-        let detail = Detail::of(&(0..order.len()), key.detail);
+        let detail = Detail::of(&key.places, key.detail);
         let value = |place: usize| key.colour_by.value(order, width, place);
         Self {
             detail,
@@ -213,7 +239,7 @@ fn capsules(
     choice: CapsuleChoice,
     most: usize,
     group: Option<usize>,
-) -> (Geometry, ValueRange) {
+) -> Capsules {
     let groups = order.groups(width);
     let chosen: Vec<usize> = match choice {
         CapsuleChoice::Selected => group.into_iter().collect(),
@@ -222,9 +248,10 @@ fn capsules(
     };
     let value = |area: f64| area.max(1e-12).log10() as f32;
     let found = chosen.into_iter().filter_map(|at| groups.groups.get(at));
-    let capsules = found.map(|group| CapsuleInstance::of(&group.capsule, value(group.area))).collect();
-    // The same colours for all orders: a capsule around the whole scene has an area of a few units.
-    (Shape::Capsules(capsules).into(), ValueRange { low: -3.0, high: 1.0 })
+    let capsules: Vec<_> =
+        found.map(|group| CapsuleInstance::of(&group.capsule, value(group.area))).collect();
+    let shown = capsules.len();
+    Capsules { geometry: Shape::Capsules(capsules).into(), shown, all: groups.groups.len() }
 }
 
 impl Selected {
@@ -258,7 +285,7 @@ impl Selected {
             hidden_opacity: 0.0,
             width,
         };
-        let capsule = self.capsule.as_ref().map(|capsule| layer(capsule, Stage::Capsules, 0.35, 0.0));
+        let capsule = self.capsule.as_ref().map(|capsule| layer(capsule, Stage::Capsules, 0.16, 0.0));
         let group = layer(&self.group, Stage::OnTop, 0.5, 1.0);
         let lines = layer(&self.lines, Stage::OnTop, 1.0, SELECTED_WIDTH);
         capsule.into_iter().chain([group, lines]).collect()

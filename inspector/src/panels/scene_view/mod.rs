@@ -147,10 +147,7 @@ impl Panel for SceneView {
             let callback = FrameCallback { view: self.view, format: self.format, frame: Arc::new(frame) };
             ui.painter().add(callback.shape(rect));
         }
-        let shown = self.layers.counts();
-        let text = shown.map_or(String::new(), |(shown, all)| {
-            format!("showing {} of {} rays", count(shown as u64), count(all as u64))
-        });
+        let text = self.showing();
         let problem = self.layers.problem().or(self.mesh_problem()).map(str::to_owned);
         controls::overlay(ui, rect, &text, problem.as_deref());
         controls::below(ui, self);
@@ -162,6 +159,22 @@ impl Panel for SceneView {
 }
 
 impl SceneView {
+    /// What is shown of what there is, in words.
+    fn showing(&self) -> String {
+        let of = |(shown, all): (usize, usize), what| {
+            format!("{} of {} {what}", count(shown as u64), count(all as u64))
+        };
+        let rays =
+            self.layers.counts().filter(|_| self.options.shows_rays()).map(|counts| of(counts, "rays"));
+        let capsules = self.layers.capsule_counts().map(|counts| of(counts, "capsules"));
+        let parts: Vec<String> = rays.into_iter().chain(capsules).collect();
+        if parts.is_empty() {
+            "showing the scene alone".to_owned()
+        } else {
+            format!("showing {}", parts.join(", "))
+        }
+    }
+
     fn mesh_problem(&self) -> Option<&str> {
         self.mesh.as_ref().and_then(|(_, mesh)| mesh.as_ref().err()).map(String::as_str)
     }

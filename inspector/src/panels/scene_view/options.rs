@@ -61,6 +61,8 @@ pub struct Options {
     pub capsule_choice: CapsuleChoice,
     /// How many of them at most.
     pub capsule_count: usize,
+    /// Opacity of capsules where one looks straight at them, 0 to 1; their outline has more.
+    pub capsule_opacity: f32,
     /// Most rays that are shown.
     pub detail: usize,
     /// Where in the order the rays shown end, 0 to 1.
@@ -84,7 +86,14 @@ pub struct Options {
 }
 
 /// Rays that are shown unless told otherwise: more of them are a ball in which no order can be seen.
-const DETAIL: usize = 4096;
+const DETAIL: usize = 1200;
+
+impl Options {
+    /// Whether rays are shown, by themselves or by their curve or ends.
+    pub fn shows_rays(&self) -> bool {
+        self.curve || self.rays || self.ends
+    }
+}
 
 impl Default for Options {
     fn default() -> Self {
@@ -98,7 +107,8 @@ impl Default for Options {
             ends: false,
             capsules: false,
             capsule_choice: CapsuleChoice::default(),
-            capsule_count: 48,
+            capsule_count: 12,
+            capsule_opacity: 0.16,
             detail: DETAIL,
             until: 1.0,
             window: 1.0,

@@ -46,7 +46,7 @@ fn capsule_vertex(
 @fragment
 fn capsule_fragment(point: CapsulePoint) -> @location(0) vec4<f32> {
     let facing = abs(dot(normalize(point.normal), normalize(layer.eye.xyz - point.in_unit_space)));
-    let outline = pow(1.0 - facing, 2.0);
-    let alpha = clamp(layer.opacity * (0.35 + 1.9 * outline), 0.0, 1.0);
+    let outline = pow(1.0 - facing, 4.0);
+    let alpha = clamp(layer.opacity * (0.3 + 4.5 * outline), 0.0, 1.0);
     return shown(colour_of(point.value) * (0.75 + 0.25 * facing), alpha);
 }
