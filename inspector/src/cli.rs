@@ -10,7 +10,8 @@ use formats::ray::Kind;
 
 use crate::analysis::{Depth, GroupWidth, Options};
 use crate::figures::style::Width;
-use crate::{export, info, plot, recover, verify};
+use crate::shot_arguments::ShotArguments;
+use crate::{app, export, info, plot, recover, verify};
 
 /// The command failed, and said why on standard error.
 const FAILED: u8 = 1;
@@ -19,6 +20,8 @@ const USAGE: u8 = 2;
 
 const EXAMPLES: &str = "\
 Examples:
+  inspector sponza.raydump                  look at it in the window
+  inspector shot sponza.raydump --view curve --method two-point --out curve.png
   inspector info sponza.raydump             what was recorded, on which machine, with which times
   inspector info sponza.raydump --json      the same as one JSON object
   inspector info sponza.raydump --metrics   how coherent the rays of each order are
@@ -71,6 +74,16 @@ Examples:
   inspector report sponza.raydump --out page/
   inspector report *.raydump sort.json trace.json --out page/";
 
+const SHOT_EXAMPLES: &str = "\
+Draws what the window draws, without a screen; the same command gives the same file.
+
+Examples:
+  inspector shot sponza.raydump --view window --out window.png
+  inspector shot sponza.raydump --view curve --bounce 2 --method two-point --out curve.png
+  inspector shot sponza.raydump --view capsules --method costa --camera overview --mesh ghost --out capsules.png
+  inspector shot sponza.raydump --view window --size 2560x1440 --scale 2 --light --out window.png
+  inspector shot sponza.raydump --view rays --frames 100 --json --out rays.png    frame times";
+
 const EXPORT_EXAMPLES: &str = "\
 csv: one file of rays with their hits, in the order of a method. ply: rays and the curve of the order
 as edges, hits as points, capsules as meshes, all coloured by place in the order.
@@ -82,10 +95,19 @@ Examples:
 
 /// Looks at Rayscope recordings.
 #[derive(Debug, Parser)]
-#[command(name = "inspector", version, after_help = EXAMPLES)]
+#[command(
+    name = "inspector",
+    version,
+    after_help = EXAMPLES,
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true
+)]
 struct CommandLine {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
+    /// Recordings (folders NAME.raydump) to open in the window.
+    #[arg(value_name = "X.raydump")]
+    dumps: Vec<PathBuf>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -105,6 +127,9 @@ enum Command {
     /// Make one page of figures and tables from recordings and benchmark results.
     #[command(after_help = REPORT_EXAMPLES)]
     Report(Report),
+    /// Draw the window, or one view of it, into a file.
+    #[command(after_help = SHOT_EXAMPLES)]
+    Shot(Box<ShotArguments>),
     /// Write rays, hits, orders and capsules for other programs.
     #[command(after_help = EXPORT_EXAMPLES)]
     Export(Export),
@@ -196,7 +221,7 @@ enum ExportFormat {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum RayKind {
+pub(crate) enum RayKind {
     /// Camera and secondary rays.
     Closest,
     /// Rays to lights.
@@ -276,14 +301,20 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
             return if error.use_stderr() { ExitCode::from(USAGE) } else { ExitCode::SUCCESS };
         }
     };
-    let done = match command_line.command {
+    let Some(command) = command_line.command else { return exit_code(app::run(command_line.dumps)) };
+    let done = match command {
         Command::Info(info) => info::run(&info.target.dump, info.target.json, &info.options()),
         Command::Verify(Target { dump, json }) => verify::run(&dump, json),
         Command::Recover(Target { dump, json }) => recover::run(&dump, json),
         Command::Plot(plot) => plot.run(),
         Command::Report(Report { inputs, out, json }) => plot::report(&inputs, &out, json),
         Command::Export(export) => export.run(),
+        Command::Shot(shot) => shot.run(),
     };
+    exit_code(done)
+}
+
+fn exit_code(done: anyhow::Result<()>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

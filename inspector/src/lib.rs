@@ -6,17 +6,26 @@
 //! - `info`, `verify`, `recover`: the commands that need no window and no GPU
 //! - `method_table`: analyses as text
 //! - `plot`, `report`, `export`: the commands that make files: [`figures`], one page, rays for other programs
+//! - [`model`]: what the window shows, without a window; [`render`]: what it draws in space
+//! - [`panels`], [`app`]: the window; `shot`: the same without a screen; [`theme`]: its colours
 //! - `output`: tables, sizes and JSON on standard output
 
 pub mod analysis;
+pub mod app;
 pub mod cli;
 mod export;
 pub mod figures;
 mod info;
 mod inputs;
 mod method_table;
+pub mod model;
 mod output;
+pub mod panels;
 mod plot;
 mod recover;
+pub mod render;
 pub mod report;
+mod shot;
+mod shot_arguments;
+pub mod theme;
 mod verify;

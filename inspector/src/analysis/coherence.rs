@@ -82,6 +82,20 @@ impl Places {
         self.len() == 0
     }
 
+    /// Canonical index of the ray at a place.
+    ///
+    /// # Panics
+    /// If there is no such place.
+    pub fn ray(&self, place: usize) -> usize {
+        match self {
+            Self::Canonical(rays) => {
+                assert!(place < *rays, "place {place} of {rays}");
+                place
+            }
+            Self::Sorted(permutation) => permutation[place] as usize,
+        }
+    }
+
     /// What `of` makes of each chunk of places, given the canonical indices there, in order.
     fn chunks<T: Send>(&self, of: impl Fn(&[u32]) -> T + Sync) -> Vec<T> {
         let chunk = |at: usize| {

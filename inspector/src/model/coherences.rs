@@ -1,0 +1,112 @@
+//! How coherent the orders of a queue are: found on another thread, one order after the other.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::thread;
+
+use formats::manifest::QueueId;
+use formats::reader::Dump;
+
+use super::order::Order;
+use super::queue::Queue;
+use crate::analysis::coherence::{Coherence, LaneUtilisation, coherence, lanes};
+use crate::analysis::{GroupWidth, Metric};
+
+/// How coherent one order is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrderCoherence {
+    /// The method, or `unsorted`.
+    pub method: String,
+    /// Capsules and direction spread.
+    pub coherence: Metric<Coherence>,
+    /// Lane utilisation by width. A model.
+    pub lanes: Metric<Vec<LaneUtilisation>>,
+}
+
+/// Which numbers: recording, queue and width of a group.
+type Wanted = (usize, QueueId, usize);
+
+/// What is known so far.
+#[derive(Debug, Default)]
+pub struct Coherences {
+    known: BTreeMap<Wanted, Vec<OrderCoherence>>,
+    running: Option<(Wanted, Receiver<OrderCoherence>)>,
+}
+
+impl Coherences {
+    /// What is known of a queue's orders; asks for the rest unless it is being found. `wake` is called
+    /// whenever there is more.
+    pub fn of(
+        &mut self,
+        recording: usize,
+        dump: &Arc<Dump>,
+        (queue, methods): (&Arc<Queue>, &[String]),
+        width: GroupWidth,
+        wake: impl Fn() + Send + 'static,
+    ) -> &[OrderCoherence] {
+        self.receive();
+        let wanted = (recording, queue.id, width.rays());
+        if self.running.is_none() && !self.known.contains_key(&wanted) {
+            self.known.insert(wanted, Vec::new());
+            let (sender, receiver) = channel();
+            let (dump, queue, methods) = (dump.clone(), queue.clone(), methods.to_vec());
+            thread::spawn(move || {
+                for method in methods {
+                    let found = of_order(&dump, &queue, &method, width);
+                    // No one listens any more once the window is closed.
+                    if sender.send(found).is_err() {
+                        return;
+                    }
+                    wake();
+                }
+                drop(sender);
+                wake();
+            });
+            self.running = Some((wanted, receiver));
+        }
+        self.known.get(&wanted).map_or(&[], Vec::as_slice)
+    }
+
+    /// Whether something is still being found.
+    pub fn is_running(&self) -> bool {
+        self.running.is_some()
+    }
+
+    /// Forgets everything, as when other recordings are opened.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Waits for what is being found.
+    pub fn finish(&mut self) {
+        if let Some((wanted, receiver)) = self.running.take() {
+            self.known.entry(wanted).or_default().extend(receiver);
+        }
+    }
+
+    fn receive(&mut self) {
+        let Some((wanted, receiver)) = &self.running else { return };
+        loop {
+            match receiver.try_recv() {
+                Ok(found) => self.known.entry(*wanted).or_default().push(found),
+                Err(TryRecvError::Empty) => return,
+                Err(TryRecvError::Disconnected) => break,
+            }
+        }
+        self.running = None;
+    }
+}
+
+fn of_order(dump: &Dump, queue: &Arc<Queue>, method: &str, width: GroupWidth) -> OrderCoherence {
+    let order = Order::open(dump, queue.clone(), method);
+    let coherence = order.as_ref().map_err(String::clone).and_then(|order| {
+        coherence(&queue.traced, &queue.lengths, &order.places, width.rays())
+            .ok_or_else(|| "there are no rays".to_owned())
+    });
+    let lanes = order.as_ref().map_err(String::clone).and_then(|order| {
+        let work = queue.work.as_ref().map_err(String::clone)?;
+        Ok(lanes(work, &order.places))
+    });
+    OrderCoherence { method: method.to_owned(), coherence: coherence.into(), lanes: lanes.into() }
+}

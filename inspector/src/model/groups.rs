@@ -1,0 +1,85 @@
+//! The groups of an order: capsule, direction spread and lane utilisation of each.
+
+use std::ops::Range;
+
+use formats::metrics::capsule::{Capsule, Segment};
+use formats::metrics::lanes::{LaneUse, work_of};
+use formats::metrics::spread::direction_spread;
+use rayon::prelude::*;
+
+use super::order::Order;
+
+/// Groups that a thread takes at a time.
+const GROUPS_PER_TASK: usize = 64;
+
+/// One group.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Group {
+    /// Its capsule, unit space.
+    pub capsule: Capsule,
+    /// Area of the capsule.
+    pub area: f64,
+    /// Direction spread, 0 to 1.
+    pub spread: f64,
+    /// Lane utilisation if the group were traced together, 0 to 1; not known without work. A model.
+    pub lanes: Option<f64>,
+}
+
+/// The groups of an order.
+#[derive(Debug)]
+pub struct Groups {
+    /// Rays of a group.
+    pub width: usize,
+    /// The groups, in order; the last may be shorter.
+    pub groups: Vec<Group>,
+    rays: usize,
+}
+
+impl Groups {
+    /// Of `width` consecutive rays of an order.
+    pub(super) fn of(order: &Order, width: usize) -> Self {
+        let rays = order.len();
+        let group = |at: usize| group(order, at * width..(at * width + width).min(rays));
+        let groups = (0..rays.div_ceil(width)).into_par_iter().with_min_len(GROUPS_PER_TASK);
+        Self { width, rays, groups: groups.filter_map(group).collect() }
+    }
+
+    /// The places of a group.
+    pub fn places(&self, group: usize) -> Range<usize> {
+        let first = group.saturating_mul(self.width).min(self.rays);
+        first..(first + self.width).min(self.rays)
+    }
+
+    /// The group of a place.
+    pub fn of_place(&self, place: usize) -> usize {
+        place / self.width
+    }
+
+    /// Mean capsule area, weighted by rays; 0 for no groups.
+    pub fn mean_area(&self) -> f64 {
+        let weighted = |(at, group): (usize, &Group)| group.area * self.places(at).len() as f64;
+        self.groups.iter().enumerate().map(weighted).sum::<f64>() / self.rays.max(1) as f64
+    }
+
+    /// The groups with the largest capsules, the worst first.
+    pub fn worst(&self, wanted: usize) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.groups.len()).collect();
+        order.sort_by(|&a, &b| self.groups[b].area.total_cmp(&self.groups[a].area).then(a.cmp(&b)));
+        order.truncate(wanted);
+        order
+    }
+}
+
+fn group(order: &Order, places: Range<usize>) -> Option<Group> {
+    let queue = &order.queue;
+    let indices: Vec<usize> = places.map(|place| order.places.ray(place)).collect();
+    let segments: Vec<Segment> = indices.iter().map(|&ray| queue.segment(ray)).collect();
+    let capsule = Capsule::around(&segments)?;
+    let lanes = queue.work.as_ref().ok().and_then(|work| {
+        let mut lanes = LaneUse::new(indices.len());
+        lanes.add(&indices.iter().map(|&ray| work_of(&work[ray])).collect::<Vec<_>>());
+        lanes.utilisation()
+    });
+    let spread = direction_spread(indices.iter().map(|&ray| queue.traced.rays()[ray].direction))?;
+    Some(Group { area: capsule.area(), capsule, spread, lanes })
+}

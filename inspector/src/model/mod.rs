@@ -1,0 +1,26 @@
+//! What the window shows, without a window: recordings, what of them is selected, and their numbers.
+//!
+//! - [`selection`]: the one selection that all panels share
+//! - [`recording`]: an open recording
+//! - [`queue`], [`order`]: the rays of a queue, and one order of them, as they are mapped
+//! - [`groups`]: capsules, direction spread and lane utilisation of each group of an order
+//! - [`value`]: the numbers that colours stand for
+//! - [`key`]: a key field by field
+//! - [`coherences`]: how coherent the orders of a queue are, found in the background
+//! - [`context`]: all of it together, as panels see it
+
+pub mod coherences;
+pub mod context;
+pub mod groups;
+pub mod key;
+pub mod order;
+pub mod queue;
+pub mod recording;
+pub mod selection;
+pub mod value;
+
+pub use context::Context;
+pub use order::Order;
+pub use queue::Queue;
+pub use recording::Recording;
+pub use selection::Selection;

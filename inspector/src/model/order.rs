@@ -1,0 +1,149 @@
+//! One order of a queue: where each ray stands in it, and by which key.
+
+use std::sync::{Arc, OnceLock};
+
+use formats::key::method::UNSORTED;
+use formats::key::{Coordinate, Layout};
+use formats::manifest::{MethodArray, MethodRecord, Place};
+use formats::reader::{Dump, Mapped};
+
+use super::groups::Groups;
+use super::queue::Queue;
+use crate::analysis::GroupWidth;
+use crate::analysis::coherence::Places;
+
+/// Keys as they are stored.
+#[derive(Debug)]
+pub enum Keys {
+    /// Of up to 32 bits.
+    Narrow(Mapped<u32>),
+    /// Of more.
+    Wide(Mapped<u64>),
+}
+
+impl Keys {
+    /// The key of a ray.
+    ///
+    /// # Panics
+    /// If there is no such ray.
+    pub fn at(&self, ray: usize) -> u64 {
+        match self {
+            Self::Narrow(keys) => u64::from(keys[ray]),
+            Self::Wide(keys) => keys[ray],
+        }
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::Narrow(keys) => keys.len(),
+            Self::Wide(keys) => keys.len(),
+        }
+    }
+}
+
+/// How a method's keys are made.
+#[derive(Clone, Debug)]
+pub struct KeyLayout {
+    /// The coordinate of each bit.
+    pub layout: Layout,
+    /// Bits of a key.
+    pub key_bits: u32,
+    /// The layout as it was written.
+    pub text: String,
+}
+
+impl KeyLayout {
+    fn of(record: &MethodRecord) -> Option<Self> {
+        let coordinate =
+            |name: &String| Coordinate::ALL.iter().copied().find(|coordinate| coordinate.name() == name);
+        let bits = record.layout.iter().map(coordinate).collect::<Option<Vec<_>>>()?;
+        Some(Self { layout: Layout::from_bits(bits), key_bits: record.key_bits, text: record.text.clone() })
+    }
+}
+
+/// One order of a queue.
+#[derive(Debug)]
+pub struct Order {
+    /// The rays.
+    pub queue: Arc<Queue>,
+    /// The method, or `unsorted`.
+    pub method: String,
+    /// The ray at each place.
+    pub places: Places,
+    /// The key of each ray, and how it is made; or why there is none.
+    pub keys: Result<(Keys, KeyLayout), String>,
+    place_of_ray: OnceLock<Vec<u32>>,
+    groups: [OnceLock<Groups>; 3],
+}
+
+impl Order {
+    /// Maps an order of a queue.
+    ///
+    /// # Errors
+    /// If its permutation was not kept or is none.
+    pub fn open(dump: &Dump, queue: Arc<Queue>, method: &str) -> Result<Self, String> {
+        let place = |array| Place::Method(queue.id, method.to_owned(), array);
+        let places = if method == UNSORTED {
+            Places::Canonical(queue.len())
+        } else {
+            let permutation =
+                dump.array(&place(MethodArray::Permutation)).map_err(|error| error.to_string())?;
+            Places::sorted(permutation, queue.len())?
+        };
+        let keys = keys(dump, &queue, method, &place(MethodArray::Keys));
+        Ok(Self {
+            queue,
+            method: method.to_owned(),
+            places,
+            keys,
+            place_of_ray: OnceLock::new(),
+            groups: Default::default(),
+        })
+    }
+
+    /// How many rays.
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Whether it has no rays.
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// The place of each ray: the inverse of the permutation.
+    pub fn place_of_ray(&self) -> &[u32] {
+        self.place_of_ray.get_or_init(|| {
+            let mut inverse = vec![0; self.len()];
+            for place in 0..self.len() {
+                inverse[self.places.ray(place)] = place as u32;
+            }
+            inverse
+        })
+    }
+
+    /// The groups of this width.
+    pub fn groups(&self, width: GroupWidth) -> &Groups {
+        self.groups[width as usize].get_or_init(|| Groups::of(self, width.rays()))
+    }
+}
+
+fn keys(dump: &Dump, queue: &Queue, method: &str, place: &Place) -> Result<(Keys, KeyLayout), String> {
+    if method == UNSORTED {
+        return Err("unsorted rays have no key".to_owned());
+    }
+    let record = dump.manifest().methods.iter().find(|record| record.name == method);
+    let record = record.ok_or_else(|| format!("the manifest says nothing of {method}"))?;
+    let layout =
+        KeyLayout::of(record).ok_or_else(|| format!("the layout of {method} is none: {}", record.text))?;
+    let keys = if layout.key_bits > 32 {
+        dump.array(place).map(Keys::Wide)
+    } else {
+        dump.array(place).map(Keys::Narrow)
+    };
+    let keys = keys.map_err(|error| error.to_string())?;
+    if keys.len() != queue.len() {
+        return Err(format!("{place} has {} keys for {} rays", keys.len(), queue.len()));
+    }
+    Ok((keys, layout))
+}

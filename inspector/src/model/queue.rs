@@ -1,0 +1,111 @@
+//! The rays of a queue with all that the recording keeps of them, in canonical order.
+
+use formats::length_table::LengthCell;
+use formats::manifest::{Place, QueueArray, QueueId};
+use formats::metrics::capsule::Segment;
+use formats::ray::{Kind, Work};
+use formats::reader::{Dump, Mapped};
+use formats::stored_table::StoredTable;
+use formats::traced::{Results, Traced};
+use rayon::prelude::*;
+
+use crate::analysis::work::work;
+
+/// Rays that a thread takes at a time.
+const RAYS_PER_TASK: usize = 8192;
+
+/// The rays of a queue, mapped.
+#[derive(Debug)]
+pub struct Queue {
+    /// Which queue.
+    pub id: QueueId,
+    /// The rays and what came of them.
+    pub traced: Traced,
+    /// Traced length of each ray, unit lengths.
+    pub lengths: Vec<f32>,
+    /// Pixel of each ray, ascending.
+    pub path_ids: Mapped<u32>,
+    /// Index of each shadow ray's light.
+    pub lights: Option<Mapped<u32>>,
+    /// Nodes visited and triangles tested, or why they are not known.
+    pub work: Result<Mapped<Work>, String>,
+    /// Touched cells of the length table that the methods read, or why they are not known.
+    pub cells: Result<Mapped<LengthCell>, String>,
+    /// The same as a table that rays find their cell in.
+    pub table: Result<StoredTable, String>,
+}
+
+impl Queue {
+    /// Maps the arrays of a queue.
+    ///
+    /// # Errors
+    /// If its rays, their paths or what came of them were not kept, or do not belong together.
+    pub fn open(dump: &Dump, id: QueueId) -> Result<Self, String> {
+        let text = |error: formats::reader::ReadError| error.to_string();
+        let place = |array| Place::Queue(id, array);
+        let traced = Traced::open(dump, id).map_err(|error| error.to_string())?;
+        let rays = traced.rays().len();
+        let path_ids: Mapped<u32> = dump.array(&place(QueueArray::PathIds)).map_err(text)?;
+        let lights = match id.kind {
+            Kind::Closest => None,
+            Kind::Shadow => Some(dump.array::<u32>(&place(QueueArray::Lights)).map_err(text)?),
+        };
+        let entries = |name: &str, found: usize| {
+            let problem = format!(
+                "{id}/{name}.npy has {found} entries for {rays} rays; `inspector verify` says what is wrong"
+            );
+            (found == rays).then_some(()).ok_or(problem)
+        };
+        entries("path_ids", path_ids.len())?;
+        if let Some(lights) = &lights {
+            entries("lights", lights.len())?;
+        }
+        let work = work(dump, id).and_then(|work| entries("work", work.len()).map(|()| work));
+        let lengths =
+            (0..rays).into_par_iter().with_min_len(RAYS_PER_TASK).map(|ray| traced.length(ray)).collect();
+        Ok(Self {
+            id,
+            lengths,
+            path_ids,
+            lights,
+            work,
+            cells: dump.array(&place(QueueArray::Lengths)).map_err(text),
+            table: StoredTable::open(dump, id).map_err(|error| error.to_string()),
+            traced,
+        })
+    }
+
+    /// How many rays.
+    pub fn len(&self) -> usize {
+        self.lengths.len()
+    }
+
+    /// Whether it has no rays.
+    pub fn is_empty(&self) -> bool {
+        self.lengths.is_empty()
+    }
+
+    /// A ray from its origin to where it ended, unit space.
+    ///
+    /// # Panics
+    /// If there is no such ray.
+    pub fn segment(&self, ray: usize) -> Segment {
+        Segment::of(self.traced.unit(), &self.traced.rays()[ray], self.lengths[ray])
+    }
+
+    /// Whether a ray ended at a surface.
+    ///
+    /// # Panics
+    /// If there is no such ray.
+    pub fn is_at_surface(&self, ray: usize) -> bool {
+        match self.traced.results() {
+            Results::Hits(hits) => hits[ray].is_hit(),
+            Results::Distances(distances) => distances[ray].is_finite(),
+        }
+    }
+
+    /// The ray of a pixel, if its path is still alive.
+    pub fn ray_of_pixel(&self, pixel: u32) -> Option<usize> {
+        self.path_ids.binary_search(&pixel).ok()
+    }
+}

@@ -1,0 +1,71 @@
+//! An open recording.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use formats::manifest::{MethodRecord, QueueId, QueueRecord};
+use formats::reader::{Dump, ReadError};
+use formats::unit_space::UnitSpace;
+
+use crate::analysis::{self, Depth, RecordingAnalysis};
+
+/// An open recording with its times.
+#[derive(Debug)]
+pub struct Recording {
+    /// The dump.
+    pub dump: Arc<Dump>,
+    /// Its times; arrays are not read for them. None of a recording that is still being written.
+    pub times: Option<RecordingAnalysis>,
+    /// What it is called.
+    pub label: String,
+}
+
+impl Recording {
+    /// Opens the recording in a folder.
+    ///
+    /// # Errors
+    /// If there is none, or its manifest is damaged.
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let dump = Dump::open(path)?;
+        let options = analysis::Options { depth: Depth::Manifest, ..analysis::Options::default() };
+        let analysis = analysis::analyse(std::slice::from_ref(&dump), &options).ok();
+        let times = analysis.and_then(|analysis| analysis.recordings.into_iter().next());
+        let name = dump.root().file_stem();
+        let label = name.map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        Ok(Self { dump: Arc::new(dump), times, label })
+    }
+
+    /// Its queues; those of its source if it is a replay without its own.
+    pub fn queues(&self) -> &[QueueRecord] {
+        let own = &self.dump.manifest().queues;
+        match self.dump.source() {
+            Some(source) if own.is_empty() => &source.manifest().queues,
+            _ => own,
+        }
+    }
+
+    /// The methods of a queue.
+    pub fn methods(&self, queue: QueueId) -> &[String] {
+        let record = self.queues().iter().find(|record| record.id == queue);
+        record.map_or(&[], |record| &record.methods)
+    }
+
+    /// What the manifest says of a method; `None` for `unsorted`.
+    pub fn method(&self, name: &str) -> Option<&MethodRecord> {
+        self.dump.manifest().methods.iter().find(|record| record.name == name)
+    }
+
+    /// The map from world space to unit space.
+    pub fn unit(&self) -> UnitSpace {
+        let scene = &self.dump.manifest().header.scene;
+        UnitSpace::from_bounds(scene.bounds_min, scene.bounds_max)
+    }
+
+    /// The queue that is looked at first: secondary rays of the last pass, where orders differ most.
+    pub fn first_queue(&self) -> Option<QueueId> {
+        let queues = || self.queues().iter().map(|record| record.id);
+        let pass = queues().map(|queue| queue.pass).max()?;
+        let of_pass = || queues().filter(move |queue| queue.pass == pass);
+        of_pass().find(|queue| queue.bounce == 1).or_else(|| of_pass().next())
+    }
+}

@@ -1,0 +1,80 @@
+//! The one selection that all panels share: brushing in any of them shows in the others.
+
+use formats::key::method::UNSORTED;
+use formats::manifest::QueueId;
+use formats::ray::Kind;
+
+use crate::analysis::GroupWidth;
+
+/// What is selected.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Selection {
+    /// Which of the open recordings.
+    pub recording: usize,
+    /// Pass, bounce and kind.
+    pub queue: QueueId,
+    /// The order: a method, or `unsorted`.
+    pub method: String,
+    /// Rays of a group.
+    pub group_width: GroupWidth,
+    /// A ray of the queue, by its canonical index.
+    pub ray: Option<usize>,
+    /// A group of the order, from 0.
+    pub group: Option<usize>,
+    /// A cell of the length table.
+    pub cell: Option<u32>,
+}
+
+impl Default for Selection {
+    fn default() -> Self {
+        Self {
+            recording: 0,
+            queue: QueueId { pass: 0, bounce: 0, kind: Kind::Closest },
+            method: UNSORTED.to_owned(),
+            group_width: GroupWidth::default(),
+            ray: None,
+            group: None,
+            cell: None,
+        }
+    }
+}
+
+impl Selection {
+    /// Another queue; rays of the old one mean nothing there.
+    pub fn go_to(&mut self, queue: QueueId) {
+        if self.queue != queue {
+            self.queue = queue;
+            self.ray = None;
+            self.group = None;
+        }
+    }
+
+    /// Another order of the same rays: the ray stays, the group is another.
+    pub fn order_by(&mut self, method: &str) {
+        if self.method != method {
+            method.clone_into(&mut self.method);
+            self.group = None;
+        }
+    }
+
+    /// Nothing within the queue.
+    pub fn clear(&mut self) {
+        self.ray = None;
+        self.group = None;
+        self.cell = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_outlive_their_order_but_not_their_queue() {
+        let mut selection = Selection { ray: Some(7), group: Some(2), cell: Some(5), ..Selection::default() };
+        selection.order_by("aila");
+        assert_eq!((selection.ray, selection.group), (Some(7), None));
+        selection.go_to(QueueId { bounce: 1, ..selection.queue });
+        assert_eq!((selection.ray, selection.cell), (None, Some(5)));
+    }
+}

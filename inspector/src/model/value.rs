@@ -1,0 +1,137 @@
+//! The numbers that colours stand for.
+
+use formats::metrics::lanes::work_of;
+
+use super::order::Order;
+use crate::analysis::GroupWidth;
+
+/// What rays are coloured by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ColourBy {
+    /// Place in the order.
+    #[default]
+    Place,
+    /// Group, so that neighbours differ.
+    Group,
+    /// Key.
+    Key,
+    /// Distance to the origin of the next ray in the order: where the curve jumps.
+    Jump,
+    /// Traced length.
+    Length,
+    /// Mean length of the ray's table cell over its traced length.
+    EstimateRatio,
+    /// Nodes visited and triangles tested.
+    Work,
+    /// Lane utilisation of the group.
+    Lanes,
+    /// Capsule area of the group.
+    CapsuleArea,
+    /// Direction spread of the group.
+    Spread,
+    /// Whether a surface was hit.
+    Occlusion,
+}
+
+/// Colours that neighbouring groups go through.
+const GROUP_CYCLE: usize = 7;
+
+/// Logarithm of the distance from the ray at a place to the next; NaN for the last.
+fn jump(order: &Order, place: usize) -> f32 {
+    if place + 1 >= order.len() {
+        return f32::NAN;
+    }
+    let [here, next] = [place, place + 1].map(|place| order.queue.segment(order.places.ray(place)).origin);
+    let squared = [0, 1, 2].map(|axis| (next[axis] - here[axis]).powi(2)).iter().sum::<f64>();
+    squared.sqrt().max(1e-6).log10() as f32
+}
+
+impl ColourBy {
+    /// All of them.
+    pub const ALL: [Self; 11] = [
+        Self::Place,
+        Self::Group,
+        Self::Key,
+        Self::Jump,
+        Self::Length,
+        Self::EstimateRatio,
+        Self::Work,
+        Self::Lanes,
+        Self::CapsuleArea,
+        Self::Spread,
+        Self::Occlusion,
+    ];
+
+    /// Name in lists and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Place => "place",
+            Self::Group => "group",
+            Self::Key => "key",
+            Self::Jump => "jump",
+            Self::Length => "length",
+            Self::EstimateRatio => "estimate",
+            Self::Work => "work",
+            Self::Lanes => "lanes",
+            Self::CapsuleArea => "capsule-area",
+            Self::Spread => "spread",
+            Self::Occlusion => "occlusion",
+        }
+    }
+
+    /// What the colour bar says.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Place => "place in the order",
+            Self::Group => "group (colours repeat)",
+            Self::Key => "key, part of the largest",
+            Self::Jump => "distance to the next ray's origin, log10 of unit lengths",
+            Self::Length => "traced length, unit lengths",
+            Self::EstimateRatio => "estimated over actual length, log2",
+            Self::Work => "nodes visited + triangles tested",
+            Self::Lanes => "lane utilisation of the group (model)",
+            Self::CapsuleArea => "capsule area of the group, log10",
+            Self::Spread => "direction spread of the group",
+            Self::Occlusion => "0 nothing hit, 1 a surface hit",
+        }
+    }
+
+    /// The number of the ray at a place; NaN where it is not known.
+    ///
+    /// # Panics
+    /// If there is no such place.
+    pub fn value(self, order: &Order, width: GroupWidth, place: usize) -> f32 {
+        let (queue, ray) = (&order.queue, order.places.ray(place));
+        let group = || {
+            let groups = order.groups(width);
+            &groups.groups[groups.of_place(place)]
+        };
+        match self {
+            Self::Place => place as f32,
+            Self::Group => (place / width.rays() % GROUP_CYCLE) as f32,
+            Self::Key => order.keys.as_ref().map_or(f32::NAN, |(keys, layout)| {
+                (keys.at(ray) as f64 / 2f64.powi(layout.key_bits as i32)) as f32
+            }),
+            Self::Jump => jump(order, place),
+            Self::Length => queue.lengths[ray],
+            Self::EstimateRatio => queue.table.as_ref().map_or(f32::NAN, |table| {
+                (table.mean(&queue.traced.rays()[ray]) / queue.lengths[ray].max(f32::MIN_POSITIVE)).log2()
+            }),
+            Self::Work => queue.work.as_ref().map_or(f32::NAN, |work| work_of(&work[ray]) as f32),
+            Self::Lanes => group().lanes.map_or(f32::NAN, |lanes| lanes as f32),
+            Self::CapsuleArea => group().area.max(1e-12).log10() as f32,
+            Self::Spread => group().spread as f32,
+            Self::Occlusion => f32::from(u8::from(queue.is_at_surface(ray))),
+        }
+    }
+
+    /// Why nothing is known of it in an order, if so.
+    pub fn missing(self, order: &Order) -> Option<&str> {
+        match self {
+            Self::Key => order.keys.as_ref().err().map(String::as_str),
+            Self::EstimateRatio => order.queue.table.as_ref().err().map(String::as_str),
+            Self::Work | Self::Lanes => order.queue.work.as_ref().err().map(String::as_str),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! How coherent each order's groups are: the areas of their capsules.
+
+use egui_plot::{Line, Plot, PlotPoints};
+
+use super::{legend, missing};
+use crate::analysis::Metric;
+use crate::analysis::coherence::Coherence;
+use crate::model::Context;
+use crate::model::coherences::OrderCoherence;
+use crate::panels::Panel;
+use crate::theme::Theme;
+
+/// Height of a row of the table below, points.
+const ROW: f32 = 23.0;
+
+/// The panel.
+#[derive(Default)]
+pub(super) struct CoherencePanel;
+
+impl Panel for CoherencePanel {
+    fn title(&self) -> &'static str {
+        "Coherence"
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
+        let queue = match context.queue() {
+            Ok(queue) => queue,
+            Err(reason) => return missing(ui, &reason),
+        };
+        let (at, width) = (context.selection.recording, context.selection.group_width);
+        let Some(recording) = context.recordings.get(at) else { return };
+        let methods = recording.methods(queue.id);
+        if methods.is_empty() {
+            return missing(ui, "no method was measured on these rays; the last pass is the measured one");
+        }
+        let (total, window) = (methods.len(), ui.ctx().clone());
+        let wake = move || window.request_repaint();
+        let orders = context.coherences.of(at, &recording.dump, (&queue, methods), width, wake);
+        ui.horizontal_wrapped(|ui| {
+            ui.label(format!("Capsule areas of groups of {} rays", width.rays())).on_hover_text(
+                "The hull of a sphere around a group's origins and one around its ends, in unit space",
+            );
+            if orders.len() < total {
+                ui.weak(format!("{} of {total} orders so far", orders.len()));
+            }
+        });
+        let rows = total as f32 + 1.0;
+        let table_height = (rows * ROW).min(0.45 * ui.available_height());
+        distribution(ui, orders, &context.selection.method, ui.available_height() - table_height - 12.0);
+        means(ui, orders);
+    }
+}
+
+/// Share of the rays whose groups have a smaller capsule, for each order.
+fn distribution(ui: &mut egui::Ui, orders: &[OrderCoherence], chosen: &str, height: f32) {
+    let theme = Theme::of(ui.ctx());
+    let line = |(number, order): (usize, &OrderCoherence)| {
+        let coherence = order.coherence.known()?;
+        let steps = coherence.area_quantiles.len().saturating_sub(1).max(1) as f64;
+        let quantiles = coherence.area_quantiles.iter().enumerate();
+        let points = quantiles.map(|(at, area)| [area.max(1e-9).log10(), 100.0 * at as f64 / steps]);
+        let width = if order.method == chosen { 3.5 } else { 1.3 };
+        let line = Line::new(order.method.clone(), points.collect::<PlotPoints<'_>>());
+        Some(line.color(theme.series(number)).width(width))
+    };
+    let lines: Vec<Line<'_>> = orders.iter().enumerate().filter_map(line).collect();
+    Plot::new("areas")
+        .height(height.max(80.0))
+        .allow_scroll(false)
+        .include_y(0.0)
+        .include_y(100.0)
+        .x_axis_label("capsule area, unit space")
+        .y_axis_label("rays below, %")
+        .x_axis_formatter(|mark, _| power_of_ten(mark.value))
+        .show(ui, |plot| {
+            for line in lines {
+                plot.line(line);
+            }
+        });
+}
+
+fn power_of_ten(exponent: f64) -> String {
+    if (exponent - exponent.round()).abs() > 1e-6 {
+        return String::new();
+    }
+    match exponent.round() as i32 {
+        exponent @ -3..=3 => format!("{}", 10f64.powi(exponent)),
+        exponent => format!("1e{exponent}"),
+    }
+}
+
+fn means(ui: &mut egui::Ui, orders: &[OrderCoherence]) {
+    let theme = Theme::of(ui.ctx());
+    let unsorted = orders.first().and_then(|order| order.coherence.known());
+    let unsorted = unsorted.map(|coherence| coherence.mean_capsule_area);
+    egui::ScrollArea::both().auto_shrink([false, true]).show(ui, |ui| {
+        egui::Grid::new("means").striped(true).num_columns(5).spacing([18.0, 2.0]).show(ui, |ui| {
+            for (name, about) in [
+                ("order", "How the rays were sorted"),
+                ("mean area", "Of the capsules, weighted by rays, in unit space"),
+                ("of unsorted", "Mean area over that of unsorted rays"),
+                ("spread", "1 - |sum of directions| / n of a group: 0 if all rays are parallel"),
+                ("lanes 32", "Share of their time in which 32 lanes work that wait for each other. A model"),
+            ] {
+                ui.strong(name).on_hover_text(about);
+            }
+            ui.end_row();
+            for (number, order) in orders.iter().enumerate() {
+                legend(ui, theme.series(number), &order.method);
+                row(ui, order, unsorted);
+                ui.end_row();
+            }
+        });
+    });
+}
+
+fn row(ui: &mut egui::Ui, order: &OrderCoherence, unsorted: Option<f64>) {
+    match &order.coherence {
+        Metric::Known(Coherence { mean_capsule_area, mean_direction_spread, .. }) => {
+            ui.label(format!("{mean_capsule_area:.4}"));
+            ui.label(
+                unsorted.map_or(String::new(), |unsorted| format!("{:.3}", mean_capsule_area / unsorted)),
+            );
+            ui.label(format!("{mean_direction_spread:.3}"));
+        }
+        Metric::Missing { missing } => {
+            ui.weak("none").on_hover_text(missing);
+            ui.label("");
+            ui.label("");
+        }
+    }
+    let lanes = order.lanes.known().and_then(|lanes| lanes.iter().find(|lanes| lanes.width == 32));
+    match lanes {
+        Some(lanes) => ui.label(format!("{:.3}", lanes.utilisation)),
+        None => ui.weak("none").on_hover_text(order.lanes.reason().unwrap_or("no ray did any work")),
+    };
+}

@@ -1,0 +1,108 @@
+//! What the window is made of: one file each behind one trait, registered in one list.
+//!
+//! Panels know the [`Context`] and nothing of each other.
+
+mod coherence;
+mod navigator;
+mod order;
+mod picture;
+mod problems;
+mod ray;
+mod rays;
+pub mod scene_view;
+mod table;
+mod timings;
+
+use crate::model::Context;
+
+/// A part of the window.
+pub trait Panel {
+    /// What it is called.
+    fn title(&self) -> &'static str;
+
+    /// Draws it and takes what is done to it.
+    fn show(&mut self, ui: &mut egui::Ui, context: &mut Context);
+
+    /// Lines and capsules that it last drew in space, and how many there are; none if it draws none.
+    fn drawn(&self) -> Option<(usize, usize)> {
+        None
+    }
+}
+
+/// A panel in the list of all.
+pub struct Entry {
+    /// Name in layouts and on the command line.
+    pub name: &'static str,
+    /// What it shows, in a sentence without its full stop.
+    pub about: &'static str,
+    /// Makes it for a window of this format.
+    pub make: fn(wgpu::TextureFormat) -> Box<dyn Panel>,
+}
+
+/// All panels.
+pub const PANELS: &[Entry] = &[
+    Entry {
+        name: "navigator",
+        about: "which recording, pass, bounce, kind and order is looked at",
+        make: |_| Box::new(navigator::Navigator),
+    },
+    Entry {
+        name: "scene",
+        about: "the scene with rays, the curve of their order, capsules and table cells",
+        make: |format| Box::new(scene_view::SceneView::new(format)),
+    },
+    Entry {
+        name: "order",
+        about: "the image plane coloured by each ray's place in the order",
+        make: |_| Box::<order::OrderPanel>::default(),
+    },
+    Entry {
+        name: "table",
+        about: "the length table as a picture: fill, count and mean length of its cells",
+        make: |_| Box::<table::TablePanel>::default(),
+    },
+    Entry {
+        name: "coherence",
+        about: "capsule areas of each order's groups",
+        make: |_| Box::<coherence::CoherencePanel>::default(),
+    },
+    Entry {
+        name: "timings",
+        about: "the stages of each method against tracing unsorted rays",
+        make: |_| Box::new(timings::TimingsPanel),
+    },
+    Entry {
+        name: "rays",
+        about: "all rays of the queue in the chosen order",
+        make: |_| Box::<rays::RaysPanel>::default(),
+    },
+    Entry {
+        name: "ray",
+        about: "one ray: its key field by field, its group, its path",
+        make: |_| Box::new(ray::RayPanel),
+    },
+    Entry {
+        name: "problems",
+        about: "what went wrong, and what to do",
+        make: |_| Box::new(problems::ProblemsPanel),
+    },
+];
+
+/// A name with the colour of its series before it.
+fn legend(ui: &mut egui::Ui, colour: egui::Color32, name: &str) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 5.0;
+        let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
+        ui.painter().rect_filled(rect, 2.0, colour);
+        ui.label(name);
+    });
+}
+
+/// Says why something cannot be shown, where it would have been.
+fn missing(ui: &mut egui::Ui, reason: &str) {
+    ui.add_space(8.0);
+    ui.vertical_centered(|ui| {
+        ui.label(egui::RichText::new("Nothing to show here").strong());
+        ui.label(reason);
+    });
+}

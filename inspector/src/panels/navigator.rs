@@ -1,0 +1,130 @@
+//! Which recording, pass, bounce, kind and order is looked at.
+
+use std::collections::BTreeSet;
+
+use formats::manifest::QueueId;
+use formats::ray::Kind;
+
+use crate::analysis::GroupWidth;
+use crate::model::Context;
+use crate::output::count;
+use crate::panels::Panel;
+
+pub(super) struct Navigator;
+
+impl Panel for Navigator {
+    fn title(&self) -> &'static str {
+        "Navigator"
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
+        egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+            recordings(ui, context);
+            if context.recording().is_none() {
+                return;
+            }
+            facts(ui, context);
+            ui.separator();
+            queue(ui, context);
+            ui.separator();
+            orders(ui, context);
+            ui.separator();
+            widths(ui, context);
+        });
+    }
+}
+
+fn recordings(ui: &mut egui::Ui, context: &mut Context) {
+    if context.recordings.is_empty() {
+        ui.label("Drop a folder NAME.raydump here, or open one with File > Open.");
+        return;
+    }
+    let mut chosen = context.selection.recording;
+    for (at, recording) in context.recordings.iter().enumerate() {
+        ui.selectable_value(&mut chosen, at, &recording.label)
+            .on_hover_text(recording.dump.root().display().to_string());
+    }
+    if chosen != context.selection.recording {
+        context.select_recording(chosen);
+    }
+}
+
+fn facts(ui: &mut egui::Ui, context: &Context) {
+    let Some(recording) = context.recording() else { return };
+    let header = &recording.dump.manifest().header;
+    let options = &header.options;
+    let size = format!("{} x {}, {}-bit keys", options.width, options.height, options.key_bits);
+    let triangles = format!("{} triangles, {}", count(header.scene.triangles), options.trace_kernel);
+    for fact in [size, triangles, header.adapter.name.clone()] {
+        ui.add(egui::Label::new(egui::RichText::new(fact).small().weak()).truncate());
+    }
+}
+
+fn queue(ui: &mut egui::Ui, context: &mut Context) {
+    let Some(recording) = context.recording() else { return };
+    let queues: Vec<(QueueId, u64)> =
+        recording.queues().iter().map(|record| (record.id, record.rays)).collect();
+    let now = context.selection.queue;
+    let passes: BTreeSet<u32> = queues.iter().map(|(id, _)| id.pass).collect();
+    let bounces: BTreeSet<u32> = queues.iter().map(|(id, _)| id.bounce).collect();
+    let mut next = now;
+    let has = |wanted: QueueId| queues.iter().any(|(id, _)| *id == wanted);
+    let mut row = |name: &str, choices: Vec<(String, QueueId)>| {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(name);
+            for (text, choice) in choices {
+                let button = egui::Button::selectable(choice == now, text);
+                if ui.add_enabled(has(choice), button).clicked() {
+                    next = choice;
+                }
+            }
+        });
+    };
+    row("Pass", passes.into_iter().map(|pass| (pass.to_string(), QueueId { pass, ..now })).collect());
+    row(
+        "Bounce",
+        bounces.into_iter().map(|bounce| (bounce.to_string(), QueueId { bounce, ..now })).collect(),
+    );
+    row(
+        "Kind",
+        Kind::ALL.into_iter().map(|kind| (kind.name().to_owned(), QueueId { kind, ..now })).collect(),
+    );
+    let rays = queues.iter().find(|(id, _)| *id == now).map_or(0, |(_, rays)| *rays);
+    ui.label(format!("{} rays", count(rays)));
+    if next != now {
+        context.go_to(next);
+    }
+}
+
+fn orders(ui: &mut egui::Ui, context: &mut Context) {
+    ui.label(egui::RichText::new("Order").strong())
+        .on_hover_text("A method makes a key of each ray; rays are sorted by it, ties in pixel order");
+    let Some(recording) = context.recording() else { return };
+    let methods = recording.methods(context.selection.queue).to_vec();
+    if methods.is_empty() {
+        ui.label("No method was measured on these rays.");
+    }
+    for method in &methods {
+        let layout = context.recording().and_then(|recording| recording.method(method));
+        let about = layout.map_or("canonical order: by pixel".to_owned(), |record| record.text.clone());
+        let is_now = context.selection.method == *method;
+        if ui.selectable_label(is_now, method).on_hover_text(about).clicked() {
+            context.selection.order_by(method);
+            context.select_ray(context.selection.ray);
+        }
+    }
+}
+
+fn widths(ui: &mut egui::Ui, context: &mut Context) {
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Group").on_hover_text("Consecutive rays of the order that a GPU traces together");
+        for width in [GroupWidth::Rays32, GroupWidth::Rays64, GroupWidth::Rays128] {
+            let is_now = context.selection.group_width == width;
+            if ui.selectable_label(is_now, width.rays().to_string()).clicked() && !is_now {
+                context.selection.group_width = width;
+                context.selection.group = None;
+                context.select_ray(context.selection.ray);
+            }
+        }
+    });
+}

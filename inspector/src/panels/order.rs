@@ -1,0 +1,144 @@
+//! The image plane coloured by each ray's place in the order; the key of the ray under the pointer.
+
+use egui::Color32;
+use formats::manifest::QueueId;
+use rayon::prelude::*;
+
+use super::missing;
+use super::picture::{Picture, Shown};
+use crate::model::key::{ReadKey, field_text};
+use crate::model::{Context, Order};
+use crate::output::count;
+use crate::panels::Panel;
+use crate::render::colour_map::ColourMap;
+use crate::theme::Theme;
+
+/// What pixels are coloured by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Colouring {
+    /// Place in the order.
+    #[default]
+    Place,
+    /// How far the ray was moved.
+    Displacement,
+    /// Key.
+    Key,
+}
+
+impl Colouring {
+    const ALL: [(Self, &str, &str); 3] = [
+        (Self::Place, "place", "First rays of the order dark, last ones bright"),
+        (Self::Displacement, "displacement", "How far sorting moved the ray from its place in pixel order"),
+        (Self::Key, "key", "The key over the largest key of as many bits"),
+    ];
+}
+
+type Key = (usize, QueueId, String, Colouring, bool);
+
+/// The panel.
+#[derive(Default)]
+pub(super) struct OrderPanel {
+    colouring: Colouring,
+    picture: Picture<Key>,
+}
+
+impl Panel for OrderPanel {
+    fn title(&self) -> &'static str {
+        "Order"
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
+        let order = match context.order() {
+            Ok(order) => order,
+            Err(reason) => return missing(ui, &reason),
+        };
+        ui.horizontal_wrapped(|ui| {
+            for (colouring, name, about) in Colouring::ALL {
+                ui.selectable_value(&mut self.colouring, colouring, name).on_hover_text(about);
+            }
+            ui.weak(format!("{} rays by {}", count(order.len() as u64), order.method));
+        });
+        let Some(recording) = context.recording() else { return };
+        let options = &recording.dump.manifest().header.options;
+        let size = [options.width as usize, options.height as usize];
+        let (selection, theme) = (&context.selection, Theme::of(ui.ctx()));
+        let key = (selection.recording, selection.queue, selection.method.clone(), self.colouring);
+        let key = (key.0, key.1, key.2, key.3, ui.visuals().dark_mode);
+        // The lines under the picture have their place before there is a ray to speak of.
+        let lines = 3.0 * ui.text_style_height(&egui::TextStyle::Small) + 8.0;
+        let shown = ui
+            .allocate_ui(ui.available_size() - egui::vec2(0.0, lines), |ui| {
+                self.picture.show(ui, ("order", key), size, || pixels(&order, size, self.colouring, theme))
+            })
+            .inner;
+        let pixel = |[column, row]: [u32; 2]| row * size[0] as u32 + column;
+        let under_pointer = shown.pixel.and_then(|at| order.queue.ray_of_pixel(pixel(at)));
+        if shown.response.clicked() {
+            context.select_ray(under_pointer);
+        }
+        mark(ui, &shown, context, &order, size[0] as u32);
+        if let Some(ray) = under_pointer.or(context.selection.ray) {
+            describe(ui, &order, ray);
+        }
+    }
+}
+
+fn pixels(order: &Order, size: [usize; 2], colouring: Colouring, theme: Theme) -> Vec<Color32> {
+    let last = order.len().saturating_sub(1).max(1) as f32;
+    let place_of_ray = order.place_of_ray();
+    let value = |ray: usize| match colouring {
+        Colouring::Place => place_of_ray[ray] as f32 / last,
+        Colouring::Displacement => (place_of_ray[ray] as f32 - ray as f32).abs() / last,
+        Colouring::Key => order.keys.as_ref().map_or(f32::NAN, |(keys, layout)| {
+            (keys.at(ray) as f64 / 2f64.powi(layout.key_bits as i32)) as f32
+        }),
+    };
+    let colours: Vec<Color32> = (0..order.len())
+        .into_par_iter()
+        .map(|ray| match value(ray) {
+            value if value.is_nan() => theme.nothing(),
+            value => {
+                let [red, green, blue] = ColourMap::Turbo.colour(value);
+                Color32::from_rgb(red, green, blue)
+            }
+        })
+        .collect();
+    let mut pixels = vec![theme.nothing(); size[0] * size[1]];
+    for (colour, &pixel) in colours.into_iter().zip(&*order.queue.path_ids) {
+        if let Some(place) = pixels.get_mut(pixel as usize) {
+            *place = colour;
+        }
+    }
+    pixels
+}
+
+/// Marks what is selected: a cross at the ray, dots at the rays of its group.
+fn mark(ui: &egui::Ui, shown: &Shown, context: &Context, order: &Order, width: u32) {
+    let colour = Theme::of(ui.ctx()).selected_mark();
+    let at = |ray: usize| {
+        let pixel = order.queue.path_ids[ray];
+        shown.rect_of([pixel % width.max(1), pixel / width.max(1)]).center()
+    };
+    if let Some(group) = context.selection.group {
+        for place in order.groups(context.selection.group_width).places(group) {
+            ui.painter().circle_filled(at(order.places.ray(place)), 1.5, colour);
+        }
+    }
+    if let Some(ray) = context.selection.ray.filter(|&ray| ray < order.len()) {
+        let (centre, stroke) = (at(ray), egui::Stroke::new(1.5, colour));
+        ui.painter().circle_stroke(centre, 6.0, stroke);
+    }
+}
+
+fn describe(ui: &mut egui::Ui, order: &Order, ray: usize) {
+    let Some(&place) = order.place_of_ray().get(ray) else { return };
+    let place = format!("ray {} at place {}", count(ray as u64), count(u64::from(place)));
+    let text = match ReadKey::of(order, ray) {
+        Ok(key) => {
+            let fields: Vec<String> = key.fields.iter().map(field_text).collect();
+            format!("{place}: key {}\n{}", key.hexadecimal(), fields.join("   "))
+        }
+        Err(reason) => format!("{place}: {reason}"),
+    };
+    ui.small(text);
+}

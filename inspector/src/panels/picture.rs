@@ -1,0 +1,71 @@
+//! A picture of numbers: made once for each thing that it shows, drawn as large as fits.
+
+use egui::{Color32, ColorImage, Pos2, Rect, Sense, TextureHandle, TextureOptions, vec2};
+
+/// A picture that stays the same as long as its key does.
+pub(super) struct Picture<Key> {
+    made: Option<(Key, TextureHandle)>,
+}
+
+impl<Key> Default for Picture<Key> {
+    fn default() -> Self {
+        Self { made: None }
+    }
+}
+
+/// A picture as it was drawn.
+pub(super) struct Shown {
+    /// What was done to it.
+    pub(super) response: egui::Response,
+    /// Where it is.
+    pub(super) rect: Rect,
+    /// The pixel under the pointer: column and row.
+    pub(super) pixel: Option<[u32; 2]>,
+    size: [usize; 2],
+}
+
+impl Shown {
+    /// The rectangle of a pixel on the screen.
+    pub(super) fn rect_of(&self, [column, row]: [u32; 2]) -> Rect {
+        let step = self.step();
+        let corner = self.rect.min + vec2(column as f32 * step.x, row as f32 * step.y);
+        Rect::from_min_size(corner, step)
+    }
+
+    fn step(&self) -> egui::Vec2 {
+        vec2(self.rect.width() / self.size[0] as f32, self.rect.height() / self.size[1] as f32)
+    }
+}
+
+impl<Key: PartialEq> Picture<Key> {
+    /// Draws the picture of `key`, which `pixels` makes if it was another one before.
+    pub(super) fn show(
+        &mut self,
+        ui: &mut egui::Ui,
+        (name, key): (&str, Key),
+        size: [usize; 2],
+        pixels: impl FnOnce() -> Vec<Color32>,
+    ) -> Shown {
+        if self.made.as_ref().is_none_or(|(known, _)| *known != key) {
+            let options =
+                TextureOptions { minification: egui::TextureFilter::Linear, ..TextureOptions::NEAREST };
+            let texture = ui.ctx().load_texture(name, ColorImage::new(size, pixels()), options);
+            self.made = Some((key, texture));
+        }
+        let available = ui.available_size().max(vec2(32.0, 32.0));
+        let (width, height) = (size[0].max(1) as f32, size[1].max(1) as f32);
+        let scale = (available.x / width).min(available.y / height);
+        let (rect, response) = ui.allocate_exact_size(vec2(width, height) * scale, Sense::click());
+        if let Some((_, texture)) = &self.made {
+            let all = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+            ui.painter().image(texture.id(), rect, all, crate::theme::UNTINTED);
+        }
+        let pixel = response.hover_pos().or(response.interact_pointer_pos()).map(|at| {
+            let part = (at - rect.min) / rect.size();
+            let place =
+                |part: f32, size: usize| (part.clamp(0.0, 1.0) * size as f32).min(size as f32 - 1.0) as u32;
+            [place(part.x, size[0]), place(part.y, size[1])]
+        });
+        Shown { response, rect, pixel, size }
+    }
+}

@@ -1,0 +1,204 @@
+//! One ray: where it runs, its key field by field, its group, and its path through the bounces.
+
+use egui::RichText;
+use formats::manifest::{Place, QueueArray, QueueId};
+use formats::reader::Mapped;
+use formats::traced::Results;
+
+use super::missing;
+use crate::model::key::ReadKey;
+use crate::model::{Context, Order};
+use crate::output::count;
+use crate::panels::Panel;
+use crate::theme::Theme;
+
+pub(super) struct RayPanel;
+
+impl Panel for RayPanel {
+    fn title(&self) -> &'static str {
+        "Ray"
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
+        let order = match context.order() {
+            Ok(order) => order,
+            Err(reason) => return missing(ui, &reason),
+        };
+        step(ui, context, &order);
+        let Some(ray) = context.selection.ray.filter(|&ray| ray < order.len()) else {
+            return missing(ui, "choose a ray: click a pixel, a row, a cell or a line in space");
+        };
+        egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+            geometry(ui, &order, ray);
+            ui.separator();
+            key(ui, &order, ray);
+            ui.separator();
+            group(ui, context, &order, ray);
+            ui.separator();
+            path(ui, context, &order, ray);
+        });
+    }
+}
+
+/// Goes along the order, ray by ray or group by group.
+fn step(ui: &mut egui::Ui, context: &mut Context, order: &Order) {
+    let width = context.selection.group_width.rays();
+    let now =
+        context.selection.ray.and_then(|ray| order.place_of_ray().get(ray)).map(|&place| place as usize);
+    let last = order.len().saturating_sub(1);
+    let mut next = None;
+    ui.horizontal_wrapped(|ui| {
+        for (name, about, to) in [
+            (
+                "< group",
+                "The first ray of the group before",
+                now.map(|at| (at / width).saturating_sub(1) * width),
+            ),
+            ("< ray", "The ray before in the order", now.map(|at| at.saturating_sub(1))),
+            ("ray >", "The next ray of the order", Some(now.map_or(0, |at| (at + 1).min(last)))),
+            (
+                "group >",
+                "The first ray of the next group",
+                Some(now.map_or(0, |at| ((at / width + 1) * width).min(last))),
+            ),
+        ] {
+            let button = egui::Button::new(name);
+            if ui.add_enabled(to.is_some() && !order.is_empty(), button).on_hover_text(about).clicked() {
+                next = to;
+            }
+        }
+        if ui.button("worst group").on_hover_text("The group with the largest capsule").clicked() {
+            let groups = order.groups(context.selection.group_width);
+            next = groups.worst(1).first().map(|&group| groups.places(group).start);
+        }
+    });
+    if let Some(place) = next {
+        context.select_ray(Some(order.places.ray(place)));
+    }
+}
+
+fn lines(ui: &mut egui::Ui, name: &'static str, rows: &[(&str, String)]) {
+    egui::Grid::new(name).num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
+        for (what, value) in rows {
+            ui.label(*what);
+            ui.monospace(value);
+            ui.end_row();
+        }
+    });
+}
+
+fn geometry(ui: &mut egui::Ui, order: &Order, index: usize) {
+    let queue = &order.queue;
+    let ray = &queue.traced.rays()[index];
+    let vector = |[x, y, z]: [f32; 3]| format!("{x:.4} {y:.4} {z:.4}");
+    let place = order.place_of_ray()[index];
+    let result = match queue.traced.results() {
+        Results::Hits(hits) if hits[index].is_hit() => {
+            format!("triangle {}", hits[index].triangle)
+        }
+        Results::Hits(_) => "no triangle".to_owned(),
+        Results::Distances(distances) if distances[index].is_finite() => {
+            format!("occluder at {:.4}", distances[index])
+        }
+        Results::Distances(_) => "its light".to_owned(),
+    };
+    let mut rows = vec![
+        ("ray", format!("{} of {}", count(index as u64), count(order.len() as u64))),
+        ("place", count(u64::from(place))),
+        ("origin", vector(ray.origin)),
+        ("direction", vector(ray.direction)),
+        ("length", format!("{:.5} of the scene", queue.lengths[index])),
+        ("found", result),
+    ];
+    if let Ok(table) = &queue.table {
+        rows.push(("table says", format!("{:.5}", table.mean(ray))));
+    }
+    if let Ok(work) = &queue.work {
+        let work = work[index];
+        rows.push(("work", format!("{} nodes, {} triangles", work.nodes, work.triangles)));
+    }
+    lines(ui, "geometry", &rows);
+}
+
+fn key(ui: &mut egui::Ui, order: &Order, ray: usize) {
+    let key = match ReadKey::of(order, ray) {
+        Ok(key) => key,
+        Err(reason) => {
+            ui.label(reason);
+            return;
+        }
+    };
+    let theme = Theme::of(ui.ctx());
+    let number =
+        |name: &str| key.fields.iter().position(|field| field.coordinate.name() == name).unwrap_or(0);
+    ui.label(format!("Key {}, {} bits", key.hexadecimal(), key.key_bits))
+        .on_hover_text("Each bit with the colour of the coordinate that it comes from");
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 0.0;
+        for (at, name) in key.bits.iter().enumerate() {
+            let digit = if key.bit(at) { "1" } else { "0" };
+            let text = RichText::new(digit).monospace().color(theme.series(number(name)));
+            ui.label(text).on_hover_text(*name);
+        }
+    });
+    egui::Grid::new("fields").striped(true).num_columns(4).spacing([14.0, 2.0]).show(ui, |ui| {
+        for (number, field) in key.fields.iter().enumerate() {
+            let (low, high) = field.range();
+            ui.label(RichText::new(field.coordinate.name()).monospace().color(theme.series(number)));
+            ui.monospace(format!("{:0bits$b}", field.value, bits = field.bits as usize));
+            ui.monospace(format!("{} bits", field.bits));
+            ui.monospace(format!("{low:.5} to {high:.5}"));
+            ui.end_row();
+        }
+    });
+}
+
+fn group(ui: &mut egui::Ui, context: &Context, order: &Order, ray: usize) {
+    let groups = order.groups(context.selection.group_width);
+    let at = groups.of_place(order.place_of_ray()[ray] as usize);
+    let Some(group) = groups.groups.get(at) else { return };
+    let mean = groups.mean_area();
+    let of_mean = if mean > 0.0 { group.area / mean } else { 1.0 };
+    lines(
+        ui,
+        "group",
+        &[
+            ("group", format!("{} of {}", count(at as u64), count(groups.groups.len() as u64))),
+            ("capsule area", format!("{:.5}", group.area)),
+            ("of the mean", format!("{of_mean:.2}")),
+            ("radii", format!("{:.4} and {:.4}", group.capsule.origin_radius, group.capsule.end_radius)),
+            ("spread", format!("{:.4}", group.spread)),
+            ("lanes", group.lanes.map_or("not known".to_owned(), |lanes| format!("{lanes:.3}"))),
+        ],
+    );
+}
+
+/// The other queues in which the path of a ray lives.
+fn path(ui: &mut egui::Ui, context: &mut Context, order: &Order, ray: usize) {
+    let pixel = order.queue.path_ids[ray];
+    ui.label(format!("Path {pixel} lives in"));
+    let Some(recording) = context.recording() else { return };
+    let now = context.selection.queue;
+    let of_pass = |queue: &QueueId| queue.pass == now.pass;
+    let queues = recording.queues().iter().map(|record| record.id).filter(of_pass);
+    let mut found: Vec<(QueueId, usize)> = Vec::new();
+    for queue in queues {
+        let paths: Result<Mapped<u32>, _> = recording.dump.array(&Place::Queue(queue, QueueArray::PathIds));
+        if let Some(ray) = paths.ok().and_then(|paths| paths.binary_search(&pixel).ok()) {
+            found.push((queue, ray));
+        }
+    }
+    let mut next = None;
+    ui.horizontal_wrapped(|ui| {
+        for (queue, ray) in found {
+            let text = format!("{} {}", queue.kind, queue.bounce);
+            if ui.selectable_label(queue == now, text).clicked() {
+                next = Some((queue, ray));
+            }
+        }
+    });
+    if let Some((queue, ray)) = next {
+        context.go_to(queue);
+        context.select_ray(Some(ray));
+    }
+}

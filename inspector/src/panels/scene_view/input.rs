@@ -1,0 +1,140 @@
+//! Pointer and keys: orbit, look, fly, zoom, frame what is selected, choose a ray.
+
+use egui::{Key, PointerButton, Response, Ui};
+use glam::Vec3;
+
+use super::{SceneView, StandPoint, stand};
+use crate::model::{Context, Order};
+use crate::render::camera::Camera;
+
+/// Radians for each point that the pointer is dragged.
+const TURN: f32 = 0.006;
+/// Farthest that the pointer may be from a ray that it chooses, points.
+const REACH: f32 = 8.0;
+/// Unit lengths flown in a second for each unit of distance to the target.
+const FLIGHT: f32 = 1.2;
+
+/// Takes what was done to the picture.
+pub(super) fn take(ui: &Ui, response: &Response, view: &mut SceneView, context: &mut Context) {
+    let Some(recording) = context.recording() else { return };
+    let at = context.selection.recording;
+    let mut camera = view.camera(at, recording);
+    drag(ui, response, &mut camera);
+    if response.hovered() {
+        let scroll = ui.input(|input| input.smooth_scroll_delta.y);
+        camera.zoom((scroll * 0.003).exp());
+    }
+    // Keys belong to whatever has the focus, such as a number that is typed.
+    if response.hovered() && !ui.ctx().egui_wants_keyboard_input() {
+        keys(ui, &mut camera, view, context);
+    }
+    view.camera = Some((at, camera));
+    if response.clicked()
+        && let Some(pointer) = response.interact_pointer_pos()
+        && let Ok(order) = context.order()
+    {
+        let ray = nearest(view, &order, &camera, response, pointer);
+        context.select_ray(ray);
+    }
+}
+
+fn drag(ui: &Ui, response: &Response, camera: &mut Camera) {
+    let by = response.drag_delta();
+    let shift = ui.input(|input| input.modifiers.shift);
+    if response.dragged_by(PointerButton::Primary) && !shift {
+        camera.orbit(-by.x * TURN, -by.y * TURN);
+    } else if response.dragged_by(PointerButton::Secondary) {
+        camera.look(-by.x * TURN, -by.y * TURN);
+    } else if response.dragged() {
+        let height = response.rect.height().max(1.0);
+        let step = 2.0 * camera.distance * (0.5 * camera.yfov_radians).tan() / height;
+        camera.fly(-by.x * step, by.y * step, 0.0);
+    }
+}
+
+fn keys(ui: &Ui, camera: &mut Camera, view: &mut SceneView, context: &mut Context) {
+    let (seconds, down) = ui.input(|input| (input.stable_dt.min(0.1), input.keys_down.clone()));
+    let step = FLIGHT * camera.distance * seconds;
+    let mut is_flying = false;
+    for (key, right, up, forward) in [
+        (Key::W, 0.0, 0.0, 1.0),
+        (Key::S, 0.0, 0.0, -1.0),
+        (Key::A, -1.0, 0.0, 0.0),
+        (Key::D, 1.0, 0.0, 0.0),
+        (Key::Q, 0.0, -1.0, 0.0),
+        (Key::E, 0.0, 1.0, 0.0),
+    ] {
+        if down.contains(&key) {
+            camera.fly(right * step, up * step, forward * step);
+            is_flying = true;
+        }
+    }
+    if is_flying {
+        ui.ctx().request_repaint();
+    }
+    let pressed = |key: Key| ui.input(|input| input.key_pressed(key));
+    if let Some(recording) = context.recording() {
+        if pressed(Key::C) {
+            *camera = stand(StandPoint::Recorded, recording);
+        }
+        if pressed(Key::R) {
+            *camera = stand(StandPoint::Overview, recording);
+        }
+    }
+    if pressed(Key::Space) {
+        view.options.is_playing = !view.options.is_playing;
+    }
+    if pressed(Key::F)
+        && let Some((low, high)) = selected_box(context)
+    {
+        camera.frame(low, high);
+    }
+}
+
+/// The box around the selected group, or else the selected ray.
+fn selected_box(context: &mut Context) -> Option<(Vec3, Vec3)> {
+    let order = context.order().ok()?;
+    let rays: Vec<usize> = match (context.selection.group, context.selection.ray) {
+        (Some(group), _) => {
+            let places = order.groups(context.selection.group_width).places(group);
+            places.map(|place| order.places.ray(place)).collect()
+        }
+        (None, Some(ray)) => vec![ray],
+        (None, None) => return None,
+    };
+    let points = rays.iter().flat_map(|&ray| {
+        let segment = order.queue.segment(ray);
+        [segment.origin, segment.end].map(|point| Vec3::from(point.map(|along| along as f32)))
+    });
+    points.map(|point| (point, point)).reduce(|(low, high), (from, to)| (low.min(from), high.max(to)))
+}
+
+/// The ray shown whose origin, or whose line if rays are drawn, is nearest to the pointer.
+fn nearest(
+    view: &SceneView,
+    order: &Order,
+    camera: &Camera,
+    response: &Response,
+    pointer: egui::Pos2,
+) -> Option<usize> {
+    let rect = response.rect;
+    let clip = camera.clip_from_unit(rect.width() / rect.height().max(1.0));
+    let on_screen = |point: [f64; 3]| {
+        let clip = clip * Vec3::from(point.map(|along| along as f32)).extend(1.0);
+        (clip.w > 1e-4).then(|| {
+            let part = egui::vec2(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w);
+            rect.min + part * rect.size()
+        })
+    };
+    let away = |ray: usize| {
+        let segment = order.queue.segment(ray);
+        let from = on_screen(segment.origin)?;
+        let to = if view.options.rays { on_screen(segment.end)? } else { from };
+        let (along, offset) = (to - from, pointer - from);
+        let part = (along.dot(offset) / along.length_sq().max(1e-6)).clamp(0.0, 1.0);
+        Some((offset - part * along).length())
+    };
+    let rays = view.layers.detail()?.places().map(|place| order.places.ray(place));
+    let found = rays.filter_map(|ray| Some((away(ray)?, ray))).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (found.0 <= REACH).then_some(found.1)
+}

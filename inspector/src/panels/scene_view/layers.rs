@@ -1,0 +1,293 @@
+//! From a selection to vertices: made anew only when the selection or what is shown of it changes.
+
+use std::ops::Range;
+
+use formats::manifest::QueueId;
+
+use super::options::{CapsuleChoice, Options};
+use crate::analysis::GroupWidth;
+use crate::model::value::ColourBy;
+use crate::model::{Context, Order};
+use crate::render::cell_box::cell_box;
+use crate::render::detail::Detail;
+use crate::render::frame::{Layer, Paint, Stage};
+use crate::render::geometry::{
+    CapsuleInstance, Geometry, RayEnd, Shape, Vertex, box_edges, curve, ends, rays,
+};
+use crate::render::range::ValueRange;
+use crate::theme::{ShaderColour, Theme};
+
+/// Rays of a group that are drawn bold.
+const SELECTED_WIDTH: f32 = 3.0;
+
+/// What the vertices of all rays depend on.
+#[derive(Clone, Debug, PartialEq)]
+struct Key {
+    order: (usize, QueueId, String, GroupWidth),
+    places: Range<usize>,
+    detail: usize,
+    curve: Option<RayEnd>,
+    rays: bool,
+    ends: bool,
+    colour_by: ColourBy,
+    capsules: Option<(CapsuleChoice, usize, Option<usize>)>,
+}
+
+/// What the vertices of what is selected depend on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct SelectedKey {
+    order: (usize, QueueId, String, GroupWidth),
+    chosen: (Option<usize>, Option<usize>, Option<u32>),
+}
+
+/// The vertices of all rays that are shown.
+struct Made {
+    detail: Detail,
+    curve: Option<Geometry>,
+    rays: Option<Geometry>,
+    ends: Option<Geometry>,
+    capsules: Option<Capsules>,
+    values: Vec<f32>,
+}
+
+/// Capsules, and how many there are.
+struct Capsules {
+    geometry: Geometry,
+    shown: usize,
+    all: usize,
+}
+
+/// Logarithms of areas that colours of capsules stand for, the same in all orders: a capsule around the
+/// whole scene has an area of a few units.
+pub(super) const AREAS: ValueRange = ValueRange { low: -3.0, high: 1.0 };
+
+/// The vertices of what is selected: its lines, its capsule, the box of its cell.
+struct Selected {
+    lines: Geometry,
+    group: Geometry,
+    capsule: Option<Geometry>,
+}
+
+/// The vertices of the last picture.
+#[derive(Default)]
+pub struct Layers {
+    made: Option<(Key, Made)>,
+    selected: Option<(SelectedKey, Selected)>,
+    problem: Option<String>,
+    range: Option<ValueRange>,
+    shown: usize,
+    all: usize,
+}
+
+impl Layers {
+    /// Rays in the last picture, and all rays of the queue.
+    pub fn counts(&self) -> Option<(usize, usize)> {
+        self.made.as_ref().map(|_| (self.shown, self.all))
+    }
+
+    /// Capsules in the last picture, and all groups of the order; none if it shows no capsules.
+    pub(super) fn capsule_counts(&self) -> Option<(usize, usize)> {
+        let (_, made) = self.made.as_ref()?;
+        made.capsules.as_ref().map(|capsules| (capsules.shown, capsules.all))
+    }
+
+    /// Why the last picture lacks something, if it does.
+    pub fn problem(&self) -> Option<&str> {
+        self.problem.as_deref()
+    }
+
+    /// What the ends of the colours stand for.
+    pub(super) fn range(&self) -> Option<ValueRange> {
+        self.range
+    }
+
+    /// The numbers behind the colours of the rays shown.
+    pub(super) fn values(&self) -> &[f32] {
+        self.made.as_ref().map_or(&[], |(_, made)| &made.values)
+    }
+
+    /// The rays shown as canonical indices, each with its ends: what the pointer can choose.
+    pub(super) fn detail(&self) -> Option<Detail> {
+        self.made.as_ref().map(|(_, made)| made.detail)
+    }
+
+    /// The layers of a picture.
+    pub fn show(&mut self, theme: Theme, options: &Options, context: &mut Context) -> Vec<Layer> {
+        let order = match context.order() {
+            Ok(order) => order,
+            Err(reason) => {
+                *self = Self { problem: Some(reason), ..Self::default() };
+                return Vec::new();
+            }
+        };
+        let selection = &context.selection;
+        let of_order =
+            (selection.recording, selection.queue, selection.method.clone(), selection.group_width);
+        let key = Key {
+            order: of_order.clone(),
+            places: drawn_from(options, order.len()),
+            detail: options.detail,
+            curve: options.curve.then_some(options.curve_end),
+            rays: options.rays,
+            ends: options.ends,
+            colour_by: options.colour_by,
+            capsules: options.capsules.then(|| {
+                let group = selection.group.filter(|_| options.capsule_choice == CapsuleChoice::Selected);
+                (options.capsule_choice, options.capsule_count, group)
+            }),
+        };
+        if self.made.as_ref().is_none_or(|(known, _)| *known != key) {
+            let made = Made::of(&order, &key);
+            self.made = Some((key, made));
+        }
+        let chosen = (selection.ray, selection.group, selection.cell);
+        let key = SelectedKey { order: of_order, chosen };
+        if self.selected.as_ref().is_none_or(|(known, _)| *known != key) {
+            let selected = Selected::of(&order, &key, context);
+            self.selected = Some((key, selected));
+        }
+        self.problem = options.colour_by.missing(&order).map(str::to_owned);
+        self.layers(theme, options, &order)
+    }
+
+    fn layers(&mut self, theme: Theme, options: &Options, order: &Order) -> Vec<Layer> {
+        let (Some((_, made)), Some((_, selected))) = (&self.made, &self.selected) else { return Vec::new() };
+        let range = match options.colour_by {
+            ColourBy::Place => ValueRange { low: 0.0, high: order.len().saturating_sub(1).max(1) as f32 },
+            _ => ValueRange::of_percentiles(&made.values, options.percentiles.0, options.percentiles.1),
+        };
+        self.range = Some(range);
+        let part = made.detail.between(&scrubbed(options, order.len()));
+        self.shown = part.len();
+        self.all = order.len();
+        let part = part.start as u32..part.end as u32;
+        let drawing = Drawing { options, part, paint: Paint::Values(options.map, range) };
+        let mut layers = Vec::new();
+        // A line of the curve goes to the next point, so the last point has none.
+        layers.extend(made.curve.as_ref().map(|curve| drawing.lines(curve, 1, 0.9)));
+        layers.extend(made.rays.as_ref().map(|rays| drawing.lines(rays, 0, 0.7)));
+        layers.extend(made.ends.as_ref().map(|ends| Layer { width: 4.0, ..drawing.lines(ends, 0, 1.0) }));
+        layers.extend(made.capsules.as_ref().map(|capsules| Layer {
+            geometry: capsules.geometry.clone(),
+            part: None,
+            stage: Stage::Capsules,
+            paint: Paint::Values(options.map, AREAS),
+            opacity: options.capsule_opacity,
+            hidden_opacity: 0.0,
+            width: 0.0,
+        }));
+        layers.extend(selected.layers(theme.selected()));
+        layers
+    }
+}
+
+/// The places that the scrub slider leaves.
+fn scrubbed(options: &Options, rays: usize) -> Range<usize> {
+    let until = (f64::from(options.until) * rays as f64).round();
+    let from = (until - f64::from(options.window) * rays as f64).max(0.0).round();
+    from as usize..until as usize
+}
+
+/// The places that detail is spread over: all of them while the slider leaves everything before it, so
+/// that nothing is made anew while it moves; else those that it leaves, which then show more detail.
+fn drawn_from(options: &Options, rays: usize) -> Range<usize> {
+    if options.window >= 1.0 { 0..rays } else { scrubbed(options, rays) }
+}
+
+/// What layers of lines have in common.
+struct Drawing<'a> {
+    options: &'a Options,
+    part: Range<u32>,
+    paint: Paint,
+}
+
+impl Drawing<'_> {
+    fn lines(&self, geometry: &Geometry, fewer: u32, opacity: f32) -> Layer {
+        let Range { start, end } = self.part.clone();
+        Layer {
+            geometry: geometry.clone(),
+            part: Some(start..end.saturating_sub(fewer).max(start)),
+            stage: Stage::Lines,
+            paint: self.paint,
+            opacity,
+            hidden_opacity: self.options.hidden_opacity,
+            width: self.options.line_width,
+        }
+    }
+}
+
+impl Made {
+    fn of(order: &Order, key: &Key) -> Self {
+        let width = key.order.3;
+        let detail = Detail::of(&key.places, key.detail);
+        let value = |place: usize| key.colour_by.value(order, width, place);
+        Self {
+            detail,
+            curve: key.curve.map(|end| curve(order, detail, end, value).into()),
+            rays: key.rays.then(|| rays(order, detail.places(), value).into()),
+            ends: key.ends.then(|| ends(order, detail.places(), value).into()),
+            capsules: key.capsules.map(|(choice, most, group)| capsules(order, width, choice, most, group)),
+            values: detail.places().map(value).collect(),
+        }
+    }
+}
+
+/// Capsules as the analysis computes them, coloured by the logarithm of their area over all groups.
+fn capsules(
+    order: &Order,
+    width: GroupWidth,
+    choice: CapsuleChoice,
+    most: usize,
+    group: Option<usize>,
+) -> Capsules {
+    let groups = order.groups(width);
+    let chosen: Vec<usize> = match choice {
+        CapsuleChoice::Selected => group.into_iter().collect(),
+        CapsuleChoice::Worst => groups.worst(most),
+        CapsuleChoice::Spread => Detail::of(&(0..groups.groups.len()), most).places().collect(),
+    };
+    let value = |area: f64| area.max(1e-12).log10() as f32;
+    let found = chosen.into_iter().filter_map(|at| groups.groups.get(at));
+    let capsules: Vec<_> =
+        found.map(|group| CapsuleInstance::of(&group.capsule, value(group.area))).collect();
+    let shown = capsules.len();
+    Capsules { geometry: Shape::Capsules(capsules).into(), shown, all: groups.groups.len() }
+}
+
+impl Selected {
+    fn of(order: &Order, key: &SelectedKey, context: &Context) -> Self {
+        let (ray, group, cell) = key.chosen;
+        let mut lines: Vec<[Vertex; 2]> = Vec::new();
+        let place = ray.and_then(|ray| order.place_of_ray().get(ray));
+        if let (Some(&place), Some(_)) = (place, ray)
+            && let Shape::Segments(found) = rays(order, std::iter::once(place as usize), |_| 0.0)
+        {
+            lines.extend(found);
+        }
+        let options = context.recording().map(|recording| &recording.dump.manifest().header.options);
+        let corners = cell.zip(options).and_then(|(cell, options)| cell_box(options, cell).ok());
+        lines.extend(corners.map(|corners| box_edges(corners, 0.0)).unwrap_or_default());
+        let groups = order.groups(key.order.3);
+        let places = group.map_or(0..0, |group| groups.places(group));
+        let found = group.and_then(|group| groups.groups.get(group));
+        let capsule =
+            found.map(|group| Shape::Capsules(vec![CapsuleInstance::of(&group.capsule, 0.0)]).into());
+        Self { lines: Shape::Segments(lines).into(), group: rays(order, places, |_| 0.0).into(), capsule }
+    }
+
+    fn layers(&self, colour: ShaderColour) -> Vec<Layer> {
+        let layer = |geometry: &Geometry, stage, opacity, width| Layer {
+            geometry: geometry.clone(),
+            part: None,
+            stage,
+            paint: Paint::Plain(colour),
+            opacity,
+            hidden_opacity: 0.0,
+            width,
+        };
+        let capsule = self.capsule.as_ref().map(|capsule| layer(capsule, Stage::Capsules, 0.16, 0.0));
+        let group = layer(&self.group, Stage::OnTop, 0.5, 1.0);
+        let lines = layer(&self.lines, Stage::OnTop, 1.0, SELECTED_WIDTH);
+        capsule.into_iter().chain([group, lines]).collect()
+    }
+}

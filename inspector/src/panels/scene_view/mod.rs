@@ -1,0 +1,181 @@
+//! The scene in space, with rays, the curve of their order, capsules and table cells.
+//!
+//! - [`options`]: what is shown, and how
+//! - [`layers`]: from a selection to vertices, made anew only when it changes
+//! - `controls`: the row above the picture, the slider and the colour bar below
+//! - `input`: pointer and keys
+
+mod controls;
+mod input;
+pub mod layers;
+pub mod options;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use egui::Sense;
+use formats::manifest::{Place, SceneArray};
+use formats::reader::Mapped;
+
+use self::layers::Layers;
+use self::options::{MeshMode, Options, StandPoint};
+use super::missing;
+use crate::model::{Context, Recording};
+use crate::output::count;
+use crate::panels::Panel;
+use crate::render::camera::Camera;
+use crate::render::frame::{Cut, Frame, Layer, Paint, Stage};
+use crate::render::geometry::{Geometry, mesh};
+use crate::render::gpu::FrameCallback;
+use crate::theme::Theme;
+
+/// The panel.
+pub struct SceneView {
+    view: u64,
+    format: wgpu::TextureFormat,
+    /// What is shown, and how.
+    pub options: Options,
+    camera: Option<(usize, Camera)>,
+    mesh: Option<(usize, Result<Geometry, String>)>,
+    layers: Layers,
+}
+
+impl SceneView {
+    /// For a window of this format.
+    pub fn new(format: wgpu::TextureFormat) -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self {
+            view: NEXT.fetch_add(1, Ordering::Relaxed),
+            format,
+            options: Options::default(),
+            camera: None,
+            mesh: None,
+            layers: Layers::default(),
+        }
+    }
+
+    /// The camera, that of the options if the recording is another one.
+    fn camera(&mut self, at: usize, recording: &Recording) -> Camera {
+        match self.camera {
+            Some((known, camera)) if known == at => camera,
+            _ => {
+                let camera = stand(self.options.stand_point, recording);
+                self.camera = Some((at, camera));
+                camera
+            }
+        }
+    }
+
+    fn mesh(&mut self, at: usize, recording: &Recording) -> Result<Geometry, String> {
+        match &self.mesh {
+            Some((known, mesh)) if *known == at => mesh.clone(),
+            _ => {
+                let mesh = read_mesh(recording);
+                self.mesh = Some((at, mesh.clone()));
+                mesh
+            }
+        }
+    }
+
+    fn frame(&mut self, theme: Theme, pixels: [u32; 2], context: &mut Context) -> Option<Frame> {
+        let at = context.selection.recording;
+        let camera = self.camera(at, context.recording()?);
+        let mesh = match self.options.mesh {
+            MeshMode::Hidden => None,
+            MeshMode::Solid | MeshMode::Ghost => self.mesh(at, context.recording()?).ok(),
+        };
+        let is_ghost = self.options.mesh == MeshMode::Ghost;
+        let mesh = mesh.map(|geometry| Layer {
+            geometry,
+            part: None,
+            stage: if is_ghost { Stage::Ghost } else { Stage::Solid },
+            paint: Paint::Plain(theme.mesh()),
+            opacity: if is_ghost { self.options.ghost_opacity } else { 1.0 },
+            hidden_opacity: 0.0,
+            width: 0.0,
+        });
+        let sides = context.recording()?.unit().sides;
+        let cut = match self.options.cut {
+            part if part >= 1.0 => Cut::NONE,
+            part => Cut { normal: [0.0, 1.0, 0.0], offset: part * sides[1] },
+        };
+        let layers = self.layers.show(theme, &self.options, context);
+        Some(Frame {
+            camera,
+            pixels,
+            background: theme.background(),
+            cut,
+            layers: mesh.into_iter().chain(layers).collect(),
+        })
+    }
+}
+
+/// The camera of a stand point.
+fn stand(point: StandPoint, recording: &Recording) -> Camera {
+    let unit = recording.unit();
+    match point {
+        StandPoint::Recorded => Camera::recorded(&recording.dump.manifest().header.camera, &unit),
+        StandPoint::Overview => Camera::overview(unit.sides),
+    }
+}
+
+fn read_mesh(recording: &Recording) -> Result<Geometry, String> {
+    let text = |error: formats::reader::ReadError| error.to_string();
+    let dump = &recording.dump;
+    let positions: Mapped<[f32; 3]> = dump.array(&Place::Scene(SceneArray::Positions)).map_err(text)?;
+    let triangles: Mapped<[u32; 3]> = dump.array(&Place::Scene(SceneArray::Triangles)).map_err(text)?;
+    Ok(mesh(&recording.unit(), &positions, &triangles).into())
+}
+
+impl Panel for SceneView {
+    fn title(&self) -> &'static str {
+        "Scene"
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
+        if context.recording().is_none() {
+            return missing(ui, "no recording is open");
+        }
+        controls::above(ui, self, context);
+        let below = controls::height_below(ui);
+        let size = (ui.available_size() - egui::vec2(0.0, below)).max(egui::vec2(16.0, 16.0));
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        let scale = ui.ctx().pixels_per_point();
+        let pixels = [rect.width(), rect.height()].map(|side| (side * scale).round().max(1.0) as u32);
+        input::take(ui, &response, self, context);
+        if let Some(frame) = self.frame(Theme::of(ui.ctx()), pixels, context) {
+            let callback = FrameCallback { view: self.view, format: self.format, frame: Arc::new(frame) };
+            ui.painter().add(callback.shape(rect));
+        }
+        let text = self.showing();
+        let problem = self.layers.problem().or(self.mesh_problem()).map(str::to_owned);
+        controls::overlay(ui, rect, &text, problem.as_deref());
+        controls::below(ui, self);
+    }
+
+    fn drawn(&self) -> Option<(usize, usize)> {
+        self.layers.counts()
+    }
+}
+
+impl SceneView {
+    /// What is shown of what there is, in words.
+    fn showing(&self) -> String {
+        let of = |(shown, all): (usize, usize), what| {
+            format!("{} of {} {what}", count(shown as u64), count(all as u64))
+        };
+        let rays =
+            self.layers.counts().filter(|_| self.options.shows_rays()).map(|counts| of(counts, "rays"));
+        let capsules = self.layers.capsule_counts().map(|counts| of(counts, "capsules"));
+        let parts: Vec<String> = rays.into_iter().chain(capsules).collect();
+        if parts.is_empty() {
+            "showing the scene alone".to_owned()
+        } else {
+            format!("showing {}", parts.join(", "))
+        }
+    }
+
+    fn mesh_problem(&self) -> Option<&str> {
+        self.mesh.as_ref().and_then(|(_, mesh)| mesh.as_ref().err()).map(String::as_str)
+    }
+}

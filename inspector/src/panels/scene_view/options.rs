@@ -1,0 +1,124 @@
+//! What the scene view shows, and how.
+
+use crate::model::value::ColourBy;
+use crate::render::colour_map::ColourMap;
+use crate::render::geometry::RayEnd;
+
+/// How the scene's surfaces are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MeshMode {
+    /// Not at all.
+    Hidden,
+    /// They hide what is behind them.
+    #[default]
+    Solid,
+    /// One looks through them.
+    Ghost,
+}
+
+/// Which capsules are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CapsuleChoice {
+    /// That of the selected group.
+    #[default]
+    Selected,
+    /// Those with the largest area.
+    Worst,
+    /// Some, spread evenly along the order.
+    Spread,
+}
+
+/// Where the camera stands at first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StandPoint {
+    /// Where the recording's camera stood.
+    #[default]
+    Recorded,
+    /// Outside of the scene, which is seen as a whole.
+    Overview,
+}
+
+/// What is shown, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// The scene's surfaces.
+    pub mesh: MeshMode,
+    /// Opacity of surfaces that one looks through, 0 to 1.
+    pub ghost_opacity: f32,
+    /// Height above which surfaces are cut away, part of the scene's height; 1 for no cut.
+    pub cut: f32,
+    /// The curve of the order.
+    pub curve: bool,
+    /// Through which ends of the rays it goes.
+    pub curve_end: RayEnd,
+    /// The rays.
+    pub rays: bool,
+    /// Where rays end.
+    pub ends: bool,
+    /// Capsules.
+    pub capsules: bool,
+    /// Which of them.
+    pub capsule_choice: CapsuleChoice,
+    /// How many of them at most.
+    pub capsule_count: usize,
+    /// Opacity of capsules where one looks straight at them, 0 to 1; their outline has more.
+    pub capsule_opacity: f32,
+    /// Most rays that are shown.
+    pub detail: usize,
+    /// Where in the order the rays shown end, 0 to 1.
+    pub until: f32,
+    /// How much of the order before that is shown, 0 to 1.
+    pub window: f32,
+    /// Whether `until` moves by itself.
+    pub is_playing: bool,
+    /// What colours stand for.
+    pub colour_by: ColourBy,
+    /// The colours.
+    pub map: ColourMap,
+    /// Percentiles of the values at the ends of the colours.
+    pub percentiles: (f32, f32),
+    /// Width of lines, points.
+    pub line_width: f32,
+    /// Opacity of what surfaces hide.
+    pub hidden_opacity: f32,
+    /// The camera of a recording that was not looked at yet.
+    pub stand_point: StandPoint,
+}
+
+/// Rays that are shown unless told otherwise: more of them are a ball in which no order can be seen.
+const DETAIL: usize = 1200;
+
+impl Options {
+    /// Whether rays are shown, by themselves or by their curve or ends.
+    pub fn shows_rays(&self) -> bool {
+        self.curve || self.rays || self.ends
+    }
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            mesh: MeshMode::default(),
+            ghost_opacity: 0.25,
+            cut: 1.0,
+            curve: true,
+            curve_end: RayEnd::default(),
+            rays: false,
+            ends: false,
+            capsules: false,
+            capsule_choice: CapsuleChoice::default(),
+            capsule_count: 12,
+            capsule_opacity: 0.16,
+            detail: DETAIL,
+            until: 1.0,
+            window: 1.0,
+            is_playing: false,
+            colour_by: ColourBy::default(),
+            map: ColourMap::Turbo,
+            percentiles: (2.0, 98.0),
+            line_width: 1.5,
+            hidden_opacity: 0.12,
+            stand_point: StandPoint::default(),
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! The stages of each method against tracing unsorted rays: what lies left of the line pays off.
+
+use egui_plot::{Bar, BarChart, Plot, VLine};
+use formats::key::method::UNSORTED;
+use formats::manifest::Stage;
+
+use super::{legend, missing};
+use crate::analysis::timing::{SpeedupLine, Verdict};
+use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis};
+use crate::model::Context;
+use crate::panels::Panel;
+use crate::theme::Theme;
+
+pub(super) struct TimingsPanel;
+
+/// Height of a row of the table below, points.
+const ROW: f32 = 23.0;
+
+/// The stages of a bar, from left to right.
+const STACK: [Stage; 6] =
+    [Stage::Key, Stage::Sort, Stage::Gather, Stage::Trace, Stage::TraceIndirect, Stage::Accumulate];
+
+impl Panel for TimingsPanel {
+    fn title(&self) -> &'static str {
+        "Timings"
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
+        let Some(recording) = context.recording() else { return missing(ui, "no recording is open") };
+        let Some(times) = &recording.times else {
+            return missing(ui, "the recording is not finished: times are shown once it is");
+        };
+        let queue = context.selection.queue;
+        let is_now = |found: &&QueueAnalysis| {
+            (found.pass, found.bounce, found.kind) == (queue.pass, queue.bounce, queue.kind)
+        };
+        let Some(queue) = times.queues.iter().find(is_now).filter(|queue| !queue.orders.is_empty()) else {
+            return missing(ui, "no method was measured on these rays; the last pass is the measured one");
+        };
+        let rows = queue.orders.len() as f32 + 1.0;
+        let table_height = (rows * ROW).min(0.45 * ui.available_height());
+        plot(ui, queue, ui.available_height() - table_height - 12.0);
+        speedups(ui, queue);
+    }
+}
+
+/// The stages that tracing in an order takes, in milliseconds: of the two ways to trace, the faster one.
+fn stack(order: &OrderAnalysis) -> [f64; STACK.len()] {
+    let time = |stage: Stage| {
+        let found = order.stages.iter().find(|found| found.stage == stage);
+        found.map(|found| found.time.median_ns / 1e6)
+    };
+    let gathered = time(Stage::Trace).map(|trace| trace + time(Stage::Gather).unwrap_or(0.0));
+    let is_indirect = match (gathered, time(Stage::TraceIndirect)) {
+        (Some(gathered), Some(indirect)) => indirect < gathered,
+        (None, indirect) => indirect.is_some(),
+        (Some(_), None) => false,
+    };
+    STACK.map(|stage| match stage {
+        Stage::Gather | Stage::Trace if is_indirect => 0.0,
+        Stage::TraceIndirect if !is_indirect => 0.0,
+        stage => time(stage).unwrap_or(0.0),
+    })
+}
+
+fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
+    let theme = Theme::of(ui.ctx());
+    let orders: Vec<&OrderAnalysis> = queue.orders.iter().rev().collect();
+    let stacks: Vec<[f64; STACK.len()]> = orders.iter().map(|order| stack(order)).collect();
+    let mut charts: Vec<BarChart> = Vec::new();
+    for (at, stage) in STACK.into_iter().enumerate() {
+        if stacks.iter().all(|stack| stack[at] == 0.0) {
+            continue;
+        }
+        let colour = theme.series(at + 1);
+        let bars = stacks
+            .iter()
+            .enumerate()
+            .map(|(row, stack)| Bar::new(row as f64, stack[at]).width(0.7).fill(colour));
+        let chart = BarChart::new(stage.name().replace('_', " "), bars.collect()).color(colour).horizontal();
+        charts.push(chart.stack_on(&charts.iter().collect::<Vec<_>>()));
+    }
+    let names: Vec<String> = orders.iter().map(|order| order.method.clone()).collect();
+    let break_even = stack_of(queue, UNSORTED).map(|stack| stack.iter().sum::<f64>());
+    let drawn: Vec<usize> =
+        (0..STACK.len()).filter(|&at| stacks.iter().any(|stack| stack[at] > 0.0)).collect();
+    let line = ui.horizontal_wrapped(|ui| {
+        for at in drawn {
+            legend(ui, theme.series(at + 1), &STACK[at].name().replace('_', " "));
+        }
+        ui.label("- - -  break-even: the trace of unsorted rays");
+    });
+    let height = height - line.response.rect.height() - ui.spacing().item_spacing.y;
+    Plot::new("timings")
+        .height(height.max(80.0))
+        .allow_scroll(false)
+        .allow_zoom(false)
+        .allow_drag(false)
+        .include_x(0.0)
+        .set_margin_fraction(egui::vec2(0.02, 0.03))
+        .show_grid([true, false])
+        .x_axis_label("milliseconds")
+        .y_axis_min_width(longest_name(ui, &names))
+        .y_grid_spacer(egui_plot::uniform_grid_spacer(|_| [1.0, 1.0, 1.0]))
+        .y_axis_formatter(move |mark, _| name_at(&names, mark.value))
+        .show(ui, |plot| {
+            for chart in charts {
+                plot.bar_chart(chart);
+            }
+            if let Some(break_even) = break_even {
+                let line = VLine::new("break-even: unsorted trace", break_even).color(theme.reference());
+                plot.vline(line.style(egui_plot::LineStyle::dashed_dense()).width(1.5));
+            }
+        });
+}
+
+fn stack_of(queue: &QueueAnalysis, method: &str) -> Option<[f64; STACK.len()]> {
+    queue.orders.iter().find(|order| order.method == method).map(stack)
+}
+
+fn longest_name(ui: &egui::Ui, names: &[String]) -> f32 {
+    let longest = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+    longest as f32 * 0.55 * ui.text_style_height(&egui::TextStyle::Body)
+}
+
+fn name_at(names: &[String], value: f64) -> String {
+    let is_row = value >= 0.0 && (value - value.round()).abs() < 1e-3;
+    names.get(value.round() as usize).filter(|_| is_row).cloned().unwrap_or_default()
+}
+
+fn speedups(ui: &mut egui::Ui, queue: &QueueAnalysis) {
+    egui::ScrollArea::both().auto_shrink([false, true]).show(ui, |ui| {
+        egui::Grid::new("speedups").striped(true).num_columns(3).spacing([18.0, 2.0]).show(ui, |ui| {
+            for (name, about) in [
+                ("method", "How the rays were sorted"),
+                ("trace speedup", "Unsorted trace over trace in this order, with its 95 % interval"),
+                ("net speedup", "Unsorted trace over all stages that sorting takes"),
+            ] {
+                ui.strong(name).on_hover_text(about);
+            }
+            ui.end_row();
+            for order in queue.orders.iter().filter(|order| order.method != UNSORTED) {
+                ui.label(&order.method);
+                for speedup in [&order.trace_speedup, &order.net_speedup] {
+                    speedup_cell(ui, speedup);
+                }
+                ui.end_row();
+            }
+        });
+    });
+}
+
+fn speedup_cell(ui: &mut egui::Ui, speedup: &Metric<SpeedupLine>) {
+    match speedup {
+        Metric::Known(SpeedupLine { ratio, interval, verdict, n }) => {
+            let interval = interval.map_or(String::new(), |(low, high)| format!("  [{low:.2}, {high:.2}]"));
+            let verdict = match verdict {
+                Verdict::Faster => "faster",
+                Verdict::Slower => "slower",
+                Verdict::NoSignificantDifference => "no significant difference",
+                Verdict::Unknown => "too few samples to tell",
+            };
+            ui.label(format!("{ratio:.2}x{interval}")).on_hover_text(format!("{verdict} (n = {n})"));
+        }
+        Metric::Missing { missing } => {
+            ui.weak("none").on_hover_text(missing);
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! Where a cell of the length table lies: the box of origins that its address stands for.
+
+use formats::key::decode::decode;
+use formats::key::{Coordinate, LayoutText};
+use formats::manifest::Options;
+
+/// The corners of a cell's box in unit space; an axis of which the address says nothing spans all of it.
+///
+/// # Errors
+/// If the recording does not say how cells are addressed.
+pub fn cell_box(options: &Options, cell: u32) -> Result<([f32; 3], [f32; 3]), String> {
+    let layout = LayoutText::parse(&options.table_layout).and_then(|text| text.expand(1));
+    let layout = layout.map_err(|error| error.to_string())?;
+    let (mut low, mut high) = ([0.0; 3], [1.0; 3]);
+    for field in decode(&layout, options.table_bits, u64::from(cell)) {
+        let axis = match field.coordinate {
+            Coordinate::OriginX => 0,
+            Coordinate::OriginY => 1,
+            Coordinate::OriginZ => 2,
+            _ => continue,
+        };
+        let (from, to) = field.range();
+        (low[axis], high[axis]) = (from as f32, to as f32);
+    }
+    Ok((low, high))
+}
+
+/// Column and row of a cell in a picture whose neighbours are neighbours in the address: bits of the
+/// address go to column and row in turn.
+pub fn pixel_of_cell(cell: u32) -> (u32, u32) {
+    (every_other_bit(cell), every_other_bit(cell >> 1))
+}
+
+/// The cell at a column and a row; the inverse of [`pixel_of_cell`].
+pub fn cell_of_pixel(column: u32, row: u32) -> u32 {
+    let spread = |value: u32| (0..16).fold(0, |bits, at| bits | (value >> at & 1) << (2 * at));
+    spread(column) | spread(row) << 1
+}
+
+fn every_other_bit(value: u32) -> u32 {
+    (0..16).fold(0, |bits, at| bits | (value >> (2 * at) & 1) << at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_and_cells_are_inverse() {
+        for cell in [0, 1, 2, 3, 4, 1023, 1024, 0xf_ffff, 0x5_5555, u32::MAX] {
+            let (column, row) = pixel_of_cell(cell);
+            assert_eq!(cell_of_pixel(column, row), cell);
+        }
+        assert_eq!([1, 2, 4].map(pixel_of_cell), [(1, 0), (0, 1), (2, 0)]);
+    }
+}

@@ -1,0 +1,136 @@
+//! All of a picture in space, as data: from where, what, how. Two equal frames are the same picture.
+
+use std::ops::Range;
+
+use bytemuck::{Pod, Zeroable};
+
+use super::camera::Camera;
+use super::colour_map::ColourMap;
+use super::geometry::Geometry;
+use super::range::ValueRange;
+use crate::theme::ShaderColour;
+
+/// How a layer is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Surfaces that hide what is behind them.
+    Solid,
+    /// Surfaces that one looks through.
+    Ghost,
+    /// Lines; what is hidden by surfaces is drawn fainter.
+    Lines,
+    /// Translucent capsules.
+    Capsules,
+    /// Lines in front of everything.
+    OnTop,
+}
+
+/// What gives a layer its colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Paint {
+    /// One colour.
+    Plain(ShaderColour),
+    /// The values of its vertices.
+    Values(ColourMap, ValueRange),
+}
+
+/// One thing that is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// Its vertices.
+    pub geometry: Geometry,
+    /// Which of its lines or capsules, all if `None`.
+    pub part: Option<Range<u32>>,
+    /// How.
+    pub stage: Stage,
+    /// Its colour.
+    pub paint: Paint,
+    /// 0 to 1.
+    pub opacity: f32,
+    /// Opacity of what surfaces hide, for lines.
+    pub hidden_opacity: f32,
+    /// Of lines, pixels.
+    pub width: f32,
+}
+
+/// What is cut away: all points with `normal · p > offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// Direction of what is cut away.
+    pub normal: [f32; 3],
+    /// Where.
+    pub offset: f32,
+}
+
+impl Cut {
+    /// Nothing is cut away.
+    pub const NONE: Self = Self { normal: [0.0; 3], offset: 1.0 };
+}
+
+/// All of a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// From where.
+    pub camera: Camera,
+    /// Pixels across and down, at least 1.
+    pub pixels: [u32; 2],
+    /// Behind everything.
+    pub background: ShaderColour,
+    /// What is cut away of surfaces.
+    pub cut: Cut,
+    /// What is drawn.
+    pub layers: Vec<Layer>,
+}
+
+/// What shaders know of a layer; 144 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct LayerUniform {
+    /// From unit space to clip space.
+    pub clip_from_unit: [[f32; 4]; 4],
+    /// Where the camera stands.
+    pub eye: [f32; 4],
+    /// One colour for all; by value where its alpha is 0.
+    pub plain: [f32; 4],
+    /// What is cut away: normal and offset.
+    pub cut: [f32; 4],
+    /// Pixels across and down.
+    pub viewport: [f32; 2],
+    /// Of lines, pixels.
+    pub width: f32,
+    /// 0 to 1.
+    pub opacity: f32,
+    /// Value of the first colour.
+    pub low: f32,
+    /// Value of the last colour.
+    pub high: f32,
+    /// Row of the colour map.
+    pub map: u32,
+    /// Fills 144 bytes.
+    pub padding: u32,
+}
+
+impl LayerUniform {
+    /// Of a layer of a frame, drawn with this opacity.
+    pub fn of(frame: &Frame, layer: &Layer, opacity: f32) -> Self {
+        let [width, height] = frame.pixels.map(|pixels| pixels as f32);
+        let (plain, map, range) = match layer.paint {
+            Paint::Plain(colour) => (colour, 0, ValueRange { low: 0.0, high: 1.0 }),
+            Paint::Values(map, range) => ([0.0; 4], map.row() as u32, range),
+        };
+        let [x, y, z] = frame.cut.normal;
+        Self {
+            clip_from_unit: frame.camera.clip_from_unit(width / height).to_cols_array_2d(),
+            eye: frame.camera.eye().extend(1.0).to_array(),
+            plain,
+            cut: [x, y, z, frame.cut.offset],
+            viewport: [width, height],
+            width: layer.width,
+            opacity,
+            low: range.low,
+            high: range.high,
+            map,
+            padding: 0,
+        }
+    }
+}

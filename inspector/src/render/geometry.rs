@@ -1,0 +1,266 @@
+//! The vertices of what is drawn, unit space. They are uploaded once, and drawn until they change.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use bytemuck::{Pod, Zeroable};
+use formats::metrics::capsule::{Capsule, Point};
+use formats::unit_space::UnitSpace;
+
+use super::detail::Detail;
+use crate::model::Order;
+
+/// A point with the number that it is coloured by; 16 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Vertex {
+    /// Unit space.
+    pub position: [f32; 3],
+    /// NaN where it is not known.
+    pub value: f32,
+}
+
+/// A capsule with the number that it is coloured by; 48 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct CapsuleInstance {
+    /// Centre and radius of the sphere around the origins.
+    pub origins: [f32; 4],
+    /// Centre and radius of the sphere around the ends.
+    pub ends: [f32; 4],
+    /// NaN where it is not known.
+    pub value: f32,
+    /// Fills 48 bytes.
+    pub padding: [f32; 3],
+}
+
+impl CapsuleInstance {
+    /// Of a capsule as the analysis computes it.
+    pub fn of(capsule: &Capsule, value: f32) -> Self {
+        let sphere = |centre: Point, radius: f64| {
+            let [x, y, z] = centre.map(|along| along as f32);
+            [x, y, z, radius as f32]
+        };
+        Self {
+            origins: sphere(capsule.origin_centre, capsule.origin_radius),
+            ends: sphere(capsule.end_centre, capsule.end_radius),
+            value,
+            padding: [0.0; 3],
+        }
+    }
+}
+
+/// What is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// Surfaces.
+    Mesh {
+        /// Corners.
+        positions: Vec<[f32; 3]>,
+        /// Three corners each.
+        triangles: Vec<[u32; 3]>,
+    },
+    /// One line through all points.
+    Strip(Vec<Vertex>),
+    /// A line between every two points.
+    Segments(Vec<[Vertex; 2]>),
+    /// Capsules.
+    Capsules(Vec<CapsuleInstance>),
+}
+
+/// A shape with a number of its own, by which the GPU knows whether it has it already.
+#[derive(Clone, Debug)]
+pub struct Geometry {
+    id: u64,
+    shape: Arc<Shape>,
+}
+
+impl PartialEq for Geometry {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+    }
+}
+
+impl From<Shape> for Geometry {
+    fn from(shape: Shape) -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self { id: NEXT.fetch_add(1, Ordering::Relaxed), shape: Arc::new(shape) }
+    }
+}
+
+impl Geometry {
+    /// Its number.
+    pub fn id(&self) -> u64 {
+        self.id
+    }
+
+    /// Its vertices.
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+}
+
+/// Which end of a ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RayEnd {
+    /// Where it starts.
+    #[default]
+    Origin,
+    /// Where it was found to end.
+    Termination,
+}
+
+fn vertex(point: Point, value: f32) -> Vertex {
+    Vertex { position: point.map(|along| along as f32), value }
+}
+
+/// The curve of an order: a vertex for each shown place, in order.
+pub fn curve(order: &Order, detail: Detail, end: RayEnd, value: impl Fn(usize) -> f32) -> Shape {
+    let of = |place: usize| {
+        let segment = order.queue.segment(order.places.ray(place));
+        let point = match end {
+            RayEnd::Origin => segment.origin,
+            RayEnd::Termination => segment.end,
+        };
+        vertex(point, value(place))
+    };
+    Shape::Strip(detail.places().map(of).collect())
+}
+
+/// The rays of an order: a line for each shown place, from origin to end.
+pub fn rays(order: &Order, places: impl Iterator<Item = usize>, value: impl Fn(usize) -> f32) -> Shape {
+    let of = |place: usize| {
+        let segment = order.queue.segment(order.places.ray(place));
+        [vertex(segment.origin, value(place)), vertex(segment.end, value(place))]
+    };
+    Shape::Segments(places.map(of).collect())
+}
+
+/// Where shown rays end, as dots.
+pub fn ends(order: &Order, places: impl Iterator<Item = usize>, value: impl Fn(usize) -> f32) -> Shape {
+    let of = |place: usize| {
+        let end = vertex(order.queue.segment(order.places.ray(place)).end, value(place));
+        [end; 2]
+    };
+    Shape::Segments(places.map(of).collect())
+}
+
+/// The twelve edges of a box.
+pub fn box_edges((low, high): ([f32; 3], [f32; 3]), value: f32) -> Vec<[Vertex; 2]> {
+    let corner = |at: usize| {
+        let along = |axis: usize| if at >> axis & 1 == 1 { high[axis] } else { low[axis] };
+        Vertex { position: [along(0), along(1), along(2)], value }
+    };
+    let edge =
+        |(at, axis): (usize, usize)| (at >> axis & 1 == 0).then(|| [corner(at), corner(at | 1 << axis)]);
+    (0..8).flat_map(|at| (0..3).map(move |axis| (at, axis))).filter_map(edge).collect()
+}
+
+/// The surfaces of a scene. Triangles that name a corner that does not exist are left out.
+pub fn mesh(unit: &UnitSpace, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Shape {
+    let exists = |triangle: &&[u32; 3]| triangle.iter().all(|&at| (at as usize) < positions.len());
+    Shape::Mesh {
+        positions: positions.iter().map(|&position| unit.point(position)).collect(),
+        triangles: triangles.iter().filter(exists).copied().collect(),
+    }
+}
+
+/// The box around vertices; `None` for none.
+pub fn bounds<'a>(vertices: impl IntoIterator<Item = &'a Vertex>) -> Option<(glam::Vec3, glam::Vec3)> {
+    let points = vertices.into_iter().map(|vertex| glam::Vec3::from(vertex.position));
+    points.fold(None, |found, point| match found {
+        None => Some((point, point)),
+        Some((low, high)) => Some((low.min(point), high.max(point))),
+    })
+}
+
+/// Corners of a capsule's surface as instances share them: which sphere (0 or 1), how far along its cap
+/// (0 to 1, from the far pole of the first sphere to that of the second), cosine and sine around the axis.
+pub fn capsule_template() -> (Vec<[f32; 4]>, Vec<u32>) {
+    const RINGS: usize = 10;
+    const AROUND: usize = 24;
+    let ring = |ring: usize| {
+        let (sphere, part) = (ring / RINGS, (ring % RINGS) as f32 / (RINGS - 1) as f32);
+        (0..AROUND).map(move |at| {
+            let (sine, cosine) = (at as f32 / AROUND as f32 * std::f32::consts::TAU).sin_cos();
+            [sphere as f32, part, cosine, sine]
+        })
+    };
+    let corner = |ring: usize, at: usize| (ring * AROUND + at % AROUND) as u32;
+    let quad = |ring: usize, at: usize| {
+        let [a, b] = [corner(ring, at), corner(ring, at + 1)];
+        let [c, d] = [corner(ring + 1, at), corner(ring + 1, at + 1)];
+        [a, b, c, b, d, c]
+    };
+    let indices = (0..2 * RINGS - 1).flat_map(|ring| (0..AROUND).flat_map(move |at| quad(ring, at)));
+    ((0..2 * RINGS).flat_map(ring).collect(), indices.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use super::*;
+
+    /// The shader's formula in f64: a corner of the template on a capsule.
+    fn on_surface(capsule: &Capsule, [sphere, part, cosine, sine]: [f32; 4]) -> Point {
+        let difference = capsule.origin_radius - capsule.end_radius;
+        let between = [0, 1, 2].map(|axis| capsule.end_centre[axis] - capsule.origin_centre[axis]);
+        let apart = between.iter().map(|along| along * along).sum::<f64>().sqrt();
+        assert_eq!((between[0], between[1]), (0.0, 0.0), "this test looks along z");
+        let tangent = (difference / apart).clamp(-1.0, 1.0).asin();
+        let (low, high) = if sphere == 0.0 { (-FRAC_PI_2, tangent) } else { (tangent, FRAC_PI_2) };
+        let (along, around) = (low + (high - low) * f64::from(part)).sin_cos();
+        let (centre, radius) = if sphere == 0.0 {
+            (capsule.origin_centre, capsule.origin_radius)
+        } else {
+            (capsule.end_centre, capsule.end_radius)
+        };
+        let across = [f64::from(cosine) * around, f64::from(sine) * around, along];
+        [0, 1, 2].map(|axis| centre[axis] + radius * across[axis])
+    }
+
+    #[test]
+    fn the_template_spans_the_area_of_the_analysis() {
+        for (origin_radius, end_radius, apart) in [(0.5, 0.5, 1.0), (0.2, 1.0, 2.0), (1.0, 0.0, 3.0)] {
+            let capsule = Capsule {
+                origin_centre: [0.1, 0.2, 0.3],
+                origin_radius,
+                end_centre: [0.1, 0.2, 0.3 + apart],
+                end_radius,
+            };
+            let (corners, indices) = capsule_template();
+            let points: Vec<Point> = corners.iter().map(|&corner| on_surface(&capsule, corner)).collect();
+            let area: f64 =
+                indices.chunks(3).map(|at| triangle_area([0, 1, 2].map(|i| points[at[i] as usize]))).sum();
+            assert!((area / capsule.area() - 1.0).abs() < 0.03, "{area} is not {}", capsule.area());
+        }
+    }
+
+    fn triangle_area([a, b, c]: [Point; 3]) -> f64 {
+        let (u, v) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
+        let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        0.5 * cross.iter().map(|part| part * part).sum::<f64>().sqrt()
+    }
+
+    #[test]
+    fn a_box_has_twelve_edges_of_its_sides() {
+        let edges = box_edges(([0.0, 0.0, 0.0], [1.0, 2.0, 4.0]), 3.0);
+        let length =
+            |[a, b]: &[Vertex; 2]| (0..3).map(|i| (b.position[i] - a.position[i]).abs()).sum::<f32>();
+        let mut lengths: Vec<f32> = edges.iter().map(length).collect();
+        lengths.sort_by(f32::total_cmp);
+        assert_eq!(lengths, [1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 4.0, 4.0, 4.0, 4.0]);
+    }
+
+    #[test]
+    fn triangles_without_corners_are_left_out() {
+        let unit = UnitSpace::from_bounds([0.0; 3], [2.0; 3]);
+        let Shape::Mesh { positions, triangles } =
+            mesh(&unit, &[[0.0; 3], [2.0; 3], [1.0; 3]], &[[0, 1, 2], [0, 1, 3]])
+        else {
+            panic!("a mesh is a mesh")
+        };
+        assert_eq!((positions[1], triangles.as_slice()), ([1.0; 3], &[[0, 1, 2]][..]));
+    }
+}

@@ -1,0 +1,31 @@
+// A finished picture, into the window.
+@group(0) @binding(0) var picture: texture_2d<f32>;
+@group(0) @binding(1) var picture_sampler: sampler;
+
+struct CopyPoint {
+    @builtin(position) position: vec4<f32>,
+    @location(0) at: vec2<f32>,
+}
+
+@vertex
+fn copy_vertex(@builtin(vertex_index) corner: u32) -> CopyPoint {
+    let at = vec2<f32>(f32(corner & 1u), f32(corner >> 1u)) * 2.0;
+    var point: CopyPoint;
+    point.position = vec4<f32>(at.x * 2.0 - 1.0, 1.0 - at.y * 2.0, 0.0, 1.0);
+    point.at = at;
+    return point;
+}
+
+@fragment
+fn copy_to_gamma(point: CopyPoint) -> @location(0) vec4<f32> {
+    return vec4<f32>(textureSample(picture, picture_sampler, point.at).rgb, 1.0);
+}
+
+// Windows whose format makes sRGB of linear colours.
+@fragment
+fn copy_to_linear(point: CopyPoint) -> @location(0) vec4<f32> {
+    let colour = textureSample(picture, picture_sampler, point.at).rgb;
+    let low = colour / 12.92;
+    let high = pow((colour + 0.055) / 1.055, vec3<f32>(2.4));
+    return vec4<f32>(select(high, low, colour <= vec3<f32>(0.04045)), 1.0);
+}

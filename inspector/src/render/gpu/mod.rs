@@ -1,0 +1,176 @@
+//! Frames on a GPU: drawn into a picture of their own, with depth and smooth edges, then copied into the
+//! window by a paint callback of egui. A frame equal to the last one is only copied.
+//!
+//! - [`shaders`]: the modules, composed of the WGSL files
+//! - `pipelines`: one for each way of drawing
+//! - `uploads`: vertices that the GPU has already
+//! - `target`: the picture of one view
+
+mod pipelines;
+pub mod shaders;
+mod target;
+mod uploads;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
+
+use self::pipelines::Pipelines;
+use self::target::Target;
+use self::uploads::Uploads;
+use super::frame::{Frame, Layer, LayerUniform, Stage};
+
+/// Layers that a frame may have, each drawn up to twice.
+const DRAWS_MAX: usize = 32;
+/// Bytes from one layer's uniform to the next: what every adapter allows.
+const UNIFORM_STRIDE: u64 = 256;
+
+/// A frame as a paint callback.
+pub struct FrameCallback {
+    /// Which view it is of; each keeps its picture.
+    pub view: u64,
+    /// Format of the window.
+    pub format: wgpu::TextureFormat,
+    /// What is seen.
+    pub frame: Arc<Frame>,
+}
+
+impl FrameCallback {
+    /// The shape that paints it into a rectangle of the window.
+    pub fn shape(self, rect: egui::Rect) -> egui::Shape {
+        egui::Shape::Callback(egui_wgpu::Callback::new_paint_callback(rect, self))
+    }
+}
+
+/// What is kept on the GPU between frames.
+struct Resources {
+    pipelines: Pipelines,
+    uploads: Uploads,
+    views: BTreeMap<u64, View>,
+}
+
+struct View {
+    target: Target,
+    uniforms: wgpu::Buffer,
+    layers: wgpu::BindGroup,
+    drawn: Option<Arc<Frame>>,
+}
+
+/// A layer, the opacity it is drawn with, and whether only where surfaces hide it.
+struct Draw<'a> {
+    layer: &'a Layer,
+    opacity: f32,
+    is_hidden: bool,
+}
+
+impl CallbackTrait for FrameCallback {
+    fn prepare(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        _screen: &ScreenDescriptor,
+        encoder: &mut wgpu::CommandEncoder,
+        resources: &mut CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        let resources = resources.entry::<Resources>().or_insert_with(|| Resources {
+            pipelines: Pipelines::new(device, queue, self.format),
+            uploads: Uploads::new(device),
+            views: BTreeMap::new(),
+        });
+        let Resources { pipelines, uploads, views } = resources;
+        let view = views.entry(self.view).or_insert_with(|| View::new(device, pipelines, self.frame.pixels));
+        if view.target.pixels() != self.frame.pixels {
+            view.target = Target::new(device, pipelines, self.frame.pixels);
+            view.drawn = None;
+        }
+        if view.drawn.as_ref().is_some_and(|drawn| **drawn == *self.frame) {
+            return Vec::new();
+        }
+        for layer in &self.frame.layers {
+            uploads.add(device, &layer.geometry);
+        }
+        view.draw(queue, encoder, pipelines, uploads, &self.frame);
+        view.drawn = Some(self.frame.clone());
+        let used = views.values().filter_map(|view| view.drawn.as_ref());
+        uploads.keep(used.flat_map(|frame| frame.layers.iter().map(|layer| layer.geometry.id())).collect());
+        Vec::new()
+    }
+
+    fn paint(
+        &self,
+        info: egui::PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        resources: &CallbackResources,
+    ) {
+        let Some(resources) = resources.get::<Resources>() else { return };
+        let Some(view) = resources.views.get(&self.view) else { return };
+        let port = info.viewport_in_pixels();
+        let (left, top) = (port.left_px as f32, port.top_px as f32);
+        pass.set_viewport(left, top, port.width_px as f32, port.height_px as f32, 0.0, 1.0);
+        pass.set_pipeline(&resources.pipelines.copy);
+        pass.set_bind_group(0, view.target.picture(), &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+impl View {
+    fn new(device: &wgpu::Device, pipelines: &Pipelines, pixels: [u32; 2]) -> Self {
+        let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("view::uniforms"),
+            size: UNIFORM_STRIDE * DRAWS_MAX as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let layers = pipelines.layer_bindings(device, &uniforms);
+        Self { target: Target::new(device, pipelines, pixels), uniforms, layers, drawn: None }
+    }
+
+    fn draw(
+        &self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        pipelines: &Pipelines,
+        uploads: &Uploads,
+        frame: &Frame,
+    ) {
+        let draws = draws(frame);
+        let mut bytes = vec![0u8; UNIFORM_STRIDE as usize * draws.len()];
+        for (draw, bytes) in draws.iter().zip(bytes.chunks_mut(UNIFORM_STRIDE as usize)) {
+            let uniform = LayerUniform::of(frame, draw.layer, draw.opacity);
+            bytes[..size_of::<LayerUniform>()].copy_from_slice(bytemuck::bytes_of(&uniform));
+        }
+        queue.write_buffer(&self.uniforms, 0, &bytes);
+        let mut pass = self.target.pass(encoder, frame.background);
+        for (at, draw) in draws.iter().enumerate() {
+            let part = draw.layer.part.clone();
+            pass.set_bind_group(0, &self.layers, &[at as u32 * UNIFORM_STRIDE as u32]);
+            uploads.draw(
+                &mut pass,
+                pipelines,
+                &draw.layer.geometry,
+                (draw.layer.stage, draw.is_hidden),
+                part,
+            );
+        }
+    }
+}
+
+/// The draws of a frame in their order: what hides, what is hidden, what is seen, what is seen through.
+fn draws(frame: &Frame) -> Vec<Draw<'_>> {
+    let of = |stage: Stage| frame.layers.iter().filter(move |layer| layer.stage == stage);
+    let plain = |layer: &'_ Layer| layer.opacity;
+    let mut draws = Vec::new();
+    let mut add = |stage: Stage, is_hidden: bool, opacity: &dyn Fn(&Layer) -> f32| {
+        draws.extend(of(stage).map(|layer| Draw { layer, opacity: opacity(layer), is_hidden }));
+    };
+    add(Stage::Solid, false, &plain);
+    add(Stage::Lines, true, &|layer| layer.opacity * layer.hidden_opacity);
+    add(Stage::Lines, false, &plain);
+    add(Stage::Ghost, false, &plain);
+    add(Stage::Capsules, false, &plain);
+    add(Stage::OnTop, false, &plain);
+    draws.retain(|draw| draw.opacity > 0.0);
+    draws.truncate(DRAWS_MAX);
+    draws
+}

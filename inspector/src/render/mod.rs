@@ -1,0 +1,20 @@
+//! What is drawn in space: vertex data made on the CPU, and the pipelines that draw it.
+//!
+//! - [`colour_map`], [`range`]: from numbers to colours
+//! - [`detail`]: how many of how many
+//! - [`geometry`]: the vertices of curves, rays, capsules, cells and the scene's mesh
+//! - [`cell_box`]: where a cell of the length table lies
+//! - [`camera`]: from where
+//! - [`frame`]: all of a picture, as data
+//! - [`gpu`]: frames on a GPU, in egui's paint callbacks
+//!
+//! Everything lies in unit space.
+
+pub mod camera;
+pub mod cell_box;
+pub mod colour_map;
+pub mod detail;
+pub mod frame;
+pub mod geometry;
+pub mod gpu;
+pub mod range;

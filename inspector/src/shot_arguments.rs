@@ -1,0 +1,161 @@
+//! The command line of `inspector shot`.
+
+use std::path::PathBuf;
+
+use clap::builder::PossibleValuesParser;
+use clap::{Args, ValueEnum};
+use formats::ray::Kind;
+
+use crate::analysis::GroupWidth;
+use crate::cli::RayKind;
+use crate::model::value::ColourBy;
+use crate::panels::scene_view::options::{MeshMode, StandPoint};
+use crate::shot::{self, SceneChoice, Shot, VIEWS};
+
+/// A picture of the window.
+#[derive(Debug, Args)]
+pub(crate) struct ShotArguments {
+    /// The recordings: folders NAME.raydump, or NAME.raydump.partial.
+    #[arg(value_name = "X.raydump", required = true)]
+    dumps: Vec<PathBuf>,
+    /// The file, a PNG.
+    #[arg(long, value_name = "P.png")]
+    out: PathBuf,
+    /// What is drawn.
+    #[arg(long, default_value = "window", value_parser = PossibleValuesParser::new(VIEWS.map(|(view, _)| view)))]
+    view: String,
+    /// The pass [default: the last that was kept].
+    #[arg(long)]
+    pass: Option<u32>,
+    /// The bounce; 0 is the camera rays [default: 1].
+    #[arg(long)]
+    bounce: Option<u32>,
+    /// The kind of rays [default: closest].
+    #[arg(long, value_enum)]
+    kind: Option<RayKind>,
+    /// The order: a method, or unsorted [default: unsorted].
+    #[arg(long)]
+    method: Option<String>,
+    /// Rays in a group.
+    #[arg(long, value_enum, default_value_t)]
+    group_width: GroupWidth,
+    /// Selects a group of the order, counted from 0.
+    #[arg(long)]
+    group: Option<usize>,
+    /// Selects a ray by its canonical index.
+    #[arg(long)]
+    ray: Option<usize>,
+    /// Selects a cell of the length table.
+    #[arg(long)]
+    cell: Option<u32>,
+    /// What rays in space are coloured by.
+    #[arg(long, value_parser = PossibleValuesParser::new(ColourBy::ALL.map(ColourBy::name)))]
+    colour_by: Option<String>,
+    /// Where the camera stands.
+    #[arg(long, value_enum)]
+    camera: Option<CameraChoice>,
+    /// Most rays in space.
+    #[arg(long, value_name = "N")]
+    detail: Option<usize>,
+    /// Most capsules in space.
+    #[arg(long, value_name = "N")]
+    capsules: Option<usize>,
+    /// How the scene's surfaces are drawn.
+    #[arg(long, value_enum)]
+    mesh: Option<MeshChoice>,
+    /// Where in the order the rays in space end, 0 to 1.
+    #[arg(long)]
+    until: Option<f32>,
+    /// How much of the order before that is shown, 0 to 1.
+    #[arg(long)]
+    part: Option<f32>,
+    /// Height above which surfaces are cut away, 0 to 1 of the scene's.
+    #[arg(long)]
+    cut: Option<f32>,
+    /// Pixels across and down.
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    size: [u32; 2],
+    /// Pixels to a point: 2 for screens of high resolution.
+    #[arg(long, default_value_t = 1.0)]
+    scale: f32,
+    /// Dark on light.
+    #[arg(long)]
+    light: bool,
+    /// Frames whose times are taken.
+    #[arg(long, default_value_t = 1)]
+    frames: usize,
+    /// Print one JSON object with times and memory.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum CameraChoice {
+    /// Where the recording's camera stood.
+    Recorded,
+    /// Outside of the scene.
+    Overview,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum MeshChoice {
+    Solid,
+    Ghost,
+    Hidden,
+}
+
+/// The largest side of a picture that every adapter can draw.
+const LARGEST_SIDE: u32 = 8192;
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let sides =
+        text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    match sides {
+        Some(sides) if sides.iter().all(|side| (64..=LARGEST_SIDE).contains(side)) => Ok(sides),
+        _ => Err(format!("expected WIDTHxHEIGHT, 64 to {LARGEST_SIDE} each, such as 1280x720")),
+    }
+}
+
+impl ShotArguments {
+    pub(crate) fn run(&self) -> anyhow::Result<()> {
+        let kind = self.kind.map(|kind| match kind {
+            RayKind::Closest => Kind::Closest,
+            RayKind::Shadow => Kind::Shadow,
+        });
+        let named = |name: &String| ColourBy::ALL.into_iter().find(|choice| choice.name() == name);
+        let scene = SceneChoice {
+            colour_by: self.colour_by.as_ref().and_then(named),
+            stand_point: self.camera.map(|camera| match camera {
+                CameraChoice::Recorded => StandPoint::Recorded,
+                CameraChoice::Overview => StandPoint::Overview,
+            }),
+            detail: self.detail,
+            capsules: self.capsules,
+            mesh: self.mesh.map(|mesh| match mesh {
+                MeshChoice::Solid => MeshMode::Solid,
+                MeshChoice::Ghost => MeshMode::Ghost,
+                MeshChoice::Hidden => MeshMode::Hidden,
+            }),
+            until: self.until,
+            part: self.part,
+            cut: self.cut,
+        };
+        let shot = Shot {
+            view: self.view.clone(),
+            pass: self.pass,
+            bounce: self.bounce,
+            kind,
+            method: self.method.clone(),
+            group_width: self.group_width,
+            group: self.group,
+            ray: self.ray,
+            cell: self.cell,
+            scene,
+            size: self.size,
+            scale: self.scale.clamp(0.5, 4.0),
+            is_light: self.light,
+            frames: self.frames,
+        };
+        shot::run(&self.dumps, &shot, &self.out, self.json)
+    }
+}

@@ -1,0 +1,86 @@
+//! Every colour of the window, light and dark, in one place. Series have the colours of the figures.
+
+use egui::{Color32, Theme as Mode};
+
+use crate::figures::style;
+
+/// A colour as shaders take it: red, green, blue, alpha, 0 to 1, in sRGB.
+pub type ShaderColour = [f32; 4];
+
+/// Pictures as they are.
+pub const UNTINTED: Color32 = Color32::WHITE;
+
+/// What the window is coloured by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Theme {
+    mode: Mode,
+}
+
+impl Theme {
+    /// Of a window that is light or dark.
+    pub fn of(context: &egui::Context) -> Self {
+        Self { mode: context.theme() }
+    }
+
+    /// Behind everything that is drawn in space.
+    pub fn background(self) -> ShaderColour {
+        match self.mode {
+            Mode::Dark => [0.07, 0.075, 0.085, 1.0],
+            Mode::Light => [0.965, 0.965, 0.97, 1.0],
+        }
+    }
+
+    /// The scene's surfaces.
+    pub fn mesh(self) -> ShaderColour {
+        match self.mode {
+            Mode::Dark => [0.46, 0.47, 0.50, 1.0],
+            Mode::Light => [0.86, 0.86, 0.88, 1.0],
+        }
+    }
+
+    /// What is selected, in space.
+    pub fn selected(self) -> ShaderColour {
+        let [red, green, blue, _] = self.selected_mark().to_array().map(|part| f32::from(part) / 255.0);
+        [red, green, blue, 1.0]
+    }
+
+    /// What is selected, in plots and pictures.
+    pub fn selected_mark(self) -> Color32 {
+        match self.mode {
+            Mode::Dark => Color32::from_rgb(0xff, 0x4f, 0xd8),
+            Mode::Light => Color32::from_rgb(0xd0, 0x00, 0x9a),
+        }
+    }
+
+    /// Pixels and cells of which nothing is known.
+    pub fn nothing(self) -> Color32 {
+        match self.mode {
+            Mode::Dark => Color32::from_rgb(0x16, 0x17, 0x1a),
+            Mode::Light => Color32::from_rgb(0xee, 0xee, 0xf0),
+        }
+    }
+
+    /// Lines to compare with, such as break-even.
+    pub fn reference(self) -> Color32 {
+        match self.mode {
+            Mode::Dark => Color32::from_rgb(0xd0, 0xd0, 0xd4),
+            Mode::Light => Color32::from_rgb(0x40, 0x40, 0x44),
+        }
+    }
+
+    /// What went wrong.
+    pub fn problem(self) -> Color32 {
+        match self.mode {
+            Mode::Dark => Color32::from_rgb(0xff, 0x8a, 0x70),
+            Mode::Light => Color32::from_rgb(0xb0, 0x20, 0x10),
+        }
+    }
+
+    /// A series of this number, as in the figures.
+    pub fn series(self, number: usize) -> Color32 {
+        let [red, green, blue] = style::style(number).colour.0;
+        let colour = Color32::from_rgb(red, green, blue);
+        // The figures' first colour is black, which no one sees on a dark page.
+        if colour == Color32::BLACK && self.mode == Mode::Dark { self.reference() } else { colour }
+    }
+}

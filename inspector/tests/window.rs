@@ -1,0 +1,265 @@
+//! The window without a screen: every panel, one selection for all of them, and what cannot be opened.
+//! Without an adapter these tests fail.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use formats::manifest::{MethodArray, Place, QueueId};
+use formats::metrics::capsule::{Capsule, Segment};
+use formats::ray::Kind;
+use formats::reader::{Dump, Mapped};
+use formats::traced::Traced;
+use inspector::analysis::coherence::{Places, coherence};
+use inspector::app::App;
+use inspector::model::Context;
+use inspector::panels::scene_view::layers::Layers;
+use inspector::panels::scene_view::options::{CapsuleChoice, Options};
+use inspector::panels::{PANELS, Panel};
+use inspector::render::frame::{Layer, Stage};
+use inspector::render::geometry::{RayEnd, Shape};
+use inspector::theme::Theme;
+
+#[path = "../../formats/tests/sample/mod.rs"]
+mod sample;
+
+const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
+
+struct State {
+    panel: Box<dyn Panel>,
+    context: Context,
+}
+
+type Format = wgpu::TextureFormat;
+
+/// A renderer and the format that it draws in.
+fn renderer() -> (egui_kittest::wgpu::WgpuTestRenderer, Format) {
+    let setup = egui_kittest::wgpu::default_wgpu_setup();
+    let options = egui_wgpu::RendererOptions::PREDICTABLE;
+    let state = egui_kittest::wgpu::create_render_state(setup, options);
+    let format = state.target_format;
+    (egui_kittest::wgpu::WgpuTestRenderer::from_render_state(state), format)
+}
+
+fn panel(name: &str, context: Context) -> Harness<'static, State> {
+    let (renderer, format) = renderer();
+    let entry = PANELS.iter().find(|entry| entry.name == name).unwrap();
+    let state = State { panel: (entry.make)(format), context };
+    let mut harness = Harness::builder()
+        .with_size([900.0, 640.0])
+        .with_accessibility_check(false)
+        .renderer(renderer)
+        .build_ui_state(|ui, state: &mut State| state.panel.show(ui, &mut state.context), state);
+    settle(&mut harness);
+    harness
+}
+
+fn settle(harness: &mut Harness<'_, State>) {
+    for _ in 0..3 {
+        harness.step();
+        harness.state_mut().context.coherences.finish();
+    }
+}
+
+fn opened(folder: &Path) -> Context {
+    let mut context = Context::open(&[sample::write(folder)]);
+    assert!(context.problems.is_empty(), "{:?}", context.problems);
+    context.go_to(QUEUE);
+    context.selection.order_by("two-point");
+    context
+}
+
+/// What must be read in each panel, with a recording and without.
+const READ: [(&str, &str, &str); 9] = [
+    ("navigator", "two-point-adaptive", "Drop a folder NAME.raydump here, or open one with File > Open."),
+    ("scene", "Curve", "no recording is open"),
+    ("order", "displacement", "no recording is open"),
+    ("table", "mean length", "no recording is open"),
+    ("coherence", "mean area", "no recording is open"),
+    ("timings", "net speedup", "no recording is open"),
+    ("rays", "direction", "no recording is open"),
+    ("ray", "worst group", "no recording is open"),
+    ("problems", "No problems.", "No problems."),
+];
+
+#[test]
+fn every_panel_has_a_test() {
+    let tested: BTreeSet<&str> = READ.iter().map(|(name, ..)| *name).collect();
+    let registered: BTreeSet<&str> = PANELS.iter().map(|entry| entry.name).collect();
+    assert_eq!(tested, registered);
+}
+
+#[test]
+fn every_panel_shows_a_recording() {
+    for (name, text, _) in READ {
+        let folder = tempfile::tempdir().unwrap();
+        let mut harness = panel(name, opened(folder.path()));
+        assert!(harness.query_all_by_label(text).next().is_some(), "{name} does not show {text:?}");
+        let image = harness.render().unwrap();
+        let colours: BTreeSet<[u8; 4]> = image.pixels().map(|pixel| pixel.0).collect();
+        assert!(colours.len() > 2, "{name} is empty");
+    }
+}
+
+#[test]
+fn every_panel_says_what_it_lacks() {
+    for (name, _, text) in READ {
+        let harness = panel(name, Context::default());
+        assert!(harness.query_all_by_label(text).next().is_some(), "{name} does not show {text:?}");
+    }
+}
+
+fn layers(context: &mut Context, options: &Options) -> Vec<Layer> {
+    let window = egui::Context::default();
+    Layers::default().show(Theme::of(&window), options, context)
+}
+
+#[test]
+fn a_row_that_is_clicked_is_the_ray_in_space() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("rays", opened(folder.path()));
+    let order = harness.state_mut().context.order().unwrap();
+    let ray = order.places.ray(5);
+    let pixel = order.queue.path_ids[ray];
+    harness.get_by_label(&format!("{},{}", pixel % sample::WIDTH, pixel / sample::WIDTH)).click();
+    settle(&mut harness);
+    let context = &mut harness.state_mut().context;
+    assert_eq!((context.selection.ray, context.selection.group), (Some(ray), Some(0)));
+    let layers = layers(context, &Options::default());
+    let Shape::Segments(lines) = layers.last().unwrap().geometry.shape() else { panic!("no line on top") };
+    let segment = order.queue.segment(ray);
+    let expected = [segment.origin, segment.end].map(|point| point.map(|along| along as f32));
+    assert_eq!(lines[0].map(|vertex| vertex.position), expected);
+}
+
+#[test]
+fn a_group_that_is_chosen_is_a_capsule_in_space() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("ray", opened(folder.path()));
+    harness.get_by_label("worst group").click();
+    settle(&mut harness);
+    let context = &mut harness.state_mut().context;
+    let order = context.order().unwrap();
+    let groups = order.groups(context.selection.group_width);
+    let worst = groups.groups.iter().map(|group| group.area).fold(0.0, f64::max);
+    let group = context.selection.group.unwrap();
+    assert_eq!(groups.groups[group].area, worst);
+    let layers = layers(context, &Options::default());
+    let capsule = layers.iter().find(|layer| layer.stage == Stage::Capsules).unwrap();
+    let Shape::Capsules(capsules) = capsule.geometry.shape() else { panic!("no capsule") };
+    assert_eq!(capsules[0].origins[3], groups.groups[group].capsule.origin_radius as f32);
+}
+
+#[test]
+fn a_pixel_that_is_clicked_is_a_ray() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("order", opened(folder.path()));
+    let at = egui::pos2(300.0, 300.0);
+    harness.hover_at(at);
+    harness.step();
+    harness.drag_at(at);
+    harness.step();
+    harness.drop_at(at);
+    settle(&mut harness);
+    let context = &mut harness.state_mut().context;
+    let order = context.order().unwrap();
+    let ray = context.selection.ray.expect("the pixel under the pointer has a ray");
+    let place = order.place_of_ray()[ray] as usize;
+    assert_eq!(context.selection.group, Some(place / context.selection.group_width.rays()));
+}
+
+/// Curve, rays and capsules against the recording read without the window.
+#[test]
+fn vertices_are_those_of_the_analysis() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let dump = Dump::open(context.recording().unwrap().dump.root()).unwrap();
+    let traced = Traced::open(&dump, QUEUE).unwrap();
+    let place = Place::Method(QUEUE, "two-point".to_owned(), MethodArray::Permutation);
+    let permutation: Mapped<u32> = dump.array(&place).unwrap();
+    let of = |&ray: &u32| {
+        let ray = ray as usize;
+        Segment::of(traced.unit(), &traced.rays()[ray], traced.length(ray))
+    };
+    let segments: Vec<Segment> = permutation.iter().map(of).collect();
+    let narrow = |point: [f64; 3]| point.map(|along| along as f32);
+    for end in [RayEnd::Origin, RayEnd::Termination] {
+        let options = Options { curve_end: end, ..Options::default() };
+        let drawn = layers(&mut context, &options);
+        let Shape::Strip(curve) = drawn[0].geometry.shape() else { panic!("no curve") };
+        let points: Vec<[f32; 3]> = curve.iter().map(|vertex| vertex.position).collect();
+        let point = |segment: &Segment| if end == RayEnd::Origin { segment.origin } else { segment.end };
+        assert_eq!(points, segments.iter().map(|segment| narrow(point(segment))).collect::<Vec<_>>());
+        let places: Vec<f32> = curve.iter().map(|vertex| vertex.value).collect();
+        assert_eq!(places, (0..segments.len()).map(|place| place as f32).collect::<Vec<_>>());
+    }
+    let options = Options {
+        curve: false,
+        capsules: true,
+        capsule_choice: CapsuleChoice::Spread,
+        capsule_count: usize::MAX,
+        ..Options::default()
+    };
+    let drawn = layers(&mut context, &options);
+    let Shape::Capsules(capsules) = drawn[0].geometry.shape() else { panic!("no capsules") };
+    let width = context.selection.group_width;
+    let expected: Vec<Capsule> = segments.chunks(width.rays()).filter_map(Capsule::around).collect();
+    assert_eq!(capsules.len(), expected.len());
+    for (found, expected) in capsules.iter().zip(&expected) {
+        let [x, y, z] = narrow(expected.origin_centre);
+        assert_eq!(found.origins, [x, y, z, expected.origin_radius as f32]);
+        let [x, y, z] = narrow(expected.end_centre);
+        assert_eq!(found.ends, [x, y, z, expected.end_radius as f32]);
+    }
+    let order = context.order().unwrap();
+    let places = Places::sorted(permutation, segments.len()).unwrap();
+    let analysed = coherence(&traced, &order.queue.lengths, &places, width.rays()).unwrap();
+    let mean = order.groups(width).mean_area();
+    assert!((mean / analysed.mean_capsule_area - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn what_is_no_recording_is_said_and_survived() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = sample::write(folder.path());
+    let bad = folder.path().join("bad.raydump");
+    std::fs::create_dir(&bad).unwrap();
+    std::fs::write(bad.join("manifest.bin"), b"not a manifest").unwrap();
+    let (renderer, format) = renderer();
+    let paths: Vec<PathBuf> = vec![bad, folder.path().join("absent.raydump"), good];
+    let app = App::new(&paths, format);
+    let mut harness = Harness::builder()
+        .with_size([1280.0, 720.0])
+        .with_accessibility_check(false)
+        .renderer(renderer)
+        .build_ui_state(|ui, app: &mut App| app.show(ui), app);
+    harness.run_steps(3);
+    harness.render().unwrap();
+    let app = harness.state();
+    assert_eq!((app.context.recordings.len(), app.context.problems.len()), (1, 2));
+    let text = &app.context.problems[1].what;
+    assert!(harness.query_all_by_label(text).next().is_some(), "{text} is not shown");
+}
+
+#[test]
+fn arrays_that_are_missing_are_said_in_their_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let context = opened(folder.path());
+    let root = context.recording().unwrap().dump.root().to_owned();
+    let hits = root.join(QUEUE.to_string()).join("hits.npy");
+    std::fs::remove_file(&hits).unwrap();
+    for name in ["scene", "order", "coherence", "rays", "ray", "table"] {
+        let mut context = Context::open(std::slice::from_ref(&root));
+        context.go_to(QUEUE);
+        let reason = context.queue().unwrap_err();
+        assert!(reason.contains("hits.npy"), "{reason}");
+        let mut harness = panel(name, context);
+        harness.render().unwrap();
+        if name != "scene" {
+            assert!(harness.query_all_by_label(&reason).next().is_some(), "{name} does not say why");
+        }
+    }
+}
