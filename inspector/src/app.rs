@@ -4,13 +4,18 @@ use std::path::{Path, PathBuf};
 
 use egui::{Key, Modifiers};
 use egui_tiles::{Tile, TileId, Tiles, Tree, UiResponse};
+use formats::manifest::QueueId;
 
-use crate::model::Context;
+use crate::inputs::quoted;
+use crate::model::{Context, Selection};
 use crate::panels::{Entry, PANELS, Panel};
-use crate::theme::Theme;
+use crate::theme::{self, Theme};
 
-/// A tile: which of [`PANELS`] it shows.
-type Pane = usize;
+/// A tile: the name of the panel that it shows.
+type Pane = String;
+
+/// Under which name the layout is kept between runs.
+const LAYOUT_KEY: &str = "tiles";
 
 /// Everything in the window.
 pub struct App {
@@ -42,11 +47,34 @@ impl App {
         self.context.add(path);
         if self.context.problems.len() > problems {
             let is_problems = |tile: &Tile<Pane>| match tile {
-                Tile::Pane(at) => PANELS[*at].name == "problems",
+                Tile::Pane(name) => name == "problems",
                 Tile::Container(_) => false,
             };
             self.tree.make_active(|_, tile| is_problems(tile));
         }
+    }
+
+    /// Puts panels where they were in an earlier run, unless that one had other panels.
+    fn arrange(&mut self, kept: Option<Tree<Pane>>) {
+        let has_all = |tree: &Tree<Pane>| {
+            PANELS.iter().all(|entry| tree.tiles.find_pane(&entry.name.to_owned()).is_some())
+        };
+        if let Some(tree) = kept.filter(has_all)
+            && self.context.problems.is_empty()
+        {
+            self.tree = tree;
+        }
+    }
+
+    /// The command that draws this window into a file.
+    fn command(&self) -> Option<String> {
+        let path = quoted(self.context.recording()?.dump.root());
+        let Selection { queue: QueueId { pass, bounce, kind }, method, ray, cell, .. } =
+            &self.context.selection;
+        let ray = ray.map_or(String::new(), |ray| format!(" --ray {ray}"));
+        let cell = cell.map_or(String::new(), |cell| format!(" --cell {cell}"));
+        let queue = format!("--pass {pass} --bounce {bounce} --kind {kind} --method {method}");
+        Some(format!("inspector shot {path} --view window {queue}{ray}{cell} --out window.png"))
     }
 
     /// All of the window.
@@ -72,6 +100,12 @@ impl App {
                     {
                         self.open(&folder);
                     }
+                    ui.close();
+                }
+                let command = self.command();
+                let copy = egui::Button::new("Copy command of this picture");
+                if ui.add_enabled(command.is_some(), copy).clicked() {
+                    ui.ctx().copy_text(command.unwrap_or_default());
                     ui.close();
                 }
                 if ui.button("Quit").clicked() {
@@ -109,8 +143,8 @@ impl App {
     }
 
     fn toggle(&mut self, ui: &mut egui::Ui, at: usize) {
-        let Entry { about, .. } = PANELS[at];
-        let Some(tile) = self.tree.tiles.find_pane(&at) else { return };
+        let Entry { name, about, .. } = PANELS[at];
+        let Some(tile) = self.tree.tiles.find_pane(&name.to_owned()) else { return };
         let mut is_visible = self.tree.is_visible(tile);
         if ui.checkbox(&mut is_visible, self.panels[at].title()).on_hover_text(about).clicked() {
             self.tree.set_visible(tile, is_visible);
@@ -166,7 +200,7 @@ impl App {
     fn next_bounce(&mut self, step: i32) {
         let now = self.context.selection.queue;
         let Some(bounce) = now.bounce.checked_add_signed(step) else { return };
-        let next = formats::manifest::QueueId { bounce, ..now };
+        let next = QueueId { bounce, ..now };
         let exists = |open: &crate::model::Recording| open.queues().iter().any(|record| record.id == next);
         if self.context.recording().is_some_and(exists) {
             self.context.go_to(next);
@@ -204,21 +238,16 @@ const KEYS: [(&str, &str); 12] = [
 /// Where panels are at first: the scene in the middle, numbers to its right.
 fn layout() -> Tree<Pane> {
     let mut tiles = Tiles::default();
-    let mut pane = |name: &str| {
-        let at = PANELS.iter().position(|entry| entry.name == name);
-        at.map(|at| tiles.insert_pane(at))
-    };
+    let mut pane = |name: &str| tiles.insert_pane(name.to_owned());
     let [navigator, problems] = ["navigator", "problems"].map(&mut pane);
     let pictures = ["order", "table"].map(&mut pane);
     let numbers = ["coherence", "timings"].map(&mut pane);
     let rays = ["ray", "rays"].map(&mut pane);
-    let scene = pane("scene");
-    let tabs = |tiles: &mut Tiles<Pane>, of: &[Option<TileId>]| {
-        tiles.insert_tab_tile(of.iter().flatten().copied().collect())
-    };
+    let scenes = ["scene", "compare"].map(&mut pane);
+    let tabs = |tiles: &mut Tiles<Pane>, of: &[TileId]| tiles.insert_tab_tile(of.to_vec());
     let left_parts = [tabs(&mut tiles, &[navigator]), tabs(&mut tiles, &[rays[0], problems])];
     let left = tiles.insert_vertical_tile(left_parts.to_vec());
-    let middle_parts = [tabs(&mut tiles, &[scene]), tabs(&mut tiles, &[rays[1]])];
+    let middle_parts = [tabs(&mut tiles, &scenes), tabs(&mut tiles, &[rays[1]])];
     let middle = tiles.insert_vertical_tile(middle_parts.to_vec());
     let right = [tabs(&mut tiles, &pictures), tabs(&mut tiles, &numbers)];
     let right = tiles.insert_vertical_tile(right.to_vec());
@@ -245,7 +274,7 @@ struct Shown<'a> {
 
 impl egui_tiles::Behavior<Pane> for Shown<'_> {
     fn pane_ui(&mut self, ui: &mut egui::Ui, _tile: TileId, pane: &mut Pane) -> UiResponse {
-        if let Some(panel) = self.panels.get_mut(*pane) {
+        if let Some(panel) = place(pane).and_then(|at| self.panels.get_mut(at)) {
             egui::Frame::new().inner_margin(6.0).show(ui, |ui| {
                 ui.set_clip_rect(ui.max_rect().expand(4.0).intersect(ui.clip_rect()));
                 panel.show(ui, self.context);
@@ -255,7 +284,7 @@ impl egui_tiles::Behavior<Pane> for Shown<'_> {
     }
 
     fn tab_title_for_pane(&mut self, pane: &Pane) -> egui::WidgetText {
-        self.panels.get(*pane).map_or("", |panel| panel.title()).into()
+        place(pane).and_then(|at| self.panels.get(at)).map_or("", |panel| panel.title()).into()
     }
 
     fn simplification_options(&self) -> egui_tiles::SimplificationOptions {
@@ -263,9 +292,25 @@ impl egui_tiles::Behavior<Pane> for Shown<'_> {
     }
 }
 
+/// Place of a panel in [`PANELS`].
+fn place(name: &str) -> Option<usize> {
+    PANELS.iter().position(|entry| entry.name == name)
+}
+
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.show(ui);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, LAYOUT_KEY, &self.tree);
+    }
+}
+
+/// Leaves OpenGL out: the recorder does without it too, and to look for it takes time.
+pub(crate) fn only_own_backends(setup: &mut egui_wgpu::WgpuSetup) {
+    if let egui_wgpu::WgpuSetup::CreateNew(setup) = setup {
+        setup.instance_descriptor.backends &= wgpu::Backends::PRIMARY;
     }
 }
 
@@ -279,10 +324,15 @@ pub fn run(paths: Vec<PathBuf>) -> anyhow::Result<()> {
         .with_app_id("rayscope-inspector")
         .with_inner_size([1440.0, 900.0])
         .with_drag_and_drop(true);
-    let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
+    let mut options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
+    only_own_backends(&mut options.wgpu_options.wgpu_setup);
     let make = move |creation: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
         let state = creation.wgpu_render_state.as_ref().ok_or("the window has no GPU to draw with")?;
-        Ok(Box::new(App::new(&paths, state.target_format)))
+        theme::set_up(&creation.egui_ctx);
+        let mut app = App::new(&paths, state.target_format);
+        let kept = creation.storage.and_then(|storage| eframe::get_value(storage, LAYOUT_KEY));
+        app.arrange(kept);
+        Ok(Box::new(app))
     };
     eframe::run_native("Rayscope inspector", options, Box::new(make)).map_err(|error| {
         anyhow::anyhow!(

@@ -10,21 +10,22 @@ use formats::ray::Kind;
 use serde::Serialize;
 
 use crate::analysis::GroupWidth;
-use crate::app::App;
+use crate::app::{App, only_own_backends};
 use crate::model::Context;
 use crate::model::value::ColourBy;
 use crate::output::{print, print_json};
-use crate::panels::scene_view::SceneView;
-use crate::panels::scene_view::options::{CapsuleChoice, MeshMode, Options, StandPoint};
+use crate::panels::space::options::{CapsuleChoice, MeshMode, Options, StandPoint};
 use crate::panels::{PANELS, Panel};
+use crate::theme;
 
 /// Views by name, with the panel that each is a view of.
-pub(crate) const VIEWS: [(&str, &str); 11] = [
+pub(crate) const VIEWS: [(&str, &str); 12] = [
     ("window", ""),
     ("curve", "scene"),
     ("rays", "scene"),
     ("capsules", "scene"),
     ("cell", "scene"),
+    ("compare", "compare"),
     ("table", "table"),
     ("order", "order"),
     ("coherence", "coherence"),
@@ -119,11 +120,12 @@ fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<(Image, Re
     let mut drawn = open(dumps, shot, state.target_format)?;
     select(drawn.context(), shot)?;
     let [width, height] = shot.size.map(|side| side as f32 / shot.scale);
-    let theme = if shot.is_light { egui::Theme::Light } else { egui::Theme::Dark };
+    let mode = if shot.is_light { egui::Theme::Light } else { egui::Theme::Dark };
     let mut harness = Harness::builder()
         .with_size([width, height])
         .with_pixels_per_point(shot.scale)
-        .with_theme(theme)
+        .with_theme(mode)
+        .with_context_setup(theme::set_up)
         .with_render_cursor(false)
         .with_accessibility_check(false)
         .allow_missing_glyphs()
@@ -139,7 +141,7 @@ fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<(Image, Re
         harness.step();
         times.push(start.elapsed().as_secs_f64() * 1e3);
     }
-    let image = harness.render().map_err(anyhow::Error::msg).context("the picture cannot be drawn")?;
+    let image = harness.render().map_err(anyhow::Error::msg).context("the picture cannot be drawn; a software GPU may take too long for so many rays (`--detail` for fewer)")?;
     let (width, height) = (image.width(), image.height());
     times.sort_by(f64::total_cmp);
     let report = Report {
@@ -147,8 +149,8 @@ fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<(Image, Re
         frames: times.len(),
         median_frame_ms: times[times.len() / 2],
         worst_frame_ms: times.last().copied().unwrap_or(0.0),
-        rays_shown: match harness.state() {
-            Drawn::Panel(panel, _) => panel.drawn(),
+        rays_shown: match harness.state_mut() {
+            Drawn::Panel(panel, _) => panel.space().and_then(|space| space.counts()),
             Drawn::Window(_) => None,
         },
         resident_bytes: resident_bytes(),
@@ -166,7 +168,8 @@ fn show_all_over(ui: &mut egui::Ui, drawn: &mut Drawn) {
 
 /// A GPU, or why there is none.
 fn render_state() -> anyhow::Result<egui_wgpu::RenderState> {
-    let setup = egui_kittest::wgpu::default_wgpu_setup();
+    let mut setup = egui_kittest::wgpu::default_wgpu_setup();
+    only_own_backends(&mut setup);
     let instance = pollster::block_on(setup.new_instance());
     let configuration = egui_wgpu::WgpuConfiguration { wgpu_setup: setup, ..Default::default() };
     let options = egui_wgpu::RendererOptions::PREDICTABLE;
@@ -181,11 +184,14 @@ fn open(dumps: &[PathBuf], shot: &Shot, format: wgpu::TextureFormat) -> anyhow::
     };
     let mut drawn = match name {
         "" => Drawn::Window(Box::new(App::new(dumps, format))),
-        "scene" => Drawn::Panel(Box::new(scene(view, shot, format)), Box::new(Context::open(dumps))),
         name => {
             let entry = PANELS.iter().find(|entry| entry.name == name);
             let entry = entry.with_context(|| format!("there is no panel {name}"))?;
-            Drawn::Panel((entry.make)(format), Box::new(Context::open(dumps)))
+            let mut panel = (entry.make)(format);
+            if let Some(space) = panel.space() {
+                space.options = options(view, shot);
+            }
+            Drawn::Panel(panel, Box::new(Context::open(dumps)))
         }
     };
     if let Some(problem) = drawn.context().problems.first() {
@@ -194,21 +200,21 @@ fn open(dumps: &[PathBuf], shot: &Shot, format: wgpu::TextureFormat) -> anyhow::
     Ok(drawn)
 }
 
-fn scene(view: &str, shot: &Shot, format: wgpu::TextureFormat) -> SceneView {
-    let mut scene = SceneView::new(format);
+fn options(view: &str, shot: &Shot) -> Options {
     let default = Options::default();
     let choice = &shot.scene;
     let capsules = if shot.group.is_some() { CapsuleChoice::Selected } else { CapsuleChoice::Spread };
     // Capsules are larger than rooms, so they are looked at from outside.
     let (mesh, stand_point) = match view {
+        "compare" if choice.capsules.is_some() => (MeshMode::Ghost, StandPoint::Overview),
         "capsules" | "cell" => (MeshMode::Ghost, StandPoint::Overview),
         _ => (default.mesh, default.stand_point),
     };
-    scene.options = Options {
-        curve: view == "curve",
+    Options {
+        curve: view == "curve" || view == "compare" && choice.capsules.is_none(),
         rays: view == "rays",
         ends: view == "rays",
-        capsules: view == "capsules",
+        capsules: view == "capsules" || view == "compare" && choice.capsules.is_some(),
         capsule_choice: capsules,
         mesh: choice.mesh.unwrap_or(mesh),
         capsule_count: choice.capsules.unwrap_or(default.capsule_count),
@@ -219,8 +225,7 @@ fn scene(view: &str, shot: &Shot, format: wgpu::TextureFormat) -> SceneView {
         window: choice.part.unwrap_or(default.window),
         cut: choice.cut.unwrap_or(default.cut),
         ..default
-    };
-    scene
+    }
 }
 
 /// Selects what was asked for; an error if the recording does not have it.
@@ -274,6 +279,7 @@ fn write(image: &Image, out: &Path) -> anyhow::Result<()> {
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Best);
+    encoder.set_adaptive_filter(png::AdaptiveFilterType::Adaptive);
     let rgb: Vec<u8> = image.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(&rgb));
     written.with_context(|| format!("cannot write {}", out.display()))

@@ -9,7 +9,7 @@ use formats::ray::Kind;
 use crate::analysis::GroupWidth;
 use crate::cli::RayKind;
 use crate::model::value::ColourBy;
-use crate::panels::scene_view::options::{MeshMode, StandPoint};
+use crate::panels::space::options::{MeshMode, StandPoint};
 use crate::shot::{self, SceneChoice, Shot, VIEWS};
 
 /// A picture of the window.

@@ -10,6 +10,18 @@ pub type ShaderColour = [f32; 4];
 /// Pictures as they are.
 pub const UNTINTED: Color32 = Color32::WHITE;
 
+/// Size of small text, points: still read on a screen of low resolution.
+const SMALL_TEXT: f32 = 11.0;
+
+/// Sets what light and dark windows have in common.
+pub fn set_up(context: &egui::Context) {
+    context.all_styles_mut(|style| {
+        if let Some(font) = style.text_styles.get_mut(&egui::TextStyle::Small) {
+            font.size = SMALL_TEXT;
+        }
+    });
+}
+
 /// What the window is coloured by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Theme {

@@ -16,8 +16,8 @@ use formats::traced::Traced;
 use inspector::analysis::coherence::{Places, coherence};
 use inspector::app::App;
 use inspector::model::Context;
-use inspector::panels::scene_view::layers::Layers;
-use inspector::panels::scene_view::options::{CapsuleChoice, Options};
+use inspector::panels::space::layers::Layers;
+use inspector::panels::space::options::{CapsuleChoice, Options};
 use inspector::panels::{PANELS, Panel};
 use inspector::render::frame::{Layer, Stage};
 use inspector::render::geometry::{RayEnd, Shape};
@@ -73,9 +73,10 @@ fn opened(folder: &Path) -> Context {
 }
 
 /// What must be read in each panel, with a recording and without.
-const READ: [(&str, &str, &str); 9] = [
+const READ: [(&str, &str, &str); 10] = [
     ("navigator", "two-point-adaptive", "Drop a folder NAME.raydump here, or open one with File > Open."),
     ("scene", "Curve", "no recording is open"),
+    ("compare", "Overview", "no recording is open"),
     ("order", "displacement", "no recording is open"),
     ("table", "mean length", "no recording is open"),
     ("coherence", "mean area", "no recording is open"),

@@ -21,6 +21,18 @@ pub struct Problem {
     pub why: String,
 }
 
+/// What was opened, or why it could not be.
+type Opened<T> = Result<Arc<T>, String>;
+
+/// Recording and queue.
+type QueueKey = (usize, QueueId);
+
+/// Recording, queue and method.
+type OrderKey = (usize, QueueId, String);
+
+/// Orders that are kept: two that are compared, and one to go back to.
+const ORDERS_KEPT: usize = 3;
+
 /// All that panels see.
 #[derive(Debug, Default)]
 pub struct Context {
@@ -32,8 +44,9 @@ pub struct Context {
     pub problems: Vec<Problem>,
     /// Numbers that are found in the background.
     pub coherences: Coherences,
-    queue: Option<((usize, QueueId), Result<Arc<Queue>, String>)>,
-    order: Option<((usize, QueueId, String), Result<Arc<Order>, String>)>,
+    queue: Option<(QueueKey, Opened<Queue>)>,
+    /// The orders that were looked at last, the latest at the end.
+    orders: Vec<(OrderKey, Opened<Order>)>,
 }
 
 impl Context {
@@ -118,14 +131,16 @@ impl Context {
     pub fn order(&mut self) -> Result<Arc<Order>, String> {
         let Selection { recording, queue, method, .. } = &self.selection;
         let wanted = (*recording, *queue, method.clone());
-        match &self.order {
-            Some((known, order)) if *known == wanted => return order.clone(),
-            _ => {}
+        if let Some((_, order)) = self.orders.iter().find(|(known, _)| *known == wanted) {
+            return order.clone();
         }
         let queue = self.queue()?;
         let recording = self.recordings.get(wanted.0).ok_or("no recording is open")?;
         let order = Order::open(&recording.dump, queue, &wanted.2).map(Arc::new);
-        self.order = Some((wanted, order.clone()));
+        if self.orders.len() == ORDERS_KEPT {
+            drop(self.orders.remove(0));
+        }
+        self.orders.push((wanted, order.clone()));
         order
     }
 

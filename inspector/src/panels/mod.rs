@@ -3,16 +3,19 @@
 //! Panels know the [`Context`] and nothing of each other.
 
 mod coherence;
+mod compare;
 mod navigator;
 mod order;
 mod picture;
 mod problems;
 mod ray;
 mod rays;
-pub mod scene_view;
+mod scene;
+pub mod space;
 mod table;
 mod timings;
 
+use self::space::SpaceView;
 use crate::model::Context;
 
 /// A part of the window.
@@ -23,8 +26,8 @@ pub trait Panel {
     /// Draws it and takes what is done to it.
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context);
 
-    /// Lines and capsules that it last drew in space, and how many there are; none if it draws none.
-    fn drawn(&self) -> Option<(usize, usize)> {
+    /// The view into space that it has, if it has one.
+    fn space(&mut self) -> Option<&mut SpaceView> {
         None
     }
 }
@@ -49,7 +52,12 @@ pub const PANELS: &[Entry] = &[
     Entry {
         name: "scene",
         about: "the scene with rays, the curve of their order, capsules and table cells",
-        make: |format| Box::new(scene_view::SceneView::new(format)),
+        make: |format| Box::new(scene::Scene::new(format)),
+    },
+    Entry {
+        name: "compare",
+        about: "two orders of the same rays side by side, seen from one place",
+        make: |format| Box::new(compare::Compare::new(format)),
     },
     Entry {
         name: "order",

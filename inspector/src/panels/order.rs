@@ -72,7 +72,7 @@ impl Panel for OrderPanel {
             })
             .inner;
         let pixel = |[column, row]: [u32; 2]| row * size[0] as u32 + column;
-        let under_pointer = shown.pixel.and_then(|at| order.queue.ray_of_pixel(pixel(at)));
+        let under_pointer = shown.pixel.and_then(|at| nearest_ray(&order, at, size, pixel));
         if shown.response.clicked() {
             context.select_ray(under_pointer);
         }
@@ -81,6 +81,26 @@ impl Panel for OrderPanel {
             describe(ui, &order, ray);
         }
     }
+}
+
+/// Farthest that a living path may be from the pointer, pixels of the picture.
+const REACH: i64 = 3;
+
+/// The ray of a pixel, or else of the nearest one whose path is still alive.
+fn nearest_ray(
+    order: &Order,
+    [column, row]: [u32; 2],
+    [width, height]: [usize; 2],
+    pixel: impl Fn([u32; 2]) -> u32,
+) -> Option<usize> {
+    let mut near: Vec<(i64, i64)> =
+        (-REACH..=REACH).flat_map(|y| (-REACH..=REACH).map(move |x| (x, y))).collect();
+    near.sort_by_key(|(x, y)| x * x + y * y);
+    near.into_iter().find_map(|(x, y)| {
+        let (x, y) = (i64::from(column) + x, i64::from(row) + y);
+        let is_inside = (0..width as i64).contains(&x) && (0..height as i64).contains(&y);
+        is_inside.then(|| order.queue.ray_of_pixel(pixel([x as u32, y as u32]))).flatten()
+    })
 }
 
 fn pixels(order: &Order, size: [usize; 2], colouring: Colouring, theme: Theme) -> Vec<Color32> {

@@ -196,7 +196,7 @@ mod tests {
         for bits in [8, 9, 20, 21] {
             let blocks = Blocks::fitting(bits, 100.0);
             let [width, height] = blocks.size();
-            assert!(width <= 100 && width * height << (2 * blocks.log2_side) == 1 << bits, "{bits} bits");
+            assert!(width <= 100 && (width * height) << (2 * blocks.log2_side) == 1 << bits, "{bits} bits");
             for cell in (0..1u32 << bits).step_by(97) {
                 let first = blocks.first_touched(&[], blocks.pixel(cell));
                 assert_eq!(first >> (2 * blocks.log2_side), cell >> (2 * blocks.log2_side));

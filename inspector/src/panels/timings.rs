@@ -16,6 +16,12 @@ pub(super) struct TimingsPanel;
 /// Height of a row of the table below, points.
 const ROW: f32 = 23.0;
 
+/// Height of a bar and its name, points: enough for both to be read.
+const BAR_ROW: f32 = 19.0;
+
+/// Height of the axis below the bars and the names above them, points.
+const AXIS: f32 = 64.0;
+
 /// The stages of a bar, from left to right.
 const STACK: [Stage; 6] =
     [Stage::Key, Stage::Sort, Stage::Gather, Stage::Trace, Stage::TraceIndirect, Stage::Accumulate];
@@ -38,7 +44,8 @@ impl Panel for TimingsPanel {
             return missing(ui, "no method was measured on these rays; the last pass is the measured one");
         };
         let rows = queue.orders.len() as f32 + 1.0;
-        let table_height = (rows * ROW).min(0.45 * ui.available_height());
+        let plot_height = rows * BAR_ROW + AXIS;
+        let table_height = (rows * ROW).min(ui.available_height() - plot_height).max(2.0 * ROW);
         plot(ui, queue, ui.available_height() - table_height - 12.0);
         speedups(ui, queue);
     }

@@ -4,7 +4,7 @@ use egui::{Align2, Color32, ComboBox, FontId, Rect, Slider, Ui, pos2, vec2};
 
 use super::layers::AREAS;
 use super::options::{CapsuleChoice, MeshMode, StandPoint};
-use super::{SceneView, stand};
+use super::{SpaceView, stand};
 use crate::model::Context;
 use crate::model::value::ColourBy;
 use crate::render::camera::Camera;
@@ -23,7 +23,7 @@ const BINS_HEIGHT: f32 = 18.0;
 const PLAYED_PER_SECOND: f32 = 0.08;
 
 /// What is shown.
-pub(super) fn above(ui: &mut Ui, view: &mut SceneView, context: &mut Context) {
+pub(super) fn above(ui: &mut Ui, view: &mut SpaceView, context: &mut Context) {
     ui.horizontal_wrapped(|ui| {
         let options = &mut view.options;
         ui.toggle_value(&mut options.curve, "Curve").on_hover_text("A line through the rays in their order");
@@ -51,7 +51,7 @@ pub(super) fn above(ui: &mut Ui, view: &mut SceneView, context: &mut Context) {
     });
 }
 
-fn cameras(ui: &mut Ui, view: &mut SceneView, context: &Context) {
+fn cameras(ui: &mut Ui, view: &mut SpaceView, context: &Context) {
     let Some(recording) = context.recording() else { return };
     for (point, name, about) in [
         (StandPoint::Recorded, "Camera", "Where the recording's camera stood (C)"),
@@ -87,7 +87,7 @@ fn typed(ui: &mut Ui, camera: &mut Camera) {
     }
 }
 
-fn details(ui: &mut Ui, view: &mut SceneView) {
+fn details(ui: &mut Ui, view: &mut SpaceView) {
     let options = &mut view.options;
     ui.label("Surfaces");
     ui.horizontal(|ui| {
@@ -149,7 +149,7 @@ pub(super) fn height_below(ui: &Ui) -> f32 {
 }
 
 /// The slider along the order, and what colours stand for.
-pub(super) fn below(ui: &mut Ui, view: &mut SceneView) {
+pub(super) fn below(ui: &mut Ui, view: &mut SpaceView) {
     let options = &mut view.options;
     ui.horizontal(|ui| {
         let name = if options.is_playing { "Stop" } else { "Play" };
@@ -177,7 +177,7 @@ pub(super) fn below(ui: &mut Ui, view: &mut SceneView) {
 }
 
 /// A bar for rays, for capsules, or for both beside each other.
-fn colour_bars(ui: &mut Ui, view: &SceneView) {
+fn colour_bars(ui: &mut Ui, view: &SpaceView) {
     let options = &view.options;
     let by = options.colour_by;
     let values = if by == ColourBy::Place { &[] } else { view.layers.values() };

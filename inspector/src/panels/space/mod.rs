@@ -1,4 +1,4 @@
-//! The scene in space, with rays, the curve of their order, capsules and table cells.
+//! The scene in space, with rays, the curve of their order, capsules and table cells: what panels show it with.
 //!
 //! - [`options`]: what is shown, and how
 //! - [`layers`]: from a selection to vertices, made anew only when it changes
@@ -19,18 +19,16 @@ use formats::reader::Mapped;
 
 use self::layers::Layers;
 use self::options::{MeshMode, Options, StandPoint};
-use super::missing;
 use crate::model::{Context, Recording};
 use crate::output::count;
-use crate::panels::Panel;
 use crate::render::camera::Camera;
 use crate::render::frame::{Cut, Frame, Layer, Paint, Stage};
 use crate::render::geometry::{Geometry, mesh};
 use crate::render::gpu::FrameCallback;
 use crate::theme::Theme;
 
-/// The panel.
-pub struct SceneView {
+/// A view into space.
+pub struct SpaceView {
     view: u64,
     format: wgpu::TextureFormat,
     /// What is shown, and how.
@@ -40,7 +38,7 @@ pub struct SceneView {
     layers: Layers,
 }
 
-impl SceneView {
+impl SpaceView {
     /// For a window of this format.
     pub fn new(format: wgpu::TextureFormat) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
@@ -127,19 +125,23 @@ fn read_mesh(recording: &Recording) -> Result<Geometry, String> {
     Ok(mesh(&recording.unit(), &positions, &triangles).into())
 }
 
-impl Panel for SceneView {
-    fn title(&self) -> &'static str {
-        "Scene"
+impl SpaceView {
+    /// What is shown, to be changed.
+    pub(super) fn controls(&mut self, ui: &mut egui::Ui, context: &mut Context) {
+        controls::above(ui, self, context);
     }
 
-    fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        if context.recording().is_none() {
-            return missing(ui, "no recording is open");
-        }
-        controls::above(ui, self, context);
+    /// The picture with the slider and the colour bar below it, in all the room that there is.
+    pub(super) fn picture_and_slider(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         let below = controls::height_below(ui);
-        let size = (ui.available_size() - egui::vec2(0.0, below)).max(egui::vec2(16.0, 16.0));
-        let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        self.picture(ui, context, ui.available_size() - egui::vec2(0.0, below));
+        controls::below(ui, self);
+    }
+
+    /// The picture alone. Pointer and keys move the camera and choose rays.
+    pub(super) fn picture(&mut self, ui: &mut egui::Ui, context: &mut Context, size: egui::Vec2) {
+        let (rect, response) =
+            ui.allocate_exact_size(size.max(egui::vec2(16.0, 16.0)), Sense::click_and_drag());
         let scale = ui.ctx().pixels_per_point();
         let pixels = [rect.width(), rect.height()].map(|side| (side * scale).round().max(1.0) as u32);
         input::take(ui, &response, self, context);
@@ -150,15 +152,33 @@ impl Panel for SceneView {
         let text = self.showing();
         let problem = self.layers.problem().or(self.mesh_problem()).map(str::to_owned);
         controls::overlay(ui, rect, &text, problem.as_deref());
+    }
+
+    /// The slider along the order and the colour bar.
+    pub(super) fn slider(&mut self, ui: &mut egui::Ui) {
         controls::below(ui, self);
     }
 
-    fn drawn(&self) -> Option<(usize, usize)> {
+    /// Height of the slider and the colour bar.
+    pub(super) fn slider_height(ui: &egui::Ui) -> f32 {
+        controls::height_below(ui)
+    }
+
+    /// Rays in the last picture, and all rays of the queue.
+    pub fn counts(&self) -> Option<(usize, usize)> {
         self.layers.counts()
     }
-}
 
-impl SceneView {
+    /// Where the camera stands, if it stands anywhere yet.
+    pub(super) fn pose(&self) -> Option<(usize, Camera)> {
+        self.camera
+    }
+
+    /// Puts the camera where that of another view stands.
+    pub(super) fn set_pose(&mut self, pose: Option<(usize, Camera)>) {
+        self.camera = pose;
+    }
+
     /// What is shown of what there is, in words.
     fn showing(&self) -> String {
         let of = |(shown, all): (usize, usize), what| {

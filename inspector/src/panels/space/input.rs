@@ -3,7 +3,7 @@
 use egui::{Key, PointerButton, Response, Ui};
 use glam::Vec3;
 
-use super::{SceneView, StandPoint, stand};
+use super::{SpaceView, StandPoint, stand};
 use crate::model::{Context, Order};
 use crate::render::camera::Camera;
 
@@ -15,7 +15,7 @@ const REACH: f32 = 8.0;
 const FLIGHT: f32 = 1.2;
 
 /// Takes what was done to the picture.
-pub(super) fn take(ui: &Ui, response: &Response, view: &mut SceneView, context: &mut Context) {
+pub(super) fn take(ui: &Ui, response: &Response, view: &mut SpaceView, context: &mut Context) {
     let Some(recording) = context.recording() else { return };
     let at = context.selection.recording;
     let mut camera = view.camera(at, recording);
@@ -52,7 +52,7 @@ fn drag(ui: &Ui, response: &Response, camera: &mut Camera) {
     }
 }
 
-fn keys(ui: &Ui, camera: &mut Camera, view: &mut SceneView, context: &mut Context) {
+fn keys(ui: &Ui, camera: &mut Camera, view: &mut SpaceView, context: &mut Context) {
     let (seconds, down) = ui.input(|input| (input.stable_dt.min(0.1), input.keys_down.clone()));
     let step = FLIGHT * camera.distance * seconds;
     let mut is_flying = false;
@@ -111,7 +111,7 @@ fn selected_box(context: &mut Context) -> Option<(Vec3, Vec3)> {
 
 /// The ray shown whose origin, or whose line if rays are drawn, is nearest to the pointer.
 fn nearest(
-    view: &SceneView,
+    view: &SpaceView,
     order: &Order,
     camera: &Camera,
     response: &Response,

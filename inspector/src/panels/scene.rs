@@ -1,0 +1,35 @@
+//! The scene with rays, the curve of their order, capsules and table cells.
+
+use super::missing;
+use super::space::SpaceView;
+use crate::model::Context;
+use crate::panels::Panel;
+
+/// The panel.
+pub(super) struct Scene {
+    view: SpaceView,
+}
+
+impl Scene {
+    pub(super) fn new(format: wgpu::TextureFormat) -> Self {
+        Self { view: SpaceView::new(format) }
+    }
+}
+
+impl Panel for Scene {
+    fn title(&self) -> &'static str {
+        "Scene"
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
+        if context.recording().is_none() {
+            return missing(ui, "no recording is open");
+        }
+        self.view.controls(ui, context);
+        self.view.picture_and_slider(ui, context);
+    }
+
+    fn space(&mut self) -> Option<&mut SpaceView> {
+        Some(&mut self.view)
+    }
+}
