@@ -1,6 +1,6 @@
 //! The stages of each method against tracing unsorted rays: what lies left of the line pays off.
 
-use egui_plot::{Bar, BarChart, Plot, VLine};
+use egui_plot::{AxisHints, Bar, BarChart, Plot, VLine};
 use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 
@@ -98,6 +98,12 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
         ui.label("- - -  break-even: the trace of unsorted rays");
     });
     let height = height - line.response.rect.height() - ui.spacing().item_spacing.y;
+    let width = longest_name(ui, &names);
+    // Names are shown however near the bars are to each other: there is room for each.
+    let rows = AxisHints::new_y()
+        .min_thickness(width)
+        .label_spacing(4.0..=8.0)
+        .formatter(move |mark, _| name_at(&names, mark.value));
     Plot::new("timings")
         .height(height.max(80.0))
         .allow_scroll(false)
@@ -106,10 +112,9 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
         .include_x(0.0)
         .set_margin_fraction(egui::vec2(0.02, 0.03))
         .show_grid([true, false])
-        .x_axis_label("milliseconds")
-        .y_axis_min_width(longest_name(ui, &names))
+        .custom_x_axes(vec![AxisHints::new_x().label("milliseconds").label_spacing(30.0..=60.0)])
+        .custom_y_axes(vec![rows])
         .y_grid_spacer(egui_plot::uniform_grid_spacer(|_| [1.0, 1.0, 1.0]))
-        .y_axis_formatter(move |mark, _| name_at(&names, mark.value))
         .show(ui, |plot| {
             for chart in charts {
                 plot.bar_chart(chart);
