@@ -85,14 +85,13 @@ pub struct Traffic {
 /// The places of an order that are sampled: ranges of whole groups, ascending and apart.
 pub fn sampled_places(count: usize) -> Vec<std::ops::Range<usize>> {
     let groups = count.div_ceil(GROUP_RAYS);
-    if groups <= STRETCHES * STRETCH_GROUPS {
-        return vec![0..count];
-    }
+    let is_small = groups <= STRETCHES * STRETCH_GROUPS;
+    let (stretches, length) = if is_small { (1, groups) } else { (STRETCHES, STRETCH_GROUPS) };
     let stretch = |number: usize| {
-        let first = (groups - STRETCH_GROUPS) * number / (STRETCHES - 1);
-        first * GROUP_RAYS..((first + STRETCH_GROUPS) * GROUP_RAYS).min(count)
+        let first = (groups - length) * number / (STRETCHES - 1);
+        first * GROUP_RAYS..((first + length) * GROUP_RAYS).min(count)
     };
-    (0..STRETCHES).map(stretch).collect()
+    (0..stretches).map(stretch).collect()
 }
 
 /// Replays what the rays at sampled places read; `rays` are those of all ranges of [`sampled_places`].
