@@ -66,10 +66,8 @@ impl Encoder {
             (0..3).for_each(|axis| block.origin[axis][at] = origin[axis]);
             if self.needs.end {
                 let length = termination::bounded_length(&self.unit, ray, origin, length(at));
-                for axis in 0..3 {
-                    block.end[axis][at] =
-                        termination::end_quantised(origin[axis], length, ray.direction[axis]);
-                }
+                let end = |axis: usize| termination::end_quantised(origin[axis], length, ray.direction[axis]);
+                (0..3).for_each(|axis| block.end[axis][at] = end(axis));
             }
             if self.needs.octahedral {
                 let [u, v] = octahedral(ray.direction);
