@@ -60,11 +60,31 @@ pub enum LengthTableError {
         /// The count found.
         count: u32,
     },
+    /// No ray adds more than [`LONGEST_SUMMED`], and none takes away from the dummy.
+    #[error("cell {cell} sums {sum} for {count} rays, expected {least} to {most}")]
+    Sum {
+        /// The address.
+        cell: u32,
+        /// The sum found.
+        sum: u64,
+        /// The count found.
+        count: u32,
+        /// The least that so many rays sum up to.
+        least: u64,
+        /// The most.
+        most: u64,
+    },
 }
 
 /// A length in unit space as the fixed-point number that is summed.
 pub fn fixed_point(length: f32) -> u32 {
     (length.min(LONGEST_SUMMED) * (1u32 << LENGTH_FRACTION_BITS) as f32) as u32
+}
+
+/// The least and the most that the dummy and `count` − 1 rays sum up to.
+fn sums_of(count: u32) -> (u64, u64) {
+    let rays = u64::from(count.saturating_sub(1));
+    (DUMMY_SUM, DUMMY_SUM + rays * u64::from(fixed_point(LONGEST_SUMMED)))
 }
 
 /// Mean length in unit space from a cell's sum and count, exact on every device.
@@ -87,7 +107,7 @@ impl LengthTable {
     /// The table whose touched cells are `cells`, as [`LengthTable::touched`] gave them.
     ///
     /// # Errors
-    /// If the cells do not ascend, are out of range or hold fewer than two rays.
+    /// If the cells do not ascend, are out of range, hold fewer than two rays, or a sum that no rays have.
     pub fn from_touched(bits: u32, cells: &[LengthCell]) -> Result<Self, LengthTableError> {
         let table = Self::new(bits);
         let mut next = 0u64;
@@ -97,6 +117,10 @@ impl LengthTable {
             }
             if count < 2 {
                 return Err(LengthTableError::Count { cell, count });
+            }
+            let (least, most) = sums_of(count);
+            if !(least..=most).contains(&sum) {
+                return Err(LengthTableError::Sum { cell, sum, count, least, most });
             }
             table.sums[cell as usize].store(sum, Ordering::Relaxed);
             table.counts[cell as usize].store(count, Ordering::Relaxed);

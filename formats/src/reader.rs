@@ -251,7 +251,8 @@ impl Dump {
     fn missing(&self, place: &Place) -> ReadError {
         let hint = match &self.manifest.header.source {
             Source::Replayed { name, .. } => format!(
-                "; it is a replay of {name}, which is not in the same folder, or is another recording by now"
+                "; it is a replay of {}, which is not in the same folder, or is another recording by now",
+                name.escape_debug()
             ),
             Source::Traced | Source::Imported { .. } => String::new(),
         };

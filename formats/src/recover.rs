@@ -37,6 +37,12 @@ pub enum RecoverError {
         /// The folder.
         path: PathBuf,
     },
+    /// Something else in the place of the manifest, such as a link that may lead out of the folder.
+    #[error("{} is not a plain file, so that it is not written to", path.display())]
+    NotPlain {
+        /// The manifest.
+        path: PathBuf,
+    },
     /// The recorder has not ended.
     #[error("{} is being written by another process; wait until it ends", path.display())]
     Busy {
@@ -101,16 +107,19 @@ struct Kept {
 /// If no array was complete, the recorder is still running, or a file cannot be read or moved.
 pub fn recover(path: &Path) -> Result<Recovery, RecoverError> {
     let root = find(path)?;
+    let manifest_path = root.join(manifest::FILE_NAME);
+    // Before it is opened: a pipe would make us wait for ever.
+    match fs::symlink_metadata(&manifest_path) {
+        Ok(metadata) if metadata.is_file() => {}
+        Ok(_) => return Err(RecoverError::NotPlain { path: manifest_path }),
+        Err(_) => return Err(RecoverError::Nothing { path: root }),
+    }
     if folder::is_being_written(&root) {
         return Err(RecoverError::Busy { path: root });
     }
     let dump = folder::dump_of_partial(&root).unwrap_or_else(|| root.clone());
     if dump != root && folder::exists(&dump) {
         return Err(RecoverError::Exists { dump, partial: root });
-    }
-    let manifest_path = root.join(manifest::FILE_NAME);
-    if !manifest_path.is_file() {
-        return Err(RecoverError::Nothing { path: root });
     }
     let kept = longest_prefix(&root, &manifest_path)?;
     if kept.arrays.is_empty() {
@@ -223,7 +232,11 @@ fn end_manifest(
     let old = fs::read(manifest).map_err(io_error("read", manifest))?;
     let kept_bytes = &old[..old.len().min(kept.manifest_bytes as usize)];
     let new = root.join(NEW_MANIFEST);
-    let mut file = File::create(&new).map_err(io_error("create", &new))?;
+    // One that is there already was left by a run that was ended; a link would be followed.
+    if folder::exists(&new) {
+        fs::remove_file(&new).map_err(io_error("remove", &new))?;
+    }
+    let mut file = File::create_new(&new).map_err(io_error("create", &new))?;
     file.write_all(kept_bytes).map_err(io_error("write", &new))?;
     file.write_all(&frame).map_err(io_error("write", &new))?;
     file.sync_all().map_err(io_error("write", &new))?;

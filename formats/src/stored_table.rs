@@ -20,7 +20,7 @@ pub enum StoredTableError {
         bits: u32,
     },
     /// The header does not say how a ray finds its cell.
-    #[error("'{layout}' is no layout by which a ray finds its cell in the length table")]
+    #[error("'{}' is no layout by which a ray finds its cell in the length table", layout.escape_debug())]
     Layout {
         /// What the header says.
         layout: String,

@@ -3,9 +3,12 @@
 //! The oracle spells KEYS out: it lists a layout's bits with plain loops and takes each bit from a
 //! coordinate computed in f64. A wrong bit order, a swapped axis or a shifted field shows at once.
 
+mod oracle;
+
 use formats::key::{Encoder, LightSite, Method};
 use formats::ray::Ray;
 use formats::unit_space::UnitSpace;
+use oracle::{Bounds, coordinate, error_bits};
 
 const MIN: [f32; 3] = [-3.0, 10.0, 0.5];
 const MAX: [f32; 3] = [5.0, 14.0, 2.5];
@@ -74,61 +77,6 @@ fn bits_of(method: &str, lights: usize) -> Vec<&'static str> {
     bits
 }
 
-fn octahedral(d: [f64; 3]) -> [f64; 2] {
-    let sum = d[0].abs() + d[1].abs() + d[2].abs();
-    let (x, y) = (d[0] / sum, d[1] / sum);
-    let sign = |v: f64| if v > 0.0 { 1.0 } else { -1.0 };
-    let (u, v) = if d[2] < 0.0 { ((1.0 - y.abs()) * sign(x), (1.0 - x.abs()) * sign(y)) } else { (x, y) };
-    [(u + 1.0) / 2.0, (v + 1.0) / 2.0]
-}
-
-/// The value of a coordinate in [0, 1], in f64.
-fn coordinate(name: &str, ray: &Ray, light: u32) -> f64 {
-    let scale = 1.0 / (0..3).map(|axis| f64::from(MAX[axis]) - f64::from(MIN[axis])).fold(0.0, f64::max);
-    let o: [f64; 3] =
-        std::array::from_fn(|axis| (f64::from(ray.origin[axis]) - f64::from(MIN[axis])) * scale);
-    let d: [f64; 3] = std::array::from_fn(|axis| f64::from(ray.direction[axis]));
-    let exit = (0..3)
-        .map(|axis| {
-            let side = (f64::from(MAX[axis]) - f64::from(MIN[axis])) * scale;
-            (-o[axis] / d[axis]).max((side - o[axis]) / d[axis])
-        })
-        .fold(f64::INFINITY, f64::min);
-    let length = LENGTH.min(exit).min(f64::from(ray.t_max) * scale).max(0.0);
-    let seen = || match lights()[light as usize] {
-        LightSite::Placed { centre } => {
-            let v: [f64; 3] = std::array::from_fn(|axis| o[axis] - f64::from(centre[axis]));
-            let [a, b] = octahedral(v);
-            [a, b, v.iter().map(|x| x * x).sum::<f64>().sqrt() / 3f64.sqrt()]
-        }
-        LightSite::Directional { direction, tangent, bitangent } => [tangent, bitangent, direction]
-            .map(|axis| ((0..3).map(|i| o[i] * f64::from(axis[i])).sum::<f64>() / 3f64.sqrt() + 1.0) / 2.0),
-        LightSite::Environment => {
-            let [a, b] = octahedral(d);
-            [a, b, 0.0]
-        }
-    };
-    match name {
-        "ox" => o[0],
-        "oy" => o[1],
-        "oz" => o[2],
-        "ex" => o[0] + length * d[0],
-        "ey" => o[1] + length * d[1],
-        "ez" => o[2] + length * d[2],
-        "dx" => (d[0] + 1.0) / 2.0,
-        "dy" => (d[1] + 1.0) / 2.0,
-        "dz" => (d[2] + 1.0) / 2.0,
-        "u" => octahedral(d)[0],
-        "v" => octahedral(d)[1],
-        "theta" => d[1].atan2(d[0]) / (2.0 * std::f64::consts::PI) + 0.5,
-        "phi" => d[2].acos() / std::f64::consts::PI,
-        "lu" => seen()[0],
-        "lv" => seen()[1],
-        "lr" => seen()[2],
-        other => panic!("no coordinate {other}"),
-    }
-}
-
 /// The key, or `None` if some coordinate lies so close to the border of its cell that rounding in
 /// f32 may put it on the other side.
 fn oracle_key(bits: &[&'static str], key_bits: usize, ray: &Ray, light: u32) -> Option<u64> {
@@ -139,10 +87,10 @@ fn oracle_key(bits: &[&'static str], key_bits: usize, ray: &Ray, light: u32) -> 
         let bit = if *name == "light" {
             u64::from(light) >> (index_bits as i32 - level) & 1
         } else {
-            let scaled = coordinate(name, ray, light).clamp(0.0, 1.0) * 2f64.powi(level);
-            // The termination point is stepped in factors rounded to 2^-15; all else is f32.
-            let error_bits = if name.starts_with('e') { 13 } else { 19 };
-            if (scaled - scaled.round()).abs() < 2f64.powi(level - error_bits) {
+            let site = &lights()[light as usize];
+            let value = coordinate(name, &Bounds { min: MIN, max: MAX }, ray, LENGTH, site);
+            let scaled = value.clamp(0.0, 1.0) * 2f64.powi(level);
+            if (scaled - scaled.round()).abs() < 2f64.powi(level - error_bits(name)) {
                 return None;
             }
             scaled.floor() as u64 & 1

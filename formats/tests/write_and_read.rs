@@ -237,8 +237,9 @@ fn lying_records_are_refused() {
     rewrite(&put(name, b"scene/../../positio"), "is not the path of an array");
     rewrite(&put(name, b"/etc/passwd/passwd."), "is not the path of an array");
     rewrite(&put(name, b"scene/triangles.npy"), "expected <u4 (N, 3)");
-    rewrite(&put(name - 8, b"\xff\xff\xff\xff\xff\xff\xff\x00"), "larger than any record");
-    rewrite(&put(name - 8, b"\xff\xff\xff\x07\x00\x00\x00\x00"), "go on after its end");
+    rewrite(&put(name - 8, b"\xff\xff\xff\xff\xff\xff\xff\x00"), "larger than the record can hold");
+    rewrite(&put(name - 8, b"\xff\xff\xff\x07\x00\x00\x00\x00"), "larger than the record can hold");
+    rewrite(&put(name - 8, b"\xff\xff\x00\x00\x00\x00\x00\x00"), "go on after its end");
     rewrite(&put(shape, b"\xff\xff\xff\xff\xff\xff\xff\xff"), "more than there can be");
     rewrite(&put(shape, b"\x0c"), "said to have");
     rewrite(&put(0, b"\x63"), "kind 99, which format version 2 does not have");

@@ -14,6 +14,7 @@ pub mod light;
 pub mod load;
 pub mod material;
 pub mod scene;
+mod shown;
 pub mod sidecar;
 
 pub use camera::Camera;

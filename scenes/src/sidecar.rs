@@ -23,6 +23,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::camera::{Camera, CameraError};
+use crate::shown::shown;
 use crate::{Environment, Light};
 
 /// What a sidecar adds to its scene.
@@ -46,7 +47,7 @@ pub enum SidecarError {
         source: std::io::Error,
     },
     /// It is not TOML, or has keys or values that a sidecar does not have.
-    #[error("line {line}: {message}")]
+    #[error("line {line}: {}", shown(message))]
     Line {
         /// Counted from 1.
         line: usize,
@@ -54,7 +55,7 @@ pub enum SidecarError {
         message: String,
     },
     /// A camera that cannot be.
-    #[error("camera {number} (\"{name}\")")]
+    #[error("camera {number} (\"{}\")", shown(name))]
     Camera {
         /// Counted from 1.
         number: usize,

@@ -98,7 +98,9 @@ impl fmt::Display for LayoutError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let blanks = " ".repeat(self.start);
         let marks = "^".repeat(self.length);
-        write!(f, "{}\n  {}\n  {blanks}{marks}", self.message, self.text)
+        // As many places as characters, and nothing that a terminal obeys.
+        let text: String = self.text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        write!(f, "{}\n  {text}\n  {blanks}{marks}", self.message)
     }
 }
 
@@ -120,14 +122,17 @@ impl LayoutText {
     ///
     /// # Errors
     /// Unknown words, unbalanced brackets, bad counts, no bit at all, a coordinate with more than
-    /// 22 bits, more than 64 bits (without `light`, where the tail is cut); each with its place.
+    /// 22 bits, more than 64 bits (without `light`, where the tail is cut), `light` more than once;
+    /// each with its place.
     pub fn parse(text: &str) -> Result<Self, LayoutError> {
         let characters: Vec<char> = text.chars().collect();
         let mut parser = Parser { text, characters: &characters, at: 0 };
         let items = parser.items(0)?;
         let parsed = Self { text: text.to_owned(), items };
-        // One light is the case with the fewest index bits, so it shows every other fault.
+        // One light is the case with the fewest index bits, so it shows every other fault; two show
+        // an index that is mentioned twice.
         parsed.expand(1)?;
+        parsed.expand(2)?;
         Ok(parsed)
     }
 
@@ -139,7 +144,7 @@ impl LayoutText {
     /// The layout for a scene with this many lights (at least 1).
     ///
     /// # Errors
-    /// None beyond those that [`LayoutText::parse`] already reported.
+    /// None beyond those that [`LayoutText::parse`] already reported, up to 2^22 lights.
     pub fn expand(&self, lights: usize) -> Result<Layout, LayoutError> {
         let mut bits = Vec::new();
         let light_bits = light_index_bits(lights);
@@ -161,6 +166,10 @@ impl LayoutText {
         for &(coordinate, start, length) in &bits {
             let count = counts.entry(coordinate).or_insert(0);
             *count += 1;
+            if coordinate == Coordinate::Light && *count > light_bits {
+                let message = "'light' is the whole index already, so it can be mentioned only once";
+                return Err(self.error(message, start, length));
+            }
             if *count > COORDINATE_BITS {
                 let message = format!(
                     "'{}' is mentioned more than {COORDINATE_BITS} times, and a coordinate has no more bits than that",
@@ -238,7 +247,7 @@ impl Parser<'_> {
                 c if c.is_alphabetic() => items.push(self.name()?),
                 c => {
                     return Err(self.error(
-                        &format!("found '{c}', expected a coordinate's name or '('"),
+                        &format!("found '{}', expected a coordinate's name or '('", c.escape_debug()),
                         self.at,
                         1,
                     ));
@@ -393,6 +402,8 @@ mod tests {
             ("(ox)*23", 1, 2, "more than 22"),
             ("(ox oy oz u)*16 v", 16, 1, "longer than 64"),
             ("", 0, 1, "at least one"),
+            ("light ox light", 9, 5, "only once"),
+            ("ox \u{1b}", 3, 1, "found '\\u{1b}'"),
         ] {
             let error = LayoutText::parse(text).unwrap_err();
             assert!(error.message.contains(part), "{text}: {error}");

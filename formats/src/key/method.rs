@@ -54,7 +54,7 @@ pub const BUILTIN: &[(&str, &str, Termination)] = &[
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MethodError {
     /// No built-in method has this name.
-    #[error("there is no method '{name}'; there are unsorted, {known}, and your own as 'name=layout'", known = builtin_names())]
+    #[error("there is no method '{}'; there are unsorted, {known}, and your own as 'name=layout'", name.escape_debug(), known = builtin_names())]
     Unknown {
         /// What was asked for.
         name: String,

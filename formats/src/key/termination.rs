@@ -22,10 +22,12 @@ pub fn bounded_length(unit: &UnitSpace, ray: &Ray, origin: [f32; 3], length: f32
 /// `e22` along one axis: the quantised origin moved by `length · direction` in integers.
 ///
 /// Exact on every device once `length` is known: both conversions truncate, the product of
-/// 57,344 and 32,768 fits an i32, the shift is arithmetic.
+/// 57,344 and 32,768 fits an i32, the shift is arithmetic. Directions that are no unit vectors, which
+/// only files have, wrap around as the integers of WGSL do.
 pub fn end_quantised(origin: f32, length: f32, direction: f32) -> u32 {
     const ONE: f32 = (1u32 << STEP_BITS) as f32;
-    let step = ((length * ONE) as i32 * (direction * ONE) as i32) >> (2 * STEP_BITS - COORDINATE_BITS);
+    let product = ((length * ONE) as i32).wrapping_mul((direction * ONE) as i32);
+    let step = product >> (2 * STEP_BITS - COORDINATE_BITS);
     (quantise(origin) as i32 + step).clamp(0, (1 << COORDINATE_BITS) - 1) as u32
 }
 

@@ -14,11 +14,17 @@ use crate::ray::Kind;
 /// Kinds of records that this version knows: the number of variants of [`Record`].
 pub(super) const RECORD_KINDS: u32 = 7;
 
-/// Decoded values may take this many times their bytes: a record cannot ask for more memory than that.
+/// Most records are shorter than this. What the decoded values may take, lists with false lengths
+/// included, is bounded by the length of the record: a short one cannot ask for much memory.
+const SHORT_BYTES_MAX: usize = 64 << 10;
+/// Records of this many bytes have a bound between that of short ones and that of the longest.
+const MIDDLING_BYTES_MAX: usize = 4 << 20;
+/// How many times its bytes a value may take: lists of texts need three, all others fewer.
 const EXPANSION: usize = 4;
 
-const CONFIGURATION: Configuration<LittleEndian, Fixint, Limit<{ EXPANSION * RECORD_BYTES_MAX }>> =
-    bincode::config::standard().with_fixed_int_encoding().with_limit::<{ EXPANSION * RECORD_BYTES_MAX }>();
+const fn configuration<const BYTES: usize>() -> Configuration<LittleEndian, Fixint, Limit<BYTES>> {
+    bincode::config::standard().with_fixed_int_encoding().with_limit::<BYTES>()
+}
 
 /// A record with its length and checksum before it, as it is appended to a manifest.
 ///
@@ -26,7 +32,11 @@ const CONFIGURATION: Configuration<LittleEndian, Fixint, Limit<{ EXPANSION * REC
 /// If the record is longer than [`RECORD_BYTES_MAX`]; the length found is given.
 pub fn encode_frame(record: &Record) -> Result<Vec<u8>, usize> {
     let mut frame = vec![0; FRAME_BYTES];
-    let written = bincode::encode_into_std_write(record, &mut frame, CONFIGURATION);
+    let written = bincode::encode_into_std_write(
+        record,
+        &mut frame,
+        configuration::<{ EXPANSION * RECORD_BYTES_MAX }>(),
+    );
     let length = frame.len() - FRAME_BYTES;
     if written.is_err() || length > RECORD_BYTES_MAX {
         return Err(length);
@@ -42,10 +52,20 @@ pub fn encode_frame(record: &Record) -> Result<Vec<u8>, usize> {
 /// # Errors
 /// What is wrong with them, as a phrase.
 pub(super) fn decode(payload: &[u8]) -> Result<Record, String> {
-    match bincode::decode_from_slice(payload, CONFIGURATION) {
+    const SHORT: usize = EXPANSION * SHORT_BYTES_MAX;
+    const MIDDLING: usize = EXPANSION * MIDDLING_BYTES_MAX;
+    const LONG: usize = EXPANSION * RECORD_BYTES_MAX;
+    let decoded = if payload.len() <= SHORT_BYTES_MAX {
+        bincode::decode_from_slice(payload, configuration::<SHORT>())
+    } else if payload.len() <= MIDDLING_BYTES_MAX {
+        bincode::decode_from_slice(payload, configuration::<MIDDLING>())
+    } else {
+        bincode::decode_from_slice(payload, configuration::<LONG>())
+    };
+    match decoded {
         Ok((record, used)) if used == payload.len() => Ok(record),
         Ok((_, used)) => Err(format!("it is {} bytes long, but its fields take {used}", payload.len())),
-        Err(DecodeError::LimitExceeded) => Err("a length in it is larger than any record".into()),
+        Err(DecodeError::LimitExceeded) => Err("a length in it is larger than the record can hold".into()),
         Err(DecodeError::UnexpectedEnd { .. }) => Err("its fields go on after its end".into()),
         Err(DecodeError::Utf8 { .. }) => Err("a text in it is not UTF-8".into()),
         Err(DecodeError::UnexpectedVariant { found, .. }) => {

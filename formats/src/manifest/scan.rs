@@ -244,7 +244,11 @@ impl Order {
             }
             Record::Cache(cache) => {
                 let CacheRecord { pass, bounce, kind, method, .. } = cache;
-                format!("caches of {method} in {}", QueueId { pass: *pass, bounce: *bounce, kind: *kind })
+                format!(
+                    "caches of {} in {}",
+                    method.escape_debug(),
+                    QueueId { pass: *pass, bounce: *bounce, kind: *kind }
+                )
             }
             Record::Header(_) | Record::Timing(_) => return Ok(()),
         };

@@ -34,7 +34,9 @@ fn check_structure(subject: &Subject<'_>, queue: QueueId, check: &mut Check) {
     if let Some(record) = record {
         for method in &record.methods {
             let is_known = method == UNSORTED || has_record(method);
-            check.require(is_known, || format!("{queue}: there is no record of method {method}"));
+            check.require(is_known, || {
+                format!("{queue}: there is no record of method {}", method.escape_debug())
+            });
         }
     }
     let mut rays = record.map(|record| (record.rays, "its record"));

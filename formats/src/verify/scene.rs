@@ -25,7 +25,10 @@ fn check_header(subject: &Subject<'_>) -> Check {
         format!("{} table bits, expected {TABLE_BITS_MIN} to {TABLE_BITS_MAX}", options.table_bits)
     });
     check.require(subject.cell_encoder().is_some(), || {
-        format!("the table's layout '{}' is none that gives every ray a cell", options.table_layout)
+        format!(
+            "the table's layout '{}' is none that gives every ray a cell",
+            options.table_layout.escape_debug()
+        )
     });
     let corners = scene.bounds_min.into_iter().zip(scene.bounds_max);
     check.require(
@@ -36,7 +39,7 @@ fn check_header(subject: &Subject<'_>) -> Check {
         let lights = manifest.header.lights.len();
         let problem = method_problem(method, lights);
         check.require(problem.is_none(), || {
-            format!("method {}: {}", method.name, problem.unwrap_or_default())
+            format!("method {}: {}", method.name.escape_debug(), problem.unwrap_or_default())
         });
     }
     check
@@ -53,7 +56,8 @@ pub(super) fn method_problem(method: &MethodRecord, lights: usize) -> Option<Str
     };
     let names = layout.bits().iter().map(|coordinate| coordinate.name());
     let is_same = names.eq(method.layout.iter().map(String::as_str));
-    (!is_same).then(|| format!("its bits are not those of '{}' for {lights} lights", method.text))
+    (!is_same)
+        .then(|| format!("its bits are not those of '{}' for {lights} lights", method.text.escape_debug()))
 }
 
 fn check_scene(subject: &Subject<'_>) -> Check {

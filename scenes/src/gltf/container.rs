@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 use super::error::GltfError;
 use super::notices::Notices;
+use crate::shown::shown;
 
 /// Extensions that a file may require.
 pub const SUPPORTED_EXTENSIONS: [&str; 3] =
@@ -47,10 +48,14 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Parsed<'_>, GltfError> {
     } else {
         return Err(GltfError::NotGltf);
     };
-    let preamble: Preamble = from_slice(json).map_err(|source| GltfError::Json { source })?;
+    let preamble: Preamble = from_slice(json).map_err(not_gltf)?;
     check_preamble(preamble)?;
-    let root = from_slice(json).map_err(|source| GltfError::Json { source })?;
+    let root = from_slice(json).map_err(not_gltf)?;
     Ok(Parsed { root, binary })
+}
+
+fn not_gltf(error: ::gltf::json::Error) -> GltfError {
+    GltfError::Json { problem: error.to_string() }
 }
 
 /// Refuses other versions and required extensions by name, before their effect on the rest of the
@@ -78,7 +83,7 @@ pub(super) fn note_extensions(root: &Root, notices: &mut Notices) {
     names.sort_unstable();
     names.dedup();
     for name in names.into_iter().filter(|name| !SUPPORTED_EXTENSIONS.contains(name)) {
-        notices.say(format!("the extension {name} is not supported and has no effect"));
+        notices.say(format!("the extension {} is not supported and has no effect", shown(name)));
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::shown::shown;
+
 /// Why a glTF file was refused. Byte offsets and counts are the file's own.
 #[derive(Debug, thiserror::Error)]
 #[expect(missing_docs, reason = "each message says what its fields mean")]
@@ -10,10 +12,10 @@ pub enum GltfError {
     #[error("it is neither GLB (no \"glTF\" at its start) nor glTF (no JSON object)")]
     NotGltf,
     /// The JSON does not parse, or is not shaped as glTF is.
-    #[error("its JSON is not valid glTF")]
-    Json { source: ::gltf::json::Error },
+    #[error("its JSON is not valid glTF: {}", shown(problem))]
+    Json { problem: String },
     /// Not glTF 2.
-    #[error("it is glTF version \"{found}\", expected 2.0; convert it first")]
+    #[error("it is glTF version \"{}\", expected 2.0; convert it first", shown(found))]
     Version { found: String },
     /// A GLB container of another version.
     #[error("its GLB container has version {found}, expected 2")]
@@ -29,7 +31,8 @@ pub enum GltfError {
     NoJsonChunk,
     /// An extension in `extensionsRequired` that is not supported.
     #[error(
-        "it requires the extension {name}, which is not supported (supported: {supported}); export it without"
+        "it requires the extension {}, which is not supported (supported: {supported}); export it without",
+        shown(name)
     )]
     RequiredExtension { name: String, supported: String },
     /// An index to something that does not exist.
@@ -112,7 +115,10 @@ pub enum GltfError {
 #[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum UriError {
     /// `http:` and its like.
-    #[error("its URI has the scheme \"{scheme}\"; only relative paths and base64 data URIs are read")]
+    #[error(
+        "its URI has the scheme \"{}\"; only relative paths and base64 data URIs are read",
+        shown(scheme)
+    )]
     Scheme { scheme: String },
     /// A data URI that is not base64.
     #[error("its data URI is not base64")]
@@ -121,15 +127,15 @@ pub enum UriError {
     #[error("its data URI has invalid base64")]
     Base64 { source: base64::DecodeError },
     /// A path that is not UTF-8 when decoded.
-    #[error("its URI \"{uri}\" is not UTF-8 when decoded")]
+    #[error("its URI \"{}\" is not UTF-8 when decoded", shown(uri))]
     NotUtf8 { uri: String },
     /// An absolute path.
-    #[error("its URI \"{uri}\" is an absolute path, expected one relative to the glTF file")]
+    #[error("its URI \"{}\" is an absolute path, expected one relative to the glTF file", shown(uri))]
     Absolute { uri: String },
     /// A file that cannot be read.
-    #[error("cannot read {}", path.display())]
+    #[error("cannot read {}", shown(&path.to_string_lossy()))]
     File { path: PathBuf, source: std::io::Error },
     /// A directory or device.
-    #[error("{} is not a regular file", path.display())]
+    #[error("{} is not a regular file", shown(&path.to_string_lossy()))]
     NotAFile { path: PathBuf },
 }

@@ -8,6 +8,7 @@ use super::Document;
 use super::error::GltfError;
 use super::images::{self, Decoded, Wanted};
 use super::notices::Notices;
+use crate::shown::shown;
 use crate::{Material, Texture};
 
 /// All materials of the file in its order, and one matt grey for primitives that have none: the
@@ -102,7 +103,7 @@ impl Maps {
 
 fn describe(index: usize, json: &JsonMaterial) -> String {
     match &json.name {
-        Some(name) => format!("material {index} (\"{name}\")"),
+        Some(name) => format!("material {index} (\"{}\")", shown(name)),
         None => format!("material {index}"),
     }
 }

@@ -5,6 +5,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::Document;
 use super::error::GltfError;
+use crate::shown::shown;
 
 /// A node of the scene, in the order of a depth-first walk.
 pub(super) struct PlacedNode {
@@ -17,7 +18,7 @@ pub(super) struct PlacedNode {
 /// How messages call a node.
 pub(super) fn describe(root: &Root, node: usize) -> String {
     match root.nodes.get(node).and_then(|node| node.name.as_ref()) {
-        Some(name) => format!("node {node} (\"{name}\")"),
+        Some(name) => format!("node {node} (\"{}\")", shown(name)),
         None => format!("node {node}"),
     }
 }

@@ -15,7 +15,7 @@ pub(super) fn read(uri: &str, folder: &Path, limit: u64) -> Result<Vec<u8>, UriE
         return decode_data(data);
     }
     if let Some((scheme, _)) = uri.split_once(':') {
-        return Err(UriError::Scheme { scheme: scheme.chars().take(20).collect() });
+        return Err(UriError::Scheme { scheme: scheme.into() });
     }
     let Ok(relative) = percent_decode_str(uri).decode_utf8() else {
         return Err(UriError::NotUtf8 { uri: uri.into() });

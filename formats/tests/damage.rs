@@ -1,0 +1,385 @@
+//! Whatever is cut off or flipped in a dump is found, and nothing that is left makes a reader panic.
+#![allow(clippy::unwrap_used, reason = "this is test code, also outside test functions")]
+
+mod hostile;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use formats::manifest::scan::{Frame, scan};
+use formats::manifest::{ArrayRecord, End, Outcome, Place, QueueId, Record, encode_frame, preamble};
+use formats::ray::Kind;
+use formats::reader::{Dump, ReadError};
+use formats::recover::{RecoverError, recover};
+use formats::writer::DumpWriter;
+use hostile::{assert_sentence, sample, use_everything};
+
+const SEED: u64 = 0x5eed_f00d;
+
+/// Random numbers for tests (splitmix64, Steele et al. 2014).
+struct Random(u64);
+
+impl Random {
+    /// Less than `limit`.
+    fn below(&mut self, limit: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % limit as u64) as usize
+    }
+}
+
+fn frames(dump: &Path) -> Vec<Frame> {
+    scan(&dump.join("manifest.bin")).unwrap().frames
+}
+
+fn arrays(dump: &Path) -> Vec<ArrayRecord> {
+    Dump::open(dump).unwrap().manifest().arrays.clone()
+}
+
+/// A right dump of the sample's scene, one queue and two methods: small enough to be cut at every byte.
+fn small(folder: &Path) -> PathBuf {
+    let whole = sample::write(folder);
+    let queue = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
+    let is_kept_method = |name: &str| matches!(name, "aila" | "two-point-adaptive");
+    let is_kept = |place: &Place| match place {
+        Place::Scene(_) => true,
+        Place::Image => false,
+        Place::Queue(id, _) => *id == queue,
+        Place::Method(id, method, _) => *id == queue && is_kept_method(method),
+    };
+    let source = Dump::open(&whole).unwrap();
+    let writer = DumpWriter::create(&folder.join("small"), sample::header(), false).unwrap();
+    for frame in frames(&whole) {
+        match frame.record {
+            Record::Method(method) if is_kept_method(&method.name) => writer.method(method).unwrap(),
+            Record::Array(array) if is_kept(&array.place) => {
+                let mut file = writer.array(&array.place, array.dtype, &array.shape).unwrap();
+                file.write(&source.bytes(&array).unwrap()).unwrap();
+                file.finish().unwrap();
+            }
+            Record::Queue(mut record) if record.id == queue => {
+                record.methods.retain(|method| is_kept_method(method));
+                writer.queue(record).unwrap();
+            }
+            _ => {}
+        }
+    }
+    writer.finish(End { outcome: Outcome::Complete, image: None, wall_ns: 1 }).unwrap()
+}
+
+/// A copy whose files are links to the same bytes; to change one, remove it first.
+fn linked(dump: &Path, to: &Path) {
+    for array in arrays(dump) {
+        let relative = array.place.to_string();
+        fs::create_dir_all(to.join(&relative).parent().unwrap()).unwrap();
+        fs::hard_link(dump.join(&relative), to.join(&relative)).unwrap();
+    }
+    fs::copy(dump.join("manifest.bin"), to.join("manifest.bin")).unwrap();
+}
+
+fn replace(file: &Path, bytes: &[u8]) {
+    fs::remove_file(file).unwrap();
+    fs::write(file, bytes).unwrap();
+}
+
+#[test]
+fn a_manifest_cut_at_every_byte_gives_one_sentence_or_what_comes_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = small(folder.path());
+    assert!(use_everything(&dump));
+    let bytes = fs::read(dump.join("manifest.bin")).unwrap();
+    let frames = frames(&dump);
+    let recovered = folder.path().join("cut.raydump");
+    let partial = folder.path().join("cut.raydump.partial");
+    let is_border = |cut: usize| {
+        let places =
+            frames.iter().flat_map(|frame| [frame.offset + 1, (frame.offset + frame.end) / 2, frame.end]);
+        places.into_iter().any(|place| place.abs_diff(cut as u64) <= 1)
+    };
+    linked(&dump, &partial);
+    for cut in 0..bytes.len() {
+        fs::write(dump.join("manifest.bin"), &bytes[..cut]).unwrap();
+        assert_sentence(&Dump::open(&dump).unwrap_err().to_string());
+        // A recording that runs is right as far as it got, unless its header is not there yet.
+        fs::write(partial.join("manifest.bin"), &bytes[..cut]).unwrap();
+        let before = frames.iter().take_while(|frame| frame.end <= cut as u64);
+        let arrays = before.clone().filter(|frame| matches!(frame.record, Record::Array(_))).count();
+        assert_eq!(use_everything(&partial), before.count() > 0, "cut at {cut}");
+        // Writing to a disk takes its time, so only at the borders of records and in their middle.
+        if !is_border(cut) {
+            continue;
+        }
+        match recover(&partial) {
+            Ok(recovery) => {
+                assert_eq!(recovery.arrays, arrays, "cut at {cut}");
+                assert!(use_everything(&recovered), "cut at {cut}");
+                fs::remove_dir_all(&recovered).unwrap();
+                recovery.leftover.iter().for_each(|(folder, _)| fs::remove_dir_all(folder).unwrap());
+                fs::write(dump.join("manifest.bin"), &bytes).unwrap();
+                linked(&dump, &partial);
+            }
+            Err(error) => {
+                assert!(arrays == 0, "cut at {cut}: {error}");
+                assert_sentence(&error.to_string());
+            }
+        }
+    }
+}
+
+#[test]
+fn arrays_cut_anywhere_are_refused_and_found() {
+    let folder = tempfile::tempdir().unwrap();
+    for (dump, cuts) in [(small(folder.path()), 900), (folder.path().join("sample.raydump"), 100)] {
+        let arrays = arrays(&dump);
+        let mut random = Random(SEED);
+        for _ in 0..cuts {
+            let array = &arrays[random.below(arrays.len())];
+            let file = dump.join(array.place.to_string());
+            let bytes = fs::read(&file).unwrap();
+            let cut = random.below(bytes.len());
+            fs::write(&file, &bytes[..cut]).unwrap();
+            let error = Dump::open(&dump).unwrap().bytes(array).unwrap_err();
+            assert!(matches!(error, ReadError::FileLength { .. }), "{}: {error}", array.place);
+            assert!(!use_everything(&dump), "{} cut to {cut} bytes, seed {SEED:#x}", array.place);
+            fs::write(&file, bytes).unwrap();
+        }
+        assert!(use_everything(&dump));
+    }
+}
+
+#[test]
+fn a_cut_array_ends_what_is_recovered() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = small(folder.path());
+    let arrays = arrays(&dump);
+    let mut random = Random(SEED);
+    let copy = folder.path().join("copy.raydump");
+    for _ in 0..100 {
+        linked(&dump, &copy);
+        let at = random.below(arrays.len());
+        let file = copy.join(arrays[at].place.to_string());
+        let bytes = fs::read(&file).unwrap();
+        let cut = random.below(bytes.len());
+        replace(&file, &bytes[..cut]);
+        match recover(&copy) {
+            Ok(recovery) => {
+                assert_eq!(recovery.arrays, at, "{} cut to {cut} bytes", arrays[at].place);
+                assert!(use_everything(&copy));
+                fs::remove_dir_all(recovery.leftover.unwrap().0).unwrap();
+            }
+            Err(error) => {
+                assert!(at == 0 && matches!(error, RecoverError::Nothing { .. }), "{error}");
+                assert_sentence(&error.to_string());
+            }
+        }
+        fs::remove_dir_all(&copy).unwrap();
+    }
+}
+
+#[test]
+fn every_flipped_bit_is_refused_or_found() {
+    let folder = tempfile::tempdir().unwrap();
+    for (dump, flips) in [(small(folder.path()), 1700), (folder.path().join("sample.raydump"), 300)] {
+        let mut files = vec!["manifest.bin".to_owned()];
+        files.extend(arrays(&dump).iter().map(|array| array.place.to_string()));
+        let mut random = Random(SEED);
+        for _ in 0..flips {
+            let file = dump.join(&files[random.below(files.len())]);
+            let bytes = fs::read(&file).unwrap();
+            let (at, bit) = (random.below(bytes.len()), random.below(8));
+            let mut flipped = bytes.clone();
+            flipped[at] ^= 1 << bit;
+            fs::write(&file, &flipped).unwrap();
+            assert!(!use_everything(&dump), "{} byte {at} bit {bit}, seed {SEED:#x}", file.display());
+            fs::write(&file, bytes).unwrap();
+        }
+        assert!(use_everything(&dump));
+    }
+}
+
+/// A terminal obeys control characters, and a file may hold any.
+#[test]
+fn names_from_a_file_stay_in_one_line() {
+    const NAME: &str = "a\nb\u{1b}[2J\u{9b}c";
+    let folder = tempfile::tempdir().unwrap();
+    let dump = small(folder.path());
+    let frames = frames(&dump);
+    let edits: [fn(&mut Record); 7] = [
+        |record| {
+            if let Record::Header(header) = record {
+                header.options.table_layout = NAME.into()
+            }
+        },
+        |record| {
+            if let Record::Method(method) = record {
+                method.name = format!("{NAME}{}", method.name)
+            }
+        },
+        |record| {
+            if let Record::Method(method) = record {
+                method.text = NAME.into()
+            }
+        },
+        |record| {
+            if let Record::Method(method) = record {
+                method.text += "\n\u{a0}"
+            }
+        },
+        |record| {
+            if let Record::Method(method) = record {
+                method.layout[0] = NAME.into()
+            }
+        },
+        |record| {
+            if let Record::Queue(queue) = record {
+                queue.methods.push(NAME.into())
+            }
+        },
+        |record| {
+            if let Record::Header(header) = record {
+                let name = NAME.into();
+                header.source = formats::manifest::Source::Replayed { name, manifest_sha256: [0; 32] };
+            }
+        },
+    ];
+    for (at, edit) in edits.into_iter().enumerate() {
+        let mut bytes = preamble().to_vec();
+        for frame in &frames {
+            let mut record = frame.record.clone();
+            edit(&mut record);
+            // A name that comes a second time is refused by name.
+            let twice = if matches!(record, Record::Method(_)) && at == 1 { 2 } else { 1 };
+            (0..twice).for_each(|_| bytes.extend(encode_frame(&record).unwrap()));
+        }
+        fs::write(dump.join("manifest.bin"), bytes).unwrap();
+        use_everything(&dump);
+        if let Ok(dump) = Dump::open(&dump) {
+            assert_sentence(&dump.array::<f32>(&Place::Image).unwrap_err().to_string());
+        }
+    }
+}
+
+/// The name of a replay's source comes from a file too.
+#[test]
+fn sources_are_looked_for_in_the_same_folder_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = sample::write(folder.path());
+    let inner = folder.path().join("inner");
+    fs::create_dir(&inner).unwrap();
+    let replay = inner.join("replay.raydump");
+    fs::create_dir(&replay).unwrap();
+    let manifest_sha256 = Dump::open(&source).unwrap().manifest_sha256().unwrap();
+    let has_source = |name: &str| {
+        let source = formats::manifest::Source::Replayed { name: name.to_owned(), manifest_sha256 };
+        let mut bytes = preamble().to_vec();
+        let header = formats::manifest::Header { source, ..sample::header() };
+        let end = End { outcome: Outcome::Complete, image: None, wall_ns: 0 };
+        for record in [Record::Header(Box::new(header)), Record::End(end)] {
+            bytes.extend(encode_frame(&record).unwrap());
+        }
+        fs::write(replay.join("manifest.bin"), bytes).unwrap();
+        use_everything(&replay);
+        let dump = Dump::open(&replay).unwrap();
+        let error = dump.array::<f32>(&Place::Image).err();
+        error.iter().for_each(|error| assert_sentence(&error.to_string()));
+        assert_eq!(error.is_none(), dump.source().is_some(), "{name:?}");
+        dump.source().is_some()
+    };
+    let absolute = source.to_str().unwrap();
+    let beside = inner.join("sample.raydump");
+    for name in
+        ["../sample.raydump", absolute, "..", ".", "", "/", "\0", "a\nb", "inner/../../sample.raydump"]
+    {
+        assert!(!has_source(name), "{name:?}");
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(&source, &beside).unwrap();
+        assert!(!has_source("sample.raydump"), "a link");
+        fs::remove_file(&beside).unwrap();
+    }
+    fs::rename(&source, &beside).unwrap();
+    for name in ["./sample.raydump", "sample.raydump/", "sample.raydump/."] {
+        assert!(!has_source(name), "{name:?}");
+    }
+    assert!(has_source("sample.raydump"));
+}
+
+#[cfg(unix)]
+mod links {
+    use std::os::unix::fs::symlink;
+
+    use super::*;
+
+    /// A dump in which the array's file, or a folder above it, is a link to the same thing elsewhere.
+    #[test]
+    fn linked_arrays_and_folders_are_refused_by_every_reader() {
+        for depth in 1..=4 {
+            let folder = tempfile::tempdir().unwrap();
+            let dump = small(folder.path());
+            let array =
+                arrays(&dump).into_iter().find(|array| array.place.to_string().contains("rays")).unwrap();
+            let relative = array.place.to_string();
+            let part: PathBuf = relative.split('/').take(depth).collect();
+            let outside = folder.path().join("outside");
+            fs::rename(dump.join(&part), &outside).unwrap();
+            symlink(&outside, dump.join(&part)).unwrap();
+            let before = listing(&outside);
+            let error = Dump::open(&dump).unwrap().bytes(&array).unwrap_err();
+            assert!(matches!(error, ReadError::NotPlain { found: "a link", .. }), "{error}");
+            assert!(!use_everything(&dump));
+            assert!(recover(&dump).is_ok_and(|recovery| recovery.cut.is_some()), "the scene is still there");
+            assert!(use_everything(&dump));
+            assert_eq!(listing(&outside), before, "nothing outside has changed");
+        }
+    }
+
+    /// Recovering writes to the manifest: never through a link to somebody's file.
+    #[test]
+    fn a_linked_manifest_is_not_written_through() {
+        let folder = tempfile::tempdir().unwrap();
+        let dump = small(folder.path());
+        let outside = folder.path().join("outside.bin");
+        let bytes = fs::read(dump.join("manifest.bin")).unwrap();
+        fs::write(&outside, &bytes[..bytes.len() - 1]).unwrap();
+        for name in ["small.raydump", "other.raydump.partial"] {
+            let path = folder.path().join(name);
+            if path != dump {
+                fs::rename(&dump, &path).unwrap();
+            }
+            fs::remove_file(path.join("manifest.bin")).unwrap();
+            symlink(&outside, path.join("manifest.bin")).unwrap();
+            assert!(!use_everything(&path));
+            let error = recover(&path).unwrap_err();
+            assert_sentence(&error.to_string());
+            assert!(fs::read(&outside).unwrap() == bytes[..bytes.len() - 1], "{name}: {error}");
+        }
+    }
+
+    /// So does the new manifest until it has its name.
+    #[test]
+    fn a_link_in_the_place_of_the_new_manifest_is_not_written_through() {
+        let folder = tempfile::tempdir().unwrap();
+        let dump = small(folder.path());
+        let outside = folder.path().join("outside.bin");
+        fs::write(&outside, b"precious").unwrap();
+        symlink(&outside, dump.join("manifest.bin.new")).unwrap();
+        let manifest = dump.join("manifest.bin");
+        let bytes = fs::read(&manifest).unwrap();
+        fs::write(&manifest, &bytes[..bytes.len() - 1]).unwrap();
+        recover(&dump).unwrap();
+        assert_eq!(fs::read(&outside).unwrap(), b"precious");
+        assert!(use_everything(&dump));
+    }
+
+    fn listing(path: &Path) -> Vec<(PathBuf, u64)> {
+        if path.is_file() {
+            return vec![(path.to_owned(), path.metadata().unwrap().len())];
+        }
+        let mut found: Vec<_> =
+            fs::read_dir(path).unwrap().flat_map(|entry| listing(&entry.unwrap().path())).collect();
+        found.sort();
+        found
+    }
+}

@@ -1,0 +1,247 @@
+//! A dump that somebody changed: the sample after edits, through everything that reads dumps.
+//!
+//! Bytes become edits of [`EDIT_BYTES`] bytes and what they write: kind, which record or array (u16),
+//! offset (u16), number of bytes (u8), those bytes.
+
+#[path = "../sample/mod.rs"]
+pub(crate) mod sample;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+use formats::manifest::scan::scan;
+use formats::manifest::{ArrayRecord, Place, QueueArray, Record, encode_frame, preamble};
+use formats::npy;
+use formats::ray::{Kind, Ray};
+use formats::reader::Dump;
+use formats::recover::recover;
+use formats::stored_table::StoredTable;
+use formats::summary::Summary;
+use formats::traced::Traced;
+use formats::verify::verify;
+
+use super::assert_sentence;
+
+/// Kind, which, offset, number of bytes.
+const EDIT_BYTES: usize = 6;
+/// What comes after so many edits is not looked at.
+const EDITS_MAX: usize = 16;
+
+/// What is done to the dump.
+#[derive(Debug)]
+struct Edit<'a> {
+    kind: u8,
+    which: usize,
+    offset: usize,
+    bytes: &'a [u8],
+}
+
+fn edits(mut bytes: &[u8]) -> Vec<Edit<'_>> {
+    let mut edits = Vec::new();
+    while let Some((&[kind, w0, w1, o0, o1, length], rest)) = bytes.split_first_chunk::<EDIT_BYTES>()
+        && edits.len() < EDITS_MAX
+    {
+        let (written, rest) = rest.split_at(rest.len().min(length.into()));
+        let [which, offset] = [[w0, w1], [o0, o1]].map(|word| u16::from_le_bytes(word).into());
+        edits.push(Edit { kind, which, offset, bytes: written });
+        bytes = rest;
+    }
+    edits
+}
+
+/// The sample, written once, and its records.
+struct Original {
+    folder: tempfile::TempDir,
+    payloads: Vec<Vec<u8>>,
+    arrays: Vec<ArrayRecord>,
+}
+
+static ORIGINAL: LazyLock<Original> = LazyLock::new(|| {
+    let folder = tempfile::tempdir().unwrap();
+    let path = sample::write(folder.path());
+    let records: Vec<Record> =
+        scan(&path.join("manifest.bin")).unwrap().frames.into_iter().map(|frame| frame.record).collect();
+    let payloads = records.iter().map(|record| encode_frame(record).unwrap().split_off(8)).collect();
+    let arrays = records.into_iter().filter_map(|record| match record {
+        Record::Array(array) => Some(array),
+        _ => None,
+    });
+    Original { folder, payloads, arrays: arrays.collect() }
+});
+
+/// A copy of the sample whose unchanged files are links to the original's bytes.
+struct Copy {
+    path: PathBuf,
+    payloads: Vec<Vec<u8>>,
+    /// Written over the manifest's bytes in the end, and where it is cut.
+    manifest_edits: Vec<(usize, Vec<u8>)>,
+    manifest_bytes: Option<usize>,
+}
+
+impl Copy {
+    fn new(path: PathBuf) -> Self {
+        let original = ORIGINAL.folder.path().join("sample.raydump");
+        for array in &ORIGINAL.arrays {
+            let relative = array.place.to_string();
+            let file = path.join(&relative);
+            fs::create_dir_all(file.parent().unwrap()).unwrap();
+            fs::hard_link(original.join(&relative), file).unwrap();
+        }
+        let payloads = ORIGINAL.payloads.clone();
+        Self { path, payloads, manifest_edits: Vec::new(), manifest_bytes: None }
+    }
+
+    fn apply(&mut self, edit: &Edit<'_>) {
+        let payloads = self.payloads.len();
+        let array = &ORIGINAL.arrays[edit.which % ORIGINAL.arrays.len()];
+        match edit.kind % 12 {
+            0 | 1 if payloads > 0 => put(&mut self.payloads[edit.which % payloads], edit.offset, edit.bytes),
+            2 => self.payloads.insert(edit.which % (payloads + 1), edit.bytes.to_vec()),
+            3 if payloads > 0 => drop(self.payloads.remove(edit.which % payloads)),
+            4 if payloads > 0 => self.payloads.swap(edit.which % payloads, edit.offset % payloads),
+            5 => self.manifest_edits.push((edit.offset, edit.bytes.to_vec())),
+            6 => self.manifest_bytes = Some(edit.offset),
+            7 => drop(self.edit_file(array, edit, 0)),
+            8 | 9 => {
+                let header = npy::header(array.dtype, &array.shape).len();
+                let data = self.edit_file(array, edit, header).split_off(header);
+                self.mend_checksum(array, &data);
+            }
+            10 => {
+                let mut bytes = self.read(array);
+                bytes.truncate(edit.offset);
+                self.replace(array, &bytes);
+            }
+            _ => self.replace_by_another_thing(array, edit.offset),
+        }
+    }
+
+    fn file(&self, array: &ArrayRecord) -> PathBuf {
+        self.path.join(array.place.to_string())
+    }
+
+    fn read(&self, array: &ArrayRecord) -> Vec<u8> {
+        fs::read(self.file(array)).unwrap_or_default()
+    }
+
+    fn replace(&self, array: &ArrayRecord, bytes: &[u8]) {
+        let file = self.file(array);
+        // The link first: writing through it would change the original.
+        if fs::remove_file(&file).is_ok() {
+            fs::write(&file, bytes).unwrap();
+        }
+    }
+
+    /// Writes the edit's bytes into a file, `start` bytes further on; returns all of it.
+    fn edit_file(&self, array: &ArrayRecord, edit: &Edit<'_>, start: usize) -> Vec<u8> {
+        let mut bytes = self.read(array);
+        bytes.resize(bytes.len().max(start), 0);
+        let data = (bytes.len() - start).max(1);
+        put(&mut bytes, start + edit.offset % data, edit.bytes);
+        self.replace(array, &bytes);
+        bytes
+    }
+
+    /// So that only the meaning of the data is wrong.
+    fn mend_checksum(&mut self, array: &ArrayRecord, data: &[u8]) {
+        let old = encode_frame(&Record::Array(array.clone())).unwrap().split_off(8);
+        let edited = ArrayRecord { crc32c: crc32c::crc32c(data), ..array.clone() };
+        let new = encode_frame(&Record::Array(edited)).unwrap().split_off(8);
+        // Everything but the last twelve bytes, checksum and length, says which array it is.
+        let kept = old.len() - 12;
+        let record = self.payloads.iter_mut().find(|payload| payload.starts_with(&old[..kept]));
+        if let Some(record) = record {
+            *record = new;
+        }
+    }
+
+    fn replace_by_another_thing(&self, array: &ArrayRecord, choice: usize) {
+        let file = self.file(array);
+        if fs::remove_file(&file).is_err() {
+            return;
+        }
+        match choice % 3 {
+            0 => fs::create_dir(&file).unwrap(),
+            #[cfg(unix)]
+            1 => std::os::unix::fs::symlink(ORIGINAL.folder.path().join("sample.raydump"), &file).unwrap(),
+            _ => {}
+        }
+    }
+
+    fn write_manifest(&self) {
+        let mut bytes = preamble().to_vec();
+        for payload in &self.payloads {
+            bytes.extend((payload.len() as u32).to_le_bytes());
+            bytes.extend(crc32c::crc32c(payload).to_le_bytes());
+            bytes.extend(payload);
+        }
+        for (offset, edit) in &self.manifest_edits {
+            put(&mut bytes, *offset, edit);
+        }
+        bytes.truncate(self.manifest_bytes.unwrap_or(bytes.len()));
+        fs::write(self.path.join("manifest.bin"), bytes).unwrap();
+    }
+}
+
+/// Overwrites what is there, as far as it reaches.
+fn put(bytes: &mut [u8], offset: usize, new: &[u8]) {
+    let places = bytes.iter_mut().skip(offset).zip(new);
+    places.for_each(|(byte, &new)| *byte = new);
+}
+
+/// The sample after these edits.
+pub(crate) fn dump(bytes: &[u8]) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut copy = Copy::new(folder.path().join("edited.raydump"));
+    for edit in edits(bytes) {
+        copy.apply(&edit);
+    }
+    copy.write_manifest();
+    use_everything(&copy.path);
+    match recover(&copy.path) {
+        Ok(_) => {
+            // Whatever was recovered is a dump whose files are whole.
+            let report = verify(&Dump::open(&copy.path).unwrap());
+            let files = report.checks.iter().find(|check| check.name == "files").unwrap();
+            assert_eq!(files.problems.count, 0, "{files:?}");
+        }
+        Err(error) => assert_sentence(&error.to_string()),
+    }
+}
+
+/// Opens a dump, maps its arrays, reads its tables and lengths and verifies it; whether nothing is wrong.
+pub(crate) fn use_everything(path: &Path) -> bool {
+    let dump = match Dump::open(path) {
+        Ok(dump) => dump,
+        Err(error) => {
+            assert_sentence(&error.to_string());
+            return false;
+        }
+    };
+    serde_json::to_string(&Summary::new(path, dump.manifest())).unwrap();
+    for array in &dump.manifest().arrays {
+        match dump.bytes(array) {
+            Ok(bytes) => assert_eq!(bytes.len() as u64, array.bytes),
+            Err(error) => assert_sentence(&error.to_string()),
+        }
+        if let Place::Queue(queue, QueueArray::Rays) = array.place {
+            match Traced::open(&dump, queue) {
+                Ok(traced) => (0..traced.rays().len()).for_each(|ray| _ = traced.length(ray)),
+                Err(error) => assert_sentence(&error.to_string()),
+            }
+            match (StoredTable::open(&dump, queue), dump.array::<Ray>(&array.place)) {
+                (Ok(table), Ok(rays)) => rays.iter().for_each(|ray| _ = table.mean(ray)),
+                (Err(error), _) => assert_sentence(&error.to_string()),
+                (_, Err(_)) => {}
+            }
+            assert!(Kind::ALL.contains(&queue.kind));
+        }
+    }
+    let report = verify(&dump);
+    for check in &report.checks {
+        let findings = check.problems.first.iter().chain(&check.differences.first);
+        findings.chain(&check.not_checked).for_each(|finding| assert_sentence(finding));
+    }
+    report.is_ok()
+}
