@@ -301,7 +301,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
             return if error.use_stderr() { ExitCode::from(USAGE) } else { ExitCode::SUCCESS };
         }
     };
-    let Some(command) = command_line.command else { return exit_code(app::run(command_line.dumps)) };
+    let Some(command) = command_line.command else { return window(command_line.dumps) };
     let done = match command {
         Command::Info(info) => info::run(&info.target.dump, info.target.json, &info.options()),
         Command::Verify(Target { dump, json }) => verify::run(&dump, json),
@@ -312,6 +312,22 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Command::Shot(shot) => shot.run(),
     };
     exit_code(done)
+}
+
+/// Opens the window on recordings. A word that is neither a file nor looks like one is a mistyped command.
+fn window(dumps: Vec<PathBuf>) -> ExitCode {
+    let is_word =
+        |path: &&PathBuf| path.extension().is_none() && path.components().count() == 1 && !path.exists();
+    match dumps.iter().find(is_word) {
+        None => exit_code(app::run(dumps)),
+        Some(word) => {
+            eprintln!(
+                "error: there is no command and no recording '{}'; `inspector --help` lists the commands",
+                word.display()
+            );
+            ExitCode::from(USAGE)
+        }
+    }
 }
 
 fn exit_code(done: anyhow::Result<()>) -> ExitCode {
