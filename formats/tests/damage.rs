@@ -11,7 +11,6 @@ use formats::manifest::{ArrayRecord, End, Outcome, Place, QueueId, Record, encod
 use formats::ray::Kind;
 use formats::reader::{Dump, ReadError};
 use formats::recover::{RecoverError, recover};
-use formats::writer::DumpWriter;
 use hostile::{assert_sentence, sample, use_everything};
 
 const SEED: u64 = 0x5eed_f00d;
@@ -39,33 +38,8 @@ fn arrays(dump: &Path) -> Vec<ArrayRecord> {
 
 /// A right dump of the sample's scene, one queue and two methods: small enough to be cut at every byte.
 fn small(folder: &Path) -> PathBuf {
-    let whole = sample::write(folder);
     let queue = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
-    let is_kept_method = |name: &str| matches!(name, "aila" | "two-point-adaptive");
-    let is_kept = |place: &Place| match place {
-        Place::Scene(_) => true,
-        Place::Image => false,
-        Place::Queue(id, _) => *id == queue,
-        Place::Method(id, method, _) => *id == queue && is_kept_method(method),
-    };
-    let source = Dump::open(&whole).unwrap();
-    let writer = DumpWriter::create(&folder.join("small"), sample::header(), false).unwrap();
-    for frame in frames(&whole) {
-        match frame.record {
-            Record::Method(method) if is_kept_method(&method.name) => writer.method(method).unwrap(),
-            Record::Array(array) if is_kept(&array.place) => {
-                let mut file = writer.array(&array.place, array.dtype, &array.shape).unwrap();
-                file.write(&source.bytes(&array).unwrap()).unwrap();
-                file.finish().unwrap();
-            }
-            Record::Queue(mut record) if record.id == queue => {
-                record.methods.retain(|method| is_kept_method(method));
-                writer.queue(record).unwrap();
-            }
-            _ => {}
-        }
-    }
-    writer.finish(End { outcome: Outcome::Complete, image: None, wall_ns: 1 }).unwrap()
+    sample::thinned(&sample::write(folder), "small", &[queue], &["aila", "two-point-adaptive"])
 }
 
 /// A copy whose files are links to the same bytes; to change one, remove it first.
@@ -155,7 +129,7 @@ fn a_cut_array_ends_what_is_recovered() {
     let arrays = arrays(&dump);
     let mut random = Random(SEED);
     let copy = folder.path().join("copy.raydump");
-    for _ in 0..100 {
+    for _ in 0..50 {
         linked(&dump, &copy);
         let at = random.below(arrays.len());
         let file = copy.join(arrays[at].place.to_string());

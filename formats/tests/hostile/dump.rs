@@ -1,4 +1,4 @@
-//! A dump that somebody changed: the sample after edits, through everything that reads dumps.
+//! A dump that somebody changed: a part of the sample after edits, through everything that reads dumps.
 //!
 //! Bytes become edits of [`EDIT_BYTES`] bytes and what they write: kind, which record or array (u16),
 //! offset (u16), number of bytes (u8), those bytes.
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use formats::manifest::scan::scan;
-use formats::manifest::{ArrayRecord, Place, QueueArray, Record, encode_frame, preamble};
+use formats::manifest::{ArrayRecord, Place, QueueArray, QueueId, Record, encode_frame, preamble};
 use formats::npy;
 use formats::ray::{Kind, Ray};
 use formats::reader::Dump;
@@ -50,16 +50,21 @@ fn edits(mut bytes: &[u8]) -> Vec<Edit<'_>> {
     edits
 }
 
-/// The sample, written once, and its records.
+/// What is edited, written once, and its records.
 struct Original {
+    /// Where it lies, and where it is.
     folder: tempfile::TempDir,
+    path: PathBuf,
     payloads: Vec<Vec<u8>>,
     arrays: Vec<ArrayRecord>,
 }
 
 static ORIGINAL: LazyLock<Original> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    // One queue of each kind, and a method of each way to make keys: the whole sample takes five times as long.
+    let queues = Kind::ALL.map(|kind| QueueId { pass: 1, bounce: 1, kind });
+    let methods = ["aila", "two-point-adaptive", "two-point-real", "light-octahedron"];
+    let path = sample::thinned(&sample::write(folder.path()), "original", &queues, &methods);
     let records: Vec<Record> =
         scan(&path.join("manifest.bin")).unwrap().frames.into_iter().map(|frame| frame.record).collect();
     let payloads = records.iter().map(|record| encode_frame(record).unwrap().split_off(8)).collect();
@@ -67,7 +72,7 @@ static ORIGINAL: LazyLock<Original> = LazyLock::new(|| {
         Record::Array(array) => Some(array),
         _ => None,
     });
-    Original { folder, payloads, arrays: arrays.collect() }
+    Original { folder, path, payloads, arrays: arrays.collect() }
 });
 
 /// A copy of the sample whose unchanged files are links to the original's bytes.
@@ -81,12 +86,11 @@ struct Copy {
 
 impl Copy {
     fn new(path: PathBuf) -> Self {
-        let original = ORIGINAL.folder.path().join("sample.raydump");
         for array in &ORIGINAL.arrays {
             let relative = array.place.to_string();
             let file = path.join(&relative);
             fs::create_dir_all(file.parent().unwrap()).unwrap();
-            fs::hard_link(original.join(&relative), file).unwrap();
+            fs::hard_link(ORIGINAL.path.join(&relative), file).unwrap();
         }
         let payloads = ORIGINAL.payloads.clone();
         Self { path, payloads, manifest_edits: Vec::new(), manifest_bytes: None }
@@ -164,7 +168,7 @@ impl Copy {
         match choice % 3 {
             0 => fs::create_dir(&file).unwrap(),
             #[cfg(unix)]
-            1 => std::os::unix::fs::symlink(ORIGINAL.folder.path().join("sample.raydump"), &file).unwrap(),
+            1 => std::os::unix::fs::symlink(ORIGINAL.folder.path(), &file).unwrap(),
             _ => {}
         }
     }

@@ -117,20 +117,6 @@ fn all_rays_in_one_cell_wrap_32_bits_and_stay_exact() {
     assert!((1.99..2.0).contains(&table.mean(17)));
 }
 
-#[test]
-fn threads_at_one_cell_lose_nothing() {
-    let table = LengthTable::new(BITS);
-    let mut exact = Exact::default();
-    std::thread::scope(|scope| {
-        for thread in 0..4 {
-            let table = &table;
-            scope.spawn(move || (0..50_000).for_each(|_| table.add(3, 0.5 + 0.25 * thread as f32)));
-        }
-    });
-    (0..4).for_each(|thread| exact.add(3, 0.5 + 0.25 * thread as f32, 50_000));
-    assert_same(&table, &exact);
-}
-
 /// Rays of at most two unit lengths cannot have summed up to more.
 #[test]
 fn sums_that_no_rays_have_are_refused() {

@@ -6,13 +6,15 @@ use std::path::{Path, PathBuf};
 
 use formats::key::{Encoder, LightSite, Method, Termination};
 use formats::length_table::LengthTable;
+use formats::manifest::scan::scan;
 use formats::manifest::{
     Adapter, Backend, CacheRecord, CameraPose, Check, End, Features, Header, ImageDigest, MethodArray,
-    MethodRecord, Mismatches, Options, Outcome, Place, QueueArray, QueueId, QueueRecord, SceneArray,
+    MethodRecord, Mismatches, Options, Outcome, Place, QueueArray, QueueId, QueueRecord, Record, SceneArray,
     SceneSummary, Source, Stage, TimingRecord,
 };
 use formats::npy::{Dtype, MaterialMask};
 use formats::ray::{Hit, Kind, Ray, Work};
+use formats::reader::Dump;
 use formats::unit_space::UnitSpace;
 use formats::writer::{DumpWriter, WriteError};
 use sha2::{Digest, Sha256};
@@ -436,4 +438,34 @@ pub(crate) fn write(folder: &Path) -> PathBuf {
     let writer = DumpWriter::create(&folder.join("sample"), header(), false).unwrap();
     let end = write_all(&writer).unwrap();
     writer.finish(end).unwrap()
+}
+
+/// Beside the dump `whole`, a right dump with these of its queues and methods alone, and no picture.
+pub(crate) fn thinned(whole: &Path, name: &str, queues: &[QueueId], methods: &[&str]) -> PathBuf {
+    let is_kept = |place: &Place| match place {
+        Place::Scene(_) => true,
+        Place::Image => false,
+        Place::Queue(queue, _) => queues.contains(queue),
+        Place::Method(queue, method, _) => queues.contains(queue) && methods.contains(&method.as_str()),
+    };
+    let source = Dump::open(whole).unwrap();
+    let writer = DumpWriter::create(&whole.with_file_name(name), header(), false).unwrap();
+    for frame in scan(&whole.join("manifest.bin")).unwrap().frames {
+        match frame.record {
+            Record::Method(method) if methods.contains(&method.name.as_str()) => {
+                writer.method(method).unwrap();
+            }
+            Record::Array(array) if is_kept(&array.place) => {
+                let mut file = writer.array(&array.place, array.dtype, &array.shape).unwrap();
+                file.write(&source.bytes(&array).unwrap()).unwrap();
+                file.finish().unwrap();
+            }
+            Record::Queue(mut queue) if queues.contains(&queue.id) => {
+                queue.methods.retain(|method| methods.contains(&method.as_str()));
+                writer.queue(queue).unwrap();
+            }
+            _ => {}
+        }
+    }
+    writer.finish(End { outcome: Outcome::Complete, image: None, wall_ns: 1 }).unwrap()
 }
