@@ -1,7 +1,7 @@
 //! Draws sample figures of every kind and checks what a reader would: nothing overlaps, nothing is
 //! cut, everything can be read, every number is in the files.
 //!
-//! To look at them: `GALLERY_FOLDER=/tmp/gallery cargo test -p inspector gallery`.
+//! To look at them: `GALLERY_FOLDER=gallery cargo test -p inspector gallery`.
 
 mod boxes;
 mod samples;
