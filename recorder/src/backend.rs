@@ -160,6 +160,19 @@ pub struct UploadedRays<'a> {
 /// Takes an array's bytes, piece by piece.
 pub type Sink<'a> = dyn FnMut(&[u8]) -> Result<()> + 'a;
 
+/// The elements that a backend hands to a sink.
+///
+/// # Errors
+/// Whatever `read` reports.
+pub fn collected<T: bytemuck::Pod>(read: impl FnOnce(&mut Sink<'_>) -> Result<()>) -> Result<Vec<T>> {
+    let mut elements = Vec::new();
+    read(&mut |bytes| {
+        elements.extend(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned::<T>));
+        Ok(())
+    })?;
+    Ok(elements)
+}
+
 /// A device that runs the stages. Queues and everything made of them are opaque.
 pub trait Backend {
     /// Rays with the state of their paths.

@@ -9,7 +9,7 @@ use formats::manifest::{
 use formats::npy::Dtype;
 use formats::ray::{Kind, Ray};
 
-use crate::backend::{Backend, MethodPlan, Queue, Sink};
+use crate::backend::{Backend, MethodPlan, Queue, collected};
 use crate::cache_model::CacheModel;
 use crate::capture::Capture;
 use crate::measure::{MethodMeasurement, OrderObserver, QueueMeasurement, measure, queue_name};
@@ -266,16 +266,6 @@ struct OrderCapture<'a> {
     rays: usize,
     /// The rays themselves, for the cache model; empty without it.
     copied: Vec<Ray>,
-}
-
-/// The elements that a backend hands to a sink.
-fn collected<T: bytemuck::Pod>(read: impl FnOnce(&mut Sink<'_>) -> Result<()>) -> Result<Vec<T>> {
-    let mut elements = Vec::new();
-    read(&mut |bytes| {
-        elements.extend(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned::<T>));
-        Ok(())
-    })?;
-    Ok(elements)
 }
 
 impl<B: Backend> OrderObserver<B> for OrderCapture<'_> {

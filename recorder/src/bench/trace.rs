@@ -10,7 +10,7 @@ use formats::ray::{Kind, Ray};
 use scenes::Scene;
 
 use super::result;
-use crate::backend::{Backend, Queue, Setup, UploadedRays};
+use crate::backend::{Backend, Queue, Setup, UploadedRays, collected};
 use crate::cpu::CpuBackend;
 use crate::device::{self, Device, DeviceRequest};
 use crate::gpu::backend::GpuBackend;
@@ -195,22 +195,11 @@ struct Copied {
 
 impl Copied {
     fn of<B: Backend>(backend: &mut B, queue: &B::Rays) -> Result<Self> {
-        let mut bytes = Vec::new();
-        let mut take = |read: &mut dyn FnMut(&mut crate::backend::Sink<'_>) -> Result<()>| {
-            bytes.clear();
-            read(&mut |piece| {
-                bytes.extend_from_slice(piece);
-                Ok(())
-            })?;
-            Ok::<_, anyhow::Error>(bytes.clone())
-        };
-        let rays = bytemuck::pod_collect_to_vec(&take(&mut |sink| backend.read_rays(queue, sink))?);
-        let path_ids = bytemuck::pod_collect_to_vec(&take(&mut |sink| backend.read_path_ids(queue, sink))?);
+        let rays = collected(|sink| backend.read_rays(queue, sink))?;
+        let path_ids = collected(|sink| backend.read_path_ids(queue, sink))?;
         let lights = match queue.kind() {
             Kind::Closest => Vec::new(),
-            Kind::Shadow => {
-                bytemuck::pod_collect_to_vec(&take(&mut |sink| backend.read_lights(queue, sink))?)
-            }
+            Kind::Shadow => collected(|sink| backend.read_lights(queue, sink))?,
         };
         Ok(Self { rays, path_ids, lights })
     }
