@@ -35,7 +35,10 @@ pub struct LengthCell {
 #[derive(Debug)]
 pub struct LengthTable {
     bits: u32,
+    /// Without the dummies, so that an untouched cell is 0: the system gives such memory only when it
+    /// is written to, and a large table of few cells costs next to nothing.
     sums: Vec<AtomicU64>,
+    /// Likewise.
     counts: Vec<AtomicU32>,
 }
 
@@ -87,6 +90,12 @@ fn sums_of(count: u32) -> (u64, u64) {
     (DUMMY_SUM, DUMMY_SUM + rays * u64::from(fixed_point(LONGEST_SUMMED)))
 }
 
+/// Sum and count of a cell, its dummy ray included. As many additions as would wrap a count are refused
+/// before a recording starts; one that a file claims must not end us.
+fn with_dummy(sum: &AtomicU64, count: &AtomicU32) -> (u64, u32) {
+    (sum.load(Ordering::Relaxed) + DUMMY_SUM, count.load(Ordering::Relaxed).saturating_add(1))
+}
+
 /// Mean length in unit space from a cell's sum and count, exact on every device.
 pub fn mean_length(sum: u64, count: u32) -> f32 {
     let mean = (sum / u64::from(count)) as u32;
@@ -97,11 +106,7 @@ impl LengthTable {
     /// A table of 2^`bits` cells, each with its dummy ray. `bits` from 8 to 24.
     pub fn new(bits: u32) -> Self {
         let cells = 1usize << bits;
-        Self {
-            bits,
-            sums: std::iter::repeat_with(|| AtomicU64::new(DUMMY_SUM)).take(cells).collect(),
-            counts: std::iter::repeat_with(|| AtomicU32::new(1)).take(cells).collect(),
-        }
+        Self { bits, sums: bytemuck::zeroed_vec(cells), counts: bytemuck::zeroed_vec(cells) }
     }
 
     /// The table whose touched cells are `cells`, as [`LengthTable::touched`] gave them.
@@ -122,8 +127,8 @@ impl LengthTable {
             if !(least..=most).contains(&sum) {
                 return Err(LengthTableError::Sum { cell, sum, count, least, most });
             }
-            table.sums[cell as usize].store(sum, Ordering::Relaxed);
-            table.counts[cell as usize].store(count, Ordering::Relaxed);
+            table.sums[cell as usize].store(sum - DUMMY_SUM, Ordering::Relaxed);
+            table.counts[cell as usize].store(count - 1, Ordering::Relaxed);
             next = u64::from(cell) + 1;
         }
         Ok(table)
@@ -131,8 +136,7 @@ impl LengthTable {
 
     /// Sum and count of every cell, in order.
     pub fn cells(&self) -> impl Iterator<Item = (u64, u32)> {
-        let cells = self.sums.iter().zip(&self.counts);
-        cells.map(|(sum, count)| (sum.load(Ordering::Relaxed), count.load(Ordering::Relaxed)))
+        self.sums.iter().zip(&self.counts).map(|(sum, count)| with_dummy(sum, count))
     }
 
     /// Address bits.
@@ -142,8 +146,8 @@ impl LengthTable {
 
     /// Mean length of a cell in unit space.
     pub fn mean(&self, cell: u32) -> f32 {
-        let cell = cell as usize;
-        mean_length(self.sums[cell].load(Ordering::Relaxed), self.counts[cell].load(Ordering::Relaxed))
+        let (sum, count) = with_dummy(&self.sums[cell as usize], &self.counts[cell as usize]);
+        mean_length(sum, count)
     }
 
     /// Adds a ray of traced `length` (unit lengths, ≥ 0) to a cell.
@@ -154,11 +158,13 @@ impl LengthTable {
 
     /// The cells with a count of 2 or more, ascending: what a dump stores.
     pub fn touched(&self) -> Vec<LengthCell> {
-        let counts = self.counts.iter().map(|count| count.load(Ordering::Relaxed));
-        let cells = counts.zip(&self.sums).zip(0u32..);
+        let cells = self.counts.iter().zip(&self.sums).zip(0u32..);
         cells
-            .filter(|((count, _), _)| *count >= 2)
-            .map(|((count, sum), cell)| LengthCell { cell, count, sum: sum.load(Ordering::Relaxed) })
+            .filter(|((count, _), _)| count.load(Ordering::Relaxed) > 0)
+            .map(|((count, sum), cell)| {
+                let (sum, count) = with_dummy(sum, count);
+                LengthCell { cell, count, sum }
+            })
             .collect()
     }
 }

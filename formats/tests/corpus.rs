@@ -7,8 +7,8 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// No file here may keep a program longer; the slowest takes a tenth of it.
-const PATIENCE: Duration = Duration::from_secs(2);
+/// No file here may keep a program longer, however busy the machine; the slowest takes a hundredth of it.
+const PATIENCE: Duration = Duration::from_secs(20);
 
 fn each_file(folder: &str, check: fn(&[u8])) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus").join(folder);
