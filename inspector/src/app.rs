@@ -69,16 +69,21 @@ impl App {
     /// The command that draws this window into a file.
     fn command(&self) -> Option<String> {
         let path = quoted(self.context.recording()?.dump.root());
-        let Selection { queue: QueueId { pass, bounce, kind }, method, ray, cell, .. } =
+        let Selection { queue: QueueId { pass, bounce, kind }, method, ray, cell, filter, .. } =
             &self.context.selection;
         let ray = ray.map_or(String::new(), |ray| format!(" --ray {ray}"));
         let cell = cell.map_or(String::new(), |cell| format!(" --cell {cell}"));
+        let filter =
+            filter.in_force().map(|filter| format!(" --filter {}", quoted(Path::new(filter.text()))));
+        let filter = filter.unwrap_or_default();
         let queue = format!("--pass {pass} --bounce {bounce} --kind {kind} --method {method}");
-        Some(format!("inspector shot {path} --view window {queue}{ray}{cell} --out window.png"))
+        Some(format!("inspector shot {path} --view window {queue}{ray}{cell}{filter} --out window.png"))
     }
 
     /// All of the window.
     pub fn show(&mut self, ui: &mut egui::Ui) {
+        let window = ui.ctx().clone();
+        self.context.wake_with(move || window.request_repaint());
         self.take_dropped(ui);
         self.take_keys(ui);
         egui::Panel::top("menu").show(ui, |ui| self.menu(ui));
@@ -186,8 +191,7 @@ impl App {
 
     /// Goes to the next order of the queue, or the one before.
     fn next_order(&mut self, step: isize) {
-        let Some(recording) = self.context.recording() else { return };
-        let methods = recording.methods(self.context.selection.queue);
+        let methods = self.context.methods();
         let now = methods.iter().position(|method| *method == self.context.selection.method);
         let next = now.and_then(|now| now.checked_add_signed(step)).and_then(|next| methods.get(next));
         if let Some(next) = next.cloned() {
@@ -241,7 +245,7 @@ fn layout() -> Tree<Pane> {
     let mut pane = |name: &str| tiles.insert_pane(name.to_owned());
     let [navigator, problems] = ["navigator", "problems"].map(&mut pane);
     let pictures = ["order", "table"].map(&mut pane);
-    let numbers = ["coherence", "timings"].map(&mut pane);
+    let numbers = ["coherence", "what-if", "timings"].map(&mut pane);
     let rays = ["ray", "rays"].map(&mut pane);
     let scenes = ["scene", "compare"].map(&mut pane);
     let tabs = |tiles: &mut Tiles<Pane>, of: &[TileId]| tiles.insert_tab_tile(of.to_vec());
@@ -254,7 +258,7 @@ fn layout() -> Tree<Pane> {
     let root = tiles.insert_horizontal_tile(vec![left, middle, right]);
     share(&mut tiles, root, &[(left, 0.66), (middle, 1.5), (right, 1.1)]);
     share(&mut tiles, left, &[(left_parts[0], 1.5), (left_parts[1], 1.0)]);
-    share(&mut tiles, middle, &[(middle_parts[0], 3.0), (middle_parts[1], 1.0)]);
+    share(&mut tiles, middle, &[(middle_parts[0], 2.2), (middle_parts[1], 1.0)]);
     Tree::new(egui::Id::unique("tiles"), root, tiles)
 }
 

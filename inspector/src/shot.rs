@@ -19,7 +19,7 @@ use crate::panels::{PANELS, Panel};
 use crate::theme;
 
 /// Views by name, with the panel that each is a view of.
-pub(crate) const VIEWS: [(&str, &str); 12] = [
+pub(crate) const VIEWS: [(&str, &str); 13] = [
     ("window", ""),
     ("curve", "scene"),
     ("rays", "scene"),
@@ -29,6 +29,7 @@ pub(crate) const VIEWS: [(&str, &str); 12] = [
     ("table", "table"),
     ("order", "order"),
     ("coherence", "coherence"),
+    ("what-if", "what-if"),
     ("timings", "timings"),
     ("rays-table", "rays"),
     ("ray", "ray"),
@@ -49,6 +50,7 @@ pub(crate) struct Shot {
     pub(crate) group: Option<usize>,
     pub(crate) ray: Option<usize>,
     pub(crate) cell: Option<u32>,
+    pub(crate) filter: Option<String>,
     pub(crate) scene: SceneChoice,
     pub(crate) size: [u32; 2],
     pub(crate) scale: f32,
@@ -134,7 +136,7 @@ fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<(Image, Re
     let mut times = Vec::new();
     for _ in 0..SETTLING_FRAMES {
         harness.step();
-        harness.state_mut().context().coherences.finish();
+        harness.state_mut().context().finish();
     }
     for _ in 0..shot.frames.max(1) {
         let start = Instant::now();
@@ -263,6 +265,12 @@ fn select(context: &mut Context, shot: &Shot) -> anyhow::Result<()> {
         }
     }
     context.selection.cell = shot.cell;
+    if let Some(filter) = &shot.filter {
+        context.selection.filter.set(filter);
+        if let Some(error) = context.selection.filter.error() {
+            bail!("--filter: {error}\n  {filter}\n  {}{}", " ".repeat(error.start), "^".repeat(error.length));
+        }
+    }
     Ok(())
 }
 

@@ -48,6 +48,9 @@ pub(crate) struct ShotArguments {
     /// Selects a cell of the length table.
     #[arg(long)]
     cell: Option<u32>,
+    /// Shows only the rays that meet a condition, such as 'hit && length < 0.1'.
+    #[arg(long, value_name = "EXPR")]
+    filter: Option<String>,
     /// What rays in space are coloured by.
     #[arg(long, value_parser = PossibleValuesParser::new(ColourBy::ALL.map(ColourBy::name)))]
     colour_by: Option<String>,
@@ -150,6 +153,7 @@ impl ShotArguments {
             group: self.group,
             ray: self.ray,
             cell: self.cell,
+            filter: self.filter.clone(),
             scene,
             size: self.size,
             scale: self.scale.clamp(0.5, 4.0),

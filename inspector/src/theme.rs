@@ -72,6 +72,14 @@ impl Theme {
         }
     }
 
+    /// Rays that the filter leaves out, where others are shown.
+    pub fn left_out(self) -> Color32 {
+        match self.mode {
+            Mode::Dark => Color32::from_rgb(0x3a, 0x3b, 0x3f),
+            Mode::Light => Color32::from_rgb(0xc6, 0xc6, 0xca),
+        }
+    }
+
     /// Lines to compare with, such as break-even.
     pub fn reference(self) -> Color32 {
         match self.mode {

@@ -32,6 +32,7 @@ fn every_view_is_a_picture_and_the_same_each_time() {
         "table",
         "order",
         "coherence",
+        "what-if",
         "timings",
         "rays-table",
         "ray",

@@ -60,7 +60,7 @@ fn panel(name: &str, context: Context) -> Harness<'static, State> {
 fn settle(harness: &mut Harness<'_, State>) {
     for _ in 0..3 {
         harness.step();
-        harness.state_mut().context.coherences.finish();
+        harness.state_mut().context.finish();
     }
 }
 
@@ -73,15 +73,16 @@ fn opened(folder: &Path) -> Context {
 }
 
 /// What must be read in each panel, with a recording and without.
-const READ: [(&str, &str, &str); 10] = [
+const READ: [(&str, &str, &str); 11] = [
     ("navigator", "two-point-adaptive", "Drop a folder NAME.raydump here, or open one with File > Open."),
     ("scene", "Curve", "no recording is open"),
     ("compare", "Overview", "no recording is open"),
     ("order", "displacement", "no recording is open"),
     ("table", "mean length", "no recording is open"),
     ("coherence", "mean area", "no recording is open"),
+    ("what-if", "show this order", "no recording is open"),
     ("timings", "net speedup", "no recording is open"),
-    ("rays", "direction", "no recording is open"),
+    ("rays", "direction.x", "no recording is open"),
     ("ray", "worst group", "no recording is open"),
     ("problems", "No problems.", "No problems."),
 ];

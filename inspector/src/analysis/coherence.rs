@@ -46,6 +46,8 @@ pub enum Places {
     Canonical(usize),
     /// A method's order.
     Sorted(Mapped<u32>),
+    /// An order that was made here.
+    Made(Vec<u32>),
 }
 
 impl Places {
@@ -74,6 +76,7 @@ impl Places {
         match self {
             Self::Canonical(rays) => *rays,
             Self::Sorted(permutation) => permutation.len(),
+            Self::Made(permutation) => permutation.len(),
         }
     }
 
@@ -93,6 +96,7 @@ impl Places {
                 place
             }
             Self::Sorted(permutation) => permutation[place] as usize,
+            Self::Made(permutation) => permutation[place] as usize,
         }
     }
 
@@ -103,6 +107,7 @@ impl Places {
             match self {
                 Self::Canonical(_) => of(&(first as u32..end as u32).collect::<Vec<_>>()),
                 Self::Sorted(permutation) => of(&permutation[first..end]),
+                Self::Made(permutation) => of(&permutation[first..end]),
             }
         };
         (0..self.len().div_ceil(CHUNK)).into_par_iter().map(chunk).collect()

@@ -99,14 +99,22 @@ impl Coherences {
 }
 
 fn of_order(dump: &Dump, queue: &Arc<Queue>, method: &str, width: GroupWidth) -> OrderCoherence {
-    let order = Order::open(dump, queue.clone(), method);
-    let coherence = order.as_ref().map_err(String::clone).and_then(|order| {
-        coherence(&queue.traced, &queue.lengths, &order.places, width.rays())
-            .ok_or_else(|| "there are no rays".to_owned())
-    });
-    let lanes = order.as_ref().map_err(String::clone).and_then(|order| {
-        let work = queue.work.as_ref().map_err(String::clone)?;
-        Ok(lanes(work, &order.places))
-    });
-    OrderCoherence { method: method.to_owned(), coherence: coherence.into(), lanes: lanes.into() }
+    match Order::open(dump, queue.clone(), method) {
+        Ok(order) => OrderCoherence::of(&order, width),
+        Err(reason) => {
+            let (coherence, lanes) = (Metric::missing(&reason), Metric::missing(&reason));
+            OrderCoherence { method: method.to_owned(), coherence, lanes }
+        }
+    }
+}
+
+impl OrderCoherence {
+    /// Of an order in groups of this width.
+    pub fn of(order: &Order, width: GroupWidth) -> Self {
+        let queue = &order.queue;
+        let coherence = coherence(&queue.traced, &queue.lengths, &order.places, width.rays());
+        let coherence = coherence.ok_or_else(|| "there are no rays".to_owned());
+        let lanes = queue.work.as_ref().map(|work| lanes(work, &order.places));
+        Self { method: order.method.clone(), coherence: coherence.into(), lanes: lanes.into() }
+    }
 }

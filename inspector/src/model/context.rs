@@ -7,10 +7,12 @@ use formats::key::method::UNSORTED;
 use formats::manifest::QueueId;
 
 use super::coherences::Coherences;
+use super::derived::Derived;
 use super::order::Order;
 use super::queue::Queue;
 use super::recording::Recording;
 use super::selection::Selection;
+use super::what_if::{self, WHAT_IF};
 
 /// Something that went wrong, and what to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,6 +46,9 @@ pub struct Context {
     pub problems: Vec<Problem>,
     /// Numbers that are found in the background.
     pub coherences: Coherences,
+    /// What the what-if order is made by, once it was asked for.
+    pub what_if: Option<what_if::Settings>,
+    pub(super) derived: Derived,
     queue: Option<(QueueKey, Opened<Queue>)>,
     /// The orders that were looked at last, the latest at the end.
     orders: Vec<(OrderKey, Opened<Order>)>,
@@ -100,9 +105,10 @@ impl Context {
 
     fn keep_method(&mut self) {
         let Selection { queue, method, .. } = &self.selection;
-        let has_method = self
-            .recording()
-            .is_some_and(|recording| recording.methods(*queue).iter().any(|known| known == method));
+        let has_method = method == WHAT_IF
+            || self
+                .recording()
+                .is_some_and(|recording| recording.methods(*queue).iter().any(|known| known == method));
         if !has_method {
             self.selection.order_by(UNSORTED);
         }
@@ -129,6 +135,9 @@ impl Context {
     /// # Errors
     /// Why it cannot be shown.
     pub fn order(&mut self) -> Result<Arc<Order>, String> {
+        if self.selection.method == WHAT_IF {
+            return self.what_if_order()?.ok_or_else(|| "the order is being made".to_owned());
+        }
         let Selection { recording, queue, method, .. } = &self.selection;
         let wanted = (*recording, *queue, method.clone());
         if let Some((_, order)) = self.orders.iter().find(|(known, _)| *known == wanted) {

@@ -6,18 +6,30 @@
 //! - [`groups`]: capsules, direction spread and lane utilisation of each group of an order
 //! - [`value`]: the numbers that colours stand for
 //! - [`key`]: a key field by field
+//! - [`quantity`]: the numbers that a ray has, by name; [`filter`]: which rays are looked at
+//! - [`rows`]: the rays that pass, sorted by any of their numbers; [`estimates`]: the length table against
+//!   the lengths that were traced
+//! - [`what_if`]: another order of the recorded rays, made here
 //! - [`coherences`]: how coherent the orders of a queue are, found in the background
+//! - [`background`]: work on another thread; [`derived`]: what panels ask for that takes such work
 //! - [`context`]: all of it together, as panels see it
 
+pub mod background;
 pub mod coherences;
 pub mod context;
+pub mod derived;
+pub mod estimates;
+pub mod filter;
 pub mod groups;
 pub mod key;
 pub mod order;
+pub mod quantity;
 pub mod queue;
 pub mod recording;
+pub mod rows;
 pub mod selection;
 pub mod value;
+pub mod what_if;
 
 pub use context::Context;
 pub use order::Order;

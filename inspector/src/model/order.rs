@@ -1,20 +1,24 @@
 //! One order of a queue: where each ray stands in it, and by which key.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use formats::key::method::UNSORTED;
 use formats::key::{Coordinate, Layout};
 use formats::manifest::{MethodArray, MethodRecord, Place};
 use formats::reader::{Dump, Mapped};
+use rayon::prelude::*;
 
 use super::groups::Groups;
 use super::queue::Queue;
 use crate::analysis::GroupWidth;
 use crate::analysis::coherence::Places;
 
-/// Keys as they are stored.
+/// Keys as they are stored, or as they were made here.
 #[derive(Debug)]
 pub enum Keys {
+    /// Made here, of any number of bits.
+    Made(Vec<u64>),
     /// Of up to 32 bits.
     Narrow(Mapped<u32>),
     /// Of more.
@@ -28,6 +32,7 @@ impl Keys {
     /// If there is no such ray.
     pub fn at(&self, ray: usize) -> u64 {
         match self {
+            Self::Made(keys) => keys[ray],
             Self::Narrow(keys) => u64::from(keys[ray]),
             Self::Wide(keys) => keys[ray],
         }
@@ -35,6 +40,7 @@ impl Keys {
 
     fn len(&self) -> usize {
         match self {
+            Self::Made(keys) => keys.len(),
             Self::Narrow(keys) => keys.len(),
             Self::Wide(keys) => keys.len(),
         }
@@ -64,6 +70,8 @@ impl KeyLayout {
 /// One order of a queue.
 #[derive(Debug)]
 pub struct Order {
+    /// Of no other order of this run, also of none of the same name.
+    pub serial: u64,
     /// The rays.
     pub queue: Arc<Queue>,
     /// The method, or `unsorted`.
@@ -91,14 +99,31 @@ impl Order {
             Places::sorted(permutation, queue.len())?
         };
         let keys = keys(dump, &queue, method, &place(MethodArray::Keys));
-        Ok(Self {
+        Ok(Self::new(queue, method, places, keys))
+    }
+
+    /// The order by these keys, one for each ray: stable, as recorded ones are.
+    ///
+    /// # Panics
+    /// If there are more or fewer keys than rays.
+    pub fn of_keys(queue: Arc<Queue>, name: &str, keys: Vec<u64>, layout: KeyLayout) -> Self {
+        assert_eq!(keys.len(), queue.len(), "a key for each ray");
+        let mut permutation: Vec<u32> = (0..keys.len() as u32).collect();
+        permutation.par_sort_by_key(|&ray| keys[ray as usize]);
+        Self::new(queue, name, Places::Made(permutation), Ok((Keys::Made(keys), layout)))
+    }
+
+    fn new(queue: Arc<Queue>, method: &str, places: Places, keys: Result<(Keys, KeyLayout), String>) -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self {
+            serial: NEXT.fetch_add(1, Ordering::Relaxed),
             queue,
             method: method.to_owned(),
             places,
             keys,
             place_of_ray: OnceLock::new(),
             groups: Default::default(),
-        })
+        }
     }
 
     /// How many rays.

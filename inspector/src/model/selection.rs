@@ -4,6 +4,7 @@ use formats::key::method::UNSORTED;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 
+use super::filter::Filter;
 use crate::analysis::GroupWidth;
 
 /// What is selected.
@@ -23,6 +24,8 @@ pub struct Selection {
     pub group: Option<usize>,
     /// A cell of the length table.
     pub cell: Option<u32>,
+    /// Which rays are looked at.
+    pub filter: Filter,
 }
 
 impl Default for Selection {
@@ -35,6 +38,7 @@ impl Default for Selection {
             ray: None,
             group: None,
             cell: None,
+            filter: Filter::default(),
         }
     }
 }

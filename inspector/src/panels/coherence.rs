@@ -2,7 +2,8 @@
 
 use egui_plot::{Line, Plot, PlotPoints};
 
-use super::{legend, missing};
+use super::worst::WorstGroups;
+use super::{legend, missing, power_of_ten};
 use crate::analysis::Metric;
 use crate::analysis::coherence::Coherence;
 use crate::model::Context;
@@ -13,9 +14,22 @@ use crate::theme::Theme;
 /// Height of a row of the table below, points.
 const ROW: f32 = 23.0;
 
+/// What is listed below the plot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Listed {
+    /// The means of every order.
+    #[default]
+    Orders,
+    /// The worst groups of the order that is looked at.
+    Groups,
+}
+
 /// The panel.
 #[derive(Default)]
-pub(super) struct CoherencePanel;
+pub(super) struct CoherencePanel {
+    listed: Listed,
+    worst: WorstGroups,
+}
 
 impl Panel for CoherencePanel {
     fn title(&self) -> &'static str {
@@ -44,10 +58,25 @@ impl Panel for CoherencePanel {
                 ui.weak(format!("{} of {total} orders so far", orders.len()));
             }
         });
-        let rows = total as f32 + 1.0;
-        let table_height = (rows * ROW).min(0.45 * ui.available_height());
+        let rows = total as f32 + 2.0;
+        let table_height = (rows * ROW).min(0.5 * ui.available_height());
         distribution(ui, orders, &context.selection.method, ui.available_height() - table_height - 12.0);
-        means(ui, orders);
+        ui.horizontal_wrapped(|ui| {
+            for (listed, name, about) in [
+                (Listed::Orders, "orders", "The means of every order"),
+                (
+                    Listed::Groups,
+                    "worst groups",
+                    "Groups of the order with the largest capsules, the worst first",
+                ),
+            ] {
+                ui.selectable_value(&mut self.listed, listed, name).on_hover_text(about);
+            }
+        });
+        match self.listed {
+            Listed::Orders => means(ui, orders),
+            Listed::Groups => self.worst.show(ui, context),
+        }
     }
 }
 
@@ -77,16 +106,6 @@ fn distribution(ui: &mut egui::Ui, orders: &[OrderCoherence], chosen: &str, heig
                 plot.line(line);
             }
         });
-}
-
-fn power_of_ten(exponent: f64) -> String {
-    if (exponent - exponent.round()).abs() > 1e-6 {
-        return String::new();
-    }
-    match exponent.round() as i32 {
-        exponent @ -3..=3 => format!("{}", 10f64.powi(exponent)),
-        exponent => format!("1e{exponent}"),
-    }
 }
 
 fn means(ui: &mut egui::Ui, orders: &[OrderCoherence]) {

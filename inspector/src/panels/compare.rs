@@ -27,8 +27,10 @@ impl Panel for Compare {
     }
 
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let Some(recording) = context.recording() else { return missing(ui, "no recording is open") };
-        let methods = recording.methods(context.selection.queue).to_vec();
+        if context.recording().is_none() {
+            return missing(ui, "no recording is open");
+        }
+        let methods = context.methods();
         if !methods.contains(&self.before) {
             UNSORTED.clone_into(&mut self.before);
         }

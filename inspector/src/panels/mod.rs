@@ -4,6 +4,7 @@
 
 mod coherence;
 mod compare;
+mod filter_box;
 mod navigator;
 mod order;
 mod picture;
@@ -13,7 +14,10 @@ mod rays;
 mod scene;
 pub mod space;
 mod table;
+mod table_plots;
 mod timings;
+mod what_if;
+mod worst;
 
 use self::space::SpaceView;
 use crate::model::Context;
@@ -75,6 +79,11 @@ pub const PANELS: &[Entry] = &[
         make: |_| Box::<coherence::CoherencePanel>::default(),
     },
     Entry {
+        name: "what-if",
+        about: "the recorded rays in another order: another method, key bits or layout",
+        make: |_| Box::<what_if::WhatIfPanel>::default(),
+    },
+    Entry {
         name: "timings",
         about: "the stages of each method against tracing unsorted rays",
         make: |_| Box::new(timings::TimingsPanel),
@@ -104,6 +113,17 @@ fn legend(ui: &mut egui::Ui, colour: egui::Color32, name: &str) {
         ui.painter().rect_filled(rect, 2.0, colour);
         ui.label(name);
     });
+}
+
+/// The number of a logarithm, where it is a power of ten.
+fn power_of_ten(exponent: f64) -> String {
+    if (exponent - exponent.round()).abs() > 1e-6 {
+        return String::new();
+    }
+    match exponent.round() as i32 {
+        exponent @ -3..=3 => format!("{}", 10f64.powi(exponent)),
+        exponent => format!("1e{exponent}"),
+    }
 }
 
 /// Says why something cannot be shown, where it would have been.

@@ -7,6 +7,7 @@ use formats::ray::Kind;
 
 use crate::analysis::GroupWidth;
 use crate::model::Context;
+use crate::model::what_if::WHAT_IF;
 use crate::output::count;
 use crate::panels::Panel;
 
@@ -100,13 +101,17 @@ fn orders(ui: &mut egui::Ui, context: &mut Context) {
     ui.label(egui::RichText::new("Order").strong())
         .on_hover_text("A method makes a key of each ray; rays are sorted by it, ties in pixel order");
     let Some(recording) = context.recording() else { return };
-    let methods = recording.methods(context.selection.queue).to_vec();
-    if methods.is_empty() {
+    let is_measured = !recording.methods(context.selection.queue).is_empty();
+    let methods = context.methods();
+    if !is_measured {
         ui.label("No method was measured on these rays.");
     }
     for method in &methods {
         let layout = context.recording().and_then(|recording| recording.method(method));
-        let about = layout.map_or("canonical order: by pixel".to_owned(), |record| record.text.clone());
+        let made =
+            context.what_if.as_ref().filter(|_| method == WHAT_IF).map(|settings| settings.text.clone());
+        let about = layout.map(|record| record.text.clone()).or(made);
+        let about = about.unwrap_or_else(|| "canonical order: by pixel".to_owned());
         let is_now = context.selection.method == *method;
         if ui.selectable_label(is_now, method).on_hover_text(about).clicked() {
             context.selection.order_by(method);

@@ -1,11 +1,15 @@
 //! The image plane coloured by each ray's place in the order; the key of the ray under the pointer.
 
+use std::sync::Arc;
+
 use egui::Color32;
-use formats::manifest::QueueId;
 use rayon::prelude::*;
 
 use super::missing;
 use super::picture::{Picture, Shown};
+use crate::analysis::GroupWidth;
+use crate::model::derived::Filtered;
+use crate::model::filter::Expression;
 use crate::model::key::{ReadKey, field_text};
 use crate::model::{Context, Order};
 use crate::output::count;
@@ -33,7 +37,8 @@ impl Colouring {
     ];
 }
 
-type Key = (usize, QueueId, String, Colouring, bool);
+/// What the picture depends on: the order, the filter and whether it is known yet, and the colours.
+type Key = (u64, Option<(Arc<Expression>, GroupWidth, bool)>, Colouring, bool);
 
 /// The panel.
 #[derive(Default)]
@@ -58,17 +63,22 @@ impl Panel for OrderPanel {
             }
             ui.weak(format!("{} rays by {}", count(order.len() as u64), order.method));
         });
+        let filtered = context.filtered(&order);
         let Some(recording) = context.recording() else { return };
         let options = &recording.dump.manifest().header.options;
         let size = [options.width as usize, options.height as usize];
         let (selection, theme) = (&context.selection, Theme::of(ui.ctx()));
-        let key = (selection.recording, selection.queue, selection.method.clone(), self.colouring);
-        let key = (key.0, key.1, key.2, key.3, ui.visuals().dark_mode);
+        let is_known = !matches!(filtered, Filtered::Unknown);
+        let filter =
+            selection.filter.in_force().cloned().map(|filter| (filter, selection.group_width, is_known));
+        let key = (order.serial, filter, self.colouring, ui.visuals().dark_mode);
         // The lines under the picture have their place before there is a ray to speak of.
         let lines = 3.0 * ui.text_style_height(&egui::TextStyle::Small) + 8.0;
         let shown = ui
             .allocate_ui(ui.available_size() - egui::vec2(0.0, lines), |ui| {
-                self.picture.show(ui, ("order", key), size, || pixels(&order, size, self.colouring, theme))
+                self.picture.show(ui, ("order", key), size, || {
+                    pixels((&order, &filtered), size, self.colouring, theme)
+                })
             })
             .inner;
         let pixel = |[column, row]: [u32; 2]| row * size[0] as u32 + column;
@@ -103,7 +113,13 @@ fn nearest_ray(
     })
 }
 
-fn pixels(order: &Order, size: [usize; 2], colouring: Colouring, theme: Theme) -> Vec<Color32> {
+/// A colour for each pixel; grey where the ray does not pass the filter.
+fn pixels(
+    (order, filtered): (&Order, &Filtered),
+    size: [usize; 2],
+    colouring: Colouring,
+    theme: Theme,
+) -> Vec<Color32> {
     let last = order.len().saturating_sub(1).max(1) as f32;
     let place_of_ray = order.place_of_ray();
     let value = |ray: usize| match colouring {
@@ -116,6 +132,7 @@ fn pixels(order: &Order, size: [usize; 2], colouring: Colouring, theme: Theme) -
     let colours: Vec<Color32> = (0..order.len())
         .into_par_iter()
         .map(|ray| match value(ray) {
+            _ if !filtered.contains(place_of_ray[ray] as usize) => theme.left_out(),
             value if value.is_nan() => theme.nothing(),
             value => {
                 let [red, green, blue] = ColourMap::Turbo.colour(value);

@@ -28,7 +28,7 @@ impl Panel for RayPanel {
         let Some(ray) = context.selection.ray.filter(|&ray| ray < order.len()) else {
             return missing(ui, "choose a ray: click a pixel, a row, a cell or a line in space");
         };
-        egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        egui::ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
             geometry(ui, &order, ray);
             ui.separator();
             key(ui, &order, ray);

@@ -6,8 +6,9 @@ use formats::manifest::QueueId;
 
 use super::missing;
 use super::picture::Picture;
+use super::table_plots::{EstimatePlot, histograms};
 use crate::model::{Context, Queue};
-use crate::output::count;
+use crate::output::{count, counted};
 use crate::panels::Panel;
 use crate::render::cell_box::{cell_of_pixel, pixel_of_cell};
 use crate::render::colour_map::ColourMap;
@@ -38,10 +39,30 @@ impl Colouring {
     ];
 }
 
+/// What is shown of the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum View {
+    /// Its cells as a picture.
+    Picture(Colouring),
+    /// How many cells have how many rays and which mean length.
+    Histograms,
+    /// Its estimates against traced lengths.
+    Estimates,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self::Picture(Colouring::default())
+    }
+}
+
 /// The panel.
 #[derive(Default)]
 pub(super) struct TablePanel {
-    colouring: Colouring,
+    view: View,
+    estimates: EstimatePlot,
+    /// The cell whose first ray is to be selected as soon as it is known.
+    chosen: Option<u32>,
     picture: Picture<(usize, QueueId, Colouring, bool, Blocks)>,
 }
 
@@ -64,24 +85,53 @@ impl Panel for TablePanel {
             return;
         };
         ui.horizontal_wrapped(|ui| {
-            for (colouring, name, about) in Colouring::ALL {
-                ui.selectable_value(&mut self.colouring, colouring, name).on_hover_text(about);
+            let pictures =
+                Colouring::ALL.map(|(colouring, name, about)| (View::Picture(colouring), name, about));
+            let plots = [
+                (View::Histograms, "histograms", "How many cells have how many rays, and which mean length"),
+                (
+                    View::Estimates,
+                    "estimates",
+                    "Lengths that the table gives for these rays, against traced ones",
+                ),
+            ];
+            for (view, name, about) in pictures.into_iter().chain(plots) {
+                ui.selectable_value(&mut self.view, view, name).on_hover_text(about);
             }
             let (touched, all) = (cells.len() as u64, 1u64 << bits);
             let fill = 100.0 * touched as f64 / all as f64;
             ui.weak(format!("{} of {} cells touched ({fill:.1} %)", count(touched), count(all)));
         });
-        let line = ui.text_style_height(&egui::TextStyle::Small) + 8.0;
-        let room = ui.available_size() - egui::vec2(0.0, line);
+        match self.view {
+            View::Picture(colouring) => self.cells(ui, context, &queue, (bits, colouring)),
+            View::Histograms => histograms(ui, cells),
+            View::Estimates => self.estimates.show(ui, context),
+        }
+    }
+}
+
+impl TablePanel {
+    /// The cells as a picture, and what is in the one under the pointer or in the selected one.
+    fn cells(
+        &mut self,
+        ui: &mut egui::Ui,
+        context: &mut Context,
+        queue: &Queue,
+        (bits, colouring): (u32, Colouring),
+    ) {
+        let Ok(cells) = &queue.cells else { return };
+        let lines = ui.text_style_height(&egui::TextStyle::Small) + 2.0 * ui.spacing().interact_size.y + 16.0;
+        let room = ui.available_size() - egui::vec2(0.0, lines);
         let blocks = Blocks::fitting(bits, room.min_elem() * ui.ctx().pixels_per_point());
         let (selection, theme) = (&context.selection, Theme::of(ui.ctx()));
-        let key = (selection.recording, selection.queue, self.colouring, ui.visuals().dark_mode, blocks);
-        let make = || pixels(cells, blocks, self.colouring, theme);
+        let key = (selection.recording, selection.queue, colouring, ui.visuals().dark_mode, blocks);
+        let make = || pixels(cells, blocks, colouring, theme);
         let shown =
             ui.allocate_ui(room, |ui| self.picture.show(ui, ("table", key), blocks.size(), make)).inner;
         let under_pointer = shown.pixel.map(|pixel| blocks.first_touched(cells, pixel));
         if shown.response.clicked() {
-            select(context, &queue, under_pointer);
+            context.selection.cell = under_pointer;
+            self.chosen = under_pointer;
         }
         if let Some(cell) = context.selection.cell {
             let mark = shown.rect_of(blocks.pixel(cell)).expand(3.0);
@@ -91,8 +141,49 @@ impl Panel for TablePanel {
         if let Some(cell) = under_pointer.or(context.selection.cell) {
             ui.small(described(cells, cell));
         }
+        if let Some(cell) = context.selection.cell {
+            self.rays_of(ui, context, cell);
+        }
+    }
+
+    /// The rays of the queue that find their length in a cell: the first of them, and all as a filter.
+    fn rays_of(&mut self, ui: &mut egui::Ui, context: &mut Context, cell: u32) {
+        let Some(rays) = context.rays_of_cell(cell) else {
+            ui.spinner();
+            return;
+        };
+        if self.chosen.take() == Some(cell) {
+            context.select_ray(rays.first().map(|&ray| ray as usize));
+        }
+        let mut next = None;
+        ui.horizontal_wrapped(|ui| {
+            ui.label(format!("{} of this queue", counted(rays.len() as u64, "ray", "rays")))
+                .on_hover_text("Rays of the queue whose length the selected cell estimates");
+            let filter = format!("cell == {cell:#x}");
+            let is_filter = context.selection.filter.text() == filter;
+            let button = egui::Button::selectable(is_filter, "filter these");
+            let about = "Shows these rays alone, here and in the other panels; again: all rays";
+            if ui.add_enabled(!rays.is_empty(), button).on_hover_text(about).clicked() {
+                context.selection.filter.set(if is_filter { "" } else { &filter });
+            }
+            for &ray in rays.iter().take(LISTED) {
+                let is_now = context.selection.ray == Some(ray as usize);
+                if ui.selectable_label(is_now, ray.to_string()).clicked() {
+                    next = Some(ray as usize);
+                }
+            }
+            if rays.len() > LISTED {
+                ui.weak("...");
+            }
+        });
+        if next.is_some() {
+            context.select_ray(next);
+        }
     }
 }
+
+/// Rays of a cell that are listed one by one.
+const LISTED: usize = 5;
 
 /// Cells as pixels: blocks of cells with consecutive addresses, where the picture has fewer pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -163,17 +254,6 @@ fn pixels(cells: &[LengthCell], blocks: Blocks, colouring: Colouring, theme: The
         Color32::from_rgb(red, green, blue)
     };
     sums.into_iter().map(colour).collect()
-}
-
-/// Selects a cell, and the first ray that finds its length there.
-fn select(context: &mut Context, queue: &Queue, cell: Option<u32>) {
-    context.selection.cell = cell;
-    let encoder = context
-        .recording()
-        .and_then(|recording| formats::stored_table::cell_encoder(&recording.dump.manifest().header));
-    let (Some(encoder), Some(cell)) = (encoder, cell) else { return };
-    let is_there = |ray: &formats::ray::Ray| encoder.encode(ray, 0.0, 0) == u64::from(cell);
-    context.select_ray(queue.traced.rays().iter().position(is_there));
 }
 
 fn described(cells: &[LengthCell], cell: u32) -> String {

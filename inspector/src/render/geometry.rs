@@ -7,7 +7,6 @@ use bytemuck::{Pod, Zeroable};
 use formats::metrics::capsule::{Capsule, Point};
 use formats::unit_space::UnitSpace;
 
-use super::detail::Detail;
 use crate::model::Order;
 
 /// A point with the number that it is coloured by; 16 bytes.
@@ -115,7 +114,12 @@ fn vertex(point: Point, value: f32) -> Vertex {
 }
 
 /// The curve of an order: a vertex for each shown place, in order.
-pub fn curve(order: &Order, detail: Detail, end: RayEnd, value: impl Fn(usize) -> f32) -> Shape {
+pub fn curve(
+    order: &Order,
+    places: impl Iterator<Item = usize>,
+    end: RayEnd,
+    value: impl Fn(usize) -> f32,
+) -> Shape {
     let of = |place: usize| {
         let segment = order.queue.segment(order.places.ray(place));
         let point = match end {
@@ -124,7 +128,7 @@ pub fn curve(order: &Order, detail: Detail, end: RayEnd, value: impl Fn(usize) -
         };
         vertex(point, value(place))
     };
-    Shape::Strip(detail.places().map(of).collect())
+    Shape::Strip(places.map(of).collect())
 }
 
 /// The rays of an order: a line for each shown place, from origin to end.

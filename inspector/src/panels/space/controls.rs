@@ -2,6 +2,7 @@
 
 use egui::{Align2, Color32, ComboBox, FontId, Rect, Slider, Ui, pos2, vec2};
 
+use super::super::filter_box::filter_box;
 use super::layers::AREAS;
 use super::options::{CapsuleChoice, MeshMode, StandPoint};
 use super::{SpaceView, stand};
@@ -17,6 +18,8 @@ use crate::theme::Theme;
 const BAR: f32 = 12.0;
 /// Parts of the histogram above it.
 const BINS: usize = 96;
+/// Width of the filter, points.
+const FILTER_WIDTH: f32 = 170.0;
 /// Height of the histogram.
 const BINS_HEIGHT: f32 = 18.0;
 /// Of the order, each second that it plays.
@@ -48,6 +51,7 @@ pub(super) fn above(ui: &mut Ui, view: &mut SpaceView, context: &mut Context) {
             }
         });
         cameras(ui, view, context);
+        filter_box(ui, context, FILTER_WIDTH);
     });
 }
 

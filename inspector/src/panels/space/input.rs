@@ -134,7 +134,7 @@ fn nearest(
         let part = (along.dot(offset) / along.length_sq().max(1e-6)).clamp(0.0, 1.0);
         Some((offset - part * along).length())
     };
-    let rays = view.layers.detail()?.places().map(|place| order.places.ray(place));
+    let rays = view.layers.places().map(|place| order.places.ray(place));
     let found = rays.filter_map(|ray| Some((away(ray)?, ray))).min_by(|a, b| a.0.total_cmp(&b.0))?;
     (found.0 <= REACH).then_some(found.1)
 }

@@ -1,11 +1,13 @@
 //! From a selection to vertices: made anew only when the selection or what is shown of it changes.
 
 use std::ops::Range;
-
-use formats::manifest::QueueId;
+use std::sync::Arc;
 
 use super::options::{CapsuleChoice, Options};
+use super::shown::Shown;
 use crate::analysis::GroupWidth;
+use crate::model::derived::Filtered;
+use crate::model::filter::{Expression, Passing};
 use crate::model::value::ColourBy;
 use crate::model::{Context, Order};
 use crate::render::cell_box::cell_box;
@@ -20,10 +22,14 @@ use crate::theme::{ShaderColour, Theme};
 /// Rays of a group that are drawn bold.
 const SELECTED_WIDTH: f32 = 3.0;
 
-/// What the vertices of all rays depend on.
+/// Serial number of an order, and rays of a group.
+type OrderKey = (u64, GroupWidth);
+
+/// What the vertices of all rays depend on. Of the filter: whether it is known yet which rays pass.
 #[derive(Clone, Debug, PartialEq)]
 struct Key {
-    order: (usize, QueueId, String, GroupWidth),
+    order: OrderKey,
+    filter: Option<(Arc<Expression>, bool)>,
     places: Range<usize>,
     detail: usize,
     curve: Option<RayEnd>,
@@ -36,13 +42,13 @@ struct Key {
 /// What the vertices of what is selected depend on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct SelectedKey {
-    order: (usize, QueueId, String, GroupWidth),
+    order: OrderKey,
     chosen: (Option<usize>, Option<usize>, Option<u32>),
 }
 
 /// The vertices of all rays that are shown.
 struct Made {
-    detail: Detail,
+    places: Shown,
     curve: Option<Geometry>,
     rays: Option<Geometry>,
     ends: Option<Geometry>,
@@ -77,12 +83,18 @@ pub struct Layers {
     range: Option<ValueRange>,
     shown: usize,
     all: usize,
+    passing: Option<usize>,
 }
 
 impl Layers {
     /// Rays in the last picture, and all rays of the queue.
     pub fn counts(&self) -> Option<(usize, usize)> {
         self.made.as_ref().map(|_| (self.shown, self.all))
+    }
+
+    /// Rays that pass the filter; `None` without one.
+    pub fn passing(&self) -> Option<usize> {
+        self.passing
     }
 
     /// Capsules in the last picture, and all groups of the order; none if it shows no capsules.
@@ -106,9 +118,9 @@ impl Layers {
         self.made.as_ref().map_or(&[], |(_, made)| &made.values)
     }
 
-    /// The rays shown as canonical indices, each with its ends: what the pointer can choose.
-    pub(super) fn detail(&self) -> Option<Detail> {
-        self.made.as_ref().map(|(_, made)| made.detail)
+    /// The places shown: what the pointer can choose.
+    pub(super) fn places(&self) -> impl Iterator<Item = usize> {
+        self.made.iter().flat_map(|(_, made)| made.places.places())
     }
 
     /// The layers of a picture.
@@ -120,11 +132,13 @@ impl Layers {
                 return Vec::new();
             }
         };
+        let filtered = context.filtered(&order);
         let selection = &context.selection;
-        let of_order =
-            (selection.recording, selection.queue, selection.method.clone(), selection.group_width);
+        let of_order = (order.serial, selection.group_width);
+        let is_known = !matches!(filtered, Filtered::Unknown);
         let key = Key {
-            order: of_order.clone(),
+            order: of_order,
+            filter: selection.filter.in_force().map(|filter| (filter.clone(), is_known)),
             places: drawn_from(options, order.len()),
             detail: options.detail,
             curve: options.curve.then_some(options.curve_end),
@@ -137,10 +151,11 @@ impl Layers {
             }),
         };
         if self.made.as_ref().is_none_or(|(known, _)| *known != key) {
-            let made = Made::of(&order, &key);
+            let made = Made::of(&order, &key, filtered.passing());
             self.made = Some((key, made));
         }
         let chosen = (selection.ray, selection.group, selection.cell);
+        self.passing = filtered.passing().map(|passing| passing.len());
         let key = SelectedKey { order: of_order, chosen };
         if self.selected.as_ref().is_none_or(|(known, _)| *known != key) {
             let selected = Selected::of(&order, &key, context);
@@ -157,7 +172,7 @@ impl Layers {
             _ => ValueRange::of_percentiles(&made.values, options.percentiles.0, options.percentiles.1),
         };
         self.range = Some(range);
-        let part = made.detail.between(&scrubbed(options, order.len()));
+        let part = made.places.between(&scrubbed(options, order.len()));
         self.shown = part.len();
         self.all = order.len();
         let part = part.start as u32..part.end as u32;
@@ -217,17 +232,17 @@ impl Drawing<'_> {
 }
 
 impl Made {
-    fn of(order: &Order, key: &Key) -> Self {
-        let width = key.order.3;
-        let detail = Detail::of(&key.places, key.detail);
+    fn of(order: &Order, key: &Key, passing: Option<Arc<Passing>>) -> Self {
+        let width = key.order.1;
+        let shown = Shown::of(&key.places, key.detail, passing);
         let value = |place: usize| key.colour_by.value(order, width, place);
         Self {
-            detail,
-            curve: key.curve.map(|end| curve(order, detail, end, value).into()),
-            rays: key.rays.then(|| rays(order, detail.places(), value).into()),
-            ends: key.ends.then(|| ends(order, detail.places(), value).into()),
+            curve: key.curve.map(|end| curve(order, shown.places(), end, value).into()),
+            rays: key.rays.then(|| rays(order, shown.places(), value).into()),
+            ends: key.ends.then(|| ends(order, shown.places(), value).into()),
             capsules: key.capsules.map(|(choice, most, group)| capsules(order, width, choice, most, group)),
-            values: detail.places().map(value).collect(),
+            values: shown.places().map(value).collect(),
+            places: shown,
         }
     }
 }
@@ -267,7 +282,7 @@ impl Selected {
         let options = context.recording().map(|recording| &recording.dump.manifest().header.options);
         let corners = cell.zip(options).and_then(|(cell, options)| cell_box(options, cell).ok());
         lines.extend(corners.map(|corners| box_edges(corners, 0.0)).unwrap_or_default());
-        let groups = order.groups(key.order.3);
+        let groups = order.groups(key.order.1);
         let places = group.map_or(0..0, |group| groups.places(group));
         let found = group.and_then(|group| groups.groups.get(group));
         let capsule =

@@ -1,7 +1,7 @@
 //! The scene in space, with rays, the curve of their order, capsules and table cells: what panels show it with.
 //!
 //! - [`options`]: what is shown, and how
-//! - [`layers`]: from a selection to vertices, made anew only when it changes
+//! - [`layers`]: from a selection to vertices, made anew only when it changes; `shown`: of which places
 //! - `controls`: the row above the picture, the slider and the colour bar below
 //! - `input`: pointer and keys
 
@@ -9,6 +9,7 @@ mod controls;
 mod input;
 pub mod layers;
 pub mod options;
+mod shown;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -19,6 +20,7 @@ use formats::reader::Mapped;
 
 use self::layers::Layers;
 use self::options::{MeshMode, Options, StandPoint};
+use super::filter_box;
 use crate::model::{Context, Recording};
 use crate::output::count;
 use crate::render::camera::Camera;
@@ -150,7 +152,8 @@ impl SpaceView {
             ui.painter().add(callback.shape(rect));
         }
         let text = self.showing();
-        let problem = self.layers.problem().or(self.mesh_problem()).map(str::to_owned);
+        let filter = filter_box::problem(context).map(|error| format!("filter: {error}"));
+        let problem = self.layers.problem().or(self.mesh_problem()).map(str::to_owned).or(filter);
         controls::overlay(ui, rect, &text, problem.as_deref());
     }
 
@@ -187,7 +190,9 @@ impl SpaceView {
         let rays =
             self.layers.counts().filter(|_| self.options.shows_rays()).map(|counts| of(counts, "rays"));
         let capsules = self.layers.capsule_counts().map(|counts| of(counts, "capsules"));
-        let parts: Vec<String> = rays.into_iter().chain(capsules).collect();
+        let passing = self.layers.passing().filter(|_| rays.is_some());
+        let passing = passing.map(|rays| format!("{} pass the filter", count(rays as u64)));
+        let parts: Vec<String> = rays.into_iter().chain(passing).chain(capsules).collect();
         if parts.is_empty() {
             "showing the scene alone".to_owned()
         } else {

@@ -1,0 +1,183 @@
+//! What panels ask for that takes work: it is made on other threads and kept.
+
+use std::sync::Arc;
+
+use formats::manifest::QueueId;
+use rayon::prelude::*;
+
+use super::background::{Background, Waker};
+use super::coherences::OrderCoherence;
+use super::context::Context;
+use super::estimates::Estimates;
+use super::filter::{Expression, FilterError, Passing, passing};
+use super::order::Order;
+use super::quantity::Numbers;
+use super::rows::{Rows, Sorting};
+use super::what_if::Settings;
+use crate::analysis::GroupWidth;
+
+/// Serial number of an order, and rays of a group.
+type Grouped = (u64, GroupWidth);
+
+/// What was made of orders and queues.
+#[derive(Debug, Default)]
+pub struct Derived {
+    waker: Waker,
+    passing: Background<(Grouped, Arc<Expression>), Result<Arc<Passing>, FilterError>>,
+    rows: Background<(Grouped, Option<Arc<Expression>>, Sorting), Arc<Rows>>,
+    what_if: Background<(usize, QueueId, Settings), Result<Arc<Order>, String>>,
+    what_if_coherence: Background<Grouped, OrderCoherence>,
+    estimates: Background<(usize, QueueId), Result<Arc<Estimates>, String>>,
+    rays_of_cell: Background<(usize, QueueId, u32), Arc<Vec<u32>>>,
+}
+
+/// Which rays of the order pass the filter.
+#[derive(Clone, Debug)]
+pub enum Filtered {
+    /// All, as there is no filter.
+    All,
+    /// It is still being found out.
+    Unknown,
+    /// These.
+    Some(Arc<Passing>),
+    /// None can be told, as the filter asks for what is not known of them.
+    Refused(FilterError),
+}
+
+impl Filtered {
+    /// The rays that pass; `None` if all do. While it is not known, none do.
+    pub fn passing(&self) -> Option<Arc<Passing>> {
+        match self {
+            Self::All | Self::Refused(_) => None,
+            Self::Unknown => Some(Arc::default()),
+            Self::Some(passing) => Some(passing.clone()),
+        }
+    }
+
+    /// Whether the ray at a place passes.
+    pub fn contains(&self, place: usize) -> bool {
+        match self {
+            Self::All | Self::Refused(_) => true,
+            Self::Unknown => false,
+            Self::Some(passing) => passing.contains(place),
+        }
+    }
+}
+
+impl Context {
+    /// Has a window drawn again when there is more to show.
+    pub fn wake_with(&mut self, wake: impl Fn() + Send + Sync + 'static) {
+        if !self.derived.waker.is_set() {
+            self.derived.waker = Waker::new(wake);
+        }
+    }
+
+    /// Waits for everything that is being made; whether anything was.
+    pub fn finish(&mut self) -> bool {
+        let Derived { passing, rows, what_if, what_if_coherence, estimates, rays_of_cell, .. } =
+            &mut self.derived;
+        let made = [
+            passing.finish(),
+            rows.finish(),
+            what_if.finish(),
+            what_if_coherence.finish(),
+            estimates.finish(),
+            rays_of_cell.finish(),
+            self.coherences.is_running(),
+        ];
+        self.coherences.finish();
+        made.contains(&true)
+    }
+
+    /// The orders of the queue that can be looked at: recorded ones, and the one made here.
+    pub fn methods(&self) -> Vec<String> {
+        let recorded = self.recording().map_or(&[][..], |open| open.methods(self.selection.queue));
+        let made = self.what_if.as_ref().map(|_| super::what_if::WHAT_IF.to_owned());
+        recorded.iter().cloned().chain(made).collect()
+    }
+
+    /// The numbers of the rays of an order of the recording that is looked at.
+    pub fn numbers(&self, order: Arc<Order>) -> Option<Numbers> {
+        let header = &self.recording()?.dump.manifest().header;
+        Some(Numbers::of(order, header, self.selection.group_width))
+    }
+
+    /// Which rays of an order pass the filter.
+    pub fn filtered(&mut self, order: &Arc<Order>) -> Filtered {
+        let Some(expression) = self.selection.filter.in_force().cloned() else { return Filtered::All };
+        let Some(numbers) = self.numbers(order.clone()) else { return Filtered::All };
+        let wanted = ((order.serial, numbers.width), expression.clone());
+        let Derived { waker, passing: known, .. } = &mut self.derived;
+        let found = known.of(wanted, waker, move || passing(&expression, &numbers).map(Arc::new));
+        match found {
+            None => Filtered::Unknown,
+            Some(Ok(passing)) => Filtered::Some(passing.clone()),
+            Some(Err(error)) => Filtered::Refused(error.clone()),
+        }
+    }
+
+    /// The rows of an order's rays that pass the filter; `None` until they are known.
+    pub fn rows(&mut self, order: &Arc<Order>, sorting: Sorting) -> Option<Arc<Rows>> {
+        let passing = match self.filtered(order) {
+            Filtered::Unknown => return None,
+            filtered => filtered.passing(),
+        };
+        let numbers = self.numbers(order.clone())?;
+        let expression = passing.as_ref().and(self.selection.filter.in_force().cloned());
+        let wanted = ((order.serial, numbers.width), expression, sorting);
+        let Derived { waker, rows, .. } = &mut self.derived;
+        rows.of(wanted, waker, move || Arc::new(Rows::of(&numbers, passing.as_deref(), sorting))).cloned()
+    }
+
+    /// The what-if order of the queue; `None` until it is made.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn what_if_order(&mut self) -> Result<Option<Arc<Order>>, String> {
+        let settings = self.what_if.clone().ok_or("no what-if order was asked for; its panel makes one")?;
+        let queue = self.queue()?;
+        let at = self.selection.recording;
+        let dump = self.recordings.get(at).ok_or("no recording is open")?.dump.clone();
+        let Derived { waker, what_if, .. } = &mut self.derived;
+        let wanted = (at, queue.id, settings.clone());
+        let make = move || settings.order(&dump.manifest().header, queue).map(Arc::new);
+        what_if.of(wanted, waker, make).cloned().transpose()
+    }
+
+    /// How coherent the what-if order is; `None` until it is known.
+    ///
+    /// # Errors
+    /// Why there is no such order.
+    pub fn what_if_coherence(&mut self) -> Result<Option<&OrderCoherence>, String> {
+        let Some(order) = self.what_if_order()? else { return Ok(None) };
+        let width = self.selection.group_width;
+        let Derived { waker, what_if_coherence, .. } = &mut self.derived;
+        let wanted = (order.serial, width);
+        Ok(what_if_coherence.of(wanted, waker, move || OrderCoherence::of(&order, width)))
+    }
+
+    /// Estimated against traced lengths of the queue; `None` until they are known.
+    ///
+    /// # Errors
+    /// Why they cannot be.
+    pub fn estimates(&mut self) -> Result<Option<Arc<Estimates>>, String> {
+        let (at, queue) = (self.selection.recording, self.queue()?);
+        let Derived { waker, estimates, .. } = &mut self.derived;
+        let found = estimates.of((at, queue.id), waker, move || Estimates::of(&queue).map(Arc::new));
+        found.cloned().transpose()
+    }
+
+    /// The rays of the queue whose estimate comes from a cell, ascending; `None` until they are known.
+    pub fn rays_of_cell(&mut self, cell: u32) -> Option<Arc<Vec<u32>>> {
+        let (at, queue) = (self.selection.recording, self.queue().ok()?);
+        let header = &self.recording()?.dump.manifest().header;
+        let encoder = formats::stored_table::cell_encoder(header)?;
+        let Derived { waker, rays_of_cell, .. } = &mut self.derived;
+        let make = move || {
+            let rays = queue.traced.rays().par_iter().enumerate();
+            let found = rays.filter(|(_, ray)| encoder.encode(ray, 0.0, 0) == u64::from(cell));
+            Arc::new(found.map(|(ray, _)| ray as u32).collect::<Vec<u32>>())
+        };
+        rays_of_cell.of((at, self.selection.queue, cell), waker, make).cloned()
+    }
+}

@@ -1,0 +1,157 @@
+//! What if: another order of recorded rays, made here by another method, other bits or another layout.
+//!
+//! Keys are made as the recorder makes them, from what was recorded: settings of a recorded method give
+//! its recorded keys.
+
+use std::sync::Arc;
+
+use formats::key::method::BUILTIN;
+use formats::key::{
+    Coordinate, Encoder, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError, LayoutText, Method, Termination,
+};
+use formats::manifest::{Header, MethodRecord};
+use rayon::prelude::*;
+
+use super::order::{KeyLayout, Order};
+use super::queue::Queue;
+
+/// What the order is called, where orders have the names of methods.
+pub const WHAT_IF: &str = "what-if";
+
+/// Rays that a thread takes at a time.
+const RAYS_PER_TASK: usize = 8192;
+
+/// How keys are made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The layout, in words as `recorder record --method` takes them.
+    pub text: String,
+    /// Bits of a key, 8 to 64.
+    pub key_bits: u32,
+    /// Where the estimate of a ray's length comes from, if the layout needs one.
+    pub estimate: Estimate,
+    /// The estimate if it is one for all rays, unit lengths.
+    pub length: f32,
+}
+
+/// Where the estimate of a ray's length comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Estimate {
+    /// One length for all rays.
+    #[default]
+    Fixed,
+    /// The mean of the ray's cell in the recorded length table.
+    Table,
+    /// The traced length: an upper bound, since the ray must be traced first.
+    Traced,
+}
+
+impl Estimate {
+    /// All of them, with name and what it is.
+    pub const ALL: [(Self, &'static str, &'static str); 3] = [
+        (Self::Fixed, "one length", "The same length for all rays, as two-point has it"),
+        (Self::Table, "length table", "Mean length of the ray's table cell, as two-point-adaptive has it"),
+        (
+            Self::Traced,
+            "traced length",
+            "The length that was traced: an upper bound, as two-point-real has it",
+        ),
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].1
+    }
+
+    fn of(termination: Termination) -> Self {
+        match termination {
+            Termination::Unused | Termination::Fixed => Self::Fixed,
+            Termination::Adaptive => Self::Table,
+            Termination::Real => Self::Traced,
+        }
+    }
+}
+
+impl Settings {
+    /// Those of a recorded method.
+    pub fn of(record: &MethodRecord) -> Self {
+        Self {
+            text: record.text.clone(),
+            key_bits: record.key_bits,
+            estimate: Estimate::of(record.termination),
+            length: record.two_point_length,
+        }
+    }
+
+    /// Those of a method that is built in, with the key bits and the length of a recording.
+    pub fn builtin(name: &str, header: &Header) -> Option<Self> {
+        let method = Method::builtin(name).ok()?;
+        Some(Self {
+            text: method.layout.text().to_owned(),
+            key_bits: header.options.key_bits.clamp(KEY_BITS_MIN, LAYOUT_BITS),
+            estimate: Estimate::of(method.termination),
+            length: header.options.two_point_length,
+        })
+    }
+
+    /// Names of the methods that are built in.
+    pub fn builtin_names() -> impl Iterator<Item = &'static str> {
+        BUILTIN.iter().map(|(name, ..)| *name)
+    }
+
+    /// The coordinate of each bit in a scene with this many lights.
+    ///
+    /// # Errors
+    /// What is wrong with the text, and where.
+    pub fn layout(&self, lights: usize) -> Result<Layout, LayoutError> {
+        LayoutText::parse(&self.text)?.expand(lights)
+    }
+
+    /// The keys of a queue's rays, in canonical order, and how they are made.
+    ///
+    /// # Errors
+    /// If the layout is wrong, or needs what the recording did not keep.
+    pub fn keys(&self, header: &Header, queue: &Queue) -> Result<(Vec<u64>, KeyLayout), String> {
+        let layout = self.layout(header.lights.len()).map_err(|error| error.message)?;
+        let lights = if layout.uses(Coordinate::needs_light) {
+            let lights =
+                queue.lights.as_ref().ok_or("the layout needs a light, which only shadow rays have")?;
+            if let Some(light) = lights.iter().find(|&&light| light as usize >= header.lights.len()) {
+                return Err(format!("a ray goes to light {light} of {}", header.lights.len()));
+            }
+            Some(&lights[..])
+        } else {
+            None
+        };
+        let table = match (layout.uses(Coordinate::needs_length), self.estimate) {
+            (true, Estimate::Table) => Some(queue.table.as_ref().map_err(String::clone)?),
+            _ => None,
+        };
+        let rays = queue.traced.rays();
+        let length = |ray: usize| match self.estimate {
+            Estimate::Fixed => self.length,
+            Estimate::Table => table.map_or(self.length, |table| table.mean(&rays[ray])),
+            Estimate::Traced => queue.lengths[ray],
+        };
+        let light = |ray: usize| lights.map_or(0, |lights| lights[ray]);
+        let encoder = Encoder::new(&layout, self.key_bits, *queue.traced.unit(), &header.lights);
+        let mut keys = vec![0; queue.len()];
+        keys.par_chunks_mut(RAYS_PER_TASK).zip(rays.par_chunks(RAYS_PER_TASK)).enumerate().for_each(
+            |(task, (keys, rays))| {
+                let first = task * RAYS_PER_TASK;
+                let put = |at: usize, key| keys[at] = key;
+                encoder.encode_all(rays, |at| length(first + at), |at| light(first + at), put);
+            },
+        );
+        Ok((keys, KeyLayout { layout, key_bits: self.key_bits, text: self.text.clone() }))
+    }
+
+    /// The order of a queue by these keys.
+    ///
+    /// # Errors
+    /// As [`Settings::keys`].
+    pub fn order(&self, header: &Header, queue: Arc<Queue>) -> Result<Order, String> {
+        let (keys, layout) = self.keys(header, &queue)?;
+        Ok(Order::of_keys(queue, WHAT_IF, keys, layout))
+    }
+}

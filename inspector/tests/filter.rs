@@ -1,0 +1,418 @@
+//! Filters and sorted rows against one-line oracles, and in the panels that share the filter.
+//! Without an adapter the tests of panels fail.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::Arc;
+
+use egui::accesskit::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use formats::key::decode::decode;
+use formats::length_table::mean_length;
+use formats::manifest::QueueId;
+use formats::ray::Kind;
+use formats::traced::Results;
+use inspector::analysis::GroupWidth;
+use inspector::model::filter::{Expression, passing};
+use inspector::model::quantity::{Numbers, Quantity};
+use inspector::model::rows::{Direction, Rows, Sorting};
+use inspector::model::{Context, Order};
+use inspector::panels::space::layers::Layers;
+use inspector::panels::space::options::Options;
+use inspector::panels::{PANELS, Panel};
+use inspector::render::geometry::Shape;
+use inspector::theme::Theme;
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+
+#[path = "../../formats/tests/sample/mod.rs"]
+mod sample;
+
+const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
+
+fn opened(folder: &Path, queue: QueueId, method: &str) -> Context {
+    let mut context = Context::open(&[sample::write(folder)]);
+    assert!(context.problems.is_empty(), "{:?}", context.problems);
+    context.go_to(queue);
+    context.selection.order_by(method);
+    context
+}
+
+fn numbers(context: &mut Context) -> Numbers {
+    let order = context.order().unwrap();
+    context.numbers(order).unwrap()
+}
+
+/// The places that pass by a closure.
+fn kept(order: &Order, keep: impl Fn(usize, usize) -> bool) -> Vec<u32> {
+    (0..order.len()).filter(|&place| keep(place, order.places.ray(place))).map(|place| place as u32).collect()
+}
+
+fn places(text: &str, numbers: &Numbers) -> Vec<u32> {
+    let expression = Expression::parse(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+    passing(&expression, numbers).unwrap_or_else(|error| panic!("{text}: {error}")).places().to_vec()
+}
+
+/// Each name against the recording, read in another way.
+#[test]
+fn names_mean_what_the_recording_holds() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path(), QUEUE, "two-point");
+    let numbers = numbers(&mut context);
+    let order = &*numbers.order;
+    let queue = &order.queue;
+    let rays = queue.traced.rays();
+    let Results::Hits(hits) = queue.traced.results() else { panic!("closest rays have hits") };
+    let (work, table) = (queue.work.as_ref().unwrap(), queue.table.as_ref().unwrap());
+    let (keys, layout) = order.keys.as_ref().unwrap();
+    let ex = |ray: usize| {
+        let fields = decode(&layout.layout, layout.key_bits, keys.at(ray));
+        fields.iter().find(|field| field.coordinate.name() == "ex").unwrap().value
+    };
+    let groups = order.groups(GroupWidth::default());
+    let group = |place: usize| &groups.groups[place / 64];
+    let width = sample::WIDTH;
+    let paths = &queue.path_ids;
+    let check = |text: &str, keep: &dyn Fn(usize, usize) -> bool| {
+        let expected = kept(order, keep);
+        assert!(!expected.is_empty() && expected.len() < order.len(), "{text} tells nothing apart");
+        assert_eq!(places(text, &numbers), expected, "{text}");
+    };
+    check("place < 17", &|place, _| place < 17);
+    check("ray >= 40", &|_, ray| ray >= 40);
+    check("pixel == 100 || pixel == 77", &|_, ray| [100, 77].contains(&paths[ray]));
+    check("x == 3 && y > 5", &|_, ray| paths[ray] % width == 3 && paths[ray] / width > 5);
+    check("t < 1.5", &|_, ray| hits[ray].t < 1.5);
+    check("length < 0.25", &|_, ray| queue.lengths[ray] < 0.25);
+    check("origin.y > 0.5", &|_, ray| rays[ray].origin[1] > 0.5);
+    check("dir.z + direction.x > 0", &|_, ray| {
+        f64::from(rays[ray].direction[2]) + f64::from(rays[ray].direction[0]) > 0.0
+    });
+    check("abs(direction.y) < 0.3", &|_, ray| rays[ray].direction[1].abs() < 0.3);
+    check("field(ex) > 300", &|_, ray| ex(ray) > 300);
+    check("key > 0x4000000000000000", &|_, ray| keys.at(ray) > 1 << 62);
+    check("displacement > 50", &|place, ray| place.abs_diff(ray) > 50);
+    check("group == 1", &|place, _| place / 64 == 1);
+    let mean = groups.mean_area();
+    check(&format!("area > {mean}"), &|place, _| group(place).area > mean);
+    check("spread < 0.8", &|place, _| group(place).spread < 0.8);
+    check("lanes > 0.55", &|place, _| group(place).lanes.unwrap() > 0.55);
+    check("nodes == 2", &|_, ray| work[ray].nodes == 2);
+    check("work > 13 && triangles == 11", &|_, ray| work[ray].nodes > 2);
+    check("estimate > 0.3", &|_, ray| f64::from(table.mean(&rays[ray])) > 0.3);
+    check("log2(ratio) > 0", &|_, ray| table.mean(&rays[ray]) > queue.lengths[ray]);
+    check("hit", &|_, ray| hits[ray].is_hit());
+    check("triangle == 3", &|_, ray| hits[ray].triangle == 3);
+    check("!hit || triangle != 3", &|_, ray| hits[ray].triangle != 3);
+    assert_eq!(places("pass == 1 && bounce == 1 && !shadow", &numbers).len(), order.len());
+    assert!(places("pass == 0 || bounce == 2 || shadow", &numbers).is_empty());
+}
+
+#[test]
+fn lights_belong_to_shadow_rays() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path(), QueueId { kind: Kind::Shadow, ..QUEUE }, "light-octahedron");
+    let numbers = numbers(&mut context);
+    let order = &*numbers.order;
+    let lights = order.queue.lights.as_ref().unwrap();
+    assert_eq!(places("light == 2", &numbers), kept(order, |_, ray| lights[ray] == 2));
+    assert_eq!(places("field(light) == 2", &numbers), kept(order, |_, ray| lights[ray] == 2));
+    let expression = Expression::parse("hit && triangle == 1").unwrap();
+    let error = passing(&expression, &numbers).unwrap_err();
+    assert_eq!((error.start, error.length), (7, 8));
+    assert!(error.message.contains("shadow rays have no triangle"), "{error}");
+}
+
+/// The rays of a cell: the mean that the stored cell has is the estimate of those rays.
+#[test]
+fn the_rays_of_a_cell_have_its_mean() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path(), QUEUE, "aila");
+    let numbers = numbers(&mut context);
+    let cells = numbers.order.queue.cells.as_ref().unwrap();
+    let mut found = 0;
+    for cell in cells.iter() {
+        let places = places(&format!("cell == {}", cell.cell), &numbers);
+        let mean = f64::from(mean_length(cell.sum, cell.count));
+        assert!(places.iter().all(|&place| numbers.value(Quantity::Estimate, place as usize) == mean));
+        found += places.len();
+    }
+    assert!(found > 50, "only {found} rays have a cell that was touched");
+}
+
+#[test]
+fn what_keys_do_not_hold_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path(), QUEUE, "aila");
+    let aila = numbers(&mut context);
+    let expression = Expression::parse("t > 1 && field(ex) > 3").unwrap();
+    let error = passing(&expression, &aila).unwrap_err();
+    assert_eq!((error.start, error.length), (15, 2));
+    assert!(error.message.contains("keys of aila have no field ex; they have ox oy oz dx"), "{error}");
+    context.selection.order_by("unsorted");
+    let error = passing(&expression, &numbers(&mut context)).unwrap_err();
+    assert!(error.message.contains("unsorted rays have no key"), "{error}");
+}
+
+/// A condition as text and as a closure over the numbers of a ray.
+#[derive(Clone)]
+struct Sample {
+    text: String,
+    of: Arc<dyn Fn(&Numbers, usize) -> f64>,
+}
+
+impl std::fmt::Debug for Sample {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+fn sample(text: String, of: impl Fn(&Numbers, usize) -> f64 + 'static) -> Sample {
+    Sample { text, of: Arc::new(of) }
+}
+
+fn any_number() -> impl Strategy<Value = Sample> {
+    let literal = (0u32..4000).prop_map(|n| {
+        let value = f64::from(n) / 256.0;
+        sample(value.to_string(), move |_, _| value)
+    });
+    let quantity = prop::sample::select(Quantity::ALL)
+        .prop_filter("known of closest rays", |quantity| !matches!(quantity, Quantity::Light));
+    let quantity = quantity.prop_map(|quantity| {
+        sample(quantity.name().to_owned(), move |numbers, place| numbers.value(quantity, place))
+    });
+    prop_oneof![literal, quantity].prop_recursive(3, 12, 2, |inner| {
+        let two = (inner.clone(), inner.clone(), 0..4usize).prop_map(|(a, b, sign)| {
+            let text = format!("({} {} {})", a.text, ["+", "-", "*", "/"][sign], b.text);
+            sample(text, move |n, p| {
+                let (a, b) = ((a.of)(n, p), (b.of)(n, p));
+                [a + b, a - b, a * b, a / b][sign]
+            })
+        });
+        let one = (inner, 0..3usize).prop_map(|(a, which)| {
+            let text = format!("{}({})", ["abs", "log2", "-"][which], a.text);
+            sample(text, move |n, p| {
+                let a = (a.of)(n, p);
+                [a.abs(), a.log2(), -a][which]
+            })
+        });
+        prop_oneof![two, one]
+    })
+}
+
+fn any_condition() -> impl Strategy<Value = Sample> {
+    let compared = (any_number(), any_number(), 0..6usize).prop_map(|(a, b, sign)| {
+        let text = format!("{} {} {}", a.text, ["<", "<=", ">", ">=", "==", "!="][sign], b.text);
+        sample(text, move |n, p| {
+            let (a, b) = ((a.of)(n, p), (b.of)(n, p));
+            f64::from(u8::from([a < b, a <= b, a > b, a >= b, a == b, a != b][sign]))
+        })
+    });
+    let hit = Just(sample("hit".to_owned(), |n, p| {
+        f64::from(u8::from(n.order.queue.is_at_surface(n.order.places.ray(p))))
+    }));
+    prop_oneof![4 => compared, 1 => hit].prop_recursive(3, 12, 2, |inner| {
+        let two = (inner.clone(), inner.clone(), any::<bool>()).prop_map(|(a, b, is_and)| {
+            let text = format!("({}) {} ({})", a.text, if is_and { "&&" } else { "||" }, b.text);
+            sample(text, move |n, p| {
+                let (a, b) = ((a.of)(n, p), (b.of)(n, p));
+                if is_and { a.min(b) } else { a.max(b) }
+            })
+        });
+        let not = inner.prop_map(|a| sample(format!("!({})", a.text), move |n, p| 1.0 - (a.of)(n, p)));
+        prop_oneof![two, not]
+    })
+}
+
+/// A fixed seed: the same cases each time.
+fn runner(cases: u32) -> TestRunner {
+    let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]);
+    TestRunner::new_with_rng(Config { cases, failure_persistence: None, ..Config::default() }, rng)
+}
+
+#[test]
+fn filters_are_their_oracle() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path(), QUEUE, "mine");
+    let numbers = numbers(&mut context);
+    let check = |condition: Sample| {
+        let expected = kept(&numbers.order, |place, _| (condition.of)(&numbers, place) == 1.0);
+        prop_assert_eq!(places(&condition.text, &numbers), expected);
+        Ok(())
+    };
+    runner(1500).run(&any_condition(), check).unwrap();
+}
+
+/// Whatever is typed: a filter, or an error whose place is in the text or just behind it.
+#[test]
+fn no_text_is_a_panic() {
+    let words =
+        ["t", "length", "<", "&&", "(", ")", "!", "-", "0x", "1e", ".5", "field", "ex", "=", "§", "hit"];
+    let text =
+        prop::collection::vec(prop::sample::select(words.to_vec()), 0..12).prop_map(|words| words.concat());
+    let check = |text: String| {
+        if let Err(error) = Expression::parse(&text) {
+            prop_assert!(error.length >= 1 && error.start <= text.chars().count(), "{}: {}", text, error);
+        }
+        Ok(())
+    };
+    runner(3000).run(&text, check).unwrap();
+}
+
+/// Against a stable sort by comparison.
+#[test]
+fn rows_are_sorted_stably_and_filtered() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path(), QUEUE, "two-point");
+    let numbers = numbers(&mut context);
+    let filter = passing(&Expression::parse("x > 4").unwrap(), &numbers).unwrap();
+    for &by in Quantity::ALL {
+        for direction in [Direction::Ascending, Direction::Descending] {
+            for filter in [None, Some(&filter)] {
+                let kept = |place: &usize| filter.is_none_or(|filter| filter.contains(*place));
+                let mut expected: Vec<usize> = (0..numbers.order.len()).filter(kept).collect();
+                expected.sort_by(|&a, &b| {
+                    let (x, y) = (numbers.value(by, a), numbers.value(by, b));
+                    let compared = if by == Quantity::Key {
+                        numbers.key(a).cmp(&numbers.key(b))
+                    } else {
+                        x.partial_cmp(&y).unwrap_or_else(|| x.is_nan().cmp(&y.is_nan()))
+                    };
+                    let is_turned = direction == Direction::Descending && !(x.is_nan() || y.is_nan());
+                    if is_turned { compared.reverse() } else { compared }
+                });
+                let rows = Rows::of(&numbers, filter, Sorting { by, direction });
+                let found: Vec<usize> = (0..rows.len()).map(|row| rows.place(row)).collect();
+                assert_eq!(found, expected, "{} {direction:?}", by.name());
+            }
+        }
+    }
+}
+
+struct State {
+    panel: Box<dyn Panel>,
+    context: Context,
+}
+
+fn panel(name: &str, context: Context) -> Harness<'static, State> {
+    let setup = egui_kittest::wgpu::default_wgpu_setup();
+    let state = egui_kittest::wgpu::create_render_state(setup, egui_wgpu::RendererOptions::PREDICTABLE);
+    let entry = PANELS.iter().find(|entry| entry.name == name).unwrap();
+    let panel = (entry.make)(state.target_format);
+    let mut harness = Harness::builder()
+        .with_size([900.0, 640.0])
+        .with_accessibility_check(false)
+        .renderer(egui_kittest::wgpu::WgpuTestRenderer::from_render_state(state))
+        .build_ui_state(
+            |ui, state: &mut State| state.panel.show(ui, &mut state.context),
+            State { panel, context },
+        );
+    settle(&mut harness);
+    harness
+}
+
+fn settle(harness: &mut Harness<'_, State>) {
+    for _ in 0..4 {
+        harness.step();
+        harness.state_mut().context.finish();
+    }
+}
+
+fn type_filter(harness: &mut Harness<'_, State>, text: &str) {
+    let input = harness.get_by_role(Role::TextInput);
+    input.focus();
+    harness.step();
+    harness.get_by_role(Role::TextInput).type_text(text);
+    settle(harness);
+}
+
+#[test]
+fn a_filter_that_is_wrong_is_said_where_it_is_typed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("rays", opened(folder.path(), QUEUE, "aila"));
+    type_filter(&mut harness, "bounse == 1");
+    let said = "character 1: found 'bounse', which no ray has; did you mean 'bounce'?";
+    assert!(harness.query_by_label(said).is_some(), "{said} is not shown");
+    let context = &mut harness.state_mut().context;
+    context.selection.filter.set("field(ex) > 1");
+    settle(&mut harness);
+    assert!(harness.query_by_label_contains("keys of aila have no field ex").is_some());
+}
+
+/// What is typed above the table is what space shows.
+#[test]
+fn a_filter_links_table_and_space() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("rays", opened(folder.path(), QUEUE, "two-point"));
+    type_filter(&mut harness, "length < 0.25 && hit");
+    let context = &mut harness.state_mut().context;
+    let numbers = numbers(context);
+    let queue = &numbers.order.queue;
+    let expected = kept(&numbers.order, |_, ray| queue.lengths[ray] < 0.25 && queue.is_at_surface(ray));
+    assert!(!expected.is_empty() && expected.len() < numbers.order.len());
+    let label = format!("{} of {} rays by two-point", expected.len(), numbers.order.len());
+    assert!(harness.query_by_label(&label).is_some(), "{label} is not shown");
+    let context = &mut harness.state_mut().context;
+    let options = Options { rays: true, ends: true, ..Options::default() };
+    let mut layers = Layers::default();
+    let theme = Theme::of(&egui::Context::default());
+    layers.show(theme, &options, context);
+    context.finish();
+    let drawn = layers.show(theme, &options, context);
+    let origins: Vec<[f32; 3]> = expected
+        .iter()
+        .map(|&place| {
+            queue.segment(numbers.order.places.ray(place as usize)).origin.map(|along| along as f32)
+        })
+        .collect();
+    let Shape::Strip(curve) = drawn[0].geometry.shape() else { panic!("no curve") };
+    assert_eq!(curve.iter().map(|vertex| vertex.position).collect::<Vec<_>>(), origins);
+    let Shape::Segments(lines) = drawn[1].geometry.shape() else { panic!("no rays") };
+    assert_eq!(lines.iter().map(|line| line[0].position).collect::<Vec<_>>(), origins);
+    assert_eq!(
+        (layers.counts(), layers.passing()),
+        (Some((origins.len(), numbers.order.len())), Some(origins.len()))
+    );
+}
+
+#[test]
+fn a_header_sorts_and_again_the_other_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("rays", opened(folder.path(), QUEUE, "two-point"));
+    let numbers = numbers(&mut harness.state_mut().context);
+    let lengths = (0..numbers.order.len()).map(|place| numbers.value(Quantity::Length, place));
+    let lengths: BTreeSet<u32> = lengths.map(|length| (length as f32).to_bits()).collect();
+    let text = |bits: Option<&u32>| format!("{:.4}", f32::from_bits(*bits.unwrap()));
+    let (shortest, longest) = (text(lengths.first()), text(lengths.last()));
+    for (header, first, mark) in [("length", shortest, " ⬆"), ("length ⬆", longest, " ⬇")] {
+        harness.get_by_label(header).click();
+        settle(&mut harness);
+        assert!(harness.query_by_label(&format!("length{mark}")).is_some(), "no mark in the header");
+        let top = |node: &egui_kittest::Node<'_>| node.rect().top() as i32;
+        let marked = format!("length{mark}");
+        let header = harness.get_by_label(&marked);
+        let cells = harness.query_all_by_label(&first);
+        let highest = cells.map(|node| top(&node)).min().expect("the first row is in sight");
+        assert!(highest - top(&header) < 40, "{first} is not in the first row");
+    }
+}
+
+#[test]
+fn rows_in_sight_are_copied_as_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("rays", opened(folder.path(), QUEUE, "two-point"));
+    let ray = numbers(&mut harness.state_mut().context).order.places.ray(2);
+    harness.get_by_label("copy").click();
+    harness.step();
+    let copied = harness.output().platform_output.commands.iter().find_map(|command| match command {
+        egui::OutputCommand::CopyText(text) => Some(text.clone()),
+        _ => None,
+    });
+    let copied = copied.expect("something was copied");
+    let lines: Vec<Vec<&str>> = copied.lines().map(|line| line.split('\t').collect()).collect();
+    assert_eq!((lines[0][0], lines[0][1]), ("place", "ray"));
+    assert_eq!((lines[3][0], lines[3][1]), ("2", ray.to_string().as_str()));
+}

@@ -1,0 +1,242 @@
+//! Orders that are made here against recorded ones, and lists whose entries are clicked.
+//! Without an adapter these tests fail.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::path::Path;
+
+use egui::accesskit::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use formats::manifest::QueueId;
+use formats::ray::Kind;
+use inspector::model::Context;
+use inspector::model::what_if::{Estimate, Settings, WHAT_IF};
+use inspector::panels::space::layers::Layers;
+use inspector::panels::space::options::Options;
+use inspector::panels::{PANELS, Panel};
+use inspector::render::frame::Stage;
+use inspector::render::geometry::Shape;
+use inspector::theme::Theme;
+
+#[path = "../../formats/tests/sample/mod.rs"]
+mod sample;
+
+const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
+
+fn opened(folder: &Path) -> Context {
+    let mut context = Context::open(&[sample::write(folder)]);
+    assert!(context.problems.is_empty(), "{:?}", context.problems);
+    context.go_to(QUEUE);
+    context.selection.order_by("two-point");
+    context
+}
+
+/// Of every method on every queue: keys and places, bit for bit, as they were recorded.
+#[test]
+fn recorded_settings_give_recorded_keys_and_places() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let dump = context.recording().unwrap().dump.clone();
+    let mut compared = 0;
+    for record in &dump.manifest().queues {
+        context.go_to(record.id);
+        for method in record.methods.iter().filter(|method| *method != "unsorted") {
+            context.selection.order_by(method);
+            let recorded = context.order().unwrap();
+            context.what_if = Some(Settings::of(context.recording().unwrap().method(method).unwrap()));
+            context.selection.order_by(WHAT_IF);
+            let made = loop {
+                match context.what_if_order().unwrap() {
+                    Some(order) => break order,
+                    None => context.finish(),
+                };
+            };
+            let ((recorded_keys, _), (made_keys, _)) =
+                (recorded.keys.as_ref().unwrap(), made.keys.as_ref().unwrap());
+            for at in 0..recorded.len() {
+                assert_eq!(made_keys.at(at), recorded_keys.at(at), "{} by {method}: key {at}", record.id);
+                assert_eq!(
+                    made.places.ray(at),
+                    recorded.places.ray(at),
+                    "{} by {method}: place {at}",
+                    record.id
+                );
+            }
+            compared += recorded.len();
+        }
+    }
+    assert!(compared > 1000, "{compared} keys are too few");
+}
+
+#[test]
+fn what_the_recording_lacks_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let header = &context.recording().unwrap().dump.manifest().header;
+    context.what_if = Settings::builtin("light-octahedron", header);
+    let error = loop {
+        match context.what_if_order() {
+            Ok(None) => context.finish(),
+            Ok(Some(_)) => panic!("closest rays have no light"),
+            Err(error) => break error,
+        };
+    };
+    assert!(error.contains("only shadow rays have"), "{error}");
+}
+
+struct State {
+    panel: Box<dyn Panel>,
+    context: Context,
+}
+
+fn panel(name: &str, context: Context) -> Harness<'static, State> {
+    let setup = egui_kittest::wgpu::default_wgpu_setup();
+    let state = egui_kittest::wgpu::create_render_state(setup, egui_wgpu::RendererOptions::PREDICTABLE);
+    let entry = PANELS.iter().find(|entry| entry.name == name).unwrap();
+    let panel = (entry.make)(state.target_format);
+    let mut harness = Harness::builder()
+        .with_size([900.0, 640.0])
+        .with_accessibility_check(false)
+        .renderer(egui_kittest::wgpu::WgpuTestRenderer::from_render_state(state))
+        .build_ui_state(
+            |ui, state: &mut State| state.panel.show(ui, &mut state.context),
+            State { panel, context },
+        );
+    settle(&mut harness);
+    harness
+}
+
+fn settle(harness: &mut Harness<'_, State>) {
+    for _ in 0..4 {
+        harness.step();
+        harness.state_mut().context.finish();
+    }
+}
+
+/// The order that is made has the numbers of the recorded one beside it, and other panels can show it.
+#[test]
+fn the_order_that_is_made_stands_beside_recorded_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("what-if", opened(folder.path()));
+    let context = &mut harness.state_mut().context;
+    let order = context.order().unwrap();
+    let mean = format!("{:.4}", order.groups(context.selection.group_width).mean_area());
+    // Once as what if, once as recorded.
+    assert!(harness.query_all_by_label(&mean).count() >= 2, "{mean} is not shown twice");
+    harness.get_by_label("show this order").click();
+    settle(&mut harness);
+    let context = &mut harness.state_mut().context;
+    assert_eq!(context.selection.method, WHAT_IF);
+    let made = context.order().unwrap();
+    assert_eq!((made.method.as_str(), made.places.ray(9)), (WHAT_IF, order.places.ray(9)));
+    assert!(context.methods().iter().any(|method| method == WHAT_IF));
+    context.what_if.as_mut().unwrap().estimate = Estimate::Traced;
+    settle(&mut harness);
+    let context = &mut harness.state_mut().context;
+    let other = context.order().unwrap();
+    assert_ne!(made.serial, other.serial);
+    assert!((0..made.len()).any(|place| made.places.ray(place) != other.places.ray(place)));
+}
+
+#[test]
+fn a_layout_that_is_wrong_is_said_where_it_is_typed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let header = &context.recording().unwrap().dump.manifest().header;
+    let settings = Settings::builtin("origin", header).unwrap();
+    context.what_if = Some(Settings { text: "ox oy ".to_owned(), ..settings });
+    let mut harness = panel("what-if", context);
+    harness.get_by_role(Role::TextInput).focus();
+    harness.step();
+    harness.key_press(egui::Key::End);
+    harness.get_by_role(Role::TextInput).type_text("oq");
+    settle(&mut harness);
+    assert!(harness.query_by_label_contains("character 7: unknown coordinate 'oq'").is_some());
+    assert!(harness.query_by_label("mean area").is_none(), "numbers of a layout that is none");
+}
+
+#[test]
+fn a_group_of_the_worst_is_a_capsule_in_space() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("coherence", opened(folder.path()));
+    harness.get_by_label("worst groups").click();
+    settle(&mut harness);
+    let context = &mut harness.state_mut().context;
+    let order = context.order().unwrap();
+    let groups = order.groups(context.selection.group_width);
+    let mut areas: Vec<(f64, usize)> =
+        groups.groups.iter().enumerate().map(|(at, group)| (group.area, at)).collect();
+    areas.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let (area, second) = areas[1];
+    assert!(harness.query_by_label(&format!("{area:.4}")).is_some());
+    harness.get_by_label(&second.to_string()).click();
+    settle(&mut harness);
+    let context = &mut harness.state_mut().context;
+    assert_eq!(context.selection.group, Some(second));
+    let drawn = Layers::default().show(Theme::of(&egui::Context::default()), &Options::default(), context);
+    let capsule = drawn.iter().find(|layer| layer.stage == Stage::Capsules).unwrap();
+    let Shape::Capsules(capsules) = capsule.geometry.shape() else { panic!("no capsule") };
+    assert_eq!(capsules[0].ends[3], groups.groups[second].capsule.end_radius as f32);
+}
+
+#[test]
+fn a_cell_that_is_clicked_is_its_rays() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("table", opened(folder.path()));
+    let at = egui::pos2(200.0, 300.0);
+    harness.hover_at(at);
+    harness.step();
+    harness.drag_at(at);
+    harness.step();
+    harness.drop_at(at);
+    settle(&mut harness);
+    let context = &mut harness.state_mut().context;
+    let cell = context.selection.cell.expect("a cell is under the pointer");
+    let rays = context.rays_of_cell(cell).unwrap();
+    assert_eq!(context.selection.ray, rays.first().map(|&ray| ray as usize));
+    // A cell that is known to have rays, as the first one under the pointer may have none.
+    let order = context.order().unwrap();
+    let queue = order.queue.clone();
+    let header = &context.recording().unwrap().dump.manifest().header;
+    let cell_of = formats::stored_table::cell_encoder(header).unwrap();
+    let cell_of = |ray: usize| cell_of.encode(&queue.traced.rays()[ray], 0.0, 0) as u32;
+    let cell = cell_of(7);
+    let expected: Vec<u32> =
+        (0..queue.len()).filter(|&ray| cell_of(ray) == cell).map(|ray| ray as u32).collect();
+    context.selection.cell = Some(cell);
+    settle(&mut harness);
+    harness.get_by_label("filter these").click();
+    settle(&mut harness);
+    let context = &mut harness.state_mut().context;
+    let filtered = context.filtered(&order);
+    let mut passing: Vec<u32> = (0..order.len())
+        .filter(|&place| filtered.contains(place))
+        .map(|place| order.places.ray(place) as u32)
+        .collect();
+    passing.sort_unstable();
+    assert_eq!(passing, expected);
+    harness.get_by_label(&expected[0].to_string()).click();
+    settle(&mut harness);
+    assert_eq!(harness.state().context.selection.ray, Some(expected[0] as usize));
+}
+
+/// Every ray is counted once, in the bin of the estimate that two-point-adaptive took.
+#[test]
+fn estimates_are_those_of_the_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let estimates = loop {
+        match context.estimates().unwrap() {
+            Some(estimates) => break estimates,
+            None => context.finish(),
+        };
+    };
+    let queue = context.queue().unwrap();
+    let table = queue.table.as_ref().unwrap();
+    assert_eq!(estimates.counts.iter().sum::<u32>() as usize, queue.len());
+    let ratio = |ray: usize| table.mean(&queue.traced.rays()[ray]) / queue.lengths[ray];
+    let within = (0..queue.len()).filter(|&ray| (0.5..=2.0).contains(&ratio(ray))).count();
+    assert_eq!(estimates.within_factor_two, within as f64 / queue.len() as f64);
+    assert!(within > 0 && within < queue.len());
+}
