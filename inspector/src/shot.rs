@@ -134,10 +134,7 @@ fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<(Image, Re
         .renderer(egui_kittest::wgpu::WgpuTestRenderer::from_render_state(state))
         .build_ui_state(show_all_over, drawn);
     let mut times = Vec::new();
-    for _ in 0..SETTLING_FRAMES {
-        harness.step();
-        harness.state_mut().context().finish();
-    }
+    settle(&mut harness);
     for _ in 0..shot.frames.max(1) {
         let start = Instant::now();
         harness.step();
@@ -158,6 +155,15 @@ fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<(Image, Re
         resident_bytes: resident_bytes(),
     };
     Ok((Image { width, height, rgba: image.into_raw() }, report))
+}
+
+/// Draws until nothing is being read or made for what is drawn.
+fn settle(harness: &mut Harness<'_, Drawn>) {
+    let mut still = 0;
+    while still < SETTLING_FRAMES {
+        harness.step();
+        still = if harness.state_mut().context().finish() { 0 } else { still + 1 };
+    }
 }
 
 /// Draws over all of the picture, as in a window: the harness leaves a margin.
@@ -253,6 +259,7 @@ fn select(context: &mut Context, shot: &Shot) -> anyhow::Result<()> {
         context.selection.order_by(method);
     }
     if shot.ray.is_some() {
+        context.awaited_order().map_err(anyhow::Error::msg)?;
         context.select_ray(shot.ray);
         if context.selection.ray != shot.ray {
             bail!("{wanted} has no ray {}", shot.ray.unwrap_or(0));

@@ -22,14 +22,15 @@ use inspector::model::rows::{Direction, Rows, Sorting};
 use inspector::model::{Context, Order};
 use inspector::panels::space::layers::Layers;
 use inspector::panels::space::options::Options;
-use inspector::panels::{PANELS, Panel};
 use inspector::render::geometry::Shape;
-use inspector::theme::Theme;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
+mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
+
+use headless::{State, panel, settle, shown_by};
 
 const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
 
@@ -42,7 +43,7 @@ fn opened(folder: &Path, queue: QueueId, method: &str) -> Context {
 }
 
 fn numbers(context: &mut Context) -> Numbers {
-    let order = context.order().unwrap();
+    let order = context.awaited_order().unwrap();
     context.numbers(order).unwrap()
 }
 
@@ -292,35 +293,6 @@ fn rows_are_sorted_stably_and_filtered() {
     }
 }
 
-struct State {
-    panel: Box<dyn Panel>,
-    context: Context,
-}
-
-fn panel(name: &str, context: Context) -> Harness<'static, State> {
-    let setup = egui_kittest::wgpu::default_wgpu_setup();
-    let state = egui_kittest::wgpu::create_render_state(setup, egui_wgpu::RendererOptions::PREDICTABLE);
-    let entry = PANELS.iter().find(|entry| entry.name == name).unwrap();
-    let panel = (entry.make)(state.target_format);
-    let mut harness = Harness::builder()
-        .with_size([900.0, 640.0])
-        .with_accessibility_check(false)
-        .renderer(egui_kittest::wgpu::WgpuTestRenderer::from_render_state(state))
-        .build_ui_state(
-            |ui, state: &mut State| state.panel.show(ui, &mut state.context),
-            State { panel, context },
-        );
-    settle(&mut harness);
-    harness
-}
-
-fn settle(harness: &mut Harness<'_, State>) {
-    for _ in 0..4 {
-        harness.step();
-        harness.state_mut().context.finish();
-    }
-}
-
 fn type_filter(harness: &mut Harness<'_, State>, text: &str) {
     let input = harness.get_by_role(Role::TextInput);
     input.focus();
@@ -358,10 +330,7 @@ fn a_filter_links_table_and_space() {
     let context = &mut harness.state_mut().context;
     let options = Options { rays: true, ends: true, ..Options::default() };
     let mut layers = Layers::default();
-    let theme = Theme::of(&egui::Context::default());
-    layers.show(theme, &options, context);
-    context.finish();
-    let drawn = layers.show(theme, &options, context);
+    let drawn = shown_by(&mut layers, context, &options);
     let origins: Vec<[f32; 3]> = expected
         .iter()
         .map(|&place| {

@@ -6,21 +6,20 @@
 use std::path::Path;
 
 use egui::accesskit::Role;
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 use inspector::model::Context;
 use inspector::model::what_if::{Estimate, Settings, WHAT_IF};
-use inspector::panels::space::layers::Layers;
 use inspector::panels::space::options::Options;
-use inspector::panels::{PANELS, Panel};
 use inspector::render::frame::Stage;
 use inspector::render::geometry::Shape;
-use inspector::theme::Theme;
 
+mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
+
+use headless::{layers, panel, settle};
 
 const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
 
@@ -43,13 +42,13 @@ fn recorded_settings_give_recorded_keys_and_places() {
         context.go_to(record.id);
         for method in record.methods.iter().filter(|method| *method != "unsorted") {
             context.selection.order_by(method);
-            let recorded = context.order().unwrap();
+            let recorded = context.awaited_order().unwrap();
             context.what_if = Some(Settings::of(context.recording().unwrap().method(method).unwrap()));
             context.selection.order_by(WHAT_IF);
             let made = loop {
                 match context.what_if_order().unwrap() {
                     Some(order) => break order,
-                    None => context.finish(),
+                    None => assert!(context.finish()),
                 };
             };
             let ((recorded_keys, _), (made_keys, _)) =
@@ -77,41 +76,12 @@ fn what_the_recording_lacks_is_said() {
     context.what_if = Settings::builtin("light-octahedron", header);
     let error = loop {
         match context.what_if_order() {
-            Ok(None) => context.finish(),
+            Ok(None) => assert!(context.finish()),
             Ok(Some(_)) => panic!("closest rays have no light"),
             Err(error) => break error,
         };
     };
     assert!(error.contains("only shadow rays have"), "{error}");
-}
-
-struct State {
-    panel: Box<dyn Panel>,
-    context: Context,
-}
-
-fn panel(name: &str, context: Context) -> Harness<'static, State> {
-    let setup = egui_kittest::wgpu::default_wgpu_setup();
-    let state = egui_kittest::wgpu::create_render_state(setup, egui_wgpu::RendererOptions::PREDICTABLE);
-    let entry = PANELS.iter().find(|entry| entry.name == name).unwrap();
-    let panel = (entry.make)(state.target_format);
-    let mut harness = Harness::builder()
-        .with_size([900.0, 640.0])
-        .with_accessibility_check(false)
-        .renderer(egui_kittest::wgpu::WgpuTestRenderer::from_render_state(state))
-        .build_ui_state(
-            |ui, state: &mut State| state.panel.show(ui, &mut state.context),
-            State { panel, context },
-        );
-    settle(&mut harness);
-    harness
-}
-
-fn settle(harness: &mut Harness<'_, State>) {
-    for _ in 0..4 {
-        harness.step();
-        harness.state_mut().context.finish();
-    }
 }
 
 /// The order that is made has the numbers of the recorded one beside it, and other panels can show it.
@@ -120,7 +90,7 @@ fn the_order_that_is_made_stands_beside_recorded_ones() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = panel("what-if", opened(folder.path()));
     let context = &mut harness.state_mut().context;
-    let order = context.order().unwrap();
+    let order = context.awaited_order().unwrap();
     let mean = format!("{:.4}", order.groups(context.selection.group_width).mean_area());
     // Once as what if, once as recorded.
     assert!(harness.query_all_by_label(&mean).count() >= 2, "{mean} is not shown twice");
@@ -128,13 +98,13 @@ fn the_order_that_is_made_stands_beside_recorded_ones() {
     settle(&mut harness);
     let context = &mut harness.state_mut().context;
     assert_eq!(context.selection.method, WHAT_IF);
-    let made = context.order().unwrap();
+    let made = context.awaited_order().unwrap();
     assert_eq!((made.method.as_str(), made.places.ray(9)), (WHAT_IF, order.places.ray(9)));
     assert!(context.methods().iter().any(|method| method == WHAT_IF));
     context.what_if.as_mut().unwrap().estimate = Estimate::Traced;
     settle(&mut harness);
     let context = &mut harness.state_mut().context;
-    let other = context.order().unwrap();
+    let other = context.awaited_order().unwrap();
     assert_ne!(made.serial, other.serial);
     assert!((0..made.len()).any(|place| made.places.ray(place) != other.places.ray(place)));
 }
@@ -163,7 +133,7 @@ fn a_group_of_the_worst_is_a_capsule_in_space() {
     harness.get_by_label("worst groups").click();
     settle(&mut harness);
     let context = &mut harness.state_mut().context;
-    let order = context.order().unwrap();
+    let order = context.awaited_order().unwrap();
     let groups = order.groups(context.selection.group_width);
     let mut areas: Vec<(f64, usize)> =
         groups.groups.iter().enumerate().map(|(at, group)| (group.area, at)).collect();
@@ -174,7 +144,7 @@ fn a_group_of_the_worst_is_a_capsule_in_space() {
     settle(&mut harness);
     let context = &mut harness.state_mut().context;
     assert_eq!(context.selection.group, Some(second));
-    let drawn = Layers::default().show(Theme::of(&egui::Context::default()), &Options::default(), context);
+    let drawn = layers(context, &Options::default());
     let capsule = drawn.iter().find(|layer| layer.stage == Stage::Capsules).unwrap();
     let Shape::Capsules(capsules) = capsule.geometry.shape() else { panic!("no capsule") };
     assert_eq!(capsules[0].ends[3], groups.groups[second].capsule.end_radius as f32);
@@ -196,7 +166,7 @@ fn a_cell_that_is_clicked_is_its_rays() {
     let rays = context.rays_of_cell(cell).unwrap();
     assert_eq!(context.selection.ray, rays.first().map(|&ray| ray as usize));
     // A cell that is known to have rays, as the first one under the pointer may have none.
-    let order = context.order().unwrap();
+    let order = context.awaited_order().unwrap();
     let queue = order.queue.clone();
     let header = &context.recording().unwrap().dump.manifest().header;
     let cell_of = formats::stored_table::cell_encoder(header).unwrap();
@@ -229,7 +199,7 @@ fn estimates_are_those_of_the_table() {
     let estimates = loop {
         match context.estimates().unwrap() {
             Some(estimates) => break estimates,
-            None => context.finish(),
+            None => assert!(context.finish()),
         };
     };
     let queue = context.queue().unwrap();

@@ -16,53 +16,18 @@ use formats::traced::Traced;
 use inspector::analysis::coherence::{Places, coherence};
 use inspector::app::App;
 use inspector::model::Context;
-use inspector::panels::space::layers::Layers;
+use inspector::panels::PANELS;
 use inspector::panels::space::options::{CapsuleChoice, Options};
-use inspector::panels::{PANELS, Panel};
-use inspector::render::frame::{Layer, Stage};
+use inspector::render::frame::Stage;
 use inspector::render::geometry::{RayEnd, Shape};
-use inspector::theme::Theme;
 
+mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
 
+use headless::{layers, panel, renderer, settle};
+
 const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
-
-struct State {
-    panel: Box<dyn Panel>,
-    context: Context,
-}
-
-type Format = wgpu::TextureFormat;
-
-/// A renderer and the format that it draws in.
-fn renderer() -> (egui_kittest::wgpu::WgpuTestRenderer, Format) {
-    let setup = egui_kittest::wgpu::default_wgpu_setup();
-    let options = egui_wgpu::RendererOptions::PREDICTABLE;
-    let state = egui_kittest::wgpu::create_render_state(setup, options);
-    let format = state.target_format;
-    (egui_kittest::wgpu::WgpuTestRenderer::from_render_state(state), format)
-}
-
-fn panel(name: &str, context: Context) -> Harness<'static, State> {
-    let (renderer, format) = renderer();
-    let entry = PANELS.iter().find(|entry| entry.name == name).unwrap();
-    let state = State { panel: (entry.make)(format), context };
-    let mut harness = Harness::builder()
-        .with_size([900.0, 640.0])
-        .with_accessibility_check(false)
-        .renderer(renderer)
-        .build_ui_state(|ui, state: &mut State| state.panel.show(ui, &mut state.context), state);
-    settle(&mut harness);
-    harness
-}
-
-fn settle(harness: &mut Harness<'_, State>) {
-    for _ in 0..3 {
-        harness.step();
-        harness.state_mut().context.finish();
-    }
-}
 
 fn opened(folder: &Path) -> Context {
     let mut context = Context::open(&[sample::write(folder)]);
@@ -114,16 +79,11 @@ fn every_panel_says_what_it_lacks() {
     }
 }
 
-fn layers(context: &mut Context, options: &Options) -> Vec<Layer> {
-    let window = egui::Context::default();
-    Layers::default().show(Theme::of(&window), options, context)
-}
-
 #[test]
 fn a_row_that_is_clicked_is_the_ray_in_space() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = panel("rays", opened(folder.path()));
-    let order = harness.state_mut().context.order().unwrap();
+    let order = harness.state_mut().context.awaited_order().unwrap();
     let ray = order.places.ray(5);
     let pixel = order.queue.path_ids[ray];
     harness.get_by_label(&format!("{},{}", pixel % sample::WIDTH, pixel / sample::WIDTH)).click();
@@ -144,7 +104,7 @@ fn a_group_that_is_chosen_is_a_capsule_in_space() {
     harness.get_by_label("worst group").click();
     settle(&mut harness);
     let context = &mut harness.state_mut().context;
-    let order = context.order().unwrap();
+    let order = context.awaited_order().unwrap();
     let groups = order.groups(context.selection.group_width);
     let worst = groups.groups.iter().map(|group| group.area).fold(0.0, f64::max);
     let group = context.selection.group.unwrap();
@@ -167,7 +127,7 @@ fn a_pixel_that_is_clicked_is_a_ray() {
     harness.drop_at(at);
     settle(&mut harness);
     let context = &mut harness.state_mut().context;
-    let order = context.order().unwrap();
+    let order = context.awaited_order().unwrap();
     let ray = context.selection.ray.expect("the pixel under the pointer has a ray");
     let place = order.place_of_ray()[ray] as usize;
     assert_eq!(context.selection.group, Some(place / context.selection.group_width.rays()));
@@ -216,7 +176,7 @@ fn vertices_are_those_of_the_analysis() {
         let [x, y, z] = narrow(expected.end_centre);
         assert_eq!(found.ends, [x, y, z, expected.end_radius as f32]);
     }
-    let order = context.order().unwrap();
+    let order = context.awaited_order().unwrap();
     let places = Places::sorted(permutation, segments.len()).unwrap();
     let analysed = coherence(&traced, &order.queue.lengths, &places, width.rays()).unwrap();
     let mean = order.groups(width).mean_area();
@@ -256,7 +216,7 @@ fn arrays_that_are_missing_are_said_in_their_place() {
     for name in ["scene", "order", "coherence", "rays", "ray", "table"] {
         let mut context = Context::open(std::slice::from_ref(&root));
         context.go_to(QUEUE);
-        let reason = context.queue().unwrap_err();
+        let reason = context.awaited_order().unwrap_err();
         assert!(reason.contains("hits.npy"), "{reason}");
         let mut harness = panel(name, context);
         harness.render().unwrap();

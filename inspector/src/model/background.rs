@@ -1,8 +1,8 @@
 //! Work on another thread, of which only the latest result is wanted.
 
 use std::fmt;
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -10,52 +10,101 @@ use std::time::Duration;
 /// without a frame in between that lacks it.
 const PATIENCE: Duration = Duration::from_millis(12);
 
-/// Has the window drawn again; does nothing where there is no window.
+/// How many threads are at work.
+#[derive(Debug, Default)]
+struct AtWork {
+    threads: Mutex<usize>,
+    one_less: Condvar,
+}
+
+impl AtWork {
+    fn threads(&self) -> MutexGuard<'_, usize> {
+        // A number is whole whatever happened to the thread that held it.
+        self.threads.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Has the window drawn again when a thread has done its work, and knows whether any is at work. Clones
+/// speak of the same threads.
 #[derive(Clone, Default)]
-pub struct Waker(Option<Arc<dyn Fn() + Send + Sync>>);
+pub struct Waker {
+    wake: Option<Arc<dyn Fn() + Send + Sync>>,
+    at_work: Arc<AtWork>,
+}
 
 impl Waker {
-    /// Calls this whenever there is more to show.
-    pub fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
-        Self(Some(Arc::new(wake)))
+    /// Calls this whenever there is more to show; without it, nothing is called.
+    pub fn set(&mut self, wake: impl Fn() + Send + Sync + 'static) {
+        self.wake = Some(Arc::new(wake));
     }
 
     /// Whether there is a window to draw.
     pub fn is_set(&self) -> bool {
-        self.0.is_some()
+        self.wake.is_some()
     }
 
     /// Has the window drawn again.
     pub fn wake(&self) {
-        if let Some(wake) = &self.0 {
+        if let Some(wake) = &self.wake {
             wake();
         }
+    }
+
+    /// Whether a thread is at work.
+    pub fn is_busy(&self) -> bool {
+        *self.at_work.threads() > 0
+    }
+
+    /// Waits until no thread is at work; whether any was.
+    pub fn wait(&self) -> bool {
+        let mut threads = self.at_work.threads();
+        let was_busy = *threads > 0;
+        while *threads > 0 {
+            threads = self.at_work.one_less.wait(threads).unwrap_or_else(PoisonError::into_inner);
+        }
+        was_busy
+    }
+
+    /// Counts a thread as at work until what is returned is dropped, then has the window drawn again.
+    pub fn start(&self) -> Working {
+        *self.at_work.threads() += 1;
+        Working(self.clone())
     }
 }
 
 impl fmt::Debug for Waker {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("Waker").field(&self.is_set()).finish()
+        f.debug_struct("Waker").field("is_set", &self.is_set()).field("at_work", &self.at_work).finish()
     }
 }
 
-/// Results that are kept: those of two orders that are compared, and one to go back to.
-const KEPT: usize = 3;
-
-/// One thing at a time that another thread makes; the latest few are kept.
+/// A thread at work.
 #[derive(Debug)]
-pub struct Background<K, T> {
+pub struct Working(Waker);
+
+impl Drop for Working {
+    fn drop(&mut self) {
+        *self.0.at_work.threads() -= 1;
+        self.0.at_work.one_less.notify_all();
+        self.0.wake();
+    }
+}
+
+/// One thing at a time that another thread makes. The latest few are kept: those of two orders that are
+/// compared and one to go back to, unless said otherwise.
+#[derive(Debug)]
+pub struct Background<K, T, const KEPT: usize = 3> {
     done: Vec<(K, T)>,
     running: Option<(K, Receiver<T>)>,
 }
 
-impl<K, T> Default for Background<K, T> {
+impl<K, T, const KEPT: usize> Default for Background<K, T, KEPT> {
     fn default() -> Self {
         Self { done: Vec::new(), running: None }
     }
 }
 
-impl<K: PartialEq, T: Send + 'static> Background<K, T> {
+impl<K: PartialEq, T: Send + 'static, const KEPT: usize> Background<K, T, KEPT> {
     /// What `make` makes for `wanted`; `None` until it is made. Something else that is still being made
     /// is waited for first, so that no more than one thread is at work.
     pub fn of(&mut self, wanted: K, waker: &Waker, make: impl FnOnce() -> T + Send + 'static) -> Option<&T> {
@@ -63,27 +112,23 @@ impl<K: PartialEq, T: Send + 'static> Background<K, T> {
         let is_done = self.done.iter().any(|(known, _)| *known == wanted);
         if !is_done && self.running.is_none() {
             let (sender, receiver) = channel();
-            let waker = waker.clone();
+            let working = waker.start();
             thread::spawn(move || {
                 // No one listens any more once the window is closed.
                 let _ = sender.send(make());
-                waker.wake();
+                drop(working);
             });
             self.running = Some((wanted, receiver));
             self.receive(PATIENCE);
             // Still running, or the last one that was done.
             return self.done.last().filter(|_| self.running.is_none()).map(|(_, made)| made);
         }
-        self.done.iter().find(|(known, _)| *known == wanted).map(|(_, made)| made)
+        self.known(|known| *known == wanted)
     }
 
-    /// Waits for what is being made; whether anything was.
-    pub fn finish(&mut self) -> bool {
-        let Some((wanted, receiver)) = self.running.take() else { return false };
-        if let Ok(made) = receiver.recv() {
-            self.keep(wanted, made);
-        }
-        true
+    /// The latest that was made and is kept whose key is such.
+    pub fn known(&self, is_wanted: impl Fn(&K) -> bool) -> Option<&T> {
+        self.done.iter().rev().find(|(known, _)| is_wanted(known)).map(|(_, made)| made)
     }
 
     fn keep(&mut self, wanted: K, made: T) {
@@ -119,15 +164,31 @@ mod tests {
 
     #[test]
     fn the_latest_is_made_after_what_is_running() {
-        let mut squares = Background::default();
+        let (mut squares, waker) = (Background::<_, _>::default(), Waker::default());
         let (start, wait) = channel::<()>();
         let slow = move || wait.recv().map_or(0, |()| 1);
-        assert_eq!(squares.of(1, &Waker::default(), slow), None);
-        assert_eq!(squares.of(2, &Waker::default(), || 4), None, "one thread at a time");
+        assert_eq!(squares.of(1, &waker, slow), None);
+        assert!(waker.is_busy());
+        assert_eq!(squares.of(2, &waker, || 4), None, "one thread at a time");
         start.send(()).unwrap();
-        assert!(squares.finish());
-        while squares.of(2, &Waker::default(), || 4).is_none() {}
-        assert_eq!(squares.of(2, &Waker::default(), || panic!("made twice")), Some(&4));
-        assert!(!squares.finish());
+        assert!(waker.wait());
+        while squares.of(2, &waker, || 4).is_none() {}
+        assert_eq!(squares.of(2, &waker, || panic!("made twice")), Some(&4));
+        assert_eq!(squares.known(|&known| known < 2), Some(&1));
+        assert!(!waker.wait());
+    }
+
+    #[test]
+    fn what_a_thread_died_of_leaves_nobody_waiting() {
+        let (mut squares, waker) = (Background::<_, u32>::default(), Waker::default());
+        let (start, wait) = channel::<()>();
+        assert_eq!(
+            squares.of(1, &waker, move || wait.recv().map_or_else(|_| panic!("on purpose"), |()| 1)),
+            None
+        );
+        drop(start);
+        assert!(waker.wait());
+        while squares.of(1, &waker, || 1).is_none() {}
+        assert_eq!(squares.known(|_| true), Some(&1));
     }
 }

@@ -8,6 +8,7 @@ use std::thread;
 use formats::manifest::QueueId;
 use formats::reader::Dump;
 
+use super::background::Waker;
 use super::order::Order;
 use super::queue::Queue;
 use crate::analysis::coherence::{Coherence, LaneUtilisation, coherence, lanes};
@@ -35,15 +36,14 @@ pub struct Coherences {
 }
 
 impl Coherences {
-    /// What is known of a queue's orders; asks for the rest unless it is being found. `wake` is called
-    /// whenever there is more.
+    /// What is known of a queue's orders; asks for the rest unless it is being found.
     pub fn of(
         &mut self,
         recording: usize,
         dump: &Arc<Dump>,
         (queue, methods): (&Arc<Queue>, &[String]),
         width: GroupWidth,
-        wake: impl Fn() + Send + 'static,
+        waker: &Waker,
     ) -> &[OrderCoherence] {
         self.receive();
         let wanted = (recording, queue.id, width.rays());
@@ -51,6 +51,7 @@ impl Coherences {
             self.known.insert(wanted, Vec::new());
             let (sender, receiver) = channel();
             let (dump, queue, methods) = (dump.clone(), queue.clone(), methods.to_vec());
+            let (waker, working) = (waker.clone(), waker.start());
             thread::spawn(move || {
                 for method in methods {
                     let found = of_order(&dump, &queue, &method, width);
@@ -58,10 +59,9 @@ impl Coherences {
                     if sender.send(found).is_err() {
                         return;
                     }
-                    wake();
+                    waker.wake();
                 }
-                drop(sender);
-                wake();
+                drop((sender, working));
             });
             self.running = Some((wanted, receiver));
         }
@@ -76,13 +76,6 @@ impl Coherences {
     /// Forgets everything, as when other recordings are opened.
     pub fn clear(&mut self) {
         *self = Self::default();
-    }
-
-    /// Waits for what is being found.
-    pub fn finish(&mut self) {
-        if let Some((wanted, receiver)) = self.running.take() {
-            self.known.entry(wanted).or_default().extend(receiver);
-        }
     }
 
     fn receive(&mut self) {

@@ -6,6 +6,8 @@ use std::sync::Arc;
 use formats::key::method::UNSORTED;
 use formats::manifest::QueueId;
 
+use super::absent::Absent;
+use super::background::Background;
 use super::coherences::Coherences;
 use super::derived::Derived;
 use super::order::Order;
@@ -13,6 +15,7 @@ use super::queue::Queue;
 use super::recording::Recording;
 use super::selection::Selection;
 use super::what_if::{self, WHAT_IF};
+use crate::analysis::GroupWidth;
 
 /// Something that went wrong, and what to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,11 +32,8 @@ type Opened<T> = Result<Arc<T>, String>;
 /// Recording and queue.
 type QueueKey = (usize, QueueId);
 
-/// Recording, queue and method.
-type OrderKey = (usize, QueueId, String);
-
-/// Orders that are kept: two that are compared, and one to go back to.
-const ORDERS_KEPT: usize = 3;
+/// Recording, queue and method; rays of a group.
+type OrderKey = (usize, QueueId, String, GroupWidth);
 
 /// All that panels see.
 #[derive(Debug, Default)]
@@ -49,9 +49,8 @@ pub struct Context {
     /// What the what-if order is made by, once it was asked for.
     pub what_if: Option<what_if::Settings>,
     pub(super) derived: Derived,
-    queue: Option<(QueueKey, Opened<Queue>)>,
-    /// The orders that were looked at last, the latest at the end.
-    orders: Vec<(OrderKey, Opened<Order>)>,
+    queues: Background<QueueKey, Opened<Queue>>,
+    orders: Background<OrderKey, Opened<Order>>,
 }
 
 impl Context {
@@ -114,57 +113,100 @@ impl Context {
         }
     }
 
-    /// The queue that is looked at.
+    /// The queue that is looked at: read by another thread.
     ///
     /// # Errors
-    /// Why it cannot be shown.
-    pub fn queue(&mut self) -> Result<Arc<Queue>, String> {
+    /// Why it cannot be shown, or not yet.
+    pub fn queue(&mut self) -> Result<Arc<Queue>, Absent> {
         let wanted = (self.selection.recording, self.selection.queue);
-        match &self.queue {
-            Some((known, queue)) if *known == wanted => return queue.clone(),
-            _ => {}
-        }
-        let recording = self.recordings.get(wanted.0).ok_or("no recording is open")?;
-        let queue = Queue::open(&recording.dump, wanted.1).map(Arc::new);
-        self.queue = Some((wanted, queue.clone()));
-        queue
+        let dump = self.recordings.get(wanted.0).ok_or("no recording is open")?.dump.clone();
+        let open = move || Queue::open(&dump, wanted.1).map(Arc::new);
+        opened(self.queues.of(wanted, &self.derived.waker, open))
     }
 
-    /// The order that is looked at.
+    /// The order that is looked at, with its groups: read and made by another thread.
+    ///
+    /// # Errors
+    /// Why it cannot be shown, or not yet.
+    pub fn order(&mut self) -> Result<Arc<Order>, Absent> {
+        let order = self.order_by_itself()?;
+        self.place_selected_ray(&order);
+        Ok(order)
+    }
+
+    fn order_by_itself(&mut self) -> Result<Arc<Order>, Absent> {
+        if self.selection.method == WHAT_IF {
+            return self.what_if_order()?.ok_or(Absent::Awaited);
+        }
+        let Selection { recording: at, queue: id, method, group_width: width, .. } = &self.selection;
+        let wanted = (*at, *id, method.clone(), *width);
+        let queue = self.queue()?;
+        let dump = self.recordings.get(wanted.0).ok_or("no recording is open")?.dump.clone();
+        let is_same = |known: &OrderKey| (&known.0, &known.1, &known.2) == (&wanted.0, &wanted.1, &wanted.2);
+        let known = self.orders.known(is_same).cloned();
+        let (method, width) = (wanted.2.clone(), wanted.3);
+        let open = move || {
+            let order = known.unwrap_or_else(|| Order::open(&dump, queue, &method).map(Arc::new))?;
+            // What every panel asks for, so that none of them makes the window wait for it.
+            order.place_of_ray();
+            order.groups(width);
+            Ok(order)
+        };
+        opened(self.orders.of(wanted, &self.derived.waker, open))
+    }
+
+    /// The order that is looked at, however long it takes.
     ///
     /// # Errors
     /// Why it cannot be shown.
-    pub fn order(&mut self) -> Result<Arc<Order>, String> {
-        if self.selection.method == WHAT_IF {
-            return self.what_if_order()?.ok_or_else(|| "the order is being made".to_owned());
+    pub fn awaited_order(&mut self) -> Result<Arc<Order>, String> {
+        loop {
+            if let Some(order) = Absent::awaited(self.order())? {
+                return Ok(order);
+            }
+            self.finish();
         }
-        let Selection { recording, queue, method, .. } = &self.selection;
-        let wanted = (*recording, *queue, method.clone());
-        if let Some((_, order)) = self.orders.iter().find(|(known, _)| *known == wanted) {
-            return order.clone();
-        }
-        let queue = self.queue()?;
-        let recording = self.recordings.get(wanted.0).ok_or("no recording is open")?;
-        let order = Order::open(&recording.dump, queue, &wanted.2).map(Arc::new);
-        if self.orders.len() == ORDERS_KEPT {
-            drop(self.orders.remove(0));
-        }
-        self.orders.push((wanted, order.clone()));
-        order
     }
 
-    /// Selects a ray of the queue with its group, or nothing.
+    /// Selects a ray of the queue with its group, or nothing. The group is known when the order is.
     pub fn select_ray(&mut self, ray: Option<usize>) {
-        let width = self.selection.group_width.rays();
-        let place = ray.and_then(|ray| Some(*self.order().ok()?.place_of_ray().get(ray)? as usize));
-        self.selection.ray = ray.filter(|_| place.is_some());
-        self.selection.group = place.map(|place| place / width);
+        self.selection.ray = ray.filter(|&ray| ray < self.rays());
+        self.selection.group = None;
+        // Finds the group; panels say why if there is no order.
+        drop(self.order());
     }
 
     /// Selects a group of the order.
     pub fn select_group(&mut self, group: Option<usize>) {
         let width = self.selection.group_width.rays();
-        let rays = self.order().map_or(0, |order| order.len());
+        let rays = self.rays();
         self.selection.group = group.filter(|group| group * width < rays);
+    }
+
+    /// Rays of the queue that is looked at.
+    fn rays(&self) -> usize {
+        let of_queue = |open: &Recording| {
+            let record = open.queues().iter().find(|record| record.id == self.selection.queue)?;
+            usize::try_from(record.rays).ok()
+        };
+        self.recording().and_then(of_queue).unwrap_or(0)
+    }
+
+    /// Selects the group of the selected ray, unless one is selected.
+    fn place_selected_ray(&mut self, order: &Order) {
+        let Selection { ray, group, group_width, .. } = &mut self.selection;
+        let Some(selected) = *ray else { return };
+        match order.place_of_ray().get(selected) {
+            Some(&place) => *group = group.or(Some(place as usize / group_width.rays())),
+            None => *ray = None,
+        }
+    }
+}
+
+fn opened<T>(found: Option<&Opened<T>>) -> Result<Arc<T>, Absent> {
+    match found {
+        None => Err(Absent::Awaited),
+        Some(Ok(found)) => Ok(found.clone()),
+        Some(Err(reason)) => Err(reason.into()),
     }
 }

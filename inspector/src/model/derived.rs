@@ -5,6 +5,7 @@ use std::sync::Arc;
 use formats::manifest::QueueId;
 use rayon::prelude::*;
 
+use super::absent::Absent;
 use super::background::{Background, Waker};
 use super::coherences::OrderCoherence;
 use super::context::Context;
@@ -22,7 +23,7 @@ type Grouped = (u64, GroupWidth);
 /// What was made of orders and queues.
 #[derive(Debug, Default)]
 pub struct Derived {
-    waker: Waker,
+    pub(super) waker: Waker,
     passing: Background<(Grouped, Arc<Expression>), Result<Arc<Passing>, FilterError>>,
     rows: Background<(Grouped, Option<Arc<Expression>>, Sorting), Arc<Rows>>,
     what_if: Background<(usize, QueueId, Settings), Result<Arc<Order>, String>>,
@@ -68,25 +69,18 @@ impl Context {
     /// Has a window drawn again when there is more to show.
     pub fn wake_with(&mut self, wake: impl Fn() + Send + Sync + 'static) {
         if !self.derived.waker.is_set() {
-            self.derived.waker = Waker::new(wake);
+            self.derived.waker.set(wake);
         }
+    }
+
+    /// Who has the window drawn again, for what panels make on other threads.
+    pub fn waker(&self) -> &Waker {
+        &self.derived.waker
     }
 
     /// Waits for everything that is being made; whether anything was.
     pub fn finish(&mut self) -> bool {
-        let Derived { passing, rows, what_if, what_if_coherence, estimates, rays_of_cell, .. } =
-            &mut self.derived;
-        let made = [
-            passing.finish(),
-            rows.finish(),
-            what_if.finish(),
-            what_if_coherence.finish(),
-            estimates.finish(),
-            rays_of_cell.finish(),
-            self.coherences.is_running(),
-        ];
-        self.coherences.finish();
-        made.contains(&true)
+        self.derived.waker.wait()
     }
 
     /// The orders of the queue that can be looked at: recorded ones, and the one made here.
@@ -135,7 +129,7 @@ impl Context {
     /// Why there is none.
     pub fn what_if_order(&mut self) -> Result<Option<Arc<Order>>, String> {
         let settings = self.what_if.clone().ok_or("no what-if order was asked for; its panel makes one")?;
-        let queue = self.queue()?;
+        let Some(queue) = Absent::awaited(self.queue())? else { return Ok(None) };
         let at = self.selection.recording;
         let dump = self.recordings.get(at).ok_or("no recording is open")?.dump.clone();
         let Derived { waker, what_if, .. } = &mut self.derived;
@@ -161,7 +155,8 @@ impl Context {
     /// # Errors
     /// Why they cannot be.
     pub fn estimates(&mut self) -> Result<Option<Arc<Estimates>>, String> {
-        let (at, queue) = (self.selection.recording, self.queue()?);
+        let Some(queue) = Absent::awaited(self.queue())? else { return Ok(None) };
+        let at = self.selection.recording;
         let Derived { waker, estimates, .. } = &mut self.derived;
         let found = estimates.of((at, queue.id), waker, move || Estimates::of(&queue).map(Arc::new));
         found.cloned().transpose()

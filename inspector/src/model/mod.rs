@@ -11,9 +11,10 @@
 //!   the lengths that were traced
 //! - [`what_if`]: another order of the recorded rays, made here
 //! - [`coherences`]: how coherent the orders of a queue are, found in the background
-//! - [`background`]: work on another thread; [`derived`]: what panels ask for that takes such work
+//! - [`background`]: work on another thread; [`absent`]: why something is not shown; [`derived`]: what panels ask for that takes such work
 //! - [`context`]: all of it together, as panels see it
 
+pub mod absent;
 pub mod background;
 pub mod coherences;
 pub mod context;
@@ -31,6 +32,7 @@ pub mod selection;
 pub mod value;
 pub mod what_if;
 
+pub use absent::Absent;
 pub use context::Context;
 pub use order::Order;
 pub use queue::Queue;

@@ -47,9 +47,8 @@ impl Panel for CoherencePanel {
         if methods.is_empty() {
             return missing(ui, "no method was measured on these rays; the last pass is the measured one");
         }
-        let (total, window) = (methods.len(), ui.ctx().clone());
-        let wake = move || window.request_repaint();
-        let orders = context.coherences.of(at, &recording.dump, (&queue, methods), width, wake);
+        let (total, waker) = (methods.len(), context.waker().clone());
+        let orders = context.coherences.of(at, &recording.dump, (&queue, methods), width, &waker);
         ui.horizontal_wrapped(|ui| {
             ui.label(format!("Capsule areas of groups of {} rays", width.rays())).on_hover_text(
                 "The hull of a sphere around a group's origins and one around its ends, in unit space",

@@ -20,7 +20,7 @@ mod what_if;
 mod worst;
 
 use self::space::SpaceView;
-use crate::model::Context;
+use crate::model::{Absent, Context};
 
 /// A part of the window.
 pub trait Panel {
@@ -126,11 +126,17 @@ fn power_of_ten(exponent: f64) -> String {
     }
 }
 
-/// Says why something cannot be shown, where it would have been.
-fn missing(ui: &mut egui::Ui, reason: &str) {
+/// Says why something is not shown, where it would have been.
+fn missing(ui: &mut egui::Ui, absent: impl Into<Absent>) {
     ui.add_space(8.0);
-    ui.vertical_centered(|ui| {
-        ui.label(egui::RichText::new("Nothing to show here").strong());
-        ui.label(reason);
+    ui.vertical_centered(|ui| match absent.into() {
+        Absent::Awaited => {
+            ui.spinner();
+            ui.label("reading the recording");
+        }
+        Absent::Impossible(reason) => {
+            ui.label(egui::RichText::new("Nothing to show here").strong());
+            ui.label(reason);
+        }
     });
 }

@@ -3,6 +3,7 @@
 use egui::Color32;
 use formats::length_table::{LengthCell, mean_length};
 use formats::manifest::QueueId;
+use rayon::prelude::*;
 
 use super::missing;
 use super::picture::Picture;
@@ -12,7 +13,7 @@ use crate::output::{count, counted};
 use crate::panels::Panel;
 use crate::render::cell_box::{cell_of_pixel, pixel_of_cell};
 use crate::render::colour_map::ColourMap;
-use crate::render::range::ValueRange;
+use crate::render::range::Values;
 use crate::theme::Theme;
 
 /// What cells are coloured by.
@@ -232,7 +233,8 @@ fn pixels(cells: &[LengthCell], blocks: Blocks, colouring: Colouring, theme: The
         Colouring::Mean => mean_length(cell.sum, cell.count),
     };
     let values: Vec<f32> = cells().map(value).collect();
-    let largest = ValueRange::of_percentiles(&values, 0.0, LONGEST_PERCENTILE).high.max(f32::MIN_POSITIVE);
+    let sorted = Values::of(values.par_iter().copied());
+    let largest = sorted.percentiles(0.0, LONGEST_PERCENTILE).high.max(f32::MIN_POSITIVE);
     let [width, height] = blocks.size();
     let mut sums = vec![(0.0f32, 0u32); width * height];
     for (cell, value) in cells().zip(values) {

@@ -161,10 +161,8 @@ fn outcome(ui: &mut egui::Ui, context: &mut Context, queue: formats::manifest::Q
     let (at, width) = (context.selection.recording, context.selection.group_width);
     let Ok(rays) = context.queue() else { return };
     let Some(recording) = context.recordings.get(at) else { return };
-    let window = ui.ctx().clone();
-    let wake = move || window.request_repaint();
-    let methods = recording.methods(queue);
-    let recorded = context.coherences.of(at, &recording.dump, (&rays, methods), width, wake);
+    let (methods, waker) = (recording.methods(queue), context.waker().clone());
+    let recorded = context.coherences.of(at, &recording.dump, (&rays, methods), width, &waker);
     table(ui, made.as_ref(), recorded, methods.len());
 }
 

@@ -6,12 +6,12 @@ use super::super::filter_box::filter_box;
 use super::layers::AREAS;
 use super::options::{CapsuleChoice, MeshMode, StandPoint};
 use super::{SpaceView, stand};
-use crate::model::Context;
 use crate::model::value::ColourBy;
+use crate::model::{Absent, Context};
 use crate::render::camera::Camera;
 use crate::render::colour_map::ColourMap;
 use crate::render::geometry::RayEnd;
-use crate::render::range::{ValueRange, histogram};
+use crate::render::range::{ValueRange, Values};
 use crate::theme::Theme;
 
 /// Height of the colour bar itself.
@@ -132,7 +132,7 @@ fn details(ui: &mut Ui, view: &mut SpaceView) {
 }
 
 /// Writes on the picture.
-pub(super) fn overlay(ui: &Ui, rect: Rect, text: &str, problem: Option<&str>) {
+pub(super) fn overlay(ui: &Ui, rect: Rect, text: &str, problem: Option<&Absent>) {
     let painter = ui.painter().with_clip_rect(rect);
     let write = |at, text: &str, colour| {
         let galley = painter.layout(text.to_owned(), FontId::proportional(12.5), colour, rect.width() - 16.0);
@@ -141,8 +141,11 @@ pub(super) fn overlay(ui: &Ui, rect: Rect, text: &str, problem: Option<&str>) {
         painter.galley(at, galley, colour);
     };
     write(rect.left_top() + vec2(8.0, 7.0), text, ui.visuals().text_color());
-    if let Some(problem) = problem {
-        write(rect.left_top() + vec2(8.0, 29.0), problem, Theme::of(ui.ctx()).problem());
+    let below = rect.left_top() + vec2(8.0, 29.0);
+    match problem {
+        None => {}
+        Some(Absent::Awaited) => write(below, "reading the recording", ui.visuals().weak_text_color()),
+        Some(Absent::Impossible(reason)) => write(below, reason, Theme::of(ui.ctx()).problem()),
     }
 }
 
@@ -184,9 +187,9 @@ pub(super) fn below(ui: &mut Ui, view: &mut SpaceView) {
 fn colour_bars(ui: &mut Ui, view: &SpaceView) {
     let options = &view.options;
     let by = options.colour_by;
-    let values = if by == ColourBy::Place { &[] } else { view.layers.values() };
+    let values = view.layers.values().filter(|_| by != ColourBy::Place);
     let rays = view.layers.range().filter(|_| options.shows_rays()).map(|range| (range, by.title(), values));
-    let capsules = options.capsules.then_some((AREAS, "capsule area, log10", &[][..]));
+    let capsules = options.capsules.then_some((AREAS, "capsule area, log10", None));
     let bars: Vec<_> = rays.into_iter().chain(capsules).collect();
     let gap = 16.0;
     let width = (ui.available_width() - gap * bars.len().saturating_sub(1) as f32) / bars.len().max(1) as f32;
@@ -198,12 +201,18 @@ fn colour_bars(ui: &mut Ui, view: &SpaceView) {
     });
 }
 
-fn colour_bar(ui: &mut Ui, map: ColourMap, width: f32, (range, title): (ValueRange, &str), values: &[f32]) {
+fn colour_bar(
+    ui: &mut Ui,
+    map: ColourMap,
+    width: f32,
+    (range, title): (ValueRange, &str),
+    values: Option<&Values>,
+) {
     let text_height = ui.text_style_height(&egui::TextStyle::Body);
     let height = BINS_HEIGHT + BAR + text_height + 2.0;
     let (rect, _) = ui.allocate_exact_size(vec2(width, height), egui::Sense::hover());
     let painter = ui.painter();
-    let counts = histogram(values, range, BINS);
+    let counts = values.map_or(vec![0; BINS], |values| values.histogram(range, BINS));
     let most = counts.iter().copied().max().unwrap_or(0).max(1) as f32;
     let step = rect.width() / BINS as f32;
     let bar_top = rect.top() + BINS_HEIGHT;

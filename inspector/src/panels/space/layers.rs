@@ -3,20 +3,23 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::options::{CapsuleChoice, Options};
 use super::shown::Shown;
 use crate::analysis::GroupWidth;
+use crate::model::background::{Background, Waker};
 use crate::model::derived::Filtered;
 use crate::model::filter::{Expression, Passing};
 use crate::model::value::ColourBy;
-use crate::model::{Context, Order};
+use crate::model::{Absent, Context, Order};
 use crate::render::cell_box::cell_box;
 use crate::render::detail::Detail;
 use crate::render::frame::{Layer, Paint, Stage};
 use crate::render::geometry::{
     CapsuleInstance, Geometry, RayEnd, Shape, Vertex, box_edges, curve, ends, rays,
 };
-use crate::render::range::ValueRange;
+use crate::render::range::{ValueRange, Values};
 use crate::theme::{ShaderColour, Theme};
 
 /// Rays of a group that are drawn bold.
@@ -53,7 +56,7 @@ struct Made {
     rays: Option<Geometry>,
     ends: Option<Geometry>,
     capsules: Option<Capsules>,
-    values: Vec<f32>,
+    values: Values,
 }
 
 /// Capsules, and how many there are.
@@ -77,9 +80,12 @@ struct Selected {
 /// The vertices of the last picture.
 #[derive(Default)]
 pub struct Layers {
-    made: Option<(Key, Made)>,
+    making: Background<Key, Arc<Made>, 1>,
+    /// What the picture is made of: while other rays are being made, those of before, if of the same
+    /// order and in the same colours.
+    made: Option<(Key, Arc<Made>)>,
     selected: Option<(SelectedKey, Selected)>,
-    problem: Option<String>,
+    problem: Option<Absent>,
     range: Option<ValueRange>,
     shown: usize,
     all: usize,
@@ -104,8 +110,8 @@ impl Layers {
     }
 
     /// Why the last picture lacks something, if it does.
-    pub fn problem(&self) -> Option<&str> {
-        self.problem.as_deref()
+    pub fn problem(&self) -> Option<&Absent> {
+        self.problem.as_ref()
     }
 
     /// What the ends of the colours stand for.
@@ -114,8 +120,8 @@ impl Layers {
     }
 
     /// The numbers behind the colours of the rays shown.
-    pub(super) fn values(&self) -> &[f32] {
-        self.made.as_ref().map_or(&[], |(_, made)| &made.values)
+    pub(super) fn values(&self) -> Option<&Values> {
+        self.made.as_ref().map(|(_, made)| &made.values)
     }
 
     /// The places shown: what the pointer can choose.
@@ -127,8 +133,8 @@ impl Layers {
     pub fn show(&mut self, theme: Theme, options: &Options, context: &mut Context) -> Vec<Layer> {
         let order = match context.order() {
             Ok(order) => order,
-            Err(reason) => {
-                *self = Self { problem: Some(reason), ..Self::default() };
+            Err(absent) => {
+                (self.made, self.selected, self.range, self.problem) = (None, None, None, Some(absent));
                 return Vec::new();
             }
         };
@@ -150,10 +156,8 @@ impl Layers {
                 (options.capsule_choice, options.capsule_count, group)
             }),
         };
-        if self.made.as_ref().is_none_or(|(known, _)| *known != key) {
-            let made = Made::of(&order, &key, filtered.passing());
-            self.made = Some((key, made));
-        }
+        self.problem = options.colour_by.missing(&order).map(Absent::from);
+        self.make(&order, key, filtered.passing(), context.waker());
         let chosen = (selection.ray, selection.group, selection.cell);
         self.passing = filtered.passing().map(|passing| passing.len());
         let key = SelectedKey { order: of_order, chosen };
@@ -161,15 +165,30 @@ impl Layers {
             let selected = Selected::of(&order, &key, context);
             self.selected = Some((key, selected));
         }
-        self.problem = options.colour_by.missing(&order).map(str::to_owned);
         self.layers(theme, options, &order)
+    }
+
+    /// Has the vertices of all rays made by another thread.
+    fn make(&mut self, order: &Arc<Order>, key: Key, passing: Option<Arc<Passing>>, waker: &Waker) {
+        if self.made.as_ref().is_some_and(|(known, _)| *known == key) {
+            return;
+        }
+        let (order, wanted) = (order.clone(), key.clone());
+        let making = move || Arc::new(Made::of(&order, &wanted, passing));
+        if let Some(made) = self.making.of(key.clone(), waker, making) {
+            self.made = Some((key, made.clone()));
+        } else {
+            self.problem = Some(Absent::Awaited);
+            let shows = |known: &Key| (&known.order, known.colour_by) == (&key.order, key.colour_by);
+            self.made.take_if(|(known, _)| !shows(known));
+        }
     }
 
     fn layers(&mut self, theme: Theme, options: &Options, order: &Order) -> Vec<Layer> {
         let (Some((_, made)), Some((_, selected))) = (&self.made, &self.selected) else { return Vec::new() };
         let range = match options.colour_by {
             ColourBy::Place => ValueRange { low: 0.0, high: order.len().saturating_sub(1).max(1) as f32 },
-            _ => ValueRange::of_percentiles(&made.values, options.percentiles.0, options.percentiles.1),
+            _ => made.values.percentiles(options.percentiles.0, options.percentiles.1),
         };
         self.range = Some(range);
         let part = made.places.between(&scrubbed(options, order.len()));
@@ -241,7 +260,7 @@ impl Made {
             rays: key.rays.then(|| rays(order, shown.places(), value).into()),
             ends: key.ends.then(|| ends(order, shown.places(), value).into()),
             capsules: key.capsules.map(|(choice, most, group)| capsules(order, width, choice, most, group)),
-            values: shown.places().map(value).collect(),
+            values: Values::of(shown.places().collect::<Vec<_>>().into_par_iter().map(value)),
             places: shown,
         }
     }

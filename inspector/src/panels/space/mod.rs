@@ -16,12 +16,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use egui::Sense;
 use formats::manifest::{Place, SceneArray};
-use formats::reader::Mapped;
+use formats::reader::{Dump, Mapped};
+use formats::unit_space::UnitSpace;
 
 use self::layers::Layers;
 use self::options::{MeshMode, Options, StandPoint};
 use super::filter_box;
-use crate::model::{Context, Recording};
+use crate::model::background::Background;
+use crate::model::{Absent, Context, Recording};
 use crate::output::count;
 use crate::render::camera::Camera;
 use crate::render::frame::{Cut, Frame, Layer, Paint, Stage};
@@ -36,7 +38,9 @@ pub struct SpaceView {
     /// What is shown, and how.
     pub options: Options,
     camera: Option<(usize, Camera)>,
-    mesh: Option<(usize, Result<Geometry, String>)>,
+    meshes: Background<usize, Result<Geometry, String>>,
+    /// Why the last picture lacks surfaces.
+    mesh_problem: Option<Absent>,
     layers: Layers,
 }
 
@@ -49,7 +53,8 @@ impl SpaceView {
             format,
             options: Options::default(),
             camera: None,
-            mesh: None,
+            meshes: Background::default(),
+            mesh_problem: None,
             layers: Layers::default(),
         }
     }
@@ -66,15 +71,18 @@ impl SpaceView {
         }
     }
 
-    fn mesh(&mut self, at: usize, recording: &Recording) -> Result<Geometry, String> {
-        match &self.mesh {
-            Some((known, mesh)) if *known == at => mesh.clone(),
-            _ => {
-                let mesh = read_mesh(recording);
-                self.mesh = Some((at, mesh.clone()));
-                mesh
-            }
-        }
+    /// The surfaces of the recording that is looked at.
+    fn mesh(&mut self, context: &Context) -> Option<Geometry> {
+        let (at, recording) = (context.selection.recording, context.recording()?);
+        let (dump, unit) = (recording.dump.clone(), recording.unit());
+        let found = self.meshes.of(at, context.waker(), move || read_mesh(&dump, &unit));
+        let (mesh, problem) = match found {
+            None => (None, Some(Absent::Awaited)),
+            Some(Err(reason)) => (None, Some(reason.into())),
+            Some(Ok(mesh)) => (Some(mesh.clone()), None),
+        };
+        self.mesh_problem = problem;
+        mesh
     }
 
     fn frame(&mut self, theme: Theme, pixels: [u32; 2], context: &mut Context) -> Option<Frame> {
@@ -82,7 +90,7 @@ impl SpaceView {
         let camera = self.camera(at, context.recording()?);
         let mesh = match self.options.mesh {
             MeshMode::Hidden => None,
-            MeshMode::Solid | MeshMode::Ghost => self.mesh(at, context.recording()?).ok(),
+            MeshMode::Solid | MeshMode::Ghost => self.mesh(context),
         };
         let is_ghost = self.options.mesh == MeshMode::Ghost;
         let mesh = mesh.map(|geometry| Layer {
@@ -119,12 +127,11 @@ fn stand(point: StandPoint, recording: &Recording) -> Camera {
     }
 }
 
-fn read_mesh(recording: &Recording) -> Result<Geometry, String> {
+fn read_mesh(dump: &Dump, unit: &UnitSpace) -> Result<Geometry, String> {
     let text = |error: formats::reader::ReadError| error.to_string();
-    let dump = &recording.dump;
     let positions: Mapped<[f32; 3]> = dump.array(&Place::Scene(SceneArray::Positions)).map_err(text)?;
     let triangles: Mapped<[u32; 3]> = dump.array(&Place::Scene(SceneArray::Triangles)).map_err(text)?;
-    Ok(mesh(&recording.unit(), &positions, &triangles).into())
+    Ok(mesh(unit, &positions, &triangles).into())
 }
 
 impl SpaceView {
@@ -152,9 +159,9 @@ impl SpaceView {
             ui.painter().add(callback.shape(rect));
         }
         let text = self.showing();
-        let filter = filter_box::problem(context).map(|error| format!("filter: {error}"));
-        let problem = self.layers.problem().or(self.mesh_problem()).map(str::to_owned).or(filter);
-        controls::overlay(ui, rect, &text, problem.as_deref());
+        let filter = filter_box::problem(context).map(|error| Absent::from(format!("filter: {error}")));
+        let problem = self.layers.problem().or(self.mesh_problem.as_ref()).or(filter.as_ref());
+        controls::overlay(ui, rect, &text, problem);
     }
 
     /// The slider along the order and the colour bar.
@@ -198,9 +205,5 @@ impl SpaceView {
         } else {
             format!("showing {}", parts.join(", "))
         }
-    }
-
-    fn mesh_problem(&self) -> Option<&str> {
-        self.mesh.as_ref().and_then(|(_, mesh)| mesh.as_ref().err()).map(String::as_str)
     }
 }

@@ -1,0 +1,59 @@
+//! Why something is not shown.
+
+use std::fmt;
+
+/// Why something is not shown.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Absent {
+    /// Another thread is reading or making it.
+    Awaited,
+    /// It cannot be had, for this reason.
+    Impossible(String),
+}
+
+impl Absent {
+    /// What is had, nothing while it is awaited, or why it cannot be had.
+    ///
+    /// # Errors
+    /// Why it cannot be had.
+    pub fn awaited<T>(found: Result<T, Self>) -> Result<Option<T>, String> {
+        match found {
+            Ok(found) => Ok(Some(found)),
+            Err(Self::Awaited) => Ok(None),
+            Err(Self::Impossible(reason)) => Err(reason),
+        }
+    }
+}
+
+impl fmt::Display for Absent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Awaited => f.write_str("it is being read"),
+            Self::Impossible(reason) => f.write_str(reason),
+        }
+    }
+}
+
+impl From<&str> for Absent {
+    fn from(reason: &str) -> Self {
+        Self::Impossible(reason.to_owned())
+    }
+}
+
+impl From<String> for Absent {
+    fn from(reason: String) -> Self {
+        Self::Impossible(reason)
+    }
+}
+
+impl From<&String> for Absent {
+    fn from(reason: &String) -> Self {
+        Self::Impossible(reason.clone())
+    }
+}
+
+impl From<&Self> for Absent {
+    fn from(absent: &Self) -> Self {
+        absent.clone()
+    }
+}

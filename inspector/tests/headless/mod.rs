@@ -1,0 +1,68 @@
+//! A panel without a screen, and what space shows of a selection, each waited for.
+
+#![allow(dead_code, reason = "each test program uses a part")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use egui_kittest::Harness;
+use egui_kittest::wgpu::WgpuTestRenderer;
+use inspector::model::{Absent, Context};
+use inspector::panels::space::layers::Layers;
+use inspector::panels::space::options::Options;
+use inspector::panels::{PANELS, Panel};
+use inspector::render::frame::Layer;
+use inspector::theme::Theme;
+
+/// Frames in which nothing is made any more: what is seen now stays.
+const STILL_FRAMES: usize = 4;
+
+pub(crate) struct State {
+    pub(crate) panel: Box<dyn Panel>,
+    pub(crate) context: Context,
+}
+
+/// A renderer and the format that it draws in.
+pub(crate) fn renderer() -> (WgpuTestRenderer, wgpu::TextureFormat) {
+    let setup = egui_kittest::wgpu::default_wgpu_setup();
+    let state = egui_kittest::wgpu::create_render_state(setup, egui_wgpu::RendererOptions::PREDICTABLE);
+    let format = state.target_format;
+    (WgpuTestRenderer::from_render_state(state), format)
+}
+
+/// A panel of 900 by 640 points.
+pub(crate) fn panel(name: &str, context: Context) -> Harness<'static, State> {
+    let (renderer, format) = renderer();
+    let entry = PANELS.iter().find(|entry| entry.name == name).unwrap();
+    let state = State { panel: (entry.make)(format), context };
+    let mut harness = Harness::builder()
+        .with_size([900.0, 640.0])
+        .with_accessibility_check(false)
+        .renderer(renderer)
+        .build_ui_state(|ui, state: &mut State| state.panel.show(ui, &mut state.context), state);
+    settle(&mut harness);
+    harness
+}
+
+/// Draws until nothing is being read or made.
+pub(crate) fn settle(harness: &mut Harness<'_, State>) {
+    let mut still = 0;
+    while still < STILL_FRAMES {
+        harness.step();
+        still = if harness.state_mut().context.finish() { 0 } else { still + 1 };
+    }
+}
+
+/// What space shows of the selection.
+pub(crate) fn layers(context: &mut Context, options: &Options) -> Vec<Layer> {
+    shown_by(&mut Layers::default(), context, options)
+}
+
+/// What these layers show of the selection.
+pub(crate) fn shown_by(layers: &mut Layers, context: &mut Context, options: &Options) -> Vec<Layer> {
+    let window = egui::Context::default();
+    loop {
+        let shown = layers.show(Theme::of(&window), options, context);
+        if !context.finish() && layers.problem() != Some(&Absent::Awaited) {
+            return shown;
+        }
+    }
+}
