@@ -7,6 +7,7 @@ use egui_tiles::{Tile, TileId, Tiles, Tree, UiResponse};
 use formats::manifest::QueueId;
 
 use crate::inputs::quoted;
+use crate::model::what_if::WHAT_IF;
 use crate::model::{Context, Selection};
 use crate::panels::{Entry, PANELS, Panel};
 use crate::theme::{self, Theme};
@@ -66,8 +67,11 @@ impl App {
         }
     }
 
-    /// The command that draws this window into a file.
+    /// The command that draws this window into a file; none for an order that no recording has.
     fn command(&self) -> Option<String> {
+        if self.context.selection.method == WHAT_IF {
+            return None;
+        }
         let path = quoted(self.context.recording()?.dump.root());
         let Selection { queue: QueueId { pass, bounce, kind }, method, ray, cell, filter, .. } =
             &self.context.selection;

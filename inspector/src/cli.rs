@@ -4,7 +4,6 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::builder::TypedValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use formats::ray::Kind;
 
@@ -91,7 +90,8 @@ as edges, hits as points, capsules as meshes, all coloured by place in the order
 Examples:
   inspector export sponza.raydump --format csv --out rays/
   inspector export sponza.raydump --format ply --out rays/ --bounce 2 --method two-point
-  inspector export sponza.raydump --format ply --out rays/ --kind shadow --method aila --group 100";
+  inspector export sponza.raydump --format ply --out rays/ --kind shadow --method aila --group 100
+  inspector export sponza.raydump --format csv --out rays/ --filter 'hit && length < 0.1'";
 
 /// Looks at Rayscope recordings.
 #[derive(Debug, Parser)]
@@ -197,8 +197,12 @@ struct Export {
     #[arg(long)]
     group: Option<usize>,
     /// Rays in a group.
-    #[arg(long, default_value_t = 64, value_parser = clap::builder::PossibleValuesParser::new(["32", "64", "128"]).map(|width| width.parse::<usize>().unwrap_or(64)))]
-    group_width: usize,
+    #[arg(long, value_enum, default_value_t)]
+    group_width: GroupWidth,
+    /// Only the rays that meet a condition, such as 'hit && length < 0.1'; capsules are left out, as they
+    /// are those of whole groups.
+    #[arg(long, value_name = "EXPR")]
+    filter: Option<String>,
     /// Print one JSON object instead of text.
     #[arg(long)]
     json: bool,
@@ -248,8 +252,8 @@ impl Export {
             RayKind::Closest => Kind::Closest,
             RayKind::Shadow => Kind::Shadow,
         };
-        let Self { pass, bounce, method, group, group_width, .. } = self;
-        let selection = export::Selection { pass, bounce, kind, method, group, group_width };
+        let Self { pass, bounce, method, group, group_width, filter, .. } = self;
+        let selection = export::Selection { pass, bounce, kind, method, group, group_width, filter };
         export::run(&self.dump, &self.out, format, &selection, self.json)
     }
 }

@@ -96,6 +96,20 @@ impl Theme {
         }
     }
 
+    /// Text about a series: its colour, darker where it could not be read on a light page.
+    pub fn series_text(self, number: usize) -> Color32 {
+        /// Most that text on a light page may reflect, 0 to 1.
+        const BRIGHTEST: f32 = 0.5;
+        let colour = self.series(number);
+        let [red, green, blue, _] = colour.to_array().map(|part| f32::from(part) / 255.0);
+        let brightness = 0.299 * red + 0.587 * green + 0.114 * blue;
+        if self.mode == Mode::Dark || brightness <= BRIGHTEST {
+            return colour;
+        }
+        let [red, green, blue] = [red, green, blue].map(|part| (part * BRIGHTEST / brightness * 255.0) as u8);
+        Color32::from_rgb(red, green, blue)
+    }
+
     /// A series of this number, as in the figures.
     pub fn series(self, number: usize) -> Color32 {
         let [red, green, blue] = style::style(number).colour.0;

@@ -155,3 +155,36 @@ fn what_is_not_there_is_one_sentence() {
     is_refused(&["plot", "--figure", "no-such"], &out, 1, "there is no figure no-such");
     is_refused(&["report"], &blocked, 1, "cannot write ");
 }
+
+#[test]
+fn a_filter_leaves_the_rays_that_meet_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = sample::write(folder.path());
+    let filter = "t < 1.5 && direction.x > 0";
+    let out = export(&path, &["--format", "csv", "--method", "aila", "--filter", filter]);
+    let all = export(&path, &["--format", "csv", "--method", "aila"]);
+    let rows = |folder: &Path, name: &str| -> Vec<Vec<String>> {
+        let text = fs::read_to_string(folder.join(name)).unwrap();
+        text.lines().skip(1).map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    let number = |cell: &String| cell.parse::<f32>().unwrap();
+    let mut expected = rows(&all, "pass-001-bounce-01-closest-aila.csv");
+    let whole = expected.len();
+    // Columns: direction_x is the eighth, t the twelfth.
+    expected.retain(|row| number(&row[11]) < 1.5 && number(&row[7]) > 0.0);
+    assert!(!expected.is_empty() && expected.len() < whole);
+    assert_eq!(rows(&out, "pass-001-bounce-01-closest-aila-filtered.csv"), expected);
+    let files = export(&path, &["--format", "ply", "--filter", "hit"]);
+    let names: Vec<String> =
+        fs::read_dir(files).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
+    assert!(names.len() == 3 && !names.iter().any(|name| name.contains("capsules")), "{names:?}");
+    let refused = inspector(
+        &["export", "--format", "csv", "--filter", "t < 1 && hits", "--out"],
+        &[&folder.path().join("x"), &path],
+    );
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(
+        !refused.status.success() && said.contains("did you mean 'hit'?") && said.contains("^^^^"),
+        "{said}"
+    );
+}

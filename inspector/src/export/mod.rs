@@ -19,6 +19,7 @@ use formats::ray::Kind;
 use formats::reader::Dump;
 use serde::Serialize;
 
+use crate::analysis::GroupWidth;
 use crate::figures::files::make_folder;
 use crate::output::{print, print_json};
 use rays::Rays;
@@ -40,7 +41,9 @@ pub(crate) struct Selection {
     pub(crate) method: String,
     /// One group alone.
     pub(crate) group: Option<usize>,
-    pub(crate) group_width: usize,
+    pub(crate) group_width: GroupWidth,
+    /// A condition that rays must meet.
+    pub(crate) filter: Option<String>,
 }
 
 impl Selection {
@@ -67,11 +70,11 @@ impl Selection {
     /// The places of the order that are meant, of so many.
     fn places(&self, rays: usize) -> anyhow::Result<Range<usize>> {
         let Some(group) = self.group else { return Ok(0..rays) };
-        let first = group.saturating_mul(self.group_width);
+        let first = group.saturating_mul(self.group_width.rays());
         if first >= rays {
-            bail!("there is no group {group}: there are {}", rays.div_ceil(self.group_width));
+            bail!("there is no group {group}: there are {}", rays.div_ceil(self.group_width.rays()));
         }
-        Ok(first..(first + self.group_width).min(rays))
+        Ok(first..(first + self.group_width.rays()).min(rays))
     }
 }
 
@@ -102,15 +105,18 @@ pub(crate) fn run(
     let files = match format {
         Format::Csv => vec![write(out, &format!("{stem}.csv"), |output| csv::write(&rays, output))?],
         Format::Ply => {
-            let width = selection.group_width;
-            vec![
+            let mut files = vec![
                 write(out, &format!("{stem}-rays.ply"), |output| Ok(ply::rays(&rays, output)?))?,
                 write(out, &format!("{stem}-hits.ply"), |output| Ok(ply::hits(&rays, output)?))?,
                 write(out, &format!("{stem}-curve.ply"), |output| Ok(ply::curve(&rays, output)?))?,
-                write(out, &format!("{stem}-capsules.ply"), |output| {
-                    Ok(ply::capsules(&rays, width, output)?)
-                })?,
-            ]
+            ];
+            // Rays that pass a filter are no groups.
+            if selection.filter.is_none() {
+                let width = selection.group_width.rays();
+                let capsules = |output: &mut BufWriter<File>| Ok(ply::capsules(&rays, width, output)?);
+                files.push(write(out, &format!("{stem}-capsules.ply"), capsules)?);
+            }
+            files
         }
     };
     if json {
@@ -123,7 +129,8 @@ pub(crate) fn run(
 fn stem(rays: &Rays, selection: &Selection) -> String {
     let id = rays.id;
     let group = selection.group.map_or(String::new(), |group| format!("-group-{group}"));
-    format!("pass-{:03}-bounce-{:02}-{}-{}{group}", id.pass, id.bounce, id.kind, rays.method)
+    let filtered = if selection.filter.is_some() { "-filtered" } else { "" };
+    format!("pass-{:03}-bounce-{:02}-{}-{}{group}{filtered}", id.pass, id.bounce, id.kind, rays.method)
 }
 
 /// Writes a file whole or not at all.

@@ -1,6 +1,9 @@
 //! The rays of one queue in one order, read where they lie in the recording.
 
-use anyhow::{Context, bail};
+use std::ops::Range;
+use std::sync::Arc;
+
+use anyhow::{Context, Error, bail};
 use formats::manifest::{MethodArray, Place, QueueArray, QueueId};
 use formats::ray::{Hit, Kind, Ray};
 use formats::reader::{Dump, Mapped};
@@ -8,6 +11,9 @@ use formats::unit_space::UnitSpace;
 
 use super::Selection;
 use super::capsule::Point;
+use crate::model::filter::{self, Expression};
+use crate::model::quantity::Numbers;
+use crate::model::{Order, Queue};
 
 /// What is known of a queue's rays, mapped, in canonical order.
 pub(crate) struct Rays {
@@ -20,7 +26,14 @@ pub(crate) struct Rays {
     /// Canonical index at each place of the order; none for canonical order itself.
     permutation: Option<Mapped<u32>>,
     /// Places of the order that were asked for.
-    places: std::ops::Range<usize>,
+    places: Places,
+}
+
+/// Places of an order, ascending.
+enum Places {
+    Range(Range<usize>),
+    /// Those that pass a filter.
+    Listed(Vec<u32>),
 }
 
 /// Where rays end.
@@ -98,6 +111,10 @@ impl Rays {
             );
         }
         let places = selection.places(rays.len())?;
+        let places = match &selection.filter {
+            Some(filter) => Places::Listed(passing(dump, id, selection, filter, &places)?),
+            None => Places::Range(places),
+        };
         let scene = &dump.manifest().header.scene;
         let unit_space = UnitSpace::from_bounds(scene.bounds_min, scene.bounds_max);
         Ok(Self { id, method, unit_space, rays, path_ids, ends, permutation, places })
@@ -105,7 +122,10 @@ impl Rays {
 
     /// How many there are.
     pub(crate) fn len(&self) -> usize {
-        self.places.len()
+        match &self.places {
+            Places::Range(places) => places.len(),
+            Places::Listed(places) => places.len(),
+        }
     }
 
     /// How far along the order a place is, 0 to 1.
@@ -115,7 +135,11 @@ impl Rays {
 
     /// All of them in their order.
     pub(crate) fn iter(&self) -> impl Iterator<Item = RayAtPlace> + '_ {
-        self.places.clone().map(|place| self.at(place))
+        let place = |at: usize| match &self.places {
+            Places::Range(places) => places.start + at,
+            Places::Listed(places) => places[at] as usize,
+        };
+        (0..self.len()).map(move |at| self.at(place(at)))
     }
 
     fn at(&self, place: usize) -> RayAtPlace {
@@ -138,4 +162,24 @@ impl Rays {
             [0, 1, 2].map(|axis| f64::from(ray.origin[axis]) + length * f64::from(ray.direction[axis]));
         RayAtPlace { place, index, path_id: self.path_ids[index], ray, end, termination }
     }
+}
+
+/// Which of these places pass a filter.
+fn passing(
+    dump: &Dump,
+    id: QueueId,
+    selection: &Selection,
+    filter: &str,
+    places: &Range<usize>,
+) -> anyhow::Result<Vec<u32>> {
+    let wrong = |error: filter::FilterError| {
+        let (blanks, marks) = (" ".repeat(error.start), "^".repeat(error.length));
+        Error::msg(format!("--filter: {error}\n  {filter}\n  {blanks}{marks}"))
+    };
+    let expression = Expression::parse(filter).map_err(wrong)?;
+    let queue = Arc::new(Queue::open(dump, id).map_err(Error::msg)?);
+    let order = Arc::new(Order::open(dump, queue, &selection.method).map_err(Error::msg)?);
+    let numbers = Numbers::of(order, &dump.manifest().header, selection.group_width);
+    let passing = filter::passing(&expression, &numbers).map_err(wrong)?;
+    Ok(passing.places()[passing.between(places)].to_vec())
 }

@@ -137,14 +137,14 @@ fn key(ui: &mut egui::Ui, order: &Order, ray: usize) {
         ui.spacing_mut().item_spacing.x = 0.0;
         for (at, name) in key.bits.iter().enumerate() {
             let digit = if key.bit(at) { "1" } else { "0" };
-            let text = RichText::new(digit).monospace().color(theme.series(number(name)));
+            let text = RichText::new(digit).monospace().color(theme.series_text(number(name)));
             ui.label(text).on_hover_text(*name);
         }
     });
     egui::Grid::new("fields").striped(true).num_columns(4).spacing([14.0, 2.0]).show(ui, |ui| {
         for (number, field) in key.fields.iter().enumerate() {
             let (low, high) = field.range();
-            ui.label(RichText::new(field.coordinate.name()).monospace().color(theme.series(number)));
+            ui.label(RichText::new(field.coordinate.name()).monospace().color(theme.series_text(number)));
             ui.monospace(format!("{:0bits$b}", field.value, bits = field.bits as usize));
             ui.monospace(format!("{} bits", field.bits));
             ui.monospace(format!("{low:.5} to {high:.5}"));

@@ -101,7 +101,8 @@ impl Panel for TablePanel {
             }
             let (touched, all) = (cells.len() as u64, 1u64 << bits);
             let fill = 100.0 * touched as f64 / all as f64;
-            ui.weak(format!("{} of {} cells touched ({fill:.1} %)", count(touched), count(all)));
+            let fill = format!("{} of {} cells touched ({fill:.1} %)", count(touched), count(all));
+            ui.add(egui::Label::new(egui::RichText::new(fill).weak()).extend());
         });
         match self.view {
             View::Picture(colouring) => self.cells(ui, context, &queue, (bits, colouring)),

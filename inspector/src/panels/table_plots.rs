@@ -2,7 +2,7 @@
 //! estimates are from the lengths that were traced.
 
 use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
-use egui_plot::{Bar, BarChart, Line, Plot, PlotImage, PlotPoint, PlotPoints};
+use egui_plot::{Bar, BarChart, Line, Plot, PlotImage, PlotPoint, PlotPoints, uniform_grid_spacer};
 use formats::length_table::{LengthCell, mean_length};
 use formats::manifest::QueueId;
 
@@ -12,6 +12,10 @@ use crate::model::estimates::{BINS, Estimates};
 use crate::render::colour_map::ColourMap;
 use crate::theme::Theme;
 
+/// Steps of logarithms that are marked: every one, and every second and fourth where there is little room.
+const DECADES: [f64; 3] = [1.0, 2.0, 4.0];
+/// Of the plot of estimates with its labels, so that both of its axes are about as long.
+const WIDTH_TO_HEIGHT: f32 = 1.1;
 /// Bars of the histogram of mean lengths.
 const BARS: usize = 48;
 
@@ -35,6 +39,7 @@ pub(super) fn histograms(ui: &mut egui::Ui, cells: &[LengthCell]) {
     };
     plot("rays of a cell", "rays added to a cell, by powers of two")
         .x_axis_formatter(|mark, _| power_of_two(mark.value))
+        .x_grid_spacer(uniform_grid_spacer(|_| DECADES))
         .show(ui, |plot| plot.bar_chart(bars(counts)));
     plot("mean of a cell", "mean length of a cell, unit lengths")
         .show(ui, |plot| plot.bar_chart(bars(means)));
@@ -114,13 +119,16 @@ impl EstimatePlot {
         let image = PlotImage::new("rays", texture.id(), middle, [side, side]);
         let right = PlotPoints::from(vec![[low, low], [high, high]]);
         Plot::new("estimates")
+            .width(ui.available_width().min(WIDTH_TO_HEIGHT * ui.available_height()))
             .height(ui.available_height())
-            .data_aspect(1.0)
+            .set_margin_fraction(egui::vec2(0.0, 0.0))
             .allow_scroll(false)
             .x_axis_label("traced length, unit lengths")
             .y_axis_label("estimated length")
             .x_axis_formatter(|mark, _| power_of_ten(mark.value))
             .y_axis_formatter(|mark, _| power_of_ten(mark.value))
+            .x_grid_spacer(uniform_grid_spacer(|_| DECADES))
+            .y_grid_spacer(uniform_grid_spacer(|_| DECADES))
             .show(ui, |plot| {
                 plot.image(image);
                 plot.line(Line::new("estimate = length", right).color(theme.reference()).width(1.2));

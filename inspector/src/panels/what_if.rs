@@ -123,7 +123,7 @@ fn bits(ui: &mut egui::Ui, layout: &Layout, key_bits: u32) {
         ui.spacing_mut().item_spacing.x = 3.0;
         for &coordinate in layout.bits().iter().take(key_bits as usize) {
             let text = RichText::new(coordinate.name()).monospace().small();
-            ui.label(text.color(theme.series(number(coordinate).unwrap_or(0))));
+            ui.label(text.color(theme.series_text(number(coordinate).unwrap_or(0))));
         }
     })
     .response

@@ -70,6 +70,19 @@ impl Default for RaysPanel {
     }
 }
 
+/// A triangle that points the way rows go: fonts have no such sign.
+fn arrow(ui: &mut egui::Ui, direction: Direction) {
+    let (rect, _) = ui.allocate_exact_size(egui::vec2(7.0, 5.0), egui::Sense::hover());
+    let (base, tip) = match direction {
+        Direction::Ascending => (rect.bottom(), rect.top()),
+        Direction::Descending => (rect.top(), rect.bottom()),
+    };
+    let corners = [(rect.left(), base), (rect.right(), base), (rect.center().x, tip)];
+    let corners = corners.map(|(x, y)| egui::pos2(x, y)).to_vec();
+    let colour = ui.visuals().strong_text_color();
+    ui.painter().add(egui::Shape::convex_polygon(corners, colour, egui::Stroke::NONE));
+}
+
 /// What was done to the table.
 #[derive(Default)]
 struct Done {
@@ -248,12 +261,10 @@ impl RaysPanel {
 
     /// The name of a column, which rows are sorted by on a click.
     fn header(&self, ui: &mut egui::Ui, quantity: Quantity, done: &mut Done) {
-        let mark = match self.sorting {
-            Sorting { by, direction: Direction::Ascending } if by == quantity => " ⬆",
-            Sorting { by, .. } if by == quantity => " ⬇",
-            _ => "",
-        };
-        let text = egui::RichText::new(format!("{}{mark}", quantity.name())).strong();
+        if self.sorting.by == quantity {
+            arrow(ui, self.sorting.direction);
+        }
+        let text = egui::RichText::new(quantity.name()).strong();
         let label = egui::Label::new(text).selectable(false).extend().sense(egui::Sense::click());
         let response = ui.add(label).on_hover_text(format!("{}. A click sorts by it", quantity.about()));
         if response.clicked() {
