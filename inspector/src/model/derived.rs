@@ -20,12 +20,15 @@ use crate::analysis::GroupWidth;
 /// Serial number of an order, and rays of a group.
 type Grouped = (u64, GroupWidth);
 
+/// Which rows: of which order, what its rays must meet, what they are sorted by.
+type WantedRows = (Grouped, Option<Arc<Expression>>, Sorting);
+
 /// What was made of orders and queues.
 #[derive(Debug, Default)]
 pub struct Derived {
     pub(super) waker: Waker,
     passing: Background<(Grouped, Arc<Expression>), Result<Arc<Passing>, FilterError>>,
-    rows: Background<(Grouped, Option<Arc<Expression>>, Sorting), Arc<Rows>>,
+    rows: Background<WantedRows, Arc<Rows>>,
     what_if: Background<(usize, QueueId, Settings), Result<Arc<Order>, String>>,
     what_if_coherence: Background<Grouped, OrderCoherence>,
     estimates: Background<(usize, QueueId), Result<Arc<Estimates>, String>>,
