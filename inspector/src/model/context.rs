@@ -92,6 +92,27 @@ impl Context {
         self.recordings.get(self.selection.recording)
     }
 
+    /// Reads the recording that is looked at again: more of it if it is still being written.
+    pub fn refresh(&mut self) {
+        let Some(recording) = self.recording() else { return };
+        match recording.again() {
+            Ok(again) => {
+                let queue = again.first_queue();
+                let has_queue = again.queues().iter().any(|record| record.id == self.selection.queue);
+                self.recordings[self.selection.recording] = again;
+                (self.queue, self.coherences) = (None, Coherences::default());
+                self.orders.clear();
+                if let Some(queue) = queue.filter(|_| !has_queue) {
+                    self.go_to(queue);
+                }
+            }
+            Err(error) => {
+                let what = format!("{} cannot be read again", recording.dump.root().display());
+                self.problems.push(Problem { what, why: error.to_string() });
+            }
+        }
+    }
+
     /// Goes to another queue, in the same order if it was measured there.
     pub fn go_to(&mut self, queue: QueueId) {
         self.selection.go_to(queue);

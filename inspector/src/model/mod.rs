@@ -3,6 +3,7 @@
 //! - [`selection`]: the one selection that all panels share
 //! - [`recording`]: an open recording
 //! - [`queue`], [`order`]: the rays of a queue, and one order of them, as they are mapped
+//! - [`history`]: selections to go back to
 //! - [`groups`]: capsules, direction spread and lane utilisation of each group of an order
 //! - [`value`]: the numbers that colours stand for
 //! - [`key`]: a key field by field
@@ -12,6 +13,7 @@
 pub mod coherences;
 pub mod context;
 pub mod groups;
+pub mod history;
 pub mod key;
 pub mod order;
 pub mod queue;

@@ -1,6 +1,7 @@
 //! From a selection to vertices: made anew only when the selection or what is shown of it changes.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use formats::manifest::QueueId;
 
@@ -8,7 +9,7 @@ use super::options::{CapsuleChoice, Options};
 use crate::analysis::GroupWidth;
 use crate::model::value::ColourBy;
 use crate::model::{Context, Order};
-use crate::render::cell_box::cell_box;
+use crate::render::cell_box::{cell_box, cells};
 use crate::render::detail::Detail;
 use crate::render::frame::{Layer, Paint, Stage};
 use crate::render::geometry::{
@@ -20,6 +21,10 @@ use crate::theme::{ShaderColour, Theme};
 /// Rays of a group that are drawn bold.
 const SELECTED_WIDTH: f32 = 3.0;
 
+/// Length of an arrow's head, and width of a mark, pixels.
+const ARROW_WIDTH: f32 = 9.0;
+const MARK_WIDTH: f32 = 8.0;
+
 /// What the vertices of all rays depend on.
 #[derive(Clone, Debug, PartialEq)]
 struct Key {
@@ -29,7 +34,10 @@ struct Key {
     curve: Option<RayEnd>,
     rays: bool,
     ends: bool,
+    cells: Option<usize>,
     colour_by: ColourBy,
+    /// The numbers in place of `colour_by`, if there are any, by their own number.
+    values: Option<u64>,
     capsules: Option<(CapsuleChoice, usize, Option<usize>)>,
 }
 
@@ -47,7 +55,24 @@ struct Made {
     rays: Option<Geometry>,
     ends: Option<Geometry>,
     capsules: Option<Capsules>,
+    cells: Option<(Geometry, ValueRange)>,
     values: Vec<f32>,
+}
+
+/// Bounces that colours tell apart.
+const BOUNCES_SHOWN: f32 = 8.0;
+
+/// A number for each ray of a queue, by its canonical index: what rays may be coloured by.
+#[derive(Clone, Debug)]
+pub struct RayValues {
+    /// Two with one number are the same.
+    pub id: u64,
+    /// What the colour bar says.
+    pub title: &'static str,
+    /// NaN where it is not known.
+    pub of_ray: Arc<Vec<f32>>,
+    /// What the ends of the colours stand for; percentiles if `None`.
+    pub range: Option<ValueRange>,
 }
 
 /// Capsules, and how many there are.
@@ -73,6 +98,8 @@ struct Selected {
 pub struct Layers {
     made: Option<(Key, Made)>,
     selected: Option<(SelectedKey, Selected)>,
+    /// What rays are coloured by in place of what the options say.
+    values_of_rays: Option<RayValues>,
     problem: Option<String>,
     range: Option<ValueRange>,
     shown: usize,
@@ -96,6 +123,16 @@ impl Layers {
         self.problem.as_deref()
     }
 
+    /// Colours rays by these numbers, or by what the options say.
+    pub fn colour_by(&mut self, values: Option<RayValues>) {
+        self.values_of_rays = values;
+    }
+
+    /// What the colour bar says, if rays are not coloured by what the options say.
+    pub(super) fn title(&self) -> Option<&'static str> {
+        self.values_of_rays.as_ref().map(|values| values.title)
+    }
+
     /// What the ends of the colours stand for.
     pub(super) fn range(&self) -> Option<ValueRange> {
         self.range
@@ -111,12 +148,20 @@ impl Layers {
         self.made.as_ref().map(|(_, made)| made.detail)
     }
 
+    /// The places of the rays in the last picture.
+    pub(super) fn shown_places(&self, options: &Options, rays: usize) -> impl Iterator<Item = usize> {
+        let shown = scrubbed(options, rays);
+        let detail = self.made.as_ref().map(|(_, made)| made.detail);
+        detail.into_iter().flat_map(Detail::places).filter(move |place| shown.contains(place))
+    }
+
     /// The layers of a picture.
     pub fn show(&mut self, theme: Theme, options: &Options, context: &mut Context) -> Vec<Layer> {
         let order = match context.order() {
             Ok(order) => order,
             Err(reason) => {
-                *self = Self { problem: Some(reason), ..Self::default() };
+                let values_of_rays = self.values_of_rays.take();
+                *self = Self { problem: Some(reason), values_of_rays, ..Self::default() };
                 return Vec::new();
             }
         };
@@ -130,14 +175,19 @@ impl Layers {
             curve: options.curve.then_some(options.curve_end),
             rays: options.rays,
             ends: options.ends,
+            cells: options.cells.then_some(options.cell_count),
             colour_by: options.colour_by,
+            values: self.values_of_rays.as_ref().map(|values| values.id),
             capsules: options.capsules.then(|| {
                 let group = selection.group.filter(|_| options.capsule_choice == CapsuleChoice::Selected);
                 (options.capsule_choice, options.capsule_count, group)
             }),
         };
         if self.made.as_ref().is_none_or(|(known, _)| *known != key) {
-            let made = Made::of(&order, &key);
+            let header = context.recording().map(|recording| &recording.dump.manifest().header);
+            let cells =
+                key.cells.zip(header).map(|(most, header)| cells(&header.options, &order.queue, most));
+            let made = Made { cells, ..Made::of(&order, &key, self.values_of_rays.as_ref()) };
             self.made = Some((key, made));
         }
         let chosen = (selection.ray, selection.group, selection.cell);
@@ -146,14 +196,26 @@ impl Layers {
             let selected = Selected::of(&order, &key, context);
             self.selected = Some((key, selected));
         }
-        self.problem = options.colour_by.missing(&order).map(str::to_owned);
+        let missing = options.colour_by.missing(&order).filter(|_| self.values_of_rays.is_none());
+        self.problem = missing.map(str::to_owned);
         self.layers(theme, options, &order)
     }
 
     fn layers(&mut self, theme: Theme, options: &Options, order: &Order) -> Vec<Layer> {
         let (Some((_, made)), Some((_, selected))) = (&self.made, &self.selected) else { return Vec::new() };
+        let values = self.values_of_rays.as_ref();
         let range = match options.colour_by {
-            ColourBy::Place => ValueRange { low: 0.0, high: order.len().saturating_sub(1).max(1) as f32 },
+            _ if values.is_some_and(|values| values.range.is_some()) && options.range.is_none() => {
+                values.and_then(|values| values.range).unwrap_or(AREAS)
+            }
+            ColourBy::Bounce if values.is_none() => ValueRange { low: 0.0, high: BOUNCES_SHOWN },
+            ColourBy::Place if values.is_none() => {
+                ValueRange { low: 0.0, high: order.len().saturating_sub(1).max(1) as f32 }
+            }
+            _ if options.range.is_some() => {
+                let (low, high) = options.range.unwrap_or_default();
+                ValueRange { low, high }
+            }
             _ => ValueRange::of_percentiles(&made.values, options.percentiles.0, options.percentiles.1),
         };
         self.range = Some(range);
@@ -166,7 +228,26 @@ impl Layers {
         // A line of the curve goes to the next point, so the last point has none.
         layers.extend(made.curve.as_ref().map(|curve| drawing.lines(curve, 1, 0.9)));
         layers.extend(made.rays.as_ref().map(|rays| drawing.lines(rays, 0, 0.7)));
-        layers.extend(made.ends.as_ref().map(|ends| Layer { width: 4.0, ..drawing.lines(ends, 0, 1.0) }));
+        let heads = made.rays.as_ref().filter(|_| options.arrows);
+        layers.extend(heads.map(|rays| Layer {
+            stage: Stage::Arrows,
+            width: ARROW_WIDTH.max(5.0 * options.line_width),
+            ..drawing.lines(rays, 0, 1.0)
+        }));
+        layers.extend(made.ends.as_ref().map(|ends| Layer {
+            stage: Stage::Marks,
+            width: MARK_WIDTH,
+            ..drawing.lines(ends, 0, 1.0)
+        }));
+        layers.extend(made.cells.as_ref().map(|(cells, range)| Layer {
+            geometry: cells.clone(),
+            part: None,
+            stage: Stage::Boxes,
+            paint: Paint::Values(options.map, *range),
+            opacity: options.capsule_opacity,
+            hidden_opacity: 0.0,
+            width: 0.0,
+        }));
         layers.extend(made.capsules.as_ref().map(|capsules| Layer {
             geometry: capsules.geometry.clone(),
             part: None,
@@ -217,16 +298,20 @@ impl Drawing<'_> {
 }
 
 impl Made {
-    fn of(order: &Order, key: &Key) -> Self {
+    fn of(order: &Order, key: &Key, values: Option<&RayValues>) -> Self {
         let width = key.order.3;
         let detail = Detail::of(&key.places, key.detail);
-        let value = |place: usize| key.colour_by.value(order, width, place);
+        let value = |place: usize| match values {
+            Some(values) => values.of_ray.get(order.places.ray(place)).copied().unwrap_or(f32::NAN),
+            None => key.colour_by.value(order, width, place),
+        };
         Self {
             detail,
             curve: key.curve.map(|end| curve(order, detail, end, value).into()),
             rays: key.rays.then(|| rays(order, detail.places(), value).into()),
             ends: key.ends.then(|| ends(order, detail.places(), value).into()),
             capsules: key.capsules.map(|(choice, most, group)| capsules(order, width, choice, most, group)),
+            cells: None,
             values: detail.places().map(value).collect(),
         }
     }
