@@ -8,10 +8,14 @@
 //! - [`value`]: the numbers that colours stand for
 //! - [`key`]: a key field by field
 //! - [`coherences`]: how coherent the orders of a queue are, found in the background
+//! - [`comparison`], [`comparisons`], [`differences`]: two orders ray by ray; two recordings as a table of what differs
 //! - [`context`]: all of it together, as panels see it
 
 pub mod coherences;
+pub mod comparison;
+pub mod comparisons;
 pub mod context;
+pub mod differences;
 pub mod groups;
 pub mod history;
 pub mod key;

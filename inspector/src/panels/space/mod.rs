@@ -47,7 +47,6 @@ pub struct SpaceView {
 
 /// What sessions keep of a view.
 #[derive(Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
 pub(super) struct SpaceState {
     options: Options,
     camera: Option<Camera>,
@@ -84,8 +83,13 @@ impl SpaceView {
 
     /// What is kept of it.
     pub(super) fn state(&self) -> serde_json::Value {
+        serde_json::to_value(self.kept()).unwrap_or_default()
+    }
+
+    /// The same, to be kept with more.
+    pub(super) fn kept(&self) -> SpaceState {
         let camera = self.placed.or(self.camera.map(|(_, camera)| camera));
-        serde_json::to_value(SpaceState { options: self.options.clone(), camera }).unwrap_or_default()
+        SpaceState { options: self.options.clone(), camera }
     }
 
     /// Shows what was kept.

@@ -1,0 +1,94 @@
+//! Comparisons, found on another thread.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::thread;
+
+use formats::manifest::QueueId;
+
+use super::comparison::{Comparison, Difference};
+use super::order::Order;
+use crate::analysis::GroupWidth;
+
+/// One side: the opening of a recording, a queue and a method.
+pub type Side = (u64, QueueId, String);
+
+/// What is compared, and what colours stand for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wanted {
+    /// Left and right.
+    pub sides: [Side; 2],
+    /// Rays of a group.
+    pub width: GroupWidth,
+    /// What each ray has a number for.
+    pub difference: Option<Difference>,
+}
+
+/// A comparison with the numbers of its rays.
+pub struct Compared {
+    /// The comparison.
+    pub comparison: Comparison,
+    /// A number for each ray, left and right, if one was wanted.
+    pub values: Option<[Arc<Vec<f32>>; 2]>,
+    /// Differs from that of all others.
+    pub id: u64,
+}
+
+/// The last comparison, and the one that is being found.
+#[derive(Default)]
+pub struct Comparisons {
+    known: Option<(Wanted, Arc<Compared>)>,
+    running: Option<(Wanted, Receiver<Compared>)>,
+    made: u64,
+}
+
+impl Comparisons {
+    /// The comparison of two orders; `None` while it is being found. `wake` is called once it is.
+    pub fn of(
+        &mut self,
+        wanted: &Wanted,
+        orders: [&Arc<Order>; 2],
+        wake: impl FnOnce() + Send + 'static,
+    ) -> Option<Arc<Compared>> {
+        self.receive();
+        if let Some((known, compared)) = &self.known
+            && known == wanted
+        {
+            return Some(compared.clone());
+        }
+        // One at a time: what was wanted before is finished first, and dropped then.
+        if self.running.is_none() {
+            self.made += 1;
+            let (sender, receiver) = channel();
+            let [left, right] = orders.map(Arc::clone);
+            let (width, difference, id) = (wanted.width, wanted.difference, self.made);
+            thread::spawn(move || {
+                let comparison = Comparison::of(&left, &right, width);
+                let values = difference.map(|difference| comparison.values(difference).map(Arc::new));
+                // No one listens any more once the window is closed.
+                if sender.send(Compared { comparison, values, id }).is_ok() {
+                    wake();
+                }
+            });
+            self.running = Some((wanted.clone(), receiver));
+        }
+        None
+    }
+
+    /// Waits for what is being found.
+    pub fn finish(&mut self) {
+        if let Some((wanted, receiver)) = self.running.take() {
+            self.known = receiver.recv().ok().map(|compared| (wanted, Arc::new(compared)));
+        }
+    }
+
+    fn receive(&mut self) {
+        let Some((wanted, receiver)) = &self.running else { return };
+        match receiver.try_recv() {
+            Ok(compared) => self.known = Some((wanted.clone(), Arc::new(compared))),
+            Err(TryRecvError::Empty) => return,
+            Err(TryRecvError::Disconnected) => {}
+        }
+        self.running = None;
+    }
+}
