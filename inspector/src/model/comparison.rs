@@ -10,7 +10,6 @@ use serde::{Deserialize, Serialize};
 use super::order::Order;
 use super::queue::Queue;
 use crate::analysis::GroupWidth;
-use crate::render::range::ValueRange;
 
 /// Rays that a thread takes at a time.
 const RAYS_PER_TASK: usize = 8192;
@@ -56,24 +55,10 @@ impl Difference {
             Self::Key => "1 where the key is another",
         }
     }
-
-    /// What the ends of the colours stand for, with these values.
-    pub fn range(self, values: &[f32]) -> ValueRange {
-        match self {
-            Self::Displacement | Self::Hit | Self::Key => ValueRange { low: 0.0, high: 1.0 },
-            Self::Distance => ValueRange { low: LOWEST_DISTANCE, high: 0.0 },
-            Self::CapsuleArea => {
-                // No change is in the middle.
-                let sizes: Vec<f32> = values.iter().map(|value| value.abs()).collect();
-                let most = ValueRange::of_percentiles(&sizes, 0.0, 98.0).high.max(1e-3);
-                ValueRange { low: -most, high: most }
-            }
-        }
-    }
 }
 
 /// Of equal distances, in place of the logarithm of 0.
-const LOWEST_DISTANCE: f32 = -8.0;
+pub const LOWEST_DISTANCE: f32 = -8.0;
 
 /// How many rays differ.
 #[derive(Clone, Debug, PartialEq)]

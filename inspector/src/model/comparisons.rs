@@ -30,6 +30,8 @@ pub struct Compared {
     pub comparison: Comparison,
     /// A number for each ray, left and right, if one was wanted.
     pub values: Option<[Arc<Vec<f32>>; 2]>,
+    /// Size below which nearly all of the right side's numbers are; 0 without numbers.
+    pub nearly_largest: f32,
     /// Differs from that of all others.
     pub id: u64,
 }
@@ -65,8 +67,9 @@ impl Comparisons {
             thread::spawn(move || {
                 let comparison = Comparison::of(&left, &right, width);
                 let values = difference.map(|difference| comparison.values(difference).map(Arc::new));
+                let nearly_largest = values.as_ref().map_or(0.0, |[_, right]| nearly_largest(right));
                 // No one listens any more once the window is closed.
-                if sender.send(Compared { comparison, values, id }).is_ok() {
+                if sender.send(Compared { comparison, values, nearly_largest, id }).is_ok() {
                     wake();
                 }
             });
@@ -91,4 +94,12 @@ impl Comparisons {
         }
         self.running = None;
     }
+}
+
+/// The 98th percentile of the sizes of numbers.
+fn nearly_largest(values: &[f32]) -> f32 {
+    let mut sizes: Vec<f32> =
+        values.iter().map(|value| value.abs()).filter(|size| size.is_finite()).collect();
+    let at = sizes.len() * 98 / 100;
+    if sizes.is_empty() { 0.0 } else { *sizes.select_nth_unstable_by(at, f32::total_cmp).1 }
 }

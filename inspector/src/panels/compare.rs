@@ -9,12 +9,13 @@ use serde::{Deserialize, Serialize};
 use super::missing;
 use super::space::layers::RayValues;
 use super::space::{SpaceState, SpaceView};
-use crate::model::comparison::Difference;
+use crate::model::comparison::{Difference, LOWEST_DISTANCE};
 use crate::model::comparisons::{Compared, Comparisons, Wanted};
 use crate::model::differences::{Row, counts, settings, speedups};
 use crate::model::{Context, Order, Selection};
 use crate::panels::Panel;
 use crate::panels::data::Data;
+use crate::render::range::ValueRange;
 use crate::theme::Theme;
 
 /// Part of the panel's height that the table may take.
@@ -174,11 +175,11 @@ impl Compare {
             .as_ref()
             .and_then(|compared| Some((self.choice.difference?, compared.id, compared.values.as_ref()?)));
         for (side, view) in self.views.iter_mut().enumerate() {
-            view.colour_by(values.map(|(difference, id, values)| RayValues {
+            view.colour_by(values.map(|(difference, range, id, values)| RayValues {
                 id: 2 * id + side as u64,
                 title: difference.title(),
                 of_ray: values[side].clone(),
-                range: Some(difference.range(&values[1])),
+                range: Some(range),
             }));
         }
     }
@@ -327,6 +328,19 @@ impl Compare {
                 }
             });
         });
+    }
+}
+
+/// What the ends of the colours stand for.
+fn range(difference: Difference, nearly_largest: f32) -> ValueRange {
+    match difference {
+        Difference::Displacement | Difference::Hit | Difference::Key => ValueRange { low: 0.0, high: 1.0 },
+        Difference::Distance => ValueRange { low: LOWEST_DISTANCE, high: 0.0 },
+        Difference::CapsuleArea => {
+            // No change is in the middle.
+            let most = nearly_largest.max(1e-3);
+            ValueRange { low: -most, high: most }
+        }
     }
 }
 

@@ -10,6 +10,7 @@ use crate::model::key::ReadKey;
 use crate::model::{Context, Order};
 use crate::output::count;
 use crate::panels::Panel;
+use crate::panels::data::Data;
 
 /// Rows that the wheel goes at a time.
 const WHEEL_ROWS: f32 = 3.0;
@@ -85,6 +86,13 @@ impl Panel for RaysPanel {
             context.select_ray(Some(ray));
             self.seen = Some(ray);
         }
+    }
+
+    fn data(&mut self, context: &mut Context) -> Result<Data, String> {
+        let order = context.order()?;
+        let width = context.recording().map_or(1, |open| open.dump.manifest().header.options.width);
+        let rows = (0..order.len()).map(move |place| cells(&order, place, width).to_vec());
+        Ok(Data::new(&COLUMNS.map(|(name, _)| name), rows))
     }
 }
 

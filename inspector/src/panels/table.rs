@@ -9,6 +9,7 @@ use super::picture::Picture;
 use crate::model::{Context, Queue};
 use crate::output::count;
 use crate::panels::Panel;
+use crate::panels::data::Data;
 use crate::render::cell_box::{cell_of_pixel, pixel_of_cell};
 use crate::render::colour_map::ColourMap;
 use crate::render::range::ValueRange;
@@ -91,6 +92,16 @@ impl Panel for TablePanel {
         if let Some(cell) = under_pointer.or(context.selection.cell) {
             ui.small(described(cells, cell));
         }
+    }
+
+    fn data(&mut self, context: &mut Context) -> Result<Data, String> {
+        let queue = context.queue()?;
+        let all = queue.cells.as_ref().map_err(String::clone)?.len();
+        let rows = (0..all).filter_map(move |at| {
+            let LengthCell { cell, count, sum } = *queue.cells.as_ref().ok()?.get(at)?;
+            Some(vec![cell.to_string(), count.to_string(), mean_length(sum, count).to_string()])
+        });
+        Ok(Data::new(&["cell", "count", "mean_length"], rows))
     }
 }
 

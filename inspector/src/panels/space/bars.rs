@@ -90,8 +90,11 @@ fn ray_bar(ui: &mut Ui, options: &mut Options, width: f32, bar: &Bar<'_>) {
         colour_bar(ui, options.map, width, bar, bar.range);
         return;
     }
-    let all = ValueRange::of_percentiles(bar.values, 0.0, 100.0);
-    let across = ValueRange { low: all.low.min(bar.range.low), high: all.high.max(bar.range.high) };
+    let finite = bar.values.iter().copied().filter(|value| value.is_finite());
+    let across = finite.fold(bar.range, |range, value| ValueRange {
+        low: range.low.min(value),
+        high: range.high.max(value),
+    });
     let response = colour_bar(ui, options.map, width, bar, across);
     let response = response.on_hover_text("Drag an end of the range; double click for percentiles");
     let rect = response.rect;
