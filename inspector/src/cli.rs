@@ -1,7 +1,7 @@
 //! The command line: what was typed, and the exit code that comes of it.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -9,6 +9,7 @@ use formats::ray::Kind;
 
 use crate::analysis::{Depth, GroupWidth, Options};
 use crate::figures::style::Width;
+use crate::session::Session;
 use crate::shot_arguments::ShotArguments;
 use crate::{app, export, info, plot, recover, verify};
 
@@ -20,6 +21,7 @@ const USAGE: u8 = 2;
 const EXAMPLES: &str = "\
 Examples:
   inspector sponza.raydump                  look at it in the window
+  inspector --session view.json             as it was saved by File > Save session
   inspector shot sponza.raydump --view curve --method two-point --out curve.png
   inspector info sponza.raydump             what was recorded, on which machine, with which times
   inspector info sponza.raydump --json      the same as one JSON object
@@ -81,7 +83,11 @@ Examples:
   inspector shot sponza.raydump --view curve --bounce 2 --method two-point --out curve.png
   inspector shot sponza.raydump --view capsules --method costa --camera overview --mesh ghost --out capsules.png
   inspector shot sponza.raydump --view window --size 2560x1440 --scale 2 --light --out window.png
-  inspector shot sponza.raydump --view rays --frames 100 --json --out rays.png    frame times";
+  inspector shot --session view.json --view curve --out view.png         as it was saved in the window
+  inspector shot sponza.raydump --view curve --set mesh=wire --set clip_at=0.5 --camera \"0.5 0.2 0.3 1.2 -0.3 0.8\" --out c.png
+  inspector shot sponza.raydump --view rays --frames 100 --json --out rays.png    frame times, draws, memory
+
+Each panel of the window shows the command that draws it: ... > Show command.";
 
 const EXPORT_EXAMPLES: &str = "\
 csv: one file of rays with their hits, in the order of a method. ply: rays and the curve of the order
@@ -108,6 +114,9 @@ struct CommandLine {
     /// Recordings (folders NAME.raydump) to open in the window.
     #[arg(value_name = "X.raydump")]
     dumps: Vec<PathBuf>,
+    /// Opens the window as it was saved by File > Save session.
+    #[arg(long, value_name = "FILE")]
+    session: Option<PathBuf>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -305,7 +314,9 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
             return if error.use_stderr() { ExitCode::from(USAGE) } else { ExitCode::SUCCESS };
         }
     };
-    let Some(command) = command_line.command else { return window(command_line.dumps) };
+    let Some(command) = command_line.command else {
+        return window(command_line.dumps, command_line.session.as_deref());
+    };
     let done = match command {
         Command::Info(info) => info::run(&info.target.dump, info.target.json, &info.options()),
         Command::Verify(Target { dump, json }) => verify::run(&dump, json),
@@ -319,11 +330,17 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
 }
 
 /// Opens the window on recordings. A word that is neither a file nor looks like one is a mistyped command.
-fn window(dumps: Vec<PathBuf>) -> ExitCode {
+fn window(dumps: Vec<PathBuf>, session: Option<&Path>) -> ExitCode {
     let is_word =
         |path: &&PathBuf| path.extension().is_none() && path.components().count() == 1 && !path.exists();
     match dumps.iter().find(is_word) {
-        None => exit_code(app::run(dumps)),
+        None => exit_code(
+            session
+                .map(Session::read)
+                .transpose()
+                .map_err(anyhow::Error::from)
+                .and_then(|session| app::run(dumps, session)),
+        ),
         Some(word) => {
             eprintln!(
                 "error: there is no command and no recording '{}'; `inspector --help` lists the commands",

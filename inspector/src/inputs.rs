@@ -76,10 +76,14 @@ pub(crate) fn check_names(names: &[String]) -> anyhow::Result<()> {
 
 /// A path as a shell takes it.
 pub(crate) fn quoted(path: &Path) -> String {
-    let text = path.display().to_string();
+    quoted_text(&path.display().to_string())
+}
+
+/// A word as a shell takes it.
+pub(crate) fn quoted_text(text: &str) -> String {
     let is_plain = |character: char| character.is_alphanumeric() || "-_./:=+,@".contains(character);
     if !text.is_empty() && text.chars().all(is_plain) {
-        text
+        text.to_owned()
     } else {
         format!("'{}'", text.replace('\'', "'\\''"))
     }

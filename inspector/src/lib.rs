@@ -8,7 +8,8 @@
 //! - `plot`, `report`, `export`: the commands that make files: [`figures`], one page, rays for other programs
 //! - [`model`]: what the window shows, without a window; [`render`]: what it draws in space
 //! - [`panels`], [`app`]: the window; `shot`: the same without a screen; [`theme`]: its colours
-//! - `output`: tables, sizes and JSON on standard output
+//! - [`session`], [`recent`], `shot_command`: what a window shows, to come back to and to repeat
+//! - `output`: tables, sizes and JSON on standard output; `png_file`: pictures
 
 pub mod analysis;
 pub mod app;
@@ -22,10 +23,14 @@ pub mod model;
 mod output;
 pub mod panels;
 mod plot;
+mod png_file;
+pub mod recent;
 mod recover;
 pub mod render;
 pub mod report;
+pub mod session;
 mod shot;
 mod shot_arguments;
+mod shot_command;
 pub mod theme;
 mod verify;

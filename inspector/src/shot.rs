@@ -1,10 +1,11 @@
 //! `inspector shot`: a picture of the window or of one view, without a screen. The same code draws it.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
 use egui_kittest::Harness;
+use egui_wgpu::RenderState;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 use serde::Serialize;
@@ -14,12 +15,17 @@ use crate::app::{App, only_own_backends};
 use crate::model::Context;
 use crate::model::value::ColourBy;
 use crate::output::{print, print_json};
+use crate::panels::settings::set;
 use crate::panels::space::options::{CapsuleChoice, MeshMode, Options, StandPoint};
 use crate::panels::{PANELS, Panel};
+use crate::png_file;
+use crate::render::camera::Camera;
+use crate::render::gpu::DrawCounts;
+use crate::session::{Session, ThemeChoice};
 use crate::theme;
 
 /// Views by name, with the panel that each is a view of.
-pub(crate) const VIEWS: [(&str, &str); 13] = [
+pub(crate) const VIEWS: [(&str, &str); 15] = [
     ("window", ""),
     ("curve", "scene"),
     ("rays", "scene"),
@@ -33,25 +39,35 @@ pub(crate) const VIEWS: [(&str, &str); 13] = [
     ("timings", "timings"),
     ("rays-table", "rays"),
     ("ray", "ray"),
+    ("navigator", "navigator"),
+    ("problems", "problems"),
 ];
 
 /// Frames until everything has its place: the first has no size yet, and tables measure in the second.
 const SETTLING_FRAMES: usize = 4;
 
+/// How long a software GPU may take for a picture of all rays.
+const PATIENCE: Duration = Duration::from_secs(900);
+
 /// What is drawn.
 #[derive(Clone, Debug)]
 pub(crate) struct Shot {
     pub(crate) view: String,
+    pub(crate) session: Option<PathBuf>,
+    /// Which of the recordings, from 0; the last if `None`.
+    pub(crate) recording: Option<usize>,
     pub(crate) pass: Option<u32>,
     pub(crate) bounce: Option<u32>,
     pub(crate) kind: Option<Kind>,
     pub(crate) method: Option<String>,
-    pub(crate) group_width: GroupWidth,
+    pub(crate) group_width: Option<GroupWidth>,
     pub(crate) group: Option<usize>,
     pub(crate) ray: Option<usize>,
     pub(crate) cell: Option<u32>,
     pub(crate) filter: Option<String>,
     pub(crate) scene: SceneChoice,
+    /// `NAME=VALUE`, of the panel that is drawn; `PANEL.NAME=VALUE` of a window's.
+    pub(crate) settings: Vec<String>,
     pub(crate) size: [u32; 2],
     pub(crate) scale: f32,
     pub(crate) is_light: bool,
@@ -63,6 +79,7 @@ pub(crate) struct Shot {
 pub(crate) struct SceneChoice {
     pub(crate) colour_by: Option<ColourBy>,
     pub(crate) stand_point: Option<StandPoint>,
+    pub(crate) camera: Option<Camera>,
     pub(crate) detail: Option<usize>,
     pub(crate) capsules: Option<usize>,
     pub(crate) mesh: Option<MeshMode>,
@@ -79,16 +96,27 @@ struct Report {
     /// Of the CPU alone: layout and what is handed to the GPU.
     median_frame_ms: f64,
     worst_frame_ms: f64,
+    /// Drawing the picture on the GPU and reading it back; uploads included.
+    picture_ms: f64,
     /// Lines in space in the last frame, and how many there are.
     rays_shown: Option<(usize, usize)>,
-    /// Of this process, mapped files included.
+    /// What views in space drew and uploaded for the picture.
+    draws: DrawCounts,
+    memory: Memory,
+}
+
+/// Memory of this process; 0 where the system does not say.
+#[derive(Default, Serialize)]
+struct Memory {
+    /// Mapped files included, as far as they were read.
     resident_bytes: u64,
+    /// Without them: what no one else could have.
+    anonymous_bytes: u64,
 }
 
 /// Draws a picture into a file.
 pub(crate) fn run(dumps: &[PathBuf], shot: &Shot, out: &Path, json: bool) -> anyhow::Result<()> {
-    let (image, report) = draw(dumps, shot, out)?;
-    write(&image, out)?;
+    let report = draw(dumps, shot, out)?;
     if json { print_json(&report) } else { print(&out.display().to_string()) }
 }
 
@@ -106,6 +134,31 @@ impl Drawn {
         }
     }
 
+    /// Changes settings, and puts the camera where it was asked for.
+    fn set(&mut self, shot: &Shot) -> anyhow::Result<()> {
+        for setting in &shot.settings {
+            let (name, value) = setting.split_once('=').context("expected NAME=VALUE")?;
+            let (name, panel) = match self {
+                Self::Panel(panel, _) => (name, panel),
+                Self::Window(app) => {
+                    let (panel, name) = name.split_once('.').unwrap_or(("scene", name));
+                    (name, app.panel(panel).with_context(|| format!("there is no panel {panel}"))?)
+                }
+            };
+            set(panel.as_mut(), name, value).map_err(anyhow::Error::msg)?;
+        }
+        if let Some(camera) = shot.scene.camera {
+            let panel = match self {
+                Self::Panel(panel, _) => Some(panel),
+                Self::Window(app) => app.panel("scene"),
+            };
+            if let Some(space) = panel.and_then(|panel| panel.space()) {
+                space.place(camera);
+            }
+        }
+        Ok(())
+    }
+
     fn show(&mut self, ui: &mut egui::Ui) {
         match self {
             Self::Window(app) => app.show(ui),
@@ -117,12 +170,14 @@ impl Drawn {
     }
 }
 
-fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<(Image, Report)> {
+fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<Report> {
     let state = render_state()?;
-    let mut drawn = open(dumps, shot, state.target_format)?;
+    let session = shot.session.as_deref().map(Session::read).transpose()?;
+    let mut drawn = open(dumps, shot, session.as_ref(), state.target_format)?;
     select(drawn.context(), shot)?;
     let [width, height] = shot.size.map(|side| side as f32 / shot.scale);
-    let mode = if shot.is_light { egui::Theme::Light } else { egui::Theme::Dark };
+    let is_light = shot.is_light || session.is_some_and(|session| session.theme == ThemeChoice::Light);
+    let mode = if is_light { egui::Theme::Light } else { egui::Theme::Dark };
     let mut harness = Harness::builder()
         .with_size([width, height])
         .with_pixels_per_point(shot.scale)
@@ -131,30 +186,50 @@ fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<(Image, Re
         .with_render_cursor(false)
         .with_accessibility_check(false)
         .allow_missing_glyphs()
-        .renderer(egui_kittest::wgpu::WgpuTestRenderer::from_render_state(state))
+        .renderer(egui_kittest::wgpu::WgpuTestRenderer::from_render_state(state.clone()))
         .build_ui_state(show_all_over, drawn);
-    let mut times = Vec::new();
     settle(&mut harness);
+    let mut times = Vec::new();
     for _ in 0..shot.frames.max(1) {
         let start = Instant::now();
         harness.step();
-        times.push(start.elapsed().as_secs_f64() * 1e3);
+        times.push(milliseconds(start));
     }
-    let image = harness.render().map_err(anyhow::Error::msg).context("the picture cannot be drawn; a software GPU may take too long for so many rays (`--detail` for fewer)")?;
-    let (width, height) = (image.width(), image.height());
+    let start = Instant::now();
+    let (size, rgba) = patiently(&mut harness, &state)?;
+    let picture_ms = milliseconds(start);
+    png_file::write(out, size, &rgba)?;
     times.sort_by(f64::total_cmp);
-    let report = Report {
+    Ok(Report {
         file: out.to_owned(),
         frames: times.len(),
         median_frame_ms: times[times.len() / 2],
         worst_frame_ms: times.last().copied().unwrap_or(0.0),
+        picture_ms,
         rays_shown: match harness.state_mut() {
             Drawn::Panel(panel, _) => panel.space().and_then(|space| space.counts()),
             Drawn::Window(_) => None,
         },
-        resident_bytes: resident_bytes(),
-    };
-    Ok((Image { width, height, rgba: image.into_raw() }, report))
+        draws: DrawCounts::of(&state.renderer.read().callback_resources),
+        memory: memory(),
+    })
+}
+
+fn milliseconds(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}
+
+/// The picture, however long the GPU takes: the harness gives up after ten seconds, but what it had asked for
+/// is drawn all the same, and drawn only once.
+fn patiently(harness: &mut Harness<'_, Drawn>, state: &RenderState) -> anyhow::Result<([u32; 2], Vec<u8>)> {
+    let mut drawn = harness.render();
+    if drawn.is_err() {
+        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) };
+        state.device.poll(wait).context("the GPU takes too long; `--detail` for fewer rays")?;
+        drawn = harness.render();
+    }
+    let image = drawn.map_err(anyhow::Error::msg).context("the picture cannot be drawn")?;
+    Ok(([image.width(), image.height()], image.into_raw()))
 }
 
 /// Draws until nothing is being read or made for what is drawn.
@@ -175,69 +250,109 @@ fn show_all_over(ui: &mut egui::Ui, drawn: &mut Drawn) {
 }
 
 /// A GPU, or why there is none.
-fn render_state() -> anyhow::Result<egui_wgpu::RenderState> {
+fn render_state() -> anyhow::Result<RenderState> {
     let mut setup = egui_kittest::wgpu::default_wgpu_setup();
     only_own_backends(&mut setup);
     let instance = pollster::block_on(setup.new_instance());
     let configuration = egui_wgpu::WgpuConfiguration { wgpu_setup: setup, ..Default::default() };
     let options = egui_wgpu::RendererOptions::PREDICTABLE;
-    let state = pollster::block_on(egui_wgpu::RenderState::create(&configuration, &instance, None, options));
+    let state = pollster::block_on(RenderState::create(&configuration, &instance, None, options));
     state.context("there is no GPU to draw with; on Linux, mesa-vulkan-drivers has a software one")
 }
 
-fn open(dumps: &[PathBuf], shot: &Shot, format: wgpu::TextureFormat) -> anyhow::Result<Drawn> {
+fn open(
+    dumps: &[PathBuf],
+    shot: &Shot,
+    session: Option<&Session>,
+    format: wgpu::TextureFormat,
+) -> anyhow::Result<Drawn> {
     let Some((view, name)) = VIEWS.into_iter().find(|(view, _)| *view == shot.view) else {
         let known: Vec<&str> = VIEWS.iter().map(|(view, _)| *view).collect();
         bail!("there is no view {}; there are: {}", shot.view, known.join(", "));
     };
     let mut drawn = match name {
-        "" => Drawn::Window(Box::new(App::new(dumps, format))),
+        "" => {
+            let mut app = App::new(&[], format);
+            if let Some(session) = session {
+                app.restore(session);
+            }
+            dumps.iter().for_each(|dump| app.open(dump));
+            Drawn::Window(Box::new(app))
+        }
         name => {
             let entry = PANELS.iter().find(|entry| entry.name == name);
             let entry = entry.with_context(|| format!("there is no panel {name}"))?;
             let mut panel = (entry.make)(format);
-            if let Some(space) = panel.space() {
-                space.options = options(view, shot);
+            let state = session.and_then(|session| session.panels.get(name));
+            match (state, panel.space()) {
+                (Some(state), _) => panel.set_state(state.clone())?,
+                (None, Some(space)) => space.options = preset(view),
+                (None, None) => {}
             }
-            Drawn::Panel(panel, Box::new(Context::open(dumps)))
+            if let Some(space) = panel.space() {
+                adjust(&mut space.options, shot);
+            }
+            let mut context = session.map_or_else(Context::default, Session::open);
+            dumps.iter().for_each(|dump| context.add(dump));
+            Drawn::Panel(panel, Box::new(context))
         }
     };
     if let Some(problem) = drawn.context().problems.first() {
         bail!("{}: {}", problem.what, problem.why);
     }
+    drawn.set(shot)?;
     Ok(drawn)
 }
 
-fn options(view: &str, shot: &Shot) -> Options {
+/// What the scene view of a view shows by itself.
+pub(crate) fn preset(view: &str) -> Options {
     let default = Options::default();
-    let choice = &shot.scene;
-    let capsules = if shot.group.is_some() { CapsuleChoice::Selected } else { CapsuleChoice::Spread };
     // Capsules are larger than rooms, so they are looked at from outside.
     let (mesh, stand_point) = match view {
-        "compare" if choice.capsules.is_some() => (MeshMode::Ghost, StandPoint::Overview),
         "capsules" | "cell" => (MeshMode::Ghost, StandPoint::Overview),
         _ => (default.mesh, default.stand_point),
     };
     Options {
-        curve: view == "curve" || view == "compare" && choice.capsules.is_none(),
+        curve: matches!(view, "curve" | "compare"),
         rays: view == "rays",
         ends: view == "rays",
-        capsules: view == "capsules" || view == "compare" && choice.capsules.is_some(),
-        capsule_choice: capsules,
-        mesh: choice.mesh.unwrap_or(mesh),
-        capsule_count: choice.capsules.unwrap_or(default.capsule_count),
-        colour_by: choice.colour_by.unwrap_or(default.colour_by),
-        stand_point: choice.stand_point.unwrap_or(stand_point),
-        detail: choice.detail.unwrap_or(default.detail),
-        until: choice.until.unwrap_or(default.until),
-        window: choice.part.unwrap_or(default.window),
-        cut: choice.cut.unwrap_or(default.cut),
+        capsules: view == "capsules",
+        capsule_choice: CapsuleChoice::Spread,
+        mesh,
+        stand_point,
         ..default
     }
 }
 
+/// Changes what was asked for.
+fn adjust(options: &mut Options, shot: &Shot) {
+    let choice = &shot.scene;
+    if shot.view == "compare" && choice.capsules.is_some() {
+        (options.curve, options.capsules) = (false, true);
+        (options.mesh, options.stand_point) = (MeshMode::Ghost, StandPoint::Overview);
+    }
+    if shot.group.is_some() {
+        options.capsule_choice = CapsuleChoice::Selected;
+    }
+    let change = |to: &mut f32, from: Option<f32>| *to = from.unwrap_or(*to);
+    change(&mut options.until, choice.until);
+    change(&mut options.window, choice.part);
+    change(&mut options.clip_at, choice.cut);
+    options.mesh = choice.mesh.unwrap_or(options.mesh);
+    options.capsule_count = choice.capsules.unwrap_or(options.capsule_count);
+    options.colour_by = choice.colour_by.unwrap_or(options.colour_by);
+    options.stand_point = choice.stand_point.unwrap_or(options.stand_point);
+    options.detail = choice.detail.unwrap_or(options.detail);
+}
+
 /// Selects what was asked for; an error if the recording does not have it.
 fn select(context: &mut Context, shot: &Shot) -> anyhow::Result<()> {
+    if let Some(recording) = shot.recording {
+        if recording >= context.recordings.len() {
+            bail!("there is no recording {recording}; there are {}", context.recordings.len());
+        }
+        context.select_recording(recording);
+    }
     let now = context.selection.queue;
     let wanted = QueueId {
         pass: shot.pass.unwrap_or(now.pass),
@@ -250,7 +365,9 @@ fn select(context: &mut Context, shot: &Shot) -> anyhow::Result<()> {
         bail!("the recording has no {wanted}; it has: {}", known.join(", "));
     }
     context.go_to(wanted);
-    context.selection.group_width = shot.group_width;
+    if let Some(width) = shot.group_width {
+        context.selection.group_width = width;
+    }
     if let Some(method) = &shot.method {
         let methods = context.recording().map_or(&[][..], |recording| recording.methods(wanted));
         if !methods.contains(method) {
@@ -271,7 +388,7 @@ fn select(context: &mut Context, shot: &Shot) -> anyhow::Result<()> {
             bail!("{wanted} has no group {}", shot.group.unwrap_or(0));
         }
     }
-    context.selection.cell = shot.cell;
+    context.selection.cell = shot.cell.or(context.selection.cell);
     if let Some(filter) = &shot.filter {
         context.selection.filter.set(filter);
         if let Some(error) = context.selection.filter.error() {
@@ -281,28 +398,12 @@ fn select(context: &mut Context, shot: &Shot) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Pixels, four bytes each.
-struct Image {
-    width: u32,
-    height: u32,
-    rgba: Vec<u8>,
-}
-
-fn write(image: &Image, out: &Path) -> anyhow::Result<()> {
-    let file = std::fs::File::create(out).with_context(|| format!("cannot write {}", out.display()))?;
-    let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), image.width, image.height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Best);
-    encoder.set_adaptive_filter(png::AdaptiveFilterType::Adaptive);
-    let rgb: Vec<u8> = image.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(&rgb));
-    written.with_context(|| format!("cannot write {}", out.display()))
-}
-
-/// Memory of this process; 0 where the system does not say.
-fn resident_bytes() -> u64 {
-    let pages = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
-    let resident = pages.split(' ').nth(1).and_then(|pages| pages.parse::<u64>().ok());
-    resident.unwrap_or(0) * 4096
+fn memory() -> Memory {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let of = |name: &str| {
+        let line = status.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(':'));
+        let kilobytes = line.and_then(|line| line.split_whitespace().next());
+        kilobytes.and_then(|kilobytes| kilobytes.parse::<u64>().ok()).unwrap_or(0) * 1024
+    };
+    Memory { resident_bytes: of("VmRSS"), anonymous_bytes: of("RssAnon") }
 }

@@ -10,14 +10,21 @@ use crate::analysis::GroupWidth;
 use crate::cli::RayKind;
 use crate::model::value::ColourBy;
 use crate::panels::space::options::{MeshMode, StandPoint};
+use crate::render::camera::Camera;
 use crate::shot::{self, SceneChoice, Shot, VIEWS};
 
 /// A picture of the window.
 #[derive(Debug, Args)]
 pub(crate) struct ShotArguments {
     /// The recordings: folders NAME.raydump, or NAME.raydump.partial.
-    #[arg(value_name = "X.raydump", required = true)]
+    #[arg(value_name = "X.raydump", required_unless_present = "session")]
     dumps: Vec<PathBuf>,
+    /// Shows what a session of the window says (File > Save session); other options change it.
+    #[arg(long, value_name = "FILE")]
+    session: Option<PathBuf>,
+    /// Which of several recordings is looked at, counted from 0 [default: the last].
+    #[arg(long, value_name = "N")]
+    recording: Option<usize>,
     /// The file, a PNG.
     #[arg(long, value_name = "P.png")]
     out: PathBuf,
@@ -36,9 +43,9 @@ pub(crate) struct ShotArguments {
     /// The order: a method, or unsorted [default: unsorted].
     #[arg(long)]
     method: Option<String>,
-    /// Rays in a group.
-    #[arg(long, value_enum, default_value_t)]
-    group_width: GroupWidth,
+    /// Rays in a group [default: 64].
+    #[arg(long, value_enum)]
+    group_width: Option<GroupWidth>,
     /// Selects a group of the order, counted from 0.
     #[arg(long)]
     group: Option<usize>,
@@ -51,12 +58,17 @@ pub(crate) struct ShotArguments {
     /// Shows only the rays that meet a condition, such as 'hit && length < 0.1'.
     #[arg(long, value_name = "EXPR")]
     filter: Option<String>,
-    /// What rays in space are coloured by.
-    #[arg(long, value_parser = PossibleValuesParser::new(ColourBy::ALL.map(ColourBy::name)))]
-    colour_by: Option<String>,
-    /// Where the camera stands.
-    #[arg(long, value_enum)]
+    /// What rays in space are coloured by: place, group, key, key:ox and the like, length, ...
+    #[arg(long, value_parser = |name: &str| ColourBy::try_from(name.to_owned()))]
+    colour_by: Option<ColourBy>,
+    /// Where the camera stands: recorded, overview, or its numbers as View > Copy gives them: target x, y,
+    /// z, yaw, pitch, distance and, if wanted, the field of view (unit space, radians).
+    #[arg(long, value_parser = parse_camera, allow_hyphen_values = true)]
     camera: Option<CameraChoice>,
+    /// Changes one setting of what is drawn, as `Show command` in the window's panels prints them; of a
+    /// window's panel as PANEL.NAME=VALUE. A name that does not exist lists all.
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    settings: Vec<String>,
     /// Most rays in space.
     #[arg(long, value_name = "N")]
     detail: Option<usize>,
@@ -92,12 +104,20 @@ pub(crate) struct ShotArguments {
     json: bool,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug)]
 enum CameraChoice {
-    /// Where the recording's camera stood.
-    Recorded,
-    /// Outside of the scene.
-    Overview,
+    Stands(StandPoint),
+    At(Camera),
+}
+
+fn parse_camera(text: &str) -> Result<CameraChoice, String> {
+    match text {
+        "recorded" => Ok(CameraChoice::Stands(StandPoint::Recorded)),
+        "overview" => Ok(CameraChoice::Stands(StandPoint::Overview)),
+        numbers => {
+            numbers.parse().map(CameraChoice::At).map_err(|error| format!("recorded, overview, or {error}"))
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -105,6 +125,7 @@ enum MeshChoice {
     Solid,
     Ghost,
     Hidden,
+    Wire,
 }
 
 /// The largest side of a picture that every adapter can draw.
@@ -125,19 +146,23 @@ impl ShotArguments {
             RayKind::Closest => Kind::Closest,
             RayKind::Shadow => Kind::Shadow,
         });
-        let named = |name: &String| ColourBy::ALL.into_iter().find(|choice| choice.name() == name);
         let scene = SceneChoice {
-            colour_by: self.colour_by.as_ref().and_then(named),
-            stand_point: self.camera.map(|camera| match camera {
-                CameraChoice::Recorded => StandPoint::Recorded,
-                CameraChoice::Overview => StandPoint::Overview,
-            }),
+            colour_by: self.colour_by,
+            stand_point: match self.camera {
+                Some(CameraChoice::Stands(point)) => Some(point),
+                _ => None,
+            },
+            camera: match self.camera {
+                Some(CameraChoice::At(camera)) => Some(camera),
+                _ => None,
+            },
             detail: self.detail,
             capsules: self.capsules,
             mesh: self.mesh.map(|mesh| match mesh {
                 MeshChoice::Solid => MeshMode::Solid,
                 MeshChoice::Ghost => MeshMode::Ghost,
                 MeshChoice::Hidden => MeshMode::Hidden,
+                MeshChoice::Wire => MeshMode::Wire,
             }),
             until: self.until,
             part: self.part,
@@ -145,6 +170,9 @@ impl ShotArguments {
         };
         let shot = Shot {
             view: self.view.clone(),
+            session: self.session.clone(),
+            recording: self.recording,
+            settings: self.settings.clone(),
             pass: self.pass,
             bounce: self.bounce,
             kind,

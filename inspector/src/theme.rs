@@ -50,6 +50,14 @@ impl Theme {
         }
     }
 
+    /// Their edges.
+    pub fn edges(self) -> ShaderColour {
+        match self.mode {
+            Mode::Dark => [0.42, 0.44, 0.48, 1.0],
+            Mode::Light => [0.52, 0.53, 0.56, 1.0],
+        }
+    }
+
     /// What is selected, in space.
     pub fn selected(self) -> ShaderColour {
         let [red, green, blue, _] = self.selected_mark().to_array().map(|part| f32::from(part) / 255.0);

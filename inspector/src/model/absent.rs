@@ -34,6 +34,12 @@ impl fmt::Display for Absent {
     }
 }
 
+impl From<Absent> for String {
+    fn from(absent: Absent) -> Self {
+        absent.to_string()
+    }
+}
+
 impl From<&str> for Absent {
     fn from(reason: &str) -> Self {
         Self::Impossible(reason.to_owned())

@@ -29,11 +29,11 @@ pub struct Problem {
 /// What was opened, or why it could not be.
 type Opened<T> = Result<Arc<T>, String>;
 
-/// Recording and queue.
-type QueueKey = (usize, QueueId);
+/// Opening of a recording, and queue.
+type QueueKey = (u64, QueueId);
 
-/// Recording, queue and method; rays of a group.
-type OrderKey = (usize, QueueId, String, GroupWidth);
+/// Opening of a recording, queue and method; rays of a group.
+type OrderKey = (u64, QueueId, String, GroupWidth);
 
 /// All that panels see.
 #[derive(Debug, Default)]
@@ -96,6 +96,26 @@ impl Context {
         self.recordings.get(self.selection.recording)
     }
 
+    /// Reads the recording that is looked at again: more of it if it is still being written.
+    pub fn refresh(&mut self) {
+        let Some(recording) = self.recording() else { return };
+        match recording.again() {
+            Ok(again) => {
+                let queue = again.first_queue();
+                let has_queue = again.queues().iter().any(|record| record.id == self.selection.queue);
+                self.recordings[self.selection.recording] = again;
+                self.coherences = Coherences::default();
+                if let Some(queue) = queue.filter(|_| !has_queue) {
+                    self.go_to(queue);
+                }
+            }
+            Err(error) => {
+                let what = format!("{} cannot be read again", recording.dump.root().display());
+                self.problems.push(Problem { what, why: error.to_string() });
+            }
+        }
+    }
+
     /// Goes to another queue, in the same order if it was measured there.
     pub fn go_to(&mut self, queue: QueueId) {
         self.selection.go_to(queue);
@@ -118,8 +138,8 @@ impl Context {
     /// # Errors
     /// Why it cannot be shown, or not yet.
     pub fn queue(&mut self) -> Result<Arc<Queue>, Absent> {
-        let wanted = (self.selection.recording, self.selection.queue);
-        let dump = self.recordings.get(wanted.0).ok_or("no recording is open")?.dump.clone();
+        let recording = self.recording().ok_or("no recording is open")?;
+        let (wanted, dump) = ((recording.opening, self.selection.queue), recording.dump.clone());
         let open = move || Queue::open(&dump, wanted.1).map(Arc::new);
         opened(self.queues.of(wanted, &self.derived.waker, open))
     }
@@ -138,10 +158,10 @@ impl Context {
         if self.selection.method == WHAT_IF {
             return self.what_if_order()?.ok_or(Absent::Awaited);
         }
-        let Selection { recording: at, queue: id, method, group_width: width, .. } = &self.selection;
-        let wanted = (*at, *id, method.clone(), *width);
         let queue = self.queue()?;
-        let dump = self.recordings.get(wanted.0).ok_or("no recording is open")?.dump.clone();
+        let recording = self.recording().ok_or("no recording is open")?;
+        let Selection { queue: id, method, group_width: width, .. } = &self.selection;
+        let (wanted, dump) = ((recording.opening, *id, method.clone(), *width), recording.dump.clone());
         let is_same = |known: &OrderKey| (&known.0, &known.1, &known.2) == (&wanted.0, &wanted.1, &wanted.2);
         let known = self.orders.known(is_same).cloned();
         let (method, width) = (wanted.2.clone(), wanted.3);

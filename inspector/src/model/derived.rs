@@ -88,7 +88,13 @@ impl Context {
 
     /// The orders of the queue that can be looked at: recorded ones, and the one made here.
     pub fn methods(&self) -> Vec<String> {
-        let recorded = self.recording().map_or(&[][..], |open| open.methods(self.selection.queue));
+        self.methods_of(self.selection.recording)
+    }
+
+    /// The orders of the same queue of any of the open recordings that can be looked at.
+    pub fn methods_of(&self, recording: usize) -> Vec<String> {
+        let recording = self.recordings.get(recording);
+        let recorded = recording.map_or(&[][..], |open| open.methods(self.selection.queue));
         let made = self.what_if.as_ref().map(|_| super::what_if::WHAT_IF.to_owned());
         recorded.iter().cloned().chain(made).collect()
     }

@@ -3,6 +3,7 @@
 //! - [`selection`]: the one selection that all panels share
 //! - [`recording`]: an open recording
 //! - [`queue`], [`order`]: the rays of a queue, and one order of them, as they are mapped
+//! - [`history`]: selections to go back to
 //! - [`groups`]: capsules, direction spread and lane utilisation of each group of an order
 //! - [`value`]: the numbers that colours stand for
 //! - [`key`]: a key field by field
@@ -12,16 +13,21 @@
 //! - [`what_if`]: another order of the recorded rays, made here
 //! - [`coherences`]: how coherent the orders of a queue are, found in the background
 //! - [`background`]: work on another thread; [`absent`]: why something is not shown; [`derived`]: what panels ask for that takes such work
+//! - [`comparison`], [`comparisons`], [`differences`]: two orders ray by ray; two recordings as a table of what differs
 //! - [`context`]: all of it together, as panels see it
 
 pub mod absent;
 pub mod background;
 pub mod coherences;
+pub mod comparison;
+pub mod comparisons;
 pub mod context;
 pub mod derived;
+pub mod differences;
 pub mod estimates;
 pub mod filter;
 pub mod groups;
+pub mod history;
 pub mod key;
 pub mod order;
 pub mod quantity;

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
+use formats::folder::dump_of_partial;
 use formats::manifest::{MethodRecord, QueueId, QueueRecord};
 use formats::reader::{Dump, ReadError};
 use formats::unit_space::UnitSpace;
@@ -18,6 +20,8 @@ pub struct Recording {
     pub times: Option<RecordingAnalysis>,
     /// What it is called.
     pub label: String,
+    /// A number of its own, another one each time that it is read again.
+    pub opening: u64,
 }
 
 impl Recording {
@@ -32,7 +36,21 @@ impl Recording {
         let times = analysis.and_then(|analysis| analysis.recordings.into_iter().next());
         let name = dump.root().file_stem();
         let label = name.map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        Ok(Self { dump: Arc::new(dump), times, label })
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        let opening = NEXT.fetch_add(1, Ordering::Relaxed);
+        Ok(Self { dump: Arc::new(dump), times, label, opening })
+    }
+
+    /// Reads it again, by its final name if its recorder has ended since.
+    ///
+    /// # Errors
+    /// As [`Recording::open`].
+    pub fn again(&self) -> Result<Self, ReadError> {
+        let root = self.dump.root();
+        match dump_of_partial(root).filter(|_| !root.is_dir()) {
+            Some(finished) => Self::open(&finished),
+            None => Self::open(root),
+        }
     }
 
     /// Its queues; those of its source if it is a replay without its own.

@@ -9,6 +9,7 @@ use crate::analysis::coherence::Coherence;
 use crate::model::Context;
 use crate::model::coherences::OrderCoherence;
 use crate::panels::Panel;
+use crate::panels::data::Data;
 use crate::theme::Theme;
 
 /// Height of a row of the table below, points.
@@ -77,6 +78,38 @@ impl Panel for CoherencePanel {
             Listed::Groups => self.worst.show(ui, context),
         }
     }
+
+    fn data(&mut self, context: &mut Context) -> Result<Data, String> {
+        let queue = context.queue()?;
+        let (at, width) = (context.selection.recording, context.selection.group_width);
+        let recording = context.recordings.get(at).ok_or("no recording is open")?;
+        let (methods, waker) = (recording.methods(queue.id), context.waker().clone());
+        let orders = context.coherences.of(at, &recording.dump, (&queue, methods), width, &waker);
+        if orders.len() < methods.len() {
+            return Err("not all orders are known yet; try again once the panel shows them".to_owned());
+        }
+        let rows: Vec<Vec<String>> = orders.iter().flat_map(quantities).collect();
+        Ok(Data::new(&["order", "quantity", "value"], rows.into_iter()))
+    }
+}
+
+/// The numbers of an order: means, lane utilisation, and the areas below which so many percent of rays are.
+fn quantities(order: &OrderCoherence) -> Vec<Vec<String>> {
+    let row = |quantity: String, value: f64| vec![order.method.clone(), quantity, value.to_string()];
+    let coherence = order.coherence.known().into_iter().flat_map(|coherence| {
+        let quantiles = coherence.area_quantiles.iter().enumerate();
+        let quantiles =
+            quantiles.map(|(percent, area)| (format!("capsule_area_percentile_{percent}"), *area));
+        [
+            ("mean_capsule_area".to_owned(), coherence.mean_capsule_area),
+            ("mean_direction_spread".to_owned(), coherence.mean_direction_spread),
+        ]
+        .into_iter()
+        .chain(quantiles)
+    });
+    let lanes = order.lanes.known().into_iter().flatten();
+    let lanes = lanes.map(|lanes| (format!("lane_utilisation_{}", lanes.width), lanes.utilisation));
+    coherence.chain(lanes).map(|(quantity, value)| row(quantity, value)).collect()
 }
 
 /// Share of the rays whose groups have a smaller capsule, for each order.

@@ -1,23 +1,73 @@
-//! Two orders of the same rays side by side, seen from one place: before sorting and after it.
+//! Two orders side by side, seen from one place: of the same rays, or of two recordings of a scene.
 
-use egui::ComboBox;
+use std::sync::Arc;
+
+use egui::{ComboBox, ScrollArea, Ui};
 use formats::key::method::UNSORTED;
+use serde::{Deserialize, Serialize};
 
 use super::missing;
-use super::space::SpaceView;
-use crate::model::Context;
+use super::space::layers::RayValues;
+use super::space::{SpaceState, SpaceView};
+use crate::model::comparison::{Difference, LOWEST_DISTANCE};
+use crate::model::comparisons::{Compared, Comparisons, Wanted};
+use crate::model::differences::{Row, counts, settings, speedups};
+use crate::model::{Context, Order, Selection};
 use crate::panels::Panel;
+use crate::panels::data::Data;
+use crate::render::range::ValueRange;
+use crate::theme::Theme;
+
+/// Part of the panel's height that the table may take.
+const TABLE_PART: f32 = 0.4;
+
+/// What is compared, and how it is shown. The right side is the selected order.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Choice {
+    /// The method on the left.
+    before: String,
+    /// The recording on the left, by its place among those open; that of the right side if `None`.
+    before_recording: Option<usize>,
+    /// What of the rays colours stand for; what the views say if `None`.
+    difference: Option<Difference>,
+    /// Whether the table is shown.
+    table: bool,
+    /// Whether it has the lines that do not differ, too.
+    all_rows: bool,
+}
+
+/// What sessions keep.
+#[derive(Serialize, Deserialize)]
+struct State {
+    #[serde(flatten)]
+    choice: Choice,
+    #[serde(flatten)]
+    space: SpaceState,
+}
 
 /// The panel. Of the two views, the first has the controls and the slider of both.
 pub(super) struct Compare {
     views: [SpaceView; 2],
-    /// The order on the left; the selected one is on the right.
-    before: String,
+    choice: Choice,
+    comparisons: Comparisons,
+    compared: Option<Arc<Compared>>,
 }
 
 impl Compare {
     pub(super) fn new(format: wgpu::TextureFormat) -> Self {
-        Self { views: [SpaceView::new(format), SpaceView::new(format)], before: UNSORTED.to_owned() }
+        let choice = Choice {
+            before: UNSORTED.to_owned(),
+            before_recording: None,
+            difference: None,
+            table: false,
+            all_rows: false,
+        };
+        Self {
+            views: [SpaceView::new(format), SpaceView::new(format)],
+            choice,
+            comparisons: Comparisons::default(),
+            compared: None,
+        }
     }
 }
 
@@ -26,30 +76,49 @@ impl Panel for Compare {
         "Compare"
     }
 
-    fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
+    fn show(&mut self, ui: &mut Ui, context: &mut Context) {
         if context.recording().is_none() {
             return missing(ui, "no recording is open");
         }
-        let methods = context.methods();
-        if !methods.contains(&self.before) {
-            UNSORTED.clone_into(&mut self.before);
-        }
+        self.keep_choice(context);
+        self.compare(context);
         self.views[0].controls(ui, context);
+        self.comparison_controls(ui);
         self.views[1].options = self.views[0].options.clone();
-        let height = ui.available_height() - SpaceView::slider_height(ui);
+        let below = SpaceView::slider_height(ui);
+        let table = if self.choice.table { TABLE_PART * ui.available_height() } else { 0.0 };
+        let height = ui.available_height() - below - table;
         ui.columns(2, |columns| {
             let [left, right] = columns else { return };
-            self.order_before(left, context, &methods, height);
-            order_selected(right, context, &methods);
-            let size = right.available_width();
-            let room = height - (right.cursor().top() - right.min_rect().top());
-            let pose = self.views[0].pose();
-            self.views[1].set_pose(pose);
-            self.views[1].picture(right, context, egui::vec2(size, room));
-            let pose = self.views[1].pose();
-            self.views[0].set_pose(pose);
+            self.left(left, context, height);
+            self.right(right, context, height);
         });
         self.views[0].slider(ui);
+        if self.choice.table {
+            self.table(ui, context);
+        }
+    }
+
+    fn data(&mut self, context: &mut Context) -> Result<Data, String> {
+        let compared = self.compared.as_ref().ok_or("it is not compared yet: show the table first")?;
+        let rows = self.rows(context, Some(compared));
+        let cells = |row: Row| {
+            let [left, right] = row.sides;
+            vec![row.what.to_owned(), left, right, row.differs.to_string()]
+        };
+        Ok(Data::new(&["what", "left", "right", "differs"], rows.into_iter().map(cells)))
+    }
+
+    fn state(&self) -> serde_json::Value {
+        let state = State { choice: self.choice.clone(), space: self.views[0].kept() };
+        serde_json::to_value(state).unwrap_or_default()
+    }
+
+    fn set_state(&mut self, state: serde_json::Value) -> Result<(), serde_json::Error> {
+        let State { choice, space } = serde_json::from_value(state)?;
+        self.choice = choice;
+        self.views[0].set_state(space);
+        Ok(())
     }
 
     fn space(&mut self) -> Option<&mut SpaceView> {
@@ -58,42 +127,229 @@ impl Panel for Compare {
 }
 
 impl Compare {
-    fn order_before(&mut self, ui: &mut egui::Ui, context: &mut Context, methods: &[String], height: f32) {
-        let mut before = std::mem::take(&mut self.before);
-        // The picture of the left half shows the same selection in another order.
-        let selected = std::mem::replace(&mut context.selection.method, before.clone());
-        let group = context.selection.group;
-        context.select_ray(context.selection.ray);
-        ui.horizontal(|ui| {
-            choose(ui, "before", &mut before, methods);
-            area(ui, context);
+    /// Leaves what is not there any more.
+    fn keep_choice(&mut self, context: &Context) {
+        let selected = context.selection.recording;
+        let choice = &mut self.choice;
+        choice.before_recording =
+            choice.before_recording.filter(|at| *at < context.recordings.len() && *at != selected);
+        let methods = context.methods_of(choice.before_recording.unwrap_or(selected));
+        if !methods.contains(&choice.before) {
+            UNSORTED.clone_into(&mut choice.before);
+        }
+    }
+
+    /// The left side as a selection; a ray of the right side is the one of the same path.
+    fn left_selection(&self, selection: &Selection) -> Selection {
+        let other = self.choice.before_recording;
+        let comparison = self.compared.as_ref().map(|compared| &compared.comparison);
+        let ray = match (other, selection.ray) {
+            (Some(_), Some(ray)) => comparison.and_then(|comparison| comparison.left_of(ray)),
+            (_, ray) => ray,
+        };
+        let recording = other.unwrap_or(selection.recording);
+        Selection { recording, method: self.choice.before.clone(), ray, group: None, ..selection.clone() }
+    }
+
+    /// The order on the left.
+    fn left_order(&self, context: &mut Context) -> Option<Arc<Order>> {
+        let left = self.left_selection(&context.selection);
+        let selected = std::mem::replace(&mut context.selection, left);
+        let order = context.order();
+        context.selection = selected;
+        order.ok()
+    }
+
+    /// Finds out what differs, if anything that is shown needs it, and colours both views by it.
+    fn compare(&mut self, context: &mut Context) {
+        let is_wanted =
+            self.choice.table || self.choice.difference.is_some() || self.choice.before_recording.is_some();
+        self.compared = if is_wanted { self.found(context) } else { None };
+        let values = self.compared.as_ref().and_then(|compared| {
+            let difference = self.choice.difference?;
+            let range = range(difference, compared.nearly_largest);
+            Some((difference, range, compared.id, compared.values.as_ref()?))
         });
+        for (side, view) in self.views.iter_mut().enumerate() {
+            view.colour_by(values.map(|(difference, range, id, values)| RayValues {
+                id: 2 * id + side as u64,
+                title: difference.title(),
+                of_ray: values[side].clone(),
+                range: Some(range),
+            }));
+        }
+    }
+
+    fn found(&mut self, context: &mut Context) -> Option<Arc<Compared>> {
+        let (left, right) = (self.left_order(context)?, context.order().ok()?);
+        let selection = &context.selection;
+        let opening = |at: usize| Some(context.recordings.get(at)?.opening);
+        let left_opening = opening(self.choice.before_recording.unwrap_or(selection.recording))?;
+        let wanted = Wanted {
+            sides: [
+                (left_opening, selection.queue, left.method.clone()),
+                (opening(selection.recording)?, selection.queue, right.method.clone()),
+            ],
+            width: selection.group_width,
+            difference: self.choice.difference,
+        };
+        self.comparisons.of(&wanted, [&left, &right], context.waker())
+    }
+
+    fn comparison_controls(&mut self, ui: &mut Ui) {
+        let choice = &mut self.choice;
+        ui.horizontal_wrapped(|ui| {
+            ui.label("Difference");
+            let name = choice.difference.map_or("none", Difference::name);
+            ComboBox::from_id_salt("difference").selected_text(name).show_ui(ui, |ui| {
+                ui.selectable_value(&mut choice.difference, None, "none");
+                for difference in Difference::ALL {
+                    ui.selectable_value(&mut choice.difference, Some(difference), difference.name())
+                        .on_hover_text(difference.title());
+                }
+            });
+            ui.toggle_value(&mut choice.table, "Table").on_hover_text("What differs between the two sides");
+            if choice.table {
+                ui.checkbox(&mut choice.all_rows, "what does not, too");
+            }
+            if choice.difference.is_some() && self.compared.is_none() {
+                ui.spinner();
+            }
+        });
+    }
+
+    fn left(&mut self, ui: &mut Ui, context: &mut Context, height: f32) {
+        let left = self.left_selection(&context.selection);
+        let at = left.recording;
+        ui.horizontal_wrapped(|ui| self.choose_left(ui, context));
+        // The left picture shows the same selection in another order.
+        let selected = std::mem::replace(&mut context.selection, left);
+        context.select_ray(context.selection.ray);
+        area(ui, context);
         let room = height - (ui.cursor().top() - ui.min_rect().top());
         let ray = context.selection.ray;
-        self.views[0].picture(ui, context, egui::vec2(ui.available_width(), room));
-        let is_other_ray = context.selection.ray != ray;
-        context.selection.method = selected;
-        context.selection.group = group;
-        if is_other_ray {
-            context.select_ray(context.selection.ray);
+        if let Some((_, camera)) = self.views[0].pose() {
+            self.views[0].set_pose(Some((at, camera)));
         }
-        self.before = before;
+        self.views[0].picture(ui, context, egui::vec2(ui.available_width(), room));
+        let chosen = context.selection.ray;
+        context.selection = selected;
+        if chosen != ray {
+            let comparison = self.compared.as_ref().map(|compared| &compared.comparison);
+            context.select_ray(match (self.choice.before_recording, chosen) {
+                (Some(_), Some(ray)) => comparison.and_then(|comparison| comparison.right_of(ray)),
+                (_, ray) => ray,
+            });
+        }
     }
-}
 
-fn order_selected(ui: &mut egui::Ui, context: &mut Context, methods: &[String]) {
-    ui.horizontal(|ui| {
+    fn choose_left(&mut self, ui: &mut Ui, context: &Context) {
+        let selected = context.selection.recording;
+        let choice = &mut self.choice;
+        if context.recordings.len() > 1 {
+            let name =
+                |at: usize| context.recordings.get(at).map_or("", |recording| recording.label.as_str());
+            let mut at = choice.before_recording.unwrap_or(selected);
+            ComboBox::from_id_salt("before recording").selected_text(name(at)).show_ui(ui, |ui| {
+                for number in 0..context.recordings.len() {
+                    ui.selectable_value(&mut at, number, name(number));
+                }
+            });
+            choice.before_recording = (at != selected).then_some(at);
+        }
+        let methods = context.methods_of(choice.before_recording.unwrap_or(selected));
+        choose(ui, "before", &mut choice.before, &methods);
+    }
+
+    fn right(&mut self, ui: &mut Ui, context: &mut Context, height: f32) {
+        let selected = context.selection.recording;
+        let Some(recording) = context.recording() else { return };
+        let methods = context.methods();
         let mut after = context.selection.method.clone();
-        choose(ui, "after", &mut after, methods);
+        ui.horizontal_wrapped(|ui| {
+            if context.recordings.len() > 1 {
+                ui.label(&recording.label);
+            }
+            choose(ui, "after", &mut after, &methods);
+        });
         if after != context.selection.method {
             context.selection.order_by(&after);
             context.select_ray(context.selection.ray);
         }
         area(ui, context);
-    });
+        let room = height - (ui.cursor().top() - ui.min_rect().top());
+        let pose = self.views[0].pose().map(|(_, camera)| (selected, camera));
+        self.views[1].set_pose(pose);
+        self.views[1].picture(ui, context, egui::vec2(ui.available_width(), room));
+        let pose = self.views[1].pose().zip(self.views[0].pose());
+        self.views[0].set_pose(pose.map(|((_, camera), (at, _))| (at, camera)));
+    }
+
+    /// The lines of the table.
+    fn rows(&self, context: &Context, compared: Option<&Arc<Compared>>) -> Vec<Row> {
+        let selection = &context.selection;
+        let left = context.recordings.get(self.choice.before_recording.unwrap_or(selection.recording));
+        let Some((left, right)) = left.zip(context.recording()) else { return Vec::new() };
+        let mut rows = settings(left, right);
+        rows.extend(compared.map(|compared| counts(&compared.comparison)).unwrap_or_default());
+        rows.extend(speedups(
+            selection.queue,
+            [(left, self.choice.before.as_str()), (right, selection.method.as_str())],
+        ));
+        rows
+    }
+
+    fn table(&self, ui: &mut Ui, context: &Context) {
+        let mut rows = self.rows(context, self.compared.as_ref());
+        let all = rows.len();
+        rows.retain(|row| row.differs || self.choice.all_rows);
+        if self.compared.is_none() {
+            ui.spinner();
+        }
+        let differing = Theme::of(ui.ctx()).selected_mark();
+        ScrollArea::both().id_salt("differences").auto_shrink([false, false]).show(ui, |ui| {
+            if rows.is_empty() {
+                ui.label(format!("None of {all} settings and numbers differs."));
+            }
+            egui::Grid::new("differences").striped(true).num_columns(3).spacing([18.0, 3.0]).show(ui, |ui| {
+                for row in &rows {
+                    let name = egui::RichText::new(row.what);
+                    ui.label(if row.differs { name.color(differing) } else { name }).on_hover_text(row.about);
+                    for side in &row.sides {
+                        ui.label(shortened(side)).on_hover_text(side);
+                    }
+                    ui.end_row();
+                }
+            });
+        });
+    }
 }
 
-fn choose(ui: &mut egui::Ui, name: &str, chosen: &mut String, methods: &[String]) {
+/// What the ends of the colours stand for.
+fn range(difference: Difference, nearly_largest: f32) -> ValueRange {
+    match difference {
+        Difference::Displacement | Difference::Hit | Difference::Key => ValueRange { low: 0.0, high: 1.0 },
+        Difference::Distance => ValueRange { low: LOWEST_DISTANCE, high: 0.0 },
+        Difference::CapsuleArea => {
+            // No change is in the middle.
+            let most = nearly_largest.max(1e-3);
+            ValueRange { low: -most, high: most }
+        }
+    }
+}
+
+/// Longest text in a cell, characters.
+const LONGEST: usize = 48;
+
+fn shortened(text: &str) -> String {
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None if text.is_empty() => "-".to_owned(),
+        None => text.to_owned(),
+    }
+}
+
+fn choose(ui: &mut Ui, name: &str, chosen: &mut String, methods: &[String]) {
     ComboBox::from_id_salt(name).selected_text(chosen.as_str()).show_ui(ui, |ui| {
         for method in methods {
             ui.selectable_value(chosen, method.clone(), method);
@@ -102,9 +358,10 @@ fn choose(ui: &mut egui::Ui, name: &str, chosen: &mut String, methods: &[String]
 }
 
 /// The mean capsule area of the order that is selected.
-fn area(ui: &mut egui::Ui, context: &mut Context) {
+fn area(ui: &mut Ui, context: &mut Context) {
     let width = context.selection.group_width;
-    if let Ok(order) = context.order() {
-        ui.label(format!("mean capsule area {:.4}", order.groups(width).mean_area()));
-    }
+    let text = context
+        .order()
+        .map_or(String::new(), |order| format!("mean capsule area {:.4}", order.groups(width).mean_area()));
+    ui.label(text);
 }

@@ -4,6 +4,7 @@
 
 mod coherence;
 mod compare;
+pub mod data;
 mod filter_box;
 mod navigator;
 mod order;
@@ -12,6 +13,7 @@ mod problems;
 mod ray;
 mod rays;
 mod scene;
+pub(crate) mod settings;
 pub mod space;
 mod table;
 mod table_plots;
@@ -19,6 +21,7 @@ mod timings;
 mod what_if;
 mod worst;
 
+use self::data::Data;
 use self::space::SpaceView;
 use crate::model::{Absent, Context};
 
@@ -29,6 +32,27 @@ pub trait Panel {
 
     /// Draws it and takes what is done to it.
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context);
+
+    /// The numbers behind it.
+    ///
+    /// # Errors
+    /// Why there are none.
+    fn data(&mut self, _context: &mut Context) -> Result<Data, String> {
+        Err("it shows no numbers of its own".to_owned())
+    }
+
+    /// What it shows besides the selection, as sessions keep it; null if there is nothing to keep.
+    fn state(&self) -> serde_json::Value {
+        serde_json::Value::Null
+    }
+
+    /// Takes what [`Panel::state`] gave.
+    ///
+    /// # Errors
+    /// If that is no state of this panel.
+    fn set_state(&mut self, _state: serde_json::Value) -> Result<(), serde_json::Error> {
+        Ok(())
+    }
 
     /// The view into space that it has, if it has one.
     fn space(&mut self) -> Option<&mut SpaceView> {

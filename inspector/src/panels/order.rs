@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use egui::Color32;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::missing;
 use super::picture::{Picture, Shown};
@@ -14,11 +15,13 @@ use crate::model::key::{ReadKey, field_text};
 use crate::model::{Context, Order};
 use crate::output::count;
 use crate::panels::Panel;
+use crate::panels::data::Data;
 use crate::render::colour_map::ColourMap;
 use crate::theme::Theme;
 
 /// What pixels are coloured by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Colouring {
     /// Place in the order.
     #[default]
@@ -90,6 +93,27 @@ impl Panel for OrderPanel {
         if let Some(ray) = under_pointer.or(context.selection.ray) {
             describe(ui, &order, ray);
         }
+    }
+
+    fn data(&mut self, context: &mut Context) -> Result<Data, String> {
+        let order = context.order()?;
+        let width = context.recording().map_or(1, |open| open.dump.manifest().header.options.width.max(1));
+        let rows = (0..order.len()).map(move |ray| {
+            let (pixel, place) = (order.queue.path_ids[ray], order.place_of_ray()[ray]);
+            let key = ReadKey::of(&order, ray).map_or_else(|_| String::new(), |key| key.hexadecimal());
+            let [column, row] = [pixel % width, pixel / width];
+            vec![column.to_string(), row.to_string(), ray.to_string(), place.to_string(), key]
+        });
+        Ok(Data::new(&["column", "row", "ray", "place", "key"], rows))
+    }
+
+    fn state(&self) -> serde_json::Value {
+        serde_json::json!({ "colouring": self.colouring })
+    }
+
+    fn set_state(&mut self, state: serde_json::Value) -> Result<(), serde_json::Error> {
+        self.colouring = serde_json::from_value(state["colouring"].clone())?;
+        Ok(())
     }
 }
 

@@ -10,6 +10,7 @@ use crate::model::key::ReadKey;
 use crate::model::{Context, Order};
 use crate::output::count;
 use crate::panels::Panel;
+use crate::panels::data::Data;
 use crate::theme::Theme;
 
 pub(super) struct RayPanel;
@@ -37,6 +38,20 @@ impl Panel for RayPanel {
             ui.separator();
             path(ui, context, &order, ray);
         });
+    }
+
+    fn data(&mut self, context: &mut Context) -> Result<Data, String> {
+        let order = context.order()?;
+        let ray = context.selection.ray.filter(|&ray| ray < order.len()).ok_or("no ray is chosen")?;
+        let facts = facts(&order, ray).into_iter().map(|(name, value)| vec![name.to_owned(), value]);
+        let key = ReadKey::of(&order, ray).ok();
+        let bits = key.as_ref().map(|key| vec!["key".to_owned(), key.hexadecimal()]);
+        let fields = key.into_iter().flat_map(|key| key.fields).map(|field| {
+            let (low, high) = field.range();
+            vec![field.coordinate.name().to_owned(), format!("{low} to {high}")]
+        });
+        let rows: Vec<Vec<String>> = facts.chain(bits).chain(fields).collect();
+        Ok(Data::new(&["what", "value"], rows.into_iter()))
     }
 }
 
@@ -87,7 +102,12 @@ fn lines(ui: &mut egui::Ui, name: &'static str, rows: &[(&str, String)]) {
     });
 }
 
-fn geometry(ui: &mut egui::Ui, order: &Order, index: usize) {
+fn geometry(ui: &mut egui::Ui, order: &Order, ray: usize) {
+    lines(ui, "geometry", &facts(order, ray));
+}
+
+/// What there is to say of a ray, without its key.
+fn facts(order: &Order, index: usize) -> Vec<(&'static str, String)> {
     let queue = &order.queue;
     let ray = &queue.traced.rays()[index];
     let vector = |[x, y, z]: [f32; 3]| format!("{x:.4} {y:.4} {z:.4}");
@@ -117,7 +137,7 @@ fn geometry(ui: &mut egui::Ui, order: &Order, index: usize) {
         let work = work[index];
         rows.push(("work", format!("{} nodes, {} triangles", work.nodes, work.triangles)));
     }
-    lines(ui, "geometry", &rows);
+    rows
 }
 
 fn key(ui: &mut egui::Ui, order: &Order, ray: usize) {

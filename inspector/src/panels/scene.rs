@@ -4,6 +4,7 @@ use super::missing;
 use super::space::SpaceView;
 use crate::model::Context;
 use crate::panels::Panel;
+use crate::panels::data::Data;
 
 /// The panel.
 pub(super) struct Scene {
@@ -27,6 +28,19 @@ impl Panel for Scene {
         }
         self.view.controls(ui, context);
         self.view.picture_and_slider(ui, context);
+    }
+
+    fn data(&mut self, context: &mut Context) -> Result<Data, String> {
+        self.view.data(context)
+    }
+
+    fn state(&self) -> serde_json::Value {
+        self.view.state()
+    }
+
+    fn set_state(&mut self, state: serde_json::Value) -> Result<(), serde_json::Error> {
+        self.view.set_state(serde_json::from_value(state)?);
+        Ok(())
     }
 
     fn space(&mut self) -> Option<&mut SpaceView> {

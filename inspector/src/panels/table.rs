@@ -11,6 +11,7 @@ use super::table_plots::{EstimatePlot, histograms};
 use crate::model::{Context, Queue};
 use crate::output::{count, counted};
 use crate::panels::Panel;
+use crate::panels::data::Data;
 use crate::render::cell_box::{cell_of_pixel, pixel_of_cell};
 use crate::render::colour_map::ColourMap;
 use crate::render::range::Values;
@@ -109,6 +110,16 @@ impl Panel for TablePanel {
             View::Histograms => histograms(ui, cells),
             View::Estimates => self.estimates.show(ui, context),
         }
+    }
+
+    fn data(&mut self, context: &mut Context) -> Result<Data, String> {
+        let queue = context.queue()?;
+        let all = queue.cells.as_ref().map_err(String::clone)?.len();
+        let rows = (0..all).filter_map(move |at| {
+            let LengthCell { cell, count, sum } = *queue.cells.as_ref().ok()?.get(at)?;
+            Some(vec![cell.to_string(), count.to_string(), mean_length(sum, count).to_string()])
+        });
+        Ok(Data::new(&["cell", "count", "mean_length"], rows))
     }
 }
 

@@ -9,6 +9,7 @@ use crate::analysis::timing::{SpeedupLine, Verdict};
 use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis};
 use crate::model::Context;
 use crate::panels::Panel;
+use crate::panels::data::Data;
 use crate::theme::Theme;
 
 pub(super) struct TimingsPanel;
@@ -32,16 +33,9 @@ impl Panel for TimingsPanel {
     }
 
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let Some(recording) = context.recording() else { return missing(ui, "no recording is open") };
-        let Some(times) = &recording.times else {
-            return missing(ui, "the recording is not finished: times are shown once it is");
-        };
-        let queue = context.selection.queue;
-        let is_now = |found: &&QueueAnalysis| {
-            (found.pass, found.bounce, found.kind) == (queue.pass, queue.bounce, queue.kind)
-        };
-        let Some(queue) = times.queues.iter().find(is_now).filter(|queue| !queue.orders.is_empty()) else {
-            return missing(ui, "no method was measured on these rays; the last pass is the measured one");
+        let queue = match measured(context) {
+            Ok(queue) => queue,
+            Err(reason) => return missing(ui, &reason),
         };
         let rows = queue.orders.len() as f32 + 1.0;
         let plot_height = rows * BAR_ROW + AXIS;
@@ -49,6 +43,44 @@ impl Panel for TimingsPanel {
         plot(ui, queue, ui.available_height() - table_height - 12.0);
         speedups(ui, queue);
     }
+
+    fn data(&mut self, context: &mut Context) -> Result<Data, String> {
+        let rows: Vec<Vec<String>> = measured(context)?.orders.iter().flat_map(quantities).collect();
+        Ok(Data::new(&["order", "quantity", "value"], rows.into_iter()))
+    }
+}
+
+/// The times of the selected queue, or why there are none.
+fn measured(context: &Context) -> Result<&QueueAnalysis, String> {
+    let recording = context.recording().ok_or("no recording is open")?;
+    let times = recording.times.as_ref();
+    let times =
+        times.ok_or("the recording is not finished: times are shown once it is (F5 reads it again)")?;
+    let queue = context.selection.queue;
+    let is_now = |found: &&QueueAnalysis| {
+        (found.pass, found.bounce, found.kind) == (queue.pass, queue.bounce, queue.kind)
+    };
+    let found = times.queues.iter().find(is_now).filter(|queue| !queue.orders.is_empty());
+    found.ok_or_else(|| "no method was measured on these rays; the last pass is the measured one".to_owned())
+}
+
+/// The times and speedups of an order.
+fn quantities(order: &OrderAnalysis) -> Vec<Vec<String>> {
+    let row = |quantity: String, value: f64| vec![order.method.clone(), quantity, value.to_string()];
+    let stages = order.stages.iter().flat_map(|stage| {
+        let (name, time) = (stage.stage.name(), &stage.time);
+        [
+            (format!("{name}_median_ns"), time.median_ns),
+            (format!("{name}_first_quartile_ns"), time.quartiles_ns.0),
+            (format!("{name}_third_quartile_ns"), time.quartiles_ns.1),
+            (format!("{name}_samples"), time.samples_ns.len() as f64),
+        ]
+    });
+    let speedups = [("trace_speedup", &order.trace_speedup), ("net_speedup", &order.net_speedup)];
+    let speedups = speedups
+        .into_iter()
+        .filter_map(|(name, speedup)| speedup.known().map(|speedup| (name.to_owned(), speedup.ratio)));
+    stages.chain(speedups).map(|(quantity, value)| row(quantity, value)).collect()
 }
 
 /// The stages that tracing in an order takes, in milliseconds: of the two ways to trace, the faster one.

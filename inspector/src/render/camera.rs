@@ -1,8 +1,12 @@
 //! The camera of a view in space: it orbits a point, flies, or stands where the recording's camera stood.
 
+use std::fmt;
+use std::str::FromStr;
+
 use formats::manifest::CameraPose;
 use formats::unit_space::UnitSpace;
 use glam::{Mat4, Vec3, Vec4};
+use serde::{Deserialize, Serialize};
 
 /// Nearest and farthest depth that is drawn, unit lengths.
 const NEAR: f32 = 0.0008;
@@ -13,7 +17,10 @@ const STEEPEST: f32 = 1.55;
 const RECORDED_DISTANCE: f32 = 0.35;
 
 /// Looks at a point from a distance; unit space, y upwards.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// As text it is its numbers: target x, y, z, yaw, pitch, distance, field of view.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
 pub struct Camera {
     /// The point that it looks at and orbits.
     pub target: Vec3,
@@ -27,6 +34,56 @@ pub struct Camera {
     pub yfov_radians: f32,
 }
 
+/// Field of view of an overview, radians.
+const OVERVIEW_YFOV: f32 = 0.8;
+
+impl From<Camera> for String {
+    fn from(camera: Camera) -> Self {
+        camera.to_string()
+    }
+}
+
+impl TryFrom<String> for Camera {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl fmt::Display for Camera {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { target, yaw, pitch, distance, yfov_radians } = self;
+        write!(formatter, "{} {} {} {yaw} {pitch} {distance} {yfov_radians}", target.x, target.y, target.z)
+    }
+}
+
+impl FromStr for Camera {
+    type Err = String;
+
+    /// Reads the numbers of a camera; the field of view may be left out.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let is_between = |character: char| character.is_whitespace() || character == ',';
+        let numbers: Result<Vec<f32>, _> =
+            text.split(is_between).filter(|word| !word.is_empty()).map(str::parse).collect();
+        match numbers.as_deref() {
+            Ok(&[x, y, z, yaw, pitch, distance, ref rest @ ..])
+                if rest.len() < 2 && [x, y, z, yaw, pitch].iter().all(|number| number.is_finite()) =>
+            {
+                let yfov_radians = rest.first().copied().unwrap_or(OVERVIEW_YFOV);
+                if distance.is_finite() && distance > 0.0 && (0.01..3.1).contains(&yfov_radians) {
+                    return Ok(Self { target: Vec3::new(x, y, z), yaw, pitch, distance, yfov_radians });
+                }
+                Err(format!("'{text}': the distance must be above 0 and the field of view 0.01 to 3.1"))
+            }
+            _ => Err(format!(
+                "'{text}': expected target x, y, z, yaw, pitch, distance and, if wanted, the field of view, \
+                 as View > Copy gives them"
+            )),
+        }
+    }
+}
+
 impl Camera {
     /// All of a box from 0 to `sides`, seen from above one of its corners.
     pub fn overview(sides: [f32; 3]) -> Self {
@@ -36,7 +93,7 @@ impl Camera {
             yaw: 0.7,
             pitch: -0.55,
             distance: 1.15 * sides.length(),
-            yfov_radians: 0.8,
+            yfov_radians: OVERVIEW_YFOV,
         }
     }
 
@@ -135,6 +192,18 @@ mod tests {
         };
         assert!(depth(NEAR).abs() < 1e-2 && (depth(FAR) - 1.0).abs() < 1e-4);
         assert!(depth(0.1) < depth(0.2) && depth(0.2) < depth(5.0));
+    }
+
+    #[test]
+    fn cameras_are_read_as_they_are_written() {
+        let mut camera = Camera::overview([1.0, 0.4, 0.7]);
+        camera.orbit(0.123_456_7, -0.1);
+        assert_eq!(camera.to_string().parse(), Ok(camera));
+        let six: Camera = "1, 2 3 0.5 -0.25 2".parse().unwrap();
+        assert_eq!((six.target.y, six.distance, six.yfov_radians), (2.0, 2.0, OVERVIEW_YFOV));
+        for wrong in ["", "1 2 3", "1 2 3 4 5 x", "1 2 3 4 5 0", "1 2 3 4 5 inf", "1 2 3 4 5 6 7 8"] {
+            assert!(wrong.parse::<Camera>().is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -1,8 +1,15 @@
 //! Where a cell of the length table lies: the box of origins that its address stands for.
 
+use std::collections::BTreeMap;
+
 use formats::key::decode::decode;
 use formats::key::{Coordinate, LayoutText};
 use formats::manifest::Options;
+use rayon::prelude::*;
+
+use super::geometry::{Geometry, boxes};
+use super::range::{ValueRange, Values};
+use crate::model::Queue;
 
 /// The corners of a cell's box in unit space; an axis of which the address says nothing spans all of it.
 ///
@@ -24,6 +31,44 @@ pub fn cell_box(options: &Options, cell: u32) -> Result<([f32; 3], [f32; 3]), St
     }
     Ok((low, high))
 }
+
+/// The boxes in which the rays of a table's touched cells start, those of most rays first and at most `most`,
+/// with the mean length of their rays; and the range of these. Cells that differ in direction alone share a box.
+pub fn cells(options: &Options, queue: &Queue, most: usize) -> (Geometry, ValueRange) {
+    let layout = LayoutText::parse(&options.table_layout).and_then(|text| text.expand(1));
+    let (Ok(layout), Ok(touched)) = (layout, &queue.cells) else {
+        return (boxes(std::iter::empty()).into(), ValueRange { low: 0.0, high: 1.0 });
+    };
+    let mut of_origin: BTreeMap<[(u32, u32); 3], (u64, u64)> = BTreeMap::new();
+    for cell in &**touched {
+        let mut origin = [(0, 0); 3];
+        for field in decode(&layout, options.table_bits, u64::from(cell.cell)) {
+            match field.coordinate {
+                Coordinate::OriginX => origin[0] = (field.bits, field.value),
+                Coordinate::OriginY => origin[1] = (field.bits, field.value),
+                Coordinate::OriginZ => origin[2] = (field.bits, field.value),
+                _ => {}
+            }
+        }
+        let found = of_origin.entry(origin).or_default();
+        *found = (found.0 + u64::from(cell.count), found.1.saturating_add(cell.sum));
+    }
+    let mut found: Vec<_> = of_origin.into_iter().collect();
+    found.sort_by_key(|(origin, (count, _))| (std::cmp::Reverse(*count), *origin));
+    found.truncate(most);
+    let side =
+        |(bits, value): (u32, u32), after: u32| (f64::from(value + after) / 2f64.powi(bits as i32)) as f32;
+    let mean = |(count, sum): (u64, u64)| (sum as f64 / LENGTH_UNIT / count.max(1) as f64) as f32;
+    let values: Vec<f32> = found.iter().map(|(_, sums)| mean(*sums)).collect();
+    let range = Values::of(values.into_par_iter()).percentiles(2.0, 98.0);
+    let shape = boxes(found.into_iter().map(|(origin, sums)| {
+        ((origin.map(|along| side(along, 0)), origin.map(|along| side(along, 1))), mean(sums))
+    }));
+    (shape.into(), range)
+}
+
+/// Parts of a unit length that sums of the length table count.
+const LENGTH_UNIT: f64 = (1u64 << 24) as f64;
 
 /// Column and row of a cell in a picture whose neighbours are neighbours in the address: bits of the
 /// address go to column and row in turn.

@@ -1,7 +1,8 @@
 //! Perceptual colour maps, as polynomials.
 
 /// A map from 0..1 to colours.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ColourMap {
     /// Dark blue over green to yellow; for any colour vision.
     #[default]

@@ -17,8 +17,17 @@ pub enum Stage {
     Solid,
     /// Surfaces that one looks through.
     Ghost,
+    /// Edges of surfaces.
+    Wire,
     /// Lines; what is hidden by surfaces is drawn fainter.
     Lines,
+    /// Heads at the ends of lines.
+    Arrows,
+    /// Marks at the second points of lines; the number of a second point says which (see
+    /// [`Mark`](super::geometry::Mark)).
+    Marks,
+    /// Translucent boxes.
+    Boxes,
     /// Translucent capsules.
     Capsules,
     /// Lines in front of everything.
@@ -49,7 +58,7 @@ pub struct Layer {
     pub opacity: f32,
     /// Opacity of what surfaces hide, for lines.
     pub hidden_opacity: f32,
-    /// Of lines, pixels.
+    /// Of lines and marks, pixels.
     pub width: f32,
 }
 
@@ -118,12 +127,17 @@ impl LayerUniform {
             Paint::Plain(colour) => (colour, 0, ValueRange { low: 0.0, high: 1.0 }),
             Paint::Values(map, range) => ([0.0; 4], map.row() as u32, range),
         };
-        let [x, y, z] = frame.cut.normal;
+        // Rays and what is computed of them are never cut: they are what one looks for inside.
+        let cut = match layer.stage {
+            Stage::Solid | Stage::Ghost | Stage::Wire => frame.cut,
+            _ => Cut::NONE,
+        };
+        let [x, y, z] = cut.normal;
         Self {
             clip_from_unit: frame.camera.clip_from_unit(width / height).to_cols_array_2d(),
             eye: frame.camera.eye().extend(1.0).to_array(),
             plain,
-            cut: [x, y, z, frame.cut.offset],
+            cut: [x, y, z, cut.offset],
             viewport: [width, height],
             width: layer.width,
             opacity,

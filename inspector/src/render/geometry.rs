@@ -5,9 +5,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use bytemuck::{Pod, Zeroable};
 use formats::metrics::capsule::{Capsule, Point};
+use formats::ray::Kind;
 use formats::unit_space::UnitSpace;
 
-use crate::model::Order;
+use crate::model::{Order, Queue};
 
 /// A point with the number that it is coloured by; 16 bytes.
 #[repr(C)]
@@ -65,6 +66,33 @@ pub enum Shape {
     Segments(Vec<[Vertex; 2]>),
     /// Capsules.
     Capsules(Vec<CapsuleInstance>),
+    /// Boxes by their lowest corner, which has the value, and their highest.
+    Boxes(Vec<[Vertex; 2]>),
+}
+
+/// What is drawn where a ray ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// A disc: a closest ray found a surface.
+    Hit = 0,
+    /// A ring: a closest ray found nothing, or a shadow ray its light.
+    Miss = 1,
+    /// A cross: a shadow ray found an occluder.
+    Occluded = 2,
+}
+
+impl Mark {
+    /// Of a ray.
+    ///
+    /// # Panics
+    /// If there is no such ray.
+    pub fn of(queue: &Queue, ray: usize) -> Self {
+        match (queue.is_at_surface(ray), queue.id.kind) {
+            (false, _) => Self::Miss,
+            (true, Kind::Closest) => Self::Hit,
+            (true, Kind::Shadow) => Self::Occluded,
+        }
+    }
 }
 
 /// A shape with a number of its own, by which the GPU knows whether it has it already.
@@ -100,7 +128,8 @@ impl Geometry {
 }
 
 /// Which end of a ray.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum RayEnd {
     /// Where it starts.
     #[default]
@@ -140,13 +169,20 @@ pub fn rays(order: &Order, places: impl Iterator<Item = usize>, value: impl Fn(u
     Shape::Segments(places.map(of).collect())
 }
 
-/// Where shown rays end, as dots.
+/// Where shown rays end: the first point has the value, the second the [`Mark`].
 pub fn ends(order: &Order, places: impl Iterator<Item = usize>, value: impl Fn(usize) -> f32) -> Shape {
     let of = |place: usize| {
-        let end = vertex(order.queue.segment(order.places.ray(place)).end, value(place));
-        [end; 2]
+        let ray = order.places.ray(place);
+        let end = order.queue.segment(ray).end;
+        [vertex(end, value(place)), vertex(end, Mark::of(&order.queue, ray) as u8 as f32)]
     };
     Shape::Segments(places.map(of).collect())
+}
+
+/// Boxes with their values.
+pub fn boxes(found: impl Iterator<Item = (([f32; 3], [f32; 3]), f32)>) -> Shape {
+    let corner = |position, value| Vertex { position, value };
+    Shape::Boxes(found.map(|((low, high), value)| [corner(low, value), corner(high, value)]).collect())
 }
 
 /// The twelve edges of a box.
@@ -167,6 +203,20 @@ pub fn mesh(unit: &UnitSpace, positions: &[[f32; 3]], triangles: &[[u32; 3]]) ->
         positions: positions.iter().map(|&position| unit.point(position)).collect(),
         triangles: triangles.iter().filter(exists).copied().collect(),
     }
+}
+
+/// The edges of surfaces, each once.
+pub fn mesh_edges(shape: &Shape) -> Shape {
+    let Shape::Mesh { positions, triangles } = shape else { return Shape::Segments(Vec::new()) };
+    let mut edges: Vec<[u32; 2]> = triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+        .map(|[a, b]| [a.min(b), a.max(b)])
+        .collect();
+    edges.sort_unstable();
+    edges.dedup();
+    let corner = |at: u32| Vertex { position: positions[at as usize], value: 0.0 };
+    Shape::Segments(edges.into_iter().map(|edge| edge.map(corner)).collect())
 }
 
 /// The box around vertices; `None` for none.

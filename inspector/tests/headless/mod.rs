@@ -5,6 +5,7 @@
 
 use egui_kittest::Harness;
 use egui_kittest::wgpu::WgpuTestRenderer;
+use inspector::app::App;
 use inspector::model::{Absent, Context};
 use inspector::panels::space::layers::Layers;
 use inspector::panels::space::options::Options;
@@ -30,24 +31,52 @@ pub(crate) fn renderer() -> (WgpuTestRenderer, wgpu::TextureFormat) {
 
 /// A panel of 900 by 640 points.
 pub(crate) fn panel(name: &str, context: Context) -> Harness<'static, State> {
+    panel_made(name, [900.0, 640.0], context, |_| {})
+}
+
+/// A panel of this size, changed before it is first drawn.
+pub(crate) fn panel_made(
+    name: &str,
+    size: [f32; 2],
+    context: Context,
+    change: impl FnOnce(&mut dyn Panel),
+) -> Harness<'static, State> {
     let (renderer, format) = renderer();
     let entry = PANELS.iter().find(|entry| entry.name == name).unwrap();
-    let state = State { panel: (entry.make)(format), context };
-    let mut harness = Harness::builder()
-        .with_size([900.0, 640.0])
-        .with_accessibility_check(false)
-        .renderer(renderer)
-        .build_ui_state(|ui, state: &mut State| state.panel.show(ui, &mut state.context), state);
+    let mut panel = (entry.make)(format);
+    change(panel.as_mut());
+    let mut harness =
+        Harness::builder().with_size(size).with_accessibility_check(false).renderer(renderer).build_ui_state(
+            |ui, state: &mut State| state.panel.show(ui, &mut state.context),
+            State { panel, context },
+        );
     settle(&mut harness);
     harness
 }
 
+/// What is drawn, with what it is drawn of.
+pub(crate) trait Drawn {
+    fn context(&mut self) -> &mut Context;
+}
+
+impl Drawn for State {
+    fn context(&mut self) -> &mut Context {
+        &mut self.context
+    }
+}
+
+impl Drawn for App {
+    fn context(&mut self) -> &mut Context {
+        &mut self.context
+    }
+}
+
 /// Draws until nothing is being read or made.
-pub(crate) fn settle(harness: &mut Harness<'_, State>) {
+pub(crate) fn settle(harness: &mut Harness<'_, impl Drawn>) {
     let mut still = 0;
     while still < STILL_FRAMES {
         harness.step();
-        still = if harness.state_mut().context.finish() { 0 } else { still + 1 };
+        still = if harness.state_mut().context().finish() { 0 } else { still + 1 };
     }
 }
 

@@ -18,6 +18,7 @@ use crate::model::rows::{Direction, Rows, Sorting};
 use crate::model::{Context, Order};
 use crate::output::count;
 use crate::panels::Panel;
+use crate::panels::data::Data;
 
 /// Between columns, points.
 const GAP: f32 = 14.0;
@@ -135,6 +136,20 @@ impl Panel for RaysPanel {
             context.select_ray(Some(ray));
             self.seen = Some((ray, Arc::as_ptr(&rows)));
         }
+    }
+
+    fn data(&mut self, context: &mut Context) -> Result<Data, String> {
+        let order = context.order()?;
+        let rows = context.rows(&order, self.sorting).ok_or("its rows are still being sorted")?;
+        let numbers = context.numbers(order).ok_or("no recording is open")?;
+        let all = rows.len();
+        let columns: Vec<Quantity> = self.columns.iter().map(|column| column.quantity).collect();
+        let names: Vec<&str> = columns.iter().map(|quantity| quantity.name()).collect();
+        let row = move |row: usize| {
+            let place = rows.place(row);
+            columns.iter().map(|&quantity| numbers.text(quantity, place)).collect()
+        };
+        Ok(Data::new(&names, (0..all).map(row)))
     }
 }
 

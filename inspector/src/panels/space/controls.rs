@@ -1,29 +1,19 @@
-//! The row above the picture, what is written on it, the slider and the colour bar below.
+//! The row above the picture, and what is written on it.
 
-use egui::{Align2, Color32, ComboBox, FontId, Rect, Slider, Ui, pos2, vec2};
+use egui::{ComboBox, FontId, Rect, Slider, Ui, vec2};
 
 use super::super::filter_box::filter_box;
-use super::layers::AREAS;
-use super::options::{CapsuleChoice, MeshMode, StandPoint};
+use super::options::{Axis, CapsuleChoice, MeshMode, Navigation, Options, Side, StandPoint};
 use super::{SpaceView, stand};
 use crate::model::value::ColourBy;
 use crate::model::{Absent, Context};
 use crate::render::camera::Camera;
 use crate::render::colour_map::ColourMap;
 use crate::render::geometry::RayEnd;
-use crate::render::range::{ValueRange, Values};
 use crate::theme::Theme;
 
-/// Height of the colour bar itself.
-const BAR: f32 = 12.0;
-/// Parts of the histogram above it.
-const BINS: usize = 96;
 /// Width of the filter, points.
 const FILTER_WIDTH: f32 = 170.0;
-/// Height of the histogram.
-const BINS_HEIGHT: f32 = 18.0;
-/// Of the order, each second that it plays.
-const PLAYED_PER_SECOND: f32 = 0.08;
 
 /// What is shown.
 pub(super) fn above(ui: &mut Ui, view: &mut SpaceView, context: &mut Context) {
@@ -32,19 +22,16 @@ pub(super) fn above(ui: &mut Ui, view: &mut SpaceView, context: &mut Context) {
         ui.toggle_value(&mut options.curve, "Curve").on_hover_text("A line through the rays in their order");
         ui.toggle_value(&mut options.rays, "Rays")
             .on_hover_text("A line from each origin to where the ray ended");
-        ui.toggle_value(&mut options.ends, "Ends").on_hover_text("A dot where each ray ended");
+        ui.toggle_value(&mut options.ends, "Ends").on_hover_text(
+            "Where each ray ended: a disc at a surface, a ring where it hit nothing, a cross at an occluder",
+        );
         ui.toggle_value(&mut options.capsules, "Capsules")
             .on_hover_text("The hull of a sphere around a group's origins and one around its ends");
-        ui.menu_button("Show", |ui| details(ui, view));
-        let options = &mut view.options;
-        ComboBox::from_id_salt("colour by")
-            .selected_text(format!("by {}", options.colour_by.name()))
-            .show_ui(ui, |ui| {
-                for choice in ColourBy::ALL {
-                    ui.selectable_value(&mut options.colour_by, choice, choice.name())
-                        .on_hover_text(choice.title());
-                }
-            });
+        ui.toggle_value(&mut options.cells, "Cells").on_hover_text(
+            "Touched cells of the length table where their rays start, coloured by their mean length",
+        );
+        ui.menu_button("Show", |ui| details(ui, options)).response.on_hover_text("How all of it is drawn");
+        colour_choice(ui, options, context);
         ComboBox::from_id_salt("colour map").selected_text(options.map.name()).show_ui(ui, |ui| {
             for map in ColourMap::ALL {
                 ui.selectable_value(&mut options.map, map, map.name());
@@ -53,6 +40,33 @@ pub(super) fn above(ui: &mut Ui, view: &mut SpaceView, context: &mut Context) {
         cameras(ui, view, context);
         filter_box(ui, context, FILTER_WIDTH);
     });
+}
+
+fn colour_choice(ui: &mut Ui, options: &mut Options, context: &mut Context) {
+    let fields = context.order().ok().and_then(|order| {
+        let (_, layout) = order.keys.as_ref().ok()?;
+        Some(
+            layout
+                .layout
+                .fields(layout.key_bits)
+                .into_iter()
+                .map(|field| field.coordinate)
+                .collect::<Vec<_>>(),
+        )
+    });
+    let fields = fields.unwrap_or_default().into_iter().map(ColourBy::Field);
+    ComboBox::from_id_salt("colour by").selected_text(format!("by {}", options.colour_by.name())).show_ui(
+        ui,
+        |ui| {
+            for choice in ColourBy::ALL.into_iter().chain(fields) {
+                let label = ui.selectable_label(options.colour_by == choice, choice.name());
+                if label.on_hover_text(choice.title()).clicked() {
+                    // A range of other numbers says nothing of these.
+                    (options.colour_by, options.range) = (choice, None);
+                }
+            }
+        },
+    );
 }
 
 fn cameras(ui: &mut Ui, view: &mut SpaceView, context: &Context) {
@@ -66,7 +80,12 @@ fn cameras(ui: &mut Ui, view: &mut SpaceView, context: &Context) {
         }
     }
     if let Some((_, camera)) = &mut view.camera {
-        ui.menu_button("View", |ui| typed(ui, camera));
+        ui.menu_button("View", |ui| typed(ui, camera)).response.on_hover_text("The camera as numbers");
+    }
+    let is_flying = view.options.navigation == Navigation::Fly;
+    let toggle = ui.selectable_label(is_flying, "Fly");
+    if toggle.on_hover_text("Dragging turns the head, W A S D Q E fly (G)").clicked() {
+        view.options.navigation = if is_flying { Navigation::Orbit } else { Navigation::Fly };
     }
 }
 
@@ -84,51 +103,68 @@ fn typed(ui: &mut Ui, camera: &mut Camera) {
     ] {
         ui.add(egui::DragValue::new(value).speed(0.005).prefix(format!("{name} ")));
     }
-    let Camera { target, yaw, pitch, distance, .. } = *camera;
-    if ui.button("Copy").clicked() {
-        let text = format!("{} {} {} {yaw} {pitch} {distance}", target.x, target.y, target.z);
-        ui.ctx().copy_text(text);
+    if ui.button("Copy").on_hover_text("As `inspector shot --camera` takes it").clicked() {
+        ui.ctx().copy_text(camera.to_string());
+    }
+    let mut text = String::new();
+    let line = egui::TextEdit::singleline(&mut text).hint_text("paste a camera here").desired_width(140.0);
+    if ui.add(line).changed()
+        && let Ok(pasted) = text.parse()
+    {
+        *camera = pasted;
     }
 }
 
-fn details(ui: &mut Ui, view: &mut SpaceView) {
-    let options = &mut view.options;
-    ui.label("Surfaces");
+fn choose<T: PartialEq + Copy>(ui: &mut Ui, title: &str, chosen: &mut T, choices: &[(T, &str)]) {
     ui.horizontal(|ui| {
-        for (mode, name) in
-            [(MeshMode::Solid, "solid"), (MeshMode::Ghost, "see-through"), (MeshMode::Hidden, "hidden")]
-        {
-            ui.selectable_value(&mut options.mesh, mode, name);
+        ui.label(title);
+        for (choice, name) in choices {
+            ui.selectable_value(chosen, *choice, *name);
         }
     });
+}
+
+fn details(ui: &mut Ui, options: &mut Options) {
+    let modes = [
+        (MeshMode::Solid, "solid"),
+        (MeshMode::Ghost, "see-through"),
+        (MeshMode::Wire, "edges"),
+        (MeshMode::Hidden, "hidden"),
+    ];
+    choose(ui, "Surfaces", &mut options.mesh, &modes);
     ui.add(Slider::new(&mut options.ghost_opacity, 0.02..=1.0).text("opacity if see-through"));
-    ui.add(Slider::new(&mut options.cut, 0.0..=1.0).text("cut away above"));
-    ui.add(Slider::new(&mut options.hidden_opacity, 0.0..=1.0).text("opacity of hidden lines"));
+    choose(ui, "Cut across", &mut options.clip_axis, &[(Axis::X, "x"), (Axis::Y, "y"), (Axis::Z, "z")]);
+    ui.add(Slider::new(&mut options.clip_at, 0.0..=1.0).text("cut at"))
+        .on_hover_text("Part of the scene's extent along that axis");
+    choose(ui, "Keep", &mut options.clip_keeps, &[(Side::Below, "below"), (Side::Above, "above")]);
     ui.separator();
-    ui.label("Curve through");
-    ui.horizontal(|ui| {
-        ui.selectable_value(&mut options.curve_end, RayEnd::Origin, "origins");
-        ui.selectable_value(&mut options.curve_end, RayEnd::Termination, "ends");
-    });
+    choose(
+        ui,
+        "Curve through",
+        &mut options.curve_end,
+        &[(RayEnd::Origin, "origins"), (RayEnd::Termination, "ends")],
+    );
+    ui.checkbox(&mut options.arrows, "arrow heads on rays");
     ui.add(Slider::new(&mut options.detail, 2..=4_194_304).logarithmic(true).text("rays at most"));
     ui.add(Slider::new(&mut options.line_width, 0.5..=6.0).text("width of lines"));
+    ui.add(Slider::new(&mut options.hidden_opacity, 0.0..=1.0).text("opacity of hidden lines"));
     ui.separator();
-    ui.label("Capsules of");
-    ui.horizontal(|ui| {
-        for (choice, name) in [
-            (CapsuleChoice::Selected, "the selected group"),
-            (CapsuleChoice::Worst, "the worst"),
-            (CapsuleChoice::Spread, "some"),
-        ] {
-            ui.selectable_value(&mut options.capsule_choice, choice, name);
-        }
-    });
+    let capsules = [
+        (CapsuleChoice::Selected, "the selected group"),
+        (CapsuleChoice::Worst, "the worst"),
+        (CapsuleChoice::Spread, "some"),
+    ];
+    choose(ui, "Capsules of", &mut options.capsule_choice, &capsules);
     ui.add(Slider::new(&mut options.capsule_count, 1..=2000).logarithmic(true).text("capsules at most"));
-    ui.add(Slider::new(&mut options.capsule_opacity, 0.02..=1.0).text("opacity of capsules"));
+    ui.add(Slider::new(&mut options.capsule_opacity, 0.02..=1.0).text("opacity of capsules and cells"));
+    ui.add(Slider::new(&mut options.cell_count, 1..=100_000).logarithmic(true).text("cells at most"));
     ui.separator();
     ui.label("Colours from and to these percentiles");
     ui.add(Slider::new(&mut options.percentiles.0, 0.0..=50.0).text("lowest"));
     ui.add(Slider::new(&mut options.percentiles.1, 50.0..=100.0).text("highest"));
+    if options.range.is_some() && ui.button("Use percentiles again").clicked() {
+        options.range = None;
+    }
 }
 
 /// Writes on the picture.
@@ -146,109 +182,5 @@ pub(super) fn overlay(ui: &Ui, rect: Rect, text: &str, problem: Option<&Absent>)
         None => {}
         Some(Absent::Awaited) => write(below, "reading the recording", ui.visuals().weak_text_color()),
         Some(Absent::Impossible(reason)) => write(below, reason, Theme::of(ui.ctx()).problem()),
-    }
-}
-
-/// Height of what is below the picture.
-pub(super) fn height_below(ui: &Ui) -> f32 {
-    let text = ui.text_style_height(&egui::TextStyle::Body);
-    ui.spacing().interact_size.y + BINS_HEIGHT + BAR + text + 18.0
-}
-
-/// The slider along the order, and what colours stand for.
-pub(super) fn below(ui: &mut Ui, view: &mut SpaceView) {
-    let options = &mut view.options;
-    ui.horizontal(|ui| {
-        let name = if options.is_playing { "Stop" } else { "Play" };
-        if ui.button(name).on_hover_text("Moves along the order (space)").clicked() {
-            options.is_playing = !options.is_playing;
-            if options.is_playing && options.until >= 1.0 {
-                options.until = 0.0;
-            }
-        }
-        let rest = (ui.available_width() - 290.0).max(40.0);
-        ui.spacing_mut().slider_width = rest;
-        ui.add(Slider::new(&mut options.until, 0.0..=1.0).text("until").fixed_decimals(3))
-            .on_hover_text("Where in the order the rays shown end");
-        ui.spacing_mut().slider_width = 60.0;
-        ui.add(Slider::new(&mut options.window, 0.001..=1.0).logarithmic(true).text("part"))
-            .on_hover_text("How much of the order before that is shown");
-    });
-    if options.is_playing {
-        options.until += PLAYED_PER_SECOND * ui.input(|input| input.stable_dt).min(0.1);
-        options.is_playing = options.until < 1.0;
-        options.until = options.until.min(1.0);
-        ui.ctx().request_repaint();
-    }
-    colour_bars(ui, view);
-}
-
-/// A bar for rays, for capsules, or for both beside each other.
-fn colour_bars(ui: &mut Ui, view: &SpaceView) {
-    let options = &view.options;
-    let by = options.colour_by;
-    let values = view.layers.values().filter(|_| by != ColourBy::Place);
-    let rays = view.layers.range().filter(|_| options.shows_rays()).map(|range| (range, by.title(), values));
-    let capsules = options.capsules.then_some((AREAS, "capsule area, log10", None));
-    let bars: Vec<_> = rays.into_iter().chain(capsules).collect();
-    let gap = 16.0;
-    let width = (ui.available_width() - gap * bars.len().saturating_sub(1) as f32) / bars.len().max(1) as f32;
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = gap;
-        for (range, title, values) in bars {
-            colour_bar(ui, options.map, width, (range, title), values);
-        }
-    });
-}
-
-fn colour_bar(
-    ui: &mut Ui,
-    map: ColourMap,
-    width: f32,
-    (range, title): (ValueRange, &str),
-    values: Option<&Values>,
-) {
-    let text_height = ui.text_style_height(&egui::TextStyle::Body);
-    let height = BINS_HEIGHT + BAR + text_height + 2.0;
-    let (rect, _) = ui.allocate_exact_size(vec2(width, height), egui::Sense::hover());
-    let painter = ui.painter();
-    let counts = values.map_or(vec![0; BINS], |values| values.histogram(range, BINS));
-    let most = counts.iter().copied().max().unwrap_or(0).max(1) as f32;
-    let step = rect.width() / BINS as f32;
-    let bar_top = rect.top() + BINS_HEIGHT;
-    for (at, count) in counts.into_iter().enumerate() {
-        let [red, green, blue] = map.colour((at as f32 + 0.5) / BINS as f32);
-        let colour = Color32::from_rgb(red, green, blue);
-        let left = rect.left() + at as f32 * step;
-        let high = (BINS_HEIGHT - 2.0) * count as f32 / most;
-        painter.rect_filled(
-            Rect::from_min_max(pos2(left, bar_top), pos2(left + step + 0.5, bar_top + BAR)),
-            0.0,
-            colour,
-        );
-        let bin = Rect::from_min_max(pos2(left, bar_top - high), pos2(left + step - 0.5, bar_top - 1.0));
-        if high > 0.0 {
-            painter.rect_filled(bin, 0.0, ui.visuals().weak_text_color());
-        }
-    }
-    let line = bar_top + BAR + 2.0;
-    let font = egui::TextStyle::Body.resolve(ui.style());
-    let colour = ui.visuals().text_color();
-    for (x, align, text) in [
-        (rect.left(), Align2::LEFT_TOP, number(range.low)),
-        (rect.center().x, Align2::CENTER_TOP, title.to_owned()),
-        (rect.right(), Align2::RIGHT_TOP, number(range.high)),
-    ] {
-        painter.text(pos2(x, line), align, text, font.clone(), colour);
-    }
-}
-
-fn number(value: f32) -> String {
-    match value.abs() {
-        0.0 => "0".to_owned(),
-        size if size >= 1000.0 => crate::output::count(size as u64),
-        size if size >= 1.0 => format!("{value:.2}"),
-        size if size >= 0.001 => format!("{value:.4}"),
-        _ => format!("{value:.2e}"),
     }
 }

@@ -3,6 +3,7 @@
 use egui::{Key, PointerButton, Response, Ui};
 use glam::Vec3;
 
+use super::options::Navigation;
 use super::{SpaceView, StandPoint, stand};
 use crate::model::{Context, Order};
 use crate::render::camera::Camera;
@@ -13,13 +14,15 @@ const TURN: f32 = 0.006;
 const REACH: f32 = 8.0;
 /// Unit lengths flown in a second for each unit of distance to the target.
 const FLIGHT: f32 = 1.2;
+/// How many times as much with shift.
+const HASTE: f32 = 4.0;
 
 /// Takes what was done to the picture.
 pub(super) fn take(ui: &Ui, response: &Response, view: &mut SpaceView, context: &mut Context) {
     let Some(recording) = context.recording() else { return };
     let at = context.selection.recording;
     let mut camera = view.camera(at, recording);
-    drag(ui, response, &mut camera);
+    drag(ui, response, view.options.navigation, &mut camera);
     if response.hovered() {
         let scroll = ui.input(|input| input.smooth_scroll_delta.y);
         camera.zoom((scroll * 0.003).exp());
@@ -38,12 +41,13 @@ pub(super) fn take(ui: &Ui, response: &Response, view: &mut SpaceView, context: 
     }
 }
 
-fn drag(ui: &Ui, response: &Response, camera: &mut Camera) {
+fn drag(ui: &Ui, response: &Response, navigation: Navigation, camera: &mut Camera) {
     let by = response.drag_delta();
     let shift = ui.input(|input| input.modifiers.shift);
-    if response.dragged_by(PointerButton::Primary) && !shift {
+    let is_primary = response.dragged_by(PointerButton::Primary) && !shift;
+    if is_primary && navigation == Navigation::Orbit {
         camera.orbit(-by.x * TURN, -by.y * TURN);
-    } else if response.dragged_by(PointerButton::Secondary) {
+    } else if is_primary || response.dragged_by(PointerButton::Secondary) {
         camera.look(-by.x * TURN, -by.y * TURN);
     } else if response.dragged() {
         let height = response.rect.height().max(1.0);
@@ -54,7 +58,8 @@ fn drag(ui: &Ui, response: &Response, camera: &mut Camera) {
 
 fn keys(ui: &Ui, camera: &mut Camera, view: &mut SpaceView, context: &mut Context) {
     let (seconds, down) = ui.input(|input| (input.stable_dt.min(0.1), input.keys_down.clone()));
-    let step = FLIGHT * camera.distance * seconds;
+    let haste = if ui.input(|input| input.modifiers.shift) { HASTE } else { 1.0 };
+    let step = haste * FLIGHT * camera.distance * seconds;
     let mut is_flying = false;
     for (key, right, up, forward) in [
         (Key::W, 0.0, 0.0, 1.0),
@@ -84,10 +89,17 @@ fn keys(ui: &Ui, camera: &mut Camera, view: &mut SpaceView, context: &mut Contex
     if pressed(Key::Space) {
         view.options.is_playing = !view.options.is_playing;
     }
-    if pressed(Key::F)
-        && let Some((low, high)) = selected_box(context)
-    {
-        camera.frame(low, high);
+    if pressed(Key::G) {
+        view.options.navigation = match view.options.navigation {
+            Navigation::Orbit => Navigation::Fly,
+            Navigation::Fly => Navigation::Orbit,
+        };
+    }
+    if pressed(Key::F) {
+        let scene = context.recording().map(|open| (Vec3::ZERO, Vec3::from(open.unit().sides)));
+        if let Some((low, high)) = selected_box(context).or(scene) {
+            camera.frame(low, high);
+        }
     }
 }
 

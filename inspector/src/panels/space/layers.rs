@@ -3,17 +3,18 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use formats::reader::Dump;
 use rayon::prelude::*;
 
 use super::options::{CapsuleChoice, Options};
 use super::shown::Shown;
 use crate::analysis::GroupWidth;
-use crate::model::background::{Background, Waker};
+use crate::model::background::Background;
 use crate::model::derived::Filtered;
 use crate::model::filter::{Expression, Passing};
 use crate::model::value::ColourBy;
 use crate::model::{Absent, Context, Order};
-use crate::render::cell_box::cell_box;
+use crate::render::cell_box::{cell_box, cells};
 use crate::render::detail::Detail;
 use crate::render::frame::{Layer, Paint, Stage};
 use crate::render::geometry::{
@@ -24,6 +25,10 @@ use crate::theme::{ShaderColour, Theme};
 
 /// Rays of a group that are drawn bold.
 const SELECTED_WIDTH: f32 = 3.0;
+
+/// Length of an arrow's head, and width of a mark, pixels.
+const ARROW_WIDTH: f32 = 9.0;
+const MARK_WIDTH: f32 = 8.0;
 
 /// Serial number of an order, and rays of a group.
 type OrderKey = (u64, GroupWidth);
@@ -38,7 +43,10 @@ struct Key {
     curve: Option<RayEnd>,
     rays: bool,
     ends: bool,
+    cells: Option<usize>,
     colour_by: ColourBy,
+    /// The numbers in place of `colour_by`, if there are any, by their own number.
+    values: Option<u64>,
     capsules: Option<(CapsuleChoice, usize, Option<usize>)>,
 }
 
@@ -49,6 +57,14 @@ struct SelectedKey {
     chosen: (Option<usize>, Option<usize>, Option<u32>),
 }
 
+/// What vertices are made of, besides the order.
+struct Behind {
+    /// The rays that pass the filter; all if `None`.
+    passing: Option<Arc<Passing>>,
+    values: Option<RayValues>,
+    dump: Arc<Dump>,
+}
+
 /// The vertices of all rays that are shown.
 struct Made {
     places: Shown,
@@ -56,7 +72,24 @@ struct Made {
     rays: Option<Geometry>,
     ends: Option<Geometry>,
     capsules: Option<Capsules>,
+    cells: Option<(Geometry, ValueRange)>,
     values: Values,
+}
+
+/// Bounces that colours tell apart.
+const BOUNCES_SHOWN: f32 = 8.0;
+
+/// A number for each ray of a queue, by its canonical index: what rays may be coloured by.
+#[derive(Clone, Debug)]
+pub struct RayValues {
+    /// Two with one number are the same.
+    pub id: u64,
+    /// What the colour bar says.
+    pub title: &'static str,
+    /// NaN where it is not known.
+    pub of_ray: Arc<Vec<f32>>,
+    /// What the ends of the colours stand for; percentiles if `None`.
+    pub range: Option<ValueRange>,
 }
 
 /// Capsules, and how many there are.
@@ -86,6 +119,8 @@ pub struct Layers {
     made: Option<(Key, Arc<Made>)>,
     selected: Option<(SelectedKey, Selected)>,
     problem: Option<Absent>,
+    /// What rays are coloured by in place of what the options say.
+    values_of_rays: Option<RayValues>,
     range: Option<ValueRange>,
     shown: usize,
     all: usize,
@@ -114,6 +149,16 @@ impl Layers {
         self.problem.as_ref()
     }
 
+    /// Colours rays by these numbers, or by what the options say.
+    pub fn colour_by(&mut self, values: Option<RayValues>) {
+        self.values_of_rays = values;
+    }
+
+    /// What the colour bar says, if rays are not coloured by what the options say.
+    pub(super) fn title(&self) -> Option<&'static str> {
+        self.values_of_rays.as_ref().map(|values| values.title)
+    }
+
     /// What the ends of the colours stand for.
     pub(super) fn range(&self) -> Option<ValueRange> {
         self.range
@@ -127,6 +172,12 @@ impl Layers {
     /// The places shown: what the pointer can choose.
     pub(super) fn places(&self) -> impl Iterator<Item = usize> {
         self.made.iter().flat_map(|(_, made)| made.places.places())
+    }
+
+    /// The places of the rays in the last picture.
+    pub(super) fn shown_places(&self, options: &Options, rays: usize) -> impl Iterator<Item = usize> {
+        let shown = scrubbed(options, rays);
+        self.places().filter(move |place| shown.contains(place))
     }
 
     /// The layers of a picture.
@@ -150,14 +201,17 @@ impl Layers {
             curve: options.curve.then_some(options.curve_end),
             rays: options.rays,
             ends: options.ends,
+            cells: options.cells.then_some(options.cell_count),
             colour_by: options.colour_by,
+            values: self.values_of_rays.as_ref().map(|values| values.id),
             capsules: options.capsules.then(|| {
                 let group = selection.group.filter(|_| options.capsule_choice == CapsuleChoice::Selected);
                 (options.capsule_choice, options.capsule_count, group)
             }),
         };
-        self.problem = options.colour_by.missing(&order).map(Absent::from);
-        self.make(&order, key, filtered.passing(), context.waker());
+        let missing = options.colour_by.missing(&order).filter(|_| self.values_of_rays.is_none());
+        self.problem = missing.map(Absent::from);
+        self.make(&order, key, filtered.passing(), context);
         let chosen = (selection.ray, selection.group, selection.cell);
         self.passing = filtered.passing().map(|passing| passing.len());
         let key = SelectedKey { order: of_order, chosen };
@@ -169,13 +223,15 @@ impl Layers {
     }
 
     /// Has the vertices of all rays made by another thread.
-    fn make(&mut self, order: &Arc<Order>, key: Key, passing: Option<Arc<Passing>>, waker: &Waker) {
+    fn make(&mut self, order: &Arc<Order>, key: Key, passing: Option<Arc<Passing>>, context: &Context) {
+        let Some(recording) = context.recording() else { return };
         if self.made.as_ref().is_some_and(|(known, _)| *known == key) {
             return;
         }
+        let behind = Behind { passing, values: self.values_of_rays.clone(), dump: recording.dump.clone() };
         let (order, wanted) = (order.clone(), key.clone());
-        let making = move || Arc::new(Made::of(&order, &wanted, passing));
-        if let Some(made) = self.making.of(key.clone(), waker, making) {
+        let making = move || Arc::new(Made::of(&order, &wanted, &behind));
+        if let Some(made) = self.making.of(key.clone(), context.waker(), making) {
             self.made = Some((key, made.clone()));
         } else {
             self.problem = Some(Absent::Awaited);
@@ -186,8 +242,19 @@ impl Layers {
 
     fn layers(&mut self, theme: Theme, options: &Options, order: &Order) -> Vec<Layer> {
         let (Some((_, made)), Some((_, selected))) = (&self.made, &self.selected) else { return Vec::new() };
+        let values = self.values_of_rays.as_ref();
         let range = match options.colour_by {
-            ColourBy::Place => ValueRange { low: 0.0, high: order.len().saturating_sub(1).max(1) as f32 },
+            _ if values.is_some_and(|values| values.range.is_some()) && options.range.is_none() => {
+                values.and_then(|values| values.range).unwrap_or(AREAS)
+            }
+            ColourBy::Bounce if values.is_none() => ValueRange { low: 0.0, high: BOUNCES_SHOWN },
+            ColourBy::Place if values.is_none() => {
+                ValueRange { low: 0.0, high: order.len().saturating_sub(1).max(1) as f32 }
+            }
+            _ if options.range.is_some() => {
+                let (low, high) = options.range.unwrap_or_default();
+                ValueRange { low, high }
+            }
             _ => made.values.percentiles(options.percentiles.0, options.percentiles.1),
         };
         self.range = Some(range);
@@ -200,7 +267,26 @@ impl Layers {
         // A line of the curve goes to the next point, so the last point has none.
         layers.extend(made.curve.as_ref().map(|curve| drawing.lines(curve, 1, 0.9)));
         layers.extend(made.rays.as_ref().map(|rays| drawing.lines(rays, 0, 0.7)));
-        layers.extend(made.ends.as_ref().map(|ends| Layer { width: 4.0, ..drawing.lines(ends, 0, 1.0) }));
+        let heads = made.rays.as_ref().filter(|_| options.arrows);
+        layers.extend(heads.map(|rays| Layer {
+            stage: Stage::Arrows,
+            width: ARROW_WIDTH.max(5.0 * options.line_width),
+            ..drawing.lines(rays, 0, 1.0)
+        }));
+        layers.extend(made.ends.as_ref().map(|ends| Layer {
+            stage: Stage::Marks,
+            width: MARK_WIDTH,
+            ..drawing.lines(ends, 0, 1.0)
+        }));
+        layers.extend(made.cells.as_ref().map(|(cells, range)| Layer {
+            geometry: cells.clone(),
+            part: None,
+            stage: Stage::Boxes,
+            paint: Paint::Values(options.map, *range),
+            opacity: options.capsule_opacity,
+            hidden_opacity: 0.0,
+            width: 0.0,
+        }));
         layers.extend(made.capsules.as_ref().map(|capsules| Layer {
             geometry: capsules.geometry.clone(),
             part: None,
@@ -251,15 +337,19 @@ impl Drawing<'_> {
 }
 
 impl Made {
-    fn of(order: &Order, key: &Key, passing: Option<Arc<Passing>>) -> Self {
+    fn of(order: &Order, key: &Key, behind: &Behind) -> Self {
         let width = key.order.1;
-        let shown = Shown::of(&key.places, key.detail, passing);
-        let value = |place: usize| key.colour_by.value(order, width, place);
+        let shown = Shown::of(&key.places, key.detail, behind.passing.clone());
+        let value = |place: usize| match &behind.values {
+            Some(values) => values.of_ray.get(order.places.ray(place)).copied().unwrap_or(f32::NAN),
+            None => key.colour_by.value(order, width, place),
+        };
         Self {
             curve: key.curve.map(|end| curve(order, shown.places(), end, value).into()),
             rays: key.rays.then(|| rays(order, shown.places(), value).into()),
             ends: key.ends.then(|| ends(order, shown.places(), value).into()),
             capsules: key.capsules.map(|(choice, most, group)| capsules(order, width, choice, most, group)),
+            cells: key.cells.map(|most| cells(&behind.dump.manifest().header.options, &order.queue, most)),
             values: Values::of(shown.places().collect::<Vec<_>>().into_par_iter().map(value)),
             places: shown,
         }

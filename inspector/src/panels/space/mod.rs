@@ -2,9 +2,10 @@
 //!
 //! - [`options`]: what is shown, and how
 //! - [`layers`]: from a selection to vertices, made anew only when it changes; `shown`: of which places
-//! - `controls`: the row above the picture, the slider and the colour bar below
+//! - `controls`: the row above the picture; `bars`: the slider and the colour bars below
 //! - `input`: pointer and keys
 
+mod bars;
 mod controls;
 mod input;
 pub mod layers;
@@ -18,16 +19,18 @@ use egui::Sense;
 use formats::manifest::{Place, SceneArray};
 use formats::reader::{Dump, Mapped};
 use formats::unit_space::UnitSpace;
+use serde::{Deserialize, Serialize};
 
-use self::layers::Layers;
-use self::options::{MeshMode, Options, StandPoint};
+use self::layers::{Layers, RayValues};
+use self::options::{MeshMode, Options, Side, StandPoint};
 use super::filter_box;
 use crate::model::background::Background;
 use crate::model::{Absent, Context, Recording};
 use crate::output::count;
+use crate::panels::data::Data;
 use crate::render::camera::Camera;
 use crate::render::frame::{Cut, Frame, Layer, Paint, Stage};
-use crate::render::geometry::{Geometry, mesh};
+use crate::render::geometry::{Geometry, mesh, mesh_edges};
 use crate::render::gpu::FrameCallback;
 use crate::theme::Theme;
 
@@ -38,10 +41,20 @@ pub struct SpaceView {
     /// What is shown, and how.
     pub options: Options,
     camera: Option<(usize, Camera)>,
-    meshes: Background<usize, Result<Geometry, String>>,
+    /// Where the camera goes next, whatever the recording.
+    placed: Option<Camera>,
+    /// Surfaces, or their edges, by the opening of their recording.
+    meshes: Background<(u64, MeshForm), Result<Geometry, String>, 2>,
     /// Why the last picture lacks surfaces.
     mesh_problem: Option<Absent>,
     layers: Layers,
+}
+
+/// What sessions keep of a view.
+#[derive(Deserialize, Serialize)]
+pub(super) struct SpaceState {
+    options: Options,
+    camera: Option<Camera>,
 }
 
 impl SpaceView {
@@ -53,6 +66,7 @@ impl SpaceView {
             format,
             options: Options::default(),
             camera: None,
+            placed: None,
             meshes: Background::default(),
             mesh_problem: None,
             layers: Layers::default(),
@@ -62,20 +76,72 @@ impl SpaceView {
     /// The camera, that of the options if the recording is another one.
     fn camera(&mut self, at: usize, recording: &Recording) -> Camera {
         match self.camera {
-            Some((known, camera)) if known == at => camera,
+            Some((known, camera)) if known == at && self.placed.is_none() => camera,
             _ => {
-                let camera = stand(self.options.stand_point, recording);
+                let placed = self.placed.take();
+                let camera = placed.unwrap_or_else(|| stand(self.options.stand_point, recording));
                 self.camera = Some((at, camera));
                 camera
             }
         }
     }
 
-    /// The surfaces of the recording that is looked at.
-    fn mesh(&mut self, context: &Context) -> Option<Geometry> {
-        let (at, recording) = (context.selection.recording, context.recording()?);
+    /// What is kept of it.
+    pub(super) fn state(&self) -> serde_json::Value {
+        serde_json::to_value(self.kept()).unwrap_or_default()
+    }
+
+    /// The same, to be kept with more.
+    pub(super) fn kept(&self) -> SpaceState {
+        let camera = self.placed.or(self.camera.map(|(_, camera)| camera));
+        SpaceState { options: self.options.clone(), camera }
+    }
+
+    /// Shows what was kept.
+    pub(super) fn set_state(&mut self, state: SpaceState) {
+        self.options = state.options;
+        self.placed = state.camera;
+    }
+
+    /// Puts the camera somewhere, whatever the recording.
+    pub fn place(&mut self, camera: Camera) {
+        self.placed = Some(camera);
+    }
+
+    /// Colours rays by these numbers, or by what the options say.
+    pub(super) fn colour_by(&mut self, values: Option<RayValues>) {
+        self.layers.colour_by(values);
+    }
+
+    /// The rays shown, with the numbers that they are coloured by.
+    pub(super) fn data(&self, context: &mut Context) -> Result<Data, String> {
+        let order = context.order()?;
+        let places: Vec<usize> = self.layers.shown_places(&self.options, order.len()).collect();
+        let (colour_by, width) = (self.options.colour_by, context.selection.group_width);
+        let name = colour_by.name();
+        let header =
+            ["place", "ray", "path", &*name, "origin_x", "origin_y", "origin_z", "end_x", "end_y", "end_z"];
+        let rows = places.into_iter().map({
+            let order = order.clone();
+            move |place| {
+                let ray = order.places.ray(place);
+                let segment = order.queue.segment(ray);
+                let value = colour_by.value(&order, width, place);
+                let mut row = vec![place.to_string(), ray.to_string(), order.queue.path_ids[ray].to_string()];
+                row.push(if value.is_nan() { String::new() } else { value.to_string() });
+                row.extend(segment.origin.iter().chain(&segment.end).map(f64::to_string));
+                row
+            }
+        });
+        Ok(Data::new(&header, rows))
+    }
+
+    /// The surfaces of the recording that is looked at, or their edges.
+    fn mesh(&mut self, context: &Context, form: MeshForm) -> Option<Geometry> {
+        let recording = context.recording()?;
         let (dump, unit) = (recording.dump.clone(), recording.unit());
-        let found = self.meshes.of(at, context.waker(), move || read_mesh(&dump, &unit));
+        let wanted = (recording.opening, form);
+        let found = self.meshes.of(wanted, context.waker(), move || read_mesh(&dump, &unit, form));
         let (mesh, problem) = match found {
             None => (None, Some(Absent::Awaited)),
             Some(Err(reason)) => (None, Some(reason.into())),
@@ -85,28 +151,27 @@ impl SpaceView {
         mesh
     }
 
+    /// The scene's surfaces, as the options show them.
+    fn surfaces(&mut self, theme: Theme, context: &Context) -> Option<Layer> {
+        let (form, stage, opacity, colour) = match self.options.mesh {
+            MeshMode::Hidden => {
+                self.mesh_problem = None;
+                return None;
+            }
+            MeshMode::Solid => (MeshForm::Surfaces, Stage::Solid, 1.0, theme.mesh()),
+            MeshMode::Ghost => (MeshForm::Surfaces, Stage::Ghost, self.options.ghost_opacity, theme.mesh()),
+            MeshMode::Wire => (MeshForm::Edges, Stage::Wire, 1.0, theme.edges()),
+        };
+        let geometry = self.mesh(context, form)?;
+        let (part, paint) = (None, Paint::Plain(colour));
+        Some(Layer { geometry, part, stage, paint, opacity, hidden_opacity: 0.0, width: WIRE_WIDTH })
+    }
+
     fn frame(&mut self, theme: Theme, pixels: [u32; 2], context: &mut Context) -> Option<Frame> {
         let at = context.selection.recording;
         let camera = self.camera(at, context.recording()?);
-        let mesh = match self.options.mesh {
-            MeshMode::Hidden => None,
-            MeshMode::Solid | MeshMode::Ghost => self.mesh(context),
-        };
-        let is_ghost = self.options.mesh == MeshMode::Ghost;
-        let mesh = mesh.map(|geometry| Layer {
-            geometry,
-            part: None,
-            stage: if is_ghost { Stage::Ghost } else { Stage::Solid },
-            paint: Paint::Plain(theme.mesh()),
-            opacity: if is_ghost { self.options.ghost_opacity } else { 1.0 },
-            hidden_opacity: 0.0,
-            width: 0.0,
-        });
-        let sides = context.recording()?.unit().sides;
-        let cut = match self.options.cut {
-            part if part >= 1.0 => Cut::NONE,
-            part => Cut { normal: [0.0, 1.0, 0.0], offset: part * sides[1] },
-        };
+        let mesh = self.surfaces(theme, context);
+        let cut = cut(&self.options, context.recording()?.unit().sides);
         let layers = self.layers.show(theme, &self.options, context);
         Some(Frame {
             camera,
@@ -118,6 +183,23 @@ impl SpaceView {
     }
 }
 
+/// Width of the edges of surfaces, pixels.
+const WIRE_WIDTH: f32 = 1.0;
+
+/// The clipping plane in unit space.
+pub fn cut(options: &Options, sides: [f32; 3]) -> Cut {
+    let axis = options.clip_axis as usize;
+    let direction = match options.clip_keeps {
+        Side::Below if options.clip_at >= 1.0 => return Cut::NONE,
+        Side::Above if options.clip_at <= 0.0 => return Cut::NONE,
+        Side::Below => 1.0,
+        Side::Above => -1.0,
+    };
+    let mut normal = [0.0; 3];
+    normal[axis] = direction;
+    Cut { normal, offset: direction * options.clip_at * sides[axis] }
+}
+
 /// The camera of a stand point.
 fn stand(point: StandPoint, recording: &Recording) -> Camera {
     let unit = recording.unit();
@@ -127,11 +209,23 @@ fn stand(point: StandPoint, recording: &Recording) -> Camera {
     }
 }
 
-fn read_mesh(dump: &Dump, unit: &UnitSpace) -> Result<Geometry, String> {
+/// What of a scene is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum MeshForm {
+    Surfaces,
+    /// Of the triangles, each once.
+    Edges,
+}
+
+fn read_mesh(dump: &Dump, unit: &UnitSpace, form: MeshForm) -> Result<Geometry, String> {
     let text = |error: formats::reader::ReadError| error.to_string();
     let positions: Mapped<[f32; 3]> = dump.array(&Place::Scene(SceneArray::Positions)).map_err(text)?;
     let triangles: Mapped<[u32; 3]> = dump.array(&Place::Scene(SceneArray::Triangles)).map_err(text)?;
-    Ok(mesh(unit, &positions, &triangles).into())
+    let surfaces = mesh(unit, &positions, &triangles);
+    Ok(match form {
+        MeshForm::Surfaces => surfaces.into(),
+        MeshForm::Edges => mesh_edges(&surfaces).into(),
+    })
 }
 
 impl SpaceView {
@@ -142,9 +236,9 @@ impl SpaceView {
 
     /// The picture with the slider and the colour bar below it, in all the room that there is.
     pub(super) fn picture_and_slider(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let below = controls::height_below(ui);
+        let below = bars::height_below(ui);
         self.picture(ui, context, ui.available_size() - egui::vec2(0.0, below));
-        controls::below(ui, self);
+        bars::below(ui, self);
     }
 
     /// The picture alone. Pointer and keys move the camera and choose rays.
@@ -166,12 +260,12 @@ impl SpaceView {
 
     /// The slider along the order and the colour bar.
     pub(super) fn slider(&mut self, ui: &mut egui::Ui) {
-        controls::below(ui, self);
+        bars::below(ui, self);
     }
 
     /// Height of the slider and the colour bar.
     pub(super) fn slider_height(ui: &egui::Ui) -> f32 {
-        controls::height_below(ui)
+        bars::height_below(ui)
     }
 
     /// Rays in the last picture, and all rays of the queue.

@@ -1,11 +1,14 @@
 //! What the scene view shows, and how.
 
+use serde::{Deserialize, Serialize};
+
 use crate::model::value::ColourBy;
 use crate::render::colour_map::ColourMap;
 use crate::render::geometry::RayEnd;
 
 /// How the scene's surfaces are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum MeshMode {
     /// Not at all.
     Hidden,
@@ -14,10 +17,13 @@ pub enum MeshMode {
     Solid,
     /// One looks through them.
     Ghost,
+    /// Their edges alone.
+    Wire,
 }
 
 /// Which capsules are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum CapsuleChoice {
     /// That of the selected group.
     #[default]
@@ -29,7 +35,8 @@ pub enum CapsuleChoice {
 }
 
 /// Where the camera stands at first.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum StandPoint {
     /// Where the recording's camera stood.
     #[default]
@@ -38,23 +45,69 @@ pub enum StandPoint {
     Overview,
 }
 
-/// What is shown, and how.
-#[derive(Clone, Debug, PartialEq)]
+/// An axis of unit space.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Axis {
+    /// The first.
+    X,
+    /// Upwards.
+    #[default]
+    Y,
+    /// The third.
+    Z,
+}
+
+/// Which side of the clipping plane stays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Side {
+    /// The one towards 0.
+    #[default]
+    Below,
+    /// The other.
+    Above,
+}
+
+/// What dragging in the picture does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Navigation {
+    /// Turns around the target.
+    #[default]
+    Orbit,
+    /// Turns the head; keys fly.
+    Fly,
+}
+
+/// What is shown, and how. Sessions and `shot --set` know the fields by these names.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Options {
     /// The scene's surfaces.
     pub mesh: MeshMode,
     /// Opacity of surfaces that one looks through, 0 to 1.
     pub ghost_opacity: f32,
-    /// Height above which surfaces are cut away, part of the scene's height; 1 for no cut.
-    pub cut: f32,
+    /// The axis that the clipping plane stands on.
+    pub clip_axis: Axis,
+    /// Where on it surfaces are cut, part of the scene's extent along it; 1 (0 for [`Side::Above`]) for no cut.
+    pub clip_at: f32,
+    /// Which side of it stays.
+    pub clip_keeps: Side,
     /// The curve of the order.
     pub curve: bool,
     /// Through which ends of the rays it goes.
     pub curve_end: RayEnd,
     /// The rays.
     pub rays: bool,
-    /// Where rays end.
+    /// Where rays end: a disc at a surface, a ring where nothing was hit, a cross at an occluder.
     pub ends: bool,
+    /// Heads at the ends of the rays, if rays are shown.
+    pub arrows: bool,
+    /// Touched cells of the length table as boxes.
+    pub cells: bool,
+    /// How many of them at most, those of most rays first.
+    pub cell_count: usize,
     /// Capsules.
     pub capsules: bool,
     /// Which of them.
@@ -70,6 +123,7 @@ pub struct Options {
     /// How much of the order before that is shown, 0 to 1.
     pub window: f32,
     /// Whether `until` moves by itself.
+    #[serde(skip)]
     pub is_playing: bool,
     /// What colours stand for.
     pub colour_by: ColourBy,
@@ -77,12 +131,16 @@ pub struct Options {
     pub map: ColourMap,
     /// Percentiles of the values at the ends of the colours.
     pub percentiles: (f32, f32),
+    /// Values at the ends of the colours, in place of those percentiles.
+    pub range: Option<(f32, f32)>,
     /// Width of lines, points.
     pub line_width: f32,
     /// Opacity of what surfaces hide.
     pub hidden_opacity: f32,
     /// The camera of a recording that was not looked at yet.
     pub stand_point: StandPoint,
+    /// What dragging does.
+    pub navigation: Navigation,
 }
 
 /// Rays that are shown unless told otherwise: more of them are a ball in which no order can be seen.
@@ -100,11 +158,16 @@ impl Default for Options {
         Self {
             mesh: MeshMode::default(),
             ghost_opacity: 0.25,
-            cut: 1.0,
+            clip_axis: Axis::default(),
+            clip_at: 1.0,
+            clip_keeps: Side::default(),
             curve: true,
             curve_end: RayEnd::default(),
             rays: false,
             ends: false,
+            arrows: false,
+            cells: false,
+            cell_count: 400,
             capsules: false,
             capsule_choice: CapsuleChoice::default(),
             capsule_count: 12,
@@ -116,9 +179,11 @@ impl Default for Options {
             colour_by: ColourBy::default(),
             map: ColourMap::Turbo,
             percentiles: (2.0, 98.0),
+            range: None,
             line_width: 1.5,
             hidden_opacity: 0.12,
             stand_point: StandPoint::default(),
+            navigation: Navigation::default(),
         }
     }
 }

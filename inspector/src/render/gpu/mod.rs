@@ -16,6 +16,8 @@ use std::sync::Arc;
 
 use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
 
+use serde::Serialize;
+
 use self::pipelines::Pipelines;
 use self::target::Target;
 use self::uploads::Uploads;
@@ -55,6 +57,30 @@ struct View {
     uniforms: wgpu::Buffer,
     layers: wgpu::BindGroup,
     drawn: Option<Arc<Frame>>,
+    counts: DrawCounts,
+}
+
+/// What views in space last drew: each of them, when its picture last changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct DrawCounts {
+    /// Draw calls.
+    pub draw_calls: u64,
+    /// Vertices that were drawn, as often as they were.
+    pub vertices: u64,
+    /// Bytes of vertices, indices and uniforms that went to the GPU.
+    pub uploaded_bytes: u64,
+}
+
+impl DrawCounts {
+    /// Of all views.
+    pub fn of(resources: &CallbackResources) -> Self {
+        let views = resources.get::<Resources>().into_iter().flat_map(|resources| resources.views.values());
+        views.fold(Self::default(), |sum, View { counts, .. }| Self {
+            draw_calls: sum.draw_calls + counts.draw_calls,
+            vertices: sum.vertices + counts.vertices,
+            uploaded_bytes: sum.uploaded_bytes + counts.uploaded_bytes,
+        })
+    }
 }
 
 /// A layer, the opacity it is drawn with, and whether only where surfaces hide it.
@@ -87,10 +113,10 @@ impl CallbackTrait for FrameCallback {
         if view.drawn.as_ref().is_some_and(|drawn| **drawn == *self.frame) {
             return Vec::new();
         }
-        for layer in &self.frame.layers {
-            uploads.add(device, &layer.geometry);
-        }
-        view.draw(queue, encoder, pipelines, uploads, &self.frame);
+        let uploaded =
+            self.frame.layers.iter().map(|layer| uploads.add(device, &layer.geometry)).sum::<u64>();
+        view.counts = view.draw(queue, encoder, pipelines, uploads, &self.frame);
+        view.counts.uploaded_bytes += uploaded;
         view.drawn = Some(self.frame.clone());
         let used = views.values().filter_map(|view| view.drawn.as_ref());
         uploads.keep(used.flat_map(|frame| frame.layers.iter().map(|layer| layer.geometry.id())).collect());
@@ -123,7 +149,8 @@ impl View {
             mapped_at_creation: false,
         });
         let layers = pipelines.layer_bindings(device, &uniforms);
-        Self { target: Target::new(device, pipelines, pixels), uniforms, layers, drawn: None }
+        let target = Target::new(device, pipelines, pixels);
+        Self { target, uniforms, layers, drawn: None, counts: DrawCounts::default() }
     }
 
     fn draw(
@@ -133,26 +160,31 @@ impl View {
         pipelines: &Pipelines,
         uploads: &Uploads,
         frame: &Frame,
-    ) {
+    ) -> DrawCounts {
         let draws = draws(frame);
+        let mut counts = DrawCounts::default();
         let mut bytes = vec![0u8; UNIFORM_STRIDE as usize * draws.len()];
         for (draw, bytes) in draws.iter().zip(bytes.chunks_mut(UNIFORM_STRIDE as usize)) {
             let uniform = LayerUniform::of(frame, draw.layer, draw.opacity);
             bytes[..size_of::<LayerUniform>()].copy_from_slice(bytemuck::bytes_of(&uniform));
         }
         queue.write_buffer(&self.uniforms, 0, &bytes);
+        counts.uploaded_bytes = bytes.len() as u64;
         let mut pass = self.target.pass(encoder, frame.background);
         for (at, draw) in draws.iter().enumerate() {
             let part = draw.layer.part.clone();
             pass.set_bind_group(0, &self.layers, &[at as u32 * UNIFORM_STRIDE as u32]);
-            uploads.draw(
+            let vertices = uploads.draw(
                 &mut pass,
                 pipelines,
                 &draw.layer.geometry,
                 (draw.layer.stage, draw.is_hidden),
                 part,
             );
+            counts.draw_calls += u64::from(vertices > 0);
+            counts.vertices += vertices;
         }
+        counts
     }
 }
 
@@ -165,9 +197,15 @@ fn draws(frame: &Frame) -> Vec<Draw<'_>> {
         draws.extend(of(stage).map(|layer| Draw { layer, opacity: opacity(layer), is_hidden }));
     };
     add(Stage::Solid, false, &plain);
-    add(Stage::Lines, true, &|layer| layer.opacity * layer.hidden_opacity);
-    add(Stage::Lines, false, &plain);
+    add(Stage::Wire, false, &plain);
+    for stage in [Stage::Lines, Stage::Arrows, Stage::Marks] {
+        add(stage, true, &|layer| layer.opacity * layer.hidden_opacity);
+    }
+    for stage in [Stage::Lines, Stage::Arrows, Stage::Marks] {
+        add(stage, false, &plain);
+    }
     add(Stage::Ghost, false, &plain);
+    add(Stage::Boxes, false, &plain);
     add(Stage::Capsules, false, &plain);
     add(Stage::OnTop, false, &plain);
     draws.retain(|draw| draw.opacity > 0.0);

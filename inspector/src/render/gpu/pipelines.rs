@@ -14,6 +14,9 @@ pub(super) struct Pipelines {
     pub(super) ghost: wgpu::RenderPipeline,
     pub(super) strips: LinePipelines,
     pub(super) segments: LinePipelines,
+    pub(super) arrows: LinePipelines,
+    pub(super) marks: LinePipelines,
+    pub(super) boxes: wgpu::RenderPipeline,
     pub(super) capsules: wgpu::RenderPipeline,
     pub(super) copy: wgpu::RenderPipeline,
     layer_layout: wgpu::BindGroupLayout,
@@ -45,9 +48,17 @@ impl Pipelines {
         let layer_layout = layer_layout(device);
         let picture_layout = picture_layout(device);
         let layout = pipeline_layout(device, &layer_layout);
-        let [mesh, lines, capsules] =
-            [("mesh", shaders::mesh()), ("lines", shaders::lines()), ("capsules", shaders::capsules())]
-                .map(|(label, text)| module(device, label, text));
+        let [mesh, lines, arrows, marks, boxes, capsules] = [
+            ("mesh", shaders::mesh()),
+            ("lines", shaders::lines()),
+            ("arrows", shaders::arrows()),
+            ("marks", shaders::marks()),
+            ("boxes", shaders::boxes()),
+            ("capsules", shaders::capsules()),
+        ]
+        .map(|(label, text)| module(device, label, text));
+        let of_lines =
+            |shader, entries, stride| LinePipelines::new(device, &layout, (shader, entries), stride);
         let corners = [Some(wgpu::VertexBufferLayout {
             array_stride: 12,
             step_mode: VertexStepMode::Vertex,
@@ -68,8 +79,11 @@ impl Pipelines {
         Self {
             solid: surface("mesh::solid", (CompareFunction::Less, true)),
             ghost: surface("mesh::ghost", (CompareFunction::Less, false)),
-            strips: LinePipelines::new(device, &layout, &lines, 16),
-            segments: LinePipelines::new(device, &layout, &lines, 32),
+            strips: of_lines(&lines, ["line_vertex", "line_fragment"], 16),
+            segments: of_lines(&lines, ["line_vertex", "line_fragment"], 32),
+            arrows: of_lines(&arrows, ["arrow_vertex", "arrow_fragment"], 32),
+            marks: of_lines(&marks, ["mark_vertex", "mark_fragment"], 32),
+            boxes: box_pipeline(device, &layout, &boxes),
             capsules: capsule_pipeline(device, &layout, &capsules),
             copy: copy_pipeline(device, &picture_layout, window),
             colour_maps: colour_maps(device, queue),
@@ -117,20 +131,18 @@ impl Pipelines {
 
 impl LinePipelines {
     /// For points of 16 bytes, `stride` bytes from one line's first point to the next line's.
-    fn new(device: &Device, layout: &wgpu::PipelineLayout, shader: &wgpu::ShaderModule, stride: u64) -> Self {
-        let [from, to] = [vertex_attr_array![0 => Float32x4], vertex_attr_array![1 => Float32x4]];
-        let buffers = [&from, &to].map(|attributes| {
-            Some(wgpu::VertexBufferLayout {
-                array_stride: stride,
-                step_mode: VertexStepMode::Instance,
-                attributes,
-            })
-        });
+    fn new(
+        device: &Device,
+        layout: &wgpu::PipelineLayout,
+        (shader, entries): (&wgpu::ShaderModule, [&str; 2]),
+        stride: u64,
+    ) -> Self {
+        let buffers = two_points(stride);
         let of = |label, depth| {
             let kind = Kind {
                 label,
                 shader,
-                entries: ["line_vertex", "line_fragment"],
+                entries,
                 buffers: &buffers,
                 topology: wgpu::PrimitiveTopology::TriangleStrip,
                 depth,
@@ -144,6 +156,36 @@ impl LinePipelines {
             on_top: of("lines::on_top", (CompareFunction::Always, false)),
         }
     }
+}
+
+/// The first and the second point of a line, or of a box, one after the other for each instance.
+fn two_points(stride: u64) -> [Option<wgpu::VertexBufferLayout<'static>>; 2] {
+    const FROM: [wgpu::VertexAttribute; 1] = vertex_attr_array![0 => Float32x4];
+    const TO: [wgpu::VertexAttribute; 1] = vertex_attr_array![1 => Float32x4];
+    [&FROM, &TO].map(|attributes| {
+        Some(wgpu::VertexBufferLayout {
+            array_stride: stride,
+            step_mode: VertexStepMode::Instance,
+            attributes,
+        })
+    })
+}
+
+fn box_pipeline(
+    device: &Device,
+    layout: &wgpu::PipelineLayout,
+    shader: &wgpu::ShaderModule,
+) -> wgpu::RenderPipeline {
+    let kind = Kind {
+        label: "boxes",
+        shader,
+        entries: ["box_vertex", "box_fragment"],
+        buffers: &two_points(32),
+        topology: wgpu::PrimitiveTopology::TriangleList,
+        depth: (CompareFunction::LessEqual, false),
+        cull: None,
+    };
+    pipeline(device, layout, &kind)
 }
 
 fn capsule_pipeline(

@@ -2,9 +2,26 @@
 
 const LAYER: &str = include_str!("layer.wgsl");
 
+const LINE_ENDS: &str = include_str!("line_ends.wgsl");
+
 /// Lines.
 pub fn lines() -> String {
-    [LAYER, include_str!("lines.wgsl")].concat()
+    [LAYER, LINE_ENDS, include_str!("lines.wgsl")].concat()
+}
+
+/// Heads at the ends of lines.
+pub fn arrows() -> String {
+    [LAYER, LINE_ENDS, include_str!("arrows.wgsl")].concat()
+}
+
+/// Marks at the ends of lines.
+pub fn marks() -> String {
+    [LAYER, include_str!("marks.wgsl")].concat()
+}
+
+/// Boxes.
+pub fn boxes() -> String {
+    [LAYER, include_str!("boxes.wgsl")].concat()
 }
 
 /// Surfaces.
@@ -34,7 +51,7 @@ mod tests {
 
     #[test]
     fn every_module_is_valid() {
-        for text in [lines(), mesh(), capsules(), copy()] {
+        for text in [lines(), arrows(), marks(), boxes(), mesh(), capsules(), copy()] {
             let module = naga::front::wgsl::parse_str(&text)
                 .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
             let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());

@@ -1,5 +1,6 @@
 //! Vertices that the GPU has: uploaded when a geometry is first drawn, dropped when none draws it.
 
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
@@ -49,9 +50,15 @@ impl Uploads {
         }
     }
 
-    /// Uploads a geometry unless the GPU has it.
-    pub(super) fn add(&mut self, device: &Device, geometry: &Geometry) {
-        self.uploaded.entry(geometry.id()).or_insert_with(|| upload(device, geometry.shape()));
+    /// Uploads a geometry unless the GPU has it; the bytes that it took.
+    pub(super) fn add(&mut self, device: &Device, geometry: &Geometry) -> u64 {
+        match self.uploaded.entry(geometry.id()) {
+            Entry::Occupied(_) => 0,
+            Entry::Vacant(place) => {
+                let uploaded = place.insert(upload(device, geometry.shape()));
+                uploaded.vertices.size() + uploaded.indices.as_ref().map_or(0, wgpu::Buffer::size)
+            }
+        }
     }
 
     /// Drops all but these.
@@ -59,7 +66,7 @@ impl Uploads {
         self.uploaded.retain(|id, _| used.contains(id));
     }
 
-    /// Draws a geometry, or a part of its lines or capsules.
+    /// Draws a geometry, or a part of its lines, boxes or capsules; how many vertices that are.
     pub(super) fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -67,27 +74,43 @@ impl Uploads {
         geometry: &Geometry,
         (stage, is_hidden): (Stage, bool),
         part: Option<Range<u32>>,
-    ) {
-        let Some(uploaded) = self.uploaded.get(&geometry.id()) else { return };
+    ) -> u64 {
+        let Some(uploaded) = self.uploaded.get(&geometry.id()) else { return 0 };
         let all = 0..uploaded.count;
         let part = part.map_or(all.clone(), |part| part.start.min(all.end)..part.end.min(all.end));
         if part.is_empty() {
-            return;
+            return 0;
         }
+        let instances = part.len() as u64;
         match geometry.shape() {
             Shape::Mesh { .. } => {
-                let Some(indices) = &uploaded.indices else { return };
+                let Some(indices) = &uploaded.indices else { return 0 };
                 let is_ghost = stage == Stage::Ghost;
                 pass.set_pipeline(if is_ghost { &pipelines.ghost } else { &pipelines.solid });
                 pass.set_vertex_buffer(0, uploaded.vertices.slice(..));
                 pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
                 pass.draw_indexed(all, 0, 0..1);
+                u64::from(uploaded.count)
             }
             Shape::Strip(_) => {
-                lines(pass, &pipelines.strips, (stage, is_hidden), &uploaded.vertices, part);
+                lines(pass, (&pipelines.strips, 4), (stage, is_hidden), &uploaded.vertices, part);
+                4 * instances
             }
             Shape::Segments(_) => {
-                lines(pass, &pipelines.segments, (stage, is_hidden), &uploaded.vertices, part);
+                let (of, corners) = match stage {
+                    Stage::Arrows => (&pipelines.arrows, 3),
+                    Stage::Marks => (&pipelines.marks, 4),
+                    _ => (&pipelines.segments, 4),
+                };
+                lines(pass, (of, corners), (stage, is_hidden), &uploaded.vertices, part);
+                u64::from(corners) * instances
+            }
+            Shape::Boxes(_) => {
+                pass.set_pipeline(&pipelines.boxes);
+                pass.set_vertex_buffer(0, uploaded.vertices.slice(..));
+                pass.set_vertex_buffer(1, uploaded.vertices.slice(POINT_BYTES..));
+                pass.draw(0..BOX_CORNERS, part);
+                u64::from(BOX_CORNERS) * instances
             }
             Shape::Capsules(_) => {
                 pass.set_pipeline(&pipelines.capsules);
@@ -95,17 +118,21 @@ impl Uploads {
                 pass.set_vertex_buffer(1, uploaded.vertices.slice(..));
                 pass.set_index_buffer(self.capsule_indices.slice(..), wgpu::IndexFormat::Uint32);
                 pass.draw_indexed(0..self.capsule_index_count, 0, part);
+                u64::from(self.capsule_index_count) * instances
             }
         }
     }
 }
+
+/// Corners of the triangles of a box.
+const BOX_CORNERS: u32 = 36;
 
 /// Bytes from a line's first point to its second.
 const POINT_BYTES: u64 = 16;
 
 fn lines(
     pass: &mut wgpu::RenderPass<'_>,
-    pipelines: &LinePipelines,
+    (pipelines, corners): (&LinePipelines, u32),
     (stage, is_hidden): (Stage, bool),
     points: &wgpu::Buffer,
     part: Range<u32>,
@@ -117,7 +144,7 @@ fn lines(
     });
     pass.set_vertex_buffer(0, points.slice(..));
     pass.set_vertex_buffer(1, points.slice(POINT_BYTES..));
-    pass.draw(0..4, part);
+    pass.draw(0..corners, part);
 }
 
 fn upload(device: &Device, shape: &Shape) -> Uploaded {
@@ -142,6 +169,11 @@ fn upload(device: &Device, shape: &Shape) -> Uploaded {
             vertices: vertices("segments::points", bytemuck::cast_slice(segments)),
             indices: None,
             count: segments.len() as u32,
+        },
+        Shape::Boxes(boxes) => Uploaded {
+            vertices: vertices("boxes::corners", bytemuck::cast_slice(boxes)),
+            indices: None,
+            count: boxes.len() as u32,
         },
         Shape::Capsules(capsules) => Uploaded {
             vertices: vertices("capsules::instances", bytemuck::cast_slice(capsules)),

@@ -1,0 +1,108 @@
+//! Asking for files: by the system's dialog, or by typing a path where there is none.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// What a path is asked for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Asking {
+    OpenRecording,
+    OpenSession,
+    SaveSession,
+    /// A picture of a panel, or of the window.
+    SavePicture(Option<&'static str>),
+    /// The data of a panel.
+    SaveData(&'static str),
+}
+
+/// What came of it.
+pub(super) enum Asked {
+    Chosen(PathBuf),
+    Cancelled,
+    /// The system has no dialog.
+    Unavailable,
+}
+
+/// No one closes a dialog so soon: it did not open.
+const SOONEST: Duration = Duration::from_millis(250);
+
+const UNAVAILABLE: &str = "The system shows no file dialog (on Linux it takes xdg-desktop-portal with a backend, \
+    or zenity). Type the path:";
+
+impl Asking {
+    fn title(&self) -> &'static str {
+        match self {
+            Self::OpenRecording => "Open NAME.raydump",
+            Self::OpenSession => "Open session",
+            Self::SaveSession => "Save session",
+            Self::SavePicture(_) => "Save picture",
+            Self::SaveData(_) => "Save data",
+        }
+    }
+
+    fn file_name(&self) -> String {
+        match self {
+            Self::OpenRecording | Self::OpenSession => String::new(),
+            Self::SaveSession => "session.json".to_owned(),
+            Self::SavePicture(panel) => format!("{}.png", panel.unwrap_or("window")),
+            Self::SaveData(panel) => format!("{panel}.csv"),
+        }
+    }
+
+    /// Asks by the system's dialog.
+    pub(super) fn by_dialog(&self) -> Asked {
+        let dialog = rfd::FileDialog::new().set_title(self.title());
+        let start = Instant::now();
+        let chosen = match self {
+            Self::OpenRecording => dialog.pick_folder(),
+            Self::OpenSession => dialog.add_filter("session", &["json"]).pick_file(),
+            Self::SaveSession | Self::SavePicture(_) | Self::SaveData(_) => {
+                dialog.set_file_name(self.file_name()).save_file()
+            }
+        };
+        match chosen {
+            Some(path) => Asked::Chosen(path),
+            None if start.elapsed() < SOONEST => Asked::Unavailable,
+            None => Asked::Cancelled,
+        }
+    }
+}
+
+/// A path that is typed.
+pub(super) struct Prompt {
+    pub(super) asking: Asking,
+    path: String,
+}
+
+impl Prompt {
+    pub(super) fn new(asking: Asking) -> Self {
+        let folder = std::env::current_dir().unwrap_or_default();
+        let path = folder.join(asking.file_name()).display().to_string();
+        Self { asking, path }
+    }
+
+    /// The path once it is typed; the prompt is over then, and when it is closed.
+    pub(super) fn show(&mut self, ui: &egui::Ui) -> Option<Asked> {
+        let (mut is_open, mut asked) = (true, None);
+        egui::Window::new(self.asking.title())
+            .open(&mut is_open)
+            .collapsible(false)
+            .resizable(false)
+            .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
+            .show(ui.ctx(), |ui| {
+                ui.set_max_width(460.0);
+                ui.label(UNAVAILABLE);
+                let line = ui.add(egui::TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY));
+                let is_entered = line.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+                ui.horizontal(|ui| {
+                    if ui.button("OK").clicked() || is_entered {
+                        asked = Some(Asked::Chosen(PathBuf::from(self.path.trim())));
+                    }
+                    if ui.button("Cancel").clicked() {
+                        asked = Some(Asked::Cancelled);
+                    }
+                });
+            });
+        if is_open { asked } else { Some(Asked::Cancelled) }
+    }
+}

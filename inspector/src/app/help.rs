@@ -1,0 +1,92 @@
+//! The overlay of keys and words, and the command that is shown on request.
+
+use egui::{Align2, ScrollArea, Vec2};
+
+use super::App;
+
+const KEYS: [(&str, &str); 22] = [
+    ("up, down", "the order before, the next order"),
+    ("left, right", "the bounce before, the next bounce"),
+    ("escape", "nothing is selected"),
+    ("Ctrl+Z, Alt+left", "the selection before"),
+    ("Ctrl+Shift+Z, Alt+right", "the selection after"),
+    ("Ctrl+O, Ctrl+S", "open a recording, save the session"),
+    ("F5", "read the recording again, as when it is still being written"),
+    ("?", "this"),
+    ("", ""),
+    ("click", "choose the ray, row, pixel or cell under the pointer"),
+    ("drag", "orbit, or look around in fly mode; with shift or the middle button, move"),
+    ("drag right", "look around"),
+    ("wheel", "nearer, farther"),
+    ("W A S D Q E", "fly, over the scene; with shift, four times as fast"),
+    ("G", "fly mode: dragging turns the head"),
+    ("F", "frame what is selected, or the scene"),
+    ("C, R", "the recording's camera, an overview"),
+    ("space", "play along the order"),
+    ("", ""),
+    ("drag the colour bar's ends", "the range of values that colours tell apart"),
+    ("double click it", "back to percentiles"),
+    ("... in a panel's corner", "its picture, its data, its command"),
+];
+
+/// Words that panels use, a sentence each.
+const WORDS: [(&str, &str); 12] = [
+    ("queue", "The rays of one pass, bounce and kind: what is sorted and traced together."),
+    ("canonical order", "The order of pixels, in which rays are before they are sorted."),
+    ("key", "The bits by which rays are sorted: coordinates of the ray, interleaved."),
+    ("place", "Where a ray stands in an order, from 0."),
+    ("group", "32, 64 or 128 rays that follow each other in an order: what a GPU traces together."),
+    ("capsule", "The hull of a sphere around a group's origins and one around its ends."),
+    ("direction spread", "1 - |sum of directions| / n of a group: 0 if all rays are parallel."),
+    ("lane utilisation", "The share of their time in which lanes work that wait for the slowest. A model."),
+    (
+        "length table",
+        "Mean traced lengths of the rays that started in each cell, by which ends are estimated.",
+    ),
+    ("trace speedup", "The time to trace unsorted rays over the time to trace sorted ones."),
+    ("net speedup", "The same with the time that sorting itself takes."),
+    ("unit space", "The scene moved and scaled so that its largest side is 1."),
+];
+
+impl App {
+    pub(super) fn help(&mut self, ui: &egui::Ui) {
+        let height = (ui.ctx().content_rect().height() - 120.0).max(120.0);
+        egui::Window::new("Keys and words").open(&mut self.is_help_open).resizable(false).show(
+            ui.ctx(),
+            |ui| {
+                ScrollArea::vertical().max_height(height).show(ui, |ui| {
+                    ui.set_max_width(620.0);
+                    for (name, lines) in [("keys", &KEYS[..]), ("words", &WORDS[..])] {
+                        egui::Grid::new(name).num_columns(2).spacing([16.0, 3.0]).show(ui, |ui| {
+                            for (what, about) in lines {
+                                ui.monospace(*what);
+                                ui.label(*about);
+                                ui.end_row();
+                            }
+                        });
+                        ui.separator();
+                    }
+                });
+            },
+        );
+    }
+
+    pub(super) fn command_window(&mut self, ui: &egui::Ui) {
+        let Some(command) = &self.command else { return };
+        let mut is_open = true;
+        egui::Window::new("The same without a window")
+            .open(&mut is_open)
+            .resizable(false)
+            .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
+            .show(ui.ctx(), |ui| {
+                ui.set_max_width(560.0);
+                ui.label(egui::RichText::new(command).monospace());
+                if ui.button("Copy").clicked() {
+                    ui.ctx().copy_text(command.clone());
+                }
+            });
+        if !is_open {
+            self.command = None;
+        }
+    }
+}

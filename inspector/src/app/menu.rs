@@ -1,0 +1,117 @@
+//! The row at the top of the window.
+
+use egui::{Button, Ui};
+
+use super::ask::Asking;
+use super::{App, Task, layout};
+use crate::panels::{Entry, PANELS};
+use crate::theme::Theme;
+
+impl App {
+    pub(super) fn menu(&mut self, ui: &mut Ui) {
+        egui::MenuBar::new().ui(ui, |ui| {
+            ui.menu_button("File", |ui| self.file_menu(ui));
+            ui.menu_button("Edit", |ui| self.edit_menu(ui));
+            ui.menu_button("Window", |ui| self.window_menu(ui));
+            ui.menu_button("Theme", |ui| {
+                let mut theme = ui.ctx().options(|options| options.theme_preference);
+                for (choice, name) in [
+                    (egui::ThemePreference::Light, "Light"),
+                    (egui::ThemePreference::Dark, "Dark"),
+                    (egui::ThemePreference::System, "As the system"),
+                ] {
+                    if ui.selectable_value(&mut theme, choice, name).clicked() {
+                        ui.ctx().set_theme(theme);
+                    }
+                }
+            });
+            ui.toggle_value(&mut self.is_help_open, "?").on_hover_text("Keys and words");
+            if let Some(problem) = self.context.problems.last() {
+                let text = egui::RichText::new(&problem.what).color(Theme::of(ui.ctx()).problem());
+                let label = ui.add(egui::Label::new(text).sense(egui::Sense::click()));
+                if label.on_hover_text(&problem.why).clicked() {
+                    layout::bring_forward(&mut self.tree, "problems");
+                }
+            }
+        });
+    }
+
+    fn file_menu(&mut self, ui: &mut Ui) {
+        let is_open = self.context.recording().is_some();
+        let task = |app: &mut Self, ui: &mut Ui, button: Button<'static>, is_enabled: bool, task: Task| {
+            if ui.add_enabled(is_enabled, button).clicked() {
+                app.task = Some(task);
+                ui.close();
+            }
+        };
+        let item = |name: &'static str, keys: &'static str| Button::new(name).shortcut_text(keys);
+        task(self, ui, item("Open...", "Ctrl+O"), true, Task::Ask(Asking::OpenRecording));
+        ui.menu_button("Open recent", |ui| self.recent_menu(ui));
+        task(self, ui, item("Refresh", "F5"), is_open, Task::Refresh);
+        ui.separator();
+        task(self, ui, item("Open session...", ""), true, Task::Ask(Asking::OpenSession));
+        task(self, ui, item("Save session...", "Ctrl+S"), is_open, Task::Ask(Asking::SaveSession));
+        ui.separator();
+        let picture = Task::Ask(Asking::SavePicture(None));
+        task(self, ui, item("Save picture of the window...", ""), is_open, picture);
+        if ui.add_enabled(is_open, Button::new("Show command of the window")).clicked() {
+            self.command = self.command_of("window", ui.ctx());
+            ui.close();
+        }
+        ui.separator();
+        if ui.button("Quit").clicked() {
+            ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+    }
+
+    fn recent_menu(&mut self, ui: &mut Ui) {
+        if self.recent.paths().is_empty() {
+            ui.weak("nothing was opened yet");
+            return;
+        }
+        for path in self.recent.paths() {
+            if ui.add_enabled(path.is_dir(), Button::new(path.display().to_string())).clicked() {
+                self.task = Some(Task::Open(path.clone()));
+                ui.close();
+            }
+        }
+        ui.separator();
+        if ui.button("Forget all").clicked() {
+            self.recent.clear();
+            ui.close();
+        }
+    }
+
+    fn edit_menu(&mut self, ui: &mut Ui) {
+        let (can_undo, can_redo) = self.history.can();
+        for (name, keys, is_possible, task) in [
+            ("Undo selection", "Ctrl+Z", can_undo, Task::Undo),
+            ("Redo selection", "Ctrl+Shift+Z", can_redo, Task::Redo),
+        ] {
+            if ui.add_enabled(is_possible, Button::new(name).shortcut_text(keys)).clicked() {
+                self.task = Some(task);
+                ui.close();
+            }
+        }
+    }
+
+    fn window_menu(&mut self, ui: &mut Ui) {
+        for at in 0..PANELS.len() {
+            self.toggle(ui, at);
+        }
+        ui.separator();
+        if ui.button("Arrange as at first").clicked() {
+            self.tree = layout::at_first();
+            ui.close();
+        }
+    }
+
+    fn toggle(&mut self, ui: &mut Ui, at: usize) {
+        let Entry { name, about, .. } = PANELS[at];
+        let Some(tile) = self.tree.tiles.find_pane(&name.to_owned()) else { return };
+        let mut is_visible = self.tree.is_visible(tile);
+        if ui.checkbox(&mut is_visible, self.panels[at].title()).on_hover_text(about).clicked() {
+            self.tree.set_visible(tile, is_visible);
+        }
+    }
+}

@@ -1,0 +1,299 @@
+//! The window: panels in tiles, files opened and saved, keys, light and dark.
+//!
+//! - `layout`, `tiles`: where panels are, and what can be saved of each
+//! - `menu`, `keys`, `help`: what is done to the window as a whole
+//! - `welcome`, [`demo`]: before a recording is open
+//! - `ask`, `saving`: files
+//! - `run`: the window on a screen
+
+mod ask;
+pub mod demo;
+mod help;
+mod keys;
+mod layout;
+mod menu;
+mod run;
+mod saving;
+mod tiles;
+mod welcome;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use egui_tiles::Tree;
+
+use self::ask::{Asked, Asking, Prompt};
+use self::demo::Demo;
+use self::layout::Pane;
+use self::saving::Picture;
+use self::tiles::{Shown, Wish};
+use crate::model::context::Problem;
+use crate::model::history::History;
+use crate::model::{Context, Selection};
+use crate::panels::{PANELS, Panel};
+use crate::recent::Recent;
+use crate::session::Session;
+use crate::shot_command;
+
+pub(crate) use run::only_own_backends;
+pub use run::run;
+
+/// What is done once all of the window is drawn.
+enum Task {
+    Ask(Asking),
+    Open(PathBuf),
+    Refresh,
+    Undo,
+    Redo,
+}
+
+/// Everything in the window.
+pub struct App {
+    /// What panels see.
+    pub context: Context,
+    /// Recordings that were opened before.
+    pub recent: Recent,
+    /// A recording of the demo, if there is one.
+    pub demo: Demo,
+    panels: Vec<Box<dyn Panel>>,
+    tree: Tree<Pane>,
+    history: History,
+    task: Option<Task>,
+    prompt: Option<Prompt>,
+    picture: Option<Picture>,
+    places: BTreeMap<&'static str, egui::Rect>,
+    /// A command that is shown.
+    command: Option<String>,
+    is_help_open: bool,
+    format: wgpu::TextureFormat,
+}
+
+impl App {
+    /// With these recordings, in a window of this format.
+    pub fn new(paths: &[PathBuf], format: wgpu::TextureFormat) -> Self {
+        let mut app = Self {
+            context: Context::default(),
+            recent: Recent::default(),
+            demo: Demo::with(demo::find_recorder()),
+            panels: PANELS.iter().map(|entry| (entry.make)(format)).collect(),
+            tree: layout::at_first(),
+            history: History::default(),
+            task: None,
+            prompt: None,
+            picture: None,
+            places: BTreeMap::new(),
+            command: None,
+            is_help_open: false,
+            format,
+        };
+        for path in paths {
+            app.open(path);
+        }
+        app
+    }
+
+    /// Opens one more recording; what goes wrong is shown.
+    pub fn open(&mut self, path: &Path) {
+        let (problems, opened) = (self.context.problems.len(), self.context.recordings.len());
+        self.context.add(path);
+        if self.context.recordings.len() > opened {
+            self.recent.note(path);
+        }
+        if self.context.problems.len() > problems {
+            layout::bring_forward(&mut self.tree, "problems");
+        }
+    }
+
+    /// Says what went wrong.
+    fn problem(&mut self, what: impl Into<String>, why: impl ToString) {
+        self.context.problems.push(Problem { what: what.into(), why: why.to_string() });
+        layout::bring_forward(&mut self.tree, "problems");
+    }
+
+    /// All that the window shows; light and dark as the window has it.
+    pub fn session(&self, window: &egui::Context) -> Session {
+        let states = PANELS.iter().zip(&self.panels).map(|(entry, panel)| (entry.name, panel.state()));
+        let kept = states.filter(|(_, state)| !state.is_null());
+        Session::of(
+            &self.context,
+            window.options(|options| options.theme_preference).into(),
+            Some(self.tree.clone()),
+            kept.map(|(name, state)| (name.to_owned(), state)).collect(),
+        )
+    }
+
+    /// A panel by its name.
+    pub(crate) fn panel(&mut self, name: &str) -> Option<&mut Box<dyn Panel>> {
+        layout::place(name).and_then(|at| self.panels.get_mut(at))
+    }
+
+    /// Shows what a session says, but light or dark; what is not there any more is a problem.
+    pub fn restore(&mut self, session: &Session) {
+        self.context = session.open();
+        self.history.clear();
+        self.panels = PANELS.iter().map(|entry| (entry.make)(self.format)).collect();
+        self.tree = layout::of_all_panels(session.layout.clone()).unwrap_or_else(layout::at_first);
+        for recording in &self.context.recordings {
+            self.recent.note(recording.dump.root());
+        }
+        for (name, state) in &session.panels {
+            let restored = match self.panel(name) {
+                Some(panel) => panel.set_state(state.clone()).map_err(|error| error.to_string()),
+                None => Err("there is no such panel".to_owned()),
+            };
+            if let Err(why) = restored {
+                self.problem(format!("the session's panel {name} is not as it was"), why);
+            }
+        }
+        if !self.context.problems.is_empty() {
+            layout::bring_forward(&mut self.tree, "problems");
+        }
+    }
+
+    /// Opens a session from a file; what goes wrong is shown.
+    pub fn open_session(&mut self, path: &Path, window: &egui::Context) {
+        match Session::read(path) {
+            Ok(session) => {
+                window.set_theme(egui::ThemePreference::from(session.theme));
+                self.restore(&session);
+            }
+            Err(error) => self.problem("the session cannot be opened", error),
+        }
+    }
+
+    /// Puts panels where they were in an earlier run, unless that one had other panels.
+    fn arrange(&mut self, kept: Option<Tree<Pane>>) {
+        if let Some(tree) = layout::of_all_panels(kept).filter(|_| self.context.problems.is_empty()) {
+            self.tree = tree;
+        }
+    }
+
+    /// All of the window.
+    pub fn show(&mut self, ui: &mut egui::Ui) {
+        let window = ui.ctx().clone();
+        self.context.wake_with(move || window.request_repaint());
+        self.take_dropped(ui);
+        self.take_keys(ui);
+        self.take_demo(ui);
+        egui::Panel::top("menu").show(ui, |ui| self.menu(ui));
+        let tiles = egui::Frame::central_panel(ui.style()).inner_margin(2.0);
+        egui::CentralPanel::default().frame(tiles).show(ui, |ui| {
+            if self.context.recordings.is_empty() {
+                self.welcome(ui);
+            } else {
+                self.tiles(ui);
+            }
+        });
+        self.help(ui);
+        self.command_window(ui);
+        self.history.note(&self.context.selection);
+        self.take_prompt(ui);
+        self.take_picture(ui);
+        if let Some(task) = self.task.take() {
+            self.perform(task, ui.ctx());
+        }
+    }
+
+    fn tiles(&mut self, ui: &mut egui::Ui) {
+        let mut wish = None;
+        self.places.clear();
+        let mut shown = Shown {
+            panels: &mut self.panels,
+            context: &mut self.context,
+            places: &mut self.places,
+            wish: &mut wish,
+        };
+        self.tree.ui(&mut shown, ui);
+        match wish {
+            None => {}
+            Some((panel, Wish::SavePicture)) => {
+                self.task = Some(Task::Ask(Asking::SavePicture(Some(panel))));
+            }
+            Some((panel, Wish::SaveData)) => self.task = Some(Task::Ask(Asking::SaveData(panel))),
+            Some((panel, Wish::CopyData)) => self.copy_data(panel, ui.ctx()),
+            Some((panel, Wish::ShowCommand)) => self.command = self.command_of(panel, ui.ctx()),
+        }
+    }
+
+    /// The command that draws a panel, or the window, as it is.
+    pub fn command_of(&self, panel: &str, window: &egui::Context) -> Option<String> {
+        let (scale, size) = (window.pixels_per_point(), window.content_rect().size());
+        let size = self.places.get(panel).map_or(size, egui::Rect::size);
+        let look = shot_command::Look {
+            size: [size.x, size.y].map(|side| (side * scale).round() as u32),
+            scale,
+            is_light: window.theme() == egui::Theme::Light,
+        };
+        let states = PANELS.iter().zip(&self.panels).map(|(entry, panel)| (entry.name, panel.state()));
+        let states = states.filter(|(name, _)| panel == "window" || *name == panel);
+        shot_command::of(&self.context, panel, &states.collect::<Vec<_>>(), &look)
+    }
+
+    fn take_dropped(&mut self, ui: &egui::Ui) {
+        let dropped = ui.input(|input| input.raw.dropped_files.clone());
+        for file in dropped {
+            let path = file.path();
+            if path.is_file() && path.extension().is_some_and(|extension| extension == "json") {
+                self.open_session(path, ui.ctx());
+            } else {
+                self.open(path);
+            }
+        }
+    }
+
+    fn perform(&mut self, task: Task, window: &egui::Context) {
+        match task {
+            Task::Ask(asking) => {
+                let asked = asking.by_dialog();
+                self.answer(asking, asked, window);
+            }
+            Task::Open(path) => self.open(&path),
+            Task::Refresh => self.context.refresh(),
+            Task::Undo => {
+                let before = self.history.undo();
+                self.select_again(before);
+            }
+            Task::Redo => {
+                let after = self.history.redo();
+                self.select_again(after);
+            }
+        }
+        window.request_repaint();
+    }
+
+    fn select_again(&mut self, selection: Option<Selection>) {
+        if let Some(selection) = selection.filter(|found| found.recording < self.context.recordings.len()) {
+            self.context.selection = selection;
+        }
+    }
+
+    fn answer(&mut self, asking: Asking, asked: Asked, window: &egui::Context) {
+        let path = match asked {
+            Asked::Chosen(path) => path,
+            Asked::Cancelled => return,
+            Asked::Unavailable => {
+                self.prompt = Some(Prompt::new(asking));
+                return;
+            }
+        };
+        match asking {
+            Asking::OpenRecording => self.open(&path),
+            Asking::OpenSession => self.open_session(&path, window),
+            Asking::SaveSession => {
+                if let Err(error) = self.session(window).write(&path) {
+                    self.problem("the session cannot be saved", error);
+                }
+            }
+            Asking::SavePicture(panel) => self.picture = Some(Picture::of(panel, path)),
+            Asking::SaveData(panel) => self.save_data(panel, &path),
+        }
+    }
+
+    fn take_prompt(&mut self, ui: &egui::Ui) {
+        let Some(prompt) = &mut self.prompt else { return };
+        let Some(asked) = prompt.show(ui) else { return };
+        let asking = prompt.asking.clone();
+        self.prompt = None;
+        self.answer(asking, asked, ui.ctx());
+    }
+}

@@ -1,0 +1,181 @@
+//! What is below the picture: the slider along the order, and the colour bars with their histograms.
+
+use egui::{Align2, Color32, Id, Rect, Response, Sense, Slider, Ui, pos2, vec2};
+
+use super::SpaceView;
+use super::layers::AREAS;
+use super::options::Options;
+use crate::model::value::ColourBy;
+use crate::render::colour_map::ColourMap;
+use crate::render::range::{ValueRange, Values};
+use crate::theme::Theme;
+
+/// Height of the colour bar itself.
+const BAR: f32 = 12.0;
+/// Parts of the histogram above it.
+const BINS: usize = 96;
+/// Height of the histogram.
+const BINS_HEIGHT: f32 = 18.0;
+/// Of the order, each second that it plays.
+const PLAYED_PER_SECOND: f32 = 0.08;
+
+/// Height of what is below the picture.
+pub(super) fn height_below(ui: &Ui) -> f32 {
+    let text = ui.text_style_height(&egui::TextStyle::Body);
+    ui.spacing().interact_size.y + BINS_HEIGHT + BAR + text + 18.0
+}
+
+/// The slider along the order, and what colours stand for.
+pub(super) fn below(ui: &mut Ui, view: &mut SpaceView) {
+    let options = &mut view.options;
+    ui.horizontal(|ui| {
+        let name = if options.is_playing { "Stop" } else { "Play" };
+        if ui.button(name).on_hover_text("Moves along the order (space)").clicked() {
+            options.is_playing = !options.is_playing;
+            if options.is_playing && options.until >= 1.0 {
+                options.until = 0.0;
+            }
+        }
+        let rest = (ui.available_width() - 290.0).max(40.0);
+        ui.spacing_mut().slider_width = rest;
+        ui.add(Slider::new(&mut options.until, 0.0..=1.0).text("until").fixed_decimals(3))
+            .on_hover_text("Where in the order the rays shown end");
+        ui.spacing_mut().slider_width = 60.0;
+        ui.add(Slider::new(&mut options.window, 0.001..=1.0).logarithmic(true).text("part"))
+            .on_hover_text("How much of the order before that is shown");
+    });
+    if options.is_playing {
+        options.until += PLAYED_PER_SECOND * ui.input(|input| input.stable_dt).min(0.1);
+        options.is_playing = options.until < 1.0;
+        options.until = options.until.min(1.0);
+        ui.ctx().request_repaint();
+    }
+    colour_bars(ui, view);
+}
+
+/// One of the bars: what it stands for, and the numbers behind it.
+struct Bar<'a> {
+    range: ValueRange,
+    title: &'a str,
+    values: Option<&'a Values>,
+}
+
+/// A bar for rays, for capsules, or for both beside each other.
+fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
+    let SpaceView { options, layers, .. } = view;
+    let by = options.colour_by;
+    let has_values = !matches!(by, ColourBy::Place | ColourBy::Bounce) || layers.title().is_some();
+    let values = layers.values().filter(|_| has_values);
+    let title = layers.title().unwrap_or(by.title());
+    let rays = layers.range().filter(|_| options.shows_rays()).map(|range| Bar { range, title, values });
+    let areas = Bar { range: AREAS, title: "capsule area, log10", values: None };
+    let count = usize::from(rays.is_some()) + usize::from(options.capsules);
+    let gap = 16.0;
+    let width = (ui.available_width() - gap * count.saturating_sub(1) as f32) / count.max(1) as f32;
+    let (map, is_shown) = (options.map, options.capsules);
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = gap;
+        if let Some(bar) = rays {
+            ray_bar(ui, options, width, &bar);
+        }
+        if is_shown {
+            colour_bar(ui, map, width, &areas, AREAS);
+        }
+    });
+}
+
+/// The bar of the rays; its ends can be dragged over the histogram of all values.
+fn ray_bar(ui: &mut Ui, options: &mut Options, width: f32, bar: &Bar<'_>) {
+    let Some(all) = bar.values.map(|values| values.percentiles(0.0, 100.0)) else {
+        colour_bar(ui, options.map, width, bar, bar.range);
+        return;
+    };
+    let across = ValueRange { low: bar.range.low.min(all.low), high: bar.range.high.max(all.high) };
+    let response = colour_bar(ui, options.map, width, bar, across);
+    let response = response.on_hover_text("Drag an end of the range; double click for percentiles");
+    let rect = response.rect;
+    let x_of = |value: f32| rect.left() + across.part(value) * rect.width();
+    let ends = [x_of(bar.range.low), x_of(bar.range.high)];
+    let marks = Theme::of(ui.ctx()).reference();
+    for x in ends {
+        let (top, bottom) = (rect.top(), rect.top() + BINS_HEIGHT + BAR);
+        ui.painter().vline(x, top..=bottom, egui::Stroke::new(1.5, marks));
+        ui.painter().circle_filled(pos2(x, top + 2.0), 3.0, marks);
+    }
+    if response.double_clicked() {
+        options.range = None;
+    } else if let Some(pointer) = response.interact_pointer_pos() {
+        options.range = dragged(ui, &response, pointer.x, ends, (bar.range, across)).or(options.range);
+    }
+}
+
+/// The range while one of its ends is dragged.
+fn dragged(
+    ui: &Ui,
+    response: &Response,
+    x: f32,
+    ends: [f32; 2],
+    (range, across): (ValueRange, ValueRange),
+) -> Option<(f32, f32)> {
+    let id: Id = response.id.with("end");
+    if response.drag_started() {
+        let from = ui.input(|input| input.pointer.press_origin()).map_or(x, |origin| origin.x);
+        let is_high = (from - ends[1]).abs() < (from - ends[0]).abs();
+        ui.data_mut(|data| data.insert_temp(id, is_high));
+    }
+    if !response.dragged() {
+        return None;
+    }
+    let is_high: bool = ui.data(|data| data.get_temp(id))?;
+    let part = ((x - response.rect.left()) / response.rect.width().max(1.0)).clamp(0.0, 1.0);
+    let value = across.low + part * (across.high - across.low);
+    Some(if is_high { (range.low, value.max(range.low)) } else { (value.min(range.high), range.high) })
+}
+
+/// A bar over all values `across`, in the colours of its range.
+fn colour_bar(ui: &mut Ui, map: ColourMap, width: f32, bar: &Bar<'_>, across: ValueRange) -> Response {
+    let text_height = ui.text_style_height(&egui::TextStyle::Body);
+    let height = BINS_HEIGHT + BAR + text_height + 2.0;
+    let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click_and_drag());
+    let painter = ui.painter();
+    let counts = bar.values.map_or(vec![0; BINS], |values| values.histogram(across, BINS));
+    let most = counts.iter().copied().max().unwrap_or(0).max(1) as f32;
+    let step = rect.width() / BINS as f32;
+    let bar_top = rect.top() + BINS_HEIGHT;
+    for (at, count) in counts.into_iter().enumerate() {
+        let value = across.low + (at as f32 + 0.5) / BINS as f32 * (across.high - across.low);
+        let [red, green, blue] = map.colour(bar.range.part(value));
+        let left = rect.left() + at as f32 * step;
+        let high = (BINS_HEIGHT - 2.0) * count as f32 / most;
+        painter.rect_filled(
+            Rect::from_min_max(pos2(left, bar_top), pos2(left + step + 0.5, bar_top + BAR)),
+            0.0,
+            Color32::from_rgb(red, green, blue),
+        );
+        let bin = Rect::from_min_max(pos2(left, bar_top - high), pos2(left + step - 0.5, bar_top - 1.0));
+        if high > 0.0 {
+            painter.rect_filled(bin, 0.0, ui.visuals().weak_text_color());
+        }
+    }
+    let line = bar_top + BAR + 2.0;
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let colour = ui.visuals().text_color();
+    for (x, align, text) in [
+        (rect.left(), Align2::LEFT_TOP, number(bar.range.low)),
+        (rect.center().x, Align2::CENTER_TOP, bar.title.to_owned()),
+        (rect.right(), Align2::RIGHT_TOP, number(bar.range.high)),
+    ] {
+        painter.text(pos2(x, line), align, text, font.clone(), colour);
+    }
+    response
+}
+
+fn number(value: f32) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        size if size >= 1000.0 => crate::output::count(size as u64),
+        size if size >= 1.0 => format!("{value:.2}"),
+        size if size >= 0.001 => format!("{value:.4}"),
+        _ => format!("{value:.2e}"),
+    }
+}

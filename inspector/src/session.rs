@@ -1,0 +1,237 @@
+//! Sessions: all that a window shows, as a file to come back to or to draw from without a screen.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use formats::manifest::QueueId;
+use formats::ray::Kind;
+use serde::{Deserialize, Serialize};
+
+use crate::analysis::GroupWidth;
+use crate::model::{Context, Selection};
+
+/// Version of the files that this program writes and reads.
+const VERSION: u32 = 1;
+
+/// All that a window shows.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Session {
+    /// 1.
+    version: u32,
+    /// The recordings; relative paths start at the session's folder.
+    pub recordings: Vec<PathBuf>,
+    /// What of them is selected.
+    pub selection: SavedSelection,
+    /// Light, dark, or as the system.
+    pub theme: ThemeChoice,
+    /// Where panels are.
+    pub layout: Option<egui_tiles::Tree<String>>,
+    /// What panels show besides the selection, by their names.
+    pub panels: BTreeMap<String, serde_json::Value>,
+}
+
+/// Light or dark.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ThemeChoice {
+    /// Dark on light.
+    Light,
+    /// Light on dark.
+    Dark,
+    /// As the system.
+    #[default]
+    System,
+}
+
+impl From<egui::ThemePreference> for ThemeChoice {
+    fn from(theme: egui::ThemePreference) -> Self {
+        match theme {
+            egui::ThemePreference::Light => Self::Light,
+            egui::ThemePreference::Dark => Self::Dark,
+            egui::ThemePreference::System => Self::System,
+        }
+    }
+}
+
+impl From<ThemeChoice> for egui::ThemePreference {
+    fn from(theme: ThemeChoice) -> Self {
+        match theme {
+            ThemeChoice::Light => Self::Light,
+            ThemeChoice::Dark => Self::Dark,
+            ThemeChoice::System => Self::System,
+        }
+    }
+}
+
+/// A [`Selection`] as it is written.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedSelection {
+    recording: usize,
+    pass: u32,
+    bounce: u32,
+    kind: Kind,
+    method: String,
+    group_width: String,
+    ray: Option<usize>,
+    group: Option<usize>,
+    cell: Option<u32>,
+    /// Which rays are looked at; all if empty.
+    #[serde(default)]
+    filter: String,
+}
+
+impl From<&Selection> for SavedSelection {
+    fn from(selection: &Selection) -> Self {
+        let Selection { recording, queue, method, group_width, ray, group, cell, filter } = selection.clone();
+        Self {
+            recording,
+            pass: queue.pass,
+            bounce: queue.bounce,
+            kind: queue.kind,
+            method,
+            group_width: group_width.rays().to_string(),
+            ray,
+            group,
+            cell,
+            filter: filter.text().to_owned(),
+        }
+    }
+}
+
+/// Why a session cannot be opened or saved.
+#[derive(Debug, thiserror::Error)]
+pub enum SessionError {
+    /// A file that cannot be read.
+    #[error("{} cannot be read: {cause}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        cause: std::io::Error,
+    },
+    /// A file that cannot be written.
+    #[error("{} cannot be written: {cause}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        cause: std::io::Error,
+    },
+    /// A file that is not a session.
+    #[error("{} is not a session of the inspector: {cause}; File > Save session writes one", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, with line and column.
+        cause: serde_json::Error,
+    },
+    /// A session of another version.
+    #[error("{} is a session of version {found}; this program reads version {VERSION}", path.display())]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        found: u64,
+    },
+}
+
+impl Session {
+    /// What a window shows; panels and layout are given by it.
+    pub fn of(
+        context: &Context,
+        theme: ThemeChoice,
+        layout: Option<egui_tiles::Tree<String>>,
+        panels: BTreeMap<String, serde_json::Value>,
+    ) -> Self {
+        let path = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        Self {
+            version: VERSION,
+            recordings: context.recordings.iter().map(|open| path(open.dump.root())).collect(),
+            selection: SavedSelection::from(&context.selection),
+            theme,
+            layout,
+            panels,
+        }
+    }
+
+    /// Reads a session.
+    ///
+    /// # Errors
+    /// If there is none in that file, or one of another version.
+    pub fn read(path: &Path) -> Result<Self, SessionError> {
+        let owned = || path.to_owned();
+        let text =
+            std::fs::read_to_string(path).map_err(|cause| SessionError::Read { path: owned(), cause })?;
+        let syntax = |cause| SessionError::Syntax { path: owned(), cause };
+        let value: serde_json::Value = serde_json::from_str(&text).map_err(syntax)?;
+        // Another version may differ in anything else, so it is looked at first.
+        match value.get("version").and_then(serde_json::Value::as_u64) {
+            Some(found) if found != u64::from(VERSION) => {
+                return Err(SessionError::Version { path: owned(), found });
+            }
+            _ => {}
+        }
+        let mut session: Self = serde_json::from_str(&text).map_err(syntax)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        for recording in &mut session.recordings {
+            *recording = folder.join(&*recording);
+        }
+        Ok(session)
+    }
+
+    /// Writes it.
+    ///
+    /// # Errors
+    /// If that file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), SessionError> {
+        let text = serde_json::to_string_pretty(self)
+            .map_err(|cause| SessionError::Syntax { path: path.to_owned(), cause })?;
+        std::fs::write(path, text + "\n")
+            .map_err(|cause| SessionError::Write { path: path.to_owned(), cause })
+    }
+
+    /// Opens its recordings and selects what was selected. What is not there any more is a problem.
+    pub fn open(&self) -> Context {
+        let mut context = Context::default();
+        let mut places = Vec::new();
+        for path in &self.recordings {
+            let before = context.recordings.len();
+            context.add(path);
+            places.push((context.recordings.len() > before).then_some(before));
+        }
+        let saved = &self.selection;
+        let Some(Some(at)) = places.get(saved.recording) else { return context };
+        context.select_recording(*at);
+        if let Err(why) = saved.select(&mut context) {
+            let what = "not all that the session had selected can be selected".to_owned();
+            context.problems.push(crate::model::context::Problem { what, why });
+        }
+        context
+    }
+}
+
+impl SavedSelection {
+    fn select(&self, context: &mut Context) -> Result<(), String> {
+        let queue = QueueId { pass: self.pass, bounce: self.bounce, kind: self.kind };
+        let recording = context.recording().ok_or("its recording is not open")?;
+        if !recording.queues().iter().any(|record| record.id == queue) {
+            return Err(format!("{} has no {queue}", recording.label));
+        }
+        if !recording.methods(queue).contains(&self.method) && !recording.methods(queue).is_empty() {
+            return Err(format!("{queue} was not ordered by {}", self.method));
+        }
+        context.go_to(queue);
+        context.selection.group_width = GroupWidth::from_str(&self.group_width, false)?;
+        context.selection.order_by(&self.method);
+        let selection = &mut context.selection;
+        (selection.ray, selection.group, selection.cell) = (self.ray, self.group, self.cell);
+        selection.filter.set(&self.filter);
+        match selection.filter.error() {
+            Some(error) => Err(format!("its filter {:?} is none: {error}", self.filter)),
+            None => Ok(()),
+        }
+    }
+}

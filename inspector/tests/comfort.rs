@@ -1,0 +1,308 @@
+//! What a window remembers and is given: sessions, selections to go back to, recent recordings, the page
+//! before one is open, recordings that are still being written. Without an adapter these tests fail.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::path::{Path, PathBuf};
+
+use egui::{Key, Modifiers};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use formats::manifest::QueueId;
+use formats::ray::Kind;
+use formats::writer::DumpWriter;
+use inspector::app::App;
+use inspector::app::demo::Demo;
+use inspector::session::Session;
+
+mod headless;
+#[path = "../../formats/tests/sample/mod.rs"]
+mod sample;
+
+use headless::{renderer, settle};
+
+const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
+
+fn window(app: impl FnOnce(wgpu::TextureFormat) -> App) -> Harness<'static, App> {
+    let (renderer, format) = renderer();
+    let app = app(format);
+    let mut harness = Harness::builder()
+        .with_size([1280.0, 720.0])
+        .with_accessibility_check(false)
+        .renderer(renderer)
+        .build_ui_state(|ui, app: &mut App| app.show(ui), app);
+    settle(&mut harness);
+    harness
+}
+
+fn on(paths: &[PathBuf]) -> Harness<'static, App> {
+    window(|format| App::new(paths, format))
+}
+
+fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
+    harness.key_press_modifiers(modifiers, key);
+    settle(harness);
+}
+
+fn reads(harness: &Harness<'_, App>, text: &str) -> bool {
+    harness.query_all_by_label(text).next().is_some()
+}
+
+/// Shows a part of the text of what is wrong.
+fn has_problem(harness: &Harness<'_, App>, text: &str) -> bool {
+    harness
+        .state()
+        .context
+        .problems
+        .iter()
+        .any(|problem| format!("{}: {}", problem.what, problem.why).contains(text))
+}
+
+#[test]
+fn a_session_is_shown_as_it_was_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = sample::write(folder.path());
+    let mut harness = on(std::slice::from_ref(&dump));
+    let app = harness.state_mut();
+    app.context.go_to(QUEUE);
+    app.context.selection.order_by("two-point");
+    app.context.select_ray(Some(11));
+    app.context.selection.cell = Some(5);
+    harness.get_by_label("Capsules").click();
+    harness.get_by_label("displacement").click();
+    settle(&mut harness);
+    harness.get_by_label("Overview").click();
+    settle(&mut harness);
+    let file = folder.path().join("view.json");
+    let window_context = harness.ctx.clone();
+    window_context.set_theme(egui::ThemePreference::Light);
+    // What the pointer rests on looks different.
+    harness.event(egui::Event::PointerGone);
+    settle(&mut harness);
+    let saved = harness.state().session(&window_context);
+    saved.write(&file).unwrap();
+    let picture = harness.render().unwrap();
+
+    let mut other = on(&[]);
+    let context = other.ctx.clone();
+    other.state_mut().open_session(&file, &context);
+    settle(&mut other);
+    assert!(other.state().context.problems.is_empty(), "{:?}", other.state().context.problems);
+    assert_eq!(other.state().context.selection, harness.state().context.selection);
+    let text = |session: &Session| serde_json::to_value(session).unwrap();
+    let again = other.state().session(&context);
+    assert_eq!(text(&again), text(&saved));
+    let scene = &again.panels["scene"];
+    assert_eq!((&scene["options"]["capsules"], scene["camera"].is_string()), (&true.into(), true));
+    assert_eq!(again.panels["order"]["colouring"], "displacement");
+    assert_eq!(text(&again)["theme"], "light");
+    assert!(other.render().unwrap() == picture, "the restored window is another picture");
+}
+
+#[test]
+fn sessions_that_are_none_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = sample::write(folder.path());
+    let mut harness = on(&[dump]);
+    let context = harness.ctx.clone();
+    let saved = serde_json::to_value(harness.state().session(&context)).unwrap();
+    let altered = |name: &str, value: serde_json::Value| {
+        let mut session = saved.clone();
+        session[name] = value;
+        session.to_string()
+    };
+    let mut panels = saved["panels"].clone();
+    panels["scene"]["options"]["colour_by"] = "colour".into();
+    for (text, expected) in [
+        ("not JSON".to_owned(), "line 1"),
+        (altered("version", 99.into()), "version 99"),
+        (altered("recordings", vec!["absent.raydump"].into()), "absent.raydump"),
+        (altered("panels", serde_json::json!({ "curtain": {} })), "curtain"),
+        (altered("panels", panels), "nothing is coloured by colour"),
+        (altered("surprise", 1.into()), "surprise"),
+    ] {
+        let file = folder.path().join("bad.json");
+        std::fs::write(&file, text).unwrap();
+        harness.state_mut().context.problems.clear();
+        harness.state_mut().open_session(&file, &context);
+        settle(&mut harness);
+        assert!(has_problem(&harness, expected), "{expected}: {:?}", harness.state().context.problems);
+        let what = harness.state().context.problems[0].what.clone();
+        assert!(reads(&harness, &what), "{what} is not shown");
+    }
+    harness.state_mut().open_session(&folder.path().join("none.json"), &context);
+    assert!(has_problem(&harness, "none.json cannot be read"));
+}
+
+#[test]
+fn selections_are_undone_and_redone() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = on(&[sample::write(folder.path())]);
+    harness.state_mut().context.go_to(QUEUE);
+    settle(&mut harness);
+    for ray in [3, 5] {
+        harness.state_mut().context.select_ray(Some(ray));
+        settle(&mut harness);
+    }
+    let ray = |harness: &Harness<'_, App>| harness.state().context.selection.ray;
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(ray(&harness), Some(3));
+    press(&mut harness, Modifiers::ALT, Key::ArrowLeft);
+    assert_eq!((ray(&harness), harness.state().context.selection.queue), (None, QUEUE));
+    press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    press(&mut harness, Modifiers::ALT, Key::ArrowRight);
+    assert_eq!(ray(&harness), Some(5));
+}
+
+#[test]
+fn before_a_recording_is_open_there_is_a_way_to_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = sample::write(folder.path());
+    let mut harness = window(|format| {
+        let mut app = App::new(&[], format);
+        app.recent.note(&dump);
+        app.recent.note(Path::new("/nowhere/gone.raydump"));
+        app.demo = Demo::with(None);
+        app
+    });
+    assert!(reads(&harness, "Open recording..."));
+    assert!(
+        harness.query_all_by_label_contains("found neither beside this one nor on the PATH").next().is_some()
+    );
+    harness.state_mut().open(&folder.path().join("absent.raydump"));
+    settle(&mut harness);
+    let what = harness.state().context.problems[0].what.clone();
+    assert!(reads(&harness, &what), "{what} is not on the page");
+    harness.render().unwrap();
+    harness.get_by_label("sample.raydump").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().context.recordings.len(), 1);
+    assert!(!reads(&harness, "Open recording..."));
+    let first = std::path::absolute(&dump).unwrap();
+    assert_eq!(harness.state().recent.paths().first(), Some(&first));
+}
+
+/// A program that stands for the recorder: it says something and copies a recording, or fails.
+#[cfg(unix)]
+fn program(folder: &Path, script: &str) -> PathBuf {
+    use std::os::unix::fs::PermissionsExt;
+    let path = folder.join("recorder");
+    std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    path
+}
+
+#[cfg(unix)]
+#[test]
+fn the_demo_is_recorded_in_the_background() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = sample::write(folder.path());
+    let out = folder.path().join("out");
+    let record = |script: String| {
+        let program = program(folder.path(), &script);
+        let mut harness = window(|format| {
+            let mut app = App::new(&[], format);
+            app.demo = Demo::with(Some(program)).into_folder(&out);
+            app
+        });
+        // The page says it twice: as a heading and on the button.
+        harness.get_by_role_and_label(egui::accesskit::Role::Button, "Record the demo").click();
+        for _ in 0..600 {
+            settle(&mut harness);
+            if !harness.state().demo.is_running() {
+                break;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(20));
+        }
+        harness
+    };
+    let harness = record("echo no GPU >&2; exit 3".to_owned());
+    assert!(has_problem(&harness, "no GPU"), "{:?}", harness.state().context.problems);
+    let copy =
+        format!("echo \"$@\"; test \"$1 $2\" = \"demo --out\"; cp -r {} \"$3\"/demo.raydump", dump.display());
+    let harness = record(copy);
+    assert_eq!(harness.state().context.recordings.len(), 1, "{:?}", harness.state().context.problems);
+    assert!(harness.state().context.recordings[0].dump.root().ends_with("out/demo.raydump"));
+    let mut harness = window(|format| {
+        let mut app = App::new(&[], format);
+        app.demo = Demo::with(Some(program(folder.path(), "sleep 60"))).into_folder(&out);
+        app
+    });
+    harness.get_by_role_and_label(egui::accesskit::Role::Button, "Record the demo").click();
+    settle(&mut harness);
+    assert!(harness.state().demo.is_running());
+    harness.get_by_label("Cancel").click();
+    settle(&mut harness);
+    assert!(!harness.state().demo.is_running());
+}
+
+#[test]
+fn a_recording_that_grows_is_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = sample::write(folder.path());
+    let manifest = std::fs::read(whole.join("manifest.bin")).unwrap();
+    let partial = folder.path().join("sample.raydump.partial");
+    std::fs::rename(&whole, &partial).unwrap();
+    // As its recorder has it after a while: some of the queues, and the last record torn.
+    let ends: Vec<usize> = formats::manifest::scan::scan(&partial.join("manifest.bin"))
+        .unwrap()
+        .frames
+        .iter()
+        .filter(|frame| matches!(frame.record, formats::manifest::Record::Queue(_)))
+        .map(|frame| frame.offset as usize)
+        .collect();
+    std::fs::write(partial.join("manifest.bin"), &manifest[..ends[2] + 3]).unwrap();
+    let mut harness = on(std::slice::from_ref(&partial));
+    assert!(harness.state().context.problems.is_empty(), "{:?}", harness.state().context.problems);
+    let queues = |harness: &Harness<'_, App>| harness.state().context.recording().unwrap().queues().len();
+    assert_eq!(queues(&harness), 2);
+    std::fs::write(partial.join("manifest.bin"), &manifest[..ends[4] + 3]).unwrap();
+    press(&mut harness, Modifiers::NONE, Key::F5);
+    assert_eq!(queues(&harness), 4);
+    std::fs::write(partial.join("manifest.bin"), &manifest).unwrap();
+    std::fs::rename(&partial, &whole).unwrap();
+    press(&mut harness, Modifiers::NONE, Key::F5);
+    assert_eq!((queues(&harness), ends.len()), (ends.len(), ends.len()));
+    assert!(harness.state().context.recording().unwrap().times.is_some());
+    std::fs::remove_dir_all(&whole).unwrap();
+    press(&mut harness, Modifiers::NONE, Key::F5);
+    assert!(has_problem(&harness, "cannot be read again"));
+}
+
+#[test]
+fn the_command_that_is_shown_draws_what_is_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = on(&[sample::write(folder.path())]);
+    let app = harness.state_mut();
+    app.context.go_to(QUEUE);
+    app.context.selection.order_by("aila");
+    app.context.select_ray(Some(7));
+    settle(&mut harness);
+    harness.get_by_label("Capsules").click();
+    harness.get_by_label("Overview").click();
+    settle(&mut harness);
+    let context = harness.ctx.clone();
+    let command = harness.state().command_of("scene", &context).unwrap();
+    for part in ["--bounce 1", "--method aila", "--ray 7", "--set capsules=true", "--camera '"] {
+        assert!(command.contains(part), "{part} is not in {command}");
+    }
+    let rows = harness.state().session(&context);
+    let camera = rows.panels["scene"]["camera"].as_str().unwrap().to_owned();
+    assert!(command.contains(&camera), "{camera} is not in {command}");
+    let out = folder.path().join("again.png");
+    let again = command.replacen("inspector", env!("CARGO_BIN_EXE_inspector"), 1);
+    let again = again.replace("--out scene.png", &format!("--out {}", out.display()));
+    let done = std::process::Command::new("sh").args(["-c", &again]).output().unwrap();
+    assert!(done.status.success(), "{again}: {}", String::from_utf8_lossy(&done.stderr));
+    assert!(out.is_file());
+}
+
+/// Keeps a writer alive that another test would drop: a recording that has just begun.
+#[test]
+fn a_recording_that_has_just_begun_is_opened() {
+    let folder = tempfile::tempdir().unwrap();
+    let writer = DumpWriter::create(&folder.path().join("new"), sample::header(), false).unwrap();
+    let harness = on(&[folder.path().join("new.raydump.partial")]);
+    assert_eq!(harness.state().context.recordings.len(), 1);
+    drop(writer);
+}

@@ -1,0 +1,337 @@
+//! Two orders and two recordings beside each other, and what views in space draw: vertices, not pixels alone.
+//! Without an adapter these tests fail.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use formats::manifest::scan::scan;
+use formats::manifest::{Header, MethodArray, Place, QueueArray, QueueId, Record};
+use formats::ray::{Hit, Kind};
+use formats::reader::Dump;
+use formats::writer::DumpWriter;
+use inspector::analysis::GroupWidth;
+use inspector::model::comparison::{Comparison, Difference};
+use inspector::model::{Context, Order, differences};
+use inspector::panels::space::cut;
+use inspector::panels::space::layers::{Layers, RayValues};
+use inspector::panels::space::options::{Axis, Options, Side};
+use inspector::render::camera::Camera;
+use inspector::render::frame::{Cut, Frame, Layer, LayerUniform, Paint, Stage};
+use inspector::render::geometry::{Geometry, Mark, Shape, mesh, mesh_edges};
+
+mod headless;
+#[path = "../../formats/tests/sample/mod.rs"]
+mod sample;
+
+use headless::{State, panel_made, shown_by};
+
+const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
+const SHADOW: QueueId = QueueId { kind: Kind::Shadow, ..QUEUE };
+
+/// The ray that hits something else in the altered recording, and the one whose key is another.
+const OTHER_HIT: usize = 4;
+const OTHER_KEY: usize = 9;
+
+/// Beside the dump `whole` another one of the same scene: another seed, adapter and kernel, one hit moved to
+/// another triangle, one key of `aila` changed.
+fn altered(whole: &Path) -> PathBuf {
+    let source = Dump::open(whole).unwrap();
+    let mut header: Header = sample::header();
+    header.options.seed += 1;
+    header.options.trace_kernel = "cwbvh".to_owned();
+    header.adapter.name = "another processor".to_owned();
+    let writer = DumpWriter::create(&whole.with_file_name("altered"), header, false).unwrap();
+    for frame in scan(&whole.join("manifest.bin")).unwrap().frames {
+        match frame.record {
+            Record::Header(_) => {}
+            Record::Method(method) => writer.method(method).unwrap(),
+            Record::Array(array) => {
+                let mut bytes = source.bytes(&array).unwrap().to_vec();
+                if array.place == Place::Queue(QUEUE, QueueArray::Hits) {
+                    let hit = &mut bytes[OTHER_HIT * size_of::<Hit>()..];
+                    let near: f32 = 0.5 * f32::from_le_bytes(hit[..4].try_into().unwrap());
+                    hit[..4].copy_from_slice(&near.to_le_bytes());
+                    hit[4] ^= 1;
+                }
+                if array.place == Place::Method(QUEUE, "aila".to_owned(), MethodArray::Keys) {
+                    bytes[OTHER_KEY * 4] ^= 1;
+                }
+                let mut file = writer.array(&array.place, array.dtype, &array.shape).unwrap();
+                file.write(&bytes).unwrap();
+                file.finish().unwrap();
+            }
+            Record::Queue(queue) => writer.queue(queue).unwrap(),
+            Record::Timing(timing) => writer.timing(timing).unwrap(),
+            Record::Cache(cache) => writer.cache(cache).unwrap(),
+            Record::End(end) => return writer.finish(end).unwrap(),
+        }
+    }
+    panic!("the sample has an end")
+}
+
+fn order(context: &mut Context, recording: usize, method: &str) -> Arc<Order> {
+    context.select_recording(recording);
+    context.go_to(QUEUE);
+    context.selection.order_by(method);
+    context.awaited_order().unwrap()
+}
+
+#[test]
+fn two_orders_differ_in_places_and_areas_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = Context::open(&[sample::write(folder.path())]);
+    let [left, right] = ["unsorted", "two-point"].map(|method| order(&mut context, 0, method));
+    let comparison = Comparison::of(&left, &right, GroupWidth::Rays32);
+    let counts = &comparison.counts;
+    assert_eq!((counts.matched, counts.hits, counts.distances), (left.len(), 0, 0));
+    assert!(counts.keys.clone().unwrap_err().contains("no key"), "{:?}", counts.keys);
+    let moved = (0..right.len()).filter(|&place| right.places.ray(place) != place).count();
+    assert!(moved > 0);
+    assert_eq!(counts.places, moved);
+    let [values, again] = comparison.values(Difference::Displacement);
+    assert_eq!(values, again);
+    for (ray, value) in values.iter().enumerate() {
+        let expected = (f64::from(right.place_of_ray()[ray]) - ray as f64).abs() / right.len() as f64;
+        assert_eq!(*value, expected as f32);
+    }
+    let [areas, _] = comparison.values(Difference::CapsuleArea);
+    let area = |order: &Order, ray: usize| {
+        let groups = order.groups(GroupWidth::Rays32);
+        groups.groups[order.place_of_ray()[ray] as usize / 32].area
+    };
+    for (ray, value) in areas.iter().enumerate() {
+        assert!((value - (area(&right, ray) / area(&left, ray)).log2() as f32).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn two_recordings_differ_where_they_were_made_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = sample::write(folder.path());
+    let mut context = Context::open(&[whole.clone(), altered(&whole)]);
+    assert!(context.problems.is_empty(), "{:?}", context.problems);
+    let [left, right] = [0, 1].map(|recording| order(&mut context, recording, "aila"));
+    let comparison = Comparison::of(&left, &right, GroupWidth::Rays64);
+    let counts = &comparison.counts;
+    assert_eq!((counts.hits, counts.distances, &counts.keys, counts.places), (1, 1, &Ok(1), 0));
+    let one = |difference, ray: usize| {
+        let [values, _] = comparison.values(difference);
+        values.iter().enumerate().all(|(at, value)| (*value > 0.0) == (at == ray))
+    };
+    assert!(one(Difference::Hit, OTHER_HIT) && one(Difference::Key, OTHER_KEY));
+    let [distances, _] = comparison.values(Difference::Distance);
+    assert!((distances[OTHER_HIT] - 0.5f32.log10()).abs() < 1e-6, "{}", distances[OTHER_HIT]);
+    assert_eq!(comparison.left_of(3), Some(3));
+    let settings = differences::settings(&context.recordings[0], &context.recordings[1]);
+    let differing: BTreeSet<&str> = settings.iter().filter(|row| row.differs).map(|row| row.what).collect();
+    assert_eq!(differing, BTreeSet::from(["seed", "trace kernel", "adapter"]));
+    let numbers = differences::counts(&comparison);
+    let differing: BTreeSet<&str> = numbers.iter().filter(|row| row.differs).map(|row| row.what).collect();
+    let expected = ["distances", "hits", "keys"];
+    assert_eq!(differing, BTreeSet::from(expected));
+}
+
+#[test]
+fn rays_of_queues_of_other_paths_are_matched_by_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = Context::open(&[sample::write(folder.path())]);
+    let right = order(&mut context, 0, "unsorted");
+    context.go_to(QueueId { bounce: 0, ..QUEUE });
+    let left = context.awaited_order().unwrap();
+    assert!(left.len() > right.len(), "some paths ended");
+    let comparison = Comparison::of(&left, &right, GroupWidth::Rays64);
+    assert_eq!(comparison.counts.matched, right.len());
+    for ray in 0..right.len() {
+        let of_left = comparison.left_of(ray).unwrap();
+        assert_eq!(left.queue.path_ids[of_left], right.queue.path_ids[ray]);
+        assert_eq!(comparison.right_of(of_left), Some(ray));
+    }
+    let [values, _] = comparison.values(Difference::Hit);
+    let alone = values.iter().filter(|value| value.is_nan()).count();
+    assert_eq!(alone, left.len() - right.len());
+}
+
+/// The panel with this of its state changed.
+fn compare(state: &serde_json::Value, context: Context) -> Harness<'static, State> {
+    panel_made("compare", [900.0, 900.0], context, |panel| {
+        let mut whole = panel.state();
+        for (name, value) in state.as_object().unwrap() {
+            whole[name] = value.clone();
+        }
+        panel.set_state(whole).unwrap();
+    })
+}
+
+#[test]
+fn the_panel_shows_a_line_for_each_difference_and_the_same_picture_each_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = sample::write(folder.path());
+    let other = altered(&whole);
+    let picture = || {
+        let mut context = Context::open(&[whole.clone(), other.clone()]);
+        order(&mut context, 1, "aila");
+        let wanted = serde_json::json!(
+            { "before": "aila", "before_recording": 0, "difference": "hit", "table": true }
+        );
+        let mut harness = compare(&wanted, context);
+        for text in ["seed", "trace kernel", "adapter", "hits", "keys", "another processor", "1 differ"] {
+            assert!(harness.query_all_by_label(text).next().is_some(), "{text} is not shown");
+        }
+        assert!(harness.query_all_by_label("scene hash").next().is_none(), "what is the same is left out");
+        let State { panel, context } = harness.state_mut();
+        let csv = panel.data(context).ok().unwrap().text();
+        assert!(csv.contains("seed\t7\t8\ttrue\n") && csv.contains("bounces\t2\t2\tfalse\n"), "{csv}");
+        harness.render().unwrap()
+    };
+    assert!(picture() == picture(), "the picture differs from one time to the next");
+}
+
+#[test]
+fn a_ray_that_is_chosen_on_one_side_is_the_one_of_its_path_on_the_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = sample::write(folder.path());
+    let other = altered(&whole);
+    let mut context = Context::open(&[whole, other]);
+    order(&mut context, 1, "aila");
+    context.select_ray(Some(OTHER_HIT));
+    let harness = compare(
+        &serde_json::json!({ "before": "aila", "before_recording": 0, "difference": "hit" }),
+        context,
+    );
+    let selection = &harness.state().context.selection;
+    assert_eq!((selection.recording, selection.ray), (1, Some(OTHER_HIT)));
+}
+
+fn layers(context: &mut Context, options: &Options, values: Option<RayValues>) -> Vec<Layer> {
+    let mut layers = Layers::default();
+    layers.colour_by(values);
+    shown_by(&mut layers, context, options)
+}
+
+#[test]
+fn ends_are_marked_by_what_rays_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = Context::open(&[sample::write(folder.path())]);
+    for (queue, kinds) in [(QUEUE, [Mark::Hit, Mark::Miss]), (SHADOW, [Mark::Occluded, Mark::Miss])] {
+        context.go_to(queue);
+        let order = context.awaited_order().unwrap();
+        let options = Options { curve: false, rays: true, ends: true, arrows: true, ..Options::default() };
+        let drawn = layers(&mut context, &options, None);
+        let of = |stage: Stage| drawn.iter().find(|layer| layer.stage == stage).unwrap();
+        let Shape::Segments(marks) = of(Stage::Marks).geometry.shape() else { panic!("no marks") };
+        let Shape::Segments(heads) = of(Stage::Arrows).geometry.shape() else { panic!("no heads") };
+        let mut seen = BTreeSet::new();
+        for (ray, [at, mark]) in marks.iter().enumerate() {
+            let expected = kinds[usize::from(!order.queue.is_at_surface(ray))];
+            assert_eq!(mark.value, expected as u8 as f32);
+            seen.insert(mark.value as u8);
+            // Marks and heads are where the ray ends, not where it starts.
+            assert_eq!((at.position, mark.position), (heads[ray][1].position, heads[ray][1].position));
+            let origin = order.queue.segment(ray).origin.map(|along| along as f32);
+            assert_eq!(heads[ray][0].position, origin);
+        }
+        assert_eq!(seen, kinds.iter().map(|kind| *kind as u8).collect());
+    }
+}
+
+#[test]
+fn the_edges_of_surfaces_are_drawn_once() {
+    let unit = formats::unit_space::UnitSpace::from_bounds([0.0; 3], [1.0; 3]);
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+    let square = mesh(&unit, &corners, &[[0, 1, 2], [2, 1, 3]]);
+    let Shape::Segments(edges) = mesh_edges(&square) else { panic!("edges are lines") };
+    let found: BTreeSet<String> =
+        edges.iter().map(|[a, b]| format!("{:?} {:?}", a.position, b.position)).collect();
+    assert_eq!((edges.len(), found.len()), (5, 5), "the diagonal is shared: {found:?}");
+}
+
+#[test]
+fn the_clipping_plane_cuts_surfaces_alone() {
+    let sides = [1.0, 0.5, 0.25];
+    let options =
+        |clip_axis, clip_at, clip_keeps| Options { clip_axis, clip_at, clip_keeps, ..Options::default() };
+    assert_eq!(cut(&Options::default(), sides), Cut::NONE);
+    assert_eq!(cut(&options(Axis::Z, 0.0, Side::Above), sides), Cut::NONE);
+    for (axis, number) in [(Axis::X, 0), (Axis::Y, 1), (Axis::Z, 2)] {
+        for side in [Side::Below, Side::Above] {
+            let cut = cut(&options(axis, 0.5, side), sides);
+            let is_cut = |part: f32| {
+                let mut point = [0.1; 3];
+                point[number] = part * sides[number];
+                (0..3).map(|axis| cut.normal[axis] * point[axis]).sum::<f32>() > cut.offset
+            };
+            assert_eq!(
+                (is_cut(0.4), is_cut(0.6)),
+                (side == Side::Above, side == Side::Below),
+                "{axis:?} {side:?}"
+            );
+        }
+    }
+    let layer = |stage| Layer {
+        geometry: Geometry::from(Shape::Segments(Vec::new())),
+        part: None,
+        stage,
+        paint: Paint::Plain([1.0; 4]),
+        opacity: 1.0,
+        hidden_opacity: 0.0,
+        width: 1.0,
+    };
+    let frame = Frame {
+        camera: Camera::overview(sides),
+        pixels: [64, 64],
+        background: [0.0; 4],
+        cut: cut(&options(Axis::X, 0.5, Side::Below), sides),
+        layers: Vec::new(),
+    };
+    let plane = |stage| LayerUniform::of(&frame, &layer(stage), 1.0).cut;
+    for stage in [Stage::Solid, Stage::Ghost, Stage::Wire] {
+        assert_eq!(plane(stage), [1.0, 0.0, 0.0, 0.5]);
+    }
+    for stage in [Stage::Lines, Stage::Marks, Stage::Arrows, Stage::Capsules, Stage::Boxes, Stage::OnTop] {
+        assert_eq!(plane(stage), [0.0, 0.0, 0.0, 1.0]);
+    }
+}
+
+#[test]
+fn cells_are_boxes_in_which_rays_of_earlier_queues_started() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = Context::open(&[sample::write(folder.path())]);
+    let order = order(&mut context, 0, "unsorted");
+    let touched = order.queue.cells.as_ref().unwrap();
+    let options = Options { cells: true, cell_count: usize::MAX, ..Options::default() };
+    let drawn = layers(&mut context, &options, None);
+    let cells = drawn.iter().find(|layer| layer.stage == Stage::Boxes).unwrap();
+    let Shape::Boxes(boxes) = cells.geometry.shape() else { panic!("no boxes") };
+    assert!(!boxes.is_empty() && boxes.len() <= touched.len());
+    for [low, high] in boxes {
+        assert!((0..3).all(|axis| low.position[axis] < high.position[axis]), "{low:?} {high:?}");
+    }
+    // Rays of bounce 0 have been added: the box of the camera holds them all.
+    let eye = context.recording().unwrap().unit().point(sample::header().camera.eye);
+    let holds = |[low, high]: &[inspector::render::geometry::Vertex; 2]| {
+        (0..3).all(|axis| (low.position[axis]..=high.position[axis]).contains(&eye[axis]))
+    };
+    assert!(holds(&boxes[0]), "the box of most rays is not the camera's: {:?}", boxes[0]);
+    let few = Options { cell_count: 2, ..options };
+    let drawn = layers(&mut context, &few, None);
+    let cells = drawn.iter().find(|layer| layer.stage == Stage::Boxes).unwrap();
+    assert_eq!(cells.geometry.shape(), &Shape::Boxes(boxes[..2].to_vec()));
+}
+
+#[test]
+fn numbers_of_rays_colour_the_curve_in_any_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = Context::open(&[sample::write(folder.path())]);
+    let order = order(&mut context, 0, "two-point");
+    let of_ray: Vec<f32> = (0..order.len()).map(|ray| ray as f32 + 0.5).collect();
+    let values = RayValues { id: 1, title: "numbers", of_ray: Arc::new(of_ray), range: None };
+    let drawn = layers(&mut context, &Options::default(), Some(values));
+    let Shape::Strip(curve) = drawn[0].geometry.shape() else { panic!("no curve") };
+    let found: Vec<f32> = curve.iter().map(|vertex| vertex.value).collect();
+    assert_eq!(found, (0..order.len()).map(|place| order.places.ray(place) as f32 + 0.5).collect::<Vec<_>>());
+}
