@@ -170,10 +170,11 @@ impl Compare {
         let is_wanted =
             self.choice.table || self.choice.difference.is_some() || self.choice.before_recording.is_some();
         self.compared = if is_wanted { self.found(ui, context) } else { None };
-        let values = self
-            .compared
-            .as_ref()
-            .and_then(|compared| Some((self.choice.difference?, compared.id, compared.values.as_ref()?)));
+        let values = self.compared.as_ref().and_then(|compared| {
+            let difference = self.choice.difference?;
+            let range = range(difference, compared.nearly_largest);
+            Some((difference, range, compared.id, compared.values.as_ref()?))
+        });
         for (side, view) in self.views.iter_mut().enumerate() {
             view.colour_by(values.map(|(difference, range, id, values)| RayValues {
                 id: 2 * id + side as u64,
