@@ -13,6 +13,9 @@ use crate::panels::Panel;
 use crate::panels::data::Data;
 use crate::theme::Theme;
 
+/// Width of the longest name of a line, points.
+const NAMES: f32 = 100.0;
+
 pub(super) struct RayPanel;
 
 impl Panel for RayPanel {
@@ -93,10 +96,12 @@ fn step(ui: &mut egui::Ui, context: &mut Context, order: &Order) {
 }
 
 fn lines(ui: &mut egui::Ui, name: &'static str, rows: &[(&str, String)]) {
-    egui::Grid::new(name).num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
+    // What is too long for a narrow window goes on in the next line.
+    let widest = (ui.available_width() - NAMES).max(NAMES);
+    egui::Grid::new(name).num_columns(2).max_col_width(widest).spacing([14.0, 3.0]).show(ui, |ui| {
         for (what, value) in rows {
-            ui.label(*what);
-            ui.monospace(value);
+            ui.add(egui::Label::new(*what).extend());
+            ui.add(egui::Label::new(RichText::new(value).monospace()).wrap());
             ui.end_row();
         }
     });

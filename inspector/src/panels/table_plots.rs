@@ -9,6 +9,7 @@ use formats::manifest::QueueId;
 use super::{missing, power_of_ten};
 use crate::model::Context;
 use crate::model::estimates::{BINS, Estimates};
+use crate::output::count;
 use crate::render::colour_map::ColourMap;
 use crate::theme::Theme;
 
@@ -70,7 +71,7 @@ fn mean_bars(cells: &[LengthCell]) -> Vec<(f64, f64, f64)> {
 
 fn power_of_two(exponent: f64) -> String {
     let is_whole = (exponent - exponent.round()).abs() < 1e-6 && exponent >= 0.0;
-    if is_whole { short(2f64.powi(exponent.round() as i32)) } else { String::new() }
+    if is_whole { count(2f64.powi(exponent.round() as i32) as u64) } else { String::new() }
 }
 
 /// A number in few characters: `12k`.
@@ -103,7 +104,7 @@ impl EstimatePlot {
         ui.horizontal_wrapped(|ui| {
             ui.label(format!("{within} of the rays within a factor of two"))
                 .on_hover_text("Rays whose estimate is at least half and at most twice their traced length");
-            ui.weak(format!("{untouched} at 0.25"))
+            ui.weak(format!("{untouched} from untouched cells"))
                 .on_hover_text("Rays whose estimate is that of a cell that no ray was added to yet: 0.25");
         });
         let theme = Theme::of(ui.ctx());
@@ -125,7 +126,10 @@ impl EstimatePlot {
             .allow_scroll(false)
             .x_axis_label("traced length, unit lengths")
             .y_axis_label("estimated length")
-            .x_axis_formatter(|mark, _| power_of_ten(mark.value))
+            // The corner has the label of the other axis.
+            .x_axis_formatter(
+                |mark, _| if mark.value > low { power_of_ten(mark.value) } else { String::new() },
+            )
             .y_axis_formatter(|mark, _| power_of_ten(mark.value))
             .x_grid_spacer(uniform_grid_spacer(|_| DECADES))
             .y_grid_spacer(uniform_grid_spacer(|_| DECADES))
