@@ -348,6 +348,26 @@ fn a_filter_links_table_and_space() {
     );
 }
 
+/// The picture of the order: rays that do not pass are grey, and only those.
+#[test]
+fn a_filter_greys_the_other_pixels() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("order", opened(folder.path(), QUEUE, "two-point"));
+    let mut grey = |text: &str| -> Vec<u32> {
+        harness.state_mut().context.selection.filter.set(text);
+        settle(&mut harness);
+        let [red, green, blue, _] = Theme::of(&harness.ctx).left_out().to_array();
+        let image = harness.render().unwrap();
+        let found = image.enumerate_pixels().filter(|(_, _, pixel)| pixel.0[..3] == [red, green, blue]);
+        found.map(|(column, ..)| column).collect()
+    };
+    assert!(grey("").is_empty());
+    let right = grey("x < 8");
+    let left = grey("x >= 8");
+    assert!(right.len() > 1000 && left.len() > 1000, "{} and {} pixels", right.len(), left.len());
+    assert!(left.iter().max() < right.iter().min(), "the wrong half is grey");
+}
+
 #[test]
 fn a_header_sorts_and_again_the_other_way() {
     let folder = tempfile::tempdir().unwrap();

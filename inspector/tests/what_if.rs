@@ -9,6 +9,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
+use inspector::analysis::GroupWidth;
 use inspector::model::Context;
 use inspector::model::what_if::{Estimate, Settings, WHAT_IF};
 use inspector::panels::space::options::Options;
@@ -129,7 +130,9 @@ fn a_layout_that_is_wrong_is_said_where_it_is_typed() {
 #[test]
 fn a_group_of_the_worst_is_a_capsule_in_space() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("coherence", opened(folder.path()));
+    let mut context = opened(folder.path());
+    context.selection.group_width = GroupWidth::Rays32;
+    let mut harness = panel("coherence", context);
     harness.get_by_label("worst groups").click();
     settle(&mut harness);
     let context = &mut harness.state_mut().context;
@@ -138,8 +141,11 @@ fn a_group_of_the_worst_is_a_capsule_in_space() {
     let mut areas: Vec<(f64, usize)> =
         groups.groups.iter().enumerate().map(|(at, group)| (group.area, at)).collect();
     areas.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let (area, second) = areas[1];
-    assert!(harness.query_by_label(&format!("{area:.4}")).is_some());
+    assert!(areas.len() > 3 && areas.iter().map(|(_, at)| *at).ne(0..areas.len()), "no order to be told");
+    let heights: Vec<f32> =
+        areas.iter().map(|(area, _)| harness.get_by_label(&format!("{area:.4}")).rect().top()).collect();
+    assert!(heights.is_sorted(), "the worst group is not the first");
+    let (_, second) = areas[1];
     harness.get_by_label(&second.to_string()).click();
     settle(&mut harness);
     let context = &mut harness.state_mut().context;
@@ -176,6 +182,8 @@ fn a_cell_that_is_clicked_is_its_rays() {
         (0..queue.len()).filter(|&ray| cell_of(ray) == cell).map(|ray| ray as u32).collect();
     context.selection.cell = Some(cell);
     settle(&mut harness);
+    let found = harness.state_mut().context.rays_of_cell(cell).expect("they are known");
+    assert_eq!(*found, expected);
     harness.get_by_label("filter these").click();
     settle(&mut harness);
     let context = &mut harness.state_mut().context;

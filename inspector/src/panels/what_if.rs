@@ -40,6 +40,10 @@ impl Panel for WhatIfPanel {
                 bits(ui, layout, settings.key_bits);
             }
             ui.horizontal_wrapped(|ui| widths(ui, context));
+            if context.selection.method == WHAT_IF && context.what_if.as_ref() != Some(&settings) {
+                // Its number is that of another group in the order that will be made.
+                context.selection.group = None;
+            }
             context.what_if = Some(settings);
             if layout.is_ok() {
                 ui.separator();
