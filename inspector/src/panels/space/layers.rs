@@ -118,6 +118,14 @@ impl Layers {
         made.capsules.as_ref().map(|capsules| (capsules.shown, capsules.all))
     }
 
+    /// The range of the numbers that cells are coloured by, and how many cells there are; none if none are shown.
+    pub(super) fn cells(&self) -> Option<(ValueRange, usize)> {
+        let (_, made) = self.made.as_ref()?;
+        let (geometry, range) = made.cells.as_ref()?;
+        let Shape::Boxes(boxes) = geometry.shape() else { return None };
+        Some((*range, boxes.len()))
+    }
+
     /// Why the last picture lacks something, if it does.
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()

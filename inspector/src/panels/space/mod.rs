@@ -160,7 +160,7 @@ impl SpaceView {
             MeshMode::Hidden => return None,
             MeshMode::Solid => (self.mesh(recording).ok()?, Stage::Solid, 1.0),
             MeshMode::Ghost => (self.mesh(recording).ok()?, Stage::Ghost, self.options.ghost_opacity),
-            MeshMode::Wire => (self.edges(recording).ok()?, Stage::Wire, 1.0),
+            MeshMode::Wire => (self.edges(recording).ok()?, Stage::Wire, self.options.ghost_opacity),
         };
         let colour = if stage == Stage::Wire { theme.edges() } else { theme.mesh() };
         let (part, paint) = (None, Paint::Plain(colour));
@@ -280,7 +280,8 @@ impl SpaceView {
         let rays =
             self.layers.counts().filter(|_| self.options.shows_rays()).map(|counts| of(counts, "rays"));
         let capsules = self.layers.capsule_counts().map(|counts| of(counts, "capsules"));
-        let parts: Vec<String> = rays.into_iter().chain(capsules).collect();
+        let cells = self.layers.cells().map(|(_, shown)| format!("{} cells", count(shown as u64)));
+        let parts: Vec<String> = rays.into_iter().chain(capsules).chain(cells).collect();
         if parts.is_empty() {
             "showing the scene alone".to_owned()
         } else {
