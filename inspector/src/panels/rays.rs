@@ -89,7 +89,7 @@ impl Panel for RaysPanel {
     }
 
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {
-        let order = context.order()?;
+        let order = context.order().map_err(|reason| reason.to_string())?;
         let width = context.recording().map_or(1, |open| open.dump.manifest().header.options.width);
         let rows = (0..order.len()).map(move |place| cells(&order, place, width).to_vec());
         Ok(Data::new(&COLUMNS.map(|(name, _)| name), rows))

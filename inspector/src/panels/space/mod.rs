@@ -110,7 +110,7 @@ impl SpaceView {
 
     /// The rays shown, with the numbers that they are coloured by.
     pub(super) fn data(&self, context: &mut Context) -> Result<Data, String> {
-        let order = context.order()?;
+        let order = context.order().map_err(|reason| reason.to_string())?;
         let places: Vec<usize> = self.layers.shown_places(&self.options, order.len()).collect();
         let (colour_by, width) = (self.options.colour_by, context.selection.group_width);
         let name = colour_by.name();
