@@ -72,13 +72,15 @@ impl Asking {
 pub(super) struct Prompt {
     pub(super) asking: Asking,
     path: String,
+    /// Whether it was shown: then the line of the path has the keyboard already.
+    is_shown: bool,
 }
 
 impl Prompt {
     pub(super) fn new(asking: Asking) -> Self {
         let folder = std::env::current_dir().unwrap_or_default();
         let path = folder.join(asking.file_name()).display().to_string();
-        Self { asking, path }
+        Self { asking, path, is_shown: false }
     }
 
     /// The path once it is typed; the prompt is over then, and when it is closed.
@@ -93,6 +95,9 @@ impl Prompt {
                 ui.set_max_width(460.0);
                 ui.label(UNAVAILABLE);
                 let line = ui.add(egui::TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY));
+                if !std::mem::replace(&mut self.is_shown, true) {
+                    line.request_focus();
+                }
                 let is_entered = line.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
                 ui.horizontal(|ui| {
                     if ui.button("OK").clicked() || is_entered {

@@ -15,29 +15,36 @@ impl App {
     pub(super) fn welcome(&mut self, ui: &mut Ui) {
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
             let margin = (0.5 * (ui.available_width() - WIDTH)).max(12.0);
-            egui::Frame::new().inner_margin(egui::vec2(margin, 24.0)).show(ui, |ui| {
-                ui.heading("Rayscope inspector");
-                ui.label("Shows what happens to rays when a GPU path tracer reorders them.");
-                self.said_problems(ui);
-                ui.add_space(16.0);
-                ui.strong("Open a recording");
-                ui.label(
-                    "A recording is a folder NAME.raydump that `recorder record` writes. Drop it here, or:",
-                );
-                ui.horizontal(|ui| {
-                    if ui.button("Open recording...").clicked() {
-                        self.task = Some(Task::Ask(Asking::OpenRecording));
-                    }
-                    if ui.button("Open session...").clicked() {
-                        self.task = Some(Task::Ask(Asking::OpenSession));
-                    }
+            ui.add_space(24.0);
+            ui.horizontal(|ui| {
+                ui.add_space(margin);
+                ui.vertical(|ui| {
+                    ui.set_max_width(WIDTH.min(ui.available_width() - 12.0));
+                    self.page(ui);
                 });
-                self.recent_list(ui);
-                ui.add_space(16.0);
-                ui.strong("Record the demo");
-                self.demo_part(ui);
             });
         });
+    }
+
+    fn page(&mut self, ui: &mut Ui) {
+        ui.heading("Rayscope inspector");
+        ui.label("Shows what happens to rays when a GPU path tracer reorders them.");
+        self.said_problems(ui);
+        ui.add_space(16.0);
+        ui.strong("Open a recording");
+        ui.label("A recording is a folder NAME.raydump that `recorder record` writes. Drop it here, or:");
+        ui.horizontal(|ui| {
+            if ui.button("Open recording...").clicked() {
+                self.task = Some(Task::Ask(Asking::OpenRecording));
+            }
+            if ui.button("Open session...").clicked() {
+                self.task = Some(Task::Ask(Asking::OpenSession));
+            }
+        });
+        self.recent_list(ui);
+        ui.add_space(16.0);
+        ui.strong("Record the demo");
+        self.demo_part(ui);
     }
 
     fn said_problems(&mut self, ui: &mut Ui) {

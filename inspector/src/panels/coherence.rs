@@ -80,7 +80,7 @@ impl Panel for CoherencePanel {
     }
 
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {
-        let queue = context.queue()?;
+        let queue = context.queue().map_err(|reason| reason.to_string())?;
         let (at, width) = (context.selection.recording, context.selection.group_width);
         let recording = context.recordings.get(at).ok_or("no recording is open")?;
         let (methods, waker) = (recording.methods(queue.id), context.waker().clone());

@@ -210,7 +210,7 @@ impl Compare {
             });
             ui.toggle_value(&mut choice.table, "Table").on_hover_text("What differs between the two sides");
             if choice.table {
-                ui.checkbox(&mut choice.all_rows, "what does not, too");
+                ui.checkbox(&mut choice.all_rows, "also what is the same");
             }
             if choice.difference.is_some() && self.compared.is_none() {
                 ui.spinner();
@@ -312,6 +312,15 @@ impl Compare {
                 ui.label(format!("None of {all} settings and numbers differs."));
             }
             egui::Grid::new("differences").striped(true).num_columns(3).spacing([18.0, 3.0]).show(ui, |ui| {
+                let right = context.recording().map_or("", |recording| recording.label.as_str());
+                let left = self.choice.before_recording.and_then(|at| context.recordings.get(at));
+                let left = left.map_or(right, |recording| recording.label.as_str());
+                let methods = [&self.choice.before, &context.selection.method];
+                ui.strong("");
+                for (label, method) in [left, right].into_iter().zip(methods) {
+                    ui.strong(format!("{label}, {method}"));
+                }
+                ui.end_row();
                 for row in &rows {
                     let name = egui::RichText::new(row.what);
                     ui.label(if row.differs { name.color(differing) } else { name }).on_hover_text(row.about);

@@ -96,7 +96,7 @@ impl Panel for OrderPanel {
     }
 
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {
-        let order = context.order()?;
+        let order = context.order().map_err(|reason| reason.to_string())?;
         let width = context.recording().map_or(1, |open| open.dump.manifest().header.options.width.max(1));
         let rows = (0..order.len()).map(move |ray| {
             let (pixel, place) = (order.queue.path_ids[ray], order.place_of_ray()[ray]);

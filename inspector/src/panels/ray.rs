@@ -44,7 +44,7 @@ impl Panel for RayPanel {
     }
 
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {
-        let order = context.order()?;
+        let order = context.order().map_err(|reason| reason.to_string())?;
         let ray = context.selection.ray.filter(|&ray| ray < order.len()).ok_or("no ray is chosen")?;
         let facts = facts(&order, ray).into_iter().map(|(name, value)| vec![name.to_owned(), value]);
         let key = ReadKey::of(&order, ray).ok();

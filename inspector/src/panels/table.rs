@@ -113,7 +113,7 @@ impl Panel for TablePanel {
     }
 
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {
-        let queue = context.queue()?;
+        let queue = context.queue().map_err(|reason| reason.to_string())?;
         let all = queue.cells.as_ref().map_err(String::clone)?.len();
         let rows = (0..all).filter_map(move |at| {
             let LengthCell { cell, count, sum } = *queue.cells.as_ref().ok()?.get(at)?;

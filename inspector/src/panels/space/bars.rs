@@ -60,7 +60,7 @@ struct Bar<'a> {
     values: Option<&'a Values>,
 }
 
-/// A bar for rays, for capsules, or for both beside each other.
+/// The bars of what is shown, beside each other.
 fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
     let SpaceView { options, layers, .. } = view;
     let by = options.colour_by;
@@ -69,17 +69,19 @@ fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
     let title = layers.title().unwrap_or(by.title());
     let rays = layers.range().filter(|_| options.shows_rays()).map(|range| Bar { range, title, values });
     let areas = Bar { range: AREAS, title: "capsule area, log10", values: None };
-    let count = usize::from(rays.is_some()) + usize::from(options.capsules);
+    let areas = options.capsules.then_some(areas);
+    let cells = layers.cells().map(|(range, _)| Bar { range, title: "mean length in the cell", values: None });
+    let others: Vec<Bar<'_>> = areas.into_iter().chain(cells).collect();
+    let count = others.len() + usize::from(rays.is_some());
     let gap = 16.0;
     let width = (ui.available_width() - gap * count.saturating_sub(1) as f32) / count.max(1) as f32;
-    let (map, is_shown) = (options.map, options.capsules);
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = gap;
         if let Some(bar) = rays {
             ray_bar(ui, options, width, &bar);
         }
-        if is_shown {
-            colour_bar(ui, map, width, &areas, AREAS);
+        for bar in others {
+            colour_bar(ui, options.map, width, &bar, bar.range);
         }
     });
 }
@@ -160,12 +162,13 @@ fn colour_bar(ui: &mut Ui, map: ColourMap, width: f32, bar: &Bar<'_>, across: Va
     let line = bar_top + BAR + 2.0;
     let font = egui::TextStyle::Body.resolve(ui.style());
     let colour = ui.visuals().text_color();
-    for (x, align, text) in [
-        (rect.left(), Align2::LEFT_TOP, number(bar.range.low)),
-        (rect.center().x, Align2::CENTER_TOP, bar.title.to_owned()),
-        (rect.right(), Align2::RIGHT_TOP, number(bar.range.high)),
-    ] {
-        painter.text(pos2(x, line), align, text, font.clone(), colour);
+    painter.text(pos2(rect.center().x, line), Align2::CENTER_TOP, bar.title, font.clone(), colour);
+    for value in [bar.range.low, bar.range.high] {
+        // Under its end, but on the bar.
+        let text = painter.layout_no_wrap(number(value), font.clone(), colour);
+        let x = rect.left() + across.part(value) * rect.width() - 0.5 * text.size().x;
+        let x = x.clamp(rect.left(), (rect.right() - text.size().x).max(rect.left()));
+        painter.galley(pos2(x, line), text, colour);
     }
     response
 }

@@ -132,7 +132,7 @@ fn details(ui: &mut Ui, options: &mut Options) {
         (MeshMode::Hidden, "hidden"),
     ];
     choose(ui, "Surfaces", &mut options.mesh, &modes);
-    ui.add(Slider::new(&mut options.ghost_opacity, 0.02..=1.0).text("opacity if see-through"));
+    ui.add(Slider::new(&mut options.ghost_opacity, 0.02..=1.0).text("opacity if see-through or edges"));
     choose(ui, "Cut across", &mut options.clip_axis, &[(Axis::X, "x"), (Axis::Y, "y"), (Axis::Z, "z")]);
     ui.add(Slider::new(&mut options.clip_at, 0.0..=1.0).text("cut at"))
         .on_hover_text("Part of the scene's extent along that axis");

@@ -18,7 +18,7 @@ use crate::render::cell_box::{cell_box, cells};
 use crate::render::detail::Detail;
 use crate::render::frame::{Layer, Paint, Stage};
 use crate::render::geometry::{
-    CapsuleInstance, Geometry, RayEnd, Shape, Vertex, box_edges, curve, ends, rays,
+    CapsuleInstance, Geometry, RayEnd, Shape, Vertex, box_edges, boxes, curve, ends, rays,
 };
 use crate::render::range::{ValueRange, Values};
 use crate::theme::{ShaderColour, Theme};
@@ -108,6 +108,7 @@ struct Selected {
     lines: Geometry,
     group: Geometry,
     capsule: Option<Geometry>,
+    cell: Option<Geometry>,
 }
 
 /// The vertices of the last picture.
@@ -142,6 +143,14 @@ impl Layers {
     pub(super) fn capsule_counts(&self) -> Option<(usize, usize)> {
         let (_, made) = self.made.as_ref()?;
         made.capsules.as_ref().map(|capsules| (capsules.shown, capsules.all))
+    }
+
+    /// The range of the numbers that cells are coloured by, and how many cells there are; none if none are shown.
+    pub(super) fn cells(&self) -> Option<(ValueRange, usize)> {
+        let (_, made) = self.made.as_ref()?;
+        let (geometry, range) = made.cells.as_ref()?;
+        let Shape::Boxes(boxes) = geometry.shape() else { return None };
+        Some((*range, boxes.len()))
     }
 
     /// Why the last picture lacks something, if it does.
@@ -391,12 +400,18 @@ impl Selected {
         let options = context.recording().map(|recording| &recording.dump.manifest().header.options);
         let corners = cell.zip(options).and_then(|(cell, options)| cell_box(options, cell).ok());
         lines.extend(corners.map(|corners| box_edges(corners, 0.0)).unwrap_or_default());
+        let cell = corners.map(|corners| boxes(std::iter::once((corners, 0.0))).into());
         let groups = order.groups(key.order.1);
         let places = group.map_or(0..0, |group| groups.places(group));
         let found = group.and_then(|group| groups.groups.get(group));
         let capsule =
             found.map(|group| Shape::Capsules(vec![CapsuleInstance::of(&group.capsule, 0.0)]).into());
-        Self { lines: Shape::Segments(lines).into(), group: rays(order, places, |_| 0.0).into(), capsule }
+        Self {
+            lines: Shape::Segments(lines).into(),
+            group: rays(order, places, |_| 0.0).into(),
+            capsule,
+            cell,
+        }
     }
 
     fn layers(&self, colour: ShaderColour) -> Vec<Layer> {
@@ -412,6 +427,7 @@ impl Selected {
         let capsule = self.capsule.as_ref().map(|capsule| layer(capsule, Stage::Capsules, 0.16, 0.0));
         let group = layer(&self.group, Stage::OnTop, 0.5, 1.0);
         let lines = layer(&self.lines, Stage::OnTop, 1.0, SELECTED_WIDTH);
-        capsule.into_iter().chain([group, lines]).collect()
+        let cell = self.cell.as_ref().map(|cell| layer(cell, Stage::Boxes, 0.16, 0.0));
+        capsule.into_iter().chain(cell).chain([group, lines]).collect()
     }
 }

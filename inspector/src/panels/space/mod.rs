@@ -115,7 +115,7 @@ impl SpaceView {
 
     /// The rays shown, with the numbers that they are coloured by.
     pub(super) fn data(&self, context: &mut Context) -> Result<Data, String> {
-        let order = context.order()?;
+        let order = context.order().map_err(|reason| reason.to_string())?;
         let places: Vec<usize> = self.layers.shown_places(&self.options, order.len()).collect();
         let (colour_by, width) = (self.options.colour_by, context.selection.group_width);
         let name = colour_by.name();
@@ -160,7 +160,7 @@ impl SpaceView {
             }
             MeshMode::Solid => (MeshForm::Surfaces, Stage::Solid, 1.0, theme.mesh()),
             MeshMode::Ghost => (MeshForm::Surfaces, Stage::Ghost, self.options.ghost_opacity, theme.mesh()),
-            MeshMode::Wire => (MeshForm::Edges, Stage::Wire, 1.0, theme.edges()),
+            MeshMode::Wire => (MeshForm::Edges, Stage::Wire, self.options.ghost_opacity, theme.edges()),
         };
         let geometry = self.mesh(context, form)?;
         let (part, paint) = (None, Paint::Plain(colour));
@@ -291,9 +291,10 @@ impl SpaceView {
         let rays =
             self.layers.counts().filter(|_| self.options.shows_rays()).map(|counts| of(counts, "rays"));
         let capsules = self.layers.capsule_counts().map(|counts| of(counts, "capsules"));
+        let cells = self.layers.cells().map(|(_, shown)| format!("{} cells", count(shown as u64)));
         let passing = self.layers.passing().filter(|_| rays.is_some());
         let passing = passing.map(|rays| format!("{} pass the filter", count(rays as u64)));
-        let parts: Vec<String> = rays.into_iter().chain(passing).chain(capsules).collect();
+        let parts: Vec<String> = rays.into_iter().chain(passing).chain(capsules).chain(cells).collect();
         if parts.is_empty() {
             "showing the scene alone".to_owned()
         } else {
