@@ -14,6 +14,7 @@ use crate::analysis::GroupWidth;
 use crate::app::{App, only_own_backends};
 use crate::model::Context;
 use crate::model::value::ColourBy;
+use crate::model::what_if::{Settings, WHAT_IF};
 use crate::output::{print, print_json};
 use crate::panels::settings::set;
 use crate::panels::space::options::{CapsuleChoice, MeshMode, Options, StandPoint};
@@ -65,6 +66,7 @@ pub(crate) struct Shot {
     pub(crate) ray: Option<usize>,
     pub(crate) cell: Option<u32>,
     pub(crate) filter: Option<String>,
+    pub(crate) what_if: Option<String>,
     pub(crate) scene: SceneChoice,
     /// `NAME=VALUE`, of the panel that is drawn; `PANEL.NAME=VALUE` of a window's.
     pub(crate) settings: Vec<String>,
@@ -368,8 +370,11 @@ fn select(context: &mut Context, shot: &Shot) -> anyhow::Result<()> {
     if let Some(width) = shot.group_width {
         context.selection.group_width = width;
     }
+    if let Some(what_if) = &shot.what_if {
+        make_order(context, what_if)?;
+    }
     if let Some(method) = &shot.method {
-        let methods = context.recording().map_or(&[][..], |recording| recording.methods(wanted));
+        let methods = context.methods();
         if !methods.contains(method) {
             bail!("{wanted} was not ordered by {method}; there are: {}", methods.join(", "));
         }
@@ -406,4 +411,20 @@ fn memory() -> Memory {
         kilobytes.and_then(|kilobytes| kilobytes.parse::<u64>().ok()).unwrap_or(0) * 1024
     };
     Memory { resident_bytes: of("VmRSS"), anonymous_bytes: of("RssAnon") }
+}
+
+/// Makes the what-if order of a layout, or of a method by its name, and selects it.
+fn make_order(context: &mut Context, what_if: &str) -> anyhow::Result<()> {
+    let recording = context.recording().context("no recording was named")?;
+    let header = &recording.dump.manifest().header;
+    let settings = Settings::named(what_if, header);
+    if let Err(error) = settings.layout(header.lights.len()) {
+        bail!("--what-if: {error}");
+    }
+    context.what_if = Some(settings);
+    while context.what_if_order().map_err(anyhow::Error::msg).context("--what-if")?.is_none() {
+        context.finish();
+    }
+    context.selection.order_by(WHAT_IF);
+    Ok(())
 }

@@ -58,6 +58,10 @@ pub(crate) struct ShotArguments {
     /// Shows only the rays that meet a condition, such as 'hit && length < 0.1'.
     #[arg(long, value_name = "EXPR")]
     filter: Option<String>,
+    /// Sorts the rays by another layout, such as '(ox oy oz)*4 (u v)*10', or by the method of this name, and
+    /// looks at that order.
+    #[arg(long, value_name = "LAYOUT")]
+    what_if: Option<String>,
     /// What rays in space are coloured by: place, group, key, key:ox and the like, length, ...
     #[arg(long, value_parser = |name: &str| ColourBy::try_from(name.to_owned()))]
     colour_by: Option<ColourBy>,
@@ -182,6 +186,7 @@ impl ShotArguments {
             ray: self.ray,
             cell: self.cell,
             filter: self.filter.clone(),
+            what_if: self.what_if.clone(),
             scene,
             size: self.size,
             scale: self.scale.clamp(0.5, 4.0),

@@ -159,11 +159,14 @@ fn what_keys_do_not_hold_is_said() {
     assert!(error.message.contains("unsorted rays have no key"), "{error}");
 }
 
+/// A number of the ray at a place.
+type OfRay = dyn Fn(&Numbers, usize) -> f64;
+
 /// A condition as text and as a closure over the numbers of a ray.
 #[derive(Clone)]
 struct Sample {
     text: String,
-    of: Arc<dyn Fn(&Numbers, usize) -> f64>,
+    of: Arc<OfRay>,
 }
 
 impl std::fmt::Debug for Sample {

@@ -53,6 +53,25 @@ fn every_view_is_a_picture_and_the_same_each_time() {
     }
 }
 
+/// A layout that was recorded gives the curve that was recorded.
+#[test]
+fn an_order_that_is_made_is_drawn_like_a_recorded_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = sample::write(folder.path());
+    let shot = |option: &str, value: &str| {
+        let file = folder.path().join("x.png");
+        let out = file.to_str().unwrap();
+        let arguments =
+            ["shot", "--view", "curve", option, value, "--ray", "3", "--size", "640x400", "--out", out];
+        let output = inspector(&arguments, &dump).output().unwrap();
+        assert!(output.status.success(), "{option} {value}: {}", text(&output));
+        std::fs::read(file).unwrap()
+    };
+    let recorded = shot("--method", "mine");
+    assert!(shot("--what-if", "(u v)*3 (ox oy oz ex ey ez)*5") == recorded);
+    assert!(shot("--what-if", "origin") != recorded);
+}
+
 #[test]
 fn what_a_recording_does_not_have_is_said() {
     let folder = tempfile::tempdir().unwrap();
@@ -63,6 +82,9 @@ fn what_a_recording_does_not_have_is_said() {
         ("--method", "nope", "nope"),
         ("--ray", "100000", "100000"),
         ("--group", "999", "999"),
+        ("--what-if", "(ox oq)*4", "unknown coordinate 'oq'"),
+        ("--what-if", "light-octahedron", "only shadow rays have"),
+        ("--filter", "bounse == 1", "did you mean 'bounce'?"),
     ] {
         let output =
             inspector(&["shot", option, value, "--out", out.to_str().unwrap()], &dump).output().unwrap();

@@ -94,6 +94,17 @@ impl Settings {
         })
     }
 
+    /// Those of a method that is built in, or of a layout with the same length for all rays; key bits and
+    /// length are those of a recording.
+    pub fn named(name_or_layout: &str, header: &Header) -> Self {
+        Self::builtin(name_or_layout, header).unwrap_or_else(|| Self {
+            text: name_or_layout.to_owned(),
+            key_bits: header.options.key_bits.clamp(KEY_BITS_MIN, LAYOUT_BITS),
+            estimate: Estimate::Fixed,
+            length: header.options.two_point_length,
+        })
+    }
+
     /// Names of the methods that are built in.
     pub fn builtin_names() -> impl Iterator<Item = &'static str> {
         BUILTIN.iter().map(|(name, ..)| *name)
