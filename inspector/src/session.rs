@@ -9,6 +9,7 @@ use formats::ray::Kind;
 use serde::{Deserialize, Serialize};
 
 use crate::analysis::GroupWidth;
+use crate::model::what_if::{self, WHAT_IF};
 use crate::model::{Context, Selection};
 
 /// Version of the files that this program writes and reads.
@@ -24,6 +25,9 @@ pub struct Session {
     pub recordings: Vec<PathBuf>,
     /// What of them is selected.
     pub selection: SavedSelection,
+    /// What the what-if order is made by, if there is one.
+    #[serde(default)]
+    pub what_if: Option<what_if::Settings>,
     /// Light, dark, or as the system.
     pub theme: ThemeChoice,
     /// Where panels are.
@@ -151,6 +155,7 @@ impl Session {
             version: VERSION,
             recordings: context.recordings.iter().map(|open| path(open.dump.root())).collect(),
             selection: SavedSelection::from(&context.selection),
+            what_if: context.what_if.clone(),
             theme,
             layout,
             panels,
@@ -195,7 +200,7 @@ impl Session {
 
     /// Opens its recordings and selects what was selected. What is not there any more is a problem.
     pub fn open(&self) -> Context {
-        let mut context = Context::default();
+        let mut context = Context { what_if: self.what_if.clone(), ..Context::default() };
         let mut places = Vec::new();
         for path in &self.recordings {
             let before = context.recordings.len();
@@ -220,7 +225,8 @@ impl SavedSelection {
         if !recording.queues().iter().any(|record| record.id == queue) {
             return Err(format!("{} has no {queue}", recording.label));
         }
-        if !recording.methods(queue).contains(&self.method) && !recording.methods(queue).is_empty() {
+        let is_known = self.method == WHAT_IF || recording.methods(queue).contains(&self.method);
+        if !is_known && !recording.methods(queue).is_empty() {
             return Err(format!("{queue} was not ordered by {}", self.method));
         }
         context.go_to(queue);

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::inputs::{quoted, quoted_text};
-use crate::model::what_if::WHAT_IF;
+use crate::model::what_if::{Settings, WHAT_IF};
 use crate::model::{Context, Selection};
 use crate::panels::PANELS;
 use crate::panels::settings::{CAMERA, settings};
@@ -18,7 +18,8 @@ pub(crate) struct Look {
     pub(crate) is_light: bool,
 }
 
-/// The command for a panel, or for the `window`; none if no recording is open. `states` are those of the
+/// The command for a panel, or for the `window`; none if no recording is open, or for an order that only a
+/// session can keep. `states` are those of the
 /// panels that are drawn.
 pub(crate) fn of(context: &Context, panel: &str, states: &[(&str, Value)], look: &Look) -> Option<String> {
     context.recording()?;
@@ -29,17 +30,18 @@ pub(crate) fn of(context: &Context, panel: &str, states: &[(&str, Value)], look:
     let mut add = |name: &str, value: &str| words.push(format!("--{name} {}", quoted_text(value)));
     add("view", view);
     let Selection { recording, queue, method, group_width, ray, group, cell, filter } = &context.selection;
-    // An order that no recording has.
-    if method == WHAT_IF {
-        return None;
-    }
     if context.recordings.len() > 1 {
         add("recording", &recording.to_string());
     }
     add("pass", &queue.pass.to_string());
     add("bounce", &queue.bounce.to_string());
     add("kind", &queue.kind.to_string());
-    add("method", method);
+    if method == WHAT_IF {
+        let settings = context.what_if.as_ref()?;
+        add("what-if", what_if(settings, context)?);
+    } else {
+        add("method", method);
+    }
     add("group-width", &group_width.rays().to_string());
     for (name, value) in [("ray", *ray), ("group", *group), ("cell", cell.map(|cell| cell as usize))] {
         if let Some(value) = value {
@@ -71,6 +73,14 @@ pub(crate) fn of(context: &Context, panel: &str, states: &[(&str, Value)], look:
     }
     words.push(format!("--out {panel}.png"));
     Some(words.join(" "))
+}
+
+/// The layout or method that `--what-if` takes; none for settings that no option of `shot` gives.
+fn what_if<'a>(settings: &'a Settings, context: &Context) -> Option<&'a str> {
+    let header = &context.recording()?.dump.manifest().header;
+    let name =
+        Settings::builtin_names().find(|name| Settings::builtin(name, header).as_ref() == Some(settings));
+    name.or((Settings::named(&settings.text, header) == *settings).then_some(settings.text.as_str()))
 }
 
 /// The state of a panel as `shot` makes it for a view.

@@ -55,7 +55,7 @@ impl App {
         let picture = Task::Ask(Asking::SavePicture(None));
         task(self, ui, item("Save picture of the window...", ""), is_open, picture);
         if ui.add_enabled(is_open, Button::new("Show command of the window")).clicked() {
-            self.command = self.command_of("window", ui.ctx());
+            self.show_command("window", ui.ctx());
             ui.close();
         }
         ui.separator();

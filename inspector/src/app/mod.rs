@@ -211,8 +211,14 @@ impl App {
             }
             Some((panel, Wish::SaveData)) => self.task = Some(Task::Ask(Asking::SaveData(panel))),
             Some((panel, Wish::CopyData)) => self.copy_data(panel, ui.ctx()),
-            Some((panel, Wish::ShowCommand)) => self.command = self.command_of(panel, ui.ctx()),
+            Some((panel, Wish::ShowCommand)) => self.show_command(panel, ui.ctx()),
         }
+    }
+
+    fn show_command(&mut self, panel: &str, window: &egui::Context) {
+        let none =
+            "No option of `inspector shot` gives this order: save a session, and draw that by --session.";
+        self.command = Some(self.command_of(panel, window).unwrap_or_else(|| none.to_owned()));
     }
 
     /// The command that draws a panel, or the window, as it is.

@@ -11,6 +11,7 @@ use formats::key::{
 };
 use formats::manifest::{Header, MethodRecord};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::order::{KeyLayout, Order};
 use super::queue::Queue;
@@ -22,7 +23,8 @@ pub const WHAT_IF: &str = "what-if";
 const RAYS_PER_TASK: usize = 8192;
 
 /// How keys are made.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Settings {
     /// The layout, in words as `recorder record --method` takes them.
     pub text: String,
@@ -35,7 +37,8 @@ pub struct Settings {
 }
 
 /// Where the estimate of a ray's length comes from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Estimate {
     /// One length for all rays.
     #[default]

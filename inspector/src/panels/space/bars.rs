@@ -70,7 +70,8 @@ fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
     let rays = layers.range().filter(|_| options.shows_rays()).map(|range| Bar { range, title, values });
     let areas = Bar { range: AREAS, title: "capsule area, log10", values: None };
     let areas = options.capsules.then_some(areas);
-    let cells = layers.cells().map(|(range, _)| Bar { range, title: "mean length in the cell", values: None });
+    let cells =
+        layers.cells().map(|(range, _)| Bar { range, title: "mean length in the cell", values: None });
     let others: Vec<Bar<'_>> = areas.into_iter().chain(cells).collect();
     let count = others.len() + usize::from(rays.is_some());
     let gap = 16.0;
