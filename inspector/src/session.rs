@@ -200,7 +200,8 @@ impl Session {
 
     /// Opens its recordings and selects what was selected. What is not there any more is a problem.
     pub fn open(&self) -> Context {
-        let mut context = Context { what_if: self.what_if.clone(), ..Context::default() };
+        let mut context = Context::default();
+        context.what_if.clone_from(&self.what_if);
         let mut places = Vec::new();
         for path in &self.recordings {
             let before = context.recordings.len();

@@ -23,6 +23,7 @@ use inspector::model::{Context, Order};
 use inspector::panels::space::layers::Layers;
 use inspector::panels::space::options::Options;
 use inspector::render::geometry::Shape;
+use inspector::theme::Theme;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
