@@ -95,6 +95,52 @@ fn what_a_recording_does_not_have_is_said() {
     assert_eq!(output.status.code(), Some(2));
 }
 
+/// A camera as numbers and settings by name change the picture; draws are counted.
+#[test]
+fn what_is_drawn_is_set_and_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = sample::write(folder.path());
+    let out = folder.path().join("x.png");
+    let draw = |more: &[&str]| {
+        let usual = ["shot", "--view", "rays", "--size", "320x240", "--json", "--out", out.to_str().unwrap()];
+        let output = inspector(&[&usual[..], more].concat(), &dump).output().unwrap();
+        assert!(output.status.success(), "{more:?}: {}", text(&output));
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (std::fs::read(&out).unwrap(), report)
+    };
+    let (usual, report) = draw(&[]);
+    // Surfaces; rays and their marks, hidden and seen.
+    let (draws, shown) = (&report["draws"], report["rays_shown"][0].as_u64().unwrap());
+    assert_eq!((&draws["draw_calls"], shown > 0), (&5.into(), true));
+    assert_eq!(draws["vertices"], 3 * sample::TRIANGLES.len() as u64 + 4 * 4 * shown);
+    let uploaded = (12 * (sample::positions().len() + sample::TRIANGLES.len())) as u64 + 2 * 32 * shown;
+    assert!(draws["uploaded_bytes"].as_u64().unwrap() >= uploaded, "{draws}");
+    let memory = &report["memory"];
+    assert!(memory["resident_bytes"].as_u64() >= memory["anonymous_bytes"].as_u64(), "{memory}");
+    for more in [
+        &["--camera", "0.5 0.25 0.375 1 -0.2 0.9"][..],
+        &["--camera", "-0.5,0.25,0.375,1,-0.2,0.9,1.1"],
+        &["--set", "mesh=wire"],
+        &["--set", "clip_axis=x", "--set", "clip_at=0.5"],
+        &["--set", "arrows=true"],
+        &["--colour-by", "key:ox", "--method", "aila"],
+    ] {
+        assert!(draw(more).0 != usual, "{more:?} changes nothing");
+    }
+    for (more, code, expected) in [
+        (["--camera", "1 2 3"], 2, "target x, y, z, yaw, pitch, distance"),
+        (["--set", "meshes=wire"], 1, "there are: all_rows"),
+        (["--set", "mesh=wood"], 1, "wood"),
+        (["--colour-by", "key:no"], 2, "ox, oy"),
+        (["--recording", "7"], 1, "no recording 7"),
+    ] {
+        let view = ["shot", "--view", "compare", "--out", out.to_str().unwrap()];
+        let output = inspector(&[&view[..], &more].concat(), &dump).output().unwrap();
+        assert_eq!(output.status.code(), Some(code), "{more:?}");
+        assert!(text(&output).contains(expected), "{more:?}: {}", text(&output));
+    }
+}
+
 /// With all Vulkan drivers hidden, only what draws in a window fails, and says why.
 #[cfg(target_os = "linux")]
 #[test]

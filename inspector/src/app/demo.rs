@@ -6,6 +6,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
+use std::time::Instant;
+
+use formats::folder::partial_of;
+use formats::reader::Dump;
 
 /// The program as the system calls it.
 fn program_name() -> OsString {
@@ -36,6 +40,7 @@ struct Running {
     child: Child,
     lines: Receiver<String>,
     recording: PathBuf,
+    start: Instant,
 }
 
 /// What there is to say of it.
@@ -87,8 +92,20 @@ impl Demo {
             listen(output, sender, wake);
         }
         self.log = vec![format!("{} demo --out {}", program.display(), folder.display())];
-        self.running = Some(Running { child, lines, recording: folder.join("demo.raydump") });
+        let recording = folder.join("demo.raydump");
+        self.running = Some(Running { child, lines, recording, start: Instant::now() });
         Ok(())
+    }
+
+    /// How far it is, by what is written: the program shows its own bar in a terminal alone.
+    pub(super) fn progress(&self) -> Option<String> {
+        let running = self.running.as_ref()?;
+        let seconds = running.start.elapsed().as_secs();
+        let partial = Dump::open(&partial_of(&running.recording)).ok();
+        let Some(last) = partial.as_ref().and_then(|dump| dump.manifest().queues.last()) else {
+            return Some(format!("{seconds} s: preparing the scene, or tracing the first rays"));
+        };
+        Some(format!("{seconds} s: recorded up to {}", last.id))
     }
 
     /// Ends it.

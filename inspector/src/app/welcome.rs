@@ -92,6 +92,7 @@ impl App {
                 if ui.button("Cancel").clicked() {
                     self.demo.cancel();
                 }
+                ui.label(self.demo.progress().unwrap_or_default());
                 return;
             }
             if ui.button("Record the demo").clicked() {
