@@ -192,6 +192,8 @@ pub trait Backend {
     fn upload(&mut self, queue: UploadedRays<'_>) -> Result<Self::Rays>;
     /// Replaces the length table of a kind.
     fn load_table(&mut self, kind: Kind, cells: &[LengthCell]) -> Result<()>;
+    /// Starts the length tables anew, 2^`bits` cells each, addressed by the top bits of `layout`.
+    fn address_tables(&mut self, bits: u32, layout: &Layout) -> Result<()>;
 
     /// Camera rays of a pass.
     fn generate(&mut self, pass: u32) -> Result<Timed<Self::Rays>>;

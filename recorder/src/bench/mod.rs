@@ -2,7 +2,12 @@
 //!
 //! - [`sort`]: sort throughput over the number of keys and their bits
 //! - [`trace`]: trace rate per scene, kernel, bounce, kind and order
+//! - [`error`]: run time against error: triangle tests, length tables, key bits, pictures
+//! - `backends`, `queues`: what they share
 
+mod backends;
+pub mod error;
+mod queues;
 pub mod sort;
 pub mod trace;
 

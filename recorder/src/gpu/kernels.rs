@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use formats::key::method::BUILTIN;
-use formats::key::{Coordinate, Layout, LightSite, Method};
+use formats::key::{Coordinate, Layout, LightSite, Method, Termination};
 use formats::ray::Kind;
 use formats::unit_space::UnitSpace;
 use scenes::Camera;
 use scenes::features::Features;
 
-use super::{Gpu, Kernel, Module};
+use super::{Gpu, GpuError, Kernel, Module};
 use crate::backend::{MethodPlan, Setup};
 use crate::stages::shared::Span;
 use crate::stages::trace::TraceKernel;
@@ -79,40 +79,63 @@ pub fn modules(setup: &Setup) -> Vec<Module> {
     modules
 }
 
+fn compile(gpu: &Gpu, module: &Module) -> Result<Kernel, GpuError> {
+    // SAFETY: every kernel returns where `span.count` ends, loops a constant number of times,
+    // and indexes arrays by its item, by path ids below the number of pixels, by places that a
+    // prefix sum gave, by cells below the table's size, or by scene indices that the loader
+    // checked. Counts of the length table are never 0.
+    unsafe { module.compile(gpu) }
+}
+
+fn by_kind(gpu: &Gpu, module: impl Fn(Kind) -> Module) -> Result<[Kernel; 2], GpuError> {
+    Ok([compile(gpu, &module(Kind::Closest))?, compile(gpu, &module(Kind::Shadow))?])
+}
+
+fn accumulate_kernels(gpu: &Gpu, setup: &Setup) -> Result<[Kernel; 2], GpuError> {
+    by_kind(gpu, |kind| accumulate::gpu::module(kind, &setup.unit, &setup.table_layout, setup.table_bits))
+}
+
+fn key_kernels(gpu: &Gpu, setup: &Setup, method: &MethodPlan) -> Result<[Option<Kernel>; 2], GpuError> {
+    let mut kernels = [None, None];
+    for kind in Kind::ALL.into_iter().filter(|&kind| method.applies_to(kind)) {
+        kernels[kind as usize] = Some(compile(gpu, &key::gpu::module(setup, method, kind))?);
+    }
+    Ok(kernels)
+}
+
 impl Kernels {
     /// Compiles all of them.
     ///
     /// # Errors
     /// If the driver refuses one.
     pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        // SAFETY: every kernel returns where `span.count` ends, loops a constant number of times,
-        // and indexes arrays by its item, by path ids below the number of pixels, by places that a
-        // prefix sum gave, by cells below the table's size, or by scene indices that the loader
-        // checked. Counts of the length table are never 0.
-        let compile = |module: Module| unsafe { module.compile(gpu) };
-        let by_kind = |module: &dyn Fn(Kind) -> Module| -> Result<[Kernel; 2]> {
-            Ok([compile(module(Kind::Closest))?, compile(module(Kind::Shadow))?])
-        };
-        let mut key = Vec::new();
-        for method in &setup.methods {
-            let mut kernels = [None, None];
-            for kind in Kind::ALL.into_iter().filter(|&kind| method.applies_to(kind)) {
-                kernels[kind as usize] = Some(compile(key::gpu::module(setup, method, kind))?);
-            }
-            key.push(kernels);
-        }
+        let compile = |module: Module| compile(gpu, &module);
+        let keys = setup.methods.iter().map(|method| key_kernels(gpu, setup, method));
+        let key = keys.collect::<Result<_, _>>()?;
         Ok(Self {
             generate: compile(generate::gpu::module())?,
             shade: compile(shade::gpu::module(&setup.features))?,
             compact: compile(compact::queue::module())?,
             add_light: compile(shade::gpu::add_light_module())?,
             gather: compile(gather::gpu::module())?,
-            accumulate: by_kind(&|kind| {
-                accumulate::gpu::module(kind, &setup.unit, &setup.table_layout, setup.table_bits)
-            })?,
+            accumulate: accumulate_kernels(gpu, setup)?,
             key,
-            differences: by_kind(&differences_module)?,
+            differences: by_kind(gpu, differences_module)?,
         })
+    }
+
+    /// Compiles those anew that depend on how length tables are addressed.
+    ///
+    /// # Errors
+    /// If the driver refuses one.
+    pub fn for_table(&mut self, gpu: &Gpu, setup: &Setup) -> Result<()> {
+        self.accumulate = accumulate_kernels(gpu, setup)?;
+        for (kernels, method) in self.key.iter_mut().zip(&setup.methods) {
+            if method.termination == Termination::Adaptive {
+                *kernels = key_kernels(gpu, setup, method)?;
+            }
+        }
+        Ok(())
     }
 }
 

@@ -1,4 +1,10 @@
 //! What `recorder bench --json` prints and `inspector plot` reads.
+//!
+//! - [`error`]: run time against error, four curves
+//! - [`skip`]: what skipping saves, and what comes before the first ray
+
+pub mod error;
+pub mod skip;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,6 +12,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::ray::Kind;
+use error::ErrorRows;
+use skip::{SkipRow, StartupRow};
 
 /// Version of this object.
 pub const BENCH_VERSION: u32 = 1;
@@ -41,6 +49,12 @@ pub enum Rows {
     Sort(Vec<SortRow>),
     /// `bench trace`.
     Trace(Vec<TraceRow>),
+    /// `bench error`.
+    Error(Box<ErrorRows>),
+    /// `bench skip`.
+    Skip(Vec<SkipRow>),
+    /// `bench startup`.
+    Startup(Vec<StartupRow>),
 }
 
 /// Sorting n keys with their indices.
