@@ -24,10 +24,16 @@ pub(super) trait Measurement {
     fn run<B: Backend>(self, backends: Vec<B>) -> Result<Self::Output>;
 }
 
-/// Runs a measurement with a backend for each kernel, on the threads of the device if it has its own.
+/// What a backend is made for.
+pub(super) struct Configuration {
+    pub(super) setup: Arc<Setup>,
+    pub(super) kernel: TraceKernel,
+}
+
+/// Runs a measurement with a backend for each kernel: see [`measure_all`].
 ///
 /// # Errors
-/// If a hierarchy cannot be built, a backend not be made, and whatever the measurement reports.
+/// As [`measure_all`].
 pub(super) fn measure<M: Measurement + Send>(
     device: &Device,
     scene: &Scene,
@@ -35,21 +41,37 @@ pub(super) fn measure<M: Measurement + Send>(
     kernels: &[TraceKernel],
     measurement: M,
 ) -> Result<M::Output> {
+    let of_kernel = |&kernel: &TraceKernel| Configuration { setup: Arc::clone(setup), kernel };
+    let configurations: Vec<_> = kernels.iter().map(of_kernel).collect();
+    measure_all(device, scene, &configurations, measurement)
+}
+
+/// Runs a measurement with several backends, on the threads of the device if it has its own.
+///
+/// # Errors
+/// If a hierarchy cannot be built, a backend not be made, and whatever the measurement reports.
+pub(super) fn measure_all<M: Measurement + Send>(
+    device: &Device,
+    scene: &Scene,
+    configurations: &[Configuration],
+    measurement: M,
+) -> Result<M::Output> {
     let hierarchy = |kernel| device::hierarchy(scene, kernel);
     match device {
         Device::Cpu(cpu) => cpu.pool.install(|| {
-            let backend = |&kernel: &TraceKernel| {
-                let bvh = hierarchy(kernel)?.context("threads have no ray queries; use --backend gpu")?;
-                Ok(CpuBackend::new(Arc::clone(setup), Arc::new(CpuTracer::new(scene, &bvh))))
+            let backend = |Configuration { setup, kernel }: &Configuration| {
+                let bvh = hierarchy(*kernel)?.context("threads have no ray queries; use --backend gpu")?;
+                let tracer = CpuTracer::for_features(scene, &bvh, &setup.features);
+                Ok(CpuBackend::new(Arc::clone(setup), Arc::new(tracer)))
             };
-            measurement.run(kernels.iter().map(backend).collect::<Result<_>>()?)
+            measurement.run(configurations.iter().map(backend).collect::<Result<_>>()?)
         }),
         Device::Gpu(device) => {
-            let backend = |&kernel: &TraceKernel| {
-                let bvh = hierarchy(kernel)?;
-                GpuBackend::new(device.gpu.clone(), scene, bvh.as_ref(), Arc::clone(setup), kernel)
+            let backend = |Configuration { setup, kernel }: &Configuration| {
+                let bvh = hierarchy(*kernel)?;
+                GpuBackend::new(device.gpu.clone(), scene, bvh.as_ref(), Arc::clone(setup), *kernel)
             };
-            measurement.run(kernels.iter().map(backend).collect::<Result<_>>()?)
+            measurement.run(configurations.iter().map(backend).collect::<Result<_>>()?)
         }
     }
 }

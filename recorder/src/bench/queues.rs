@@ -1,10 +1,11 @@
 //! Queues in main memory, and samples of them.
 
 use anyhow::Result;
+use formats::manifest::Stage;
 use formats::ray::{Kind, Ray};
 
 use crate::backend::{Backend, Queue, UploadedRays, collected};
-use crate::wavefront::Place;
+use crate::wavefront::{Observer, Place};
 
 /// A queue in main memory.
 pub(super) struct Copied {
@@ -32,6 +33,19 @@ impl Copied {
             path_ids: &self.path_ids,
             lights: &self.lights,
         }
+    }
+}
+
+/// Lets paths be traced and looks at nothing.
+pub(super) struct Unobserved;
+
+impl<B: Backend> Observer<B> for Unobserved {
+    fn traced(&mut self, _: &mut B, _: Place, _: &B::Rays, _: &B::Hits, _: u64) -> Result<()> {
+        Ok(())
+    }
+
+    fn stage(&mut self, _: Place, _: Stage, _: u64) -> Result<()> {
+        Ok(())
     }
 }
 

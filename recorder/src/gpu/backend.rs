@@ -170,8 +170,8 @@ impl GpuBackend {
         let tables = [GpuTable::new(&gpu, setup.table_bits)?, GpuTable::new(&gpu, setup.table_bits)?];
         Ok(Self {
             kernels: Kernels::new(&gpu, &setup)?,
-            scene: SceneArrays::new(&gpu, &setup.tables)?,
-            tracer: Tracer::new(&gpu, scene, bvh, kernel)?,
+            scene: SceneArrays::new(&gpu, &setup.tables, &setup.features)?,
+            tracer: Tracer::new(&gpu, scene, bvh, kernel, &setup.features)?,
             sorter: Sorter::new(&gpu)?,
             scan: Scan::new(&gpu)?,
             light_sites: gpu.array_of("key::light_sites", &sites)?,

@@ -14,6 +14,7 @@ use formats::manifest::Stage;
 use formats::ray::Kind;
 
 use super::super::backends::{self, Measurement};
+use super::super::queues::Unobserved;
 use super::Bench;
 use crate::backend::{Backend, MethodPlan, Setup};
 use crate::options::RecordOptions;
@@ -54,19 +55,6 @@ pub fn relative_mse(picture: &[[f32; 3]], reference: &[[f32; 3]]) -> f64 {
 struct Reference {
     passes: u32,
     bounces: u32,
-}
-
-/// Nobody looks.
-struct Unobserved;
-
-impl<B: Backend> Observer<B> for Unobserved {
-    fn traced(&mut self, _: &mut B, _: Place, _: &B::Rays, _: &B::Hits, _: u64) -> Result<()> {
-        Ok(())
-    }
-
-    fn stage(&mut self, _: Place, _: Stage, _: u64) -> Result<()> {
-        Ok(())
-    }
 }
 
 impl Measurement for Reference {

@@ -1,6 +1,7 @@
 //! `recorder bench`: one file per benchmark with many options.
 
 mod error;
+mod skip;
 
 use std::path::PathBuf;
 
@@ -21,6 +22,7 @@ use crate::device::DeviceRequest;
 use crate::options::{Keep, KeepPasses, OptionError, RecordOptions, in_range, parse_methods};
 use crate::stages::trace::TraceKernel;
 use error::ErrorArguments;
+use skip::SkipArguments;
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
@@ -29,6 +31,8 @@ Examples:
   recorder bench trace builtin:atrium sponza.glb --methods two-point,costa --json > trace.json
   recorder bench error sponza.glb --json > error.json
   recorder bench error builtin:atrium --only image --methods two-point,costa --image-passes 32
+  recorder bench skip builtin:cornell builtin:apartment
+  recorder bench startup scene.glb --backend gpu
   inspector plot sort.json trace.json error.json --out figures/";
 
 #[derive(Debug, Args)]
@@ -45,6 +49,10 @@ enum What {
     Trace(Box<TraceArguments>),
     /// Run time against error: length tables, key bits, pictures.
     Error(Box<ErrorArguments>),
+    /// What skipping saves: time, memory and bytes of each thing that is left out, on and off.
+    Skip(Box<SkipArguments>),
+    /// What happens before the first ray: reading the scene, hierarchy, upload, pipelines.
+    Startup(Box<SkipArguments>),
 }
 
 #[derive(Debug, Args)]
@@ -170,6 +178,8 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
         What::Sort(arguments) => (sort::run(&arguments.bench()?)?, arguments.json),
         What::Trace(arguments) => (trace::run(&arguments.bench()?)?, arguments.json),
         What::Error(arguments) => (crate::bench::error::run(&arguments.bench()?)?, arguments.json),
+        What::Skip(arguments) => (crate::bench::skip::run(&arguments.bench()?)?, arguments.json),
+        What::Startup(arguments) => (crate::bench::startup::run(&arguments.bench()?)?, arguments.json),
     };
     if json {
         println!("{}", serde_json::to_string_pretty(&result)?);
@@ -213,7 +223,8 @@ fn tables(result: &BenchResult) -> Vec<Table> {
             }
         }
         Rows::Error(rows) => return error::tables(rows),
-        Rows::Skip(_) | Rows::Startup(_) => {}
+        Rows::Skip(rows) => return vec![skip::skip_table(rows)],
+        Rows::Startup(rows) => return vec![skip::startup_table(rows)],
     }
     vec![table]
 }

@@ -5,6 +5,7 @@ use formats::ray::{Hit, Kind, Ray, Work};
 use rayon::prelude::*;
 use scenes::Scene;
 use scenes::bvh::Bvh;
+use scenes::features::Features;
 
 pub use super::scattered::{ScatteredDistances, ScatteredHits};
 
@@ -58,7 +59,12 @@ impl Instructions {
 impl CpuTracer {
     /// A tracer for a scene and a hierarchy that was built over it; both are copied.
     pub fn new(scene: &Scene, bvh: &Bvh) -> Self {
-        let masks = Masks::new(scene);
+        Self::for_features(scene, bvh, &Features::of(scene))
+    }
+
+    /// The same, specialised for features that the scene has or might have.
+    pub fn for_features(scene: &Scene, bvh: &Bvh, features: &Features) -> Self {
+        let masks = Masks::for_features(scene, features);
         let leaf = |&triangle: &u32| {
             LeafTriangle::new(&scene.corners(triangle as usize), triangle, masks.number(triangle))
         };

@@ -4,6 +4,7 @@ use anyhow::{Context, Result};
 use formats::ray::{Hit, Kind};
 use scenes::Scene;
 use scenes::bvh::{BVH2_STACK, Bvh, CWBVH_STACK};
+use scenes::features::Features;
 
 use super::driver::DriverHierarchy;
 use super::mask::Masks;
@@ -201,13 +202,19 @@ impl Tracer {
     ///
     /// # Errors
     /// If something is too large for the adapter.
-    pub fn new(gpu: &Gpu, scene: &Scene, bvh: Option<&Bvh>, kernel: TraceKernel) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        bvh: Option<&Bvh>,
+        kernel: TraceKernel,
+        features: &Features,
+    ) -> Result<Self> {
         let positions = gpu.array_of("trace::positions", &padded(&scene.positions))?;
         let leaf = |triangle: u32| {
             let [a, b, c] = scene.triangles[triangle as usize];
             [a, b, c, triangle]
         };
-        let masks = Masks::new(scene);
+        let masks = Masks::for_features(scene, features);
         let (leaves, hierarchy): (Vec<_>, _) = match (bvh, kernel) {
             (None, TraceKernel::RayQuery) => {
                 let leaves = (0..scene.triangles.len() as u32).map(leaf).collect();
@@ -304,6 +311,17 @@ impl Tracer {
             unused: 0,
         });
         Ok(run.finish()?.elapsed_ns)
+    }
+
+    /// Compiles what tracing in canonical order needs, which else happens with the first rays.
+    ///
+    /// # Errors
+    /// If the driver refuses a kernel.
+    pub fn compile(&mut self, gpu: &Gpu) -> Result<()> {
+        Kind::ALL.into_iter().try_for_each(|kind| {
+            self.compiled(gpu, kind, OrderKind::Canonical, false)?;
+            Ok(())
+        })
     }
 
     /// The kernel of a variant, compiled when it is first needed.
