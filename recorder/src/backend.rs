@@ -10,6 +10,7 @@ use formats::unit_space::UnitSpace;
 use scenes::{Camera, Scene};
 
 use crate::stages::shade::tables::ShadeTables;
+use crate::stages::trace::Precision;
 
 /// A value and how long the device took to make it.
 #[derive(Clone, Copy, Debug)]
@@ -99,6 +100,8 @@ pub struct Setup {
     pub table_bits: u32,
     /// Layout whose top bits address them.
     pub table_layout: Layout,
+    /// How triangles and boxes are tested for closest rays.
+    pub precision: Precision,
 }
 
 impl Setup {

@@ -45,7 +45,7 @@ pub struct PrecisionRow {
     pub samples_ns: Vec<u64>,
 }
 
-/// Hits compared with the exact ones.
+/// Hits compared with the exact ones; what rounding of the ray's own coordinates explains is not wrong.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HitErrors {
     /// Rays compared.
@@ -54,14 +54,14 @@ pub struct HitErrors {
     pub missed: u64,
     /// A hit was found where there is none.
     pub false_hits: u64,
-    /// Another triangle than the nearest one was found, farther than rounding explains.
+    /// A triangle was found, but not the nearest one.
     pub wrong_triangles: u64,
-    /// Of all these: the exact hit lies so near the ray's start that no f32 distance can tell it from the
-    /// surface that the ray leaves.
-    pub at_start: u64,
+    /// Not the exact answer for the ray, but for one within rounding of it: not counted as wrong.
+    pub tied: u64,
     /// |t − exact t| / exact t, over hits of the exact triangle.
     pub relative: Distribution,
-    /// |t − exact t| in ulp of the largest coordinate of the ray's origin and exact hit point.
+    /// |t − exact t| in ulp of the coordinate scale: the largest coordinate of the ray's origin and the
+    /// triangle's corners.
     pub ulp: Distribution,
 }
 

@@ -61,7 +61,8 @@ pub(super) fn measure_all<M: Measurement + Send>(
         Device::Cpu(cpu) => cpu.pool.install(|| {
             let backend = |Configuration { setup, kernel }: &Configuration| {
                 let bvh = hierarchy(*kernel)?.context("threads have no ray queries; use --backend gpu")?;
-                let tracer = CpuTracer::for_features(scene, &bvh, &setup.features);
+                let tracer =
+                    CpuTracer::for_features(scene, &bvh, &setup.features).with_precision(setup.precision);
                 Ok(CpuBackend::new(Arc::clone(setup), Arc::new(tracer)))
             };
             measurement.run(configurations.iter().map(backend).collect::<Result<_>>()?)

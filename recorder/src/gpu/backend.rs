@@ -171,7 +171,7 @@ impl GpuBackend {
         Ok(Self {
             kernels: Kernels::new(&gpu, &setup)?,
             scene: SceneArrays::new(&gpu, &setup.tables, &setup.features)?,
-            tracer: Tracer::new(&gpu, scene, bvh, kernel, &setup.features)?,
+            tracer: Tracer::new(&gpu, scene, bvh, kernel, &setup.features)?.with_precision(setup.precision),
             sorter: Sorter::new(&gpu)?,
             scan: Scan::new(&gpu)?,
             light_sites: gpu.array_of("key::light_sites", &sites)?,

@@ -13,8 +13,8 @@ use scenes::features::Features;
 use super::{Gpu, GpuError, Kernel, Module};
 use crate::backend::{MethodPlan, Setup};
 use crate::stages::shared::Span;
-use crate::stages::trace::TraceKernel;
 use crate::stages::trace::gpu::{OrderKind, TraceVariant};
+use crate::stages::trace::{Precision, TraceKernel};
 use crate::stages::{accumulate, compact, gather, generate, key, shade, trace};
 
 /// The kernels that do not trace or sort.
@@ -149,9 +149,11 @@ pub(crate) fn every_module() -> Vec<Module> {
         for kernel in [TraceKernel::Cwbvh, TraceKernel::Bvh2, TraceKernel::RayQuery] {
             for kind in Kind::ALL {
                 for order in [OrderKind::Canonical, OrderKind::Gathered, OrderKind::Indirect] {
-                    let variant =
-                        TraceVariant { kernel, kind, order, masks: all_features, count_work: all_features };
-                    modules.push(trace::gpu::module(&variant));
+                    for precision in Precision::ALL {
+                        let (masks, count_work) = (all_features, all_features);
+                        let variant = TraceVariant { kernel, kind, order, masks, count_work, precision };
+                        modules.push(trace::gpu::module(&variant));
+                    }
                 }
             }
         }
@@ -199,6 +201,7 @@ fn made_up_setup(all_features: bool, key_bits: u32) -> Setup {
         methods: methods.collect(),
         table_bits: 20,
         table_layout: Layout::from_bits(vec![Coordinate::OriginX, Coordinate::DirectionX]),
+        precision: Precision::default(),
         light_sites,
     }
 }

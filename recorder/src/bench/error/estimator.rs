@@ -322,3 +322,47 @@ fn table_rows(
     let touched = || table.cells().filter(|&(_, count)| count > 1).count() as u64;
     errors_by_pass(queues, estimate, learn, touched).into_iter().map(row(bench, kind, method, bits)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Means of cells kept by hand, in double precision.
+    #[test]
+    fn estimates_come_from_what_was_learnt_before() {
+        let cell = |at: usize, pass: usize| (at * 7 + pass) as u32 % 5;
+        let length = |at: usize, pass: usize| ((at * 13 + pass * 5) % 32) as f32 / 32.0;
+        let queue = |pass: usize| Lengths {
+            place: Place { pass: pass as u32, bounce: 1, kind: Kind::Closest },
+            traced: (0..100).map(|at| length(at, pass)).collect(),
+            cells: vec![(0..100).map(|at| cell(at, pass)).collect()],
+            looked_at: (0..100).map(|at| (at, 1.5)).collect(),
+        };
+        let queues: Vec<Lengths> = (0..PASSES as usize).map(queue).collect();
+        let table = LengthTable::new(8);
+        let estimate = |queue: &Lengths, at: u32| table.mean(queue.cells[0][at as usize]);
+        let learn = |queue: &Lengths| {
+            for (&cell, &length) in queue.cells[0].iter().zip(&queue.traced) {
+                table.add(cell, length);
+            }
+        };
+        let found = errors_by_pass(&queues.iter().collect::<Vec<_>>(), estimate, learn, || 5);
+        let mut known = [(0.25f64, 1.0f64); 5];
+        for (pass, (number, error, _)) in found.iter().enumerate() {
+            assert_eq!(*number as usize, pass + 1);
+            let mean = |at: usize| {
+                let (sum, count) = known[cell(at, pass) as usize];
+                sum / count
+            };
+            let errors = (0..100).map(|at| (mean(at) - f64::from(length(at, pass))).abs());
+            let expected = errors.sum::<f64>() / 100.0;
+            assert!((error.mean_absolute - expected).abs() < 1e-6, "pass {pass}: {error:?}, not {expected}");
+            for at in 0..100 {
+                let (sum, count) = &mut known[cell(at, pass) as usize];
+                *sum += f64::from(length(at, pass));
+                *count += 1.0;
+            }
+        }
+        assert_eq!(found.len(), PASSES as usize);
+    }
+}

@@ -149,3 +149,29 @@ fn mean_capsule_area(unit: &UnitSpace, rays: &[Ray], lengths: &[f32], order: &[u
     let areas: Vec<f64> = order.par_chunks(GROUP_RAYS).map(of_group).collect();
     areas.iter().sum::<f64>() / order.len().max(1) as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half of the rays are all alike, the others spread over a line: groups of the sorted order have no
+    /// area or that of a capsule, those of an order that mixes them are all large.
+    #[test]
+    fn areas_are_means_over_rays_of_an_order() {
+        let unit = UnitSpace::from_bounds([0.0; 3], [1.0; 3]);
+        let ray = |x: f32| Ray { origin: [x, 0.0, 0.0], t_min: 0.0, direction: [0.0, 1.0, 0.0], t_max: 1.0 };
+        let count = GROUP_RAYS as u32;
+        let spread = |at: u32| at as f32 / (count - 1) as f32;
+        let rays: Vec<Ray> =
+            (0..2 * count).map(|at| ray(if at < count { 0.5 } else { spread(at - count) })).collect();
+        let lengths = vec![0.25; rays.len()];
+        let sorted: Vec<u32> = (0..2 * count).collect();
+        let mixed: Vec<u32> = (0..count).flat_map(|at| [at, at + count]).collect();
+        // A capsule of two spheres of radius 1/2, a quarter apart.
+        let capsule = std::f64::consts::PI * (4.0 * 0.25 + 2.0 * 0.5 * 0.25);
+        let area = |order: &[u32]| mean_capsule_area(&unit, &rays, &lengths, order);
+        assert!((area(&sorted) - 0.5 * capsule).abs() < 1e-6, "{}", area(&sorted));
+        assert!(area(&mixed) > 0.2 * capsule && area(&mixed) < capsule);
+        assert_eq!(mean_capsule_area(&unit, &[], &[], &[]), 0.0);
+    }
+}

@@ -1,5 +1,6 @@
 //! Run time against error: what precision, estimates, key bits and sorting cost, and what they buy.
 //!
+//! - [`precision`]: trace rate against lost and wrong hits
 //! - [`estimator`]: cost of the length table against the error of its estimates
 //! - [`key_bits`]: key and sort time against capsule area and trace time
 //! - [`image`]: wall time against the noise of the picture
@@ -7,6 +8,7 @@
 pub mod estimator;
 pub mod image;
 pub mod key_bits;
+pub mod precision;
 
 use std::sync::Arc;
 
@@ -25,6 +27,8 @@ use crate::recording::{choose_camera, setup};
 /// A curve of run time against error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Curve {
+    /// Trace rate against lost and wrong hits, by kernel, triangle test and box test.
+    Precision,
     /// Cost of the length table against the error of its estimates, beside a constant length.
     Estimator,
     /// Key and sort time against capsule area and trace time.
@@ -40,7 +44,7 @@ pub struct ErrorBench {
     pub scenes: Vec<String>,
     /// Curves.
     pub curves: Vec<Curve>,
-    /// Most rays of a queue whose errors are looked at.
+    /// Most rays of a queue whose errors are looked at, and of all secondary rays for precision.
     pub rays: usize,
     /// Key bits of the curve over them.
     pub key_bits: Vec<u32>,
@@ -87,6 +91,7 @@ pub fn run(options: &ErrorBench) -> Result<BenchResult> {
         for curve in &options.curves {
             eprintln!("{}: {curve:?}", scene.name);
             match curve {
+                Curve::Precision => rows.precision.extend(precision::run(bench)?),
                 Curve::Estimator => rows.estimator.extend(estimator::run(bench)?),
                 Curve::KeyBits => rows.key_bits.extend(key_bits::run(bench)?),
                 Curve::Image => rows.image.extend(image::run(bench)?),

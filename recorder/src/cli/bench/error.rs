@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use comfy_table::Table;
-use formats::bench_result::error::{ErrorRows, EstimatorRow, ImageRow, KeyBitsRow};
+use formats::bench_result::error::{ErrorRows, EstimatorRow, ImageRow, KeyBitsRow, PrecisionRow};
 use formats::key::method::UNSORTED;
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
 
@@ -22,7 +22,7 @@ pub(super) struct ErrorArguments {
     /// Curves to measure; all of them if not given.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST")]
     only: Vec<Curve>,
-    /// Most rays of a queue whose errors are looked at, spread evenly over it.
+    /// Most rays of a queue whose errors are looked at, spread evenly over it; for precision, of all of them.
     #[arg(long, default_value_t = 100_000)]
     rays: usize,
     /// Methods of the curves over key bits and wall time, `all` or a list.
@@ -107,7 +107,7 @@ impl ErrorArguments {
         };
         run.check()?;
         RecordOptions { width: self.image_width, height: self.image_height, ..run.clone() }.check()?;
-        let all = [Curve::Estimator, Curve::KeyBits, Curve::Image];
+        let all = Curve::value_variants();
         let curves = if self.only.is_empty() { all.to_vec() } else { self.only.clone() };
         let mut key_bits = self.key_bits.clone();
         key_bits.sort_unstable();
@@ -125,6 +125,9 @@ impl ErrorArguments {
 /// One table per curve that was measured.
 pub(super) fn tables(rows: &ErrorRows) -> Vec<Table> {
     let mut tables = Vec::new();
+    if !rows.precision.is_empty() {
+        tables.push(precision(&rows.precision));
+    }
     if !rows.estimator.is_empty() {
         tables.push(estimator(&rows.estimator));
     }
@@ -139,6 +142,42 @@ pub(super) fn tables(rows: &ErrorRows) -> Vec<Table> {
 
 fn mega_per_second(items: u64, samples_ns: &[u64]) -> String {
     rate(items, samples_ns).map_or(String::new(), |(rate, spread)| format!("{rate:.1} ±{spread:.0} %"))
+}
+
+fn precision(rows: &[PrecisionRow]) -> Table {
+    let mut table = table_of(&[
+        "scene",
+        "kernel",
+        "triangle test",
+        "box test",
+        "Mrays/s",
+        "rays",
+        "missed",
+        "false",
+        "wrong triangle",
+        "tied",
+        "t error, relative: median, 99.9 %, max",
+        "ulp: median, 99.9 %, max",
+    ]);
+    for row in rows {
+        let (relative, ulp) = (row.errors.relative, row.errors.ulp);
+        table.add_row([
+            row.scene.clone(),
+            row.kernel.clone(),
+            row.triangle_test.clone(),
+            row.box_test.clone(),
+            rate(row.rays_timed, &row.samples_ns)
+                .map_or(String::new(), |(rate, spread)| format!("{rate:.2} ±{spread:.0} %")),
+            row.errors.rays.to_string(),
+            row.errors.missed.to_string(),
+            row.errors.false_hits.to_string(),
+            row.errors.wrong_triangles.to_string(),
+            row.errors.tied.to_string(),
+            format!("{:.1e}, {:.1e}, {:.1e}", relative.median, relative.p999, relative.max),
+            format!("{:.2}, {:.1}, {:.0}", ulp.median, ulp.p999, ulp.max),
+        ]);
+    }
+    table
 }
 
 fn estimator(rows: &[EstimatorRow]) -> Table {

@@ -47,7 +47,7 @@ enum What {
     Sort(SortArguments),
     /// Trace rate per scene, kernel, bounce, kind and order.
     Trace(Box<TraceArguments>),
-    /// Run time against error: length tables, key bits, pictures.
+    /// Run time against error: triangle and box tests, length tables, key bits, pictures.
     Error(Box<ErrorArguments>),
     /// What skipping saves: time, memory and bytes of each thing that is left out, on and off.
     Skip(Box<SkipArguments>),

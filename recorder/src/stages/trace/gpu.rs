@@ -9,7 +9,7 @@ use scenes::features::Features;
 use super::driver::DriverHierarchy;
 use super::mask::Masks;
 use super::triangle::{GAMMA_2, GAMMA_3, GAMMA_5};
-use super::{PADDING, RECIPROCAL_LIMIT, TraceKernel};
+use super::{Precision, RECIPROCAL_LIMIT, TraceKernel, TriangleTest};
 use crate::gpu::kernel::constants_wgsl;
 use crate::gpu::run::ItemRange;
 use crate::gpu::scene::padded;
@@ -55,6 +55,8 @@ pub struct TraceVariant {
     pub masks: bool,
     /// Writes counters instead of results.
     pub count_work: bool,
+    /// How triangles and boxes are tested.
+    pub precision: Precision,
 }
 
 const NO_MASKS: &str = "
@@ -129,7 +131,12 @@ pub fn module(variant: &TraceVariant) -> Module {
         .text(&constants(variant))
         .text(&format!("fn ray_place(index: u32) -> u32 {{ return {ray_place}; }}\nfn result_place(index: u32) -> u32 {{ return {result_place}; }}\n"))
         .text(&masks)
-        .text(include_str!("triangle.wgsl"))
+        .text(match variant.precision.triangles {
+            TriangleTest::Watertight => include_str!("triangle.wgsl"),
+            TriangleTest::MoellerTrumbore => {
+                concat!(include_str!("../vector.wgsl"), include_str!("moeller_trumbore.wgsl"))
+            }
+        })
         .text(include_str!("query.wgsl"))
         .text(match variant.kernel {
             TraceKernel::Cwbvh => include_str!("cwbvh.wgsl"),
@@ -142,7 +149,7 @@ pub fn module(variant: &TraceVariant) -> Module {
 
 fn constants(variant: &TraceVariant) -> String {
     let floats = [
-        ("PADDING", PADDING),
+        ("PADDING", variant.precision.boxes.padding()),
         ("RECIPROCAL_LIMIT", RECIPROCAL_LIMIT),
         ("RECIPROCAL_THRESHOLD", 1.0 / RECIPROCAL_LIMIT),
         ("F32_MAX", f32::MAX),
@@ -167,6 +174,7 @@ pub struct Tracer {
     positions: DeviceArray<[f32; 4]>,
     masks: Option<MaskArrays>,
     hierarchy: Hierarchy,
+    precision: Precision,
     compiled: Vec<(TraceVariant, Kernel)>,
 }
 
@@ -235,8 +243,15 @@ impl Tracer {
             positions,
             masks: MaskArrays::new(gpu, &masks)?,
             hierarchy,
+            precision: Precision::default(),
             compiled: Vec::new(),
         })
+    }
+
+    /// The same with other tests of triangles and boxes for closest rays.
+    #[must_use]
+    pub fn with_precision(self, precision: Precision) -> Self {
+        Self { precision, compiled: Vec::new(), ..self }
     }
 
     /// Traces `count` rays; returns the device's time in nanoseconds.
@@ -326,8 +341,14 @@ impl Tracer {
 
     /// The kernel of a variant, compiled when it is first needed.
     fn compiled(&mut self, gpu: &Gpu, kind: Kind, order: OrderKind, count_work: bool) -> Result<Kernel> {
-        let variant =
-            TraceVariant { kernel: self.kernel, kind, order, masks: self.masks.is_some(), count_work };
+        let variant = TraceVariant {
+            kernel: self.kernel,
+            kind,
+            order,
+            masks: self.masks.is_some(),
+            count_work,
+            precision: if kind == Kind::Closest { self.precision } else { Precision::default() },
+        };
         if let Some((_, kernel)) = self.compiled.iter().find(|(known, _)| *known == variant) {
             return Ok(kernel.clone());
         }

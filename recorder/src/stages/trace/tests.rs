@@ -5,9 +5,9 @@ use scenes::bvh::{BvhKind, build};
 use scenes::{Camera, Material, Scene, Texture};
 
 use super::cpu::{CpuTracer, ScatteredDistances, ScatteredHits};
-use super::farthest;
 use super::mask::Masks;
 use super::triangle::{LeafTriangle, Shear};
+use super::{Precision, farthest};
 use crate::oracle::Oracle;
 
 /// Numbers in 0..1 from a linear congruential generator (Knuth's MMIX).
@@ -302,6 +302,30 @@ fn no_ray_leaves_a_closed_sphere() {
             let open = occlusion(&tracer, &rays).iter().filter(|distance| distance.is_infinite()).count();
             assert_eq!(open, 0, "{name}: shadow rays left the sphere around {centre:?}");
         }
+    }
+}
+
+/// The variants that precision is measured against are what they are called: Möller and Trumbore's test lets
+/// rays out, the watertight one does not where boxes are padded, and all agree but for few rays.
+#[test]
+fn plain_tests_lose_rays_and_careful_ones_do_not() {
+    let centre = [148_376.0, 1234.0, -223_423.0];
+    let scene = sphere(100, 2.0, centre);
+    let mut random = Random(23);
+    let rays: Vec<Ray> = (0..20_000)
+        .map(|_| {
+            let offset = random.direction().map(|x| 0.4 * x);
+            ray([0, 1, 2].map(|axis| centre[axis] + offset[axis]), random.direction())
+        })
+        .collect();
+    for (name, tracer) in tracers(&scene) {
+        let [careful, _, plain_triangles, plain] = Precision::ALL.map(|precision| {
+            let tracer = tracer.clone().with_precision(precision);
+            closest(&tracer, &rays).iter().filter(|hit| !hit.is_hit()).count()
+        });
+        assert_eq!(careful, 0, "{name}");
+        assert!(plain_triangles > 0 && plain >= plain_triangles, "{name}: {plain_triangles}, {plain}");
+        assert!(plain < rays.len() / 2, "{name}: {plain}");
     }
 }
 
