@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use formats::key::method::BUILTIN;
 use formats::key::{Coordinate, Layout, LightSite, Method, Termination};
 use formats::ray::Kind;
 use formats::unit_space::UnitSpace;
+use rayon::prelude::*;
 use scenes::Camera;
 use scenes::features::Features;
 
@@ -61,7 +62,7 @@ pub fn differences_module(kind: Kind) -> Module {
         .text(include_str!("differences.wgsl"))
 }
 
-/// All modules of a run but those that trace and sort: what [`Kernels`] compiles.
+/// All modules of a run but those that trace and sort, in the order in which [`Kernels`] takes them.
 pub fn modules(setup: &Setup) -> Vec<Module> {
     let mut modules = vec![
         generate::gpu::module(),
@@ -104,23 +105,35 @@ fn key_kernels(gpu: &Gpu, setup: &Setup, method: &MethodPlan) -> Result<[Option<
 }
 
 impl Kernels {
-    /// Compiles all of them.
+    /// Compiles all of them, as many at a time as there are threads.
     ///
     /// # Errors
     /// If the driver refuses one.
     pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        let compile = |module: Module| compile(gpu, &module);
-        let keys = setup.methods.iter().map(|method| key_kernels(gpu, setup, method));
-        let key = keys.collect::<Result<_, _>>()?;
+        let compiled = modules(setup).into_par_iter().map(|module| compile(gpu, &module));
+        let mut compiled = compiled.collect::<Result<Vec<_>, _>>()?.into_iter();
+        let mut next = || compiled.next().context("there are fewer kernels than modules");
+        let (generate, shade, compact) = (next()?, next()?, next()?);
+        let (add_light, gather) = (next()?, next()?);
+        let mut key = vec![[None, None]; setup.methods.len()];
+        let mut of_kind = |kind: Kind| -> Result<[Kernel; 2]> {
+            let shared = [next()?, next()?];
+            for (kernels, method) in key.iter_mut().zip(&setup.methods) {
+                kernels[kind as usize] = method.applies_to(kind).then(&mut next).transpose()?;
+            }
+            Ok(shared)
+        };
+        let [closest, shadow] = [of_kind(Kind::Closest)?, of_kind(Kind::Shadow)?];
+        let ([accumulate_closest, closest], [accumulate_shadow, shadow]) = (closest, shadow);
         Ok(Self {
-            generate: compile(generate::gpu::module())?,
-            shade: compile(shade::gpu::module(&setup.features))?,
-            compact: compile(compact::queue::module())?,
-            add_light: compile(shade::gpu::add_light_module())?,
-            gather: compile(gather::gpu::module())?,
-            accumulate: accumulate_kernels(gpu, setup)?,
+            generate,
+            shade,
+            compact,
+            add_light,
+            gather,
+            accumulate: [accumulate_closest, accumulate_shadow],
             key,
-            differences: by_kind(gpu, differences_module)?,
+            differences: [closest, shadow],
         })
     }
 
