@@ -61,7 +61,8 @@ fn errors_are_those_of_what_was_measured() {
             run: run(backend),
         };
         let result = error::run(&bench).unwrap();
-        assert_eq!(through_json(&result), result);
+        // The reader of JSON may be off in a number's last digit.
+        assert_eq!(format!("{:.9?}", through_json(&result)), format!("{result:.9?}"));
         let Rows::Error(rows) = &result.rows else { panic!("errors") };
         assert!(rows.precision.len() >= 8, "two kernels, two triangle tests, two box tests");
         for row in &rows.precision {
