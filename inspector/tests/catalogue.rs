@@ -5,8 +5,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use formats::bench_result::error::{ErrorRows, EstimatorRow, HitErrors, ImageRow, KeyBitsRow, PrecisionRow};
+use formats::bench_result::skip::{Cost, SkipRow};
 use formats::bench_result::{BENCH_VERSION, BenchResult, Rows, SortRow, TraceRow};
 use formats::manifest::Stage;
+use formats::metrics::estimator::EstimateError;
 use formats::metrics::speedup::median;
 use formats::ray::Kind;
 use formats::reader::Dump;
@@ -36,7 +39,7 @@ fn bench(rows: Rows) -> BenchResult {
     }
 }
 
-fn benches() -> [BenchResult; 2] {
+fn benches() -> [BenchResult; 4] {
     let sort = |n, key_bits, ns| SortRow { n, key_bits, samples_ns: vec![ns, ns + 10, ns + 20] };
     let trace = |kernel: &str, order: &str, ns| TraceRow {
         scene: "box".into(),
@@ -55,7 +58,120 @@ fn benches() -> [BenchResult; 2] {
             trace("cwbvh", "aila", 700),
             trace("bvh2", "aila", 800),
         ])),
+        bench(Rows::Error(Box::new(error_rows()))),
+        bench(Rows::Skip(vec![skip_row()])),
     ]
+}
+
+fn skip_row() -> SkipRow {
+    SkipRow {
+        scene: "box".into(),
+        what: "textures".into(),
+        of: "shade".into(),
+        skipped: Cost { samples_ns: vec![100, 100, 100], bytes: 0 },
+        done: Cost { samples_ns: vec![150, 150, 150], bytes: 64 },
+        same: "picture".into(),
+        is_same: true,
+    }
+}
+
+/// Every curve, two points each.
+fn error_rows() -> ErrorRows {
+    let scene = || "box".to_owned();
+    let precision = |triangle_test: &str, missed, ns| PrecisionRow {
+        scene: scene(),
+        triangles: 11,
+        kernel: "bvh2".into(),
+        triangle_test: triangle_test.into(),
+        box_test: "padded".into(),
+        bounces: "1-2".into(),
+        errors: HitErrors { rays: 500_000, missed, wrong_triangles: 1, ..HitErrors::default() },
+        rays_timed: 1000,
+        samples_ns: vec![ns, ns + 10, ns + 20],
+    };
+    let error = |mean_absolute| EstimateError {
+        mean_absolute,
+        median_absolute: mean_absolute,
+        root_mean_square: mean_absolute,
+        n: 100,
+    };
+    let estimator = |table_method: &str, table_bits, accumulate_ns: Vec<u64>, key_ns, mean| EstimatorRow {
+        scene: scene(),
+        kind: Kind::Shadow,
+        table_method: table_method.into(),
+        table_bits,
+        pass: 8,
+        cells_touched: 7,
+        error: error(mean),
+        rays_timed: 100,
+        accumulate_ns,
+        key_ns: vec![key_ns],
+    };
+    let key_bits = |method: &str, key_bits, key_ns: Vec<u64>| KeyBitsRow {
+        scene: scene(),
+        bounce: 2,
+        kind: Kind::Closest,
+        method: method.into(),
+        key_bits,
+        rays: 1000,
+        capsule_area: 0.5,
+        sort_ns: key_ns.clone(),
+        key_ns,
+        trace_ns: vec![2_000_000, 3_000_000, 4_000_000],
+    };
+    let image = |method: &str, passes, wall_ns, relative_mse| ImageRow {
+        scene: scene(),
+        method: method.into(),
+        width: 16,
+        height: 9,
+        passes,
+        wall_ns,
+        relative_mse,
+        reference_passes: 64,
+    };
+    ErrorRows {
+        precision: vec![precision("watertight", 0, 900), precision("moeller-trumbore", 3, 800)],
+        estimator: vec![
+            estimator("constant", 0, vec![], 1000, 0.2),
+            estimator("aila", 10, vec![500], 1400, 0.15),
+            estimator("aila", 20, vec![600], 1500, 0.1),
+        ],
+        key_bits: vec![
+            key_bits("unsorted", 0, vec![]),
+            key_bits("aila", 8, vec![1_000_000]),
+            key_bits("aila", 32, vec![2_000_000]),
+        ],
+        image: vec![
+            image("unsorted", 1, 1_000_000, 0.5),
+            image("unsorted", 2, 2_000_000, 0.25),
+            image("aila", 2, 1_500_000, 0.25),
+        ],
+    }
+}
+
+/// The numbers of a benchmark of errors, by hand.
+#[test]
+fn curves_of_run_time_against_error_show_what_was_measured() {
+    let analysis = Analysis { group_width: 64, recordings: vec![], summaries: vec![], correlations: vec![] };
+    let benches = benches();
+    let material = Material { analysis: &analysis, benches: &benches };
+    let panel = |name: &str, at: usize| figure(&material, name).unwrap().panels.swap_remove(at);
+    let place = |panel: &Panel, label: &str| -> Vec<(f64, f64)> {
+        let found = series(panel).iter().find(|series| series.label == label).unwrap();
+        found.points.iter().map(|point| (point.x, point.y)).collect()
+    };
+    let precision = panel("precision-error", 0);
+    let label = "bvh2, moeller-trumbore, padded boxes";
+    assert_eq!(place(&precision, label), [(8.0, 1000.0 / 810.0 * 1e3)]);
+    // Five and six nanoseconds to add, four and five more for the key than without a table.
+    let cost = panel("estimator-cost", 0);
+    assert_eq!(place(&cost, "aila"), [(9.0, 0.15), (11.0, 0.1)]);
+    assert_eq!(place(&cost, "constant"), [(0.0, 0.2)]);
+    let bits = panel("key-bits-cost", 1);
+    assert_eq!(place(&bits, "aila"), [(2.0, 3.0), (4.0, 3.0)]);
+    assert_eq!(bits.references[0].y, 3.0);
+    assert_eq!(place(&panel("image-error", 0), "aila"), [(0.0015, 0.25)]);
+    assert_eq!(place(&panel("skipped", 0), "box"), [(0.0, 1.5)]);
 }
 
 /// The figure, or why not.
@@ -212,6 +328,9 @@ fn what_recordings_cannot_give_is_skipped_with_a_reason() {
         ("table-fill", "not read"),
         ("sort-throughput", "bench sort"),
         ("trace-rate", "bench trace"),
+        ("precision-error", "bench error"),
+        ("image-error", "bench error"),
+        ("skipped", "bench skip"),
     ] {
         let skipped = figure(&material, name).unwrap_err();
         assert!(skipped.reason.contains(part), "{name}: {skipped}");

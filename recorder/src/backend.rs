@@ -10,6 +10,7 @@ use formats::unit_space::UnitSpace;
 use scenes::{Camera, Scene};
 
 use crate::stages::shade::tables::ShadeTables;
+use crate::stages::trace::Precision;
 
 /// A value and how long the device took to make it.
 #[derive(Clone, Copy, Debug)]
@@ -99,6 +100,8 @@ pub struct Setup {
     pub table_bits: u32,
     /// Layout whose top bits address them.
     pub table_layout: Layout,
+    /// How triangles and boxes are tested for closest rays.
+    pub precision: Precision,
 }
 
 impl Setup {
@@ -192,6 +195,8 @@ pub trait Backend {
     fn upload(&mut self, queue: UploadedRays<'_>) -> Result<Self::Rays>;
     /// Replaces the length table of a kind.
     fn load_table(&mut self, kind: Kind, cells: &[LengthCell]) -> Result<()>;
+    /// Starts the length tables anew, 2^`bits` cells each, addressed by the top bits of `layout`.
+    fn address_tables(&mut self, bits: u32, layout: &Layout) -> Result<()>;
 
     /// Camera rays of a pass.
     fn generate(&mut self, pass: u32) -> Result<Timed<Self::Rays>>;

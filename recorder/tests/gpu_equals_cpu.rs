@@ -16,8 +16,8 @@ use recorder::gpu::backend::GpuBackend;
 use recorder::gpu::{AdapterRequest, Gpu};
 use recorder::options::RecordOptions;
 use recorder::recording;
-use recorder::stages::trace::TraceKernel;
 use recorder::stages::trace::cpu::CpuTracer;
+use recorder::stages::trace::{Precision, TraceKernel};
 use scenes::Scene;
 use scenes::bvh::{Bvh, BvhKind};
 
@@ -227,4 +227,27 @@ fn traced_results_and_work_are_equal_with_cwbvh() {
 #[test]
 fn traced_results_and_work_are_equal_with_bvh2() {
     compare_tracing(&options("builtin:atrium?triangles=20000", &["--trace", "bvh2"]));
+}
+
+/// The tests that precision is measured against are the same on both backends, too.
+#[test]
+fn every_precision_finds_the_same_on_both_backends() {
+    for trace in [TraceKernel::Cwbvh, TraceKernel::Bvh2] {
+        let options = options("builtin:atrium?triangles=20000", &["--trace", trace.name()]);
+        let Machine { scene, setup, bvh, .. } = machine(&options);
+        for precision in Precision::ALL {
+            let setup = Arc::new(Setup { precision, ..Setup::clone(&setup) });
+            let gpu = Gpu::open(&AdapterRequest::Any).unwrap();
+            let mut gpu = GpuBackend::new(gpu, &scene, Some(&bvh), setup, trace).unwrap();
+            let rays = gpu.generate(0).unwrap().value;
+            let hits = gpu.trace(&rays).unwrap().value;
+            let found = bytes(|sink| gpu.read_hits(&hits, sink));
+            let rays: Vec<Ray> = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_rays(&rays, sink)));
+            let mut expected = vec![Hit::MISS; rays.len()];
+            CpuTracer::new(&scene, &bvh).with_precision(precision).closest(&rays, &mut expected);
+            let found: Vec<Hit> = bytemuck::pod_collect_to_vec(&found);
+            let differing = found.iter().zip(&expected).filter(|(a, b)| a != b).count();
+            assert_eq!(differing, 0, "{precision:?} by {trace:?}");
+        }
+    }
 }

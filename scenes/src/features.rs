@@ -36,7 +36,7 @@ impl Features {
         let any_material = |has: fn(&Material) -> bool| materials.clone().any(|(material, _)| has(material));
         let any_light = |is: fn(&Light) -> bool| scene.lights.iter().any(is);
         Self {
-            alpha_masks: any_material(|material| material.alpha_cutoff.is_some()),
+            alpha_masks: any_material(|material| material.alpha_threshold() > 0),
             textures: any_material(|material| material.base_color_texture.is_some()),
             emissive_triangles: any_material(Material::is_emissive),
             sphere_lights: any_light(|light| matches!(light, Light::Sphere { .. })),
@@ -59,17 +59,38 @@ impl Features {
         self.names(false)
     }
 
+    /// Each feature on its own, with its name.
+    pub fn each() -> [(&'static str, Self); 8] {
+        let none = Self::default();
+        [
+            ("alpha-masks", Self { alpha_masks: true, ..none }),
+            ("textures", Self { textures: true, ..none }),
+            ("emissive-triangles", Self { emissive_triangles: true, ..none }),
+            ("sphere-lights", Self { sphere_lights: true, ..none }),
+            ("punctual-lights", Self { punctual_lights: true, ..none }),
+            ("environment", Self { environment: true, ..none }),
+            ("specular", Self { specular: true, ..none }),
+            ("vertex-normals", Self { vertex_normals: true, ..none }),
+        ]
+    }
+
+    /// What either of two has.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self {
+            alpha_masks: self.alpha_masks || other.alpha_masks,
+            textures: self.textures || other.textures,
+            emissive_triangles: self.emissive_triangles || other.emissive_triangles,
+            sphere_lights: self.sphere_lights || other.sphere_lights,
+            punctual_lights: self.punctual_lights || other.punctual_lights,
+            environment: self.environment || other.environment,
+            specular: self.specular || other.specular,
+            vertex_normals: self.vertex_normals || other.vertex_normals,
+        }
+    }
+
     fn names(&self, used: bool) -> Vec<&'static str> {
-        let all = [
-            ("alpha-masks", self.alpha_masks),
-            ("textures", self.textures),
-            ("emissive-triangles", self.emissive_triangles),
-            ("sphere-lights", self.sphere_lights),
-            ("punctual-lights", self.punctual_lights),
-            ("environment", self.environment),
-            ("specular", self.specular),
-            ("vertex-normals", self.vertex_normals),
-        ];
-        all.iter().filter(|(_, is)| *is == used).map(|&(name, _)| name).collect()
+        let has = |feature: Self| self.union(feature) == *self;
+        Self::each().into_iter().filter(|&(_, feature)| has(feature) == used).map(|(name, _)| name).collect()
     }
 }

@@ -1,9 +1,9 @@
 //! How far estimated ray lengths are from traced ones.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Errors of an estimate over the rays of a queue, in unit lengths.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EstimateError {
     /// Mean of |estimate − traced|.
     pub mean_absolute: f64,

@@ -2,8 +2,17 @@
 //!
 //! - [`sort`]: sort throughput over the number of keys and their bits
 //! - [`trace`]: trace rate per scene, kernel, bounce, kind and order
+//! - [`error`]: run time against error: triangle tests, length tables, key bits, pictures
+//! - [`skip`]: what skipping saves, each thing on and off
+//! - [`startup`]: what happens before the first ray
+//! - `backends`, `queues`: what they share
 
+mod backends;
+pub mod error;
+mod queues;
+pub mod skip;
 pub mod sort;
+pub mod startup;
 pub mod trace;
 
 use formats::bench_result::{BENCH_VERSION, BenchResult, Rows};

@@ -7,8 +7,8 @@ use std::time::Instant;
 use super::result;
 use crate::device::{self, Device, DeviceRequest};
 use crate::gpu::Gpu;
-use crate::stages::sort;
 use crate::stages::sort::gpu::{SortKeys, Sorter};
+use crate::stages::sort::{self, Digits};
 
 /// What to measure.
 #[derive(Clone, Debug)]
@@ -90,8 +90,64 @@ fn on_gpu(gpu: &Gpu, sorter: &mut Sorter, keys: &[u64], bits: u32) -> Result<u64
     Ok(sorter.sort(gpu, &keys, low.len())?.elapsed_ns)
 }
 
+/// Times of a sort and the order that it gave.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SortedBy {
+    pub(super) samples_ns: Vec<u64>,
+    pub(super) order: Vec<u32>,
+}
+
+/// Sorts keys of 32 bits by each choice of digits, in turns, after a warm-up.
+///
+/// # Errors
+/// If the keys do not fit the device.
+pub(super) fn sorted_by(
+    device: &Device,
+    keys: &[u64],
+    choices: &[Digits],
+    repeats: u32,
+) -> Result<Vec<SortedBy>> {
+    let words: Vec<u32> = keys.iter().map(|&key| key as u32).collect();
+    match device {
+        Device::Cpu(cpu) => cpu.pool.install(|| {
+            let mut sorters: Vec<_> = choices.iter().map(|&digits| sort::cpu::Sorter::by(digits)).collect();
+            in_turns(choices.len(), repeats, |at| {
+                let start = Instant::now();
+                let order = sorters[at].sort_u32(&words, u32::BITS);
+                Ok((start.elapsed().as_nanos() as u64, order))
+            })
+        }),
+        Device::Gpu(device) => {
+            let gpu = &device.gpu;
+            let keys = SortKeys { low: gpu.array_of("sort::low", &words)?, high: None, bits: u32::BITS };
+            let sorters = choices.iter().map(|&digits| Ok(Sorter::new(gpu)?.by(digits)));
+            let mut sorters: Vec<Sorter> = sorters.collect::<Result<_>>()?;
+            in_turns(choices.len(), repeats, |at| {
+                let sorted = sorters[at].sort(gpu, &keys, words.len())?;
+                Ok((sorted.elapsed_ns, gpu.read_vec(&sorted.permutation)?))
+            })
+        }
+    }
+}
+
+fn in_turns(
+    choices: usize,
+    repeats: u32,
+    mut sort: impl FnMut(usize) -> Result<(u64, Vec<u32>)>,
+) -> Result<Vec<SortedBy>> {
+    let mut sorted = vec![SortedBy::default(); choices];
+    for repeat in 0..=repeats {
+        for (at, sorted) in sorted.iter_mut().enumerate() {
+            let (elapsed_ns, order) = sort(at)?;
+            sorted.samples_ns.extend((repeat > 0).then_some(elapsed_ns));
+            sorted.order = order;
+        }
+    }
+    Ok(sorted)
+}
+
 /// The same keys on every machine (SplitMix64, Steele, Lea & Flood 2014).
-fn random_keys(count: usize) -> Vec<u64> {
+pub(super) fn random_keys(count: usize) -> Vec<u64> {
     let mut state = 0u64;
     let mut next = || {
         state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);

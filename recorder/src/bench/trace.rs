@@ -2,22 +2,20 @@
 
 use std::sync::Arc;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use formats::bench_result::{BenchResult, Rows, TraceRow};
 use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
-use formats::ray::{Kind, Ray};
 use scenes::Scene;
 
+use super::backends::{self, Measurement};
+use super::queues::Copied;
 use super::result;
-use crate::backend::{Backend, Queue, Setup, UploadedRays, collected};
-use crate::cpu::CpuBackend;
-use crate::device::{self, Device, DeviceRequest};
-use crate::gpu::backend::GpuBackend;
+use crate::backend::{Backend, Queue, Setup};
+use crate::device::{self, DeviceRequest};
 use crate::options::RecordOptions;
 use crate::recording::{choose_camera, setup};
 use crate::stages::trace::TraceKernel;
-use crate::stages::trace::cpu::CpuTracer;
 use crate::wavefront::{self, Observer, Place};
 
 /// What to measure: scenes one after the other, the rest as for a recording.
@@ -39,55 +37,35 @@ pub fn run(bench: &TraceBench) -> Result<BenchResult> {
     let mut rows = Vec::new();
     let needs_queries = bench.kernels.contains(&TraceKernel::RayQuery);
     let kernel = if needs_queries { TraceKernel::RayQuery } else { TraceKernel::Cwbvh };
-    let request = DeviceRequest { trace: kernel, ..(&bench.run).into() };
+    let device = device::open(&DeviceRequest { trace: kernel, ..(&bench.run).into() })?;
     for name in &bench.scenes {
         let scene = scenes::load(name)?;
         let camera = choose_camera(&scene, bench.run.camera.as_deref())?;
         let setup = Arc::new(setup(&scene, &camera, &bench.run)?);
-        device::open(&request)?.check_capacity(&setup, &scene, &bench.run)?;
-        rows.extend(scene_rows(bench, &request, &scene, &setup)?);
+        device.check_capacity(&setup, &scene, &bench.run)?;
+        let paths = OverPaths { bench, scene: &scene, setup: &setup };
+        rows.extend(backends::measure(&device, &scene, &setup, &bench.kernels, paths)?);
     }
-    Ok(result(&device::open(&request)?, Rows::Trace(rows)))
+    Ok(result(&device, Rows::Trace(rows)))
 }
 
-fn scene_rows(
-    bench: &TraceBench,
-    request: &DeviceRequest,
-    scene: &Scene,
-    setup: &Arc<Setup>,
-) -> Result<Vec<TraceRow>> {
-    let hierarchy = |kernel| device::hierarchy(scene, kernel);
-    match device::open(request)? {
-        Device::Cpu(cpu) => cpu.pool.install(|| {
-            let backend = |&kernel: &TraceKernel| {
-                let bvh = hierarchy(kernel)?.context("threads have no ray queries; use --backend gpu")?;
-                Ok(CpuBackend::new(Arc::clone(setup), Arc::new(CpuTracer::new(scene, &bvh))))
-            };
-            over_paths(bench, scene, setup, bench.kernels.iter().map(backend).collect::<Result<_>>()?)
-        }),
-        Device::Gpu(_) => {
-            // Each kernel has a device of its own: they share nothing but the adapter.
-            let backend = |&kernel: &TraceKernel| {
-                let Device::Gpu(device) = device::open(request)? else {
-                    anyhow::bail!("the adapter has gone");
-                };
-                GpuBackend::new(device.gpu, scene, hierarchy(kernel)?.as_ref(), Arc::clone(setup), kernel)
-            };
-            over_paths(bench, scene, setup, bench.kernels.iter().map(backend).collect::<Result<_>>()?)
-        }
-    }
+/// The queues of paths that the first kernel traces.
+struct OverPaths<'a> {
+    bench: &'a TraceBench,
+    scene: &'a Scene,
+    setup: &'a Setup,
 }
 
-fn over_paths<B: Backend>(
-    bench: &TraceBench,
-    scene: &Scene,
-    setup: &Setup,
-    mut backends: Vec<B>,
-) -> Result<Vec<TraceRow>> {
-    let mut first = backends.remove(0);
-    let mut observer = KernelsAndOrders { bench, scene, setup, others: backends, rows: Vec::new() };
-    wavefront::run(&mut first, bench.run.passes, bench.run.bounces, &mut observer)?;
-    Ok(observer.rows)
+impl Measurement for OverPaths<'_> {
+    type Output = Vec<TraceRow>;
+
+    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<TraceRow>> {
+        let Self { bench, scene, setup } = self;
+        let mut first = backends.remove(0);
+        let mut observer = KernelsAndOrders { bench, scene, setup, others: backends, rows: Vec::new() };
+        wavefront::run(&mut first, bench.run.passes, bench.run.bounces, &mut observer)?;
+        Ok(observer.rows)
+    }
 }
 
 /// Measures each queue of the last pass.
@@ -184,33 +162,4 @@ fn sample<B: Backend>(
         samples.push(backend.trace_gathered(&gathered, order)?.elapsed_ns);
     }
     Ok(())
-}
-
-/// A queue in main memory.
-struct Copied {
-    rays: Vec<Ray>,
-    path_ids: Vec<u32>,
-    lights: Vec<u32>,
-}
-
-impl Copied {
-    fn of<B: Backend>(backend: &mut B, queue: &B::Rays) -> Result<Self> {
-        let rays = collected(|sink| backend.read_rays(queue, sink))?;
-        let path_ids = collected(|sink| backend.read_path_ids(queue, sink))?;
-        let lights = match queue.kind() {
-            Kind::Closest => Vec::new(),
-            Kind::Shadow => collected(|sink| backend.read_lights(queue, sink))?,
-        };
-        Ok(Self { rays, path_ids, lights })
-    }
-
-    fn queue(&self, place: Place) -> UploadedRays<'_> {
-        UploadedRays {
-            kind: place.kind,
-            bounce: place.bounce,
-            rays: &self.rays,
-            path_ids: &self.path_ids,
-            lights: &self.lights,
-        }
-    }
 }

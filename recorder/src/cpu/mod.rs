@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::Result;
-use formats::key::Encoder;
+use formats::key::{Encoder, Layout};
 use formats::length_table::{LengthCell, LengthTable};
 use formats::ray::{Hit, Kind, Ray};
 use glam::Vec3;
@@ -172,6 +172,16 @@ impl Backend for CpuBackend {
 
     fn load_table(&mut self, kind: Kind, cells: &[LengthCell]) -> Result<()> {
         self.tables[kind as usize] = LengthTable::from_touched(self.setup.table_bits, cells)?;
+        Ok(())
+    }
+
+    fn address_tables(&mut self, bits: u32, layout: &Layout) -> Result<()> {
+        let setup = Arc::make_mut(&mut self.setup);
+        setup.table_bits = bits;
+        setup.table_layout = layout.clone();
+        self.cells = Encoder::new(layout, bits, setup.unit, &setup.light_sites);
+        let tables = || [LengthTable::new(bits), LengthTable::new(bits)];
+        (self.tables, self.scratch_tables) = (tables(), tables());
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
+use formats::key::Layout;
 use formats::length_table::{LengthCell, LengthTable};
 use formats::ray::{Kind, Ray};
 use scenes::Scene;
@@ -169,8 +170,8 @@ impl GpuBackend {
         let tables = [GpuTable::new(&gpu, setup.table_bits)?, GpuTable::new(&gpu, setup.table_bits)?];
         Ok(Self {
             kernels: Kernels::new(&gpu, &setup)?,
-            scene: SceneArrays::new(&gpu, &setup.tables)?,
-            tracer: Tracer::new(&gpu, scene, bvh, kernel)?,
+            scene: SceneArrays::new(&gpu, &setup.tables, &setup.features)?,
+            tracer: Tracer::new(&gpu, scene, bvh, kernel, &setup.features)?.with_precision(setup.precision),
             sorter: Sorter::new(&gpu)?,
             scan: Scan::new(&gpu)?,
             light_sites: gpu.array_of("key::light_sites", &sites)?,
@@ -310,6 +311,16 @@ impl Backend for GpuBackend {
     fn load_table(&mut self, kind: Kind, cells: &[LengthCell]) -> Result<()> {
         let table = LengthTable::from_touched(self.setup.table_bits, cells)?;
         self.tables[kind as usize] = GpuTable::filled(&self.gpu, &table)?;
+        Ok(())
+    }
+
+    fn address_tables(&mut self, bits: u32, layout: &Layout) -> Result<()> {
+        let setup = Arc::make_mut(&mut self.setup);
+        setup.table_bits = bits;
+        setup.table_layout = layout.clone();
+        self.kernels.for_table(&self.gpu, &self.setup)?;
+        self.tables = [GpuTable::new(&self.gpu, bits)?, GpuTable::new(&self.gpu, bits)?];
+        self.scratch_tables = None;
         Ok(())
     }
 

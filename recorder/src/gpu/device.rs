@@ -118,8 +118,8 @@ impl AdapterDescription {
     }
 }
 
-/// A device that is open, with the queue that work is sent to.
-#[derive(Debug)]
+/// A device that is open, with the queue that work is sent to. Clones are the same device.
+#[derive(Clone, Debug)]
 pub struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,

@@ -2,19 +2,20 @@
 
 use std::sync::Arc;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use formats::key::method::BUILTIN;
-use formats::key::{Coordinate, Layout, LightSite, Method};
+use formats::key::{Coordinate, Layout, LightSite, Method, Termination};
 use formats::ray::Kind;
 use formats::unit_space::UnitSpace;
+use rayon::prelude::*;
 use scenes::Camera;
 use scenes::features::Features;
 
-use super::{Gpu, Kernel, Module};
+use super::{Gpu, GpuError, Kernel, Module};
 use crate::backend::{MethodPlan, Setup};
 use crate::stages::shared::Span;
-use crate::stages::trace::TraceKernel;
 use crate::stages::trace::gpu::{OrderKind, TraceVariant};
+use crate::stages::trace::{Precision, TraceKernel};
 use crate::stages::{accumulate, compact, gather, generate, key, shade, trace};
 
 /// The kernels that do not trace or sort.
@@ -61,7 +62,7 @@ pub fn differences_module(kind: Kind) -> Module {
         .text(include_str!("differences.wgsl"))
 }
 
-/// All modules of a run but those that trace and sort: what [`Kernels`] compiles.
+/// All modules of a run but those that trace and sort, in the order in which [`Kernels`] takes them.
 pub fn modules(setup: &Setup) -> Vec<Module> {
     let mut modules = vec![
         generate::gpu::module(),
@@ -79,40 +80,75 @@ pub fn modules(setup: &Setup) -> Vec<Module> {
     modules
 }
 
+fn compile(gpu: &Gpu, module: &Module) -> Result<Kernel, GpuError> {
+    // SAFETY: every kernel returns where `span.count` ends, loops a constant number of times,
+    // and indexes arrays by its item, by path ids below the number of pixels, by places that a
+    // prefix sum gave, by cells below the table's size, or by scene indices that the loader
+    // checked. Counts of the length table are never 0.
+    unsafe { module.compile(gpu) }
+}
+
+fn by_kind(gpu: &Gpu, module: impl Fn(Kind) -> Module) -> Result<[Kernel; 2], GpuError> {
+    Ok([compile(gpu, &module(Kind::Closest))?, compile(gpu, &module(Kind::Shadow))?])
+}
+
+fn accumulate_kernels(gpu: &Gpu, setup: &Setup) -> Result<[Kernel; 2], GpuError> {
+    by_kind(gpu, |kind| accumulate::gpu::module(kind, &setup.unit, &setup.table_layout, setup.table_bits))
+}
+
+fn key_kernels(gpu: &Gpu, setup: &Setup, method: &MethodPlan) -> Result<[Option<Kernel>; 2], GpuError> {
+    let mut kernels = [None, None];
+    for kind in Kind::ALL.into_iter().filter(|&kind| method.applies_to(kind)) {
+        kernels[kind as usize] = Some(compile(gpu, &key::gpu::module(setup, method, kind))?);
+    }
+    Ok(kernels)
+}
+
 impl Kernels {
-    /// Compiles all of them.
+    /// Compiles all of them, as many at a time as there are threads.
     ///
     /// # Errors
     /// If the driver refuses one.
     pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        // SAFETY: every kernel returns where `span.count` ends, loops a constant number of times,
-        // and indexes arrays by its item, by path ids below the number of pixels, by places that a
-        // prefix sum gave, by cells below the table's size, or by scene indices that the loader
-        // checked. Counts of the length table are never 0.
-        let compile = |module: Module| unsafe { module.compile(gpu) };
-        let by_kind = |module: &dyn Fn(Kind) -> Module| -> Result<[Kernel; 2]> {
-            Ok([compile(module(Kind::Closest))?, compile(module(Kind::Shadow))?])
-        };
-        let mut key = Vec::new();
-        for method in &setup.methods {
-            let mut kernels = [None, None];
-            for kind in Kind::ALL.into_iter().filter(|&kind| method.applies_to(kind)) {
-                kernels[kind as usize] = Some(compile(key::gpu::module(setup, method, kind))?);
+        let compiled = modules(setup).into_par_iter().map(|module| compile(gpu, &module));
+        let mut compiled = compiled.collect::<Result<Vec<_>, _>>()?.into_iter();
+        let mut next = || compiled.next().context("there are fewer kernels than modules");
+        let (generate, shade, compact) = (next()?, next()?, next()?);
+        let (add_light, gather) = (next()?, next()?);
+        let mut key = vec![[None, None]; setup.methods.len()];
+        let mut of_kind = |kind: Kind| -> Result<[Kernel; 2]> {
+            let shared = [next()?, next()?];
+            for (kernels, method) in key.iter_mut().zip(&setup.methods) {
+                kernels[kind as usize] = method.applies_to(kind).then(&mut next).transpose()?;
             }
-            key.push(kernels);
-        }
+            Ok(shared)
+        };
+        let [closest, shadow] = [of_kind(Kind::Closest)?, of_kind(Kind::Shadow)?];
+        let ([accumulate_closest, closest], [accumulate_shadow, shadow]) = (closest, shadow);
         Ok(Self {
-            generate: compile(generate::gpu::module())?,
-            shade: compile(shade::gpu::module(&setup.features))?,
-            compact: compile(compact::queue::module())?,
-            add_light: compile(shade::gpu::add_light_module())?,
-            gather: compile(gather::gpu::module())?,
-            accumulate: by_kind(&|kind| {
-                accumulate::gpu::module(kind, &setup.unit, &setup.table_layout, setup.table_bits)
-            })?,
+            generate,
+            shade,
+            compact,
+            add_light,
+            gather,
+            accumulate: [accumulate_closest, accumulate_shadow],
             key,
-            differences: by_kind(&differences_module)?,
+            differences: [closest, shadow],
         })
+    }
+
+    /// Compiles those anew that depend on how length tables are addressed.
+    ///
+    /// # Errors
+    /// If the driver refuses one.
+    pub fn for_table(&mut self, gpu: &Gpu, setup: &Setup) -> Result<()> {
+        self.accumulate = accumulate_kernels(gpu, setup)?;
+        for (kernels, method) in self.key.iter_mut().zip(&setup.methods) {
+            if method.termination == Termination::Adaptive {
+                *kernels = key_kernels(gpu, setup, method)?;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -126,9 +162,11 @@ pub(crate) fn every_module() -> Vec<Module> {
         for kernel in [TraceKernel::Cwbvh, TraceKernel::Bvh2, TraceKernel::RayQuery] {
             for kind in Kind::ALL {
                 for order in [OrderKind::Canonical, OrderKind::Gathered, OrderKind::Indirect] {
-                    let variant =
-                        TraceVariant { kernel, kind, order, masks: all_features, count_work: all_features };
-                    modules.push(trace::gpu::module(&variant));
+                    for precision in Precision::ALL {
+                        let (masks, count_work) = (all_features, all_features);
+                        let variant = TraceVariant { kernel, kind, order, masks, count_work, precision };
+                        modules.push(trace::gpu::module(&variant));
+                    }
                 }
             }
         }
@@ -176,6 +214,7 @@ fn made_up_setup(all_features: bool, key_bits: u32) -> Setup {
         methods: methods.collect(),
         table_bits: 20,
         table_layout: Layout::from_bits(vec![Coordinate::OriginX, Coordinate::DirectionX]),
+        precision: Precision::default(),
         light_sites,
     }
 }

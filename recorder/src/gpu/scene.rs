@@ -1,5 +1,7 @@
 //! A scene's arrays on the GPU, as shading reads them.
 
+use scenes::features::Features;
+
 use super::{DeviceArray, Gpu, GpuError};
 use crate::stages::shade::tables::ShadeTables;
 use crate::stages::shared::{Emitter, MaterialData, TextureData};
@@ -26,12 +28,12 @@ pub(crate) fn padded(vectors: &[[f32; 3]]) -> Vec<[f32; 4]> {
 }
 
 impl SceneArrays {
-    /// Uploads what the scene has.
+    /// Uploads what kernels for these features read.
     ///
     /// # Errors
     /// If an array is too large for the adapter.
-    pub fn new(gpu: &Gpu, tables: &ShadeTables) -> Result<Self, GpuError> {
-        let textures = if tables.textures.is_empty() {
+    pub fn new(gpu: &Gpu, tables: &ShadeTables, features: &Features) -> Result<Self, GpuError> {
+        let textures = if !features.textures {
             None
         } else {
             Some(TextureArrays {
@@ -41,7 +43,7 @@ impl SceneArrays {
             })
         };
         let normals =
-            (!tables.normals.is_empty()).then(|| gpu.array_of("scene::normals", &padded(&tables.normals)));
+            features.vertex_normals.then(|| gpu.array_of("scene::normals", &padded(&tables.normals)));
         Ok(Self {
             triangles: gpu.array_of("scene::triangles", &tables.triangles)?,
             positions: gpu.array_of("scene::positions", &padded(&tables.positions))?,

@@ -23,6 +23,7 @@ use crate::device;
 use crate::observer::MeasuredQueue;
 use crate::options::RecordOptions;
 use crate::stages::shade::tables::ShadeTables;
+use crate::stages::trace::Precision;
 
 /// A finished recording.
 pub struct Recorded {
@@ -111,5 +112,6 @@ pub fn setup(scene: &Scene, camera: &Camera, options: &RecordOptions) -> Result<
         methods: options.methods.iter().map(plan).collect::<Result<_, _>>()?,
         table_bits: options.table_bits,
         table_layout: options.table_method.layout.expand(lights)?,
+        precision: Precision::default(),
     })
 }

@@ -14,7 +14,7 @@ use crate::figures::model::{Content, Figure, Panel, Point, Series};
 pub fn sort(material: &Material<'_>) -> Result<Figure, Skipped> {
     let rows = |bench: &BenchResult| match &bench.rows {
         Rows::Sort(rows) => rows.clone(),
-        Rows::Trace(_) => Vec::new(),
+        _ => Vec::new(),
     };
     let benches = || material.benches.iter().filter(|bench| matches!(bench.rows, Rows::Sort(_)));
     let parts = Figure {

@@ -7,6 +7,7 @@
 //! - [`tables`]: fill of the length table, errors of estimated lengths
 //! - [`models`]: lane utilisation, cache hit ratios
 //! - [`benches`]: sort throughput, trace rate
+//! - [`errors`]: run time against error, what skipping saves
 //! - [`picture`]: the image and what each pixel cost
 //! - [`building`]: what they share
 
@@ -14,6 +15,7 @@ pub mod bandwidth;
 pub mod benches;
 pub mod building;
 pub mod capsules;
+pub mod errors;
 pub mod models;
 pub mod overhead;
 pub mod picture;
@@ -87,6 +89,11 @@ pub const CATALOGUE: &[Entry] = &[
     entry("bandwidth", "achieved bandwidth per stage", bandwidth::bandwidth),
     entry("sort-throughput", "keys sorted a second, by number and bits", benches::sort),
     entry("trace-rate", "rays traced a second, by kernel, rays and order", benches::trace),
+    entry("precision-error", "trace rate against lost and wrong hits, by kernel and test", errors::precision),
+    entry("estimator-cost", "cost of the length table against the error of its estimates", errors::estimator),
+    entry("key-bits-cost", "key and sort time against capsule area and trace time", errors::key_bits),
+    entry("image-error", "noise of the picture against wall time, by method", errors::image),
+    entry("skipped", "what skipping saves, each thing on and off", errors::skipped),
     entry("pixel-cost", "the picture, and the work behind each pixel", picture::pixel_cost),
 ];
 

@@ -9,6 +9,19 @@ use super::path::{Outcome, ShadowState, shade_path};
 use super::tables::ShadeTables;
 use crate::stages::shared::{PathState, ShadeParams};
 
+/// What [`shade`] and the tracer on threads are specialised on. Lights are rows of a table there, and what a
+/// scene has none of has no row: a branch that is never taken.
+pub const SPECIALISED: Features = Features {
+    alpha_masks: true,
+    textures: true,
+    emissive_triangles: false,
+    sphere_lights: false,
+    punctual_lights: false,
+    environment: false,
+    specular: true,
+    vertex_normals: true,
+};
+
 /// Paths that one task shades.
 const CHUNK: usize = 1 << 13;
 

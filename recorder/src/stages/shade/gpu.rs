@@ -29,6 +29,51 @@ fn texture_factor(triangle: vec4<u32>, material: MaterialData, u: f32, v: f32) -
 }
 ";
 
+/// A scene whose surfaces are all diffuse.
+const MATT: &str = "
+fn bsdf_evaluate(surface: Surface, out_direction: vec3<f32>, incident: vec3<f32>) -> BsdfValue {
+    return diffuse_evaluate(surface, out_direction, incident);
+}
+
+fn bsdf_sample(surface: Surface, out_direction: vec3<f32>, random: ptr<function, u32>) -> BsdfSample {
+    let choice = random_next(random);
+    let a = random_next(random);
+    let b = random_next(random);
+    return diffuse_sample(surface, out_direction, a, b);
+}
+";
+/// A scene without emissive triangles.
+const NO_EMISSION: &str = "
+fn emitted_radiance(direction: vec3<f32>, t: f32, state: PathState, surface: HitSurface) -> vec3<f32> {
+    return vec3(0.0);
+}
+";
+/// A scene without a sky.
+const NO_SKY: &str = "
+fn missed_radiance(direction: vec3<f32>, state: PathState) -> vec3<f32> {
+    return vec3(0.0);
+}
+";
+
+/// `sample_emitter`: the shapes that a scene has, one after the other.
+fn sample_emitter(features: &Features) -> String {
+    let shapes = [
+        (features.sphere_lights, "EMITTER_SPHERE", "sample_sphere(emitter, point, a, b)"),
+        (features.punctual_lights, "EMITTER_POINT", "sample_point(emitter, point)"),
+        (features.punctual_lights, "EMITTER_SPOT", "sample_point(emitter, point)"),
+        (features.punctual_lights, "EMITTER_DIRECTIONAL", "sample_directional(emitter)"),
+        (features.emissive_triangles, "EMITTER_TRIANGLE", "sample_triangle(emitter, point, a, b)"),
+        (features.environment, "EMITTER_SKY", "sample_sky(emitter, a, b)"),
+    ];
+    let used = shapes.iter().filter(|(is_used, ..)| *is_used);
+    let cases = used.map(|(_, shape, sample)| format!("        case {shape}: {{ return {sample}; }}\n"));
+    format!(
+        "fn sample_emitter(emitter: Emitter, point: vec3<f32>, a: f32, b: f32) -> LightSample {{\n    \
+         switch emitter.shape {{\n{}        default: {{ return LightSample(); }}\n    }}\n}}\n",
+        cases.collect::<String>()
+    )
+}
+
 /// Bindings: directions, path ids, states, hits; triangles, positions, materials, emitters;
 /// normals where the scene has them; uvs, textures, texels where it has those; then film, and
 /// origins, directions, states and flags of the shadow rays and of the next rays.
@@ -66,15 +111,24 @@ pub fn module(features: &Features) -> Module {
     ] {
         module = module.text(&shared.wgsl);
     }
+    let composed =
+        |is_used: bool, with: &'static str, without: &'static str| if is_used { with } else { without };
     module
-        .text(&constants(features))
+        .text(&constants())
         .text(include_str!("../vector.wgsl"))
         .text(&random_text())
         .text(include_str!("bsdf.wgsl"))
+        .text(composed(features.specular, include_str!("glossy.wgsl"), MATT))
         .text(include_str!("surface.wgsl"))
-        .text(if features.vertex_normals { include_str!("normals.wgsl") } else { FLAT_NORMALS })
-        .text(if features.textures { include_str!("texture.wgsl") } else { NO_TEXTURES })
+        .text(composed(features.vertex_normals, include_str!("normals.wgsl"), FLAT_NORMALS))
+        .text(composed(features.textures, include_str!("texture.wgsl"), NO_TEXTURES))
+        .text(include_str!("weight.wgsl"))
         .text(include_str!("light.wgsl"))
+        .text(composed(features.sphere_lights, include_str!("sphere_light.wgsl"), ""))
+        .text(composed(features.punctual_lights, include_str!("punctual_light.wgsl"), ""))
+        .text(composed(features.emissive_triangles, include_str!("emission.wgsl"), NO_EMISSION))
+        .text(composed(features.environment, include_str!("sky.wgsl"), NO_SKY))
+        .text(&sample_emitter(features))
         .text(include_str!("kernel.wgsl"))
 }
 
@@ -90,7 +144,7 @@ pub fn add_light_module() -> Module {
         .text(include_str!("add_light.wgsl"))
 }
 
-fn constants(features: &Features) -> String {
+fn constants() -> String {
     let floats = [
         ("PI", std::f32::consts::PI),
         ("FRAC_1_PI", std::f32::consts::FRAC_1_PI),
@@ -113,10 +167,39 @@ fn constants(features: &Features) -> String {
         ("ROULETTE_FREE_BOUNCES", ROULETTE_FREE_BOUNCES),
     ];
     let floats = floats.map(|(name, value)| format!("const {name} = {};\n", wgsl_f32(value)));
-    format!(
-        "{}{}const GLOSSY = {};\n",
-        floats.concat(),
-        crate::gpu::kernel::constants_wgsl(&integers),
-        features.specular
-    )
+    format!("{}{}", floats.concat(), crate::gpu::kernel::constants_wgsl(&integers))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What stands in the module if and only if a scene has the feature; alpha masks are the trace kernel's.
+    const MARKS: [(&str, &[&str]); 7] = [
+        ("textures", &["texels", "uvs"]),
+        ("emissive-triangles", &["sample_triangle", "params.emission_density", "case EMITTER_TRIANGLE:"]),
+        ("sphere-lights", &["sample_sphere", "case EMITTER_SPHERE:"]),
+        ("punctual-lights", &["sample_point", "case EMITTER_SPOT:", "sample_directional"]),
+        ("environment", &["sky_radiance", "case EMITTER_SKY:"]),
+        ("specular", &["ggx_distribution", "fresnel("]),
+        ("vertex-normals", &["normals:", "normals["]),
+    ];
+
+    #[test]
+    fn a_feature_is_in_the_module_if_and_only_if_the_scene_has_it() {
+        let found = |features: &Features, mark: &str| module(features).wgsl().contains(mark);
+        for (name, feature) in Features::each() {
+            let Some((_, marks)) = MARKS.iter().find(|(marked, _)| *marked == name) else {
+                assert_eq!(name, "alpha-masks");
+                continue;
+            };
+            for mark in *marks {
+                assert!(found(&feature, mark), "{name}: {mark} is missing");
+                assert!(!found(&Features::default(), mark), "{name}: {mark} is there for nothing");
+                let others = Features::each().into_iter().filter(|(other, _)| *other != name);
+                let others = others.fold(Features::default(), |all, (_, other)| all.union(other));
+                assert!(!found(&others, mark), "{name}: {mark} is there for something else");
+            }
+        }
+    }
 }

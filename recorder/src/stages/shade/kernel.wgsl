@@ -8,29 +8,6 @@ struct Outcome {
     has_next: bool,
 }
 
-fn power_heuristic(a: f32, b: f32) -> f32 {
-    let a2 = a * a;
-    return a2 / (a2 + b * b);
-}
-
-fn emission_weight(density: f32, light_density: f32) -> f32 {
-    if density > 0.0 {
-        return power_heuristic(density, light_density);
-    }
-    return 1.0;
-}
-
-fn emitted_radiance(direction: vec3<f32>, t: f32, state: PathState, surface: HitSurface) -> vec3<f32> {
-    let radiance = surface.material.emission;
-    let brightness = luminance(radiance);
-    if brightness <= 0.0 {
-        return vec3(0.0);
-    }
-    let cosine = -dot3(direction, surface.geometric_normal);
-    let light_density = brightness * params.emission_density * (t * t) / max(cosine, 1e-6);
-    return state.color * radiance * emission_weight(state.density, light_density);
-}
-
 fn to_local(frame: Basis, normal: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     return vec3(dot3(v, frame.tangent), dot3(v, frame.bitangent), dot3(v, normal));
 }
@@ -114,10 +91,7 @@ fn shade_path(index: u32, pixel: u32) -> Outcome {
     let state_bits = states[index];
     let state = PathState(bitcast<vec3<f32>>(state_bits.xyz), bitcast<f32>(state_bits.w));
     if hit.y == NO_TRIANGLE {
-        if params.sky_density > 0.0 {
-            let weight = emission_weight(state.density, params.sky_density);
-            outcome.emitted = state.color * sky_radiance(direction) * weight;
-        }
+        outcome.emitted = missed_radiance(direction, state);
         return outcome;
     }
     let surface = hit_surface(direction, hit.y, bitcast<f32>(hit.z), bitcast<f32>(hit.w));

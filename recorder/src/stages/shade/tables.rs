@@ -2,7 +2,8 @@
 
 use bytemuck::Zeroable;
 use glam::Vec3;
-use scenes::{Light, Scene};
+use scenes::features::Features;
+use scenes::{Light, Scene, Texture};
 
 use super::emitters;
 use crate::stages::shared::{Emitter, MaterialData, TextureData};
@@ -49,7 +50,7 @@ impl ShadeTables {
             Light::Environment(sky) => Some(*sky),
             _ => None,
         });
-        let (textures, texels) = pack_textures(scene);
+        let (textures, texels) = pack_textures(&scene.textures);
         let triangles = scene.triangles.iter().zip(&scene.triangle_materials);
         Self {
             positions: scene.positions.clone(),
@@ -72,6 +73,23 @@ impl ShadeTables {
     }
 }
 
+impl ShadeTables {
+    /// The same with arrays for kernels of these features: where a scene has none, normals of length 0, which
+    /// stand for the triangle's own, and one texture that no material has.
+    #[must_use]
+    pub fn for_features(mut self, features: &Features) -> Self {
+        if features.vertex_normals && self.normals.is_empty() {
+            self.normals = vec![[0.0; 3]; self.positions.len()];
+        }
+        if features.textures && self.textures.is_empty() {
+            self.uvs = vec![[0.0; 2]; self.positions.len()];
+            let white = Texture { width: 1, height: 1, rgba: vec![[255; 4]] };
+            (self.textures, self.texels) = pack_textures(&[white]);
+        }
+        self
+    }
+}
+
 fn material_data(material: &scenes::Material) -> MaterialData {
     MaterialData {
         base_color: material.base_color,
@@ -83,14 +101,14 @@ fn material_data(material: &scenes::Material) -> MaterialData {
     }
 }
 
-fn pack_textures(scene: &Scene) -> (Vec<TextureData>, Vec<u32>) {
-    if scene.textures.is_empty() {
+fn pack_textures(scene_textures: &[Texture]) -> (Vec<TextureData>, Vec<u32>) {
+    if scene_textures.is_empty() {
         return (Vec::new(), Vec::new());
     }
     let mut texels: Vec<u32> =
         (0..LINEAR_TABLE_SIZE).map(|byte| linear_from_srgb(byte as u8).to_bits()).collect();
     let mut textures = Vec::new();
-    for texture in &scene.textures {
+    for texture in scene_textures {
         textures.push(TextureData {
             first: texels.len() as u32,
             width: texture.width,

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::{BINS, DIGIT_BITS};
+use super::{BINS, DIGIT_BITS, Digits};
 
 /// Fewest pairs that are worth a thread of their own.
 const SMALLEST_BLOCK: usize = 1 << 14;
@@ -21,6 +21,7 @@ type Counts = [u32; BINS];
 pub struct Sorter {
     /// Pairs, word above index, that passes read and write in turn.
     pairs: [Vec<AtomicU64>; 2],
+    digits: Digits,
 }
 
 /// The permutation that sorts keys of `bits` bits (1 to 32), in memory that is given back.
@@ -40,6 +41,11 @@ pub fn sort_u64(keys: &[u64], bits: u32) -> Vec<u32> {
 }
 
 impl Sorter {
+    /// One that sorts by these digits; the order is the same.
+    pub fn by(digits: Digits) -> Self {
+        Self { digits, ..Self::default() }
+    }
+
     /// The permutation that sorts keys of `bits` bits (1 to 32); higher bits must be 0.
     ///
     /// # Panics
@@ -59,7 +65,8 @@ impl Sorter {
     fn sort_words(&mut self, count: usize, bits: u32, key: impl Key) -> Vec<u32> {
         assert!(u32::try_from(count).is_ok(), "{count} keys are more than 32-bit indices can name");
         let blocks = Blocks::of(count);
-        let shifts = differing_digits(varying_bits(&blocks, key), bits);
+        let varying = self.digits.varying(bits, || varying_bits(&blocks, key));
+        let shifts = differing_digits(varying, bits);
         let Some((&last, before)) = shifts.split_last() else {
             return (0..count as u32).collect();
         };

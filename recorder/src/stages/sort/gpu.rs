@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::{BINS, DIGIT_BITS, DIGITS_PER_WORD};
+use super::{BINS, DIGIT_BITS, DIGITS_PER_WORD, Digits};
 use crate::gpu::kernel::{LINEAR_WORKGROUP_WGSL, constants_wgsl};
 use crate::gpu::{AdapterDescription, Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource};
 use crate::stages::compact::WORKGROUP_SCAN_WGSL;
@@ -107,6 +107,7 @@ pub struct Sorter {
     scatter: Kernel,
     totals: DeviceArray<u32>,
     room: Option<Room>,
+    digits: Digits,
 }
 
 /// Arrays whose size depends on the number of keys.
@@ -168,7 +169,14 @@ impl Sorter {
             scatter: compile("scatter")?,
             totals: gpu.array("sort::totals", SEEN_WORDS + BINS)?,
             room: None,
+            digits: Digits::Differing,
         })
+    }
+
+    /// The same that sorts by these digits; the order is the same.
+    #[must_use]
+    pub fn by(self, digits: Digits) -> Self {
+        Self { digits, ..self }
     }
 
     /// The stable order of the first `count` keys, in an array of its own.
@@ -203,9 +211,16 @@ impl Sorter {
         let group = self.count.bind(gpu, 0, &resources)?;
         let mut run = gpu.stage("sort");
         run.clear(&self.totals);
-        let examined = count.div_ceil(EXAMINE_THREADS * EXAMINE_KEYS_PER_THREAD);
-        for digit in (0..if is_wide { 2 } else { 1 }).map(|word| word * DIGITS_PER_WORD) {
-            run.dispatch(&self.examine, &[&group], &SortPass { count, tiles, digit }, examined);
+        if self.digits == Digits::Differing {
+            let examined = count.div_ceil(EXAMINE_THREADS * EXAMINE_KEYS_PER_THREAD);
+            for digit in (0..if is_wide { 2 } else { 1 }).map(|word| word * DIGITS_PER_WORD) {
+                run.dispatch(&self.examine, &[&group], &SortPass { count, tiles, digit }, examined);
+            }
+        } else {
+            let all = self.digits.varying(keys.bits, || 0);
+            let [low, high] = [all as u32, (all >> 32) as u32];
+            // As if each of these bits had been seen as 1 and as 0.
+            run.copy(&gpu.array_of("sort::seen", &[low, low, high, high])?, &self.totals, SEEN_WORDS);
         }
         let workgroups = tiles.div_ceil(self.tiling.tiles_per_workgroup);
         for digit in 0..keys.bits.div_ceil(DIGIT_BITS) {
@@ -313,6 +328,14 @@ mod tests {
                     check(&mut sorter, &keys, bits, what);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn passes_over_constant_digits_change_nothing() {
+        let mut sorter = Sorter::new(test_gpu()).unwrap().by(Digits::All);
+        for (what, bits, keys) in test_keys::cases(5000) {
+            check(&mut sorter, &keys, bits, what);
         }
     }
 

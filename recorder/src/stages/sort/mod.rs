@@ -17,6 +17,26 @@ pub mod gpu;
 #[cfg(test)]
 pub(crate) mod test_keys;
 
+/// Which digits get a pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Digits {
+    /// Those in which some bit differs, which a first look at the keys finds.
+    #[default]
+    Differing,
+    /// All that a key has, unseen: to measure what the look saves.
+    All,
+}
+
+impl Digits {
+    /// The bits that differ, for keys of `bits` bits; `look` finds them.
+    fn varying(self, bits: u32, look: impl FnOnce() -> u64) -> u64 {
+        match self {
+            Self::Differing => look(),
+            Self::All => u64::MAX >> (u64::BITS - bits),
+        }
+    }
+}
+
 /// Bits that one pass sorts by.
 pub const DIGIT_BITS: u32 = 8;
 

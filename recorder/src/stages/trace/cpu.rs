@@ -1,18 +1,22 @@
 //! Trace on threads: the same arithmetic as the WGSL kernels, with AVX2 for the box tests where
 //! the processor has it.
 
+use std::marker::PhantomData;
+
 use formats::ray::{Hit, Kind, Ray, Work};
 use rayon::prelude::*;
 use scenes::Scene;
 use scenes::bvh::Bvh;
+use scenes::features::Features;
 
 pub use super::scattered::{ScatteredDistances, ScatteredHits};
 
 use super::cpu_bvh2::BinaryTree;
 use super::cpu_cwbvh::WideTree;
 use super::mask::Masks;
-use super::triangle::{LeafTriangle, Shear};
-use super::{PADDING, farthest, reciprocal};
+use super::moeller_trumbore::PlainRay;
+use super::triangle::{Intersection, LeafTriangle, Shear};
+use super::{BoxTest, Precision, TriangleTest, farthest, reciprocal};
 
 /// Rays that a thread takes at once.
 const CHUNK: usize = 256;
@@ -24,6 +28,7 @@ pub struct CpuTracer {
     triangles: Vec<LeafTriangle>,
     masks: Masks,
     instructions: Instructions,
+    precision: Precision,
 }
 
 #[derive(Clone, Debug)]
@@ -58,7 +63,12 @@ impl Instructions {
 impl CpuTracer {
     /// A tracer for a scene and a hierarchy that was built over it; both are copied.
     pub fn new(scene: &Scene, bvh: &Bvh) -> Self {
-        let masks = Masks::new(scene);
+        Self::for_features(scene, bvh, &Features::of(scene))
+    }
+
+    /// The same, specialised for features that the scene has or might have.
+    pub fn for_features(scene: &Scene, bvh: &Bvh, features: &Features) -> Self {
+        let masks = Masks::for_features(scene, features);
         let leaf = |&triangle: &u32| {
             LeafTriangle::new(&scene.corners(triangle as usize), triangle, masks.number(triangle))
         };
@@ -67,7 +77,15 @@ impl CpuTracer {
             Bvh::Bvh2 { nodes, .. } => Tree::Binary(BinaryTree::new(nodes)),
             Bvh::Cwbvh { nodes, .. } => Tree::Wide(WideTree::new(nodes)),
         };
-        Self { tree, triangles, masks, instructions: Instructions::best() }
+        let instructions = Instructions::best();
+        Self { tree, triangles, masks, instructions, precision: Precision::default() }
+    }
+
+    /// The same with other tests of triangles and boxes for the nearest hit; shadow rays, work and trails stay
+    /// with the defaults.
+    #[must_use]
+    pub fn with_precision(self, precision: Precision) -> Self {
+        Self { precision, ..self }
     }
 
     /// The same tracer without special instructions: results are the same.
@@ -85,7 +103,7 @@ impl CpuTracer {
         assert_eq!(rays.len(), hits.len(), "one hit per ray");
         rays.par_chunks(CHUNK).zip(hits.par_chunks_mut(CHUNK)).for_each(|(rays, hits)| {
             for (ray, hit) in rays.iter().zip(hits) {
-                *hit = self.search::<false>(ray);
+                *hit = self.nearest(ray);
             }
         });
     }
@@ -98,36 +116,36 @@ impl CpuTracer {
         assert_eq!(rays.len(), distances.len(), "one distance per ray");
         rays.par_chunks(CHUNK).zip(distances.par_chunks_mut(CHUNK)).for_each(|(rays, distances)| {
             for (ray, distance) in rays.iter().zip(distances) {
-                *distance = self.search::<true>(ray).t;
+                *distance = self.blocked_at(ray);
             }
         });
     }
 
     /// [`Self::closest`] for rays in the order of `permutation`; results go to canonical places.
     pub fn closest_gathered(&self, sorted_rays: &[Ray], permutation: &[u32], out: &ScatteredHits) {
-        in_order(sorted_rays, permutation, |ray, place| out.store(place, self.search::<false>(ray)));
+        in_order(sorted_rays, permutation, |ray, place| out.store(place, self.nearest(ray)));
     }
 
     /// [`Self::occlusion`] for rays in the order of `permutation`; results go to canonical places.
     pub fn occlusion_gathered(&self, sorted_rays: &[Ray], permutation: &[u32], out: &ScatteredDistances) {
-        in_order(sorted_rays, permutation, |ray, place| out.store(place, self.search::<true>(ray).t));
+        in_order(sorted_rays, permutation, |ray, place| out.store(place, self.blocked_at(ray)));
     }
 
     /// [`Self::closest`], fetching the rays in the order of `permutation`.
     pub fn closest_indirect(&self, rays: &[Ray], permutation: &[u32], out: &ScatteredHits) {
-        through(rays, permutation, |ray, place| out.store(place, self.search::<false>(ray)));
+        through(rays, permutation, |ray, place| out.store(place, self.nearest(ray)));
     }
 
     /// [`Self::occlusion`], fetching the rays in the order of `permutation`.
     pub fn occlusion_indirect(&self, rays: &[Ray], permutation: &[u32], out: &ScatteredDistances) {
-        through(rays, permutation, |ray, place| out.store(place, self.search::<true>(ray).t));
+        through(rays, permutation, |ray, place| out.store(place, self.blocked_at(ray)));
     }
 
     /// What tracing each ray takes.
     pub fn work(&self, rays: &[Ray], kind: Kind) -> Vec<Work> {
         let work = |ray: &Ray| match kind {
-            Kind::Closest => self.search_with_account::<Work, false>(ray, Work::default()).1,
-            Kind::Shadow => self.search_with_account::<Work, true>(ray, Work::default()).1,
+            Kind::Closest => self.search_with_account::<Work, Robust, false>(ray, Work::default()).1,
+            Kind::Shadow => self.search_with_account::<Work, Robust, true>(ray, Work::default()).1,
         };
         rays.par_iter().with_min_len(CHUNK).map(work).collect()
     }
@@ -140,58 +158,136 @@ impl CpuTracer {
         };
         let trail = Trail { node_bytes, reads: Vec::new() };
         match kind {
-            Kind::Closest => self.search_with_account::<Trail, false>(ray, trail).1,
-            Kind::Shadow => self.search_with_account::<Trail, true>(ray, trail).1,
+            Kind::Closest => self.search_with_account::<Trail, Robust, false>(ray, trail).1,
+            Kind::Shadow => self.search_with_account::<Trail, Robust, true>(ray, trail).1,
         }
     }
 
-    fn search<const ANY: bool>(&self, ray: &Ray) -> Hit {
-        self.search_with_account::<(), ANY>(ray, ()).0
+    fn nearest(&self, ray: &Ray) -> Hit {
+        let Precision { triangles, boxes } = self.precision;
+        match (triangles, boxes) {
+            (TriangleTest::Watertight, BoxTest::Padded) => self.search::<Robust, false>(ray),
+            (TriangleTest::Watertight, BoxTest::Plain) => self.search::<Tests<Shear, false>, false>(ray),
+            (TriangleTest::MoellerTrumbore, BoxTest::Padded) => {
+                self.search::<Tests<PlainRay, true>, false>(ray)
+            }
+            (TriangleTest::MoellerTrumbore, BoxTest::Plain) => {
+                self.search::<Tests<PlainRay, false>, false>(ray)
+            }
+        }
     }
 
-    fn search_with_account<A: Account, const ANY: bool>(&self, ray: &Ray, account: A) -> (Hit, A) {
+    fn blocked_at(&self, ray: &Ray) -> f32 {
+        self.search::<Robust, true>(ray).t
+    }
+
+    fn search<P: Arithmetic, const ANY: bool>(&self, ray: &Ray) -> Hit {
+        self.search_with_account::<(), P, ANY>(ray, ()).0
+    }
+
+    fn search_with_account<A: Account, P: Arithmetic, const ANY: bool>(
+        &self,
+        ray: &Ray,
+        account: A,
+    ) -> (Hit, A) {
         if self.masks.is_empty() {
-            self.search_with::<A, ANY, false>(ray, account)
+            self.search_with::<A, P, ANY, false>(ray, account)
         } else {
-            self.search_with::<A, ANY, true>(ray, account)
+            self.search_with::<A, P, ANY, true>(ray, account)
         }
     }
 
-    fn search_with<A: Account, const ANY: bool, const MASKS: bool>(&self, ray: &Ray, account: A) -> (Hit, A) {
+    fn search_with<A: Account, P: Arithmetic, const ANY: bool, const MASKS: bool>(
+        &self,
+        ray: &Ray,
+        account: A,
+    ) -> (Hit, A) {
         match self.instructions {
             Instructions::Portable => {
-                let mut query = Query::<A, ANY, MASKS>::new(self, ray, account);
+                let mut query = Query::<A, P, ANY, MASKS>::new(self, ray, account);
                 match &self.tree {
                     Tree::Binary(tree) => {
-                        tree.traverse::<super::cpu_bvh2::Portable, A, ANY, MASKS>(&mut query)
+                        tree.traverse::<super::cpu_bvh2::Portable, A, P, ANY, MASKS>(&mut query)
                     }
                     Tree::Wide(tree) => {
-                        tree.traverse::<super::cpu_cwbvh::Portable, A, ANY, MASKS>(&mut query)
+                        tree.traverse::<super::cpu_cwbvh::Portable, A, P, ANY, MASKS>(&mut query)
                     }
                 }
                 query.result()
             }
             #[cfg(target_arch = "x86_64")]
             // SAFETY: this variant is made where the processor has these instructions.
-            Instructions::Avx2 => unsafe { search_avx2::<A, ANY, MASKS>(self, ray, account) },
+            Instructions::Avx2 => unsafe { search_avx2::<A, P, ANY, MASKS>(self, ray, account) },
         }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn search_avx2<A: Account, const ANY: bool, const MASKS: bool>(
+fn search_avx2<A: Account, P: Arithmetic, const ANY: bool, const MASKS: bool>(
     tracer: &CpuTracer,
     ray: &Ray,
     account: A,
 ) -> (Hit, A) {
-    let mut query = Query::<A, ANY, MASKS>::new(tracer, ray, account);
+    let mut query = Query::<A, P, ANY, MASKS>::new(tracer, ray, account);
     match &tracer.tree {
-        Tree::Binary(tree) => tree.traverse::<super::cpu_bvh2::Avx2, A, ANY, MASKS>(&mut query),
-        Tree::Wide(tree) => tree.traverse::<super::cpu_cwbvh::Avx2, A, ANY, MASKS>(&mut query),
+        Tree::Binary(tree) => tree.traverse::<super::cpu_bvh2::Avx2, A, P, ANY, MASKS>(&mut query),
+        Tree::Wide(tree) => tree.traverse::<super::cpu_cwbvh::Avx2, A, P, ANY, MASKS>(&mut query),
     }
     query.result()
 }
+
+/// A ray as a triangle test takes it.
+pub(super) trait TriangleRay {
+    /// Prepares for a ray.
+    fn new(ray: &Ray) -> Self;
+
+    /// Where the line hits a triangle, if it does; `t` may be anything, also NaN.
+    fn intersect(&self, leaf: &LeafTriangle) -> Option<Intersection>;
+}
+
+impl TriangleRay for Shear {
+    #[inline(always)]
+    fn new(ray: &Ray) -> Self {
+        Self::new(ray)
+    }
+
+    #[inline(always)]
+    fn intersect(&self, leaf: &LeafTriangle) -> Option<Intersection> {
+        leaf.intersect(self)
+    }
+}
+
+impl TriangleRay for PlainRay {
+    #[inline(always)]
+    fn new(ray: &Ray) -> Self {
+        Self::new(ray)
+    }
+
+    #[inline(always)]
+    fn intersect(&self, leaf: &LeafTriangle) -> Option<Intersection> {
+        self.intersect(leaf)
+    }
+}
+
+/// How triangles and boxes are tested, known when the traversal is compiled.
+pub(super) trait Arithmetic {
+    /// The triangle test.
+    type Ray: TriangleRay;
+    /// The factor on far planes and on the nearest hit.
+    const PADDING: f32;
+}
+
+/// A triangle test with padded or plain boxes.
+pub(super) struct Tests<R, const PADDED: bool>(PhantomData<R>);
+
+impl<R: TriangleRay, const PADDED: bool> Arithmetic for Tests<R, PADDED> {
+    type Ray = R;
+    const PADDING: f32 = if PADDED { BoxTest::Padded } else { BoxTest::Plain }.padding();
+}
+
+/// What everything but measurements of precision uses.
+type Robust = Tests<Shear, true>;
 
 /// What is kept of a ray's way beside its hit; nothing where rates are measured.
 pub(super) trait Account {
@@ -264,29 +360,29 @@ fn through(rays: &[Ray], permutation: &[u32], trace: impl Fn(&Ray, u32) + Sync) 
 
 /// A ray on its way through a hierarchy, and what it has found.
 ///
-/// `ANY`: ends at the first hit. `MASKS`: looks for holes.
-pub(super) struct Query<'a, A: Account, const ANY: bool, const MASKS: bool> {
+/// `P`: tests. `ANY`: ends at the first hit. `MASKS`: looks for holes.
+pub(super) struct Query<'a, A: Account, P: Arithmetic, const ANY: bool, const MASKS: bool> {
     /// Where the ray starts.
     pub origin: [f32; 3],
     /// Reciprocals of its direction.
     pub inverse: [f32; 3],
     /// Nearest distance that counts.
     pub t_min: f32,
-    shear: Shear,
+    triangle_ray: P::Ray,
     best: Hit,
     account: A,
     triangles: &'a [LeafTriangle],
     masks: &'a Masks,
 }
 
-impl<'a, A: Account, const ANY: bool, const MASKS: bool> Query<'a, A, ANY, MASKS> {
+impl<'a, A: Account, P: Arithmetic, const ANY: bool, const MASKS: bool> Query<'a, A, P, ANY, MASKS> {
     #[inline(always)]
     fn new(tracer: &'a CpuTracer, ray: &Ray, account: A) -> Self {
         Self {
             origin: ray.origin,
             inverse: ray.direction.map(reciprocal),
             t_min: ray.t_min,
-            shear: Shear::new(ray),
+            triangle_ray: P::Ray::new(ray),
             best: Hit { t: farthest(ray), ..Hit::MISS },
             account,
             triangles: &tracer.triangles,
@@ -297,7 +393,7 @@ impl<'a, A: Account, const ANY: bool, const MASKS: bool> Query<'a, A, ANY, MASKS
     /// Boxes beyond this distance need not be entered.
     #[inline(always)]
     pub(super) fn limit(&self) -> f32 {
-        self.best.t * PADDING
+        self.best.t * P::PADDING
     }
 
     /// Takes down a node whose children are tested.
@@ -311,7 +407,7 @@ impl<'a, A: Account, const ANY: bool, const MASKS: bool> Query<'a, A, ANY, MASKS
     pub(super) fn test(&mut self, slot: usize) -> bool {
         let leaf = &self.triangles[slot];
         self.account.triangle(slot);
-        let Some(at) = leaf.intersect(&self.shear) else {
+        let Some(at) = self.triangle_ray.intersect(leaf) else {
             return false;
         };
         let triangle = leaf.triangle();

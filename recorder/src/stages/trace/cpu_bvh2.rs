@@ -2,8 +2,7 @@
 
 use scenes::bvh::{BVH2_STACK, Bvh2Node};
 
-use super::PADDING;
-use super::cpu::{Account, Query};
+use super::cpu::{Account, Arithmetic, Query};
 
 /// Bits of a reference that hold the first leaf slot or node pair; those above hold the number of
 /// triangles, 0 for an inner node.
@@ -60,9 +59,9 @@ impl BinaryTree {
 
     /// Finds what the query asks for.
     #[inline(always)]
-    pub(super) fn traverse<T: PairTest, A: Account, const ANY: bool, const MASKS: bool>(
+    pub(super) fn traverse<T: PairTest, A: Account, P: Arithmetic, const ANY: bool, const MASKS: bool>(
         &self,
-        query: &mut Query<'_, A, ANY, MASKS>,
+        query: &mut Query<'_, A, P, ANY, MASKS>,
     ) {
         let test = T::new(query.origin, query.inverse, query.t_min);
         let mut stack: [Waiting; BVH2_STACK] = [(0, 0.0); BVH2_STACK];
@@ -74,7 +73,7 @@ impl BinaryTree {
             if count == 0 {
                 query.visit(first);
                 let pair = &self.pairs[first];
-                let (near, is_hit) = test.test(pair, query.limit());
+                let (near, is_hit) = test.test(pair, query.limit(), P::PADDING);
                 let [first, second] = pair.references;
                 if is_hit == 0b11 {
                     let is_swapped = near[1] < near[0];
@@ -112,8 +111,9 @@ pub(super) trait PairTest {
     /// Prepares for a ray.
     fn new(origin: [f32; 3], inverse: [f32; 3], t_min: f32) -> Self;
 
-    /// Where the ray enters both boxes, and bit i set if it enters box i before `limit`.
-    fn test(&self, pair: &Pair, limit: f32) -> ([f32; 2], u32);
+    /// Where the ray enters both boxes, and bit i set if it enters box i before `limit`;
+    /// `padding` scales where it leaves.
+    fn test(&self, pair: &Pair, limit: f32, padding: f32) -> ([f32; 2], u32);
 }
 
 /// One box after the other.
@@ -128,7 +128,7 @@ impl PairTest for Portable {
         Self { origin, inverse, t_min }
     }
 
-    fn test(&self, pair: &Pair, limit: f32) -> ([f32; 2], u32) {
+    fn test(&self, pair: &Pair, limit: f32, padding: f32) -> ([f32; 2], u32) {
         let test = |child: usize| {
             let (mut near, mut far) = (self.t_min, f32::INFINITY);
             for axis in 0..3 {
@@ -137,7 +137,7 @@ impl PairTest for Portable {
                 near = near.max(low.min(high));
                 far = far.min(low.max(high));
             }
-            (near, near <= (far * PADDING).min(limit))
+            (near, near <= (far * padding).min(limit))
         };
         let [(near_0, is_hit_0), (near_1, is_hit_1)] = [test(0), test(1)];
         ([near_0, near_1], u32::from(is_hit_0) | u32::from(is_hit_1) << 1)
@@ -152,7 +152,6 @@ mod avx2 {
     use std::arch::x86_64::*;
 
     use super::{Pair, PairTest};
-    use crate::stages::trace::PADDING;
 
     /// Both boxes at once; made and used by functions with AVX2 alone.
     pub(in super::super) struct Avx2 {
@@ -169,9 +168,9 @@ mod avx2 {
         }
 
         #[inline(always)]
-        fn test(&self, pair: &Pair, limit: f32) -> ([f32; 2], u32) {
+        fn test(&self, pair: &Pair, limit: f32, padding: f32) -> ([f32; 2], u32) {
             // SAFETY: the caller has AVX2, by this type's contract.
-            unsafe { test(self, pair, limit) }
+            unsafe { test(self, pair, limit, padding) }
         }
     }
 
@@ -187,7 +186,7 @@ mod avx2 {
 
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn test(ray: &Avx2, pair: &Pair, limit: f32) -> ([f32; 2], u32) {
+    fn test(ray: &Avx2, pair: &Pair, limit: f32, padding: f32) -> ([f32; 2], u32) {
         let planes: [__m128; 3] = bytemuck::cast(pair.planes);
         let slab = |axis: usize| {
             let at = _mm_mul_ps(_mm_sub_ps(planes[axis], ray.origin[axis]), ray.inverse[axis]);
@@ -197,7 +196,7 @@ mod avx2 {
         let [(near_x, far_x), (near_y, far_y), (near_z, far_z)] = [slab(0), slab(1), slab(2)];
         let near = _mm_max_ps(_mm_max_ps(near_x, near_y), _mm_max_ps(near_z, ray.t_min));
         let far = _mm_min_ps(_mm_min_ps(far_x, far_y), far_z);
-        let far = _mm_min_ps(_mm_mul_ps(far, _mm_set1_ps(PADDING)), _mm_set1_ps(limit));
+        let far = _mm_min_ps(_mm_mul_ps(far, _mm_set1_ps(padding)), _mm_set1_ps(limit));
         let is_hit = _mm_movemask_ps(_mm_cmple_ps(near, far)) as u32;
         ([_mm_cvtss_f32(near), _mm_cvtss_f32(_mm_movehdup_ps(near))], is_hit & 0b11)
     }

@@ -3,8 +3,7 @@
 
 use scenes::bvh::{CWBVH_STACK, CwbvhNode};
 
-use super::PADDING;
-use super::cpu::{Account, Query};
+use super::cpu::{Account, Arithmetic, Query};
 
 /// The nodes, in 16-byte units so that each lies in two cache lines.
 #[derive(Clone, Debug)]
@@ -39,9 +38,9 @@ impl WideTree {
 
     /// Finds what the query asks for.
     #[inline(always)]
-    pub(super) fn traverse<T: WideTest, A: Account, const ANY: bool, const MASKS: bool>(
+    pub(super) fn traverse<T: WideTest, A: Account, P: Arithmetic, const ANY: bool, const MASKS: bool>(
         &self,
-        query: &mut Query<'_, A, ANY, MASKS>,
+        query: &mut Query<'_, A, P, ANY, MASKS>,
     ) {
         let test = T::new(query.origin, query.inverse, query.t_min);
         let is_positive = query.inverse.map(|inverse| u32::from(inverse > 0.0));
@@ -52,7 +51,7 @@ impl WideTree {
         loop {
             query.visit(current as usize);
             let node = &self.0[current as usize];
-            let hits = test.test(node, query.limit());
+            let hits = test.test(node, query.limit(), P::PADDING);
             let imask = u32::from(node.imask);
             let mut triangles = triangles(node, hits & !imask);
             while triangles != 0 {
@@ -116,9 +115,9 @@ pub(super) trait WideTest {
     /// Prepares for a ray.
     fn new(origin: [f32; 3], inverse: [f32; 3], t_min: f32) -> Self;
 
-    /// Bit `slot` set if the ray enters that child's box before `limit`. For empty slots it may be
+    /// Bit `slot` set if the ray enters that child's box before `limit`; `padding` scales where it leaves. For empty slots it may be
     /// set or not.
-    fn test(&self, node: &Node, limit: f32) -> u32;
+    fn test(&self, node: &Node, limit: f32, padding: f32) -> u32;
 }
 
 /// One box after the other.
@@ -133,7 +132,7 @@ impl WideTest for Portable {
         Self { origin, inverse, t_min }
     }
 
-    fn test(&self, node: &Node, limit: f32) -> u32 {
+    fn test(&self, node: &Node, limit: f32, padding: f32) -> u32 {
         let mut near = [self.t_min; 8];
         let mut far = [f32::INFINITY; 8];
         for axis in 0..3 {
@@ -147,7 +146,7 @@ impl WideTest for Portable {
                 far[slot] = far[slot].min(plane(1 - is_negative));
             }
         }
-        (0..8).fold(0, |hits, slot| hits | u32::from(near[slot] <= (far[slot] * PADDING).min(limit)) << slot)
+        (0..8).fold(0, |hits, slot| hits | u32::from(near[slot] <= (far[slot] * padding).min(limit)) << slot)
     }
 }
 
@@ -159,7 +158,6 @@ mod avx2 {
     use std::arch::x86_64::*;
 
     use super::{Node, WideTest};
-    use crate::stages::trace::PADDING;
 
     /// Eight boxes at once; made and used by functions with AVX2 alone.
     pub(in super::super) struct Avx2 {
@@ -180,9 +178,9 @@ mod avx2 {
         }
 
         #[inline(always)]
-        fn test(&self, node: &Node, limit: f32) -> u32 {
+        fn test(&self, node: &Node, limit: f32, padding: f32) -> u32 {
             // SAFETY: the caller has AVX2, by this type's contract.
-            unsafe { test(self, node, limit) }
+            unsafe { test(self, node, limit, padding) }
         }
     }
 
@@ -207,7 +205,7 @@ mod avx2 {
 
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn test(ray: &Avx2, node: &Node, limit: f32) -> u32 {
+    fn test(ray: &Avx2, node: &Node, limit: f32, padding: f32) -> u32 {
         let p = _mm_setr_ps(node.p[0], node.p[1], node.p[2], 0.0);
         let packed = i32::from_le_bytes([node.e[0], node.e[1], node.e[2], node.imask]);
         let exponent = _mm_cvtepu8_epi32(_mm_cvtsi32_si128(packed));
@@ -227,7 +225,7 @@ mod avx2 {
         let y = axis(1, _mm256_permute_ps::<0x55>(origin), _mm256_permute_ps::<0x55>(inverse));
         let z = axis(2, _mm256_permute_ps::<0xaa>(origin), _mm256_permute_ps::<0xaa>(inverse));
         let near = _mm256_max_ps(_mm256_max_ps(x.0, y.0), _mm256_max_ps(z.0, ray.t_min));
-        let far = _mm256_mul_ps(_mm256_min_ps(_mm256_min_ps(x.1, y.1), z.1), _mm256_set1_ps(PADDING));
+        let far = _mm256_mul_ps(_mm256_min_ps(_mm256_min_ps(x.1, y.1), z.1), _mm256_set1_ps(padding));
         let far = _mm256_min_ps(far, _mm256_set1_ps(limit));
         _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32
     }

@@ -4,11 +4,12 @@ use anyhow::{Context, Result};
 use formats::ray::{Hit, Kind};
 use scenes::Scene;
 use scenes::bvh::{BVH2_STACK, Bvh, CWBVH_STACK};
+use scenes::features::Features;
 
 use super::driver::DriverHierarchy;
 use super::mask::Masks;
 use super::triangle::{GAMMA_2, GAMMA_3, GAMMA_5};
-use super::{PADDING, RECIPROCAL_LIMIT, TraceKernel};
+use super::{Precision, RECIPROCAL_LIMIT, TraceKernel, TriangleTest};
 use crate::gpu::kernel::constants_wgsl;
 use crate::gpu::run::ItemRange;
 use crate::gpu::scene::padded;
@@ -54,6 +55,8 @@ pub struct TraceVariant {
     pub masks: bool,
     /// Writes counters instead of results.
     pub count_work: bool,
+    /// How triangles and boxes are tested.
+    pub precision: Precision,
 }
 
 const NO_MASKS: &str = "
@@ -128,7 +131,12 @@ pub fn module(variant: &TraceVariant) -> Module {
         .text(&constants(variant))
         .text(&format!("fn ray_place(index: u32) -> u32 {{ return {ray_place}; }}\nfn result_place(index: u32) -> u32 {{ return {result_place}; }}\n"))
         .text(&masks)
-        .text(include_str!("triangle.wgsl"))
+        .text(match variant.precision.triangles {
+            TriangleTest::Watertight => include_str!("triangle.wgsl"),
+            TriangleTest::MoellerTrumbore => {
+                concat!(include_str!("../vector.wgsl"), include_str!("moeller_trumbore.wgsl"))
+            }
+        })
         .text(include_str!("query.wgsl"))
         .text(match variant.kernel {
             TraceKernel::Cwbvh => include_str!("cwbvh.wgsl"),
@@ -141,7 +149,7 @@ pub fn module(variant: &TraceVariant) -> Module {
 
 fn constants(variant: &TraceVariant) -> String {
     let floats = [
-        ("PADDING", PADDING),
+        ("PADDING", variant.precision.boxes.padding()),
         ("RECIPROCAL_LIMIT", RECIPROCAL_LIMIT),
         ("RECIPROCAL_THRESHOLD", 1.0 / RECIPROCAL_LIMIT),
         ("F32_MAX", f32::MAX),
@@ -166,6 +174,7 @@ pub struct Tracer {
     positions: DeviceArray<[f32; 4]>,
     masks: Option<MaskArrays>,
     hierarchy: Hierarchy,
+    precision: Precision,
     compiled: Vec<(TraceVariant, Kernel)>,
 }
 
@@ -201,13 +210,19 @@ impl Tracer {
     ///
     /// # Errors
     /// If something is too large for the adapter.
-    pub fn new(gpu: &Gpu, scene: &Scene, bvh: Option<&Bvh>, kernel: TraceKernel) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        bvh: Option<&Bvh>,
+        kernel: TraceKernel,
+        features: &Features,
+    ) -> Result<Self> {
         let positions = gpu.array_of("trace::positions", &padded(&scene.positions))?;
         let leaf = |triangle: u32| {
             let [a, b, c] = scene.triangles[triangle as usize];
             [a, b, c, triangle]
         };
-        let masks = Masks::new(scene);
+        let masks = Masks::for_features(scene, features);
         let (leaves, hierarchy): (Vec<_>, _) = match (bvh, kernel) {
             (None, TraceKernel::RayQuery) => {
                 let leaves = (0..scene.triangles.len() as u32).map(leaf).collect();
@@ -228,8 +243,15 @@ impl Tracer {
             positions,
             masks: MaskArrays::new(gpu, &masks)?,
             hierarchy,
+            precision: Precision::default(),
             compiled: Vec::new(),
         })
+    }
+
+    /// The same with other tests of triangles and boxes for closest rays.
+    #[must_use]
+    pub fn with_precision(self, precision: Precision) -> Self {
+        Self { precision, compiled: Vec::new(), ..self }
     }
 
     /// Traces `count` rays; returns the device's time in nanoseconds.
@@ -306,10 +328,27 @@ impl Tracer {
         Ok(run.finish()?.elapsed_ns)
     }
 
+    /// Compiles what tracing in canonical order needs, which else happens with the first rays.
+    ///
+    /// # Errors
+    /// If the driver refuses a kernel.
+    pub fn compile(&mut self, gpu: &Gpu) -> Result<()> {
+        Kind::ALL.into_iter().try_for_each(|kind| {
+            self.compiled(gpu, kind, OrderKind::Canonical, false)?;
+            Ok(())
+        })
+    }
+
     /// The kernel of a variant, compiled when it is first needed.
     fn compiled(&mut self, gpu: &Gpu, kind: Kind, order: OrderKind, count_work: bool) -> Result<Kernel> {
-        let variant =
-            TraceVariant { kernel: self.kernel, kind, order, masks: self.masks.is_some(), count_work };
+        let variant = TraceVariant {
+            kernel: self.kernel,
+            kind,
+            order,
+            masks: self.masks.is_some(),
+            count_work,
+            precision: if kind == Kind::Closest { self.precision } else { Precision::default() },
+        };
         if let Some((_, kernel)) = self.compiled.iter().find(|(known, _)| *known == variant) {
             return Ok(kernel.clone());
         }

@@ -4,6 +4,7 @@
 //! the nearest one, the texture repeats. A point is a hole if the texel's alpha byte is below the
 //! material's threshold, an integer, so that no rounding decides.
 
+use scenes::features::Features;
 use scenes::{Material, Scene};
 
 use crate::stages::shared::MaskedTriangle;
@@ -52,12 +53,22 @@ impl Masks {
             triangles.len() as u32
         };
         let numbers: Vec<u32> = scene.triangle_materials.iter().enumerate().map(number_of).collect();
-        Self { triangles, numbers, alphas }
+        if triangles.is_empty() { Self::default() } else { Self { triangles, numbers, alphas } }
     }
 
-    /// Whether no triangle has one.
+    /// Those of a scene, for kernels that look for holes if `features` say so: where there are none, every
+    /// triangle says that it has none.
+    pub fn for_features(scene: &Scene, features: &Features) -> Self {
+        let masks = Self::new(scene);
+        if !features.alpha_masks || !masks.is_empty() {
+            return masks;
+        }
+        Self { triangles: Vec::new(), numbers: vec![0; scene.triangles.len()], alphas: vec![255] }
+    }
+
+    /// Whether kernels need not look for holes.
     pub fn is_empty(&self) -> bool {
-        self.triangles.is_empty()
+        self.numbers.is_empty()
     }
 
     /// Number of a scene triangle's mask, counted from 1; 0 for none.

@@ -41,6 +41,7 @@ mod cpu_cwbvh;
 mod driver;
 pub mod gpu;
 pub mod mask;
+pub mod moeller_trumbore;
 pub mod scattered;
 #[cfg(test)]
 mod tests;
@@ -54,6 +55,73 @@ pub const PADDING: f32 = 1.0 + 1.0 / (1 << 19) as f32;
 
 /// Largest reciprocal of a direction: 2^80.
 pub const RECIPROCAL_LIMIT: f32 = (1u128 << 80) as f32;
+
+/// How triangles are tested.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TriangleTest {
+    /// Woop, Benthin and Wald 2013: see [`triangle`].
+    #[default]
+    Watertight,
+    /// Möller and Trumbore 1997: see [`moeller_trumbore`]. Loses rays at edges; to be measured against.
+    MoellerTrumbore,
+}
+
+/// How boxes are tested.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BoxTest {
+    /// Far planes and the nearest hit are scaled by [`PADDING`].
+    #[default]
+    Padded,
+    /// They are as they are rounded; to be measured against.
+    Plain,
+}
+
+/// How carefully rays are traced: the defaults, unless what they cost and save is to be measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Precision {
+    /// Triangle test.
+    pub triangles: TriangleTest,
+    /// Box test.
+    pub boxes: BoxTest,
+}
+
+impl Precision {
+    /// All combinations, the default first.
+    pub const ALL: [Self; 4] = [
+        Self { triangles: TriangleTest::Watertight, boxes: BoxTest::Padded },
+        Self { triangles: TriangleTest::Watertight, boxes: BoxTest::Plain },
+        Self { triangles: TriangleTest::MoellerTrumbore, boxes: BoxTest::Padded },
+        Self { triangles: TriangleTest::MoellerTrumbore, boxes: BoxTest::Plain },
+    ];
+}
+
+impl TriangleTest {
+    /// Name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Watertight => "watertight",
+            Self::MoellerTrumbore => "moeller-trumbore",
+        }
+    }
+}
+
+impl BoxTest {
+    /// Name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Padded => "padded",
+            Self::Plain => "plain",
+        }
+    }
+
+    /// The factor on far planes and on the nearest hit.
+    pub const fn padding(self) -> f32 {
+        match self {
+            Self::Padded => PADDING,
+            Self::Plain => 1.0,
+        }
+    }
+}
 
 /// The reciprocal of a component of a direction, as box tests use it.
 pub fn reciprocal(direction: f32) -> f32 {

@@ -1,11 +1,18 @@
 // A ray on its way through a hierarchy, and what it has found: the twin of `stages::trace::cpu`.
 
+struct Intersection {
+    is_hit: bool,
+    t: f32,
+    u: f32,
+    v: f32,
+}
+
 struct Query {
     origin: vec3<f32>,
     direction: vec3<f32>,
     inverse: vec3<f32>,
     t_min: f32,
-    shear: Shear,
+    triangle_ray: TriangleRay,
     best_t: f32,
     best_triangle: u32,
     best_u: f32,
@@ -26,7 +33,7 @@ fn query_new(origin: vec4<f32>, direction: vec4<f32>) -> Query {
     query.direction = direction.xyz;
     query.t_min = origin.w;
     query.inverse = vec3(reciprocal(direction.x), reciprocal(direction.y), reciprocal(direction.z));
-    query.shear = shear_new(origin.xyz, direction.xyz);
+    query.triangle_ray = triangle_ray_new(origin.xyz, direction.xyz);
     query.best_t = min(direction.w, F32_MAX);
     query.best_triangle = NO_TRIANGLE;
     return query;
@@ -55,6 +62,6 @@ fn query_test(query: ptr<function, Query>, slot: u32) -> bool {
         (*query).work.y += 1u;
     }
     let leaf = leaves[slot];
-    let at = intersect((*query).shear, positions[leaf.x].xyz, positions[leaf.y].xyz, positions[leaf.z].xyz);
+    let at = intersect((*query).triangle_ray, positions[leaf.x].xyz, positions[leaf.y].xyz, positions[leaf.z].xyz);
     return query_offer(query, at, leaf.w);
 }

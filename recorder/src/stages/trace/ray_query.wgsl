@@ -10,7 +10,7 @@ const TERMINATE_ON_FIRST_HIT = 4u;
 
 fn scene_intersection(query: ptr<function, Query>, triangle: u32) -> Intersection {
     let corners = leaves[triangle];
-    return intersect((*query).shear, positions[corners.x].xyz, positions[corners.y].xyz, positions[corners.z].xyz);
+    return intersect((*query).triangle_ray, positions[corners.x].xyz, positions[corners.y].xyz, positions[corners.z].xyz);
 }
 
 fn is_accepted(query: ptr<function, Query>, at: Intersection) -> bool {

@@ -76,6 +76,13 @@ impl LeafTriangle {
         Self { rows: [row(0, triangle), row(1, mask), row(2, 0)] }
     }
 
+    /// Its corners.
+    #[inline(always)]
+    pub fn corners(&self) -> [Vec3; 3] {
+        let [x, y, z] = self.rows;
+        [0, 1, 2].map(|corner| Vec3::new(x[corner], y[corner], z[corner]))
+    }
+
     /// Its index in the scene.
     #[inline(always)]
     pub fn triangle(&self) -> u32 {

@@ -1,6 +1,6 @@
 // The watertight triangle test: the twin of `stages::trace::triangle`.
 
-struct Shear {
+struct TriangleRay {
     // Axis that becomes z, and whether x and y are swapped.
     axis: u32,
     is_flipped: bool,
@@ -8,19 +8,12 @@ struct Shear {
     origin: vec3<f32>,
 }
 
-struct Intersection {
-    is_hit: bool,
-    t: f32,
-    u: f32,
-    v: f32,
-}
-
 fn permute(v: vec3<f32>, axis: u32, is_flipped: bool) -> vec3<f32> {
     let p = select(select(v.xyz, v.zxy, axis == 1u), v.yzx, axis == 0u);
     return select(p, p.yxz, is_flipped);
 }
 
-fn shear_new(origin: vec3<f32>, d: vec3<f32>) -> Shear {
+fn triangle_ray_new(origin: vec3<f32>, d: vec3<f32>) -> TriangleRay {
     let size = abs(d);
     var axis = 2u;
     if size.x >= size.y {
@@ -31,10 +24,10 @@ fn shear_new(origin: vec3<f32>, d: vec3<f32>) -> Shear {
     let along = select(select(d.z, d.y, axis == 1u), d.x, axis == 0u);
     let is_flipped = along < 0.0;
     let p = permute(d, axis, is_flipped);
-    return Shear(axis, is_flipped, vec3(p.x / p.z, p.y / p.z, 1.0 / p.z), permute(origin, axis, is_flipped));
+    return TriangleRay(axis, is_flipped, vec3(p.x / p.z, p.y / p.z, 1.0 / p.z), permute(origin, axis, is_flipped));
 }
 
-fn sheared(shear: Shear, corner: vec3<f32>) -> vec3<f32> {
+fn sheared(shear: TriangleRay, corner: vec3<f32>) -> vec3<f32> {
     let p = permute(corner, shear.axis, shear.is_flipped) - shear.origin;
     return vec3(p.x - shear.factors.x * p.z, p.y - shear.factors.y * p.z, p.z);
 }
@@ -65,7 +58,7 @@ fn error_bound(xs: vec3<f32>, ys: vec3<f32>, depths: vec3<f32>, edges: vec3<f32>
     return 3.0 * (GAMMA_3 * edge_size * z + error_edge * z + error_z * edge_size) / abs(sum);
 }
 
-fn intersect(shear: Shear, corner_a: vec3<f32>, corner_b: vec3<f32>, corner_c: vec3<f32>) -> Intersection {
+fn intersect(shear: TriangleRay, corner_a: vec3<f32>, corner_b: vec3<f32>, corner_c: vec3<f32>) -> Intersection {
     let p = sheared(shear, corner_a);
     let q = sheared(shear, corner_b);
     let r = sheared(shear, corner_c);

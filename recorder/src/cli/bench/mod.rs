@@ -1,4 +1,7 @@
-//! `recorder bench`.
+//! `recorder bench`: one file per benchmark with many options.
+
+mod error;
+mod skip;
 
 use std::path::PathBuf;
 
@@ -8,6 +11,7 @@ use comfy_table::Table;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use formats::bench_result::{BenchResult, Rows};
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
+use formats::metrics::speedup::median;
 
 use super::record::DeviceArguments;
 use crate::bench::rate;
@@ -17,13 +21,19 @@ use crate::cache_model::L2_BYTES;
 use crate::device::DeviceRequest;
 use crate::options::{Keep, KeepPasses, OptionError, RecordOptions, in_range, parse_methods};
 use crate::stages::trace::TraceKernel;
+use error::ErrorArguments;
+use skip::SkipArguments;
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
   recorder bench sort
   recorder bench sort --backend cpu --threads 1 --key-bits 16,32 --json > sort.json
   recorder bench trace builtin:atrium sponza.glb --methods two-point,costa --json > trace.json
-  inspector plot sort.json trace.json --out figures/";
+  recorder bench error sponza.glb --json > error.json
+  recorder bench error builtin:atrium --only image --methods two-point,costa --image-passes 32
+  recorder bench skip builtin:cornell builtin:apartment
+  recorder bench startup scene.glb --backend gpu
+  inspector plot sort.json trace.json error.json --out figures/";
 
 #[derive(Debug, Args)]
 pub(super) struct BenchArguments {
@@ -37,6 +47,12 @@ enum What {
     Sort(SortArguments),
     /// Trace rate per scene, kernel, bounce, kind and order.
     Trace(Box<TraceArguments>),
+    /// Run time against error: triangle and box tests, length tables, key bits, pictures.
+    Error(Box<ErrorArguments>),
+    /// What skipping saves: time, memory and bytes of each thing that is left out, on and off.
+    Skip(Box<SkipArguments>),
+    /// What happens before the first ray: reading the scene, hierarchy, upload, pipelines.
+    Startup(Box<SkipArguments>),
 }
 
 #[derive(Debug, Args)]
@@ -161,19 +177,23 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
     let (result, json) = match &arguments.what {
         What::Sort(arguments) => (sort::run(&arguments.bench()?)?, arguments.json),
         What::Trace(arguments) => (trace::run(&arguments.bench()?)?, arguments.json),
+        What::Error(arguments) => (crate::bench::error::run(&arguments.bench()?)?, arguments.json),
+        What::Skip(arguments) => (crate::bench::skip::run(&arguments.bench()?)?, arguments.json),
+        What::Startup(arguments) => (crate::bench::startup::run(&arguments.bench()?)?, arguments.json),
     };
     if json {
         println!("{}", serde_json::to_string_pretty(&result)?);
     } else {
         println!("{} ({}), medians and interquartile ranges", result.adapter, result.backend);
-        println!("{}", table(&result));
+        for table in tables(&result) {
+            println!("{table}");
+        }
     }
     Ok(())
 }
 
-fn table(result: &BenchResult) -> Table {
-    let mut table = Table::new();
-    table.load_style(UTF8_BORDERS_ONLY);
+fn tables(result: &BenchResult) -> Vec<Table> {
+    let mut table = table_of(&[]);
     let shown = |items, samples: &[u64]| match rate(items, samples) {
         Some((rate, spread)) => [format!("{rate:.2}"), format!("{spread:.0} %")],
         None => [String::new(), String::new()],
@@ -202,6 +222,25 @@ fn table(result: &BenchResult) -> Table {
                 ]);
             }
         }
+        Rows::Error(rows) => return error::tables(rows),
+        Rows::Skip(rows) => return vec![skip::skip_table(rows)],
+        Rows::Startup(rows) => return vec![skip::startup_table(rows)],
     }
+    vec![table]
+}
+
+/// An empty table with this header.
+fn table_of(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(UTF8_BORDERS_ONLY).set_header(header);
     table
+}
+
+/// Median in milliseconds and interquartile range in percent; empty without samples.
+fn milliseconds(samples_ns: &[u64]) -> String {
+    // One item in so many nanoseconds.
+    match (median(samples_ns), rate(1, samples_ns)) {
+        (Some(median_ns), Some((_, spread))) => format!("{:.3} ±{spread:.0} %", median_ns / 1e6),
+        _ => String::new(),
+    }
 }

@@ -1,4 +1,10 @@
 //! What `recorder bench --json` prints and `inspector plot` reads.
+//!
+//! - [`error`]: run time against error, four curves
+//! - [`skip`]: what skipping saves, and what comes before the first ray
+
+pub mod error;
+pub mod skip;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,6 +12,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::ray::Kind;
+use error::ErrorRows;
+use skip::{SkipRow, StartupRow};
 
 /// Version of this object.
 pub const BENCH_VERSION: u32 = 1;
@@ -41,6 +49,12 @@ pub enum Rows {
     Sort(Vec<SortRow>),
     /// `bench trace`.
     Trace(Vec<TraceRow>),
+    /// `bench error`.
+    Error(Box<ErrorRows>),
+    /// `bench skip`.
+    Skip(Vec<SkipRow>),
+    /// `bench startup`.
+    Startup(Vec<StartupRow>),
 }
 
 /// Sorting n keys with their indices.
@@ -143,6 +157,31 @@ mod tests {
         };
         fs::write(&path, serde_json::to_string(&result).unwrap()).unwrap();
         assert_eq!(BenchResult::read(&path).unwrap(), result);
+        let skip = skip::SkipRow {
+            scene: "box".into(),
+            what: "textures".into(),
+            of: "shade".into(),
+            skipped: skip::Cost::default(),
+            done: skip::Cost { samples_ns: vec![7], bytes: 8 },
+            same: "picture".into(),
+            is_same: true,
+        };
+        let image = error::ImageRow {
+            scene: "box".into(),
+            method: "aila".into(),
+            width: 4,
+            height: 3,
+            passes: 2,
+            wall_ns: 9,
+            relative_mse: 0.125,
+            reference_passes: 64,
+        };
+        let errors = ErrorRows { image: vec![image], ..ErrorRows::default() };
+        for rows in [Rows::Skip(vec![skip]), Rows::Error(Box::new(errors)), Rows::Startup(Vec::new())] {
+            let result = BenchResult { rows, ..result.clone() };
+            fs::write(&path, serde_json::to_string(&result).unwrap()).unwrap();
+            assert_eq!(BenchResult::read(&path).unwrap(), result);
+        }
         for (text, expected) in
             [("{}", "is not what"), ("{\"rayscope_bench\": 9}", "version 9"), ("[", "is not what")]
         {

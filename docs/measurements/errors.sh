@@ -1,0 +1,30 @@
+#!/bin/sh
+# What error.md, skip.md and startup.md show, measured again: SCENES is the folder of the .glb files, OUT gets JSON
+# and figures. Nothing else should run meanwhile.
+#   docs/measurements/errors.sh SCENES OUT
+set -eu
+scenes=$1 out=$2
+root=$(cd "$(dirname "$0")/../.." && pwd)
+mkdir -p "$out"
+cd "$root"
+cargo build --release
+programs=${CARGO_TARGET_DIR:-target}/release
+for backend in cpu gpu; do
+    for scene in crytek_sponza country_kitchen hotel_room; do
+        camera=
+        [ "$scene" != crytek_sponza ] || camera="--camera nave"
+        # shellcheck disable=SC2086  # The camera is two words or none.
+        "$programs/recorder" bench error "$scenes/$scene.glb" $camera --backend $backend --repeats 7 --image-passes 32 \
+            --reference-passes 512 --json > "$out/error-$scene-$backend.json"
+        # shellcheck disable=SC2086
+        "$programs/recorder" bench skip "$scenes/$scene.glb" $camera --backend $backend --repeats 7 --json \
+            > "$out/skip-$scene-$backend.json"
+    done
+    "$programs/recorder" bench skip --backend $backend --repeats 15 --json > "$out/skip-builtin-$backend.json"
+    "$programs/recorder" bench startup "$scenes/crytek_sponza.glb" "$scenes/country_kitchen.glb" "$scenes/hotel_room.glb" \
+        "$scenes/dream_apartment.glb" "$scenes/aws_small_house.glb" --backend $backend --repeats 7 --json \
+        > "$out/startup-$backend.json"
+done
+for result in "$out"/*.json; do
+    "$programs/inspector" plot "$result" --out "$out/figures-$(basename "$result" .json)" || true
+done

@@ -1,0 +1,78 @@
+//! Backends for benchmarks: one per trace kernel, all of them on one device.
+
+use std::sync::Arc;
+
+use anyhow::{Context, Result};
+use scenes::Scene;
+
+use crate::backend::{Backend, Setup};
+use crate::cpu::CpuBackend;
+use crate::device::{self, Device};
+use crate::gpu::backend::GpuBackend;
+use crate::stages::trace::TraceKernel;
+use crate::stages::trace::cpu::CpuTracer;
+
+/// Something to measure on whatever backend there is.
+pub(super) trait Measurement {
+    /// What it gives.
+    type Output: Send;
+
+    /// Measures; `backends` has one for each kernel.
+    ///
+    /// # Errors
+    /// Whatever the backends report.
+    fn run<B: Backend>(self, backends: Vec<B>) -> Result<Self::Output>;
+}
+
+/// What a backend is made for.
+pub(super) struct Configuration {
+    pub(super) setup: Arc<Setup>,
+    pub(super) kernel: TraceKernel,
+}
+
+/// Runs a measurement with a backend for each kernel: see [`measure_all`].
+///
+/// # Errors
+/// As [`measure_all`].
+pub(super) fn measure<M: Measurement + Send>(
+    device: &Device,
+    scene: &Scene,
+    setup: &Arc<Setup>,
+    kernels: &[TraceKernel],
+    measurement: M,
+) -> Result<M::Output> {
+    let of_kernel = |&kernel: &TraceKernel| Configuration { setup: Arc::clone(setup), kernel };
+    let configurations: Vec<_> = kernels.iter().map(of_kernel).collect();
+    measure_all(device, scene, &configurations, measurement)
+}
+
+/// Runs a measurement with several backends, on the threads of the device if it has its own.
+///
+/// # Errors
+/// If a hierarchy cannot be built, a backend not be made, and whatever the measurement reports.
+pub(super) fn measure_all<M: Measurement + Send>(
+    device: &Device,
+    scene: &Scene,
+    configurations: &[Configuration],
+    measurement: M,
+) -> Result<M::Output> {
+    let hierarchy = |kernel| device::hierarchy(scene, kernel);
+    match device {
+        Device::Cpu(cpu) => cpu.pool.install(|| {
+            let backend = |Configuration { setup, kernel }: &Configuration| {
+                let bvh = hierarchy(*kernel)?.context("threads have no ray queries; use --backend gpu")?;
+                let tracer =
+                    CpuTracer::for_features(scene, &bvh, &setup.features).with_precision(setup.precision);
+                Ok(CpuBackend::new(Arc::clone(setup), Arc::new(tracer)))
+            };
+            measurement.run(configurations.iter().map(backend).collect::<Result<_>>()?)
+        }),
+        Device::Gpu(device) => {
+            let backend = |Configuration { setup, kernel }: &Configuration| {
+                let bvh = hierarchy(*kernel)?;
+                GpuBackend::new(device.gpu.clone(), scene, bvh.as_ref(), Arc::clone(setup), *kernel)
+            };
+            measurement.run(configurations.iter().map(backend).collect::<Result<_>>()?)
+        }
+    }
+}

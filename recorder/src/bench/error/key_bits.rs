@@ -1,0 +1,177 @@
+//! Key bits: what keys and sort cost, and how coherent and how fast the order is.
+
+use anyhow::Result;
+use formats::bench_result::error::KeyBitsRow;
+use formats::key::method::UNSORTED;
+use formats::manifest::Stage;
+use formats::metrics::GROUP_RAYS;
+use formats::metrics::capsule::{Capsule, Segment};
+use formats::ray::{Kind, Ray};
+use formats::unit_space::UnitSpace;
+use rayon::prelude::*;
+
+use super::super::backends::{self, Measurement};
+use super::Bench;
+use super::estimator::traced_lengths;
+use crate::backend::{Backend, Setup, collected};
+use crate::replay::variants::Sweep;
+use crate::wavefront::{self, Observer, Place};
+
+/// The queues that are measured, or those of the last bounce if there are fewer: incoherent rays, and the
+/// shadow rays of the surface before.
+const SECONDARY_BOUNCE: u32 = 2;
+const SHADOW_BOUNCE: u32 = 1;
+
+/// Measures every method at every number of key bits.
+pub(super) fn run(bench: Bench<'_>) -> Result<Vec<KeyBitsRow>> {
+    let options = bench.options;
+    let mut setup = Setup::clone(&*bench.setup(&options.run)?);
+    let sweep = Sweep { key_bits: options.key_bits.clone(), lengths: Vec::new() };
+    setup.methods = sweep.plans(
+        &options.run.methods,
+        setup.light_sites.len(),
+        options.run.key_bits,
+        options.run.two_point_length,
+    )?;
+    let setup = std::sync::Arc::new(setup);
+    let work = KeyBits { bench, setup: &setup };
+    backends::measure(bench.device, bench.scene, &setup, &[options.run.trace], work)
+}
+
+struct KeyBits<'a> {
+    bench: Bench<'a>,
+    setup: &'a Setup,
+}
+
+impl Measurement for KeyBits<'_> {
+    type Output = Vec<KeyBitsRow>;
+
+    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<KeyBitsRow>> {
+        let run = &self.bench.options.run;
+        let mut observer = Orders { bench: self.bench, setup: self.setup, rows: Vec::new() };
+        wavefront::run(&mut backends[0], run.passes, run.bounces, &mut observer)?;
+        Ok(observer.rows)
+    }
+}
+
+struct Orders<'a> {
+    bench: Bench<'a>,
+    setup: &'a Setup,
+    rows: Vec<KeyBitsRow>,
+}
+
+impl<B: Backend> Observer<B> for Orders<'_> {
+    fn traced(
+        &mut self,
+        backend: &mut B,
+        place: Place,
+        rays: &B::Rays,
+        hits: &B::Hits,
+        _elapsed_ns: u64,
+    ) -> Result<()> {
+        let run = &self.bench.options.run;
+        let wanted = match place.kind {
+            Kind::Closest => SECONDARY_BOUNCE,
+            Kind::Shadow => SHADOW_BOUNCE,
+        };
+        if place.pass + 1 != run.passes || place.bounce != wanted.min(run.bounces - 1) {
+            return Ok(());
+        }
+        let unit = self.bench.unit();
+        let copied: Vec<Ray> = collected(|sink| backend.read_rays(rays, sink))?;
+        let lengths = traced_lengths(backend, place.kind, &unit, &copied, hits)?;
+        let area = |order: &[u32]| mean_capsule_area(&unit, &copied, &lengths, order);
+        let canonical: Vec<u32> = (0..copied.len() as u32).collect();
+        let row = |method: &str, key_bits, capsule_area| KeyBitsRow {
+            scene: self.bench.scene.name.clone(),
+            bounce: place.bounce,
+            kind: place.kind,
+            method: method.to_owned(),
+            key_bits,
+            rays: copied.len() as u64,
+            capsule_area,
+            key_ns: Vec::new(),
+            sort_ns: Vec::new(),
+            trace_ns: Vec::new(),
+        };
+        let first = self.rows.len();
+        let mut applicable = Vec::new();
+        self.rows.push(row(UNSORTED, 0, area(&canonical)));
+        for (number, plan) in self.setup.methods.iter().enumerate() {
+            if !plan.applies_to(place.kind) {
+                continue;
+            }
+            let keys = backend.key(rays, hits, number)?.value;
+            let order = backend.sort(&keys)?.value;
+            let permutation: Vec<u32> = collected(|sink| backend.read_order(&order, sink))?;
+            applicable.push(number);
+            self.rows.push(row(&plan.base, plan.key_bits, area(&permutation)));
+        }
+        let rows = &mut self.rows[first..];
+        for repeat in 0..run.repeats as usize {
+            rows[0].trace_ns.push(backend.trace(rays)?.elapsed_ns);
+            for turn in 0..applicable.len() {
+                let at = (turn + repeat) % applicable.len();
+                sample(backend, rays, hits, applicable[at], &mut rows[at + 1])?;
+            }
+        }
+        Ok(())
+    }
+
+    fn stage(&mut self, _place: Place, _stage: Stage, _elapsed_ns: u64) -> Result<()> {
+        Ok(())
+    }
+}
+
+fn sample<B: Backend>(
+    backend: &mut B,
+    rays: &B::Rays,
+    hits: &B::Hits,
+    method: usize,
+    row: &mut KeyBitsRow,
+) -> Result<()> {
+    let keys = backend.key(rays, hits, method)?;
+    row.key_ns.push(keys.elapsed_ns);
+    let order = backend.sort(&keys.value)?;
+    row.sort_ns.push(order.elapsed_ns);
+    let gathered = backend.gather(rays, &order.value)?.value;
+    row.trace_ns.push(backend.trace_gathered(&gathered, &order.value)?.elapsed_ns);
+    Ok(())
+}
+
+/// Mean capsule area of an order, weighted by rays, unit space; 0 for no rays.
+fn mean_capsule_area(unit: &UnitSpace, rays: &[Ray], lengths: &[f32], order: &[u32]) -> f64 {
+    let of_group = |group: &[u32]| {
+        let segment = |&at: &u32| Segment::of(unit, &rays[at as usize], lengths[at as usize]);
+        let segments: Vec<Segment> = group.iter().map(segment).collect();
+        Capsule::around(&segments).map_or(0.0, |capsule| capsule.area() * group.len() as f64)
+    };
+    let areas: Vec<f64> = order.par_chunks(GROUP_RAYS).map(of_group).collect();
+    areas.iter().sum::<f64>() / order.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half of the rays are all alike, the others spread over a line: groups of the sorted order have no
+    /// area or that of a capsule, those of an order that mixes them are all large.
+    #[test]
+    fn areas_are_means_over_rays_of_an_order() {
+        let unit = UnitSpace::from_bounds([0.0; 3], [1.0; 3]);
+        let ray = |x: f32| Ray { origin: [x, 0.0, 0.0], t_min: 0.0, direction: [0.0, 1.0, 0.0], t_max: 1.0 };
+        let count = GROUP_RAYS as u32;
+        let spread = |at: u32| at as f32 / (count - 1) as f32;
+        let rays: Vec<Ray> =
+            (0..2 * count).map(|at| ray(if at < count { 0.5 } else { spread(at - count) })).collect();
+        let lengths = vec![0.25; rays.len()];
+        let sorted: Vec<u32> = (0..2 * count).collect();
+        let mixed: Vec<u32> = (0..count).flat_map(|at| [at, at + count]).collect();
+        // A capsule of two spheres of radius 1/2, a quarter apart.
+        let capsule = std::f64::consts::PI * (4.0 * 0.25 + 2.0 * 0.5 * 0.25);
+        let area = |order: &[u32]| mean_capsule_area(&unit, &rays, &lengths, order);
+        assert!((area(&sorted) - 0.5 * capsule).abs() < 1e-6, "{}", area(&sorted));
+        assert!(area(&mixed) > 0.2 * capsule && area(&mixed) < capsule);
+        assert_eq!(mean_capsule_area(&unit, &[], &[], &[]), 0.0);
+    }
+}

@@ -1,0 +1,70 @@
+//! Queues in main memory, and samples of them.
+
+use anyhow::Result;
+use formats::manifest::Stage;
+use formats::ray::{Kind, Ray};
+
+use crate::backend::{Backend, Queue, UploadedRays, collected};
+use crate::wavefront::{Observer, Place};
+
+/// A queue in main memory.
+pub(super) struct Copied {
+    pub(super) rays: Vec<Ray>,
+    path_ids: Vec<u32>,
+    lights: Vec<u32>,
+}
+
+impl Copied {
+    pub(super) fn of<B: Backend>(backend: &mut B, queue: &B::Rays) -> Result<Self> {
+        let rays = collected(|sink| backend.read_rays(queue, sink))?;
+        let path_ids = collected(|sink| backend.read_path_ids(queue, sink))?;
+        let lights = match queue.kind() {
+            Kind::Closest => Vec::new(),
+            Kind::Shadow => collected(|sink| backend.read_lights(queue, sink))?,
+        };
+        Ok(Self { rays, path_ids, lights })
+    }
+
+    pub(super) fn queue(&self, place: Place) -> UploadedRays<'_> {
+        UploadedRays {
+            kind: place.kind,
+            bounce: place.bounce,
+            rays: &self.rays,
+            path_ids: &self.path_ids,
+            lights: &self.lights,
+        }
+    }
+}
+
+/// Lets paths be traced and looks at nothing.
+pub(super) struct Unobserved;
+
+impl<B: Backend> Observer<B> for Unobserved {
+    fn traced(&mut self, _: &mut B, _: Place, _: &B::Rays, _: &B::Hits, _: u64) -> Result<()> {
+        Ok(())
+    }
+
+    fn stage(&mut self, _: Place, _: Stage, _: u64) -> Result<()> {
+        Ok(())
+    }
+}
+
+/// `wanted` indices below `count`, one from each of as many equal strata; all of them if there are fewer.
+pub(super) fn strata(count: usize, wanted: usize) -> impl Iterator<Item = usize> {
+    let taken = wanted.min(count);
+    (0..taken).map(move |at| (at as u64 * count as u64 / taken as u64) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strata_are_spread_over_all_and_hold_each_index_at_most_once() {
+        assert_eq!(strata(3, 10).collect::<Vec<_>>(), [0, 1, 2]);
+        assert_eq!(strata(0, 10).count(), 0);
+        let taken: Vec<usize> = strata(1000, 7).collect();
+        assert_eq!(taken.len(), 7);
+        assert!(taken.windows(2).all(|pair| (142..=143).contains(&(pair[1] - pair[0]))), "{taken:?}");
+    }
+}

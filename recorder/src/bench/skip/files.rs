@@ -1,0 +1,126 @@
+//! What is not written, and what need not be built again.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use formats::bench_result::skip::{Cost, SkipRow};
+use formats::reader::Dump;
+use scenes::bvh::{self, BvhKind, Source};
+
+use super::Bench;
+use crate::device::Device;
+use crate::options::{Keep, KeepPasses, RecordOptions};
+use crate::recording::record;
+use crate::stages::trace::TraceKernel;
+
+/// Recordings of two passes with fewer and more arrays; the hierarchy built and loaded.
+pub(super) fn rows(bench: Bench<'_>) -> Result<Vec<SkipRow>> {
+    let folder = Scratch::new()?;
+    let nothing = Keep::default();
+    let everything = Keep::parse(&Keep::WORDS.join(","))?;
+    let [none, measured, all] =
+        [(nothing, KeepPasses::Measured), (everything, KeepPasses::Measured), (everything, KeepPasses::All)];
+    let mut recordings = Vec::new();
+    for (keep, keep_passes) in [none, measured, all] {
+        recordings.push(recording(bench, &folder.0.join("skip.raydump"), keep, keep_passes)?);
+    }
+    let pair = |what: &str, skipped: usize, done: usize| {
+        let [(skipped, one), (done, other)] = [recordings[skipped].clone(), recordings[done].clone()];
+        let row = bench.row(what, "a recording of two passes", "picture");
+        SkipRow { skipped, done, is_same: one == other, ..row }
+    };
+    let mut rows = vec![
+        pair("arrays that nobody asked for", 0, 1),
+        pair("arrays of passes that are not measured", 1, 2),
+    ];
+    rows.extend(hierarchy(bench, &folder.0.join("bvh"))?);
+    Ok(rows)
+}
+
+/// A folder that is removed at the end.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new() -> Result<Self> {
+        let path = std::env::temp_dir().join(format!("rayscope-bench-{}", std::process::id()));
+        std::fs::create_dir_all(&path).with_context(|| format!("cannot make {}", path.display()))?;
+        Ok(Self(path))
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        // What is left in the folder for temporary files does no harm.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Time and bytes of a recording without methods, and the hash of its picture.
+fn recording(
+    bench: Bench<'_>,
+    out: &Path,
+    keep: Keep,
+    keep_passes: KeepPasses,
+) -> Result<(Cost, Option<[u8; 32]>)> {
+    let options = RecordOptions {
+        out: out.to_owned(),
+        passes: 2,
+        methods: Vec::new(),
+        repeats: 1,
+        keep,
+        keep_passes,
+        force: true,
+        ..bench.run.clone()
+    };
+    let mut cost = Cost::default();
+    let mut digest = None;
+    for _ in 0..bench.run.repeats {
+        let recorded = record(&options)?;
+        let end = Dump::open(&recorded.path)?.manifest().end.clone();
+        let end = end.context("the recording that was just made has no end")?;
+        cost.samples_ns.push(end.wall_ns);
+        cost.bytes = folder_bytes(&recorded.path)?;
+        digest = end.image.map(|image| image.sha256);
+    }
+    Ok((cost, digest))
+}
+
+fn folder_bytes(folder: &Path) -> Result<u64> {
+    let mut bytes = 0;
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let metadata = entry.metadata()?;
+        bytes += if metadata.is_dir() { folder_bytes(&entry.path())? } else { metadata.len() };
+    }
+    Ok(bytes)
+}
+
+/// The hierarchy from the cache, and built.
+fn hierarchy(bench: Bench<'_>, cache: &Path) -> Result<Option<SkipRow>> {
+    let kind = match bench.run.trace {
+        TraceKernel::Cwbvh => BvhKind::Cwbvh,
+        TraceKernel::Bvh2 => BvhKind::Bvh2,
+        TraceKernel::RayQuery => return Ok(None),
+    };
+    let mut row = bench.row("a hierarchy that was built before", "start", "hierarchy");
+    let (kept, _) = bvh::load_or_build(bench.scene, kind, Some(cache))?;
+    for _ in 0..bench.run.repeats {
+        let start = Instant::now();
+        let (loaded, source) = bvh::load_or_build(bench.scene, kind, Some(cache))?;
+        row.skipped.samples_ns.push(start.elapsed().as_nanos() as u64);
+        let start = Instant::now();
+        let built = on_threads_of(bench.device, || bvh::build(bench.scene, kind))?;
+        row.done.samples_ns.push(start.elapsed().as_nanos() as u64);
+        row.is_same &= source == Source::Cached && loaded == built && built == kept;
+    }
+    row.skipped.bytes = folder_bytes(cache)?;
+    Ok(Some(row))
+}
+
+fn on_threads_of<T: Send>(device: &Device, work: impl FnOnce() -> T + Send) -> T {
+    match device {
+        Device::Cpu(cpu) => cpu.pool.install(work),
+        Device::Gpu(_) => work(),
+    }
+}

@@ -1,0 +1,101 @@
+//! What is skipped of queues, keys and tables.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use formats::bench_result::skip::{Cost, SkipRow};
+use formats::length_table::LengthCell;
+use formats::ray::Kind;
+
+use super::super::backends::{self, Measurement};
+use super::super::queues::Unobserved;
+use super::super::sort::{random_keys, sorted_by};
+use super::Bench;
+use crate::backend::{Backend, UploadedRays};
+use crate::stages::sort::Digits;
+use crate::wavefront;
+
+/// Keys that are sorted.
+const KEYS: usize = 1 << 18;
+/// Keys of 32 bits in which only the first and the third digit differ.
+const DIFFERING: u64 = 0xff00_ff00;
+
+/// What is skipped whatever the scene, on its paths.
+pub(super) fn rows(bench: Bench<'_>) -> Result<Vec<SkipRow>> {
+    let work = Paths { bench };
+    let mut rows = backends::measure(bench.device, bench.scene, bench.setup, &[bench.run.trace], work)?;
+    let random = random_keys(KEYS);
+    let constant_digits: Vec<u64> = random.iter().map(|key| (key >> 32) & DIFFERING).collect();
+    let (skipped, done, is_same) = sorts(bench, &constant_digits)?;
+    let row = bench.row("radix passes over constant digits", "sort of 2^18 keys, 2 of 4 digits", "order");
+    rows.push(SkipRow { skipped, done, is_same, ..row });
+    // What `unsorted` would need if it were a method like the others.
+    let (_, mut done, is_same) = sorts(bench, &vec![0; KEYS])?;
+    done.bytes = 2 * (KEYS * size_of::<u32>()) as u64;
+    let row = bench.row("keys and order of unsorted", "sort of 2^18 equal keys", "order");
+    rows.push(SkipRow { done, is_same, ..row });
+    Ok(rows)
+}
+
+/// Costs with the differing digits and with all, in turns, and whether the order is the same.
+fn sorts(bench: Bench<'_>, keys: &[u64]) -> Result<(Cost, Cost, bool)> {
+    let mut samples = sorted_by(bench.device, keys, &[Digits::Differing, Digits::All], bench.run.repeats)?;
+    let is_same = samples[0].order == samples[1].order;
+    let cost = |samples_ns| Cost { samples_ns, bytes: 0 };
+    let all = cost(std::mem::take(&mut samples[1].samples_ns));
+    Ok((cost(std::mem::take(&mut samples[0].samples_ns)), all, is_same))
+}
+
+struct Paths<'a> {
+    bench: Bench<'a>,
+}
+
+impl Measurement for Paths<'_> {
+    type Output = Vec<SkipRow>;
+
+    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<SkipRow>> {
+        let backend = &mut backends[0];
+        wavefront::run(backend, 1, self.bench.run.bounces, &mut Unobserved)?;
+        let bounce = self.empty_bounce(backend)?;
+        let mut rows = vec![bounce];
+        for kind in Kind::ALL {
+            rows.push(self.untouched_cells(backend, kind)?);
+        }
+        Ok(rows)
+    }
+}
+
+impl Paths<'_> {
+    /// The verbs of a bounce to which no ray has come, which the loop does not run.
+    fn empty_bounce<B: Backend>(&self, backend: &mut B) -> Result<SkipRow> {
+        let mut row = self.bench.row("a bounce without live rays", "all stages of the bounce", "picture");
+        let before = backend.image(1)?;
+        for repeat in 0..=self.bench.run.repeats {
+            let bounce = self.bench.run.bounces;
+            let nothing = UploadedRays { kind: Kind::Closest, bounce, rays: &[], path_ids: &[], lights: &[] };
+            let rays = backend.upload(nothing)?;
+            let start = Instant::now();
+            let hits = backend.trace(&rays)?.value;
+            backend.accumulate(&rays, &hits)?;
+            let shadow = backend.shade(0, &rays, &hits)?.value.shadow;
+            let occlusion = backend.trace(&shadow)?.value;
+            backend.accumulate(&shadow, &occlusion)?;
+            backend.add_light(&shadow, &occlusion)?;
+            row.done.samples_ns.extend((repeat > 0).then_some(start.elapsed().as_nanos() as u64));
+        }
+        row.is_same = backend.image(1)? == before;
+        Ok(row)
+    }
+
+    /// A table that is stored by its touched cells, and is the same when it is loaded.
+    fn untouched_cells<B: Backend>(&self, backend: &mut B, kind: Kind) -> Result<SkipRow> {
+        let what = format!("untouched cells of the {kind} table");
+        let mut row = self.bench.row(&what, "lengths.npy", "table");
+        let touched = backend.touched_cells(kind)?;
+        row.skipped.bytes = size_of_val(&*touched) as u64;
+        row.done.bytes = (size_of::<LengthCell>() as u64) << self.bench.setup.table_bits;
+        backend.load_table(kind, &touched)?;
+        row.is_same = backend.touched_cells(kind)? == touched;
+        Ok(row)
+    }
+}

@@ -1,0 +1,133 @@
+//! What happens before the first ray: reading a scene, its hierarchy, copies for the device, pipelines.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use formats::bench_result::skip::StartupRow;
+use formats::bench_result::{BenchResult, Rows};
+use scenes::Scene;
+use scenes::bvh::{self, Bvh, BvhKind};
+
+use super::result;
+use super::skip::SkipBench;
+use crate::backend::Setup;
+use crate::device::{self, Device};
+use crate::gpu::Gpu;
+use crate::gpu::kernels::Kernels;
+use crate::gpu::scene::SceneArrays;
+use crate::options::RecordOptions;
+use crate::recording::{choose_camera, setup};
+use crate::stages::compact::gpu::Scan;
+use crate::stages::sort::gpu::Sorter;
+use crate::stages::trace::TraceKernel;
+use crate::stages::trace::cpu::CpuTracer;
+use crate::stages::trace::gpu::Tracer;
+
+/// Starts each scene as often as repeats are asked for, with and without the hierarchy in the cache.
+///
+/// # Errors
+/// One sentence on what went wrong with scene or device.
+pub fn run(options: &SkipBench) -> Result<BenchResult> {
+    let mut steps = Steps::default();
+    let request = (&options.run).into();
+    let mut opened = None;
+    for _ in 0..options.run.repeats {
+        opened = Some(steps.timed("device", || device::open(&request))?);
+    }
+    let device = match opened {
+        Some(device) => device,
+        None => device::open(&request)?,
+    };
+    let mut rows = steps.rows("", 0, options.run.trace);
+    for name in &options.scenes {
+        let mut steps = Steps::default();
+        let mut scene = scenes::load(name)?;
+        for _ in 0..options.run.repeats {
+            scene = start(&device, name, &options.run, &mut steps)?;
+        }
+        rows.extend(steps.rows(&scene.name, scene.triangles.len() as u64, options.run.trace));
+    }
+    Ok(result(&device, Rows::Startup(rows)))
+}
+
+/// Samples by step, in the order in which steps were first taken.
+#[derive(Default)]
+struct Steps(Vec<(&'static str, Vec<u64>)>);
+
+impl Steps {
+    fn timed<T>(&mut self, step: &'static str, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let value = work();
+        let elapsed_ns = start.elapsed().as_nanos() as u64;
+        match self.0.iter_mut().find(|(known, _)| *known == step) {
+            Some((_, samples_ns)) => samples_ns.push(elapsed_ns),
+            None => self.0.push((step, vec![elapsed_ns])),
+        }
+        value
+    }
+
+    fn rows(self, scene: &str, triangles: u64, kernel: TraceKernel) -> Vec<StartupRow> {
+        let row = |(step, samples_ns): (&str, Vec<u64>)| StartupRow {
+            scene: scene.to_owned(),
+            triangles,
+            kernel: kernel.name().to_owned(),
+            step: step.to_owned(),
+            samples_ns,
+        };
+        self.0.into_iter().map(row).collect()
+    }
+}
+
+fn start(device: &Device, name: &str, run: &RecordOptions, steps: &mut Steps) -> Result<Scene> {
+    let scene = steps.timed("parse", || scenes::load(name))?;
+    let camera = choose_camera(&scene, run.camera.as_deref())?;
+    let setup = steps.timed("tables", || setup(&scene, &camera, run))?;
+    let kind = match run.trace {
+        TraceKernel::Cwbvh => Some(BvhKind::Cwbvh),
+        TraceKernel::Bvh2 => Some(BvhKind::Bvh2),
+        TraceKernel::RayQuery => None,
+    };
+    let mut hierarchy = None;
+    if let Some(kind) = kind {
+        let built = steps.timed("hierarchy, built", || bvh::build(&scene, kind))?;
+        drop(built);
+        let folder = bvh::default_cache_folder();
+        // Whoever comes first leaves it there for the next.
+        bvh::load_or_build(&scene, kind, folder.as_deref())?;
+        let cached = || bvh::load_or_build(&scene, kind, folder.as_deref());
+        hierarchy = Some(steps.timed("hierarchy, from the cache", cached)?.0);
+    }
+    match device {
+        Device::Cpu(cpu) => {
+            let Some(bvh) = &hierarchy else {
+                anyhow::bail!("threads have no ray queries; use --backend gpu")
+            };
+            steps.timed("leaves", || drop(cpu.pool.install(|| CpuTracer::new(&scene, bvh))));
+        }
+        Device::Gpu(device) => on_gpu(&device.gpu, &scene, &setup, hierarchy.as_ref(), run.trace, steps)?,
+    }
+    Ok(scene)
+}
+
+fn on_gpu(
+    gpu: &Gpu,
+    scene: &Scene,
+    setup: &Setup,
+    bvh: Option<&Bvh>,
+    kernel: TraceKernel,
+    steps: &mut Steps,
+) -> Result<()> {
+    let mut tracer = steps.timed("upload", || -> Result<Tracer> {
+        let arrays = SceneArrays::new(gpu, &setup.tables, &setup.features)?;
+        let tracer = Tracer::new(gpu, scene, bvh, kernel, &setup.features)?;
+        gpu.wait("uploading the scene", None)?;
+        drop(arrays);
+        Ok(tracer)
+    })?;
+    steps.timed("pipelines", || -> Result<()> {
+        Kernels::new(gpu, setup)?;
+        Sorter::new(gpu)?;
+        Scan::new(gpu)?;
+        tracer.compile(gpu)
+    })
+}

@@ -1,0 +1,264 @@
+//! `recorder bench error`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use comfy_table::Table;
+use formats::bench_result::error::{ErrorRows, EstimatorRow, ImageRow, KeyBitsRow, PrecisionRow};
+use formats::key::method::UNSORTED;
+use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
+
+use super::super::record::DeviceArguments;
+use super::{milliseconds, table_of};
+use crate::bench::error::{Curve, ErrorBench, ImageSize};
+use crate::bench::rate;
+use crate::options::{Keep, KeepPasses, OptionError, RecordOptions, in_range, parse_methods};
+
+#[derive(Debug, Args)]
+pub(super) struct ErrorArguments {
+    /// .gltf or .glb files, or builtin:NAME.
+    #[arg(default_value = "builtin:atrium")]
+    scenes: Vec<String>,
+    /// Curves to measure; all of them if not given.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST")]
+    only: Vec<Curve>,
+    /// Most rays of a queue whose errors are looked at, spread evenly over it; for precision, of all of them.
+    #[arg(long, default_value_t = 100_000)]
+    rays: usize,
+    /// Methods of the curves over key bits and wall time, `all` or a list.
+    #[arg(
+        long,
+        default_value = "origin,aila,octahedron,two-point,two-point-adaptive,light-octahedron",
+        value_name = "LIST"
+    )]
+    methods: String,
+    /// Bits of a key, 8 to 64.
+    #[arg(long, value_delimiter = ',', default_value = "8,12,16,20,24,32,48,64")]
+    key_bits: Vec<u32>,
+    /// Width of the picture whose rays are used, pixels.
+    #[arg(long, default_value_t = 480)]
+    width: u32,
+    /// Height of the picture whose rays are used, pixels.
+    #[arg(long, default_value_t = 270)]
+    height: u32,
+    /// Bounces to trace.
+    #[arg(long, default_value_t = 4)]
+    bounces: u32,
+    /// Width of the pictures of the curve over wall time, pixels.
+    #[arg(long, default_value_t = 160)]
+    image_width: u32,
+    /// Height of these pictures, pixels.
+    #[arg(long, default_value_t = 90)]
+    image_height: u32,
+    /// Samples per pixel at which they end.
+    #[arg(long, default_value_t = 16)]
+    image_passes: u32,
+    /// Samples per pixel of the reference.
+    #[arg(long, default_value_t = 256)]
+    reference_passes: u32,
+    /// Timed repeats.
+    #[arg(long, default_value_t = 3)]
+    repeats: u32,
+    /// Seed of all random numbers; the reference has another one.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Camera by name; each scene's first if not given.
+    #[arg(long)]
+    camera: Option<String>,
+    #[command(flatten)]
+    device: DeviceArguments,
+    /// Print the results as one JSON object on stdout.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+impl ErrorArguments {
+    pub(super) fn bench(&self) -> Result<ErrorBench, OptionError> {
+        for &bits in &self.key_bits {
+            in_range("key-bits", bits, KEY_BITS_MIN, LAYOUT_BITS)?;
+        }
+        in_range("rays", self.rays, 1, 1 << 28)?;
+        in_range("image-passes", self.image_passes, 1, 1 << 16)?;
+        in_range("reference-passes", self.reference_passes, 1, 1 << 16)?;
+        let run = RecordOptions {
+            scene: String::new(),
+            out: PathBuf::new(),
+            width: self.width,
+            height: self.height,
+            bounces: self.bounces,
+            passes: 1,
+            repeats: self.repeats,
+            seed: self.seed,
+            camera: self.camera.clone(),
+            methods: parse_methods(&self.methods, &[])?,
+            key_bits: 32,
+            two_point_length: 0.25,
+            table_bits: formats::length_table::TABLE_BITS_DEFAULT,
+            table_method: Method::builtin("aila")?,
+            backend: self.device.backend,
+            adapter: self.device.adapter.clone(),
+            trace: self.device.kernel(),
+            threads: self.device.threads,
+            keep: Keep::default(),
+            l2_bytes: self.device.l2_kib << 10,
+            keep_passes: KeepPasses::Measured,
+            russian_roulette: false,
+            force: false,
+        };
+        run.check()?;
+        RecordOptions { width: self.image_width, height: self.image_height, ..run.clone() }.check()?;
+        let all = Curve::value_variants();
+        let curves = if self.only.is_empty() { all.to_vec() } else { self.only.clone() };
+        let mut key_bits = self.key_bits.clone();
+        key_bits.sort_unstable();
+        key_bits.dedup();
+        let image = ImageSize {
+            width: self.image_width,
+            height: self.image_height,
+            passes: self.image_passes,
+            reference_passes: self.reference_passes,
+        };
+        Ok(ErrorBench { scenes: self.scenes.clone(), curves, rays: self.rays, key_bits, image, run })
+    }
+}
+
+/// One table per curve that was measured.
+pub(super) fn tables(rows: &ErrorRows) -> Vec<Table> {
+    let mut tables = Vec::new();
+    if !rows.precision.is_empty() {
+        tables.push(precision(&rows.precision));
+    }
+    if !rows.estimator.is_empty() {
+        tables.push(estimator(&rows.estimator));
+    }
+    if !rows.key_bits.is_empty() {
+        tables.push(key_bits(&rows.key_bits));
+    }
+    if !rows.image.is_empty() {
+        tables.push(image(&rows.image));
+    }
+    tables
+}
+
+fn mega_per_second(items: u64, samples_ns: &[u64]) -> String {
+    rate(items, samples_ns).map_or(String::new(), |(rate, spread)| format!("{rate:.1} ±{spread:.0} %"))
+}
+
+fn precision(rows: &[PrecisionRow]) -> Table {
+    let mut table = table_of(&[
+        "scene",
+        "kernel",
+        "triangle test",
+        "box test",
+        "Mrays/s",
+        "rays",
+        "missed",
+        "false",
+        "wrong triangle",
+        "tied",
+        "t error, relative: median, 99.9 %, max",
+        "ulp: median, 99.9 %, max",
+    ]);
+    for row in rows {
+        let (relative, ulp) = (row.errors.relative, row.errors.ulp);
+        table.add_row([
+            row.scene.clone(),
+            row.kernel.clone(),
+            row.triangle_test.clone(),
+            row.box_test.clone(),
+            rate(row.rays_timed, &row.samples_ns)
+                .map_or(String::new(), |(rate, spread)| format!("{rate:.2} ±{spread:.0} %")),
+            row.errors.rays.to_string(),
+            row.errors.missed.to_string(),
+            row.errors.false_hits.to_string(),
+            row.errors.wrong_triangles.to_string(),
+            row.errors.tied.to_string(),
+            format!("{:.1e}, {:.1e}, {:.1e}", relative.median, relative.p999, relative.max),
+            format!("{:.2}, {:.1}, {:.0}", ulp.median, ulp.p999, ulp.max),
+        ]);
+    }
+    table
+}
+
+fn estimator(rows: &[EstimatorRow]) -> Table {
+    let mut table = table_of(&[
+        "scene",
+        "kind",
+        "table method",
+        "bits",
+        "pass",
+        "cells touched",
+        "mean error",
+        "median error",
+        "accumulate Mrays/s",
+        "key Mrays/s",
+    ]);
+    for row in rows.iter().filter(|row| row.rays_timed > 0 || (row.table_bits == 20 && row.pass < 8)) {
+        table.add_row([
+            row.scene.clone(),
+            row.kind.to_string(),
+            row.table_method.clone(),
+            if row.table_bits > 0 { row.table_bits.to_string() } else { String::new() },
+            row.pass.to_string(),
+            row.cells_touched.to_string(),
+            format!("{:.4}", row.error.mean_absolute),
+            format!("{:.4}", row.error.median_absolute),
+            mega_per_second(row.rays_timed, &row.accumulate_ns),
+            mega_per_second(row.rays_timed, &row.key_ns),
+        ]);
+    }
+    table
+}
+
+fn key_bits(rows: &[KeyBitsRow]) -> Table {
+    let mut table = table_of(&[
+        "scene",
+        "bounce",
+        "kind",
+        "rays",
+        "method",
+        "bits",
+        "key ms",
+        "sort ms",
+        "capsule area",
+        "trace ms",
+    ]);
+    for row in rows {
+        table.add_row([
+            row.scene.clone(),
+            row.bounce.to_string(),
+            row.kind.to_string(),
+            row.rays.to_string(),
+            row.method.clone(),
+            if row.key_bits > 0 { row.key_bits.to_string() } else { String::new() },
+            milliseconds(&row.key_ns),
+            milliseconds(&row.sort_ns),
+            format!("{:.4}", row.capsule_area),
+            milliseconds(&row.trace_ns),
+        ]);
+    }
+    table
+}
+
+/// The last picture of each scene and method; the ones before are in the JSON.
+fn image(rows: &[ImageRow]) -> Table {
+    let mut table =
+        table_of(&["scene", "method", "samples", "wall ms", "relative MSE", "times faster than unsorted"]);
+    for row in rows {
+        let of_scene = || rows.iter().filter(|other| other.scene == row.scene);
+        if of_scene().any(|other| other.passes > row.passes) {
+            continue;
+        }
+        let unsorted = of_scene().find(|other| other.passes == row.passes && other.method == UNSORTED);
+        let ratio = unsorted.map(|other| other.wall_ns as f64 / row.wall_ns.max(1) as f64);
+        table.add_row([
+            row.scene.clone(),
+            row.method.clone(),
+            row.passes.to_string(),
+            format!("{:.1}", row.wall_ns as f64 / 1e6),
+            format!("{:.5}", row.relative_mse),
+            ratio.map_or(String::new(), |ratio| format!("{ratio:.2}")),
+        ]);
+    }
+    table
+}

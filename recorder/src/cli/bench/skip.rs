@@ -1,0 +1,124 @@
+//! `recorder bench skip` and `recorder bench startup`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use comfy_table::Table;
+use formats::bench_result::skip::{Cost, SkipRow, StartupRow};
+use formats::key::Method;
+use formats::metrics::speedup::Speedup;
+
+use super::super::record::DeviceArguments;
+use super::{milliseconds, table_of};
+use crate::bench::skip::SkipBench;
+use crate::options::{Keep, KeepPasses, OptionError, RecordOptions};
+
+#[derive(Debug, Args)]
+pub(super) struct SkipArguments {
+    /// .gltf or .glb files, or builtin:NAME.
+    #[arg(default_values = ["builtin:cornell", "builtin:apartment"])]
+    scenes: Vec<String>,
+    /// Picture width in pixels.
+    #[arg(long, default_value_t = 320)]
+    width: u32,
+    /// Picture height in pixels.
+    #[arg(long, default_value_t = 180)]
+    height: u32,
+    /// Bounces to trace.
+    #[arg(long, default_value_t = 4)]
+    bounces: u32,
+    /// Timed repeats.
+    #[arg(long, default_value_t = 5)]
+    repeats: u32,
+    /// Camera by name; each scene's first if not given.
+    #[arg(long)]
+    camera: Option<String>,
+    #[command(flatten)]
+    device: DeviceArguments,
+    /// Print the results as one JSON object on stdout.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+impl SkipArguments {
+    pub(super) fn bench(&self) -> Result<SkipBench, OptionError> {
+        let run = RecordOptions {
+            scene: String::new(),
+            out: PathBuf::new(),
+            width: self.width,
+            height: self.height,
+            bounces: self.bounces,
+            passes: 1,
+            repeats: self.repeats,
+            seed: 0,
+            camera: self.camera.clone(),
+            methods: Vec::new(),
+            key_bits: 32,
+            two_point_length: 0.25,
+            table_bits: formats::length_table::TABLE_BITS_DEFAULT,
+            table_method: Method::builtin("aila")?,
+            backend: self.device.backend,
+            adapter: self.device.adapter.clone(),
+            trace: self.device.kernel(),
+            threads: self.device.threads,
+            keep: Keep::default(),
+            l2_bytes: self.device.l2_kib << 10,
+            keep_passes: KeepPasses::Measured,
+            russian_roulette: false,
+            force: false,
+        };
+        run.check()?;
+        Ok(SkipBench { scenes: self.scenes.clone(), run })
+    }
+}
+
+pub(super) fn skip_table(rows: &[SkipRow]) -> Table {
+    let mut table = table_of(&[
+        "scene",
+        "skipped",
+        "time and bytes of",
+        "skipped ms",
+        "done ms",
+        "done / skipped",
+        "skipped bytes",
+        "done bytes",
+        "same",
+    ]);
+    for row in rows {
+        let Cost { samples_ns: done, .. } = &row.done;
+        let ratio = Speedup::of(done, &row.skipped.samples_ns).map_or(String::new(), |ratio| {
+            let mark = if ratio.is_significant() { "" } else { "≈ " };
+            format!("{mark}{:.2}", ratio.ratio)
+        });
+        table.add_row([
+            row.scene.clone(),
+            row.what.clone(),
+            row.of.clone(),
+            milliseconds(&row.skipped.samples_ns),
+            milliseconds(done),
+            ratio,
+            bytes(row.skipped.bytes),
+            bytes(row.done.bytes),
+            format!("{}{}", row.same, if row.is_same { "" } else { ": DIFFERS" }),
+        ]);
+    }
+    table
+}
+
+fn bytes(bytes: u64) -> String {
+    if bytes == 0 { String::new() } else { bytes.to_string() }
+}
+
+pub(super) fn startup_table(rows: &[StartupRow]) -> Table {
+    let mut table = table_of(&["scene", "triangles", "kernel", "step", "ms"]);
+    for row in rows {
+        table.add_row([
+            row.scene.clone(),
+            row.triangles.to_string(),
+            row.kernel.clone(),
+            row.step.clone(),
+            milliseconds(&row.samples_ns),
+        ]);
+    }
+    table
+}

@@ -1,0 +1,149 @@
+//! Benchmarks of errors and of what is skipped, small, on both backends: what they say must hold.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use formats::bench_result::{BenchResult, Rows};
+use formats::key::Method;
+use formats::key::method::UNSORTED;
+use recorder::bench::error::{self, Curve, ErrorBench, ImageSize};
+use recorder::bench::skip::{self, SkipBench};
+use recorder::options::{BackendChoice, Keep, KeepPasses, RecordOptions};
+use recorder::stages::trace::TraceKernel;
+
+fn run(backend: BackendChoice) -> RecordOptions {
+    RecordOptions {
+        scene: String::new(),
+        out: PathBuf::new(),
+        width: 32,
+        height: 18,
+        bounces: 3,
+        passes: 1,
+        repeats: 2,
+        seed: 0,
+        camera: None,
+        methods: ["aila", "two-point-adaptive"].map(|name| Method::builtin(name).unwrap()).to_vec(),
+        key_bits: 32,
+        two_point_length: 0.25,
+        table_bits: 20,
+        table_method: Method::builtin("aila").unwrap(),
+        backend,
+        adapter: None,
+        trace: TraceKernel::Cwbvh,
+        threads: Some(2),
+        keep: Keep::default(),
+        l2_bytes: 1 << 20,
+        keep_passes: KeepPasses::Measured,
+        russian_roulette: false,
+        force: false,
+    }
+}
+
+/// What a file of a result would be read as.
+fn through_json(result: &BenchResult) -> BenchResult {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bench.json");
+    std::fs::write(&path, serde_json::to_string(result).unwrap()).unwrap();
+    BenchResult::read(&path).unwrap()
+}
+
+#[test]
+fn errors_are_those_of_what_was_measured() {
+    for backend in [BackendChoice::Cpu, BackendChoice::Gpu] {
+        let bench = ErrorBench {
+            scenes: vec!["builtin:cornell".into()],
+            curves: vec![Curve::Precision, Curve::KeyBits, Curve::Image],
+            rays: 500,
+            key_bits: vec![8, 32],
+            image: ImageSize { width: 16, height: 9, passes: 4, reference_passes: 32 },
+            run: run(backend),
+        };
+        let result = error::run(&bench).unwrap();
+        // The reader of JSON may be off in a number's last digit.
+        assert_eq!(format!("{:.9?}", through_json(&result)), format!("{result:.9?}"));
+        let Rows::Error(rows) = &result.rows else { panic!("errors") };
+        assert!(rows.precision.len() >= 8, "two kernels, two triangle tests, two box tests");
+        for row in &rows.precision {
+            assert!(row.errors.rays > 300 && row.rays_timed == row.errors.rays, "{row:?}");
+            assert_eq!(row.samples_ns.len(), 2);
+            let wrong = row.errors.missed + row.errors.false_hits + row.errors.wrong_triangles;
+            assert!(row.triangle_test != "watertight" || row.box_test != "padded" || wrong == 0, "{row:?}");
+            assert!(row.errors.relative.median > 0.0 && row.errors.relative.median < 1e-6, "{row:?}");
+        }
+        let area = |method: &str, bits| {
+            let row = rows.key_bits.iter().find(|row| (row.method.as_str(), row.key_bits) == (method, bits));
+            row.unwrap().capsule_area
+        };
+        assert!(area("aila", 32) < area("aila", 8) && area("aila", 8) < area(UNSORTED, 0));
+        let noise = |method: &str, passes| {
+            let row = rows.image.iter().find(|row| (row.method.as_str(), row.passes) == (method, passes));
+            row.unwrap().relative_mse
+        };
+        assert!(noise(UNSORTED, 4) < noise(UNSORTED, 1));
+        assert_eq!(noise("aila", 4), noise(UNSORTED, 4), "pictures do not depend on the order");
+        for pair in rows.image.windows(4).filter(|rows| rows[0].method == rows[3].method) {
+            assert!(pair[3].wall_ns > pair[0].wall_ns, "time goes on: {pair:?}");
+        }
+    }
+}
+
+#[test]
+fn a_table_learns_what_a_constant_cannot() {
+    let bench = ErrorBench {
+        scenes: vec!["builtin:cornell".into()],
+        curves: vec![Curve::Estimator],
+        rays: 500,
+        key_bits: vec![32],
+        image: ImageSize { width: 16, height: 9, passes: 1, reference_passes: 1 },
+        run: run(BackendChoice::Cpu),
+    };
+    let Rows::Error(rows) = error::run(&bench).unwrap().rows else { panic!("errors") };
+    let error = |method: &str, bits, pass| {
+        let is_it = |row: &&formats::bench_result::error::EstimatorRow| {
+            (row.table_method.as_str(), row.table_bits, row.pass) == (method, bits, pass)
+                && row.kind == formats::ray::Kind::Closest
+        };
+        rows.estimator.iter().find(is_it).unwrap()
+    };
+    let (first, last) = (error("aila", 12, 1), error("aila", 12, 8));
+    assert!(last.error.mean_absolute < first.error.mean_absolute);
+    assert!(last.error.mean_absolute < error("constant", 0, 8).error.mean_absolute);
+    assert!(last.cells_touched > first.cells_touched && last.cells_touched <= 1 << 12);
+    assert_eq!((last.key_ns.len(), last.accumulate_ns.len()), (2, 2));
+    assert!(first.key_ns.is_empty(), "costs are those of the last pass");
+}
+
+#[test]
+fn what_is_skipped_changes_nothing_but_time_and_bytes() {
+    for backend in [BackendChoice::Cpu, BackendChoice::Gpu] {
+        let bench = SkipBench { scenes: vec!["builtin:cornell".into()], run: run(backend) };
+        let result = skip::run(&bench).unwrap();
+        assert_eq!(through_json(&result), result);
+        let Rows::Skip(rows) = &result.rows else { panic!("skipped things") };
+        for row in rows {
+            assert!(row.is_same, "{row:?}");
+        }
+        let what: BTreeSet<&str> = rows.iter().map(|row| row.what.as_str()).collect();
+        let mut expected =
+            vec!["alpha-masks", "textures", "specular", "vertex-normals", "all these features"];
+        if backend == BackendChoice::Gpu {
+            expected.extend(["sphere-lights", "punctual-lights", "environment"]);
+        }
+        for name in expected {
+            assert!(what.contains(name), "{name} is not among {what:?}");
+        }
+        assert!(!what.contains("emissive-triangles"), "the box has a lamp");
+        let bytes = |name: &str| {
+            let row = rows.iter().find(|row| row.what == name).unwrap();
+            (row.skipped.bytes, row.done.bytes)
+        };
+        assert_eq!(bytes("vertex-normals").0, 0);
+        assert!(bytes("vertex-normals").1 > 0 && bytes("alpha-masks").1 > 0);
+        let (none, all) = bytes("arrays that nobody asked for");
+        assert!(none < all);
+        let (measured, every_pass) = bytes("arrays of passes that are not measured");
+        assert!(all == measured && measured < every_pass);
+    }
+}
