@@ -251,7 +251,7 @@ fn hits_are_where_the_oracle_says() {
         let distances = occlusion(&tracer, &rays);
         for (index, ray) in rays.iter().enumerate() {
             // Near an edge, single and double precision may differ on whether it is hit.
-            let mut all: Vec<_> = oracle.hits(ray).collect();
+            let mut all = oracle.hits(ray);
             all.sort_by(|a, b| a.t.total_cmp(&b.t));
             if all.iter().any(|hit| hit.inside < 1e-4) {
                 continue;

@@ -1,0 +1,350 @@
+//! What a tracer in single precision answered, held against the truth.
+//!
+//! A ray that passes an edge at less than the rounding of its own coordinates may be told to have passed on
+//! either side. So an answer counts as right within rounding if it is the exact one *of some parallel ray
+//! nearby*: nearer than [`REACH`] of the largest coordinate of a corner as seen from the origin. At the
+//! outline of an object one of those rays misses it; at an inner edge of a closed surface none does, so a
+//! ray that leaks there is caught.
+//!
+//! Distances are compared with a tolerance per ray and triangle: moving the corners of the triangle by the
+//! same reach moves the point that is hit by up to three times the reach over the triangle's height, in
+//! parts of the triangle's extent in depth, but never beyond that extent.
+
+use formats::ray::{Hit, Ray};
+
+use super::line::{Line, cross, dot, minus};
+use super::{ExactHit, Oracle};
+
+/// How far a ray may be off, in parts of the largest coordinate of a triangle's corners as seen from the
+/// ray's origin: 16 roundings of f32. Moving and shearing a corner takes up to 6 in x and in y, 11 where a
+/// device divides to 2.5 ulp.
+pub const REACH: f64 = 1.0 / (1 << 20) as f64;
+
+/// Directions in which a parallel ray is looked for, at the full reach and at half of it.
+const DIRECTIONS: u32 = 32;
+
+/// How an answer compares with the truth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Verdict {
+    /// The oracle's own answer.
+    Right,
+    /// The exact answer of a ray within rounding of this one, or a triangle at the same distance within
+    /// rounding, or a hit within rounding of an end of the ray.
+    Tied,
+    /// A triangle was hit, but not the first one.
+    WrongTriangle,
+    /// A triangle lies in the ray's way that was not found.
+    Missed,
+    /// Nothing lies in the ray's way where a hit was reported.
+    FalseHit,
+}
+
+impl Verdict {
+    /// Whether nothing is wrong.
+    pub fn is_right(self) -> bool {
+        matches!(self, Self::Right | Self::Tied)
+    }
+}
+
+/// The outcome of a comparison.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judgement {
+    /// How the answer compares.
+    pub verdict: Verdict,
+    /// How far the distance is off, if the verdict is right and there is a distance.
+    pub t: Option<Deviation>,
+}
+
+/// How far a distance is off, in units in the last place of the coordinate scale: the largest coordinate of
+/// the ray's origin and the triangle's corners, as an f32.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviation {
+    /// Size of the difference, ≥ 0.
+    pub ulps: f64,
+    /// How large it may be: [`Oracle::tolerance`].
+    pub tolerance_ulps: f64,
+}
+
+/// What a tracer said.
+#[derive(Clone, Copy)]
+enum Answer {
+    /// This triangle was hit first.
+    Triangle(u32),
+    /// Something at this distance.
+    Blocked(f64),
+}
+
+impl Oracle {
+    /// Compares the nearest hit that a tracer found.
+    ///
+    /// # Panics
+    /// If the hit names a triangle that the scene does not have.
+    pub fn judge(&self, ray: &Ray, hit: &Hit) -> Judgement {
+        let line = Line::new(ray);
+        let exact = self.closest_on(&line);
+        if !hit.is_hit() {
+            return self.judge_free(&line, exact);
+        }
+        if let Some(exact) = exact.filter(|exact| exact.triangle == hit.triangle) {
+            return self.judgement(&line, Verdict::Right, &exact, f64::from(hit.t));
+        }
+        let answer = Answer::Triangle(hit.triangle);
+        match self.explain(&line, exact, answer) {
+            Some(hit_nearby) => self.judgement(&line, Verdict::Tied, &hit_nearby, f64::from(hit.t)),
+            None if exact.is_some() => Judgement { verdict: Verdict::WrongTriangle, t: None },
+            None => Judgement { verdict: Verdict::FalseHit, t: None },
+        }
+    }
+
+    /// Compares the distance at which a tracer says that a ray is blocked, `+inf` for a ray that is not. Any
+    /// triangle in the ray's way will do.
+    pub fn judge_occlusion(&self, ray: &Ray, distance: f32) -> Judgement {
+        let line = Line::new(ray);
+        if distance == f32::INFINITY {
+            return self.judge_free(&line, self.closest_on(&line));
+        }
+        let answer = Answer::Blocked(f64::from(distance));
+        if let Some(hit) = self.answer_on(&line, answer) {
+            return self.judgement(&line, Verdict::Right, &hit, f64::from(distance));
+        }
+        let nearest = self.closest_on(&Line { t_max: f64::INFINITY, ..line });
+        match self.explain(&line, nearest, answer) {
+            Some(hit) => self.judgement(&line, Verdict::Tied, &hit, f64::from(distance)),
+            None => Judgement { verdict: Verdict::FalseHit, t: None },
+        }
+    }
+
+    fn judge_free(&self, line: &Line, exact: Option<ExactHit>) -> Judgement {
+        let verdict = match exact {
+            None => Verdict::Right,
+            Some(_) if self.is_free(line) => Verdict::Tied,
+            Some(exact) => {
+                let is_free_nearby = self.nearby(line, &[exact.triangle]).any(|nearby| self.is_free(&nearby));
+                if is_free_nearby { Verdict::Tied } else { Verdict::Missed }
+            }
+        };
+        Judgement { verdict, t: None }
+    }
+
+    fn judgement(&self, line: &Line, verdict: Verdict, exact: &ExactHit, t: f64) -> Judgement {
+        let corners = &self.corners[exact.triangle as usize];
+        let scale = corners.iter().flatten().fold(0.0f64, |most, x| most.max(f64::from(x.abs())));
+        let scale = line.origin.iter().fold(scale, |most, x| most.max(x.abs()));
+        let ulp = f64::from(scale as f32).log2().floor().exp2() * f64::from(f32::EPSILON);
+        let ulps = |t: f64| t.abs() * line.speed() / ulp;
+        let deviation = Deviation { ulps: ulps(t - exact.t), tolerance_ulps: ulps(tolerance(line, corners)) };
+        Judgement { verdict, t: Some(deviation) }
+    }
+
+    /// The hit that an answer means, on the line itself or on one nearby.
+    fn explain(&self, line: &Line, exact: Option<ExactHit>, answer: Answer) -> Option<ExactHit> {
+        if let Some(hit) = self.answer_on(line, answer) {
+            return Some(hit);
+        }
+        let involved = match answer {
+            Answer::Triangle(triangle) => {
+                let corners = Projected::new(line, &self.corners[triangle as usize]);
+                if length(corners.nearest()) > corners.reach() {
+                    return None;
+                }
+                vec![triangle]
+            }
+            Answer::Blocked(_) => Vec::new(),
+        };
+        let involved: Vec<u32> = involved.into_iter().chain(exact.map(|hit| hit.triangle)).collect();
+        self.nearby(line, &involved).find_map(|nearby| self.answer_on(&nearby, answer))
+    }
+
+    /// The hit that an answer means, if the answer is right for this line.
+    fn answer_on(&self, line: &Line, answer: Answer) -> Option<ExactHit> {
+        match answer {
+            Answer::Triangle(triangle) => {
+                let hit = self.hit(line, triangle).filter(|hit| self.is_possible(line, hit))?;
+                let reach = hit.t - self.tolerance_on(line, triangle);
+                let first = self.first_that_counts(line, reach, |other| {
+                    other.t + self.tolerance_on(line, other.triangle) < reach
+                });
+                first.is_none().then_some(hit)
+            }
+            Answer::Blocked(t) => {
+                let mut found: Option<ExactHit> = None;
+                self.tree.walk(
+                    &Line { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..*line },
+                    |triangle| {
+                        let is_there = |hit: &ExactHit| {
+                            let apart = (hit.t - t).abs();
+                            apart <= self.tolerance_on(line, triangle) && self.is_possible(line, hit)
+                        };
+                        let apart = |hit: &ExactHit| (hit.t - t).abs();
+                        if let Some(hit) = self.hit(line, triangle).filter(is_there)
+                            && found.is_none_or(|found| apart(&hit) < apart(&found))
+                        {
+                            found = Some(hit);
+                        }
+                        f64::INFINITY
+                    },
+                );
+                found
+            }
+        }
+    }
+
+    /// Whether nothing lies in the line's way but what is within rounding of its ends.
+    fn is_free(&self, line: &Line) -> bool {
+        self.first_that_counts(line, line.t_max, |_| true).is_none()
+    }
+
+    /// A hit before `limit` that is certainly between the line's ends and fulfils a condition.
+    fn first_that_counts(
+        &self,
+        line: &Line,
+        limit: f64,
+        condition: impl Fn(&ExactHit) -> bool,
+    ) -> Option<ExactHit> {
+        let limit = limit.min(line.t_max);
+        let mut found = None;
+        self.tree.walk(&Line { t_max: limit, ..*line }, |triangle| {
+            if let Some(hit) = self.hit(line, triangle) {
+                let tolerance = self.tolerance_on(line, triangle);
+                let is_between = line.t_min.max(0.0) + tolerance < hit.t && hit.t + tolerance < line.t_max;
+                if is_between && condition(&hit) {
+                    found = Some(hit);
+                }
+            }
+            if found.is_some() { f64::NEG_INFINITY } else { limit }
+        });
+        found
+    }
+
+    /// Whether a hit may be between the line's ends.
+    fn is_possible(&self, line: &Line, hit: &ExactHit) -> bool {
+        let tolerance = self.tolerance_on(line, hit.triangle);
+        line.t_min - tolerance <= hit.t && hit.t - tolerance <= line.t_max
+    }
+
+    fn tolerance_on(&self, line: &Line, triangle: u32) -> f64 {
+        tolerance(line, &self.corners[triangle as usize])
+    }
+
+    /// Parallel lines within rounding of a line, by the coordinates of some triangles: first those through the
+    /// triangles' nearest points, then some all around.
+    fn nearby(&self, line: &Line, triangles: &[u32]) -> impl Iterator<Item = Line> {
+        let projected: Vec<Projected> = triangles
+            .iter()
+            .map(|&triangle| Projected::new(line, &self.corners[triangle as usize]))
+            .collect();
+        let reach = projected.iter().map(Projected::reach).fold(0.0, f64::max);
+        let through = projected.iter().map(|projected| projected.just_inside(reach)).collect::<Vec<_>>();
+        let around = (0..2 * DIRECTIONS).map(move |number| {
+            let angle = std::f64::consts::TAU * f64::from(number / 2) / f64::from(DIRECTIONS);
+            let radius = if number % 2 == 0 { reach } else { 0.5 * reach };
+            [radius * angle.cos(), radius * angle.sin()]
+        });
+        let line = *line;
+        let [_, across, up] = axes(&line);
+        through.into_iter().filter(move |offset| length(*offset) <= reach).chain(around).map(move |[x, y]| {
+            let origin = [0, 1, 2].map(|axis| line.origin[axis] + x * across[axis] + y * up[axis]);
+            Line { origin, ..line }
+        })
+    }
+}
+
+/// How far an f32's distance to a triangle may be off, in units of the direction's length.
+pub(super) fn tolerance(line: &Line, corners: &[[f32; 3]; 3]) -> f64 {
+    let projected = Projected::new(line, corners);
+    let reach = projected.reach();
+    let relative = 3.0 * reach / projected.height();
+    (reach + relative.min(1.0) * projected.depth()) / line.speed()
+}
+
+/// A triangle as a line sees it that comes from the origin along z.
+struct Projected {
+    /// x, y, z.
+    corners: [[f64; 3]; 3],
+    /// Largest coordinate of a corner as seen from the line's origin, along the axes of the world.
+    size: f64,
+}
+
+impl Projected {
+    fn new(line: &Line, corners: &[[f32; 3]; 3]) -> Self {
+        let [along, across, up] = axes(line);
+        let from_origin = corners.map(|corner| minus(corner.map(f64::from), line.origin));
+        let size = from_origin.iter().flatten().fold(0.0f64, |most, x| most.max(x.abs()));
+        Self { corners: from_origin.map(|v| [dot(v, across), dot(v, up), dot(v, along)]), size }
+    }
+
+    fn reach(&self) -> f64 {
+        self.size * REACH
+    }
+
+    /// Extent along the line.
+    fn depth(&self) -> f64 {
+        let depths = self.corners.map(|corner| corner[2]);
+        depths.into_iter().fold(f64::NEG_INFINITY, f64::max)
+            - depths.into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Edges in the plane across the line: start and vector.
+    fn edges(&self) -> [([f64; 2], [f64; 2]); 3] {
+        let flat = self.corners.map(|corner| [corner[0], corner[1]]);
+        [0, 1, 2].map(|first| {
+            let (p, q) = (flat[first], flat[(first + 1) % 3]);
+            (p, [q[0] - p[0], q[1] - p[1]])
+        })
+    }
+
+    /// Smallest height in the plane across the line, 0 for a triangle seen from its edge.
+    fn height(&self) -> f64 {
+        let edges = self.edges();
+        let longest = edges.iter().map(|(_, edge)| length(*edge)).fold(0.0, f64::max);
+        let area = twice_area(edges[0].1, edges[1].1).abs();
+        if longest > 0.0 { area / longest } else { 0.0 }
+    }
+
+    /// The nearest of its points in the plane across the line; 0, 0 if it holds that.
+    fn nearest(&self) -> [f64; 2] {
+        let edges = self.edges();
+        let sides = edges.map(|(start, edge)| twice_area(edge, [-start[0], -start[1]]));
+        let is_inside = sides.iter().all(|side| *side > 0.0) || sides.iter().all(|side| *side < 0.0);
+        if is_inside {
+            return [0.0; 2];
+        }
+        let on_edge = edges.map(|([x, y], [dx, dy])| {
+            let squared = dx * dx + dy * dy;
+            let place = if squared > 0.0 { (-(x * dx + y * dy) / squared).clamp(0.0, 1.0) } else { 0.0 };
+            [x + place * dx, y + place * dy]
+        });
+        on_edge.into_iter().fold([f64::INFINITY; 2], |a, b| if length(b) < length(a) { b } else { a })
+    }
+
+    /// A point inside, by an eighth of the reach at most from the nearest one.
+    fn just_inside(&self, reach: f64) -> [f64; 2] {
+        let [x, y] = self.nearest();
+        let centre = [0, 1].map(|axis| self.corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0);
+        let inward = [centre[0] - x, centre[1] - y];
+        let share = (reach / 8.0 / length(inward)).min(0.5);
+        [x + share * inward[0], y + share * inward[1]]
+    }
+}
+
+/// The line's unit direction and two unit vectors across it.
+fn axes(line: &Line) -> [[f64; 3]; 3] {
+    let speed = line.speed();
+    let along = line.direction.map(|x| x / speed);
+    let size = along.map(f64::abs);
+    let smallest = (0..3).min_by(|&a, &b| size[a].total_cmp(&size[b])).unwrap_or(0);
+    let mut helper = [0.0; 3];
+    helper[smallest] = 1.0;
+    let across = cross(along, helper);
+    let norm = dot(across, across).sqrt();
+    let across = across.map(|x| x / norm);
+    [along, across, cross(along, across)]
+}
+
+fn length([x, y]: [f64; 2]) -> f64 {
+    x.hypot(y)
+}
+
+fn twice_area(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}

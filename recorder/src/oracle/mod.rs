@@ -1,0 +1,147 @@
+//! The truth about rays and triangles: slow, in double precision, and exact where that does not decide.
+//!
+//! Which triangles a line meets is decided by the signs of edge functions. They are evaluated in f64
+//! with a bound of their rounding, and in whole numbers where the bound does not tell the sign
+//! ([`line`](mod@line), [`exact`]); boxes are tested conservatively ([`tree`]). So a hit of the oracle is a hit,
+//! edges and corners included, whatever the scene's scale or the triangle's shape. Nothing here is
+//! shared with the tracers but the alpha masks, whose texels are looked up alike.
+//!
+//! [`judge`](mod@judge) holds a tracer's answer against it.
+
+mod exact;
+mod judge;
+mod line;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+pub use judge::{Deviation, Judgement, REACH, Verdict};
+
+use formats::ray::Ray;
+use scenes::Scene;
+
+use crate::stages::trace::mask::Masks;
+use line::{Crossing, Line};
+use tree::Tree;
+
+/// Traces rays through the triangles of a scene, exactly.
+#[derive(Clone, Debug)]
+pub struct Oracle {
+    corners: Vec<[[f32; 3]; 3]>,
+    masks: Masks,
+    tree: Tree,
+}
+
+/// A hit in double precision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExactHit {
+    /// Distance in units of the direction's length.
+    pub t: f64,
+    /// Bound of the error of `t`, at most 2^-32 of the distance to the triangle's farthest corner.
+    pub error: f64,
+    /// Index of the triangle.
+    pub triangle: u32,
+    /// Barycentric weight of the second corner.
+    pub u: f64,
+    /// Barycentric weight of the third corner.
+    pub v: f64,
+    /// Smallest of the three barycentric weights, ≥ 0: how far inside the triangle the hit is.
+    pub inside: f64,
+}
+
+impl ExactHit {
+    fn new(triangle: u32, crossing: Crossing) -> Self {
+        let Crossing { t, error, weights: [w, u, v] } = crossing;
+        Self { t, error, triangle, u, v, inside: u.min(v).min(w) }
+    }
+
+    /// Whether this is the hit that counts of the two: the nearer one, or of equal distances that with the
+    /// lower triangle index.
+    fn is_before(&self, other: &Self) -> bool {
+        let apart = other.t - self.t;
+        let is_equal = apart.abs() <= self.error + other.error;
+        if is_equal { self.triangle < other.triangle } else { apart > 0.0 }
+    }
+}
+
+impl Oracle {
+    /// Copies the scene's triangles and builds a hierarchy over them. Takes seconds per million triangles.
+    pub fn new(scene: &Scene) -> Self {
+        let corners: Vec<_> = (0..scene.triangles.len()).map(|triangle| scene.corners(triangle)).collect();
+        Self { masks: Masks::new(scene), tree: Tree::new(&corners), corners }
+    }
+
+    /// Every hit of a ray between its `t_min` and `t_max`, both included, in the order of the triangles.
+    ///
+    /// A triangle that the ray runs along is not hit. Nothing is hit by a ray with a direction of zero or one
+    /// that is not finite.
+    pub fn hits(&self, ray: &Ray) -> Vec<ExactHit> {
+        let line = Line::new(ray);
+        let mut hits = Vec::new();
+        self.tree.walk(&line, |triangle| {
+            hits.extend(self.hit(&line, triangle).filter(|hit| line.includes(hit.t)));
+            line.t_max
+        });
+        hits.sort_by_key(|hit| hit.triangle);
+        hits
+    }
+
+    /// The nearest hit; of equal distances the one with the lowest triangle index.
+    pub fn closest(&self, ray: &Ray) -> Option<ExactHit> {
+        self.closest_on(&Line::new(ray))
+    }
+
+    /// Whether the ray hits anything.
+    pub fn is_occluded(&self, ray: &Ray) -> bool {
+        let line = Line::new(ray);
+        let mut is_occluded = false;
+        self.tree.walk(&line, |triangle| {
+            is_occluded |= self.hit(&line, triangle).is_some_and(|hit| line.includes(hit.t));
+            if is_occluded { f64::NEG_INFINITY } else { line.t_max }
+        });
+        is_occluded
+    }
+
+    /// The nearest hit and every hit that single precision cannot tell from it by its distance, nearest
+    /// first: [`Oracle::tolerance`] of the two together bounds how far they are apart.
+    pub fn tied(&self, ray: &Ray) -> Vec<ExactHit> {
+        let Some(nearest) = self.closest(ray) else { return Vec::new() };
+        let reach = nearest.t + self.tolerance(ray, nearest.triangle);
+        let mut hits = self.hits(ray);
+        hits.retain(|hit| hit.t - self.tolerance(ray, hit.triangle) <= reach);
+        hits.sort_by(|a, b| a.t.total_cmp(&b.t));
+        hits
+    }
+
+    /// How far a distance to a triangle may be off that was computed in single precision, in units of the
+    /// direction's length: see [`judge`](mod@judge) for where it comes from.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub fn tolerance(&self, ray: &Ray, triangle: u32) -> f64 {
+        judge::tolerance(&Line::new(ray), &self.corners[triangle as usize])
+    }
+
+    fn closest_on(&self, line: &Line) -> Option<ExactHit> {
+        let mut best: Option<ExactHit> = None;
+        self.tree.walk(line, |triangle| {
+            if let Some(hit) = self.hit(line, triangle)
+                && line.includes(hit.t)
+                && best.is_none_or(|best| hit.is_before(&best))
+            {
+                best = Some(hit);
+            }
+            best.map_or(line.t_max, |best| best.t + best.error)
+        });
+        best
+    }
+
+    /// Where a line hits a triangle, whatever the distance, if that is no hole.
+    fn hit(&self, line: &Line, triangle: u32) -> Option<ExactHit> {
+        let crossing = line.cross(&self.corners[triangle as usize])?;
+        let hit = ExactHit::new(triangle, crossing);
+        let number = self.masks.number(triangle);
+        let is_hole = number != 0 && self.masks.is_hole(number, hit.u as f32, hit.v as f32);
+        (!is_hole).then_some(hit)
+    }
+}
