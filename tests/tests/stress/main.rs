@@ -8,5 +8,8 @@
 
 mod closed;
 mod numbers;
+mod odd_rays;
+mod odd_triangles;
 mod runner;
 mod shapes;
+mod spawned;

@@ -77,7 +77,6 @@ pub(crate) fn kernels() -> Vec<(Backend, TraceKernel)> {
 /// What one kernel answered.
 pub(crate) struct Answers {
     pub(crate) name: String,
-    pub(crate) kernel: TraceKernel,
     pub(crate) hits: Vec<Hit>,
     pub(crate) distances: Vec<f32>,
 }
@@ -126,7 +125,7 @@ pub(crate) fn trace(backend: Backend, kernel: TraceKernel, scene: &Scene, rays: 
             (bytemuck::cast_slice(&hits).to_vec(), gpu.read_vec(&distances).unwrap())
         }
     };
-    Answers { name, kernel, hits, distances }
+    Answers { name, hits, distances }
 }
 
 /// What came of a kernel's answers.
@@ -184,7 +183,9 @@ impl Tally {
         };
         if tally.faults() > 0 {
             let exact = oracle.closest(ray);
-            tally.example = Some(format!("{ray:?}: {hit:?} {judgement:?}, exactly {exact:?}; shadow {distance} {shadow:?}"));
+            tally.example = Some(format!(
+                "{ray:?}: {hit:?} {judgement:?}, exactly {exact:?}; shadow {distance} {shadow:?}"
+            ));
         }
         tally
     }
@@ -216,8 +217,16 @@ pub(crate) fn run(case: &Case) {
         tally.escaped = escaping.len();
         println!(
             "{:44} {:20} {count:8} rays, {judged:7} judged: {:7} escaped {:7} tied {:5} missed {:5} wrong {:5} false {:5} shadows {:5} far off, {:.1} ulps",
-            case.name, answers.name, tally.escaped, tally.tied, tally.missed, tally.wrong, tally.false_hits,
-            tally.wrong_shadows, tally.far_off, tally.worst_ulps
+            case.name,
+            answers.name,
+            tally.escaped,
+            tally.tied,
+            tally.missed,
+            tally.wrong,
+            tally.false_hits,
+            tally.wrong_shadows,
+            tally.far_off,
+            tally.worst_ulps
         );
         if kernel == TraceKernel::RayQuery {
             continue;

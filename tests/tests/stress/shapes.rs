@@ -122,7 +122,8 @@ pub(crate) fn soup(numbers: &mut Numbers, count: usize, size: f32) -> Vec<Triang
 pub(crate) fn slivers(numbers: &mut Numbers, count: usize) -> Vec<Triangle> {
     let mut triangle = || {
         let (start, along, aside) = (numbers.point(), numbers.direction(), numbers.direction());
-        let at = |far: f32, off: f32| [0, 1, 2].map(|axis| start[axis] + far * along[axis] + off * aside[axis]);
+        let at =
+            |far: f32, off: f32| [0, 1, 2].map(|axis| start[axis] + far * along[axis] + off * aside[axis]);
         let middle = numbers.unit();
         [at(0.0, 0.0), at(1.0, 0.0), at(middle, 1e-7)]
     };
