@@ -11,5 +11,6 @@ mod numbers;
 mod odd_rays;
 mod odd_triangles;
 mod runner;
+mod secondary;
 mod shapes;
 mod spawned;
