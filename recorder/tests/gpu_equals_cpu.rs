@@ -10,12 +10,14 @@ use std::sync::Arc;
 use formats::key::{Encoder, Termination};
 use formats::length_table::LengthTable;
 use formats::ray::{Hit, Kind, Ray, Work};
-use recorder::backend::{Backend, Queue, Setup};
+use formats::unit_space::UnitSpace;
+use recorder::backend::{Backend, Queue, Setup, UploadedRays};
 use recorder::cli::parse_record;
 use recorder::gpu::backend::GpuBackend;
 use recorder::gpu::{AdapterRequest, Gpu};
 use recorder::options::RecordOptions;
 use recorder::recording;
+use recorder::stages::random::Random;
 use recorder::stages::trace::cpu::CpuTracer;
 use recorder::stages::trace::{Precision, TraceKernel};
 use scenes::Scene;
@@ -250,4 +252,95 @@ fn every_precision_finds_the_same_on_both_backends() {
             assert_eq!(differing, 0, "{precision:?} by {trace:?}");
         }
     }
+}
+/// Rays that no tracer makes but a file may hold: origins outside of the box and on its faces, zeros of
+/// both signs, NaN and infinity, all at one place.
+fn odd_rays(unit_min: [f32; 3], unit_max: [f32; 3]) -> Vec<Ray> {
+    let mut random = Random::new([77, 0], 0, 0, 0);
+    let mut ray = |number: usize| {
+        let axis_value = |axis: usize, draw: f32| {
+            let (min, max) = (unit_min[axis], unit_max[axis]);
+            let odd = [
+                min,
+                max,
+                min.next_down(),
+                max.next_up(),
+                min - 1.0,
+                max + 1e30,
+                0.0,
+                -0.0,
+                f32::NAN,
+                f32::INFINITY,
+                f32::NEG_INFINITY,
+                1e-45,
+            ];
+            if number % 3 == 0 { min + draw * (max - min) } else { odd[(draw * odd.len() as f32) as usize] }
+        };
+        let origin = [0, 1, 2].map(|axis| axis_value(axis, random.draw()));
+        let [x, y, z] = [0; 3].map(|_| 2.0 * random.draw() - 1.0);
+        let length = (x * x + y * y + z * z).sqrt();
+        let t_max = if number % 2 == 0 { f32::INFINITY } else { 2.0 * random.draw() };
+        let same = [0.5 * (unit_min[0] + unit_max[0]), unit_min[1], unit_max[2]];
+        let origin = if number % 5 == 0 { same } else { origin };
+        Ray { origin, t_min: 0.0, direction: [x / length, y / length, z / length], t_max }
+    };
+    (0..6000).map(&mut ray).collect()
+}
+
+fn upload(gpu: &mut GpuBackend, rays: &[Ray]) -> <GpuBackend as Backend>::Rays {
+    let path_ids: Vec<u32> = (0..rays.len() as u32).collect();
+    let queue = UploadedRays { kind: Kind::Closest, bounce: 1, rays, path_ids: &path_ids, lights: &[] };
+    gpu.upload(queue).unwrap()
+}
+
+#[test]
+fn keys_of_odd_rays_are_equal_in_boxes_of_any_extent() {
+    let boxes = [
+        ([-1.0, -2.0, 0.5], [1.0, 3.0, 4.0]),
+        ([-1.0, 2.0, 0.5], [1.0, 2.0, 4.0]),
+        ([1.0, 2.0, 0.0], [1.0, 2.0, 4.0]),
+        ([0.0; 3], [0.0; 3]),
+    ];
+    for (min, max) in boxes {
+        let options = options("builtin:cornell", &["--key-bits", "64"]);
+        let scene = scenes::load(&options.scene).unwrap();
+        let setup = recording::setup(&scene, &scene.cameras[0], &options).unwrap();
+        let setup = Arc::new(Setup { unit: UnitSpace::from_bounds(min, max), ..setup });
+        let bvh = scenes::bvh::build(&scene, BvhKind::Cwbvh).unwrap();
+        let gpu = Gpu::open(&AdapterRequest::Any).unwrap();
+        let mut gpu = GpuBackend::new(gpu, &scene, Some(&bvh), Arc::clone(&setup), options.trace).unwrap();
+        let rays = upload(&mut gpu, &odd_rays(min, max));
+        let hits = gpu.trace(&rays).unwrap().value;
+        let table = LengthTable::new(setup.table_bits);
+        assert!(compare_orders(&mut gpu, &setup, &rays, &hits, &table) > 30_000, "{min:?} to {max:?}");
+    }
+}
+
+/// Every ray in one cell, none of which hits anything, on top of two billion that were there.
+#[test]
+fn tables_of_one_cell_and_of_misses_alone_are_equal() {
+    let options = options("builtin:cornell", &[]);
+    let Machine { setup, mut gpu, .. } = machine(&options);
+    let away = Ray { origin: [1e6; 3], t_min: 0.0, direction: [1.0, 0.0, 0.0], t_max: f32::INFINITY };
+    let rays = upload(&mut gpu, &[away; 6000]);
+    let hits = gpu.trace(&rays).unwrap().value;
+    let copied = copy(&mut gpu, &setup, &rays, &hits);
+    let table = LengthTable::new(setup.table_bits);
+    for _ in 0..3 {
+        gpu.accumulate(&rays, &hits).unwrap();
+        add_lengths(&setup, &table, &copied);
+    }
+    assert_eq!(table.touched().len(), 1, "all rays are in one cell");
+    assert_eq!(gpu.touched_cells(Kind::Closest).unwrap(), table.touched());
+    let mut cells = table.touched();
+    let scale = (1u64 << 31) / u64::from(cells[0].count);
+    // The first of the count and of the sum is what an untouched cell holds.
+    let dummy = formats::length_table::DUMMY_SUM;
+    cells[0].sum = dummy + (cells[0].sum - dummy) * scale;
+    cells[0].count = 1 + (cells[0].count - 1) * scale as u32;
+    let table = LengthTable::from_touched(setup.table_bits, &cells).unwrap();
+    gpu.load_table(Kind::Closest, &cells).unwrap();
+    gpu.accumulate(&rays, &hits).unwrap();
+    add_lengths(&setup, &table, &copied);
+    assert_eq!(gpu.touched_cells(Kind::Closest).unwrap(), table.touched());
 }

@@ -65,15 +65,6 @@ pub struct Deviation {
     pub tolerance_ulps: f64,
 }
 
-/// What a tracer said.
-#[derive(Clone, Copy)]
-enum Answer {
-    /// This triangle was hit first.
-    Triangle(u32),
-    /// Something at this distance.
-    Blocked(f64),
-}
-
 impl Oracle {
     /// Compares the nearest hit that a tracer found.
     ///
@@ -88,8 +79,7 @@ impl Oracle {
         if let Some(exact) = exact.filter(|exact| exact.triangle == hit.triangle) {
             return self.judgement(&line, Verdict::Right, &exact, f64::from(hit.t));
         }
-        let answer = Answer::Triangle(hit.triangle);
-        match self.explain(&line, exact, answer) {
+        match self.explain(&line, exact, hit.triangle) {
             Some(hit_nearby) => self.judgement(&line, Verdict::Tied, &hit_nearby, f64::from(hit.t)),
             None if exact.is_some() => Judgement { verdict: Verdict::WrongTriangle, t: None },
             None => Judgement { verdict: Verdict::FalseHit, t: None },
@@ -103,13 +93,8 @@ impl Oracle {
         if distance == f32::INFINITY {
             return self.judge_free(&line, self.closest_on(&line));
         }
-        let answer = Answer::Blocked(f64::from(distance));
-        if let Some(hit) = self.answer_on(&line, answer) {
-            return self.judgement(&line, Verdict::Right, &hit, f64::from(distance));
-        }
-        let nearest = self.closest_on(&Line { t_max: f64::INFINITY, ..line });
-        match self.explain(&line, nearest, answer) {
-            Some(hit) => self.judgement(&line, Verdict::Tied, &hit, f64::from(distance)),
+        match self.blocker(&line, f64::from(distance)) {
+            Some((verdict, hit)) => self.judgement(&line, verdict, &hit, f64::from(distance)),
             None => Judgement { verdict: Verdict::FalseHit, t: None },
         }
     }
@@ -136,57 +121,65 @@ impl Oracle {
         Judgement { verdict, t: Some(deviation) }
     }
 
-    /// The hit that an answer means, on the line itself or on one nearby.
-    fn explain(&self, line: &Line, exact: Option<ExactHit>, answer: Answer) -> Option<ExactHit> {
-        if let Some(hit) = self.answer_on(line, answer) {
+    /// A triangle's hit within rounding of a line, if nothing certainly comes before it on that line, or on one
+    /// nearby.
+    fn explain(&self, line: &Line, exact: Option<ExactHit>, triangle: u32) -> Option<ExactHit> {
+        if let Some(hit) = self.if_first(line, self.touch(line, triangle)?) {
             return Some(hit);
         }
-        let involved = match answer {
-            Answer::Triangle(triangle) => {
-                let corners = Projected::new(line, &self.corners[triangle as usize]);
-                if length(corners.nearest()) > corners.reach() {
-                    return None;
-                }
-                vec![triangle]
-            }
-            Answer::Blocked(_) => Vec::new(),
-        };
-        let involved: Vec<u32> = involved.into_iter().chain(exact.map(|hit| hit.triangle)).collect();
-        self.nearby(line, &involved).find_map(|nearby| self.answer_on(&nearby, answer))
+        let involved: Vec<u32> = [triangle].into_iter().chain(exact.map(|hit| hit.triangle)).collect();
+        self.nearby(line, &involved).find_map(|nearby| self.if_first(&nearby, self.hit(&nearby, triangle)?))
     }
 
-    /// The hit that an answer means, if the answer is right for this line.
-    fn answer_on(&self, line: &Line, answer: Answer) -> Option<ExactHit> {
-        match answer {
-            Answer::Triangle(triangle) => {
-                let hit = self.hit(line, triangle).filter(|hit| self.is_possible(line, hit))?;
-                let reach = hit.t - self.tolerance_on(line, triangle);
-                let first = self.first_that_counts(line, reach, |other| {
-                    other.t + self.tolerance_on(line, other.triangle) < reach
-                });
-                first.is_none().then_some(hit)
-            }
-            Answer::Blocked(t) => {
-                let mut found: Option<ExactHit> = None;
-                self.tree.walk(
-                    &Line { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..*line },
-                    |triangle| {
-                        let is_there = |hit: &ExactHit| {
-                            let apart = (hit.t - t).abs();
-                            apart <= self.tolerance_on(line, triangle) && self.is_possible(line, hit)
-                        };
-                        let apart = |hit: &ExactHit| (hit.t - t).abs();
-                        if let Some(hit) = self.hit(line, triangle).filter(is_there)
-                            && found.is_none_or(|found| apart(&hit) < apart(&found))
-                        {
-                            found = Some(hit);
-                        }
-                        f64::INFINITY
-                    },
-                );
-                found
-            }
+    /// Where a line hits a triangle, exactly or within rounding.
+    fn touch(&self, line: &Line, triangle: u32) -> Option<ExactHit> {
+        if let Some(hit) = self.hit(line, triangle) {
+            return Some(hit);
         }
+        let projected = Projected::new(line, &self.corners[triangle as usize]);
+        if size(projected.nearest()) > projected.reach() {
+            return None;
+        }
+        let nearby = self.nearby(line, &[triangle]).find_map(|nearby| self.hit(&nearby, triangle));
+        nearby.or_else(|| self.edge_hit(line, triangle))
+    }
+
+    /// Where a line passes a triangle that is thinner than rounding, as none of its corners are where single
+    /// precision has them: without area for all that a tracer knows, or with some.
+    fn edge_hit(&self, line: &Line, triangle: u32) -> Option<ExactHit> {
+        let projected = Projected::new(line, &self.corners[triangle as usize]);
+        let t = projected.nearest_on_edges()[2] / line.speed();
+        let is_thin = projected.height() <= projected.reach();
+        is_thin.then_some(ExactHit { t, error: 0.0, triangle, u: 0.0, v: 0.0, inside: 0.0 })
+    }
+
+    /// The hit, if none comes before it on this line.
+    fn if_first(&self, line: &Line, hit: ExactHit) -> Option<ExactHit> {
+        let reach = hit.t - self.tolerance_on(line, hit.triangle);
+        let before = self.first_that_counts(line, reach, |other| {
+            other.t + self.tolerance_on(line, other.triangle) < reach
+        });
+        (before.is_none() && self.is_possible(line, &hit)).then_some(hit)
+    }
+
+    /// What may have blocked a ray at a distance, if not on the line itself then within rounding of it.
+    fn blocker(&self, line: &Line, t: f64) -> Option<(Verdict, ExactHit)> {
+        let mut found: Option<(Verdict, ExactHit)> = None;
+        let endless = Line { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..*line };
+        self.tree.walk_near(&endless, REACH, |triangle| {
+            let exact = self.hit(line, triangle);
+            let verdict = if exact.is_some() { Verdict::Right } else { Verdict::Tied };
+            let apart = |hit: &ExactHit| (hit.t - t).abs();
+            if let Some(hit) = exact.or_else(|| self.touch(line, triangle))
+                && apart(&hit) <= self.tolerance_on(line, triangle)
+                && self.is_possible(line, &hit)
+                && found.is_none_or(|found| (verdict, apart(&hit)) < (found.0, apart(&found.1)))
+            {
+                found = Some((verdict, hit));
+            }
+            f64::INFINITY
+        });
+        found
     }
 
     /// Whether nothing lies in the line's way but what is within rounding of its ends.
@@ -228,7 +221,7 @@ impl Oracle {
 
     /// Parallel lines within rounding of a line, by the coordinates of some triangles: first those through the
     /// triangles' nearest points, then some all around.
-    fn nearby(&self, line: &Line, triangles: &[u32]) -> impl Iterator<Item = Line> {
+    fn nearby(&self, line: &Line, triangles: &[u32]) -> impl Iterator<Item = Line> + use<> {
         let projected: Vec<Projected> = triangles
             .iter()
             .map(|&triangle| Projected::new(line, &self.corners[triangle as usize]))
@@ -242,7 +235,7 @@ impl Oracle {
         });
         let line = *line;
         let [_, across, up] = axes(&line);
-        through.into_iter().filter(move |offset| length(*offset) <= reach).chain(around).map(move |[x, y]| {
+        through.into_iter().filter(move |offset| size(*offset) <= reach).chain(around).map(move |[x, y]| {
             let origin = [0, 1, 2].map(|axis| line.origin[axis] + x * across[axis] + y * up[axis]);
             Line { origin, ..line }
         })
@@ -284,12 +277,11 @@ impl Projected {
             - depths.into_iter().fold(f64::INFINITY, f64::min)
     }
 
-    /// Edges in the plane across the line: start and vector.
-    fn edges(&self) -> [([f64; 2], [f64; 2]); 3] {
-        let flat = self.corners.map(|corner| [corner[0], corner[1]]);
+    /// Edges: start and vector.
+    fn edges(&self) -> [([f64; 3], [f64; 3]); 3] {
         [0, 1, 2].map(|first| {
-            let (p, q) = (flat[first], flat[(first + 1) % 3]);
-            (p, [q[0] - p[0], q[1] - p[1]])
+            let (p, q) = (self.corners[first], self.corners[(first + 1) % 3]);
+            (p, minus(q, p))
         })
     }
 
@@ -303,18 +295,23 @@ impl Projected {
 
     /// The nearest of its points in the plane across the line; 0, 0 if it holds that.
     fn nearest(&self) -> [f64; 2] {
-        let edges = self.edges();
-        let sides = edges.map(|(start, edge)| twice_area(edge, [-start[0], -start[1]]));
+        let sides = self.edges().map(|([x, y, _], edge)| twice_area(edge, [-x, -y, 0.0]));
         let is_inside = sides.iter().all(|side| *side > 0.0) || sides.iter().all(|side| *side < 0.0);
         if is_inside {
             return [0.0; 2];
         }
-        let on_edge = edges.map(|([x, y], [dx, dy])| {
+        let [x, y, _] = self.nearest_on_edges();
+        [x, y]
+    }
+
+    /// The nearest point of its edges in the plane across the line, with its depth.
+    fn nearest_on_edges(&self) -> [f64; 3] {
+        let on_edge = self.edges().map(|([x, y, z], [dx, dy, dz])| {
             let squared = dx * dx + dy * dy;
             let place = if squared > 0.0 { (-(x * dx + y * dy) / squared).clamp(0.0, 1.0) } else { 0.0 };
-            [x + place * dx, y + place * dy]
+            [x + place * dx, y + place * dy, z + place * dz]
         });
-        on_edge.into_iter().fold([f64::INFINITY; 2], |a, b| if length(b) < length(a) { b } else { a })
+        on_edge.into_iter().fold([f64::INFINITY; 3], |a, b| if length(b) < length(a) { b } else { a })
     }
 
     /// A point inside, by an eighth of the reach at most from the nearest one.
@@ -322,7 +319,7 @@ impl Projected {
         let [x, y] = self.nearest();
         let centre = [0, 1].map(|axis| self.corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0);
         let inward = [centre[0] - x, centre[1] - y];
-        let share = (reach / 8.0 / length(inward)).min(0.5);
+        let share = (reach / 8.0 / size(inward)).min(0.5);
         [x + share * inward[0], y + share * inward[1]]
     }
 }
@@ -341,10 +338,16 @@ fn axes(line: &Line) -> [[f64; 3]; 3] {
     [along, across, cross(along, across)]
 }
 
-fn length([x, y]: [f64; 2]) -> f64 {
+fn size([x, y]: [f64; 2]) -> f64 {
     x.hypot(y)
 }
 
-fn twice_area(a: [f64; 2], b: [f64; 2]) -> f64 {
+/// Across the line.
+fn length([x, y, _]: [f64; 3]) -> f64 {
+    x.hypot(y)
+}
+
+/// Across the line.
+fn twice_area(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }

@@ -6,11 +6,12 @@
 //! edges and corners included, whatever the scene's scale or the triangle's shape. Nothing here is
 //! shared with the tracers but the alpha masks, whose texels are looked up alike.
 //!
-//! [`judge`](mod@judge) holds a tracer's answer against it.
+//! [`judge`](mod@judge) holds a tracer's answer against it; [`radiance`] is a path tracer of its own over it.
 
 mod exact;
 mod judge;
 mod line;
+pub mod radiance;
 #[cfg(test)]
 mod tests;
 mod tree;

@@ -1,6 +1,6 @@
 //! A hierarchy of boxes for double precision: exact boxes, tested so that no crossing is lost.
 
-use super::line::Line;
+use super::line::{Line, minus};
 
 /// Triangles in a leaf.
 const LEAF: usize = 4;
@@ -50,12 +50,15 @@ impl Box3 {
         x * y + y * z + z * x
     }
 
-    /// Where a line enters it, if it does so before `limit`.
-    fn entry(&self, line: &Line, limit: f64) -> Option<f64> {
+    /// Where a line enters it, if it does so before `limit`. The box is widened by `reach` of its largest
+    /// coordinate as seen from the line's origin.
+    fn entry(&self, line: &Line, limit: f64, reach: f64) -> Option<f64> {
         let (mut near, mut far) = (line.t_min, limit);
+        let seen = [self.min, self.max].map(|corner| minus(corner.map(f64::from), line.origin));
+        let margin = reach * seen.iter().flatten().fold(0.0f64, |most, x| most.max(x.abs()));
         for axis in 0..3 {
             let (origin, direction) = (line.origin[axis], line.direction[axis]);
-            let (min, max) = (f64::from(self.min[axis]), f64::from(self.max[axis]));
+            let (min, max) = (f64::from(self.min[axis]) - margin, f64::from(self.max[axis]) + margin);
             if direction == 0.0 {
                 if origin < min || origin > max {
                     return None;
@@ -105,13 +108,18 @@ impl Tree {
 
     /// Calls `visit` for every triangle whose box the line enters before a limit: at first the line's
     /// `t_max`, then what `visit` returned last. Nearer boxes come first.
-    pub(super) fn walk(&self, line: &Line, mut visit: impl FnMut(u32) -> f64) {
+    pub(super) fn walk(&self, line: &Line, visit: impl FnMut(u32) -> f64) {
+        self.walk_near(line, 0.0, visit);
+    }
+
+    /// As [`Tree::walk`], with boxes widened by `reach` of their largest coordinate as seen from the origin.
+    pub(super) fn walk_near(&self, line: &Line, reach: f64, mut visit: impl FnMut(u32) -> f64) {
         let mut limit = line.t_max;
         let mut stack = [(0, 0.0); STACK];
         let mut waiting = 0;
         if let Some(root) = self.nodes.first()
             && line.is_valid()
-            && let Some(entry) = root.bounds.entry(line, limit)
+            && let Some(entry) = root.bounds.entry(line, limit, reach)
         {
             stack[0] = (0, entry);
             waiting = 1;
@@ -129,7 +137,7 @@ impl Tree {
                 }
                 continue;
             }
-            let child = |index: u32| (index, self.nodes[index as usize].bounds.entry(line, limit));
+            let child = |index: u32| (index, self.nodes[index as usize].bounds.entry(line, limit, reach));
             let mut children = [child(node.first), child(node.first + 1)];
             children.sort_by(|a, b| b.1.unwrap_or(f64::INFINITY).total_cmp(&a.1.unwrap_or(f64::INFINITY)));
             for (index, entry) in children {

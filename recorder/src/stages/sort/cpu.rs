@@ -231,4 +231,11 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn sixteen_million_keys_and_more() {
+        let keys = test_keys::random((1 << 24) + 12_345, 24, 3);
+        let found = sort_u32(&keys.iter().map(|&key| key as u32).collect::<Vec<_>>(), 24);
+        assert!(found == expected(&keys));
+    }
 }

@@ -8,7 +8,7 @@ use scenes::features::Features;
 
 use super::driver::DriverHierarchy;
 use super::mask::Masks;
-use super::triangle::{GAMMA_2, GAMMA_3, GAMMA_5};
+use super::triangle::GAMMA_8;
 use super::{Precision, RECIPROCAL_LIMIT, TraceKernel, TriangleTest};
 use crate::gpu::kernel::constants_wgsl;
 use crate::gpu::run::ItemRange;
@@ -131,11 +131,10 @@ pub fn module(variant: &TraceVariant) -> Module {
         .text(&constants(variant))
         .text(&format!("fn ray_place(index: u32) -> u32 {{ return {ray_place}; }}\nfn result_place(index: u32) -> u32 {{ return {result_place}; }}\n"))
         .text(&masks)
+        .text(include_str!("../vector.wgsl"))
         .text(match variant.precision.triangles {
             TriangleTest::Watertight => include_str!("triangle.wgsl"),
-            TriangleTest::MoellerTrumbore => {
-                concat!(include_str!("../vector.wgsl"), include_str!("moeller_trumbore.wgsl"))
-            }
+            TriangleTest::MoellerTrumbore => include_str!("moeller_trumbore.wgsl"),
         })
         .text(include_str!("query.wgsl"))
         .text(match variant.kernel {
@@ -153,9 +152,7 @@ fn constants(variant: &TraceVariant) -> String {
         ("RECIPROCAL_LIMIT", RECIPROCAL_LIMIT),
         ("RECIPROCAL_THRESHOLD", 1.0 / RECIPROCAL_LIMIT),
         ("F32_MAX", f32::MAX),
-        ("GAMMA_2", GAMMA_2),
-        ("GAMMA_3", GAMMA_3),
-        ("GAMMA_5", GAMMA_5),
+        ("GAMMA_8", GAMMA_8),
     ];
     let floats = floats.map(|(name, value)| format!("const {name} = {};\n", wgsl_f32(value))).concat();
     let integers = constants_wgsl(&[

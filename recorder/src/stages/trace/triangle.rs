@@ -11,19 +11,24 @@
 //! double precision but count the edge in, on both sides. Rays exactly through an edge then hit
 //! both triangles, and the lowest index wins.
 //!
-//! Hits nearer than the error of their own distance are not believed. Without that, a ray that leaves a
-//! small triangle finds a large one that lies in the same plane, at a distance that is nothing but
-//! rounding: in a room in millimetres some percent of all shadow rays did.
+//! The distance is another deviation. The paper weights the corners' depths by the edge functions; those of
+//! a sliver are all rounding, and so would be its distance, anywhere along the sliver. Here it comes
+//! from the triangle's plane, whose normal is the product of the two shorter edges, and is kept between the
+//! depths of the corners, along the ray as well as along z. A triangle without area has no plane and is
+//! never hit.
+//!
+//! A hit is believed if the plane lies ahead of the ray beyond rounding, or, where rounding hides on which
+//! side of the plane the ray starts or whether it comes nearer, if all corners lie ahead. Without that, a ray
+//! that leaves a small triangle finds a large one that lies in the same plane, at a distance that is
+//! nothing but rounding: in a room in millimetres some percent of all shadow rays did.
 
 use formats::ray::Ray;
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
-/// Bounds of the relative error of 2, 3 and 5 roundings in a row, `nε / (1 − nε)` with ε = 2⁻²⁴.
-pub const GAMMA_2: f32 = 1.192_093e-7;
-/// See [`GAMMA_2`].
-pub const GAMMA_3: f32 = 1.788_139_7e-7;
-/// See [`GAMMA_2`].
-pub const GAMMA_5: f32 = 2.980_233_3e-7;
+use crate::stages::vector::{cross3, dot3};
+
+/// Bound of the relative error of 8 roundings in a row, `nε / (1 − nε)` with ε = 2⁻²⁴.
+pub const GAMMA_8: f32 = 4.768_374e-7;
 
 /// A ray's transformation: which axes are sheared, and by how much.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +40,10 @@ pub struct Shear {
     pub shear: [f32; 3],
     /// The ray's origin, axes permuted.
     pub origin: [f32; 3],
+    /// The ray's origin and direction, axes as they are.
+    line: [Vec3; 2],
+    /// From `d_x/d_z·x + d_y/d_z·y + z` to the distance at which the ray passes a point.
+    along: f32,
 }
 
 impl Shear {
@@ -55,7 +64,14 @@ impl Shear {
             (x, y) = (y, x);
         }
         let o = ray.origin;
-        Self { axes: [x, y, z], shear: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]], origin: [o[x], o[y], o[z]] }
+        let shear = [d[x] / d[z], d[y] / d[z], 1.0 / d[z]];
+        Self {
+            axes: [x, y, z],
+            shear,
+            origin: [o[x], o[y], o[z]],
+            line: [Vec3::from(o), Vec3::from(d)],
+            along: shear[2] / (shear[0] * shear[0] + shear[1] * shear[1] + 1.0),
+        }
     }
 }
 
@@ -101,8 +117,10 @@ impl LeafTriangle {
         // Four lanes at a time; what the last one holds and becomes is of no interest.
         let [rx, ry, rz] = ray.axes.map(|axis| Vec4::from_array(self.rows[axis]));
         let z = rz - Vec4::splat(ray.origin[2]);
-        let x = (rx - Vec4::splat(ray.origin[0])) - Vec4::splat(ray.shear[0]) * z;
-        let y = (ry - Vec4::splat(ray.origin[1])) - Vec4::splat(ray.shear[1]) * z;
+        let (moved_x, moved_y) = (rx - Vec4::splat(ray.origin[0]), ry - Vec4::splat(ray.origin[1]));
+        let (shear_x, shear_y) = (Vec4::splat(ray.shear[0]), Vec4::splat(ray.shear[1]));
+        let x = moved_x - shear_x * z;
+        let y = moved_y - shear_y * z;
         // Weight of a corner: the edge function of the two others.
         let edges = x.zxyw() * y.yzxw() - y.zxyw() * x.yzxw();
         let corners = 0b111;
@@ -116,31 +134,47 @@ impl LeafTriangle {
         if sum == 0.0 {
             return None;
         }
+        // Few triangles come this far, so that what follows costs little.
         let depths = (Vec4::splat(ray.shear[2]) * z).truncate();
-        let [az, bz, cz] = depths.to_array();
-        let scaled_t = (a * az + b * bz) + c * cz;
-        let t = scaled_t / sum;
-        // Few triangles come this far, so that the bound costs little.
-        if t <= error_bound(x.truncate(), y.truncate(), depths, edges.truncate(), sum) {
-            return None;
-        }
+        let passed = (Vec4::splat(ray.along) * ((shear_x * moved_x + shear_y * moved_y) + z)).truncate();
+        let t = self.distance(&ray.line, depths, passed)?;
         // Quotients of numbers of the same sign: `abs` only removes the sign of a zero, which
         // depends on the order of an edge's corners.
         Some(Intersection { t, u: (b / sum).abs(), v: (c / sum).abs() })
     }
-}
 
-/// How far off the computed distance may be: nearer than this, nobody knows on which side of the triangle
-/// the ray starts. From the sheared corners, their depths along the ray, the edge functions and their sum
-/// (Pharr, Jakob & Humphreys, Physically Based Rendering, 3rd edition, §3.9.6).
-#[inline(always)]
-fn error_bound(x: Vec3, y: Vec3, depths: Vec3, edges: Vec3, sum: f32) -> f32 {
-    let largest = |v: Vec3| v.abs().max_element();
-    let (x, y, z, edge) = (largest(x), largest(y), largest(depths), largest(edges));
-    let error_z = GAMMA_3 * z;
-    let (error_x, error_y) = (GAMMA_5 * (x + z), GAMMA_5 * (y + z));
-    let error_edge = 2.0 * (GAMMA_2 * x * y + error_y * x + error_x * y);
-    3.0 * (GAMMA_3 * edge * z + error_edge * z + error_z * edge) / sum.abs()
+    /// Distance along a line to the triangle's plane; `None` if that is not to be believed. It lies between
+    /// the distances at which the line reaches the corners' depths, and passes the corners.
+    #[inline(always)]
+    fn distance(&self, [origin, direction]: &[Vec3; 2], depths: Vec3, passed: Vec3) -> Option<f32> {
+        let corner = |at: usize| Vec3::from(self.rows.map(|row| row[at]));
+        let (p, q, r) = (corner(0), corner(1), corner(2));
+        let squared = |v: Vec3| dot3(v, v);
+        // The corner opposite the longest edge, and the two others.
+        let [across_p, across_q, across_r] = [squared(r - q), squared(p - r), squared(q - p)];
+        let (base, next, last) = if across_p >= across_q && across_p >= across_r {
+            (p, q, r)
+        } else if across_q >= across_r {
+            (q, r, p)
+        } else {
+            (r, p, q)
+        };
+        let (a, b, to_base) = (next - base, last - base, base - *origin);
+        let normal = cross3(a, b);
+        let (height, approach) = (dot3(normal, to_base), dot3(normal, *direction));
+        let (a, b) = (a.abs(), b.abs());
+        let sizes = Vec3::new(a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x);
+        let is_certain = height.abs() > GAMMA_8 * dot3(sizes, to_base.abs())
+            && approach.abs() > GAMMA_8 * dot3(sizes, direction.abs());
+        let ahead = depths.min_element();
+        let nearest = ahead.max(passed.min_element());
+        let farthest = depths.max_element().min(passed.max_element());
+        let quotient = height / approach;
+        let is_ahead = if is_certain { quotient > 0.0 } else { ahead > 0.0 && approach != 0.0 };
+        let t = if quotient > nearest { quotient } else { nearest };
+        let t = if t > farthest { farthest } else { t };
+        (is_ahead && t >= 0.0).then_some(t)
+    }
 }
 
 /// Where a line meets a triangle.

@@ -6,6 +6,11 @@ struct TriangleRay {
     is_flipped: bool,
     factors: vec3<f32>,
     origin: vec3<f32>,
+    // Axes as they are.
+    start: vec3<f32>,
+    direction: vec3<f32>,
+    // From factors.x·x + factors.y·y + z to the distance at which the ray passes a point.
+    along: f32,
 }
 
 fn permute(v: vec3<f32>, axis: u32, is_flipped: bool) -> vec3<f32> {
@@ -21,47 +26,80 @@ fn triangle_ray_new(origin: vec3<f32>, d: vec3<f32>) -> TriangleRay {
     } else {
         axis = select(2u, 1u, size.y >= size.z);
     }
-    let along = select(select(d.z, d.y, axis == 1u), d.x, axis == 0u);
-    let is_flipped = along < 0.0;
+    let main_component = select(select(d.z, d.y, axis == 1u), d.x, axis == 0u);
+    let is_flipped = main_component < 0.0;
     let p = permute(d, axis, is_flipped);
-    return TriangleRay(axis, is_flipped, vec3(p.x / p.z, p.y / p.z, 1.0 / p.z), permute(origin, axis, is_flipped));
+    let factors = vec3(p.x / p.z, p.y / p.z, 1.0 / p.z);
+    let along = factors.z / (factors.x * factors.x + factors.y * factors.y + 1.0);
+    return TriangleRay(axis, is_flipped, factors, permute(origin, axis, is_flipped), origin, d, along);
 }
 
-fn sheared(shear: TriangleRay, corner: vec3<f32>) -> vec3<f32> {
-    let p = permute(corner, shear.axis, shear.is_flipped) - shear.origin;
-    return vec3(p.x - shear.factors.x * p.z, p.y - shear.factors.y * p.z, p.z);
+fn moved(shear: TriangleRay, corner: vec3<f32>) -> vec3<f32> {
+    return permute(corner, shear.axis, shear.is_flipped) - shear.origin;
+}
+
+fn sheared(shear: TriangleRay, p: vec3<f32>) -> vec2<f32> {
+    return vec2(p.x - shear.factors.x * p.z, p.y - shear.factors.y * p.z);
+}
+
+// Where the ray passes a point.
+fn passed(shear: TriangleRay, p: vec3<f32>) -> f32 {
+    return shear.along * ((shear.factors.x * p.x + shear.factors.y * p.y) + p.z);
 }
 
 // p.x·q.y − p.y·q.x in an order of the two that does not depend on which triangle asks, so that a
 // device that contracts rounds alike on both sides of an edge.
-fn edge(p: vec3<f32>, q: vec3<f32>) -> f32 {
+fn edge(p: vec2<f32>, q: vec2<f32>) -> f32 {
     let is_swapped = p.x > q.x || (p.x == q.x && p.y > q.y);
-    let a = select(p.xy, q.xy, is_swapped);
-    let b = select(q.xy, p.xy, is_swapped);
+    let a = select(p, q, is_swapped);
+    let b = select(q, p, is_swapped);
     let area = a.x * b.y - a.y * b.x;
     return select(area, -area, is_swapped);
 }
 
-fn largest_of(v: vec3<f32>) -> f32 {
-    return max(max(abs(v.x), abs(v.y)), abs(v.z));
+fn least(v: vec3<f32>) -> f32 {
+    return min(min(v.x, v.y), v.z);
 }
 
-fn error_bound(xs: vec3<f32>, ys: vec3<f32>, depths: vec3<f32>, edges: vec3<f32>, sum: f32) -> f32 {
-    let x = largest_of(xs);
-    let y = largest_of(ys);
-    let z = largest_of(depths);
-    let edge_size = largest_of(edges);
-    let error_z = GAMMA_3 * z;
-    let error_x = GAMMA_5 * (x + z);
-    let error_y = GAMMA_5 * (y + z);
-    let error_edge = 2.0 * (GAMMA_2 * x * y + error_y * x + error_x * y);
-    return 3.0 * (GAMMA_3 * edge_size * z + error_edge * z + error_z * edge_size) / abs(sum);
+fn most(v: vec3<f32>) -> f32 {
+    return max(max(v.x, v.y), v.z);
+}
+
+// Distance to the plane of a triangle; negative if that is not to be believed. It lies between the distances
+// at which the line reaches the corners' depths, and passes the corners.
+fn distance_to(shear: TriangleRay, p: vec3<f32>, q: vec3<f32>, r: vec3<f32>, depths: vec3<f32>, passes: vec3<f32>) -> f32 {
+    let across = vec3(dot3(r - q, r - q), dot3(p - r, p - r), dot3(q - p, q - p));
+    // The corner opposite the longest edge, and the two others.
+    let first = across.x >= across.y && across.x >= across.z;
+    let second = across.y >= across.z;
+    let base = select(select(r, q, second), p, first);
+    let a = select(select(p, r, second), q, first) - base;
+    let b = select(select(q, p, second), r, first) - base;
+    let to_base = base - shear.start;
+    let normal = cross3(a, b);
+    let height = dot3(normal, to_base);
+    let approach = dot3(normal, shear.direction);
+    let sizes = abs(a.yzx * b.zxy) + abs(a.zxy * b.yzx);
+    let is_certain = abs(height) > GAMMA_8 * dot3(sizes, abs(to_base))
+        && abs(approach) > GAMMA_8 * dot3(sizes, abs(shear.direction));
+    let ahead = least(depths);
+    let nearest = max(ahead, least(passes));
+    let farthest = min(most(depths), most(passes));
+    let quotient = height / approach;
+    if !select(ahead > 0.0 && approach != 0.0, quotient > 0.0, is_certain) {
+        return -1.0;
+    }
+    let t = select(nearest, quotient, quotient > nearest);
+    return select(t, farthest, t > farthest);
 }
 
 fn intersect(shear: TriangleRay, corner_a: vec3<f32>, corner_b: vec3<f32>, corner_c: vec3<f32>) -> Intersection {
-    let p = sheared(shear, corner_a);
-    let q = sheared(shear, corner_b);
-    let r = sheared(shear, corner_c);
+    let moved_a = moved(shear, corner_a);
+    let moved_b = moved(shear, corner_b);
+    let moved_c = moved(shear, corner_c);
+    let p = sheared(shear, moved_a);
+    let q = sheared(shear, moved_b);
+    let r = sheared(shear, moved_c);
     let a = edge(r, q);
     let b = edge(p, r);
     let c = edge(q, p);
@@ -71,13 +109,10 @@ fn intersect(shear: TriangleRay, corner_a: vec3<f32>, corner_b: vec3<f32>, corne
     if (is_negative && is_positive) || sum == 0.0 {
         return Intersection(false, 0.0, 0.0, 0.0);
     }
-    let az = shear.factors.z * p.z;
-    let bz = shear.factors.z * q.z;
-    let cz = shear.factors.z * r.z;
-    let scaled_t = (a * az + b * bz) + c * cz;
-    let t = scaled_t / sum;
-    let error = error_bound(vec3(p.x, q.x, r.x), vec3(p.y, q.y, r.y), vec3(az, bz, cz), vec3(a, b, c), sum);
-    if t <= error {
+    let depths = shear.factors.z * vec3(moved_a.z, moved_b.z, moved_c.z);
+    let passes = vec3(passed(shear, moved_a), passed(shear, moved_b), passed(shear, moved_c));
+    let t = distance_to(shear, corner_a, corner_b, corner_c, depths, passes);
+    if !(t >= 0.0) {
         return Intersection(false, 0.0, 0.0, 0.0);
     }
     return Intersection(true, t, abs(b / sum), abs(c / sum));

@@ -1,0 +1,240 @@
+//! One runner for all cases: every kernel of every backend traces a case's rays, and the oracle judges.
+
+use std::sync::OnceLock;
+
+use formats::ray::{Hit, Kind, Ray};
+use rayon::prelude::*;
+use recorder::gpu::{AdapterRequest, Gpu};
+use recorder::oracle::{Oracle, Verdict};
+use recorder::stages::trace::TraceKernel;
+use recorder::stages::trace::cpu::CpuTracer;
+use recorder::stages::trace::gpu::{Order, Tracer};
+use scenes::Scene;
+use scenes::bvh::{BvhKind, build};
+
+/// A scene, rays, and what is promised of them.
+pub(crate) struct Case {
+    pub(crate) name: String,
+    pub(crate) scene: Scene,
+    pub(crate) rays: Vec<Ray>,
+    pub(crate) promise: Promise,
+    /// The GPU traces this many of the rays, and the oracle judges as many.
+    pub(crate) sample: usize,
+}
+
+/// What must be true of every ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Promise {
+    /// It hits something: it starts inside a closed surface.
+    Closed,
+    /// Nothing beyond what the oracle says.
+    AsTheOracleSays,
+}
+
+impl Case {
+    pub(crate) fn closed(name: impl Into<String>, scene: Scene, rays: Vec<Ray>) -> Self {
+        let sample = rays.len();
+        Self { name: name.into(), scene, rays, promise: Promise::Closed, sample }
+    }
+
+    pub(crate) fn open(name: impl Into<String>, scene: Scene, rays: Vec<Ray>) -> Self {
+        Self { promise: Promise::AsTheOracleSays, ..Self::closed(name, scene, rays) }
+    }
+
+    pub(crate) fn sample(self, sample: usize) -> Self {
+        Self { sample, ..self }
+    }
+}
+
+/// What traces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Backend {
+    Cpu,
+    Gpu,
+}
+
+/// The device that all cases share, with ray queries where the adapter has them.
+pub(crate) fn gpu() -> &'static Gpu {
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    GPU.get_or_init(|| {
+        Gpu::open_with_ray_query(&AdapterRequest::Any)
+            .or_else(|_| Gpu::open(&AdapterRequest::Any))
+            .unwrap_or_else(|error| panic!("GPU tests need an adapter; tests/run installs one: {error}"))
+    })
+}
+
+/// Every kernel on every backend that has it.
+pub(crate) fn kernels() -> Vec<(Backend, TraceKernel)> {
+    let own = [TraceKernel::Cwbvh, TraceKernel::Bvh2];
+    let mut all: Vec<_> = own.map(|kernel| (Backend::Cpu, kernel)).to_vec();
+    all.extend(own.map(|kernel| (Backend::Gpu, kernel)));
+    if gpu().adapter().ray_query {
+        all.push((Backend::Gpu, TraceKernel::RayQuery));
+    }
+    all
+}
+
+/// What one kernel answered.
+pub(crate) struct Answers {
+    pub(crate) name: String,
+    pub(crate) hits: Vec<Hit>,
+    pub(crate) distances: Vec<f32>,
+}
+
+fn hierarchy(kernel: TraceKernel) -> Option<BvhKind> {
+    match kernel {
+        TraceKernel::Cwbvh => Some(BvhKind::Cwbvh),
+        TraceKernel::Bvh2 => Some(BvhKind::Bvh2),
+        TraceKernel::RayQuery => None,
+    }
+}
+
+/// Traces rays, as closest and as shadow rays.
+pub(crate) fn trace(backend: Backend, kernel: TraceKernel, scene: &Scene, rays: &[Ray]) -> Answers {
+    let bvh = hierarchy(kernel).map(|kind| build(scene, kind).unwrap());
+    let name = match backend {
+        Backend::Cpu => format!("{} on threads", kernel.name()),
+        Backend::Gpu => format!("{} on the gpu", kernel.name()),
+    };
+    let (hits, distances) = match backend {
+        Backend::Cpu => {
+            let tracer = CpuTracer::new(scene, &bvh.unwrap());
+            let (mut hits, mut distances) = (vec![Hit::MISS; rays.len()], vec![0.0; rays.len()]);
+            tracer.closest(rays, &mut hits);
+            tracer.occlusion(rays, &mut distances);
+            (hits, distances)
+        }
+        Backend::Gpu => {
+            let gpu = gpu();
+            let mut tracer = Tracer::new(gpu, scene, bvh.as_ref(), kernel).unwrap();
+            let [origins, directions]: [Vec<[f32; 4]>; 2] = [
+                rays.iter().map(|ray| [ray.origin[0], ray.origin[1], ray.origin[2], ray.t_min]).collect(),
+                rays.iter()
+                    .map(|ray| [ray.direction[0], ray.direction[1], ray.direction[2], ray.t_max])
+                    .collect(),
+            ];
+            let origins = gpu.array_of("stress::origins", &origins).unwrap();
+            let directions = gpu.array_of("stress::directions", &directions).unwrap();
+            let hits = gpu.array::<[u32; 4]>("stress::hits", rays.len()).unwrap();
+            let distances = gpu.array::<f32>("stress::distances", rays.len()).unwrap();
+            for (kind, results) in [(Kind::Closest, hits.binding()), (Kind::Shadow, distances.binding())] {
+                let order = Order::Canonical;
+                tracer.trace(gpu, kind, order, &origins, &directions, results, rays.len()).unwrap();
+            }
+            let hits = gpu.read_vec(&hits).unwrap();
+            (bytemuck::cast_slice(&hits).to_vec(), gpu.read_vec(&distances).unwrap())
+        }
+    };
+    Answers { name, hits, distances }
+}
+
+/// What came of a kernel's answers.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tally {
+    pub(crate) rays: usize,
+    /// Rays that hit nothing.
+    pub(crate) escaped: usize,
+    pub(crate) tied: usize,
+    pub(crate) missed: usize,
+    pub(crate) wrong: usize,
+    pub(crate) false_hits: usize,
+    /// The same of shadow rays: missed or falsely hit.
+    pub(crate) wrong_shadows: usize,
+    /// Largest error of a distance, in ulps of the coordinate scale.
+    pub(crate) worst_ulps: f64,
+    /// Distances beyond the tolerance.
+    pub(crate) far_off: usize,
+    /// A ray that something is wrong with.
+    pub(crate) example: Option<String>,
+}
+
+impl Tally {
+    fn joined(self, other: Self) -> Self {
+        Self {
+            rays: self.rays + other.rays,
+            escaped: self.escaped + other.escaped,
+            tied: self.tied + other.tied,
+            missed: self.missed + other.missed,
+            wrong: self.wrong + other.wrong,
+            false_hits: self.false_hits + other.false_hits,
+            wrong_shadows: self.wrong_shadows + other.wrong_shadows,
+            worst_ulps: self.worst_ulps.max(other.worst_ulps),
+            far_off: self.far_off + other.far_off,
+            example: self.example.or(other.example),
+        }
+    }
+
+    fn of_ray(oracle: &Oracle, ray: &Ray, hit: &Hit, distance: f32) -> Self {
+        let judgement = oracle.judge(ray, hit);
+        let shadow = oracle.judge_occlusion(ray, distance);
+        let is = |verdict| usize::from(judgement.verdict == verdict);
+        let deviation = judgement.t;
+        let mut tally = Self {
+            rays: 1,
+            escaped: 0,
+            tied: is(Verdict::Tied),
+            missed: is(Verdict::Missed),
+            wrong: is(Verdict::WrongTriangle),
+            false_hits: is(Verdict::FalseHit),
+            wrong_shadows: usize::from(!shadow.verdict.is_right()),
+            worst_ulps: deviation.map_or(0.0, |t| t.ulps),
+            far_off: deviation.map_or(0, |t| usize::from(t.ulps > t.tolerance_ulps)),
+            example: None,
+        };
+        if tally.faults() > 0 {
+            let exact = oracle.closest(ray);
+            tally.example = Some(format!(
+                "{ray:?}: {hit:?} {judgement:?}, exactly {exact:?}; shadow {distance} {shadow:?}"
+            ));
+        }
+        tally
+    }
+
+    /// Everything that must not be.
+    pub(crate) fn faults(&self) -> usize {
+        self.missed + self.wrong + self.false_hits + self.wrong_shadows + self.far_off
+    }
+}
+
+fn escaped(hit: &Hit, distance: f32) -> bool {
+    !hit.is_hit() || distance == f32::INFINITY
+}
+
+/// Runs a case on everything. Own kernels must do no wrong; of ray queries it is counted and shown.
+pub(crate) fn run(case: &Case) {
+    let oracle = Oracle::new(&case.scene);
+    for (backend, kernel) in kernels() {
+        let count = if backend == Backend::Cpu { case.rays.len() } else { case.sample.min(case.rays.len()) };
+        let rays = &case.rays[..count];
+        let answers = trace(backend, kernel, &case.scene, rays);
+        let judged = case.sample.min(count);
+        let judge = |index: usize| {
+            Tally::of_ray(&oracle, &rays[index], &answers.hits[index], answers.distances[index])
+        };
+        let mut tally = (0..judged).into_par_iter().map(judge).reduce(Tally::default, Tally::joined);
+        let escapes = |index: &usize| escaped(&answers.hits[*index], answers.distances[*index]);
+        let escaping: Vec<usize> = (0..count).filter(escapes).collect();
+        tally.escaped = escaping.len();
+        println!(
+            "{:44} {:20} {count:8} rays, {judged:7} judged: {:7} escaped {:7} tied {:5} missed {:5} wrong {:5} false {:5} shadows {:5} far off, {:.1} ulps",
+            case.name,
+            answers.name,
+            tally.escaped,
+            tally.tied,
+            tally.missed,
+            tally.wrong,
+            tally.false_hits,
+            tally.wrong_shadows,
+            tally.far_off,
+            tally.worst_ulps
+        );
+        if kernel == TraceKernel::RayQuery {
+            continue;
+        }
+        if case.promise == Promise::Closed {
+            let first = escaping.first().map(|&index| rays[index]);
+            assert_eq!(tally.escaped, 0, "{}, {}: rays escaped, first {first:?}", case.name, answers.name);
+        }
+        assert_eq!(tally.faults(), 0, "{}, {}: {:?}", case.name, answers.name, tally.example);
+    }
+}
