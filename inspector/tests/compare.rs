@@ -191,22 +191,6 @@ fn the_panel_shows_a_line_for_each_difference_and_the_same_picture_each_time() {
     assert!(picture() == picture(), "the picture differs from one time to the next");
 }
 
-#[test]
-fn a_ray_that_is_chosen_on_one_side_is_the_one_of_its_path_on_the_other() {
-    let folder = tempfile::tempdir().unwrap();
-    let whole = sample::write(folder.path());
-    let other = altered(&whole);
-    let mut context = Context::open(&[whole, other]);
-    order(&mut context, 1, "aila");
-    context.select_ray(Some(OTHER_HIT));
-    let harness = compare(
-        &serde_json::json!({ "before": "aila", "before_recording": 0, "difference": "hit" }),
-        context,
-    );
-    let selection = &harness.state().context.selection;
-    assert_eq!((selection.recording, selection.ray), (1, Some(OTHER_HIT)));
-}
-
 fn layers(context: &mut Context, options: &Options, values: Option<RayValues>) -> Vec<Layer> {
     let mut layers = Layers::default();
     layers.colour_by(values);

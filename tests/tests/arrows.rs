@@ -157,3 +157,57 @@ fn the_loop_names_no_backend() {
         }
     }
 }
+
+/// The code of a file without its comments and its tests.
+fn code(text: &str) -> String {
+    let code = text.split("#[cfg(test)]").next().unwrap();
+    code.lines().map(|line| line.split("//").next().unwrap()).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn panels_do_not_reach_into_each_other() {
+    let sources = files("inspector/src/panels", "rs");
+    let module = |path: &str| {
+        let inside = path.strip_prefix("inspector/src/panels/").unwrap();
+        inside.split(['/', '.']).next().unwrap().to_owned()
+    };
+    let is_panel = |text: &str| code(text).contains("impl Panel for");
+    let panels: BTreeSet<String> =
+        sources.iter().filter(|source| is_panel(&source.text)).map(|source| module(&source.path)).collect();
+    assert!(panels.len() >= 10 && panels.contains("compare"), "panels were not found: {panels:?}");
+    for source in &sources {
+        let own = module(&source.path);
+        if own == "mod" {
+            continue;
+        }
+        for other in panels.iter().filter(|other| **other != own) {
+            for reach in [format!("super::{other}::"), format!("panels::{other}::")] {
+                assert!(!code(&source.text).contains(&reach), "{} reaches into the panel {other}", source.path);
+            }
+        }
+    }
+}
+
+#[test]
+fn colours_stand_in_the_theme_alone() {
+    let mut seen = 0;
+    for source in files("inspector/src", "rs") {
+        let is_window = ["app", "panels", "render", "model"]
+            .iter()
+            .any(|folder| source.path.starts_with(&format!("inspector/src/{folder}/")));
+        if !is_window {
+            continue;
+        }
+        seen += 1;
+        let code = code(&source.text);
+        for (at, _) in code.match_indices("Color32::") {
+            let what = &code[at + "Color32::".len()..];
+            let named = what.starts_with(|first: char| first.is_ascii_uppercase());
+            let digits = what.split_once('(').is_some_and(|(name, values)| {
+                name.starts_with("from_") && values.trim_start().starts_with(|first: char| first.is_ascii_digit())
+            });
+            assert!(!named && !digits, "{} has a colour of its own: Color32::{:.40}", source.path, what);
+        }
+    }
+    assert!(seen > 40, "only {seen} files of the window were read");
+}
