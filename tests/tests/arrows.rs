@@ -182,7 +182,11 @@ fn panels_do_not_reach_into_each_other() {
         }
         for other in panels.iter().filter(|other| **other != own) {
             for reach in [format!("super::{other}::"), format!("panels::{other}::")] {
-                assert!(!code(&source.text).contains(&reach), "{} reaches into the panel {other}", source.path);
+                assert!(
+                    !code(&source.text).contains(&reach),
+                    "{} reaches into the panel {other}",
+                    source.path
+                );
             }
         }
     }
@@ -204,7 +208,8 @@ fn colours_stand_in_the_theme_alone() {
             let what = &code[at + "Color32::".len()..];
             let named = what.starts_with(|first: char| first.is_ascii_uppercase());
             let digits = what.split_once('(').is_some_and(|(name, values)| {
-                name.starts_with("from_") && values.trim_start().starts_with(|first: char| first.is_ascii_digit())
+                name.starts_with("from_")
+                    && values.trim_start().starts_with(|first: char| first.is_ascii_digit())
             });
             assert!(!named && !digits, "{} has a colour of its own: Color32::{:.40}", source.path, what);
         }

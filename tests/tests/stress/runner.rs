@@ -11,6 +11,7 @@ use recorder::stages::trace::cpu::CpuTracer;
 use recorder::stages::trace::gpu::{Order, Tracer};
 use scenes::Scene;
 use scenes::bvh::{BvhKind, build};
+use scenes::features::Features;
 
 /// A scene, rays, and what is promised of them.
 pub(crate) struct Case {
@@ -106,7 +107,8 @@ pub(crate) fn trace(backend: Backend, kernel: TraceKernel, scene: &Scene, rays: 
         }
         Backend::Gpu => {
             let gpu = gpu();
-            let mut tracer = Tracer::new(gpu, scene, bvh.as_ref(), kernel).unwrap();
+            let features = Features::of(scene);
+            let mut tracer = Tracer::new(gpu, scene, bvh.as_ref(), kernel, &features).unwrap();
             let [origins, directions]: [Vec<[f32; 4]>; 2] = [
                 rays.iter().map(|ray| [ray.origin[0], ray.origin[1], ray.origin[2], ray.t_min]).collect(),
                 rays.iter()

@@ -26,7 +26,7 @@ fn results<'a>(material: &Material<'a>) -> Vec<(&'a BenchResult, &'a ErrorRows)>
 }
 
 /// The figure of one curve: the panels that each scene of each result gives.
-fn curve<'a, T>(
+fn curve<'a, T: 'a>(
     material: &Material<'a>,
     [name, title, caption]: [&str; 3],
     rows: impl Fn(&'a ErrorRows) -> &'a [T],
