@@ -14,8 +14,9 @@
 //! The distance is another deviation. The paper weights the corners' depths by the edge functions; those of
 //! a sliver are all rounding, and so would be its distance, anywhere along the sliver. Here it comes
 //! from the triangle's plane, whose normal is the product of the two shorter edges, and is kept between the
-//! depths of the corners, along the ray as well as along z. A triangle without area has no plane and is
-//! never hit.
+//! depths of the corners along the ray, and within the triangle's bounding box: by the arithmetic of the
+//! box tests, so that no hierarchy drops a box for being farther away than what is in it. A triangle
+//! without area has no plane and is never hit.
 //!
 //! A hit is believed if the plane lies ahead of the ray beyond rounding, or, where rounding hides on which
 //! side of the plane the ray starts or whether it comes nearer, if all corners lie ahead. Without that, a ray
@@ -25,6 +26,7 @@
 use formats::ray::Ray;
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
+use super::reciprocal;
 use crate::stages::vector::{cross3, dot3};
 
 /// Bound of the relative error of 8 roundings in a row, `nε / (1 − nε)` with ε = 2⁻²⁴.
@@ -42,6 +44,8 @@ pub struct Shear {
     pub origin: [f32; 3],
     /// The ray's origin and direction, axes as they are.
     line: [Vec3; 2],
+    /// Reciprocals of the direction, axes permuted.
+    inverse: [f32; 3],
     /// From `d_x/d_z·x + d_y/d_z·y + z` to the distance at which the ray passes a point.
     along: f32,
 }
@@ -70,6 +74,7 @@ impl Shear {
             shear,
             origin: [o[x], o[y], o[z]],
             line: [Vec3::from(o), Vec3::from(d)],
+            inverse: [reciprocal(d[x]), reciprocal(d[y]), reciprocal(d[z])],
             along: shear[2] / (shear[0] * shear[0] + shear[1] * shear[1] + 1.0),
         }
     }
@@ -135,18 +140,19 @@ impl LeafTriangle {
             return None;
         }
         // Few triangles come this far, so that what follows costs little.
-        let depths = (Vec4::splat(ray.shear[2]) * z).truncate();
-        let passed = (Vec4::splat(ray.along) * ((shear_x * moved_x + shear_y * moved_y) + z)).truncate();
-        let t = self.distance(&ray.line, depths, passed)?;
+        let along = Vec4::splat(ray.along) * ((shear_x * moved_x + shear_y * moved_y) + z);
+        let [inverse_x, inverse_y, inverse_z] = ray.inverse.map(Vec4::splat);
+        let reached = [inverse_x * moved_x, inverse_y * moved_y, inverse_z * z, along].map(Vec4::truncate);
+        let t = self.distance(&ray.line, reached)?;
         // Quotients of numbers of the same sign: `abs` only removes the sign of a zero, which
         // depends on the order of an edge's corners.
         Some(Intersection { t, u: (b / sum).abs(), v: (c / sum).abs() })
     }
 
-    /// Distance along a line to the triangle's plane; `None` if that is not to be believed. It lies between
-    /// the distances at which the line reaches the corners' depths, and passes the corners.
+    /// Distance along a line to the triangle's plane; `None` if that is not to be believed. `reached` says where
+    /// the line comes to the corners' x, y and z and where it passes them.
     #[inline(always)]
-    fn distance(&self, [origin, direction]: &[Vec3; 2], depths: Vec3, passed: Vec3) -> Option<f32> {
+    fn distance(&self, [origin, direction]: &[Vec3; 2], reached: [Vec3; 4]) -> Option<f32> {
         let corner = |at: usize| Vec3::from(self.rows.map(|row| row[at]));
         let (p, q, r) = (corner(0), corner(1), corner(2));
         let squared = |v: Vec3| dot3(v, v);
@@ -166,13 +172,14 @@ impl LeafTriangle {
         let sizes = Vec3::new(a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x);
         let is_certain = height.abs() > GAMMA_8 * dot3(sizes, to_base.abs())
             && approach.abs() > GAMMA_8 * dot3(sizes, direction.abs());
-        let ahead = depths.min_element();
-        let nearest = ahead.max(passed.min_element());
-        let farthest = depths.max_element().min(passed.max_element());
+        let [x, y, z, along] = reached;
+        let ahead = z.min_element();
+        let nearest = x.min_element().max(y.min_element()).max(ahead).max(along.min_element());
+        let farthest = x.max_element().min(y.max_element()).min(z.max_element()).min(along.max_element());
         let quotient = height / approach;
         let is_ahead = if is_certain { quotient > 0.0 } else { ahead > 0.0 && approach != 0.0 };
-        let t = if quotient > nearest { quotient } else { nearest };
-        let t = if t > farthest { farthest } else { t };
+        let t = if quotient < farthest { quotient } else { farthest };
+        let t = if t > nearest { t } else { nearest };
         (is_ahead && t >= 0.0).then_some(t)
     }
 }

@@ -9,6 +9,8 @@ struct TriangleRay {
     // Axes as they are.
     start: vec3<f32>,
     direction: vec3<f32>,
+    // Reciprocals of the direction, axes permuted.
+    inverse: vec3<f32>,
     // From factors.x·x + factors.y·y + z to the distance at which the ray passes a point.
     along: f32,
 }
@@ -30,8 +32,9 @@ fn triangle_ray_new(origin: vec3<f32>, d: vec3<f32>) -> TriangleRay {
     let is_flipped = main_component < 0.0;
     let p = permute(d, axis, is_flipped);
     let factors = vec3(p.x / p.z, p.y / p.z, 1.0 / p.z);
+    let inverse = permute(vec3(reciprocal(d.x), reciprocal(d.y), reciprocal(d.z)), axis, is_flipped);
     let along = factors.z / (factors.x * factors.x + factors.y * factors.y + 1.0);
-    return TriangleRay(axis, is_flipped, factors, permute(origin, axis, is_flipped), origin, d, along);
+    return TriangleRay(axis, is_flipped, factors, permute(origin, axis, is_flipped), origin, d, inverse, along);
 }
 
 fn moved(shear: TriangleRay, corner: vec3<f32>) -> vec3<f32> {
@@ -65,9 +68,9 @@ fn most(v: vec3<f32>) -> f32 {
     return max(max(v.x, v.y), v.z);
 }
 
-// Distance to the plane of a triangle; negative if that is not to be believed. It lies between the distances
-// at which the line reaches the corners' depths, and passes the corners.
-fn distance_to(shear: TriangleRay, p: vec3<f32>, q: vec3<f32>, r: vec3<f32>, depths: vec3<f32>, passes: vec3<f32>) -> f32 {
+// Distance to the plane of a triangle; negative if that is not to be believed. `x`, `y`, `z` and `along` say
+// where the line comes to the corners' x, y and z and where it passes them.
+fn distance_to(shear: TriangleRay, p: vec3<f32>, q: vec3<f32>, r: vec3<f32>, x: vec3<f32>, y: vec3<f32>, z: vec3<f32>, along: vec3<f32>) -> f32 {
     let across = vec3(dot3(r - q, r - q), dot3(p - r, p - r), dot3(q - p, q - p));
     // The corner opposite the longest edge, and the two others.
     let first = across.x >= across.y && across.x >= across.z;
@@ -82,15 +85,15 @@ fn distance_to(shear: TriangleRay, p: vec3<f32>, q: vec3<f32>, r: vec3<f32>, dep
     let sizes = abs(a.yzx * b.zxy) + abs(a.zxy * b.yzx);
     let is_certain = abs(height) > GAMMA_8 * dot3(sizes, abs(to_base))
         && abs(approach) > GAMMA_8 * dot3(sizes, abs(shear.direction));
-    let ahead = least(depths);
-    let nearest = max(ahead, least(passes));
-    let farthest = min(most(depths), most(passes));
+    let ahead = least(z);
+    let nearest = max(max(max(least(x), least(y)), ahead), least(along));
+    let farthest = min(min(min(most(x), most(y)), most(z)), most(along));
     let quotient = height / approach;
     if !select(ahead > 0.0 && approach != 0.0, quotient > 0.0, is_certain) {
         return -1.0;
     }
-    let t = select(nearest, quotient, quotient > nearest);
-    return select(t, farthest, t > farthest);
+    let t = select(farthest, quotient, quotient < farthest);
+    return select(nearest, t, t > nearest);
 }
 
 fn intersect(shear: TriangleRay, corner_a: vec3<f32>, corner_b: vec3<f32>, corner_c: vec3<f32>) -> Intersection {
@@ -109,9 +112,11 @@ fn intersect(shear: TriangleRay, corner_a: vec3<f32>, corner_b: vec3<f32>, corne
     if (is_negative && is_positive) || sum == 0.0 {
         return Intersection(false, 0.0, 0.0, 0.0);
     }
-    let depths = shear.factors.z * vec3(moved_a.z, moved_b.z, moved_c.z);
-    let passes = vec3(passed(shear, moved_a), passed(shear, moved_b), passed(shear, moved_c));
-    let t = distance_to(shear, corner_a, corner_b, corner_c, depths, passes);
+    let x = shear.inverse.x * vec3(moved_a.x, moved_b.x, moved_c.x);
+    let y = shear.inverse.y * vec3(moved_a.y, moved_b.y, moved_c.y);
+    let z = shear.inverse.z * vec3(moved_a.z, moved_b.z, moved_c.z);
+    let along = vec3(passed(shear, moved_a), passed(shear, moved_b), passed(shear, moved_c));
+    let t = distance_to(shear, corner_a, corner_b, corner_c, x, y, z, along);
     if !(t >= 0.0) {
         return Intersection(false, 0.0, 0.0, 0.0);
     }
