@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::LazyLock;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use formats::ray::Kind;
@@ -11,7 +12,7 @@ use crate::analysis::{Depth, GroupWidth, Options};
 use crate::figures::style::Width;
 use crate::session::Session;
 use crate::shot_arguments::ShotArguments;
-use crate::{app, export, info, plot, recover, verify};
+use crate::{app, export, info, plot, recover, shot, verify};
 
 /// The command failed, and said why on standard error.
 const FAILED: u8 = 1;
@@ -306,6 +307,7 @@ impl InfoTarget {
 
 /// Runs the command that `arguments` (the program's name first) ask for.
 pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> ExitCode {
+    LazyLock::force(&shot::STARTED);
     let command_line = match CommandLine::try_parse_from(arguments) {
         Ok(command_line) => command_line,
         Err(error) => {

@@ -1,6 +1,7 @@
 //! `inspector shot`: a picture of the window or of one view, without a screen. The same code draws it.
 
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
@@ -17,6 +18,7 @@ use crate::model::value::ColourBy;
 use crate::model::what_if::{Settings, WHAT_IF};
 use crate::output::{print, print_json};
 use crate::panels::settings::set;
+use crate::panels::space::SpaceView;
 use crate::panels::space::options::{CapsuleChoice, MeshMode, Options, StandPoint};
 use crate::panels::{PANELS, Panel};
 use crate::png_file;
@@ -94,12 +96,16 @@ pub(crate) struct SceneChoice {
 #[derive(Serialize)]
 struct Report {
     file: PathBuf,
-    frames: usize,
-    /// Of the CPU alone: layout and what is handed to the GPU.
-    median_frame_ms: f64,
-    worst_frame_ms: f64,
+    /// From the start of the program until all that is drawn was read and made, on the CPU.
+    ready_ms: f64,
     /// Drawing the picture on the GPU and reading it back; uploads included.
     picture_ms: f64,
+    /// The longest frame until then, of the CPU alone.
+    worst_frame_until_ready_ms: f64,
+    frames: usize,
+    /// While the slider goes along the order, of the CPU alone: layout and what is handed to the GPU.
+    median_frame_ms: f64,
+    worst_frame_ms: f64,
     /// Lines in space in the last frame, and how many there are.
     rays_shown: Option<(usize, usize)>,
     /// What views in space drew and uploaded for the picture.
@@ -136,6 +142,14 @@ impl Drawn {
         }
     }
 
+    /// The view into space that it has; a window's is that of its scene.
+    fn space(&mut self) -> Option<&mut SpaceView> {
+        match self {
+            Self::Window(app) => app.panel("scene")?.space(),
+            Self::Panel(panel, _) => panel.space(),
+        }
+    }
+
     /// Changes settings, and puts the camera where it was asked for.
     fn set(&mut self, shot: &Shot) -> anyhow::Result<()> {
         for setting in &shot.settings {
@@ -150,11 +164,7 @@ impl Drawn {
             set(panel.as_mut(), name, value).map_err(anyhow::Error::msg)?;
         }
         if let Some(camera) = shot.scene.camera {
-            let panel = match self {
-                Self::Panel(panel, _) => Some(panel),
-                Self::Window(app) => app.panel("scene"),
-            };
-            if let Some(space) = panel.and_then(|panel| panel.space()) {
+            if let Some(space) = self.space() {
                 space.place(camera);
             }
         }
@@ -190,13 +200,9 @@ fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<Report> {
         .allow_missing_glyphs()
         .renderer(egui_kittest::wgpu::WgpuTestRenderer::from_render_state(state.clone()))
         .build_ui_state(show_all_over, drawn);
-    settle(&mut harness);
-    let mut times = Vec::new();
-    for _ in 0..shot.frames.max(1) {
-        let start = Instant::now();
-        harness.step();
-        times.push(milliseconds(start));
-    }
+    let worst_frame_until_ready_ms = settle(&mut harness);
+    let ready_ms = milliseconds(*STARTED);
+    let mut times = scrub(&mut harness, shot.frames.max(1));
     let start = Instant::now();
     let (size, rgba) = patiently(&mut harness, &state)?;
     let picture_ms = milliseconds(start);
@@ -204,14 +210,13 @@ fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<Report> {
     times.sort_by(f64::total_cmp);
     Ok(Report {
         file: out.to_owned(),
+        ready_ms,
+        worst_frame_until_ready_ms,
         frames: times.len(),
         median_frame_ms: times[times.len() / 2],
         worst_frame_ms: times.last().copied().unwrap_or(0.0),
         picture_ms,
-        rays_shown: match harness.state_mut() {
-            Drawn::Panel(panel, _) => panel.space().and_then(|space| space.counts()),
-            Drawn::Window(_) => None,
-        },
+        rays_shown: harness.state_mut().space().and_then(|space| space.counts()),
         draws: DrawCounts::of(&state.renderer.read().callback_resources),
         memory: memory(),
     })
@@ -234,13 +239,38 @@ fn patiently(harness: &mut Harness<'_, Drawn>, state: &RenderState) -> anyhow::R
     Ok(([image.width(), image.height()], image.into_raw()))
 }
 
-/// Draws until nothing is being read or made for what is drawn.
-fn settle(harness: &mut Harness<'_, Drawn>) {
-    let mut still = 0;
-    while still < SETTLING_FRAMES {
+/// When the program was started.
+pub(crate) static STARTED: LazyLock<Instant> = LazyLock::new(Instant::now);
+
+/// The times of frames in which the slider of the scene goes along the order, and stands in the end where it
+/// stood.
+fn scrub(harness: &mut Harness<'_, Drawn>, frames: usize) -> Vec<f64> {
+    let until = harness.state_mut().space().map(|space| space.options.until);
+    let time = |frame: usize| {
+        if let Some(space) = harness.state_mut().space()
+            && frame + 1 < frames
+        {
+            space.options.until = (frame + 1) as f32 / frames as f32;
+        } else if let Some((space, until)) = harness.state_mut().space().zip(until) {
+            space.options.until = until;
+        }
+        let start = Instant::now();
         harness.step();
+        milliseconds(start)
+    };
+    (0..frames).map(time).collect()
+}
+
+/// Draws until nothing is being read or made for what is drawn; the longest frame, milliseconds.
+fn settle(harness: &mut Harness<'_, Drawn>) -> f64 {
+    let (mut still, mut worst) = (0, 0.0f64);
+    while still < SETTLING_FRAMES {
+        let start = Instant::now();
+        harness.step();
+        worst = worst.max(milliseconds(start));
         still = if harness.state_mut().context().finish() { 0 } else { still + 1 };
     }
+    worst
 }
 
 /// Draws over all of the picture, as in a window: the harness leaves a margin.

@@ -100,7 +100,7 @@ pub(crate) struct ShotArguments {
     /// Dark on light.
     #[arg(long)]
     light: bool,
-    /// Frames whose times are taken.
+    /// Frames whose times are taken, while the slider goes along the order.
     #[arg(long, default_value_t = 1)]
     frames: usize,
     /// Print one JSON object with times and memory.
