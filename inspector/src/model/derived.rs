@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use formats::manifest::QueueId;
+use formats::manifest::{Place, QueueArray, QueueId};
+use formats::reader::Mapped;
 use rayon::prelude::*;
 
 use super::absent::Absent;
@@ -17,6 +18,9 @@ use super::rows::{Rows, Sorting};
 use super::what_if::Settings;
 use crate::analysis::GroupWidth;
 
+/// A ray in each of some queues.
+type Rays = Arc<[(QueueId, usize)]>;
+
 /// Serial number of an order, and rays of a group.
 type Grouped = (u64, GroupWidth);
 
@@ -29,10 +33,11 @@ pub struct Derived {
     pub(super) waker: Waker,
     passing: Background<(Grouped, Arc<Expression>), Result<Arc<Passing>, FilterError>>,
     rows: Background<WantedRows, Arc<Rows>>,
-    what_if: Background<(usize, QueueId, Settings), Result<Arc<Order>, String>>,
+    what_if: Background<(u64, QueueId, Settings), Result<Arc<Order>, String>>,
     what_if_coherence: Background<Grouped, OrderCoherence>,
-    estimates: Background<(usize, QueueId), Result<Arc<Estimates>, String>>,
-    rays_of_cell: Background<(usize, QueueId, u32), Arc<Vec<u32>>>,
+    estimates: Background<(u64, QueueId), Result<Arc<Estimates>, String>>,
+    paths: Background<(u64, u32, u32), Rays>,
+    rays_of_cell: Background<(u64, QueueId, u32), Arc<Vec<u32>>>,
 }
 
 /// Which rays of the order pass the filter.
@@ -139,8 +144,8 @@ impl Context {
     pub fn what_if_order(&mut self) -> Result<Option<Arc<Order>>, String> {
         let settings = self.what_if.clone().ok_or("no what-if order was asked for; its panel makes one")?;
         let Some(queue) = Absent::awaited(self.queue())? else { return Ok(None) };
-        let at = self.selection.recording;
-        let dump = self.recordings.get(at).ok_or("no recording is open")?.dump.clone();
+        let recording = self.recording().ok_or("no recording is open")?;
+        let (at, dump) = (recording.opening, recording.dump.clone());
         let Derived { waker, what_if, .. } = &mut self.derived;
         let wanted = (at, queue.id, settings.clone());
         let make = move || settings.order(&dump.manifest().header, queue).map(Arc::new);
@@ -165,7 +170,7 @@ impl Context {
     /// Why they cannot be.
     pub fn estimates(&mut self) -> Result<Option<Arc<Estimates>>, String> {
         let Some(queue) = Absent::awaited(self.queue())? else { return Ok(None) };
-        let at = self.selection.recording;
+        let at = self.recording().ok_or("no recording is open")?.opening;
         let Derived { waker, estimates, .. } = &mut self.derived;
         let found = estimates.of((at, queue.id), waker, move || Estimates::of(&queue).map(Arc::new));
         found.cloned().transpose()
@@ -173,8 +178,9 @@ impl Context {
 
     /// The rays of the queue whose estimate comes from a cell, ascending; `None` until they are known.
     pub fn rays_of_cell(&mut self, cell: u32) -> Option<Arc<Vec<u32>>> {
-        let (at, queue) = (self.selection.recording, self.queue().ok()?);
-        let header = &self.recording()?.dump.manifest().header;
+        let queue = self.queue().ok()?;
+        let recording = self.recording()?;
+        let (at, header) = (recording.opening, &recording.dump.manifest().header);
         let encoder = formats::stored_table::cell_encoder(header)?;
         let Derived { waker, rays_of_cell, .. } = &mut self.derived;
         let make = move || {
@@ -183,5 +189,23 @@ impl Context {
             Arc::new(found.map(|(ray, _)| ray as u32).collect::<Vec<u32>>())
         };
         rays_of_cell.of((at, self.selection.queue, cell), waker, make).cloned()
+    }
+
+    /// The queues of the selected pass in which a path lives, and its ray in each; `None` until they are known.
+    pub fn path(&mut self, path: u32) -> Option<Rays> {
+        let recording = self.recording()?;
+        let (dump, pass) = (recording.dump.clone(), self.selection.queue.pass);
+        let wanted = (recording.opening, pass, path);
+        let queues = recording.queues().iter().map(|record| record.id);
+        let queues: Vec<QueueId> = queues.filter(|queue| queue.pass == pass).collect();
+        let make = move || {
+            let ray = |queue: QueueId| {
+                // A queue whose paths were not kept says nothing of any.
+                let paths: Mapped<u32> = dump.array(&Place::Queue(queue, QueueArray::PathIds)).ok()?;
+                Some((queue, paths.binary_search(&path).ok()?))
+            };
+            queues.into_iter().filter_map(ray).collect()
+        };
+        self.derived.paths.of(wanted, &self.derived.waker, make).cloned()
     }
 }

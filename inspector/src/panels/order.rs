@@ -79,9 +79,9 @@ impl Panel for OrderPanel {
         let lines = 3.0 * ui.text_style_height(&egui::TextStyle::Small) + 8.0;
         let shown = ui
             .allocate_ui(ui.available_size() - egui::vec2(0.0, lines), |ui| {
-                self.picture.show(ui, ("order", key), size, || {
-                    pixels((&order, &filtered), size, self.colouring, theme)
-                })
+                let (of, colouring) = (order.clone(), self.colouring);
+                let make = move || pixels((&of, &filtered), size, colouring, theme);
+                self.picture.show(ui, context.waker(), ("order", key), size, make)
             })
             .inner;
         let pixel = |[column, row]: [u32; 2]| row * size[0] as u32 + column;

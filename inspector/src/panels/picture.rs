@@ -1,15 +1,20 @@
-//! A picture of numbers: made once for each thing that it shows, drawn as large as fits.
+//! A picture of numbers: made once for each thing that it shows, by another thread, drawn as large as fits.
+
+use std::sync::Arc;
 
 use egui::{Color32, ColorImage, Pos2, Rect, Sense, TextureHandle, TextureOptions, vec2};
 
+use crate::model::background::{Background, Waker};
+
 /// A picture that stays the same as long as its key does.
 pub(super) struct Picture<Key> {
+    making: Background<Key, Arc<ColorImage>, 1>,
     made: Option<(Key, TextureHandle)>,
 }
 
 impl<Key> Default for Picture<Key> {
     fn default() -> Self {
-        Self { made: None }
+        Self { making: Background::default(), made: None }
     }
 }
 
@@ -37,20 +42,23 @@ impl Shown {
     }
 }
 
-impl<Key: PartialEq> Picture<Key> {
+impl<Key: PartialEq + Clone> Picture<Key> {
     /// Draws the picture of `key`, which `pixels` makes if it was another one before.
     pub(super) fn show(
         &mut self,
         ui: &mut egui::Ui,
+        waker: &Waker,
         (name, key): (&str, Key),
         size: [usize; 2],
-        pixels: impl FnOnce() -> Vec<Color32>,
+        pixels: impl FnOnce() -> Vec<Color32> + Send + 'static,
     ) -> Shown {
         if self.made.as_ref().is_none_or(|(known, _)| *known != key) {
-            let options =
-                TextureOptions { minification: egui::TextureFilter::Linear, ..TextureOptions::NEAREST };
-            let texture = ui.ctx().load_texture(name, ColorImage::new(size, pixels()), options);
-            self.made = Some((key, texture));
+            let make = move || Arc::new(ColorImage::new(size, pixels()));
+            self.made = self.making.of(key.clone(), waker, make).map(|image| {
+                let options =
+                    TextureOptions { minification: egui::TextureFilter::Linear, ..TextureOptions::NEAREST };
+                (key, ui.ctx().load_texture(name, image.clone(), options))
+            });
         }
         let available = ui.available_size().max(vec2(32.0, 32.0));
         let (width, height) = (size[0].max(1) as f32, size[1].max(1) as f32);
@@ -59,6 +67,8 @@ impl<Key: PartialEq> Picture<Key> {
         if let Some((_, texture)) = &self.made {
             let all = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
             ui.painter().image(texture.id(), rect, all, crate::theme::UNTINTED);
+        } else {
+            ui.put(rect, egui::Spinner::new());
         }
         let pixel = response.hover_pos().or(response.interact_pointer_pos()).map(|at| {
             let part = (at - rect.min) / rect.size();

@@ -1,8 +1,6 @@
 //! One ray: where it runs, its key field by field, its group, and its path through the bounces.
 
 use egui::RichText;
-use formats::manifest::{Place, QueueArray, QueueId};
-use formats::reader::Mapped;
 use formats::traced::Results;
 
 use super::missing;
@@ -202,20 +200,11 @@ fn group(ui: &mut egui::Ui, context: &Context, order: &Order, ray: usize) {
 fn path(ui: &mut egui::Ui, context: &mut Context, order: &Order, ray: usize) {
     let pixel = order.queue.path_ids[ray];
     ui.label(format!("Path {pixel} lives in"));
-    let Some(recording) = context.recording() else { return };
     let now = context.selection.queue;
-    let of_pass = |queue: &QueueId| queue.pass == now.pass;
-    let queues = recording.queues().iter().map(|record| record.id).filter(of_pass);
-    let mut found: Vec<(QueueId, usize)> = Vec::new();
-    for queue in queues {
-        let paths: Result<Mapped<u32>, _> = recording.dump.array(&Place::Queue(queue, QueueArray::PathIds));
-        if let Some(ray) = paths.ok().and_then(|paths| paths.binary_search(&pixel).ok()) {
-            found.push((queue, ray));
-        }
-    }
+    let Some(found) = context.path(pixel) else { return };
     let mut next = None;
     ui.horizontal_wrapped(|ui| {
-        for (queue, ray) in found {
+        for &(queue, ray) in found.iter() {
             let text = format!("{} {}", queue.kind, queue.bounce);
             if ui.selectable_label(queue == now, text).clicked() {
                 next = Some((queue, ray));

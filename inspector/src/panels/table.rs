@@ -1,5 +1,7 @@
 //! The length table as a picture: cells whose addresses are near lie near each other.
 
+use std::sync::Arc;
+
 use egui::Color32;
 use formats::length_table::{LengthCell, mean_length};
 use formats::manifest::QueueId;
@@ -65,7 +67,7 @@ pub(super) struct TablePanel {
     estimates: EstimatePlot,
     /// The cell whose first ray is to be selected as soon as it is known.
     chosen: Option<u32>,
-    picture: Picture<(usize, QueueId, Colouring, bool, Blocks)>,
+    picture: Picture<(u64, QueueId, Colouring, bool, Blocks)>,
 }
 
 impl Panel for TablePanel {
@@ -129,18 +131,22 @@ impl TablePanel {
         &mut self,
         ui: &mut egui::Ui,
         context: &mut Context,
-        queue: &Queue,
+        queue: &Arc<Queue>,
         (bits, colouring): (u32, Colouring),
     ) {
         let Ok(cells) = &queue.cells else { return };
         let lines = ui.text_style_height(&egui::TextStyle::Small) + 2.0 * ui.spacing().interact_size.y + 16.0;
         let room = ui.available_size() - egui::vec2(0.0, lines);
         let blocks = Blocks::fitting(bits, room.min_elem() * ui.ctx().pixels_per_point());
-        let (selection, theme) = (&context.selection, Theme::of(ui.ctx()));
-        let key = (selection.recording, selection.queue, colouring, ui.visuals().dark_mode, blocks);
-        let make = || pixels(cells, blocks, colouring, theme);
-        let shown =
-            ui.allocate_ui(room, |ui| self.picture.show(ui, ("table", key), blocks.size(), make)).inner;
+        let Some(opening) = context.recording().map(|recording| recording.opening) else { return };
+        let theme = Theme::of(ui.ctx());
+        let key = (opening, queue.id, colouring, ui.visuals().dark_mode, blocks);
+        let of = queue.clone();
+        let make =
+            move || of.cells.as_ref().map_or(Vec::new(), |cells| pixels(cells, blocks, colouring, theme));
+        let picture =
+            |ui: &mut egui::Ui| self.picture.show(ui, context.waker(), ("table", key), blocks.size(), make);
+        let shown = ui.allocate_ui(room, picture).inner;
         let under_pointer = shown.pixel.map(|pixel| blocks.first_touched(cells, pixel));
         if shown.response.clicked() {
             context.selection.cell = under_pointer;
