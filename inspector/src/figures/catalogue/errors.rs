@@ -26,11 +26,11 @@ fn results<'a>(material: &Material<'a>) -> Vec<(&'a BenchResult, &'a ErrorRows)>
 }
 
 /// The figure of one curve: the panels that each scene of each result gives.
-fn curve<'a, T>(
+fn curve<'a, T: 'a>(
     material: &Material<'a>,
     [name, title, caption]: [&str; 3],
     rows: impl Fn(&'a ErrorRows) -> &'a [T],
-    scene: impl Fn(&T) -> &str,
+    scene: impl Fn(&'a T) -> &'a str,
     panels: impl Fn(&[&'a T], &str) -> Vec<Panel>,
 ) -> Result<Figure, Skipped> {
     let results = results(material);
