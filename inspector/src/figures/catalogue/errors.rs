@@ -30,7 +30,7 @@ fn curve<'a, T: 'a>(
     material: &Material<'a>,
     [name, title, caption]: [&str; 3],
     rows: impl Fn(&'a ErrorRows) -> &'a [T],
-    scene: impl Fn(&T) -> &str,
+    scene: impl Fn(&'a T) -> &'a str,
     panels: impl Fn(&[&'a T], &str) -> Vec<Panel>,
 ) -> Result<Figure, Skipped> {
     let results = results(material);
