@@ -8,7 +8,8 @@
 //!
 //! Distances are compared with a tolerance per ray and triangle: moving the corners of the triangle by the
 //! same reach moves the point that is hit by up to three times the reach over the triangle's height, in
-//! parts of the triangle's extent in depth, but never beyond that extent.
+//! parts of the triangle's extent in depth, but never beyond that extent. A triangle that is thinner than
+//! the reach has no plane in single precision: anywhere along its longest edge will do.
 
 use formats::ray::{Hit, Ray};
 
@@ -246,8 +247,13 @@ impl Oracle {
 pub(super) fn tolerance(line: &Line, corners: &[[f32; 3]; 3]) -> f64 {
     let projected = Projected::new(line, corners);
     let reach = projected.reach();
-    let relative = 3.0 * reach / projected.height();
-    (reach + relative.min(1.0) * projected.depth()) / line.speed()
+    let height = projected.height();
+    let uncertain = if height <= reach {
+        projected.edges().iter().map(|(_, edge)| dot(*edge, *edge).sqrt()).fold(0.0, f64::max)
+    } else {
+        (3.0 * reach / height).min(1.0) * projected.depth()
+    };
+    (reach + uncertain) / line.speed()
 }
 
 /// A triangle as a line sees it that comes from the origin along z.

@@ -202,11 +202,11 @@ fn escaped(hit: &Hit, distance: f32) -> bool {
     !hit.is_hit() || distance == f32::INFINITY
 }
 
-/// Runs a case on everything. Own kernels must do no wrong, and find the same on threads whatever the
-/// hierarchy; of ray queries it is counted and shown.
+/// Runs a case on everything. Own kernels must do no wrong, and find the same whatever the hierarchy and
+/// the backend; of ray queries it is counted and shown.
 pub(crate) fn run(case: &Case) {
     let oracle = Oracle::new(&case.scene);
-    let mut on_threads: Option<Vec<Hit>> = None;
+    let mut expected: Option<Vec<Hit>> = None;
     for (backend, kernel) in kernels() {
         let count = if backend == Backend::Cpu { case.rays.len() } else { case.sample.min(case.rays.len()) };
         let rays = &case.rays[..count];
@@ -240,11 +240,9 @@ pub(crate) fn run(case: &Case) {
             assert_eq!(tally.escaped, 0, "{}, {}: rays escaped, first {first:?}", case.name, answers.name);
         }
         assert_eq!(tally.faults(), 0, "{}, {}: {:?}", case.name, answers.name, tally.example);
-        if backend == Backend::Cpu {
-            let expected = on_threads.get_or_insert_with(|| answers.hits.clone());
-            let other = (0..count).find(|&index| answers.hits[index] != expected[index]);
-            let other = other.map(|index| (rays[index], answers.hits[index], expected[index]));
-            assert!(other.is_none(), "{}, {} finds something else: {other:?}", case.name, answers.name);
-        }
+        let expected = expected.get_or_insert_with(|| answers.hits.clone());
+        let other = (0..count).find(|&index| answers.hits[index] != expected[index]);
+        let other = other.map(|index| (rays[index], answers.hits[index], expected[index]));
+        assert!(other.is_none(), "{}, {} finds something else: {other:?}", case.name, answers.name);
     }
 }

@@ -13,10 +13,10 @@
 //!
 //! The distance is another deviation. The paper weights the corners' depths by the edge functions; those of
 //! a sliver are all rounding, and so would be its distance, anywhere along the sliver. Here it comes
-//! from the triangle's plane, whose normal is the product of the two shorter edges, and is kept between the
-//! depths of the corners along the ray, and within the triangle's bounding box: by the arithmetic of the
-//! box tests, so that no hierarchy drops a box for being farther away than what is in it. A triangle
-//! without area has no plane and is never hit.
+//! from the triangle's plane, whose normal is the product of the two shorter edges. It is kept between the
+//! corners' depths, and behind the place where the ray enters the triangle's bounding box: by the arithmetic
+//! of the box tests, so that no hierarchy drops a box for being farther away than what is in it. A
+//! triangle without area has no plane and is never hit.
 //!
 //! A hit is believed if the plane lies ahead of the ray beyond rounding, or, where rounding hides on which
 //! side of the plane the ray starts or whether it comes nearer, if all corners lie ahead. Without that, a ray
@@ -46,8 +46,6 @@ pub struct Shear {
     line: [Vec3; 2],
     /// Reciprocals of the direction, axes permuted.
     inverse: [f32; 3],
-    /// From `d_x/d_z·x + d_y/d_z·y + z` to the distance at which the ray passes a point.
-    along: f32,
 }
 
 impl Shear {
@@ -75,7 +73,6 @@ impl Shear {
             origin: [o[x], o[y], o[z]],
             line: [Vec3::from(o), Vec3::from(d)],
             inverse: [reciprocal(d[x]), reciprocal(d[y]), reciprocal(d[z])],
-            along: shear[2] / (shear[0] * shear[0] + shear[1] * shear[1] + 1.0),
         }
     }
 }
@@ -140,9 +137,8 @@ impl LeafTriangle {
             return None;
         }
         // Few triangles come this far, so that what follows costs little.
-        let along = Vec4::splat(ray.along) * ((shear_x * moved_x + shear_y * moved_y) + z);
         let [inverse_x, inverse_y, inverse_z] = ray.inverse.map(Vec4::splat);
-        let reached = [inverse_x * moved_x, inverse_y * moved_y, inverse_z * z, along].map(Vec4::truncate);
+        let reached = [inverse_x * moved_x, inverse_y * moved_y, inverse_z * z].map(Vec4::truncate);
         let t = self.distance(&ray.line, reached)?;
         // Quotients of numbers of the same sign: `abs` only removes the sign of a zero, which
         // depends on the order of an edge's corners.
@@ -150,9 +146,9 @@ impl LeafTriangle {
     }
 
     /// Distance along a line to the triangle's plane; `None` if that is not to be believed. `reached` says where
-    /// the line comes to the corners' x, y and z and where it passes them.
+    /// the line comes to the corners' x, y and z.
     #[inline(always)]
-    fn distance(&self, [origin, direction]: &[Vec3; 2], reached: [Vec3; 4]) -> Option<f32> {
+    fn distance(&self, [origin, direction]: &[Vec3; 2], reached: [Vec3; 3]) -> Option<f32> {
         let corner = |at: usize| Vec3::from(self.rows.map(|row| row[at]));
         let (p, q, r) = (corner(0), corner(1), corner(2));
         let squared = |v: Vec3| dot3(v, v);
@@ -172,10 +168,10 @@ impl LeafTriangle {
         let sizes = Vec3::new(a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x);
         let is_certain = height.abs() > GAMMA_8 * dot3(sizes, to_base.abs())
             && approach.abs() > GAMMA_8 * dot3(sizes, direction.abs());
-        let [x, y, z, along] = reached;
+        let [x, y, z] = reached;
         let ahead = z.min_element();
-        let nearest = x.min_element().max(y.min_element()).max(ahead).max(along.min_element());
-        let farthest = x.max_element().min(y.max_element()).min(z.max_element()).min(along.max_element());
+        let nearest = x.min_element().max(y.min_element()).max(ahead);
+        let farthest = z.max_element();
         let quotient = height / approach;
         let is_ahead = if is_certain { quotient > 0.0 } else { ahead > 0.0 && approach != 0.0 };
         let t = if quotient < farthest { quotient } else { farthest };

@@ -11,8 +11,6 @@ struct TriangleRay {
     direction: vec3<f32>,
     // Reciprocals of the direction, axes permuted.
     inverse: vec3<f32>,
-    // From factors.x·x + factors.y·y + z to the distance at which the ray passes a point.
-    along: f32,
 }
 
 fn permute(v: vec3<f32>, axis: u32, is_flipped: bool) -> vec3<f32> {
@@ -33,8 +31,7 @@ fn triangle_ray_new(origin: vec3<f32>, d: vec3<f32>) -> TriangleRay {
     let p = permute(d, axis, is_flipped);
     let factors = vec3(p.x / p.z, p.y / p.z, 1.0 / p.z);
     let inverse = permute(vec3(reciprocal(d.x), reciprocal(d.y), reciprocal(d.z)), axis, is_flipped);
-    let along = factors.z / (factors.x * factors.x + factors.y * factors.y + 1.0);
-    return TriangleRay(axis, is_flipped, factors, permute(origin, axis, is_flipped), origin, d, inverse, along);
+    return TriangleRay(axis, is_flipped, factors, permute(origin, axis, is_flipped), origin, d, inverse);
 }
 
 fn moved(shear: TriangleRay, corner: vec3<f32>) -> vec3<f32> {
@@ -43,11 +40,6 @@ fn moved(shear: TriangleRay, corner: vec3<f32>) -> vec3<f32> {
 
 fn sheared(shear: TriangleRay, p: vec3<f32>) -> vec2<f32> {
     return vec2(p.x - shear.factors.x * p.z, p.y - shear.factors.y * p.z);
-}
-
-// Where the ray passes a point.
-fn passed(shear: TriangleRay, p: vec3<f32>) -> f32 {
-    return shear.along * ((shear.factors.x * p.x + shear.factors.y * p.y) + p.z);
 }
 
 // p.x·q.y − p.y·q.x in an order of the two that does not depend on which triangle asks, so that a
@@ -64,13 +56,9 @@ fn least(v: vec3<f32>) -> f32 {
     return min(min(v.x, v.y), v.z);
 }
 
-fn most(v: vec3<f32>) -> f32 {
-    return max(max(v.x, v.y), v.z);
-}
-
-// Distance to the plane of a triangle; negative if that is not to be believed. `x`, `y`, `z` and `along` say
-// where the line comes to the corners' x, y and z and where it passes them.
-fn distance_to(shear: TriangleRay, p: vec3<f32>, q: vec3<f32>, r: vec3<f32>, x: vec3<f32>, y: vec3<f32>, z: vec3<f32>, along: vec3<f32>) -> f32 {
+// Distance to the plane of a triangle; negative if that is not to be believed. `x`, `y` and `z` say where the
+// line comes to the corners' x, y and z.
+fn distance_to(shear: TriangleRay, p: vec3<f32>, q: vec3<f32>, r: vec3<f32>, x: vec3<f32>, y: vec3<f32>, z: vec3<f32>) -> f32 {
     let across = vec3(dot3(r - q, r - q), dot3(p - r, p - r), dot3(q - p, q - p));
     // The corner opposite the longest edge, and the two others.
     let first = across.x >= across.y && across.x >= across.z;
@@ -86,8 +74,8 @@ fn distance_to(shear: TriangleRay, p: vec3<f32>, q: vec3<f32>, r: vec3<f32>, x: 
     let is_certain = abs(height) > GAMMA_8 * dot3(sizes, abs(to_base))
         && abs(approach) > GAMMA_8 * dot3(sizes, abs(shear.direction));
     let ahead = least(z);
-    let nearest = max(max(max(least(x), least(y)), ahead), least(along));
-    let farthest = min(min(min(most(x), most(y)), most(z)), most(along));
+    let nearest = max(max(least(x), least(y)), ahead);
+    let farthest = max(max(z.x, z.y), z.z);
     let quotient = height / approach;
     if !select(ahead > 0.0 && approach != 0.0, quotient > 0.0, is_certain) {
         return -1.0;
@@ -115,8 +103,7 @@ fn intersect(shear: TriangleRay, corner_a: vec3<f32>, corner_b: vec3<f32>, corne
     let x = shear.inverse.x * vec3(moved_a.x, moved_b.x, moved_c.x);
     let y = shear.inverse.y * vec3(moved_a.y, moved_b.y, moved_c.y);
     let z = shear.inverse.z * vec3(moved_a.z, moved_b.z, moved_c.z);
-    let along = vec3(passed(shear, moved_a), passed(shear, moved_b), passed(shear, moved_c));
-    let t = distance_to(shear, corner_a, corner_b, corner_c, x, y, z, along);
+    let t = distance_to(shear, corner_a, corner_b, corner_c, x, y, z);
     if !(t >= 0.0) {
         return Intersection(false, 0.0, 0.0, 0.0);
     }
