@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use recorder::stages::shade::surface::offset_origin;
 
 use crate::numbers::{Numbers, ray};
-use crate::runner::{Backend, Case, Promise, kernels, run, trace};
+use crate::runner::{Backend, Case, kernels, run, trace};
 use crate::shapes::{FAR_AWAY, Triangle, cube, placed, scene_of, sphere};
 use formats::ray::Ray;
 use recorder::stages::trace::TraceKernel;
@@ -66,8 +66,6 @@ fn a_million_rays_leave_a_thousand_triangles() {
             assert!(!is_own || leaks + shadows + again == 0, "{name}, {}", answers.name);
         }
         let judged: Vec<Ray> = rays.into_iter().step_by(97).collect();
-        let mut case = Case::closed(format!("spawned in a {name}"), scene, judged);
-        case.promise = Promise::Closed;
-        run(&case);
+        run(&Case::closed(format!("spawned in a {name}"), scene, judged));
     }
 }

@@ -113,7 +113,7 @@ impl LeafTriangle {
         self.rows[1][3].to_bits()
     }
 
-    /// Where a line hits the triangle's plane inside its edges; `t` may be anything, also NaN.
+    /// Where a ray hits the triangle, ahead of its origin; its ends are not looked at.
     #[inline(always)]
     pub fn intersect(&self, ray: &Shear) -> Option<Intersection> {
         // Four lanes at a time; what the last one holds and becomes is of no interest.
