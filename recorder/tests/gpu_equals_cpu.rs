@@ -274,14 +274,18 @@ fn odd_rays(unit_min: [f32; 3], unit_max: [f32; 3]) -> Vec<Ray> {
                 f32::NEG_INFINITY,
                 1e-45,
             ];
-            if number % 3 == 0 { min + draw * (max - min) } else { odd[(draw * odd.len() as f32) as usize] }
+            if number.is_multiple_of(3) {
+                min + draw * (max - min)
+            } else {
+                odd[(draw * odd.len() as f32) as usize]
+            }
         };
         let origin = [0, 1, 2].map(|axis| axis_value(axis, random.draw()));
         let [x, y, z] = [0; 3].map(|_| 2.0 * random.draw() - 1.0);
         let length = (x * x + y * y + z * z).sqrt();
-        let t_max = if number % 2 == 0 { f32::INFINITY } else { 2.0 * random.draw() };
+        let t_max = if number.is_multiple_of(2) { f32::INFINITY } else { 2.0 * random.draw() };
         let same = [0.5 * (unit_min[0] + unit_max[0]), unit_min[1], unit_max[2]];
-        let origin = if number % 5 == 0 { same } else { origin };
+        let origin = if number.is_multiple_of(5) { same } else { origin };
         Ray { origin, t_min: 0.0, direction: [x / length, y / length, z / length], t_max }
     };
     (0..6000).map(&mut ray).collect()

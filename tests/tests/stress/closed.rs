@@ -28,7 +28,7 @@ fn two_million_rays_stay_in_boxes() {
 
 #[test]
 fn scales_from_a_millionth_to_a_million() {
-    for exponent in [-6, -3, -1, 1, 3, 6] {
+    for exponent in [-6, -3, 3, 6] {
         let name = format!("sphere of 1e{exponent}");
         let size = 10f32.powi(exponent);
         let triangles = placed(&sphere(40), size, [0.0; 3]);

@@ -53,7 +53,7 @@ fn axis_parallel_rays_and_components_of_any_size() {
 #[test]
 fn directions_of_any_length() {
     let triangles = sphere(30);
-    for exponent in [-20, -10, -3, 3, 10, 20] {
+    for exponent in [-20, -3, 3, 20] {
         let mut numbers = Numbers::new(31);
         let rays = (0..2000).map(|_| {
             let origin = numbers.point().map(|x| x - 0.5);

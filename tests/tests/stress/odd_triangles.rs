@@ -22,7 +22,7 @@ fn aimed(numbers: &mut Numbers, triangles: &[Triangle], count: usize) -> Vec<Ray
 }
 
 fn check(name: &str, seed: u32, triangles: &[Triangle]) {
-    let rays = aimed(&mut Numbers::new(seed), triangles, 8_000);
+    let rays = aimed(&mut Numbers::new(seed), triangles, 3_000);
     run(&Case::open(name, scene_of(name, triangles), rays));
 }
 
