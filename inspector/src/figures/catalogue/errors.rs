@@ -128,6 +128,11 @@ fn table_methods<'a>(rows: &[&'a EstimatorRow]) -> Vec<&'a str> {
     distinct(rows.iter().map(|row| row.table_method.as_str()))
 }
 
+/// The constant looks like the method that assumes it.
+fn estimate_style(material: &Material<'_>, method: &str) -> usize {
+    method_style(material, if method == "constant" { "two-point" } else { method })
+}
+
 fn cost_panel(material: &Material<'_>, rows: &[&EstimatorRow], title: &str) -> Panel {
     let fixed = rows.iter().find(|row| row.table_bits == 0 && row.rays_timed > 0);
     let fixed_ns = fixed.and_then(|row| nanoseconds(&row.key_ns, row.rays_timed)).unwrap_or(0.0);
@@ -144,7 +149,7 @@ fn cost_panel(material: &Material<'_>, rows: &[&EstimatorRow], title: &str) -> P
     };
     let series = |method: &str| Series {
         label: method.to_owned(),
-        style: method_style(material, method),
+        style: estimate_style(material, method),
         points: rows
             .iter()
             .filter(|row| row.table_method == method && row.rays_timed > 0)
@@ -174,7 +179,7 @@ fn learning_panel(material: &Material<'_>, rows: &[&EstimatorRow], title: &str) 
     let is_shown = |row: &&&EstimatorRow| row.table_bits == LEARNING_BITS || row.table_bits == 0;
     let series = |method: &str| Series {
         label: method.to_owned(),
-        style: method_style(material, method),
+        style: estimate_style(material, method),
         points: rows.iter().filter(is_shown).filter(|row| row.table_method == method).map(point).collect(),
     };
     Panel {
