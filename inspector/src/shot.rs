@@ -163,10 +163,8 @@ impl Drawn {
             };
             set(panel.as_mut(), name, value).map_err(anyhow::Error::msg)?;
         }
-        if let Some(camera) = shot.scene.camera {
-            if let Some(space) = self.space() {
-                space.place(camera);
-            }
+        if let Some((camera, space)) = shot.scene.camera.zip(self.space()) {
+            space.place(camera);
         }
         Ok(())
     }

@@ -77,7 +77,7 @@ fn recording(
     let mut digest = None;
     for _ in 0..bench.run.repeats {
         let recorded = record(&options)?;
-        let end = Dump::open(&recorded.path)?.manifest().end.clone();
+        let end = Dump::open(&recorded.path)?.manifest().end;
         let end = end.context("the recording that was just made has no end")?;
         cost.samples_ns.push(end.wall_ns);
         cost.bytes = folder_bytes(&recorded.path)?;

@@ -71,6 +71,26 @@ fn soup(count: usize, size: f32, seed: u64) -> Scene {
     scene_of((0..count).map(|_| triangle()).collect())
 }
 
+/// A closed sphere whose triangles share their corners, as a grid of longitudes and latitudes.
+fn sphere(rings: u32, radius: f32, centre: [f32; 3]) -> Scene {
+    let segments = 2 * rings;
+    let point = |ring: u32, segment: u32| {
+        let polar = std::f64::consts::PI * f64::from(ring) / f64::from(rings);
+        let azimuth = std::f64::consts::TAU * f64::from(segment % segments) / f64::from(segments);
+        let unit = [polar.sin() * azimuth.cos(), polar.cos(), polar.sin() * azimuth.sin()];
+        [0, 1, 2].map(|axis| (f64::from(centre[axis]) + f64::from(radius) * unit[axis]) as f32)
+    };
+    let mut triangles = Vec::new();
+    for ring in 0..rings {
+        for segment in 0..segments {
+            let [a, b] = [point(ring, segment), point(ring, segment + 1)];
+            let [c, d] = [point(ring + 1, segment), point(ring + 1, segment + 1)];
+            triangles.extend([[a, b, c], [b, d, c]]);
+        }
+    }
+    scene_of(triangles)
+}
+
 fn ray(origin: [f32; 3], direction: [f32; 3]) -> Ray {
     Ray { origin, t_min: 0.0, direction, t_max: f32::INFINITY }
 }
