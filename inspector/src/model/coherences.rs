@@ -7,6 +7,7 @@ use std::thread;
 
 use formats::manifest::QueueId;
 use formats::reader::Dump;
+use rayon::ThreadPoolBuilder;
 
 use super::background::Waker;
 use super::order::Order;
@@ -36,7 +37,8 @@ pub struct Coherences {
 }
 
 impl Coherences {
-    /// What is known of a queue's orders; asks for the rest unless it is being found.
+    /// What is known of a queue's orders; asks for the rest unless it is being found. It waits until nothing
+    /// else is being read or made, and leaves half of the processors to what is drawn.
     pub fn of(
         &mut self,
         recording: usize,
@@ -47,14 +49,14 @@ impl Coherences {
     ) -> &[OrderCoherence] {
         self.receive();
         let wanted = (recording, queue.id, width.rays());
-        if self.running.is_none() && !self.known.contains_key(&wanted) {
+        if self.running.is_none() && !self.known.contains_key(&wanted) && !waker.is_busy() {
             self.known.insert(wanted, Vec::new());
             let (sender, receiver) = channel();
             let (dump, queue, methods) = (dump.clone(), queue.clone(), methods.to_vec());
             let (waker, working) = (waker.clone(), waker.start());
             thread::spawn(move || {
                 for method in methods {
-                    let found = of_order(&dump, &queue, &method, width);
+                    let found = on_half_of_the_threads(|| of_order(&dump, &queue, &method, width));
                     // No one listens any more once the window is closed.
                     if sender.send(found).is_err() {
                         return;
@@ -88,6 +90,14 @@ impl Coherences {
             }
         }
         self.running = None;
+    }
+}
+
+/// Without threads of its own, work takes those of all.
+fn on_half_of_the_threads<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    match ThreadPoolBuilder::new().num_threads((rayon::current_num_threads() / 2).max(1)).build() {
+        Ok(threads) => threads.install(work),
+        Err(_) => work(),
     }
 }
 

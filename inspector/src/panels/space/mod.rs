@@ -48,6 +48,8 @@ pub struct SpaceView {
     /// Why the last picture lacks surfaces.
     mesh_problem: Option<Absent>,
     layers: Layers,
+    /// The opening of the recording that was last drawn.
+    drawn: Option<u64>,
 }
 
 /// What sessions keep of a view.
@@ -70,6 +72,7 @@ impl SpaceView {
             meshes: Background::default(),
             mesh_problem: None,
             layers: Layers::default(),
+            drawn: None,
         }
     }
 
@@ -173,6 +176,15 @@ impl SpaceView {
         let mesh = self.surfaces(theme, context);
         let cut = cut(&self.options, context.recording()?.unit().sides);
         let layers = self.layers.show(theme, &self.options, context);
+        let recording = context.recording()?;
+        // The first picture of a recording is a whole one: a software GPU takes half a second for millions of
+        // triangles, and would take it twice.
+        let awaits = |problem: Option<&Absent>| problem == Some(&Absent::Awaited);
+        let is_awaited = awaits(self.mesh_problem.as_ref()) || awaits(self.layers.problem());
+        if is_awaited && self.drawn != Some(recording.opening) {
+            return None;
+        }
+        self.drawn = Some(recording.opening);
         Some(Frame {
             camera,
             pixels,
