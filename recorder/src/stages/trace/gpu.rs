@@ -357,3 +357,22 @@ impl Tracer {
         Ok(kernel)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn alpha_masks_are_in_the_module_if_and_only_if_the_scene_has_them() {
+        let (kind, order, count_work) = (Kind::Closest, OrderKind::Canonical, false);
+        for kernel in [TraceKernel::Cwbvh, TraceKernel::Bvh2, TraceKernel::RayQuery] {
+            for masks in [false, true] {
+                let precision = Precision::default();
+                let text = module(&TraceVariant { kernel, kind, order, masks, count_work, precision }).wgsl();
+                for mark in ["mask_numbers", "mask_triangles", "mask_alphas", "MaskedTriangle"] {
+                    assert_eq!(text.contains(mark), masks, "{mark} by {}", kernel.name());
+                }
+            }
+        }
+    }
+}
