@@ -25,6 +25,6 @@ for backend in cpu gpu; do
         "$scenes/dream_apartment.glb" "$scenes/aws_small_house.glb" --backend $backend --repeats 7 --json \
         > "$out/startup-$backend.json"
 done
-for result in "$out"/*.json; do
-    "$programs/inspector" plot "$result" --out "$out/figures-$(basename "$result" .json)" || true
+for result in "$out"/error-*.json "$out"/skip-*.json; do
+    "$programs/inspector" plot "$result" --out "$out/figures-$(basename "$result" .json)"
 done

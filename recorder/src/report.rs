@@ -25,22 +25,14 @@ const COLUMNS: [&str; 12] = [
     "net speedup",
 ];
 
-/// Prints scene, device, settings, notices and the table on stdout.
-pub fn print(recorded: &Recorded) {
-    for line in &recorded.headline {
-        println!("{line}");
-    }
-    for notice in &recorded.notices {
-        println!("note     {notice}");
-    }
-    println!(
-        "\nMedians in ms; speedups against unsorted with 95 % bootstrap intervals; ≈ marks no significant difference."
-    );
-    println!("{}", table(recorded));
-    for line in mismatches(recorded) {
-        println!("{line}");
-    }
-    println!("recording: {}", recorded.path.display());
+/// Scene, device, settings, notices and the table, a line or more each.
+pub fn text(recorded: &Recorded) -> String {
+    let notices = recorded.notices.iter().map(|notice| format!("note     {notice}"));
+    let about = "\nMedians in ms; speedups against unsorted with 95 % bootstrap intervals; ≈ marks no significant \
+                 difference.";
+    let lines = recorded.headline.iter().cloned().chain(notices);
+    let lines = lines.chain([about.to_owned(), table(recorded).to_string()]).chain(mismatches(recorded));
+    lines.chain([format!("recording: {}", recorded.path.display())]).collect::<Vec<_>>().join("\n")
 }
 
 fn table(recorded: &Recorded) -> Table {

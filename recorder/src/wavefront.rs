@@ -29,7 +29,9 @@ pub trait Observer<B: Backend> {
         elapsed_ns: u64,
     ) -> Result<()>;
     /// A stage that has no queue of its own to show took this long.
-    fn stage(&mut self, place: Place, stage: Stage, elapsed_ns: u64) -> Result<()>;
+    fn stage(&mut self, _place: Place, _stage: Stage, _elapsed_ns: u64) -> Result<()> {
+        Ok(())
+    }
 }
 
 /// Runs `passes` passes of up to `bounces` bounces.

@@ -232,3 +232,16 @@ fn recordings_that_cannot_be_read() {
     let said = outcome.stdout + &outcome.stderr;
     assert!(said.contains("pass-001/bounce-01/closest/rays.npy"), "verify does not name the file: {said}");
 }
+
+/// A result that cannot be written is a sentence, not a panic.
+#[cfg(target_os = "linux")]
+#[test]
+fn results_that_a_full_disk_does_not_take() {
+    let folder = tempfile::tempdir().unwrap();
+    for line in ["scenes", "scenes --json", "bench sort --log2-n 10 --repeats 1 --backend cpu --json"] {
+        let mut command = Program::Recorder.command(line.split(' '));
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        finish(command.current_dir(folder.path()).stdout(full))
+            .failed_with(FAILED, &["cannot write to standard output", "No space left"]);
+    }
+}

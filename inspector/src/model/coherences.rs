@@ -70,16 +70,6 @@ impl Coherences {
         self.known.get(&wanted).map_or(&[], Vec::as_slice)
     }
 
-    /// Whether something is still being found.
-    pub fn is_running(&self) -> bool {
-        self.running.is_some()
-    }
-
-    /// Forgets everything, as when other recordings are opened.
-    pub fn clear(&mut self) {
-        *self = Self::default();
-    }
-
     fn receive(&mut self) {
         let Some((wanted, receiver)) = &self.running else { return };
         loop {

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use anyhow::Result;
 use formats::bench_result::{BenchResult, Rows, TraceRow};
 use formats::key::method::UNSORTED;
-use formats::manifest::Stage;
 use scenes::Scene;
 
 use super::backends::{self, Measurement};
@@ -127,10 +126,6 @@ impl<B: Backend> Observer<B> for KernelsAndOrders<'_, B> {
                 });
             }
         }
-        Ok(())
-    }
-
-    fn stage(&mut self, _place: Place, _stage: Stage, _elapsed_ns: u64) -> Result<()> {
         Ok(())
     }
 }

@@ -3,6 +3,7 @@
 use anyhow::Result;
 use clap::Args;
 
+use super::output::{print, print_json};
 use crate::gpu::adapters;
 
 #[derive(Debug, Args)]
@@ -15,17 +16,16 @@ pub(super) struct AdaptersArguments {
 pub(super) fn run(arguments: &AdaptersArguments) -> Result<()> {
     let reports = adapters::reports();
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&reports)?);
-        return Ok(());
+        return print_json(&reports);
     }
     if reports.is_empty() {
-        println!(
+        print(format_args!(
             "No GPU adapter was found; recordings run on the cpu backend. {}",
             crate::gpu::GpuError::NoAdapter
-        );
+        ))?;
     }
     for report in &reports {
-        println!("{report}");
+        print(report)?;
     }
     Ok(())
 }

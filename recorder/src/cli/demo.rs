@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 
+use super::output::print;
 use super::record::{DeviceArguments, RecordArguments};
 use crate::recording;
 use crate::report;
@@ -44,14 +45,15 @@ pub(super) fn run(arguments: &DemoArguments) -> Result<()> {
     let options = RecordArguments::parse_words(words)?.with_device(arguments.device.clone()).options()?;
     let recorded = recording::record(&options)?;
     if arguments.json {
-        println!("{}", recorded.json()?);
-        return Ok(());
+        return print(recorded.json()?);
     }
-    report::print(&recorded);
+    print(report::text(&recorded))?;
     let path = recorded.path.display();
-    println!("\nWhere to look next:");
-    println!("  inspector info {path}       what was recorded");
-    println!("  inspector verify {path}     check every key, permutation and hit of it");
-    println!("  recorder record SCENE.glb --out NAME.raydump     the same for a scene of your own");
-    Ok(())
+    print(format_args!(
+        "\nWhere to look next:\n  \
+         inspector {path}            the window: orders, capsules, tables, times\n  \
+         inspector info {path}       what was recorded\n  \
+         inspector verify {path}     check every key, permutation and hit of it\n  \
+         recorder record SCENE.glb --out NAME.raydump     the same for a scene of your own"
+    ))
 }

@@ -4,6 +4,7 @@ mod adapters;
 mod bench;
 mod demo;
 mod import;
+mod output;
 mod record;
 mod replay;
 mod scenes;

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::{Args, FromArgMatches, ValueEnum};
 
+use super::output::print;
 use crate::cache_model::L2_BYTES;
 use crate::options::{BackendChoice, Keep, KeepPasses, OptionError, RecordOptions, parse_methods};
 use crate::recording::{self, Recorded};
@@ -190,10 +191,5 @@ pub(super) fn run(arguments: &RecordArguments) -> Result<()> {
 
 /// Prints what was recorded, as a table or as JSON.
 pub(super) fn show(recorded: &Recorded, json: bool) -> Result<()> {
-    if json {
-        println!("{}", recorded.json()?);
-    } else {
-        report::print(recorded);
-    }
-    Ok(())
+    if json { print(recorded.json()?) } else { print(report::text(recorded)) }
 }

@@ -5,6 +5,8 @@ use clap::Args;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{ContentArrangement, Table};
 
+use super::output::{print, print_json};
+
 #[derive(Debug, Args)]
 pub(super) struct ScenesArguments {
     /// Print the list as JSON on stdout.
@@ -27,8 +29,7 @@ pub(super) fn run(arguments: &ScenesArguments) -> Result<()> {
                 })
             })
             .collect();
-        println!("{}", serde_json::to_string_pretty(&list)?);
-        return Ok(());
+        return print_json(&list);
     }
     let mut table = Table::new();
     table.load_style(UTF8_BORDERS_ONLY).set_content_arrangement(ContentArrangement::Dynamic);
@@ -42,6 +43,5 @@ pub(super) fn run(arguments: &ScenesArguments) -> Result<()> {
             scene.description.to_owned(),
         ]);
     }
-    println!("{table}\nAsk for another size with builtin:NAME?triangles=N.");
-    Ok(())
+    print(format_args!("{table}\nAsk for another size with builtin:NAME?triangles=N."))
 }

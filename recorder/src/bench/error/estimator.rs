@@ -9,7 +9,6 @@ use formats::bench_result::error::EstimatorRow;
 use formats::key::termination::bounded_length;
 use formats::key::{Encoder, Layout, Method};
 use formats::length_table::LengthTable;
-use formats::manifest::Stage;
 use formats::metrics::estimator::EstimateError;
 use formats::ray::{Hit, Kind, Ray};
 use rayon::prelude::*;
@@ -147,10 +146,6 @@ impl<B: Backend> Observer<B> for Learning<'_> {
             self.time(backend, place.kind, rays, hits)?;
         }
         self.queues.push(self.lengths(backend, place, rays, hits)?);
-        Ok(())
-    }
-
-    fn stage(&mut self, _place: Place, _stage: Stage, _elapsed_ns: u64) -> Result<()> {
         Ok(())
     }
 }

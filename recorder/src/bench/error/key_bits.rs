@@ -3,7 +3,6 @@
 use anyhow::Result;
 use formats::bench_result::error::KeyBitsRow;
 use formats::key::method::UNSORTED;
-use formats::manifest::Stage;
 use formats::metrics::GROUP_RAYS;
 use formats::metrics::capsule::{Capsule, Segment};
 use formats::ray::{Kind, Ray};
@@ -115,10 +114,6 @@ impl<B: Backend> Observer<B> for Orders<'_> {
                 sample(backend, rays, hits, applicable[at], &mut rows[at + 1])?;
             }
         }
-        Ok(())
-    }
-
-    fn stage(&mut self, _place: Place, _stage: Stage, _elapsed_ns: u64) -> Result<()> {
         Ok(())
     }
 }

@@ -7,7 +7,6 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use formats::bench_result::error::{Distribution, HitErrors, PrecisionRow};
-use formats::manifest::Stage;
 use formats::ray::{Hit, Kind, Ray};
 use rayon::prelude::*;
 use scenes::Scene;
@@ -93,10 +92,6 @@ impl<B: Backend> Observer<B> for Sample {
             let queue: Vec<Ray> = collected(|sink| backend.read_rays(rays, sink))?;
             self.rays.extend(strata(rays.len(), self.wanted).map(|at| queue[at]));
         }
-        Ok(())
-    }
-
-    fn stage(&mut self, _: Place, _: Stage, _: u64) -> Result<()> {
         Ok(())
     }
 }

@@ -10,6 +10,8 @@ use clap::{Args, Subcommand};
 use comfy_table::Table;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use formats::bench_result::{BenchResult, Rows};
+
+use super::output::{print, print_json};
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
 use formats::metrics::speedup::median;
 
@@ -182,14 +184,10 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
         What::Startup(arguments) => (crate::bench::startup::run(&arguments.bench()?)?, arguments.json),
     };
     if json {
-        println!("{}", serde_json::to_string_pretty(&result)?);
-    } else {
-        println!("{} ({}), medians and interquartile ranges", result.adapter, result.backend);
-        for table in tables(&result) {
-            println!("{table}");
-        }
+        return print_json(&result);
     }
-    Ok(())
+    print(format_args!("{} ({}), medians and interquartile ranges", result.adapter, result.backend))?;
+    tables(&result).into_iter().try_for_each(print)
 }
 
 fn tables(result: &BenchResult) -> Vec<Table> {
