@@ -11,6 +11,7 @@ use formats::manifest::QueueId;
 use formats::ray::Kind;
 use inspector::analysis::GroupWidth;
 use inspector::model::Context;
+use inspector::model::derived::Filtered;
 use inspector::model::what_if::{Estimate, Settings, WHAT_IF};
 use inspector::panels::space::options::Options;
 use inspector::render::frame::Stage;
@@ -187,7 +188,12 @@ fn a_cell_that_is_clicked_is_its_rays() {
     harness.get_by_label("filter these").click();
     settle(&mut harness);
     let context = &mut harness.state_mut().context;
-    let filtered = context.filtered(&order);
+    let filtered = loop {
+        match context.filtered(&order) {
+            Filtered::Unknown => assert!(context.finish()),
+            filtered => break filtered,
+        }
+    };
     let mut passing: Vec<u32> = (0..order.len())
         .filter(|&place| filtered.contains(place))
         .map(|place| order.places.ray(place) as u32)

@@ -71,8 +71,13 @@ pub struct App {
 impl App {
     /// With these recordings, in a window of this format.
     pub fn new(paths: &[PathBuf], format: wgpu::TextureFormat) -> Self {
+        Self::showing(Context::open(paths), format)
+    }
+
+    /// With what is open and selected already.
+    pub fn showing(context: Context, format: wgpu::TextureFormat) -> Self {
         let mut app = Self {
-            context: Context::default(),
+            context,
             recent: Recent::default(),
             demo: Demo::with(demo::find_recorder()),
             panels: PANELS.iter().map(|entry| (entry.make)(format)).collect(),
@@ -86,10 +91,18 @@ impl App {
             is_help_open: false,
             format,
         };
-        for path in paths {
-            app.open(path);
-        }
+        app.greet();
         app
+    }
+
+    /// Remembers the recordings that are open, and shows what went wrong.
+    fn greet(&mut self) {
+        for recording in &self.context.recordings {
+            self.recent.note(recording.dump.root());
+        }
+        if !self.context.problems.is_empty() {
+            layout::bring_forward(&mut self.tree, "problems");
+        }
     }
 
     /// Opens one more recording; what goes wrong is shown.
@@ -130,12 +143,14 @@ impl App {
     /// Shows what a session says, but light or dark; what is not there any more is a problem.
     pub fn restore(&mut self, session: &Session) {
         self.context = session.open();
+        self.arrange_as(session);
+    }
+
+    /// Arranges panels as a session has them.
+    fn arrange_as(&mut self, session: &Session) {
         self.history.clear();
         self.panels = PANELS.iter().map(|entry| (entry.make)(self.format)).collect();
         self.tree = layout::of_all_panels(session.layout.clone()).unwrap_or_else(layout::at_first);
-        for recording in &self.context.recordings {
-            self.recent.note(recording.dump.root());
-        }
         for (name, state) in &session.panels {
             let restored = match self.panel(name) {
                 Some(panel) => panel.set_state(state.clone()).map_err(|error| error.to_string()),
@@ -145,9 +160,7 @@ impl App {
                 self.problem(format!("the session's panel {name} is not as it was"), why);
             }
         }
-        if !self.context.problems.is_empty() {
-            layout::bring_forward(&mut self.tree, "problems");
-        }
+        self.greet();
     }
 
     /// Opens a session from a file; what goes wrong is shown.

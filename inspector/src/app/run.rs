@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::App;
+use crate::model::Context;
 use crate::session::Session;
 use crate::theme;
 
@@ -32,7 +33,11 @@ pub(crate) fn only_own_backends(setup: &mut egui_wgpu::WgpuSetup) {
 ///
 /// # Errors
 /// If there is no screen, or nothing that can draw on it.
-pub fn run(paths: Vec<PathBuf>, session: Option<Session>) -> anyhow::Result<()> {
+pub fn run(paths: &[PathBuf], session: Option<Session>) -> anyhow::Result<()> {
+    let mut context = session.as_ref().map_or_else(Context::default, Session::open);
+    paths.iter().for_each(|path| context.add(path));
+    // What is shown first is read while the window is made.
+    context.read_ahead();
     let viewport = egui::ViewportBuilder::default()
         .with_title("Rayscope inspector")
         .with_app_id("rayscope-inspector")
@@ -43,15 +48,12 @@ pub fn run(paths: Vec<PathBuf>, session: Option<Session>) -> anyhow::Result<()> 
     let make = move |creation: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
         let state = creation.wgpu_render_state.as_ref().ok_or("the window has no GPU to draw with")?;
         theme::set_up(&creation.egui_ctx);
-        let mut app = App::new(&[], state.target_format);
+        let mut app = App::showing(context, state.target_format);
         if let Some(session) = &session {
             creation.egui_ctx.set_theme(egui::ThemePreference::from(session.theme));
-            app.restore(session);
+            app.arrange_as(session);
         } else {
             app.arrange(creation.storage.and_then(|storage| eframe::get_value(storage, LAYOUT_KEY)));
-        }
-        for path in &paths {
-            app.open(path);
         }
         let older = creation.storage.and_then(|storage| eframe::get_value(storage, RECENT_KEY));
         app.recent.add_older(older.unwrap_or_default());

@@ -2,11 +2,11 @@
 
 use std::fmt;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// How long a caller waits for work that it has just asked for: what is found at once is shown at once,
+/// How long a window waits for work that it has just asked for: what is found at once is shown at once,
 /// without a frame in between that lacks it.
 const PATIENCE: Duration = Duration::from_millis(12);
 
@@ -25,27 +25,28 @@ impl AtWork {
 }
 
 /// Has the window drawn again when a thread has done its work, and knows whether any is at work. Clones
-/// speak of the same threads.
+/// speak of the same window and threads.
 #[derive(Clone, Default)]
 pub struct Waker {
-    wake: Option<Arc<dyn Fn() + Send + Sync>>,
+    wake: Arc<OnceLock<Box<dyn Fn() + Send + Sync>>>,
     at_work: Arc<AtWork>,
 }
 
 impl Waker {
-    /// Calls this whenever there is more to show; without it, nothing is called.
-    pub fn set(&mut self, wake: impl Fn() + Send + Sync + 'static) {
-        self.wake = Some(Arc::new(wake));
+    /// Calls this whenever there is more to show, unless something else is called already; without it,
+    /// nothing is called.
+    pub fn set(&self, wake: impl Fn() + Send + Sync + 'static) {
+        self.wake.get_or_init(|| Box::new(wake));
     }
 
     /// Whether there is a window to draw.
     pub fn is_set(&self) -> bool {
-        self.wake.is_some()
+        self.wake.get().is_some()
     }
 
     /// Has the window drawn again.
     pub fn wake(&self) {
-        if let Some(wake) = &self.wake {
+        if let Some(wake) = self.wake.get() {
             wake();
         }
     }
@@ -119,7 +120,8 @@ impl<K: PartialEq, T: Send + 'static, const KEPT: usize> Background<K, T, KEPT> 
                 drop(working);
             });
             self.running = Some((wanted, receiver));
-            self.receive(PATIENCE);
+            // Before there is a window, no one looks.
+            self.receive(if waker.is_set() { PATIENCE } else { Duration::ZERO });
             // Still running, or the last one that was done.
             return self.done.last().filter(|_| self.running.is_none()).map(|(_, made)| made);
         }

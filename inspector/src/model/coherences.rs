@@ -7,7 +7,6 @@ use std::thread;
 
 use formats::manifest::QueueId;
 use formats::reader::Dump;
-use rayon::ThreadPoolBuilder;
 
 use super::background::Waker;
 use super::order::Order;
@@ -34,11 +33,13 @@ type Wanted = (usize, QueueId, usize);
 pub struct Coherences {
     known: BTreeMap<Wanted, Vec<OrderCoherence>>,
     running: Option<(Wanted, Receiver<OrderCoherence>)>,
+    /// What is found next, once a picture without it was drawn.
+    next: Option<Wanted>,
 }
 
 impl Coherences {
     /// What is known of a queue's orders; asks for the rest unless it is being found. It waits until nothing
-    /// else is being read or made, and leaves half of the processors to what is drawn.
+    /// else is being read or made and all of that was drawn: a software GPU draws on the same processors.
     pub fn of(
         &mut self,
         recording: usize,
@@ -49,14 +50,19 @@ impl Coherences {
     ) -> &[OrderCoherence] {
         self.receive();
         let wanted = (recording, queue.id, width.rays());
-        if self.running.is_none() && !self.known.contains_key(&wanted) && !waker.is_busy() {
+        let is_due = self.running.is_none() && !self.known.contains_key(&wanted) && !waker.is_busy();
+        if is_due && self.next != Some(wanted) {
+            self.next = Some(wanted);
+            waker.wake();
+        } else if is_due {
+            self.next = None;
             self.known.insert(wanted, Vec::new());
             let (sender, receiver) = channel();
             let (dump, queue, methods) = (dump.clone(), queue.clone(), methods.to_vec());
             let (waker, working) = (waker.clone(), waker.start());
             thread::spawn(move || {
                 for method in methods {
-                    let found = on_half_of_the_threads(|| of_order(&dump, &queue, &method, width));
+                    let found = of_order(&dump, &queue, &method, width);
                     // No one listens any more once the window is closed.
                     if sender.send(found).is_err() {
                         return;
@@ -80,14 +86,6 @@ impl Coherences {
             }
         }
         self.running = None;
-    }
-}
-
-/// Without threads of its own, work takes those of all.
-fn on_half_of_the_threads<T: Send>(work: impl FnOnce() -> T + Send) -> T {
-    match ThreadPoolBuilder::new().num_threads((rayon::current_num_threads() / 2).max(1)).build() {
-        Ok(threads) => threads.install(work),
-        Err(_) => work(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! All that panels see: open recordings, the selection, and the order that it names.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use formats::key::method::UNSORTED;
 use formats::manifest::QueueId;
@@ -15,7 +15,6 @@ use super::queue::Queue;
 use super::recording::Recording;
 use super::selection::Selection;
 use super::what_if::{self, WHAT_IF};
-use crate::analysis::GroupWidth;
 
 /// Something that went wrong, and what to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,8 +31,14 @@ type Opened<T> = Result<Arc<T>, String>;
 /// Opening of a recording, and queue.
 type QueueKey = (u64, QueueId);
 
-/// Opening of a recording, queue and method; rays of a group.
-type OrderKey = (u64, QueueId, String, GroupWidth);
+/// A queue that whoever needs it first opens.
+type Opening = LazyLock<Opened<Queue>, Box<dyn FnOnce() -> Opened<Queue> + Send>>;
+
+/// Queues that can be asked for at once: those of two orders that are compared and one to go back to.
+const OPENINGS: usize = 3;
+
+/// Opening of a recording, queue and method.
+type OrderKey = (u64, QueueId, String);
 
 /// All that panels see.
 #[derive(Debug, Default)]
@@ -49,6 +54,7 @@ pub struct Context {
     /// What the what-if order is made by, once it was asked for.
     pub what_if: Option<what_if::Settings>,
     pub(super) derived: Derived,
+    openings: Vec<(QueueKey, Arc<Opening>)>,
     queues: Background<QueueKey, Opened<Queue>>,
     orders: Background<OrderKey, Opened<Order>>,
 }
@@ -138,13 +144,35 @@ impl Context {
     /// # Errors
     /// Why it cannot be shown, or not yet.
     pub fn queue(&mut self) -> Result<Arc<Queue>, Absent> {
-        let recording = self.recording().ok_or("no recording is open")?;
-        let (wanted, dump) = ((recording.opening, self.selection.queue), recording.dump.clone());
-        let open = move || Queue::open(&dump, wanted.1).map(Arc::new);
-        opened(self.queues.of(wanted, &self.derived.waker, open))
+        let (wanted, opening) = self.opening()?;
+        opened(self.queues.of(wanted, &self.derived.waker, move || LazyLock::force(&opening).clone()))
     }
 
-    /// The order that is looked at, with its groups: read and made by another thread.
+    /// The queue that is looked at, for threads that can wait for it.
+    fn opening(&mut self) -> Result<(QueueKey, Arc<Opening>), Absent> {
+        let recording = self.recording().ok_or("no recording is open")?;
+        let wanted = (recording.opening, self.selection.queue);
+        if let Some((_, opening)) = self.openings.iter().find(|(known, _)| *known == wanted) {
+            return Ok((wanted, opening.clone()));
+        }
+        let dump = recording.dump.clone();
+        let opening: Arc<Opening> =
+            Arc::new(LazyLock::new(Box::new(move || Queue::open(&dump, wanted.1).map(Arc::new))));
+        if self.openings.len() == OPENINGS {
+            self.openings.remove(0);
+        }
+        self.openings.push((wanted, opening.clone()));
+        Ok((wanted, opening))
+    }
+
+    /// Has other threads read what is looked at, before there is a window that asks for it.
+    pub fn read_ahead(&mut self) {
+        // Panels say why if something cannot be read.
+        drop(self.queue());
+        drop(self.order());
+    }
+
+    /// The order that is looked at: read by another thread.
     ///
     /// # Errors
     /// Why it cannot be shown, or not yet.
@@ -158,19 +186,15 @@ impl Context {
         if self.selection.method == WHAT_IF {
             return self.what_if_order()?.ok_or(Absent::Awaited);
         }
-        let queue = self.queue()?;
-        let recording = self.recording().ok_or("no recording is open")?;
-        let Selection { queue: id, method, group_width: width, .. } = &self.selection;
-        let (wanted, dump) = ((recording.opening, *id, method.clone(), *width), recording.dump.clone());
-        let is_same = |known: &OrderKey| (&known.0, &known.1, &known.2) == (&wanted.0, &wanted.1, &wanted.2);
-        let known = self.orders.known(is_same).cloned();
-        let (method, width) = (wanted.2.clone(), wanted.3);
+        let ((at, queue), opening) = self.opening()?;
+        let dump = self.recording().ok_or("no recording is open")?.dump.clone();
+        let wanted = (at, queue, self.selection.method.clone());
+        let method = wanted.2.clone();
         let open = move || {
-            let order = known.unwrap_or_else(|| Order::open(&dump, queue, &method).map(Arc::new))?;
-            // What every panel asks for, so that none of them makes the window wait for it.
+            let order = Order::open(&dump, LazyLock::force(&opening).clone()?, &method)?;
+            // What panels ask for, so that none of them makes the window wait for it.
             order.place_of_ray();
-            order.groups(width);
-            Ok(order)
+            Ok(Arc::new(order))
         };
         opened(self.orders.of(wanted, &self.derived.waker, open))
     }

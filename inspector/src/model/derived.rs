@@ -12,6 +12,7 @@ use super::coherences::OrderCoherence;
 use super::context::Context;
 use super::estimates::Estimates;
 use super::filter::{Expression, FilterError, Passing, passing};
+use super::groups::Groups;
 use super::order::Order;
 use super::quantity::Numbers;
 use super::rows::{Rows, Sorting};
@@ -31,6 +32,7 @@ type WantedRows = (Grouped, Option<Arc<Expression>>, Sorting);
 #[derive(Debug, Default)]
 pub struct Derived {
     pub(super) waker: Waker,
+    groups: Background<Grouped, ()>,
     passing: Background<(Grouped, Arc<Expression>), Result<Arc<Passing>, FilterError>>,
     rows: Background<WantedRows, Arc<Rows>>,
     what_if: Background<(u64, QueueId, Settings), Result<Arc<Order>, String>>,
@@ -76,9 +78,7 @@ impl Filtered {
 impl Context {
     /// Has a window drawn again when there is more to show.
     pub fn wake_with(&mut self, wake: impl Fn() + Send + Sync + 'static) {
-        if !self.derived.waker.is_set() {
-            self.derived.waker.set(wake);
-        }
+        self.derived.waker.set(wake);
     }
 
     /// Who has the window drawn again, for what panels make on other threads.
@@ -122,6 +122,19 @@ impl Context {
             Some(Ok(passing)) => Filtered::Some(passing.clone()),
             Some(Err(error)) => Filtered::Refused(error.clone()),
         }
+    }
+
+    /// The groups of an order; `None` until they are known.
+    pub fn groups<'a>(&mut self, order: &'a Arc<Order>) -> Option<&'a Groups> {
+        let width = self.selection.group_width;
+        if order.known_groups(width).is_none() {
+            let Derived { waker, groups, .. } = &mut self.derived;
+            let order = order.clone();
+            groups.of((order.serial, width), waker, move || {
+                order.groups(width);
+            });
+        }
+        order.known_groups(width)
     }
 
     /// The rows of an order's rays that pass the filter; `None` until they are known.

@@ -39,15 +39,14 @@ impl Groups {
     /// Of `width` consecutive rays of an order.
     pub(super) fn of(order: &Order, width: usize) -> Self {
         let rays = order.len();
-        let group = |at: usize| group(order, at * width..(at * width + width).min(rays));
+        let group = |at: usize| Group::of(order, places_of(at, width, rays));
         let groups = (0..rays.div_ceil(width)).into_par_iter().with_min_len(GROUPS_PER_TASK);
         Self { width, rays, groups: groups.filter_map(group).collect() }
     }
 
     /// The places of a group.
     pub fn places(&self, group: usize) -> Range<usize> {
-        let first = group.saturating_mul(self.width).min(self.rays);
-        first..(first + self.width).min(self.rays)
+        places_of(group, self.width, self.rays)
     }
 
     /// The group of a place.
@@ -70,16 +69,25 @@ impl Groups {
     }
 }
 
-fn group(order: &Order, places: Range<usize>) -> Option<Group> {
-    let queue = &order.queue;
-    let indices: Vec<usize> = places.map(|place| order.places.ray(place)).collect();
-    let segments: Vec<Segment> = indices.iter().map(|&ray| queue.segment(ray)).collect();
-    let capsule = Capsule::around(&segments)?;
-    let lanes = queue.work.as_ref().ok().and_then(|work| {
-        let mut lanes = LaneUse::new(indices.len());
-        lanes.add(&indices.iter().map(|&ray| work_of(&work[ray])).collect::<Vec<_>>());
-        lanes.utilisation()
-    });
-    let spread = direction_spread(indices.iter().map(|&ray| queue.traced.rays()[ray].direction))?;
-    Some(Group { area: capsule.area(), capsule, spread, lanes })
+/// The places of a group of `width` rays.
+pub(super) fn places_of(group: usize, width: usize, rays: usize) -> Range<usize> {
+    let first = group.saturating_mul(width).min(rays);
+    first..(first + width).min(rays)
+}
+
+impl Group {
+    /// Of these places of an order; `None` for none.
+    pub(super) fn of(order: &Order, places: Range<usize>) -> Option<Self> {
+        let queue = &order.queue;
+        let indices: Vec<usize> = places.map(|place| order.places.ray(place)).collect();
+        let segments: Vec<Segment> = indices.iter().map(|&ray| queue.segment(ray)).collect();
+        let capsule = Capsule::around(&segments)?;
+        let lanes = queue.work.as_ref().ok().and_then(|work| {
+            let mut lanes = LaneUse::new(indices.len());
+            lanes.add(&indices.iter().map(|&ray| work_of(&work[ray])).collect::<Vec<_>>());
+            lanes.utilisation()
+        });
+        let spread = direction_spread(indices.iter().map(|&ray| queue.traced.rays()[ray].direction))?;
+        Some(Self { area: capsule.area(), capsule, spread, lanes })
+    }
 }

@@ -1,5 +1,6 @@
 //! One order of a queue: where each ray stands in it, and by which key.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
@@ -9,7 +10,7 @@ use formats::manifest::{MethodArray, MethodRecord, Place};
 use formats::reader::{Dump, Mapped};
 use rayon::prelude::*;
 
-use super::groups::Groups;
+use super::groups::{Group, Groups, places_of};
 use super::queue::Queue;
 use crate::analysis::GroupWidth;
 use crate::analysis::coherence::Places;
@@ -147,7 +148,23 @@ impl Order {
         })
     }
 
-    /// The groups of this width.
+    /// The groups of this width, unless no one has asked for them yet.
+    pub fn known_groups(&self, width: GroupWidth) -> Option<&Groups> {
+        self.groups[width as usize].get()
+    }
+
+    /// The places of a group.
+    pub fn places_of_group(&self, group: usize, width: GroupWidth) -> Range<usize> {
+        places_of(group, width.rays(), self.len())
+    }
+
+    /// One group by itself; `None` if there is none.
+    pub fn group(&self, group: usize, width: GroupWidth) -> Option<Group> {
+        Group::of(self, self.places_of_group(group, width))
+    }
+
+    /// The groups of this width: found when they are first asked for, which takes all threads a tenth of a
+    /// second for millions of rays.
     pub fn groups(&self, width: GroupWidth) -> &Groups {
         self.groups[width as usize].get_or_init(|| Groups::of(self, width.rays()))
     }

@@ -210,6 +210,11 @@ impl Numbers {
 }
 
 impl Quantity {
+    /// Whether it takes the groups of the order to know it.
+    pub fn is_of_group(self) -> bool {
+        matches!(self, Self::Area | Self::Spread | Self::Lanes)
+    }
+
     /// Whether all of its values are whole numbers.
     pub fn is_whole(self) -> bool {
         use Quantity as Q;

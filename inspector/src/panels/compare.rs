@@ -368,9 +368,7 @@ fn choose(ui: &mut Ui, name: &str, chosen: &mut String, methods: &[String]) {
 
 /// The mean capsule area of the order that is selected.
 fn area(ui: &mut Ui, context: &mut Context) {
-    let width = context.selection.group_width;
-    let text = context
-        .order()
-        .map_or(String::new(), |order| format!("mean capsule area {:.4}", order.groups(width).mean_area()));
-    ui.label(text);
+    let order = context.order().ok();
+    let groups = order.as_ref().and_then(|order| context.groups(order));
+    ui.label(groups.map_or(String::new(), |groups| format!("mean capsule area {:.4}", groups.mean_area())));
 }

@@ -120,7 +120,7 @@ pub const PANELS: &[Entry] = &[
     Entry {
         name: "ray",
         about: "one ray: its key field by field, its group, its path",
-        make: |_| Box::new(ray::RayPanel),
+        make: |_| Box::<ray::RayPanel>::default(),
     },
     Entry {
         name: "problems",

@@ -181,7 +181,7 @@ fn mark(ui: &egui::Ui, shown: &Shown, context: &Context, order: &Order, width: u
         shown.rect_of([pixel % width.max(1), pixel / width.max(1)]).center()
     };
     if let Some(group) = context.selection.group {
-        for place in order.groups(context.selection.group_width).places(group) {
+        for place in order.places_of_group(group, context.selection.group_width) {
             ui.painter().circle_filled(at(order.places.ray(place)), 1.5, colour);
         }
     }

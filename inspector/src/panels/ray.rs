@@ -1,11 +1,14 @@
 //! One ray: where it runs, its key field by field, its group, and its path through the bounces.
 
+use std::sync::Arc;
+
 use egui::RichText;
 use formats::traced::Results;
 
 use super::missing;
+use crate::model::groups::Groups;
 use crate::model::key::ReadKey;
-use crate::model::{Context, Order};
+use crate::model::{Absent, Context, Order};
 use crate::output::count;
 use crate::panels::Panel;
 use crate::panels::data::Data;
@@ -14,7 +17,12 @@ use crate::theme::Theme;
 /// Width of the longest name of a line, points.
 const NAMES: f32 = 100.0;
 
-pub(super) struct RayPanel;
+/// The panel.
+#[derive(Default)]
+pub(super) struct RayPanel {
+    /// The worst group is looked for.
+    seeks_worst: bool,
+}
 
 impl Panel for RayPanel {
     fn title(&self) -> &'static str {
@@ -26,7 +34,7 @@ impl Panel for RayPanel {
             Ok(order) => order,
             Err(reason) => return missing(ui, &reason),
         };
-        step(ui, context, &order);
+        self.step(ui, context, &order);
         let Some(ray) = context.selection.ray.filter(|&ray| ray < order.len()) else {
             return missing(ui, "choose a ray: click a pixel, a row, a cell or a line in space");
         };
@@ -56,40 +64,47 @@ impl Panel for RayPanel {
     }
 }
 
-/// Goes along the order, ray by ray or group by group.
-fn step(ui: &mut egui::Ui, context: &mut Context, order: &Order) {
-    let width = context.selection.group_width.rays();
-    let now =
-        context.selection.ray.and_then(|ray| order.place_of_ray().get(ray)).map(|&place| place as usize);
-    let last = order.len().saturating_sub(1);
-    let mut next = None;
-    ui.horizontal_wrapped(|ui| {
-        for (name, about, to) in [
-            (
-                "< group",
-                "The first ray of the group before",
-                now.map(|at| (at / width).saturating_sub(1) * width),
-            ),
-            ("< ray", "The ray before in the order", now.map(|at| at.saturating_sub(1))),
-            ("ray >", "The next ray of the order", Some(now.map_or(0, |at| (at + 1).min(last)))),
-            (
-                "group >",
-                "The first ray of the next group",
-                Some(now.map_or(0, |at| ((at / width + 1) * width).min(last))),
-            ),
-        ] {
-            let button = egui::Button::new(name);
-            if ui.add_enabled(to.is_some() && !order.is_empty(), button).on_hover_text(about).clicked() {
-                next = to;
+impl RayPanel {
+    /// Goes along the order, ray by ray or group by group.
+    fn step(&mut self, ui: &mut egui::Ui, context: &mut Context, order: &Arc<Order>) {
+        let width = context.selection.group_width.rays();
+        let now =
+            context.selection.ray.and_then(|ray| order.place_of_ray().get(ray)).map(|&place| place as usize);
+        let last = order.len().saturating_sub(1);
+        let mut next = None;
+        ui.horizontal_wrapped(|ui| {
+            for (name, about, to) in [
+                (
+                    "< group",
+                    "The first ray of the group before",
+                    now.map(|at| (at / width).saturating_sub(1) * width),
+                ),
+                ("< ray", "The ray before in the order", now.map(|at| at.saturating_sub(1))),
+                ("ray >", "The next ray of the order", Some(now.map_or(0, |at| (at + 1).min(last)))),
+                (
+                    "group >",
+                    "The first ray of the next group",
+                    Some(now.map_or(0, |at| ((at / width + 1) * width).min(last))),
+                ),
+            ] {
+                let button = egui::Button::new(name);
+                if ui.add_enabled(to.is_some() && !order.is_empty(), button).on_hover_text(about).clicked() {
+                    next = to;
+                }
             }
-        }
-        if ui.button("worst group").on_hover_text("The group with the largest capsule").clicked() {
-            let groups = order.groups(context.selection.group_width);
+            if ui.button("worst group").on_hover_text("The group with the largest capsule").clicked() {
+                self.seeks_worst = true;
+            }
+        });
+        if self.seeks_worst
+            && let Some(groups) = context.groups(order)
+        {
+            self.seeks_worst = false;
             next = groups.worst(1).first().map(|&group| groups.places(group).start);
         }
-    });
-    if let Some(place) = next {
-        context.select_ray(Some(order.places.ray(place)));
+        if let Some(place) = next {
+            context.select_ray(Some(order.places.ray(place)));
+        }
     }
 }
 
@@ -176,19 +191,22 @@ fn key(ui: &mut egui::Ui, order: &Order, ray: usize) {
     });
 }
 
-fn group(ui: &mut egui::Ui, context: &Context, order: &Order, ray: usize) {
-    let groups = order.groups(context.selection.group_width);
-    let at = groups.of_place(order.place_of_ray()[ray] as usize);
-    let Some(group) = groups.groups.get(at) else { return };
-    let mean = groups.mean_area();
-    let of_mean = if mean > 0.0 { group.area / mean } else { 1.0 };
+fn group(ui: &mut egui::Ui, context: &mut Context, order: &Arc<Order>, ray: usize) {
+    let width = context.selection.group_width;
+    let at = order.place_of_ray()[ray] as usize / width.rays();
+    let Some(group) = order.group(at, width) else { return };
+    let mean = context.groups(order).map(Groups::mean_area);
+    let of_mean = mean.map(|mean| if mean > 0.0 { group.area / mean } else { 1.0 });
     lines(
         ui,
         "group",
         &[
-            ("group", format!("{} of {}", count(at as u64), count(groups.groups.len() as u64))),
+            (
+                "group",
+                format!("{} of {}", count(at as u64), count(order.len().div_ceil(width.rays()) as u64)),
+            ),
             ("capsule area", format!("{:.5}", group.area)),
-            ("of the mean", format!("{of_mean:.2}")),
+            ("of the mean", of_mean.map_or(Absent::Awaited.to_string(), |of_mean| format!("{of_mean:.2}"))),
             ("radii", format!("{:.4} and {:.4}", group.capsule.origin_radius, group.capsule.end_radius)),
             ("spread", format!("{:.4}", group.spread)),
             ("lanes", group.lanes.map_or("not known".to_owned(), |lanes| format!("{lanes:.3}"))),

@@ -2,7 +2,7 @@
 
 use super::missing;
 use crate::analysis::GroupWidth;
-use crate::model::Context;
+use crate::model::{Absent, Context};
 use crate::output::count;
 
 /// Groups in the list.
@@ -23,7 +23,7 @@ impl WorstGroups {
             Err(reason) => return missing(ui, &reason),
         };
         let width = context.selection.group_width;
-        let groups = order.groups(width);
+        let Some(groups) = context.groups(&order) else { return missing(ui, &Absent::Awaited) };
         let key = (order.serial, width);
         let worst = match &self.known {
             Some((known, worst)) if *known == key => worst,

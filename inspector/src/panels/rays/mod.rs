@@ -103,6 +103,10 @@ impl Panel for RaysPanel {
             Err(reason) => return missing(ui, &reason),
         };
         let Some(numbers) = context.numbers(order.clone()) else { return };
+        let shows_groups = self.columns.iter().any(|column| column.quantity.is_of_group());
+        if shows_groups && context.groups(&order).is_none() {
+            return missing(ui, &crate::model::Absent::Awaited);
+        }
         ui.horizontal_wrapped(|ui| {
             filter_box(ui, context, (ui.available_width() - 130.0).clamp(80.0, 420.0))
         });

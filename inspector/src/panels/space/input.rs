@@ -108,7 +108,7 @@ fn selected_box(context: &mut Context) -> Option<(Vec3, Vec3)> {
     let order = context.order().ok()?;
     let rays: Vec<usize> = match (context.selection.group, context.selection.ray) {
         (Some(group), _) => {
-            let places = order.groups(context.selection.group_width).places(group);
+            let places = order.places_of_group(group, context.selection.group_width);
             places.map(|place| order.places.ray(place)).collect()
         }
         (None, Some(ray)) => vec![ray],

@@ -401,9 +401,9 @@ impl Selected {
         let corners = cell.zip(options).and_then(|(cell, options)| cell_box(options, cell).ok());
         lines.extend(corners.map(|corners| box_edges(corners, 0.0)).unwrap_or_default());
         let cell = corners.map(|corners| boxes(std::iter::once((corners, 0.0))).into());
-        let groups = order.groups(key.order.1);
-        let places = group.map_or(0..0, |group| groups.places(group));
-        let found = group.and_then(|group| groups.groups.get(group));
+        let width = key.order.1;
+        let places = group.map_or(0..0, |group| order.places_of_group(group, width));
+        let found = group.and_then(|group| order.group(group, width));
         let capsule =
             found.map(|group| Shape::Capsules(vec![CapsuleInstance::of(&group.capsule, 0.0)]).into());
         Self {
