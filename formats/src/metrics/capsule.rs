@@ -20,6 +20,7 @@ pub struct Segment {
 impl Segment {
     /// Of a ray in world space with its traced `length` in unit lengths. A length that is not finite,
     /// as that of a ray without a direction, counts as 0.
+    #[inline]
     pub fn of(unit: &UnitSpace, ray: &Ray, length: f32) -> Self {
         let length = if length.is_finite() { f64::from(length) } else { 0.0 };
         let scale = f64::from(unit.scale);
@@ -44,6 +45,7 @@ pub struct Capsule {
 
 impl Capsule {
     /// Around a group; `None` for an empty one.
+    #[inline]
     pub fn around(group: &[Segment]) -> Option<Self> {
         if group.is_empty() {
             return None;
@@ -71,19 +73,23 @@ impl Capsule {
 }
 
 /// The centre of the points' bounding box and the largest distance to it.
+#[inline]
 fn sphere(points: impl Iterator<Item = Point> + Clone) -> (Point, f64) {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for point in points.clone() {
         for axis in 0..3 {
-            low[axis] = low[axis].min(point[axis]);
-            high[axis] = high[axis].max(point[axis]);
+            // Comparisons of their own are one instruction each, f64::min and f64::max are several.
+            low[axis] = if point[axis] < low[axis] { point[axis] } else { low[axis] };
+            high[axis] = if point[axis] > high[axis] { point[axis] } else { high[axis] };
         }
     }
     let centre = [0, 1, 2].map(|axis| 0.5 * (low[axis] + high[axis]));
-    let squared = points.map(|point| squared_distance(point, centre)).fold(0.0, f64::max);
+    let squared = points.map(|point| squared_distance(point, centre));
+    let squared = squared.fold(0.0f64, |largest, squared| if squared > largest { squared } else { largest });
     (centre, squared.sqrt())
 }
 
+#[inline]
 fn squared_distance(a: Point, b: Point) -> f64 {
     (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2) + (a[2] - b[2]).powi(2)
 }

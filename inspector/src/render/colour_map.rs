@@ -1,4 +1,6 @@
-//! Perceptual colour maps, as polynomials.
+//! Perceptual colour maps: polynomials, looked up in tables.
+
+use std::sync::LazyLock;
 
 /// A map from 0..1 to colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -15,8 +17,13 @@ pub enum ColourMap {
     Magma,
 }
 
-/// Colours of a map as shaders look them up.
+/// Colours of a map, on the CPU and in shaders.
 pub const STEPS: usize = 256;
+
+/// The colours of each map from 0 to 1.
+static TABLES: LazyLock<[[[u8; 3]; STEPS]; ColourMap::ALL.len()]> = LazyLock::new(|| {
+    ColourMap::ALL.map(|map| std::array::from_fn(|at| map.of_polynomials(at as f64 / (STEPS - 1) as f64)))
+});
 
 impl ColourMap {
     /// All maps.
@@ -37,9 +44,18 @@ impl ColourMap {
         self as usize
     }
 
+    /// The colours from 0 to 1; sRGB.
+    pub fn colours(self) -> &'static [[u8; 3]; STEPS] {
+        &TABLES[self.row()]
+    }
+
     /// The colour at `at`, which is cut to 0..1; sRGB. Below 0 and NaN are the first colour.
     pub fn colour(self, at: f32) -> [u8; 3] {
-        let at = if at > 0.0 { f64::from(at).min(1.0) } else { 0.0 };
+        // The conversion makes 0 of what is below it and of NaN.
+        self.colours()[((at * (STEPS - 1) as f32).round() as usize).min(STEPS - 1)]
+    }
+
+    fn of_polynomials(self, at: f64) -> [u8; 3] {
         let polynomials = match self {
             Self::Viridis => &VIRIDIS,
             Self::Cividis => &CIVIDIS,
