@@ -22,7 +22,8 @@ use inspector::panels::space::layers::{Layers, RayValues};
 use inspector::panels::space::options::{Axis, Options, Side};
 use inspector::render::camera::Camera;
 use inspector::render::frame::{Cut, Frame, Layer, LayerUniform, Paint, Stage};
-use inspector::render::geometry::{Geometry, Mark, Shape, mesh, mesh_edges};
+use inspector::render::geometry::{Geometry, Mark, Shape};
+use inspector::render::surfaces::Surfaces;
 
 mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
@@ -227,8 +228,8 @@ fn ends_are_marked_by_what_rays_found() {
 fn the_edges_of_surfaces_are_drawn_once() {
     let unit = formats::unit_space::UnitSpace::from_bounds([0.0; 3], [1.0; 3]);
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
-    let square = mesh(&unit, &corners, &[[0, 1, 2], [2, 1, 3]]);
-    let Shape::Segments(edges) = mesh_edges(&square) else { panic!("edges are lines") };
+    let square = Surfaces::new(&unit, &corners, &[[0, 1, 2], [2, 1, 3]]);
+    let Shape::Segments(edges) = square.edges() else { panic!("edges are lines") };
     let found: BTreeSet<String> =
         edges.iter().map(|[a, b]| format!("{:?} {:?}", a.position, b.position)).collect();
     assert_eq!((edges.len(), found.len()), (5, 5), "the diagonal is shared: {found:?}");

@@ -4,7 +4,11 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::collections::BTreeSet;
+use std::f32::consts::TAU;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::Ordering::Relaxed;
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -13,13 +17,20 @@ use formats::metrics::capsule::{Capsule, Segment};
 use formats::ray::Kind;
 use formats::reader::{Dump, Mapped};
 use formats::traced::Traced;
+use formats::unit_space::UnitSpace;
+use glam::Vec3;
+use inspector::analysis::GroupWidth;
 use inspector::analysis::coherence::{Places, coherence};
 use inspector::app::App;
 use inspector::model::Context;
 use inspector::panels::PANELS;
 use inspector::panels::space::options::{CapsuleChoice, Options};
-use inspector::render::frame::Stage;
+use inspector::render::camera::Camera;
+use inspector::render::frame::{Cut, Frame, Layer, Paint, Stage};
 use inspector::render::geometry::{RayEnd, Shape};
+use inspector::render::gpu::FrameCallback;
+use inspector::render::surfaces::Surfaces;
+use inspector::theme::Theme;
 
 mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
@@ -222,6 +233,124 @@ fn arrays_that_are_missing_are_said_in_their_place() {
         harness.render().unwrap();
         if name != "scene" {
             assert!(harness.query_all_by_label(&reason).next().is_some(), "{name} does not say why");
+        }
+    }
+}
+
+/// What is read before there is a window is what panels show then, read once.
+#[test]
+fn what_is_read_ahead_is_there_when_it_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    context.read_ahead();
+    assert!(context.finish());
+    let (queue, order) = (context.queue().unwrap(), context.order().unwrap());
+    assert!(Arc::ptr_eq(&queue, &order.queue), "the queue was read twice");
+    assert!(!context.finish(), "something was read again");
+    assert!(order.known_groups(GroupWidth::default()).is_none(), "no one asked for groups");
+    context.read_ahead();
+    assert!(!context.finish());
+}
+
+/// Areas wait until everything else was drawn.
+#[test]
+fn areas_are_found_after_a_picture_without_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let queue = context.awaited_order().unwrap().queue.clone();
+    let (dump, waker) = (context.recordings[0].dump.clone(), context.waker().clone());
+    let methods = ["two-point".to_owned()];
+    let (drawings, count) = (Arc::new(AtomicUsize::new(0)), |drawings: &AtomicUsize| drawings.load(Relaxed));
+    let counted = drawings.clone();
+    waker.set(move || {
+        counted.fetch_add(1, Relaxed);
+    });
+    let mut ask = || context.coherences.of(0, &dump, (&queue, &methods), GroupWidth::default(), &waker).len();
+    assert_eq!((ask(), waker.is_busy(), count(&drawings)), (0, false, 1), "another picture is asked for");
+    ask();
+    waker.wait();
+    assert_eq!(ask(), 1);
+}
+
+/// Pixels by column and row of a picture of these surfaces.
+fn picture(surfaces: Surfaces, camera: Camera, pixels: [u32; 2]) -> impl Fn(u32, u32) -> [u8; 3] {
+    let (renderer, format) = renderer();
+    let theme = Theme::of(&egui::Context::default());
+    let surfaces = Layer {
+        geometry: Shape::Mesh(surfaces).into(),
+        part: None,
+        stage: Stage::Solid,
+        paint: Paint::Plain([1.0; 4]),
+        opacity: 1.0,
+        hidden_opacity: 0.0,
+        width: 1.0,
+    };
+    let frame = Arc::new(Frame {
+        camera,
+        pixels,
+        background: theme.background(),
+        cut: Cut::NONE,
+        layers: vec![surfaces],
+    });
+    let size = egui::Vec2::from(pixels.map(|side| side as f32));
+    let mut harness =
+        Harness::builder().with_size(size).with_pixels_per_point(1.0).renderer(renderer).build_ui(
+            move |ui| {
+                let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
+                ui.painter()
+                    .with_clip_rect(rect)
+                    .add(FrameCallback { view: 0, format, frame: frame.clone() }.shape(rect));
+            },
+        );
+    let image = harness.render().unwrap();
+    assert_eq!([image.width(), image.height()], pixels);
+    move |column, row| {
+        let [red, green, blue, _] = image.get_pixel(column, row).0;
+        [red, green, blue]
+    }
+}
+
+/// A ball whose triangles are much smaller than pixels: most are not drawn, and no pixel lacks them.
+#[test]
+fn surfaces_have_no_holes_where_triangles_are_not_drawn() {
+    const AROUND: u32 = 1200;
+    const RADIUS: f32 = 0.3;
+    let point = |column: u32, row: u32| {
+        let yaw = TAU * column as f32 / AROUND as f32;
+        let pitch = TAU * row as f32 / AROUND as f32;
+        [
+            0.5 + RADIUS * pitch.sin() * yaw.cos(),
+            0.5 + RADIUS * pitch.cos(),
+            0.5 + RADIUS * pitch.sin() * yaw.sin(),
+        ]
+    };
+    let at = |column: u32, row: u32| row * AROUND + column % AROUND;
+    let each = |rows: u32| (0..rows).flat_map(|row| (0..AROUND).map(move |column| (column, row)));
+    let positions: Vec<_> = each(AROUND / 2 + 1).map(|(column, row)| point(column, row)).collect();
+    let triangles: Vec<_> = each(AROUND / 2)
+        .flat_map(|(i, j)| {
+            [[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]]
+        })
+        .collect();
+    let unit = UnitSpace::from_bounds([0.0; 3], [1.0; 3]);
+    let ball = Surfaces::new(&unit, &positions, &triangles);
+    let pixels = [320, 240];
+    let camera = Camera { target: Vec3::splat(0.5), yaw: 0.7, pitch: -0.4, distance: 4.0, yfov_radians: 0.6 };
+    let drawn: usize = ball.in_sight(&camera, pixels).map(|(triangles, _)| triangles.len()).sum();
+    assert!(drawn > 0 && drawn < triangles.len() / 5, "{drawn} of {} triangles are drawn", triangles.len());
+    let pixel = picture(ball, camera, pixels);
+    // The outline of a ball is where lines of sight touch it.
+    let outline = RADIUS / (4.0f32.powi(2) - RADIUS.powi(2)).sqrt() / 0.3f32.tan() * 120.0;
+    let background = pixel(0, 0);
+    for (column, row) in (0..pixels[0]).flat_map(|column| (0..pixels[1]).map(move |row| (column, row))) {
+        let from_centre = (column as f32 + 0.5 - 160.0).hypot(row as f32 + 0.5 - 120.0);
+        let colour = pixel(column, row);
+        if from_centre < outline - 2.0 {
+            // Brightest where it faces the eye: 0.42 of white everywhere, 0.9 and more in the middle.
+            let lowest = if from_centre < 0.3 * outline { 200 } else { 100 };
+            assert!(colour[0] > lowest, "{colour:?} at {column}, {row}, {from_centre} from the centre");
+        } else if from_centre > outline + 2.0 {
+            assert_eq!(colour, background, "at {column}, {row}, {from_centre} from the centre");
         }
     }
 }

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use bytemuck::{Pod, Zeroable};
 use formats::metrics::capsule::{Capsule, Point};
 use formats::ray::Kind;
-use formats::unit_space::UnitSpace;
 
+use super::surfaces::Surfaces;
 use crate::model::{Order, Queue};
 
 /// A point with the number that it is coloured by; 16 bytes.
@@ -54,12 +54,7 @@ impl CapsuleInstance {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// Surfaces.
-    Mesh {
-        /// Corners.
-        positions: Vec<[f32; 3]>,
-        /// Three corners each.
-        triangles: Vec<[u32; 3]>,
-    },
+    Mesh(Surfaces),
     /// One line through all points.
     Strip(Vec<Vertex>),
     /// A line between every two points.
@@ -68,6 +63,19 @@ pub enum Shape {
     Capsules(Vec<CapsuleInstance>),
     /// Boxes by their lowest corner, which has the value, and their highest.
     Boxes(Vec<[Vertex; 2]>),
+}
+
+impl Shape {
+    /// Whether there is nothing to draw.
+    pub fn is_empty(&self) -> bool {
+        match self {
+            Self::Mesh(surfaces) => surfaces.triangles.is_empty(),
+            // A single point is no line.
+            Self::Strip(points) => points.len() < 2,
+            Self::Segments(pairs) | Self::Boxes(pairs) => pairs.is_empty(),
+            Self::Capsules(capsules) => capsules.is_empty(),
+        }
+    }
 }
 
 /// What is drawn where a ray ends.
@@ -196,29 +204,6 @@ pub fn box_edges((low, high): ([f32; 3], [f32; 3]), value: f32) -> Vec<[Vertex; 
     (0..8).flat_map(|at| (0..3).map(move |axis| (at, axis))).filter_map(edge).collect()
 }
 
-/// The surfaces of a scene. Triangles that name a corner that does not exist are left out.
-pub fn mesh(unit: &UnitSpace, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Shape {
-    let exists = |triangle: &&[u32; 3]| triangle.iter().all(|&at| (at as usize) < positions.len());
-    Shape::Mesh {
-        positions: positions.iter().map(|&position| unit.point(position)).collect(),
-        triangles: triangles.iter().filter(exists).copied().collect(),
-    }
-}
-
-/// The edges of surfaces, each once.
-pub fn mesh_edges(shape: &Shape) -> Shape {
-    let Shape::Mesh { positions, triangles } = shape else { return Shape::Segments(Vec::new()) };
-    let mut edges: Vec<[u32; 2]> = triangles
-        .iter()
-        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
-        .map(|[a, b]| [a.min(b), a.max(b)])
-        .collect();
-    edges.sort_unstable();
-    edges.dedup();
-    let corner = |at: u32| Vertex { position: positions[at as usize], value: 0.0 };
-    Shape::Segments(edges.into_iter().map(|edge| edge.map(corner)).collect())
-}
-
 /// The box around vertices; `None` for none.
 pub fn bounds<'a>(vertices: impl IntoIterator<Item = &'a Vertex>) -> Option<(glam::Vec3, glam::Vec3)> {
     let points = vertices.into_iter().map(|vertex| glam::Vec3::from(vertex.position));
@@ -305,16 +290,5 @@ mod tests {
         let mut lengths: Vec<f32> = edges.iter().map(length).collect();
         lengths.sort_by(f32::total_cmp);
         assert_eq!(lengths, [1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 4.0, 4.0, 4.0, 4.0]);
-    }
-
-    #[test]
-    fn triangles_without_corners_are_left_out() {
-        let unit = UnitSpace::from_bounds([0.0; 3], [2.0; 3]);
-        let Shape::Mesh { positions, triangles } =
-            mesh(&unit, &[[0.0; 3], [2.0; 3], [1.0; 3]], &[[0, 1, 2], [0, 1, 3]])
-        else {
-            panic!("a mesh is a mesh")
-        };
-        assert_eq!((positions[1], triangles.as_slice()), ([1.0; 3], &[[0, 1, 2]][..]));
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! - [`colour_map`], [`range`]: from numbers to colours
 //! - [`detail`]: how many of how many
-//! - [`geometry`]: the vertices of curves, rays, capsules, cells and the scene's mesh
+//! - [`geometry`]: the vertices of curves, rays, capsules and cells; [`surfaces`]: of the scene
 //! - [`cell_box`]: where a cell of the length table lies
 //! - [`camera`]: from where
 //! - [`frame`]: all of a picture, as data
@@ -18,3 +18,4 @@ pub mod frame;
 pub mod geometry;
 pub mod gpu;
 pub mod range;
+pub mod surfaces;

@@ -30,8 +30,9 @@ use crate::output::count;
 use crate::panels::data::Data;
 use crate::render::camera::Camera;
 use crate::render::frame::{Cut, Frame, Layer, Paint, Stage};
-use crate::render::geometry::{Geometry, mesh, mesh_edges};
+use crate::render::geometry::{Geometry, Shape};
 use crate::render::gpu::FrameCallback;
+use crate::render::surfaces::Surfaces;
 use crate::theme::Theme;
 
 /// A view into space.
@@ -233,10 +234,10 @@ fn read_mesh(dump: &Dump, unit: &UnitSpace, form: MeshForm) -> Result<Geometry, 
     let text = |error: formats::reader::ReadError| error.to_string();
     let positions: Mapped<[f32; 3]> = dump.array(&Place::Scene(SceneArray::Positions)).map_err(text)?;
     let triangles: Mapped<[u32; 3]> = dump.array(&Place::Scene(SceneArray::Triangles)).map_err(text)?;
-    let surfaces = mesh(unit, &positions, &triangles);
+    let surfaces = Surfaces::new(unit, &positions, &triangles);
     Ok(match form {
-        MeshForm::Surfaces => surfaces.into(),
-        MeshForm::Edges => mesh_edges(&surfaces).into(),
+        MeshForm::Surfaces => Shape::Mesh(surfaces).into(),
+        MeshForm::Edges => surfaces.edges().into(),
     })
 }
 

@@ -4,10 +4,17 @@ struct MeshPoint {
     @location(0) in_unit_space: vec3<f32>,
 }
 
+// Twin of the constant in surfaces.rs.
+const FINEST_BITS = 16u;
+
 @vertex
-fn mesh_vertex(@location(0) corner: vec3<f32>) -> MeshPoint {
+fn mesh_vertex(@location(0) corner: vec3<f32>, @builtin(instance_index) grid: u32) -> MeshPoint {
+    // Cells along a unit length, a power of two; each corner is drawn in the middle of its cell. 0 is no grid.
+    let cells = bitcast<f32>((127u + FINEST_BITS - grid) << 23u);
+    let drawn = select((floor(corner * cells) + 0.5) / cells, corner, grid == 0u);
     var point: MeshPoint;
-    point.position = layer.clip_from_unit * vec4<f32>(corner, 1.0);
+    point.position = layer.clip_from_unit * vec4<f32>(drawn, 1.0);
+    // Surfaces are shaded as they are, not as they are drawn.
     point.in_unit_space = corner;
     return point;
 }

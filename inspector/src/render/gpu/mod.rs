@@ -2,7 +2,7 @@
 //! window by a paint callback of egui. A frame equal to the last one is only copied.
 //!
 //! - [`shaders`]: the modules, composed of the WGSL files
-//! - `pipelines`: one for each way of drawing
+//! - `pipelines`: one for each way of drawing, made when it is first used
 //! - `uploads`: vertices that the GPU has already
 //! - `target`: the picture of one view
 
@@ -18,10 +18,11 @@ use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
 
 use serde::Serialize;
 
-use self::pipelines::Pipelines;
+use self::pipelines::{Lines, Pipelines, Seen, Way};
 use self::target::Target;
 use self::uploads::Uploads;
 use super::frame::{Frame, Layer, LayerUniform, Stage};
+use super::geometry::Shape;
 
 /// Layers that a frame may have, each drawn up to twice.
 const DRAWS_MAX: usize = 32;
@@ -90,6 +91,27 @@ struct Draw<'a> {
     is_hidden: bool,
 }
 
+impl Draw<'_> {
+    fn way(&self) -> Way {
+        let Layer { geometry, stage, .. } = self.layer;
+        let seen = match stage {
+            Stage::OnTop => Seen::OnTop,
+            _ if self.is_hidden => Seen::Behind,
+            _ => Seen::InFront,
+        };
+        match (geometry.shape(), stage) {
+            (Shape::Mesh(_), Stage::Ghost) => Way::Ghost,
+            (Shape::Mesh(_), _) => Way::Solid,
+            (Shape::Strip(_), _) => Way::Lines(Lines::Strips, seen),
+            (Shape::Segments(_), Stage::Arrows) => Way::Lines(Lines::Arrows, seen),
+            (Shape::Segments(_), Stage::Marks) => Way::Lines(Lines::Marks, seen),
+            (Shape::Segments(_), _) => Way::Lines(Lines::Segments, seen),
+            (Shape::Boxes(_), _) => Way::Boxes,
+            (Shape::Capsules(_), _) => Way::Capsules,
+        }
+    }
+}
+
 impl CallbackTrait for FrameCallback {
     fn prepare(
         &self,
@@ -115,7 +137,9 @@ impl CallbackTrait for FrameCallback {
         }
         let uploaded =
             self.frame.layers.iter().map(|layer| uploads.add(device, &layer.geometry)).sum::<u64>();
-        view.counts = view.draw(queue, encoder, pipelines, uploads, &self.frame);
+        let draws = draws(&self.frame);
+        draws.iter().for_each(|draw| pipelines.make(device, draw.way()));
+        view.counts = view.draw(queue, encoder, (pipelines, uploads), &self.frame, &draws);
         view.counts.uploaded_bytes += uploaded;
         view.drawn = Some(self.frame.clone());
         let used = views.values().filter_map(|view| view.drawn.as_ref());
@@ -157,11 +181,10 @@ impl View {
         &self,
         queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
-        pipelines: &Pipelines,
-        uploads: &Uploads,
+        (pipelines, uploads): (&Pipelines, &Uploads),
         frame: &Frame,
+        draws: &[Draw<'_>],
     ) -> DrawCounts {
-        let draws = draws(frame);
         let mut counts = DrawCounts::default();
         let mut bytes = vec![0u8; UNIFORM_STRIDE as usize * draws.len()];
         for (draw, bytes) in draws.iter().zip(bytes.chunks_mut(UNIFORM_STRIDE as usize)) {
@@ -172,16 +195,9 @@ impl View {
         counts.uploaded_bytes = bytes.len() as u64;
         let mut pass = self.target.pass(encoder, frame.background);
         for (at, draw) in draws.iter().enumerate() {
-            let part = draw.layer.part.clone();
             pass.set_bind_group(0, &self.layers, &[at as u32 * UNIFORM_STRIDE as u32]);
-            let vertices = uploads.draw(
-                &mut pass,
-                pipelines,
-                &draw.layer.geometry,
-                (draw.layer.stage, draw.is_hidden),
-                part,
-            );
-            counts.draw_calls += u64::from(vertices > 0);
+            let (calls, vertices) = uploads.draw(&mut pass, pipelines, (draw.layer, draw.way()), frame);
+            counts.draw_calls += calls;
             counts.vertices += vertices;
         }
         counts
@@ -208,7 +224,7 @@ fn draws(frame: &Frame) -> Vec<Draw<'_>> {
     add(Stage::Boxes, false, &plain);
     add(Stage::Capsules, false, &plain);
     add(Stage::OnTop, false, &plain);
-    draws.retain(|draw| draw.opacity > 0.0);
+    draws.retain(|draw| draw.opacity > 0.0 && !draw.layer.geometry.shape().is_empty());
     draws.truncate(DRAWS_MAX);
     draws
 }

@@ -1,5 +1,7 @@
 //! One pipeline for each way of drawing.
 
+use std::collections::BTreeMap;
+
 use wgpu::util::{DeviceExt, TextureDataOrder};
 use wgpu::{BindingType, CompareFunction, Device, ShaderStages, VertexStepMode, vertex_attr_array};
 
@@ -8,92 +10,96 @@ use super::super::frame::LayerUniform;
 use super::shaders;
 use super::target::{DEPTH_FORMAT, PICTURE_FORMAT, SAMPLES};
 
-/// All pipelines, and what they share.
+/// A way of drawing: each has a pipeline, made when something is first drawn so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Way {
+    Solid,
+    Ghost,
+    Lines(Lines, Seen),
+    Boxes,
+    Capsules,
+}
+
+/// What is drawn for each pair of points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Lines {
+    /// A line from each point to the next.
+    Strips,
+    /// A line.
+    Segments,
+    /// A head at the second.
+    Arrows,
+    /// A mark at the second.
+    Marks,
+}
+
+/// What surfaces do to lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Seen {
+    /// Only what they do not hide is drawn.
+    InFront,
+    /// Only what they hide.
+    Behind,
+    /// All.
+    OnTop,
+}
+
+/// The pipelines that were used so far, and what they share.
 pub(super) struct Pipelines {
-    pub(super) solid: wgpu::RenderPipeline,
-    pub(super) ghost: wgpu::RenderPipeline,
-    pub(super) strips: LinePipelines,
-    pub(super) segments: LinePipelines,
-    pub(super) arrows: LinePipelines,
-    pub(super) marks: LinePipelines,
-    pub(super) boxes: wgpu::RenderPipeline,
-    pub(super) capsules: wgpu::RenderPipeline,
+    made: BTreeMap<Way, wgpu::RenderPipeline>,
+    modules: BTreeMap<&'static str, wgpu::ShaderModule>,
     pub(super) copy: wgpu::RenderPipeline,
+    layout: wgpu::PipelineLayout,
     layer_layout: wgpu::BindGroupLayout,
     picture_layout: wgpu::BindGroupLayout,
     colour_maps: wgpu::TextureView,
     sampler: wgpu::Sampler,
 }
 
-/// Lines by what surfaces do to them.
-pub(super) struct LinePipelines {
-    pub(super) seen: wgpu::RenderPipeline,
-    pub(super) hidden: wgpu::RenderPipeline,
-    pub(super) on_top: wgpu::RenderPipeline,
-}
-
 /// How a pipeline differs from the others.
-struct Kind<'a> {
-    label: &'a str,
-    shader: &'a wgpu::ShaderModule,
-    entries: [&'a str; 2],
-    buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+struct Kind {
+    /// Of its module, which pipelines of the same name share.
+    label: &'static str,
+    shader: fn() -> String,
+    entries: [&'static str; 2],
+    buffers: &'static Buffers,
     topology: wgpu::PrimitiveTopology,
     depth: (CompareFunction, bool),
-    cull: Option<wgpu::Face>,
 }
 
 impl Pipelines {
     pub(super) fn new(device: &Device, queue: &wgpu::Queue, window: wgpu::TextureFormat) -> Self {
         let layer_layout = layer_layout(device);
         let picture_layout = picture_layout(device);
-        let layout = pipeline_layout(device, &layer_layout);
-        let [mesh, lines, arrows, marks, boxes, capsules] = [
-            ("mesh", shaders::mesh()),
-            ("lines", shaders::lines()),
-            ("arrows", shaders::arrows()),
-            ("marks", shaders::marks()),
-            ("boxes", shaders::boxes()),
-            ("capsules", shaders::capsules()),
-        ]
-        .map(|(label, text)| module(device, label, text));
-        let of_lines =
-            |shader, entries, stride| LinePipelines::new(device, &layout, (shader, entries), stride);
-        let corners = [Some(wgpu::VertexBufferLayout {
-            array_stride: 12,
-            step_mode: VertexStepMode::Vertex,
-            attributes: &vertex_attr_array![0 => Float32x3],
-        })];
-        let surface = |label, depth| {
-            let kind = Kind {
-                label,
-                shader: &mesh,
-                entries: ["mesh_vertex", "mesh_fragment"],
-                buffers: &corners,
-                topology: wgpu::PrimitiveTopology::TriangleList,
-                depth,
-                cull: None,
-            };
-            pipeline(device, &layout, &kind)
-        };
         Self {
-            solid: surface("mesh::solid", (CompareFunction::Less, true)),
-            ghost: surface("mesh::ghost", (CompareFunction::Less, false)),
-            strips: of_lines(&lines, ["line_vertex", "line_fragment"], 16),
-            segments: of_lines(&lines, ["line_vertex", "line_fragment"], 32),
-            arrows: of_lines(&arrows, ["arrow_vertex", "arrow_fragment"], 32),
-            marks: of_lines(&marks, ["mark_vertex", "mark_fragment"], 32),
-            boxes: box_pipeline(device, &layout, &boxes),
-            capsules: capsule_pipeline(device, &layout, &capsules),
+            made: BTreeMap::new(),
+            modules: BTreeMap::new(),
             copy: copy_pipeline(device, &picture_layout, window),
             colour_maps: colour_maps(device, queue),
             sampler: device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("copy::sampler"),
                 ..wgpu::SamplerDescriptor::default()
             }),
+            layout: pipeline_layout(device, &layer_layout),
             layer_layout,
             picture_layout,
         }
+    }
+
+    /// Makes what draws in this way, unless it was made before.
+    pub(super) fn make(&mut self, device: &Device, way: Way) {
+        let Self { made, modules, layout, .. } = self;
+        made.entry(way).or_insert_with(|| {
+            let kind = kind(way);
+            let shader = modules.entry(kind.label);
+            let shader = shader.or_insert_with(|| module(device, kind.label, (kind.shader)()));
+            pipeline(device, layout, shader, &kind)
+        });
+    }
+
+    /// What draws in this way, once it was made.
+    pub(super) fn get(&self, way: Way) -> Option<&wgpu::RenderPipeline> {
+        self.made.get(&way)
     }
 
     /// A buffer of uniforms and the colour maps, for all pipelines but the last.
@@ -129,108 +135,106 @@ impl Pipelines {
     }
 }
 
-impl LinePipelines {
-    /// For points of 16 bytes, `stride` bytes from one line's first point to the next line's.
-    fn new(
-        device: &Device,
-        layout: &wgpu::PipelineLayout,
-        (shader, entries): (&wgpu::ShaderModule, [&str; 2]),
-        stride: u64,
-    ) -> Self {
-        let buffers = two_points(stride);
-        let of = |label, depth| {
-            let kind = Kind {
+/// How the pipeline of a way differs from the others.
+fn kind(way: Way) -> Kind {
+    match way {
+        Way::Solid | Way::Ghost => Kind {
+            label: "mesh",
+            shader: shaders::mesh,
+            entries: ["mesh_vertex", "mesh_fragment"],
+            buffers: &CORNERS,
+            topology: wgpu::PrimitiveTopology::TriangleList,
+            depth: (CompareFunction::Less, way == Way::Solid),
+        },
+        Way::Lines(lines, seen) => {
+            let (label, shader, entries): (_, fn() -> String, _) = match lines {
+                Lines::Strips | Lines::Segments => {
+                    ("lines", shaders::lines, ["line_vertex", "line_fragment"])
+                }
+                Lines::Arrows => ("arrows", shaders::arrows, ["arrow_vertex", "arrow_fragment"]),
+                Lines::Marks => ("marks", shaders::marks, ["mark_vertex", "mark_fragment"]),
+            };
+            Kind {
                 label,
                 shader,
                 entries,
-                buffers: &buffers,
+                buffers: if lines == Lines::Strips { &STRIP_POINTS } else { &TWO_POINTS },
                 topology: wgpu::PrimitiveTopology::TriangleStrip,
-                depth,
-                cull: None,
-            };
-            pipeline(device, layout, &kind)
-        };
-        Self {
-            seen: of("lines::seen", (CompareFunction::LessEqual, true)),
-            hidden: of("lines::hidden", (CompareFunction::Greater, false)),
-            on_top: of("lines::on_top", (CompareFunction::Always, false)),
+                depth: match seen {
+                    Seen::InFront => (CompareFunction::LessEqual, true),
+                    Seen::Behind => (CompareFunction::Greater, false),
+                    Seen::OnTop => (CompareFunction::Always, false),
+                },
+            }
         }
+        Way::Boxes => Kind {
+            label: "boxes",
+            shader: shaders::boxes,
+            entries: ["box_vertex", "box_fragment"],
+            buffers: &TWO_POINTS,
+            topology: wgpu::PrimitiveTopology::TriangleList,
+            depth: (CompareFunction::LessEqual, false),
+        },
+        Way::Capsules => Kind {
+            label: "capsules",
+            shader: shaders::capsules,
+            entries: ["capsule_vertex", "capsule_fragment"],
+            buffers: &CAPSULES,
+            topology: wgpu::PrimitiveTopology::TriangleList,
+            depth: (CompareFunction::Less, false),
+        },
     }
 }
 
-/// The first and the second point of a line, or of a box, one after the other for each instance.
-fn two_points(stride: u64) -> [Option<wgpu::VertexBufferLayout<'static>>; 2] {
-    const FROM: [wgpu::VertexAttribute; 1] = vertex_attr_array![0 => Float32x4];
-    const TO: [wgpu::VertexAttribute; 1] = vertex_attr_array![1 => Float32x4];
-    [&FROM, &TO].map(|attributes| {
-        Some(wgpu::VertexBufferLayout {
-            array_stride: stride,
-            step_mode: VertexStepMode::Instance,
-            attributes,
-        })
-    })
+/// Vertex buffers of a pipeline.
+type Buffers = [Option<wgpu::VertexBufferLayout<'static>>];
+
+const FROM: [wgpu::VertexAttribute; 1] = vertex_attr_array![0 => Float32x4];
+const TO: [wgpu::VertexAttribute; 1] = vertex_attr_array![1 => Float32x4];
+
+/// Corners of triangles.
+static CORNERS: [Option<wgpu::VertexBufferLayout<'static>>; 1] =
+    [of_each(VertexStepMode::Vertex, 12, &vertex_attr_array![0 => Float32x3])];
+
+/// Every point but the last, and the one after it: 16 bytes from one to the next.
+static STRIP_POINTS: [Option<wgpu::VertexBufferLayout<'static>>; 2] =
+    [of_each(VertexStepMode::Instance, 16, &FROM), of_each(VertexStepMode::Instance, 16, &TO)];
+
+/// The first and the second point of a line, or of a box.
+static TWO_POINTS: [Option<wgpu::VertexBufferLayout<'static>>; 2] =
+    [of_each(VertexStepMode::Instance, 32, &FROM), of_each(VertexStepMode::Instance, 32, &TO)];
+
+/// Corners that all capsules share, and each capsule.
+static CAPSULES: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+    of_each(VertexStepMode::Vertex, 16, &FROM),
+    of_each(VertexStepMode::Instance, 48, &vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32]),
+];
+
+const fn of_each(
+    step_mode: VertexStepMode,
+    array_stride: u64,
+    attributes: &'static [wgpu::VertexAttribute],
+) -> Option<wgpu::VertexBufferLayout<'static>> {
+    Some(wgpu::VertexBufferLayout { array_stride, step_mode, attributes })
 }
 
-fn box_pipeline(
+fn pipeline(
     device: &Device,
     layout: &wgpu::PipelineLayout,
     shader: &wgpu::ShaderModule,
+    kind: &Kind,
 ) -> wgpu::RenderPipeline {
-    let kind = Kind {
-        label: "boxes",
-        shader,
-        entries: ["box_vertex", "box_fragment"],
-        buffers: &two_points(32),
-        topology: wgpu::PrimitiveTopology::TriangleList,
-        depth: (CompareFunction::LessEqual, false),
-        cull: None,
-    };
-    pipeline(device, layout, &kind)
-}
-
-fn capsule_pipeline(
-    device: &Device,
-    layout: &wgpu::PipelineLayout,
-    shader: &wgpu::ShaderModule,
-) -> wgpu::RenderPipeline {
-    let corners = wgpu::VertexBufferLayout {
-        array_stride: 16,
-        step_mode: VertexStepMode::Vertex,
-        attributes: &vertex_attr_array![0 => Float32x4],
-    };
-    let capsules = wgpu::VertexBufferLayout {
-        array_stride: 48,
-        step_mode: VertexStepMode::Instance,
-        attributes: &vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32],
-    };
-    let kind = Kind {
-        label: "capsules",
-        shader,
-        entries: ["capsule_vertex", "capsule_fragment"],
-        buffers: &[Some(corners), Some(capsules)],
-        topology: wgpu::PrimitiveTopology::TriangleList,
-        depth: (CompareFunction::Less, false),
-        cull: None,
-    };
-    pipeline(device, layout, &kind)
-}
-
-fn pipeline(device: &Device, layout: &wgpu::PipelineLayout, kind: &Kind<'_>) -> wgpu::RenderPipeline {
     let (depth_compare, depth_write) = kind.depth;
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(kind.label),
         layout: Some(layout),
         vertex: wgpu::VertexState {
-            module: kind.shader,
+            module: shader,
             entry_point: Some(kind.entries[0]),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             buffers: kind.buffers,
         },
-        primitive: wgpu::PrimitiveState {
-            topology: kind.topology,
-            cull_mode: kind.cull,
-            ..wgpu::PrimitiveState::default()
-        },
+        primitive: wgpu::PrimitiveState { topology: kind.topology, ..wgpu::PrimitiveState::default() },
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
             depth_write_enabled: Some(depth_write),
@@ -240,7 +244,7 @@ fn pipeline(device: &Device, layout: &wgpu::PipelineLayout, kind: &Kind<'_>) -> 
         }),
         multisample: wgpu::MultisampleState { count: SAMPLES, ..wgpu::MultisampleState::default() },
         fragment: Some(wgpu::FragmentState {
-            module: kind.shader,
+            module: shader,
             entry_point: Some(kind.entries[1]),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &[Some(wgpu::ColorTargetState {
@@ -344,12 +348,8 @@ fn picture_layout(device: &Device) -> wgpu::BindGroupLayout {
 
 /// All colour maps, one in each row.
 fn colour_maps(device: &Device, queue: &wgpu::Queue) -> wgpu::TextureView {
-    let colour = |map: ColourMap, at: usize| {
-        let [red, green, blue] = map.colour(at as f32 / (STEPS - 1) as f32);
-        [red, green, blue, 255]
-    };
-    let texels: Vec<u8> =
-        ColourMap::ALL.iter().flat_map(|&map| (0..STEPS).flat_map(move |at| colour(map, at))).collect();
+    let colours = ColourMap::ALL.iter().flat_map(|map| map.colours());
+    let texels: Vec<u8> = colours.flat_map(|&[red, green, blue]| [red, green, blue, 255]).collect();
     let descriptor = wgpu::TextureDescriptor {
         label: Some("view::colour_maps"),
         size: wgpu::Extent3d {

@@ -2,14 +2,14 @@
 
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::Range;
 
 use wgpu::util::DeviceExt;
 use wgpu::{BufferUsages, Device};
 
-use super::super::frame::Stage;
+use super::super::frame::{Frame, Layer};
 use super::super::geometry::{Geometry, Shape, capsule_template};
-use super::pipelines::{LinePipelines, Pipelines};
+use super::super::surfaces::Surfaces;
+use super::pipelines::{Lines, Pipelines, Way};
 
 pub(super) struct Uploads {
     uploaded: BTreeMap<u64, Uploaded>,
@@ -66,59 +66,50 @@ impl Uploads {
         self.uploaded.retain(|id, _| used.contains(id));
     }
 
-    /// Draws a geometry, or a part of its lines, boxes or capsules; how many vertices that are.
+    /// Draws a layer of a frame; how many draws and vertices that are.
     pub(super) fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         pipelines: &Pipelines,
-        geometry: &Geometry,
-        (stage, is_hidden): (Stage, bool),
-        part: Option<Range<u32>>,
-    ) -> u64 {
-        let Some(uploaded) = self.uploaded.get(&geometry.id()) else { return 0 };
+        (layer, way): (&Layer, Way),
+        frame: &Frame,
+    ) -> (u64, u64) {
+        let Some(uploaded) = self.uploaded.get(&layer.geometry.id()) else { return (0, 0) };
         let all = 0..uploaded.count;
+        let part = layer.part.as_ref();
         let part = part.map_or(all.clone(), |part| part.start.min(all.end)..part.end.min(all.end));
-        if part.is_empty() {
-            return 0;
-        }
+        let Some(pipeline) = pipelines.get(way).filter(|_| !part.is_empty()) else { return (0, 0) };
+        pass.set_pipeline(pipeline);
         let instances = part.len() as u64;
-        match geometry.shape() {
-            Shape::Mesh { .. } => {
-                let Some(indices) = &uploaded.indices else { return 0 };
-                let is_ghost = stage == Stage::Ghost;
-                pass.set_pipeline(if is_ghost { &pipelines.ghost } else { &pipelines.solid });
+        match layer.geometry.shape() {
+            Shape::Mesh(surfaces) => {
+                let Some(indices) = &uploaded.indices else { return (0, 0) };
                 pass.set_vertex_buffer(0, uploaded.vertices.slice(..));
                 pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
-                pass.draw_indexed(all, 0, 0..1);
-                u64::from(uploaded.count)
+                let drawn = surfaces.in_sight(&frame.camera, frame.pixels);
+                drawn.fold((0, 0), |(calls, vertices), (triangles, grid)| {
+                    // The shader knows the grid as the number of the instance.
+                    pass.draw_indexed(3 * triangles.start..3 * triangles.end, 0, grid..grid + 1);
+                    (calls + 1, vertices + 3 * triangles.len() as u64)
+                })
             }
-            Shape::Strip(_) => {
-                lines(pass, (&pipelines.strips, 4), (stage, is_hidden), &uploaded.vertices, part);
-                4 * instances
-            }
-            Shape::Segments(_) => {
-                let (of, corners) = match stage {
-                    Stage::Arrows => (&pipelines.arrows, 3),
-                    Stage::Marks => (&pipelines.marks, 4),
-                    _ => (&pipelines.segments, 4),
+            Shape::Strip(_) | Shape::Segments(_) | Shape::Boxes(_) => {
+                let corners = match way {
+                    Way::Boxes => BOX_CORNERS,
+                    Way::Lines(Lines::Arrows, _) => 3,
+                    _ => 4,
                 };
-                lines(pass, (of, corners), (stage, is_hidden), &uploaded.vertices, part);
-                u64::from(corners) * instances
-            }
-            Shape::Boxes(_) => {
-                pass.set_pipeline(&pipelines.boxes);
                 pass.set_vertex_buffer(0, uploaded.vertices.slice(..));
                 pass.set_vertex_buffer(1, uploaded.vertices.slice(POINT_BYTES..));
-                pass.draw(0..BOX_CORNERS, part);
-                u64::from(BOX_CORNERS) * instances
+                pass.draw(0..corners, part);
+                (1, u64::from(corners) * instances)
             }
             Shape::Capsules(_) => {
-                pass.set_pipeline(&pipelines.capsules);
                 pass.set_vertex_buffer(0, self.capsule_corners.slice(..));
                 pass.set_vertex_buffer(1, uploaded.vertices.slice(..));
                 pass.set_index_buffer(self.capsule_indices.slice(..), wgpu::IndexFormat::Uint32);
                 pass.draw_indexed(0..self.capsule_index_count, 0, part);
-                u64::from(self.capsule_index_count) * instances
+                (1, u64::from(self.capsule_index_count) * instances)
             }
         }
     }
@@ -130,27 +121,10 @@ const BOX_CORNERS: u32 = 36;
 /// Bytes from a line's first point to its second.
 const POINT_BYTES: u64 = 16;
 
-fn lines(
-    pass: &mut wgpu::RenderPass<'_>,
-    (pipelines, corners): (&LinePipelines, u32),
-    (stage, is_hidden): (Stage, bool),
-    points: &wgpu::Buffer,
-    part: Range<u32>,
-) {
-    pass.set_pipeline(match (stage, is_hidden) {
-        (Stage::OnTop, _) => &pipelines.on_top,
-        (_, true) => &pipelines.hidden,
-        (_, false) => &pipelines.seen,
-    });
-    pass.set_vertex_buffer(0, points.slice(..));
-    pass.set_vertex_buffer(1, points.slice(POINT_BYTES..));
-    pass.draw(0..corners, part);
-}
-
 fn upload(device: &Device, shape: &Shape) -> Uploaded {
     let vertices = |label, bytes: &[u8]| buffer(device, label, bytes, BufferUsages::VERTEX);
     match shape {
-        Shape::Mesh { positions, triangles } => Uploaded {
+        Shape::Mesh(Surfaces { positions, triangles, .. }) => Uploaded {
             vertices: vertices("mesh::positions", bytemuck::cast_slice(positions)),
             indices: Some(buffer(
                 device,
