@@ -15,7 +15,7 @@ use crate::analysis::GroupWidth;
 use crate::app::{App, only_own_backends};
 use crate::model::Context;
 use crate::model::value::ColourBy;
-use crate::model::what_if::{Settings, WHAT_IF};
+use crate::model::what_if::{Estimate, Settings, WHAT_IF};
 use crate::output::{print, print_json};
 use crate::panels::settings::set;
 use crate::panels::space::SpaceView;
@@ -68,7 +68,7 @@ pub(crate) struct Shot {
     pub(crate) ray: Option<usize>,
     pub(crate) cell: Option<u32>,
     pub(crate) filter: Option<String>,
-    pub(crate) what_if: Option<String>,
+    pub(crate) what_if: Option<WhatIf>,
     pub(crate) scene: SceneChoice,
     /// `NAME=VALUE`, of the panel that is drawn; `PANEL.NAME=VALUE` of a window's.
     pub(crate) settings: Vec<String>,
@@ -76,6 +76,15 @@ pub(crate) struct Shot {
     pub(crate) scale: f32,
     pub(crate) is_light: bool,
     pub(crate) frames: usize,
+}
+
+/// Another order, by a layout or a method's name, and how it differs from what that means by itself.
+#[derive(Clone, Debug)]
+pub(crate) struct WhatIf {
+    pub(crate) order: String,
+    pub(crate) key_bits: Option<u32>,
+    pub(crate) estimate: Option<Estimate>,
+    pub(crate) length: Option<f32>,
 }
 
 /// How the scene view differs from what it shows by itself.
@@ -441,11 +450,17 @@ fn memory() -> Memory {
     Memory { resident_bytes: of("VmRSS"), anonymous_bytes: of("RssAnon") }
 }
 
-/// Makes the what-if order of a layout, or of a method by its name, and selects it.
-fn make_order(context: &mut Context, what_if: &str) -> anyhow::Result<()> {
+/// Makes the what-if order and selects it.
+fn make_order(context: &mut Context, what_if: &WhatIf) -> anyhow::Result<()> {
     let recording = context.recording().context("no recording was named")?;
     let header = &recording.dump.manifest().header;
-    let settings = Settings::named(what_if, header);
+    let named = Settings::named(&what_if.order, header);
+    let settings = Settings {
+        key_bits: what_if.key_bits.unwrap_or(named.key_bits),
+        estimate: what_if.estimate.unwrap_or(named.estimate),
+        length: what_if.length.unwrap_or(named.length),
+        ..named
+    };
     if let Err(error) = settings.layout(header.lights.len()) {
         bail!("--what-if: {error}");
     }

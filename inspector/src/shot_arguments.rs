@@ -1,17 +1,23 @@
 //! The command line of `inspector shot`.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, value_parser};
+use formats::key::{KEY_BITS_MIN, LAYOUT_BITS};
 use formats::ray::Kind;
 
 use crate::analysis::GroupWidth;
 use crate::cli::RayKind;
 use crate::model::value::ColourBy;
+use crate::model::what_if::Estimate;
 use crate::panels::space::options::{MeshMode, StandPoint};
 use crate::render::camera::Camera;
-use crate::shot::{self, SceneChoice, Shot, VIEWS};
+use crate::shot::{self, SceneChoice, Shot, VIEWS, WhatIf};
+
+/// Bits that a key can have.
+const KEY_BITS: RangeInclusive<i64> = KEY_BITS_MIN as i64..=LAYOUT_BITS as i64;
 
 /// A picture of the window.
 #[derive(Debug, Args)]
@@ -62,6 +68,15 @@ pub(crate) struct ShotArguments {
     /// looks at that order.
     #[arg(long, value_name = "LAYOUT")]
     what_if: Option<String>,
+    /// Bits of the keys of --what-if [default: those of the recording].
+    #[arg(long, value_name = "BITS", requires = "what_if", value_parser = value_parser!(u32).range(KEY_BITS))]
+    what_if_bits: Option<u32>,
+    /// Where --what-if has the length of a ray from [default: as the method has it, or one length].
+    #[arg(long, value_name = "SOURCE", requires = "what_if", value_enum)]
+    what_if_estimate: Option<Estimate>,
+    /// The one length of all rays for --what-if, unit lengths [default: that of the recording].
+    #[arg(long, value_name = "LENGTH", requires = "what_if", value_parser = parse_length)]
+    what_if_length: Option<f32>,
     /// What rays in space are coloured by: place, group, key, key:ox and the like, length, ...
     #[arg(long, value_parser = |name: &str| ColourBy::try_from(name.to_owned()))]
     colour_by: Option<ColourBy>,
@@ -135,6 +150,11 @@ enum MeshChoice {
 /// The largest side of a picture that every adapter can draw.
 const LARGEST_SIDE: u32 = 8192;
 
+fn parse_length(text: &str) -> Result<f32, String> {
+    let length = text.parse::<f32>().ok().filter(|length| length.is_finite() && *length >= 0.0);
+    length.ok_or_else(|| "expected unit lengths, 0 or more, such as 0.25".to_owned())
+}
+
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let sides =
         text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
@@ -186,7 +206,12 @@ impl ShotArguments {
             ray: self.ray,
             cell: self.cell,
             filter: self.filter.clone(),
-            what_if: self.what_if.clone(),
+            what_if: self.what_if.clone().map(|order| WhatIf {
+                order,
+                key_bits: self.what_if_bits,
+                estimate: self.what_if_estimate,
+                length: self.what_if_length,
+            }),
             scene,
             size: self.size,
             scale: self.scale.clamp(0.5, 4.0),

@@ -1,5 +1,6 @@
 //! The `inspector shot` command that draws what is seen, to be repeated and put into a paper's notes.
 
+use clap::ValueEnum;
 use serde_json::Value;
 
 use crate::inputs::{quoted, quoted_text};
@@ -18,13 +19,13 @@ pub(crate) struct Look {
     pub(crate) is_light: bool,
 }
 
-/// The command for a panel, or for the `window`; none if no recording is open, or for an order that only a
-/// session can keep. `states` are those of the
-/// panels that are drawn.
+/// The command for a panel, or for the `window` with its panels where they are at first; none if no recording
+/// is open. `states` are those of the panels that are drawn.
 pub(crate) fn of(context: &Context, panel: &str, states: &[(&str, Value)], look: &Look) -> Option<String> {
     context.recording()?;
-    let view =
-        VIEWS.into_iter().find(|(view, name)| *name == panel || *view == panel).map(|(view, _)| view)?;
+    // The panel of rays is called like a view of the scene.
+    let of_panel = VIEWS.into_iter().find(|(_, name)| *name == panel);
+    let (view, _) = of_panel.or_else(|| VIEWS.into_iter().find(|(view, _)| *view == panel))?;
     let mut words = vec!["inspector shot".to_owned()];
     words.extend(context.recordings.iter().map(|open| quoted(open.dump.root())));
     let mut add = |name: &str, value: &str| words.push(format!("--{name} {}", quoted_text(value)));
@@ -38,7 +39,9 @@ pub(crate) fn of(context: &Context, panel: &str, states: &[(&str, Value)], look:
     add("kind", &queue.kind.to_string());
     if method == WHAT_IF {
         let settings = context.what_if.as_ref()?;
-        add("what-if", what_if(settings, context)?);
+        for (name, value) in what_if(settings, context)? {
+            add(name, &value);
+        }
     } else {
         add("method", method);
     }
@@ -75,12 +78,26 @@ pub(crate) fn of(context: &Context, panel: &str, states: &[(&str, Value)], look:
     Some(words.join(" "))
 }
 
-/// The layout or method that `--what-if` takes; none for settings that no option of `shot` gives.
-fn what_if<'a>(settings: &'a Settings, context: &Context) -> Option<&'a str> {
+/// The options of `shot` that give a what-if order.
+fn what_if(settings: &Settings, context: &Context) -> Option<Vec<(&'static str, String)>> {
     let header = &context.recording()?.dump.manifest().header;
-    let name =
-        Settings::builtin_names().find(|name| Settings::builtin(name, header).as_ref() == Some(settings));
-    name.or((Settings::named(&settings.text, header) == *settings).then_some(settings.text.as_str()))
+    let is_named = |name: &&str| {
+        Settings::builtin(name, header)
+            .is_some_and(|named| (&named.text, named.estimate) == (&settings.text, settings.estimate))
+    };
+    let order = Settings::builtin_names().find(is_named).unwrap_or(&settings.text);
+    let named = Settings::named(order, header);
+    let mut options = vec![("what-if", order.to_owned())];
+    if named.key_bits != settings.key_bits {
+        options.push(("what-if-bits", settings.key_bits.to_string()));
+    }
+    if named.estimate != settings.estimate {
+        options.push(("what-if-estimate", settings.estimate.to_possible_value()?.get_name().to_owned()));
+    }
+    if named.length != settings.length {
+        options.push(("what-if-length", settings.length.to_string()));
+    }
+    Some(options)
 }
 
 /// The state of a panel as `shot` makes it for a view.

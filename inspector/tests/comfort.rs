@@ -12,6 +12,7 @@ use formats::manifest::QueueId;
 use formats::ray::Kind;
 use inspector::app::App;
 use inspector::app::demo::Demo;
+use inspector::model::what_if::{Estimate, Settings, WHAT_IF};
 use inspector::session::Session;
 
 mod headless;
@@ -281,6 +282,7 @@ fn the_command_that_is_shown_draws_what_is_seen() {
     harness.get_by_label("Overview").click();
     settle(&mut harness);
     let context = harness.ctx.clone();
+    assert!(harness.state().command_of("window", &context).is_some());
     let command = harness.state().command_of("scene", &context).unwrap();
     for part in ["--bounce 1", "--method aila", "--ray 7", "--set capsules=true", "--camera '"] {
         assert!(command.contains(part), "{part} is not in {command}");
@@ -294,4 +296,66 @@ fn the_command_that_is_shown_draws_what_is_seen() {
     let done = std::process::Command::new("sh").args(["-c", &again]).output().unwrap();
     assert!(done.status.success(), "{again}: {}", String::from_utf8_lossy(&done.stderr));
     assert!(out.is_file());
+    for (panel, view) in
+        [("rays", "rays-table"), ("order", "order"), ("window", "window"), ("scene", "curve")]
+    {
+        let command = harness.state().command_of(panel, &context).unwrap();
+        assert!(command.contains(&format!("--view {view} ")), "{panel}: {command}");
+    }
+    // Where panels are cannot be said in a command.
+    harness.get_by_label("Timings").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().command_of("window", &context), None);
+}
+
+/// An order that was made, with bits, a length and an estimate of its own, is drawn by the command.
+#[test]
+fn the_command_of_an_order_that_was_made_draws_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = on(&[sample::write(folder.path())]);
+    let settings = |text: &str, key_bits, estimate, length| Settings {
+        text: text.to_owned(),
+        key_bits,
+        estimate,
+        length,
+    };
+    for (settings, expected) in [
+        (
+            settings("(u v)*3 (ox oy oz)*5", 18, Estimate::Fixed, 0.5),
+            "--what-if-bits 18 --what-if-length 0.5",
+        ),
+        (settings("(ox oy oz ex ey ez)*5", 30, Estimate::Traced, 0.25), "--what-if-estimate traced"),
+    ] {
+        let context = &mut harness.state_mut().context;
+        context.go_to(QUEUE);
+        context.what_if = Some(settings);
+        context.selection.order_by(WHAT_IF);
+        let made = context.awaited_order().unwrap();
+        let keys: Vec<u64> = (0..made.len()).map(|ray| made.keys.as_ref().unwrap().0.at(ray)).collect();
+        settle(&mut harness);
+        let window = harness.ctx.clone();
+        let command = harness.state().command_of("rays", &window).unwrap();
+        let size = command.split_whitespace().skip_while(|word| *word != "--size").nth(1).unwrap();
+        // As many rows as there are rays.
+        let command = command.replace(size, "600x4000");
+        assert!(command.contains(expected), "{expected} is not in {command}");
+        let draw = |command: &str, name: &str| {
+            let out = folder.path().join(name);
+            let command = command.replacen("inspector", env!("CARGO_BIN_EXE_inspector"), 1);
+            let command = command.replace("--out rays.png", &format!("--out {}", out.display()));
+            let done = std::process::Command::new("sh").args(["-c", &command]).output().unwrap();
+            assert!(done.status.success(), "{command}: {}", String::from_utf8_lossy(&done.stderr));
+            std::fs::read(out).unwrap()
+        };
+        let drawn = draw(&command, "made.png");
+        let usual = draw(&command.replace(expected, ""), "usual.png");
+        assert!(drawn != usual, "{command} changes nothing");
+        let session = folder.path().join("made.json");
+        harness.state().session(&window).write(&session).unwrap();
+        let by_session = format!(
+            "inspector shot --session {} --view rays-table --size 600x4000 --out rays.png",
+            session.display()
+        );
+        assert!(draw(&by_session, "session.png") == drawn, "the session shows another order: {keys:?}");
+    }
 }

@@ -141,6 +141,34 @@ fn what_is_drawn_is_set_and_counted() {
     }
 }
 
+/// What panels show besides the selection is set by name.
+#[test]
+fn settings_of_panels_change_their_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = sample::write(folder.path());
+    let out = folder.path().join("x.png");
+    let draw = |view: &str, settings: &[&str]| {
+        let usual = ["shot", "--view", view, "--method", "two-point", "--size", "640x480"];
+        let settings: Vec<&str> = settings.iter().flat_map(|setting| ["--set", *setting]).collect();
+        let arguments = [&usual[..], &settings, &["--out", out.to_str().unwrap()]].concat();
+        let output = inspector(&arguments, &dump).output().unwrap();
+        assert!(output.status.success(), "{view} {settings:?}: {}", text(&output));
+        std::fs::read(&out).unwrap()
+    };
+    for (view, settings) in [
+        ("table", &["view=count"][..]),
+        ("table", &["view=histograms"]),
+        ("coherence", &["listed=groups"]),
+        ("rays-table", &["sorted_by=length"]),
+        ("rays-table", &["sorted_by=length", "descending=true"]),
+        ("rays-table", &[r#"columns=["ray","area"]"#]),
+        ("order", &["colouring=key"]),
+    ] {
+        let (last, before) = settings.split_last().unwrap();
+        assert!(draw(view, settings) != draw(view, before), "{last} changes nothing of {view}");
+    }
+}
+
 /// With all Vulkan drivers hidden, only what draws in a window fails, and says why.
 #[cfg(target_os = "linux")]
 #[test]

@@ -229,13 +229,15 @@ impl App {
     }
 
     fn show_command(&mut self, panel: &str, window: &egui::Context) {
-        let none =
-            "No option of `inspector shot` gives this order: save a session, and draw that by --session.";
+        let none = "No option of `inspector shot` says where panels are: save a session, and draw that by --session.";
         self.command = Some(self.command_of(panel, window).unwrap_or_else(|| none.to_owned()));
     }
 
-    /// The command that draws a panel, or the window, as it is.
+    /// The command that draws a panel, or the window, as it is; none for a window whose panels were moved.
     pub fn command_of(&self, panel: &str, window: &egui::Context) -> Option<String> {
+        if panel == "window" && !layout::is_as_at_first(&self.tree) {
+            return None;
+        }
         let (scale, size) = (window.pixels_per_point(), window.content_rect().size());
         let size = self.places.get(panel).map_or(size, egui::Rect::size);
         let look = shot_command::Look {

@@ -7,6 +7,7 @@ use formats::manifest::Header;
 use formats::metrics::lanes::work_of;
 use formats::stored_table::cell_encoder;
 use formats::traced::Results;
+use serde::{Deserialize, Serialize};
 
 use super::order::Order;
 use crate::analysis::GroupWidth;
@@ -14,8 +15,8 @@ use crate::analysis::GroupWidth;
 macro_rules! quantities {
     ($($variant:ident = $name:literal $(| $alias:literal)?, $about:literal;)*) => {
         /// A number that a ray has.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        pub enum Quantity { $(#[doc = $about] $variant,)* }
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        pub enum Quantity { $(#[doc = $about] #[serde(rename = $name)] $variant,)* }
 
         impl Quantity {
             /// All of them.

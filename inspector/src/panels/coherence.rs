@@ -1,6 +1,7 @@
 //! How coherent each order's groups are: the areas of their capsules.
 
 use egui_plot::{Line, Plot, PlotPoints};
+use serde::{Deserialize, Serialize};
 
 use super::worst::WorstGroups;
 use super::{legend, missing, power_of_ten};
@@ -16,7 +17,8 @@ use crate::theme::Theme;
 const ROW: f32 = 23.0;
 
 /// What is listed below the plot.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Listed {
     /// The means of every order.
     #[default]
@@ -90,6 +92,15 @@ impl Panel for CoherencePanel {
         }
         let rows: Vec<Vec<String>> = orders.iter().flat_map(quantities).collect();
         Ok(Data::new(&["order", "quantity", "value"], rows.into_iter()))
+    }
+
+    fn state(&self) -> serde_json::Value {
+        serde_json::json!({ "listed": self.listed })
+    }
+
+    fn set_state(&mut self, state: serde_json::Value) -> Result<(), serde_json::Error> {
+        self.listed = serde_json::from_value(state["listed"].clone())?;
+        Ok(())
     }
 }
 

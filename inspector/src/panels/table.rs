@@ -10,6 +10,8 @@ use rayon::prelude::*;
 use super::missing;
 use super::picture::Picture;
 use super::table_plots::{EstimatePlot, histograms};
+use serde::{Deserialize, Serialize};
+
 use crate::model::{Context, Queue};
 use crate::output::{count, counted};
 use crate::panels::Panel;
@@ -20,7 +22,8 @@ use crate::render::range::Values;
 use crate::theme::Theme;
 
 /// What cells are coloured by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Colouring {
     /// Whether a ray was added.
     Fill,
@@ -44,14 +47,16 @@ impl Colouring {
 }
 
 /// What is shown of the table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum View {
-    /// Its cells as a picture.
-    Picture(Colouring),
     /// How many cells have how many rays and which mean length.
     Histograms,
     /// Its estimates against traced lengths.
     Estimates,
+    /// Its cells as a picture.
+    #[serde(untagged)]
+    Picture(Colouring),
 }
 
 impl Default for View {
@@ -122,6 +127,15 @@ impl Panel for TablePanel {
             Some(vec![cell.to_string(), count.to_string(), mean_length(sum, count).to_string()])
         });
         Ok(Data::new(&["cell", "count", "mean_length"], rows))
+    }
+
+    fn state(&self) -> serde_json::Value {
+        serde_json::json!({ "view": self.view })
+    }
+
+    fn set_state(&mut self, state: serde_json::Value) -> Result<(), serde_json::Error> {
+        self.view = serde_json::from_value(state["view"].clone())?;
+        Ok(())
     }
 }
 

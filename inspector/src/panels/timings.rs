@@ -177,8 +177,12 @@ fn speedups(ui: &mut egui::Ui, queue: &QueueAnalysis) {
         egui::Grid::new("speedups").striped(true).num_columns(3).spacing([18.0, 2.0]).show(ui, |ui| {
             for (name, about) in [
                 ("method", "How the rays were sorted"),
-                ("trace speedup", "Unsorted trace over trace in this order, with its 95 % interval"),
-                ("net speedup", "Unsorted trace over all stages that sorting takes"),
+                (
+                    "trace speedup",
+                    "Unsorted trace over trace in this order, with its 95 % interval; ~ is no significant \
+                     difference, ? too few samples to tell",
+                ),
+                ("net speedup", "Unsorted trace over all stages that sorting takes; signs as for the trace"),
             ] {
                 ui.strong(name).on_hover_text(about);
             }
@@ -198,13 +202,15 @@ fn speedup_cell(ui: &mut egui::Ui, speedup: &Metric<SpeedupLine>) {
     match speedup {
         Metric::Known(SpeedupLine { ratio, interval, verdict, n }) => {
             let interval = interval.map_or(String::new(), |(low, high)| format!("  [{low:.2}, {high:.2}]"));
-            let verdict = match verdict {
-                Verdict::Faster => "faster",
-                Verdict::Slower => "slower",
-                Verdict::NoSignificantDifference => "no significant difference",
-                Verdict::Unknown => "too few samples to tell",
+            let (sign, verdict) = match verdict {
+                Verdict::Faster => ("", "faster"),
+                Verdict::Slower => ("", "slower"),
+                Verdict::NoSignificantDifference => (" ~", "no significant difference"),
+                Verdict::Unknown => (" ?", "too few samples to tell"),
             };
-            ui.label(format!("{ratio:.2}x{interval}")).on_hover_text(format!("{verdict} (n = {n})"));
+            let text = egui::RichText::new(format!("{ratio:.2}x{interval}{sign}"));
+            let text = if sign.is_empty() { text } else { text.weak() };
+            ui.label(text).on_hover_text(format!("{verdict} (n = {n})"));
         }
         Metric::Missing { missing } => {
             ui.weak("none").on_hover_text(missing);

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use clap::ValueEnum;
 use formats::key::method::BUILTIN;
 use formats::key::{
     Coordinate, Encoder, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError, LayoutText, Method, Termination,
@@ -37,7 +38,7 @@ pub struct Settings {
 }
 
 /// Where the estimate of a ray's length comes from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Estimate {
     /// One length for all rays.

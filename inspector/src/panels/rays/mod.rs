@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use egui::{Align, Layout};
 use egui_extras::{Column, TableBuilder};
+use serde::{Deserialize, Serialize};
 
 use self::window::RowWindow;
 use super::filter_box::{filter_box, filter_problem};
@@ -84,6 +85,14 @@ fn arrow(ui: &mut egui::Ui, direction: Direction) {
     ui.painter().add(egui::Shape::convex_polygon(corners, colour, egui::Stroke::NONE));
 }
 
+/// What sessions keep of the table.
+#[derive(Serialize, Deserialize)]
+struct State {
+    columns: Vec<Quantity>,
+    sorted_by: Quantity,
+    descending: bool,
+}
+
 /// What was done to the table.
 #[derive(Default)]
 struct Done {
@@ -154,6 +163,23 @@ impl Panel for RaysPanel {
             columns.iter().map(|&quantity| numbers.text(quantity, place)).collect()
         };
         Ok(Data::new(&names, (0..all).map(row)))
+    }
+
+    fn state(&self) -> serde_json::Value {
+        let state = State {
+            columns: self.columns.iter().map(|column| column.quantity).collect(),
+            sorted_by: self.sorting.by,
+            descending: self.sorting.direction == Direction::Descending,
+        };
+        serde_json::to_value(state).unwrap_or_default()
+    }
+
+    fn set_state(&mut self, state: serde_json::Value) -> Result<(), serde_json::Error> {
+        let State { columns, sorted_by, descending } = serde_json::from_value(state)?;
+        self.columns = columns.into_iter().map(ShownColumn::of).collect();
+        let direction = if descending { Direction::Descending } else { Direction::Ascending };
+        self.sorting = Sorting { by: sorted_by, direction };
+        Ok(())
     }
 }
 
