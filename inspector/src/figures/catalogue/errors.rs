@@ -320,7 +320,12 @@ pub fn skipped(material: &Material<'_>) -> Result<Figure, Skipped> {
 }
 
 fn skip_panel(rows: &[SkipRow], title: String) -> Panel {
-    let name = |row: &SkipRow| format!("{} ({})", row.what, row.of);
+    // What it is a part of is said where that tells rows apart.
+    let is_alone = |row: &SkipRow| rows.iter().all(|other| other.what != row.what || other.of == row.of);
+    let name = |row: &SkipRow| match is_alone(row) {
+        true => row.what.clone(),
+        false => format!("{} ({})", row.what, row.of),
+    };
     let ratio = |row: &SkipRow| Speedup::of(&row.done.samples_ns, &row.skipped.samples_ns);
     let timed: Vec<(&SkipRow, Speedup)> = rows.iter().filter_map(|row| Some((row, ratio(row)?))).collect();
     let mut names: Vec<String> = Vec::new();
@@ -339,7 +344,7 @@ fn skip_panel(rows: &[SkipRow], title: String) -> Panel {
                 y: ratio.ratio,
                 spread: ratio.interval,
                 n: row.done.samples_ns.len(),
-                name: format!("{scene}: {}", name(row)),
+                name: format!("{scene}: {} ({})", row.what, row.of),
             })
         };
         Series { label: scene.to_owned(), style, points: own.filter_map(point).collect() }

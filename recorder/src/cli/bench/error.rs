@@ -1,18 +1,16 @@
 //! `recorder bench error`.
 
-use std::path::PathBuf;
-
 use clap::{Args, ValueEnum};
 use comfy_table::Table;
 use formats::bench_result::error::{ErrorRows, EstimatorRow, ImageRow, KeyBitsRow, PrecisionRow};
 use formats::key::method::UNSORTED;
-use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
+use formats::key::{KEY_BITS_MIN, LAYOUT_BITS};
 
 use super::super::record::DeviceArguments;
-use super::{milliseconds, table_of};
+use super::{milliseconds, table_of, unless_asked_for};
 use crate::bench::error::{Curve, ErrorBench, ImageSize};
 use crate::bench::rate;
-use crate::options::{Keep, KeepPasses, OptionError, RecordOptions, in_range, parse_methods};
+use crate::options::{OptionError, RecordOptions, in_range, parse_methods};
 
 #[derive(Debug, Args)]
 pub(super) struct ErrorArguments {
@@ -81,29 +79,19 @@ impl ErrorArguments {
         in_range("image-passes", self.image_passes, 1, 1 << 16)?;
         in_range("reference-passes", self.reference_passes, 1, 1 << 16)?;
         let run = RecordOptions {
-            scene: String::new(),
-            out: PathBuf::new(),
             width: self.width,
             height: self.height,
             bounces: self.bounces,
-            passes: 1,
             repeats: self.repeats,
             seed: self.seed,
             camera: self.camera.clone(),
             methods: parse_methods(&self.methods, &[])?,
-            key_bits: 32,
-            two_point_length: 0.25,
-            table_bits: formats::length_table::TABLE_BITS_DEFAULT,
-            table_method: Method::builtin("aila")?,
             backend: self.device.backend,
             adapter: self.device.adapter.clone(),
             trace: self.device.kernel(),
             threads: self.device.threads,
-            keep: Keep::default(),
             l2_bytes: self.device.l2_kib << 10,
-            keep_passes: KeepPasses::Measured,
-            russian_roulette: false,
-            force: false,
+            ..unless_asked_for()?
         };
         run.check()?;
         RecordOptions { width: self.image_width, height: self.image_height, ..run.clone() }.check()?;

@@ -21,7 +21,7 @@ use crate::bench::sort::{self, SortBench};
 use crate::bench::trace::{self, TraceBench};
 use crate::cache_model::L2_BYTES;
 use crate::device::DeviceRequest;
-use crate::options::{Keep, KeepPasses, OptionError, RecordOptions, in_range, parse_methods};
+use crate::options::{BackendChoice, Keep, KeepPasses, OptionError, RecordOptions, in_range, parse_methods};
 use crate::stages::trace::TraceKernel;
 use error::ErrorArguments;
 use skip::SkipArguments;
@@ -144,35 +144,54 @@ impl TraceArguments {
             return Err(OptionError::Conflict { message });
         }
         let run = RecordOptions {
-            scene: String::new(),
-            out: PathBuf::new(),
             width: self.width,
             height: self.height,
             bounces: self.bounces,
             passes: self.passes,
             repeats: self.repeats,
-            seed: 0,
             camera: self.camera.clone(),
             methods: parse_methods(&self.methods, &[])?,
             key_bits: self.key_bits,
-            two_point_length: 0.25,
-            table_bits: formats::length_table::TABLE_BITS_DEFAULT,
-            table_method: Method::builtin("aila")?,
             backend: self.device.backend,
             adapter: self.device.adapter.clone(),
             trace: self.kernels.first().copied().unwrap_or(TraceKernel::Cwbvh),
             threads: self.device.threads,
-            keep: Keep::default(),
-            l2_bytes: L2_BYTES,
-            keep_passes: KeepPasses::Measured,
-            russian_roulette: false,
-            force: false,
+            ..unless_asked_for()?
         };
         run.check()?;
         let mut kernels = self.kernels.clone();
         kernels.dedup();
         Ok(TraceBench { scenes: self.scenes.clone(), kernels, run })
     }
+}
+
+/// What benchmarks record by, unless they are asked for something else.
+fn unless_asked_for() -> Result<RecordOptions, OptionError> {
+    Ok(RecordOptions {
+        scene: String::new(),
+        out: PathBuf::new(),
+        width: 640,
+        height: 360,
+        bounces: 4,
+        passes: 1,
+        repeats: 1,
+        seed: 0,
+        camera: None,
+        methods: Vec::new(),
+        key_bits: 32,
+        two_point_length: 0.25,
+        table_bits: formats::length_table::TABLE_BITS_DEFAULT,
+        table_method: Method::builtin("aila")?,
+        backend: BackendChoice::Auto,
+        adapter: None,
+        trace: TraceKernel::Cwbvh,
+        threads: None,
+        keep: Keep::default(),
+        l2_bytes: L2_BYTES,
+        keep_passes: KeepPasses::Measured,
+        russian_roulette: false,
+        force: false,
+    })
 }
 
 pub(super) fn run(arguments: &BenchArguments) -> Result<()> {

@@ -1,17 +1,14 @@
 //! `recorder bench skip` and `recorder bench startup`.
 
-use std::path::PathBuf;
-
 use clap::Args;
 use comfy_table::Table;
 use formats::bench_result::skip::{Cost, SkipRow, StartupRow};
-use formats::key::Method;
 use formats::metrics::speedup::Speedup;
 
 use super::super::record::DeviceArguments;
-use super::{milliseconds, table_of};
+use super::{milliseconds, table_of, unless_asked_for};
 use crate::bench::skip::SkipBench;
-use crate::options::{Keep, KeepPasses, OptionError, RecordOptions};
+use crate::options::{OptionError, RecordOptions};
 
 #[derive(Debug, Args)]
 pub(super) struct SkipArguments {
@@ -43,29 +40,17 @@ pub(super) struct SkipArguments {
 impl SkipArguments {
     pub(super) fn bench(&self) -> Result<SkipBench, OptionError> {
         let run = RecordOptions {
-            scene: String::new(),
-            out: PathBuf::new(),
             width: self.width,
             height: self.height,
             bounces: self.bounces,
-            passes: 1,
             repeats: self.repeats,
-            seed: 0,
             camera: self.camera.clone(),
-            methods: Vec::new(),
-            key_bits: 32,
-            two_point_length: 0.25,
-            table_bits: formats::length_table::TABLE_BITS_DEFAULT,
-            table_method: Method::builtin("aila")?,
             backend: self.device.backend,
             adapter: self.device.adapter.clone(),
             trace: self.device.kernel(),
             threads: self.device.threads,
-            keep: Keep::default(),
             l2_bytes: self.device.l2_kib << 10,
-            keep_passes: KeepPasses::Measured,
-            russian_roulette: false,
-            force: false,
+            ..unless_asked_for()?
         };
         run.check()?;
         Ok(SkipBench { scenes: self.scenes.clone(), run })
