@@ -59,15 +59,17 @@ fn benches() -> [BenchResult; 4] {
             trace("bvh2", "aila", 800),
         ])),
         bench(Rows::Error(Box::new(error_rows()))),
-        bench(Rows::Skip(vec![skip_row()])),
+        bench(Rows::Skip(
+            [("textures", "shade"), ("textures", "trace"), ("masks", "trace")].map(skip_row).to_vec(),
+        )),
     ]
 }
 
-fn skip_row() -> SkipRow {
+fn skip_row((what, of): (&str, &str)) -> SkipRow {
     SkipRow {
         scene: "box".into(),
-        what: "textures".into(),
-        of: "shade".into(),
+        what: what.into(),
+        of: of.into(),
         skipped: Cost { samples_ns: vec![100, 100, 100], bytes: 0 },
         done: Cost { samples_ns: vec![150, 150, 150], bytes: 64 },
         same: "picture".into(),
@@ -171,7 +173,11 @@ fn curves_of_run_time_against_error_show_what_was_measured() {
     assert_eq!(place(&bits, "aila"), [(2.0, 3.0), (4.0, 3.0)]);
     assert_eq!(bits.references[0].y, 3.0);
     assert_eq!(place(&panel("image-error", 0), "aila"), [(0.0015, 0.25)]);
-    assert_eq!(place(&panel("skipped", 0), "box"), [(0.0, 1.5)]);
+    let skipped = panel("skipped", 0);
+    assert_eq!(place(&skipped, "box"), [(0.0, 1.5), (1.0, 1.5), (2.0, 1.5)]);
+    // Only what is skipped of several things says of which.
+    let Scale::Categories(names) = &skipped.x.scale else { panic!("names along the axis") };
+    assert_eq!(names, &["textures (shade)", "textures (trace)", "masks"]);
 }
 
 /// The figure, or why not.

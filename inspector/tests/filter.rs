@@ -19,6 +19,7 @@ use inspector::analysis::GroupWidth;
 use inspector::model::filter::{Expression, passing};
 use inspector::model::quantity::{Numbers, Quantity};
 use inspector::model::rows::{Direction, Rows, Sorting};
+use inspector::model::value::ColourBy;
 use inspector::model::{Context, Order};
 use inspector::panels::space::layers::Layers;
 use inspector::panels::space::options::Options;
@@ -112,6 +113,36 @@ fn names_mean_what_the_recording_holds() {
     check("!hit || triangle != 3", &|_, ray| hits[ray].triangle != 3);
     assert_eq!(places("pass == 1 && bounce == 1 && !shadow", &numbers).len(), order.len());
     assert!(places("pass == 0 || bounce == 2 || shadow", &numbers).is_empty());
+}
+
+/// Groups are found by the thread that asks for them, before many threads look at them: in a debug build, any
+/// other way panics.
+#[test]
+fn what_takes_groups_finds_them_first() {
+    let folder = tempfile::tempdir().unwrap();
+    sample::write(folder.path());
+    let fresh = || {
+        let mut context = Context::open(&[folder.path().join("sample.raydump")]);
+        context.go_to(QUEUE);
+        context.selection.order_by("two-point");
+        context
+    };
+    // The sample is too small for many threads, but groups are found before light is missed.
+    let numbers_of_filter = numbers(&mut fresh());
+    let expression = Expression::parse("spread < 0.8 && light > 0").unwrap();
+    assert!(passing(&expression, &numbers_of_filter).is_err());
+    assert!(numbers_of_filter.order.known_groups(GroupWidth::default()).is_some());
+    for by in [Quantity::Area, Quantity::Spread, Quantity::Lanes] {
+        let mut context = fresh();
+        let sorted = Rows::of(&numbers(&mut context), None, Sorting { by, direction: Direction::Ascending });
+        assert!(sorted.len() > 1);
+    }
+    for colour_by in [ColourBy::CapsuleArea, ColourBy::Spread, ColourBy::Lanes] {
+        let options = Options { curve: false, colour_by, ..Options::default() };
+        let mut layers = Layers::default();
+        shown_by(&mut layers, &mut fresh(), &options);
+        assert!(layers.counts().is_some(), "{colour_by:?}");
+    }
 }
 
 #[test]

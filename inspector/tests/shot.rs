@@ -167,6 +167,16 @@ fn settings_of_panels_change_their_pictures() {
         let (last, before) = settings.split_last().unwrap();
         assert!(draw(view, settings) != draw(view, before), "{last} changes nothing of {view}");
     }
+    for (view, setting, expected) in [
+        ("table", "view=counts", "mean, count, fill, histograms, estimates"),
+        ("rays-table", "columns=[]", "at least one column"),
+        ("rays-table", "sorted_by=lenght", "`length`"),
+    ] {
+        let arguments = ["shot", "--view", view, "--set", setting, "--out", out.to_str().unwrap()];
+        let output = inspector(&arguments, &dump).output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{setting}");
+        assert!(text(&output).contains(expected), "{setting}: {}", text(&output));
+    }
 }
 
 /// With all Vulkan drivers hidden, only what draws in a window fails, and says why.

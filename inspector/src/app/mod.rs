@@ -100,6 +100,10 @@ impl App {
         for recording in &self.context.recordings {
             self.recent.note(recording.dump.root());
         }
+        self.show_problems();
+    }
+
+    fn show_problems(&mut self) {
         if !self.context.problems.is_empty() {
             layout::bring_forward(&mut self.tree, "problems");
         }
@@ -176,8 +180,9 @@ impl App {
 
     /// Puts panels where they were in an earlier run, unless that one had other panels.
     fn arrange(&mut self, kept: Option<Tree<Pane>>) {
-        if let Some(tree) = layout::of_all_panels(kept).filter(|_| self.context.problems.is_empty()) {
+        if let Some(tree) = layout::of_all_panels(kept) {
             self.tree = tree;
+            self.show_problems();
         }
     }
 
@@ -229,7 +234,7 @@ impl App {
     }
 
     fn show_command(&mut self, panel: &str, window: &egui::Context) {
-        let none = "No option of `inspector shot` says where panels are: save a session, and draw that by --session.";
+        let none = "No option of `inspector shot` gives this: save a session, and draw that by --session.";
         self.command = Some(self.command_of(panel, window).unwrap_or_else(|| none.to_owned()));
     }
 
@@ -316,5 +321,23 @@ impl App {
         let asking = prompt.asking.clone();
         self.prompt = None;
         self.answer(asking, asked, ui.ctx());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A path that cannot be opened does not cost the places of panels, which are kept when the window closes.
+    #[test]
+    fn panels_stay_where_they_were_when_there_are_problems() {
+        let mut kept = layout::at_first();
+        layout::bring_forward(&mut kept, "timings");
+        let context = Context::open(&[PathBuf::from("nowhere.raydump")]);
+        let mut app = App::showing(context, wgpu::TextureFormat::Rgba8Unorm);
+        app.arrange(Some(kept.clone()));
+        layout::bring_forward(&mut kept, "problems");
+        assert!(!layout::is_as_at_first(&kept));
+        assert_eq!(serde_json::to_value(&app.tree).unwrap(), serde_json::to_value(&kept).unwrap());
     }
 }

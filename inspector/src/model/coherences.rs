@@ -7,6 +7,7 @@ use std::thread;
 
 use formats::manifest::QueueId;
 use formats::reader::Dump;
+use rayon::ThreadPoolBuilder;
 
 use super::background::Waker;
 use super::order::Order;
@@ -33,36 +34,41 @@ type Wanted = (usize, QueueId, usize);
 pub struct Coherences {
     known: BTreeMap<Wanted, Vec<OrderCoherence>>,
     running: Option<(Wanted, Receiver<OrderCoherence>)>,
-    /// What is found next, once a picture without it was drawn.
-    next: Option<Wanted>,
+    /// What is found next, and in which frame it was asked for: in a later one, a picture without it was drawn.
+    next: Option<(Wanted, u64)>,
 }
 
 impl Coherences {
     /// What is known of a queue's orders; asks for the rest unless it is being found. It waits until nothing
-    /// else is being read or made and all of that was drawn: a software GPU draws on the same processors.
+    /// else is being read or made and all of that was drawn, that is, for a later `frame`: a software GPU draws
+    /// on the same processors.
     pub fn of(
         &mut self,
         recording: usize,
         dump: &Arc<Dump>,
         (queue, methods): (&Arc<Queue>, &[String]),
         width: GroupWidth,
-        waker: &Waker,
+        (waker, frame): (&Waker, u64),
     ) -> &[OrderCoherence] {
         self.receive();
         let wanted = (recording, queue.id, width.rays());
         let is_due = self.running.is_none() && !self.known.contains_key(&wanted) && !waker.is_busy();
-        if is_due && self.next != Some(wanted) {
-            self.next = Some(wanted);
+        let asked = self.next.filter(|(next, _)| *next == wanted);
+        if is_due && asked.is_none() {
+            self.next = Some((wanted, frame));
             waker.wake();
-        } else if is_due {
+        } else if is_due && asked.is_some_and(|(_, asked)| asked < frame) {
             self.next = None;
             self.known.insert(wanted, Vec::new());
             let (sender, receiver) = channel();
             let (dump, queue, methods) = (dump.clone(), queue.clone(), methods.to_vec());
             let (waker, working) = (waker.clone(), waker.start());
             thread::spawn(move || {
+                // Threads of its own: what a window waits for does not stand in line behind all rays of an order.
+                let threads = ThreadPoolBuilder::new().build();
                 for method in methods {
-                    let found = of_order(&dump, &queue, &method, width);
+                    let find = || of_order(&dump, &queue, &method, width);
+                    let found = threads.as_ref().map_or_else(|_| find(), |threads| threads.install(find));
                     // No one listens any more once the window is closed.
                     if sender.send(found).is_err() {
                         return;

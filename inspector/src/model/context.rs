@@ -155,9 +155,9 @@ impl Context {
         if let Some((_, opening)) = self.openings.iter().find(|(known, _)| *known == wanted) {
             return Ok((wanted, opening.clone()));
         }
-        let dump = recording.dump.clone();
-        let opening: Arc<Opening> =
-            Arc::new(LazyLock::new(Box::new(move || Queue::open(&dump, wanted.1).map(Arc::new))));
+        let (dump, known) = (recording.dump.clone(), self.queues.known(|known| *known == wanted).cloned());
+        let open = move || known.unwrap_or_else(|| Queue::open(&dump, wanted.1).map(Arc::new));
+        let opening: Arc<Opening> = Arc::new(LazyLock::new(Box::new(open)));
         if self.openings.len() == OPENINGS {
             self.openings.remove(0);
         }

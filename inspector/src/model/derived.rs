@@ -77,7 +77,7 @@ impl Filtered {
 
 impl Context {
     /// Has a window drawn again when there is more to show.
-    pub fn wake_with(&mut self, wake: impl Fn() + Send + Sync + 'static) {
+    pub fn wake_with(&self, wake: impl Fn() + Send + Sync + 'static) {
         self.derived.waker.set(wake);
     }
 
@@ -161,7 +161,12 @@ impl Context {
         let (at, dump) = (recording.opening, recording.dump.clone());
         let Derived { waker, what_if, .. } = &mut self.derived;
         let wanted = (at, queue.id, settings.clone());
-        let make = move || settings.order(&dump.manifest().header, queue).map(Arc::new);
+        let make = move || {
+            let order = settings.order(&dump.manifest().header, queue)?;
+            // Panels ask for it, and should not make the window wait.
+            order.place_of_ray();
+            Ok(Arc::new(order))
+        };
         what_if.of(wanted, waker, make).cloned().transpose()
     }
 

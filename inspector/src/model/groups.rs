@@ -33,6 +33,7 @@ pub struct Groups {
     /// The groups, in order; the last may be shorter.
     pub groups: Vec<Group>,
     rays: usize,
+    mean_area: f64,
 }
 
 impl Groups {
@@ -41,7 +42,10 @@ impl Groups {
         let rays = order.len();
         let group = |at: usize| Group::of(order, places_of(at, width, rays));
         let groups = (0..rays.div_ceil(width)).into_par_iter().with_min_len(GROUPS_PER_TASK);
-        Self { width, rays, groups: groups.filter_map(group).collect() }
+        let groups: Vec<Group> = groups.filter_map(group).collect();
+        let weighted = |(at, group): (usize, &Group)| group.area * places_of(at, width, rays).len() as f64;
+        let mean_area = groups.iter().enumerate().map(weighted).sum::<f64>() / rays.max(1) as f64;
+        Self { width, groups, rays, mean_area }
     }
 
     /// The places of a group.
@@ -56,15 +60,19 @@ impl Groups {
 
     /// Mean capsule area, weighted by rays; 0 for no groups.
     pub fn mean_area(&self) -> f64 {
-        let weighted = |(at, group): (usize, &Group)| group.area * self.places(at).len() as f64;
-        self.groups.iter().enumerate().map(weighted).sum::<f64>() / self.rays.max(1) as f64
+        self.mean_area
     }
 
     /// The groups with the largest capsules, the worst first.
     pub fn worst(&self, wanted: usize) -> Vec<usize> {
+        let worse =
+            |&a: &usize, &b: &usize| self.groups[b].area.total_cmp(&self.groups[a].area).then(a.cmp(&b));
         let mut order: Vec<usize> = (0..self.groups.len()).collect();
-        order.sort_by(|&a, &b| self.groups[b].area.total_cmp(&self.groups[a].area).then(a.cmp(&b)));
-        order.truncate(wanted);
+        if wanted < order.len() {
+            order.select_nth_unstable_by(wanted, worse);
+            order.truncate(wanted);
+        }
+        order.sort_by(worse);
         order
     }
 }

@@ -148,7 +148,7 @@ impl Order {
         })
     }
 
-    /// The groups of this width, unless no one has asked for them yet.
+    /// The groups of this width; `None` until they are found.
     pub fn known_groups(&self, width: GroupWidth) -> Option<&Groups> {
         self.groups[width as usize].get()
     }
@@ -165,8 +165,13 @@ impl Order {
 
     /// The groups of this width: found when they are first asked for, which takes all threads a tenth of a
     /// second for millions of rays.
+    ///
+    /// The first one to ask must be none of rayon's threads: they would wait for each other.
     pub fn groups(&self, width: GroupWidth) -> &Groups {
-        self.groups[width as usize].get_or_init(|| Groups::of(self, width.rays()))
+        self.groups[width as usize].get_or_init(|| {
+            debug_assert!(rayon::current_thread_index().is_none(), "groups are found before values are");
+            Groups::of(self, width.rays())
+        })
     }
 }
 

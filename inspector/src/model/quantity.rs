@@ -165,6 +165,14 @@ impl Numbers {
         self.order.queue.work.as_ref().map_or(f64::NAN, |work| of(&work[index]) as f64)
     }
 
+    /// Finds what is found once for all rays, on this thread: to be called before many threads ask for the
+    /// values of a quantity at once.
+    pub fn prepare(&self, quantity: Quantity) {
+        if quantity.is_of_group() {
+            self.order.groups(self.width);
+        }
+    }
+
     fn of_group(&self, quantity: Quantity, place: usize) -> f64 {
         let groups = self.order.groups(self.width);
         let Some(group) = groups.groups.get(groups.of_place(place)) else { return f64::NAN };

@@ -52,6 +52,7 @@ impl Rows {
                 }
             };
         }
+        numbers.prepare(sorting.by);
         let keyed = |place: u32| (sort_key(numbers, sorting, place as usize), place);
         let mut keyed: Vec<(u64, u32)> = match passing {
             Some(passing) => passing.places().par_iter().map(|&place| keyed(place)).collect(),

@@ -186,6 +186,11 @@ impl ColourBy {
         }
     }
 
+    /// Whether it takes the groups of the order to know it.
+    pub fn is_of_group(self) -> bool {
+        matches!(self, Self::Lanes | Self::CapsuleArea | Self::Spread)
+    }
+
     /// Why nothing is known of it in an order, if so.
     pub fn missing(self, order: &Order) -> Option<&str> {
         match self {

@@ -51,7 +51,8 @@ impl Panel for CoherencePanel {
             return missing(ui, "no method was measured on these rays; the last pass is the measured one");
         }
         let (total, waker) = (methods.len(), context.waker().clone());
-        let orders = context.coherences.of(at, &recording.dump, (&queue, methods), width, &waker);
+        let frame = ui.ctx().cumulative_frame_nr();
+        let orders = context.coherences.of(at, &recording.dump, (&queue, methods), width, (&waker, frame));
         ui.horizontal_wrapped(|ui| {
             ui.label(format!("Capsule areas of groups of {} rays", width.rays())).on_hover_text(
                 "The hull of a sphere around a group's origins and one around its ends, in unit space",
@@ -86,7 +87,7 @@ impl Panel for CoherencePanel {
         let (at, width) = (context.selection.recording, context.selection.group_width);
         let recording = context.recordings.get(at).ok_or("no recording is open")?;
         let (methods, waker) = (recording.methods(queue.id), context.waker().clone());
-        let orders = context.coherences.of(at, &recording.dump, (&queue, methods), width, &waker);
+        let orders = context.coherences.of(at, &recording.dump, (&queue, methods), width, (&waker, 0));
         if orders.len() < methods.len() {
             return Err("not all orders are known yet; try again once the panel shows them".to_owned());
         }

@@ -6,6 +6,7 @@ use egui::RichText;
 use formats::traced::Results;
 
 use super::missing;
+use crate::analysis::GroupWidth;
 use crate::model::groups::Groups;
 use crate::model::key::ReadKey;
 use crate::model::{Absent, Context, Order};
@@ -20,8 +21,8 @@ const NAMES: f32 = 100.0;
 /// The panel.
 #[derive(Default)]
 pub(super) struct RayPanel {
-    /// The worst group is looked for.
-    seeks_worst: bool,
+    /// The order and width whose worst group is looked for.
+    seeks_worst: Option<(u64, GroupWidth)>,
 }
 
 impl Panel for RayPanel {
@@ -93,13 +94,14 @@ impl RayPanel {
                 }
             }
             if ui.button("worst group").on_hover_text("The group with the largest capsule").clicked() {
-                self.seeks_worst = true;
+                self.seeks_worst = Some((order.serial, context.selection.group_width));
             }
         });
-        if self.seeks_worst
+        self.seeks_worst.take_if(|sought| *sought != (order.serial, context.selection.group_width));
+        if self.seeks_worst.is_some()
             && let Some(groups) = context.groups(order)
         {
-            self.seeks_worst = false;
+            self.seeks_worst = None;
             next = groups.worst(1).first().map(|&group| groups.places(group).start);
         }
         if let Some(place) = next {

@@ -6,12 +6,11 @@ use egui::Color32;
 use formats::length_table::{LengthCell, mean_length};
 use formats::manifest::QueueId;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::missing;
 use super::picture::Picture;
 use super::table_plots::{EstimatePlot, histograms};
-use serde::{Deserialize, Serialize};
-
 use crate::model::{Context, Queue};
 use crate::output::{count, counted};
 use crate::panels::Panel;
@@ -22,8 +21,7 @@ use crate::render::range::Values;
 use crate::theme::Theme;
 
 /// What cells are coloured by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Colouring {
     /// Whether a ray was added.
     Fill,
@@ -48,15 +46,46 @@ impl Colouring {
 
 /// What is shown of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(try_from = "String", into = "&'static str")]
 enum View {
     /// How many cells have how many rays and which mean length.
     Histograms,
     /// Its estimates against traced lengths.
     Estimates,
     /// Its cells as a picture.
-    #[serde(untagged)]
     Picture(Colouring),
+}
+
+impl View {
+    const ALL: [Self; 5] = [
+        Self::Picture(Colouring::Mean),
+        Self::Picture(Colouring::Count),
+        Self::Picture(Colouring::Fill),
+        Self::Histograms,
+        Self::Estimates,
+    ];
+}
+
+impl From<View> for &'static str {
+    fn from(view: View) -> Self {
+        match view {
+            View::Histograms => "histograms",
+            View::Estimates => "estimates",
+            View::Picture(Colouring::Fill) => "fill",
+            View::Picture(Colouring::Count) => "count",
+            View::Picture(Colouring::Mean) => "mean",
+        }
+    }
+}
+
+impl TryFrom<String> for View {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        let names = Self::ALL.map(<&str>::from);
+        let at = names.iter().position(|known| *known == name);
+        at.map(|at| Self::ALL[at]).ok_or_else(|| format!("'{name}' is none of {}", names.join(", ")))
+    }
 }
 
 impl Default for View {

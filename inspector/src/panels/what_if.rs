@@ -166,7 +166,8 @@ fn outcome(ui: &mut egui::Ui, context: &mut Context, queue: formats::manifest::Q
     let Ok(rays) = context.queue() else { return };
     let Some(recording) = context.recordings.get(at) else { return };
     let (methods, waker) = (recording.methods(queue), context.waker().clone());
-    let recorded = context.coherences.of(at, &recording.dump, (&rays, methods), width, &waker);
+    let frame = ui.ctx().cumulative_frame_nr();
+    let recorded = context.coherences.of(at, &recording.dump, (&rays, methods), width, (&waker, frame));
     table(ui, made.as_ref(), recorded, methods.len());
 }
 

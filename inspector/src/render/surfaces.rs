@@ -1,10 +1,10 @@
 //! The scene's surfaces, in as much detail as pixels can show.
 //!
 //! Corners in the same cell of a grid are drawn in the middle of it (vertex clustering, Rossignac and Borrel
-//! 1993). A cell is no larger than half a pixel, so no corner moves by more than a quarter of one along an axis,
-//! and triangles that have less than three corners left are not drawn. A grid's cells are halved by the next finer one: what one
-//! grid leaves out is left out by all coarser ones, so the triangles of a part are sorted by that once, and
-//! of each part the beginning is drawn, whatever the camera does.
+//! 1993), and triangles that have less than three corners left are not drawn. A cell is no larger than half a
+//! pixel, so a corner moves by no more than a quarter of one along each axis. The cells of a grid are halved by
+//! the next finer one: what one grid leaves out is left out by all coarser ones, so the triangles of a part are
+//! sorted by that once, and of each part the beginning is drawn, whatever the camera does.
 
 use std::ops::Range;
 
@@ -17,8 +17,8 @@ use super::geometry::{Shape, Vertex};
 
 /// Grids: 0 is none, and number `grid` has cells of `2^(grid - FINEST_BITS)` unit lengths.
 const GRIDS: usize = 16;
-/// Twin of the constant in mesh.wgsl.
-const FINEST_BITS: i32 = 16;
+/// Of the cells of a unit length in the finest grid.
+pub(super) const FINEST_BITS: i32 = 16;
 
 /// Largest side of a cell, pixels.
 const CELL: f32 = 0.5;
@@ -29,7 +29,7 @@ const TRIANGLES_PER_PART: usize = 4096;
 const PARTS: usize = 1024;
 
 /// Triangles with three corners each, in parts.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Surfaces {
     /// Corners, unit space.
     pub positions: Vec<[f32; 3]>,
@@ -68,9 +68,14 @@ impl Surfaces {
         camera: &Camera,
         [width, height]: [u32; 2],
     ) -> impl Iterator<Item = (Range<u32>, u32)> {
-        let clip_from_unit = camera.clip_from_unit(width as f32 / height as f32);
-        // Of a pixel at depth 1.
-        let side = 2.0 * (0.5 * camera.yfov_radians).tan() / height as f32;
+        let aspect = width as f32 / height as f32;
+        let clip_from_unit = camera.clip_from_unit(aspect);
+        let (top, corner) = {
+            let top = (0.5 * camera.yfov_radians).tan();
+            (top, top * aspect.hypot(1.0))
+        };
+        // Of a pixel at depth 1; smaller by as much as things are drawn larger in the corners of the picture.
+        let side = 2.0 * top / height as f32 / corner.hypot(1.0);
         self.parts.iter().filter_map(move |part| {
             let corners = part.corners().map(|corner| clip_from_unit * corner.extend(1.0));
             let beyond: [fn(&Vec4) -> bool; 5] =

@@ -120,7 +120,10 @@ impl<'a> Evaluation<'a> {
                     let message = format!("'{}' is not known here: {reason}", quantity.name());
                     Err(FilterError::new(span, message))
                 }
-                None => Ok(()),
+                None => {
+                    self.numbers.prepare(*quantity);
+                    Ok(())
+                }
             },
             Number::Field(coordinate, span) => self.check_field(*coordinate, span),
             Number::Call(_, inner) => self.check_number(inner),

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use egui::{Align, Layout};
 use egui_extras::{Column, TableBuilder};
+use serde::de::Error as _;
 use serde::{Deserialize, Serialize};
 
 use self::window::RowWindow;
@@ -112,15 +113,13 @@ impl Panel for RaysPanel {
             Err(reason) => return missing(ui, &reason),
         };
         let Some(numbers) = context.numbers(order.clone()) else { return };
-        let shows_groups = self.columns.iter().any(|column| column.quantity.is_of_group());
-        if shows_groups && context.groups(&order).is_none() {
-            return missing(ui, &crate::model::Absent::Awaited);
-        }
         ui.horizontal_wrapped(|ui| {
             filter_box(ui, context, (ui.available_width() - 130.0).clamp(80.0, 420.0))
         });
         filter_problem(ui, context);
-        let Some(rows) = context.rows(&order, self.sorting) else {
+        let shows_groups = self.columns.iter().any(|column| column.quantity.is_of_group());
+        let has_groups = !shows_groups || context.groups(&order).is_some();
+        let Some(rows) = context.rows(&order, self.sorting).filter(|_| has_groups) else {
             ui.spinner();
             return;
         };
@@ -176,6 +175,9 @@ impl Panel for RaysPanel {
 
     fn set_state(&mut self, state: serde_json::Value) -> Result<(), serde_json::Error> {
         let State { columns, sorted_by, descending } = serde_json::from_value(state)?;
+        if columns.is_empty() {
+            return Err(serde_json::Error::custom("a table has at least one column"));
+        }
         self.columns = columns.into_iter().map(ShownColumn::of).collect();
         let direction = if descending { Direction::Descending } else { Direction::Ascending };
         self.sorting = Sorting { by: sorted_by, direction };

@@ -348,6 +348,10 @@ impl Drawing<'_> {
 impl Made {
     fn of(order: &Order, key: &Key, behind: &Behind) -> Self {
         let width = key.order.1;
+        if behind.values.is_none() && key.colour_by.is_of_group() {
+            // Here, and not by one of the threads that ask for values at once.
+            order.groups(width);
+        }
         let shown = Shown::of(&key.places, key.detail, behind.passing.clone());
         let value = |place: usize| match &behind.values {
             Some(values) => values.of_ray.get(order.places.ray(place)).copied().unwrap_or(f32::NAN),

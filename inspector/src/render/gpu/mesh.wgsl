@@ -4,9 +4,6 @@ struct MeshPoint {
     @location(0) in_unit_space: vec3<f32>,
 }
 
-// Twin of the constant in surfaces.rs.
-const FINEST_BITS = 16u;
-
 @vertex
 fn mesh_vertex(@location(0) corner: vec3<f32>, @builtin(instance_index) grid: u32) -> MeshPoint {
     // Cells along a unit length, a power of two; each corner is drawn in the middle of its cell. 0 is no grid.

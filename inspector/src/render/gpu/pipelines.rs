@@ -58,8 +58,8 @@ pub(super) struct Pipelines {
 
 /// How a pipeline differs from the others.
 struct Kind {
-    /// Of its module, which pipelines of the same name share.
-    label: &'static str,
+    /// Name of its module, which others may share.
+    module: &'static str,
     shader: fn() -> String,
     entries: [&'static str; 2],
     buffers: &'static Buffers,
@@ -91,9 +91,9 @@ impl Pipelines {
         let Self { made, modules, layout, .. } = self;
         made.entry(way).or_insert_with(|| {
             let kind = kind(way);
-            let shader = modules.entry(kind.label);
-            let shader = shader.or_insert_with(|| module(device, kind.label, (kind.shader)()));
-            pipeline(device, layout, shader, &kind)
+            let shader = modules.entry(kind.module);
+            let shader = shader.or_insert_with(|| module(device, kind.module, (kind.shader)()));
+            pipeline(device, layout, shader, (way, &kind))
         });
     }
 
@@ -139,7 +139,7 @@ impl Pipelines {
 fn kind(way: Way) -> Kind {
     match way {
         Way::Solid | Way::Ghost => Kind {
-            label: "mesh",
+            module: "mesh",
             shader: shaders::mesh,
             entries: ["mesh_vertex", "mesh_fragment"],
             buffers: &CORNERS,
@@ -147,7 +147,7 @@ fn kind(way: Way) -> Kind {
             depth: (CompareFunction::Less, way == Way::Solid),
         },
         Way::Lines(lines, seen) => {
-            let (label, shader, entries): (_, fn() -> String, _) = match lines {
+            let (module, shader, entries): (_, fn() -> String, _) = match lines {
                 Lines::Strips | Lines::Segments => {
                     ("lines", shaders::lines, ["line_vertex", "line_fragment"])
                 }
@@ -155,7 +155,7 @@ fn kind(way: Way) -> Kind {
                 Lines::Marks => ("marks", shaders::marks, ["mark_vertex", "mark_fragment"]),
             };
             Kind {
-                label,
+                module,
                 shader,
                 entries,
                 buffers: if lines == Lines::Strips { &STRIP_POINTS } else { &TWO_POINTS },
@@ -168,7 +168,7 @@ fn kind(way: Way) -> Kind {
             }
         }
         Way::Boxes => Kind {
-            label: "boxes",
+            module: "boxes",
             shader: shaders::boxes,
             entries: ["box_vertex", "box_fragment"],
             buffers: &TWO_POINTS,
@@ -176,7 +176,7 @@ fn kind(way: Way) -> Kind {
             depth: (CompareFunction::LessEqual, false),
         },
         Way::Capsules => Kind {
-            label: "capsules",
+            module: "capsules",
             shader: shaders::capsules,
             entries: ["capsule_vertex", "capsule_fragment"],
             buffers: &CAPSULES,
@@ -189,8 +189,8 @@ fn kind(way: Way) -> Kind {
 /// Vertex buffers of a pipeline.
 type Buffers = [Option<wgpu::VertexBufferLayout<'static>>];
 
-const FROM: [wgpu::VertexAttribute; 1] = vertex_attr_array![0 => Float32x4];
-const TO: [wgpu::VertexAttribute; 1] = vertex_attr_array![1 => Float32x4];
+const FIRST: [wgpu::VertexAttribute; 1] = vertex_attr_array![0 => Float32x4];
+const SECOND: [wgpu::VertexAttribute; 1] = vertex_attr_array![1 => Float32x4];
 
 /// Corners of triangles.
 static CORNERS: [Option<wgpu::VertexBufferLayout<'static>>; 1] =
@@ -198,15 +198,15 @@ static CORNERS: [Option<wgpu::VertexBufferLayout<'static>>; 1] =
 
 /// Every point but the last, and the one after it: 16 bytes from one to the next.
 static STRIP_POINTS: [Option<wgpu::VertexBufferLayout<'static>>; 2] =
-    [of_each(VertexStepMode::Instance, 16, &FROM), of_each(VertexStepMode::Instance, 16, &TO)];
+    [of_each(VertexStepMode::Instance, 16, &FIRST), of_each(VertexStepMode::Instance, 16, &SECOND)];
 
 /// The first and the second point of a line, or of a box.
 static TWO_POINTS: [Option<wgpu::VertexBufferLayout<'static>>; 2] =
-    [of_each(VertexStepMode::Instance, 32, &FROM), of_each(VertexStepMode::Instance, 32, &TO)];
+    [of_each(VertexStepMode::Instance, 32, &FIRST), of_each(VertexStepMode::Instance, 32, &SECOND)];
 
 /// Corners that all capsules share, and each capsule.
 static CAPSULES: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
-    of_each(VertexStepMode::Vertex, 16, &FROM),
+    of_each(VertexStepMode::Vertex, 16, &FIRST),
     of_each(VertexStepMode::Instance, 48, &vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32]),
 ];
 
@@ -222,11 +222,11 @@ fn pipeline(
     device: &Device,
     layout: &wgpu::PipelineLayout,
     shader: &wgpu::ShaderModule,
-    kind: &Kind,
+    (way, kind): (Way, &Kind),
 ) -> wgpu::RenderPipeline {
     let (depth_compare, depth_write) = kind.depth;
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(kind.label),
+        label: Some(&format!("view::{way:?}")),
         layout: Some(layout),
         vertex: wgpu::VertexState {
             module: shader,

@@ -1,5 +1,7 @@
 //! The modules of all pipelines, composed of the WGSL files.
 
+use super::super::surfaces::FINEST_BITS;
+
 const LAYER: &str = include_str!("layer.wgsl");
 
 const LINE_ENDS: &str = include_str!("line_ends.wgsl");
@@ -26,7 +28,8 @@ pub fn boxes() -> String {
 
 /// Surfaces.
 pub fn mesh() -> String {
-    [LAYER, include_str!("mesh.wgsl")].concat()
+    let finest = format!("const FINEST_BITS = {FINEST_BITS}u;\n");
+    [LAYER, &finest, include_str!("mesh.wgsl")].concat()
 }
 
 /// Capsules.

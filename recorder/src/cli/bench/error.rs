@@ -7,7 +7,7 @@ use formats::key::method::UNSORTED;
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS};
 
 use super::super::record::DeviceArguments;
-use super::{milliseconds, table_of, unless_asked_for};
+use super::{milliseconds, shared_options, table_of};
 use crate::bench::error::{Curve, ErrorBench, ImageSize};
 use crate::bench::rate;
 use crate::options::{OptionError, RecordOptions, in_range, parse_methods};
@@ -91,7 +91,7 @@ impl ErrorArguments {
             trace: self.device.kernel(),
             threads: self.device.threads,
             l2_bytes: self.device.l2_kib << 10,
-            ..unless_asked_for()?
+            ..shared_options()?
         };
         run.check()?;
         RecordOptions { width: self.image_width, height: self.image_height, ..run.clone() }.check()?;

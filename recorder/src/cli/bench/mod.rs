@@ -156,7 +156,7 @@ impl TraceArguments {
             adapter: self.device.adapter.clone(),
             trace: self.kernels.first().copied().unwrap_or(TraceKernel::Cwbvh),
             threads: self.device.threads,
-            ..unless_asked_for()?
+            ..shared_options()?
         };
         run.check()?;
         let mut kernels = self.kernels.clone();
@@ -165,8 +165,8 @@ impl TraceArguments {
     }
 }
 
-/// What benchmarks record by, unless they are asked for something else.
-fn unless_asked_for() -> Result<RecordOptions, OptionError> {
+/// What benchmarks have in common; each has its own size, bounces and repeats.
+fn shared_options() -> Result<RecordOptions, OptionError> {
     Ok(RecordOptions {
         scene: String::new(),
         out: PathBuf::new(),

@@ -6,7 +6,7 @@ use formats::bench_result::skip::{Cost, SkipRow, StartupRow};
 use formats::metrics::speedup::Speedup;
 
 use super::super::record::DeviceArguments;
-use super::{milliseconds, table_of, unless_asked_for};
+use super::{milliseconds, shared_options, table_of};
 use crate::bench::skip::SkipBench;
 use crate::options::{OptionError, RecordOptions};
 
@@ -50,7 +50,7 @@ impl SkipArguments {
             trace: self.device.kernel(),
             threads: self.device.threads,
             l2_bytes: self.device.l2_kib << 10,
-            ..unless_asked_for()?
+            ..shared_options()?
         };
         run.check()?;
         Ok(SkipBench { scenes: self.scenes.clone(), run })
