@@ -146,6 +146,8 @@ direction = random.normal(size=(5000, 3))
 np.save('rays.npy', np.hstack([origin, direction]).astype('<f4'))
 limits = np.zeros((5000, 1)), np.full((5000, 1), 0.4)
 np.save('shadow.npy', np.hstack([origin, limits[0], direction, limits[1]]).astype('<f4'))
+many = random.uniform(-0.5, 0.5, (70_000, 6))
+np.save('many.npy', many.astype('<f4'))
 direction[17] = 0
 np.save('zero.npy', np.hstack([origin, direction]).astype('<f4'))
 origin[18] = np.nan
@@ -171,6 +173,12 @@ fn rays_of_another_program() {
             &format!("replay {kind}.raydump --out {kind}-again.raydump --backend cpu --key-bits 16"),
         );
     }
+    // More than a picture may be wide: imported rays have no picture.
+    run(folder.path(), &format!("{import} --rays many.npy --out many.raydump --methods aila"));
+    let json = run(folder.path(), "replay many.raydump --out many-again.raydump --backend cpu --key-bits 16");
+    assert_eq!(json["queues"][0]["rays"], 70_000);
+    let line = "shot many.raydump --view order --size 320x240 --out order.png";
+    Program::Inspector.run(folder.path(), line).succeeded();
     let line =
         "plot closest.raydump shadow.raydump --out figures --figure trace-speedup --figure capsule-area";
     Program::Inspector.run(folder.path(), line).succeeded();
