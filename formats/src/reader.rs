@@ -64,7 +64,7 @@ pub enum ReadError {
         dump: PathBuf,
         /// The array.
         place: Place,
-        /// Where it may be; may be empty.
+        /// Where it may be, or why it is not there; may be empty.
         hint: String,
     },
     /// An array was asked for as something that it is not.
@@ -254,7 +254,14 @@ impl Dump {
                 "; it is a replay of {}, which is not in the same folder, or is another recording by now",
                 name.escape_debug()
             ),
-            Source::Traced | Source::Imported { .. } => String::new(),
+            Source::Traced | Source::Imported { .. } => {
+                let (word, kept) = (place.kept_with(), &self.manifest.header.options.keep);
+                if kept.iter().any(|kept| kept == word) {
+                    String::new()
+                } else {
+                    format!("; it was recorded without {word}: `--keep {word}`")
+                }
+            }
         };
         ReadError::NoSuchArray { dump: self.root.clone(), place: place.clone(), hint }
     }

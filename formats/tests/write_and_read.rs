@@ -36,7 +36,12 @@ fn a_dump_comes_back() {
     assert!(matches!(dump.array::<Hit>(&rays_place()), Err(ReadError::WrongType { .. })));
     assert!(matches!(dump.array::<[u32; 3]>(&Place::Image), Err(ReadError::WrongType { .. })));
     let absent = Place::Scene(SceneArray::Mask(9));
+    let said = |place: &Place| dump.array::<u8>(place).unwrap_err().to_string();
     assert!(matches!(dump.array::<u8>(&absent), Err(ReadError::NoSuchArray { .. })));
+    assert!(!said(&absent).contains("--keep"), "scenes are kept, and this one has no such mask");
+    let queue = QueueId { pass: 9, bounce: 0, kind: Kind::Closest };
+    let unkept = said(&Place::Queue(queue, QueueArray::Work));
+    assert!(unkept.ends_with("without work: `--keep work`"), "{unkept}");
 }
 
 #[test]

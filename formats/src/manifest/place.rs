@@ -164,6 +164,20 @@ impl SceneArray {
 type Dimension = Option<u64>;
 
 impl Place {
+    /// The word among [`Options::keep`](crate::manifest::Options::keep) with which an array is kept.
+    pub fn kept_with(&self) -> &'static str {
+        match self {
+            Self::Scene(_) => "scene",
+            Self::Image => "image",
+            Self::Queue(_, QueueArray::Rays | QueueArray::PathIds | QueueArray::Lights) => "rays",
+            Self::Queue(_, QueueArray::Hits | QueueArray::Distances) => "hits",
+            Self::Queue(_, QueueArray::Work) => "work",
+            Self::Queue(_, QueueArray::Lengths | QueueArray::FinalLengths) => "lengths",
+            Self::Method(_, _, MethodArray::Keys) => "keys",
+            Self::Method(_, _, MethodArray::Permutation) => "permutations",
+        }
+    }
+
     /// The place that a path names; `None` for every other path, whatever it is.
     pub fn parse(path: &str) -> Option<Self> {
         let parts: Vec<&str> = path.strip_suffix(".npy")?.split('/').collect();
