@@ -3,6 +3,7 @@
 //! - [`selection`]: the one selection that all panels share
 //! - [`recording`]: an open recording
 //! - [`queue`], [`order`]: the rays of a queue, and one order of them, as they are mapped
+//! - [`image_plane`]: where on the picture a ray's path starts
 //! - [`history`]: selections to go back to
 //! - [`groups`]: capsules, direction spread and lane utilisation of each group of an order
 //! - [`value`]: the numbers that colours stand for
@@ -28,6 +29,7 @@ pub mod estimates;
 pub mod filter;
 pub mod groups;
 pub mod history;
+pub mod image_plane;
 pub mod key;
 pub mod order;
 pub mod quantity;

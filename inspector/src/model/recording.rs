@@ -5,10 +5,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use formats::folder::dump_of_partial;
-use formats::manifest::{MethodRecord, QueueId, QueueRecord};
+use formats::manifest::{MethodRecord, QueueId, QueueRecord, Source};
 use formats::reader::{Dump, ReadError};
 use formats::unit_space::UnitSpace;
 
+use super::image_plane::ImagePlane;
 use crate::analysis::{self, Depth, RecordingAnalysis};
 
 /// An open recording with its times.
@@ -71,6 +72,21 @@ impl Recording {
     /// What the manifest says of a method; `None` for `unsorted`.
     pub fn method(&self, name: &str) -> Option<&MethodRecord> {
         self.dump.manifest().methods.iter().find(|record| record.name == name)
+    }
+
+    /// Whether another tracer made its rays.
+    pub fn is_imported(&self) -> bool {
+        let dumps = [Some(&*self.dump), self.dump.source()];
+        dumps
+            .into_iter()
+            .flatten()
+            .any(|dump| matches!(dump.manifest().header.source, Source::Imported { .. }))
+    }
+
+    /// Where on a picture its paths start.
+    pub fn image_plane(&self) -> ImagePlane {
+        let options = &self.dump.manifest().header.options;
+        ImagePlane::of(options.width, options.height)
     }
 
     /// The map from world space to unit space.

@@ -181,9 +181,9 @@ fn row(ui: &mut egui::Ui, order: &OrderCoherence, unsorted: Option<f64>) {
     match &order.coherence {
         Metric::Known(Coherence { mean_capsule_area, mean_direction_spread, .. }) => {
             ui.label(format!("{mean_capsule_area:.4}"));
-            ui.label(
-                unsorted.map_or(String::new(), |unsorted| format!("{:.3}", mean_capsule_area / unsorted)),
-            );
+            // Single rays have capsules without area.
+            let of_unsorted = unsorted.filter(|&unsorted| unsorted > 0.0);
+            ui.label(of_unsorted.map_or("–".to_owned(), |area| format!("{:.3}", mean_capsule_area / area)));
             ui.label(format!("{mean_direction_spread:.3}"));
         }
         Metric::Missing { missing } => {

@@ -8,7 +8,7 @@ use formats::ray::Kind;
 use crate::analysis::GroupWidth;
 use crate::model::Context;
 use crate::model::what_if::WHAT_IF;
-use crate::output::count;
+use crate::output::{count, counted};
 use crate::panels::Panel;
 
 pub(super) struct Navigator;
@@ -54,7 +54,11 @@ fn facts(ui: &mut egui::Ui, context: &Context) {
     let Some(recording) = context.recording() else { return };
     let header = &recording.dump.manifest().header;
     let options = &header.options;
-    let size = format!("{} x {}, {}-bit keys", options.width, options.height, options.key_bits);
+    let size = match recording.is_imported() {
+        true => "imported rays".to_owned(),
+        false => format!("{} x {}", options.width, options.height),
+    };
+    let size = format!("{size}, {}-bit keys", options.key_bits);
     let triangles = format!("{} triangles, {}", count(header.scene.triangles), options.trace_kernel);
     for fact in [size, triangles, header.adapter.name.clone()] {
         ui.add(egui::Label::new(egui::RichText::new(fact).small().weak()).truncate());
@@ -91,7 +95,7 @@ fn queue(ui: &mut egui::Ui, context: &mut Context) {
         Kind::ALL.into_iter().map(|kind| (kind.name().to_owned(), QueueId { kind, ..now })).collect(),
     );
     let rays = queues.iter().find(|(id, _)| *id == now).map_or(0, |(_, rays)| *rays);
-    ui.label(format!("{} rays", count(rays)));
+    ui.label(counted(rays, "ray", "rays"));
     if next != now {
         context.go_to(next);
     }

@@ -11,9 +11,10 @@ use super::picture::{Picture, Shown};
 use crate::analysis::GroupWidth;
 use crate::model::derived::Filtered;
 use crate::model::filter::Expression;
+use crate::model::image_plane::ImagePlane;
 use crate::model::key::{ReadKey, field_text};
-use crate::model::{Context, Order};
-use crate::output::count;
+use crate::model::{Context, Order, Recording};
+use crate::output::{count, counted};
 use crate::panels::Panel;
 use crate::panels::data::Data;
 use crate::render::colour_map::ColourMap;
@@ -64,12 +65,10 @@ impl Panel for OrderPanel {
             for (colouring, name, about) in Colouring::ALL {
                 ui.selectable_value(&mut self.colouring, colouring, name).on_hover_text(about);
             }
-            ui.weak(format!("{} rays by {}", count(order.len() as u64), order.method));
+            ui.weak(format!("{} by {}", counted(order.len() as u64, "ray", "rays"), order.method));
         });
         let filtered = context.filtered(&order);
-        let Some(recording) = context.recording() else { return };
-        let options = &recording.dump.manifest().header.options;
-        let size = [options.width as usize, options.height as usize];
+        let Some(plane) = context.recording().map(Recording::image_plane) else { return };
         let (selection, theme) = (&context.selection, Theme::of(ui.ctx()));
         let is_known = !matches!(filtered, Filtered::Unknown);
         let filter =
@@ -80,16 +79,17 @@ impl Panel for OrderPanel {
         let shown = ui
             .allocate_ui(ui.available_size() - egui::vec2(0.0, lines), |ui| {
                 let (of, colouring) = (order.clone(), self.colouring);
-                let make = move || pixels((&of, &filtered), size, colouring, theme);
-                self.picture.show(ui, context.waker(), ("order", key), size, make)
+                let make = move || pixels((&of, &filtered), plane, colouring, theme);
+                self.picture.show(ui, context.waker(), ("order", key), plane.size(), make)
             })
             .inner;
-        let pixel = |[column, row]: [u32; 2]| row * size[0] as u32 + column;
-        let under_pointer = shown.pixel.and_then(|at| nearest_ray(&order, at, size, pixel));
+        // The ray of a pixel, or else of the nearest one whose path is still alive.
+        let alive = |at| plane.near(at, REACH).find_map(|path| order.queue.ray_of_pixel(path));
+        let under_pointer = shown.pixel.and_then(alive);
         if shown.response.clicked() {
             context.select_ray(under_pointer);
         }
-        mark(ui, &shown, context, &order, size[0] as u32);
+        mark(ui, &shown, context, &order, plane);
         if let Some(ray) = under_pointer.or(context.selection.ray) {
             describe(ui, &order, ray);
         }
@@ -117,30 +117,13 @@ impl Panel for OrderPanel {
     }
 }
 
-/// Farthest that a living path may be from the pointer, pixels of the picture.
-const REACH: i64 = 3;
-
-/// The ray of a pixel, or else of the nearest one whose path is still alive.
-fn nearest_ray(
-    order: &Order,
-    [column, row]: [u32; 2],
-    [width, height]: [usize; 2],
-    pixel: impl Fn([u32; 2]) -> u32,
-) -> Option<usize> {
-    let mut near: Vec<(i64, i64)> =
-        (-REACH..=REACH).flat_map(|y| (-REACH..=REACH).map(move |x| (x, y))).collect();
-    near.sort_by_key(|(x, y)| x * x + y * y);
-    near.into_iter().find_map(|(x, y)| {
-        let (x, y) = (i64::from(column) + x, i64::from(row) + y);
-        let is_inside = (0..width as i64).contains(&x) && (0..height as i64).contains(&y);
-        is_inside.then(|| order.queue.ray_of_pixel(pixel([x as u32, y as u32]))).flatten()
-    })
-}
+/// Farthest that a living path may be from the pointer, points of the picture.
+const REACH: u32 = 3;
 
 /// A colour for each pixel; grey where the ray does not pass the filter.
 fn pixels(
     (order, filtered): (&Order, &Filtered),
-    size: [usize; 2],
+    plane: ImagePlane,
     colouring: Colouring,
     theme: Theme,
 ) -> Vec<Color32> {
@@ -164,30 +147,30 @@ fn pixels(
             }
         })
         .collect();
-    let mut pixels = vec![theme.nothing(); size[0] * size[1]];
-    for (colour, &pixel) in colours.into_iter().zip(&*order.queue.path_ids) {
-        if let Some(place) = pixels.get_mut(pixel as usize) {
-            *place = colour;
+    let [columns, rows] = plane.size();
+    let mut pixels = vec![theme.nothing(); columns * rows];
+    for (colour, &path) in colours.into_iter().zip(&*order.queue.path_ids) {
+        if let Some([column, row]) = plane.point(path) {
+            pixels[row as usize * columns + column as usize] = colour;
         }
     }
     pixels
 }
 
 /// Marks what is selected: a cross at the ray, dots at the rays of its group.
-fn mark(ui: &egui::Ui, shown: &Shown, context: &Context, order: &Order, width: u32) {
+fn mark(ui: &egui::Ui, shown: &Shown, context: &Context, order: &Order, plane: ImagePlane) {
     let colour = Theme::of(ui.ctx()).selected_mark();
-    let at = |ray: usize| {
-        let pixel = order.queue.path_ids[ray];
-        shown.rect_of([pixel % width.max(1), pixel / width.max(1)]).center()
-    };
+    let at = |ray: usize| Some(shown.rect_of(plane.point(order.queue.path_ids[ray])?).center());
     if let Some(group) = context.selection.group {
         for place in order.places_of_group(group, context.selection.group_width) {
-            ui.painter().circle_filled(at(order.places.ray(place)), 1.5, colour);
+            if let Some(centre) = at(order.places.ray(place)) {
+                ui.painter().circle_filled(centre, 1.5, colour);
+            }
         }
     }
-    if let Some(ray) = context.selection.ray.filter(|&ray| ray < order.len()) {
-        let (centre, stroke) = (at(ray), egui::Stroke::new(1.5, colour));
-        ui.painter().circle_stroke(centre, 6.0, stroke);
+    let chosen = context.selection.ray.filter(|&ray| ray < order.len());
+    if let Some(centre) = chosen.and_then(at) {
+        ui.painter().circle_stroke(centre, 6.0, egui::Stroke::new(1.5, colour));
     }
 }
 

@@ -18,7 +18,7 @@ use super::missing;
 use crate::model::quantity::{Numbers, Quantity};
 use crate::model::rows::{Direction, Rows, Sorting};
 use crate::model::{Context, Order};
-use crate::output::count;
+use crate::output::{count, counted};
 use crate::panels::Panel;
 use crate::panels::data::Data;
 
@@ -188,11 +188,11 @@ impl Panel for RaysPanel {
 impl RaysPanel {
     /// How many rows there are, where the window starts, which columns it has, and what can be copied.
     fn above(&mut self, ui: &mut egui::Ui, order: &Order, rows: &Rows, done: &mut Done) {
-        let (all, rays) = (count(rows.len() as u64), count(order.len() as u64));
+        let rays = counted(order.len() as u64, "ray", "rays");
         ui.label(if rows.len() == order.len() {
-            format!("{rays} rays by {}", order.method)
+            format!("{rays} by {}", order.method)
         } else {
-            format!("{all} of {rays} rays by {}", order.method)
+            format!("{} of {rays} by {}", count(rows.len() as u64), order.method)
         });
         let last = rows.len().saturating_sub(1);
         ui.add(egui::DragValue::new(&mut self.window.first).range(0..=last).prefix("from row "))
