@@ -12,8 +12,9 @@ use formats::ray::Kind;
 use serde::Serialize;
 
 use crate::analysis::GroupWidth;
-use crate::app::{App, only_own_backends};
+use crate::app::App;
 use crate::model::Context;
+use crate::model::background::Waker;
 use crate::model::value::ColourBy;
 use crate::model::what_if::{Estimate, Settings, WHAT_IF};
 use crate::output::{print, print_json};
@@ -23,7 +24,8 @@ use crate::panels::space::options::{CapsuleChoice, MeshMode, Options, StandPoint
 use crate::panels::{PANELS, Panel};
 use crate::png_file;
 use crate::render::camera::Camera;
-use crate::render::gpu::DrawCounts;
+use crate::render::gpu::errors::Errors;
+use crate::render::gpu::{self, DrawCounts};
 use crate::session::{Session, ThemeChoice};
 use crate::theme;
 
@@ -191,6 +193,7 @@ impl Drawn {
 
 fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<Report> {
     let state = render_state()?;
+    let errors = Errors::of(&state.device, &Waker::default());
     let session = shot.session.as_deref().map(Session::read).transpose()?;
     let mut drawn = open(dumps, shot, session.as_ref(), state.target_format)?;
     select(drawn.context(), shot)?;
@@ -213,6 +216,9 @@ fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<Report> {
     let start = Instant::now();
     let (size, rgba) = patiently(&mut harness, &state)?;
     let picture_ms = milliseconds(start);
+    if let Some(error) = errors.take().first() {
+        bail!("the GPU cannot draw the picture: {error}");
+    }
     png_file::write(out, size, &rgba)?;
     times.sort_by(f64::total_cmp);
     Ok(Report {
@@ -291,7 +297,7 @@ fn show_all_over(ui: &mut egui::Ui, drawn: &mut Drawn) {
 /// A GPU, or why there is none.
 fn render_state() -> anyhow::Result<RenderState> {
     let mut setup = egui_kittest::wgpu::default_wgpu_setup();
-    only_own_backends(&mut setup);
+    gpu::set_up(&mut setup);
     let instance = pollster::block_on(setup.new_instance());
     let configuration = egui_wgpu::WgpuConfiguration { wgpu_setup: setup, ..Default::default() };
     let options = egui_wgpu::RendererOptions::PREDICTABLE;

@@ -4,7 +4,6 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::collections::BTreeSet;
-use std::f32::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
@@ -17,20 +16,15 @@ use formats::metrics::capsule::{Capsule, Segment};
 use formats::ray::Kind;
 use formats::reader::{Dump, Mapped};
 use formats::traced::Traced;
-use formats::unit_space::UnitSpace;
-use glam::Vec3;
+use formats::writer::DumpWriter;
 use inspector::analysis::GroupWidth;
 use inspector::analysis::coherence::{Places, coherence};
 use inspector::app::App;
 use inspector::model::Context;
 use inspector::panels::PANELS;
 use inspector::panels::space::options::{CapsuleChoice, Options};
-use inspector::render::camera::Camera;
-use inspector::render::frame::{Cut, Frame, Layer, Paint, Stage};
+use inspector::render::frame::Stage;
 use inspector::render::geometry::{RayEnd, Shape};
-use inspector::render::gpu::FrameCallback;
-use inspector::render::surfaces::Surfaces;
-use inspector::theme::Theme;
 
 mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
@@ -142,6 +136,30 @@ fn a_pixel_that_is_clicked_is_a_ray() {
     let ray = context.selection.ray.expect("the pixel under the pointer has a ray");
     let place = order.place_of_ray()[ray] as usize;
     assert_eq!(context.selection.group, Some(place / context.selection.group_width.rays()));
+}
+
+/// Rays of another tracer have no image plane: `recorder import` gives them a row, too long for a picture.
+#[test]
+fn imported_rays_are_shown_in_rows() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut header = sample::header();
+    (header.options.width, header.options.height) = (20_000, 1);
+    let writer = DumpWriter::create(&folder.path().join("imported"), header, false).unwrap();
+    let end = sample::write_all(&writer).unwrap();
+    let mut context = Context::open(&[writer.finish(end).unwrap()]);
+    context.go_to(QUEUE);
+    let mut harness = panel("order", context);
+    harness.render().unwrap();
+    // The sample's rays are in the first two of 142 rows.
+    let corner = harness.get_by_label("displacement").rect().min;
+    let at = corner + egui::vec2(0.0, 28.0);
+    harness.hover_at(at);
+    harness.step();
+    harness.drag_at(at);
+    harness.step();
+    harness.drop_at(at);
+    settle(&mut harness);
+    assert!(harness.state().context.selection.ray.is_some(), "no ray at {at}");
 }
 
 /// Curve, rays and capsules against the recording read without the window.
@@ -278,87 +296,4 @@ fn areas_are_found_after_a_picture_without_them() {
     ask(6);
     waker.wait();
     assert_eq!(ask(6).0, 1);
-}
-
-/// Pixels by column and row of a picture of these surfaces.
-fn picture(surfaces: Surfaces, camera: Camera, pixels: [u32; 2]) -> impl Fn(u32, u32) -> [u8; 3] {
-    let (renderer, format) = renderer();
-    let theme = Theme::of(&egui::Context::default());
-    let surfaces = Layer {
-        geometry: Shape::Mesh(surfaces).into(),
-        part: None,
-        stage: Stage::Solid,
-        paint: Paint::Plain([1.0; 4]),
-        opacity: 1.0,
-        hidden_opacity: 0.0,
-        width: 1.0,
-    };
-    let frame = Arc::new(Frame {
-        camera,
-        pixels,
-        background: theme.background(),
-        cut: Cut::NONE,
-        layers: vec![surfaces],
-    });
-    let size = egui::Vec2::from(pixels.map(|side| side as f32));
-    let mut harness =
-        Harness::builder().with_size(size).with_pixels_per_point(1.0).renderer(renderer).build_ui(
-            move |ui| {
-                let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
-                ui.painter()
-                    .with_clip_rect(rect)
-                    .add(FrameCallback { view: 0, format, frame: frame.clone() }.shape(rect));
-            },
-        );
-    let image = harness.render().unwrap();
-    assert_eq!([image.width(), image.height()], pixels);
-    move |column, row| {
-        let [red, green, blue, _] = image.get_pixel(column, row).0;
-        [red, green, blue]
-    }
-}
-
-/// A ball whose triangles are much smaller than pixels: most are not drawn, and no pixel lacks them.
-#[test]
-fn surfaces_have_no_holes_where_triangles_are_not_drawn() {
-    const AROUND: u32 = 1200;
-    const RADIUS: f32 = 0.3;
-    let point = |column: u32, row: u32| {
-        let yaw = TAU * column as f32 / AROUND as f32;
-        let pitch = TAU * row as f32 / AROUND as f32;
-        [
-            0.5 + RADIUS * pitch.sin() * yaw.cos(),
-            0.5 + RADIUS * pitch.cos(),
-            0.5 + RADIUS * pitch.sin() * yaw.sin(),
-        ]
-    };
-    let at = |column: u32, row: u32| row * AROUND + column % AROUND;
-    let each = |rows: u32| (0..rows).flat_map(|row| (0..AROUND).map(move |column| (column, row)));
-    let positions: Vec<_> = each(AROUND / 2 + 1).map(|(column, row)| point(column, row)).collect();
-    let triangles: Vec<_> = each(AROUND / 2)
-        .flat_map(|(i, j)| {
-            [[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]]
-        })
-        .collect();
-    let unit = UnitSpace::from_bounds([0.0; 3], [1.0; 3]);
-    let ball = Surfaces::new(&unit, &positions, &triangles);
-    let pixels = [320, 240];
-    let camera = Camera { target: Vec3::splat(0.5), yaw: 0.7, pitch: -0.4, distance: 4.0, yfov_radians: 0.6 };
-    let drawn: usize = ball.in_sight(&camera, pixels).map(|(triangles, _)| triangles.len()).sum();
-    assert!(drawn > 0 && drawn < triangles.len() / 5, "{drawn} of {} triangles are drawn", triangles.len());
-    let pixel = picture(ball, camera, pixels);
-    // The outline of a ball is where lines of sight touch it.
-    let outline = RADIUS / (4.0f32.powi(2) - RADIUS.powi(2)).sqrt() / 0.3f32.tan() * 120.0;
-    let background = pixel(0, 0);
-    for (column, row) in (0..pixels[0]).flat_map(|column| (0..pixels[1]).map(move |row| (column, row))) {
-        let from_centre = (column as f32 + 0.5 - 160.0).hypot(row as f32 + 0.5 - 120.0);
-        let colour = pixel(column, row);
-        if from_centre < outline - 2.0 {
-            // Brightest where it faces the eye: 0.42 of white everywhere, 0.9 and more in the middle.
-            let lowest = if from_centre < 0.3 * outline { 200 } else { 100 };
-            assert!(colour[0] > lowest, "{colour:?} at {column}, {row}, {from_centre} from the centre");
-        } else if from_centre > outline + 2.0 {
-            assert_eq!(colour, background, "at {column}, {row}, {from_centre} from the centre");
-        }
-    }
 }

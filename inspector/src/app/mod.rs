@@ -32,10 +32,10 @@ use crate::model::history::History;
 use crate::model::{Context, Selection};
 use crate::panels::{PANELS, Panel};
 use crate::recent::Recent;
+use crate::render::gpu::errors::Errors;
 use crate::session::Session;
 use crate::shot_command;
 
-pub(crate) use run::only_own_backends;
 pub use run::run;
 
 /// What is done once all of the window is drawn.
@@ -66,6 +66,7 @@ pub struct App {
     command: Option<String>,
     is_help_open: bool,
     format: wgpu::TextureFormat,
+    gpu_errors: Errors,
 }
 
 impl App {
@@ -90,6 +91,7 @@ impl App {
             command: None,
             is_help_open: false,
             format,
+            gpu_errors: Errors::default(),
         };
         app.greet();
         app
@@ -190,6 +192,9 @@ impl App {
     pub fn show(&mut self, ui: &mut egui::Ui) {
         let window = ui.ctx().clone();
         self.context.wake_with(move || window.request_repaint());
+        for error in self.gpu_errors.take() {
+            self.problem("the GPU cannot draw all of the window", error);
+        }
         self.take_dropped(ui);
         self.take_keys(ui);
         self.take_demo(ui);

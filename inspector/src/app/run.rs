@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::App;
 use crate::model::Context;
+use crate::render::gpu::{self, errors::Errors};
 use crate::session::Session;
 use crate::theme;
 
@@ -22,13 +23,6 @@ impl eframe::App for App {
     }
 }
 
-/// Leaves OpenGL out: the recorder does without it too, and to look for it takes time.
-pub(crate) fn only_own_backends(setup: &mut egui_wgpu::WgpuSetup) {
-    if let egui_wgpu::WgpuSetup::CreateNew(setup) = setup {
-        setup.instance_descriptor.backends &= wgpu::Backends::PRIMARY;
-    }
-}
-
 /// Opens the window on a session, if there is one, and recordings, and stays until it is closed.
 ///
 /// # Errors
@@ -44,11 +38,12 @@ pub fn run(paths: &[PathBuf], session: Option<Session>) -> anyhow::Result<()> {
         .with_inner_size([1440.0, 900.0])
         .with_drag_and_drop(true);
     let mut options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
-    only_own_backends(&mut options.wgpu_options.wgpu_setup);
+    gpu::set_up(&mut options.wgpu_options.wgpu_setup);
     let make = move |creation: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
         let state = creation.wgpu_render_state.as_ref().ok_or("the window has no GPU to draw with")?;
         theme::set_up(&creation.egui_ctx);
         let mut app = App::showing(context, state.target_format);
+        app.gpu_errors = Errors::of(&state.device, app.context.waker());
         if let Some(session) = &session {
             creation.egui_ctx.set_theme(egui::ThemePreference::from(session.theme));
             app.arrange_as(session);

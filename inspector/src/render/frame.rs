@@ -115,8 +115,8 @@ pub struct LayerUniform {
     pub high: f32,
     /// Row of the colour map.
     pub map: u32,
-    /// Fills 144 bytes.
-    pub padding: u32,
+    /// Points from one line, mark or box to the next.
+    pub points_each: u32,
 }
 
 impl LayerUniform {
@@ -144,7 +144,7 @@ impl LayerUniform {
             low: range.low,
             high: range.high,
             map,
-            padding: 0,
+            points_each: layer.geometry.shape().points_each(),
         }
     }
 }

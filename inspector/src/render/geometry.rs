@@ -66,6 +66,11 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// Points from one line, mark or box to the next: lines of a strip share theirs.
+    pub fn points_each(&self) -> u32 {
+        if matches!(self, Self::Strip(_)) { 1 } else { 2 }
+    }
+
     /// Whether there is nothing to draw.
     pub fn is_empty(&self) -> bool {
         match self {

@@ -168,7 +168,7 @@ fn details(ui: &mut Ui, options: &mut Options) {
 }
 
 /// Writes on the picture.
-pub(super) fn overlay(ui: &Ui, rect: Rect, text: &str, problem: Option<&Absent>) {
+pub(super) fn overlay(ui: &Ui, rect: Rect, text: &str, problems: &[&Absent]) {
     let painter = ui.painter().with_clip_rect(rect);
     let write = |at, text: &str, colour| {
         let galley = painter.layout(text.to_owned(), FontId::proportional(12.5), colour, rect.width() - 16.0);
@@ -178,9 +178,14 @@ pub(super) fn overlay(ui: &Ui, rect: Rect, text: &str, problem: Option<&Absent>)
     };
     write(rect.left_top() + vec2(8.0, 7.0), text, ui.visuals().text_color());
     let below = rect.left_top() + vec2(8.0, 29.0);
-    match problem {
-        None => {}
-        Some(Absent::Awaited) => write(below, "reading the recording", ui.visuals().weak_text_color()),
-        Some(Absent::Impossible(reason)) => write(below, reason, Theme::of(ui.ctx()).problem()),
+    let reasons = problems.iter().filter_map(|problem| match problem {
+        Absent::Awaited => None,
+        Absent::Impossible(reason) => Some(reason.as_str()),
+    });
+    let reasons = reasons.collect::<Vec<_>>().join("\n");
+    if !reasons.is_empty() {
+        write(below, &reasons, Theme::of(ui.ctx()).problem());
+    } else if !problems.is_empty() {
+        write(below, "reading the recording", ui.visuals().weak_text_color());
     }
 }

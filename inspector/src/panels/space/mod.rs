@@ -32,6 +32,7 @@ use crate::render::camera::Camera;
 use crate::render::frame::{Cut, Frame, Layer, Paint, Stage};
 use crate::render::geometry::{Geometry, Shape};
 use crate::render::gpu::FrameCallback;
+use crate::render::gpu::errors::Refusal;
 use crate::render::surfaces::Surfaces;
 use crate::theme::Theme;
 
@@ -51,6 +52,8 @@ pub struct SpaceView {
     layers: Layers,
     /// The opening of the recording that was last drawn.
     drawn: Option<u64>,
+    /// What the GPU could not draw.
+    refusal: Refusal,
 }
 
 /// What sessions keep of a view.
@@ -74,6 +77,7 @@ impl SpaceView {
             mesh_problem: None,
             layers: Layers::default(),
             drawn: None,
+            refusal: Refusal::default(),
         }
     }
 
@@ -262,13 +266,16 @@ impl SpaceView {
         let pixels = [rect.width(), rect.height()].map(|side| (side * scale).round().max(1.0) as u32);
         input::take(ui, &response, self, context);
         if let Some(frame) = self.frame(Theme::of(ui.ctx()), pixels, context) {
-            let callback = FrameCallback { view: self.view, format: self.format, frame: Arc::new(frame) };
+            let refusal = (self.refusal.clone(), context.waker().clone());
+            let (view, format, frame) = (self.view, self.format, Arc::new(frame));
+            let callback = FrameCallback { view, format, frame, refusal };
             ui.painter().add(callback.shape(rect));
         }
         let text = self.showing();
         let filter = filter_box::problem(context).map(|error| Absent::from(format!("filter: {error}")));
-        let problem = self.layers.problem().or(self.mesh_problem.as_ref()).or(filter.as_ref());
-        controls::overlay(ui, rect, &text, problem);
+        let refused = self.refusal.reason().map(|reason| Absent::from(format!("not all is drawn: {reason}")));
+        let problems = [self.layers.problem(), self.mesh_problem.as_ref(), filter.as_ref(), refused.as_ref()];
+        controls::overlay(ui, rect, &text, &problems.into_iter().flatten().collect::<Vec<_>>());
     }
 
     /// The slider along the order and the colour bar.

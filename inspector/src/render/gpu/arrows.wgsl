@@ -1,14 +1,16 @@
 // Heads of arrows: a triangle at the second point of each line, layer.width pixels long.
 struct ArrowPoint {
     @builtin(position) position: vec4<f32>,
-    @location(0) value: f32,
+    @location(0) @interpolate(flat) colour: vec3<f32>,
 }
 
 @vertex
-fn arrow_vertex(@builtin(vertex_index) corner: u32, @location(0) a: vec4<f32>, @location(1) b: vec4<f32>) -> ArrowPoint {
-    let ends = line_ends(a.xyz, b.xyz);
+fn arrow_vertex(@builtin(vertex_index) vertex: u32) -> ArrowPoint {
+    let line = two_points(vertex / 3u);
+    let corner = vertex % 3u;
+    let ends = line_ends(line.first.xyz, line.second.xyz);
     var point: ArrowPoint;
-    point.value = b.w;
+    point.colour = colour_of(line.second.w);
     if !ends.is_end_seen {
         point.position = vec4<f32>(2.0, 2.0, 2.0, 1.0);
         return point;
@@ -26,5 +28,5 @@ fn arrow_vertex(@builtin(vertex_index) corner: u32, @location(0) a: vec4<f32>, @
 
 @fragment
 fn arrow_fragment(point: ArrowPoint) -> @location(0) vec4<f32> {
-    return shown(colour_of(point.value), layer.opacity);
+    return shown(point.colour, layer.opacity);
 }

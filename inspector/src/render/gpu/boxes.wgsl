@@ -1,4 +1,4 @@
-// Translucent boxes, one per instance, from their lowest corner to their highest. Edges are less translucent.
+// Translucent boxes, from their lowest corner to their highest. Edges are less translucent.
 struct BoxPoint {
     @builtin(position) position: vec4<f32>,
     @location(0) value: f32,
@@ -7,7 +7,9 @@ struct BoxPoint {
 }
 
 @vertex
-fn box_vertex(@builtin(vertex_index) corner: u32, @location(0) low: vec4<f32>, @location(1) high: vec4<f32>) -> BoxPoint {
+fn box_vertex(@builtin(vertex_index) vertex: u32) -> BoxPoint {
+    let ends = two_points(vertex / 36u);
+    let corner = vertex % 36u;
     // Two faces for each axis, two triangles each.
     let axis = corner / 12u;
     let side = f32(corner / 6u % 2u);
@@ -21,8 +23,8 @@ fn box_vertex(@builtin(vertex_index) corner: u32, @location(0) low: vec4<f32>, @
         at = vec3<f32>(u, v, side);
     }
     var point: BoxPoint;
-    point.position = layer.clip_from_unit * vec4<f32>(mix(low.xyz, high.xyz, at), 1.0);
-    point.value = low.w;
+    point.position = layer.clip_from_unit * vec4<f32>(mix(ends.first.xyz, ends.second.xyz, at), 1.0);
+    point.value = ends.first.w;
     point.at = at;
     return point;
 }

@@ -10,7 +10,7 @@ struct Layer {
     low: f32,
     high: f32,
     map: u32,
-    padding: u32,
+    points_each: u32,
 }
 
 @group(0) @binding(0) var<uniform> layer: Layer;
@@ -29,6 +29,11 @@ fn colour_of(value: f32) -> vec3<f32> {
     let last = i32(textureDimensions(colour_maps).x) - 1;
     let column = clamp(i32(round(part * f32(last))), 0, last);
     return textureLoad(colour_maps, vec2<i32>(column, i32(layer.map)), 0).rgb;
+}
+
+// Whether a point is beyond the clipping plane.
+fn is_cut_away(p: vec3<f32>) -> bool {
+    return dot(layer.cut.xyz, p) > layer.cut.w;
 }
 
 // Colours are mixed with their alpha already in them.

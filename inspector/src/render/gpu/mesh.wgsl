@@ -20,7 +20,7 @@ fn mesh_vertex(@location(0) corner: vec3<f32>, @builtin(instance_index) grid: u3
 fn mesh_fragment(point: MeshPoint) -> @location(0) vec4<f32> {
     let p = point.in_unit_space;
     let normal = normalize(cross(dpdx(p), dpdy(p)));
-    if dot(layer.cut.xyz, p) > layer.cut.w {
+    if is_cut_away(p) {
         discard;
     }
     let facing = abs(dot(normal, normalize(layer.eye.xyz - p)));

@@ -5,7 +5,9 @@
 //! - `pipelines`: one for each way of drawing, made when it is first used
 //! - `uploads`: vertices that the GPU has already
 //! - `target`: the picture of one view
+//! - [`errors`]: what a GPU does not do
 
+pub mod errors;
 mod pipelines;
 pub mod shaders;
 mod target;
@@ -18,11 +20,13 @@ use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
 
 use serde::Serialize;
 
+use self::errors::Refusal;
 use self::pipelines::{Lines, Pipelines, Seen, Way};
 use self::target::Target;
 use self::uploads::Uploads;
 use super::frame::{Frame, Layer, LayerUniform, Stage};
 use super::geometry::Shape;
+use crate::model::background::Waker;
 
 /// Layers that a frame may have, each drawn up to twice.
 const DRAWS_MAX: usize = 32;
@@ -37,6 +41,8 @@ pub struct FrameCallback {
     pub format: wgpu::TextureFormat,
     /// What is seen.
     pub frame: Arc<Frame>,
+    /// Where the view reads what of it could not be drawn, and who draws the window again then.
+    pub refusal: (Refusal, Waker),
 }
 
 impl FrameCallback {
@@ -84,6 +90,22 @@ impl DrawCounts {
     }
 }
 
+/// Has a window ask for what its pictures take: no OpenGL, which the recorder does without too and which it
+/// takes time to look for, and buffers as large as the GPU allows.
+pub fn set_up(setup: &mut egui_wgpu::WgpuSetup) {
+    if let egui_wgpu::WgpuSetup::CreateNew(setup) = setup {
+        setup.instance_descriptor.backends &= wgpu::Backends::PRIMARY;
+        let by_itself = setup.device_descriptor.clone();
+        setup.device_descriptor = Arc::new(move |adapter| {
+            let mut device = by_itself(adapter);
+            let (asked, offered) = (&mut device.required_limits, adapter.limits());
+            asked.max_buffer_size = offered.max_buffer_size;
+            asked.max_storage_buffer_binding_size = offered.max_storage_buffer_binding_size;
+            device
+        });
+    }
+}
+
 /// A layer, the opacity it is drawn with, and whether only where surfaces hide it.
 struct Draw<'a> {
     layer: &'a Layer,
@@ -102,10 +124,10 @@ impl Draw<'_> {
         match (geometry.shape(), stage) {
             (Shape::Mesh(_), Stage::Ghost) => Way::Ghost,
             (Shape::Mesh(_), _) => Way::Solid,
-            (Shape::Strip(_), _) => Way::Lines(Lines::Strips, seen),
+            (Shape::Segments(_), Stage::Wire) => Way::Lines(Lines::Edges, seen),
             (Shape::Segments(_), Stage::Arrows) => Way::Lines(Lines::Arrows, seen),
             (Shape::Segments(_), Stage::Marks) => Way::Lines(Lines::Marks, seen),
-            (Shape::Segments(_), _) => Way::Lines(Lines::Segments, seen),
+            (Shape::Strip(_) | Shape::Segments(_), _) => Way::Lines(Lines::Plain, seen),
             (Shape::Boxes(_), _) => Way::Boxes,
             (Shape::Capsules(_), _) => Way::Capsules,
         }
@@ -135,8 +157,15 @@ impl CallbackTrait for FrameCallback {
         if view.drawn.as_ref().is_some_and(|drawn| **drawn == *self.frame) {
             return Vec::new();
         }
-        let uploaded =
-            self.frame.layers.iter().map(|layer| uploads.add(device, &layer.geometry)).sum::<u64>();
+        let (mut uploaded, mut refused) = (0, None);
+        for layer in &self.frame.layers {
+            match uploads.add(device, pipelines, &layer.geometry) {
+                Ok(bytes) => uploaded += bytes,
+                Err(reason) => refused = Some(reason),
+            }
+        }
+        let (refusal, waker) = &self.refusal;
+        refusal.set(refused, waker);
         let draws = draws(&self.frame);
         draws.iter().for_each(|draw| pipelines.make(device, draw.way()));
         view.counts = view.draw(queue, encoder, (pipelines, uploads), &self.frame, &draws);

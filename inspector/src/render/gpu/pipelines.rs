@@ -23,10 +23,10 @@ pub(super) enum Way {
 /// What is drawn for each pair of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Lines {
-    /// A line from each point to the next.
-    Strips,
     /// A line.
-    Segments,
+    Plain,
+    /// A line that is cut with the surfaces.
+    Edges,
     /// A head at the second.
     Arrows,
     /// A mark at the second.
@@ -49,8 +49,8 @@ pub(super) struct Pipelines {
     made: BTreeMap<Way, wgpu::RenderPipeline>,
     modules: BTreeMap<&'static str, wgpu::ShaderModule>,
     pub(super) copy: wgpu::RenderPipeline,
-    layout: wgpu::PipelineLayout,
     layer_layout: wgpu::BindGroupLayout,
+    points_layout: wgpu::BindGroupLayout,
     picture_layout: wgpu::BindGroupLayout,
     colour_maps: wgpu::TextureView,
     sampler: wgpu::Sampler,
@@ -62,9 +62,16 @@ struct Kind {
     module: &'static str,
     shader: fn() -> String,
     entries: [&'static str; 2],
-    buffers: &'static Buffers,
-    topology: wgpu::PrimitiveTopology,
+    vertices: Vertices,
     depth: (CompareFunction, bool),
+}
+
+/// Where a pipeline's vertices come from.
+enum Vertices {
+    /// Vertex buffers.
+    Buffers(&'static [Option<wgpu::VertexBufferLayout<'static>>]),
+    /// The shader, which reads two points by their number.
+    Points,
 }
 
 impl Pipelines {
@@ -80,7 +87,7 @@ impl Pipelines {
                 label: Some("copy::sampler"),
                 ..wgpu::SamplerDescriptor::default()
             }),
-            layout: pipeline_layout(device, &layer_layout),
+            points_layout: points_layout(device),
             layer_layout,
             picture_layout,
         }
@@ -88,12 +95,16 @@ impl Pipelines {
 
     /// Makes what draws in this way, unless it was made before.
     pub(super) fn make(&mut self, device: &Device, way: Way) {
-        let Self { made, modules, layout, .. } = self;
+        let Self { made, modules, layer_layout, points_layout, .. } = self;
         made.entry(way).or_insert_with(|| {
             let kind = kind(way);
             let shader = modules.entry(kind.module);
             let shader = shader.or_insert_with(|| module(device, kind.module, (kind.shader)()));
-            pipeline(device, layout, shader, (way, &kind))
+            let layout = match kind.vertices {
+                Vertices::Buffers(_) => pipeline_layout(device, &[layer_layout]),
+                Vertices::Points => pipeline_layout(device, &[layer_layout, points_layout]),
+            };
+            pipeline(device, &layout, shader, (way, &kind))
         });
     }
 
@@ -122,6 +133,19 @@ impl Pipelines {
         })
     }
 
+    /// A part of a buffer of points.
+    pub(super) fn points_bindings(
+        &self,
+        device: &Device,
+        points: wgpu::BufferBinding<'_>,
+    ) -> wgpu::BindGroup {
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("lines::points"),
+            layout: &self.points_layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(points) }],
+        })
+    }
+
     /// A picture, for the last pipeline.
     pub(super) fn picture_bindings(&self, device: &Device, picture: &wgpu::TextureView) -> wgpu::BindGroup {
         device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -142,15 +166,13 @@ fn kind(way: Way) -> Kind {
             module: "mesh",
             shader: shaders::mesh,
             entries: ["mesh_vertex", "mesh_fragment"],
-            buffers: &CORNERS,
-            topology: wgpu::PrimitiveTopology::TriangleList,
+            vertices: Vertices::Buffers(&CORNERS),
             depth: (CompareFunction::Less, way == Way::Solid),
         },
         Way::Lines(lines, seen) => {
             let (module, shader, entries): (_, fn() -> String, _) = match lines {
-                Lines::Strips | Lines::Segments => {
-                    ("lines", shaders::lines, ["line_vertex", "line_fragment"])
-                }
+                Lines::Plain => ("lines", shaders::lines, ["line_vertex", "line_fragment"]),
+                Lines::Edges => ("lines", shaders::lines, ["edge_vertex", "edge_fragment"]),
                 Lines::Arrows => ("arrows", shaders::arrows, ["arrow_vertex", "arrow_fragment"]),
                 Lines::Marks => ("marks", shaders::marks, ["mark_vertex", "mark_fragment"]),
             };
@@ -158,8 +180,7 @@ fn kind(way: Way) -> Kind {
                 module,
                 shader,
                 entries,
-                buffers: if lines == Lines::Strips { &STRIP_POINTS } else { &TWO_POINTS },
-                topology: wgpu::PrimitiveTopology::TriangleStrip,
+                vertices: Vertices::Points,
                 depth: match seen {
                     Seen::InFront => (CompareFunction::LessEqual, true),
                     Seen::Behind => (CompareFunction::Greater, false),
@@ -171,44 +192,31 @@ fn kind(way: Way) -> Kind {
             module: "boxes",
             shader: shaders::boxes,
             entries: ["box_vertex", "box_fragment"],
-            buffers: &TWO_POINTS,
-            topology: wgpu::PrimitiveTopology::TriangleList,
+            vertices: Vertices::Points,
             depth: (CompareFunction::LessEqual, false),
         },
         Way::Capsules => Kind {
             module: "capsules",
             shader: shaders::capsules,
             entries: ["capsule_vertex", "capsule_fragment"],
-            buffers: &CAPSULES,
-            topology: wgpu::PrimitiveTopology::TriangleList,
+            vertices: Vertices::Buffers(&CAPSULES),
             depth: (CompareFunction::Less, false),
         },
     }
 }
 
-/// Vertex buffers of a pipeline.
-type Buffers = [Option<wgpu::VertexBufferLayout<'static>>];
-
-const FIRST: [wgpu::VertexAttribute; 1] = vertex_attr_array![0 => Float32x4];
-const SECOND: [wgpu::VertexAttribute; 1] = vertex_attr_array![1 => Float32x4];
-
 /// Corners of triangles.
 static CORNERS: [Option<wgpu::VertexBufferLayout<'static>>; 1] =
     [of_each(VertexStepMode::Vertex, 12, &vertex_attr_array![0 => Float32x3])];
 
-/// Every point but the last, and the one after it: 16 bytes from one to the next.
-static STRIP_POINTS: [Option<wgpu::VertexBufferLayout<'static>>; 2] =
-    [of_each(VertexStepMode::Instance, 16, &FIRST), of_each(VertexStepMode::Instance, 16, &SECOND)];
-
-/// The first and the second point of a line, or of a box.
-static TWO_POINTS: [Option<wgpu::VertexBufferLayout<'static>>; 2] =
-    [of_each(VertexStepMode::Instance, 32, &FIRST), of_each(VertexStepMode::Instance, 32, &SECOND)];
-
 /// Corners that all capsules share, and each capsule.
 static CAPSULES: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
-    of_each(VertexStepMode::Vertex, 16, &FIRST),
+    of_each(VertexStepMode::Vertex, 16, &vertex_attr_array![0 => Float32x4]),
     of_each(VertexStepMode::Instance, 48, &vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32]),
 ];
+
+/// Bytes of a point: where it is, and its number.
+pub(super) const POINT_BYTES: u64 = 16;
 
 const fn of_each(
     step_mode: VertexStepMode,
@@ -225,6 +233,10 @@ fn pipeline(
     (way, kind): (Way, &Kind),
 ) -> wgpu::RenderPipeline {
     let (depth_compare, depth_write) = kind.depth;
+    let buffers = match kind.vertices {
+        Vertices::Buffers(buffers) => buffers,
+        Vertices::Points => &[],
+    };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(&format!("view::{way:?}")),
         layout: Some(layout),
@@ -232,9 +244,9 @@ fn pipeline(
             module: shader,
             entry_point: Some(kind.entries[0]),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: kind.buffers,
+            buffers,
         },
-        primitive: wgpu::PrimitiveState { topology: kind.topology, ..wgpu::PrimitiveState::default() },
+        primitive: wgpu::PrimitiveState::default(),
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
             depth_write_enabled: Some(depth_write),
@@ -267,7 +279,7 @@ fn copy_pipeline(
     let entry = if window.is_srgb() { "copy_to_linear" } else { "copy_to_gamma" };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("copy"),
-        layout: Some(&pipeline_layout(device, picture_layout)),
+        layout: Some(&pipeline_layout(device, &[picture_layout])),
         vertex: wgpu::VertexState {
             module: &shader,
             entry_point: Some("copy_vertex"),
@@ -295,10 +307,10 @@ fn module(device: &Device, label: &str, text: String) -> wgpu::ShaderModule {
     })
 }
 
-fn pipeline_layout(device: &Device, bindings: &wgpu::BindGroupLayout) -> wgpu::PipelineLayout {
+fn pipeline_layout(device: &Device, bindings: &[&wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
     device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: None,
-        bind_group_layouts: &[Some(bindings)],
+        bind_group_layouts: &bindings.iter().map(|&layout| Some(layout)).collect::<Vec<_>>(),
         immediate_size: 0,
     })
 }
@@ -330,6 +342,23 @@ fn layer_layout(device: &Device) -> wgpu::BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("view::layers"),
         entries: &[uniform, texture_entry(1, ShaderStages::VERTEX_FRAGMENT, false)],
+    })
+}
+
+fn points_layout(device: &Device) -> wgpu::BindGroupLayout {
+    let points = wgpu::BindGroupLayoutEntry {
+        binding: 0,
+        visibility: ShaderStages::VERTEX,
+        ty: BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: true },
+            has_dynamic_offset: false,
+            min_binding_size: wgpu::BufferSize::new(POINT_BYTES),
+        },
+        count: None,
+    };
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("lines::points"),
+        entries: &[points],
     })
 }
 

@@ -4,26 +4,28 @@ use super::super::surfaces::FINEST_BITS;
 
 const LAYER: &str = include_str!("layer.wgsl");
 
+const POINTS: &str = include_str!("points.wgsl");
+
 const LINE_ENDS: &str = include_str!("line_ends.wgsl");
 
 /// Lines.
 pub fn lines() -> String {
-    [LAYER, LINE_ENDS, include_str!("lines.wgsl")].concat()
+    [LAYER, POINTS, LINE_ENDS, include_str!("lines.wgsl")].concat()
 }
 
 /// Heads at the ends of lines.
 pub fn arrows() -> String {
-    [LAYER, LINE_ENDS, include_str!("arrows.wgsl")].concat()
+    [LAYER, POINTS, LINE_ENDS, include_str!("arrows.wgsl")].concat()
 }
 
 /// Marks at the ends of lines.
 pub fn marks() -> String {
-    [LAYER, include_str!("marks.wgsl")].concat()
+    [LAYER, POINTS, include_str!("marks.wgsl")].concat()
 }
 
 /// Boxes.
 pub fn boxes() -> String {
-    [LAYER, include_str!("boxes.wgsl")].concat()
+    [LAYER, POINTS, include_str!("boxes.wgsl")].concat()
 }
 
 /// Surfaces.
@@ -61,7 +63,12 @@ mod tests {
             if let Err(error) = validator.validate(&module) {
                 panic!("{}", error.emit_to_string(&text));
             }
-            assert_eq!(module.entry_points.len(), if text == copy() { 3 } else { 2 });
+            let entries = match &text {
+                text if *text == copy() => 3,
+                text if *text == lines() => 4,
+                _ => 2,
+            };
+            assert_eq!(module.entry_points.len(), entries);
         }
     }
 
@@ -74,7 +81,7 @@ mod tests {
             members.iter().map(|member| (member.name.as_deref().unwrap(), member.offset as usize)).collect();
         macro_rules! offsets { ($($field:ident),*) => { [$((stringify!($field), offset_of!(LayerUniform, $field))),*] } }
         let expected =
-            offsets!(clip_from_unit, eye, plain, cut, viewport, width, opacity, low, high, map, padding);
+            offsets!(clip_from_unit, eye, plain, cut, viewport, width, opacity, low, high, map, points_each);
         assert_eq!(found, expected);
         assert_eq!(*span as usize, size_of::<LayerUniform>());
     }

@@ -2,14 +2,16 @@
 
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Display;
+use std::ops::Range;
 
 use wgpu::util::DeviceExt;
-use wgpu::{BufferUsages, Device};
+use wgpu::{BufferUsages, Device, ErrorFilter};
 
 use super::super::frame::{Frame, Layer};
-use super::super::geometry::{Geometry, Shape, capsule_template};
+use super::super::geometry::{Geometry, Shape, Vertex, capsule_template};
 use super::super::surfaces::Surfaces;
-use super::pipelines::{Lines, Pipelines, Way};
+use super::pipelines::{Lines, POINT_BYTES, Pipelines, Way};
 
 pub(super) struct Uploads {
     uploaded: BTreeMap<u64, Uploaded>,
@@ -18,45 +20,87 @@ pub(super) struct Uploads {
     capsule_index_count: u32,
 }
 
-/// Vertices, indices where there are any, and how many there are to draw.
-struct Uploaded {
-    vertices: wgpu::Buffer,
-    indices: Option<wgpu::Buffer>,
-    count: u32,
+/// What the GPU has of a geometry.
+enum Uploaded {
+    Mesh {
+        corners: wgpu::Buffer,
+        triangles: wgpu::Buffer,
+    },
+    /// Lines, marks or boxes.
+    Points(Vec<Run>),
+    Capsules {
+        each: wgpu::Buffer,
+        count: u32,
+    },
 }
 
-fn buffer(device: &Device, label: &str, bytes: &[u8], usage: BufferUsages) -> wgpu::Buffer {
-    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some(label),
-        contents: bytes,
-        usage,
-    })
+/// As many consecutive lines as a binding holds.
+struct Run {
+    points: wgpu::BindGroup,
+    lines: Range<u32>,
+}
+
+/// A buffer of these bytes, a multiple of 4 of them.
+///
+/// # Errors
+/// Why the GPU has none.
+fn buffer(device: &Device, label: &str, bytes: &[u8], usage: BufferUsages) -> Result<wgpu::Buffer, String> {
+    let (size, most) = (bytes.len() as u64, device.limits().max_buffer_size);
+    let needed = format!("{label} needs {} MiB", size.div_ceil(1 << 20));
+    if size > most {
+        return Err(format!("{needed}, and a buffer of this GPU has {} MiB at most", most >> 20));
+    }
+    let no_room = |why: &dyn Display| format!("{needed}, and the GPU has no room for them: {why}");
+    let scope = device.push_error_scope(ErrorFilter::OutOfMemory);
+    let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: true };
+    let buffer = device.create_buffer(&descriptor);
+    if let Some(error) = pollster::block_on(scope.pop()) {
+        return Err(no_room(&error));
+    }
+    match buffer.get_mapped_range_mut(..) {
+        Ok(mut mapped) => mapped.slice(..).copy_from_slice(bytes),
+        Err(error) => return Err(no_room(&error)),
+    }
+    buffer.unmap();
+    Ok(buffer)
 }
 
 impl Uploads {
     pub(super) fn new(device: &Device) -> Self {
         let (corners, indices) = capsule_template();
-        let corners = bytemuck::cast_slice(&corners);
+        let small = |label, contents, usage| {
+            device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some(label),
+                contents,
+                usage,
+            })
+        };
         Self {
             uploaded: BTreeMap::new(),
-            capsule_corners: buffer(device, "capsules::corners", corners, BufferUsages::VERTEX),
-            capsule_indices: buffer(
-                device,
-                "capsules::indices",
-                bytemuck::cast_slice(&indices),
-                BufferUsages::INDEX,
-            ),
+            capsule_corners: small("capsules::corners", bytemuck::cast_slice(&corners), BufferUsages::VERTEX),
+            capsule_indices: small("capsules::indices", bytemuck::cast_slice(&indices), BufferUsages::INDEX),
             capsule_index_count: indices.len() as u32,
         }
     }
 
     /// Uploads a geometry unless the GPU has it; the bytes that it took.
-    pub(super) fn add(&mut self, device: &Device, geometry: &Geometry) -> u64 {
+    ///
+    /// # Errors
+    /// Why the GPU cannot have it; it is not drawn then.
+    pub(super) fn add(
+        &mut self,
+        device: &Device,
+        pipelines: &Pipelines,
+        geometry: &Geometry,
+    ) -> Result<u64, String> {
         match self.uploaded.entry(geometry.id()) {
-            Entry::Occupied(_) => 0,
+            Entry::Occupied(_) => Ok(0),
+            // Nothing is drawn of it, and no buffer is empty.
+            Entry::Vacant(_) if geometry.shape().is_empty() => Ok(0),
             Entry::Vacant(place) => {
-                let uploaded = place.insert(upload(device, geometry.shape()));
-                uploaded.vertices.size() + uploaded.indices.as_ref().map_or(0, wgpu::Buffer::size)
+                let (uploaded, bytes) = upload(device, pipelines, geometry.shape())?;
+                place.insert(uploaded);
+                Ok(bytes)
             }
         }
     }
@@ -75,17 +119,16 @@ impl Uploads {
         frame: &Frame,
     ) -> (u64, u64) {
         let Some(uploaded) = self.uploaded.get(&layer.geometry.id()) else { return (0, 0) };
-        let all = 0..uploaded.count;
-        let part = layer.part.as_ref();
-        let part = part.map_or(all.clone(), |part| part.start.min(all.end)..part.end.min(all.end));
-        let Some(pipeline) = pipelines.get(way).filter(|_| !part.is_empty()) else { return (0, 0) };
+        let Some(pipeline) = pipelines.get(way) else { return (0, 0) };
         pass.set_pipeline(pipeline);
-        let instances = part.len() as u64;
-        match layer.geometry.shape() {
-            Shape::Mesh(surfaces) => {
-                let Some(indices) = &uploaded.indices else { return (0, 0) };
-                pass.set_vertex_buffer(0, uploaded.vertices.slice(..));
-                pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+        let part = |all: &Range<u32>| match &layer.part {
+            Some(part) => part.start.max(all.start)..part.end.min(all.end),
+            None => all.clone(),
+        };
+        match (uploaded, layer.geometry.shape()) {
+            (Uploaded::Mesh { corners, triangles }, Shape::Mesh(surfaces)) => {
+                pass.set_vertex_buffer(0, corners.slice(..));
+                pass.set_index_buffer(triangles.slice(..), wgpu::IndexFormat::Uint32);
                 let drawn = surfaces.in_sight(&frame.camera, frame.pixels);
                 drawn.fold((0, 0), |(calls, vertices), (triangles, grid)| {
                     // The shader knows the grid as the number of the instance.
@@ -93,66 +136,92 @@ impl Uploads {
                     (calls + 1, vertices + 3 * triangles.len() as u64)
                 })
             }
-            Shape::Strip(_) | Shape::Segments(_) | Shape::Boxes(_) => {
+            (Uploaded::Points(runs), _) => {
                 let corners = match way {
                     Way::Boxes => BOX_CORNERS,
-                    Way::Lines(Lines::Arrows, _) => 3,
-                    _ => 4,
+                    Way::Lines(Lines::Arrows, _) => ARROW_CORNERS,
+                    _ => QUAD_CORNERS,
                 };
-                pass.set_vertex_buffer(0, uploaded.vertices.slice(..));
-                pass.set_vertex_buffer(1, uploaded.vertices.slice(POINT_BYTES..));
-                pass.draw(0..corners, part);
-                (1, u64::from(corners) * instances)
+                let drawn =
+                    runs.iter().map(|run| (run, part(&run.lines))).filter(|(_, part)| !part.is_empty());
+                drawn.fold((0, 0), |(calls, vertices), (run, part)| {
+                    let of_run = |line: u32| corners * (line - run.lines.start);
+                    pass.set_bind_group(1, &run.points, &[]);
+                    pass.draw(of_run(part.start)..of_run(part.end), 0..1);
+                    (calls + 1, vertices + u64::from(corners) * part.len() as u64)
+                })
             }
-            Shape::Capsules(_) => {
+            (Uploaded::Capsules { each, count }, _) => {
+                let part = part(&(0..*count));
+                if part.is_empty() {
+                    return (0, 0);
+                }
+                let drawn = u64::from(self.capsule_index_count) * part.len() as u64;
                 pass.set_vertex_buffer(0, self.capsule_corners.slice(..));
-                pass.set_vertex_buffer(1, uploaded.vertices.slice(..));
+                pass.set_vertex_buffer(1, each.slice(..));
                 pass.set_index_buffer(self.capsule_indices.slice(..), wgpu::IndexFormat::Uint32);
                 pass.draw_indexed(0..self.capsule_index_count, 0, part);
-                (1, u64::from(self.capsule_index_count) * instances)
+                (1, drawn)
             }
+            (Uploaded::Mesh { .. }, _) => (0, 0),
         }
     }
 }
 
-/// Corners of the triangles of a box.
+/// Corners of the triangles of a box, of an arrow's head, and of a line or a mark.
 const BOX_CORNERS: u32 = 36;
+const ARROW_CORNERS: u32 = 3;
+const QUAD_CORNERS: u32 = 6;
 
-/// Bytes from a line's first point to its second.
-const POINT_BYTES: u64 = 16;
-
-fn upload(device: &Device, shape: &Shape) -> Uploaded {
-    let vertices = |label, bytes: &[u8]| buffer(device, label, bytes, BufferUsages::VERTEX);
+/// What the GPU has then, and the bytes that went there.
+fn upload(device: &Device, pipelines: &Pipelines, shape: &Shape) -> Result<(Uploaded, u64), String> {
+    let points = |label, points: &[Vertex], lines| {
+        let points = buffer(device, label, bytemuck::cast_slice(points), BufferUsages::STORAGE)?;
+        let runs = runs(device, pipelines, &points, (lines, shape.points_each()));
+        Ok((Uploaded::Points(runs), points.size()))
+    };
     match shape {
-        Shape::Mesh(Surfaces { positions, triangles, .. }) => Uploaded {
-            vertices: vertices("mesh::positions", bytemuck::cast_slice(positions)),
-            indices: Some(buffer(
-                device,
-                "mesh::triangles",
-                bytemuck::cast_slice(triangles),
-                BufferUsages::INDEX,
-            )),
-            count: 3 * triangles.len() as u32,
-        },
-        Shape::Strip(points) => Uploaded {
-            vertices: vertices("strip::points", bytemuck::cast_slice(points)),
-            indices: None,
-            count: (points.len() as u32).saturating_sub(1),
-        },
-        Shape::Segments(segments) => Uploaded {
-            vertices: vertices("segments::points", bytemuck::cast_slice(segments)),
-            indices: None,
-            count: segments.len() as u32,
-        },
-        Shape::Boxes(boxes) => Uploaded {
-            vertices: vertices("boxes::corners", bytemuck::cast_slice(boxes)),
-            indices: None,
-            count: boxes.len() as u32,
-        },
-        Shape::Capsules(capsules) => Uploaded {
-            vertices: vertices("capsules::instances", bytemuck::cast_slice(capsules)),
-            indices: None,
-            count: capsules.len() as u32,
-        },
+        Shape::Mesh(Surfaces { positions, triangles, .. }) => {
+            let corners = bytemuck::cast_slice(positions);
+            let corners = buffer(device, "mesh::corners", corners, BufferUsages::VERTEX)?;
+            let triangles = bytemuck::cast_slice(triangles);
+            let triangles = buffer(device, "mesh::triangles", triangles, BufferUsages::INDEX)?;
+            let bytes = corners.size() + triangles.size();
+            Ok((Uploaded::Mesh { corners, triangles }, bytes))
+        }
+        Shape::Strip(strip) => points("strip::points", strip, strip.len() - 1),
+        Shape::Segments(pairs) => points("segments::points", pairs.as_flattened(), pairs.len()),
+        Shape::Boxes(pairs) => points("boxes::corners", pairs.as_flattened(), pairs.len()),
+        Shape::Capsules(capsules) => {
+            let each = bytemuck::cast_slice(capsules);
+            let each = buffer(device, "capsules::each", each, BufferUsages::VERTEX)?;
+            let bytes = each.size();
+            Ok((Uploaded::Capsules { each, count: capsules.len() as u32 }, bytes))
+        }
     }
+}
+
+/// Lines that a binding may start at: 16 points are as many bytes as any GPU aligns bindings to.
+const ALIGNED: u64 = 16;
+
+/// Bindings for all lines of a buffer, each with as many as one may hold.
+fn runs(
+    device: &Device,
+    pipelines: &Pipelines,
+    buffer: &wgpu::Buffer,
+    (lines, each): (usize, u32),
+) -> Vec<Run> {
+    let (lines, each) = (lines as u64, u64::from(each));
+    // A strip's last line ends at a point that no other starts at.
+    let points_most = device.limits().max_storage_buffer_binding_size / POINT_BYTES - 1;
+    let most = (points_most / each / ALIGNED * ALIGNED).max(ALIGNED);
+    let starts = (0..lines.div_ceil(most)).map(|run| run * most);
+    let run = |start: u64| {
+        let end = lines.min(start + most);
+        let points = (end - start - 1) * each + 2;
+        let size = wgpu::BufferSize::new(points * POINT_BYTES);
+        let points = wgpu::BufferBinding { buffer, offset: start * each * POINT_BYTES, size };
+        Run { points: pipelines.points_bindings(device, points), lines: start as u32..end as u32 }
+    };
+    starts.map(run).collect()
 }
