@@ -327,7 +327,7 @@ fn open(
         name => {
             let entry = PANELS.iter().find(|entry| entry.name == name);
             let entry = entry.with_context(|| format!("there is no panel {name}"))?;
-            let mut panel = (entry.make)(format);
+            let mut panel = (entry.make)(&format.into());
             let state = session.and_then(|session| session.panels.get(name));
             match (state, panel.space()) {
                 (Some(state), _) => panel.set_state(state.clone())?,

@@ -104,7 +104,7 @@ fn what_if(settings: &Settings, context: &Context) -> Option<Vec<(&'static str, 
 fn usual_state(panel: &str, view: &str) -> Value {
     let Some(entry) = PANELS.iter().find(|entry| entry.name == panel) else { return Value::Null };
     // Nothing is drawn by it, so that any format will do.
-    let mut made = (entry.make)(wgpu::TextureFormat::Rgba8Unorm);
+    let mut made = (entry.make)(&wgpu::TextureFormat::Rgba8Unorm.into());
     if let Some(space) = made.space().filter(|_| view != "window") {
         space.options = preset(view);
     }

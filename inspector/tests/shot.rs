@@ -112,7 +112,7 @@ fn what_is_drawn_is_set_and_counted() {
     // Surfaces; rays and their marks, hidden and seen.
     let (draws, shown) = (&report["draws"], report["rays_shown"][0].as_u64().unwrap());
     assert_eq!((&draws["draw_calls"], shown > 0), (&5.into(), true));
-    assert_eq!(draws["vertices"], 3 * sample::TRIANGLES.len() as u64 + 4 * 4 * shown);
+    assert_eq!(draws["vertices"], 3 * sample::TRIANGLES.len() as u64 + 4 * 6 * shown);
     let uploaded = (12 * (sample::positions().len() + sample::TRIANGLES.len())) as u64 + 2 * 32 * shown;
     assert!(draws["uploaded_bytes"].as_u64().unwrap() >= uploaded, "{draws}");
     let memory = &report["memory"];
@@ -139,6 +139,23 @@ fn what_is_drawn_is_set_and_counted() {
         assert_eq!(output.status.code(), Some(code), "{more:?}");
         assert!(text(&output).contains(expected), "{more:?}: {}", text(&output));
     }
+}
+
+/// Two views have their lines each, and the surfaces once: 11 corners and 11 triangles.
+#[test]
+fn views_share_the_surfaces() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = sample::write(folder.path());
+    let uploaded = |view: &str| {
+        let out = folder.path().join("x.png");
+        let arguments = ["shot", "--json", "--view", view, "--mesh", "ghost", "--size", "640x400", "--out"];
+        let output = inspector(&arguments, &dump).arg(out).output().unwrap();
+        assert!(output.status.success(), "{view}: {}", text(&output));
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        report["draws"]["uploaded_bytes"].as_u64().unwrap()
+    };
+    let mesh = 12 * (sample::positions().len() + sample::TRIANGLES.len()) as u64;
+    assert_eq!(2 * uploaded("curve") - uploaded("compare"), mesh);
 }
 
 /// What panels show besides the selection is set by name.

@@ -30,6 +30,7 @@ use self::tiles::{Shown, Wish};
 use crate::model::context::Problem;
 use crate::model::history::History;
 use crate::model::{Context, Selection};
+use crate::panels::space::Canvas;
 use crate::panels::{PANELS, Panel};
 use crate::recent::Recent;
 use crate::render::gpu::errors::Errors;
@@ -65,23 +66,23 @@ pub struct App {
     /// A command that is shown.
     command: Option<String>,
     is_help_open: bool,
-    format: wgpu::TextureFormat,
+    canvas: Canvas,
     gpu_errors: Errors,
 }
 
 impl App {
     /// With these recordings, in a window of this format.
     pub fn new(paths: &[PathBuf], format: wgpu::TextureFormat) -> Self {
-        Self::showing(Context::open(paths), format)
+        Self::showing(Context::open(paths), format.into())
     }
 
     /// With what is open and selected already.
-    pub fn showing(context: Context, format: wgpu::TextureFormat) -> Self {
+    pub fn showing(context: Context, canvas: Canvas) -> Self {
         let mut app = Self {
             context,
             recent: Recent::default(),
             demo: Demo::with(demo::find_recorder()),
-            panels: PANELS.iter().map(|entry| (entry.make)(format)).collect(),
+            panels: PANELS.iter().map(|entry| (entry.make)(&canvas)).collect(),
             tree: layout::at_first(),
             history: History::default(),
             task: None,
@@ -90,7 +91,7 @@ impl App {
             places: BTreeMap::new(),
             command: None,
             is_help_open: false,
-            format,
+            canvas,
             gpu_errors: Errors::default(),
         };
         app.greet();
@@ -155,7 +156,7 @@ impl App {
     /// Arranges panels as a session has them.
     fn arrange_as(&mut self, session: &Session) {
         self.history.clear();
-        self.panels = PANELS.iter().map(|entry| (entry.make)(self.format)).collect();
+        self.panels = PANELS.iter().map(|entry| (entry.make)(&self.canvas)).collect();
         self.tree = layout::of_all_panels(session.layout.clone()).unwrap_or_else(layout::at_first);
         for (name, state) in &session.panels {
             let restored = match self.panel(name) {
@@ -339,7 +340,7 @@ mod tests {
         let mut kept = layout::at_first();
         layout::bring_forward(&mut kept, "timings");
         let context = Context::open(&[PathBuf::from("nowhere.raydump")]);
-        let mut app = App::showing(context, wgpu::TextureFormat::Rgba8Unorm);
+        let mut app = App::showing(context, wgpu::TextureFormat::Rgba8Unorm.into());
         app.arrange(Some(kept.clone()));
         layout::bring_forward(&mut kept, "problems");
         assert!(!layout::is_as_at_first(&kept));

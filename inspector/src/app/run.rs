@@ -42,7 +42,7 @@ pub fn run(paths: &[PathBuf], session: Option<Session>) -> anyhow::Result<()> {
     let make = move |creation: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
         let state = creation.wgpu_render_state.as_ref().ok_or("the window has no GPU to draw with")?;
         theme::set_up(&creation.egui_ctx);
-        let mut app = App::showing(context, state.target_format);
+        let mut app = App::showing(context, state.target_format.into());
         app.gpu_errors = Errors::of(&state.device, app.context.waker());
         if let Some(session) = &session {
             creation.egui_ctx.set_theme(egui::ThemePreference::from(session.theme));

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::missing;
 use super::space::layers::RayValues;
-use super::space::{SpaceState, SpaceView};
+use super::space::{Canvas, SpaceState, SpaceView};
 use crate::model::comparison::{Difference, LOWEST_DISTANCE};
 use crate::model::comparisons::{Compared, Comparisons, Wanted};
 use crate::model::differences::{Row, counts, settings, speedups};
@@ -54,7 +54,7 @@ pub(super) struct Compare {
 }
 
 impl Compare {
-    pub(super) fn new(format: wgpu::TextureFormat) -> Self {
+    pub(super) fn new(canvas: &Canvas) -> Self {
         let choice = Choice {
             before: UNSORTED.to_owned(),
             before_recording: None,
@@ -63,7 +63,7 @@ impl Compare {
             all_rows: false,
         };
         Self {
-            views: [SpaceView::new(format), SpaceView::new(format)],
+            views: [SpaceView::new(canvas), SpaceView::new(canvas)],
             choice,
             comparisons: Comparisons::default(),
             compared: None,

@@ -22,7 +22,7 @@ mod what_if;
 mod worst;
 
 use self::data::Data;
-use self::space::SpaceView;
+use self::space::{Canvas, SpaceView};
 use crate::model::{Absent, Context};
 
 /// A part of the window.
@@ -66,8 +66,8 @@ pub struct Entry {
     pub name: &'static str,
     /// What it shows, in a sentence without its full stop.
     pub about: &'static str,
-    /// Makes it for a window of this format.
-    pub make: fn(wgpu::TextureFormat) -> Box<dyn Panel>,
+    /// Makes it for a window.
+    pub make: fn(&Canvas) -> Box<dyn Panel>,
 }
 
 /// All panels.
@@ -80,12 +80,12 @@ pub const PANELS: &[Entry] = &[
     Entry {
         name: "scene",
         about: "the scene with rays, the curve of their order, capsules and table cells",
-        make: |format| Box::new(scene::Scene::new(format)),
+        make: |canvas| Box::new(scene::Scene::new(canvas)),
     },
     Entry {
         name: "compare",
         about: "two orders of the same rays side by side, seen from one place",
-        make: |format| Box::new(compare::Compare::new(format)),
+        make: |canvas| Box::new(compare::Compare::new(canvas)),
     },
     Entry {
         name: "order",

@@ -1,7 +1,7 @@
 //! The scene with rays, the curve of their order, capsules and table cells.
 
 use super::missing;
-use super::space::SpaceView;
+use super::space::{Canvas, SpaceView};
 use crate::model::Context;
 use crate::panels::Panel;
 use crate::panels::data::Data;
@@ -12,8 +12,8 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    pub(super) fn new(format: wgpu::TextureFormat) -> Self {
-        Self { view: SpaceView::new(format) }
+    pub(super) fn new(canvas: &Canvas) -> Self {
+        Self { view: SpaceView::new(canvas) }
     }
 }
 

@@ -43,7 +43,7 @@ pub(crate) fn panel_made(
 ) -> Harness<'static, State> {
     let (renderer, format) = renderer();
     let entry = PANELS.iter().find(|entry| entry.name == name).unwrap();
-    let mut panel = (entry.make)(format);
+    let mut panel = (entry.make)(&format.into());
     change(panel.as_mut());
     let mut harness =
         Harness::builder().with_size(size).with_accessibility_check(false).renderer(renderer).build_ui_state(

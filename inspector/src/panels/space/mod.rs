@@ -2,6 +2,7 @@
 //!
 //! - [`options`]: what is shown, and how
 //! - [`layers`]: from a selection to vertices, made anew only when it changes; `shown`: of which places
+//! - [`meshes`]: surfaces, read once for all views
 //! - `controls`: the row above the picture; `bars`: the slider and the colour bars below
 //! - `input`: pointer and keys
 
@@ -9,6 +10,7 @@ mod bars;
 mod controls;
 mod input;
 pub mod layers;
+pub mod meshes;
 pub mod options;
 mod shown;
 
@@ -16,25 +18,36 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use egui::Sense;
-use formats::manifest::{Place, SceneArray};
-use formats::reader::{Dump, Mapped};
-use formats::unit_space::UnitSpace;
 use serde::{Deserialize, Serialize};
 
 use self::layers::{Layers, RayValues};
+use self::meshes::{MeshForm, Meshes};
 use self::options::{MeshMode, Options, Side, StandPoint};
 use super::filter_box;
-use crate::model::background::Background;
 use crate::model::{Absent, Context, Recording};
 use crate::output::count;
 use crate::panels::data::Data;
 use crate::render::camera::Camera;
 use crate::render::frame::{Cut, Frame, Layer, Paint, Stage};
-use crate::render::geometry::{Geometry, Shape};
+use crate::render::geometry::Geometry;
 use crate::render::gpu::FrameCallback;
 use crate::render::gpu::errors::Refusal;
-use crate::render::surfaces::Surfaces;
 use crate::theme::Theme;
+
+/// What all views of a window are drawn on and with.
+#[derive(Clone, Debug)]
+pub struct Canvas {
+    /// Format of the window.
+    pub format: wgpu::TextureFormat,
+    /// The surfaces that they show.
+    pub meshes: Meshes,
+}
+
+impl From<wgpu::TextureFormat> for Canvas {
+    fn from(format: wgpu::TextureFormat) -> Self {
+        Self { format, meshes: Meshes::default() }
+    }
+}
 
 /// A view into space.
 pub struct SpaceView {
@@ -45,8 +58,7 @@ pub struct SpaceView {
     camera: Option<(usize, Camera)>,
     /// Where the camera goes next, whatever the recording.
     placed: Option<Camera>,
-    /// Surfaces, or their edges, by the opening of their recording.
-    meshes: Background<(u64, MeshForm), Result<Geometry, String>, 2>,
+    meshes: Meshes,
     /// Why the last picture lacks surfaces.
     mesh_problem: Option<Absent>,
     layers: Layers,
@@ -64,16 +76,16 @@ pub(super) struct SpaceState {
 }
 
 impl SpaceView {
-    /// For a window of this format.
-    pub fn new(format: wgpu::TextureFormat) -> Self {
+    /// On this canvas.
+    pub fn new(canvas: &Canvas) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         Self {
             view: NEXT.fetch_add(1, Ordering::Relaxed),
-            format,
+            format: canvas.format,
             options: Options::default(),
             camera: None,
             placed: None,
-            meshes: Background::default(),
+            meshes: canvas.meshes.clone(),
             mesh_problem: None,
             layers: Layers::default(),
             drawn: None,
@@ -146,17 +158,16 @@ impl SpaceView {
 
     /// The surfaces of the recording that is looked at, or their edges.
     fn mesh(&mut self, context: &Context, form: MeshForm) -> Option<Geometry> {
-        let recording = context.recording()?;
-        let (dump, unit) = (recording.dump.clone(), recording.unit());
-        let wanted = (recording.opening, form);
-        let found = self.meshes.of(wanted, context.waker(), move || read_mesh(&dump, &unit, form));
-        let (mesh, problem) = match found {
-            None => (None, Some(Absent::Awaited)),
-            Some(Err(reason)) => (None, Some(reason.into())),
-            Some(Ok(mesh)) => (Some(mesh.clone()), None),
-        };
-        self.mesh_problem = problem;
-        mesh
+        match self.meshes.of(context.recording()?, form, context.waker()) {
+            Ok(mesh) => {
+                self.mesh_problem = None;
+                Some(mesh)
+            }
+            Err(absent) => {
+                self.mesh_problem = Some(absent);
+                None
+            }
+        }
     }
 
     /// The scene's surfaces, as the options show them.
@@ -224,25 +235,6 @@ fn stand(point: StandPoint, recording: &Recording) -> Camera {
         StandPoint::Recorded => Camera::recorded(&recording.dump.manifest().header.camera, &unit),
         StandPoint::Overview => Camera::overview(unit.sides),
     }
-}
-
-/// What of a scene is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum MeshForm {
-    Surfaces,
-    /// Of the triangles, each once.
-    Edges,
-}
-
-fn read_mesh(dump: &Dump, unit: &UnitSpace, form: MeshForm) -> Result<Geometry, String> {
-    let text = |error: formats::reader::ReadError| error.to_string();
-    let positions: Mapped<[f32; 3]> = dump.array(&Place::Scene(SceneArray::Positions)).map_err(text)?;
-    let triangles: Mapped<[u32; 3]> = dump.array(&Place::Scene(SceneArray::Triangles)).map_err(text)?;
-    let surfaces = Surfaces::new(unit, &positions, &triangles);
-    Ok(match form {
-        MeshForm::Surfaces => Shape::Mesh(surfaces).into(),
-        MeshForm::Edges => surfaces.edges().into(),
-    })
 }
 
 impl SpaceView {

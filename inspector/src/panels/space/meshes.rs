@@ -1,0 +1,65 @@
+//! The surfaces of recordings: read once for all views, by another thread.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use formats::manifest::{Place, SceneArray};
+use formats::reader::{Dump, Mapped};
+use formats::unit_space::UnitSpace;
+
+use crate::model::background::{Background, Waker};
+use crate::model::{Absent, Recording};
+use crate::render::geometry::{Geometry, Shape};
+use crate::render::surfaces::Surfaces;
+
+/// What of a scene is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MeshForm {
+    Surfaces,
+    /// Of the triangles, each once.
+    Edges,
+}
+
+/// Opening of a recording, and form.
+type Key = (u64, MeshForm);
+
+/// What is kept: more than the three views of a window look at at once, so that none waits for what another
+/// one lets go.
+const KEPT: usize = 4;
+
+/// The latest meshes of all views that share this.
+#[derive(Clone, Debug, Default)]
+pub struct Meshes(Arc<Mutex<Background<Key, Result<Geometry, String>, KEPT>>>);
+
+impl Meshes {
+    /// The mesh of a recording.
+    ///
+    /// # Errors
+    /// Why there is none, or none yet.
+    pub(super) fn of(
+        &self,
+        recording: &Recording,
+        form: MeshForm,
+        waker: &Waker,
+    ) -> Result<Geometry, Absent> {
+        let (dump, unit) = (recording.dump.clone(), recording.unit());
+        // What was kept is whole whatever happened to the thread that held it.
+        let mut meshes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = meshes.of((recording.opening, form), waker, move || read(&dump, &unit, form));
+        match found {
+            None => Err(Absent::Awaited),
+            Some(Err(reason)) => Err(reason.into()),
+            Some(Ok(mesh)) => Ok(mesh.clone()),
+        }
+    }
+}
+
+fn read(dump: &Dump, unit: &UnitSpace, form: MeshForm) -> Result<Geometry, String> {
+    let text = |error: formats::reader::ReadError| error.to_string();
+    let positions: Mapped<[f32; 3]> = dump.array(&Place::Scene(SceneArray::Positions)).map_err(text)?;
+    let triangles: Mapped<[u32; 3]> = dump.array(&Place::Scene(SceneArray::Triangles)).map_err(text)?;
+    let surfaces = Surfaces::new(unit, &positions, &triangles);
+    Ok(match form {
+        MeshForm::Surfaces => Shape::Mesh(surfaces).into(),
+        MeshForm::Edges => surfaces.edges().into(),
+    })
+}
