@@ -21,7 +21,7 @@ mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
 
-use headless::{layers, panel, settle};
+use headless::{click, layers, panel, settle};
 
 const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
 
@@ -162,12 +162,7 @@ fn a_cell_that_is_clicked_is_its_rays() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = panel("table", opened(folder.path()));
     let at = egui::pos2(200.0, 300.0);
-    harness.hover_at(at);
-    harness.step();
-    harness.drag_at(at);
-    harness.step();
-    harness.drop_at(at);
-    settle(&mut harness);
+    click(&mut harness, at);
     let context = &mut harness.state_mut().context;
     let cell = context.selection.cell.expect("a cell is under the pointer");
     let rays = context.rays_of_cell(cell).unwrap();

@@ -30,7 +30,7 @@ mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
 
-use headless::{layers, panel, renderer, settle};
+use headless::{click, layers, panel, renderer, settle};
 
 const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
 
@@ -125,12 +125,7 @@ fn a_pixel_that_is_clicked_is_a_ray() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = panel("order", opened(folder.path()));
     let at = egui::pos2(300.0, 300.0);
-    harness.hover_at(at);
-    harness.step();
-    harness.drag_at(at);
-    harness.step();
-    harness.drop_at(at);
-    settle(&mut harness);
+    click(&mut harness, at);
     let context = &mut harness.state_mut().context;
     let order = context.awaited_order().unwrap();
     let ray = context.selection.ray.expect("the pixel under the pointer has a ray");
@@ -153,12 +148,7 @@ fn imported_rays_are_shown_in_rows() {
     // The sample's rays are in the first two of 142 rows.
     let corner = harness.get_by_label("displacement").rect().min;
     let at = corner + egui::vec2(0.0, 28.0);
-    harness.hover_at(at);
-    harness.step();
-    harness.drag_at(at);
-    harness.step();
-    harness.drop_at(at);
-    settle(&mut harness);
+    click(&mut harness, at);
     assert!(harness.state().context.selection.ray.is_some(), "no ray at {at}");
 }
 

@@ -80,6 +80,16 @@ pub(crate) fn settle(harness: &mut Harness<'_, impl Drawn>) {
     }
 }
 
+/// Clicks a point, and waits for what comes of it.
+pub(crate) fn click(harness: &mut Harness<'_, impl Drawn>, at: egui::Pos2) {
+    harness.hover_at(at);
+    harness.step();
+    harness.drag_at(at);
+    harness.step();
+    harness.drop_at(at);
+    settle(harness);
+}
+
 /// What space shows of the selection.
 pub(crate) fn layers(context: &mut Context, options: &Options) -> Vec<Layer> {
     shown_by(&mut Layers::default(), context, options)
