@@ -7,8 +7,10 @@
 //! - [`traced`], [`stored_table`]: what a dump's rays came to, and what was expected of them
 //! - [`bench_result`]: what benchmarks print and figures read
 //! - [`summary`]: a dump in one object, for people and programs
+//! - [`files`], [`text`]: whole files read and replaced with care; names from files on a terminal
 
 pub mod bench_result;
+pub mod files;
 pub mod folder;
 pub mod key;
 pub mod length_table;
@@ -21,6 +23,7 @@ pub mod reader;
 pub mod recover;
 pub mod stored_table;
 pub mod summary;
+pub mod text;
 pub mod traced;
 pub mod unit_space;
 pub mod verify;

@@ -1,0 +1,59 @@
+//! Text that came from a file, on its way to a terminal.
+
+use std::borrow::Cow;
+
+/// Whether a terminal would do more with a character than show it: control characters but line feed and
+/// tab, and the marks that turn the direction of the text around them.
+fn is_unsafe(character: char) -> bool {
+    let steers = character.is_control() && character != '\n' && character != '\t';
+    let turns = matches!(character, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    steers || turns
+}
+
+/// The text with every character that steers a terminal or turns the direction of text written as
+/// `\u{1b}`. Line feeds and tabs stay: names that must keep to a line take `escape_debug` first.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    if !text.contains(is_unsafe) {
+        return Cow::Borrowed(text);
+    }
+    let escaped = |character: char| match is_unsafe(character) {
+        true => character.escape_unicode().to_string(),
+        false => character.to_string(),
+    };
+    Cow::Owned(text.chars().map(escaped).collect())
+}
+
+/// A name from a file on one line, at most `characters` long; a longer one ends in `…`.
+pub fn one_line(name: &str, characters: usize) -> String {
+    let mut shown: String = name.chars().take(characters).flat_map(char::escape_debug).collect();
+    // Escapes are longer than what they stand for.
+    let cut = shown.char_indices().nth(characters).map(|(at, _)| at);
+    if cut.is_some() || name.chars().nth(characters).is_some() {
+        shown.truncate(
+            shown.char_indices().nth(characters.saturating_sub(1)).map_or(shown.len(), |(at, _)| at),
+        );
+        shown.push('…');
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_steers_a_terminal_is_escaped() {
+        assert_eq!(printable("a\x1b[2Jb\u{202e}c\u{9b}\r"), "a\\u{1b}[2Jb\\u{202e}c\\u{9b}\\u{d}");
+        for same in ["two\nlines\tand a tab", "größer × 2 → \u{1f600}", ""] {
+            assert!(matches!(printable(same), Cow::Borrowed(shown) if shown == same));
+        }
+    }
+
+    #[test]
+    fn names_keep_to_a_line_and_a_length() {
+        assert_eq!(one_line("kitchen", 7), "kitchen");
+        assert_eq!(one_line("kitchens", 7), "kitche…");
+        assert_eq!(one_line("a\nb\u{202e}", 40), "a\\nb\\u{202e}");
+        assert_eq!(one_line(&"\n".repeat(5_000_000), 4), "\\n\\…");
+    }
+}
