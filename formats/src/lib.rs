@@ -5,6 +5,7 @@
 //! - [`length_table`], [`permutation`], [`metrics`]: what is derived from rays and keys
 //! - [`npy`], [`manifest`], [`folder`], [`writer`], [`reader`], [`verify`], [`recover`]: the files
 //! - [`traced`], [`stored_table`]: what a dump's rays came to, and what was expected of them
+//! - [`queue_check`]: whether recorded rays can be traced
 //! - [`bench_result`]: what benchmarks print and figures read
 //! - [`summary`]: a dump in one object, for people and programs
 //! - [`files`], [`text`]: whole files read and replaced with care; names from files on a terminal
@@ -18,6 +19,7 @@ pub mod manifest;
 pub mod metrics;
 pub mod npy;
 pub mod permutation;
+pub mod queue_check;
 pub mod ray;
 pub mod reader;
 pub mod recover;

@@ -10,12 +10,18 @@ use std::path::{Path, PathBuf};
 use memmap2::Mmap;
 use sha2::{Digest, Sha256};
 
-use crate::manifest::{self, ArrayRecord, Fault, Manifest, ManifestError, Outcome, Place, Source};
+use crate::manifest::{
+    self, ArrayRecord, Fault, Manifest, ManifestError, Outcome, Place, QueueArray, Source,
+};
 use crate::npy::{self, Dtype, Element, NpyError};
+use crate::text::one_line;
 use crate::{folder, manifest::scan::scan};
 
 #[cfg(target_endian = "big")]
 compile_error!("arrays are mapped as they lie in the file, which is little-endian");
+
+/// Characters of a recording's name that a message shows.
+const NAME_CHARACTERS: usize = 80;
 
 /// Why a dump or one of its arrays cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -156,10 +162,17 @@ impl Dump {
     /// If there is no dump or its manifest is damaged. Arrays are checked when they are mapped.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let path = &find(path)?;
+        let dump = Self::open_alone(path)?;
+        let source = find_source(path, &dump.manifest.header.source).map(Box::new);
+        Ok(Self { source, ..dump })
+    }
+
+    /// Opens a dump without its source, so that recordings which name themselves or each other end here.
+    fn open_alone(path: &Path) -> Result<Self, ReadError> {
         let manifest_path = path.join(manifest::FILE_NAME);
         match fs::symlink_metadata(&manifest_path) {
             Ok(metadata) if metadata.is_file() => {}
-            _ => return Err(ReadError::NotARecording { path: path.clone() }),
+            _ => return Err(ReadError::NotARecording { path: path.to_owned() }),
         }
         let is_partial = folder::dump_of_partial(path).is_some();
         let scan = scan(&manifest_path)?;
@@ -179,8 +192,7 @@ impl Dump {
         };
         let places =
             manifest.arrays.iter().enumerate().map(|(at, array)| (array.place.clone(), at)).collect();
-        let source = find_source(path, &manifest.header.source).map(Box::new);
-        Ok(Self { root: path.clone(), manifest, places, state, source })
+        Ok(Self { root: path.to_owned(), manifest, places, state, source: None })
     }
 
     /// The recording whose rays this one measured again, if it is a replay and its source lies in the
@@ -201,7 +213,19 @@ impl Dump {
 
     /// Whether an array is kept, here or in the source.
     pub fn has(&self, place: &Place) -> bool {
-        self.record(place).is_some() || self.source().is_some_and(|source| source.has(place))
+        self.record(place).is_some() || self.source_of(place).is_some_and(|source| source.has(place))
+    }
+
+    /// The source, if its array at this place is this recording's too. Length tables that are addressed in
+    /// another way are not, also where a replay that was ended early lost its own.
+    fn source_of(&self, place: &Place) -> Option<&Dump> {
+        let tables = [QueueArray::Lengths, QueueArray::FinalLengths];
+        let is_table = matches!(place, Place::Queue(_, array) if tables.contains(array));
+        let addresses = |dump: &Dump| {
+            let options = &dump.manifest.header.options;
+            (options.table_bits, options.table_layout.clone())
+        };
+        self.source().filter(|source| !is_table || addresses(source) == addresses(self))
     }
 
     /// The folder.
@@ -231,7 +255,7 @@ impl Dump {
     /// If the dump does not have it, or its file is not what the manifest says.
     pub fn array<T: Element>(&self, place: &Place) -> Result<Mapped<T>, ReadError> {
         let Some(record) = self.record(place) else {
-            return match &self.source {
+            return match self.source_of(place) {
                 Some(source) => source.array(place),
                 None => Err(self.missing(place)),
             };
@@ -250,9 +274,13 @@ impl Dump {
 
     fn missing(&self, place: &Place) -> ReadError {
         let hint = match &self.manifest.header.source {
+            Source::Replayed { name, .. } if self.source.is_some() => format!(
+                "; it has tables of its own, and those of {} are addressed in another way",
+                one_line(name, NAME_CHARACTERS)
+            ),
             Source::Replayed { name, .. } => format!(
                 "; it is a replay of {}, which is not in the same folder, or is another recording by now",
-                name.escape_debug()
+                one_line(name, NAME_CHARACTERS)
             ),
             Source::Traced | Source::Imported { .. } => {
                 let (word, kept) = (place.kept_with(), &self.manifest.header.options.keep);
@@ -276,7 +304,7 @@ impl Dump {
     }
 }
 
-/// Opens the source of a replay in `path`. A replay of a replay refers to the first recording itself, so
+/// Opens the source of the replay in `path`. A replay of a replay refers to the first recording itself, so
 /// this goes one level deep, and a link is not followed.
 fn find_source(path: &Path, source: &Source) -> Option<Dump> {
     let Source::Replayed { name, manifest_sha256 } = source else { return None };
@@ -285,7 +313,7 @@ fn find_source(path: &Path, source: &Source) -> Option<Dump> {
     if !is_plain || !fs::symlink_metadata(&folder).ok()?.is_dir() {
         return None;
     }
-    let dump = Dump::open(&folder).ok()?;
+    let dump = Dump::open_alone(&folder).ok()?;
     let is_first = !matches!(dump.manifest.header.source, Source::Replayed { .. });
     (is_first && dump.manifest_sha256().ok()? == *manifest_sha256).then_some(dump)
 }

@@ -68,12 +68,12 @@ pub enum MethodError {
         definition: String,
     },
     /// The layout of a user's method is wrong.
-    #[error("method '{name}': {source}")]
+    #[error("method '{name}': {cause}")]
     Layout {
         /// The method's name.
         name: String,
         /// What is wrong, and where.
-        source: LayoutError,
+        cause: LayoutError,
     },
 }
 
@@ -115,7 +115,7 @@ impl Method {
 
     fn new(name: &str, layout: &str, termination: Termination) -> Result<Self, MethodError> {
         let layout = LayoutText::parse(layout)
-            .map_err(|source| MethodError::Layout { name: name.to_owned(), source })?;
+            .map_err(|cause| MethodError::Layout { name: name.to_owned(), cause })?;
         Ok(Self { name: name.to_owned(), layout, termination })
     }
 

@@ -93,6 +93,14 @@ impl<'a> Subject<'a> {
         stored_table::from_cells(&self.dump.manifest().header, cells)
     }
 
+    /// The recording whose queues were added to the length tables: this one, or the source of a replay that
+    /// has no tables of its own.
+    fn table_maker(&self) -> &Dump {
+        let is_table = |place: &Place| matches!(place, Place::Queue(_, QueueArray::Lengths));
+        let has_own = self.dump.manifest().arrays.iter().any(|array| is_table(&array.place));
+        self.dump.source().filter(|_| !has_own).unwrap_or(self.dump)
+    }
+
     /// What the traced lengths of a queue are made from, if it was kept.
     fn traced(&self, queue: QueueId) -> Option<Traced> {
         Traced::open(self.dump, queue).ok()

@@ -114,7 +114,7 @@ fn check_masks(subject: &Subject<'_>, check: &mut Check, materials: &[u32], vert
         check.require(uvs == vertices, || format!("uvs.npy has {uvs} entries for {vertices} vertices"));
         let place = Place::Scene(SceneArray::Mask(texture));
         // A recording that was ended early may have got no further.
-        let is_there = subject.dump.record(&place).is_some() || subject.dump.state() != DumpState::Complete;
+        let is_there = subject.dump.has(&place) || subject.dump.state() != DumpState::Complete;
         check.require(is_there, || format!("there is no {place}"));
     }
 }

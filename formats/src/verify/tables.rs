@@ -8,6 +8,7 @@ use crate::key::Encoder;
 use crate::length_table::{LengthCell, LengthTable};
 use crate::manifest::{Place, QueueArray, QueueId};
 use crate::ray::Kind;
+use crate::traced::Traced;
 
 /// Rays that a thread adds at a time.
 const RAYS_PER_TASK: usize = 8192;
@@ -82,7 +83,7 @@ fn after(
     table: LengthTable,
     cells: &Encoder,
 ) -> Option<Vec<LengthCell>> {
-    let traced = subject.traced(queue)?;
+    let traced = Traced::open(subject.table_maker(), queue).ok()?;
     traced.rays().par_iter().enumerate().with_min_len(RAYS_PER_TASK).for_each(|(index, ray)| {
         table.add(cells.encode(ray, 0.0, 0) as u32, traced.length(index));
     });

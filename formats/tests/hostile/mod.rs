@@ -107,7 +107,7 @@ pub(crate) fn layout(bytes: &[u8]) {
     }
     match Method::from_user(&text) {
         Ok(method) => encode_by(&method.layout),
-        Err(MethodError::Layout { source, .. }) => assert_points_at(&source, source.text.as_str()),
+        Err(MethodError::Layout { cause, .. }) => assert_points_at(&cause, cause.text.as_str()),
         Err(_) => {}
     }
 }
