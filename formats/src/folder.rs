@@ -1,12 +1,14 @@
 //! Names of a dump's folder in its stages, and what may be done to them.
 
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::manifest;
+use crate::manifest::scan::scan;
+use crate::manifest::{self, Place, Record};
 
 /// A dump's folder ends in this.
 pub const EXTENSION: &str = "raydump";
@@ -55,28 +57,92 @@ pub(crate) fn exists(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok()
 }
 
-/// Whether a folder holds nothing but what a recording puts there, so that it may be replaced.
-pub(crate) fn is_recording(folder: &Path) -> io::Result<bool> {
-    if !folder.is_dir() {
-        return Ok(false);
-    }
-    let mut has_manifest = false;
-    for entry in fs::read_dir(folder)? {
-        let entry = entry?;
-        let Some(name) = entry.file_name().to_str().map(str::to_owned) else { return Ok(false) };
-        let is_folder = entry.file_type()?.is_dir();
-        let known = match name.as_str() {
-            manifest::FILE_NAME | crate::recover::NEW_MANIFEST | RESERVE_NAME | "image.npy" => !is_folder,
-            "scene" => is_folder,
-            _ => is_folder && name.starts_with("pass-"),
-        };
-        if !known {
-            return Ok(false);
+/// Why a folder is not replaced by a recording.
+#[derive(Debug)]
+pub(crate) enum Foreign {
+    /// It is none.
+    NotARecording,
+    /// A link, whose end may be anything.
+    Link,
+    /// It holds a file that no recording put there.
+    File(PathBuf),
+}
+
+/// The files and folders of a recording, so that they can be removed and nothing else.
+#[derive(Debug, Default)]
+pub(crate) struct Contents {
+    /// Paths from the folder.
+    files: Vec<PathBuf>,
+    /// Likewise, each after the one that it lies in.
+    folders: Vec<PathBuf>,
+}
+
+impl Contents {
+    fn of(root: &Path) -> io::Result<Self> {
+        let mut contents = Self::default();
+        let mut open = vec![PathBuf::new()];
+        while let Some(folder) = open.pop() {
+            for entry in fs::read_dir(root.join(&folder))? {
+                let entry = entry?;
+                let path = folder.join(entry.file_name());
+                if entry.file_type()?.is_dir() {
+                    contents.folders.push(path.clone());
+                    open.push(path);
+                } else {
+                    contents.files.push(path);
+                }
+            }
         }
-        has_manifest |= name == manifest::FILE_NAME;
+        Ok(contents)
     }
-    // A recorder that is killed at once leaves a folder without anything.
-    Ok(has_manifest || fs::read_dir(folder)?.next().is_none())
+
+    /// Removes the recording in `root`; what was put there since it was looked through stays, with its folders.
+    pub(crate) fn remove(&self, root: &Path) -> io::Result<()> {
+        self.files.iter().try_for_each(|file| fs::remove_file(root.join(file)))?;
+        self.folders.iter().rev().try_for_each(|folder| fs::remove_dir(root.join(folder)))?;
+        fs::remove_dir(root)
+    }
+}
+
+/// What is in `folder` if it holds what its manifest lists and nothing else. Where the manifest has no end,
+/// whatever lies where arrays do counts as the recording's: it may have been ended within one.
+pub(crate) fn replaceable(folder: &Path) -> io::Result<Result<Contents, Foreign>> {
+    let kind = fs::symlink_metadata(folder)?.file_type();
+    if !kind.is_dir() {
+        return Ok(Err(if kind.is_symlink() { Foreign::Link } else { Foreign::NotARecording }));
+    }
+    let contents = Contents::of(folder)?;
+    if contents.files.is_empty() {
+        // A recorder that is killed at once leaves a folder without anything.
+        return Ok(Ok(contents));
+    }
+    if !contents.files.iter().any(|file| file == Path::new(manifest::FILE_NAME)) {
+        return Ok(Err(Foreign::NotARecording));
+    }
+    let listed = listed_arrays(&folder.join(manifest::FILE_NAME));
+    let is_known = |file: &PathBuf| {
+        let Some(name) = file.to_str() else { return false };
+        let own = [manifest::FILE_NAME, crate::recover::NEW_MANIFEST, RESERVE_NAME];
+        let is_array = || Place::parse(&name.replace(std::path::MAIN_SEPARATOR, "/"));
+        own.contains(&name)
+            || is_array().is_some_and(|place| listed.as_ref().is_none_or(|listed| listed.contains(&place)))
+    };
+    Ok(match contents.files.iter().find(|file| !is_known(file)) {
+        Some(file) => Err(Foreign::File(file.clone())),
+        None => Ok(contents),
+    })
+}
+
+/// The arrays of a manifest; `None` if it has no end, or cannot be read.
+fn listed_arrays(manifest: &Path) -> Option<BTreeSet<Place>> {
+    let frames = fs::symlink_metadata(manifest).ok()?.is_file().then(|| scan(manifest).ok())??.frames;
+    matches!(frames.last()?.record, Record::End(_)).then(|| {
+        let places = frames.into_iter().filter_map(|frame| match frame.record {
+            Record::Array(array) => Some(array.place),
+            _ => None,
+        });
+        places.collect()
+    })
 }
 
 /// How long a recorder may take to go after it was killed: its last sync has to end first.
@@ -84,7 +150,10 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Whether another process is writing the dump in `folder`, and goes on for [`PATIENCE`].
 pub(crate) fn is_being_written(folder: &Path) -> bool {
-    let Ok(file) = File::open(folder.join(manifest::FILE_NAME)) else { return false };
+    let manifest = folder.join(manifest::FILE_NAME);
+    // A pipe would make us wait for ever.
+    let is_file = fs::symlink_metadata(&manifest).is_ok_and(|metadata| metadata.is_file());
+    let Some(file) = is_file.then(|| File::open(&manifest).ok()).flatten() else { return false };
     let start = Instant::now();
     while matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)) {
         if start.elapsed() > PATIENCE {
@@ -142,13 +211,26 @@ mod tests {
     #[test]
     fn only_recordings_may_be_replaced() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(is_recording(folder.path()).unwrap(), "an empty folder");
-        fs::create_dir(folder.path().join("scene")).unwrap();
-        assert!(!is_recording(folder.path()).unwrap(), "no manifest");
-        fs::write(folder.path().join("manifest.bin"), b"").unwrap();
-        assert!(is_recording(folder.path()).unwrap());
-        fs::write(folder.path().join("thesis.tex"), b"").unwrap();
-        assert!(!is_recording(folder.path()).unwrap(), "something else in it");
-        assert!(!is_recording(&folder.path().join("thesis.tex")).unwrap(), "a file");
+        let root = folder.path().join("a");
+        let found = || match replaceable(&root).unwrap() {
+            Ok(_) => "may".to_owned(),
+            Err(foreign) => format!("{foreign:?}"),
+        };
+        fs::create_dir_all(root.join("pass-000/bounce-00/closest")).unwrap();
+        assert_eq!(found(), "may", "folders without a file");
+        fs::write(root.join("pass-000/bounce-00/closest/rays.npy"), b"").unwrap();
+        assert_eq!(found(), "NotARecording", "no manifest");
+        fs::write(root.join("manifest.bin"), b"").unwrap();
+        assert_eq!(found(), "may", "a manifest without an end");
+        for notes in ["thesis.tex", "scene/notes.txt", "pass-000/bounce-00/closest/notes.npy"] {
+            fs::create_dir_all(root.join("scene")).unwrap();
+            fs::write(root.join(notes), b"").unwrap();
+            assert_eq!(found(), format!("File({notes:?})"));
+            fs::remove_file(root.join(notes)).unwrap();
+        }
+        let contents = replaceable(&root).unwrap().unwrap();
+        fs::write(root.join("scene/notes.txt"), b"just written").unwrap();
+        assert!(contents.remove(&root).is_err());
+        assert_eq!(fs::read(root.join("scene/notes.txt")).unwrap(), b"just written");
     }
 }

@@ -8,17 +8,19 @@ use formats::manifest::{
 };
 use formats::npy::Dtype;
 use formats::ray::{Kind, Ray};
+use formats::reader::Dump;
 
 use crate::backend::{Backend, MethodPlan, Queue, collected};
 use crate::cache_model::CacheModel;
 use crate::capture::Capture;
+use crate::comparison::compare;
 use crate::measure::{MethodMeasurement, OrderObserver, QueueMeasurement, measure, queue_name};
 use crate::options::{Keep, KeepPasses};
 use crate::progress::Progress;
 use crate::wavefront::{Observer, Place};
 
 /// What is measured and kept.
-pub struct Plan {
+pub struct Plan<'a> {
     /// Methods, in order.
     pub methods: Vec<MethodPlan>,
     /// Passes of the run; the last one is measured.
@@ -35,6 +37,8 @@ pub struct Plan {
     pub counts_work: bool,
     /// Says what caches would make of each order, if that is kept.
     pub cache_model: Option<CacheModel>,
+    /// The recording whose queues these are: only what is found otherwise is kept once more.
+    pub recorded: Option<&'a Dump>,
 }
 
 /// A measured queue, for the closing table.
@@ -51,19 +55,21 @@ pub struct MeasuredQueue {
 
 /// The observer of a recording.
 pub struct Recorder<'a> {
-    plan: &'a Plan,
+    plan: &'a Plan<'a>,
     capture: &'a mut Capture,
     progress: &'a Progress,
     /// Every queue of the measured pass.
     pub measured: Vec<MeasuredQueue>,
+    /// Rays that did not find what was recorded.
+    pub differing: u64,
     /// The last queue of each kind whose arrays are kept.
     last_kept: [Option<QueueId>; 2],
 }
 
 impl<'a> Recorder<'a> {
     /// An observer that writes through `capture`.
-    pub fn new(plan: &'a Plan, capture: &'a mut Capture, progress: &'a Progress) -> Self {
-        Self { plan, capture, progress, measured: Vec::new(), last_kept: [None; 2] }
+    pub fn new(plan: &'a Plan<'a>, capture: &'a mut Capture, progress: &'a Progress) -> Self {
+        Self { plan, capture, progress, measured: Vec::new(), differing: 0, last_kept: [None; 2] }
     }
 
     /// Writes the tables' last state. Call once after the loop.
@@ -115,7 +121,15 @@ impl<'a> Recorder<'a> {
                 })?;
             }
         }
-        if keep.hits {
+        let differs = match self.plan.recorded {
+            None => false,
+            Some(dump) => {
+                let difference = compare(backend, dump, id, hits)?;
+                self.differing += difference.rays;
+                difference.in_bits
+            }
+        };
+        if keep.hits || differs {
             let (array, dtype) = match id.kind {
                 Kind::Closest => (QueueArray::Hits, Dtype::Hit),
                 Kind::Shadow => (QueueArray::Distances, Dtype::F4),
@@ -260,7 +274,7 @@ impl Recorder<'_> {
 
 /// Writes keys and permutations as the warm-up round makes them.
 struct OrderCapture<'a> {
-    plan: &'a Plan,
+    plan: &'a Plan<'a>,
     capture: &'a mut Capture,
     id: QueueId,
     rays: usize,

@@ -165,7 +165,7 @@ pub enum OptionError {
         expected: String,
     },
     /// A method that cannot be had.
-    #[error("{0}")]
+    #[error(transparent)]
     Method(#[from] MethodError),
     /// The same method twice.
     #[error("method '{name}' is asked for twice")]
@@ -237,19 +237,21 @@ impl RecordOptions {
     pub fn check(&self) -> Result<(), OptionError> {
         in_range("width", self.width, 1, 1 << 16)?;
         in_range("height", self.height, 1, 1 << 16)?;
+        self.check_run()?;
+        self.check_device()
+    }
+
+    /// Checks what is run, but for the size of the picture.
+    ///
+    /// # Errors
+    /// The first option that makes no sense.
+    pub fn check_run(&self) -> Result<(), OptionError> {
         in_range("bounces", self.bounces, 1, 99)?;
         in_range("passes", self.passes, 1, 999)?;
         in_range("repeats", self.repeats, 1, 10_000)?;
         in_range("key-bits", self.key_bits, KEY_BITS_MIN, LAYOUT_BITS)?;
-        in_range("table-bits", self.table_bits, TABLE_BITS_MIN, TABLE_BITS_MAX)?;
         in_range("two-point-length", self.two_point_length, 0.0, 2.0)?;
-        in_range("l2-kib", self.l2_bytes >> 10, 64, 1 << 20)?;
-        if let Some(threads) = self.threads {
-            in_range("threads", threads, 1, 4096)?;
-        }
-        if !self.table_method.can_address_table() {
-            return Err(OptionError::TableMethod { name: self.table_method.name.clone() });
-        }
+        check_table(self.table_bits, &self.table_method)?;
         let additions =
             u64::from(self.width) * u64::from(self.height) * u64::from(self.bounces) * u64::from(self.passes);
         if additions >= 1 << 32 {
@@ -258,6 +260,18 @@ impl RecordOptions {
                 self.width, self.height, self.bounces, self.passes
             );
             return Err(OptionError::Conflict { message });
+        }
+        Ok(())
+    }
+
+    /// Checks where it runs.
+    ///
+    /// # Errors
+    /// The first option that makes no sense.
+    pub fn check_device(&self) -> Result<(), OptionError> {
+        in_range("l2-kib", self.l2_bytes >> 10, 64, 1 << 20)?;
+        if let Some(threads) = self.threads {
+            in_range("threads", threads, 1, 4096)?;
         }
         if self.backend == BackendChoice::Cpu && self.trace == TraceKernel::RayQuery {
             let message = "--trace ray-query needs a GPU that has ray queries; use --backend gpu, or --trace cwbvh or bvh2".to_owned();
@@ -270,6 +284,16 @@ impl RecordOptions {
         }
         Ok(())
     }
+}
+
+/// Checks what the length tables are addressed by.
+///
+/// # Errors
+/// Too few or too many bits, or a method whose key needs more than the ray.
+pub fn check_table(bits: u32, method: &Method) -> Result<(), OptionError> {
+    in_range("table-bits", bits, TABLE_BITS_MIN, TABLE_BITS_MAX)?;
+    let can = method.can_address_table();
+    can.then_some(()).ok_or_else(|| OptionError::TableMethod { name: method.name.clone() })
 }
 
 #[cfg(test)]

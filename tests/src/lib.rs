@@ -3,11 +3,13 @@
 //! - [`sources`]: the project's own files, for the tests that read them
 //! - [`programs`]: `recorder` and `inspector` as a user runs them
 //! - [`recordings`]: the arrays of a recording, byte by byte
+//! - [`crafted`]: recordings that somebody changed, with right checksums
 //! - [`scene_files`]: small GLB files, sound and broken
 //! - [`keys`]: keys and lengths once more, written from their definition alone
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+pub mod crafted;
 pub mod keys;
 pub mod programs;
 pub mod recordings;

@@ -44,6 +44,24 @@ fn refuses_scene(edit: impl Fn(&mut Value, &mut Vec<u8>), words: &[&str]) {
     refuses_file("broken.glb", &glb(&json, &bytes), words);
 }
 
+/// A sentence is said once, whatever error wraps it.
+#[test]
+fn what_is_wrong_is_said_once() {
+    let folder = tempdir().unwrap();
+    for (line, sentence) in [
+        ("record builtin:cornell --out x --methods nope", "nope"),
+        ("record builtin:cornell --out x --method mine=(ox~oq)*2", "found"),
+        ("record builtin:nothing --out x", "nothing"),
+        ("record builtin:cornell --out x --table-method nope", "nope"),
+        ("record none.glb --out x", "none.glb"),
+        ("replay none.raydump --out x", "none.raydump"),
+    ] {
+        let outcome = Program::Recorder.run(folder.path(), line);
+        let said = outcome.stderr.matches(sentence).count();
+        assert_eq!(said, 1, "{line}: {}", outcome.stderr);
+    }
+}
+
 #[test]
 fn the_triangle_itself_is_fine() {
     let folder = tempdir().unwrap();

@@ -6,8 +6,10 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use formats::manifest::{Record, Source};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
+use tests::crafted::{copy, edit_manifest, edit_records};
 use tests::programs::{Program, finish};
 use tests::recordings::{arrays, record};
 
@@ -116,7 +118,7 @@ fn what_cannot_be_replayed_is_refused() {
         Program::Recorder.run(folder.path(), line).failed_with(code, words);
     };
     fails("replay none.raydump --out y.raydump", FAILED, &["none.raydump"]);
-    fails("replay first.raydump --out first.raydump", FAILED, &["exists already", "--force"]);
+    fails("replay first.raydump --out first.raydump", FAILED, &["is read for it", "another name"]);
     fails("replay first.raydump --out y --key-bits 4", USAGE, &["key-bits", "8", "64"]);
     fails(
         "replay first.raydump --out y --two-point-length 0.1..",
@@ -138,13 +140,78 @@ fn what_cannot_be_replayed_is_refused() {
     outcome.failed_with(FAILED, &["first.raydump"]);
 }
 
+/// A recording that names itself or another that names it back is read, and ends nobody's stack.
+#[test]
+fn recordings_that_name_each_other() {
+    let folder = recorded("builtin:cornell", "--backend cpu --repeats 1 --methods aila");
+    let at = |name: &str| folder.path().join(name);
+    run(folder.path(), "replay first.raydump --out second.raydump --backend cpu");
+    run(folder.path(), "replay second.raydump --out third.raydump --backend cpu");
+    // As after a plain `mv` of two folders: both are replays of "first.raydump", of which one is itself.
+    fs::rename(at("first.raydump"), at("aside.raydump")).unwrap();
+    fs::rename(at("second.raydump"), at("first.raydump")).unwrap();
+    fs::rename(at("third.raydump"), at("second.raydump")).unwrap();
+    edit_records(&at("first.raydump"), |record| {
+        if let Record::Header(header) = record
+            && let Source::Replayed { name, .. } = &mut header.source
+        {
+            *name = "second.raydump".to_owned();
+        }
+    });
+    for recording in ["first", "second"] {
+        Program::Inspector.run(folder.path(), &format!("info {recording}.raydump")).succeeded();
+        Program::Inspector.run(folder.path(), &format!("plot {recording}.raydump --out plots")).succeeded();
+        for line in ["export --format csv --out csv", "shot --view curve --out shot.png"] {
+            let (command, rest) = line.split_once(' ').unwrap();
+            let outcome =
+                Program::Inspector.run(folder.path(), &format!("{command} {recording}.raydump {rest}"));
+            assert!(outcome.code.is_some_and(|code| code <= 1), "{outcome:?}");
+        }
+        let line = format!("replay {recording}.raydump --out y --backend cpu");
+        Program::Recorder.run(folder.path(), &line).failed_with(FAILED, &["same folder"]);
+    }
+}
+
+/// Any occluder answers a shadow ray, and another kernel may find another one.
+#[test]
+fn what_another_kernel_finds_is_kept_where_it_differs() {
+    let folder =
+        recorded("builtin:atrium?triangles=4000", "--backend cpu --repeats 1 --methods two-point-real");
+    let verified = |name: &str| {
+        Program::Inspector.run(folder.path(), &format!("verify {name}.raydump")).succeeded();
+    };
+    let line = "replay first.raydump --backend cpu --trace bvh2";
+    run(folder.path(), &format!("{line} --out other --methods two-point-real,two-point-adaptive"));
+    verified("other");
+    run(folder.path(), &format!("{line} --out table --methods two-point-adaptive --table-bits 12"));
+    verified("table");
+    let kept =
+        |end: &str| arrays(&folder.path().join("other.raydump")).keys().any(|path| path.ends_with(end));
+    assert!(kept("shadow/distances.npy") && !kept("closest/hits.npy") && !kept("rays.npy"));
+    // Ended early, a replay does not take its source's tables for its own.
+    for ended in ["/lengths.npy", "/final-lengths.npy"] {
+        let path = copy(&folder.path().join("table.raydump"), "ended");
+        edit_manifest(&path, |records| {
+            records.retain(|record| match record {
+                Record::Array(array) => !array.place.to_string().ends_with(ended),
+                _ => true,
+            });
+        });
+        for (array, _) in arrays(&path).into_iter().filter(|(array, _)| array.ends_with(ended)) {
+            fs::remove_file(path.join(array)).unwrap();
+        }
+        verified("ended");
+        fs::remove_dir_all(path).unwrap();
+    }
+}
+
 const SCRIPT: &str = "
 import numpy as np
 random = np.random.default_rng(7)
 origin = random.uniform(-0.5, 0.5, (5000, 3))
 direction = random.normal(size=(5000, 3))
 np.save('rays.npy', np.hstack([origin, direction]).astype('<f4'))
-limits = np.zeros((5000, 1)), np.full((5000, 1), 0.4)
+limits = np.full((5000, 1), 0.01), np.full((5000, 1), 0.4)
 np.save('shadow.npy', np.hstack([origin, limits[0], direction, limits[1]]).astype('<f4'))
 many = random.uniform(-0.5, 0.5, (70_000, 6))
 np.save('many.npy', many.astype('<f4'))
@@ -162,8 +229,10 @@ fn rays_of_another_program() {
     let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
     finish(Command::new(python).args(["-c", SCRIPT]).current_dir(folder.path())).succeeded();
     let import = "import --scene builtin:cornell --backend cpu --repeats 1";
-    for (rays, kind) in [("rays", "closest"), ("shadow", "shadow")] {
-        let line = format!("{import} --rays {rays}.npy --kind {kind} --out {kind}.raydump");
+    let recorded =
+        [("rays", "closest", "closest"), ("shadow", "shadow", "shadow"), ("shadow", "closest", "near")];
+    for (rays, ask, kind) in recorded {
+        let line = format!("{import} --rays {rays}.npy --kind {ask} --out {kind}.raydump");
         let json = run(folder.path(), &line);
         assert_eq!(json["queues"][0]["rays"], 5000);
         assert_eq!(json["source"]["how"], "imported");

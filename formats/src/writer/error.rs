@@ -54,6 +54,28 @@ pub enum WriteError {
         /// The file or folder found.
         path: PathBuf,
     },
+    /// A link has the dump's name.
+    #[error("{} is a link, so it is not replaced, even by --force; use the name that it leads to, or another", path.display())]
+    Link {
+        /// The link.
+        path: PathBuf,
+    },
+    /// A recording in whose folder somebody put a file.
+    #[error("{} holds {}, which is no part of the recording, so it is not replaced, even by --force; move that file, or use another name", path.display(), file.display())]
+    ForeignFile {
+        /// The recording.
+        path: PathBuf,
+        /// The file, from the recording's folder.
+        file: PathBuf,
+    },
+    /// The dump would take the place of what it is made from.
+    #[error("{} would replace or lie in {}, which is read for it; use another name", path.display(), origin.display())]
+    Source {
+        /// The dump.
+        path: PathBuf,
+        /// What it is made from.
+        origin: PathBuf,
+    },
     /// An array that cannot look like this.
     #[error("{place} cannot be {found}; expected {expected}")]
     Shape {

@@ -10,14 +10,14 @@ mod write_back;
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 pub use array::ArrayWriter;
 pub use error::WriteError;
 
-use crate::folder;
+use crate::folder::{self, Contents, Foreign};
 use crate::manifest::{
     self, ArrayRecord, CacheRecord, End, Header, MethodRecord, Place, QueueRecord, Record, TimingRecord,
     encode_frame,
@@ -58,17 +58,22 @@ impl DumpWriter {
     /// Begins the dump `out`; `.raydump` is added to a name that does not end in it.
     ///
     /// With `overwrite`, an existing dump is replaced, but only when this one is complete, and what
-    /// a killed recording left is removed at once. Nothing but recordings is ever replaced.
+    /// a killed recording left is removed at once. Nothing is replaced but what the manifest lists.
     ///
     /// # Errors
     /// If the dump exists (without `overwrite`), is no recording, is being written by another
     /// process, or cannot be created.
     pub fn create(out: &Path, header: Header, overwrite: bool) -> Result<Self, WriteError> {
-        let (target, partial) = Self::check(out, overwrite)?;
+        let (target, partial) = Self::check(out, overwrite, &[])?;
         if folder::exists(&partial) {
-            fs::remove_dir_all(&partial).map_err(io_error("remove", &partial))?;
+            let left = own_contents(&partial)?;
+            left.remove(&partial).map_err(io_error("remove", &partial))?;
         }
-        fs::create_dir(&partial).map_err(io_error("create", &partial))?;
+        fs::create_dir(&partial).map_err(|cause| match cause.kind() {
+            // It was not there a moment ago.
+            io::ErrorKind::AlreadyExists => WriteError::Busy { path: partial.clone() },
+            _ => io_error("create", &partial)(cause),
+        })?;
         let path = partial.join(manifest::FILE_NAME);
         let mut file = create_file(&path)?;
         // Held until the end, so that no other process takes this folder for a left-over one. Where
@@ -92,21 +97,35 @@ impl DumpWriter {
     }
 
     /// Whether [`DumpWriter::create`] would begin, without touching anything: for a word before long
-    /// preparations. Returns the folder of the dump and the one that it is written in.
+    /// preparations. `sources` are files and folders that the dump is made from: neither they nor a folder
+    /// above them are replaced, and nothing is written into them. Returns the folder of the dump and the
+    /// one that it is written in.
     ///
     /// # Errors
-    /// As [`DumpWriter::create`], as far as can be told without writing.
-    pub fn check(out: &Path, overwrite: bool) -> Result<(PathBuf, PathBuf), WriteError> {
+    /// As [`DumpWriter::create`], as far as can be told without writing, and if the dump would take the
+    /// place of a source.
+    pub fn check(out: &Path, overwrite: bool, sources: &[&Path]) -> Result<(PathBuf, PathBuf), WriteError> {
         let target = folder::dump_folder(out).ok_or_else(|| WriteError::Name { path: out.to_owned() })?;
         let partial = folder::partial_of(&target);
+        for source in sources {
+            if touches(&target, source) || touches(&partial, source) {
+                return Err(WriteError::Source { path: target, origin: (*source).to_owned() });
+            }
+        }
         if folder::exists(&target) {
-            check_replaceable(&target, overwrite, || WriteError::Exists { path: target.clone() })?;
+            if !overwrite {
+                return Err(WriteError::Exists { path: target });
+            }
+            own_contents(&target)?;
         }
         if folder::exists(&partial) {
             if folder::is_being_written(&partial) {
                 return Err(WriteError::Busy { path: partial });
             }
-            check_replaceable(&partial, overwrite, || WriteError::LeftOver { path: partial.clone() })?;
+            if !overwrite {
+                return Err(WriteError::LeftOver { path: partial });
+            }
+            own_contents(&partial)?;
         }
         Ok((target, partial))
     }
@@ -255,35 +274,49 @@ fn create_file(path: &Path) -> Result<File, WriteError> {
     OpenOptions::new().write(true).create_new(true).open(path).map_err(io_error("create", path))
 }
 
-fn check_replaceable(
-    folder: &Path,
-    overwrite: bool,
-    refusal: impl FnOnce() -> WriteError,
-) -> Result<(), WriteError> {
-    if !overwrite {
-        return Err(refusal());
-    }
-    match folder::is_recording(folder).map_err(io_error("read", folder))? {
-        true => Ok(()),
-        false => Err(WriteError::NotARecording { path: folder.to_owned() }),
-    }
+/// What is in a folder that may be replaced, being a recording and nothing else.
+fn own_contents(path: &Path) -> Result<Contents, WriteError> {
+    let path = path.to_owned();
+    folder::replaceable(&path).map_err(io_error("read", &path))?.map_err(|foreign| match foreign {
+        Foreign::NotARecording => WriteError::NotARecording { path },
+        Foreign::Link => WriteError::Link { path },
+        Foreign::File(file) => WriteError::ForeignFile { path, file },
+    })
+}
+
+/// Whether what is written to `target` would replace `source` or lie in it, by whatever links they are named.
+fn touches(target: &Path, source: &Path) -> bool {
+    // A source that is not there is missed by whoever reads it.
+    let Ok(source) = fs::canonicalize(source) else { return false };
+    let by_parent = fs::canonicalize(folder::parent(target))
+        .ok()
+        .and_then(|parent| Some(parent.join(target.file_name()?)));
+    let is_recording = source.join(manifest::FILE_NAME).exists();
+    let names = [by_parent, fs::canonicalize(target).ok()];
+    names.iter().flatten().any(|name| source.starts_with(name) || is_recording && name.starts_with(&source))
 }
 
 /// Gives a complete dump its name; an old one of that name goes only then.
 fn replace(partial: &Path, target: &Path, overwrite: bool) -> Result<(), WriteError> {
-    let replaced = folder::beside(target, ".replaced");
+    let mut old = None;
     if folder::exists(target) {
-        check_replaceable(target, overwrite, || WriteError::Exists { path: target.to_owned() })?;
+        if !overwrite {
+            return Err(WriteError::Exists { path: target.to_owned() });
+        }
+        let contents = own_contents(target)?;
+        let replaced = folder::beside(target, ".replaced");
         if folder::exists(&replaced) {
-            fs::remove_dir_all(&replaced).map_err(io_error("remove", &replaced))?;
+            // Left by a run that was ended in the middle of this.
+            own_contents(&replaced)?.remove(&replaced).map_err(io_error("remove", &replaced))?;
         }
         fs::rename(target, &replaced).map_err(io_error("rename", target))?;
+        old = Some((contents, replaced));
     }
     fs::rename(partial, target).map_err(io_error("rename", partial))?;
     let parent = folder::parent(target);
     folder::sync_folder(parent).map_err(io_error("write", parent))?;
-    if folder::exists(&replaced) {
-        fs::remove_dir_all(&replaced).map_err(io_error("remove", &replaced))?;
+    match old {
+        Some((contents, replaced)) => contents.remove(&replaced).map_err(io_error("remove", &replaced)),
+        None => Ok(()),
     }
-    Ok(())
 }

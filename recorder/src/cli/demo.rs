@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Context, Result, bail};
 use clap::Args;
+use formats::reader::Dump;
 
 use super::output::print;
 use super::record::{DeviceArguments, RecordArguments};
@@ -40,7 +41,14 @@ pub(super) struct DemoArguments {
 }
 
 pub(super) fn run(arguments: &DemoArguments) -> Result<()> {
+    std::fs::create_dir_all(&arguments.out)
+        .with_context(|| format!("cannot make the folder {}", arguments.out.display()))?;
     let out = arguments.out.join("demo.raydump");
+    // An earlier demo is replaced without a word, and nothing else that has its name.
+    let is_demo = |dump: Dump| dump.manifest().header.scene.name == DEMO[0];
+    if Dump::open(&out).is_ok_and(|dump| !is_demo(dump)) {
+        bail!("{} holds a recording of something else; choose another folder with --out", out.display());
+    }
     let words = DEMO.iter().map(|&word| word.into()).chain([out.into_os_string()]);
     let options = RecordArguments::parse_words(words)?.with_device(arguments.device.clone()).options()?;
     let recorded = recording::record(&options)?;

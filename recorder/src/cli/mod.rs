@@ -4,7 +4,7 @@ mod adapters;
 mod bench;
 mod demo;
 mod import;
-mod output;
+pub(crate) mod output;
 mod record;
 mod replay;
 mod scenes;
@@ -13,7 +13,9 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use crate::interrupt;
 use crate::options::OptionError;
+use output::say;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -23,7 +25,8 @@ Examples:
   recorder replay scene.raydump --out bits.raydump --methods two-point --key-bits 8,16,32
   recorder record scene.glb --out x.raydump --methods aila,two-point --method 'mine=(ox oy oz)*4 (u v ex ey ez)*10'
 
-Exit codes: 0 done, 1 failed, 2 the command line makes no sense.";
+Exit codes: 0 done, 1 failed, 2 the command line makes no sense. Ended by SIGINT or SIGTERM, a recording
+leaves a .partial folder, of which `inspector recover` makes a recording.";
 
 /// Records what happens to rays when a GPU path tracer reorders them.
 #[derive(Debug, Parser)]
@@ -66,7 +69,11 @@ pub fn parse_record(
 
 /// Runs the program on the arguments of the process.
 pub fn run() -> ExitCode {
-    let result = match Cli::parse().command {
+    let command = Cli::parse().command;
+    if let Err(error) = interrupt::listen() {
+        say(format_args!("signals end the program without a word: {error}"));
+    }
+    let result = match command {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
@@ -78,7 +85,7 @@ pub fn run() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            say(format_args!("error: {error:#}"));
             ExitCode::from(if error.is::<OptionError>() { 2 } else { 1 })
         }
     }

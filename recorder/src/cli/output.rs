@@ -1,8 +1,9 @@
-//! Results on standard output.
+//! Results on standard output, words about them on standard error.
 
 use std::io::{self, Write};
 
 use anyhow::{Context, Result};
+use formats::text::printable;
 use serde::Serialize;
 
 /// Writes a result to standard output, on a line or lines of its own.
@@ -10,10 +11,17 @@ use serde::Serialize;
 /// A reader that has seen enough, such as `head`, is no failure; a full disk is one.
 pub(crate) fn print(text: impl std::fmt::Display) -> Result<()> {
     let mut output = io::stdout().lock();
-    match writeln!(output, "{text}").and_then(|()| output.flush()) {
+    let text = text.to_string();
+    match writeln!(output, "{}", printable(&text)).and_then(|()| output.flush()) {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         written => written.context("cannot write to standard output"),
     }
+}
+
+/// Writes a sentence to standard error. Where that cannot be written to, there is nobody to tell.
+pub(crate) fn say(text: impl std::fmt::Display) {
+    let text = text.to_string();
+    let _ = writeln!(io::stderr().lock(), "{}", printable(&text));
 }
 
 /// Writes a result as JSON.

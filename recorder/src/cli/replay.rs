@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 use formats::key::Method;
+use formats::length_table::TABLE_BITS_DEFAULT;
 
 use super::record::{DeviceArguments, show};
-use crate::options::{Keep, OptionError, parse_methods};
+use crate::options::{Keep, OptionError, check_table, in_range, parse_methods};
 use crate::replay::variants::Sweep;
 use crate::replay::{ReplayOptions, replay};
 
@@ -76,6 +77,14 @@ impl ReplayArguments {
                 ),
             });
         }
+        self.repeats.map(|repeats| in_range("repeats", repeats, 1, 10_000)).transpose()?;
+        let table_method = self.table_method.as_deref().map(Method::builtin).transpose()?;
+        // What is not given is as it was recorded, and checked with the recording.
+        let default = Method::builtin("aila")?;
+        check_table(
+            self.table_bits.unwrap_or(TABLE_BITS_DEFAULT),
+            table_method.as_ref().unwrap_or(&default),
+        )?;
         let wants_methods = self.methods.is_some() || !self.own_methods.is_empty();
         let list = self.methods.as_deref().unwrap_or_default();
         Ok(ReplayOptions {
@@ -84,7 +93,7 @@ impl ReplayArguments {
             methods: wants_methods.then(|| parse_methods(list, &self.own_methods)).transpose()?,
             sweep: Sweep::parse(self.key_bits.as_deref(), self.two_point_length.as_deref())?,
             table_bits: self.table_bits,
-            table_method: self.table_method.as_deref().map(Method::builtin).transpose()?,
+            table_method,
             repeats: self.repeats,
             backend: self.device.backend,
             adapter: self.device.adapter.clone(),

@@ -56,7 +56,7 @@ impl Recorded {
 /// One sentence on what went wrong with scene, device or disk.
 pub fn record(options: &RecordOptions) -> Result<Recorded> {
     let start = Instant::now();
-    DumpWriter::check(&options.out, options.force)?;
+    DumpWriter::check(&options.out, options.force, &[])?;
     let scene = scenes::load(&options.scene)?;
     let camera = choose_camera(&scene, options.camera.as_deref())?;
     let device = device::open(&options.into())?;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
+use formats::folder::partial_of;
 use formats::manifest::{End, Header, ImageDigest, Outcome, Place};
 use formats::writer::DumpWriter;
 use scenes::Scene;
@@ -17,6 +18,7 @@ use crate::capture::Capture;
 use crate::cpu::CpuBackend;
 use crate::device::{self, Device};
 use crate::gpu::backend::GpuBackend;
+use crate::interrupt;
 use crate::observer::{MeasuredQueue, Plan, Recorder};
 use crate::options::RecordOptions;
 use crate::progress::Progress;
@@ -79,7 +81,7 @@ impl Run<'_> {
         Ok(Recorded { path, headline, methods: self.setup.methods.clone(), queues, notices })
     }
 
-    fn plan(&self, cache_model: Option<CacheModel>) -> Plan {
+    fn plan(&self, cache_model: Option<CacheModel>) -> Plan<'_> {
         let options = self.options;
         Plan {
             methods: self.setup.methods.clone(),
@@ -90,6 +92,10 @@ impl Run<'_> {
             tolerates_mismatches: options.trace == TraceKernel::RayQuery,
             counts_work: options.trace != TraceKernel::RayQuery,
             cache_model,
+            recorded: match &self.rays {
+                Rays::Recorded(RecordedRays::Dump { dump, .. }) => Some(dump),
+                Rays::Paths | Rays::Recorded(RecordedRays::Queue(_)) => None,
+            },
         }
     }
 
@@ -97,6 +103,7 @@ impl Run<'_> {
         let options = self.options;
         let plan = self.plan(cache_model);
         let writer = DumpWriter::create(&options.out, self.header.clone(), options.force)?;
+        interrupt::leaves(Some(partial_of(writer.target())));
         let mut capture = Capture::start(writer)?;
         if options.keep.scene {
             scene_arrays::write(&mut capture, self.scene)?;
@@ -106,15 +113,12 @@ impl Run<'_> {
         }
         let progress = self.progress();
         let mut recorder = Recorder::new(&plan, &mut capture, &progress);
-        let differing = match &self.rays {
-            Rays::Paths => {
-                wavefront::run(backend, options.passes, options.bounces, &mut recorder)?;
-                0
-            }
+        match &self.rays {
+            Rays::Paths => wavefront::run(backend, options.passes, options.bounces, &mut recorder)?,
             Rays::Recorded(rays) => queues::run(backend, rays, &mut recorder)?,
-        };
+        }
         recorder.finish(backend)?;
-        let measured = recorder.measured;
+        let Recorder { measured, differing, .. } = recorder;
         progress.finish();
         let image = match self.rays {
             Rays::Paths => Some(self.write_image(backend, &mut capture)?),
@@ -122,6 +126,7 @@ impl Run<'_> {
         };
         let wall_ns = self.start.elapsed().as_nanos() as u64;
         let path = capture.finish(End { outcome: Outcome::Complete, image, wall_ns })?;
+        interrupt::leaves(None);
         Ok((path, measured, differing))
     }
 

@@ -1,6 +1,6 @@
 //! The scene as a recording holds it: triangles and their alpha masks.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use formats::manifest::{Place, SceneArray};
 use formats::npy::MaterialMask;
 use formats::reader::Dump;
@@ -14,6 +14,9 @@ pub(super) fn scene(dump: &Dump) -> Result<Scene> {
     let kept = "a replay needs the scene of a recording; record with --keep scene and more";
     let positions = dump.array::<[f32; 3]>(&Place::Scene(SceneArray::Positions)).context(kept)?;
     let triangles = dump.array::<[u32; 3]>(&Place::Scene(SceneArray::Triangles)).context(kept)?;
+    if let Some(at) = positions.iter().position(|point| !point.iter().all(|along| along.is_finite())) {
+        bail!("scene/positions.npy: vertex {at} is {:?}, expected finite numbers", positions[at]);
+    }
     check_below(triangles.iter().flatten(), positions.len(), "a vertex")?;
     let name = dump.manifest().header.scene.name.clone();
     let mut scene = Scene::of_geometry(name, positions.to_vec(), triangles.to_vec());
@@ -48,7 +51,7 @@ fn texture(dump: &Dump, number: u32) -> Result<Texture> {
     let place = Place::Scene(SceneArray::Mask(number));
     let alpha = dump.array::<u8>(&place)?;
     let shape = dump.record(&place).map(|record| record.shape.clone()).unwrap_or_default();
-    let [height, width] = shape.as_slice() else { anyhow::bail!("{place} is no picture") };
+    let [height, width] = shape.as_slice() else { bail!("{place} is no picture") };
     anyhow::ensure!(!alpha.is_empty(), "{place} has no texels");
     let rgba = alpha.iter().map(|&alpha| [0, 0, 0, alpha]).collect();
     Ok(Texture { width: *width as u32, height: *height as u32, rgba })
@@ -68,7 +71,7 @@ fn material(mask: &MaterialMask) -> Material {
 fn check_below<'a>(indices: impl Iterator<Item = &'a u32>, count: usize, what: &str) -> Result<()> {
     match indices.copied().find(|&index| index as usize >= count) {
         None => Ok(()),
-        Some(index) => anyhow::bail!(
+        Some(index) => bail!(
             "a triangle of the recording has {what} {index}, but there are {count}; run `inspector verify` on it"
         ),
     }

@@ -1,11 +1,11 @@
 //! Rays that another tracer wrote, traced through a scene and recorded as one queue.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail, ensure};
+use formats::files::read_plain;
 use formats::key::LightSite;
 use formats::manifest::Source;
 use formats::npy::{self, Dtype};
@@ -43,7 +43,8 @@ pub struct ImportOptions {
 /// One sentence on what is wrong with the rays, the scene, the device or the disk.
 pub fn import(options: &ImportOptions) -> Result<Recorded> {
     let start = Instant::now();
-    DumpWriter::check(&options.run.out, options.run.force)?;
+    let sources = [&options.rays, Path::new(&options.run.scene)];
+    DumpWriter::check(&options.run.out, options.run.force, &sources)?;
     let (rays, sha256) = read(&options.rays)?;
     let run = RecordOptions {
         width: rays.len() as u32,
@@ -86,7 +87,7 @@ pub fn import(options: &ImportOptions) -> Result<Recorded> {
 
 /// The rays of a file, and its SHA-256.
 fn read(path: &Path) -> Result<(Vec<Ray>, [u8; 32])> {
-    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let bytes = read_plain(path, u64::MAX).with_context(|| format!("cannot read {}", path.display()))?;
     let rays = parse(&bytes).with_context(|| path.display().to_string())?;
     Ok((rays, Sha256::digest(&bytes).into()))
 }
@@ -135,24 +136,21 @@ fn checked(ray: Ray) -> Result<Ray> {
         "the direction {:?} is not finite",
         ray.direction
     );
+    let length = ray.direction.iter().map(|&value| f64::from(value).powi(2)).sum::<f64>().sqrt();
+    ensure!(length > 0.0, "the direction is zero");
+    let mut checked = ray;
+    if (length - 1.0).abs() >= UNIT_TOLERANCE {
+        let scaled = |distance: f32| (f64::from(distance) * length) as f32;
+        checked.direction = ray.direction.map(|value| (f64::from(value) / length) as f32);
+        (checked.t_min, checked.t_max) = (scaled(ray.t_min), scaled(ray.t_max));
+    }
     ensure!(
-        ray.t_min >= 0.0 && ray.t_min < f32::INFINITY && ray.t_max >= ray.t_min,
+        checked.t_min >= 0.0 && checked.t_min < f32::INFINITY && checked.t_max >= checked.t_min,
         "t_min {} and t_max {} are no range of distances from 0 on",
         ray.t_min,
         ray.t_max
     );
-    let length = ray.direction.iter().map(|&value| f64::from(value).powi(2)).sum::<f64>().sqrt();
-    ensure!(length > 0.0, "the direction is zero");
-    if (length - 1.0).abs() < UNIT_TOLERANCE {
-        return Ok(ray);
-    }
-    let scaled = |distance: f32| (f64::from(distance) * length) as f32;
-    Ok(Ray {
-        direction: ray.direction.map(|value| (f64::from(value) / length) as f32),
-        t_min: scaled(ray.t_min),
-        t_max: scaled(ray.t_max),
-        ..ray
-    })
+    Ok(checked)
 }
 
 /// The light that a shadow ray was most likely sent to, since files of rays do not say: of lights with a

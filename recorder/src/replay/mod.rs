@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
 use formats::key::{LayoutText, Method};
 use formats::manifest::{Header, MethodRecord, Source};
@@ -68,7 +68,6 @@ pub struct ReplayOptions {
 /// One sentence on what went wrong with the recording, device or disk.
 pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let start = Instant::now();
-    DumpWriter::check(&options.out, options.force)?;
     let asked = Dump::open(&options.source)?;
     let dump = match (&asked.manifest().header.source, asked.source()) {
         (Source::Replayed { name, .. }, None) => bail!(
@@ -78,6 +77,7 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
         (_, Some(source)) => source,
         (_, None) => &asked,
     };
+    DumpWriter::check(&options.out, options.force, &[asked.root(), dump.root()])?;
     if dump.state() == DumpState::Partial {
         bail!(
             "{} is not finished; wait for its recorder, or run `inspector recover` on it",
@@ -86,9 +86,13 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     }
     let recorded = &asked.manifest().header;
     let run_options = run_options(options, recorded, &asked.manifest().methods, &dump.manifest().header)?;
-    // How many rays there are was settled when they were recorded: imported ones may be more than a picture is wide.
-    RecordOptions { width: 1, height: 1, ..run_options.clone() }.check()?;
-    queues::check(dump, !run_options.keep.lengths)?;
+    run_options.check_device()?;
+    // What else was typed was checked before. How many rays there are was settled when they were recorded:
+    // imported ones may be more than a picture is wide.
+    RecordOptions { width: 1, height: 1, ..run_options.clone() }.check_run().map_err(|error| {
+        anyhow!("{} was recorded with what no recorder takes: {error}", options.source.display())
+    })?;
+    let queues = queues::open(dump, !run_options.keep.lengths)?;
     let scene = geometry::scene(dump)?;
     let camera = camera(recorded);
     let device = device::open(&(&run_options).into())?;
@@ -114,7 +118,7 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
         features: recorded.features.clone(),
         ..header(&scene, &setup, &run_options, &device, &notices, source)
     };
-    let rays = Rays::Recorded(RecordedRays::Dump { dump, is_same_table: !run_options.keep.lengths });
+    let rays = Rays::Recorded(RecordedRays::Dump { dump, queues });
     Run { scene: &scene, setup, options: &run_options, header, rays, notices, start }.on(device)
 }
 

@@ -1,0 +1,48 @@
+//! SIGINT and SIGTERM: one sentence on what is left and what to do with it, then the end that was asked for.
+
+use std::io::{self, IsTerminal};
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+
+use crate::cli::output::say;
+
+/// The folder that a recording is being written to.
+static PARTIAL: Mutex<Option<PathBuf>> = Mutex::new(None);
+
+/// Says which folder is left if the program is ended from now on; `None` when there is none any more.
+pub(crate) fn leaves(partial: Option<PathBuf>) {
+    *PARTIAL.lock().unwrap_or_else(PoisonError::into_inner) = partial;
+}
+
+/// Starts the thread that waits for signals. On other systems than Unix the system ends the program as ever.
+///
+/// # Errors
+/// If the system has no thread left, or no handlers.
+pub(crate) fn listen() -> io::Result<()> {
+    #[cfg(unix)]
+    {
+        use signal_hook::consts::{SIGINT, SIGTERM};
+        let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM])?;
+        std::thread::Builder::new().name("signals".into()).spawn(move || {
+            for signal in signals.forever() {
+                tell();
+                // As if there were no handler, so that a shell sees what ended the program.
+                let _ = signal_hook::low_level::emulate_default_handler(signal);
+            }
+        })?;
+    }
+    Ok(())
+}
+
+#[cfg(unix)]
+fn tell() {
+    // Below the progress bar.
+    let start = if io::stderr().is_terminal() { "\n" } else { "" };
+    match &*PARTIAL.lock().unwrap_or_else(PoisonError::into_inner) {
+        Some(partial) => say(format_args!(
+            "{start}interrupted; what was complete is in {0}: `inspector recover {0}` makes it a recording",
+            partial.display()
+        )),
+        None => say(format_args!("{start}interrupted; no recording was being written")),
+    }
+}

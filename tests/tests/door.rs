@@ -1,0 +1,168 @@
+//! The door to the kernels: recordings whose checksums are right and whose values are not, replayed.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::fs;
+use std::path::Path;
+
+use formats::length_table::LengthCell;
+use formats::manifest::{Header, Record};
+use formats::ray::{Hit, Ray};
+use tempfile::tempdir;
+use tests::crafted::{copy, edit_array, edit_records};
+use tests::programs::Program;
+use tests::recordings::record;
+
+const QUEUE: &str = "pass-001/bounce-01";
+
+/// What somebody did to a recording, and words of the refusal.
+type Case = (&'static str, &'static [&'static str], Box<dyn Fn(&Path)>);
+
+fn rays(kind: &'static str, edit: fn(&mut Vec<Ray>)) -> Box<dyn Fn(&Path)> {
+    Box::new(move |path| edit_array(path, &format!("{QUEUE}/{kind}/rays.npy"), edit))
+}
+
+fn numbers(array: &'static str, edit: fn(&mut Vec<u32>)) -> Box<dyn Fn(&Path)> {
+    Box::new(move |path| edit_array(path, &format!("{QUEUE}/{array}.npy"), edit))
+}
+
+fn header(edit: fn(&mut Header)) -> Box<dyn Fn(&Path)> {
+    Box::new(move |path| {
+        edit_records(path, |record| {
+            if let Record::Header(header) = record {
+                edit(header);
+            }
+        });
+    })
+}
+
+fn queue_count(change: fn(u64) -> u64) -> Box<dyn Fn(&Path)> {
+    Box::new(move |path| {
+        edit_records(path, |record| {
+            if let Record::Queue(queue) = record {
+                queue.rays = change(queue.rays);
+            }
+        });
+    })
+}
+
+fn arrays() -> Vec<Case> {
+    vec![
+        (
+            "origin",
+            &["closest/rays.npy", "ray 3", "origin"],
+            rays("closest", |rays| rays[3].origin[1] = f32::NAN),
+        ),
+        ("direction", &["ray 4", "unit vector"], rays("shadow", |rays| rays[4].direction = [0.0; 3])),
+        ("t-min", &["ray 5", "t_min"], rays("closest", |rays| rays[5].t_min = f32::INFINITY)),
+        ("t-max", &["ray 6", "below its t_min"], rays("shadow", |rays| rays[6].t_max = -1.0)),
+        ("fewer-rays", &["shadow/rays.npy", "entries"], rays("shadow", |rays| rays.truncate(rays.len() - 1))),
+        ("more-rays", &["closest/rays.npy", "entries"], rays("closest", |rays| rays.push(rays[0]))),
+        ("pixels", &["path_ids.npy", "entry 0"], numbers("closest/path_ids", |ids| ids[0] = u32::MAX)),
+        ("order", &["path_ids.npy", "ascending"], numbers("closest/path_ids", |ids| ids.swap(1, 2))),
+        (
+            "fewer-ids",
+            &["path_ids.npy", "entries"],
+            numbers("shadow/path_ids", |ids| ids.truncate(ids.len() - 1)),
+        ),
+        ("light", &["lights.npy", "ray 0", "light 1 of 1"], numbers("shadow/lights", |lights| lights[0] = 1)),
+        ("far-light", &["light 4294967295"], numbers("shadow/lights", |lights| lights[7] = u32::MAX)),
+        (
+            "fewer-lights",
+            &["lights.npy", "entries"],
+            numbers("shadow/lights", |lights| lights.truncate(lights.len() - 1)),
+        ),
+        (
+            "fewer-hits",
+            &["hits.npy", "entries"],
+            Box::new(|path| {
+                edit_array(path, &format!("{QUEUE}/closest/hits.npy"), |hits: &mut Vec<Hit>| {
+                    hits.truncate(hits.len() - 1)
+                });
+            }),
+        ),
+        (
+            "more-distances",
+            &["distances.npy", "entries"],
+            Box::new(|path| {
+                let array = format!("{QUEUE}/shadow/distances.npy");
+                edit_array(path, &array, |distances: &mut Vec<f32>| distances.push(1.0));
+            }),
+        ),
+        (
+            "cell",
+            &["lengths.npy", "cell 4000000000"],
+            Box::new(|path| {
+                let array = format!("{QUEUE}/closest/lengths.npy");
+                edit_array(path, &array, |cells: &mut Vec<LengthCell>| cells[0].cell = 4_000_000_000);
+            }),
+        ),
+        ("fewer-counted", &["entries, but the queue has"], queue_count(|rays| rays - 1)),
+        ("huge-count", &["entries, but the queue has"], queue_count(|_| u64::MAX)),
+        (
+            "corner",
+            &["vertex"],
+            Box::new(|path| {
+                let array = "scene/triangles.npy";
+                edit_array(path, array, |triangles: &mut Vec<[u32; 3]>| triangles[2][1] = u32::MAX);
+            }),
+        ),
+        (
+            "position",
+            &["positions.npy", "vertex 1"],
+            Box::new(|path| {
+                let array = "scene/positions.npy";
+                edit_array(path, array, |positions: &mut Vec<[f32; 3]>| positions[1][2] = f32::NAN);
+            }),
+        ),
+    ]
+}
+
+fn headers() -> Vec<Case> {
+    vec![
+        ("width", &["0"], header(|header| header.options.width = 0)),
+        ("pixels", &["path_ids.npy"], header(|header| header.options.height = 1)),
+        ("bounces", &["bounces"], header(|header| header.options.bounces = 0)),
+        ("passes", &["passes"], header(|header| header.options.passes = u32::MAX)),
+        ("repeats", &["repeats"], header(|header| header.options.repeats = 0)),
+        ("key-bits", &["bits"], header(|header| header.options.key_bits = 65)),
+        ("table-bits", &["bits"], header(|header| header.options.table_bits = 40)),
+        ("layout", &["table"], header(|header| header.options.table_layout = "(ex ey ez)*7".into())),
+        ("length", &["length"], header(|header| header.options.two_point_length = f32::NAN)),
+        ("kernel", &["kernel"], header(|header| header.options.trace_kernel = "magic".into())),
+        ("bounds", &["box"], header(|header| header.scene.bounds_min[1] = f32::NAN)),
+        ("no-light", &["lights.npy", "of 0"], header(|header| header.lights.clear())),
+        ("camera", &["camera"], header(|header| header.camera.eye[0] = f32::INFINITY)),
+    ]
+}
+
+fn is_refused(cases: &[Case], backends: &[&str]) {
+    let folder = tempdir().unwrap();
+    record(folder.path(), "right", "builtin:cornell", "--backend cpu --repeats 1 --methods aila");
+    for (name, words, edit) in cases {
+        let path = copy(&folder.path().join("right.raydump"), name);
+        edit(&path);
+        for backend in backends {
+            let line = format!("replay {name}.raydump --out out --backend {backend}");
+            let outcome = Program::Recorder.run(folder.path(), &line);
+            println!("{name}: {}", outcome.stderr);
+            outcome.failed_with(1, words);
+            for left in ["out.raydump", "out.raydump.partial"] {
+                assert!(!folder.path().join(left).exists(), "{name} left {left}");
+            }
+        }
+        let outcome = Program::Inspector.run(folder.path(), &format!("verify {name}.raydump"));
+        outcome.failed_with(1, &["wrong"]);
+        fs::remove_dir_all(path).unwrap();
+    }
+}
+
+#[test]
+fn arrays_are_checked_before_any_kernel_runs() {
+    is_refused(&arrays(), &["cpu", "gpu"]);
+}
+
+#[test]
+fn headers_are_checked_and_the_command_line_is_not_blamed() {
+    is_refused(&headers(), &["cpu"]);
+}

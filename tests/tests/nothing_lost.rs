@@ -1,0 +1,125 @@
+//! What `--force`, a second recorder or a signal must not cost: recordings, and files that are none.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use tempfile::tempdir;
+use tests::programs::Program;
+use tests::recordings::{arrays, assert_same, record};
+
+const CPU: &str = "--backend cpu --repeats 1 --methods aila";
+
+/// Every file of a recording and its bytes.
+fn files(recording: &Path) -> std::collections::BTreeMap<String, Vec<u8>> {
+    let mut files = arrays(recording);
+    files.insert("manifest.bin".to_owned(), fs::read(recording.join("manifest.bin")).unwrap());
+    files
+}
+
+#[cfg(unix)]
+#[test]
+fn a_source_is_never_replaced() {
+    let folder = tempdir().unwrap();
+    let path = folder.path();
+    record(path, "a", "builtin:cornell", CPU);
+    Program::Recorder.run(path, &format!("replay a.raydump --out b {CPU}")).succeeded();
+    std::os::unix::fs::symlink("a.raydump", path.join("link.raydump")).unwrap();
+    fs::create_dir(path.join("other")).unwrap();
+    std::os::unix::fs::symlink(path, path.join("other/here")).unwrap();
+    let (a, b) = (files(&path.join("a.raydump")), files(&path.join("b.raydump")));
+    let rays = "a.raydump/pass-001/bounce-01/closest/rays.npy";
+    for line in [
+        "replay a.raydump --out a",
+        "replay a.raydump --out ./other/../a.raydump/",
+        "replay link.raydump --out a",
+        "replay a.raydump --out link",
+        "replay a.raydump --out other/here/a",
+        "replay a.raydump --out a.raydump/inside",
+        "replay b.raydump --out a",
+        "replay b.raydump --out b",
+        &format!("import --scene builtin:cornell --rays {rays} --out a"),
+    ] {
+        let outcome = Program::Recorder.run(path, &format!("{line} {CPU} --force"));
+        outcome.failed_with(1, &["is read for it", "another name"]);
+        assert_same(&files(&path.join("a.raydump")), &a, line);
+        assert_same(&files(&path.join("b.raydump")), &b, line);
+    }
+    let left: Vec<_> = fs::read_dir(path).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left.len(), 4, "{left:?}");
+}
+
+#[test]
+fn force_replaces_what_the_manifest_lists_and_nothing_else() {
+    let folder = tempdir().unwrap();
+    let path = folder.path();
+    record(path, "a", "builtin:cornell", CPU);
+    let before = files(&path.join("a.raydump"));
+    let again =
+        format!("record builtin:cornell --out a --force {CPU} --width 32 --height 18 --bounces 1 --passes 1");
+    // The second looks like an array, but no record names it.
+    for stray in ["pass-001/thoughts.txt", "pass-001/bounce-77/closest/rays.npy", "scene/view.json"] {
+        let stray = path.join("a.raydump").join(stray);
+        fs::create_dir_all(stray.parent().unwrap()).unwrap();
+        fs::write(&stray, "mine").unwrap();
+        let outcome = Program::Recorder.run(path, &again);
+        outcome.failed_with(1, &["a.raydump holds", "not replaced, even by --force"]);
+        assert_eq!(fs::read(&stray).unwrap(), b"mine");
+        fs::remove_file(stray).unwrap();
+    }
+    assert_same(&files(&path.join("a.raydump")), &before, "after three refusals");
+    Program::Recorder.run(path, &again).succeeded();
+    assert!(files(&path.join("a.raydump")).len() < before.len());
+    let left: Vec<_> = fs::read_dir(path).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left, ["a.raydump"], "nothing is left beside it");
+}
+
+/// A recording that takes longer than any test.
+const LONG: &str = "record builtin:cornell --out long --backend cpu --width 400 --height 400 --passes 999";
+
+#[cfg(unix)]
+#[test]
+fn signals_end_a_recording_with_a_sentence_and_a_second_recorder_waits_its_turn() {
+    use std::os::unix::process::ExitStatusExt;
+    let folder = tempdir().unwrap();
+    let partial = folder.path().join("long.raydump.partial");
+    for (name, number) in [("INT", 2), ("TERM", 15)] {
+        let mut command = Program::Recorder.command(LONG.split_whitespace());
+        let child = command.current_dir(folder.path()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
+        let child = child.unwrap();
+        let start = Instant::now();
+        while !partial.join("scene/materials.npy").exists() {
+            assert!(start.elapsed() < Duration::from_secs(60), "nothing is recorded");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        if name == "INT" {
+            for force in ["", " --force"] {
+                let second = Program::Recorder.run(folder.path(), &format!("{LONG}{force}"));
+                second.failed_with(1, &["long.raydump.partial", "being written by another process"]);
+            }
+        }
+        Command::new("kill").args(["-s", name, &child.id().to_string()]).status().unwrap();
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.signal(), Some(number), "{said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+        assert!(said.contains("inspector recover") && said.contains("long.raydump.partial"), "{said}");
+        Program::Inspector.run(folder.path(), "recover long.raydump.partial").succeeded();
+        Program::Inspector.run(folder.path(), "verify long.raydump").succeeded();
+        fs::remove_dir_all(folder.path().join("long.raydump")).unwrap();
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_no_rays() {
+    let folder = tempdir().unwrap();
+    assert!(Command::new("mkfifo").arg(folder.path().join("pipe.npy")).status().unwrap().success());
+    for rays in ["pipe.npy", "/dev/zero", "."] {
+        let line = format!("import --scene builtin:cornell --rays {rays} --out x {CPU}");
+        Program::Recorder.run(folder.path(), &line).failed_with(1, &["cannot read", "expected a plain file"]);
+    }
+}
