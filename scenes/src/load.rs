@@ -1,14 +1,18 @@
 //! The one way in: from what a user types to a scene that is complete.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::builtin::{self, BuiltinError};
 use crate::camera::{CameraError, automatic};
 use crate::gltf::{self, GltfError};
+use crate::shown::{shown, shown_path};
 use crate::sidecar::{self, Sidecar, SidecarError};
-use crate::{Camera, Light, Scene};
+use crate::{Camera, Light, Scene, files};
+
+/// The longest scene file that is read, bytes: a GLB file counts its bytes with 32 bits.
+const MAX_FILE_BYTES: u64 = u32::MAX as u64;
 
 /// What a built-in scene's name starts with.
 const BUILTIN_PREFIX: &str = "builtin:";
@@ -17,36 +21,38 @@ const BUILTIN_PREFIX: &str = "builtin:";
 #[derive(Debug, thiserror::Error)]
 #[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum LoadError {
-    /// No such file, or one that may not be read.
-    #[error("cannot read {}", path.display())]
+    /// No such file, one that may not be read, or a folder or device.
+    #[error("cannot read {}", shown_path(path))]
     Read { path: PathBuf, source: io::Error },
-    /// A folder where a file was expected.
-    #[error("{} is a directory, expected a .gltf or .glb file", path.display())]
-    Directory { path: PathBuf },
-    /// A pipe or a device.
-    #[error("{} is not a regular file, expected a .gltf or .glb file", path.display())]
-    NotAFile { path: PathBuf },
     /// A file of no bytes.
-    #[error("{} is empty, expected a glTF or GLB file", path.display())]
+    #[error("{} is empty, expected a glTF or GLB file", shown_path(path))]
     Empty { path: PathBuf },
     /// A file of another format.
-    #[error("{} is not a scene, expected a name that ends in .gltf or .glb, or builtin:NAME", path.display())]
+    #[error(
+        "{} is not a scene, expected a name that ends in .gltf or .glb, or builtin:NAME",
+        shown_path(path)
+    )]
     UnknownFormat { path: PathBuf },
     /// Something wrong inside the file.
-    #[error("cannot load {}", path.display())]
+    #[error("cannot load {}", shown_path(path))]
     Gltf { path: PathBuf, source: GltfError },
     /// Something wrong inside the sidecar.
-    #[error("cannot use the sidecar {}", path.display())]
+    #[error("cannot use the sidecar {}", shown_path(path))]
     Sidecar { path: PathBuf, source: SidecarError },
     /// No camera in the file, and none can be made.
-    #[error("{} has no camera and none can be made for it; give it one in {}", path.display(), sidecar.display())]
+    #[error(
+        "{} has no camera and none can be made for it; give it one in {}",
+        shown_path(path),
+        shown_path(sidecar)
+    )]
     AutomaticCamera { path: PathBuf, sidecar: PathBuf, source: CameraError },
     /// No such built-in scene, or not of this size.
     #[error(transparent)]
     Builtin(#[from] BuiltinError),
     /// A built-in scene with something odd behind its name.
     #[error(
-        "\"{parameter}\" is not a parameter of a built-in scene, expected triangles=N, as in builtin:atrium?triangles=100000"
+        "\"{}\" is not a parameter of a built-in scene, expected triangles=N, as in builtin:atrium?triangles=100000",
+        shown(parameter)
     )]
     BuiltinParameter { parameter: String },
 }
@@ -82,7 +88,7 @@ fn load_builtin(name: &str) -> Result<Scene, LoadError> {
 
 fn load_file(path: &Path) -> Result<Scene, LoadError> {
     let bytes = read_file(path)?;
-    let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let name = path.file_stem().map_or_else(String::new, |stem| shown(&stem.to_string_lossy()));
     let folder = path.parent().unwrap_or(Path::new(""));
     let scene = gltf::import(name, &bytes, folder);
     drop(bytes);
@@ -107,22 +113,14 @@ fn load_file(path: &Path) -> Result<Scene, LoadError> {
 
 /// The bytes of what is a scene file by its name and kind.
 fn read_file(path: &Path) -> Result<Vec<u8>, LoadError> {
-    let failed = |source| LoadError::Read { path: path.into(), source };
-    // Before opening, which would wait for ever on a pipe.
-    let metadata = std::fs::metadata(path).map_err(failed)?;
-    if metadata.is_dir() {
-        return Err(LoadError::Directory { path: path.into() });
-    }
-    if !metadata.is_file() {
-        return Err(LoadError::NotAFile { path: path.into() });
-    }
     let is_scene = |extension: &std::ffi::OsStr| {
         extension.eq_ignore_ascii_case("gltf") || extension.eq_ignore_ascii_case("glb")
     };
     if !path.extension().is_some_and(is_scene) {
         return Err(LoadError::UnknownFormat { path: path.into() });
     }
-    let bytes = std::fs::read(path).map_err(failed)?;
+    let bytes =
+        files::read(path, MAX_FILE_BYTES).map_err(|source| LoadError::Read { path: path.into(), source })?;
     match bytes.is_empty() {
         true => Err(LoadError::Empty { path: path.into() }),
         false => Ok(bytes),
@@ -141,12 +139,14 @@ fn add_sidecar(scene: &mut Scene, sidecar: Sidecar) {
 /// Appends numbers to names that are taken.
 fn make_names_unique(cameras: &mut [Camera]) {
     let mut taken = HashSet::new();
+    // Per name, what to try next: counting up from 2 for each camera would take quadratic time.
+    let mut next: HashMap<String, u64> = HashMap::new();
     for camera in cameras {
         let name = camera.name.clone();
-        let mut number = 2;
         while !taken.insert(camera.name.clone()) {
+            let number = next.entry(name.clone()).or_insert(2);
             camera.name = format!("{name}-{number}");
-            number += 1;
+            *number += 1;
         }
     }
 }

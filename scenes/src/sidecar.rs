@@ -18,13 +18,17 @@
 //! nadir = [0.6, 0.58, 0.55]
 //! ```
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
 use crate::camera::{Camera, CameraError};
 use crate::shown::shown;
-use crate::{Environment, Light};
+use crate::{Environment, Light, files};
+
+/// The longest sidecar that is read, bytes.
+const MAX_FILE_BYTES: u64 = 16 << 20;
 
 /// What a sidecar adds to its scene.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,7 +48,7 @@ pub enum SidecarError {
     #[error("it cannot be read")]
     Read {
         /// What the system says.
-        source: std::io::Error,
+        source: io::Error,
     },
     /// It is not TOML, or has keys or values that a sidecar does not have.
     #[error("line {line}: {}", shown(message))]
@@ -123,9 +127,12 @@ pub fn path_beside(scene: &Path) -> PathBuf {
 /// # Errors
 /// If it cannot be read, is not a sidecar, or has impossible cameras or lights.
 pub fn read(path: &Path) -> Result<Option<Sidecar>, SidecarError> {
-    match std::fs::read_to_string(path) {
+    let text = files::read(path, MAX_FILE_BYTES).and_then(|bytes| {
+        String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+    });
+    match text {
         Ok(text) => parse(&text).map(Some),
-        Err(source) if source.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(source) if source.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(source) => Err(SidecarError::Read { source }),
     }
 }
@@ -141,7 +148,7 @@ pub fn parse(text: &str) -> Result<Sidecar, SidecarError> {
     })?;
     let cameras = entries.camera.into_iter().zip(1..).map(|(entry, number)| {
         let CameraEntry { name, eye, target, up, yfov_degrees } = entry;
-        let camera = Camera::look_at(&name, eye, target, up, yfov_degrees.to_radians());
+        let camera = Camera::look_at(&shown(&name), eye, target, up, yfov_degrees.to_radians());
         camera.map_err(|source| SidecarError::Camera { number, name, source })
     });
     let lights = entries.light.into_iter().zip(1..).map(|(entry, number)| sphere(number, &entry));

@@ -22,6 +22,7 @@ mod tests;
 use mesh::{Canvas, Mesh};
 use setting::{Recipe, Setting};
 
+use crate::shown::shown;
 use crate::{Light, Scene};
 
 /// What there is to know about a built-in scene before it is built.
@@ -43,7 +44,7 @@ pub struct BuiltinInfo {
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 pub enum BuiltinError {
     /// There is no such scene.
-    #[error("there is no built-in scene \"{name}\"; there are: {known}")]
+    #[error("there is no built-in scene \"{}\"; there are: {known}", shown(name))]
     UnknownName {
         /// What was asked for.
         name: String,

@@ -25,6 +25,12 @@ pub use topology::BvhKind;
 pub use validate::{Defect, validate};
 
 use crate::Scene;
+use crate::memory::{self, Shortage};
+use crate::shown::shown;
+
+/// What building takes at its peak for each triangle, bytes, at least: a box and its copy in the unit cube
+/// (24 + 32), two nodes (64), the builder's two lists of nodes and one of codes (64 + 16).
+pub const HIERARCHY_BYTES_PER_TRIANGLE: u64 = 200;
 
 /// Entries that the stack of a [`Bvh2Node`] traversal needs: the number of levels below the root
 /// never exceeds it, and each level leaves at most one entry.
@@ -85,20 +91,34 @@ impl Bvh {
 #[derive(Debug, thiserror::Error)]
 pub enum BvhError {
     /// There is nothing to build it over.
-    #[error("the scene {scene:?} has no triangles; a hierarchy needs at least one")]
+    #[error("the scene \"{}\" has no triangles; a hierarchy needs at least one", shown(scene))]
     NoTriangles {
         /// Name of the scene.
         scene: String,
     },
     /// Leaf slots are numbered with 28 bits.
     #[error(
-        "the scene {scene:?} has {found} triangles, a hierarchy can hold at most {TRIANGLE_LIMIT}; simplify the scene"
+        "the scene \"{}\" has {found} triangles, a hierarchy can hold at most {TRIANGLE_LIMIT}; simplify the scene",
+        shown(scene)
     )]
     TooManyTriangles {
         /// Name of the scene.
         scene: String,
         /// How many there are.
         found: usize,
+    },
+    /// It would not fit into memory.
+    #[error(
+        "there is no room to build a hierarchy of the {triangles} triangles of \"{}\"; simplify the scene",
+        shown(scene)
+    )]
+    Memory {
+        /// Name of the scene.
+        scene: String,
+        /// How many it has.
+        triangles: usize,
+        /// How much is missing.
+        source: Shortage,
     },
     /// The box tests would overflow; NaN and infinities end up here too.
     #[error(
@@ -111,7 +131,10 @@ pub enum BvhError {
         value: f32,
     },
     /// The builder made something that cannot be traversed safely: a bug, reported rather than traced.
-    #[error("the {kind} built for the scene {scene:?} is unusable: {defect}; please report this scene")]
+    #[error(
+        "the {kind} built for the scene \"{}\" is unusable: {defect}; please report this scene",
+        shown(scene)
+    )]
     Unusable {
         /// Name of the scene.
         scene: String,
@@ -126,8 +149,11 @@ pub enum BvhError {
 /// alone, not on the number of threads.
 ///
 /// # Errors
-/// [`BvhError`]: no triangles, too many of them, coordinates out of range.
+/// [`BvhError`]: no triangles, too many of them for the format or the memory, coordinates out of range.
 pub fn build(scene: &Scene, kind: BvhKind) -> Result<Bvh, BvhError> {
+    let triangles = scene.triangles.len();
+    memory::check(triangles as u64 * HIERARCHY_BYTES_PER_TRIANGLE, memory::free())
+        .map_err(|source| BvhError::Memory { scene: scene.name.clone(), triangles, source })?;
     let boxes = boxes::padded(scene)?;
     let topology = topology::find(&boxes, kind);
     let bvh = match kind {

@@ -9,9 +9,23 @@ use ::gltf::json::{Index, validation::Checked};
 use super::Document;
 use super::error::GltfError;
 
-/// The largest accessor that has no bytes in the file (sparse without a buffer view), in bytes: it
-/// starts as zeros, and a few characters of JSON must not allocate without bound.
+/// The largest accessor that has no bytes in the file (no buffer view), in bytes: it starts as zeros,
+/// and a few characters of JSON must not allocate without bound.
 const MAX_ZERO_FILLED_BYTES: u64 = 1 << 26;
+
+/// How many elements an accessor has, or fewer if its bytes could not hold so many: then reading it says why.
+pub(super) fn plausible_count(document: &Document, index: Index<Accessor>) -> u64 {
+    let Some(accessor) = document.root.get(index) else { return 0 };
+    let bytes = match accessor.buffer_view.map(|view| document.root.get(view)) {
+        Some(view) => {
+            let buffer = view.and_then(|view| document.buffers.get(view.buffer.value())?.as_ref());
+            buffer.map_or(0, |bytes| bytes.len() as u64)
+        }
+        None => MAX_ZERO_FILLED_BYTES,
+    };
+    // Each has at least a byte.
+    accessor.count.0.min(bytes)
+}
 
 /// The elements of one accessor. All reads below `len` are in bounds.
 pub(super) struct Elements<'a> {
@@ -48,7 +62,7 @@ impl<'a> Elements<'a> {
                 let strided = Strided { start, count: json.count.0, element_bytes };
                 strided.cut(bytes, view).map_err(refuse)?
             }
-            None if json.sparse.is_some() => {
+            None => {
                 let total = json.count.0.saturating_mul(element_bytes as u64);
                 if total > MAX_ZERO_FILLED_BYTES {
                     let problem = format!(
@@ -59,7 +73,6 @@ impl<'a> Elements<'a> {
                 }
                 (Cow::Owned(vec![0; total as usize]), element_bytes, json.count.0 as usize)
             }
-            None => return Err(refuse("has neither a buffer view nor sparse values".into())),
         };
         let mut elements = Self { bytes, stride, len, component: component.0, normalized: json.normalized };
         if let Some(sparse) = &json.sparse {

@@ -9,10 +9,11 @@ use super::container::Parsed;
 use super::error::GltfError;
 use super::{Document, uri};
 
-/// The bytes of every buffer, each exactly as long as it says.
-pub(super) fn read<'a>(parsed: &Parsed<'a>, folder: &Path) -> Result<Vec<Cow<'a, [u8]>>, GltfError> {
-    let mut buffers = Vec::with_capacity(parsed.root.buffers.len());
-    for (buffer, json) in parsed.root.buffers.iter().enumerate() {
+/// The bytes of every buffer, each at least as long as it says. A buffer may have none, as long as nothing
+/// that is read lies in it.
+pub(super) fn read<'a>(parsed: &Parsed<'a>, folder: &Path) -> Result<Vec<Option<Cow<'a, [u8]>>>, GltfError> {
+    let mut buffers = Vec::with_capacity(parsed.lists.root.buffers.len());
+    for (buffer, json) in parsed.lists.root.buffers.iter().enumerate() {
         let stated = json.byte_length.0;
         let bytes = match (&json.uri, parsed.binary) {
             (Some(uri), _) => Cow::Owned(
@@ -21,13 +22,16 @@ pub(super) fn read<'a>(parsed: &Parsed<'a>, folder: &Path) -> Result<Vec<Cow<'a,
             ),
             // The binary chunk belongs to the first buffer alone (glTF 2.0 §4.4.3.3).
             (None, Some(binary)) if buffer == 0 => Cow::Borrowed(binary),
-            (None, _) => return Err(GltfError::NoBinaryChunk { buffer }),
+            (None, _) => {
+                buffers.push(None);
+                continue;
+            }
         };
         if (bytes.len() as u64) < stated {
             let found = bytes.len() as u64;
             return Err(GltfError::BufferLength { buffer, stated, found });
         }
-        buffers.push(bytes);
+        buffers.push(Some(bytes));
     }
     Ok(buffers)
 }
@@ -48,6 +52,7 @@ impl Document<'_> {
                 index: buffer,
             });
         };
+        let bytes = bytes.as_ref().ok_or(GltfError::NoBinaryChunk { buffer })?;
         let start = view.byte_offset.unwrap_or_default().0;
         let end = start.saturating_add(view.byte_length.0);
         let slice = usize::try_from(start).ok().zip(usize::try_from(end).ok());

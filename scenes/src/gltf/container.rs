@@ -5,6 +5,7 @@ use ::gltf::json::{Root, deserialize::from_slice};
 use serde::Deserialize;
 
 use super::error::GltfError;
+use super::lists::{self, Lists};
 use super::notices::Notices;
 use crate::shown::shown;
 
@@ -20,7 +21,7 @@ const CHUNK_BINARY: u32 = u32::from_le_bytes(*b"BIN\0");
 
 /// The JSON of a file, and its binary chunk if it has one.
 pub(super) struct Parsed<'a> {
-    pub(super) root: Root,
+    pub(super) lists: Lists,
     pub(super) binary: Option<&'a [u8]>,
 }
 
@@ -48,14 +49,10 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Parsed<'_>, GltfError> {
     } else {
         return Err(GltfError::NotGltf);
     };
-    let preamble: Preamble = from_slice(json).map_err(not_gltf)?;
+    let preamble: Preamble =
+        from_slice(json).map_err(|error| GltfError::Json { problem: error.to_string() })?;
     check_preamble(preamble)?;
-    let root = from_slice(json).map_err(not_gltf)?;
-    Ok(Parsed { root, binary })
-}
-
-fn not_gltf(error: ::gltf::json::Error) -> GltfError {
-    GltfError::Json { problem: error.to_string() }
+    Ok(Parsed { lists: lists::parse(json)?, binary })
 }
 
 /// Refuses other versions and required extensions by name, before their effect on the rest of the

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::shown::shown;
+use crate::memory::Shortage;
+use crate::shown::{shown, shown_path};
 
 /// Why a glTF file was refused. Byte offsets and counts are the file's own.
 #[derive(Debug, thiserror::Error)]
@@ -49,15 +50,9 @@ pub enum GltfError {
     /// Something about a primitive; the source says what.
     #[error("{node}, primitive {primitive} of mesh {mesh}")]
     Primitive { node: String, mesh: usize, primitive: usize, source: Box<GltfError> },
-    /// A primitive without the positions that it must have.
-    #[error("it has no POSITION attribute")]
-    NoPositions,
     /// A primitive mode that glTF does not have.
     #[error("its mode is none of glTF's seven")]
     Mode,
-    /// A triangle list with a number of vertices that is not a multiple of three.
-    #[error("it has {found} indices or vertices, expected a multiple of three for a list of triangles")]
-    IndexCount { found: usize },
     /// A vertex index that is too large.
     #[error("index {place} is {index}, but there are only {vertices} vertices")]
     IndexOutOfRange { place: usize, index: u32, vertices: usize },
@@ -94,17 +89,17 @@ pub enum GltfError {
     /// A light whose numbers make no sense.
     #[error("{light} has {field} {found}, expected {expected}")]
     Light { light: String, field: &'static str, found: String, expected: &'static str },
-    /// A camera whose numbers make no sense.
-    #[error("{camera} cannot be used")]
-    Camera { camera: String, source: crate::camera::CameraError },
     /// More triangles or vertices than 32-bit indices can number.
     #[error(
         "flattened, it has {found} {what}, more than the {limit} that can be numbered; use fewer instances"
     )]
     TooLarge { what: &'static str, found: u64, limit: u64 },
-    /// The machine is out of memory.
-    #[error("there is no memory for its {count} {what}")]
-    Memory { what: &'static str, count: u64 },
+    /// What would not fit into memory; the source says how much is missing.
+    #[error("{what} do not fit; use smaller images, a simpler scene or fewer instances")]
+    Memory { what: String, source: Shortage },
+    /// The chosen scene of the file has no nodes.
+    #[error("its scene {scene} has no nodes, so there is nothing to trace; make another one its default")]
+    EmptyScene { scene: usize },
     /// A file with nothing to trace.
     #[error("it has no triangles in its scene")]
     NoTriangles,
@@ -132,10 +127,7 @@ pub enum UriError {
     /// An absolute path.
     #[error("its URI \"{}\" is an absolute path, expected one relative to the glTF file", shown(uri))]
     Absolute { uri: String },
-    /// A file that cannot be read.
-    #[error("cannot read {}", shown(&path.to_string_lossy()))]
+    /// A file that cannot be read, or a folder or device.
+    #[error("cannot read {}", shown_path(path))]
     File { path: PathBuf, source: std::io::Error },
-    /// A directory or device.
-    #[error("{} is not a regular file", shown(&path.to_string_lossy()))]
-    NotAFile { path: PathBuf },
 }

@@ -1,18 +1,25 @@
 //! From placed nodes to one soup of world-space triangles.
 
-use ::gltf::json::mesh::{Mesh, Primitive, Semantic};
+use ::gltf::json::mesh::{Mesh, Mode, Primitive, Semantic};
+use ::gltf::json::texture::Info;
 use ::gltf::json::validation::Checked;
 use glam::{DMat3, DVec3};
 
 use super::Document;
+use super::accessor;
 use super::error::GltfError;
+use super::materials;
 use super::nodes::{self, PlacedNode};
 use super::notices::Notices;
 use super::primitive::{self, LocalMesh};
+use crate::bvh::{HIERARCHY_BYTES_PER_TRIANGLE, TRIANGLE_LIMIT};
+use crate::memory;
 
-/// The largest number of vertices, and of triangles: all have 32-bit numbers, and the largest one
-/// stands for no triangle.
+/// The largest number of vertices: all have 32-bit numbers.
 pub(super) const LIMIT: u64 = u32::MAX as u64;
+
+/// What a triangle takes at least, in bytes: three indices, a material, and its share of the hierarchy.
+const BYTES_PER_TRIANGLE: u64 = 16 + HIERARCHY_BYTES_PER_TRIANGLE;
 
 /// The triangles of the whole scene. `normals` are as in [`crate::Scene`]; `uvs` end with the last
 /// vertex that has any.
@@ -50,27 +57,29 @@ pub(super) fn flatten(
     notices: &mut Notices,
 ) -> Result<Flat, GltfError> {
     let root = &document.root;
-    let mut meshes: Vec<Option<Vec<LocalPrimitive>>> = Vec::new();
-    meshes.resize_with(root.meshes.len(), || None);
     let mut instances: Vec<(&PlacedNode, usize)> = Vec::new();
     for node in nodes {
         let json = &root.nodes[node.index];
         let Some(mesh) = json.mesh else { continue };
-        let mesh_json = document.get(mesh, || nodes::describe(root, node.index), "mesh")?;
-        let mesh = mesh.value();
-        if meshes[mesh].is_none() {
-            let read = read_mesh(document, mesh_json, notices);
-            meshes[mesh] = Some(read.map_err(|(number, source)| at(document, node, mesh, number, source))?);
-        }
+        document.get(mesh, || nodes::describe(root, node.index), "mesh")?;
+        instances.push((node, mesh.value()));
         if json.skin.is_some() {
             notices.count("skinned meshes are shown in their bind pose", 1);
         }
-        instances.push((node, mesh));
     }
-
-    // The size is known before anything large is made, so that too large a scene is refused at once.
+    // Nothing large is made before its size is known, so that too large a scene is refused at once.
+    check_claim(document, &instances, memory::free())?;
+    let mut meshes: Vec<Option<Vec<LocalPrimitive>>> = Vec::new();
+    meshes.resize_with(root.meshes.len(), || None);
+    for &(node, mesh) in &instances {
+        if meshes[mesh].is_none() {
+            let read = read_mesh(document, &root.meshes[mesh], notices);
+            meshes[mesh] = Some(read.map_err(|(number, source)| at(document, node, mesh, number, source))?);
+        }
+    }
     let mut flat = Flat::new(root.materials.len());
-    flat.reserve(instances.iter().flat_map(|&(_, mesh)| meshes[mesh].iter().flatten()), LIMIT)?;
+    let placed = instances.iter().flat_map(|&(_, mesh)| meshes[mesh].iter().flatten());
+    flat.reserve(placed, LIMIT, memory::free())?;
     for &(node, mesh) in &instances {
         let placement = Placement::of(node);
         for primitive in meshes[mesh].iter().flatten() {
@@ -79,6 +88,36 @@ pub(super) fn flatten(
         }
     }
     flat.finish(notices)
+}
+
+/// Refuses instances that come to more triangles than can be numbered or than fit into `free` bytes, by what
+/// the accessors of their meshes claim.
+fn check_claim(document: &Document, instances: &[(&PlacedNode, usize)], free: u64) -> Result<(), GltfError> {
+    let of_mesh: Vec<u64> = document
+        .root
+        .meshes
+        .iter()
+        .map(|mesh| mesh.primitives.iter().map(|primitive| claimed_triangles(document, primitive)).sum())
+        .collect();
+    let found = instances.iter().fold(0_u64, |all, &(_, mesh)| all.saturating_add(of_mesh[mesh]));
+    let limit = TRIANGLE_LIMIT as u64;
+    if found > limit {
+        return Err(GltfError::TooLarge { what: "triangles", found, limit });
+    }
+    memory::check(found * BYTES_PER_TRIANGLE, free)
+        .map_err(|source| GltfError::Memory { what: format!("its {found} triangles, flattened,"), source })
+}
+
+/// Triangles of a primitive, as far as its accessors can be right; 0 if it has none.
+fn claimed_triangles(document: &Document, primitive: &Primitive) -> u64 {
+    let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
+    let Some(&positions) = positions else { return 0 };
+    let count = accessor::plausible_count(document, primitive.indices.unwrap_or(positions));
+    match primitive.mode {
+        Checked::Valid(Mode::Triangles) => count / 3,
+        Checked::Valid(Mode::TriangleStrip | Mode::TriangleFan) => count.saturating_sub(2),
+        _ => 0,
+    }
 }
 
 /// An error, and the primitive at fault.
@@ -96,8 +135,13 @@ fn read_mesh(
 ) -> Result<Vec<LocalPrimitive>, (usize, GltfError)> {
     let mut read = Vec::with_capacity(mesh.primitives.len());
     for (number, primitive) in mesh.primitives.iter().enumerate() {
+        let Some(&positions) = primitive.attributes.get(&Checked::Valid(Semantic::Positions)) else {
+            notices.count("primitives without positions are skipped", 1);
+            continue;
+        };
         let uv_set = uv_set(document, primitive).map_err(|error| (number, error))?;
-        let triangles = primitive::read(document, primitive, uv_set).map_err(|error| (number, error))?;
+        let triangles = primitive::read(document, primitive, positions, uv_set, notices)
+            .map_err(|error| (number, error))?;
         let Some(triangles) = triangles else {
             notices.count("primitives of points or lines are skipped", 1);
             continue;
@@ -126,7 +170,8 @@ fn uv_set(document: &Document, primitive: &Primitive) -> Result<Option<u32>, Glt
     };
     let material = document.get(material, || "the primitive".into(), "material")?;
     let texture = material.pbr_metallic_roughness.base_color_texture.as_ref();
-    Ok(texture.map(|texture| texture.tex_coord))
+    let has_image = |texture: &&Info| document.root.get(texture.index).and_then(materials::source).is_some();
+    Ok(texture.filter(has_image).map(|texture| texture.tex_coord))
 }
 
 /// How one node's meshes get into the world.
@@ -175,11 +220,12 @@ impl Flat {
         }
     }
 
-    /// Makes room for all primitives. At most `limit` vertices and as many triangles.
+    /// Makes room for all primitives: at most `limit` vertices and as many triangles, in `free` bytes.
     fn reserve<'a>(
         &mut self,
         primitives: impl Iterator<Item = &'a LocalPrimitive>,
         limit: u64,
+        free: u64,
     ) -> Result<(), GltfError> {
         let (mut vertices, mut triangles, mut has_normals, mut has_uvs) = (0, 0, false, false);
         for LocalPrimitive { triangles: local, .. } in primitives {
@@ -194,11 +240,18 @@ impl Flat {
         if triangles > limit {
             return Err(GltfError::TooLarge { what: "triangles", found: triangles, limit });
         }
-        reserve(&mut self.positions, vertices, "vertices")?;
-        reserve(&mut self.normals, if has_normals { vertices } else { 0 }, "vertex normals")?;
-        reserve(&mut self.uvs, if has_uvs { vertices } else { 0 }, "texture coordinates")?;
-        reserve(&mut self.triangles, triangles, "triangles")?;
-        reserve(&mut self.triangle_materials, triangles, "triangles")
+        let (normals, uvs) = (u64::from(has_normals) * vertices, u64::from(has_uvs) * vertices);
+        let needed = 12 * (vertices + normals) + 8 * uvs + BYTES_PER_TRIANGLE * triangles;
+        memory::check(needed, free).map_err(|source| {
+            let what = format!("its {triangles} triangles with {vertices} vertices, flattened,");
+            GltfError::Memory { what, source }
+        })?;
+        self.positions.reserve_exact(vertices as usize);
+        self.normals.reserve_exact(normals as usize);
+        self.uvs.reserve_exact(uvs as usize);
+        self.triangles.reserve_exact(triangles as usize);
+        self.triangle_materials.reserve_exact(triangles as usize);
+        Ok(())
     }
 
     /// Adds one instance of a primitive.
@@ -255,12 +308,6 @@ impl Flat {
     }
 }
 
-/// Makes room for `count` items, exactly.
-fn reserve<T>(items: &mut Vec<T>, count: u64, what: &'static str) -> Result<(), GltfError> {
-    let capacity = usize::try_from(count).unwrap_or(usize::MAX);
-    items.try_reserve_exact(capacity).map_err(|_| GltfError::Memory { what, count })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -275,14 +322,17 @@ mod tests {
             triangles: vec![[0, 1, 2]; 4],
         };
         let primitive = LocalPrimitive { number: 0, triangles, material: 0 };
-        let refusal = |count: usize, limit: u64| {
+        let refusal = |count: usize, limit: u64, free: u64| {
             let mut flat = Flat::new(0);
-            let error = flat.reserve(std::iter::repeat_n(&primitive, count), limit).unwrap_err();
+            let error = flat.reserve(std::iter::repeat_n(&primitive, count), limit, free).unwrap_err();
             assert_eq!(flat.triangles.capacity(), 0);
             error.to_string()
         };
-        assert!(Flat::new(0).reserve(std::iter::repeat_n(&primitive, 5), 20).is_ok());
-        assert!(refusal(5, 19).contains("has 20 triangles, more than the 19 that"));
-        assert!(refusal(5, 14).contains("has 15 vertices, more than the 14 that"));
+        let needed = 5 * 3 * 12 + 20 * BYTES_PER_TRIANGLE;
+        assert!(Flat::new(0).reserve(std::iter::repeat_n(&primitive, 5), 20, needed).is_ok());
+        assert!(refusal(5, 19, needed).contains("has 20 triangles, more than the 19 that"));
+        assert!(refusal(5, 14, needed).contains("has 15 vertices, more than the 14 that"));
+        let expected = "its 20 triangles with 15 vertices, flattened, do not fit";
+        assert!(refusal(5, 20, needed - 1).starts_with(expected));
     }
 }

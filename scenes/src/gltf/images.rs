@@ -1,14 +1,15 @@
 //! Decoding of PNG and JPEG images, in parallel and each once.
 
+use std::borrow::Cow;
 use std::io::Cursor;
 
 use ::gltf::json::{Index, image::Image};
-use image::{ImageReader, RgbaImage};
+use image::{ImageError, ImageReader, RgbaImage};
 use rayon::prelude::*;
 
 use super::error::GltfError;
 use super::{Document, uri};
-use crate::Texture;
+use crate::{Texture, memory};
 
 /// The longest file of one image that is read, in bytes.
 const MAX_IMAGE_FILE_BYTES: u64 = 1 << 32;
@@ -33,30 +34,50 @@ pub(super) struct Decoded {
     pub(super) mean_linear: [f32; 3],
 }
 
-/// Decodes all images, in the same order.
+/// Decodes all images, in the same order, if their pixels fit into memory.
 pub(super) fn decode_all(document: &Document, wanted: &[Wanted]) -> Result<Vec<Decoded>, GltfError> {
-    wanted.par_iter().map(|wanted| decode(document, wanted)).collect()
+    let encoded = wanted.par_iter().map(|wanted| find(document, wanted.image));
+    let encoded = encoded.collect::<Result<Vec<Encoded>, GltfError>>()?;
+    let bytes = encoded.iter().fold(0_u64, |all, image| all.saturating_add(image.decoded_bytes));
+    memory::check(bytes, memory::free())
+        .map_err(|source| GltfError::Memory { what: format!("its {} images", wanted.len()), source })?;
+    wanted.par_iter().zip(encoded).map(|(wanted, encoded)| decode(wanted, &encoded.bytes)).collect()
 }
 
-fn decode(document: &Document, wanted: &Wanted) -> Result<Decoded, GltfError> {
-    let index = wanted.image.value();
-    let json = document.get(wanted.image, || "a texture".into(), "image")?;
-    let file;
-    let encoded = match (json.buffer_view, &json.uri) {
-        (Some(view), _) => document.view(view, || format!("image {index}"))?.0,
-        (None, Some(uri)) => {
-            file = uri::read(uri, document.folder, MAX_IMAGE_FILE_BYTES)
-                .map_err(|source| GltfError::Uri { what: format!("image {index}"), source })?;
-            &file
-        }
+/// An image as it lies in the file.
+struct Encoded<'a> {
+    bytes: Cow<'a, [u8]>,
+    /// What its pixels take.
+    decoded_bytes: u64,
+}
+
+/// Finds an image and how large it says it is.
+fn find<'a>(document: &'a Document, image: Index<Image>) -> Result<Encoded<'a>, GltfError> {
+    let index = image.value();
+    let json = document.get(image, || "a texture".into(), "image")?;
+    let bytes = match (json.buffer_view, &json.uri) {
+        (Some(view), _) => Cow::Borrowed(document.view(view, || format!("image {index}"))?.0),
+        (None, Some(uri)) => Cow::Owned(
+            uri::read(uri, document.folder, MAX_IMAGE_FILE_BYTES)
+                .map_err(|source| GltfError::Uri { what: format!("image {index}"), source })?,
+        ),
         (None, None) => return Err(GltfError::NoImageData { image: index }),
     };
-    // By content: declared types are often wrong. The reader's own limits bound the allocation.
-    let pixels = ImageReader::new(Cursor::new(encoded))
-        .with_guessed_format()
-        .map_err(image::ImageError::IoError)
+    let (width, height) = reader(&bytes)
+        .and_then(ImageReader::into_dimensions)
+        .map_err(|source| GltfError::Image { image: index, source })?;
+    Ok(Encoded { bytes, decoded_bytes: 4 * u64::from(width) * u64::from(height) })
+}
+
+/// By content: declared types are often wrong. The reader's own limits bound what one image allocates.
+fn reader(encoded: &[u8]) -> Result<ImageReader<Cursor<&[u8]>>, ImageError> {
+    ImageReader::new(Cursor::new(encoded)).with_guessed_format().map_err(ImageError::IoError)
+}
+
+fn decode(wanted: &Wanted, encoded: &[u8]) -> Result<Decoded, GltfError> {
+    let pixels = reader(encoded)
         .and_then(ImageReader::decode)
-        .map_err(|source| GltfError::Image { image: index, source })?
+        .map_err(|source| GltfError::Image { image: wanted.image.value(), source })?
         .into_rgba8();
     let linear: [f32; 256] = std::array::from_fn(|byte| linear_from_srgb(byte as f32 / 255.0));
     let mean_of = |value: &dyn Fn(u8) -> f32| {

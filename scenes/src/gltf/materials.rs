@@ -1,7 +1,7 @@
 //! Materials, and the textures of those that a triangle uses.
 
 use ::gltf::json::material::{AlphaMode, Material as JsonMaterial};
-use ::gltf::json::texture::{Info, WrappingMode};
+use ::gltf::json::texture::{Info, Texture as JsonTexture, WrappingMode};
 use ::gltf::json::{Index, image::Image, validation::Checked};
 
 use super::Document;
@@ -91,7 +91,7 @@ impl Maps {
         let image = |info: &Option<Info>| -> Result<Option<Index<Image>>, GltfError> {
             let Some(info) = info else { return Ok(None) };
             let from = || describe(material, json);
-            Ok(Some(document.get(info.index, from, "texture")?.source))
+            Ok(source(document.get(info.index, from, "texture")?))
         };
         Ok(Self {
             base_color: image(&json.pbr_metallic_roughness.base_color_texture)?,
@@ -99,6 +99,14 @@ impl Maps {
             emissive: image(&json.emissive_texture)?,
         })
     }
+}
+
+/// A texture's image. It may lack one, and leave it to an extension.
+pub(super) fn source(texture: &JsonTexture) -> Option<Index<Image>> {
+    /// What the parser puts in place of an image that is not there.
+    const NO_IMAGE: usize = u32::MAX as usize;
+
+    (texture.source.value() != NO_IMAGE).then_some(texture.source)
 }
 
 fn describe(index: usize, json: &JsonMaterial) -> String {
@@ -121,7 +129,14 @@ fn note_what_is_ignored(document: &Document, json: &JsonMaterial, notices: &mut 
     if json.emissive_texture.is_some() {
         notices.count("emissive textures are replaced by their means", 1);
     }
-    let texture = json.pbr_metallic_roughness.base_color_texture.as_ref();
+    let factors = &json.pbr_metallic_roughness;
+    for info in [&factors.base_color_texture, &factors.metallic_roughness_texture, &json.emissive_texture] {
+        let texture = info.as_ref().and_then(|info| document.root.get(info.index));
+        if texture.is_some_and(|texture| source(texture).is_none()) {
+            notices.count("textures without an image count as white", 1);
+        }
+    }
+    let texture = factors.base_color_texture.as_ref();
     let texture = texture.and_then(|info| document.root.get(info.index));
     let sampler = texture.and_then(|texture| texture.sampler).and_then(|sampler| document.root.get(sampler));
     let wraps = |mode| mode == Checked::Valid(WrappingMode::Repeat);
@@ -155,7 +170,7 @@ fn convert(index: usize, json: &JsonMaterial) -> Result<Material, GltfError> {
     }
     let cutoff = json.alpha_cutoff.unwrap_or_default().0;
     Ok(Material {
-        name: json.name.clone().unwrap_or_default(),
+        name: json.name.as_deref().map(shown).unwrap_or_default(),
         base_color: [red, green, blue],
         base_color_texture: None,
         metallic: factors.metallic_factor.0.clamp(0.0, 1.0),

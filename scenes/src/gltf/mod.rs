@@ -15,6 +15,7 @@ mod error;
 mod flatten;
 mod images;
 mod lights;
+mod lists;
 mod materials;
 mod nodes;
 mod notices;
@@ -24,19 +25,23 @@ mod uri;
 use std::borrow::Cow;
 use std::path::Path;
 
-use ::gltf::json::{Index, Root, root::Get};
+use ::gltf::json::{Index, Root, Value, root::Get};
 
 use crate::{Light, Scene};
 
 pub use container::SUPPORTED_EXTENSIONS;
 pub use error::{GltfError, UriError};
 use flatten::Flat;
+use lists::Lists;
 use notices::Notices;
 
 /// A parsed file and the bytes that its accessors read.
 struct Document<'a> {
     root: Root,
-    buffers: Vec<Cow<'a, [u8]>>,
+    /// As they stand in the file.
+    cameras: Vec<Value>,
+    /// `None` where a buffer has no bytes of its own.
+    buffers: Vec<Option<Cow<'a, [u8]>>>,
     /// Where relative URIs start.
     folder: &'a Path,
 }
@@ -67,9 +72,10 @@ impl Document<'_> {
 pub fn import(name: String, bytes: &[u8], folder: &Path) -> Result<Scene, GltfError> {
     let parsed = container::parse(bytes)?;
     let mut notices = Notices::default();
-    container::note_extensions(&parsed.root, &mut notices);
+    container::note_extensions(&parsed.lists.root, &mut notices);
     let buffers = buffers::read(&parsed, folder)?;
-    let document = Document { root: parsed.root, buffers, folder };
+    let Lists { root, cameras } = parsed.lists;
+    let document = Document { root, cameras, buffers, folder };
 
     let nodes = nodes::place(&document)?;
     let flat = flatten::flatten(&document, &nodes, &mut notices)?;

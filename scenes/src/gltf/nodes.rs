@@ -57,6 +57,9 @@ fn roots(document: &Document) -> Result<(Vec<Index<Node>>, String), GltfError> {
     let scene = root.scene.or((!root.scenes.is_empty()).then(|| Index::<Scene>::new(0)));
     if let Some(scene) = scene {
         let nodes = &document.get(scene, || "the file".into(), "scene")?.nodes;
+        if nodes.is_empty() {
+            return Err(GltfError::EmptyScene { scene: scene.value() });
+        }
         return Ok((nodes.clone(), format!("scene {}", scene.value())));
     }
     let mut is_child = vec![false; root.nodes.len()];

@@ -1,14 +1,22 @@
 //! What the importer tells the user: one sentence per kind of thing, with how many there are.
 
+/// How many sentences there are at most that a file can have any number of.
+const MAX_SAID: usize = 32;
+
 /// Sentences in the order in which they first came up.
 #[derive(Default)]
 pub(super) struct Notices {
     entries: Vec<(String, usize)>,
+    said: usize,
 }
 
 impl Notices {
-    /// Notes something about the file as a whole, once.
+    /// Notes something about one thing in the file, once. After many such sentences, they are only counted.
     pub(super) fn say(&mut self, sentence: impl Into<String>) {
+        if self.said == MAX_SAID {
+            return self.count("there is more to say of this kind", 1);
+        }
+        self.said += 1;
         self.entries.push((sentence.into(), 0));
     }
 

@@ -10,6 +10,7 @@ use super::Document;
 use super::accessor::Elements;
 use super::error::GltfError;
 use super::flatten::LIMIT;
+use super::notices::Notices;
 
 /// Triangles of one primitive, not yet placed.
 pub(super) struct LocalMesh {
@@ -23,12 +24,14 @@ pub(super) struct LocalMesh {
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
-/// Reads a primitive. `None` if it consists of points or lines. `uv_set` is the set of texture
-/// coordinates that its material's texture uses, if it has one.
+/// Reads a primitive that has these positions. `None` if it consists of points or lines. `uv_set` is the
+/// set of texture coordinates that its material's texture uses, if it has one.
 pub(super) fn read(
     document: &Document,
     primitive: &Primitive,
+    positions: Index<Accessor>,
     uv_set: Option<u32>,
+    notices: &mut Notices,
 ) -> Result<Option<LocalMesh>, GltfError> {
     let mode = match primitive.mode {
         Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) => {
@@ -40,11 +43,14 @@ pub(super) fn read(
     let attribute = |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
     let open = |accessor, shape| Elements::open(document, accessor, shape, || "the primitive".into());
 
-    let positions = attribute(Semantic::Positions).ok_or(GltfError::NoPositions)?;
     let positions = open(positions, Type::Vec3)?;
-    let indices = vertex_indices(document, primitive.indices, positions.len())?;
+    let mut indices = vertex_indices(document, primitive.indices, positions.len())?;
+    if mode == Mode::Triangles && indices.len() % 3 != 0 {
+        notices.count("primitives end in an incomplete triangle, which is ignored", 1);
+        indices.truncate(indices.len() / 3 * 3);
+    }
     let (vertices, indices) = compact(indices);
-    let triangles = triangles(mode, &indices)?;
+    let triangles = triangles(mode, &indices);
 
     let open_attribute = |semantic: Semantic, shape| -> Result<Option<Elements>, GltfError> {
         let Some(accessor) = attribute(semantic.clone()) else {
@@ -126,22 +132,17 @@ fn compact(mut indices: Vec<u32>) -> (Vec<u32>, Vec<u32>) {
 }
 
 /// Triangles from a list, strip or fan (glTF 2.0 §3.7.2.1), all with the same winding.
-fn triangles(mode: Mode, indices: &[u32]) -> Result<Vec<[u32; 3]>, GltfError> {
+fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     let windows = indices.windows(3);
-    Ok(match mode {
+    match mode {
         // Every other triangle of a strip would be turned round.
         Mode::TriangleStrip => windows
             .enumerate()
             .map(|(place, three)| [three[0], three[1 + place % 2], three[2 - place % 2]])
             .collect(),
         Mode::TriangleFan => windows.map(|three| [three[1], three[2], indices[0]]).collect(),
-        _ => match indices.as_chunks() {
-            (triangles, []) => triangles.to_vec(),
-            _ => {
-                return Err(GltfError::IndexCount { found: indices.len() });
-            }
-        },
-    })
+        _ => indices.as_chunks().0.to_vec(),
+    }
 }
 
 fn finite_positions(positions: &Elements, vertices: &[u32]) -> Result<Vec<[f32; 3]>, GltfError> {

@@ -11,3 +11,4 @@ mod oracle;
 mod refusals;
 mod scene_files;
 mod summaries;
+mod valid;

@@ -99,14 +99,97 @@ fn names_that_are_no_scene() {
     write(folder.path(), "scene.obj", "v 0 0 0");
     let refusal = |name: &str| load_in(folder.path(), name).unwrap_err();
     assert!(refusal("missing.glb").starts_with("cannot read missing.glb: No such file"));
-    assert_eq!(refusal("folder.glb"), "folder.glb is a directory, expected a .gltf or .glb file");
+    assert_eq!(refusal("folder.glb"), "cannot read folder.glb: found a folder, expected a plain file");
     assert_eq!(refusal("empty.glb"), "empty.glb is empty, expected a glTF or GLB file");
     let expected = "scene.obj is not a scene, expected a name that ends in .gltf or .glb, or builtin:NAME";
     assert_eq!(refusal("scene.obj"), expected);
-    if cfg!(unix) {
-        let message = sentence(&scenes::load("/dev/null").unwrap_err());
-        assert!(message.starts_with("/dev/null is not a regular file"), "{message}");
+}
+
+/// Each file of a scene in turn is a device that never ends, or a pipe that nobody writes to.
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_not_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let pipe = path("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let mut fixture = complete();
+    fixture.push("textures", json!({ "source": 0 }));
+    fixture.push("images", json!({ "uri": "image.png" }));
+    let texture = json!({ "baseColorTexture": { "index": 0 } });
+    fixture.json["materials"][0]["pbrMetallicRoughness"] = texture;
+    let mut image = std::io::Cursor::new(Vec::new());
+    image::RgbImage::new(1, 1).write_to(&mut image, image::ImageFormat::Png).unwrap();
+    let whole: [(&str, &[u8]); 4] = [
+        ("scene.gltf", &fixture.json_with_buffer(Some("a.bin"))),
+        ("a.bin", &fixture.binary),
+        ("image.png", image.get_ref()),
+        ("scene.rayscope.toml", SIDECAR.as_bytes()),
+    ];
+    whole.iter().for_each(|(name, bytes)| write(folder.path(), name, bytes));
+    load_in(folder.path(), "scene.gltf").unwrap();
+    for (name, bytes) in whole {
+        for target in [Path::new("/dev/zero"), &pipe] {
+            fs::remove_file(path(name)).unwrap();
+            std::os::unix::fs::symlink(target, path(name)).unwrap();
+            let message = load_in(folder.path(), "scene.gltf").unwrap_err();
+            assert!(message.contains(name) || message.contains("image 0"), "{message}");
+            assert!(message.ends_with("found a pipe or device, expected a plain file"), "{message}");
+        }
+        fs::remove_file(path(name)).unwrap();
+        write(folder.path(), name, bytes);
     }
+}
+
+#[test]
+fn sidecars_of_any_length_are_not_read() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "scene.glb", complete().glb());
+    write(folder.path(), "scene.rayscope.toml", "# long\n".repeat(3 << 20));
+    let message = load_in(folder.path(), "scene.glb").unwrap_err();
+    assert!(message.ends_with("found more than 16777216 bytes, expected at most that many"), "{message}");
+}
+
+#[test]
+fn names_are_short_and_plain_wherever_they_go() {
+    let long = format!("\u{1b}[2J\u{202e}{}", "n".repeat(5_000_000));
+    let mut fixture = complete();
+    fixture.json["materials"][0]["name"] = json!(long);
+    for node in fixture.json["nodes"].as_array_mut().unwrap() {
+        node["name"] = json!(long);
+    }
+    fixture.json["nodes"].as_array_mut().unwrap().push(json!({ "name": long, "camera": 0 }));
+    fixture.json["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    fixture.json["extensionsUsed"] = json!(vec![long.clone(); 2]);
+    let scene = load_bytes("a\u{9b}b.glb", &fixture.glb()).unwrap();
+    assert_eq!(scene.name, "a\\u{9b}b");
+    let names = scene.cameras.iter().map(|camera| &camera.name);
+    for text in names.chain(scene.materials.iter().map(|material| &material.name)).chain(&scene.notices) {
+        assert!(text.len() < 400 && text.contains("\\u{1b}[2J\\u{202e}nn"), "{text}");
+    }
+    // And in a refusal.
+    fixture.json["nodes"][0]["mesh"] = json!(9);
+    let message = load_bytes("a\u{9b}b.glb", &fixture.glb()).unwrap_err();
+    assert!(message.len() < 400 && !message.contains(char::is_control), "{message}");
+    let many: Vec<String> = (0..100_000).map(|number| format!("MANY_{number}")).collect();
+    let mut fixture = complete();
+    fixture.json["extensionsUsed"] = json!(many);
+    let notices = fixture.scene().notices;
+    assert_eq!(notices.len(), 33);
+    assert_eq!(notices[32], "there is more to say of this kind (99968)");
+}
+
+#[test]
+fn cameras_of_one_name_take_no_time() {
+    let mut fixture = Fixture::triangle();
+    fixture.push("cameras", json!({ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1 } }));
+    for _ in 0..30_000 {
+        fixture.node(json!({ "camera": 0 }));
+    }
+    let start = std::time::Instant::now();
+    let cameras = load_bytes("scene.glb", &fixture.glb()).unwrap().cameras;
+    assert_eq!(cameras[29_999].name, "camera 0-30000");
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
 }
 
 #[test]
