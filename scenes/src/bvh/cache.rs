@@ -26,7 +26,7 @@ use super::{Bvh, Bvh2Node, BvhError, BvhKind, CwbvhNode, build, topology, valida
 use crate::Scene;
 
 /// Raised with every change to the file's layout, the node formats or the way trees are built.
-const FORMAT_VERSION: u8 = 1;
+const FORMAT_VERSION: u8 = 2;
 
 const MAGIC: [u8; 8] = [b'R', b'S', b'C', b'P', b'B', b'V', b'H', FORMAT_VERSION];
 

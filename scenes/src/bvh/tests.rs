@@ -98,6 +98,35 @@ fn every_scene_gets_a_valid_hierarchy() {
     }
 }
 
+/// Boxes of which none is apart from the others: what a builder compares pair by pair takes for ever.
+#[test]
+fn heaps_of_triangles_take_seconds() {
+    const COUNT: usize = 100_000;
+    let heap = |place: &dyn Fn(usize, [f32; 3]) -> [f32; 3]| {
+        let quad = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let corners = |index: usize| match index % 2 {
+            0 => [quad[0], quad[1], quad[2]],
+            _ => [quad[0], quad[2], quad[3]],
+        };
+        let triangle = |index: usize| corners(index).map(|corner| place(index / 2, corner));
+        scene_of(&(0..COUNT).map(triangle).collect::<Vec<_>>())
+    };
+    let scenes = [
+        ("coincident", heap(&|_, corner| corner)),
+        ("coincident but one", heap(&|index, corner| corner.map(|x| if index == 0 { x + 1e3 } else { x }))),
+        ("nested", heap(&|index, corner| corner.map(|x| x * (1.0 + 1e-5 * index as f32)))),
+        ("concentric", heap(&|index, corner| corner.map(|x| (x - 0.5) * (1.0 + 1e-5 * index as f32)))),
+    ];
+    for (name, scene) in scenes {
+        for kind in BvhKind::ALL {
+            let start = std::time::Instant::now();
+            build(&scene, kind).unwrap_or_else(|error| panic!("{name}, {kind}: {error}"));
+            eprintln!("{name}, {kind}: {:?}", start.elapsed());
+            assert!(start.elapsed().as_secs() < 20, "{name}, {kind}: {:?}", start.elapsed());
+        }
+    }
+}
+
 #[test]
 fn threads_do_not_change_a_hierarchy() {
     let scene =

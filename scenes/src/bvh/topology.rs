@@ -47,6 +47,13 @@ impl std::fmt::Display for BvhKind {
 /// What is asked of obvhs; a part of the name under which a hierarchy is cached.
 pub(super) const PARAMETERS: BvhBuildParams = BvhBuildParams::medium_build();
 
+/// Powers of the inverse of the root of x⁴ = x + 1, times 2^32: their multiples are spread evenly over the
+/// unit cube (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
+const NUDGE_STEPS: [u32; 3] = [0xd1b5_4a33, 0xabc9_8389, 0x8cb9_2ba7];
+
+/// How many nodes a batch of reinsertions may look at, as a multiple of all nodes.
+const SEARCH_BUDGET: f32 = 64.0;
+
 /// Builds the tree. For [`BvhKind::Cwbvh`] every leaf has one triangle (the converter merges them);
 /// no leaf is deeper below the root than the kind's traversal stack has entries.
 pub(super) fn find(boxes: &Boxes, kind: BvhKind) -> Bvh2 {
@@ -79,9 +86,9 @@ pub(super) fn find(boxes: &Boxes, kind: BvhKind) -> Bvh2 {
 /// which keeps areas from overflowing, vanishing or cancelling wherever the scene is and however
 /// large it is.
 ///
-/// Each box is enlarged by up to 1/64 of its size, differently for each: PLOC merges one pair per
-/// pass where all costs are equal (a row of equal boxes, a mesh scaled to a point), which would
-/// take quadratic time and make a list of the tree.
+/// Each box is moved by up to 1/64 of its size, differently for each and along each axis: PLOC merges
+/// one pair per pass where all costs are equal or grow along the curve (a heap or a row of equal boxes, a
+/// mesh scaled to a point), which would take quadratic time and make a list of the tree.
 fn in_unit_cube(boxes: &[Bounds]) -> Vec<Aabb> {
     let scene = boxes.par_iter().copied().reduce(|| Bounds::EMPTY, |a, b| super::boxes::union(&a, &b));
     let min = scene.min.map(f64::from);
@@ -91,27 +98,31 @@ fn in_unit_cube(boxes: &[Bounds]) -> Vec<Aabb> {
     let place = |corner: &[f32; 3]| {
         Vec3A::from([0, 1, 2].map(|axis| ((f64::from(corner[axis]) - min[axis]) * scale) as f32))
     };
-    let enlarge = |(index, bounds): (usize, &Bounds)| {
+    let nudge = |(index, bounds): (usize, &Bounds)| {
         let (low, high) = (place(&bounds.min), place(&bounds.max));
-        // Weyl's sequence: evenly spread, and different for neighbours.
-        let spread = (index as u32).wrapping_mul(0x9e37_79b9) as f32 / 2f32.powi(32);
-        Aabb::new(low, high + ((high - low) / 64.0 + 2f32.powi(-20)) * spread)
+        let spread =
+            Vec3A::from(NUDGE_STEPS.map(|step| (index as u32).wrapping_mul(step) as f32 / 2f32.powi(32)));
+        let by = ((high - low) / 64.0 + 2f32.powi(-20)) * spread;
+        Aabb::new(low + by, high + by)
     };
-    boxes.par_iter().enumerate().map(enlarge).collect()
+    boxes.par_iter().enumerate().map(nudge).collect()
 }
 
 /// Moves subtrees to where they cost less (Meister and Bittner 2018, "Parallel Reinsertion for
 /// Bounding Volume Hierarchy Optimization"), in obvhs' sequence of ever smaller batches.
 ///
 /// The candidates are chosen here: obvhs sorts them with a parallel unstable radix sort, which
-/// may leave nodes of equal area in an order that depends on the number of threads.
+/// may leave nodes of equal area in an order that depends on the number of threads. Where boxes lie on top
+/// of each other a search rules out next to nothing: then there are fewer of them.
 fn reinsert(tree: &mut Bvh2, batch_ratio: f32) {
     if tree.nodes[0].is_leaf() {
         return;
     }
+    let nodes = tree.nodes.len() as f32;
+    let wanted_at_first = (nodes * batch_ratio).min(nodes * SEARCH_BUDGET / nodes_per_search(tree));
     let mut optimizer = ReinsertionOptimizer::default();
     for divisor in (1..32).step_by(2) {
-        let wanted = tree.nodes.len() as f32 * batch_ratio / divisor as f32;
+        let wanted = wanted_at_first / divisor as f32;
         let wanted = (wanted as usize).clamp(1, tree.nodes.len() - 1);
         // Nodes near the root come first in memory; obvhs takes its candidates from twice as many
         // nodes as it wants, too.
@@ -122,6 +133,14 @@ fn reinsert(tree: &mut Bvh2, batch_ratio: f32) {
         candidates.truncate(wanted);
         optimizer.run_with_candidates(tree, &candidates, 1);
     }
+}
+
+/// About how many nodes a box shares with what lies around it: the areas of all nodes, as a multiple of the
+/// root's.
+fn nodes_per_search(tree: &Bvh2) -> f32 {
+    let area = |node: &Bvh2Node| f64::from(node.aabb().half_area());
+    let all: f64 = tree.nodes.iter().map(area).sum();
+    (all / area(&tree.nodes[0])).max(1.0) as f32
 }
 
 /// Rebuilds subtrees that are too deep as balanced ones, so that no node is more than `limit`
