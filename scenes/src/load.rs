@@ -9,7 +9,7 @@ use crate::camera::{CameraError, automatic};
 use crate::gltf::{self, GltfError};
 use crate::shown::{shown, shown_path};
 use crate::sidecar::{self, Sidecar, SidecarError};
-use crate::{Camera, Light, Scene, files};
+use crate::{Camera, Environment, Light, Scene, brightness, files};
 
 /// The longest scene file that is read, bytes: a GLB file counts its bytes with 32 bits.
 const MAX_FILE_BYTES: u64 = u32::MAX as u64;
@@ -62,7 +62,8 @@ pub enum LoadError {
 ///
 /// Cameras: those of the file, then those of the sidecar, names made unique; without any, one named
 /// `auto` that sees the scene. Lights: punctual lights of the file, spheres of the sidecar, emissive
-/// primitives, environment; without any, a sky, and a sphere if the camera is in a closed room.
+/// primitives, environment; without any, or with none but dim emissive ones, a sky, and a sphere if the
+/// camera is in a closed room.
 /// What was made up is said in the scene's notices.
 ///
 /// # Errors
@@ -103,11 +104,9 @@ fn load_file(path: &Path) -> Result<Scene, LoadError> {
         }
     }
     make_names_unique(&mut scene.cameras);
-    complete(&mut scene).map_err(|source| LoadError::AutomaticCamera {
-        path: path.into(),
-        sidecar: sidecar_path,
-        source,
-    })?;
+    if let Err(source) = complete(&mut scene, &sidecar_path) {
+        return Err(LoadError::AutomaticCamera { path: path.into(), sidecar: sidecar_path, source });
+    }
     Ok(scene)
 }
 
@@ -130,10 +129,8 @@ fn read_file(path: &Path) -> Result<Vec<u8>, LoadError> {
 /// Adds what a sidecar has, in the order that numbers lights.
 fn add_sidecar(scene: &mut Scene, sidecar: Sidecar) {
     scene.cameras.extend(sidecar.cameras);
-    let is_emissive = |light: &Light| matches!(light, Light::Emissive { .. });
-    let place = scene.lights.iter().position(is_emissive).unwrap_or(scene.lights.len());
-    scene.lights.splice(place..place, sidecar.lights);
-    scene.lights.extend(sidecar.environment.map(Light::Environment));
+    let sky = sidecar.environment.map(Light::Environment);
+    add_lights(&mut scene.lights, sidecar.lights.into_iter().chain(sky).collect());
 }
 
 /// Appends numbers to names that are taken.
@@ -151,21 +148,55 @@ fn make_names_unique(cameras: &mut [Camera]) {
     }
 }
 
-/// Makes up a camera and a light where there is none.
-fn complete(scene: &mut Scene) -> Result<(), CameraError> {
+/// Makes up a camera and a light where there is none, and says if the picture will be black.
+fn complete(scene: &mut Scene, sidecar: &Path) -> Result<(), CameraError> {
     if scene.cameras.is_empty() {
         let camera = automatic::camera(scene)?;
         scene.cameras.push(camera);
         scene.notices.push("no camera was found: \"auto\" was made to see the scene".into());
     }
-    if scene.lights.is_empty() {
+    // Who places a light wants it; surfaces that glow a little are no reason to leave out the sky.
+    let has_placed = scene.lights.iter().any(|light| !matches!(light, Light::Emissive { .. }));
+    let is_dark = brightness::is_dark(scene, &scene.cameras[0]);
+    if scene.lights.is_empty() || is_dark && !has_placed {
+        let found =
+            if scene.lights.is_empty() { "no light was found" } else { "what glows is too dim to see by" };
         let lights = automatic::lights(scene, &scene.cameras[0]);
         let what = match lights.len() {
             1 => "a sky was",
             _ => "a sky and a lamp in the room of the first camera were",
         };
-        scene.lights = lights;
-        scene.notices.push(format!("no light was found: {what} made"));
+        add_lights(&mut scene.lights, lights);
+        scene.notices.push(format!("{found}: {what} made"));
+    } else if is_dark {
+        let help = help_against_darkness(&automatic::lights(scene, &scene.cameras[0]));
+        scene.notices.push(format!(
+            "the first camera's picture will be nearly black, since the lights are too dim or cannot reach what it sees; {help} in {} would help",
+            shown_path(sidecar)
+        ));
     }
     Ok(())
+}
+
+/// Adds lights where they belong in the order that numbers them: spheres before what glows, a sky last.
+fn add_lights(lights: &mut Vec<Light>, more: Vec<Light>) {
+    let (sky, spheres): (Vec<_>, Vec<_>) =
+        more.into_iter().partition(|light| matches!(light, Light::Environment(_)));
+    let is_emissive = |light: &Light| matches!(light, Light::Emissive { .. });
+    let place = lights.iter().position(is_emissive).unwrap_or(lights.len());
+    lights.splice(place..place, spheres);
+    lights.extend(sky);
+}
+
+/// The lines of a sidecar that would light the scene as these lights do, on one line.
+fn help_against_darkness(lights: &[Light]) -> String {
+    match lights.first() {
+        Some(Light::Sphere { position, radius, intensity }) => format!(
+            "a [[light]] with position = {position:?}, radius = {radius:?}, intensity = {intensity:?}"
+        ),
+        Some(Light::Environment(Environment { zenith, nadir })) => {
+            format!("an [environment] with zenith = {zenith:?}, nadir = {nadir:?}")
+        }
+        _ => "a [[light]]".into(),
+    }
 }

@@ -93,12 +93,11 @@ fn place_in_room(scene: &Scene, min: DVec3, max: DVec3) -> Option<(DVec3, DVec3)
 
 /// A sky, and where `camera` is in a closed room a lamp above it, first.
 pub(crate) fn lights(scene: &Scene, camera: &Camera) -> Vec<Light> {
-    let eye = DVec3::from_array(camera.eye.map(f64::from));
-    let sights = look_around(scene, &[eye]).into_iter().next().unwrap_or([NOTHING; DIRECTIONS]);
+    let sights = sights(scene, camera);
     let sky = Light::Environment(Environment { zenith: [0.9, 0.95, 1.0], nadir: [0.6, 0.58, 0.55] });
     let distances: Vec<f64> = sights.iter().map(|sight| sight.distance).filter(|d| d.is_finite()).collect();
     let height = sights[UP].distance;
-    if distances.len() + CLOSED_ESCAPES < DIRECTIONS || !height.is_finite() {
+    if !are_closed(&sights) {
         return vec![sky];
     }
     // Half-way to the ceiling, and as bright as makes a white wall at the mean distance white.
@@ -110,8 +109,25 @@ pub(crate) fn lights(scene: &Scene, camera: &Camera) -> Vec<Light> {
         // Too small or too large a room for a lamp in f32.
         return vec![sky];
     }
+    let eye = DVec3::from_array(camera.eye.map(f64::from));
     let position = (eye + 0.5 * height * DVec3::Y).to_array().map(|x| x as f32);
     vec![Light::Sphere { position, radius, intensity }, sky]
+}
+
+/// Whether `camera` is in a room that gets no light from outside to speak of.
+pub(crate) fn is_closed(scene: &Scene, camera: &Camera) -> bool {
+    are_closed(&sights(scene, camera))
+}
+
+fn are_closed(sights: &[Sight; DIRECTIONS]) -> bool {
+    let met = sights.iter().filter(|sight| sight.distance.is_finite()).count();
+    met + CLOSED_ESCAPES >= DIRECTIONS && sights[UP].distance.is_finite()
+}
+
+/// What a camera sees about it.
+fn sights(scene: &Scene, camera: &Camera) -> [Sight; DIRECTIONS] {
+    let eye = DVec3::from_array(camera.eye.map(f64::from));
+    look_around(scene, &[eye]).into_iter().next().unwrap_or([NOTHING; DIRECTIONS])
 }
 
 /// Unit vectors: level ones all round, up, down, and four half-way up. None lies along an axis or in

@@ -138,3 +138,63 @@ fn the_same_scene_gets_the_same_camera() {
         assert_eq!((again.cameras, again.lights), (first.cameras.clone(), first.lights.clone()));
     }
 }
+
+/// The room with one square of this emission on its floor.
+fn with_emission(emission: f32, has_ceiling: bool) -> Fixture {
+    let mut fixture = house(true, has_ceiling);
+    fixture.push("materials", json!({ "emissiveFactor": [emission, emission, emission] }));
+    let positions = fixture.vectors(&[[10.0, 0.1, 0.0], [10.0, 0.1, 1.0], [11.0, 0.1, 0.0]]);
+    fixture.primitive(json!({ "attributes": { "POSITION": positions }, "material": 0 }));
+    fixture
+}
+
+#[test]
+fn what_glows_a_little_does_not_keep_the_sky_out() {
+    let scene = with_emission(1.0, true).scene();
+    assert!(matches!(&*scene.lights, [Light::Emissive { .. }]), "{:?}", scene.lights);
+    let scene = with_emission(1e-3, true).scene();
+    let expected =
+        "what glows is too dim to see by: a sky and a lamp in the room of the first camera were made";
+    assert!(scene.notices.contains(&expected.to_owned()), "{:?}", scene.notices);
+    let [Light::Sphere { .. }, Light::Emissive { .. }, Light::Environment(_)] = &*scene.lights else {
+        panic!("{:?}", scene.lights)
+    };
+    let scene = with_emission(1e-3, false).scene();
+    assert!(matches!(&*scene.lights, [Light::Emissive { .. }, Light::Environment(_)]), "{:?}", scene.lights);
+}
+
+/// A room and what a sidecar would have to say, taken from its notice.
+fn dark_room(light: serde_json::Value, has_ceiling: bool) -> (Scene, Option<String>) {
+    let mut fixture = house(true, has_ceiling);
+    fixture.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light] } });
+    let light = json!({ "KHR_lights_punctual": { "light": 0 } });
+    let down = [-std::f32::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f32::consts::FRAC_1_SQRT_2];
+    fixture.node(json!({ "extensions": light, "translation": [10, 1, 0], "rotation": down }));
+    let scene = fixture.scene();
+    let notice = scene.notices.iter().find(|notice| notice.contains("nearly black")).cloned();
+    (scene, notice)
+}
+
+#[test]
+fn a_picture_that_will_be_black_is_said_with_what_would_help() {
+    assert_eq!(dark_room(json!({ "type": "point", "intensity": 10 }), true).1, None);
+    assert_eq!(dark_room(json!({ "type": "directional", "intensity": 3 }), false).1, None);
+    for (light, has_ceiling) in [
+        (json!({ "type": "point", "intensity": 1e-3 }), true),
+        (json!({ "type": "point", "intensity": 1e-3 }), false),
+        // The sun does not get into a closed room.
+        (json!({ "type": "directional", "intensity": 3 }), true),
+    ] {
+        let (scene, notice) = dark_room(light.clone(), has_ceiling);
+        assert_eq!(scene.lights.len(), 1, "what was asked for stays");
+        let notice = notice.unwrap_or_else(|| panic!("{light}: {:?}", scene.notices));
+        let help = notice.split("; a").nth(1).unwrap().trim_start_matches('n').trim_start();
+        let (table, rest) = help.split_once(" with ").unwrap();
+        let lines =
+            rest.split(" in ").next().unwrap().replace("], ", "]\n").replace(", intensity", "\nintensity");
+        let sidecar = scenes::sidecar::parse(&format!("{table}\n{lines}\n")).unwrap();
+        assert_eq!(sidecar.lights.len() + usize::from(sidecar.environment.is_some()), 1, "{notice}");
+        assert_eq!(sidecar.environment.is_some(), !has_ceiling, "{notice}");
+        assert!(notice.contains("scene.rayscope.toml"), "{notice}");
+    }
+}
