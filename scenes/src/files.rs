@@ -6,23 +6,32 @@ use std::path::Path;
 
 use crate::memory;
 
-/// Reads a plain file, or one that a link leads to, up to `limit` bytes; what follows them is left. Pipes
-/// and devices are refused before they are opened: they would make us wait, or never end.
+/// Opens a plain file, or one that a link leads to, and gives its length in bytes. Pipes and devices are
+/// refused before they are opened: they would make us wait, or never end.
 ///
 /// # Errors
 /// What the system says, or what was found in place of such a file.
-pub(crate) fn read_start(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+pub(crate) fn open(path: &Path) -> io::Result<(File, u64)> {
     let metadata = fs::metadata(path)?;
     if !metadata.is_file() {
         let found = if metadata.is_dir() { "a folder" } else { "a pipe or device" };
         let message = format!("found {found}, expected a plain file");
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
-    let expected = metadata.len().min(limit);
+    Ok((File::open(path)?, metadata.len()))
+}
+
+/// Reads up to `limit` bytes of such a file; what follows them is left.
+///
+/// # Errors
+/// As [`open`], or that there is not enough memory.
+pub(crate) fn read_start(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+    let (file, length) = open(path)?;
+    let expected = length.min(limit);
     memory::check(expected, memory::free())
         .map_err(|shortage| io::Error::new(io::ErrorKind::OutOfMemory, shortage))?;
     let mut bytes = Vec::with_capacity(usize::try_from(expected).unwrap_or_default());
-    File::open(path)?.take(limit).read_to_end(&mut bytes)?;
+    file.take(limit).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 

@@ -23,7 +23,7 @@ use bytemuck::{Pod, Zeroable};
 use sha2::{Digest, Sha256};
 
 use super::{Bvh, Bvh2Node, BvhError, BvhKind, CwbvhNode, build, topology, validate};
-use crate::Scene;
+use crate::{Scene, files};
 
 /// Raised with every change to the file's layout, the node formats or the way trees are built.
 const FORMAT_VERSION: u8 = 2;
@@ -118,8 +118,7 @@ fn file_name(content: &[u8; 32], kind: BvhKind) -> String {
 
 /// Reads a hierarchy; `None` if there is none, or none that can be trusted.
 fn load(path: &Path, content: &[u8; 32], kind: BvhKind, scene: &Scene) -> Option<Bvh> {
-    let file = fs::File::open(path).ok()?;
-    let bytes = file.metadata().ok()?.len();
+    let (file, bytes) = files::open(path).ok()?;
     let mut file = io::BufReader::new(file);
     let mut header = Header::zeroed();
     file.read_exact(bytemuck::bytes_of_mut(&mut header)).ok()?;
@@ -271,5 +270,31 @@ mod tests {
         let (_, source) = load_or_build(&scene, BvhKind::Bvh2, Some(&file.join("cache"))).unwrap();
         fs::remove_file(&file).unwrap();
         assert!(matches!(source, Source::BuiltNotKept { .. }), "{source:?}");
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_kept_leaves_nothing() {
+        let scene = soup(20, 2);
+        let folder = tempfile::tempdir().unwrap();
+        let name = file_name(&content_hash(&scene, BvhKind::Bvh2), BvhKind::Bvh2);
+        // A file cannot take the place of a folder.
+        fs::create_dir(folder.path().join(&name)).unwrap();
+        let (_, source) = load_or_build(&scene, BvhKind::Bvh2, Some(folder.path())).unwrap();
+        assert!(matches!(source, Source::BuiltNotKept { .. }), "{source:?}");
+        let left: Vec<_> =
+            fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert_eq!(left, [name.as_str()]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_in_place_of_a_file_is_not_waited_for() {
+        let scene = soup(20, 2);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(file_name(&content_hash(&scene, BvhKind::Bvh2), BvhKind::Bvh2));
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+        let (_, source) = load_or_build(&scene, BvhKind::Bvh2, Some(folder.path())).unwrap();
+        assert!(matches!(source, Source::Built { .. }), "{source:?}");
+        assert!(fs::metadata(&path).unwrap().is_file(), "it is replaced, like any file that is no hierarchy");
     }
 }
