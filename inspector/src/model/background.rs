@@ -1,10 +1,13 @@
 //! Work on another thread, of which only the latest result is wanted.
 
 use std::fmt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 use std::time::Duration;
+
+use super::absent::Absent;
 
 /// How long a window waits for work that it has just asked for: what is found at once is shown at once,
 /// without a frame in between that lacks it.
@@ -95,9 +98,12 @@ impl Drop for Working {
 /// compared and one to go back to, unless said otherwise.
 #[derive(Debug)]
 pub struct Background<K, T, const KEPT: usize = 3> {
-    done: Vec<(K, T)>,
-    running: Option<(K, Receiver<T>)>,
+    done: Vec<(K, Made<T>)>,
+    running: Option<(K, Receiver<Made<T>>)>,
 }
+
+/// What was made, or what whoever made it died of.
+type Made<T> = Result<T, Absent>;
 
 impl<K, T, const KEPT: usize> Default for Background<K, T, KEPT> {
     fn default() -> Self {
@@ -106,34 +112,57 @@ impl<K, T, const KEPT: usize> Default for Background<K, T, KEPT> {
 }
 
 impl<K: PartialEq, T: Send + 'static, const KEPT: usize> Background<K, T, KEPT> {
-    /// What `make` makes for `wanted`; `None` until it is made. Something else that is still being made
-    /// is waited for first, so that no more than one thread is at work.
-    pub fn of(&mut self, wanted: K, waker: &Waker, make: impl FnOnce() -> T + Send + 'static) -> Option<&T> {
+    /// What `make` makes for `wanted`. Something else that is still being made is waited for first, so that
+    /// no more than one thread is at work.
+    ///
+    /// # Errors
+    /// While it is not made yet, and if `make` panicked, which is not tried again.
+    pub fn of(
+        &mut self,
+        wanted: K,
+        waker: &Waker,
+        make: impl FnOnce() -> T + Send + 'static,
+    ) -> Result<&T, Absent> {
         self.receive(Duration::ZERO);
         let is_done = self.done.iter().any(|(known, _)| *known == wanted);
-        if !is_done && self.running.is_none() {
-            let (sender, receiver) = channel();
-            let working = waker.start();
-            thread::spawn(move || {
-                // No one listens any more once the window is closed.
-                let _ = sender.send(make());
-                drop(working);
-            });
-            self.running = Some((wanted, receiver));
-            // Before there is a window, no one looks.
-            self.receive(if waker.is_set() { PATIENCE } else { Duration::ZERO });
-            // Still running, or the last one that was done.
-            return self.done.last().filter(|_| self.running.is_none()).map(|(_, made)| made);
+        if is_done || self.running.is_some() {
+            return match self.done.iter().rev().find(|(known, _)| *known == wanted) {
+                Some((_, made)) => made.as_ref().map_err(Absent::clone),
+                None => Err(Absent::Awaited),
+            };
         }
-        self.known(|known| *known == wanted)
+        let (sender, receiver) = channel();
+        let working = waker.start();
+        thread::spawn(move || {
+            // What it leaves half done is dropped with it.
+            let made = catch_unwind(AssertUnwindSafe(make)).map_err(|panic| {
+                let why = panic.downcast_ref::<&str>().copied();
+                let why = why.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+                format!(
+                    "the inspector failed at this, which is a fault of the program: {}",
+                    why.unwrap_or("?")
+                )
+            });
+            // No one listens any more once the window is closed.
+            let _ = sender.send(made.map_err(Absent::from));
+            drop(working);
+        });
+        self.running = Some((wanted, receiver));
+        // Before there is a window, no one looks.
+        self.receive(if waker.is_set() { PATIENCE } else { Duration::ZERO });
+        match self.done.last().filter(|_| self.running.is_none()) {
+            Some((_, made)) => made.as_ref().map_err(Absent::clone),
+            None => Err(Absent::Awaited),
+        }
     }
 
     /// The latest that was made and is kept whose key is such.
     pub fn known(&self, is_wanted: impl Fn(&K) -> bool) -> Option<&T> {
-        self.done.iter().rev().find(|(known, _)| is_wanted(known)).map(|(_, made)| made)
+        let (_, made) = self.done.iter().rev().find(|(known, _)| is_wanted(known))?;
+        made.as_ref().ok()
     }
 
-    fn keep(&mut self, wanted: K, made: T) {
+    fn keep(&mut self, wanted: K, made: Made<T>) {
         if self.done.len() == KEPT {
             drop(self.done.remove(0));
         }
@@ -147,15 +176,14 @@ impl<K: PartialEq, T: Send + 'static, const KEPT: usize> Background<K, T, KEPT> 
         } else {
             receiver.recv_timeout(patience).map_err(|error| error == RecvTimeoutError::Timeout)
         };
-        match made {
-            Ok(made) => {
-                if let Some((wanted, _)) = self.running.take() {
-                    self.keep(wanted, made);
-                }
-            }
-            Err(true) => {}
-            // The thread is gone without a result, so it is asked for again.
-            Err(false) => self.running = None,
+        let made = match made {
+            Ok(made) => made,
+            Err(true) => return,
+            // The thread always sends; were it gone all the same, nobody should wait for it.
+            Err(false) => Err("the thread that made this is gone".into()),
+        };
+        if let Some((wanted, _)) = self.running.take() {
+            self.keep(wanted, made);
         }
     }
 }
@@ -169,28 +197,32 @@ mod tests {
         let (mut squares, waker) = (Background::<_, _>::default(), Waker::default());
         let (start, wait) = channel::<()>();
         let slow = move || wait.recv().map_or(0, |()| 1);
-        assert_eq!(squares.of(1, &waker, slow), None);
+        assert_eq!(squares.of(1, &waker, slow), Err(Absent::Awaited));
         assert!(waker.is_busy());
-        assert_eq!(squares.of(2, &waker, || 4), None, "one thread at a time");
+        assert_eq!(squares.of(2, &waker, || 4), Err(Absent::Awaited), "one thread at a time");
         start.send(()).unwrap();
         assert!(waker.wait());
-        while squares.of(2, &waker, || 4).is_none() {}
-        assert_eq!(squares.of(2, &waker, || panic!("made twice")), Some(&4));
+        while squares.of(2, &waker, || 4).is_err() {}
+        assert_eq!(squares.of(2, &waker, || panic!("made twice")), Ok(&4));
         assert_eq!(squares.known(|&known| known < 2), Some(&1));
         assert!(!waker.wait());
     }
 
+    /// Nor is another result taken for that of a thread that dies while it is waited for, as a window waits.
     #[test]
-    fn what_a_thread_died_of_leaves_nobody_waiting() {
+    fn what_a_thread_died_of_is_said_and_not_tried_again() {
         let (mut squares, waker) = (Background::<_, u32>::default(), Waker::default());
-        let (start, wait) = channel::<()>();
-        assert_eq!(
-            squares.of(1, &waker, move || wait.recv().map_or_else(|_| panic!("on purpose"), |()| 1)),
-            None
-        );
-        drop(start);
-        assert!(waker.wait());
-        while squares.of(1, &waker, || 1).is_none() {}
-        assert_eq!(squares.known(|_| true), Some(&1));
+        waker.set(|| ());
+        while squares.of(1, &waker, || 1).is_err() {}
+        let found = loop {
+            match squares.of(2, &waker, || panic!("on purpose")) {
+                Err(Absent::Awaited) => waker.wait(),
+                found => break found,
+            };
+        };
+        assert!(matches!(found, Err(Absent::Impossible(why)) if why.contains("on purpose")));
+        assert!(matches!(squares.of(2, &waker, || 4), Err(Absent::Impossible(_))), "tried again");
+        assert_eq!(squares.of(1, &waker, || panic!("made twice")), Ok(&1));
+        assert_eq!(squares.known(|&known| known == 2), None);
     }
 }

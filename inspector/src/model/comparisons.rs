@@ -53,7 +53,7 @@ impl Comparisons {
             let id = MADE.fetch_add(1, Ordering::Relaxed);
             Arc::new(Compared { comparison, values, nearly_largest, id })
         };
-        self.0.of(wanted.clone(), waker, make).cloned()
+        self.0.of(wanted.clone(), waker, make).ok().cloned()
     }
 }
 

@@ -247,10 +247,6 @@ impl Context {
     }
 }
 
-fn opened<T>(found: Option<&Opened<T>>) -> Result<Arc<T>, Absent> {
-    match found {
-        None => Err(Absent::Awaited),
-        Some(Ok(found)) => Ok(found.clone()),
-        Some(Err(reason)) => Err(reason.into()),
-    }
+fn opened<T>(found: Result<&Opened<T>, Absent>) -> Result<Arc<T>, Absent> {
+    found?.as_ref().map(Arc::clone).map_err(Absent::from)
 }

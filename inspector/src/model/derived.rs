@@ -118,9 +118,10 @@ impl Context {
         let Derived { waker, passing: known, .. } = &mut self.derived;
         let found = known.of(wanted, waker, move || passing(&expression, &numbers).map(Arc::new));
         match found {
-            None => Filtered::Unknown,
-            Some(Ok(passing)) => Filtered::Some(passing.clone()),
-            Some(Err(error)) => Filtered::Refused(error.clone()),
+            // Nobody knows which pass where finding it out failed.
+            Err(_) => Filtered::Unknown,
+            Ok(Ok(passing)) => Filtered::Some(passing.clone()),
+            Ok(Err(error)) => Filtered::Refused(error.clone()),
         }
     }
 
@@ -130,7 +131,8 @@ impl Context {
         if order.known_groups(width).is_none() {
             let Derived { waker, groups, .. } = &mut self.derived;
             let order = order.clone();
-            groups.of((order.serial, width), waker, move || {
+            // What it is asked for is in the order once it is known.
+            let _ = groups.of((order.serial, width), waker, move || {
                 order.groups(width);
             });
         }
@@ -147,7 +149,8 @@ impl Context {
         let expression = passing.as_ref().and(self.selection.filter.in_force().cloned());
         let wanted = ((order.serial, numbers.width), expression, sorting);
         let Derived { waker, rows, .. } = &mut self.derived;
-        rows.of(wanted, waker, move || Arc::new(Rows::of(&numbers, passing.as_deref(), sorting))).cloned()
+        let make = move || Arc::new(Rows::of(&numbers, passing.as_deref(), sorting));
+        rows.of(wanted, waker, make).ok().cloned()
     }
 
     /// The what-if order of the queue; `None` until it is made.
@@ -167,7 +170,7 @@ impl Context {
             order.place_of_ray();
             Ok(Arc::new(order))
         };
-        what_if.of(wanted, waker, make).cloned().transpose()
+        Absent::awaited(what_if.of(wanted, waker, make))?.cloned().transpose()
     }
 
     /// How coherent the what-if order is; `None` until it is known.
@@ -179,7 +182,7 @@ impl Context {
         let width = self.selection.group_width;
         let Derived { waker, what_if_coherence, .. } = &mut self.derived;
         let wanted = (order.serial, width);
-        Ok(what_if_coherence.of(wanted, waker, move || OrderCoherence::of(&order, width)))
+        Absent::awaited(what_if_coherence.of(wanted, waker, move || OrderCoherence::of(&order, width)))
     }
 
     /// Estimated against traced lengths of the queue; `None` until they are known.
@@ -191,7 +194,7 @@ impl Context {
         let at = self.recording().ok_or("no recording is open")?.opening;
         let Derived { waker, estimates, .. } = &mut self.derived;
         let found = estimates.of((at, queue.id), waker, move || Estimates::of(&queue).map(Arc::new));
-        found.cloned().transpose()
+        Absent::awaited(found)?.cloned().transpose()
     }
 
     /// The rays of the queue whose estimate comes from a cell, ascending; `None` until they are known.
@@ -206,7 +209,7 @@ impl Context {
             let found = rays.filter(|(_, ray)| encoder.encode(ray, 0.0, 0) == u64::from(cell));
             Arc::new(found.map(|(ray, _)| ray as u32).collect::<Vec<u32>>())
         };
-        rays_of_cell.of((at, self.selection.queue, cell), waker, make).cloned()
+        rays_of_cell.of((at, self.selection.queue, cell), waker, make).ok().cloned()
     }
 
     /// The queues of the selected pass in which a path lives, and its ray in each; `None` until they are known.
@@ -224,6 +227,6 @@ impl Context {
             };
             queues.into_iter().filter_map(ray).collect()
         };
-        self.derived.paths.of(wanted, &self.derived.waker, make).cloned()
+        self.derived.paths.of(wanted, &self.derived.waker, make).ok().cloned()
     }
 }

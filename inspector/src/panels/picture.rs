@@ -54,7 +54,7 @@ impl<Key: PartialEq + Clone> Picture<Key> {
     ) -> Shown {
         if self.made.as_ref().is_none_or(|(known, _)| *known != key) {
             let make = move || Arc::new(ColorImage::new(size, pixels()));
-            self.made = self.making.of(key.clone(), waker, make).map(|image| {
+            self.made = self.making.of(key.clone(), waker, make).ok().map(|image| {
                 let options =
                     TextureOptions { minification: egui::TextureFilter::Linear, ..TextureOptions::NEAREST };
                 (key, ui.ctx().load_texture(name, image.clone(), options))

@@ -240,12 +240,13 @@ impl Layers {
         let behind = Behind { passing, values: self.values_of_rays.clone(), dump: recording.dump.clone() };
         let (order, wanted) = (order.clone(), key.clone());
         let making = move || Arc::new(Made::of(&order, &wanted, &behind));
-        if let Some(made) = self.making.of(key.clone(), context.waker(), making) {
-            self.made = Some((key, made.clone()));
-        } else {
-            self.problem = Some(Absent::Awaited);
-            let shows = |known: &Key| (&known.order, known.colour_by) == (&key.order, key.colour_by);
-            self.made.take_if(|(known, _)| !shows(known));
+        match self.making.of(key.clone(), context.waker(), making) {
+            Ok(made) => self.made = Some((key, made.clone())),
+            Err(absent) => {
+                self.problem = Some(absent);
+                let shows = |known: &Key| (&known.order, known.colour_by) == (&key.order, key.colour_by);
+                self.made.take_if(|(known, _)| !shows(known));
+            }
         }
     }
 

@@ -45,11 +45,7 @@ impl Meshes {
         // What was kept is whole whatever happened to the thread that held it.
         let mut meshes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let found = meshes.of((recording.opening, form), waker, move || read(&dump, &unit, form));
-        match found {
-            None => Err(Absent::Awaited),
-            Some(Err(reason)) => Err(reason.into()),
-            Some(Ok(mesh)) => Ok(mesh.clone()),
-        }
+        found?.as_ref().map(Geometry::clone).map_err(Absent::from)
     }
 }
 
