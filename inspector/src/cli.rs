@@ -10,6 +10,7 @@ use formats::ray::Kind;
 
 use crate::analysis::{Depth, GroupWidth, Options};
 use crate::figures::style::Width;
+use crate::output::{print, say, sentence};
 use crate::session::Session;
 use crate::shot_arguments::ShotArguments;
 use crate::{app, export, info, plot, recover, shot, verify};
@@ -77,7 +78,8 @@ Examples:
   inspector report *.raydump sort.json trace.json --out page/";
 
 const SHOT_EXAMPLES: &str = "\
-Draws what the window draws, without a screen; the same command gives the same file.
+Draws what the window draws, without a screen; the same command gives the same file. Where something that the
+view shows was not kept or is damaged, the picture says so and is written, and the exit code is 1.
 
 Examples:
   inspector shot sponza.raydump --view window --out window.png
@@ -310,11 +312,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
     LazyLock::force(&shot::STARTED);
     let command_line = match CommandLine::try_parse_from(arguments) {
         Ok(command_line) => command_line,
-        Err(error) => {
-            // Nothing can be said where even this cannot be printed.
-            let _ = error.print();
-            return if error.use_stderr() { ExitCode::from(USAGE) } else { ExitCode::SUCCESS };
-        }
+        Err(error) => return explain(&error),
     };
     let Some(command) = command_line.command else {
         return window(command_line.dumps, command_line.session.as_deref());
@@ -331,6 +329,16 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
     exit_code(done)
 }
 
+/// Prints what is wrong with a command line, or the help or version that it asks for.
+fn explain(error: &clap::Error) -> ExitCode {
+    if error.use_stderr() {
+        // It quotes what was typed, and a shell types names of files.
+        say(error.render().to_string().trim_end());
+        return ExitCode::from(USAGE);
+    }
+    exit_code(print(&error.render().to_string()))
+}
+
 /// Opens the window on recordings. A word that is neither a file nor looks like one is a mistyped command.
 fn window(dumps: Vec<PathBuf>, session: Option<&Path>) -> ExitCode {
     let is_word =
@@ -344,10 +352,10 @@ fn window(dumps: Vec<PathBuf>, session: Option<&Path>) -> ExitCode {
                 .and_then(|session| app::run(&dumps, session)),
         ),
         Some(word) => {
-            eprintln!(
+            say(&format!(
                 "error: there is no command and no recording '{}'; `inspector --help` lists the commands",
                 word.display()
-            );
+            ));
             ExitCode::from(USAGE)
         }
     }
@@ -357,7 +365,7 @@ fn exit_code(done: anyhow::Result<()>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            say(&format!("error: {}", sentence(&error)));
             ExitCode::from(FAILED)
         }
     }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use formats::manifest::{Header, Source};
 use formats::reader::{Dump, DumpState};
 use formats::summary::{Summary, TimingLine};
 use serde::Serialize;
@@ -10,28 +11,66 @@ use serde::Serialize;
 use crate::analysis::{Analysis, Depth, Options, analyse};
 use crate::method_table;
 use crate::output::{count, counted, print, print_json, size, table, time};
+use crate::shown;
 
-/// What `--json --metrics` prints: the summary's fields, and the analysis in one more.
+/// What `--json` prints: the summary's fields, and more.
 #[derive(Serialize)]
-struct WithMetrics<'a> {
+struct Printed<'a> {
     #[serde(flatten)]
     summary: &'a Summary,
-    metrics: &'a Analysis,
+    /// Of a replay.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    source_is: Option<SourceIs>,
+    /// With `--metrics`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    metrics: Option<&'a Analysis>,
+}
+
+/// What there is in the place where a replay's source should be.
+#[derive(Clone, Copy, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum SourceIs {
+    /// It.
+    Here,
+    /// Another recording, or something else.
+    Changed,
+    /// Nothing.
+    Missing,
+}
+
+impl SourceIs {
+    /// `None` if the recording is no replay.
+    fn of(dump: &Dump) -> Option<Self> {
+        let Source::Replayed { name, .. } = &dump.manifest().header.source else { return None };
+        // As readers find it, without following a link.
+        let is_there = || {
+            let beside = std::path::absolute(dump.root()).ok()?.parent()?.join(name);
+            std::fs::symlink_metadata(beside).ok()
+        };
+        let is_plain = Path::new(name).file_name().is_some_and(|plain| plain == name.as_str());
+        Some(match dump.source() {
+            Some(_) => Self::Here,
+            None if is_plain && is_there().is_some() => Self::Changed,
+            None => Self::Missing,
+        })
+    }
 }
 
 pub(crate) fn run(path: &Path, json: bool, options: &Options) -> anyhow::Result<()> {
     let dump = Dump::open(path)?;
     let summary = Summary::new(path, dump.manifest());
+    let source_is = SourceIs::of(&dump);
     if json && options.depth == Depth::Manifest {
-        return print_json(&summary);
+        return print_json(&Printed { summary: &summary, source_is, metrics: None });
     }
     let is_partial = dump.state() == DumpState::Partial;
-    let mut parts = vec![facts(&summary), queues(&summary), timings(&summary)];
+    let shown = shown::header(&dump.manifest().header);
+    let mut parts = vec![facts(&summary, &shown, source_is), queues(&summary), timings(&summary)];
     // What there is so far of a recording can be looked at, but has no means yet.
     if !is_partial || options.depth == Depth::Arrays {
         let analysis = analyse(std::slice::from_ref(&dump), options)?;
         if json {
-            return print_json(&WithMetrics { summary: &summary, metrics: &analysis });
+            return print_json(&Printed { summary: &summary, source_is, metrics: Some(&analysis) });
         }
         parts.push(method_table::methods(&analysis));
         if options.depth == Depth::Arrays {
@@ -43,8 +82,8 @@ pub(crate) fn run(path: &Path, json: bool, options: &Options) -> anyhow::Result<
 }
 
 /// What was recorded, line by line.
-fn facts(summary: &Summary) -> String {
-    let options = &summary.options;
+fn facts(summary: &Summary, shown: &Header, source_is: Option<SourceIs>) -> String {
+    let options = &shown.options;
     let state = match (summary.complete, summary.recovered) {
         (true, _) => "complete",
         (false, true) => "recovered: the recording was ended early",
@@ -55,11 +94,12 @@ fn facts(summary: &Summary) -> String {
         ("recording", format!("{} ({state})", summary.dump)),
         (
             "recorded",
-            format!("by version {}{took}, format {}", summary.program_version, summary.format_version),
+            format!("by version {}{took}, format {}", shown.program_version, summary.format_version),
         ),
     ];
-    lines.extend(scene_lines(summary));
-    lines.push(("backend", backend_line(summary)));
+    lines.extend(source_line(shown, source_is).map(|line| ("source", line)));
+    lines.extend(scene_lines(summary, shown));
+    lines.push(("backend", backend_line(shown)));
     lines.push((
         "options",
         format!(
@@ -86,13 +126,13 @@ fn facts(summary: &Summary) -> String {
         ),
     ));
     lines.push(("methods", options.methods.join(", ")));
-    lines.push(("features", or_none(&summary.features.used)));
-    lines.push(("skipped", or_none(&summary.features.skipped)));
-    for check in &summary.self_check {
+    lines.push(("features", or_none(&shown.features.used)));
+    lines.push(("skipped", or_none(&shown.features.skipped)));
+    for check in &shown.self_check {
         let detail = if check.detail.is_empty() { String::new() } else { format!(" ({})", check.detail) };
         lines.push(("self-check", format!("{}: {}{detail}", check.name, check.outcome)));
     }
-    lines.extend(summary.notices.iter().map(|notice| ("notice", notice.clone())));
+    lines.extend(shown.notices.iter().map(|notice| ("notice", notice.clone())));
     let mut last = "";
     let aligned = lines.iter().map(|(name, value)| {
         let shown = if *name == last { "" } else { name };
@@ -102,7 +142,34 @@ fn facts(summary: &Summary) -> String {
     aligned.collect::<Vec<_>>().join("\n")
 }
 
-fn scene_lines(summary: &Summary) -> Vec<(&'static str, String)> {
+/// Whose rays they are, if they were not traced for this recording.
+fn source_line(shown: &Header, source_is: Option<SourceIs>) -> Option<String> {
+    let digits =
+        |sha256: &[u8]| -> String { sha256.iter().take(6).map(|byte| format!("{byte:02x}")).collect() };
+    match &shown.source {
+        Source::Traced => None,
+        Source::Imported { name, sha256 } => {
+            Some(format!("an import: its rays are those of {name} (sha256 {}…)", digits(sha256)))
+        }
+        Source::Replayed { name, manifest_sha256 } => {
+            let digits = digits(manifest_sha256);
+            let where_it_is = match source_is {
+                Some(SourceIs::Here) => "which lies beside it, as it was".to_owned(),
+                Some(SourceIs::Changed) => format!(
+                    "but what is called so beside it is another recording by now (expected the one whose \
+                     manifest has sha256 {digits}…), so that its rays are not to be had"
+                ),
+                _ => format!(
+                    "which is not beside it, so that its rays are not to be had: put the recording there \
+                     whose manifest has sha256 {digits}…"
+                ),
+            };
+            Some(format!("a replay: its rays are those of {name}, {where_it_is}"))
+        }
+    }
+}
+
+fn scene_lines(summary: &Summary, shown: &Header) -> Vec<(&'static str, String)> {
     let scene = &summary.scene;
     let corner = |point: [f32; 3]| format!("({}, {}, {})", point[0], point[1], point[2]);
     let image = &summary.image;
@@ -112,7 +179,7 @@ fn scene_lines(summary: &Summary) -> Vec<(&'static str, String)> {
             "scene",
             format!(
                 "{}: {}, {}, {}",
-                scene.name,
+                shown.scene.name,
                 counted(scene.triangles, "triangle", "triangles"),
                 counted(scene.vertices, "vertex", "vertices"),
                 counted(scene.lights as u64, "light", "lights")
@@ -123,21 +190,21 @@ fn scene_lines(summary: &Summary) -> Vec<(&'static str, String)> {
     ]
 }
 
-fn backend_line(summary: &Summary) -> String {
-    let adapter = &summary.adapter;
+fn backend_line(shown: &Header) -> String {
+    let adapter = &shown.adapter;
     let driver = if adapter.driver.is_empty() { String::new() } else { format!(", {}", adapter.driver) };
-    let threads = match summary.options.threads {
+    let threads = match shown.options.threads {
         0 => String::new(),
         threads => format!(", {}", counted(threads.into(), "thread", "threads")),
     };
     format!(
         "{}: {} ({}, {}{driver}{threads}), kernel {}, timed by {}",
-        summary.backend,
+        shown.backend.name(),
         adapter.name,
         adapter.device_type,
         adapter.backend,
-        summary.options.trace_kernel,
-        summary.time_source
+        shown.options.trace_kernel,
+        shown.time_source
     )
 }
 
@@ -190,7 +257,7 @@ fn timings(summary: &Summary) -> String {
         let cells =
             timed.iter().map(|stage| stages.get(stage).map_or(String::new(), |timing| sample(timing)));
         table.add_row(
-            [kind, method.to_owned(), pass.to_string(), bounce.to_string()].into_iter().chain(cells),
+            [kind, shown::name(method), pass.to_string(), bounce.to_string()].into_iter().chain(cells),
         );
     }
     format!("Times: median ± interquartile range\n{table}")

@@ -9,7 +9,9 @@
 //! - [`model`]: what the window shows, without a window; [`render`]: what it draws in space
 //! - [`panels`], [`app`]: the window; `shot`: the same without a screen; [`theme`]: its colours
 //! - [`session`], [`recent`], `shot_command`: what a window shows, to come back to and to repeat
-//! - `output`: tables, sizes and JSON on standard output; `png_file`: pictures
+//! - `shown`: names that files give, fit to be shown; `output`: all that is printed, tables, names and sizes as text; `png_file`: pictures
+
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod analysis;
 pub mod app;
@@ -32,5 +34,6 @@ pub mod session;
 mod shot;
 mod shot_arguments;
 mod shot_command;
+mod shown;
 pub mod theme;
 mod verify;

@@ -1,18 +1,23 @@
-//! Results on standard output: text, tables, JSON.
+//! Results on standard output: text, tables, JSON; errors and progress on standard error. Nothing else
+//! writes to either, and nothing that a file says reaches a terminal but as text.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 use anyhow::Context;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
+use formats::text::printable;
 use serde::Serialize;
+
+use crate::shown;
 
 /// Writes a result to standard output.
 ///
-/// A reader that has seen enough, such as `head`, is no failure.
+/// A reader that has seen enough, such as `head`, is no failure; a full disk is one.
 pub(crate) fn print(text: &str) -> anyhow::Result<()> {
     let mut output = io::stdout().lock();
-    match writeln!(output, "{}", text.trim_end()).and_then(|()| output.flush()) {
+    match writeln!(output, "{}", printable(text.trim_end())).and_then(|()| output.flush()) {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         written => written.context("cannot write to standard output"),
     }
@@ -20,7 +25,41 @@ pub(crate) fn print(text: &str) -> anyhow::Result<()> {
 
 /// Writes a result as one JSON object.
 pub(crate) fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
-    print(&serde_json::to_string_pretty(value).context("the result cannot be written as JSON")?)
+    let json = serde_json::to_string_pretty(value).context("the result cannot be written as JSON")?;
+    print(&in_json(&json))
+}
+
+/// JSON whose texts are printable, in JSON's own way of escaping: as [`printable`] escapes, it is no JSON.
+fn in_json(json: &str) -> Cow<'_, str> {
+    if matches!(printable(json), Cow::Borrowed(_)) {
+        return Cow::Borrowed(json);
+    }
+    let escaped = |character: char| match printable(character.encode_utf8(&mut [0; 4])) {
+        Cow::Borrowed(same) => same.to_owned(),
+        Cow::Owned(_) => format!("\\u{:04x}", u32::from(character)),
+    };
+    Cow::Owned(json.chars().map(escaped).collect())
+}
+
+/// Writes an error, a warning or how far something is to standard error.
+pub(crate) fn say(text: &str) {
+    // Where even this cannot be written, no one reads it.
+    let _ = writeln!(io::stderr().lock(), "{}", printable(text));
+}
+
+/// An error with what led to it, in one sentence that says nothing twice: some errors say what they come
+/// from, and name it as their source too.
+pub(crate) fn sentence(error: &anyhow::Error) -> String {
+    let mut sentence = String::new();
+    for part in error.chain().map(ToString::to_string) {
+        if sentence.is_empty() {
+            sentence = part;
+        } else if !sentence.contains(&part) {
+            sentence.push_str(": ");
+            sentence.push_str(&part);
+        }
+    }
+    shown::sentence(sentence)
 }
 
 /// A table with this header, whose columns from `first_number` on are numbers.
@@ -81,6 +120,25 @@ pub(crate) fn time(nanoseconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn json_stays_json() {
+        for text in ["plain", "\u{9b}2J \u{202e} \\u{9b} \x1b"] {
+            let json = serde_json::to_string(text).unwrap();
+            let shown = in_json(&json).into_owned();
+            assert_eq!(serde_json::from_str::<String>(&shown).unwrap(), text);
+            assert!(matches!(printable(&shown), Cow::Borrowed(_)), "{shown:?}");
+        }
+    }
+
+    #[test]
+    fn an_error_says_everything_once() {
+        let full = || io::Error::other("the disk is full");
+        let twice = anyhow::Error::from(full()).context("cannot write a.png: the disk is full");
+        assert_eq!(sentence(&twice), "cannot write a.png: the disk is full");
+        let once = anyhow::Error::from(full()).context("cannot write a.png");
+        assert_eq!(sentence(&once), "cannot write a.png: the disk is full");
+    }
 
     #[test]
     fn numbers_are_written_for_people() {

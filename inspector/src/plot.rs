@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use formats::key::Termination;
 use formats::key::method::{Method, UNSORTED};
-use formats::manifest::Source;
+use formats::manifest::{Header, Manifest, Options, Source};
 use formats::reader::Dump;
 use serde::Serialize;
 
@@ -12,10 +12,11 @@ use crate::analysis::RecordingAnalysis;
 use crate::analysis::summary::distinct;
 use crate::figures::files;
 use crate::figures::style::Width;
-use crate::inputs::{Inputs, check_names, quoted};
+use crate::inputs::{Inputs, check_names, quoted, quoted_text};
 use crate::method_table;
-use crate::output::{counted, print, print_json};
+use crate::output::{counted, print, print_json, say};
 use crate::report::{self, Report};
+use crate::shown;
 
 /// File name of the page.
 const PAGE_NAME: &str = "report.html";
@@ -49,10 +50,10 @@ pub(crate) fn plot(
     let made = inputs.figures(&inputs.analysis()?, names)?;
     let mut written = Vec::new();
     for figure in &made.figures {
-        eprintln!("{}", figure.name);
+        say(&figure.name);
         written.extend(files::write(figure, width, out)?);
     }
-    say(written, made.skipped, json)
+    print_made(written, made.skipped, json)
 }
 
 /// Writes one page with every figure, the summary and how to repeat it.
@@ -73,7 +74,7 @@ pub(crate) fn report(paths: &[PathBuf], out: &Path, json: bool) -> anyhow::Resul
         commands: commands(&inputs, paths, out),
     })?;
     let path = files::replace(&out.join(PAGE_NAME), page.as_bytes())?;
-    say(vec![path], skipped, json)
+    print_made(vec![path], skipped, json)
 }
 
 /// The folder for what is written.
@@ -81,7 +82,7 @@ fn make_folder(out: &Path) -> anyhow::Result<()> {
     files::make_folder(out).map_err(|error| anyhow::anyhow!("{error}; name another folder with --out"))
 }
 
-fn say(files: Vec<PathBuf>, skipped: Vec<(String, String)>, json: bool) -> anyhow::Result<()> {
+fn print_made(files: Vec<PathBuf>, skipped: Vec<(String, String)>, json: bool) -> anyhow::Result<()> {
     let skipped: Vec<Skipped> =
         skipped.into_iter().map(|(figure, reason)| Skipped { figure, reason }).collect();
     if json {
@@ -104,7 +105,7 @@ fn say(files: Vec<PathBuf>, skipped: Vec<(String, String)>, json: bool) -> anyho
 
 /// What was recorded, where and how: the name of a recording and a line about it.
 fn facts((dump, analysis): (&Dump, &RecordingAnalysis)) -> (String, String) {
-    let header = &dump.manifest().header;
+    let header = shown::header(&dump.manifest().header);
     let options = &header.options;
     let driver = &header.adapter.driver;
     let driver = if driver.is_empty() { String::new() } else { format!(", {driver}") };
@@ -127,9 +128,9 @@ fn facts((dump, analysis): (&Dump, &RecordingAnalysis)) -> (String, String) {
 }
 
 fn title(recordings: &[Dump]) -> String {
-    let mut scenes: Vec<&str> = Vec::new();
+    let mut scenes: Vec<String> = Vec::new();
     for recording in recordings {
-        let name = recording.manifest().header.scene.name.as_str();
+        let name = shown::name(&recording.manifest().header.scene.name);
         if !scenes.contains(&name) {
             scenes.push(name);
         }
@@ -153,7 +154,7 @@ fn commands(inputs: &Inputs, paths: &[PathBuf], out: &Path) -> Vec<String> {
 /// The command that makes a recording again. A recording knows its scene by name and content, not
 /// where its file was.
 fn record_command(recording: &Dump) -> String {
-    let header = &recording.manifest().header;
+    let header = shown::header(&recording.manifest().header);
     let scene = &header.scene;
     let out = quoted(recording.root().file_name().map_or(recording.root(), Path::new));
     let (verb, comment) = match &header.source {
@@ -166,17 +167,16 @@ fn record_command(recording: &Dump) -> String {
                 Source::Imported { name, .. } => {
                     format!("recorder import --scene SCENE --rays {}", quoted(Path::new(name)))
                 }
-                _ => format!("recorder record SCENE {}", path_options(recording)),
+                _ => format!("recorder record SCENE {}", path_options(&header.options)),
             };
             (verb, format!("    # SCENE: {}, content {hash}…", scene.name))
         }
     };
-    format!("{verb} --out {out} {}{comment}", measuring_options(recording))
+    format!("{verb} --out {out} {}{comment}", measuring_options(recording.manifest(), &header))
 }
 
 /// The options that decide which rays there are.
-fn path_options(recording: &Dump) -> String {
-    let options = &recording.manifest().header.options;
+fn path_options(options: &Options) -> String {
     format!(
         "--width {} --height {} --bounces {} --passes {} --seed {} --camera {} --keep {} --keep-passes {}",
         options.width,
@@ -185,23 +185,23 @@ fn path_options(recording: &Dump) -> String {
         options.passes,
         options.seed,
         quoted(Path::new(&options.camera)),
-        options.keep.join(","),
-        options.keep_passes,
+        quoted_text(&options.keep.join(",")),
+        quoted_text(&options.keep_passes),
     )
 }
 
 /// The options that decide what is measured on them. Variants go by the method that they are variants of
 /// and by the values that they were swept over.
-fn measuring_options(recording: &Dump) -> String {
-    let manifest = recording.manifest();
-    let options = &manifest.header.options;
+fn measuring_options(manifest: &Manifest, header: &Header) -> String {
+    let options = &header.options;
     let is_builtin = |name: &str| name == UNSORTED || Method::builtin(name).is_ok();
     let bases = distinct(manifest.methods.iter().map(|method| method.base.as_str()));
     let builtin: Vec<&str> =
         [UNSORTED].into_iter().chain(bases.iter().copied()).filter(|&name| is_builtin(name)).collect();
     let own = bases.iter().filter(|&&name| !is_builtin(name)).filter_map(|name| {
         let method = manifest.methods.iter().find(|method| method.base == *name)?;
-        Some(format!(" --method '{name}={}'", method.text))
+        let own = quoted_text(&shown::sentence(format!("{name}={}", method.text)));
+        Some(format!(" --method {own}"))
     });
     let variants = || manifest.methods.iter().filter(|method| method.base != method.name);
     let mut key_bits: Vec<u32> = variants().map(|method| method.key_bits).collect();
@@ -213,15 +213,15 @@ fn measuring_options(recording: &Dump) -> String {
     format!(
         "--backend {} --trace {}{threads} --repeats {} --methods {}{} --key-bits {} --two-point-length {} \
          --table-bits {} --table-method {}",
-        manifest.header.backend.name(),
-        options.trace_kernel,
+        header.backend.name(),
+        quoted_text(&options.trace_kernel),
         options.repeats,
         builtin.join(","),
         own.collect::<String>(),
         list(key_bits, options.key_bits),
         list(lengths, options.two_point_length),
         options.table_bits,
-        options.table_method,
+        quoted_text(&options.table_method),
     )
 }
 

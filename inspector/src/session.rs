@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use formats::files::{read_plain, replace};
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 use serde::{Deserialize, Serialize};
@@ -14,6 +15,9 @@ use crate::model::{Context, Selection};
 
 /// Version of the files that this program writes and reads.
 const VERSION: u32 = 1;
+
+/// Bytes of the largest file that is read as a session; usual ones have some thousands.
+const LARGEST: u64 = 16 << 20;
 
 /// All that a window shows.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -168,10 +172,9 @@ impl Session {
     /// If there is none in that file, or one of another version.
     pub fn read(path: &Path) -> Result<Self, SessionError> {
         let owned = || path.to_owned();
-        let text =
-            std::fs::read_to_string(path).map_err(|cause| SessionError::Read { path: owned(), cause })?;
+        let bytes = read_plain(path, LARGEST).map_err(|cause| SessionError::Read { path: owned(), cause })?;
         let syntax = |cause| SessionError::Syntax { path: owned(), cause };
-        let value: serde_json::Value = serde_json::from_str(&text).map_err(syntax)?;
+        let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(syntax)?;
         // Another version may differ in anything else, so it is looked at first.
         match value.get("version").and_then(serde_json::Value::as_u64) {
             Some(found) if found != u64::from(VERSION) => {
@@ -179,7 +182,7 @@ impl Session {
             }
             _ => {}
         }
-        let mut session: Self = serde_json::from_str(&text).map_err(syntax)?;
+        let mut session: Self = serde_json::from_slice(&bytes).map_err(syntax)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         for recording in &mut session.recordings {
             *recording = folder.join(&*recording);
@@ -194,7 +197,7 @@ impl Session {
     pub fn write(&self, path: &Path) -> Result<(), SessionError> {
         let text = serde_json::to_string_pretty(self)
             .map_err(|cause| SessionError::Syntax { path: path.to_owned(), cause })?;
-        std::fs::write(path, text + "\n")
+        replace(path, |file| writeln!(file, "{text}"))
             .map_err(|cause| SessionError::Write { path: path.to_owned(), cause })
     }
 

@@ -1,5 +1,6 @@
 //! `inspector shot`: a picture of the window or of one view, without a screen. The same code draws it.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
@@ -21,7 +22,7 @@ use crate::output::{print, print_json};
 use crate::panels::settings::set;
 use crate::panels::space::SpaceView;
 use crate::panels::space::options::{CapsuleChoice, MeshMode, Options, StandPoint};
-use crate::panels::{PANELS, Panel};
+use crate::panels::{Lacking, PANELS, Panel};
 use crate::png_file;
 use crate::render::camera::Camera;
 use crate::render::gpu::errors::Errors;
@@ -135,8 +136,18 @@ struct Memory {
 
 /// Draws a picture into a file.
 pub(crate) fn run(dumps: &[PathBuf], shot: &Shot, out: &Path, json: bool) -> anyhow::Result<()> {
-    let report = draw(dumps, shot, out)?;
-    if json { print_json(&report) } else { print(&out.display().to_string()) }
+    let (report, lacking) = draw(dumps, shot, out)?;
+    if json {
+        print_json(&report)?;
+    } else if out.is_file() {
+        // The picture itself may have gone to standard output.
+        print(&out.display().to_string())?;
+    }
+    if !lacking.is_empty() {
+        let reasons: Vec<String> = lacking.into_iter().collect();
+        bail!("{} says why it does not show all: {}", out.display(), reasons.join("; "));
+    }
+    Ok(())
 }
 
 /// What is drawn: the window, or one of its panels alone.
@@ -191,7 +202,8 @@ impl Drawn {
     }
 }
 
-fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<Report> {
+/// Gives the times, and what the picture lacks: why, in sentences.
+fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<(Report, BTreeSet<String>)> {
     let state = render_state()?;
     let errors = Errors::of(&state.device, &Waker::default());
     let session = shot.session.as_deref().map(Session::read).transpose()?;
@@ -212,7 +224,10 @@ fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<Report> {
         .build_ui_state(show_all_over, drawn);
     let worst_frame_until_ready_ms = settle(&mut harness);
     let ready_ms = milliseconds(*STARTED);
+    // What was said before is of what was still being read.
+    Lacking::take(&harness.ctx);
     let mut times = scrub(&mut harness, shot.frames.max(1));
+    let lacking = Lacking::take(&harness.ctx);
     let start = Instant::now();
     let (size, rgba) = patiently(&mut harness, &state)?;
     let picture_ms = milliseconds(start);
@@ -221,7 +236,7 @@ fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<Report> {
     }
     png_file::write(out, size, &rgba)?;
     times.sort_by(f64::total_cmp);
-    Ok(Report {
+    let report = Report {
         file: out.to_owned(),
         ready_ms,
         worst_frame_until_ready_ms,
@@ -232,7 +247,8 @@ fn draw(dumps: &[PathBuf], shot: &Shot, out: &Path) -> anyhow::Result<Report> {
         rays_shown: harness.state_mut().space().and_then(|space| space.counts()),
         draws: DrawCounts::of(&state.renderer.read().callback_resources),
         memory: memory(),
-    })
+    };
+    Ok((report, lacking))
 }
 
 fn milliseconds(start: Instant) -> f64 {

@@ -6,17 +6,23 @@
 pub mod error;
 pub mod skip;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::files::read_plain;
 use crate::ray::Kind;
+use crate::text::one_line;
 use error::ErrorRows;
 use skip::{SkipRow, StartupRow};
 
 /// Version of this object.
 pub const BENCH_VERSION: u32 = 1;
+
+/// Bytes of the largest file that is read as a result: thousands of times what benchmarks print.
+const BYTES_MAX: u64 = 64 << 20;
+/// Characters of the longest text in a result: a command line.
+const TEXT_MAX: usize = 1000;
 
 /// The result of one benchmark on one machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -119,25 +125,39 @@ pub enum BenchError {
 }
 
 impl BenchResult {
-    /// Reads a file that `recorder bench --json` printed.
+    /// Reads a file that `recorder bench --json` printed. Its texts are made fit to be shown: longer ones than
+    /// a command line are cut, and what a terminal would obey is escaped.
     ///
     /// # Errors
     /// If it cannot be read, is something else, or of another version.
     pub fn read(path: &Path) -> Result<Self, BenchError> {
         let io_error = |cause| BenchError::Io { path: path.to_owned(), cause };
         let json_error = |cause| BenchError::Json { path: path.to_owned(), cause };
-        let text = fs::read_to_string(path).map_err(io_error)?;
-        let value: serde_json::Value = serde_json::from_str(&text).map_err(json_error)?;
+        let bytes = read_plain(path, BYTES_MAX).map_err(io_error)?;
+        let mut value: serde_json::Value = serde_json::from_slice(&bytes).map_err(json_error)?;
         let version = value.get("rayscope_bench").and_then(serde_json::Value::as_u64);
         if let Some(found) = version.filter(|&version| version != u64::from(BENCH_VERSION)) {
             return Err(BenchError::Version { path: path.to_owned(), found: found as u32 });
         }
+        shorten(&mut value);
         serde_json::from_value(value).map_err(json_error)
+    }
+}
+
+/// Makes all texts in a value fit to be shown. The parser bounds how deep it is.
+fn shorten(value: &mut serde_json::Value) {
+    match value {
+        serde_json::Value::String(text) => *text = one_line(text, TEXT_MAX),
+        serde_json::Value::Array(items) => items.iter_mut().for_each(shorten),
+        serde_json::Value::Object(fields) => fields.values_mut().for_each(shorten),
+        _ => {}
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

@@ -6,10 +6,12 @@ use formats::manifest::{Header, Source};
 use formats::reader::Dump;
 use formats::summary::hexadecimal;
 
+use crate::shown;
+
 /// Hexadecimal digits of a scene's hash that tell two scenes of one name apart.
 const HASH_DIGITS: usize = 8;
 
-/// A label for each recording, all different: its scene's name, then as much of what differs among the
+/// A label for each recording, all different, whose names are short enough to be shown: its scene's name, then as much of what differs among the
 /// recordings of that name (content, camera, replay, machine, kernel, threads, size, …) as it takes to tell
 /// them apart; if nothing does, its folder's name, which may stand for the scene's.
 pub fn labels(dumps: &[Dump]) -> Vec<String> {
@@ -18,9 +20,9 @@ pub fn labels(dumps: &[Dump]) -> Vec<String> {
         name.map_or_else(|| dump.root().display().to_string(), |name| name.to_string_lossy().into_owned())
     };
     let facts = |dump: &Dump| {
-        let header = &dump.manifest().header;
-        let folder = folder(dump);
-        Facts { scene: scene_name(header), details: details(header, &folder), folder }
+        let header = shown::header(&dump.manifest().header);
+        let folder = shown::name(&folder(dump));
+        Facts { scene: scene_name(&header), details: details(&header, &folder), folder }
     };
     distinct(&dumps.iter().map(facts).collect::<Vec<_>>())
 }

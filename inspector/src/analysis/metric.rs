@@ -4,6 +4,8 @@ use std::fmt::Display;
 
 use serde::Serialize;
 
+use crate::shown;
+
 /// A number that some recordings cannot give. In JSON: the number, or `{"missing": "why"}`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
@@ -20,7 +22,7 @@ pub enum Metric<T> {
 impl<T> Metric<T> {
     /// No number, for this reason.
     pub fn missing(reason: impl Display) -> Self {
-        Self::Missing { missing: reason.to_string() }
+        Self::Missing { missing: shown::sentence(reason.to_string()) }
     }
 
     /// The number, if there is one.

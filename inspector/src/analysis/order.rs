@@ -13,6 +13,7 @@ use super::coherence::{Coherence, LaneUtilisation, Places, coherence, lanes};
 use super::options::{Depth, Options};
 use super::queue::QueueArrays;
 use super::timing::{Samples, SpeedupLine, StageTime, Time, stages};
+use crate::shown;
 
 /// The numbers of one order of one queue.
 #[derive(Clone, Debug, Serialize)]
@@ -95,8 +96,8 @@ impl<'a> Context<'a> {
         let totals = own.map(StageSamples::totals).unwrap_or_default();
         let places = self.places(method);
         OrderAnalysis {
-            method: method.to_owned(),
-            base: record.map_or(method, |record| &record.base).to_owned(),
+            method: shown::name(method),
+            base: shown::name(record.map_or(method, |record| &record.base)),
             key_bits: record.map(|record| record.key_bits),
             two_point_length: record
                 .filter(|record| record.termination == Termination::Fixed)

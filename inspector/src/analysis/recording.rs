@@ -11,6 +11,7 @@ use super::labels;
 use super::options::Options;
 use super::queue::QueueAnalysis;
 use super::timing::Samples;
+use crate::shown;
 
 /// The numbers of one recording.
 #[derive(Clone, Debug, Serialize)]
@@ -41,19 +42,20 @@ pub struct RecordingAnalysis {
 impl RecordingAnalysis {
     pub(super) fn of(dump: &Dump, label: String, options: &Options) -> Self {
         let manifest = dump.manifest();
-        let header = &manifest.header;
+        let header = shown::header(&manifest.header);
         let samples = Samples::of(manifest);
         let queues = manifest.queues.iter().map(|queue| QueueAnalysis::of(dump, queue, &samples, options));
+        let configuration = labels::configuration(&header);
         Self {
             label,
             root: dump.root().to_owned(),
-            scene: header.scene.name.clone(),
+            scene: header.scene.name,
             content_hash: hexadecimal(&header.scene.content_hash),
             triangles: header.scene.triangles,
-            configuration: labels::configuration(header),
-            adapter: header.adapter.clone(),
-            options: header.options.clone(),
-            time_source: header.time_source.clone(),
+            configuration,
+            adapter: header.adapter,
+            options: header.options,
+            time_source: header.time_source,
             queues: queues.collect(),
         }
     }

@@ -135,7 +135,8 @@ pub fn stages(samples: &StageSamples, traffic: &Traffic, rays: u64) -> Vec<Stage
     let mut of = |stage: Stage| {
         let time = Time::of(samples_of(&mut samples, stage)?, rays)?;
         let bytes_per_ray = traffic.bytes_per_ray(stage);
-        let bytes_per_second = bytes_per_ray.and_then(|bytes| bytes_per_second(bytes * rays, time.median_ns));
+        let bytes_per_second =
+            bytes_per_ray.and_then(|bytes| bytes_per_second(bytes.saturating_mul(rays), time.median_ns));
         Some(StageTime { stage, time, bytes_per_ray, bytes_per_second })
     };
     STAGES.into_iter().filter_map(&mut of).collect()

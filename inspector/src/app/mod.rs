@@ -4,11 +4,12 @@
 //! - `menu`, `keys`, `help`: what is done to the window as a whole
 //! - `welcome`, [`demo`]: before a recording is open
 //! - `ask`, `saving`: files
-//! - `run`: the window on a screen
+//! - `run`: the window on a screen; `kept`: from one to the next
 
 mod ask;
 pub mod demo;
 mod help;
+mod kept;
 mod keys;
 mod layout;
 mod menu;

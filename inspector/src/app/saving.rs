@@ -7,6 +7,7 @@ use egui::ColorImage;
 
 use super::App;
 use super::layout::place;
+use crate::output::sentence;
 use crate::panels::data::Data;
 use crate::png_file;
 
@@ -54,7 +55,7 @@ impl App {
         let written = write(&image, rect, ui.ctx().pixels_per_point(), &picture.path);
         self.picture = None;
         if let Err(error) = written {
-            self.problem("the picture cannot be saved", format!("{error:#}"));
+            self.problem("the picture cannot be saved", sentence(&error));
         }
     }
 

@@ -1,6 +1,6 @@
 //! Rays with their ends as CSV, one row each, in their order.
 
-use std::io::Write;
+use std::io::{self, Write};
 
 use formats::ray::Kind;
 
@@ -21,7 +21,7 @@ const RAY_COLUMNS: [&str; 11] = [
 ];
 
 /// Writes the rows with their header. Lengths are world units; `ray` is the canonical index.
-pub(crate) fn write(rays: &Rays, output: impl Write) -> anyhow::Result<()> {
+pub(crate) fn write(rays: &Rays, output: impl Write) -> io::Result<()> {
     let mut writer = csv::Writer::from_writer(output);
     let end_columns: &[&str] = match rays.id.kind {
         Kind::Closest => &["t", "triangle", "u", "v"],
@@ -31,8 +31,7 @@ pub(crate) fn write(rays: &Rays, output: impl Write) -> anyhow::Result<()> {
     for ray in rays.iter() {
         writer.write_record(row(&ray))?;
     }
-    writer.flush()?;
-    Ok(())
+    writer.flush()
 }
 
 fn row(at: &RayAtPlace) -> Vec<String> {

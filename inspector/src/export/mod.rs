@@ -8,12 +8,12 @@ mod csv;
 mod ply;
 mod rays;
 
-use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::io::{self, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use formats::files::replace;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 use formats::reader::Dump;
@@ -106,14 +106,14 @@ pub(crate) fn run(
         Format::Csv => vec![write(out, &format!("{stem}.csv"), |output| csv::write(&rays, output))?],
         Format::Ply => {
             let mut files = vec![
-                write(out, &format!("{stem}-rays.ply"), |output| Ok(ply::rays(&rays, output)?))?,
-                write(out, &format!("{stem}-hits.ply"), |output| Ok(ply::hits(&rays, output)?))?,
-                write(out, &format!("{stem}-curve.ply"), |output| Ok(ply::curve(&rays, output)?))?,
+                write(out, &format!("{stem}-rays.ply"), |output| ply::rays(&rays, output))?,
+                write(out, &format!("{stem}-hits.ply"), |output| ply::hits(&rays, output))?,
+                write(out, &format!("{stem}-curve.ply"), |output| ply::curve(&rays, output))?,
             ];
             // Rays that pass a filter are no groups.
             if selection.filter.is_none() {
                 let width = selection.group_width.rays();
-                let capsules = |output: &mut BufWriter<File>| Ok(ply::capsules(&rays, width, output)?);
+                let capsules = |output: &mut dyn Write| ply::capsules(&rays, width, output);
                 files.push(write(out, &format!("{stem}-capsules.ply"), capsules)?);
             }
             files
@@ -137,23 +137,9 @@ fn stem(rays: &Rays, selection: &Selection) -> String {
 fn write(
     folder: &Path,
     name: &str,
-    fill: impl FnOnce(&mut BufWriter<File>) -> anyhow::Result<()>,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> anyhow::Result<PathBuf> {
     let path = folder.join(name);
-    let beside = folder.join(format!("{name}.partial"));
-    let written = File::create(&beside)
-        .map_err(anyhow::Error::from)
-        .and_then(|file| {
-            let mut output = BufWriter::new(file);
-            fill(&mut output)?;
-            output.flush()?;
-            Ok(())
-        })
-        .and_then(|()| Ok(fs::rename(&beside, &path)?));
-    if written.is_err() {
-        // What was half written is of no use; that it cannot be removed is not the error to report.
-        let _ = fs::remove_file(&beside);
-    }
-    written.with_context(|| format!("cannot write {}", path.display()))?;
+    replace(&path, fill).with_context(|| format!("cannot write {}", path.display()))?;
     Ok(path)
 }

@@ -8,7 +8,7 @@ use super::capsule::{self, Point};
 use super::rays::Rays;
 
 /// Each ray as an edge from its origin to where it stops, coloured by its place in the order.
-pub(crate) fn rays(rays: &Rays, output: &mut impl Write) -> io::Result<()> {
+pub(crate) fn rays(rays: &Rays, output: &mut dyn Write) -> io::Result<()> {
     let count = rays.len();
     header(output, 2 * count, &[("edge", count, EDGE)])?;
     for ray in rays.iter() {
@@ -20,14 +20,14 @@ pub(crate) fn rays(rays: &Rays, output: &mut impl Write) -> io::Result<()> {
 }
 
 /// Where rays end at surfaces, coloured by place in the order.
-pub(crate) fn hits(rays: &Rays, output: &mut impl Write) -> io::Result<()> {
+pub(crate) fn hits(rays: &Rays, output: &mut dyn Write) -> io::Result<()> {
     let hits = || rays.iter().filter(|ray| ray.end.is_at_surface());
     header(output, hits().count(), &[])?;
     hits().try_for_each(|ray| vertex(output, ray.termination, colour(ray.place, rays)))
 }
 
 /// The way through the origins that an order takes.
-pub(crate) fn curve(rays: &Rays, output: &mut impl Write) -> io::Result<()> {
+pub(crate) fn curve(rays: &Rays, output: &mut dyn Write) -> io::Result<()> {
     let count = rays.len();
     header(output, count, &[("edge", count.saturating_sub(1), EDGE)])?;
     for ray in rays.iter() {
@@ -37,7 +37,7 @@ pub(crate) fn curve(rays: &Rays, output: &mut impl Write) -> io::Result<()> {
 }
 
 /// The capsule of each group of an order.
-pub(crate) fn capsules(rays: &Rays, group_width: usize, output: &mut impl Write) -> io::Result<()> {
+pub(crate) fn capsules(rays: &Rays, group_width: usize, output: &mut dyn Write) -> io::Result<()> {
     let groups = rays.len().div_ceil(group_width);
     header(output, groups * capsule::VERTICES, &[("face", groups * capsule::TRIANGLES, FACE)])?;
     let mut group: Vec<Segment> = Vec::with_capacity(group_width);
@@ -64,7 +64,7 @@ pub(crate) fn capsules(rays: &Rays, group_width: usize, output: &mut impl Write)
 const EDGE: &str = "property int vertex1\nproperty int vertex2\n";
 const FACE: &str = "property list uchar int vertex_indices\n";
 
-fn header(output: &mut impl Write, vertices: usize, elements: &[(&str, usize, &str)]) -> io::Result<()> {
+fn header(output: &mut dyn Write, vertices: usize, elements: &[(&str, usize, &str)]) -> io::Result<()> {
     // The format counts corners in signed 32-bit numbers.
     if vertices > i32::MAX as usize {
         return Err(io::Error::other(format!(
@@ -82,12 +82,12 @@ fn header(output: &mut impl Write, vertices: usize, elements: &[(&str, usize, &s
     output.write_all(b"end_header\n")
 }
 
-fn vertex(output: &mut impl Write, point: Point, colour: [u8; 3]) -> io::Result<()> {
+fn vertex(output: &mut dyn Write, point: Point, colour: [u8; 3]) -> io::Result<()> {
     point.iter().try_for_each(|part| output.write_all(&(*part as f32).to_le_bytes()))?;
     output.write_all(&colour)
 }
 
-fn edge(output: &mut impl Write, from: u32, to: u32) -> io::Result<()> {
+fn edge(output: &mut dyn Write, from: u32, to: u32) -> io::Result<()> {
     output.write_all(&from.to_le_bytes())?;
     output.write_all(&to.to_le_bytes())
 }

@@ -39,20 +39,12 @@ pub fn write(figure: &Figure, width: Width, folder: &Path) -> Result<Vec<PathBuf
     files.into_iter().map(|(name, bytes)| replace(&folder.join(name), &bytes)).collect()
 }
 
-/// Writes a file whole or not at all: beside it first, then by its name.
+/// Writes a file whole or not at all; gives its path.
 ///
 /// # Errors
 /// If it cannot be written.
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<PathBuf, FigureError> {
-    let failed = |cause| FigureError::Io { path: path.to_owned(), cause };
-    let mut beside = path.as_os_str().to_owned();
-    beside.push(".partial");
-    let beside = PathBuf::from(beside);
-    let written = fs::write(&beside, bytes).and_then(|()| fs::rename(&beside, path));
-    if written.is_err() {
-        // What was half written is of no use; that it cannot be removed is not the error to report.
-        let _ = fs::remove_file(&beside);
-    }
-    written.map_err(failed)?;
+    let written = formats::files::replace(path, |file| file.write_all(bytes));
+    written.map_err(|cause| FigureError::Io { path: path.to_owned(), cause })?;
     Ok(path.to_owned())
 }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::shown;
+
 /// Why something is not shown.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Absent {
@@ -42,19 +44,19 @@ impl From<Absent> for String {
 
 impl From<&str> for Absent {
     fn from(reason: &str) -> Self {
-        Self::Impossible(reason.to_owned())
+        Self::from(reason.to_owned())
     }
 }
 
 impl From<String> for Absent {
     fn from(reason: String) -> Self {
-        Self::Impossible(reason)
+        Self::Impossible(shown::sentence(reason))
     }
 }
 
 impl From<&String> for Absent {
     fn from(reason: &String) -> Self {
-        Self::Impossible(reason.clone())
+        Self::from(reason.clone())
     }
 }
 

@@ -81,7 +81,7 @@ fn yes_or_no(is_so: bool) -> String {
 
 /// The settings of two recordings.
 pub fn settings(left: &Recording, right: &Recording) -> Vec<Row> {
-    let headers = [left, right].map(|recording| &recording.dump.manifest().header);
+    let headers = [left, right].map(|recording| &recording.shown);
     let row = |(what, about, text): Setting| Row::of(what, about, headers.map(text));
     SETTINGS.into_iter().map(row).collect()
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use formats::key::method::UNSORTED;
-use formats::key::{Coordinate, Layout};
+use formats::key::{Coordinate, KEY_BITS_MIN, LAYOUT_BITS, Layout};
 use formats::manifest::{MethodArray, MethodRecord, Place};
 use formats::reader::{Dump, Mapped};
 use rayon::prelude::*;
@@ -61,6 +61,12 @@ pub struct KeyLayout {
 
 impl KeyLayout {
     fn of(record: &MethodRecord) -> Option<Self> {
+        // A key may have more bits than its layout: the rest is 0.
+        if !(KEY_BITS_MIN..=LAYOUT_BITS).contains(&record.key_bits)
+            || record.layout.len() > LAYOUT_BITS as usize
+        {
+            return None;
+        }
         let coordinate =
             |name: &String| Coordinate::ALL.iter().copied().find(|coordinate| coordinate.name() == name);
         let bits = record.layout.iter().map(coordinate).collect::<Option<Vec<_>>>()?;
@@ -182,7 +188,7 @@ fn keys(dump: &Dump, queue: &Queue, method: &str, place: &Place) -> Result<(Keys
     let record = dump.manifest().methods.iter().find(|record| record.name == method);
     let record = record.ok_or_else(|| format!("the manifest says nothing of {method}"))?;
     let layout =
-        KeyLayout::of(record).ok_or_else(|| format!("the layout of {method} is none: {}", record.text))?;
+        KeyLayout::of(record).ok_or_else(|| format!("{method} has no layout of at most {LAYOUT_BITS} bits and keys of {KEY_BITS_MIN} to {LAYOUT_BITS}: {}", record.text))?;
     let keys = if layout.key_bits > 32 {
         dump.array(place).map(Keys::Wide)
     } else {

@@ -5,12 +5,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use formats::folder::dump_of_partial;
-use formats::manifest::{MethodRecord, QueueId, QueueRecord, Source};
+use formats::manifest::place::is_method_name;
+use formats::manifest::{Header, MethodRecord, QueueId, QueueRecord, Source};
 use formats::reader::{Dump, ReadError};
 use formats::unit_space::UnitSpace;
 
 use super::image_plane::ImagePlane;
 use crate::analysis::{self, Depth, RecordingAnalysis};
+use crate::shown;
 
 /// An open recording with its times.
 #[derive(Debug)]
@@ -21,6 +23,9 @@ pub struct Recording {
     pub times: Option<RecordingAnalysis>,
     /// What it is called.
     pub label: String,
+    /// What its header says, with names that can be shown.
+    pub shown: Header,
+    queues: Vec<QueueRecord>,
     /// A number of its own, another one each time that it is read again.
     pub opening: u64,
 }
@@ -36,10 +41,12 @@ impl Recording {
         let analysis = analysis::analyse(std::slice::from_ref(&dump), &options).ok();
         let times = analysis.and_then(|analysis| analysis.recordings.into_iter().next());
         let name = dump.root().file_stem();
-        let label = name.map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let label = name.map_or_else(String::new, |name| shown::name(&name.to_string_lossy()));
+        let shown = shown::header(&dump.manifest().header);
+        let queues = queues(&dump);
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let opening = NEXT.fetch_add(1, Ordering::Relaxed);
-        Ok(Self { dump: Arc::new(dump), times, label, opening })
+        Ok(Self { dump: Arc::new(dump), times, label, shown, queues, opening })
     }
 
     /// Reads it again, by its final name if its recorder has ended since.
@@ -54,13 +61,10 @@ impl Recording {
         }
     }
 
-    /// Its queues; those of its source if it is a replay without its own.
+    /// Its queues; those of its source if it is a replay without its own. Methods that cannot have an array
+    /// by their name are left out.
     pub fn queues(&self) -> &[QueueRecord] {
-        let own = &self.dump.manifest().queues;
-        match self.dump.source() {
-            Some(source) if own.is_empty() => &source.manifest().queues,
-            _ => own,
-        }
+        &self.queues
     }
 
     /// The methods of a queue.
@@ -102,4 +106,15 @@ impl Recording {
         let of_pass = || queues().filter(move |queue| queue.pass == pass);
         of_pass().find(|queue| queue.bounce == 1).or_else(|| of_pass().next())
     }
+}
+
+fn queues(dump: &Dump) -> Vec<QueueRecord> {
+    let own = &dump.manifest().queues;
+    let queues = match dump.source() {
+        Some(source) if own.is_empty() => &source.manifest().queues,
+        _ => own,
+    };
+    let mut queues = queues.clone();
+    queues.iter_mut().for_each(|queue| queue.methods.retain(|method| is_method_name(method)));
+    queues
 }

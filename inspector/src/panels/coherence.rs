@@ -4,7 +4,7 @@ use egui_plot::{Line, Plot, PlotPoints};
 use serde::{Deserialize, Serialize};
 
 use super::worst::WorstGroups;
-use super::{legend, missing, power_of_ten};
+use super::{hint, legend, missing, power_of_ten};
 use crate::analysis::Metric;
 use crate::analysis::coherence::Coherence;
 use crate::model::Context;
@@ -48,7 +48,7 @@ impl Panel for CoherencePanel {
         let Some(recording) = context.recordings.get(at) else { return };
         let methods = recording.methods(queue.id);
         if methods.is_empty() {
-            return missing(ui, "no method was measured on these rays; the last pass is the measured one");
+            return hint(ui, "no method was measured on these rays; the last pass is the measured one");
         }
         let (total, waker) = (methods.len(), context.waker().clone());
         let frame = ui.ctx().cumulative_frame_nr();

@@ -6,7 +6,7 @@ use egui::{ComboBox, ScrollArea, Ui};
 use formats::key::method::UNSORTED;
 use serde::{Deserialize, Serialize};
 
-use super::missing;
+use super::hint;
 use super::space::layers::RayValues;
 use super::space::{Canvas, SpaceState, SpaceView};
 use crate::model::comparison::{Difference, LOWEST_DISTANCE};
@@ -78,7 +78,7 @@ impl Panel for Compare {
 
     fn show(&mut self, ui: &mut Ui, context: &mut Context) {
         if context.recording().is_none() {
-            return missing(ui, "no recording is open");
+            return hint(ui, "no recording is open");
         }
         self.keep_choice(context);
         self.compare(context);

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use formats::files::replace;
+
 /// The most rows that are copied as text: more than anyone pastes.
 const COPIED_ROWS: usize = 100_000;
 
@@ -23,13 +25,15 @@ impl Data {
     /// # Errors
     /// If the file cannot be written.
     pub fn write_csv(self, path: &Path) -> Result<(), String> {
-        let text = |error: csv::Error| format!("{}: {error}", path.display());
-        let mut writer = csv::Writer::from_path(path).map_err(text)?;
-        writer.write_record(&self.header).map_err(text)?;
-        for row in self.rows {
-            writer.write_record(&row).map_err(text)?;
-        }
-        writer.flush().map_err(|error| format!("{}: {error}", path.display()))
+        let written = replace(path, |file| {
+            let mut writer = csv::Writer::from_writer(file);
+            writer.write_record(&self.header)?;
+            for row in self.rows {
+                writer.write_record(&row)?;
+            }
+            writer.flush()
+        });
+        written.map_err(|error| format!("{}: {error}", path.display()))
     }
 
     /// As text with tabs, which spreadsheets and tables take; of long tables the first rows.
@@ -55,5 +59,8 @@ mod tests {
         data().write_csv(&path).unwrap();
         assert_eq!(std::fs::read_to_string(path).unwrap(), "number,name\n0,\"a, 0\"\n1,\"a, 1\"\n");
         assert!(data().write_csv(&folder.path().join("no/a.csv")).unwrap_err().contains("a.csv"));
+        if cfg!(target_os = "linux") {
+            assert!(data().write_csv(Path::new("/dev/full")).is_err(), "what was buffered is written, too");
+        }
     }
 }

@@ -21,6 +21,8 @@ mod timings;
 mod what_if;
 mod worst;
 
+use std::collections::BTreeSet;
+
 use self::data::Data;
 use self::space::{Canvas, SpaceView};
 use crate::model::{Absent, Context};
@@ -150,17 +152,45 @@ fn power_of_ten(exponent: f64) -> String {
     }
 }
 
+/// Why something is not shown of a recording, for whoever draws without a screen.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lacking(BTreeSet<String>);
+
+impl Lacking {
+    /// What was said since it was last asked for.
+    pub(crate) fn take(window: &egui::Context) -> BTreeSet<String> {
+        window.data_mut(|data| data.remove_temp::<Self>(egui::Id::NULL)).unwrap_or_default().0
+    }
+
+    fn note(window: &egui::Context, reason: &str) {
+        window.data_mut(|data| {
+            data.get_temp_mut_or_default::<Self>(egui::Id::NULL).0.insert(reason.to_owned());
+        });
+    }
+}
+
 /// Says why something is not shown, where it would have been.
 fn missing(ui: &mut egui::Ui, absent: impl Into<Absent>) {
-    ui.add_space(8.0);
-    ui.vertical_centered(|ui| match absent.into() {
+    match absent.into() {
         Absent::Awaited => {
-            ui.spinner();
-            ui.label("reading the recording");
+            ui.add_space(8.0);
+            ui.vertical_centered(|ui| {
+                ui.spinner();
+                ui.label("reading the recording");
+            });
         }
         Absent::Impossible(reason) => {
-            ui.label(egui::RichText::new("Nothing to show here").strong());
-            ui.label(reason);
+            Lacking::note(ui.ctx(), &reason);
+            hint(ui, &reason);
         }
+    }
+}
+
+/// Says what to do to have something shown.
+fn hint(ui: &mut egui::Ui, text: &str) {
+    ui.add_space(8.0);
+    ui.vertical_centered(|ui| {
+        ui.label(egui::RichText::new("Nothing to show here").strong());
+        ui.label(text);
     });
 }

@@ -10,6 +10,7 @@ use crate::model::Context;
 use crate::model::what_if::WHAT_IF;
 use crate::output::{count, counted};
 use crate::panels::Panel;
+use crate::shown;
 
 pub(super) struct Navigator;
 
@@ -52,7 +53,7 @@ fn recordings(ui: &mut egui::Ui, context: &mut Context) {
 
 fn facts(ui: &mut egui::Ui, context: &Context) {
     let Some(recording) = context.recording() else { return };
-    let header = &recording.dump.manifest().header;
+    let header = &recording.shown;
     let options = &header.options;
     let size = match recording.is_imported() {
         true => "imported rays".to_owned(),
@@ -114,7 +115,7 @@ fn orders(ui: &mut egui::Ui, context: &mut Context) {
         let layout = context.recording().and_then(|recording| recording.method(method));
         let made =
             context.what_if.as_ref().filter(|_| method == WHAT_IF).map(|settings| settings.text.clone());
-        let about = layout.map(|record| record.text.clone()).or(made);
+        let about = layout.map(|record| shown::name(&record.text)).or(made);
         let about = about.unwrap_or_else(|| "canonical order: by pixel".to_owned());
         let is_now = context.selection.method == *method;
         if ui.selectable_label(is_now, method).on_hover_text(about).clicked() {

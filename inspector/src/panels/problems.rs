@@ -2,6 +2,7 @@
 
 use crate::model::Context;
 use crate::panels::Panel;
+use crate::shown;
 use crate::theme::Theme;
 
 pub(super) struct ProblemsPanel;
@@ -20,7 +21,7 @@ impl Panel for ProblemsPanel {
         egui::ScrollArea::vertical().show(ui, |ui| {
             for problem in &context.problems {
                 ui.label(egui::RichText::new(&problem.what).strong().color(colour));
-                ui.add(egui::Label::new(&problem.why).wrap());
+                ui.add(egui::Label::new(shown::sentence(problem.why.clone())).wrap());
                 ui.add_space(6.0);
             }
             if ui.button("Dismiss").clicked() {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use egui::RichText;
 use formats::traced::Results;
 
-use super::missing;
+use super::{hint, missing};
 use crate::analysis::GroupWidth;
 use crate::model::groups::Groups;
 use crate::model::key::ReadKey;
@@ -37,7 +37,7 @@ impl Panel for RayPanel {
         };
         self.step(ui, context, &order);
         let Some(ray) = context.selection.ray.filter(|&ray| ray < order.len()) else {
-            return missing(ui, "choose a ray: click a pixel, a row, a cell or a line in space");
+            return hint(ui, "choose a ray: click a pixel, a row, a cell or a line in space");
         };
         egui::ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
             geometry(ui, &order, ray);

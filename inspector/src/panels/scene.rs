@@ -1,6 +1,6 @@
 //! The scene with rays, the curve of their order, capsules and table cells.
 
-use super::missing;
+use super::hint;
 use super::space::{Canvas, SpaceView};
 use crate::model::Context;
 use crate::panels::Panel;
@@ -24,7 +24,7 @@ impl Panel for Scene {
 
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         if context.recording().is_none() {
-            return missing(ui, "no recording is open");
+            return hint(ui, "no recording is open");
         }
         self.view.controls(ui, context);
         self.view.picture_and_slider(ui, context);

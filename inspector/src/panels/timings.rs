@@ -4,7 +4,7 @@ use egui_plot::{AxisHints, Bar, BarChart, Plot, VLine};
 use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 
-use super::{legend, missing};
+use super::{hint, legend};
 use crate::analysis::timing::{SpeedupLine, Verdict};
 use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis};
 use crate::model::Context;
@@ -35,7 +35,7 @@ impl Panel for TimingsPanel {
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         let queue = match measured(context) {
             Ok(queue) => queue,
-            Err(reason) => return missing(ui, &reason),
+            Err(reason) => return hint(ui, &reason),
         };
         let rows = queue.orders.len() as f32 + 1.0;
         let plot_height = rows * BAR_ROW + AXIS;

@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::order::{KeyLayout, Order};
 use super::queue::Queue;
+use crate::shown;
 
 /// What the order is called, where orders have the names of methods.
 pub const WHAT_IF: &str = "what-if";
@@ -77,11 +78,11 @@ impl Estimate {
 }
 
 impl Settings {
-    /// Those of a recorded method.
+    /// Those of a recorded method; its bits as far as keys can have them.
     pub fn of(record: &MethodRecord) -> Self {
         Self {
-            text: record.text.clone(),
-            key_bits: record.key_bits,
+            text: shown::sentence(record.text.clone()),
+            key_bits: record.key_bits.clamp(KEY_BITS_MIN, LAYOUT_BITS),
             estimate: Estimate::of(record.termination),
             length: record.two_point_length,
         }

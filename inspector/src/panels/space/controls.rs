@@ -7,6 +7,7 @@ use super::options::{Axis, CapsuleChoice, MeshMode, Navigation, Options, Side, S
 use super::{SpaceView, stand};
 use crate::model::value::ColourBy;
 use crate::model::{Absent, Context};
+use crate::panels::Lacking;
 use crate::render::camera::Camera;
 use crate::render::colour_map::ColourMap;
 use crate::render::geometry::RayEnd;
@@ -184,6 +185,7 @@ pub(super) fn overlay(ui: &Ui, rect: Rect, text: &str, problems: &[&Absent]) {
     });
     let reasons = reasons.collect::<Vec<_>>().join("\n");
     if !reasons.is_empty() {
+        Lacking::note(ui.ctx(), &reasons);
         write(below, &reasons, Theme::of(ui.ctx()).problem());
     } else if !problems.is_empty() {
         write(below, "reading the recording", ui.visuals().weak_text_color());
