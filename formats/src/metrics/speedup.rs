@@ -119,9 +119,12 @@ impl StageSamples {
                 let traced = if through_indices {
                     at(&self.trace_indirect, repeat)
                 } else {
-                    at(&self.gather, repeat) + at(&self.trace, repeat)
+                    at(&self.gather, repeat).saturating_add(at(&self.trace, repeat))
                 };
-                at(&self.key, repeat) + at(&self.sort, repeat) + traced + at(&self.accumulate, repeat)
+                // A file may say that a stage took any time.
+                [&self.key, &self.sort, &self.accumulate]
+                    .iter()
+                    .fold(traced, |total, samples| total.saturating_add(at(samples, repeat)))
             })
             .collect()
     }

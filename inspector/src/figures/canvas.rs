@@ -1,7 +1,10 @@
 //! Writes SVG: strokes, shapes, hatches and text, in points from the upper left corner.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Write;
+
+use formats::text::printable;
 
 use super::style::{Colour, FONT_FAMILY, Hatch, Marker};
 
@@ -265,8 +268,8 @@ fn tooltip_of(text: &str) -> String {
     if text.is_empty() { String::new() } else { format!("<title>{}</title>", escape(text)) }
 }
 
-/// Text as XML and HTML want it, in elements and in quoted attributes. Characters that XML forbids
-/// become spaces.
+/// Text as XML and HTML want it, in elements and in quoted attributes. Characters that XML forbids,
+/// or that turn the direction of the text around them, become spaces.
 pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
@@ -278,7 +281,7 @@ pub(crate) fn escape(text: &str) -> String {
             '\'' => escaped.push_str("&#39;"),
             '\n' | '\t' => escaped.push(character),
             '\u{fffe}' | '\u{ffff}' => escaped.push(' '),
-            control if control.is_control() => escaped.push(' '),
+            other if matches!(printable(other.encode_utf8(&mut [0; 4])), Cow::Owned(_)) => escaped.push(' '),
             other => escaped.push(other),
         }
     }

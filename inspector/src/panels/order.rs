@@ -77,7 +77,7 @@ impl Panel for OrderPanel {
         // The lines under the picture have their place before there is a ray to speak of.
         let lines = 3.0 * ui.text_style_height(&egui::TextStyle::Small) + 8.0;
         let shown = ui
-            .allocate_ui(ui.available_size() - egui::vec2(0.0, lines), |ui| {
+            .allocate_ui((ui.available_size() - egui::vec2(0.0, lines)).max(egui::Vec2::ZERO), |ui| {
                 let (of, colouring) = (order.clone(), self.colouring);
                 let make = move || pixels((&of, &filtered), plane, colouring, theme);
                 self.picture.show(ui, context.waker(), ("order", key), plane.size(), make)

@@ -45,7 +45,7 @@ fn point(recording: &RecordingAnalysis, method: &str, stage: Stage, place: usize
         let Some(order) = order(queue, method) else { continue };
         let Some(found) = order.stages.iter().find(|found| found.stage == stage) else { continue };
         let Some(bytes_per_ray) = found.bytes_per_ray else { continue };
-        bytes += (bytes_per_ray * queue.rays) as f64;
+        bytes += bytes_per_ray as f64 * queue.rays as f64;
         ns += found.time.median_ns;
         n += found.time.samples_ns.len();
         each.extend(found.bytes_per_second.map(|rate| rate / 1e9));

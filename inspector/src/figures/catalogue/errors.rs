@@ -76,7 +76,7 @@ pub fn precision(material: &Material<'_>) -> Result<Figure, Skipped> {
 fn precision_panel(rows: &[&PrecisionRow], title: &str) -> Panel {
     let series = |(style, row): (usize, &&PrecisionRow)| {
         let errors = &row.errors;
-        let wrong = errors.missed + errors.false_hits + errors.wrong_triangles;
+        let wrong = errors.missed.saturating_add(errors.false_hits).saturating_add(errors.wrong_triangles);
         let rate = |ns: f64| row.rays_timed as f64 / ns.max(f64::MIN_POSITIVE) * 1e3;
         let label = format!("{}, {}, {} boxes", row.kernel, row.triangle_test, row.box_test);
         let quartiles = quantile(&row.samples_ns, 0.75).zip(quantile(&row.samples_ns, 0.25));
