@@ -11,19 +11,18 @@ use scenes::bvh::Bvh;
 
 use super::kernels::Kernels;
 use super::run::ItemRange;
-use super::scene::SceneArrays;
+use super::shading::Shading;
 use super::table::GpuTable;
-use super::{DeviceArray, Gpu, Kernel, Readback, StageRun};
+use super::{DeviceArray, Gpu, GpuError, Kernel, Readback, StageRun};
 use crate::backend::{Backend, Queue, Setup, Shaded, Sink, Timed, UploadedRays};
-use crate::stages::compact::gpu::Scan;
-use crate::stages::shared::{GenerateParams, ShadeParams, Span};
+use crate::stages::shared::{GenerateParams, Span};
 use crate::stages::sort::gpu::{SortKeys, Sorter};
 use crate::stages::trace::TraceKernel;
 use crate::stages::trace::gpu::{Order, Tracer};
 use crate::stages::{generate, key, shade};
 
 /// Threads of a workgroup, in every kernel here.
-const WORKGROUP: u32 = 64;
+pub(super) const WORKGROUP: u32 = 64;
 /// Rays that are read back at once where halves have to be joined.
 const JOIN_RAYS: usize = 1 << 18;
 
@@ -34,8 +33,7 @@ pub struct GpuBackend {
     kernels: Kernels,
     tracer: Tracer,
     sorter: Sorter,
-    scan: Scan,
-    scene: SceneArrays,
+    shading: Shading,
     light_sites: DeviceArray<crate::stages::shared::LightSiteData>,
     film: DeviceArray<[f32; 4]>,
     tables: [GpuTable; 2],
@@ -45,8 +43,6 @@ pub struct GpuBackend {
 
 /// Arrays for one ray per pixel that every queue uses anew.
 struct Scratch {
-    candidates: [Candidates; 2],
-    places: DeviceArray<u32>,
     keys_low: DeviceArray<u32>,
     keys_high: Option<DeviceArray<u32>>,
     gathered_origins: DeviceArray<[f32; 4]>,
@@ -56,23 +52,15 @@ struct Scratch {
     counter: DeviceArray<u32>,
 }
 
-/// What shading writes at the place of each path: shadow rays, next rays.
-struct Candidates {
-    origins: DeviceArray<[f32; 4]>,
-    directions: DeviceArray<[f32; 4]>,
-    states: DeviceArray<[u32; 4]>,
-    flags: DeviceArray<u32>,
-}
-
 /// A queue on the GPU.
 pub struct GpuRays {
     kind: Kind,
-    bounce: u32,
-    count: usize,
+    pub(super) bounce: u32,
+    pub(super) count: usize,
     pub(crate) origins: DeviceArray<[f32; 4]>,
     pub(crate) directions: DeviceArray<[f32; 4]>,
-    path_ids: DeviceArray<u32>,
-    states: DeviceArray<[u32; 4]>,
+    pub(super) path_ids: DeviceArray<u32>,
+    pub(super) states: DeviceArray<[u32; 4]>,
 }
 
 /// Results in canonical order.
@@ -114,24 +102,27 @@ impl Queue for GpuRays {
     }
 }
 
+impl GpuRays {
+    /// Room for a queue.
+    pub(super) fn new(gpu: &Gpu, kind: Kind, bounce: u32, count: usize) -> Result<Self, GpuError> {
+        Ok(Self {
+            kind,
+            bounce,
+            count,
+            origins: gpu.array("queue::origins", count)?,
+            directions: gpu.array("queue::directions", count)?,
+            path_ids: gpu.array("queue::path_ids", count)?,
+            states: gpu.array("queue::states", count)?,
+        })
+    }
+}
+
 impl GpuHits {
-    fn array(&self) -> wgpu::BindingResource<'_> {
+    pub(super) fn array(&self) -> wgpu::BindingResource<'_> {
         match self {
             Self::Closest(array) => array.binding(),
             Self::Shadow(array) => array.binding(),
         }
-    }
-}
-
-impl Candidates {
-    fn new(gpu: &Gpu, queue: &str, pixels: usize) -> Result<Self> {
-        let label = |array: &str| format!("shade::{queue}_{array}");
-        Ok(Self {
-            origins: gpu.array(&label("origins"), pixels)?,
-            directions: gpu.array(&label("directions"), pixels)?,
-            states: gpu.array(&label("states"), pixels)?,
-            flags: gpu.array(&label("flags"), pixels)?,
-        })
     }
 }
 
@@ -140,8 +131,6 @@ impl Scratch {
         let pixels = setup.width as usize * setup.height as usize;
         let wide = setup.methods.iter().any(|method| method.key_bits > 32);
         Ok(Self {
-            candidates: [Candidates::new(gpu, "shadow", pixels)?, Candidates::new(gpu, "next", pixels)?],
-            places: gpu.array("compact::places", pixels)?,
             keys_low: gpu.array("key::low", pixels)?,
             keys_high: wide.then(|| gpu.array("key::high", pixels)).transpose()?,
             gathered_origins: gpu.array("gather::origins", pixels)?,
@@ -170,10 +159,9 @@ impl GpuBackend {
         let tables = [GpuTable::new(&gpu, setup.table_bits)?, GpuTable::new(&gpu, setup.table_bits)?];
         Ok(Self {
             kernels: Kernels::new(&gpu, &setup)?,
-            scene: SceneArrays::new(&gpu, &setup.tables, &setup.features)?,
+            shading: Shading::new(&gpu, &setup)?,
             tracer: Tracer::new(&gpu, scene, bvh, kernel, &setup.features)?.with_precision(setup.precision),
             sorter: Sorter::new(&gpu)?,
-            scan: Scan::new(&gpu)?,
             light_sites: gpu.array_of("key::light_sites", &sites)?,
             film: gpu.array("film", pixels)?,
             scratch: Scratch::new(&gpu, &setup)?,
@@ -193,12 +181,7 @@ impl GpuBackend {
     ) -> Result<()> {
         let group = kernel.bind(&self.gpu, 0, resources)?;
         let total = count as u32;
-        run.dispatch_chunks(kernel, &[&group], ItemRange::new(total, WORKGROUP), |chunk| Span {
-            first: chunk.first,
-            count: chunk.count,
-            total,
-            unused: 0,
-        });
+        run.dispatch_chunks(kernel, &group, ItemRange::new(total, WORKGROUP), |chunk| Span::of(chunk, total));
         Ok(())
     }
 
@@ -214,48 +197,12 @@ impl GpuBackend {
         Ok(run.finish()?.elapsed_ns)
     }
 
-    fn compact(
-        &self,
-        candidates: &Candidates,
-        path_ids: &DeviceArray<u32>,
-        count: usize,
-        kind: Kind,
-        bounce: u32,
-    ) -> Result<(GpuRays, u64)> {
-        let scanned = self.scan.run(&self.gpu, &candidates.flags, &self.scratch.places, count)?;
-        let live = scanned.total as usize;
-        let rays = GpuRays {
-            kind,
-            bounce,
-            count: live,
-            origins: self.gpu.array("queue::origins", live)?,
-            directions: self.gpu.array("queue::directions", live)?,
-            path_ids: self.gpu.array("queue::path_ids", live)?,
-            states: self.gpu.array("queue::states", live)?,
-        };
-        let resources = [
-            candidates.flags.binding(),
-            self.scratch.places.binding(),
-            candidates.origins.binding(),
-            candidates.directions.binding(),
-            candidates.states.binding(),
-            path_ids.binding(),
-            rays.origins.binding(),
-            rays.directions.binding(),
-            rays.states.binding(),
-            rays.path_ids.binding(),
-        ];
-        let elapsed_ns = self.run_spans(&self.kernels.compact, &resources, count)?;
-        Ok((rays, scanned.elapsed_ns + elapsed_ns))
-    }
-
     fn add_lengths(&self, rays: &GpuRays, hits: &GpuHits, table: &GpuTable) -> Result<u64> {
         let resources = [
             rays.origins.binding(),
             rays.directions.binding(),
             hits.array(),
-            table.sums_low.binding(),
-            table.sums_high.binding(),
+            table.sums.binding(),
             table.counts.binding(),
         ];
         self.run_spans(&self.kernels.accumulate[rays.kind as usize], &resources, rays.count)
@@ -327,15 +274,7 @@ impl Backend for GpuBackend {
     fn generate(&mut self, pass: u32) -> Result<Timed<GpuRays>> {
         let params = generate::params(&self.setup, pass);
         let count = params.count as usize;
-        let rays = GpuRays {
-            kind: Kind::Closest,
-            bounce: 0,
-            count,
-            origins: self.gpu.array("queue::origins", count)?,
-            directions: self.gpu.array("queue::directions", count)?,
-            path_ids: self.gpu.array("queue::path_ids", count)?,
-            states: self.gpu.array("queue::states", count)?,
-        };
+        let rays = GpuRays::new(&self.gpu, Kind::Closest, 0, count)?;
         let kernel = &self.kernels.generate;
         let resources = [
             rays.origins.binding(),
@@ -345,7 +284,7 @@ impl Backend for GpuBackend {
         ];
         let group = kernel.bind(&self.gpu, 0, &resources)?;
         let mut run = self.gpu.stage(kernel.label());
-        run.dispatch_chunks(kernel, &[&group], ItemRange::new(params.count, WORKGROUP), |chunk| {
+        run.dispatch_chunks(kernel, &group, ItemRange::new(params.count, WORKGROUP), |chunk| {
             GenerateParams { first: chunk.first, count: chunk.count, ..params }
         });
         let elapsed_ns = run.finish()?.elapsed_ns;
@@ -376,45 +315,7 @@ impl Backend for GpuBackend {
 
     fn shade(&mut self, pass: u32, rays: &GpuRays, hits: &GpuHits) -> Result<Timed<Shaded<GpuRays>>> {
         let params = shade::params(&self.setup, pass, rays.bounce);
-        let scene = &self.scene;
-        let mut resources =
-            vec![rays.directions.binding(), rays.path_ids.binding(), rays.states.binding(), hits.array()];
-        resources.extend([
-            scene.triangles.binding(),
-            scene.positions.binding(),
-            scene.materials.binding(),
-            scene.emitters.binding(),
-        ]);
-        resources.extend(scene.normals.iter().map(DeviceArray::binding));
-        if let Some(textures) = &scene.textures {
-            resources.extend([
-                textures.uvs.binding(),
-                textures.textures.binding(),
-                textures.texels.binding(),
-            ]);
-        }
-        resources.push(self.film.binding());
-        for candidates in &self.scratch.candidates {
-            resources.extend([
-                candidates.origins.binding(),
-                candidates.directions.binding(),
-                candidates.states.binding(),
-                candidates.flags.binding(),
-            ]);
-        }
-        let kernel = &self.kernels.shade;
-        let group = kernel.bind(&self.gpu, 0, &resources)?;
-        let mut run = self.gpu.stage(kernel.label());
-        run.dispatch_chunks(kernel, &[&group], ItemRange::new(rays.count as u32, WORKGROUP), |chunk| {
-            ShadeParams { first: chunk.first, count: chunk.count, ..params }
-        });
-        let shade_ns = run.finish()?.elapsed_ns;
-        let [shadow, next] = &self.scratch.candidates;
-        let (shadow, shadow_ns) =
-            self.compact(shadow, &rays.path_ids, rays.count, Kind::Shadow, rays.bounce)?;
-        let (next, next_ns) =
-            self.compact(next, &rays.path_ids, rays.count, Kind::Closest, rays.bounce + 1)?;
-        Ok(Timed { value: Shaded { next, shadow }, elapsed_ns: shade_ns + shadow_ns + next_ns })
+        self.shading.run(&self.gpu, &self.kernels, params, (rays, hits), &self.film)
     }
 
     fn add_light(&mut self, rays: &GpuRays, hits: &GpuHits) -> Result<()> {
@@ -432,7 +333,7 @@ impl Backend for GpuBackend {
         let mut resources = vec![rays.origins.binding(), rays.directions.binding()];
         if inputs.table {
             let table = &self.tables[rays.kind as usize];
-            resources.extend([table.sums_low.binding(), table.sums_high.binding(), table.counts.binding()]);
+            resources.extend([table.sums.binding(), table.counts.binding()]);
         }
         if inputs.results {
             resources.push(hits.array());

@@ -6,7 +6,7 @@ use std::thread::ThreadId;
 
 use serde::Serialize;
 
-use super::GpuError;
+use super::{GpuError, limits};
 
 /// Which adapter to open.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -138,7 +138,7 @@ struct Faults {
 }
 
 impl Gpu {
-    /// Opens an adapter with all of its own limits, and the features that the stages use.
+    /// Opens an adapter with all of its own limits but one, [`limits::STORAGE_BUFFERS`], and the features that the stages use.
     ///
     /// # Errors
     /// When there is no such adapter, or it cannot be opened.
@@ -175,7 +175,9 @@ impl Gpu {
         }
         let optional = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::SUBGROUP;
         let features = wgpu::Features::IMMEDIATES | extra | (adapter.features() & optional);
-        let limits = adapter.limits();
+        let mut limits = adapter.limits();
+        limits::check(&description, &limits)?;
+        limits.max_storage_buffers_per_shader_stage = limits::STORAGE_BUFFERS;
         let experimental = if extra.contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY) {
             // SAFETY: ray query is used by our own kernels alone, which keep to its call order.
             unsafe { wgpu::ExperimentalFeatures::enabled() }
@@ -211,7 +213,7 @@ impl Gpu {
         &self.adapter
     }
 
-    /// All limits of the device, which are the adapter's own.
+    /// All limits of the device: the adapter's own, but for the storage buffers of a kernel.
     pub fn limits(&self) -> &wgpu::Limits {
         &self.limits
     }
@@ -380,7 +382,7 @@ fn device_type_name(device_type: wgpu::DeviceType) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::{AdapterRequest, Gpu};
-    use crate::gpu::{GpuError, test_gpu};
+    use crate::gpu::{GpuError, skipped, test_gpu};
 
     #[test]
     fn an_adapter_is_found_by_part_of_its_name_in_any_case() {
@@ -401,7 +403,10 @@ mod tests {
     fn hardware_is_not_software() {
         match Gpu::open(&AdapterRequest::Hardware) {
             Ok(gpu) => assert!(!gpu.adapter().is_software()),
-            Err(error) => assert!(matches!(error, GpuError::NoHardware { .. }), "{error}"),
+            Err(error) => {
+                assert!(matches!(error, GpuError::NoHardware { .. }), "{error}");
+                skipped("opening a hardware adapter", "there are only software adapters");
+            }
         }
     }
 
@@ -412,6 +417,7 @@ mod tests {
             Err(error) => {
                 assert!(!test_gpu().adapter().ray_query, "{error}");
                 assert!(matches!(error, GpuError::MissingFeature { .. }), "{error}");
+                skipped("opening ray queries", "the adapter has none");
             }
         }
     }

@@ -40,6 +40,22 @@ pub enum GpuError {
         remedy: &'static str,
     },
 
+    /// A limit of the adapter is lower than what a kernel needs.
+    #[error(
+        "the adapter {adapter} allows {allowed} {what}, but {needed} are needed; \
+         use another adapter or --backend cpu"
+    )]
+    TooLow {
+        /// Name and driver of the adapter.
+        adapter: String,
+        /// What is limited.
+        what: &'static str,
+        /// How much of it the adapter allows.
+        allowed: u32,
+        /// How much of it the kernels need.
+        needed: u32,
+    },
+
     /// The driver refused to open the device.
     #[error("the adapter {adapter} could not be opened; is another program holding it, or its memory full?")]
     Open {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail, ensure};
 use formats::key::method::BUILTIN;
 use formats::key::{Coordinate, Layout, LightSite, Method, Termination};
 use formats::ray::Kind;
@@ -21,8 +21,11 @@ use crate::stages::{accumulate, compact, gather, generate, key, shade, trace};
 /// The kernels that do not trace or sort.
 pub struct Kernels {
     pub(super) generate: Kernel,
-    pub(super) shade: Kernel,
-    pub(super) compact: Kernel,
+    pub(super) surface: Kernel,
+    pub(super) shadow: Kernel,
+    pub(super) next: Kernel,
+    /// Of rays, of their paths.
+    pub(super) compact: [Kernel; 2],
     pub(super) add_light: Kernel,
     pub(super) gather: Kernel,
     /// By kind.
@@ -46,6 +49,22 @@ fn differs(index: u32) -> bool {
 }
 ";
 
+/// Refuses numbers that kernels are made with and WGSL cannot write.
+fn check_finite(setup: &Setup) -> Result<()> {
+    let UnitSpace { min, scale, sides } = setup.unit;
+    let is_finite = [min, sides, [scale; 3]].iter().flatten().all(|value| value.is_finite());
+    ensure!(
+        is_finite,
+        "the scene begins at {min:?} and is scaled by {scale} to {sides:?}, which kernels cannot be made \
+         with; the bounds must be finite numbers whose differences are, too"
+    );
+    let wrong = setup.methods.iter().find(|method| !method.two_point_length.is_finite());
+    if let Some(MethodPlan { name, two_point_length, .. }) = wrong {
+        bail!("the length that method '{name}' assumes is {two_point_length}; it must be a finite number");
+    }
+    Ok(())
+}
+
 /// Bindings: results, others; counter.
 pub fn differences_module(kind: Kind) -> Module {
     let (element, differs) = match kind {
@@ -66,8 +85,11 @@ pub fn differences_module(kind: Kind) -> Module {
 pub fn modules(setup: &Setup) -> Vec<Module> {
     let mut modules = vec![
         generate::gpu::module(),
-        shade::gpu::module(&setup.features),
-        compact::queue::module(),
+        shade::gpu::surface_module(&setup.features),
+        shade::gpu::shadow_module(&setup.features),
+        shade::gpu::next_module(&setup.features),
+        compact::queue::ray_module(),
+        compact::queue::path_module(),
         shade::gpu::add_light_module(),
         gather::gpu::module(),
     ];
@@ -108,13 +130,14 @@ impl Kernels {
     /// Compiles all of them, as many at a time as there are threads.
     ///
     /// # Errors
-    /// If the driver refuses one.
+    /// If the driver refuses one, or a number that is written into kernels is not finite.
     pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
+        check_finite(setup)?;
         let compiled = modules(setup).into_par_iter().map(|module| compile(gpu, &module));
         let mut compiled = compiled.collect::<Result<Vec<_>, _>>()?.into_iter();
         let mut next = || compiled.next().context("there are fewer kernels than modules");
-        let (generate, shade, compact) = (next()?, next()?, next()?);
-        let (add_light, gather) = (next()?, next()?);
+        let (generate, surface, shadow, next_ray) = (next()?, next()?, next()?, next()?);
+        let (compact, add_light, gather) = ([next()?, next()?], next()?, next()?);
         let mut key = vec![[None, None]; setup.methods.len()];
         let mut of_kind = |kind: Kind| -> Result<[Kernel; 2]> {
             let shared = [next()?, next()?];
@@ -123,17 +146,19 @@ impl Kernels {
             }
             Ok(shared)
         };
-        let [closest, shadow] = [of_kind(Kind::Closest)?, of_kind(Kind::Shadow)?];
-        let ([accumulate_closest, closest], [accumulate_shadow, shadow]) = (closest, shadow);
+        let [accumulate_closest, differences_closest] = of_kind(Kind::Closest)?;
+        let [accumulate_shadow, differences_shadow] = of_kind(Kind::Shadow)?;
         Ok(Self {
             generate,
-            shade,
+            surface,
+            shadow,
+            next: next_ray,
             compact,
             add_light,
             gather,
             accumulate: [accumulate_closest, accumulate_shadow],
             key,
-            differences: [closest, shadow],
+            differences: [differences_closest, differences_shadow],
         })
     }
 
@@ -222,16 +247,57 @@ fn made_up_setup(all_features: bool, key_bits: u32) -> Setup {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gpu::{AdapterRequest, limits, skipped, test_gpu};
 
     #[test]
     fn every_module_compiles_here() {
-        let gpu = crate::gpu::test_gpu();
+        let plain = test_gpu();
+        let has_ray_query = plain.adapter().ray_query;
+        let with_queries = has_ray_query.then(|| Gpu::open_with_ray_query(&AdapterRequest::Any).unwrap());
+        let gpu = with_queries.as_ref().unwrap_or(plain);
+        if !has_ray_query {
+            skipped("compiling kernels with ray queries", "the adapter has none");
+        }
         for module in every_module() {
-            if module.label().starts_with("trace::ray-query") {
+            if module.label().starts_with("trace::ray-query") && !has_ray_query {
                 continue;
             }
             // SAFETY: the kernels are compiled and not run.
             unsafe { module.compile(gpu) }.unwrap();
         }
+    }
+
+    #[test]
+    fn numbers_that_wgsl_cannot_write_are_refused_before_a_kernel_is_made() {
+        let sound = made_up_setup(false, 32);
+        for bound in [f32::NAN, f32::INFINITY, -f32::INFINITY, f32::MAX] {
+            let unit = UnitSpace::from_bounds([-f32::MAX; 3], [bound; 3]);
+            let error = Kernels::new(test_gpu(), &Setup { unit, ..sound.clone() }).err().unwrap();
+            assert!(error.to_string().contains("must be finite"), "{bound}: {error}");
+        }
+        let plan = MethodPlan { two_point_length: f32::NAN, ..sound.methods[0].clone() };
+        let error = Kernels::new(test_gpu(), &Setup { methods: vec![plan], ..sound }).err().unwrap();
+        assert!(error.to_string().contains("assumes is NaN"), "{error}");
+    }
+
+    /// Every module for every set of features and methods that bind most, whatever this adapter offers.
+    #[test]
+    fn no_kernel_binds_more_storage_buffers_than_webgpu_promises() {
+        let mut modules = every_module();
+        let each = Features::each();
+        for set in 0..1u32 << each.len() {
+            let used = (0..).zip(&each).filter(|(place, _)| set >> place & 1 == 1);
+            let features = used.fold(Features::default(), |all, (_, (_, one))| all.union(*one));
+            modules.extend([shade::gpu::surface_module(&features), shade::gpu::shadow_module(&features)]);
+            modules.push(shade::gpu::next_module(&features));
+        }
+        let setup = made_up_setup(true, 64);
+        for termination in [Termination::Fixed, Termination::Adaptive, Termination::Real] {
+            let lit = Layout::from_bits([Coordinate::Light, Coordinate::EndX, Coordinate::LightU].repeat(22));
+            let method = MethodPlan { layout: lit, termination, ..setup.methods[0].clone() };
+            modules.extend(Kind::ALL.map(|kind| key::gpu::module(&setup, &method, kind)));
+        }
+        let most = modules.iter().max_by_key(|module| module.storage_buffers()).unwrap();
+        assert_eq!(most.storage_buffers(), limits::STORAGE_BUFFERS as usize, "of {}", most.label());
     }
 }

@@ -1,6 +1,7 @@
 //! The ground under every GPU stage: one adapter opened, kernels compiled, arrays, timed runs, read-back.
 //!
 //! - [`device`]: the adapter that was chosen, and every wgpu error turned into a [`GpuError`]
+//! - [`limits`]: what the kernels need of an adapter
 //! - [`buffer`]: typed arrays in GPU memory, checked against the adapter's limits
 //! - [`kernel`]: WGSL to pipeline, bindings, grids beyond 65,535 workgroups, chunks
 //! - [`run`]: the dispatches of one stage, recorded, submitted and timed as one figure
@@ -14,11 +15,13 @@ pub mod device;
 pub mod error;
 pub mod kernel;
 pub mod kernels;
+pub mod limits;
 pub mod module;
 pub mod readback;
 pub mod run;
 pub mod scene;
 pub mod self_check;
+mod shading;
 mod table;
 pub mod timing;
 
@@ -42,4 +45,11 @@ pub(crate) fn test_gpu() -> &'static Gpu {
         Ok(gpu) => gpu,
         Err(error) => panic!("the GPU tests need an adapter: {error}"),
     })
+}
+
+/// Says past the test harness, which hides what passing tests print, what was not tested and why.
+#[cfg(test)]
+pub(crate) fn skipped(what: &str, why: &str) {
+    use std::io::Write;
+    writeln!(std::io::stderr(), "skipped: {what}: {why}").unwrap();
 }

@@ -73,6 +73,13 @@ impl Module {
         self
     }
 
+    /// Storage buffers that the kernel binds.
+    #[cfg(test)]
+    pub(crate) fn storage_buffers(&self) -> usize {
+        let is_buffer = |binding: &&Binding| matches!(binding, Binding::Read | Binding::ReadWrite);
+        self.bindings.iter().filter(is_buffer).count()
+    }
+
     /// The label.
     pub fn label(&self) -> &str {
         &self.label

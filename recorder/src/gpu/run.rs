@@ -86,7 +86,20 @@ impl StageRun<'_> {
     pub fn dispatch_chunks<I: NoUninit>(
         &mut self,
         kernel: &Kernel,
-        groups: &[&wgpu::BindGroup],
+        group: &wgpu::BindGroup,
+        items: ItemRange,
+        immediates: impl Fn(Chunk) -> I,
+    ) {
+        self.dispatch_in_turn(&[(kernel, group)], items, immediates);
+    }
+
+    /// As [`StageRun::dispatch_chunks`] for kernels that hand a chunk to one another.
+    ///
+    /// # Panics
+    /// As [`StageRun::dispatch`].
+    pub fn dispatch_in_turn<I: NoUninit>(
+        &mut self,
+        kernels: &[(&Kernel, &wgpu::BindGroup)],
         items: ItemRange,
         immediates: impl Fn(Chunk) -> I,
     ) {
@@ -95,7 +108,9 @@ impl StageRun<'_> {
                 self.submissions.push(Vec::new());
             }
             let workgroups = chunk.count.div_ceil(items.per_workgroup);
-            self.dispatch(kernel, groups, &immediates(chunk), workgroups);
+            for &(kernel, group) in kernels {
+                self.dispatch(kernel, &[group], &immediates(chunk), workgroups);
+            }
         }
     }
 

@@ -1,14 +1,18 @@
-//! A length table on the GPU: three arrays of words.
+//! A length table on the GPU: sums and counts.
 
 use formats::length_table::{DUMMY_SUM, LengthCell, LengthTable};
 
 use super::{DeviceArray, Gpu, GpuError};
 
-/// Sums as low and high words, and counts.
+/// Sums, low word first, and counts.
 pub(super) struct GpuTable {
-    pub(super) sums_low: DeviceArray<u32>,
-    pub(super) sums_high: DeviceArray<u32>,
+    pub(super) sums: DeviceArray<[u32; 2]>,
     pub(super) counts: DeviceArray<u32>,
+}
+
+/// A sum's words.
+fn words(sum: u64) -> [u32; 2] {
+    [sum as u32, (sum >> 32) as u32]
 }
 
 impl GpuTable {
@@ -16,8 +20,7 @@ impl GpuTable {
     pub(super) fn new(gpu: &Gpu, bits: u32) -> Result<Self, GpuError> {
         let cells = 1usize << bits;
         Ok(Self {
-            sums_low: gpu.array_of("length_table::sums_low", &vec![DUMMY_SUM as u32; cells])?,
-            sums_high: gpu.array("length_table::sums_high", cells)?,
+            sums: gpu.array_of("length_table::sums", &vec![words(DUMMY_SUM); cells])?,
             counts: gpu.array_of("length_table::counts", &vec![1u32; cells])?,
         })
     }
@@ -25,23 +28,20 @@ impl GpuTable {
     /// A copy of a table.
     pub(super) fn filled(gpu: &Gpu, table: &LengthTable) -> Result<Self, GpuError> {
         let (sums, counts): (Vec<u64>, Vec<u32>) = table.cells().unzip();
-        let low: Vec<u32> = sums.iter().map(|&sum| sum as u32).collect();
-        let high: Vec<u32> = sums.iter().map(|&sum| (sum >> 32) as u32).collect();
+        let sums: Vec<[u32; 2]> = sums.into_iter().map(words).collect();
         Ok(Self {
-            sums_low: gpu.array_of("length_table::sums_low", &low)?,
-            sums_high: gpu.array_of("length_table::sums_high", &high)?,
+            sums: gpu.array_of("length_table::sums", &sums)?,
             counts: gpu.array_of("length_table::counts", &counts)?,
         })
     }
 
     /// The cells with a count of 2 or more, ascending.
     pub(super) fn touched(&self, gpu: &Gpu) -> Result<Vec<LengthCell>, GpuError> {
-        let (low, high, counts) =
-            (gpu.read_vec(&self.sums_low)?, gpu.read_vec(&self.sums_high)?, gpu.read_vec(&self.counts)?);
-        let cells = (0u32..).zip(&counts).zip(low.iter().zip(&high));
+        let (sums, counts) = (gpu.read_vec(&self.sums)?, gpu.read_vec(&self.counts)?);
+        let cells = (0u32..).zip(&counts).zip(&sums);
         Ok(cells
             .filter(|((_, count), _)| **count >= 2)
-            .map(|((cell, &count), (&low, &high))| LengthCell {
+            .map(|((cell, &count), &[low, high])| LengthCell {
                 cell,
                 count,
                 sum: u64::from(high) << 32 | u64::from(low),

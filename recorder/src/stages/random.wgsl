@@ -17,6 +17,11 @@ fn random_next(state: ptr<function, u32>) -> f32 {
     return f32(pcg(*state) >> 8u) * (1.0 / 16777216.0);
 }
 
+// As if `count` numbers had been drawn.
+fn random_skip(state: ptr<function, u32>, count: u32) {
+    *state = *state + count * 0x9e3779b9u;
+}
+
 // (sine, cosine)
 fn sine_cosine(turns: f32) -> vec2<f32> {
     let quarters = turns * 4.0;

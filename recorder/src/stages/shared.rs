@@ -2,6 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::gpu::Chunk;
+
 /// A type with a WGSL counterpart of the same bytes.
 pub trait WgslType {
     /// Its name in WGSL.
@@ -33,6 +35,8 @@ pub struct SharedStruct {
     pub size: usize,
     /// Name and byte offset of every field.
     pub fields: Vec<(&'static str, usize)>,
+    /// Type of every field in WGSL.
+    types: Vec<&'static str>,
     /// The definition in WGSL.
     pub wgsl: String,
 }
@@ -51,7 +55,8 @@ macro_rules! shared_structs {
                 let mut wgsl = format!("struct {} {{\n", stringify!($name));
                 $(wgsl.push_str(&format!("    {}: {},\n", stringify!($field), <$ty as WgslType>::NAME));)*
                 wgsl.push_str("}\n");
-                SharedStruct { name: stringify!($name), size: std::mem::size_of::<$name>(), fields, wgsl }
+                let types = vec![$(<$ty as WgslType>::NAME,)*];
+                SharedStruct { name: stringify!($name), size: std::mem::size_of::<$name>(), fields, types, wgsl }
             }
         })*
 
@@ -60,6 +65,39 @@ macro_rules! shared_structs {
             vec![$($name::description(),)*]
         }
     };
+}
+
+impl SharedStruct {
+    /// `fn FUNCTION(at: u32) -> NAME`, which reads the struct from word `at` on of `array`, an
+    /// `array<u32>`: for structs that lie in one buffer with something else.
+    pub fn wgsl_loader(&self, function: &str, array: &str) -> String {
+        let word = |component: &str, word: usize| match component {
+            "u32" => format!("{array}[at + {word}u]"),
+            component => format!("bitcast<{component}>({array}[at + {word}u])"),
+        };
+        let value = |(&(_, offset), &name): (&(&str, usize), &&str)| {
+            let first = offset / size_of::<u32>();
+            let Some((size, component)) = name.strip_prefix("vec").and_then(|rest| rest.split_once('<'))
+            else {
+                return word(name, first);
+            };
+            let count = size.parse().unwrap_or(0);
+            let words = (first..first + count).map(|at| word(component.trim_end_matches('>'), at));
+            format!("{name}({})", words.collect::<Vec<_>>().join(", "))
+        };
+        let values = self.fields.iter().zip(&self.types).map(value).collect::<Vec<_>>().join(",\n        ");
+        format!(
+            "fn {function}(at: u32) -> {0} {{\n    return {0}(\n        {values},\n    );\n}}\n",
+            self.name
+        )
+    }
+}
+
+impl Span {
+    /// A chunk of a queue of `total` items.
+    pub fn of(chunk: Chunk, total: u32) -> Self {
+        Self { first: chunk.first, count: chunk.count, total, unused: 0 }
+    }
 }
 
 shared_structs! {
@@ -127,12 +165,12 @@ shared_structs! {
         pub emission_density: f32,
         /// Density over solid angle of picking a sky direction.
         pub sky_density: f32,
+        /// Word of the scene's tables at which the first material begins.
+        pub first_material: u32,
         /// Nothing.
         pub unused_0: u32,
         /// Nothing.
         pub unused_1: u32,
-        /// Nothing.
-        pub unused_2: u32,
     }
 
     /// A material as kernels read it.
@@ -145,26 +183,39 @@ shared_structs! {
         pub emission: [f32; 3],
         /// Perceptual roughness, 0 to 1.
         pub roughness: f32,
-        /// Index of the base-colour texture, `u32::MAX` for none.
-        pub texture: u32,
-        /// Nothing.
-        pub unused_0: u32,
-        /// Nothing.
-        pub unused_1: u32,
-        /// Nothing.
-        pub unused_2: u32,
-    }
-
-    /// A texture's place among the texels of all.
-    pub struct TextureData {
-        /// First texel.
-        pub first: u32,
-        /// Texels per row.
-        pub width: u32,
-        /// Rows.
-        pub height: u32,
+        /// First texel of the base-colour texture among the texels of all.
+        pub texture_first: u32,
+        /// Its texels per row; 0 without a texture.
+        pub texture_width: u32,
+        /// Its rows.
+        pub texture_height: u32,
         /// Nothing.
         pub unused: u32,
+    }
+
+    /// The surface at a hit, seen from the side that the ray came from: what `shade::surface` leaves
+    /// for the kernels after it.
+    pub struct SurfaceData {
+        /// Where rays leave it.
+        pub origin: [f32; 3],
+        /// Distance along the ray; +inf says that nothing was hit, and that the rest is undefined.
+        pub t: f32,
+        /// Unit normal of the triangle.
+        pub geometric_normal: [f32; 3],
+        /// As in the material.
+        pub metallic: f32,
+        /// Unit normal to shade with.
+        pub shading_normal: [f32; 3],
+        /// As in the material.
+        pub roughness: f32,
+        /// Linear RGB, textures included.
+        pub base_color: [f32; 3],
+        /// Nothing.
+        pub unused_0: u32,
+        /// Emitted radiance.
+        pub emission: [f32; 3],
+        /// Nothing.
+        pub unused_1: u32,
     }
 
     /// One entry of the table that shadow rays pick their light from.
@@ -177,7 +228,7 @@ shared_structs! {
         pub keep: f32,
         /// The other entry of the slot (Walker 1977).
         pub other: u32,
-        /// Centre; for a triangle unused.
+        /// Centre; of a triangle the first corner.
         pub position: [f32; 3],
         /// Probability of picking this entry.
         pub probability: f32,
@@ -185,18 +236,14 @@ shared_structs! {
         pub power: [f32; 3],
         /// Sphere: radius. Spot: offset of the angular fall-off. Triangle: area.
         pub extent: f32,
-        /// Unit vector in which a spot or directional light shines.
+        /// Unit vector in which a spot or directional light shines; of a triangle the second corner.
         pub direction: [f32; 3],
         /// Spot: scale of the angular fall-off.
         pub cone_scale: f32,
-        /// Triangle: its index in the scene.
-        pub triangle: u32,
+        /// Third corner of a triangle.
+        pub third_corner: [f32; 3],
         /// Nothing.
-        pub unused_0: u32,
-        /// Nothing.
-        pub unused_1: u32,
-        /// Nothing.
-        pub unused_2: u32,
+        pub unused: u32,
     }
 
     /// The alpha mask of one triangle.

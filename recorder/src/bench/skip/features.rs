@@ -65,10 +65,7 @@ fn compare(bench: Bench<'_>, what: &str, features: Features, stages: &[&str]) ->
 
 /// Bytes of what only textures and vertex normals need.
 fn feature_bytes(tables: &ShadeTables) -> u64 {
-    (size_of_val(&*tables.normals)
-        + size_of_val(&*tables.uvs)
-        + size_of_val(&*tables.textures)
-        + size_of_val(&*tables.texels)) as u64
+    (size_of_val(&*tables.normals) + size_of_val(&*tables.uvs) + size_of_val(&*tables.texels)) as u64
 }
 
 fn mask_bytes(masks: &Masks) -> u64 {

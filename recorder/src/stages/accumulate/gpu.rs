@@ -9,15 +9,14 @@ use crate::stages::key::gpu::traced_length;
 use crate::stages::key::wgsl::{constants, encode_function};
 use crate::stages::shared::Span;
 
-/// Bindings: origins, directions, hits or distances; low and high words of the sums, counts.
+/// Bindings: origins, directions, hits or distances; sums, counts.
 pub fn module(kind: Kind, unit: &UnitSpace, table_layout: &Layout, table_bits: u32) -> Module {
     let module = Module::new(&format!("accumulate::{kind}"))
         .immediate::<Span>("span", "Span")
         .read("origins", "vec4<f32>")
         .read("directions", "vec4<f32>");
     traced_length(module, kind)
-        .write("sums_low", "atomic<u32>")
-        .write("sums_high", "atomic<u32>")
+        .write("sums", "atomic<u32>")
         .write("counts", "atomic<u32>")
         .text(&Span::description().wgsl)
         .text(&constants(unit))

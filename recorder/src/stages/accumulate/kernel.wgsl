@@ -10,9 +10,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
     let ray = unit_ray(origins[index].xyz, directions[index].xyz, directions[index].w);
     let cell = table_cell(ray, 0.0, 0u).x;
     let added = fixed_point(traced_length(ray, index));
-    let before = atomicAdd(&sums_low[cell], added);
+    let before = atomicAdd(&sums[2u * cell], added);
     if before + added < before {
-        atomicAdd(&sums_high[cell], 1u);
+        atomicAdd(&sums[2u * cell + 1u], 1u);
     }
     atomicAdd(&counts[cell], 1u);
 }

@@ -1,13 +1,14 @@
-// Exclusive prefix sum in three dispatches: sums of tiles, places of tiles, places of items.
+// Exclusive prefix sum over the flags of live items in three dispatches: sums of tiles, places of
+// tiles, places of items.
 
 struct ScanSpan {
-    // Items to be summed.
+    // Items, live or not.
     count: u32,
     // Tiles of SCAN_THREADS * ITEMS_PER_THREAD items; the last may be shorter.
     tiles: u32,
 }
 
-@group(0) @binding(0) var<storage, read> counts: array<u32>;
+@group(0) @binding(0) var<storage, read> directions: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read_write> places: array<u32>;
 // Sums of the tiles, then the places where they begin, and the total of all at the end.
 @group(0) @binding(2) var<storage, read_write> tile_places: array<u32>;
@@ -17,7 +18,7 @@ var<immediate> span: ScanSpan;
 fn sum_of(first: u32, end: u32) -> u32 {
     var sum = 0u;
     for (var item = first; item < end; item++) {
-        sum += counts[item];
+        sum += u32(is_live(item));
     }
     return sum;
 }
@@ -76,6 +77,6 @@ fn place_items(
     var place = tile_places[tile] + exclusive_sum(sum_of(first, end), thread);
     for (var item = first; item < end; item++) {
         places[item] = place;
-        place += counts[item];
+        place += u32(is_live(item));
     }
 }

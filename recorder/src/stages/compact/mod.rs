@@ -1,7 +1,7 @@
 //! Prefix sums, and with them the compaction of queues: what lives moves together, in order.
 //!
-//! - [`gpu`]: exclusive prefix sum of an array of counts or flags, and their total
-//! - [`queue`]: the kernel that moves a queue's live rays to the places that the sums give
+//! - [`gpu`]: exclusive prefix sum over the flags of live rays, and their number
+//! - [`queue`]: the kernels that move a queue's live rays to the places that the sums give
 
 pub mod gpu;
 pub mod queue;

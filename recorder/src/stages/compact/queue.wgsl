@@ -1,4 +1,4 @@
-// Moves the live candidates of a queue together, in canonical order.
+// Moves the live candidates of a queue together, in canonical order. `move_item` says what moves.
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
@@ -7,12 +7,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
         return;
     }
     let index = span.first + item;
-    if flags[index] == 0u {
-        return;
+    if is_live(index) {
+        move_item(index, places[index]);
     }
-    let place = places[index];
-    live_origins[place] = origins[index];
-    live_directions[place] = directions[index];
-    live_states[place] = states[index];
-    live_path_ids[place] = path_ids[index];
 }

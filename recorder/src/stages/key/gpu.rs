@@ -35,7 +35,7 @@ pub fn site_data(site: &LightSite) -> LightSiteData {
 /// What a method's key kernel binds beside the rays and the keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KeyInputs {
-    /// The length table: low and high words of the sums, counts.
+    /// The length table: sums, counts.
     pub table: bool,
     /// Hits, or distances of shadow rays.
     pub results: bool,
@@ -74,7 +74,7 @@ pub fn module(setup: &Setup, method: &MethodPlan, kind: Kind) -> Module {
         .read("origins", "vec4<f32>")
         .read("directions", "vec4<f32>");
     if inputs.table {
-        module = module.read("sums_low", "u32").read("sums_high", "u32").read("counts", "u32");
+        module = module.read("sums", "vec2<u32>").read("counts", "u32");
     }
     if inputs.results {
         module = traced_length(module, kind);
@@ -112,7 +112,7 @@ pub fn module(setup: &Setup, method: &MethodPlan, kind: Kind) -> Module {
 const TABLE_LENGTH: &str = "
 fn table_length(ray: UnitRay) -> f32 {
     let cell = table_cell(ray, 0.0, 0u).x;
-    return mean_length(sums_low[cell], sums_high[cell], counts[cell]);
+    return mean_length(sums[cell].x, sums[cell].y, counts[cell]);
 }
 ";
 

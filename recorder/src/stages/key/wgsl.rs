@@ -9,7 +9,12 @@ use formats::length_table::{LENGTH_FRACTION_BITS, LONGEST_SUMMED};
 use formats::unit_space::UnitSpace;
 
 /// A float that WGSL reads back bit for bit.
+///
+/// # Panics
+/// If it is infinite or not a number, which WGSL has no literals for: what comes from outside is checked
+/// before a kernel is written.
 pub fn wgsl_f32(value: f32) -> String {
+    assert!(value.is_finite(), "WGSL has no literal for {value}");
     format!("{value:?}f")
 }
 

@@ -1,10 +1,9 @@
 // Triangles that emit light, composed in where a scene has them.
 
 fn sample_triangle(emitter: Emitter, point: vec3<f32>, a: f32, b: f32) -> LightSample {
-    let triangle = triangles[emitter.triangle];
-    let p = positions[triangle.x].xyz;
-    let q = positions[triangle.y].xyz;
-    let r = positions[triangle.z].xyz;
+    let p = emitter.position;
+    let q = emitter.direction;
+    let r = emitter.third_corner;
     let root = sqrt(a);
     let u = root * (1.0 - b);
     let v = root * b;
@@ -25,13 +24,13 @@ fn sample_triangle(emitter: Emitter, point: vec3<f32>, a: f32, b: f32) -> LightS
     return LightSample(direction, distance * SHORT_OF_TRIANGLE, emitter.power * (1.0 / density), light_density, emitter.light);
 }
 
-fn emitted_radiance(direction: vec3<f32>, t: f32, state: PathState, surface: HitSurface) -> vec3<f32> {
-    let radiance = surface.material.emission;
+fn emitted_radiance(direction: vec3<f32>, state: PathState, surface: SurfaceData) -> vec3<f32> {
+    let radiance = surface.emission;
     let brightness = luminance(radiance);
     if brightness <= 0.0 {
         return vec3(0.0);
     }
     let cosine = -dot3(direction, surface.geometric_normal);
-    let light_density = brightness * params.emission_density * (t * t) / max(cosine, 1e-6);
+    let light_density = brightness * params.emission_density * (surface.t * surface.t) / max(cosine, 1e-6);
     return state.color * radiance * emission_weight(state.density, light_density);
 }

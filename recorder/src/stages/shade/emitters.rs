@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 use scenes::{Light, Scene};
 
-use super::surface::{offset_origin, triangle_corners};
+use super::surface::offset_origin;
 use super::tables::ShadeTables;
 use crate::stages::random::{Random, sine_cosine};
 use crate::stages::shared::Emitter;
@@ -114,11 +114,14 @@ fn add_light(scene: &Scene, light: &Light, disk: f64, add: &mut impl FnMut(Emitt
         Light::Emissive { first_triangle, triangle_count } => {
             for triangle in first_triangle..first_triangle + triangle_count {
                 let material = &scene.materials[scene.triangle_materials[triangle as usize] as usize];
-                let [a, b, c] = scene.corners(triangle as usize).map(Vec3::from);
+                let corners = scene.corners(triangle as usize);
+                let [a, b, c] = corners.map(Vec3::from);
                 let normal = cross3(b - a, c - a);
                 let area = 0.5 * dot3(normal, normal).sqrt();
                 let power = bright(material.emission) * f64::from(area) * POWER_PER_AREA;
-                add(Emitter { triangle, extent: area, ..new(EMITTER_TRIANGLE, material.emission) }, power);
+                let [position, direction, third_corner] = corners;
+                let lamp = new(EMITTER_TRIANGLE, material.emission);
+                add(Emitter { position, direction, third_corner, extent: area, ..lamp }, power);
             }
         }
         Light::Environment(sky) => {
@@ -153,7 +156,10 @@ pub fn sky_radiance(zenith: Vec3, nadir: Vec3, direction: Vec3) -> Vec3 {
     nadir + (zenith - nadir) * (0.5 * direction.y + 0.5)
 }
 
-/// Picks a light and a direction to it from `point`. Uses four numbers; `None` where the pick
+/// Numbers that picking a light and a direction to it uses.
+pub const LIGHT_DRAWS: u32 = 4;
+
+/// Picks a light and a direction to it from `point`. Uses [`LIGHT_DRAWS`] numbers; `None` where the pick
 /// brings nothing.
 pub fn sample_light(tables: &ShadeTables, point: Vec3, random: &mut Random) -> Option<LightSample> {
     let count = tables.emitters.len() as u32;
@@ -171,7 +177,7 @@ pub fn sample_light(tables: &ShadeTables, point: Vec3, random: &mut Random) -> O
             Vec3::from(emitter.power),
             0.0,
         ),
-        EMITTER_TRIANGLE => sample_triangle(tables, emitter, point, a, b)?,
+        EMITTER_TRIANGLE => sample_triangle(emitter, point, a, b)?,
         _ => sample_sky(tables, emitter, a, b),
     };
     Some(LightSample { weight: sample.weight * (1.0 / emitter.probability), ..sample })
@@ -227,14 +233,8 @@ fn sample_point(emitter: &Emitter, point: Vec3) -> Option<LightSample> {
 }
 
 /// Uniform over the triangle's area.
-fn sample_triangle(
-    tables: &ShadeTables,
-    emitter: &Emitter,
-    point: Vec3,
-    a: f32,
-    b: f32,
-) -> Option<LightSample> {
-    let [p, q, r] = triangle_corners(tables, emitter.triangle);
+fn sample_triangle(emitter: &Emitter, point: Vec3, a: f32, b: f32) -> Option<LightSample> {
+    let [p, q, r] = [emitter.position, emitter.direction, emitter.third_corner].map(Vec3::from);
     let root = a.sqrt();
     let (u, v) = (root * (1.0 - b), root * b);
     let normal = normalize3(cross3(q - p, r - p));

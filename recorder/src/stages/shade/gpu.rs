@@ -1,19 +1,22 @@
-//! The modules of the shade kernel and of adding light, composed for what a scene uses.
+//! The modules of shading, composed for what a scene uses.
+//!
+//! Three kernels, since one that does it all binds 21 buffers where WebGPU promises 8: the surface at
+//! each hit, then what follows from it for the shadow ray and for the next ray. Surfaces are kept for
+//! one dispatch alone, so that a binding of theirs does not grow with the picture.
 
 use scenes::features::Features;
 
 use super::bsdf::{DIELECTRIC_F0, MIRROR_ALPHA};
 use super::emitters::{
     EMITTER_DIRECTIONAL, EMITTER_POINT, EMITTER_SKY, EMITTER_SPHERE, EMITTER_SPOT, EMITTER_TRIANGLE,
-    SHORT_OF_TRIANGLE,
+    LIGHT_DRAWS, SHORT_OF_TRIANGLE,
 };
 use super::path::ROULETTE_FREE_BOUNCES;
 use super::surface::{OFFSET_OF_POINT, OFFSET_OF_TRIANGLE};
-use super::tables::NO_TEXTURE;
 use crate::gpu::Module;
 use crate::stages::generate::gpu::random_text;
 use crate::stages::key::wgsl::wgsl_f32;
-use crate::stages::shared::{Emitter, MaterialData, PathState, ShadeParams, Span, TextureData};
+use crate::stages::shared::{Emitter, MaterialData, PathState, ShadeParams, Span, SurfaceData};
 use formats::ray::Hit;
 
 /// A scene without vertex normals.
@@ -44,7 +47,7 @@ fn bsdf_sample(surface: Surface, out_direction: vec3<f32>, random: ptr<function,
 ";
 /// A scene without emissive triangles.
 const NO_EMISSION: &str = "
-fn emitted_radiance(direction: vec3<f32>, t: f32, state: PathState, surface: HitSurface) -> vec3<f32> {
+fn emitted_radiance(direction: vec3<f32>, state: PathState, surface: SurfaceData) -> vec3<f32> {
     return vec3(0.0);
 }
 ";
@@ -74,54 +77,70 @@ fn sample_emitter(features: &Features) -> String {
     )
 }
 
-/// Bindings: directions, path ids, states, hits; triangles, positions, materials, emitters;
-/// normals where the scene has them; uvs, textures, texels where it has those; then film, and
-/// origins, directions, states and flags of the shadow rays and of the next rays.
-pub fn module(features: &Features) -> Module {
-    let mut module = Module::new("shade::main")
+fn composed(is_used: bool, with: &'static str, without: &'static str) -> &'static str {
+    if is_used { with } else { without }
+}
+
+/// A module of shading with what all of them need.
+fn new_module(label: &str) -> Module {
+    Module::new(label)
         .immediate::<ShadeParams>("params", "ShadeParams")
+        .text(&ShadeParams::description().wgsl)
+        .text(&SurfaceData::description().wgsl)
+        .text(&constants())
+        .text(include_str!("../vector.wgsl"))
+}
+
+/// Bindings: directions, hits; triangles, positions, tables; normals where the scene has them; uvs
+/// where it has textures; the surfaces, which begin with the dispatch.
+pub fn surface_module(features: &Features) -> Module {
+    let mut module = new_module("shade::surface")
         .read("directions", "vec4<f32>")
-        .read("path_ids", "u32")
-        .read("states", "vec4<u32>")
         .read("hits", "vec4<u32>")
         .read("triangles", "vec4<u32>")
         .read("positions", "vec4<f32>")
-        .read("materials", "MaterialData")
-        .read("emitters", "Emitter");
+        .read("tables", "u32");
     if features.vertex_normals {
         module = module.read("normals", "vec4<f32>");
     }
     if features.textures {
-        module = module.read("uvs", "vec2<f32>").read("textures", "TextureData").read("texels", "u32");
+        module = module.read("uvs", "vec2<f32>");
     }
-    module = module.write("film", "vec4<f32>");
-    for queue in ["shadow", "next"] {
-        module = module
-            .write(&format!("{queue}_origins"), "vec4<f32>")
-            .write(&format!("{queue}_directions"), "vec4<f32>")
-            .write(&format!("{queue}_states"), "vec4<u32>")
-            .write(&format!("{queue}_flags"), "u32");
-    }
-    for shared in [
-        ShadeParams::description(),
-        MaterialData::description(),
-        TextureData::description(),
-        Emitter::description(),
-        PathState::description(),
-    ] {
-        module = module.text(&shared.wgsl);
-    }
-    let composed =
-        |is_used: bool, with: &'static str, without: &'static str| if is_used { with } else { without };
+    let material = MaterialData::description();
     module
-        .text(&constants())
-        .text(include_str!("../vector.wgsl"))
+        .write("surfaces", "SurfaceData")
+        .text(&material.wgsl)
+        .text(&material.wgsl_loader("load_material", "tables"))
+        .text(include_str!("offset.wgsl"))
+        .text(composed(features.vertex_normals, include_str!("normals.wgsl"), FLAT_NORMALS))
+        .text(composed(features.textures, include_str!("texture.wgsl"), NO_TEXTURES))
+        .text(include_str!("surface.wgsl"))
+}
+
+/// A module of what follows from surfaces. Bindings: surfaces, directions, path ids, states.
+fn path_module(label: &str, features: &Features) -> Module {
+    new_module(label)
+        .read("surfaces", "SurfaceData")
+        .read("directions", "vec4<f32>")
+        .read("path_ids", "u32")
+        .read("states", "vec4<u32>")
+        .text(&PathState::description().wgsl)
         .text(&random_text())
         .text(include_str!("bsdf.wgsl"))
         .text(composed(features.specular, include_str!("glossy.wgsl"), MATT))
-        .text(include_str!("surface.wgsl"))
-        .text(composed(features.vertex_normals, include_str!("normals.wgsl"), FLAT_NORMALS))
-        .text(composed(features.textures, include_str!("texture.wgsl"), NO_TEXTURES))
+        .text(include_str!("reflection.wgsl"))
+}
+
+/// Bindings: surfaces, directions, path ids, states; emitters; film; directions and states of the
+/// shadow rays.
+pub fn shadow_module(features: &Features) -> Module {
+    path_module("shade::shadow", features)
+        .read("emitters", "Emitter")
+        .write("film", "vec4<f32>")
+        .write("shadow_directions", "vec4<f32>")
+        .write("shadow_states", "vec4<u32>")
+        .text(&Emitter::description().wgsl)
+        .text(include_str!("offset.wgsl"))
         .text(include_str!("weight.wgsl"))
         .text(include_str!("light.wgsl"))
         .text(composed(features.sphere_lights, include_str!("sphere_light.wgsl"), ""))
@@ -129,7 +148,17 @@ pub fn module(features: &Features) -> Module {
         .text(composed(features.emissive_triangles, include_str!("emission.wgsl"), NO_EMISSION))
         .text(composed(features.environment, include_str!("sky.wgsl"), NO_SKY))
         .text(&sample_emitter(features))
-        .text(include_str!("kernel.wgsl"))
+        .text(include_str!("shadow.wgsl"))
+}
+
+/// Bindings: surfaces, directions, path ids, states; origins of both queues; directions and states of
+/// the next rays.
+pub fn next_module(features: &Features) -> Module {
+    path_module("shade::next", features)
+        .write("origins", "vec4<f32>")
+        .write("next_directions", "vec4<f32>")
+        .write("next_states", "vec4<u32>")
+        .text(include_str!("next.wgsl"))
 }
 
 /// Bindings: path ids, states, distances; film.
@@ -162,21 +191,23 @@ fn constants() -> String {
         ("EMITTER_DIRECTIONAL", EMITTER_DIRECTIONAL),
         ("EMITTER_TRIANGLE", EMITTER_TRIANGLE),
         ("EMITTER_SKY", EMITTER_SKY),
-        ("NO_TEXTURE", NO_TEXTURE),
+        ("MATERIAL_WORDS", (size_of::<MaterialData>() / size_of::<u32>()) as u32),
+        ("LIGHT_DRAWS", LIGHT_DRAWS),
         ("NO_TRIANGLE", Hit::NONE),
         ("ROULETTE_FREE_BOUNCES", ROULETTE_FREE_BOUNCES),
     ];
     let floats = floats.map(|(name, value)| format!("const {name} = {};\n", wgsl_f32(value)));
-    format!("{}{}", floats.concat(), crate::gpu::kernel::constants_wgsl(&integers))
+    let infinity = "var<private> infinity_bits: u32 = 0x7f800000u;\n";
+    format!("{}{}{infinity}", floats.concat(), crate::gpu::kernel::constants_wgsl(&integers))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// What stands in the module if and only if a scene has the feature; alpha masks are the trace kernel's.
+    /// What stands in the modules if and only if a scene has the feature; alpha masks are the trace kernel's.
     const MARKS: [(&str, &[&str]); 7] = [
-        ("textures", &["texels", "uvs"]),
+        ("textures", &["texel_color", "uvs"]),
         ("emissive-triangles", &["sample_triangle", "params.emission_density", "case EMITTER_TRIANGLE:"]),
         ("sphere-lights", &["sample_sphere", "case EMITTER_SPHERE:"]),
         ("punctual-lights", &["sample_point", "case EMITTER_SPOT:", "sample_directional"]),
@@ -187,7 +218,10 @@ mod tests {
 
     #[test]
     fn a_feature_is_in_the_module_if_and_only_if_the_scene_has_it() {
-        let found = |features: &Features, mark: &str| module(features).wgsl().contains(mark);
+        let found = |features: &Features, mark: &str| {
+            let modules = [surface_module(features), shadow_module(features), next_module(features)];
+            modules.iter().any(|module| module.wgsl().contains(mark))
+        };
         for (name, feature) in Features::each() {
             let Some((_, marks)) = MARKS.iter().find(|(marked, _)| *marked == name) else {
                 assert_eq!(name, "alpha-masks");

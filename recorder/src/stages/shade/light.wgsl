@@ -1,7 +1,5 @@
 // Picking lights: the twin of `stages::shade::emitters`. `sample_emitter` knows the shapes that a scene has.
 
-var<private> infinity_bits: u32 = 0x7f800000u;
-
 // A `t_max` of 0 says that the pick brings nothing.
 struct LightSample {
     direction: vec3<f32>,

@@ -31,6 +31,7 @@ pub fn params(setup: &Setup, pass: u32, bounce: u32) -> ShadeParams {
         nadir: tables.nadir.to_array(),
         emission_density: tables.emission_density,
         sky_density: tables.sky_density,
+        first_material: if setup.features.textures { tables.texels.len() as u32 } else { 0 },
         ..ShadeParams::default()
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::tables::{NO_TEXTURE, ShadeTables};
+use super::tables::ShadeTables;
 use crate::stages::shared::MaterialData;
 use crate::stages::vector::{cross3, dot3, normalize3};
 
@@ -70,10 +70,10 @@ pub fn hit_surface<const TEXTURES: bool, const NORMALS: bool>(
         shading_normal = interpolated_normal([na, nb, nc], u, v, geometric_normal, direction);
     }
     let mut base_color = Vec3::from(material.base_color);
-    if TEXTURES && material.texture != NO_TEXTURE {
+    if TEXTURES && material.texture_width != 0 {
         let [ta, tb, tc] = [a, b, c].map(|index| tables.uvs[index as usize]);
         let at = |axis: usize| ta[axis] + (tb[axis] - ta[axis]) * u + (tc[axis] - ta[axis]) * v;
-        base_color *= texture_color(tables, material.texture, at(0), at(1));
+        base_color *= texture_color(tables, &material, at(0), at(1));
     }
     let point = p + pq * u + pr * v;
     let origin = offset_origin(point, geometric_normal, pq, pr);
@@ -95,18 +95,17 @@ fn interpolated_normal(corners: [Vec3; 3], u: f32, v: f32, geometric_normal: Vec
     if dot3(normal, direction) > -1e-3 { geometric_normal } else { normal }
 }
 
-/// Linear RGB of a texture at (u, v), bilinear, repeating.
-fn texture_color(tables: &ShadeTables, texture: u32, u: f32, v: f32) -> Vec3 {
-    let data = &tables.textures[texture as usize];
-    let (width, height) = (data.width as i32, data.height as i32);
-    let x = (u - u.floor()) * data.width as f32 - 0.5;
-    let y = (v - v.floor()) * data.height as f32 - 0.5;
+/// Linear RGB of a material's texture at (u, v), bilinear, repeating.
+fn texture_color(tables: &ShadeTables, material: &MaterialData, u: f32, v: f32) -> Vec3 {
+    let (width, height) = (material.texture_width as i32, material.texture_height as i32);
+    let x = (u - u.floor()) * width as f32 - 0.5;
+    let y = (v - v.floor()) * height as f32 - 0.5;
     let (left, top) = (x.floor(), y.floor());
     let (fx, fy) = (x - left, y - top);
     let texel = |x: i32, y: i32| {
         let column = ((x + width) % width).clamp(0, width - 1);
         let row = ((y + height) % height).clamp(0, height - 1);
-        let rgba = tables.texels[(data.first as i32 + row * width + column) as usize];
+        let rgba = tables.texels[(material.texture_first as i32 + row * width + column) as usize];
         let linear = |shift: u32| f32::from_bits(tables.texels[(rgba >> shift & 255) as usize]);
         Vec3::new(linear(0), linear(8), linear(16))
     };

@@ -1,26 +1,10 @@
-// The surface at a hit: the twin of `stages::shade::surface`.
+// The surface at each hit of a dispatch: the twin of `stages::shade::surface`.
 
-struct HitSurface {
-    point: vec3<f32>,
-    origin: vec3<f32>,
-    geometric_normal: vec3<f32>,
-    shading_normal: vec3<f32>,
-    material: MaterialData,
-    base_color: vec3<f32>,
-}
-
-fn largest(v: vec3<f32>) -> f32 {
-    return max(max(abs(v.x), abs(v.y)), abs(v.z));
-}
-
-fn offset_origin(point: vec3<f32>, normal: vec3<f32>, pq: vec3<f32>, pr: vec3<f32>) -> vec3<f32> {
-    let step = largest(point) * OFFSET_OF_POINT + max(largest(pq), largest(pr)) * OFFSET_OF_TRIANGLE;
-    return point + normal * step;
-}
-
-fn hit_surface(direction: vec3<f32>, triangle_index: u32, u: f32, v: f32) -> HitSurface {
-    let triangle = triangles[triangle_index];
-    let material = materials[triangle.w];
+fn hit_surface(direction: vec3<f32>, hit: vec4<u32>) -> SurfaceData {
+    let u = bitcast<f32>(hit.z);
+    let v = bitcast<f32>(hit.w);
+    let triangle = triangles[hit.y];
+    let material = load_material(params.first_material + triangle.w * MATERIAL_WORDS);
     let p = positions[triangle.x].xyz;
     let pq = positions[triangle.y].xyz - p;
     let pr = positions[triangle.z].xyz - p;
@@ -29,12 +13,29 @@ fn hit_surface(direction: vec3<f32>, triangle_index: u32, u: f32, v: f32) -> Hit
         geometric_normal = -geometric_normal;
     }
     let point = p + pq * u + pr * v;
-    return HitSurface(
-        point,
-        offset_origin(point, geometric_normal, pq, pr),
-        geometric_normal,
-        shading_normal(triangle, u, v, geometric_normal, direction),
-        material,
-        material.base_color * texture_factor(triangle, material, u, v),
-    );
+    var surface: SurfaceData;
+    surface.origin = offset_origin(point, geometric_normal, pq, pr);
+    surface.t = bitcast<f32>(hit.x);
+    surface.geometric_normal = geometric_normal;
+    surface.metallic = material.metallic;
+    surface.shading_normal = shading_normal(triangle, u, v, geometric_normal, direction);
+    surface.roughness = material.roughness;
+    surface.base_color = material.base_color * texture_factor(triangle, material, u, v);
+    surface.emission = material.emission;
+    return surface;
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let item = (group.y * groups.x + group.x) * 64u + lane;
+    if item >= params.count {
+        return;
+    }
+    let index = params.first + item;
+    let hit = hits[index];
+    if hit.y == NO_TRIANGLE {
+        surfaces[item].t = bitcast<f32>(infinity_bits);
+        return;
+    }
+    surfaces[item] = hit_surface(directions[index].xyz, hit);
 }

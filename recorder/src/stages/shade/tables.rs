@@ -6,10 +6,8 @@ use scenes::features::Features;
 use scenes::{Light, Scene, Texture};
 
 use super::emitters;
-use crate::stages::shared::{Emitter, MaterialData, TextureData};
+use crate::stages::shared::{Emitter, MaterialData};
 
-/// Value of [`MaterialData::texture`] for materials without one.
-pub const NO_TEXTURE: u32 = u32::MAX;
 /// Texels begin after the table that turns sRGB bytes into linear values.
 pub const LINEAR_TABLE_SIZE: u32 = 256;
 
@@ -26,8 +24,6 @@ pub struct ShadeTables {
     pub triangles: Vec<[u32; 4]>,
     /// Materials.
     pub materials: Vec<MaterialData>,
-    /// Textures.
-    pub textures: Vec<TextureData>,
     /// The bits of 256 linear values, one per sRGB byte, then every texture's RGBA bytes.
     pub texels: Vec<u32>,
     /// What shadow rays pick from; empty if nothing shines.
@@ -50,15 +46,15 @@ impl ShadeTables {
             Light::Environment(sky) => Some(*sky),
             _ => None,
         });
-        let (textures, texels) = pack_textures(&scene.textures);
+        let (places, texels) = pack_textures(&scene.textures);
+        let place = |texture: u32| places[texture as usize];
         let triangles = scene.triangles.iter().zip(&scene.triangle_materials);
         Self {
             positions: scene.positions.clone(),
             normals: scene.normals.clone(),
             uvs: scene.uvs.clone(),
             triangles: triangles.map(|(&[a, b, c], &material)| [a, b, c, material]).collect(),
-            materials: scene.materials.iter().map(material_data).collect(),
-            textures,
+            materials: scene.materials.iter().map(|material| material_data(material, place)).collect(),
             texels,
             emission_density: if total_power > 0.0 {
                 (emitters::POWER_PER_AREA / total_power) as f32
@@ -81,43 +77,42 @@ impl ShadeTables {
         if features.vertex_normals && self.normals.is_empty() {
             self.normals = vec![[0.0; 3]; self.positions.len()];
         }
-        if features.textures && self.textures.is_empty() {
+        if features.textures && self.texels.is_empty() {
             self.uvs = vec![[0.0; 2]; self.positions.len()];
             let white = Texture { width: 1, height: 1, rgba: vec![[255; 4]] };
-            (self.textures, self.texels) = pack_textures(&[white]);
+            self.texels = pack_textures(&[white]).1;
         }
         self
     }
 }
 
-fn material_data(material: &scenes::Material) -> MaterialData {
+fn material_data(material: &scenes::Material, place: impl Fn(u32) -> [u32; 3]) -> MaterialData {
+    let [texture_first, texture_width, texture_height] = material.base_color_texture.map_or([0; 3], place);
     MaterialData {
         base_color: material.base_color,
         metallic: material.metallic,
         emission: material.emission,
         roughness: material.roughness,
-        texture: material.base_color_texture.unwrap_or(NO_TEXTURE),
+        texture_first,
+        texture_width,
+        texture_height,
         ..MaterialData::zeroed()
     }
 }
 
-fn pack_textures(scene_textures: &[Texture]) -> (Vec<TextureData>, Vec<u32>) {
+/// First texel, width and height of every texture, and the texels of all.
+fn pack_textures(scene_textures: &[Texture]) -> (Vec<[u32; 3]>, Vec<u32>) {
     if scene_textures.is_empty() {
         return (Vec::new(), Vec::new());
     }
     let mut texels: Vec<u32> =
         (0..LINEAR_TABLE_SIZE).map(|byte| linear_from_srgb(byte as u8).to_bits()).collect();
-    let mut textures = Vec::new();
+    let mut places = Vec::new();
     for texture in scene_textures {
-        textures.push(TextureData {
-            first: texels.len() as u32,
-            width: texture.width,
-            height: texture.height,
-            unused: 0,
-        });
+        places.push([texels.len() as u32, texture.width, texture.height]);
         texels.extend(texture.rgba.iter().map(|&rgba| u32::from_le_bytes(rgba)));
     }
-    (textures, texels)
+    (places, texels)
 }
 
 /// Inverse of the sRGB transfer function (IEC 61966-2-1).

@@ -64,9 +64,12 @@ impl Tiling {
     /// Workgroups that sort tiles together where subgroups let them, else threads on their own.
     fn of(adapter: &AdapterDescription) -> Self {
         let threads = (SUBGROUPS * adapter.subgroup_min_size).min(MOST_THREADS);
-        let can_share = adapter.subgroups && threads >= adapter.subgroup_max_size;
+        let shared = Self::shared(threads, KEYS_PER_THREAD);
+        let can_share = adapter.subgroups
+            && threads >= adapter.subgroup_max_size
+            && shared.shared_bytes() <= adapter.limits.workgroup_bytes;
         if can_share && !adapter.is_software() {
-            Self::shared(threads, KEYS_PER_THREAD)
+            shared
         } else {
             let columns = adapter.limits.workgroup_bytes / (BINS * size_of::<u32>()) as u32;
             Self::serial(columns.min(MOST_SERIAL_THREADS), SERIAL_TILE_KEYS)
@@ -94,6 +97,13 @@ impl Tiling {
             tile_keys: threads * keys_per_thread,
             tiles_per_workgroup: 1,
         }
+    }
+
+    /// Bytes of workgroup memory that sorting a tile together takes: the tile, the bins of each subgroup,
+    /// their starts and offsets, and what the threads sum up.
+    fn shared_bytes(&self) -> u32 {
+        let bins = BINS as u32 * (SUBGROUPS + 2);
+        (self.tile_keys + bins + self.scan_threads) * size_of::<u32>() as u32
     }
 }
 
@@ -282,7 +292,7 @@ fn wgsl(tiling: &Tiling) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::test_gpu;
+    use crate::gpu::{skipped, test_gpu};
     use crate::stages::sort::test_keys::{self, expected};
 
     fn upload(keys: &[u64], bits: u32) -> SortKeys {
@@ -311,8 +321,13 @@ mod tests {
         let adapter = test_gpu().adapter();
         let mut tilings = vec![Tiling::serial(16, 64)];
         if adapter.subgroups {
-            let threads = SUBGROUPS * adapter.subgroup_min_size;
-            tilings.push(Tiling::shared(threads.min(MOST_THREADS), 2));
+            // Subgroups may be wider than this; then there are fewer in a workgroup.
+            let threads = (SUBGROUPS * adapter.subgroup_min_size).min(MOST_THREADS);
+            tilings.push(Tiling::shared(threads, 2));
+            // What graphics cards get, whose keys stay in registers; as wide as this adapter allows.
+            tilings.push(Tiling::shared(threads, KEYS_PER_THREAD));
+        } else {
+            skipped("sorting tiles together", "the adapter has no subgroups");
         }
         tilings
     }

@@ -1,6 +1,6 @@
 //! Trace on the GPU: kernels composed per hierarchy, kind of ray, order and alpha masks.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use formats::ray::{Hit, Kind};
 use scenes::Scene;
 use scenes::bvh::{BVH2_STACK, Bvh, CWBVH_STACK};
@@ -85,8 +85,7 @@ fn write_result(place: u32, query: ptr<function, Query>) {
 ";
 
 /// The module of a variant. Bindings: origins, directions; the permutation where there is one;
-/// results; leaves (or scene triangles), positions; mask numbers, triangles and alphas where there
-/// are masks; the nodes or the driver's hierarchy.
+/// results; leaves (or scene triangles), positions; the masks where there are any; the nodes or the driver's hierarchy.
 pub fn module(variant: &TraceVariant) -> Module {
     let element = match (variant.count_work, variant.kind) {
         (true, _) => "vec2<u32>",
@@ -102,10 +101,7 @@ pub fn module(variant: &TraceVariant) -> Module {
     }
     module = module.write("results", element).read("leaves", "vec4<u32>").read("positions", "vec4<f32>");
     if variant.masks {
-        module = module
-            .read("mask_numbers", "u32")
-            .read("mask_triangles", "MaskedTriangle")
-            .read("mask_alphas", "u32");
+        module = module.read("masks", "u32");
     }
     module = match variant.kernel {
         TraceKernel::RayQuery => module.driver_hierarchy("hierarchy"),
@@ -122,7 +118,8 @@ pub fn module(variant: &TraceVariant) -> Module {
         (false, Kind::Shadow) => SHADOW_RESULT,
     };
     let masks = if variant.masks {
-        format!("{}{}", MaskedTriangle::description().wgsl, include_str!("mask.wgsl"))
+        let masked = MaskedTriangle::description();
+        [&masked.wgsl, &masked.wgsl_loader("load_mask", "masks"), include_str!("mask.wgsl")].concat()
     } else {
         NO_MASKS.to_owned()
     };
@@ -169,7 +166,7 @@ pub struct Tracer {
     kernel: TraceKernel,
     leaves: DeviceArray<[u32; 4]>,
     positions: DeviceArray<[f32; 4]>,
-    masks: Option<MaskArrays>,
+    masks: Option<DeviceArray<u32>>,
     hierarchy: Hierarchy,
     precision: Precision,
     compiled: Vec<(TraceVariant, Kernel)>,
@@ -180,26 +177,42 @@ enum Hierarchy {
     Driver(DriverHierarchy),
 }
 
-struct MaskArrays {
-    numbers: DeviceArray<u32>,
-    triangles: DeviceArray<MaskedTriangle>,
-    alphas: DeviceArray<u32>,
+/// The masks of a scene that has any.
+fn mask_array(gpu: &Gpu, masks: &Masks) -> Result<Option<DeviceArray<u32>>> {
+    if masks.is_empty() {
+        return Ok(None);
+    }
+    Ok(Some(gpu.array_of("trace::masks", &mask_words(masks)?)?))
 }
 
-impl MaskArrays {
-    fn new(gpu: &Gpu, masks: &Masks) -> Result<Option<Self>> {
-        if masks.is_empty() {
-            return Ok(None);
-        }
-        let words = masks.alphas.chunks(4).map(|bytes| {
-            (0..).zip(bytes).fold(0u32, |word, (place, &byte)| word | u32::from(byte) << (8 * place))
-        });
-        Ok(Some(Self {
-            numbers: gpu.array_of("trace::mask_numbers", &masks.numbers)?,
-            triangles: gpu.array_of("trace::mask_triangles", &masks.triangles)?,
-            alphas: gpu.array_of("trace::mask_alphas", &words.collect::<Vec<_>>())?,
-        }))
+/// All masks in one array of words: per scene triangle the word where its mask begins, 0 for none;
+/// the masks, whose `first` counts bytes of the whole array; the alpha bytes.
+///
+/// # Errors
+/// If there are more bytes than a word can count.
+fn mask_words(masks: &Masks) -> Result<Vec<u32>> {
+    const MASK_WORDS: usize = size_of::<MaskedTriangle>() / size_of::<u32>();
+    let first_mask = masks.numbers.len();
+    let first_alpha = first_mask + MASK_WORDS * masks.triangles.len();
+    let alpha_bytes = first_alpha * size_of::<u32>();
+    let bytes = alpha_bytes + masks.alphas.len();
+    ensure!(
+        u32::try_from(bytes).is_ok(),
+        "the alpha masks of {} triangles take {bytes} bytes, more than 32 bits can count; use --backend cpu",
+        masks.triangles.len()
+    );
+    let place = |&number: &u32| {
+        number.checked_sub(1).map_or(0, |mask| (first_mask + MASK_WORDS * mask as usize) as u32)
+    };
+    let mut words: Vec<u32> = masks.numbers.iter().map(place).collect();
+    for triangle in &masks.triangles {
+        let moved = MaskedTriangle { first: triangle.first + alpha_bytes as u32, ..*triangle };
+        words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&moved)));
     }
+    words.extend(masks.alphas.chunks(4).map(|bytes| {
+        (0..).zip(bytes).fold(0u32, |word, (place, &byte)| word | u32::from(byte) << (8 * place))
+    }));
+    Ok(words)
 }
 
 impl Tracer {
@@ -238,7 +251,7 @@ impl Tracer {
             kernel,
             leaves: gpu.array_of("trace::leaves", &leaves)?,
             positions,
-            masks: MaskArrays::new(gpu, &masks)?,
+            masks: mask_array(gpu, &masks)?,
             hierarchy,
             precision: Precision::default(),
             compiled: Vec::new(),
@@ -307,7 +320,7 @@ impl Tracer {
         resources.extend(permutation.map(DeviceArray::binding));
         resources.extend([results, self.leaves.binding(), self.positions.binding()]);
         if let Some(masks) = &self.masks {
-            resources.extend([masks.numbers.binding(), masks.triangles.binding(), masks.alphas.binding()]);
+            resources.push(masks.binding());
         }
         resources.push(match &self.hierarchy {
             Hierarchy::Nodes(nodes) => nodes.binding(),
@@ -316,11 +329,8 @@ impl Tracer {
         let group = kernel.bind(gpu, 0, &resources)?;
         let total = count as u32;
         let mut run = gpu.stage(kernel.label());
-        run.dispatch_chunks(&kernel, &[&group], ItemRange::new(total, WORKGROUP), |chunk| Span {
-            first: chunk.first,
-            count: chunk.count,
-            total,
-            unused: 0,
+        run.dispatch_chunks(&kernel, &group, ItemRange::new(total, WORKGROUP), |chunk| {
+            Span::of(chunk, total)
         });
         Ok(run.finish()?.elapsed_ns)
     }
@@ -369,7 +379,7 @@ mod tests {
             for masks in [false, true] {
                 let precision = Precision::default();
                 let text = module(&TraceVariant { kernel, kind, order, masks, count_work, precision }).wgsl();
-                for mark in ["mask_numbers", "mask_triangles", "mask_alphas", "MaskedTriangle"] {
+                for mark in ["masks:", "load_mask", "MaskedTriangle"] {
                     assert_eq!(text.contains(mark), masks, "{mark} by {}", kernel.name());
                 }
             }

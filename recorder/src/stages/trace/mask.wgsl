@@ -5,15 +5,15 @@ fn mask_texel(at: f32, size: u32) -> u32 {
 }
 
 fn is_hole(triangle: u32, u: f32, v: f32) -> bool {
-    let number = mask_numbers[triangle];
-    if number == 0u {
+    let at = masks[triangle];
+    if at == 0u {
         return false;
     }
-    let mask = mask_triangles[number - 1u];
+    let mask = load_mask(at);
     let w = (1.0 - u) - v;
     let x = (w * mask.uv_a.x + u * mask.uv_b.x) + v * mask.uv_c.x;
     let y = (w * mask.uv_a.y + u * mask.uv_b.y) + v * mask.uv_c.y;
     let place = mask.first + mask_texel(y, mask.height) * mask.width + mask_texel(x, mask.width);
-    let alpha = (mask_alphas[place / 4u] >> (8u * (place % 4u))) & 255u;
+    let alpha = (masks[place / 4u] >> (8u * (place % 4u))) & 255u;
     return alpha < mask.threshold;
 }

@@ -1,0 +1,143 @@
+//! Shading on the GPU: the kernels in turn, then the queues that are left moved together.
+
+use anyhow::Result;
+use formats::ray::Kind;
+
+use super::backend::{GpuHits, GpuRays, WORKGROUP};
+use super::kernels::Kernels;
+use super::run::ItemRange;
+use super::scene::SceneArrays;
+use super::{DeviceArray, Gpu};
+use crate::backend::{Setup, Shaded, Timed};
+use crate::stages::compact::gpu::Scan;
+use crate::stages::shared::{ShadeParams, Span, SurfaceData};
+
+/// The scene as shading reads it, and what its kernels write.
+pub(super) struct Shading {
+    scene: SceneArrays,
+    /// Of one dispatch.
+    surfaces: DeviceArray<SurfaceData>,
+    /// Where rays of both kinds start, at the place of each path.
+    origins: DeviceArray<[f32; 4]>,
+    shadow: Candidates,
+    next: Candidates,
+    scan: Scan,
+    places: DeviceArray<u32>,
+}
+
+/// What shading writes at the place of each path: shadow rays or next rays, none where t_max is 0.
+struct Candidates {
+    directions: DeviceArray<[f32; 4]>,
+    states: DeviceArray<[u32; 4]>,
+}
+
+impl Candidates {
+    fn new(gpu: &Gpu, queue: &str, pixels: usize) -> Result<Self> {
+        Ok(Self {
+            directions: gpu.array(&format!("shade::{queue}_directions"), pixels)?,
+            states: gpu.array(&format!("shade::{queue}_states"), pixels)?,
+        })
+    }
+}
+
+impl Shading {
+    /// Uploads the scene and makes room for a picture.
+    ///
+    /// # Errors
+    /// If something does not fit the adapter.
+    pub(super) fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
+        let pixels = setup.width as usize * setup.height as usize;
+        Ok(Self {
+            scene: SceneArrays::new(gpu, &setup.tables, &setup.features)?,
+            surfaces: gpu.array("shade::surfaces", pixels.min(ItemRange::PER_SUBMISSION as usize))?,
+            origins: gpu.array("shade::origins", pixels)?,
+            shadow: Candidates::new(gpu, "shadow", pixels)?,
+            next: Candidates::new(gpu, "next", pixels)?,
+            scan: Scan::new(gpu)?,
+            places: gpu.array("compact::places", pixels)?,
+        })
+    }
+
+    /// Shades a queue: light to `film`, and the queues that are left.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub(super) fn run(
+        &self,
+        gpu: &Gpu,
+        kernels: &Kernels,
+        params: ShadeParams,
+        (rays, hits): (&GpuRays, &GpuHits),
+        film: &DeviceArray<[f32; 4]>,
+    ) -> Result<Timed<Shaded<GpuRays>>> {
+        let scene = &self.scene;
+        let mut resources = vec![
+            rays.directions.binding(),
+            hits.array(),
+            scene.triangles.binding(),
+            scene.positions.binding(),
+            scene.tables.binding(),
+        ];
+        resources.extend(scene.normals.iter().map(DeviceArray::binding));
+        resources.extend(scene.uvs.iter().map(DeviceArray::binding));
+        resources.push(self.surfaces.binding());
+        let surface = kernels.surface.bind(gpu, 0, &resources)?;
+        let path = [
+            self.surfaces.binding(),
+            rays.directions.binding(),
+            rays.path_ids.binding(),
+            rays.states.binding(),
+        ];
+        let to_shadow = [
+            scene.emitters.binding(),
+            film.binding(),
+            self.shadow.directions.binding(),
+            self.shadow.states.binding(),
+        ];
+        let shadow = kernels.shadow.bind(gpu, 0, &[&path[..], &to_shadow].concat())?;
+        let to_next = [self.origins.binding(), self.next.directions.binding(), self.next.states.binding()];
+        let next = kernels.next.bind(gpu, 0, &[&path[..], &to_next].concat())?;
+        let mut run = gpu.stage("shade");
+        let in_turn = [(&kernels.surface, &surface), (&kernels.shadow, &shadow), (&kernels.next, &next)];
+        run.dispatch_in_turn(&in_turn, ItemRange::new(rays.count as u32, WORKGROUP), |chunk| ShadeParams {
+            first: chunk.first,
+            count: chunk.count,
+            ..params
+        });
+        let shade_ns = run.finish()?.elapsed_ns;
+        let (shadow, shadow_ns) = self.compact(gpu, kernels, &self.shadow, rays, Kind::Shadow)?;
+        let (next, next_ns) = self.compact(gpu, kernels, &self.next, rays, Kind::Closest)?;
+        Ok(Timed { value: Shaded { next, shadow }, elapsed_ns: shade_ns + shadow_ns + next_ns })
+    }
+
+    /// The candidates that live, as a queue of the bounce that they belong to.
+    fn compact(
+        &self,
+        gpu: &Gpu,
+        kernels: &Kernels,
+        candidates: &Candidates,
+        rays: &GpuRays,
+        kind: Kind,
+    ) -> Result<(GpuRays, u64)> {
+        let scanned = self.scan.run(gpu, &candidates.directions, &self.places, rays.count)?;
+        let bounce = rays.bounce + u32::from(kind == Kind::Closest);
+        let live = GpuRays::new(gpu, kind, bounce, scanned.total as usize)?;
+        let from = [candidates.directions.binding(), self.places.binding()];
+        let ray = [self.origins.binding(), live.origins.binding(), live.directions.binding()];
+        let path = [
+            candidates.states.binding(),
+            rays.path_ids.binding(),
+            live.states.binding(),
+            live.path_ids.binding(),
+        ];
+        let [move_rays, move_paths] = &kernels.compact;
+        let ray = move_rays.bind(gpu, 0, &[&from[..], &ray].concat())?;
+        let path = move_paths.bind(gpu, 0, &[&from[..], &path].concat())?;
+        let mut run = gpu.stage("compact");
+        let items = ItemRange::new(rays.count as u32, WORKGROUP);
+        run.dispatch_in_turn(&[(move_rays, &ray), (move_paths, &path)], items, |chunk| {
+            Span::of(chunk, items.count)
+        });
+        Ok((live, scanned.elapsed_ns + run.finish()?.elapsed_ns))
+    }
+}
