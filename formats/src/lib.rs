@@ -10,6 +10,7 @@
 //! - [`summary`]: a dump in one object, for people and programs
 //! - [`files`], [`text`]: whole files read and replaced with care; names from files on a terminal
 
+mod array_file;
 pub mod bench_result;
 pub mod files;
 pub mod folder;

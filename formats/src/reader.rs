@@ -1,27 +1,23 @@
 //! Reads dumps and trusts nothing: everything that the manifest says is checked before it is used.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::{self, Read};
-use std::marker::PhantomData;
-use std::ops::Deref;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
-use memmap2::Mmap;
 use sha2::{Digest, Sha256};
 
+use crate::array_file::{self, Access, described};
 use crate::manifest::{
-    self, ArrayRecord, Fault, Manifest, ManifestError, Outcome, Place, QueueArray, Source,
+    self, ArrayRecord, Fault, Manifest, ManifestError, NAME_CHARACTERS, Outcome, Place, QueueArray, Source,
 };
-use crate::npy::{self, Dtype, Element, NpyError};
+use crate::npy::{Element, NpyError};
 use crate::text::one_line;
 use crate::{folder, manifest::scan::scan};
 
+pub use crate::array_file::{Mapped, MappedBytes};
+
 #[cfg(target_endian = "big")]
 compile_error!("arrays are mapped as they lie in the file, which is little-endian");
-
-/// Characters of a recording's name that a message shows.
-const NAME_CHARACTERS: usize = 80;
 
 /// Why a dump or one of its arrays cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -254,9 +250,14 @@ impl Dump {
     /// # Errors
     /// If the dump does not have it, or its file is not what the manifest says.
     pub fn array<T: Element>(&self, place: &Place) -> Result<Mapped<T>, ReadError> {
+        self.array_by(place, Access::Map)
+    }
+
+    /// [`Dump::array`], mapped or copied.
+    pub(crate) fn array_by<T: Element>(&self, place: &Place, access: Access) -> Result<Mapped<T>, ReadError> {
         let Some(record) = self.record(place) else {
             return match self.source_of(place) {
-                Some(source) => source.array(place),
+                Some(source) => source.array_by(place, access),
                 None => Err(self.missing(place)),
             };
         };
@@ -268,8 +269,7 @@ impl Dump {
                 expected: format!("{} in columns of {}", T::DTYPE, T::COLUMNS),
             });
         }
-        let MappedBytes { map, data_offset } = self.bytes(record)?;
-        Ok(Mapped { map, data_offset, element: PhantomData })
+        array_file::load(&self.root, record, access).map(Mapped::new)
     }
 
     fn missing(&self, place: &Place) -> ReadError {
@@ -300,7 +300,7 @@ impl Dump {
     /// # Errors
     /// If its file is not what the record says.
     pub fn bytes(&self, record: &ArrayRecord) -> Result<MappedBytes, ReadError> {
-        map_array(&self.root, record)
+        array_file::load(&self.root, record, Access::Map)
     }
 }
 
@@ -337,105 +337,4 @@ fn find(path: &Path) -> Result<PathBuf, ReadError> {
         (None, None) => String::new(),
     };
     Err(ReadError::Missing { path: path.to_owned(), hint })
-}
-
-fn described(dtype: Dtype, shape: &[u64]) -> String {
-    format!("{dtype} {shape:?}")
-}
-
-/// Checks the file of an array against its record and maps it.
-pub(crate) fn map_array(root: &Path, record: &ArrayRecord) -> Result<MappedBytes, ReadError> {
-    let path = plain_file(root, &record.place)?;
-    let io_error = |cause| ReadError::Io { path: path.clone(), cause };
-    let header = npy::header(record.dtype, &record.shape);
-    let mut file = File::open(&path).map_err(io_error)?;
-    let found = file.metadata().map_err(io_error)?.len();
-    let expected = record.bytes.checked_add(header.len() as u64);
-    if expected != Some(found) {
-        let expected = expected.unwrap_or(u64::MAX);
-        return Err(ReadError::FileLength { path, found, expected, data: record.bytes });
-    }
-    let mut start = vec![0; header.len()];
-    file.read_exact(&mut start).map_err(io_error)?;
-    if start != header {
-        return Err(match npy::parse_header(&start) {
-            Ok(found) => ReadError::Header {
-                path,
-                found: format!("{} in {} bytes", described(found.dtype, &found.shape), found.data_offset),
-                expected: format!("{} in {} bytes", described(record.dtype, &record.shape), header.len()),
-            },
-            Err(cause) => ReadError::Npy { path, cause },
-        });
-    }
-    // SAFETY: the map is read-only, and its length was just compared with the file's. Dumps are not
-    // changed once they have their name; whoever cuts a file that is mapped ends this process by a
-    // signal, and whoever writes to it changes plain numbers that are valid whatever their bits.
-    let map = unsafe { Mmap::map(&file) }.map_err(io_error)?;
-    if map.len() as u64 != found {
-        return Err(ReadError::FileLength {
-            path,
-            found: map.len() as u64,
-            expected: found,
-            data: record.bytes,
-        });
-    }
-    Ok(MappedBytes { map, data_offset: header.len() })
-}
-
-/// The path of an array, if all that leads to it from the root is plain folders and a plain file.
-fn plain_file(root: &Path, place: &Place) -> Result<PathBuf, ReadError> {
-    let mut path = root.to_owned();
-    let relative = place.to_string();
-    let mut parts = relative.split('/').peekable();
-    while let Some(part) = parts.next() {
-        path.push(part);
-        let kind = match fs::symlink_metadata(&path) {
-            Ok(metadata) => metadata.file_type(),
-            Err(cause) => return Err(ReadError::Io { path, cause }),
-        };
-        let is_last = parts.peek().is_none();
-        if !(if is_last { kind.is_file() } else { kind.is_dir() }) {
-            let expected = if is_last { "file" } else { "folder" };
-            let found = match (kind.is_symlink(), kind.is_dir(), kind.is_file()) {
-                (true, ..) => "a link",
-                (_, true, _) => "a folder",
-                (_, _, true) => "a file",
-                _ => "neither a file nor a folder",
-            };
-            return Err(ReadError::NotPlain { path, found, expected });
-        }
-    }
-    Ok(path)
-}
-
-/// The data of an array as bytes.
-#[derive(Debug)]
-pub struct MappedBytes {
-    map: Mmap,
-    data_offset: usize,
-}
-
-impl Deref for MappedBytes {
-    type Target = [u8];
-
-    fn deref(&self) -> &[u8] {
-        &self.map[self.data_offset..]
-    }
-}
-
-/// The data of an array as values.
-#[derive(Debug)]
-pub struct Mapped<T> {
-    map: Mmap,
-    data_offset: usize,
-    element: PhantomData<fn() -> T>,
-}
-
-impl<T: Element> Deref for Mapped<T> {
-    type Target = [T];
-
-    fn deref(&self) -> &[T] {
-        // Maps start at a page and data at a multiple of 64 bytes, so the cast cannot fail.
-        bytemuck::cast_slice(&self.map[self.data_offset..])
-    }
 }

@@ -14,10 +14,9 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use crate::folder;
 use crate::manifest::scan::{Frame, scan};
 use crate::manifest::{self, ArrayRecord, End, Fault, ManifestError, Outcome, Record, encode_frame};
-use crate::reader::map_array;
+use crate::{array_file, folder};
 
 /// The new manifest until it takes the old one's name.
 pub(crate) const NEW_MANIFEST: &str = "manifest.bin.new";
@@ -198,16 +197,10 @@ fn longest_prefix(root: &Path, manifest_path: &Path) -> Result<Kept, RecoverErro
 
 /// What is wrong with an array's file, if anything.
 pub(crate) fn damage(root: &Path, array: &ArrayRecord) -> Option<String> {
-    match map_array(root, array) {
-        Ok(bytes) => {
-            let found = crc32c::crc32c(&bytes);
-            (found != array.crc32c).then(|| {
-                format!(
-                    "{}: the checksum of the data is {found:08x}, expected {:08x}",
-                    array.place, array.crc32c
-                )
-            })
-        }
+    match array_file::checksum(root, array) {
+        Ok(found) => (found != array.crc32c).then(|| {
+            format!("{}: the checksum of the data is {found:08x}, expected {:08x}", array.place, array.crc32c)
+        }),
         Err(error) => Some(error.to_string()),
     }
 }

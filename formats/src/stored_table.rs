@@ -2,9 +2,10 @@
 
 use crate::key::{Encoder, LayoutText};
 use crate::length_table::{LengthCell, LengthTable, LengthTableError, TABLE_BITS_MAX, TABLE_BITS_MIN};
-use crate::manifest::{Header, Place, QueueArray, QueueId};
+use crate::manifest::{Header, NAME_CHARACTERS, Place, QueueArray, QueueId};
 use crate::ray::Ray;
 use crate::reader::{Dump, Mapped, ReadError};
+use crate::text::one_line;
 use crate::unit_space::UnitSpace;
 
 /// Why a queue has no usable length table.
@@ -20,7 +21,10 @@ pub enum StoredTableError {
         bits: u32,
     },
     /// The header does not say how a ray finds its cell.
-    #[error("'{}' is no layout by which a ray finds its cell in the length table", layout.escape_debug())]
+    #[error(
+        "'{}' is no layout by which a ray finds its cell in the length table",
+        one_line(layout, NAME_CHARACTERS)
+    )]
     Layout {
         /// What the header says.
         layout: String,

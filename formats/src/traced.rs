@@ -1,5 +1,6 @@
 //! Traced lengths: the rays of a queue and what came of them (KEYS, "Traced length").
 
+use crate::array_file::Access;
 use crate::manifest::{Place, QueueArray, QueueId};
 use crate::ray::{Hit, Kind, Ray};
 use crate::reader::{Dump, Mapped, ReadError};
@@ -55,11 +56,17 @@ impl Traced {
     /// # Errors
     /// If either was not kept, cannot be read, or they do not belong together.
     pub fn open(dump: &Dump, queue: QueueId) -> Result<Self, TracedError> {
+        Self::open_by(dump, queue, Access::Map)
+    }
+
+    /// [`Traced::open`], mapped or copied.
+    pub(crate) fn open_by(dump: &Dump, queue: QueueId, access: Access) -> Result<Self, TracedError> {
+        let place = |array| Place::Queue(queue, array);
         let scene = &dump.manifest().header.scene;
-        let rays: Mapped<Ray> = dump.array(&Place::Queue(queue, QueueArray::Rays))?;
+        let rays: Mapped<Ray> = dump.array_by(&place(QueueArray::Rays), access)?;
         let results = match queue.kind {
-            Kind::Closest => Results::Hits(dump.array(&Place::Queue(queue, QueueArray::Hits))?),
-            Kind::Shadow => Results::Distances(dump.array(&Place::Queue(queue, QueueArray::Distances))?),
+            Kind::Closest => Results::Hits(dump.array_by(&place(QueueArray::Hits), access)?),
+            Kind::Shadow => Results::Distances(dump.array_by(&place(QueueArray::Distances), access)?),
         };
         if results.len() != rays.len() {
             return Err(TracedError::Lengths { queue, rays: rays.len(), results: results.len() });

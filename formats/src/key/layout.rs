@@ -9,6 +9,10 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::{COORDINATE_BITS, LAYOUT_BITS};
+use crate::text::one_line;
+
+/// Most characters of a text that a message shows.
+const SHOWN: usize = 200;
 
 macro_rules! coordinates {
     ($($(#[doc = $doc:literal])* $variant:ident = $name:literal $(| $alias:literal)?,)*) => {
@@ -96,10 +100,13 @@ pub struct LayoutError {
 
 impl fmt::Display for LayoutError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let blanks = " ".repeat(self.start);
-        let marks = "^".repeat(self.length);
+        // Of a text that fills the screen, the part at fault.
+        let skipped = self.start.saturating_sub(SHOWN / 2);
+        let blanks = " ".repeat(self.start - skipped);
+        let marks = "^".repeat(self.length.min(SHOWN / 2));
+        let shown = self.text.chars().skip(skipped).take(SHOWN);
         // As many places as characters, and nothing that a terminal obeys.
-        let text: String = self.text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let text: String = shown.map(|c| if c.is_control() { ' ' } else { c }).collect();
         write!(f, "{}\n  {text}\n  {blanks}{marks}", self.message)
     }
 }
@@ -297,7 +304,11 @@ impl Parser<'_> {
             || {
                 let known: Vec<_> = Coordinate::ALL.iter().map(|coordinate| coordinate.name()).collect();
                 self.error(
-                    &format!("unknown coordinate '{name}'; there are {}", known.join(" ")),
+                    &format!(
+                        "unknown coordinate '{}'; there are {}",
+                        one_line(&name, SHOWN),
+                        known.join(" ")
+                    ),
                     start,
                     length,
                 )

@@ -6,6 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{LayoutError, LayoutText};
 use crate::ray::Kind;
+use crate::text::one_line;
+
+/// Most characters of what was asked for that a message shows.
+const SHOWN: usize = 200;
 
 /// Where a method's estimate of a ray's length comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -54,14 +58,15 @@ pub const BUILTIN: &[(&str, &str, Termination)] = &[
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MethodError {
     /// No built-in method has this name.
-    #[error("there is no method '{}'; there are unsorted, {known}, and your own as 'name=layout'", name.escape_debug(), known = builtin_names())]
+    #[error("there is no method '{}'; there are unsorted, {known}, and your own as 'name=layout'", one_line(name, SHOWN), known = builtin_names())]
     Unknown {
         /// What was asked for.
         name: String,
     },
     /// A user's method without a usable name.
     #[error(
-        "'{definition}' is not a method: write 'name=layout' with a name of small letters, digits and dashes that no built-in method has"
+        "'{}' is not a method: write 'name=layout' with a name of small letters, digits and dashes that no built-in method has",
+        one_line(definition, SHOWN)
     )]
     BadName {
         /// What was typed.

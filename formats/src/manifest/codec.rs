@@ -6,10 +6,11 @@ use bincode::enc::Encoder;
 use bincode::error::{DecodeError, EncodeError};
 use bincode::{BorrowDecode, Decode, Encode};
 
-use super::{FORMAT_VERSION, FRAME_BYTES, Place, RECORD_BYTES_MAX, Record};
+use super::{FORMAT_VERSION, FRAME_BYTES, NAME_CHARACTERS, Place, RECORD_BYTES_MAX, Record};
 use crate::key::{LightSite, Termination};
 use crate::npy::Dtype;
 use crate::ray::Kind;
+use crate::text::one_line;
 
 /// Kinds of records that this version knows: the number of variants of [`Record`].
 pub(super) const RECORD_KINDS: u32 = 7;
@@ -104,11 +105,13 @@ macro_rules! encode_as {
 }
 
 encode_as!(Place as String, Place::to_string, |path| {
-    Place::parse(&path).ok_or_else(|| format!("'{}' is not the path of an array", path.escape_debug()))
+    Place::parse(&path)
+        .ok_or_else(|| format!("'{}' is not the path of an array", one_line(&path, NAME_CHARACTERS)))
 });
 
 encode_as!(Dtype as String, |dtype| dtype.descr().to_owned(), |descr| {
-    Dtype::from_descr(&descr).ok_or_else(|| format!("unknown element type '{}'", descr.escape_debug()))
+    Dtype::from_descr(&descr)
+        .ok_or_else(|| format!("unknown element type '{}'", one_line(&descr, NAME_CHARACTERS)))
 });
 
 encode_as!(

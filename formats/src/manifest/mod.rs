@@ -3,10 +3,12 @@
 //! - [`records`]: what the manifest says, record by record
 //! - [`place`]: where each array lies and what it may look like
 //! - `codec`: a record as bytes, and back
-//! - [`scan`]: a manifest file as records, up to the first fault
+//! - [`scan`]: a manifest file as records, up to the first fault or past damaged ones
+//! - [`check`]: whether a header is one that a recorder writes
 //!
 //! The bytes are described in FORMAT.md.
 
+pub mod check;
 mod codec;
 pub mod place;
 pub mod records;
@@ -33,6 +35,8 @@ pub const PREAMBLE_BYTES: usize = 16;
 pub const FRAME_BYTES: usize = 8;
 /// Longest record that is read or written; no header, however many lights there are, comes near it.
 pub const RECORD_BYTES_MAX: usize = 64 << 20;
+/// Most characters of a text of a manifest that a message shows.
+pub(crate) const NAME_CHARACTERS: usize = 100;
 
 /// The first [`PREAMBLE_BYTES`] bytes of a manifest.
 pub fn preamble() -> [u8; PREAMBLE_BYTES] {

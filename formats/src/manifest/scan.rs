@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 
 use super::codec::{self, RECORD_KINDS};
 use super::{
-    ArrayRecord, CacheRecord, End, FORMAT_VERSION, FRAME_BYTES, Header, MAGIC, MethodRecord, PREAMBLE_BYTES,
-    QueueId, QueueRecord, RECORD_BYTES_MAX, Record, TimingRecord,
+    ArrayRecord, CacheRecord, End, FORMAT_VERSION, FRAME_BYTES, Header, MAGIC, MethodRecord, NAME_CHARACTERS,
+    PREAMBLE_BYTES, QueueId, QueueRecord, RECORD_BYTES_MAX, Record, TimingRecord,
 };
 use crate::npy;
+use crate::text::one_line;
 
 /// Why a manifest cannot be read at all.
 #[derive(Debug, thiserror::Error)]
@@ -119,15 +120,24 @@ pub struct Scan {
     pub fault: Option<Fault>,
 }
 
+/// What is left of a damaged manifest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Salvage {
+    /// The records that can be read, in order.
+    pub frames: Vec<Frame>,
+    /// What is wrong with each record that was passed over, since whole ones follow it.
+    pub passed_over: Vec<Fault>,
+    /// Why nothing more can be read, unless the file simply ends.
+    pub fault: Option<Fault>,
+}
+
 /// Reads the records of the manifest at `path`.
 ///
 /// # Errors
 /// If the file cannot be read, or is not a manifest of this version.
 pub fn scan(path: &Path) -> Result<Scan, ManifestError> {
-    let io_error = |cause| ManifestError::Io { path: path.to_owned(), cause };
-    let file = File::open(path).map_err(io_error)?;
-    let file_bytes = file.metadata().map_err(io_error)?.len();
-    scan_bytes(BufReader::with_capacity(1 << 18, file), file_bytes, path)
+    let (reader, bytes) = open(path)?;
+    scan_bytes(reader, bytes, path)
 }
 
 /// Reads the records of a manifest of `bytes` bytes; `path` is what errors call it. Memory: the
@@ -135,39 +145,119 @@ pub fn scan(path: &Path) -> Result<Scan, ManifestError> {
 ///
 /// # Errors
 /// If it cannot be read, or is not a manifest of this version.
-pub fn scan_bytes(mut reader: impl Read, bytes: u64, path: &Path) -> Result<Scan, ManifestError> {
-    let io_error = |cause| ManifestError::Io { path: path.to_owned(), cause };
-    if bytes < PREAMBLE_BYTES as u64 {
-        let fault = Fault::Torn { offset: 0, found: bytes, expected: PREAMBLE_BYTES as u64 };
-        return Ok(Scan { frames: Vec::new(), fault: Some(fault) });
-    }
-    let mut preamble = [0; PREAMBLE_BYTES];
-    reader.read_exact(&mut preamble).map_err(io_error)?;
-    check_preamble(path, &preamble)?;
-
+pub fn scan_bytes(reader: impl Read, bytes: u64, path: &Path) -> Result<Scan, ManifestError> {
+    let mut records = Records::new(reader, bytes, path);
     let mut frames = Vec::new();
-    let mut order = Order::default();
-    let mut offset = PREAMBLE_BYTES as u64;
-    while offset < bytes {
-        let payload = match read_payload(&mut reader, offset, bytes - offset).map_err(io_error)? {
-            Ok(payload) => payload,
-            Err(fault) => return Ok(Scan { frames, fault: Some(fault) }),
+    let fault = loop {
+        match records.next()? {
+            Next::Record(frame) => frames.push(frame),
+            Next::Damaged(fault) | Next::Broken(fault) => break Some(fault),
+            Next::End => break None,
+        }
+    };
+    Ok(Scan { frames, fault })
+}
+
+/// Reads what can be read of the manifest at `path`: a damaged record is passed over if its length leads
+/// to a whole one, which no false length does.
+///
+/// # Errors
+/// As [`scan`].
+pub fn salvage(path: &Path) -> Result<Salvage, ManifestError> {
+    let (reader, bytes) = open(path)?;
+    let mut records = Records::new(reader, bytes, path);
+    let mut salvage = Salvage { frames: Vec::new(), passed_over: Vec::new(), fault: None };
+    loop {
+        let next = records.next()?;
+        // Without its header no record has a meaning, and the end record has none after it.
+        let may_go_on = !salvage.frames.is_empty() && !records.order.has_ended;
+        match next {
+            Next::Record(frame) => {
+                salvage.passed_over.extend(salvage.fault.take());
+                salvage.frames.push(frame);
+            }
+            Next::Damaged(fault) if salvage.fault.is_none() && may_go_on => salvage.fault = Some(fault),
+            Next::Damaged(fault) | Next::Broken(fault) => {
+                salvage.fault.get_or_insert(fault);
+                return Ok(salvage);
+            }
+            Next::End => return Ok(salvage),
+        }
+    }
+}
+
+fn open(path: &Path) -> Result<(BufReader<File>, u64), ManifestError> {
+    let io_error = |cause| ManifestError::Io { path: path.to_owned(), cause };
+    let file = File::open(path).map_err(io_error)?;
+    let bytes = file.metadata().map_err(io_error)?.len();
+    Ok((BufReader::with_capacity(1 << 18, file), bytes))
+}
+
+/// Reads one record after the other.
+struct Records<'a, R> {
+    reader: R,
+    /// Bytes of the manifest.
+    bytes: u64,
+    /// Where the next record starts; 0 before the preamble.
+    offset: u64,
+    order: Order,
+    path: &'a Path,
+}
+
+/// What comes next in a manifest.
+enum Next {
+    Record(Frame),
+    /// A record that is damaged or out of place; if its length is right, the next one follows it.
+    Damaged(Fault),
+    /// What has no length that can be believed.
+    Broken(Fault),
+    End,
+}
+
+impl<'a, R: Read> Records<'a, R> {
+    fn new(reader: R, bytes: u64, path: &'a Path) -> Self {
+        Self { reader, bytes, offset: 0, order: Order::default(), path }
+    }
+
+    fn next(&mut self) -> Result<Next, ManifestError> {
+        if self.offset == 0 {
+            if self.bytes < PREAMBLE_BYTES as u64 {
+                let expected = PREAMBLE_BYTES as u64;
+                return Ok(Next::Broken(Fault::Torn { offset: 0, found: self.bytes, expected }));
+            }
+            let mut preamble = [0; PREAMBLE_BYTES];
+            self.reader.read_exact(&mut preamble).map_err(|cause| self.io_error(cause))?;
+            check_preamble(self.path, &preamble)?;
+            self.offset = PREAMBLE_BYTES as u64;
+        }
+        if self.offset >= self.bytes {
+            return Ok(Next::End);
+        }
+        let offset = self.offset;
+        let read = read_payload(&mut self.reader, offset, self.bytes - offset);
+        let (payload, has_right_checksum) = match read.map_err(|cause| self.io_error(cause))? {
+            Ok(read) => read,
+            Err(fault) => return Ok(Next::Broken(fault)),
         };
+        self.offset += (FRAME_BYTES + payload.len()) as u64;
+        if let Err(problem) = has_right_checksum {
+            return Ok(Next::Damaged(Fault::Damaged { offset, problem }));
+        }
         if let Some(kind) = payload.first_chunk().map(|kind| u32::from_le_bytes(*kind))
             && kind >= RECORD_KINDS
         {
-            return Err(ManifestError::UnknownRecord { path: path.to_owned(), offset, kind });
+            return Err(ManifestError::UnknownRecord { path: self.path.to_owned(), offset, kind });
         }
-        let end = offset + (FRAME_BYTES + payload.len()) as u64;
-        match codec::decode(&payload).and_then(|record| order.check(&record).map(|()| record)) {
-            Ok(record) => frames.push(Frame { offset, end, record }),
-            Err(problem) => {
-                return Ok(Scan { frames, fault: Some(Fault::Damaged { offset, problem }) });
-            }
-        }
-        offset = end;
+        let record = codec::decode(&payload).and_then(|record| self.order.check(&record).map(|()| record));
+        Ok(match record {
+            Ok(record) => Next::Record(Frame { offset, end: self.offset, record }),
+            Err(problem) => Next::Damaged(Fault::Damaged { offset, problem }),
+        })
     }
-    Ok(Scan { frames, fault: None })
+
+    fn io_error(&self, cause: io::Error) -> ManifestError {
+        ManifestError::Io { path: self.path.to_owned(), cause }
+    }
 }
 
 fn check_preamble(path: &Path, preamble: &[u8; PREAMBLE_BYTES]) -> Result<(), ManifestError> {
@@ -183,8 +273,11 @@ fn check_preamble(path: &Path, preamble: &[u8; PREAMBLE_BYTES]) -> Result<(), Ma
     }
 }
 
+/// A record's bytes, and what is wrong with its checksum, if anything.
+type Payload = (Vec<u8>, Result<(), String>);
+
 /// The bytes of the record at `offset`, of which the file has `left`; the outer error is the system's.
-fn read_payload(reader: &mut impl Read, offset: u64, left: u64) -> io::Result<Result<Vec<u8>, Fault>> {
+fn read_payload(reader: &mut impl Read, offset: u64, left: u64) -> io::Result<Result<Payload, Fault>> {
     let torn = |expected| Ok(Err(Fault::Torn { offset, found: left, expected }));
     if left < FRAME_BYTES as u64 {
         return torn(FRAME_BYTES as u64);
@@ -205,11 +298,12 @@ fn read_payload(reader: &mut impl Read, offset: u64, left: u64) -> io::Result<Re
     let mut payload = vec![0; length as usize];
     reader.read_exact(&mut payload)?;
     let found = crc32c::crc32c(&payload);
-    if found != checksum {
-        let problem = format!("its checksum is {found:08x}, expected {checksum:08x}");
-        return Ok(Err(Fault::Damaged { offset, problem }));
-    }
-    Ok(Ok(payload))
+    let is_right = if found == checksum {
+        Ok(())
+    } else {
+        Err(format!("its checksum is {found:08x}, expected {checksum:08x}"))
+    };
+    Ok(Ok((payload, is_right)))
 }
 
 /// The rules about records that follow one another.
@@ -236,24 +330,19 @@ impl Order {
                 check_array(array)?;
                 format!("array {}", array.place)
             }
-            Record::Method(method) => format!("method {}", method.name.escape_debug()),
+            Record::Method(method) => format!("method {}", method.name),
             Record::Queue(queue) => format!("queue {}", queue.id),
             Record::End(_) => {
                 self.has_ended = true;
                 return Ok(());
             }
-            Record::Cache(cache) => {
-                let CacheRecord { pass, bounce, kind, method, .. } = cache;
-                format!(
-                    "caches of {} in {}",
-                    method.escape_debug(),
-                    QueueId { pass: *pass, bounce: *bounce, kind: *kind }
-                )
+            Record::Cache(CacheRecord { pass, bounce, kind, method, .. }) => {
+                format!("caches of {method} in {}", QueueId { pass: *pass, bounce: *bounce, kind: *kind })
             }
             Record::Header(_) | Record::Timing(_) => return Ok(()),
         };
         if self.names.contains(&name) {
-            return Err(format!("it describes {name} a second time"));
+            return Err(format!("it describes {} a second time", one_line(&name, 2 * NAME_CHARACTERS)));
         }
         self.names.insert(name);
         Ok(())

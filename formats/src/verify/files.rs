@@ -5,16 +5,28 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 
 use super::{Check, Subject};
+use crate::manifest::NAME_CHARACTERS;
 use crate::reader::DumpState;
 use crate::recover::{damage, strays};
+use crate::text::one_line;
 
-pub(super) fn check(subject: &Subject<'_>) -> Check {
+/// Notes what is wrong with the files of arrays, before any of them is read for what it means.
+pub(super) fn find_damage(subject: &Subject<'_>) {
+    let arrays = &subject.dump.manifest().arrays;
+    let damages: Vec<_> = arrays
+        .par_iter()
+        .filter_map(|array| Some((&array.place, damage(subject.dump.root(), array)?)))
+        .collect();
+    damages.into_iter().for_each(|(place, damage)| subject.note_fault(place, damage));
+}
+
+/// After all other checks, since a file may be damaged while they are made.
+pub(super) fn check(subject: Subject<'_>) -> Check {
     let dump = subject.dump;
     let arrays = &dump.manifest().arrays;
     let mut check = Check::new("files");
     check.checked = arrays.len() as u64;
-    let damages: Vec<_> = arrays.par_iter().filter_map(|array| damage(dump.root(), array)).collect();
-    damages.into_iter().for_each(|damage| check.problems.add(damage));
+    subject.faults.into_inner().into_values().for_each(|fault| check.problems.add(fault));
     if dump.state() == DumpState::Partial {
         check.not_checked.push("files that no record names: the recording is not finished".to_owned());
         return check;
@@ -23,7 +35,8 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
     match strays(dump.root(), &known) {
         Ok(strays) => {
             for stray in strays {
-                check.problems.add(format!("{}: no record names this file", stray.display()));
+                let stray = one_line(&stray.to_string_lossy(), NAME_CHARACTERS);
+                check.problems.add(format!("{stray}: no record names this file"));
             }
         }
         Err(error) => check.problems.add(format!("{}: {error}", dump.root().display())),

@@ -3,44 +3,50 @@
 //! - [`report`]: what was checked and what was found
 //! - `files`: checksums, lengths, headers, files that no record names
 //! - `scene`: the header's own numbers, the scene's arrays, the picture
+//! - `records`: queues, timings and cache records of what was recorded
 //! - `queues`: arrays that belong together, rays, path indices, lights
 //! - `hits`: hits and distances against their rays and triangles
 //! - `orders`: keys recomputed from the stored rays, permutations
 //! - `tables`: length tables, each the one before plus the traced lengths
 //!
-//! Memory is bounded whatever the size of the dump: arrays are mapped one queue at a time.
+//! Memory: the arrays of one queue at a time, beside the scene. They are read, not mapped, so that a file
+//! that is cut meanwhile is a fault like any other.
 
 mod files;
 mod hits;
 mod orders;
 mod queues;
+mod records;
 pub mod report;
 mod scene;
 mod tables;
 
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub use report::{Check, Findings, Report};
 
+use crate::array_file::Access;
 use crate::key::Encoder;
 use crate::length_table::{LengthCell, LengthTable};
 use crate::manifest::{Place, QueueArray, QueueId};
 use crate::npy::Element;
-use crate::reader::{Dump, Mapped};
+use crate::reader::{Dump, Mapped, ReadError};
 use crate::stored_table::{self, StoredTableError};
-use crate::traced::Traced;
+use crate::traced::{Traced, TracedError};
 use crate::unit_space::UnitSpace;
 
 /// Checks everything in a dump that can be checked with what it holds.
 pub fn verify(dump: &Dump) -> Report {
     let subject = Subject::new(dump);
-    let files = files::check(&subject);
-    let mut checks = vec![files];
-    checks.extend(scene::check(&subject));
+    files::find_damage(&subject);
+    let mut checks: Vec<Check> = scene::check(&subject).into();
+    checks.insert(1, records::check(&subject));
     checks.extend(queues::check(&subject));
     checks.extend(hits::check(&subject));
     checks.extend(orders::check(&subject));
     checks.push(tables::check(&subject));
+    checks.insert(0, files::check(subject));
     Report { checks }
 }
 
@@ -50,6 +56,8 @@ struct Subject<'a> {
     unit: UnitSpace,
     /// Every queue with a record or an array, with the arrays' places.
     queues: BTreeMap<QueueId, BTreeSet<Place>>,
+    /// What is wrong with the files of arrays.
+    faults: RefCell<BTreeMap<Place, String>>,
 }
 
 impl<'a> Subject<'a> {
@@ -65,13 +73,25 @@ impl<'a> Subject<'a> {
                 queues.entry(queue).or_default().insert(array.place.clone());
             }
         }
-        Self { dump, unit: UnitSpace::from_bounds(scene.bounds_min, scene.bounds_max), queues }
+        let unit = UnitSpace::from_bounds(scene.bounds_min, scene.bounds_max);
+        Self { dump, unit, queues, faults: RefCell::default() }
     }
 
-    /// An array, if the dump has it and its file is what the manifest says; if it is not, `files`
-    /// has found that already.
+    /// Notes what is wrong with the file of an array; the first thing stands.
+    fn note_fault(&self, place: &Place, fault: String) {
+        self.faults.borrow_mut().entry(place.clone()).or_insert(fault);
+    }
+
+    /// An array, if the dump or its source has it; what is wrong with its file is noted.
     fn array<T: Element>(&self, place: &Place) -> Option<Mapped<T>> {
-        self.dump.array(place).ok()
+        let array = self.dump.array_by(place, Access::Read);
+        array.map_err(|error| self.note_error(place, &error)).ok()
+    }
+
+    fn note_error(&self, place: &Place, error: &ReadError) {
+        if !matches!(error, ReadError::NoSuchArray { .. }) {
+            self.note_fault(place, error.to_string());
+        }
     }
 
     fn queue_array<T: Element>(&self, queue: QueueId, array: QueueArray) -> Option<Mapped<T>> {
@@ -103,6 +123,18 @@ impl<'a> Subject<'a> {
 
     /// What the traced lengths of a queue are made from, if it was kept.
     fn traced(&self, queue: QueueId) -> Option<Traced> {
-        Traced::open(self.dump, queue).ok()
+        self.traced_in(self.dump, queue)
+    }
+
+    fn traced_in(&self, dump: &Dump, queue: QueueId) -> Option<Traced> {
+        match Traced::open_by(dump, queue, Access::Read) {
+            Ok(traced) => Some(traced),
+            Err(TracedError::Read(error)) => {
+                self.note_error(&Place::Queue(queue, QueueArray::Rays), &error);
+                None
+            }
+            // `queues` finds arrays that do not belong together.
+            Err(TracedError::Lengths { .. }) => None,
+        }
     }
 }

@@ -16,10 +16,13 @@ pub(super) fn check(subject: &Subject<'_>) -> [Check; 2] {
     let mut keys_check = Check::new("keys");
     let mut permutations_check = Check::new("permutations");
     for (&queue, places) in &subject.queues {
+        let has_keys = places.iter().any(|place| matches!(place, Place::Method(_, _, MethodArray::Keys)));
+        // Once for all methods.
+        let rays = has_keys.then(|| subject.queue_array::<Ray>(queue, QueueArray::Rays)).flatten();
         for place in places {
             match place {
                 Place::Method(_, method, MethodArray::Keys) => {
-                    check_keys(subject, queue, method, &mut keys_check);
+                    check_keys(subject, queue, method, rays.as_deref(), &mut keys_check);
                 }
                 Place::Method(_, method, MethodArray::Permutation) => {
                     check_permutation(subject, queue, method, &mut permutations_check);
@@ -85,7 +88,7 @@ fn with_place(place: &Place, result: Result<(), impl std::fmt::Display>) -> Stri
     result.map_or_else(|error| format!("{place}: {error}"), |()| String::new())
 }
 
-fn check_keys(subject: &Subject<'_>, queue: QueueId, name: &str, check: &mut Check) {
+fn check_keys(subject: &Subject<'_>, queue: QueueId, name: &str, rays: Option<&[Ray]>, check: &mut Check) {
     let place = Place::Method(queue, name.to_owned(), MethodArray::Keys);
     let manifest = subject.dump.manifest();
     let Some(keys) = Keys::of(subject, &place) else { return };
@@ -102,7 +105,7 @@ fn check_keys(subject: &Subject<'_>, queue: QueueId, name: &str, check: &mut Che
             if is_wide { 64 } else { 32 }
         )
     });
-    let recomputed = match Recomputed::new(subject, queue, method) {
+    let recomputed = match Recomputed::new(subject, queue, method, rays) {
         Ok(recomputed) => recomputed,
         Err(reason) => return check.not_checked.push(format!("{place}: {reason}")),
     };
@@ -129,9 +132,9 @@ pub(super) fn tolerated<'a>(subject: &Subject<'_>, check: &'a mut Check) -> &'a 
 }
 
 /// Makes the keys of a queue again.
-struct Recomputed {
+struct Recomputed<'a> {
     encoder: Encoder,
-    rays: Mapped<Ray>,
+    rays: &'a [Ray],
     lights: Option<Mapped<u32>>,
     light_count: u32,
     length: Length,
@@ -144,11 +147,16 @@ enum Length {
     Real(Traced),
 }
 
-impl Recomputed {
+impl<'a> Recomputed<'a> {
     /// The error says what was not kept.
-    fn new(subject: &Subject<'_>, queue: QueueId, method: &MethodRecord) -> Result<Self, String> {
+    fn new(
+        subject: &Subject<'_>,
+        queue: QueueId,
+        method: &MethodRecord,
+        rays: Option<&'a [Ray]>,
+    ) -> Result<Self, String> {
         let header = &subject.dump.manifest().header;
-        let rays = subject.queue_array::<Ray>(queue, QueueArray::Rays).ok_or("the rays were not kept")?;
+        let rays = rays.ok_or("the rays were not kept")?;
         let parsed = LayoutText::parse(&method.text).and_then(|text| text.expand(header.lights.len()));
         let layout = parsed.map_err(|error| error.message)?;
         let lights = if layout.uses(Coordinate::needs_light) {

@@ -1,7 +1,6 @@
 //! Arrays that belong together, and those that speak for themselves: rays, path indices, lights.
 
 use super::{Check, Subject};
-use crate::key::method::UNSORTED;
 use crate::manifest::{Place, QueueArray, QueueId};
 use crate::queue_check::QueueRules;
 use crate::ray::Ray;
@@ -29,14 +28,6 @@ fn check_structure(subject: &Subject<'_>, queue: QueueId, check: &mut Check) {
         format!("{queue}: there are arrays, but no record of it")
     });
     let has_record = |name: &str| manifest.methods.iter().any(|method| method.name == name);
-    if let Some(record) = record {
-        for method in &record.methods {
-            let is_known = method == UNSORTED || has_record(method);
-            check.require(is_known, || {
-                format!("{queue}: there is no record of method {}", method.escape_debug())
-            });
-        }
-    }
     let mut rays = record.map(|record| (record.rays, "its record"));
     let per_ray = subject.queues[&queue].iter().filter_map(|place| match place {
         Place::Queue(_, array) if array.is_per_ray() => Some((place, array.name())),

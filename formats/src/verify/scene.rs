@@ -4,11 +4,12 @@ use sha2::{Digest, Sha256};
 
 use super::{Check, Subject};
 use crate::key::{KEY_BITS_MIN, LAYOUT_BITS, LayoutText};
-use crate::length_table::{TABLE_BITS_MAX, TABLE_BITS_MIN};
-use crate::manifest::{MethodRecord, Outcome, Place, SceneArray};
+use crate::length_table::LONGEST_SUMMED;
+use crate::manifest::{MethodRecord, NAME_CHARACTERS, Outcome, Place, SceneArray, Source};
 use crate::npy::MaterialMask;
 use crate::reader::DumpState;
 use crate::summary::hexadecimal;
+use crate::text::one_line;
 
 pub(super) fn check(subject: &Subject<'_>) -> [Check; 3] {
     [check_header(subject), check_scene(subject), check_image(subject)]
@@ -16,30 +17,23 @@ pub(super) fn check(subject: &Subject<'_>) -> [Check; 3] {
 
 fn check_header(subject: &Subject<'_>) -> Check {
     let manifest = subject.dump.manifest();
-    let (options, scene) = (&manifest.header.options, &manifest.header.scene);
     let mut check = Check::new("header");
-    check.require(options.width > 0 && options.height > 0, || {
-        format!("the picture has {} × {} pixels, expected at least 1 × 1", options.width, options.height)
-    });
-    check.require((TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&options.table_bits), || {
-        format!("{} table bits, expected {TABLE_BITS_MIN} to {TABLE_BITS_MAX}", options.table_bits)
-    });
-    check.require(subject.cell_encoder().is_some(), || {
-        format!(
-            "the table's layout '{}' is none that gives every ray a cell",
-            options.table_layout.escape_debug()
-        )
-    });
-    let corners = scene.bounds_min.into_iter().zip(scene.bounds_max);
-    check.require(
-        corners.clone().all(|(low, high)| low <= high && low.is_finite() && high.is_finite()),
-        || format!("the scene's box goes from {:?} to {:?}", scene.bounds_min, scene.bounds_max),
-    );
+    check.checked += 1;
+    manifest.header.problems().into_iter().for_each(|problem| check.problems.add(problem));
+    if let Source::Replayed { name, .. } = &manifest.header.source {
+        check.require(subject.dump.source().is_some(), || {
+            let name = one_line(name, NAME_CHARACTERS);
+            format!(
+                "it is a replay of {name}, which is not in the same folder, or is another recording by now; put that recording beside it to check both"
+            )
+        });
+    }
     for method in &manifest.methods {
         let lights = manifest.header.lights.len();
         let problem = method_problem(method, lights);
         check.require(problem.is_none(), || {
-            format!("method {}: {}", method.name.escape_debug(), problem.unwrap_or_default())
+            let name = one_line(&method.name, NAME_CHARACTERS);
+            format!("method {name}: {}", problem.unwrap_or_default())
         });
     }
     check
@@ -50,14 +44,19 @@ pub(super) fn method_problem(method: &MethodRecord, lights: usize) -> Option<Str
     if !(KEY_BITS_MIN..=LAYOUT_BITS).contains(&method.key_bits) {
         return Some(format!("keys of {} bits, expected {KEY_BITS_MIN} to {LAYOUT_BITS}", method.key_bits));
     }
+    if !(0.0..=LONGEST_SUMMED).contains(&method.two_point_length) {
+        let length = method.two_point_length;
+        return Some(format!("it assumes a length of {length}, expected 0 to {LONGEST_SUMMED}"));
+    }
     let layout = match LayoutText::parse(&method.text).and_then(|text| text.expand(lights)) {
         Ok(layout) => layout,
         Err(error) => return Some(error.message),
     };
     let names = layout.bits().iter().map(|coordinate| coordinate.name());
     let is_same = names.eq(method.layout.iter().map(String::as_str));
-    (!is_same)
-        .then(|| format!("its bits are not those of '{}' for {lights} lights", method.text.escape_debug()))
+    (!is_same).then(|| {
+        format!("its bits are not those of '{}' for {lights} lights", one_line(&method.text, NAME_CHARACTERS))
+    })
 }
 
 fn check_scene(subject: &Subject<'_>) -> Check {
@@ -74,26 +73,38 @@ fn check_scene(subject: &Subject<'_>) -> Check {
         (0..3).all(|axis| point[axis] >= scene.bounds_min[axis] && point[axis] <= scene.bounds_max[axis])
     };
     check.require(scene.vertices == positions.len() as u64, || {
-        format!("the header counts {} vertices, positions.npy {}", scene.vertices, positions.len())
+        format!(
+            "scene/positions.npy has {1} vertices, the header counts {0}",
+            scene.vertices,
+            positions.len()
+        )
     });
     check.require(scene.triangles == triangles.len() as u64, || {
-        format!("the header counts {} triangles, triangles.npy {}", scene.triangles, triangles.len())
+        format!(
+            "scene/triangles.npy has {1} triangles, the header counts {0}",
+            scene.triangles,
+            triangles.len()
+        )
     });
     let in_range =
         |triangle: usize| triangles[triangle].iter().all(|&index| (index as usize) < positions.len());
     check.each(triangles.len(), in_range, |triangle| {
-        format!("triangle {triangle} has corners {:?} of {} vertices", triangles[triangle], positions.len())
+        format!(
+            "scene/triangles.npy: triangle {triangle} has corners {:?} of {} vertices",
+            triangles[triangle],
+            positions.len()
+        )
     });
     let corners_inside = |triangle: usize| {
         let corners = triangles[triangle].iter();
         corners.filter_map(|&index| positions.get(index as usize)).all(is_inside)
     };
     check.each(triangles.len(), corners_inside, |triangle| {
-        format!("triangle {triangle} leaves the scene's box, or is not finite")
+        format!("scene/positions.npy: triangle {triangle} leaves the scene's box, or is not finite")
     });
     if let Some(materials) = subject.array::<u32>(&array(SceneArray::Materials)) {
         check.require(materials.len() == triangles.len(), || {
-            format!("materials.npy has {} entries for {} triangles", materials.len(), triangles.len())
+            format!("scene/materials.npy has {} entries for {} triangles", materials.len(), triangles.len())
         });
         check_masks(subject, &mut check, &materials, positions.len());
     }
@@ -105,17 +116,23 @@ fn check_masks(subject: &Subject<'_>, check: &mut Check, materials: &[u32], vert
     let Some(masks) = subject.array::<MaterialMask>(&Place::Scene(SceneArray::Masks)) else { return };
     let in_range = |triangle: usize| (materials[triangle] as usize) < masks.len();
     check.each(materials.len(), in_range, |triangle| {
-        format!("triangle {triangle} has material {} of {}", materials[triangle], masks.len())
+        format!(
+            "scene/materials.npy: triangle {triangle} has material {} of {}",
+            materials[triangle],
+            masks.len()
+        )
     });
-    let uvs = subject.array::<[f32; 2]>(&Place::Scene(SceneArray::Uvs)).map_or(0, |uvs| uvs.len());
+    let uvs = subject.array::<[f32; 2]>(&Place::Scene(SceneArray::Uvs)).map(|uvs| uvs.len());
     let textures =
         masks.iter().map(|mask| mask.texture).filter(|&texture| texture != MaterialMask::NO_TEXTURE);
+    // A recording that was ended early may have got no further, and a recovered one has lost something.
+    let may_lack = subject.dump.state() != DumpState::Complete;
     for texture in textures {
-        check.require(uvs == vertices, || format!("uvs.npy has {uvs} entries for {vertices} vertices"));
+        check.require(uvs == Some(vertices) || (uvs.is_none() && may_lack), || {
+            format!("scene/uvs.npy has {} entries for {vertices} vertices", uvs.unwrap_or(0))
+        });
         let place = Place::Scene(SceneArray::Mask(texture));
-        // A recording that was ended early may have got no further.
-        let is_there = subject.dump.has(&place) || subject.dump.state() != DumpState::Complete;
-        check.require(is_there, || format!("there is no {place}"));
+        check.require(subject.dump.has(&place) || may_lack, || format!("there is no {place}"));
     }
 }
 

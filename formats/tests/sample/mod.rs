@@ -433,6 +433,11 @@ pub(crate) fn write_all(writer: &DumpWriter) -> Result<End, WriteError> {
     Ok(End { outcome: Outcome::Complete, image: Some(digest), wall_ns: 1_500_000_000 })
 }
 
+/// A folder in memory where the system has one: syncing thousands of recordings to a disk takes minutes.
+pub(crate) fn folder_in_memory() -> tempfile::TempDir {
+    tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap()
+}
+
 /// Writes `sample.raydump` into a folder.
 pub(crate) fn write(folder: &Path) -> PathBuf {
     let writer = DumpWriter::create(&folder.join("sample"), header(), false).unwrap();
@@ -462,6 +467,7 @@ pub(crate) fn thinned(whole: &Path, name: &str, queues: &[QueueId], methods: &[&
             }
             Record::Queue(mut queue) if queues.contains(&queue.id) => {
                 queue.methods.retain(|method| methods.contains(&method.as_str()));
+                queue.mismatches.retain(|mismatches| methods.contains(&mismatches.method.as_str()));
                 writer.queue(queue).unwrap();
             }
             _ => {}

@@ -1,0 +1,220 @@
+//! The file of one array: held against its record, then mapped, read, or run through for its checksum.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::marker::PhantomData;
+use std::ops::Deref;
+use std::path::{Path, PathBuf};
+
+use memmap2::Mmap;
+
+use crate::manifest::{ArrayRecord, Place};
+use crate::npy::{self, Dtype, Element};
+use crate::reader::ReadError;
+
+/// Bytes that are read at a time for a checksum.
+const BLOCK_BYTES: usize = 1 << 20;
+
+/// How the data of an array gets into memory.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Access {
+    /// Mapped, which takes no time and no memory; whoever cuts the file ends this process.
+    Map,
+    /// Copied: a file that is cut meanwhile is an error.
+    Read,
+}
+
+/// The data of an array as bytes.
+#[derive(Debug)]
+pub struct MappedBytes(Owner);
+
+#[derive(Debug)]
+enum Owner {
+    Map {
+        map: Mmap,
+        data_offset: usize,
+    },
+    /// Words, since no element is aligned to more than 8 bytes.
+    Copy {
+        words: Vec<u64>,
+        bytes: usize,
+    },
+}
+
+impl Deref for MappedBytes {
+    type Target = [u8];
+
+    #[inline]
+    fn deref(&self) -> &[u8] {
+        match &self.0 {
+            Owner::Map { map, data_offset } => &map[*data_offset..],
+            Owner::Copy { words, bytes } => &bytemuck::cast_slice(words)[..*bytes],
+        }
+    }
+}
+
+/// The data of an array as values.
+#[derive(Debug)]
+pub struct Mapped<T> {
+    bytes: MappedBytes,
+    element: PhantomData<fn() -> T>,
+}
+
+impl<T: Element> Mapped<T> {
+    /// The bytes as values; they must be those of an array of `T`.
+    pub(crate) fn new(bytes: MappedBytes) -> Self {
+        Self { bytes, element: PhantomData }
+    }
+}
+
+impl<T: Element> Deref for Mapped<T> {
+    type Target = [T];
+
+    #[inline]
+    fn deref(&self) -> &[T] {
+        // Maps start at a page and data at a multiple of 64 bytes, copies at a word: the cast cannot fail.
+        bytemuck::cast_slice(&self.bytes)
+    }
+}
+
+/// The file of an array after its header, which is the one of its record.
+struct Opened {
+    file: File,
+    path: PathBuf,
+    header_bytes: usize,
+}
+
+impl Opened {
+    fn io_error(self, cause: io::Error) -> ReadError {
+        ReadError::Io { path: self.path, cause }
+    }
+
+    /// The file's length has changed since it was opened.
+    fn length_error(self, found: u64, record: &ArrayRecord) -> ReadError {
+        let expected = record.bytes.saturating_add(self.header_bytes as u64);
+        ReadError::FileLength { path: self.path, found, expected, data: record.bytes }
+    }
+
+    /// The error of a read that failed: most often the file has become shorter.
+    fn read_error(self, cause: io::Error, record: &ArrayRecord) -> ReadError {
+        match self.file.metadata() {
+            Ok(metadata) if cause.kind() == io::ErrorKind::UnexpectedEof => {
+                self.length_error(metadata.len(), record)
+            }
+            _ => self.io_error(cause),
+        }
+    }
+}
+
+/// The data of an array in memory.
+pub(crate) fn load(root: &Path, record: &ArrayRecord, access: Access) -> Result<MappedBytes, ReadError> {
+    let opened = open(root, record)?;
+    match access {
+        Access::Map => map(opened, record),
+        Access::Read => read(opened, record),
+    }
+}
+
+fn map(opened: Opened, record: &ArrayRecord) -> Result<MappedBytes, ReadError> {
+    // SAFETY: the map is read-only, and the file's length was just compared with the record's. Dumps are
+    // not changed once they have their name; whoever cuts a file that is mapped ends this process by a
+    // signal, and whoever writes to it changes plain numbers that are valid whatever their bits.
+    let map = match unsafe { Mmap::map(&opened.file) } {
+        Ok(map) => map,
+        Err(cause) => return Err(opened.io_error(cause)),
+    };
+    let data_offset = opened.header_bytes;
+    if map.len().checked_sub(data_offset).map(|data| data as u64) != Some(record.bytes) {
+        return Err(opened.length_error(map.len() as u64, record));
+    }
+    Ok(MappedBytes(Owner::Map { map, data_offset }))
+}
+
+fn read(mut opened: Opened, record: &ArrayRecord) -> Result<MappedBytes, ReadError> {
+    // A file of holes can be as long as it likes.
+    let bytes = usize::try_from(record.bytes).ok();
+    let words = bytes.and_then(|bytes| bytemuck::try_zeroed_vec::<u64>(bytes.div_ceil(8)).ok());
+    let (Some(bytes), Some(mut words)) = (bytes, words) else {
+        let problem = format!("there is no memory for its {} bytes", record.bytes);
+        return Err(opened.io_error(io::Error::new(io::ErrorKind::OutOfMemory, problem)));
+    };
+    match opened.file.read_exact(&mut bytemuck::cast_slice_mut(&mut words)[..bytes]) {
+        Ok(()) => Ok(MappedBytes(Owner::Copy { words, bytes })),
+        Err(cause) => Err(opened.read_error(cause, record)),
+    }
+}
+
+/// CRC-32C of an array's data. Memory: a block.
+pub(crate) fn checksum(root: &Path, record: &ArrayRecord) -> Result<u32, ReadError> {
+    let mut opened = open(root, record)?;
+    let mut left = record.bytes;
+    let mut block = vec![0; left.min(BLOCK_BYTES as u64) as usize];
+    let mut checksum = 0;
+    while left > 0 {
+        let part = &mut block[..left.min(BLOCK_BYTES as u64) as usize];
+        if let Err(cause) = opened.file.read_exact(part) {
+            return Err(opened.read_error(cause, record));
+        }
+        checksum = crc32c::crc32c_append(checksum, part);
+        left -= part.len() as u64;
+    }
+    Ok(checksum)
+}
+
+/// Holds the file of an array against its record.
+fn open(root: &Path, record: &ArrayRecord) -> Result<Opened, ReadError> {
+    let path = plain_file(root, &record.place)?;
+    let io_error = |cause| ReadError::Io { path: path.clone(), cause };
+    let header = npy::header(record.dtype, &record.shape);
+    let mut file = File::open(&path).map_err(io_error)?;
+    let found = file.metadata().map_err(io_error)?.len();
+    let expected = record.bytes.checked_add(header.len() as u64);
+    if expected != Some(found) {
+        let expected = expected.unwrap_or(u64::MAX);
+        return Err(ReadError::FileLength { path, found, expected, data: record.bytes });
+    }
+    let mut start = vec![0; header.len()];
+    file.read_exact(&mut start).map_err(io_error)?;
+    if start != header {
+        return Err(match npy::parse_header(&start) {
+            Ok(found) => ReadError::Header {
+                path,
+                found: format!("{} in {} bytes", described(found.dtype, &found.shape), found.data_offset),
+                expected: format!("{} in {} bytes", described(record.dtype, &record.shape), header.len()),
+            },
+            Err(cause) => ReadError::Npy { path, cause },
+        });
+    }
+    Ok(Opened { file, path, header_bytes: header.len() })
+}
+
+/// An element type and a shape, for messages.
+pub(crate) fn described(dtype: Dtype, shape: &[u64]) -> String {
+    format!("{dtype} {shape:?}")
+}
+
+/// The path of an array, if all that leads to it from the root is plain folders and a plain file.
+fn plain_file(root: &Path, place: &Place) -> Result<PathBuf, ReadError> {
+    let mut path = root.to_owned();
+    let relative = place.to_string();
+    let mut parts = relative.split('/').peekable();
+    while let Some(part) = parts.next() {
+        path.push(part);
+        let kind = match fs::symlink_metadata(&path) {
+            Ok(metadata) => metadata.file_type(),
+            Err(cause) => return Err(ReadError::Io { path, cause }),
+        };
+        let is_last = parts.peek().is_none();
+        if !(if is_last { kind.is_file() } else { kind.is_dir() }) {
+            let expected = if is_last { "file" } else { "folder" };
+            let found = match (kind.is_symlink(), kind.is_dir(), kind.is_file()) {
+                (true, ..) => "a link",
+                (_, true, _) => "a folder",
+                (_, _, true) => "a file",
+                _ => "neither a file nor a folder",
+            };
+            return Err(ReadError::NotPlain { path, found, expected });
+        }
+    }
+    Ok(path)
+}

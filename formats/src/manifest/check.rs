@@ -1,0 +1,102 @@
+//! What a header says against what any recorder writes: numbers in range, vectors that are some.
+
+use super::{CameraPose, Header, NAME_CHARACTERS, SceneSummary};
+use crate::key::{KEY_BITS_MIN, LAYOUT_BITS, LightSite};
+use crate::length_table::{LONGEST_SUMMED, TABLE_BITS_MAX, TABLE_BITS_MIN};
+use crate::stored_table::cell_encoder;
+use crate::text::one_line;
+
+/// Most bounces of a recording.
+pub const BOUNCES_MAX: u32 = 99;
+/// Most passes of a recording.
+pub const PASSES_MAX: u32 = 999;
+/// Most repeats of a measurement.
+pub const REPEATS_MAX: u32 = 10_000;
+
+/// How far the length of a camera's vector may be from 1.
+const UNIT_TOLERANCE: f64 = 1e-4;
+
+impl Header {
+    /// What is wrong with the header by itself, a sentence each; empty for whatever a recorder wrote.
+    pub fn problems(&self) -> Vec<String> {
+        let mut problems = Vec::new();
+        self.check_options(&mut problems);
+        check_scene(&self.scene, &mut problems);
+        check_camera(&self.camera, &mut problems);
+        for (index, light) in self.lights.iter().enumerate() {
+            if !is_finite(light) {
+                problems.push(format!("light {index} is {light:?}, expected finite numbers"));
+            }
+        }
+        problems
+    }
+
+    fn check_options(&self, problems: &mut Vec<String>) {
+        let options = &self.options;
+        if options.width == 0 || options.height == 0 {
+            let (width, height) = (options.width, options.height);
+            problems.push(format!("the picture has {width} × {height} pixels, expected at least 1 × 1"));
+        }
+        for (what, found, least, most) in [
+            ("bounces", options.bounces, 1, BOUNCES_MAX),
+            ("passes", options.passes, 1, PASSES_MAX),
+            ("repeats", options.repeats, 1, REPEATS_MAX),
+            ("key bits", options.key_bits, KEY_BITS_MIN, LAYOUT_BITS),
+            ("table bits", options.table_bits, TABLE_BITS_MIN, TABLE_BITS_MAX),
+        ] {
+            if !(least..=most).contains(&found) {
+                problems.push(format!("it has {found} {what}, expected {least} to {most}"));
+            }
+        }
+        let length = options.two_point_length;
+        if !(0.0..=LONGEST_SUMMED).contains(&length) {
+            problems.push(format!("the length of two-point is {length}, expected 0 to {LONGEST_SUMMED}"));
+        }
+        let has_bits = (TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&options.table_bits);
+        if has_bits && cell_encoder(self).is_none() {
+            problems.push(format!(
+                "the table's layout '{}' is none that gives every ray a cell",
+                one_line(&options.table_layout, NAME_CHARACTERS)
+            ));
+        }
+    }
+}
+
+fn check_scene(scene: &SceneSummary, problems: &mut Vec<String>) {
+    let mut corners = scene.bounds_min.into_iter().zip(scene.bounds_max);
+    if !corners.all(|(low, high)| low <= high && (high - low).is_finite()) {
+        problems.push(format!(
+            "the scene's box goes from {:?} to {:?}, expected finite corners, the lowest first",
+            scene.bounds_min, scene.bounds_max
+        ));
+    }
+}
+
+fn check_camera(camera: &CameraPose, problems: &mut Vec<String>) {
+    if !camera.eye.iter().all(|along| along.is_finite()) {
+        problems.push(format!("the camera's eye is {:?}, expected finite numbers", camera.eye));
+    }
+    for (name, vector) in [("forward", camera.forward), ("right", camera.right), ("up", camera.up)] {
+        let squared: f64 = vector.iter().map(|&along| f64::from(along) * f64::from(along)).sum();
+        // NaN is in no range.
+        if !(-UNIT_TOLERANCE..=UNIT_TOLERANCE).contains(&(squared.sqrt() - 1.0)) {
+            problems.push(format!("the camera's {name} is {vector:?}, expected a unit vector"));
+        }
+    }
+    let yfov = camera.yfov_radians;
+    if !(yfov > 0.0 && yfov < std::f32::consts::PI) {
+        problems
+            .push(format!("the camera's field of view is {yfov} radians, expected more than 0, less than π"));
+    }
+}
+
+fn is_finite(light: &LightSite) -> bool {
+    let are_finite = |vector: &[f32; 3]| vector.iter().all(|along| along.is_finite());
+    match light {
+        LightSite::Placed { centre } => are_finite(centre),
+        LightSite::Directional { direction, tangent, bitangent } => {
+            [direction, tangent, bitangent].into_iter().all(are_finite)
+        }
+        LightSite::Environment => true,
+    }
+}

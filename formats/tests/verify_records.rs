@@ -1,0 +1,356 @@
+//! `verify` says what a header and records claim that cannot be, and what is not there.
+#![allow(clippy::unwrap_used, reason = "this is test code, also outside test functions")]
+
+mod sample;
+
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use formats::key::LightSite;
+use formats::manifest::scan::scan;
+use formats::manifest::{
+    CacheRecord, End, Header, Mismatches, Outcome, Place, QueueArray, QueueId, QueueRecord, Record, Source,
+    Stage, TimingRecord, encode_frame, preamble,
+};
+use formats::ray::Kind;
+use formats::reader::Dump;
+use formats::verify::{Report, verify};
+
+/// Rewrites the records of a manifest.
+fn edit(dump: &Path, mut edit: impl FnMut(&mut Record)) {
+    let manifest = dump.join("manifest.bin");
+    let mut bytes = preamble().to_vec();
+    for mut frame in scan(&manifest).unwrap().frames {
+        edit(&mut frame.record);
+        bytes.extend(encode_frame(&frame.record).unwrap());
+    }
+    fs::write(&manifest, bytes).unwrap();
+}
+
+fn problems(report: &Report) -> Vec<String> {
+    report.checks.iter().flat_map(|check| check.problems.first.clone()).collect()
+}
+
+/// A change of a part of a record, and what is said of it.
+type Case<T> = (fn(&mut T), &'static str);
+
+/// Asserts that each of these edits of every record that has such a part is found.
+fn assert_found<T>(part_of: fn(&mut Record) -> Option<&mut T>, cases: &[Case<T>]) {
+    let folder = sample::folder_in_memory();
+    let dump = sample::write(folder.path());
+    let manifest = fs::read(dump.join("manifest.bin")).unwrap();
+    for (change, said) in cases {
+        edit(&dump, |record| part_of(record).into_iter().for_each(change));
+        let found = problems(&verify(&Dump::open(&dump).unwrap()));
+        assert!(found.iter().any(|problem| problem.contains(said)), "expected {said}: {found:#?}");
+        fs::write(dump.join("manifest.bin"), &manifest).unwrap();
+    }
+    assert!(verify(&Dump::open(&dump).unwrap()).is_ok());
+}
+
+fn queue(record: &mut Record) -> Option<&mut QueueRecord> {
+    if let Record::Queue(queue) = record { Some(queue) } else { None }
+}
+
+fn timing(record: &mut Record) -> Option<&mut TimingRecord> {
+    if let Record::Timing(timing) = record { Some(timing) } else { None }
+}
+
+fn cache(record: &mut Record) -> Option<&mut CacheRecord> {
+    if let Record::Cache(cache) = record { Some(cache) } else { None }
+}
+
+fn header(record: &mut Record) -> Option<&mut Header> {
+    if let Record::Header(header) = record { Some(header) } else { None }
+}
+
+#[test]
+fn absurd_headers_are_found() {
+    let cases: &[Case<Header>] = &[
+        (|header| header.options.height = 0, "16 × 0 pixels"),
+        (|header| header.options.bounces = 0, "0 bounces, expected 1 to 99"),
+        (|header| header.options.passes = 0, "0 passes, expected 1 to 999"),
+        (|header| header.options.passes = u32::MAX, "4294967295 passes"),
+        (|header| header.options.repeats = 0, "0 repeats"),
+        (|header| header.options.key_bits = 0, "0 key bits"),
+        (|header| header.options.key_bits = 65, "65 key bits, expected 8 to 64"),
+        (|header| header.options.table_bits = 7, "7 table bits"),
+        (|header| header.options.two_point_length = f32::NAN, "length of two-point is NaN, expected 0 to 2"),
+        (|header| header.options.two_point_length = 2.5, "2.5"),
+        (|header| header.options.two_point_length = -0.5, "-0.5"),
+        (|header| header.camera.eye[1] = f32::INFINITY, "the camera's eye"),
+        (|header| header.camera.forward = [f32::NAN; 3], "the camera's forward"),
+        (|header| header.camera.right = [0.0; 3], "the camera's right"),
+        (|header| header.camera.up[0] = 0.1, "the camera's up"),
+        (|header| header.camera.yfov_radians = 0.0, "field of view is 0 radians"),
+        (|header| header.camera.yfov_radians = f32::NAN, "field of view is NaN"),
+        (|header| header.camera.yfov_radians = 3.2, "less than π"),
+        (|header| header.scene.bounds_max[2] = f32::INFINITY, "box goes from"),
+        (|header| header.scene.bounds_min = [5.0; 3], "the lowest first"),
+        (|header| (header.scene.bounds_min, header.scene.bounds_max) = ([-3e38; 3], [3e38; 3]), "box"),
+        (|header| header.lights[0] = LightSite::Placed { centre: [f32::NAN; 3] }, "light 0 is"),
+        (|header| header.lights[2] = LightSite::directional([f32::INFINITY; 3]), "light 2 is"),
+    ];
+    assert_found(header, cases);
+}
+
+#[test]
+fn queues_outside_of_the_recording_are_found() {
+    let cases: &[Case<Header>] = &[
+        (
+            |header| header.options.passes = 1,
+            "pass-001/bounce-00/closest: pass 1, bounce 0 of a recording of 1 passes and 2 bounces",
+        ),
+        (
+            |header| header.options.bounces = 1,
+            "pass-000/bounce-01/closest: pass 0, bounce 1 of a recording of 2 passes and 1 bounces",
+        ),
+    ];
+    assert_found(header, cases);
+}
+
+#[test]
+fn impossible_queues_are_found() {
+    let cases: &[Case<QueueRecord>] = &[
+        (|queue| queue.rays = 193, "193 rays, expected at most 16 × 12"),
+        (|queue| queue.methods.push("nope".into()), "no record of method nope"),
+        (
+            |queue| queue.mismatches.iter_mut().for_each(|found| found.rays = 193),
+            "193 results of unsorted differ, of 192 rays",
+        ),
+        (
+            |queue| queue.mismatches.push(Mismatches { method: "reis".into(), rays: 0 }),
+            "results of reis are said to differ, but it was not measured",
+        ),
+    ];
+    assert_found(queue, cases);
+}
+
+#[test]
+fn times_of_what_was_not_measured_are_found() {
+    let cases: &[Case<TimingRecord>] = &[
+        (|timing| timing.pass = 7, "in pass 7, bounce 0: pass 7, bounce 0 of a recording of 2 passes"),
+        (|timing| timing.bounce = 2, "bounce 2 of a recording"),
+        (
+            |timing| timing.method = "nope".into(),
+            "time of trace by nope in pass 1, bounce 0: there is no record of method nope",
+        ),
+        (|timing| timing.samples_ns.clear(), "there are no samples"),
+        (|timing| timing.kind = None, "it has no kind of queue, expected one"),
+        (|timing| timing.stage = Stage::Shade, "it has a kind of queue, expected none"),
+    ];
+    assert_found(timing, cases);
+}
+
+#[test]
+fn impossible_caches_are_found() {
+    let cases: &[Case<CacheRecord>] = &[
+        (
+            |cache| cache.l1_hits = 994,
+            "caches of unsorted in pass-001/bounce-00/closest: 994 and 7 hits of 1000",
+        ),
+        (|cache| cache.l2_hits = u64::MAX, "hits of 1000 accesses"),
+        (|cache| cache.rays = 500, "500 rays were sampled, of 192"),
+        (|cache| cache.bounce += 5, "bounce 5 of a recording"),
+        (|cache| cache.method = format!("{}x", cache.method), "no record of method unsortedx"),
+    ];
+    assert_found(cache, cases);
+}
+
+/// A queue that was measured in a complete recording has its record.
+#[test]
+fn times_of_a_queue_without_a_record_are_found() {
+    let folder = sample::folder_in_memory();
+    let dump = sample::write(folder.path());
+    edit(&dump, |record| {
+        if let Record::Timing(timing) = record {
+            timing.pass = 0;
+        }
+    });
+    assert!(verify(&Dump::open(&dump).unwrap()).is_ok(), "every queue of pass 0 has a record");
+    let manifest = dump.join("manifest.bin");
+    let frames = scan(&manifest).unwrap().frames;
+    let gone = QueueId { pass: 0, bounce: 0, kind: Kind::Shadow };
+    let kept =
+        frames.iter().filter(|frame| !matches!(&frame.record, Record::Queue(queue) if queue.id == gone));
+    let bytes: Vec<u8> = kept.flat_map(|frame| encode_frame(&frame.record).unwrap()).collect();
+    fs::write(&manifest, [&preamble()[..], &bytes].concat()).unwrap();
+    let found = problems(&verify(&Dump::open(&dump).unwrap()));
+    assert!(
+        found.iter().any(|problem| problem.contains("no record of queue pass-000/bounce-00/shadow")),
+        "{found:?}"
+    );
+}
+
+/// A replay holds the orders alone: without its source nothing of them can be checked.
+#[test]
+fn a_replay_without_its_source_is_not_right() {
+    let folder = sample::folder_in_memory();
+    let source = sample::write(folder.path());
+    let manifest_sha256 = Dump::open(&source).unwrap().manifest_sha256().unwrap();
+    let replay = folder.path().join("replay.raydump");
+    fs::create_dir(&replay).unwrap();
+    let write = |name: String| {
+        let header = Header { source: Source::Replayed { name, manifest_sha256 }, ..sample::header() };
+        let end = End { outcome: Outcome::Complete, image: None, wall_ns: 1 };
+        let records = [Record::Header(Box::new(header)), Record::End(end)];
+        let bytes = records.iter().flat_map(|record| encode_frame(record).unwrap());
+        fs::write(replay.join("manifest.bin"), [preamble().to_vec(), bytes.collect()].concat()).unwrap();
+    };
+    let found = || problems(&verify(&Dump::open(&replay).unwrap()));
+    write("sample.raydump".into());
+    assert_eq!(found(), [""; 0]);
+    fs::write(
+        source.join("manifest.bin"),
+        [&fs::read(source.join("manifest.bin")).unwrap()[..], b"x"].concat(),
+    )
+    .unwrap();
+    assert!(
+        found()[0].contains("a replay of sample.raydump, which is not in the same folder"),
+        "{:?}",
+        found()
+    );
+    write("x".repeat(5_000_000));
+    assert!(found()[0].len() < 500, "{:?}", found()[0].len());
+}
+
+/// What a replay reads of its source is checked like its own.
+#[test]
+fn a_damaged_array_of_the_source_is_found() {
+    let folder = sample::folder_in_memory();
+    let source = sample::write(folder.path());
+    let manifest_sha256 = Dump::open(&source).unwrap().manifest_sha256().unwrap();
+    let replay = folder.path().join("replay.raydump");
+    fs::create_dir(&replay).unwrap();
+    let name = "sample.raydump".to_owned();
+    let header = Header { source: Source::Replayed { name, manifest_sha256 }, ..sample::header() };
+    let frames = scan(&source.join("manifest.bin")).unwrap().frames;
+    let queues = frames
+        .into_iter()
+        .map(|frame| frame.record)
+        .filter(|record| matches!(record, Record::Queue(_) | Record::Method(_)));
+    let end = Record::End(End { outcome: Outcome::Complete, image: None, wall_ns: 1 });
+    let records = [Record::Header(Box::new(header))].into_iter().chain(queues).chain([end]);
+    let bytes = records.flat_map(|record| encode_frame(&record).unwrap());
+    fs::write(replay.join("manifest.bin"), [preamble().to_vec(), bytes.collect()].concat()).unwrap();
+    let check = || problems(&verify(&Dump::open(&replay).unwrap()));
+    assert_eq!(check(), [""; 0]);
+    let queue = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
+    let rays = Place::Queue(queue, QueueArray::Rays).to_string();
+    fs::File::options().write(true).open(source.join(&rays)).unwrap().set_len(200).unwrap();
+    let found = check();
+    assert!(found[0].contains("rays.npy is 200 bytes long"), "{found:?}");
+}
+
+/// Where a name goes, and what is said of it.
+type NameCase = (fn(&mut Record, String), &'static str);
+
+/// A 5 MB name is not printed, whatever it is the name of.
+#[test]
+fn long_names_are_cut() {
+    let cases: &[NameCase] = &[
+        (
+            |record, name| {
+                if let Record::Method(method) = record {
+                    method.text = name
+                }
+            },
+            "method aila",
+        ),
+        (
+            |record, name| {
+                if let Record::Method(method) = record {
+                    method.name = name
+                }
+            },
+            "no record of method aila",
+        ),
+        (
+            |record, name| {
+                if let Record::Timing(timing) = record {
+                    timing.method = name
+                }
+            },
+            "time of trace",
+        ),
+        (
+            |record, name| {
+                if let Record::Cache(cache) = record {
+                    cache.method = name
+                }
+            },
+            "caches of xxx",
+        ),
+        (
+            |record, name| {
+                if let Record::Header(header) = record {
+                    header.options.table_layout = name
+                }
+            },
+            "layout",
+        ),
+        (
+            |record, name| {
+                if let Record::Queue(queue) = record {
+                    queue.methods.push(name)
+                }
+            },
+            "no record of method x",
+        ),
+    ];
+    let folder = sample::folder_in_memory();
+    let dump = sample::write(folder.path());
+    let manifest = fs::read(dump.join("manifest.bin")).unwrap();
+    for (change, part) in cases {
+        let mut names = 0..;
+        edit(&dump, |record| {
+            let number: u32 = names.next().unwrap();
+            change(record, format!("{}{number}", "x".repeat(500_000)));
+        });
+        let found = problems(&verify(&Dump::open(&dump).unwrap()));
+        assert!(found.iter().any(|problem| problem.contains(part)), "{part}");
+        let longest = found.iter().map(String::len).max().unwrap();
+        assert!(longest < 1000, "{part}: {longest} bytes");
+        fs::write(dump.join("manifest.bin"), &manifest).unwrap();
+    }
+}
+
+#[test]
+fn a_long_name_that_comes_twice_is_cut() {
+    let folder = sample::folder_in_memory();
+    let dump = sample::write(folder.path());
+    edit(&dump, |record| {
+        if let Record::Method(method) = record {
+            method.name = "x".repeat(500_000)
+        }
+    });
+    let twice = Dump::open(&dump).unwrap_err().to_string();
+    assert!(twice.contains("a second time") && twice.len() < 1000, "{} bytes", twice.len());
+}
+
+/// A mapped file that is cut ends the process by a signal.
+#[test]
+fn a_file_that_shrinks_meanwhile_is_a_sentence() {
+    let folder = sample::folder_in_memory();
+    let dump = sample::write(folder.path());
+    let queue = QueueId { pass: 1, bounce: 0, kind: Kind::Closest };
+    let file = dump.join(Place::Queue(queue, QueueArray::Rays).to_string());
+    let bytes = fs::read(&file).unwrap();
+    let (opened, is_done) = (Dump::open(&dump).unwrap(), AtomicBool::new(false));
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !is_done.load(Ordering::Relaxed) {
+                fs::File::options().write(true).open(&file).unwrap().set_len(200).unwrap();
+                fs::write(&file, &bytes).unwrap();
+            }
+        });
+        for _ in 0..200 {
+            for problem in problems(&verify(&opened)) {
+                assert!(!problem.is_empty());
+            }
+        }
+        is_done.store(true, Ordering::Relaxed);
+    });
+    assert!(verify(&opened).is_ok());
+}
