@@ -1,22 +1,24 @@
-//! Makes a dump of what a recording left that did not end.
+//! Makes a dump of what a recording left that did not end, or that was damaged.
 //!
-//! The longest run of records from the start of the manifest whose arrays are whole (length, header
-//! and checksum) is kept and ended by a record that says so. Array files are never copied, changed
-//! or deleted: what is kept stays where it is, everything else (an array that was being written,
-//! arrays after a damaged one, a manifest of which whole records are cut off) moves to
-//! `NAME.raydump.leftover` beside the dump, which the user may delete. Ended at any moment, it can
-//! be run again.
+//! Every record of the manifest that can be read is kept, but those of arrays that are not whole
+//! (length, header and checksum) and of methods whose own record is lost; an end record says that it
+//! was recovered. Array files are never copied, changed or deleted: what is kept stays where it is,
+//! everything else (an array that was being written, damaged ones, a manifest of which whole records
+//! are left out) moves to `NAME.raydump.leftover` beside the dump, which the user may delete. Ended
+//! at any moment, it can be run again.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use crate::manifest::scan::{Frame, scan};
-use crate::manifest::{self, ArrayRecord, End, Fault, ManifestError, Outcome, Record, encode_frame};
-use crate::{array_file, folder};
+use crate::array_file;
+use crate::folder;
+use crate::key::method::UNSORTED;
+use crate::manifest::scan::salvage;
+use crate::manifest::{self, ArrayRecord, End, Fault, ManifestError, Outcome, Place, Record, encode_frame};
 
 /// The new manifest until it takes the old one's name.
 pub(crate) const NEW_MANIFEST: &str = "manifest.bin.new";
@@ -30,11 +32,19 @@ pub enum RecoverError {
         /// What was asked for.
         path: PathBuf,
     },
-    /// The manifest has no header, or no array was complete.
+    /// The manifest has no header, or nothing after it was complete.
     #[error("nothing was complete yet in {}, so there is nothing to recover", path.display())]
     Nothing {
         /// The folder.
         path: PathBuf,
+    },
+    /// Nothing of what the manifest names is whole.
+    #[error("nothing is whole in {}, so there is nothing to recover: {first}", path.display())]
+    Damaged {
+        /// The folder.
+        path: PathBuf,
+        /// What is wrong with the first thing.
+        first: String,
     },
     /// Something else in the place of the manifest, such as a link that may lead out of the folder.
     #[error("{} is not a plain file, so that it is not written to", path.display())]
@@ -84,19 +94,50 @@ pub struct Recovery {
     pub is_complete: bool,
     /// Why the manifest was cut, if it was.
     pub cut: Option<String>,
+    /// What is wrong with each record that was left out before that.
+    pub left_out: Vec<String>,
     /// Files that do not belong to the dump, and where they are now.
     pub leftover: Option<(PathBuf, usize)>,
 }
 
 /// What of a manifest is kept.
 struct Kept {
-    arrays: Vec<ArrayRecord>,
-    /// Bytes of the manifest up to there.
-    manifest_bytes: u64,
+    /// Without the end record.
+    records: Vec<Record>,
     end: Option<End>,
     cut: Option<String>,
-    /// Whether nothing but half a record comes after, as when the recorder was killed.
-    is_plain_tail: bool,
+    left_out: Vec<String>,
+    /// Bytes of the manifest up to half a record, if that is all that is left out, as when the
+    /// recorder was killed.
+    whole_bytes: Option<u64>,
+}
+
+impl Kept {
+    fn arrays(&self) -> impl Iterator<Item = &ArrayRecord> {
+        self.records.iter().filter_map(|record| match record {
+            Record::Array(array) => Some(array),
+            _ => None,
+        })
+    }
+
+    /// Whether there is more than what stands in a manifest before the first array.
+    fn is_empty(&self) -> bool {
+        self.records.iter().all(|record| matches!(record, Record::Header(_) | Record::Method(_)))
+    }
+
+    /// Whether the manifest is already what it is going to be.
+    fn is_all(&self) -> bool {
+        self.end.is_some() && self.cut.is_none() && self.left_out.is_empty()
+    }
+
+    /// The end record of what is kept.
+    fn new_end(&self) -> End {
+        match self.end {
+            Some(end) if self.left_out.is_empty() => end,
+            Some(end) => End { outcome: Outcome::Recovered, ..end },
+            None => End { outcome: Outcome::Recovered, image: None, wall_ns: 0 },
+        }
+    }
 }
 
 /// Recovers the recording in `path`: a `.partial` folder, the dump that it was going to be, or a
@@ -120,23 +161,26 @@ pub fn recover(path: &Path) -> Result<Recovery, RecoverError> {
     if dump != root && folder::exists(&dump) {
         return Err(RecoverError::Exists { dump, partial: root });
     }
-    let kept = longest_prefix(&root, &manifest_path)?;
-    if kept.arrays.is_empty() {
-        return Err(RecoverError::Nothing { path: root });
+    let kept = whole_records(&root, &manifest_path)?;
+    if kept.is_empty() {
+        return Err(match kept.left_out.into_iter().next() {
+            Some(first) => RecoverError::Damaged { path: root, first },
+            None => RecoverError::Nothing { path: root },
+        });
     }
     let reserve = root.join(folder::RESERVE_NAME);
     if folder::exists(&reserve) {
         fs::remove_file(&reserve).map_err(io_error("remove", &reserve))?;
     }
-    for array in &kept.arrays {
+    for array in kept.arrays() {
         let path = root.join(array.place.to_string());
         File::open(&path).and_then(|file| sync(&file)).map_err(io_error("write", &path))?;
     }
     let mut leftover = Leftover { beside: dump.clone(), folder: None, files: 0 };
-    if kept.end.is_none() || kept.cut.is_some() {
+    if !kept.is_all() {
         end_manifest(&root, &manifest_path, &kept, &mut leftover)?;
     }
-    let places: BTreeSet<String> = kept.arrays.iter().map(|array| array.place.to_string()).collect();
+    let places: BTreeSet<String> = kept.arrays().map(|array| array.place.to_string()).collect();
     for stray in strays(&root, &places).map_err(io_error("read", &root))? {
         leftover.take(&root, &stray)?;
     }
@@ -148,10 +192,11 @@ pub fn recover(path: &Path) -> Result<Recovery, RecoverError> {
     let parent = folder::parent(&dump);
     folder::sync_folder(parent).map_err(io_error("write", parent))?;
     Ok(Recovery {
-        arrays: kept.arrays.len(),
-        bytes: kept.arrays.iter().map(|array| array.bytes).sum(),
-        is_complete: kept.end.is_some_and(|end| end.outcome == Outcome::Complete),
+        arrays: kept.arrays().count(),
+        bytes: kept.arrays().map(|array| array.bytes).sum(),
+        is_complete: kept.new_end().outcome == Outcome::Complete,
         cut: kept.cut,
+        left_out: kept.left_out,
         leftover: leftover.folder.map(|folder| (folder, leftover.files)),
         dump,
     })
@@ -167,32 +212,63 @@ fn find(path: &Path) -> Result<PathBuf, RecoverError> {
     candidates.into_iter().find(|candidate| candidate.is_dir()).ok_or_else(missing)
 }
 
-/// The records from the start whose arrays are whole.
-fn longest_prefix(root: &Path, manifest_path: &Path) -> Result<Kept, RecoverError> {
-    let scan = scan(manifest_path)?;
-    let mut frames = scan.frames;
-    let mut is_plain_tail = matches!(scan.fault, None | Some(Fault::Torn { .. }));
-    let mut cut = scan.fault.map(|fault| fault.to_string());
-    let damaged = |frame: &Frame| match &frame.record {
-        Record::Array(array) => damage(root, array),
-        _ => None,
-    };
-    let first = frames.par_iter().enumerate().find_map_first(|(at, frame)| Some((at, damaged(frame)?)));
-    if let Some((at, damage)) = first {
-        frames.truncate(at);
-        cut = Some(damage);
-        is_plain_tail = false;
+/// The records that can be read and whose arrays are whole.
+fn whole_records(root: &Path, manifest_path: &Path) -> Result<Kept, RecoverError> {
+    let salvage = salvage(manifest_path)?;
+    let manifest_bytes = salvage.frames.last().map_or(0, |frame| frame.end);
+    let is_plain_tail = matches!(salvage.fault, None | Some(Fault::Torn { .. }));
+    let mut left_out: Vec<String> = salvage.passed_over.iter().map(Fault::to_string).collect();
+    let damages: Vec<_> = salvage
+        .frames
+        .par_iter()
+        .map(|frame| match &frame.record {
+            Record::Array(array) => damage(root, array),
+            _ => None,
+        })
+        .collect();
+    let mut records = Vec::new();
+    let mut end = None;
+    for (frame, damage) in salvage.frames.into_iter().zip(damages) {
+        match (frame.record, damage) {
+            (_, Some(damage)) => left_out.push(damage),
+            (Record::End(found), None) => end = Some(found),
+            (record, None) => records.push(record),
+        }
     }
-    let manifest_bytes = frames.last().map_or(0, |frame| frame.end);
-    let end = match frames.last().map(|frame| &frame.record) {
-        Some(Record::End(end)) => Some(*end),
-        _ => None,
-    };
-    let arrays = frames.into_iter().filter_map(|frame| match frame.record {
-        Record::Array(array) => Some(array),
+    leave_out_lost_methods(&mut records, &mut left_out);
+    Ok(Kept {
+        records,
+        end,
+        cut: salvage.fault.map(|fault| fault.to_string()),
+        whole_bytes: (is_plain_tail && left_out.is_empty()).then_some(manifest_bytes),
+        left_out,
+    })
+}
+
+/// What a method made has no meaning without the method's record.
+fn leave_out_lost_methods(records: &mut Vec<Record>, left_out: &mut Vec<String>) {
+    let names = records.iter().filter_map(|record| match record {
+        Record::Method(method) => Some(method.name.clone()),
         _ => None,
     });
-    Ok(Kept { arrays: arrays.collect(), manifest_bytes, end, cut, is_plain_tail })
+    let names: BTreeSet<String> = names.chain([UNSORTED.to_owned()]).collect();
+    records.retain_mut(|record| match record {
+        Record::Array(array) => match &array.place {
+            Place::Method(_, method, _) if !names.contains(method) => {
+                left_out.push(format!("{}: the record of its method is lost", array.place));
+                false
+            }
+            _ => true,
+        },
+        Record::Timing(timing) => names.contains(&timing.method),
+        Record::Cache(cache) => names.contains(&cache.method),
+        Record::Queue(queue) => {
+            queue.methods.retain(|method| names.contains(method));
+            queue.mismatches.retain(|mismatches| names.contains(&mismatches.method));
+            true
+        }
+        _ => true,
+    });
 }
 
 /// What is wrong with an array's file, if anything.
@@ -205,36 +281,39 @@ pub(crate) fn damage(root: &Path, array: &ArrayRecord) -> Option<String> {
     }
 }
 
-/// Ends the manifest after the kept records.
+/// Makes the manifest one of the kept records and an end.
 fn end_manifest(
     root: &Path,
     manifest: &Path,
     kept: &Kept,
     leftover: &mut Leftover,
 ) -> Result<(), RecoverError> {
-    let end = End { outcome: Outcome::Recovered, image: None, wall_ns: 0 };
-    // An end record is short, so that it can always be encoded.
-    let frame = match kept.end {
-        Some(_) => Vec::new(),
-        None => encode_frame(&Record::End(end)).unwrap_or_default(),
+    let encode = |record: &Record| {
+        let too_long = |bytes| io::Error::other(format!("a record of {bytes} bytes is too long"));
+        encode_frame(record).map_err(too_long).map_err(io_error("write", manifest))
     };
-    if kept.is_plain_tail && folder::dump_of_partial(root).is_some() {
+    let end = encode(&Record::End(kept.new_end()))?;
+    if let Some(whole_bytes) = kept.whole_bytes.filter(|_| folder::dump_of_partial(root).is_some()) {
         // In place, since a full disk may have no room for a second manifest.
-        return end_in_place(manifest, kept.manifest_bytes, &frame).map_err(io_error("write", manifest));
+        let end = if kept.end.is_some() { &[][..] } else { &end };
+        return end_in_place(manifest, whole_bytes, end).map_err(io_error("write", manifest));
     }
-    let old = fs::read(manifest).map_err(io_error("read", manifest))?;
-    let kept_bytes = &old[..old.len().min(kept.manifest_bytes as usize)];
     let new = root.join(NEW_MANIFEST);
     // One that is there already was left by a run that was ended; a link would be followed.
     if folder::exists(&new) {
         fs::remove_file(&new).map_err(io_error("remove", &new))?;
     }
-    let mut file = File::create_new(&new).map_err(io_error("create", &new))?;
-    file.write_all(kept_bytes).map_err(io_error("write", &new))?;
-    file.write_all(&frame).map_err(io_error("write", &new))?;
+    let file = File::create_new(&new).map_err(io_error("create", &new))?;
+    let mut file = BufWriter::new(file);
+    file.write_all(&manifest::preamble()).map_err(io_error("write", &new))?;
+    for record in &kept.records {
+        file.write_all(&encode(record)?).map_err(io_error("write", &new))?;
+    }
+    file.write_all(&end).map_err(io_error("write", &new))?;
+    let file = file.into_inner().map_err(io::IntoInnerError::into_error).map_err(io_error("write", &new))?;
     file.sync_all().map_err(io_error("write", &new))?;
     drop(file);
-    if kept_bytes.len() < old.len() {
+    if kept.cut.is_some() || !kept.left_out.is_empty() {
         leftover.keep_a_copy(manifest)?;
     }
     fs::rename(&new, manifest).map_err(io_error("rename", &new))

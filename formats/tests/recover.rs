@@ -43,7 +43,7 @@ fn assert_right(dump: &Path) {
 
 #[test]
 fn a_manifest_cut_at_any_byte_gives_the_records_before_it() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = sample::folder_in_memory();
     let path = sample::write(folder.path());
     let bytes = fs::read(path.join("manifest.bin")).unwrap();
     let frames = scan(&path.join("manifest.bin")).unwrap().frames;
@@ -61,7 +61,7 @@ fn a_manifest_cut_at_any_byte_gives_the_records_before_it() {
 
 #[test]
 fn killed_at_any_record_the_rest_is_recovered() {
-    let source = tempfile::tempdir().unwrap();
+    let source = sample::folder_in_memory();
     let sample = sample::write(source.path());
     let frames = scan(&sample.join("manifest.bin")).unwrap().frames;
     let first_array = frames.iter().position(|frame| matches!(frame.record, Record::Array(_))).unwrap();
@@ -69,7 +69,7 @@ fn killed_at_any_record_the_rest_is_recovered() {
     for (at, frame) in frames.iter().enumerate().filter(|(at, _)| *at < 40 || at % 5 == 0) {
         // Between two records, or in the middle of one.
         let cut = if at % 2 == 0 { frame.offset } else { (frame.offset + frame.end) / 2 };
-        let folder = tempfile::tempdir().unwrap();
+        let folder = sample::folder_in_memory();
         let partial = killed(&sample, &frames, cut as usize, folder.path());
         let dump = folder.path().join("killed.raydump");
         match recover(&partial) {
@@ -95,7 +95,7 @@ fn killed_at_any_record_the_rest_is_recovered() {
 
 #[test]
 fn killed_before_the_rename_nothing_is_lost() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = sample::folder_in_memory();
     let path = sample::write(folder.path());
     let partial = folder.path().join("sample.raydump.partial");
     fs::rename(&path, &partial).unwrap();
@@ -110,7 +110,7 @@ fn killed_before_the_rename_nothing_is_lost() {
 
 #[test]
 fn a_dropped_writer_can_be_recovered_and_a_running_one_is_left_alone() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = sample::folder_in_memory();
     let writer = DumpWriter::create(&folder.path().join("x"), sample::header(), false).unwrap();
     sample::write_all(&writer).unwrap();
     assert!(matches!(recover(&folder.path().join("x")), Err(RecoverError::Busy { .. })));
@@ -119,10 +119,10 @@ fn a_dropped_writer_can_be_recovered_and_a_running_one_is_left_alone() {
     assert_right(&recovery.dump);
 }
 
-/// A damaged array in the middle: what comes before is kept, what comes after is not deleted.
+/// A damaged array is not deleted.
 #[test]
-fn a_damaged_dump_is_cut_and_the_rest_moves_aside() {
-    let folder = tempfile::tempdir().unwrap();
+fn a_damaged_array_moves_aside() {
+    let folder = sample::folder_in_memory();
     let path = sample::write(folder.path());
     let queue = QueueId { pass: 1, bounce: 0, kind: Kind::Closest };
     let damaged = Place::Queue(queue, QueueArray::Hits).to_string();
@@ -133,18 +133,19 @@ fn a_damaged_dump_is_cut_and_the_rest_moves_aside() {
     let files_before = count_files(&path);
 
     let recovery = recover(&path).unwrap();
-    assert!(recovery.cut.as_ref().is_some_and(|cut| cut.contains("hits.npy")), "{recovery:?}");
+    assert!(recovery.cut.is_none() && !recovery.is_complete, "{recovery:?}");
+    assert!(matches!(&recovery.left_out[..], [damage] if damage.contains("hits.npy")), "{recovery:?}");
     assert_right(&path);
     let leftover = folder.path().join("sample.raydump.leftover");
     assert_eq!(fs::read(leftover.join("manifest.bin")).unwrap(), manifest);
     assert_eq!(fs::read(leftover.join(&damaged)).unwrap(), bytes);
-    assert_eq!(recovery.leftover, Some((leftover.clone(), count_files(&leftover))));
+    assert_eq!(recovery.leftover, Some((leftover.clone(), 2)));
     assert_eq!(count_files(&path) + count_files(&leftover), files_before + 1);
 }
 
 #[test]
 fn bytes_after_the_end_are_cut_off() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = sample::folder_in_memory();
     let path = sample::write(folder.path());
     let manifest = path.join("manifest.bin");
     let original = fs::read(&manifest).unwrap();
@@ -157,7 +158,7 @@ fn bytes_after_the_end_are_cut_off() {
 
 #[test]
 fn nothing_is_written_over() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = sample::folder_in_memory();
     let path = sample::write(folder.path());
     let partial = folder.path().join("sample.raydump.partial");
     fs::create_dir(&partial).unwrap();
