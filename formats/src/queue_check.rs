@@ -152,7 +152,7 @@ impl QueueRules {
         entries: usize,
         fault: impl Fn(usize) -> Option<String> + Sync,
     ) -> Result<(), QueueFault> {
-        let found = (0..entries).into_par_iter().with_min_len(RAYS_PER_TASK).find_map_first(|at| fault(at));
+        let found = (0..entries).into_par_iter().with_min_len(RAYS_PER_TASK).find_map_first(&fault);
         found.map_or(Ok(()), |problem| Err(QueueFault::Entry { queue: self.queue, array, problem }))
     }
 }

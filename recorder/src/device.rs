@@ -121,6 +121,8 @@ pub fn hierarchy(scene: &Scene, trace: TraceKernel) -> Result<Option<Bvh>> {
 const CPU_BYTES_PER_PIXEL: u64 = 2 * 52 + 52 + 2 * 16 + 32 + 4 * 16 + 12;
 /// Bytes of CPU memory that a scene needs per triangle: its arrays twice, leaf triangles, nodes.
 const CPU_BYTES_PER_TRIANGLE: u64 = 2 * 64 + 48 + 80;
+/// Bytes of CPU memory of a cell of the length tables: two tables, and two to time adding to them.
+const CPU_BYTES_PER_CELL: u64 = 4 * 12;
 /// Bytes per item of the largest arrays on the GPU: a half of a ray, four words of a triangle.
 const GPU_BYTES_PER_ITEM: u64 = 16;
 
@@ -134,8 +136,10 @@ impl Device {
         let size = format!("{}×{}", setup.width, setup.height);
         match self {
             Self::Cpu(_) => {
-                let needed =
-                    pixels * CPU_BYTES_PER_PIXEL + scene.triangles.len() as u64 * CPU_BYTES_PER_TRIANGLE;
+                let triangles = scene.triangles.len() as u64;
+                let needed = (pixels.saturating_mul(CPU_BYTES_PER_PIXEL))
+                    .saturating_add(triangles.saturating_mul(CPU_BYTES_PER_TRIANGLE))
+                    .saturating_add(CPU_BYTES_PER_CELL << setup.table_bits);
                 // Where the system does not tell, nothing is refused.
                 let available = System::new().map_or(0, |mut system| {
                     system.refresh_memory();
@@ -163,7 +167,7 @@ impl Device {
                     ),
                 ];
                 for (_, what, count) in items {
-                    let needed = count * GPU_BYTES_PER_ITEM;
+                    let needed = count.saturating_mul(GPU_BYTES_PER_ITEM);
                     if needed > limit {
                         bail!(
                             "{what} need a storage binding of {} MiB, but {} allows {} MiB; ask for less, or use --backend cpu",

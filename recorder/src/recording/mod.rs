@@ -83,6 +83,11 @@ pub(crate) fn choose_camera(scene: &Scene, name: Option<&str>) -> Result<Camera>
     match scene.cameras.iter().find(|camera| camera.name == name) {
         Some(camera) => Ok(camera.clone()),
         None => {
+            // One that cannot be used was left out, and said why.
+            let why = format!("the camera \"{name}\" ");
+            if let Some(notice) = scene.notices.iter().find(|notice| notice.starts_with(&why)) {
+                bail!("{notice}");
+            }
             let names: Vec<_> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
             bail!("scene '{}' has no camera '{name}'; it has {}", scene.name, names.join(", "))
         }

@@ -19,6 +19,7 @@ use clap::ValueEnum;
 use formats::key::{LayoutText, Method};
 use formats::manifest::{Header, MethodRecord, Source};
 use formats::reader::{Dump, DumpState};
+use formats::text::one_line;
 use formats::writer::DumpWriter;
 use scenes::Camera;
 
@@ -71,8 +72,9 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let asked = Dump::open(&options.source)?;
     let dump = match (&asked.manifest().header.source, asked.source()) {
         (Source::Replayed { name, .. }, None) => bail!(
-            "{} is a replay of {name}, which is not in the same folder, or is another recording by now; replay {name} itself",
-            options.source.display()
+            "{} is a replay of {1}, which is not in the same folder, or is another recording by now; replay {1} itself",
+            options.source.display(),
+            one_line(name, 80)
         ),
         (_, Some(source)) => source,
         (_, None) => &asked,
@@ -83,6 +85,11 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
             "{} is not finished; wait for its recorder, or run `inspector recover` on it",
             dump.root().display()
         );
+    }
+    for read in [&asked, dump] {
+        if let Some(problem) = read.manifest().header.problems().first() {
+            bail!("{} cannot be replayed: {problem}; run `inspector verify` on it", read.root().display());
+        }
     }
     let recorded = &asked.manifest().header;
     let run_options = run_options(options, recorded, &asked.manifest().methods, &dump.manifest().header)?;
