@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::fs;
+use std::mem::ManuallyDrop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -282,21 +283,37 @@ fn look(dump: &Path, out: &Path) {
     app.context.selection.order_by("two-point-adaptive");
     let mut panels: Vec<_> =
         PANELS.iter().map(|entry| (entry.make)(&wgpu::TextureFormat::Rgba8Unorm.into())).collect();
-    let mut harness = Harness::builder()
-        .with_size([900.0, 640.0])
-        .with_accessibility_check(false)
-        .allow_missing_glyphs()
-        .build_ui_state(
-            |ui, app: &mut App| panels.iter_mut().for_each(|panel| panel.show(ui, &mut app.context)),
-            app,
-        );
+    // Where a panic goes through it, its own fault would end the process.
+    let mut harness = ManuallyDrop::new(
+        Harness::builder()
+            .with_size([900.0, 640.0])
+            .with_accessibility_check(false)
+            .allow_missing_glyphs()
+            .build_ui_state(
+                |ui, (app, has_gpu): &mut (App, bool)| {
+                    if !*has_gpu {
+                        return;
+                    }
+                    for (at, panel) in panels.iter_mut().enumerate() {
+                        // One over the other: nothing of it is looked at.
+                        let all = egui::UiBuilder::new().id_salt(at).max_rect(ui.max_rect());
+                        panel.show(&mut ui.new_child(all), &mut app.context);
+                    }
+                },
+                (app, false),
+            ),
+    );
+    // The least that GPUs can do, which nobody told the harness before its first frame.
+    harness.input_mut().max_texture_side = Some(8192);
+    harness.state_mut().1 = true;
     for frame in 0..6 {
         harness.step();
-        harness.state_mut().context.finish();
+        harness.state_mut().0.context.finish();
         if frame == 3 {
-            harness.state_mut().context.select_ray(Some(0));
+            harness.state_mut().0.context.select_ray(Some(0));
         }
     }
+    drop(ManuallyDrop::into_inner(harness));
 }
 
 fn small(folder: &Path) -> PathBuf {

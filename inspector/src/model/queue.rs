@@ -1,11 +1,11 @@
 //! The rays of a queue with all that the recording keeps of them, in canonical order.
 
-use formats::length_table::LengthCell;
+use formats::length_table::{LengthCell, TABLE_BITS_MAX, TABLE_BITS_MIN};
 use formats::manifest::{Place, QueueArray, QueueId};
 use formats::metrics::capsule::Segment;
 use formats::ray::{Kind, Work};
 use formats::reader::{Dump, Mapped};
-use formats::stored_table::StoredTable;
+use formats::stored_table::{StoredTable, StoredTableError};
 use formats::traced::{Results, Traced};
 use rayon::prelude::*;
 
@@ -69,7 +69,7 @@ impl Queue {
             path_ids,
             lights,
             work,
-            cells: dump.array(&place(QueueArray::Lengths)).map_err(text),
+            cells: cells(dump, &place(QueueArray::Lengths)),
             table: StoredTable::open(dump, id).map_err(|error| error.to_string()),
             traced,
         })
@@ -107,5 +107,20 @@ impl Queue {
     /// The ray of a pixel, if its path is still alive.
     pub fn ray_of_pixel(&self, pixel: u32) -> Option<usize> {
         self.path_ids.binary_search(&pixel).ok()
+    }
+}
+
+/// Touched cells, all of which a table of as many address bits as the header says has.
+fn cells(dump: &Dump, place: &Place) -> Result<Mapped<LengthCell>, String> {
+    let bits = dump.manifest().header.options.table_bits;
+    if !(TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&bits) {
+        return Err(StoredTableError::Bits { bits }.to_string());
+    }
+    let cells: Mapped<LengthCell> = dump.array(place).map_err(|error| error.to_string())?;
+    match cells.par_iter().find_first(|cell| cell.cell >> bits != 0) {
+        None => Ok(cells),
+        Some(LengthCell { cell, .. }) => Err(format!(
+            "{place} has cell {cell} of a table of 2^{bits}; `inspector verify` says what is wrong"
+        )),
     }
 }

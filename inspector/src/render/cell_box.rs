@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use formats::key::decode::decode;
 use formats::key::{Coordinate, LayoutText};
+use formats::length_table::{TABLE_BITS_MAX, TABLE_BITS_MIN};
 use formats::manifest::Options;
+use formats::stored_table::StoredTableError;
 use rayon::prelude::*;
 
 use super::geometry::{Geometry, boxes};
@@ -18,8 +20,12 @@ use crate::model::Queue;
 pub fn cell_box(options: &Options, cell: u32) -> Result<([f32; 3], [f32; 3]), String> {
     let layout = LayoutText::parse(&options.table_layout).and_then(|text| text.expand(1));
     let layout = layout.map_err(|error| error.to_string())?;
+    let bits = options.table_bits;
+    if !(TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&bits) {
+        return Err(StoredTableError::Bits { bits }.to_string());
+    }
     let (mut low, mut high) = ([0.0; 3], [1.0; 3]);
-    for field in decode(&layout, options.table_bits, u64::from(cell)) {
+    for field in decode(&layout, bits, u64::from(cell)) {
         let axis = match field.coordinate {
             Coordinate::OriginX => 0,
             Coordinate::OriginY => 1,
