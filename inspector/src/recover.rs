@@ -15,6 +15,7 @@ struct Report {
     bytes: u64,
     complete: bool,
     cut: Option<String>,
+    left_out: Vec<String>,
     leftover: Option<PathBuf>,
     leftover_files: usize,
 }
@@ -28,6 +29,7 @@ pub(crate) fn run(path: &Path, json: bool) -> anyhow::Result<()> {
         bytes: recovery.bytes,
         complete: recovery.is_complete,
         cut: recovery.cut,
+        left_out: recovery.left_out,
         leftover,
         leftover_files: leftover_files.unwrap_or(0),
     };
@@ -43,6 +45,10 @@ fn in_words(report: &Report) -> String {
     };
     if let Some(cut) = &report.cut {
         text.push_str(&format!("\nIt ends there because {cut}."));
+    }
+    if let Some(first) = report.left_out.first() {
+        let records = counted(report.left_out.len() as u64, "record", "records");
+        text.push_str(&format!("\nDamaged and left out: {records}. The first: {first}."));
     }
     if let Some(leftover) = &report.leftover {
         let files = counted(report.leftover_files as u64, "file", "files");
