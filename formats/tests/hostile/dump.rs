@@ -6,9 +6,11 @@
 #[path = "../sample/mod.rs"]
 pub(crate) mod sample;
 
+use std::cell::RefCell;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use formats::manifest::scan::scan;
 use formats::manifest::{ArrayRecord, Place, QueueArray, QueueId, Record, encode_frame, preamble};
@@ -27,6 +29,8 @@ use super::assert_sentence;
 const EDIT_BYTES: usize = 6;
 /// What comes after so many edits is not looked at.
 const EDITS_MAX: usize = 16;
+/// Of so many lengths of input, one is recovered, too.
+const RECOVERED_OF: usize = 8;
 
 /// What is done to the dump.
 #[derive(Debug)]
@@ -60,8 +64,9 @@ struct Original {
 }
 
 static ORIGINAL: LazyLock<Original> = LazyLock::new(|| {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = sample::folder_in_memory();
     // One queue of each kind, and a method of each way to make keys: the whole sample takes five times as long.
+    // In memory, where the thousands of recordings that a fuzzer makes of it are synced at once.
     let queues = Kind::ALL.map(|kind| QueueId { pass: 1, bounce: 1, kind });
     let methods = ["aila", "two-point-adaptive", "two-point-real", "light-octahedron"];
     let path = sample::thinned(&sample::write(folder.path()), "original", &queues, &methods);
@@ -75,30 +80,72 @@ static ORIGINAL: LazyLock<Original> = LazyLock::new(|| {
     Original { folder, path, payloads, arrays: arrays.collect() }
 });
 
-/// A copy of the sample whose unchanged files are links to the original's bytes.
+/// A copy of the sample, whose files are made again where an edit has changed them.
 struct Copy {
     path: PathBuf,
     payloads: Vec<Vec<u8>>,
+    /// Arrays whose files are no longer those of the sample.
+    changed: Vec<usize>,
     /// Written over the manifest's bytes in the end, and where it is cut.
     manifest_edits: Vec<(usize, Vec<u8>)>,
     manifest_bytes: Option<usize>,
 }
 
-impl Copy {
-    fn new(path: PathBuf) -> Self {
-        for array in &ORIGINAL.arrays {
-            let relative = array.place.to_string();
-            let file = path.join(&relative);
+/// The files of the copy that is edited; each thread has its own.
+struct Files {
+    path: PathBuf,
+    changed: Vec<usize>,
+}
+
+thread_local! {
+    static FILES: RefCell<Files> = RefCell::new(Files::new());
+}
+
+impl Files {
+    fn new() -> Self {
+        static COPIES: AtomicUsize = AtomicUsize::new(0);
+        let number = COPIES.fetch_add(1, Ordering::Relaxed);
+        let path = ORIGINAL.folder.path().join(format!("edited-{number}.raydump"));
+        Self { path, changed: (0..ORIGINAL.arrays.len()).collect() }
+    }
+
+    /// Links what has changed to the bytes of the sample again.
+    fn mend(&mut self) {
+        for at in self.changed.drain(..) {
+            let relative = ORIGINAL.arrays[at].place.to_string();
+            let file = self.path.join(&relative);
             fs::create_dir_all(file.parent().unwrap()).unwrap();
+            // What is there may be a folder by now, or nothing.
+            let _ = fs::remove_file(&file);
+            let _ = fs::remove_dir(&file);
             fs::hard_link(ORIGINAL.path.join(&relative), file).unwrap();
         }
+    }
+
+    /// All of it is made again, since `recover` moves what it likes.
+    fn begin_again(&mut self) {
+        fs::remove_dir_all(&self.path).unwrap();
+        let leftover = self.path.with_extension("raydump.leftover");
+        if leftover.exists() {
+            fs::remove_dir_all(leftover).unwrap();
+        }
+        self.changed = (0..ORIGINAL.arrays.len()).collect();
+    }
+}
+
+impl Copy {
+    fn new(path: PathBuf) -> Self {
         let payloads = ORIGINAL.payloads.clone();
-        Self { path, payloads, manifest_edits: Vec::new(), manifest_bytes: None }
+        Self { path, payloads, changed: Vec::new(), manifest_edits: Vec::new(), manifest_bytes: None }
     }
 
     fn apply(&mut self, edit: &Edit<'_>) {
         let payloads = self.payloads.len();
-        let array = &ORIGINAL.arrays[edit.which % ORIGINAL.arrays.len()];
+        let at = edit.which % ORIGINAL.arrays.len();
+        let array = &ORIGINAL.arrays[at];
+        if edit.kind % 12 > 6 {
+            self.changed.push(at);
+        }
         match edit.kind % 12 {
             0 | 1 if payloads > 0 => put(&mut self.payloads[edit.which % payloads], edit.offset, edit.bytes),
             2 => self.payloads.insert(edit.which % (payloads + 1), edit.bytes.to_vec()),
@@ -196,17 +243,27 @@ fn put(bytes: &mut [u8], offset: usize, new: &[u8]) {
 
 /// The sample after these edits.
 pub(crate) fn dump(bytes: &[u8]) {
-    let folder = tempfile::tempdir().unwrap();
-    let mut copy = Copy::new(folder.path().join("edited.raydump"));
-    for edit in edits(bytes) {
-        copy.apply(&edit);
-    }
-    copy.write_manifest();
-    use_everything(&copy.path);
-    match recover(&copy.path) {
-        Ok(_) => {
+    FILES.with_borrow_mut(|files| {
+        files.mend();
+        let mut copy = Copy::new(files.path.clone());
+        edits(bytes).iter().for_each(|edit| copy.apply(edit));
+        copy.write_manifest();
+        use_everything(&copy.path);
+        files.changed = std::mem::take(&mut copy.changed);
+        // Making all files again takes longer than everything else.
+        if bytes.len().is_multiple_of(RECOVERED_OF) {
+            recover_and_verify(&copy.path);
+            files.begin_again();
+        }
+    });
+}
+
+fn recover_and_verify(path: &Path) {
+    match recover(path) {
+        Ok(recovery) => {
+            recovery.left_out.iter().for_each(|damage| assert_sentence(damage));
             // Whatever was recovered is a dump whose files are whole.
-            let report = verify(&Dump::open(&copy.path).unwrap());
+            let report = verify(&Dump::open(path).unwrap());
             let files = report.checks.iter().find(|check| check.name == "files").unwrap();
             assert_eq!(files.problems.count, 0, "{files:?}");
         }
