@@ -212,16 +212,20 @@ impl Dump {
         self.record(place).is_some() || self.source_of(place).is_some_and(|source| source.has(place))
     }
 
-    /// The source, if its array at this place is this recording's too. Length tables that are addressed in
-    /// another way are not, also where a replay that was ended early lost its own.
+    /// The source, if its array at this place is this recording's too. What methods made is not, nor are
+    /// length tables that are addressed in another way, also where a replay that was ended early lost its own.
     fn source_of(&self, place: &Place) -> Option<&Dump> {
-        let tables = [QueueArray::Lengths, QueueArray::FinalLengths];
-        let is_table = matches!(place, Place::Queue(_, array) if tables.contains(array));
         let addresses = |dump: &Dump| {
             let options = &dump.manifest.header.options;
             (options.table_bits, options.table_layout.clone())
         };
-        self.source().filter(|source| !is_table || addresses(source) == addresses(self))
+        self.source().filter(|source| match place {
+            Place::Method(..) => false,
+            Place::Queue(_, QueueArray::Lengths | QueueArray::FinalLengths) => {
+                addresses(source) == addresses(self)
+            }
+            Place::Scene(_) | Place::Image | Place::Queue(..) => true,
+        })
     }
 
     /// The folder.
@@ -275,7 +279,7 @@ impl Dump {
     fn missing(&self, place: &Place) -> ReadError {
         let hint = match &self.manifest.header.source {
             Source::Replayed { name, .. } if self.source.is_some() => format!(
-                "; it has tables of its own, and those of {} are addressed in another way",
+                "; it is a replay of {}, whose array is made in another way",
                 one_line(name, NAME_CHARACTERS)
             ),
             Source::Replayed { name, .. } => format!(

@@ -11,7 +11,7 @@ fn is_unsafe(character: char) -> bool {
 }
 
 /// The text with every character that steers a terminal or turns the direction of text written as
-/// `\u{1b}`. Line feeds and tabs stay: names that must keep to a line take `escape_debug` first.
+/// `\u{1b}`. Line feeds and tabs stay: names that must keep to a line take [`one_line`].
 pub fn printable(text: &str) -> Cow<'_, str> {
     if !text.contains(is_unsafe) {
         return Cow::Borrowed(text);
@@ -25,7 +25,12 @@ pub fn printable(text: &str) -> Cow<'_, str> {
 
 /// A name from a file on one line, at most `characters` long; a longer one ends in `…`.
 pub fn one_line(name: &str, characters: usize) -> String {
-    let mut shown: String = name.chars().take(characters).flat_map(char::escape_debug).collect();
+    let escaped = |character: char| match character {
+        '\n' | '\t' => character.escape_default().to_string(),
+        _ if is_unsafe(character) => character.escape_unicode().to_string(),
+        _ => character.to_string(),
+    };
+    let mut shown: String = name.chars().take(characters).map(escaped).collect();
     // Escapes are longer than what they stand for.
     let cut = shown.char_indices().nth(characters).map(|(at, _)| at);
     if cut.is_some() || name.chars().nth(characters).is_some() {
@@ -52,6 +57,7 @@ mod tests {
     #[test]
     fn names_keep_to_a_line_and_a_length() {
         assert_eq!(one_line("kitchen", 7), "kitchen");
+        assert_eq!(one_line("it's \"a\\b\"", 40), "it's \"a\\b\"");
         assert_eq!(one_line("kitchens", 7), "kitche…");
         assert_eq!(one_line("a\nb\u{202e}", 40), "a\\nb\\u{202e}");
         assert_eq!(one_line(&"\n".repeat(5_000_000), 4), "\\n\\…");

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use formats::key::method::{BUILTIN, UNSORTED};
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method, MethodError};
 use formats::length_table::{TABLE_BITS_MAX, TABLE_BITS_MIN};
+use formats::manifest::check::{BOUNCES_MAX, PASSES_MAX, REPEATS_MAX};
 
 use crate::stages::trace::TraceKernel;
 
@@ -246,9 +247,9 @@ impl RecordOptions {
     /// # Errors
     /// The first option that makes no sense.
     pub fn check_run(&self) -> Result<(), OptionError> {
-        in_range("bounces", self.bounces, 1, 99)?;
-        in_range("passes", self.passes, 1, 999)?;
-        in_range("repeats", self.repeats, 1, 10_000)?;
+        in_range("bounces", self.bounces, 1, BOUNCES_MAX)?;
+        in_range("passes", self.passes, 1, PASSES_MAX)?;
+        in_range("repeats", self.repeats, 1, REPEATS_MAX)?;
         in_range("key-bits", self.key_bits, KEY_BITS_MIN, LAYOUT_BITS)?;
         in_range("two-point-length", self.two_point_length, 0.0, 2.0)?;
         check_table(self.table_bits, &self.table_method)?;

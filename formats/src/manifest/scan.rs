@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
+use super::check::REPEATS_MAX;
 use super::codec::{self, RECORD_KINDS};
 use super::{
     ArrayRecord, CacheRecord, End, FORMAT_VERSION, FRAME_BYTES, Header, MAGIC, MethodRecord, NAME_CHARACTERS,
@@ -338,6 +339,10 @@ impl Order {
             }
             Record::Cache(CacheRecord { pass, bounce, kind, method, .. }) => {
                 format!("caches of {method} in {}", QueueId { pass: *pass, bounce: *bounce, kind: *kind })
+            }
+            Record::Timing(timing) if timing.samples_ns.len() > REPEATS_MAX as usize => {
+                let found = timing.samples_ns.len();
+                return Err(format!("it has {found} samples of a time, expected at most {REPEATS_MAX}"));
             }
             Record::Header(_) | Record::Timing(_) => return Ok(()),
         };

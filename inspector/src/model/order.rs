@@ -62,15 +62,13 @@ pub struct KeyLayout {
 impl KeyLayout {
     fn of(record: &MethodRecord) -> Option<Self> {
         // A key may have more bits than its layout: the rest is 0.
-        if !(KEY_BITS_MIN..=LAYOUT_BITS).contains(&record.key_bits)
-            || record.layout.len() > LAYOUT_BITS as usize
-        {
+        if !(KEY_BITS_MIN..=LAYOUT_BITS).contains(&record.key_bits) {
             return None;
         }
         let coordinate =
             |name: &String| Coordinate::ALL.iter().copied().find(|coordinate| coordinate.name() == name);
         let bits = record.layout.iter().map(coordinate).collect::<Option<Vec<_>>>()?;
-        Some(Self { layout: Layout::from_bits(bits), key_bits: record.key_bits, text: record.text.clone() })
+        Some(Self { layout: Layout::from_bits(bits)?, key_bits: record.key_bits, text: record.text.clone() })
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use formats::key::Method;
+use formats::manifest::check::BOUNCES_MAX;
 use formats::ray::Kind;
 
 use super::record::{DeviceArguments, show};
@@ -76,7 +77,7 @@ pub(super) struct ImportArguments {
 
 impl ImportArguments {
     fn options(&self) -> Result<ImportOptions, OptionError> {
-        in_range("bounce", self.bounce, 0, 98)?;
+        in_range("bounce", self.bounce, 0, BOUNCES_MAX - 1)?;
         let run = RecordOptions {
             scene: self.scene.clone(),
             out: self.out.clone(),

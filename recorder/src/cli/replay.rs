@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use formats::key::Method;
 use formats::length_table::TABLE_BITS_DEFAULT;
+use formats::manifest::check::REPEATS_MAX;
 
 use super::record::{DeviceArguments, show};
 use crate::options::{Keep, OptionError, check_table, in_range, parse_methods};
@@ -77,7 +78,7 @@ impl ReplayArguments {
                 ),
             });
         }
-        self.repeats.map(|repeats| in_range("repeats", repeats, 1, 10_000)).transpose()?;
+        self.repeats.map(|repeats| in_range("repeats", repeats, 1, REPEATS_MAX)).transpose()?;
         let table_method = self.table_method.as_deref().map(Method::builtin).transpose()?;
         // What is not given is as it was recorded, and checked with the recording.
         let default = Method::builtin("aila")?;

@@ -238,7 +238,7 @@ fn made_up_setup(all_features: bool, key_bits: u32) -> Setup {
         roulette: all_features,
         methods: methods.collect(),
         table_bits: 20,
-        table_layout: Layout::from_bits(vec![Coordinate::OriginX, Coordinate::DirectionX]),
+        table_layout: Layout::from_bits(vec![Coordinate::OriginX, Coordinate::DirectionX]).unwrap_or_default(),
         precision: Precision::default(),
         light_sites,
     }
@@ -293,7 +293,8 @@ mod tests {
         }
         let setup = made_up_setup(true, 64);
         for termination in [Termination::Fixed, Termination::Adaptive, Termination::Real] {
-            let lit = Layout::from_bits([Coordinate::Light, Coordinate::EndX, Coordinate::LightU].repeat(22));
+            let lit = Layout::from_bits([Coordinate::Light, Coordinate::EndX, Coordinate::LightU].repeat(21))
+                .unwrap();
             let method = MethodPlan { layout: lit, termination, ..setup.methods[0].clone() };
             modules.extend(Kind::ALL.map(|kind| key::gpu::module(&setup, &method, kind)));
         }

@@ -45,7 +45,7 @@ impl Meshes {
         // What was kept is whole whatever happened to the thread that held it.
         let mut meshes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let found = meshes.of((recording.opening, form), waker, move || read(&dump, &unit, form));
-        found?.as_ref().map(Geometry::clone).map_err(Absent::from)
+        found?.clone().map_err(Absent::from)
     }
 }
 
