@@ -7,7 +7,7 @@ use scenes::bvh::{Bvh, BvhKind};
 use sysinfo::System;
 
 use crate::backend::Setup;
-use crate::gpu::self_check::SelfCheck;
+use crate::gpu::self_check::{SMALLEST_FLUSHED_SCENE, SelfCheck};
 use crate::gpu::{AdapterRequest, Gpu, GpuError};
 use crate::options::{BackendChoice, RecordOptions};
 use crate::stages::trace::TraceKernel;
@@ -34,6 +34,20 @@ pub struct GpuDevice {
     pub gpu: Gpu,
     /// What it does and does not.
     pub self_check: SelfCheck,
+}
+
+impl GpuDevice {
+    /// Refuses scenes so small that products of lengths are denormal, where the device takes those for 0.
+    fn check_extent(&self, scene: &Scene) -> Result<()> {
+        let extent = scene.bounds().extent().into_iter().fold(0.0, f32::max);
+        if self.self_check.flushes_denormals && extent < SMALLEST_FLUSHED_SCENE {
+            bail!(
+                "the scene is {extent:e} units large, and {} takes numbers below 1.2e-38 for 0, with which rays miss triangles of scenes smaller than {SMALLEST_FLUSHED_SCENE}; scale the scene up, or use --backend cpu",
+                self.gpu.adapter().title()
+            );
+        }
+        Ok(())
+    }
 }
 
 /// What is asked of a device.
@@ -155,6 +169,7 @@ impl Device {
                 }
             }
             Self::Gpu(device) => {
+                device.check_extent(scene)?;
                 let limits = &device.gpu.adapter().limits;
                 let limit = limits.storage_binding_bytes.min(limits.buffer_bytes);
                 let items = [
@@ -296,5 +311,26 @@ impl Device {
             Self::Cpu(device) => device.pool.current_num_threads() as u32,
             Self::Gpu(_) => 0,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiny_scenes_are_refused_where_denormal_numbers_are_flushed() {
+        let gpu = crate::gpu::test_gpu().clone();
+        let mut scene = scenes::load("builtin:cornell").unwrap();
+        let found = SelfCheck::run(&gpu).unwrap();
+        let device = |flushes_denormals| GpuDevice {
+            gpu: gpu.clone(),
+            self_check: SelfCheck { flushes_denormals, ..found.clone() },
+        };
+        device(true).check_extent(&scene).unwrap();
+        scene.positions.iter_mut().flatten().for_each(|value| *value *= 1e-9);
+        device(false).check_extent(&scene).unwrap();
+        let text = device(true).check_extent(&scene).unwrap_err().to_string();
+        assert!(text.contains("--backend cpu") && text.contains("0.0001"), "{text}");
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! - [`sources`]: the project's own files, for the tests that read them
 //! - [`programs`]: `recorder` and `inspector` as a user runs them
+//! - [`drivers`]: other Vulkan drivers, and the validation layer
 //! - [`recordings`]: the arrays of a recording, byte by byte
 //! - [`crafted`]: recordings that somebody changed, with right checksums
 //! - [`scene_files`]: small GLB files, sound and broken
@@ -10,6 +11,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 pub mod crafted;
+pub mod drivers;
 pub mod keys;
 pub mod programs;
 pub mod recordings;

@@ -6,7 +6,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use naga::{Module, TypeInner};
+use naga::{Expression, Literal, Module, TypeInner};
+use recorder::stages::key::wgsl::wgsl_f32;
 use recorder::stages::{all_shader_sources, shared_structs};
 use tests::sources::{Source, files};
 
@@ -82,4 +83,31 @@ fn shared_structs_have_one_layout() {
     }
     let missing: Vec<&&str> = described.keys().filter(|name| !seen.contains(**name)).collect();
     assert!(missing.is_empty(), "no module has the shared structs {missing:?}");
+}
+
+/// The bits of a float that went to WGSL and came back.
+fn through_wgsl(value: f32) -> u32 {
+    let text = format!("const value = {};", wgsl_f32(value));
+    let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{text}: {error}"));
+    let (_, constant) = module.constants.iter().next().unwrap();
+    match module.global_expressions[constant.init] {
+        Expression::Literal(Literal::F32(read)) => read.to_bits(),
+        ref other => panic!("{text} is {other:?}"),
+    }
+}
+
+#[test]
+fn every_finite_float_goes_to_wgsl_and_back() {
+    let odd = [0.0, -0.0, 1e-45, -1.1754942e-38, f32::MIN_POSITIVE, f32::MAX, f32::MIN, 16_777_216.0];
+    let any = (0..20_000u32).map(|number| f32::from_bits(number.wrapping_mul(0x9e37_79b9)));
+    for value in odd.into_iter().chain(any).filter(|value| value.is_finite()) {
+        assert_eq!(through_wgsl(value), value.to_bits(), "{value:e}");
+    }
+}
+
+#[test]
+fn what_wgsl_cannot_write_is_never_written() {
+    for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        assert!(std::panic::catch_unwind(|| wgsl_f32(value)).is_err(), "{value}");
+    }
 }

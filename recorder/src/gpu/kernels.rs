@@ -238,7 +238,8 @@ fn made_up_setup(all_features: bool, key_bits: u32) -> Setup {
         roulette: all_features,
         methods: methods.collect(),
         table_bits: 20,
-        table_layout: Layout::from_bits(vec![Coordinate::OriginX, Coordinate::DirectionX]).unwrap_or_default(),
+        table_layout: Layout::from_bits(vec![Coordinate::OriginX, Coordinate::DirectionX])
+            .unwrap_or_default(),
         precision: Precision::default(),
         light_sites,
     }

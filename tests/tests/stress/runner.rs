@@ -12,6 +12,7 @@ use recorder::stages::trace::gpu::{Order, Tracer};
 use scenes::Scene;
 use scenes::bvh::{BvhKind, build};
 use scenes::features::Features;
+use tests::drivers::skipped;
 
 /// A scene, rays, and what is promised of them.
 pub(crate) struct Case {
@@ -71,6 +72,8 @@ pub(crate) fn kernels() -> Vec<(Backend, TraceKernel)> {
     all.extend(own.map(|kernel| (Backend::Gpu, kernel)));
     if gpu().adapter().ray_query {
         all.push((Backend::Gpu, TraceKernel::RayQuery));
+    } else {
+        skipped("ray-query against the oracle", "the adapter has no ray queries");
     }
     all
 }
