@@ -86,7 +86,7 @@ pub(super) fn find(boxes: &Boxes, kind: BvhKind) -> Bvh2 {
 /// which keeps areas from overflowing, vanishing or cancelling wherever the scene is and however
 /// large it is.
 ///
-/// Each box is moved by up to 1/64 of its size, differently for each and along each axis: PLOC merges
+/// Each box is moved by up to 1/32 of its size, differently for each and along each axis: PLOC merges
 /// one pair per pass where all costs are equal or grow along the curve (a heap or a row of equal boxes, a
 /// mesh scaled to a point), which would take quadratic time and make a list of the tree.
 fn in_unit_cube(boxes: &[Bounds]) -> Vec<Aabb> {
@@ -102,7 +102,7 @@ fn in_unit_cube(boxes: &[Bounds]) -> Vec<Aabb> {
         let (low, high) = (place(&bounds.min), place(&bounds.max));
         let spread =
             Vec3A::from(NUDGE_STEPS.map(|step| (index as u32).wrapping_mul(step) as f32 / 2f32.powi(32)));
-        let by = ((high - low) / 64.0 + 2f32.powi(-20)) * spread;
+        let by = ((high - low) / 32.0 + 2f32.powi(-20)) * spread;
         Aabb::new(low + by, high + by)
     };
     boxes.par_iter().enumerate().map(nudge).collect()
