@@ -23,6 +23,19 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     Cow::Owned(text.chars().map(escaped).collect())
 }
 
+/// JSON with the same characters escaped in JSON's own way, so that it stays JSON.
+pub fn printable_json(json: &str) -> Cow<'_, str> {
+    if !json.contains(is_unsafe) {
+        return Cow::Borrowed(json);
+    }
+    let escaped = |character: char| match is_unsafe(character) {
+        // All of them lie below 2^16, where one escape is enough.
+        true => format!("\\u{:04x}", u32::from(character)),
+        false => character.to_string(),
+    };
+    Cow::Owned(json.chars().map(escaped).collect())
+}
+
 /// A name from a file on one line, at most `characters` long; a longer one ends in `…`.
 pub fn one_line(name: &str, characters: usize) -> String {
     let escaped = |character: char| match character {
@@ -51,6 +64,16 @@ mod tests {
         assert_eq!(printable("a\x1b[2Jb\u{202e}c\u{9b}\r"), "a\\u{1b}[2Jb\\u{202e}c\\u{9b}\\u{d}");
         for same in ["two\nlines\tand a tab", "größer × 2 → \u{1f600}", ""] {
             assert!(matches!(printable(same), Cow::Borrowed(shown) if shown == same));
+        }
+    }
+
+    #[test]
+    fn json_stays_json() {
+        for text in ["plain", "\u{9b}2J \u{202e} \\u{9b} \x1b"] {
+            let json = serde_json::to_string(text).unwrap();
+            let shown = printable_json(&json).into_owned();
+            assert_eq!(serde_json::from_str::<String>(&shown).unwrap(), text);
+            assert!(!shown.contains(is_unsafe), "{shown:?}");
         }
     }
 

@@ -1,13 +1,12 @@
 //! Results on standard output: text, tables, JSON; errors and progress on standard error. Nothing else
 //! writes to either, and nothing that a file says reaches a terminal but as text.
 
-use std::borrow::Cow;
 use std::io::{self, Write};
 
 use anyhow::Context;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
-use formats::text::printable;
+use formats::text::{printable, printable_json};
 use serde::Serialize;
 
 use crate::shown;
@@ -26,19 +25,7 @@ pub(crate) fn print(text: &str) -> anyhow::Result<()> {
 /// Writes a result as one JSON object.
 pub(crate) fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
     let json = serde_json::to_string_pretty(value).context("the result cannot be written as JSON")?;
-    print(&in_json(&json))
-}
-
-/// JSON whose texts are printable, in JSON's own way of escaping: as [`printable`] escapes, it is no JSON.
-fn in_json(json: &str) -> Cow<'_, str> {
-    if matches!(printable(json), Cow::Borrowed(_)) {
-        return Cow::Borrowed(json);
-    }
-    let escaped = |character: char| match printable(character.encode_utf8(&mut [0; 4])) {
-        Cow::Borrowed(same) => same.to_owned(),
-        Cow::Owned(_) => format!("\\u{:04x}", u32::from(character)),
-    };
-    Cow::Owned(json.chars().map(escaped).collect())
+    print(&printable_json(&json))
 }
 
 /// Writes an error, a warning or how far something is to standard error.
@@ -120,16 +107,6 @@ pub(crate) fn time(nanoseconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn json_stays_json() {
-        for text in ["plain", "\u{9b}2J \u{202e} \\u{9b} \x1b"] {
-            let json = serde_json::to_string(text).unwrap();
-            let shown = in_json(&json).into_owned();
-            assert_eq!(serde_json::from_str::<String>(&shown).unwrap(), text);
-            assert!(matches!(printable(&shown), Cow::Borrowed(_)), "{shown:?}");
-        }
-    }
 
     #[test]
     fn an_error_says_everything_once() {

@@ -82,7 +82,7 @@ fn scenes_that_are_no_scene_files() {
     let folder = tempdir().unwrap();
     fs::create_dir(folder.path().join("folder.glb")).unwrap();
     let outcome = Program::Recorder.run(folder.path(), "record folder.glb --out x.raydump");
-    outcome.failed_with(FAILED, &["folder.glb", "directory"]);
+    outcome.failed_with(FAILED, &["folder.glb", "found a folder"]);
 }
 
 #[test]

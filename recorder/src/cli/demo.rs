@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use formats::reader::Dump;
 
-use super::output::print;
+use super::output::{print, print_json};
 use super::record::{DeviceArguments, RecordArguments};
 use crate::recording;
 use crate::report;
@@ -53,7 +53,7 @@ pub(super) fn run(arguments: &DemoArguments) -> Result<()> {
     let options = RecordArguments::parse_words(words)?.with_device(arguments.device.clone()).options()?;
     let recorded = recording::record(&options)?;
     if arguments.json {
-        return print(recorded.json()?);
+        return print_json(&recorded.summary()?);
     }
     print(report::text(&recorded))?;
     let path = recorded.path.display();

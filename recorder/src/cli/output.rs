@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use anyhow::{Context, Result};
-use formats::text::printable;
+use formats::text::{printable, printable_json};
 use serde::Serialize;
 
 /// Writes a result to standard output, on a line or lines of its own.
@@ -26,5 +26,5 @@ pub(crate) fn say(text: impl std::fmt::Display) {
 
 /// Writes a result as JSON.
 pub(crate) fn print_json(value: &impl Serialize) -> Result<()> {
-    print(serde_json::to_string_pretty(value)?)
+    print(printable_json(&serde_json::to_string_pretty(value)?))
 }

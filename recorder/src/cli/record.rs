@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::{Args, FromArgMatches, ValueEnum};
 
-use super::output::print;
+use super::output::{print, print_json};
 use crate::cache_model::L2_BYTES;
 use crate::options::{BackendChoice, Keep, KeepPasses, OptionError, RecordOptions, parse_methods};
 use crate::recording::{self, Recorded};
@@ -191,5 +191,5 @@ pub(super) fn run(arguments: &RecordArguments) -> Result<()> {
 
 /// Prints what was recorded, as a table or as JSON.
 pub(super) fn show(recorded: &Recorded, json: bool) -> Result<()> {
-    if json { print(recorded.json()?) } else { print(report::text(recorded)) }
+    if json { print_json(&recorded.summary()?) } else { print(report::text(recorded)) }
 }

@@ -10,6 +10,8 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use formats::manifest::Source;
+use formats::reader::Dump;
+use formats::summary::Summary;
 use formats::unit_space::UnitSpace;
 use formats::writer::DumpWriter;
 use scenes::features::Features;
@@ -40,13 +42,12 @@ pub struct Recorded {
 }
 
 impl Recorded {
-    /// The summary of the dump as JSON.
+    /// What the dump says, for programs.
     ///
     /// # Errors
     /// If the dump cannot be read back.
-    pub fn json(&self) -> Result<String> {
-        let dump = formats::reader::Dump::open(&self.path)?;
-        Ok(serde_json::to_string_pretty(&formats::summary::Summary::new(&self.path, dump.manifest()))?)
+    pub fn summary(&self) -> Result<Summary> {
+        Ok(Summary::new(&self.path, Dump::open(&self.path)?.manifest()))
     }
 }
 
