@@ -33,10 +33,11 @@ pub fn read_plain(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
 }
 
 /// Writes a file beside its place and renames it when it is complete, so that a full disk or an early end
-/// leaves what was there before. A link is followed; a pipe or device is written to as it is.
+/// leaves what was there before. A link is followed; a pipe or device is written to as it is. Nothing is
+/// written into a recording, whose files only its recorder writes.
 ///
 /// # Errors
-/// What the system or `write` says.
+/// What the system or `write` says, and if the file would lie in a recording.
 pub fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let target = match fs::metadata(path) {
         Ok(metadata) if !metadata.is_file() => {
@@ -46,6 +47,10 @@ pub fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>
         Ok(_) => fs::canonicalize(path)?,
         Err(_) => path.to_owned(),
     };
+    if let Some(recording) = folder::recording_around(&target) {
+        let found = format!("it lies in the recording {}; choose a place outside", recording.display());
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, found));
+    }
     let mut builder = tempfile::Builder::new();
     builder.prefix(".").suffix(".partial");
     // Like any new file, and not for the owner alone; the system takes away what the user's mask says.
@@ -92,6 +97,22 @@ mod tests {
         replace(&file, |to| to.write_all(b"new")).unwrap();
         assert_eq!(fs::read(&file).unwrap(), b"new");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside it");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn nothing_is_written_into_a_recording() {
+        let folder = tempfile::tempdir().unwrap();
+        let (inside, link) = (folder.path().join("a/scene"), folder.path().join("link"));
+        fs::create_dir_all(&inside).unwrap();
+        let manifest = folder.path().join("a/manifest.bin");
+        fs::write(&manifest, crate::manifest::preamble()).unwrap();
+        std::os::unix::fs::symlink(&manifest, &link).unwrap();
+        for path in [&manifest, &link, &inside.join("new"), &folder.path().join("a/scene/../new")] {
+            let refused = replace(path, |to| to.write_all(b"picture")).unwrap_err();
+            assert!(refused.to_string().contains("recording"), "{}: {refused}", path.display());
+        }
+        assert_eq!(fs::read(&manifest).unwrap(), crate::manifest::preamble());
     }
 
     #[cfg(unix)]

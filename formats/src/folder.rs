@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fs::{self, File, TryLockError};
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -22,6 +22,8 @@ pub(crate) const RESERVE_BYTES: usize = 16 << 10;
 /// The folder that `out` names: the extension is added if the last part does not have it already.
 /// `None` if `out` has no last part, such as `/` or `..`.
 pub fn dump_folder(out: &Path) -> Option<PathBuf> {
+    // Without dots at the end, which would be no name to rename to.
+    let out: &Path = &out.components().collect::<PathBuf>();
     let name = out.file_name()?;
     if Path::new(name).extension() == Some(OsStr::new(EXTENSION)) {
         return Some(out.to_owned());
@@ -55,6 +57,21 @@ fn appended(name: &OsStr, suffix: &str) -> std::ffi::OsString {
 /// Whether a path leads anywhere, be it by a dangling link.
 pub(crate) fn exists(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok()
+}
+
+/// The recording, finished or not, in whose folder `path` lies, by whatever links.
+pub(crate) fn recording_around(path: &Path) -> Option<PathBuf> {
+    let folder = fs::canonicalize(parent(path)).ok()?;
+    folder.ancestors().find(|folder| has_manifest(folder)).map(Path::to_owned)
+}
+
+fn has_manifest(folder: &Path) -> bool {
+    let manifest = folder.join(manifest::FILE_NAME);
+    let mut magic = [0; manifest::MAGIC.len()];
+    let is_file = fs::symlink_metadata(&manifest).is_ok_and(|metadata| metadata.is_file());
+    is_file
+        && File::open(manifest).and_then(|mut file| file.read_exact(&mut magic)).is_ok()
+        && magic == manifest::MAGIC
 }
 
 /// Why a folder is not replaced by a recording.
@@ -187,7 +204,8 @@ mod tests {
         for (out, expected) in [
             ("a", Some("a.raydump")),
             ("x/a.raydump", Some("x/a.raydump")),
-            ("a.raydump/", Some("a.raydump/")),
+            ("a.raydump/", Some("a.raydump")),
+            ("x/a.raydump/.", Some("x/a.raydump")),
             ("sponza.v2", Some("sponza.v2.raydump")),
             ("/", None),
             ("..", None),

@@ -109,6 +109,16 @@ pub enum ReadError {
         /// Length of the data.
         data: u64,
     },
+    /// Data that are not those that were written.
+    #[error("{}: the checksum of the data is {found:08x}, expected {expected:08x}; `inspector recover` keeps the rest", path.display())]
+    Checksum {
+        /// The file.
+        path: PathBuf,
+        /// CRC-32C of its data.
+        found: u32,
+        /// That of its record.
+        expected: u32,
+    },
     /// A file that does not start with an NPY header.
     #[error("{}: {cause}", path.display())]
     Npy {
@@ -255,6 +265,23 @@ impl Dump {
     /// If the dump does not have it, or its file is not what the manifest says.
     pub fn array<T: Element>(&self, place: &Place) -> Result<Mapped<T>, ReadError> {
         self.array_by(place, Access::Map)
+    }
+
+    /// [`Dump::array`], after all of it was read and its checksum found right.
+    ///
+    /// # Errors
+    /// As [`Dump::array`], and if the checksum is another.
+    pub fn checked_array<T: Element>(&self, place: &Place) -> Result<Mapped<T>, ReadError> {
+        let array = self.array(place)?;
+        let owner = if self.record(place).is_some() { Some(self) } else { self.source_of(place) };
+        if let Some((owner, record)) = owner.and_then(|owner| Some((owner, owner.record(place)?))) {
+            let found = crc32c::crc32c(bytemuck::cast_slice(&array));
+            if found != record.crc32c {
+                let path = owner.root.join(place.to_string());
+                return Err(ReadError::Checksum { path, found, expected: record.crc32c });
+            }
+        }
+        Ok(array)
     }
 
     /// [`Dump::array`], mapped or copied.

@@ -293,7 +293,8 @@ fn end_manifest(
         encode_frame(record).map_err(too_long).map_err(io_error("write", manifest))
     };
     let end = encode(&Record::End(kept.new_end()))?;
-    if let Some(whole_bytes) = kept.whole_bytes.filter(|_| folder::dump_of_partial(root).is_some()) {
+    let may_write = folder::dump_of_partial(root).is_some() && !is_shared(manifest);
+    if let Some(whole_bytes) = kept.whole_bytes.filter(|_| may_write) {
         // In place, since a full disk may have no room for a second manifest.
         let end = if kept.end.is_some() { &[][..] } else { &end };
         return end_in_place(manifest, whole_bytes, end).map_err(io_error("write", manifest));
@@ -317,6 +318,20 @@ fn end_manifest(
         leftover.keep_a_copy(manifest)?;
     }
     fs::rename(&new, manifest).map_err(io_error("rename", &new))
+}
+
+/// Whether a file has another name, as in a copy made of links, which must stay as it is.
+fn is_shared(file: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        fs::metadata(file).is_ok_and(|metadata| metadata.nlink() > 1)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = file;
+        false
+    }
 }
 
 /// Ended half-way, this leaves half a record at the end, as it found it.

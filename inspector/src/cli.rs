@@ -310,6 +310,10 @@ impl InfoTarget {
 /// Runs the command that `arguments` (the program's name first) ask for.
 pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> ExitCode {
     LazyLock::force(&shot::STARTED);
+    if rayon::ThreadPoolBuilder::new().build_global().is_err() {
+        // Where the system gives no more threads, this one does the work; what fails then, fails by itself.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
+    }
     let command_line = match CommandLine::try_parse_from(arguments) {
         Ok(command_line) => command_line,
         Err(error) => return explain(&error),

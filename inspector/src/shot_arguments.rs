@@ -110,7 +110,7 @@ pub(crate) struct ShotArguments {
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     size: [u32; 2],
     /// Pixels to a point: 2 for screens of high resolution.
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, value_parser = parse_scale)]
     scale: f32,
     /// Dark on light.
     #[arg(long)]
@@ -214,10 +214,15 @@ impl ShotArguments {
             }),
             scene,
             size: self.size,
-            scale: self.scale.clamp(0.5, 4.0),
+            scale: self.scale,
             is_light: self.light,
             frames: self.frames,
         };
         shot::run(&self.dumps, &shot, &self.out, self.json)
     }
+}
+
+fn parse_scale(text: &str) -> Result<f32, String> {
+    let scale = text.parse().ok().filter(|scale| (0.5..=4.0).contains(scale));
+    scale.ok_or_else(|| "expected 0.5 to 4".to_owned())
 }

@@ -46,7 +46,7 @@ pub(crate) fn header(header: &Header) -> Header {
         *text = name(text);
     }
     for notice in notices {
-        *notice = sentence(std::mem::take(notice));
+        *notice = one_line(notice, SENTENCE_CHARACTERS);
     }
     match &mut shown.source {
         Source::Traced => {}

@@ -151,11 +151,8 @@ fn is_refused(cases: &[Case], backends: &[&str]) {
                 assert!(!folder.path().join(left).exists(), "{name} left {left}");
             }
         }
-        // A kernel that this program does not know may be another's.
-        if *name != "kernel" {
-            let outcome = Program::Inspector.run(folder.path(), &format!("verify {name}.raydump"));
-            outcome.failed_with(1, &["wrong"]);
-        }
+        let outcome = Program::Inspector.run(folder.path(), &format!("verify {name}.raydump"));
+        outcome.failed_with(1, &["wrong"]);
         fs::remove_dir_all(path).unwrap();
     }
 }
@@ -168,4 +165,27 @@ fn arrays_are_checked_before_any_kernel_runs() {
 #[test]
 fn headers_are_checked_and_the_command_line_is_not_blamed() {
     is_refused(&headers(), &["cpu"]);
+}
+
+/// What a replay reads of its source is held against the source's checksums, before and after it is made.
+#[test]
+fn a_source_that_was_changed_is_named() {
+    let folder = tempdir().unwrap();
+    record(folder.path(), "right", "builtin:cornell", "--backend cpu --repeats 1 --methods aila");
+    let replay = "replay right.raydump --backend cpu --repeats 1";
+    Program::Recorder.run(folder.path(), &format!("{replay} --out before")).succeeded();
+    for array in ["rays", "hits", "path_ids", "lengths"] {
+        let file = folder.path().join(format!("right.raydump/{QUEUE}/closest/{array}.npy"));
+        let right = fs::read(&file).unwrap();
+        let mut wrong = right.clone();
+        wrong[200] ^= 0x40;
+        fs::write(&file, wrong).unwrap();
+        let words = [&format!("{array}.npy")[..], "checksum"];
+        Program::Recorder.run(folder.path(), &format!("{replay} --out after")).failed_with(1, &words);
+        assert!(!folder.path().join("after.raydump.partial").exists());
+        let verified = Program::Inspector.run(folder.path(), "verify before.raydump");
+        assert!(verified.code == Some(1) && verified.stdout.contains("its source"), "{}", verified.stdout);
+        fs::write(&file, right).unwrap();
+    }
+    Program::Inspector.run(folder.path(), "verify before.raydump").succeeded();
 }

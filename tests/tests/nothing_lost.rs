@@ -41,15 +41,31 @@ fn a_source_is_never_replaced() {
         "replay a.raydump --out a.raydump/inside",
         "replay b.raydump --out a",
         "replay b.raydump --out b",
+        "replay b.raydump --out a.raydump/.",
+        "record builtin:cornell --out a.raydump/pass-001/inside",
         &format!("import --scene builtin:cornell --rays {rays} --out a"),
     ] {
         let outcome = Program::Recorder.run(path, &format!("{line} {CPU} --force"));
-        outcome.failed_with(1, &["is read for it", "another name"]);
+        outcome.failed_with(1, &["would replace or lie in", "another name"]);
+        assert_same(&files(&path.join("a.raydump")), &a, line);
+        assert_same(&files(&path.join("b.raydump")), &b, line);
+    }
+    // Nor does anything else write into a recording.
+    std::os::unix::fs::symlink("a.raydump/manifest.bin", path.join("link.png")).unwrap();
+    for line in [
+        "shot b.raydump --size 64x64 --out a.raydump/manifest.bin",
+        "shot b.raydump --size 64x64 --out link.png",
+        "plot b.raydump --out a.raydump/scene --figure overhead",
+        "report b.raydump --out b.raydump",
+        "export a.raydump --format csv --out link.raydump",
+    ] {
+        let outcome = Program::Inspector.run(path, line);
+        outcome.failed_with(1, &["lies in the recording"]);
         assert_same(&files(&path.join("a.raydump")), &a, line);
         assert_same(&files(&path.join("b.raydump")), &b, line);
     }
     let left: Vec<_> = fs::read_dir(path).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-    assert_eq!(left.len(), 4, "{left:?}");
+    assert_eq!(left.len(), 5, "{left:?}");
 }
 
 #[test]

@@ -118,7 +118,7 @@ fn what_cannot_be_replayed_is_refused() {
         Program::Recorder.run(folder.path(), line).failed_with(code, words);
     };
     fails("replay none.raydump --out y.raydump", FAILED, &["none.raydump"]);
-    fails("replay first.raydump --out first.raydump", FAILED, &["is read for it", "another name"]);
+    fails("replay first.raydump --out first.raydump", FAILED, &["would replace or lie in", "another name"]);
     fails("replay first.raydump --out y --key-bits 4", USAGE, &["key-bits", "8", "64"]);
     fails(
         "replay first.raydump --out y --two-point-length 0.1..",

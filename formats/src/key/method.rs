@@ -5,6 +5,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{LayoutError, LayoutText};
+use crate::manifest::place::is_method_name;
 use crate::ray::Kind;
 use crate::text::one_line;
 
@@ -101,14 +102,14 @@ impl Method {
     /// A user's method from `name=layout`. A layout with `ex ey ez` uses the fixed length.
     ///
     /// # Errors
-    /// If the name is missing, taken or has other characters than `a-z 0-9 -`, or the layout is wrong.
+    /// If the name is missing, taken, longer than a file's may be or has other characters than `a-z 0-9 -`, or
+    /// the layout is wrong.
     pub fn from_user(definition: &str) -> Result<Self, MethodError> {
         let bad_name = || MethodError::BadName { definition: definition.to_owned() };
         let (name, layout) = definition.split_once('=').ok_or_else(bad_name)?;
         let name = name.trim();
-        let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
         let taken = name == UNSORTED || BUILTIN.iter().any(|(known, ..)| *known == name);
-        if name.is_empty() || name.starts_with('-') || !name.chars().all(plain) || taken {
+        if !is_method_name(name) || taken {
             return Err(bad_name());
         }
         let mut method = Self::new(name, layout, Termination::Unused)?;

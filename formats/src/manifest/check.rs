@@ -1,6 +1,7 @@
 //! What a header says against what any recorder writes: numbers in range, vectors that are some.
 
-use super::{CameraPose, Header, NAME_CHARACTERS, SceneSummary};
+use super::{Backend, CameraPose, Header, NAME_CHARACTERS, SceneSummary};
+use crate::key::method::UNSORTED;
 use crate::key::{KEY_BITS_MIN, LAYOUT_BITS, LightSite};
 use crate::length_table::{LONGEST_SUMMED, TABLE_BITS_MAX, TABLE_BITS_MIN};
 use crate::stored_table::cell_encoder;
@@ -12,6 +13,11 @@ pub const BOUNCES_MAX: u32 = 99;
 pub const PASSES_MAX: u32 = 999;
 /// Most repeats of a measurement.
 pub const REPEATS_MAX: u32 = 10_000;
+
+/// The trace kernels of this version.
+const TRACE_KERNELS: &[&str] = &["cwbvh", "bvh2", "ray-query"];
+/// Which passes may be kept.
+const KEPT_PASSES: &[&str] = &["measured", "all"];
 
 /// How far the length of a camera's vector may be from 1.
 const UNIT_TOLERANCE: f64 = 1e-4;
@@ -47,6 +53,22 @@ impl Header {
             if !(least..=most).contains(&found) {
                 problems.push(format!("it has {found} {what}, expected {least} to {most}"));
             }
+        }
+        let words = [
+            ("trace kernel", &options.trace_kernel, TRACE_KERNELS),
+            ("kept passes", &options.keep_passes, KEPT_PASSES),
+        ];
+        for (what, found, known) in words {
+            if !known.contains(&found.as_str()) {
+                let found = one_line(found, NAME_CHARACTERS);
+                problems.push(format!("its {what} are '{found}', expected one of {}", known.join(", ")));
+            }
+        }
+        if !options.methods.iter().any(|method| method == UNSORTED) {
+            problems.push(format!("its methods lack {UNSORTED}, which is always measured"));
+        }
+        if self.backend == Backend::Gpu && options.threads != 0 {
+            problems.push(format!("it has {} threads of the cpu backend, but ran on a gpu", options.threads));
         }
         let length = options.two_point_length;
         if !(0.0..=LONGEST_SUMMED).contains(&length) {

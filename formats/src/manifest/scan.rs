@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::check::REPEATS_MAX;
 use super::codec::{self, RECORD_KINDS};
+use super::place::is_method_name;
 use super::{
     ArrayRecord, CacheRecord, End, FORMAT_VERSION, FRAME_BYTES, Header, MAGIC, MethodRecord, NAME_CHARACTERS,
     PREAMBLE_BYTES, QueueId, QueueRecord, RECORD_BYTES_MAX, Record, TimingRecord,
@@ -331,8 +332,16 @@ impl Order {
                 check_array(array)?;
                 format!("array {}", array.place)
             }
-            Record::Method(method) => format!("method {}", method.name),
-            Record::Queue(queue) => format!("queue {}", queue.id),
+            Record::Method(method) => {
+                check_names([&method.name, &method.base])?;
+                format!("method {}", method.name)
+            }
+            Record::Queue(queue) => {
+                check_names(&queue.methods)?;
+                check_distinct(&queue.methods)?;
+                check_distinct(queue.mismatches.iter().map(|mismatches| &mismatches.method))?;
+                format!("queue {}", queue.id)
+            }
             Record::End(_) => {
                 self.has_ended = true;
                 return Ok(());
@@ -351,6 +360,25 @@ impl Order {
         }
         self.names.insert(name);
         Ok(())
+    }
+}
+
+/// That each name can be a method's.
+fn check_names<'a>(names: impl IntoIterator<Item = &'a String>) -> Result<(), String> {
+    match names.into_iter().find(|name| !is_method_name(name)) {
+        Some(name) => Err(format!(
+            "'{}' is not the name of a method: small letters, digits and dashes",
+            one_line(name, NAME_CHARACTERS)
+        )),
+        None => Ok(()),
+    }
+}
+
+fn check_distinct<'a>(names: impl IntoIterator<Item = &'a String>) -> Result<(), String> {
+    let mut known = BTreeSet::new();
+    match names.into_iter().find(|name| !known.insert(*name)) {
+        Some(name) => Err(format!("it names {} twice", one_line(name, NAME_CHARACTERS))),
+        None => Ok(()),
     }
 }
 

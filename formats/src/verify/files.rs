@@ -5,19 +5,30 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 
 use super::{Check, Subject};
-use crate::manifest::NAME_CHARACTERS;
-use crate::reader::DumpState;
+use crate::manifest::{ArrayRecord, NAME_CHARACTERS, Place};
+use crate::reader::{Dump, DumpState};
 use crate::recover::{damage, strays};
 use crate::text::one_line;
 
-/// Notes what is wrong with the files of arrays, before any of them is read for what it means.
+/// Notes what is wrong with the files of arrays, before any of them is read for what it means: of a replay,
+/// also with those that it reads of its source.
 pub(super) fn find_damage(subject: &Subject<'_>) {
-    let arrays = &subject.dump.manifest().arrays;
-    let damages: Vec<_> = arrays
-        .par_iter()
-        .filter_map(|array| Some((&array.place, damage(subject.dump.root(), array)?)))
-        .collect();
-    damages.into_iter().for_each(|(place, damage)| subject.note_fault(place, damage));
+    let dump = subject.dump;
+    let damages_of = |dump: &Dump, arrays: Vec<&ArrayRecord>, prefix: &str| -> Vec<_> {
+        let found = arrays.into_par_iter().filter_map(|array| {
+            Some((array.place.clone(), format!("{prefix}{}", damage(dump.root(), array)?)))
+        });
+        found.collect()
+    };
+    let mut damages = damages_of(dump, dump.manifest().arrays.iter().collect(), "");
+    if let Some(source) = dump.source() {
+        let is_read = |array: &&ArrayRecord| {
+            dump.record(&array.place).is_none() && !matches!(array.place, Place::Method(..))
+        };
+        let arrays = source.manifest().arrays.iter().filter(is_read).collect();
+        damages.extend(damages_of(source, arrays, "its source: "));
+    }
+    damages.into_iter().for_each(|(place, damage)| subject.note_fault(&place, damage));
 }
 
 /// After all other checks, since a file may be damaged while they are made.

@@ -121,7 +121,11 @@ impl<'a> Known<'a> {
         let &CacheRecord { pass, bounce, kind, rays, accesses, l1_hits, l2_hits, ref method, .. } = cache;
         let queue = QueueId { pass, bounce, kind };
         let hits = l1_hits.checked_add(l2_hits);
-        let wrong = if hits.is_none_or(|hits| hits > accesses) {
+        let wrong = if [u64::from(cache.line_bytes), cache.l1_bytes, cache.l2_bytes].contains(&0) {
+            Some("a cache or its lines have no bytes".to_owned())
+        } else if cache.groups > rays {
+            Some(format!("{} groups of {rays} rays", cache.groups))
+        } else if hits.is_none_or(|hits| hits > accesses) {
             Some(format!("{l1_hits} and {l2_hits} hits of {accesses} accesses"))
         } else {
             let most = self.queues.get(&queue).map_or(u64::MAX, |queue| queue.rays);

@@ -139,6 +139,16 @@ fn check_masks(subject: &Subject<'_>, check: &mut Check, materials: &[u32], vert
 fn check_image(subject: &Subject<'_>) -> Check {
     let mut check = Check::new("image");
     let end = subject.dump.manifest().end;
+    let options = &subject.dump.manifest().header.options;
+    if let Some(digest) = end.and_then(|end| end.image) {
+        let is_same = (digest.width, digest.height) == (options.width, options.height);
+        check.require(is_same, || {
+            format!(
+                "the picture has {} × {} pixels by the end record, {} × {} by the header",
+                digest.width, digest.height, options.width, options.height
+            )
+        });
+    }
     // A replay has no picture of its own.
     let is_own = subject.dump.record(&Place::Image).is_some();
     let Some(image) = subject.array::<f32>(&Place::Image).filter(|_| is_own) else {

@@ -68,12 +68,12 @@ pub enum WriteError {
         /// The file, from the recording's folder.
         file: PathBuf,
     },
-    /// The dump would take the place of what it is made from.
-    #[error("{} would replace or lie in {}, which is read for it; use another name", path.display(), origin.display())]
+    /// The dump would take the place of what it is made from, or lie in a recording.
+    #[error("{} would replace or lie in the recording {}; use another name", path.display(), origin.display())]
     Source {
         /// The dump.
         path: PathBuf,
-        /// What it is made from.
+        /// What it is made from, or lies in.
         origin: PathBuf,
     },
     /// An array that cannot look like this.

@@ -112,6 +112,9 @@ impl DumpWriter {
                 return Err(WriteError::Source { path: target, origin: (*source).to_owned() });
             }
         }
+        if let Some(recording) = folder::recording_around(&target) {
+            return Err(WriteError::Source { path: target, origin: recording });
+        }
         if folder::exists(&target) {
             if !overwrite {
                 return Err(WriteError::Exists { path: target });

@@ -6,6 +6,7 @@
 use formats::metrics::capsule::{Capsule, Segment};
 use formats::metrics::lanes::{LaneUse, WIDTHS, work_of};
 use formats::metrics::spread::direction_spread;
+use formats::permutation::check_bijection;
 use formats::ray::Work;
 use formats::reader::Mapped;
 use formats::traced::Traced;
@@ -54,21 +55,11 @@ impl Places {
     /// Of a permutation of `rays` rays.
     ///
     /// # Errors
-    /// If it has another length, or a place holds a ray that does not exist.
+    /// If it does not hold each ray once.
     pub fn sorted(permutation: Mapped<u32>, rays: usize) -> Result<Self, String> {
-        if permutation.len() != rays {
-            return Err(format!(
-                "the permutation has {} places for {rays} rays; `inspector verify` says what is wrong",
-                permutation.len()
-            ));
-        }
-        match permutation.par_iter().position_first(|&ray| ray as usize >= rays) {
-            Some(place) => Err(format!(
-                "place {place} of the permutation holds ray {} of {rays}; `inspector verify` says what is wrong",
-                permutation[place]
-            )),
-            None => Ok(Self::Sorted(permutation)),
-        }
+        check_bijection(&permutation, rays)
+            .map_err(|error| format!("{error}; `inspector verify` says what is wrong"))?;
+        Ok(Self::Sorted(permutation))
     }
 
     /// Rays of the order.

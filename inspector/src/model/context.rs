@@ -224,7 +224,7 @@ impl Context {
     pub fn select_group(&mut self, group: Option<usize>) {
         let width = self.selection.group_width.rays();
         let rays = self.rays();
-        self.selection.group = group.filter(|group| group * width < rays);
+        self.selection.group = group.filter(|group| *group < rays.div_ceil(width));
     }
 
     /// Rays of the queue that is looked at.

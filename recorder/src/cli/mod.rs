@@ -28,6 +28,9 @@ Examples:
 Exit codes: 0 done, 1 failed, 2 the command line makes no sense. Ended by SIGINT or SIGTERM, a recording
 leaves a .partial folder, of which `inspector recover` makes a recording.";
 
+/// Most characters of an error that are shown.
+const ERROR_CHARACTERS: usize = 4000;
+
 /// Records what happens to rays when a GPU path tracer reorders them.
 #[derive(Debug, Parser)]
 #[command(name = "recorder", version, about, after_help = EXAMPLES)]
@@ -85,7 +88,9 @@ pub fn run() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            say(format_args!("error: {error:#}"));
+            // A file may have lists of any length.
+            let sentence: String = format!("{error:#}").chars().take(ERROR_CHARACTERS).collect();
+            say(format_args!("error: {sentence}"));
             ExitCode::from(if error.is::<OptionError>() { 2 } else { 1 })
         }
     }

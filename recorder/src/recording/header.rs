@@ -3,11 +3,15 @@
 use formats::manifest::{
     Backend, CameraPose, Features as FeatureNames, Header, MethodRecord, Options, SceneSummary, Source,
 };
+use formats::text::one_line;
 use scenes::Scene;
 
 use crate::backend::{MethodPlan, Setup};
 use crate::device::Device;
 use crate::options::RecordOptions;
+
+/// Most characters of a name that the closing table shows.
+const NAME_CHARACTERS: usize = 120;
 
 /// The header of a run over a scene.
 pub(crate) fn header(
@@ -101,7 +105,9 @@ pub(super) fn headline(header: &Header, setup: &Setup) -> Vec<String> {
     vec![
         format!(
             "scene    {} ({} triangles), camera '{}'",
-            header.scene.name, header.scene.triangles, options.camera
+            one_line(&header.scene.name, NAME_CHARACTERS),
+            header.scene.triangles,
+            one_line(&options.camera, NAME_CHARACTERS)
         ),
         format!("device   {} ({backend}), trace kernel {}", header.adapter.name, options.trace_kernel),
         format!(
@@ -119,5 +125,9 @@ pub(super) fn headline(header: &Header, setup: &Setup) -> Vec<String> {
 }
 
 fn list(words: &[String]) -> String {
-    if words.is_empty() { "nothing special".to_owned() } else { words.join(", ") }
+    if words.is_empty() {
+        "nothing special".to_owned()
+    } else {
+        one_line(&words.join(", "), 2 * NAME_CHARACTERS)
+    }
 }

@@ -12,8 +12,8 @@ use scenes::{Material, Scene, Texture};
 /// If the scene was not kept, or its arrays do not belong together.
 pub(super) fn scene(dump: &Dump) -> Result<Scene> {
     let kept = "a replay needs the scene of a recording; record with --keep scene and more";
-    let positions = dump.array::<[f32; 3]>(&Place::Scene(SceneArray::Positions)).context(kept)?;
-    let triangles = dump.array::<[u32; 3]>(&Place::Scene(SceneArray::Triangles)).context(kept)?;
+    let positions = dump.checked_array::<[f32; 3]>(&Place::Scene(SceneArray::Positions)).context(kept)?;
+    let triangles = dump.checked_array::<[u32; 3]>(&Place::Scene(SceneArray::Triangles)).context(kept)?;
     if let Some(at) = positions.iter().position(|point| !point.iter().all(|along| along.is_finite())) {
         bail!("scene/positions.npy: vertex {at} is {:?}, expected finite numbers", positions[at]);
     }
@@ -27,8 +27,8 @@ pub(super) fn scene(dump: &Dump) -> Result<Scene> {
 }
 
 fn add_masks(dump: &Dump, scene: &mut Scene) -> Result<()> {
-    let masks = dump.array::<MaterialMask>(&Place::Scene(SceneArray::Masks))?;
-    let materials = dump.array::<u32>(&Place::Scene(SceneArray::Materials))?;
+    let masks = dump.checked_array::<MaterialMask>(&Place::Scene(SceneArray::Masks))?;
+    let materials = dump.checked_array::<u32>(&Place::Scene(SceneArray::Materials))?;
     anyhow::ensure!(
         materials.len() == scene.triangles.len(),
         "the recording has {} triangles, but materials for {}; run `inspector verify` on it",
@@ -38,7 +38,7 @@ fn add_masks(dump: &Dump, scene: &mut Scene) -> Result<()> {
     check_below(materials.iter(), masks.len(), "a material")?;
     scene.triangle_materials = materials.to_vec();
     if dump.has(&Place::Scene(SceneArray::Uvs)) {
-        scene.uvs = dump.array::<[f32; 2]>(&Place::Scene(SceneArray::Uvs))?.to_vec();
+        scene.uvs = dump.checked_array::<[f32; 2]>(&Place::Scene(SceneArray::Uvs))?.to_vec();
     }
     let used = masks.iter().map(|mask| mask.texture).filter(|&texture| texture != MaterialMask::NO_TEXTURE);
     let textures = used.map(|texture| texture as usize + 1).max().unwrap_or(0);
@@ -49,7 +49,7 @@ fn add_masks(dump: &Dump, scene: &mut Scene) -> Result<()> {
 
 fn texture(dump: &Dump, number: u32) -> Result<Texture> {
     let place = Place::Scene(SceneArray::Mask(number));
-    let alpha = dump.array::<u8>(&place)?;
+    let alpha = dump.checked_array::<u8>(&place)?;
     let shape = dump.record(&place).map(|record| record.shape.clone()).unwrap_or_default();
     let [height, width] = shape.as_slice() else { bail!("{place} is no picture") };
     anyhow::ensure!(!alpha.is_empty(), "{place} has no texels");

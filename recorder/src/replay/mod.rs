@@ -92,7 +92,9 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
         }
     }
     let recorded = &asked.manifest().header;
-    let run_options = run_options(options, recorded, &asked.manifest().methods, &dump.manifest().header)?;
+    let cannot = || format!("{} cannot be replayed", options.source.display());
+    let run_options = run_options(options, recorded, &asked.manifest().methods, &dump.manifest().header)
+        .with_context(cannot)?;
     run_options.check_device()?;
     // What else was typed was checked before. How many rays there are was settled when they were recorded:
     // imported ones may be more than a picture is wide.
@@ -100,7 +102,7 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
         anyhow!("{} was recorded with what no recorder takes: {error}", options.source.display())
     })?;
     let queues = queues::open(dump, !run_options.keep.lengths)?;
-    let scene = geometry::scene(dump)?;
+    let scene = geometry::scene(dump).with_context(cannot)?;
     let camera = camera(recorded);
     let device = device::open(&(&run_options).into())?;
     let mut setup = setup(&scene, &camera, &run_options)?;
@@ -116,7 +118,8 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     )?;
     let setup = Arc::new(setup);
     device.check_capacity(&setup, &scene, &run_options)?;
-    let notices: Vec<String> = device.notices();
+    let mut notices: Vec<String> = device.notices();
+    notices.extend(apart(dump.root(), &options.out)?);
     let source =
         Source::Replayed { name: folder_name(dump.root())?, manifest_sha256: dump.manifest_sha256()? };
     let header = Header {
@@ -151,7 +154,7 @@ fn run_options(
     let trace = match options.trace {
         Some(kernel) => kernel,
         None => TraceKernel::from_str(&before.trace_kernel, false).ok().with_context(|| {
-            format!("the recording names an unknown trace kernel '{}'", before.trace_kernel)
+            format!("it names an unknown trace kernel '{}'", one_line(&before.trace_kernel, 80))
         })?,
     };
     let mut keep = options.keep;
@@ -214,9 +217,22 @@ fn camera(recorded: &Header) -> Camera {
     }
 }
 
-/// The name of a recording's folder, by which a replay finds it.
+/// A word about a source that readers of the replay will not find.
+fn apart(source: &Path, out: &Path) -> Result<Option<String>> {
+    let folder = |path: &Path| std::path::absolute(path).map(|path| path.parent().map(Path::to_owned));
+    let of_source = folder(&std::fs::canonicalize(source)?)?;
+    let of_out = folder(out)?.and_then(|folder| std::fs::canonicalize(folder).ok());
+    Ok((of_source != of_out).then(|| {
+        format!(
+            "{} lies in another folder; put it beside the replay, where readers look for it",
+            source.display()
+        )
+    }))
+}
+
+/// The name of a recording's folder, by which a replay finds it: its own, not that of a link to it.
 fn folder_name(path: &Path) -> Result<String> {
-    let path = std::path::absolute(path)?;
+    let path = std::fs::canonicalize(path)?;
     let name = path.file_name().and_then(|name| name.to_str()).map(str::to_owned);
     name.with_context(|| format!("the name of {} is not UTF-8; rename it", path.display()))
 }

@@ -5,7 +5,7 @@ use formats::length_table::LengthCell;
 use formats::manifest::{Place as ArrayPlace, QueueArray, QueueId, QueueRecord};
 use formats::npy::Element;
 use formats::queue_check::{QueueRays, QueueRules};
-use formats::ray::{Kind, Ray};
+use formats::ray::{Hit, Kind, Ray};
 use formats::reader::{Dump, Mapped};
 use formats::stored_table;
 
@@ -50,8 +50,12 @@ impl RecordedQueue {
         let UploadedRays { rays, path_ids, lights, .. } = queue.uploaded();
         rules.check(QueueRays { rays, path_ids, lights }, record.rays)?;
         let results = if is_shadow { QueueArray::Distances } else { QueueArray::Hits };
-        if let Some(kept) = dump.record(&ArrayPlace::Queue(id, results)) {
-            rules.check_count(results, kept.shape.first().copied().unwrap_or(0), record.rays)?;
+        if dump.has(&ArrayPlace::Queue(id, results)) {
+            let found = match id.kind {
+                Kind::Closest => array::<Hit>(dump, id, results)?.len(),
+                Kind::Shadow => array::<f32>(dump, id, results)?.len(),
+            };
+            rules.check_count(results, found as u64, record.rays)?;
         }
         if let Some(cells) = &queue.cells {
             stored_table::from_cells(header, cells).with_context(|| format!("{id}/lengths.npy"))?;
@@ -129,5 +133,7 @@ fn run_recorded<B: Backend>(
 }
 
 fn array<T: Element>(dump: &Dump, id: QueueId, array: QueueArray) -> Result<Mapped<T>> {
-    dump.array(&ArrayPlace::Queue(id, array)).context(NEEDED)
+    let place = ArrayPlace::Queue(id, array);
+    // A file that is there and damaged says so itself.
+    if dump.has(&place) { Ok(dump.checked_array(&place)?) } else { dump.array(&place).context(NEEDED) }
 }
