@@ -264,7 +264,7 @@ fn long_names_are_cut() {
                     method.name = name
                 }
             },
-            "no record of method aila",
+            "is not the name of a method",
         ),
         (
             |record, name| {
@@ -296,7 +296,7 @@ fn long_names_are_cut() {
                     queue.methods.push(name)
                 }
             },
-            "no record of method x",
+            "is not the name of a method",
         ),
     ];
     let folder = sample::folder_in_memory();
@@ -308,25 +308,15 @@ fn long_names_are_cut() {
             let number: u32 = names.next().unwrap();
             change(record, format!("{}{number}", "x".repeat(500_000)));
         });
-        let found = problems(&verify(&Dump::open(&dump).unwrap()));
-        assert!(found.iter().any(|problem| problem.contains(part)), "{part}");
+        let found = match Dump::open(&dump) {
+            Ok(opened) => problems(&verify(&opened)),
+            Err(error) => vec![error.to_string()],
+        };
+        assert!(found.iter().any(|problem| problem.contains(part)), "{part}: {found:?}");
         let longest = found.iter().map(String::len).max().unwrap();
         assert!(longest < 1000, "{part}: {longest} bytes");
         fs::write(dump.join("manifest.bin"), &manifest).unwrap();
     }
-}
-
-#[test]
-fn a_long_name_that_comes_twice_is_cut() {
-    let folder = sample::folder_in_memory();
-    let dump = sample::write(folder.path());
-    edit(&dump, |record| {
-        if let Record::Method(method) = record {
-            method.name = "x".repeat(500_000)
-        }
-    });
-    let twice = Dump::open(&dump).unwrap_err().to_string();
-    assert!(twice.contains("a second time") && twice.len() < 1000, "{} bytes", twice.len());
 }
 
 /// A mapped file that is cut ends the process by a signal.
