@@ -189,3 +189,21 @@ fn a_source_that_was_changed_is_named() {
     }
     Program::Inspector.run(folder.path(), "verify before.raydump").succeeded();
 }
+
+/// A view of rays or surfaces that cannot be drawn does not pass for one of none.
+#[test]
+fn a_picture_of_what_cannot_be_drawn_is_a_failure() {
+    let folder = tempdir().unwrap();
+    record(folder.path(), "right", "builtin:cornell", "--backend cpu --repeats 1 --methods aila");
+    let shot = "--view rays --method aila --mesh solid --size 320x240 --out picture.png";
+    let draw = |name: &str| Program::Inspector.run(folder.path(), &format!("shot {name}.raydump {shot}"));
+    draw("right").succeeded();
+    let path = copy(&folder.path().join("right.raydump"), "rays");
+    edit_array(&path, "pass-001/bounce-00/closest/rays.npy", |rays: &mut Vec<Ray>| {
+        rays[3].origin[1] = f32::NAN;
+    });
+    draw("rays").failed_with(1, &["rays.npy", "ray 3"]);
+    let path = copy(&folder.path().join("right.raydump"), "mesh");
+    edit_array(&path, "scene/positions.npy", |positions: &mut Vec<[f32; 3]>| positions[1][2] = f32::NAN);
+    draw("mesh").failed_with(1, &["positions.npy", "vertex 1"]);
+}

@@ -3,6 +3,7 @@
 use formats::length_table::{LengthCell, TABLE_BITS_MAX, TABLE_BITS_MIN};
 use formats::manifest::{Place, QueueArray, QueueId};
 use formats::metrics::capsule::Segment;
+use formats::queue_check::{QueueFault, QueueRays, QueueRules};
 use formats::ray::{Kind, Work};
 use formats::reader::{Dump, Mapped};
 use formats::stored_table::{StoredTable, StoredTableError};
@@ -50,17 +51,18 @@ impl Queue {
             Kind::Closest => None,
             Kind::Shadow => Some(dump.array::<u32>(&place(QueueArray::Lights)).map_err(text)?),
         };
-        let entries = |name: &str, found: usize| {
-            let problem = format!(
-                "{id}/{name}.npy has {found} entries for {rays} rays; `inspector verify` says what is wrong"
-            );
-            (found == rays).then_some(()).ok_or(problem)
+        let rules = QueueRules::new(id, &dump.manifest().header);
+        let wrong = |fault: QueueFault| format!("{fault}; `inspector verify` says what is wrong");
+        let arrays = QueueRays {
+            rays: traced.rays(),
+            path_ids: &path_ids,
+            lights: lights.as_deref().unwrap_or_default(),
         };
-        entries("path_ids", path_ids.len())?;
-        if let Some(lights) = &lights {
-            entries("lights", lights.len())?;
-        }
-        let work = work(dump, id).and_then(|work| entries("work", work.len()).map(|()| work));
+        rules.check(arrays, rays as u64).map_err(wrong)?;
+        let work = work(dump, id).and_then(|work| {
+            let found = rules.check_count(QueueArray::Work, work.len() as u64, rays as u64);
+            found.map(|()| work).map_err(wrong)
+        });
         let lengths =
             (0..rays).into_par_iter().with_min_len(RAYS_PER_TASK).map(|ray| traced.length(ray)).collect();
         Ok(Self {

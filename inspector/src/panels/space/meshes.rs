@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use formats::manifest::{Place, SceneArray};
 use formats::reader::{Dump, Mapped};
 use formats::unit_space::UnitSpace;
+use rayon::prelude::*;
 
 use crate::model::background::{Background, Waker};
 use crate::model::{Absent, Recording};
@@ -53,9 +54,30 @@ fn read(dump: &Dump, unit: &UnitSpace, form: MeshForm) -> Result<Geometry, Strin
     let text = |error: formats::reader::ReadError| error.to_string();
     let positions: Mapped<[f32; 3]> = dump.array(&Place::Scene(SceneArray::Positions)).map_err(text)?;
     let triangles: Mapped<[u32; 3]> = dump.array(&Place::Scene(SceneArray::Triangles)).map_err(text)?;
+    check(&positions, &triangles)?;
     let surfaces = Surfaces::new(unit, &positions, &triangles);
     Ok(match form {
         MeshForm::Surfaces => Shape::Mesh(surfaces).into(),
         MeshForm::Edges => surfaces.edges().into(),
     })
+}
+
+/// That every vertex can be drawn and every corner is one: a mesh that lacks some would look like another.
+fn check(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(), String> {
+    let is_finite = |point: &[f32; 3]| point.iter().all(|along| along.is_finite());
+    if let Some(at) = positions.par_iter().position_first(|point| !is_finite(point)) {
+        return Err(format!(
+            "scene/positions.npy: vertex {at} is {:?}; `inspector verify` says more",
+            positions[at]
+        ));
+    }
+    let is_there = |corners: &[u32; 3]| corners.iter().all(|&corner| (corner as usize) < positions.len());
+    if let Some(at) = triangles.par_iter().position_first(|corners| !is_there(corners)) {
+        return Err(format!(
+            "scene/triangles.npy: triangle {at} has corners {:?} of {} vertices; `inspector verify` says more",
+            triangles[at],
+            positions.len()
+        ));
+    }
+    Ok(())
 }
