@@ -43,3 +43,8 @@ fn layouts() {
 fn dumps() {
     each_file("dump", hostile::dump);
 }
+
+#[test]
+fn queues() {
+    each_file("queue", hostile::queue);
+}

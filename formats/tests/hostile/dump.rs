@@ -13,7 +13,7 @@ use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use formats::manifest::scan::scan;
-use formats::manifest::{ArrayRecord, Place, QueueArray, QueueId, Record, encode_frame, preamble};
+use formats::manifest::{ArrayRecord, Place, QueueArray, Record, encode_frame, preamble};
 use formats::npy;
 use formats::ray::{Kind, Ray};
 use formats::reader::Dump;
@@ -23,7 +23,7 @@ use formats::summary::Summary;
 use formats::traced::Traced;
 use formats::verify::verify;
 
-use super::assert_sentence;
+use super::{assert_sentence, tiny};
 
 /// Kind, which, offset, number of bytes.
 const EDIT_BYTES: usize = 6;
@@ -65,11 +65,9 @@ struct Original {
 
 static ORIGINAL: LazyLock<Original> = LazyLock::new(|| {
     let folder = sample::folder_in_memory();
-    // One queue of each kind, and a method of each way to make keys: the whole sample takes five times as long.
     // In memory, where the thousands of recordings that a fuzzer makes of it are synced at once.
-    let queues = Kind::ALL.map(|kind| QueueId { pass: 1, bounce: 1, kind });
-    let methods = ["aila", "two-point-adaptive", "two-point-real", "light-octahedron"];
-    let path = sample::thinned(&sample::write(folder.path()), "original", &queues, &methods);
+    let path = tiny::write(folder.path());
+    assert!(use_everything(&path), "what is edited is right before");
     let records: Vec<Record> =
         scan(&path.join("manifest.bin")).unwrap().frames.into_iter().map(|frame| frame.record).collect();
     let payloads = records.iter().map(|record| encode_frame(record).unwrap().split_off(8)).collect();

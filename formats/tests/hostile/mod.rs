@@ -8,6 +8,8 @@
 )]
 
 mod dump;
+mod queue;
+mod tiny;
 
 use std::path::Path;
 
@@ -21,6 +23,7 @@ use formats::summary::Summary;
 use formats::unit_space::UnitSpace;
 
 pub(crate) use dump::{dump, sample, use_everything};
+pub(crate) use queue::queue;
 
 /// Longest message that is still one sentence.
 const SENTENCE_BYTES_MAX: usize = 3 * HEADER_BYTES_MAX;

@@ -1,0 +1,109 @@
+//! The sample's recording cut to a few rays, one method for each kind and a table of few cells: right in
+//! every respect, and small enough to be edited and read a thousand times a second.
+
+use std::path::{Path, PathBuf};
+
+use formats::key::{Encoder, Method};
+use formats::length_table::{LengthTable, TABLE_BITS_MIN};
+use formats::manifest::{
+    End, Header, MethodArray, MethodRecord, Mismatches, Outcome, Place, QueueArray, QueueId, QueueRecord,
+    SceneArray,
+};
+use formats::npy::Element;
+use formats::ray::{Hit, Kind, Ray};
+use formats::reader::Dump;
+use formats::stored_table::cell_encoder;
+use formats::traced::Traced;
+use formats::unit_space::UnitSpace;
+use formats::writer::DumpWriter;
+
+use super::dump::sample;
+
+/// Rays of each queue.
+const RAYS: usize = 6;
+/// Keys of 32 bits by the length table, and keys of 64 bits by lights.
+const METHODS: [(Kind, &str); 2] =
+    [(Kind::Closest, "two-point-adaptive"), (Kind::Shadow, "light-octahedron")];
+
+/// Writes `original.raydump` into a folder, beside the whole sample.
+pub(super) fn write(folder: &Path) -> PathBuf {
+    let whole = Dump::open(&sample::write(folder)).unwrap();
+    let mut header = sample::header();
+    header.options.table_bits = TABLE_BITS_MIN;
+    let writer = DumpWriter::create(&folder.join("original"), header.clone(), false).unwrap();
+    for array in [SceneArray::Positions, SceneArray::Triangles, SceneArray::Materials] {
+        let record = whole.record(&Place::Scene(array)).unwrap();
+        let mut file = writer.array(&record.place, record.dtype, &record.shape).unwrap();
+        file.write(&whole.bytes(record).unwrap()).unwrap();
+        file.finish().unwrap();
+    }
+    for (kind, name) in METHODS {
+        let method = whole.manifest().methods.iter().find(|method| method.name == name).unwrap();
+        writer.method(method.clone()).unwrap();
+        write_queue(&writer, &whole, &header, kind, method);
+    }
+    writer.finish(End { outcome: Outcome::Complete, image: None, wall_ns: 1 }).unwrap()
+}
+
+fn write_queue(writer: &DumpWriter, whole: &Dump, header: &Header, kind: Kind, method: &MethodRecord) {
+    let id = QueueId { pass: 1, bounce: 1, kind };
+    let place = |array| Place::Queue(id, array);
+    let rays = cut::<Ray>(writer, whole, &place(QueueArray::Rays));
+    cut::<u32>(writer, whole, &place(QueueArray::PathIds));
+    let lights = match kind {
+        Kind::Closest => {
+            cut::<Hit>(writer, whole, &place(QueueArray::Hits));
+            vec![0; RAYS]
+        }
+        Kind::Shadow => {
+            cut::<f32>(writer, whole, &place(QueueArray::Distances));
+            cut::<u32>(writer, whole, &place(QueueArray::Lights))
+        }
+    };
+    let (traced, cells) = (Traced::open(whole, id).unwrap(), cell_encoder(header).unwrap());
+    let table = LengthTable::new(header.options.table_bits);
+    let cell = |ray: &Ray| cells.encode(ray, 0.0, 0) as u32;
+    let add_all = || rays.iter().enumerate().for_each(|(i, ray)| table.add(cell(ray), traced.length(i)));
+    // As if the same rays had been traced before.
+    add_all();
+    let write_table = |array| {
+        let touched = table.touched();
+        writer.whole_array(&place(array), &[touched.len() as u64], &touched).unwrap();
+    };
+    write_table(QueueArray::Lengths);
+    let unit = UnitSpace::from_bounds(header.scene.bounds_min, header.scene.bounds_max);
+    let layout = Method::builtin(&method.name).unwrap().layout.expand(header.lights.len()).unwrap();
+    let encoder = Encoder::new(&layout, method.key_bits, unit, &header.lights);
+    let keys: Vec<u64> = rays
+        .iter()
+        .zip(&lights)
+        .map(|(ray, &light)| encoder.encode(ray, table.mean(cell(ray)), light))
+        .collect();
+    write_method(writer, id, method, &keys);
+    add_all();
+    write_table(QueueArray::FinalLengths);
+    let methods = vec!["unsorted".to_owned(), method.name.clone()];
+    let mismatches = methods.iter().map(|method| Mismatches { method: method.clone(), rays: 0 }).collect();
+    writer.queue(QueueRecord { id, rays: RAYS as u64, methods, mismatches }).unwrap();
+}
+
+fn write_method(writer: &DumpWriter, queue: QueueId, method: &MethodRecord, keys: &[u64]) {
+    let place = |array| Place::Method(queue, method.name.clone(), array);
+    let shape = [RAYS as u64];
+    if method.key_bits > 32 {
+        writer.whole_array(&place(MethodArray::Keys), &shape, keys).unwrap();
+    } else {
+        let narrow: Vec<u32> = keys.iter().map(|&key| key as u32).collect();
+        writer.whole_array(&place(MethodArray::Keys), &shape, &narrow).unwrap();
+    }
+    let mut permutation: Vec<u32> = (0..RAYS as u32).collect();
+    permutation.sort_by_key(|&ray| keys[ray as usize]);
+    writer.whole_array(&place(MethodArray::Permutation), &shape, &permutation).unwrap();
+}
+
+/// Copies the first entries of an array; returns them.
+fn cut<T: Element>(writer: &DumpWriter, whole: &Dump, place: &Place) -> Vec<T> {
+    let entries = whole.array::<T>(place).unwrap()[..RAYS].to_vec();
+    writer.whole_array(place, &[RAYS as u64], &entries).unwrap();
+    entries
+}
