@@ -1,4 +1,5 @@
-//! A dump that somebody changed: a part of the sample after edits, through everything that reads dumps.
+//! A dump that somebody changed: a few rays of the sample after edits, through everything that reads dumps;
+//! closest rays if the number of bytes is even, shadow rays if it is odd.
 //!
 //! Bytes become edits of [`EDIT_BYTES`] bytes and what they write: kind, which record or array (u16),
 //! offset (u16), number of bytes (u8), those bytes.
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use formats::manifest::scan::scan;
+use formats::manifest::scan::{scan, scan_bytes};
 use formats::manifest::{ArrayRecord, Place, QueueArray, Record, encode_frame, preamble};
 use formats::npy;
 use formats::ray::{Kind, Ray};
@@ -29,8 +30,11 @@ use super::{assert_sentence, tiny};
 const EDIT_BYTES: usize = 6;
 /// What comes after so many edits is not looked at.
 const EDITS_MAX: usize = 16;
-/// Of so many lengths of input, one is recovered, too.
-const RECOVERED_OF: usize = 8;
+/// Of so many pairs of lengths of input, one is recovered, too.
+const RECOVERED_OF: usize = 16;
+
+/// More address bits than that make a length table large.
+const SMALL_TABLE_BITS: u32 = 12;
 
 /// What is done to the dump.
 #[derive(Debug)]
@@ -56,30 +60,35 @@ fn edits(mut bytes: &[u8]) -> Vec<Edit<'_>> {
 
 /// What is edited, written once, and its records.
 struct Original {
-    /// Where it lies, and where it is.
-    folder: tempfile::TempDir,
     path: PathBuf,
     payloads: Vec<Vec<u8>>,
     arrays: Vec<ArrayRecord>,
 }
 
-static ORIGINAL: LazyLock<Original> = LazyLock::new(|| {
-    let folder = sample::folder_in_memory();
-    // In memory, where the thousands of recordings that a fuzzer makes of it are synced at once.
-    let path = tiny::write(folder.path());
-    assert!(use_everything(&path), "what is edited is right before");
-    let records: Vec<Record> =
-        scan(&path.join("manifest.bin")).unwrap().frames.into_iter().map(|frame| frame.record).collect();
-    let payloads = records.iter().map(|record| encode_frame(record).unwrap().split_off(8)).collect();
-    let arrays = records.into_iter().filter_map(|record| match record {
-        Record::Array(array) => Some(array),
-        _ => None,
-    });
-    Original { folder, path, payloads, arrays: arrays.collect() }
-});
+impl Original {
+    fn new(folder: &Path, kind: Kind) -> Self {
+        let path = tiny::write(folder, kind);
+        assert!(use_everything(&path), "what is edited is right before");
+        let records: Vec<Record> =
+            scan(&path.join("manifest.bin")).unwrap().frames.into_iter().map(|frame| frame.record).collect();
+        let payloads = records.iter().map(|record| encode_frame(record).unwrap().split_off(8)).collect();
+        let arrays = records.into_iter().filter_map(|record| match record {
+            Record::Array(array) => Some(array),
+            _ => None,
+        });
+        Self { path, payloads, arrays: arrays.collect() }
+    }
+}
+
+/// In memory, where the thousands of recordings that a fuzzer makes are synced at once.
+static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(sample::folder_in_memory);
+/// One queue each, since files cost most of the time: with both in one dump it takes twice as long.
+static ORIGINALS: LazyLock<[Original; 2]> =
+    LazyLock::new(|| Kind::ALL.map(|kind| Original::new(FOLDER.path(), kind)));
 
 /// A copy of the sample, whose files are made again where an edit has changed them.
 struct Copy {
+    original: &'static Original,
     path: PathBuf,
     payloads: Vec<Vec<u8>>,
     /// Arrays whose files are no longer those of the sample.
@@ -91,32 +100,33 @@ struct Copy {
 
 /// The files of the copy that is edited; each thread has its own.
 struct Files {
+    original: &'static Original,
     path: PathBuf,
     changed: Vec<usize>,
 }
 
 thread_local! {
-    static FILES: RefCell<Files> = RefCell::new(Files::new());
+    static FILES: RefCell<[Files; 2]> = RefCell::new(ORIGINALS.each_ref().map(Files::new));
 }
 
 impl Files {
-    fn new() -> Self {
+    fn new(original: &'static Original) -> Self {
         static COPIES: AtomicUsize = AtomicUsize::new(0);
         let number = COPIES.fetch_add(1, Ordering::Relaxed);
-        let path = ORIGINAL.folder.path().join(format!("edited-{number}.raydump"));
-        Self { path, changed: (0..ORIGINAL.arrays.len()).collect() }
+        let path = FOLDER.path().join(format!("edited-{number}.raydump"));
+        Self { original, path, changed: (0..original.arrays.len()).collect() }
     }
 
     /// Links what has changed to the bytes of the sample again.
     fn mend(&mut self) {
         for at in self.changed.drain(..) {
-            let relative = ORIGINAL.arrays[at].place.to_string();
+            let relative = self.original.arrays[at].place.to_string();
             let file = self.path.join(&relative);
             fs::create_dir_all(file.parent().unwrap()).unwrap();
             // What is there may be a folder by now, or nothing.
             let _ = fs::remove_file(&file);
             let _ = fs::remove_dir(&file);
-            fs::hard_link(ORIGINAL.path.join(&relative), file).unwrap();
+            fs::hard_link(self.original.path.join(&relative), file).unwrap();
         }
     }
 
@@ -127,20 +137,28 @@ impl Files {
         if leftover.exists() {
             fs::remove_dir_all(leftover).unwrap();
         }
-        self.changed = (0..ORIGINAL.arrays.len()).collect();
+        self.changed = (0..self.original.arrays.len()).collect();
     }
 }
 
 impl Copy {
-    fn new(path: PathBuf) -> Self {
-        let payloads = ORIGINAL.payloads.clone();
-        Self { path, payloads, changed: Vec::new(), manifest_edits: Vec::new(), manifest_bytes: None }
+    fn new(files: &Files) -> Self {
+        let (original, path, payloads) =
+            (files.original, files.path.clone(), files.original.payloads.clone());
+        Self {
+            original,
+            path,
+            payloads,
+            changed: Vec::new(),
+            manifest_edits: Vec::new(),
+            manifest_bytes: None,
+        }
     }
 
     fn apply(&mut self, edit: &Edit<'_>) {
         let payloads = self.payloads.len();
-        let at = edit.which % ORIGINAL.arrays.len();
-        let array = &ORIGINAL.arrays[at];
+        let at = edit.which % self.original.arrays.len();
+        let array = &self.original.arrays[at];
         if edit.kind % 12 > 6 {
             self.changed.push(at);
         }
@@ -213,24 +231,39 @@ impl Copy {
         match choice % 3 {
             0 => fs::create_dir(&file).unwrap(),
             #[cfg(unix)]
-            1 => std::os::unix::fs::symlink(ORIGINAL.folder.path(), &file).unwrap(),
+            1 => std::os::unix::fs::symlink(FOLDER.path(), &file).unwrap(),
             _ => {}
         }
     }
 
-    fn write_manifest(&self) {
-        let mut bytes = preamble().to_vec();
-        for payload in &self.payloads {
-            bytes.extend((payload.len() as u32).to_le_bytes());
-            bytes.extend(crc32c::crc32c(payload).to_le_bytes());
-            bytes.extend(payload);
+    fn has_large_tables(&self) -> bool {
+        let bytes = manifest(self.payloads.iter().take(1));
+        let first = scan_bytes(&bytes[..], bytes.len() as u64, &self.path).ok();
+        match first.and_then(|scan| scan.frames.into_iter().next()).map(|frame| frame.record) {
+            Some(Record::Header(header)) => header.options.table_bits > SMALL_TABLE_BITS,
+            _ => false,
         }
+    }
+
+    fn write_manifest(&self) {
+        let mut bytes = manifest(&self.payloads);
         for (offset, edit) in &self.manifest_edits {
             put(&mut bytes, *offset, edit);
         }
         bytes.truncate(self.manifest_bytes.unwrap_or(bytes.len()));
         fs::write(self.path.join("manifest.bin"), bytes).unwrap();
     }
+}
+
+/// The manifest of these records' bytes.
+fn manifest<'a>(payloads: impl IntoIterator<Item = &'a Vec<u8>>) -> Vec<u8> {
+    let mut bytes = preamble().to_vec();
+    for payload in payloads {
+        bytes.extend((payload.len() as u32).to_le_bytes());
+        bytes.extend(crc32c::crc32c(payload).to_le_bytes());
+        bytes.extend(payload);
+    }
+    bytes
 }
 
 /// Overwrites what is there, as far as it reaches.
@@ -242,14 +275,20 @@ fn put(bytes: &mut [u8], offset: usize, new: &[u8]) {
 /// The sample after these edits.
 pub(crate) fn dump(bytes: &[u8]) {
     FILES.with_borrow_mut(|files| {
+        let files = &mut files[bytes.len() % 2];
         files.mend();
-        let mut copy = Copy::new(files.path.clone());
-        edits(bytes).iter().for_each(|edit| copy.apply(edit));
+        let mut copy = Copy::new(files);
+        let edits = edits(bytes);
+        edits.iter().for_each(|edit| copy.apply(edit));
+        files.changed = std::mem::take(&mut copy.changed);
+        // A large table takes longer than everything else; with one edit alone it is tried.
+        if edits.len() > 1 && copy.has_large_tables() {
+            return;
+        }
         copy.write_manifest();
         use_everything(&copy.path);
-        files.changed = std::mem::take(&mut copy.changed);
         // Making all files again takes longer than everything else.
-        if bytes.len().is_multiple_of(RECOVERED_OF) {
+        if (bytes.len() / 2).is_multiple_of(RECOVERED_OF) {
             recover_and_verify(&copy.path);
             files.begin_again();
         }

@@ -1,6 +1,7 @@
-//! The sample's recording cut to a few rays, one method for each kind and a table of few cells: right in
+//! The sample's recording cut to a few rays, one method and a table of few cells: right in
 //! every respect, and small enough to be edited and read a thousand times a second.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use formats::key::{Encoder, Method};
@@ -21,13 +22,11 @@ use super::dump::sample;
 
 /// Rays of each queue.
 const RAYS: usize = 6;
-/// Keys of 32 bits by the length table, and keys of 64 bits by lights.
-const METHODS: [(Kind, &str); 2] =
-    [(Kind::Closest, "two-point-adaptive"), (Kind::Shadow, "light-octahedron")];
-
-/// Writes `original.raydump` into a folder, beside the whole sample.
-pub(super) fn write(folder: &Path) -> PathBuf {
-    let whole = Dump::open(&sample::write(folder)).unwrap();
+/// Writes a recording of one queue of rays of this kind into a folder.
+pub(super) fn write(folder: &Path, kind: Kind) -> PathBuf {
+    let folder = folder.join(kind.name());
+    fs::create_dir(&folder).unwrap();
+    let whole = Dump::open(&sample::write(&folder)).unwrap();
     let mut header = sample::header();
     header.options.table_bits = TABLE_BITS_MIN;
     let writer = DumpWriter::create(&folder.join("original"), header.clone(), false).unwrap();
@@ -37,11 +36,14 @@ pub(super) fn write(folder: &Path) -> PathBuf {
         file.write(&whole.bytes(record).unwrap()).unwrap();
         file.finish().unwrap();
     }
-    for (kind, name) in METHODS {
-        let method = whole.manifest().methods.iter().find(|method| method.name == name).unwrap();
-        writer.method(method.clone()).unwrap();
-        write_queue(&writer, &whole, &header, kind, method);
-    }
+    // Keys of 32 bits by the length table, and keys of 64 bits by lights.
+    let name = match kind {
+        Kind::Closest => "two-point-adaptive",
+        Kind::Shadow => "light-octahedron",
+    };
+    let method = whole.manifest().methods.iter().find(|method| method.name == name).unwrap();
+    writer.method(method.clone()).unwrap();
+    write_queue(&writer, &whole, &header, kind, method);
     writer.finish(End { outcome: Outcome::Complete, image: None, wall_ns: 1 }).unwrap()
 }
 
