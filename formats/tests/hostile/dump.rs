@@ -10,8 +10,6 @@ pub(crate) mod sample;
 use std::cell::RefCell;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use formats::manifest::scan::{scan, scan_bytes};
 use formats::manifest::{ArrayRecord, Place, QueueArray, Record, encode_frame, preamble};
@@ -31,8 +29,7 @@ const EDIT_BYTES: usize = 6;
 /// What comes after so many edits is not looked at.
 const EDITS_MAX: usize = 16;
 /// Of so many pairs of lengths of input, one is recovered, too.
-const RECOVERED_OF: usize = 16;
-
+const RECOVERED_OF: usize = 12;
 /// More address bits than that make a length table large.
 const SMALL_TABLE_BITS: u32 = 12;
 
@@ -60,14 +57,18 @@ fn edits(mut bytes: &[u8]) -> Vec<Edit<'_>> {
 
 /// What is edited, written once, and its records.
 struct Original {
+    /// Where it lies, and where it is.
+    folder: tempfile::TempDir,
     path: PathBuf,
     payloads: Vec<Vec<u8>>,
     arrays: Vec<ArrayRecord>,
 }
 
 impl Original {
-    fn new(folder: &Path, kind: Kind) -> Self {
-        let path = tiny::write(folder, kind);
+    fn new(kind: Kind) -> Self {
+        // In memory, where the thousands of recordings that a fuzzer makes of it are synced at once.
+        let folder = sample::folder_in_memory();
+        let path = tiny::write(folder.path(), kind);
         assert!(use_everything(&path), "what is edited is right before");
         let records: Vec<Record> =
             scan(&path.join("manifest.bin")).unwrap().frames.into_iter().map(|frame| frame.record).collect();
@@ -76,19 +77,13 @@ impl Original {
             Record::Array(array) => Some(array),
             _ => None,
         });
-        Self { path, payloads, arrays: arrays.collect() }
+        Self { folder, path, payloads, arrays: arrays.collect() }
     }
 }
 
-/// In memory, where the thousands of recordings that a fuzzer makes are synced at once.
-static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(sample::folder_in_memory);
-/// One queue each, since files cost most of the time: with both in one dump it takes twice as long.
-static ORIGINALS: LazyLock<[Original; 2]> =
-    LazyLock::new(|| Kind::ALL.map(|kind| Original::new(FOLDER.path(), kind)));
-
 /// A copy of the sample, whose files are made again where an edit has changed them.
-struct Copy {
-    original: &'static Original,
+struct Copy<'a> {
+    original: &'a Original,
     path: PathBuf,
     payloads: Vec<Vec<u8>>,
     /// Arrays whose files are no longer those of the sample.
@@ -98,23 +93,23 @@ struct Copy {
     manifest_bytes: Option<usize>,
 }
 
-/// The files of the copy that is edited; each thread has its own.
+/// The original and the files of the copy that is edited.
 struct Files {
-    original: &'static Original,
+    original: Original,
     path: PathBuf,
     changed: Vec<usize>,
 }
 
 thread_local! {
-    static FILES: RefCell<[Files; 2]> = RefCell::new(ORIGINALS.each_ref().map(Files::new));
+    /// One queue each, since files cost most of the time: with both in one dump it takes twice as long.
+    static FILES: RefCell<[Files; 2]> = RefCell::new(Kind::ALL.map(Files::new));
 }
 
 impl Files {
-    fn new(original: &'static Original) -> Self {
-        static COPIES: AtomicUsize = AtomicUsize::new(0);
-        let number = COPIES.fetch_add(1, Ordering::Relaxed);
-        let path = FOLDER.path().join(format!("edited-{number}.raydump"));
-        Self { original, path, changed: (0..original.arrays.len()).collect() }
+    fn new(kind: Kind) -> Self {
+        let original = Original::new(kind);
+        let path = original.folder.path().join("edited.raydump");
+        Self { changed: (0..original.arrays.len()).collect(), original, path }
     }
 
     /// Links what has changed to the bytes of the sample again.
@@ -141,10 +136,9 @@ impl Files {
     }
 }
 
-impl Copy {
-    fn new(files: &Files) -> Self {
-        let (original, path, payloads) =
-            (files.original, files.path.clone(), files.original.payloads.clone());
+impl<'a> Copy<'a> {
+    fn new(original: &'a Original, path: PathBuf) -> Self {
+        let payloads = original.payloads.clone();
         Self {
             original,
             path,
@@ -231,7 +225,7 @@ impl Copy {
         match choice % 3 {
             0 => fs::create_dir(&file).unwrap(),
             #[cfg(unix)]
-            1 => std::os::unix::fs::symlink(FOLDER.path(), &file).unwrap(),
+            1 => std::os::unix::fs::symlink(self.original.folder.path(), &file).unwrap(),
             _ => {}
         }
     }
@@ -277,11 +271,11 @@ pub(crate) fn dump(bytes: &[u8]) {
     FILES.with_borrow_mut(|files| {
         let files = &mut files[bytes.len() % 2];
         files.mend();
-        let mut copy = Copy::new(files);
+        let mut copy = Copy::new(&files.original, files.path.clone());
         let edits = edits(bytes);
         edits.iter().for_each(|edit| copy.apply(edit));
         files.changed = std::mem::take(&mut copy.changed);
-        // A large table takes longer than everything else; with one edit alone it is tried.
+        // A large table takes as long as a hundred dumps: tried by itself alone.
         if edits.len() > 1 && copy.has_large_tables() {
             return;
         }

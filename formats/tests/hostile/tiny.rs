@@ -1,7 +1,6 @@
 //! The sample's recording cut to a few rays, one method and a table of few cells: right in
 //! every respect, and small enough to be edited and read a thousand times a second.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use formats::key::{Encoder, Method};
@@ -22,11 +21,10 @@ use super::dump::sample;
 
 /// Rays of each queue.
 const RAYS: usize = 6;
-/// Writes a recording of one queue of rays of this kind into a folder.
+
+/// Writes a recording of one queue of this kind into a folder, beside the whole sample.
 pub(super) fn write(folder: &Path, kind: Kind) -> PathBuf {
-    let folder = folder.join(kind.name());
-    fs::create_dir(&folder).unwrap();
-    let whole = Dump::open(&sample::write(&folder)).unwrap();
+    let whole = Dump::open(&sample::write(folder)).unwrap();
     let mut header = sample::header();
     header.options.table_bits = TABLE_BITS_MIN;
     let writer = DumpWriter::create(&folder.join("original"), header.clone(), false).unwrap();
