@@ -150,7 +150,7 @@ pub enum DumpState {
     Partial,
 }
 
-/// A dump, opened for reading. Arrays are mapped when they are asked for.
+/// A dump, opened for reading. Arrays are loaded when they are asked for.
 #[derive(Debug)]
 pub struct Dump {
     root: PathBuf,
@@ -159,22 +159,38 @@ pub struct Dump {
     state: DumpState,
     /// The recording whose rays a replay measured, if it was found.
     source: Option<Box<Dump>>,
+    /// How its arrays and those of its source get into memory.
+    access: Access,
 }
 
 impl Dump {
-    /// Opens the dump in a folder, or what there is so far in a `.partial` folder.
+    /// Opens the dump in a folder, or what there is so far in a `.partial` folder. Each array that is asked
+    /// for is copied into memory, so that a file which somebody cuts meanwhile is an error like any other.
     ///
     /// # Errors
-    /// If there is no dump or its manifest is damaged. Arrays are checked when they are mapped.
+    /// If there is no dump or its manifest is damaged. Arrays are checked when they are loaded.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
+        Self::open_by(path, Access::Read)
+    }
+
+    /// [`Dump::open`] for what must be seen at once and in parts, as in a window: arrays are mapped, which
+    /// takes no time and no memory, but whoever cuts the file of one ends this process by a signal.
+    ///
+    /// # Errors
+    /// As [`Dump::open`].
+    pub fn open_mapped(path: &Path) -> Result<Self, ReadError> {
+        Self::open_by(path, Access::Map)
+    }
+
+    fn open_by(path: &Path, access: Access) -> Result<Self, ReadError> {
         let path = &find(path)?;
-        let dump = Self::open_alone(path)?;
-        let source = find_source(path, &dump.manifest.header.source).map(Box::new);
+        let dump = Self::open_alone(path, access)?;
+        let source = find_source(path, &dump.manifest.header.source, access).map(Box::new);
         Ok(Self { source, ..dump })
     }
 
     /// Opens a dump without its source, so that recordings which name themselves or each other end here.
-    fn open_alone(path: &Path) -> Result<Self, ReadError> {
+    fn open_alone(path: &Path, access: Access) -> Result<Self, ReadError> {
         let manifest_path = path.join(manifest::FILE_NAME);
         match fs::symlink_metadata(&manifest_path) {
             Ok(metadata) if metadata.is_file() => {}
@@ -198,7 +214,7 @@ impl Dump {
         };
         let places =
             manifest.arrays.iter().enumerate().map(|(at, array)| (array.place.clone(), at)).collect();
-        Ok(Self { root: path.to_owned(), manifest, places, state, source: None })
+        Ok(Self { root: path.to_owned(), manifest, places, state, source: None, access })
     }
 
     /// The recording whose rays this one measured again, if it is a replay and its source lies in the
@@ -258,15 +274,6 @@ impl Dump {
         self.places.get(place).map(|&at| &self.manifest.arrays[at])
     }
 
-    /// Maps an array, that of the source if this is a replay without its own. `T` must be its element
-    /// type; if `T` has columns, so must the array.
-    ///
-    /// # Errors
-    /// If the dump does not have it, or its file is not what the manifest says.
-    pub fn array<T: Element>(&self, place: &Place) -> Result<Mapped<T>, ReadError> {
-        self.array_by(place, Access::Map)
-    }
-
     /// [`Dump::array`], after all of it was read and its checksum found right.
     ///
     /// # Errors
@@ -284,11 +291,15 @@ impl Dump {
         Ok(array)
     }
 
-    /// [`Dump::array`], mapped or copied.
-    pub(crate) fn array_by<T: Element>(&self, place: &Place, access: Access) -> Result<Mapped<T>, ReadError> {
+    /// Loads an array, that of the source if this is a replay without its own. `T` must be its element
+    /// type; if `T` has columns, so must the array.
+    ///
+    /// # Errors
+    /// If the dump does not have it, or its file is not what the manifest says.
+    pub fn array<T: Element>(&self, place: &Place) -> Result<Mapped<T>, ReadError> {
         let Some(record) = self.record(place) else {
             return match self.source_of(place) {
-                Some(source) => source.array_by(place, access),
+                Some(source) => source.array(place),
                 None => Err(self.missing(place)),
             };
         };
@@ -300,7 +311,7 @@ impl Dump {
                 expected: format!("{} in columns of {}", T::DTYPE, T::COLUMNS),
             });
         }
-        array_file::load(&self.root, record, access).map(Mapped::new)
+        array_file::load(&self.root, record, self.access).map(Mapped::new)
     }
 
     fn missing(&self, place: &Place) -> ReadError {
@@ -325,26 +336,26 @@ impl Dump {
         ReadError::NoSuchArray { dump: self.root.clone(), place: place.clone(), hint }
     }
 
-    /// Maps the data of an array of this dump as bytes, without its header. The checksum is not
+    /// Loads the data of an array of this dump as bytes, without its header. The checksum is not
     /// computed here, since that would read all of it.
     ///
     /// # Errors
     /// If its file is not what the record says.
     pub fn bytes(&self, record: &ArrayRecord) -> Result<MappedBytes, ReadError> {
-        array_file::load(&self.root, record, Access::Map)
+        array_file::load(&self.root, record, self.access)
     }
 }
 
 /// Opens the source of the replay in `path`. A replay of a replay refers to the first recording itself, so
 /// this goes one level deep, and a link is not followed.
-fn find_source(path: &Path, source: &Source) -> Option<Dump> {
+fn find_source(path: &Path, source: &Source, access: Access) -> Option<Dump> {
     let Source::Replayed { name, manifest_sha256 } = source else { return None };
     let is_plain = Path::new(name).file_name().is_some_and(|plain| plain == name.as_str());
     let folder = std::path::absolute(path).ok()?.parent()?.join(name);
     if !is_plain || !fs::symlink_metadata(&folder).ok()?.is_dir() {
         return None;
     }
-    let dump = Dump::open_alone(&folder).ok()?;
+    let dump = Dump::open_alone(&folder, access).ok()?;
     let is_first = !matches!(dump.manifest.header.source, Source::Replayed { .. });
     (is_first && dump.manifest_sha256().ok()? == *manifest_sha256).then_some(dump)
 }

@@ -1,6 +1,7 @@
 //! Traced lengths: the rays of a queue and what came of them (KEYS, "Traced length").
 
-use crate::array_file::Access;
+use std::path::PathBuf;
+
 use crate::manifest::{Place, QueueArray, QueueId};
 use crate::ray::{Hit, Kind, Ray};
 use crate::reader::{Dump, Mapped, ReadError};
@@ -13,8 +14,13 @@ pub enum TracedError {
     #[error(transparent)]
     Read(#[from] ReadError),
     /// Arrays of one queue that do not belong together.
-    #[error("{queue} has {rays} rays and {results} results of them; `inspector verify` says what is wrong")]
+    #[error(
+        "{}: {queue} has {rays} rays and {results} results of them; `inspector verify` says what is wrong",
+        dump.display()
+    )]
     Lengths {
+        /// The dump.
+        dump: PathBuf,
         /// The queue.
         queue: QueueId,
         /// Entries of its rays.
@@ -51,25 +57,25 @@ impl Results {
 }
 
 impl Traced {
-    /// Maps the rays of a queue and their results, those of its source if the dump is a replay.
+    /// Loads the rays of a queue and their results, those of its source if the dump is a replay.
     ///
     /// # Errors
     /// If either was not kept, cannot be read, or they do not belong together.
     pub fn open(dump: &Dump, queue: QueueId) -> Result<Self, TracedError> {
-        Self::open_by(dump, queue, Access::Map)
-    }
-
-    /// [`Traced::open`], mapped or copied.
-    pub(crate) fn open_by(dump: &Dump, queue: QueueId, access: Access) -> Result<Self, TracedError> {
         let place = |array| Place::Queue(queue, array);
         let scene = &dump.manifest().header.scene;
-        let rays: Mapped<Ray> = dump.array_by(&place(QueueArray::Rays), access)?;
+        let rays: Mapped<Ray> = dump.array(&place(QueueArray::Rays))?;
         let results = match queue.kind {
-            Kind::Closest => Results::Hits(dump.array_by(&place(QueueArray::Hits), access)?),
-            Kind::Shadow => Results::Distances(dump.array_by(&place(QueueArray::Distances), access)?),
+            Kind::Closest => Results::Hits(dump.array(&place(QueueArray::Hits))?),
+            Kind::Shadow => Results::Distances(dump.array(&place(QueueArray::Distances))?),
         };
         if results.len() != rays.len() {
-            return Err(TracedError::Lengths { queue, rays: rays.len(), results: results.len() });
+            return Err(TracedError::Lengths {
+                dump: dump.root().to_owned(),
+                queue,
+                rays: rays.len(),
+                results: results.len(),
+            });
         }
         Ok(Self { unit: UnitSpace::from_bounds(scene.bounds_min, scene.bounds_max), rays, results })
     }

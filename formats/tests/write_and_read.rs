@@ -22,7 +22,7 @@ fn a_dump_comes_back() {
     let path = sample::write(folder.path());
     assert_eq!(path, folder.path().join("sample.raydump"));
     assert!(!folder.path().join("sample.raydump.partial").exists());
-    let dump = Dump::open(&path).unwrap();
+    let dump = Dump::open_mapped(&path).unwrap();
     assert_eq!(dump.state(), DumpState::Complete);
     assert_eq!(dump.manifest().header, sample::header());
     assert_eq!(dump.manifest().queues.len(), 8);

@@ -9,8 +9,7 @@
 //! - `orders`: keys recomputed from the stored rays, permutations
 //! - `tables`: length tables, each the one before plus the traced lengths
 //!
-//! Memory: the arrays of one queue at a time, beside the scene. They are read, not mapped, so that a file
-//! that is cut meanwhile is a fault like any other.
+//! Memory: the arrays of one queue at a time, beside the scene.
 
 mod files;
 mod hits;
@@ -26,7 +25,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 pub use report::{Check, Findings, Report};
 
-use crate::array_file::Access;
 use crate::key::Encoder;
 use crate::length_table::{LengthCell, LengthTable};
 use crate::manifest::{Place, QueueArray, QueueId};
@@ -84,7 +82,7 @@ impl<'a> Subject<'a> {
 
     /// An array, if the dump or its source has it; what is wrong with its file is noted.
     fn array<T: Element>(&self, place: &Place) -> Option<Mapped<T>> {
-        let array = self.dump.array_by(place, Access::Read);
+        let array = self.dump.array(place);
         array.map_err(|error| self.note_error(place, &error)).ok()
     }
 
@@ -127,7 +125,7 @@ impl<'a> Subject<'a> {
     }
 
     fn traced_in(&self, dump: &Dump, queue: QueueId) -> Option<Traced> {
-        match Traced::open_by(dump, queue, Access::Read) {
+        match Traced::open(dump, queue) {
             Ok(traced) => Some(traced),
             Err(TracedError::Read(error)) => {
                 self.note_error(&Place::Queue(queue, QueueArray::Rays), &error);

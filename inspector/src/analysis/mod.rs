@@ -4,14 +4,14 @@
 //! - [`metric`]: a number, or why there is none
 //! - [`recording`], [`queue`], [`order`]: the numbers of one recording, queue and order
 //! - [`timing`]: times, speedups, bandwidths of an order's stages
-//! - [`coherence`]: capsules, direction spread and lane utilisation, streamed over mapped arrays
+//! - [`coherence`]: capsules, direction spread and lane utilisation, streamed over arrays
 //! - [`tables`]: fill of the length table, errors of estimated lengths
 //! - [`summary`], [`correlations`]: over all recordings
 //! - [`labels`]: what recordings are called beside each other
 //! - [`work`]: nodes and triangles of the recording's own kernel
 //! - [`picture`]: the image and what each pixel cost
 //!
-//! Arrays are mapped one queue at a time. Beyond the maps, memory is about 12 bytes for each ray of the
+//! Arrays are loaded one queue at a time. Beyond them, memory is about 12 bytes for each ray of the
 //! largest queue and 16 for each of its groups, whatever the number of methods.
 
 pub mod coherence;

@@ -15,7 +15,7 @@ use crate::model::filter::{self, Expression};
 use crate::model::quantity::Numbers;
 use crate::model::{Order, Queue};
 
-/// What is known of a queue's rays, mapped, in canonical order.
+/// What is known of a queue's rays, in canonical order.
 pub(crate) struct Rays {
     pub(crate) id: QueueId,
     pub(crate) method: String,

@@ -36,7 +36,7 @@ impl Recording {
     /// # Errors
     /// If there is none, or its manifest is damaged.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
-        let dump = Dump::open(path)?;
+        let dump = Dump::open_mapped(path)?;
         let options = analysis::Options { depth: Depth::Manifest, ..analysis::Options::default() };
         let analysis = analysis::analyse(std::slice::from_ref(&dump), &options).ok();
         let times = analysis.and_then(|analysis| analysis.recordings.into_iter().next());
