@@ -12,12 +12,14 @@ pub struct Shortage {
     pub free: u64,
 }
 
-/// Free memory and swap space, bytes. Where the system does not tell, all that there could be, so that
-/// nothing is refused.
+/// Free memory and swap space, bytes, or what a control group (a container, a job of a cluster) leaves of
+/// them. Where the system does not tell, all that there could be, so that nothing is refused.
 pub(crate) fn free() -> u64 {
     let found = System::new().map_or(0, |mut system| {
         system.refresh_memory();
-        system.available_memory().saturating_add(system.free_swap())
+        let all = system.available_memory().saturating_add(system.free_swap());
+        let limits = system.cgroup_limits();
+        limits.map_or(all, |limits| all.min(limits.free_memory.saturating_add(limits.free_swap)))
     });
     if found > 0 { found } else { u64::MAX }
 }

@@ -22,6 +22,8 @@ mod tests;
 use mesh::{Canvas, Mesh};
 use setting::{Recipe, Setting};
 
+use crate::bvh::BYTES_PER_TRIANGLE;
+use crate::memory::{self, Shortage};
 use crate::shown::shown;
 use crate::{Light, Scene};
 
@@ -73,6 +75,16 @@ pub enum BuiltinError {
         /// Its finest.
         most: u64,
     },
+    /// The scene would not fit into memory.
+    #[error("builtin:{name} with {asked} triangles: {source}; ask for fewer")]
+    Memory {
+        /// The scene.
+        name: &'static str,
+        /// How many were asked for.
+        asked: u64,
+        /// What is needed, and what is free.
+        source: Shortage,
+    },
 }
 
 const RECIPES: [Recipe; 6] =
@@ -112,6 +124,11 @@ pub fn build(name: &str, triangles: Option<u64>) -> Result<Scene, BuiltinError> 
     if asked > most {
         return Err(BuiltinError::TooManyTriangles { name, asked, least, most });
     }
+    memory::check(asked * BYTES_PER_TRIANGLE, memory::free()).map_err(|source| BuiltinError::Memory {
+        name,
+        asked,
+        source,
+    })?;
     let mut canvas = Canvas::keeping(detail_for(recipe, asked.max(least)));
     (recipe.draw)(&mut canvas);
     let mut scene = assemble(name, (recipe.setting)(), canvas.into_mesh());

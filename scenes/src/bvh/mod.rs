@@ -32,6 +32,9 @@ use crate::shown::shown;
 /// (24 + 32), two nodes (64), the builder's two lists of nodes and one of codes (64 + 16).
 pub const HIERARCHY_BYTES_PER_TRIANGLE: u64 = 200;
 
+/// What a triangle takes at least, bytes: three indices, a material, and its share of the hierarchy.
+pub(crate) const BYTES_PER_TRIANGLE: u64 = 16 + HIERARCHY_BYTES_PER_TRIANGLE;
+
 /// Entries that the stack of a [`Bvh2Node`] traversal needs: the number of levels below the root
 /// never exceeds it, and each level leaves at most one entry.
 pub const BVH2_STACK: usize = 64;

@@ -12,14 +12,11 @@ use super::materials;
 use super::nodes::{self, PlacedNode};
 use super::notices::Notices;
 use super::primitive::{self, LocalMesh};
-use crate::bvh::{HIERARCHY_BYTES_PER_TRIANGLE, TRIANGLE_LIMIT};
+use crate::bvh::{BYTES_PER_TRIANGLE, TRIANGLE_LIMIT};
 use crate::memory;
 
 /// The largest number of vertices: all have 32-bit numbers.
 pub(super) const LIMIT: u64 = u32::MAX as u64;
-
-/// What a triangle takes at least, in bytes: three indices, a material, and its share of the hierarchy.
-const BYTES_PER_TRIANGLE: u64 = 16 + HIERARCHY_BYTES_PER_TRIANGLE;
 
 /// The triangles of the whole scene. `normals` are as in [`crate::Scene`]; `uvs` end with the last
 /// vertex that has any.
