@@ -14,7 +14,8 @@ pub(crate) fn leaves(partial: Option<PathBuf>) {
     *PARTIAL.lock().unwrap_or_else(PoisonError::into_inner) = partial;
 }
 
-/// Starts the thread that waits for signals. On other systems than Unix the system ends the program as ever.
+/// Starts the thread that waits for signals, but for those that whoever started this program has it ignore, as
+/// scripts do for what they run in the background. On other systems than Unix the system ends the program as ever.
 ///
 /// # Errors
 /// If the system has no thread left, or no handlers.
@@ -22,7 +23,8 @@ pub(crate) fn listen() -> io::Result<()> {
     #[cfg(unix)]
     {
         use signal_hook::consts::{SIGINT, SIGTERM};
-        let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM])?;
+        let heard = [SIGINT, SIGTERM].into_iter().filter(|&signal| !is_ignored(signal));
+        let mut signals = signal_hook::iterator::Signals::new(heard)?;
         std::thread::Builder::new().name("signals".into()).spawn(move || {
             for signal in signals.forever() {
                 tell();
@@ -32,6 +34,15 @@ pub(crate) fn listen() -> io::Result<()> {
         })?;
     }
     Ok(())
+}
+
+/// Whether this program was started with the signal ignored. Said by Linux alone; elsewhere no.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
 #[cfg(unix)]

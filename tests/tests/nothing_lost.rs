@@ -96,28 +96,58 @@ fn force_replaces_what_the_manifest_lists_and_nothing_else() {
 /// A recording that takes longer than any test.
 const LONG: &str = "record builtin:cornell --out long --backend cpu --width 400 --height 400 --passes 999";
 
+/// Starts a long recording and waits until some of it is there.
+#[cfg(unix)]
+fn begun(mut command: Command, folder: &Path) -> std::process::Child {
+    let child = command.current_dir(folder).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let start = Instant::now();
+    while !folder.join("long.raydump.partial/scene/materials.npy").exists() {
+        assert!(start.elapsed() < Duration::from_secs(60), "nothing is recorded");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    child
+}
+
+#[cfg(unix)]
+fn send(signal: &str, child: &std::process::Child) {
+    Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap();
+}
+
+/// A script has what it runs in the background ignore the interrupts of its terminal.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interrupt_that_was_to_be_ignored_is() {
+    use std::os::unix::process::ExitStatusExt;
+    let folder = tempdir().unwrap();
+    let recorder = Program::Recorder.command(LONG.split_whitespace());
+    let mut command = Command::new("sh");
+    command
+        .args(["-c", "trap '' INT; exec \"$0\" \"$@\""])
+        .arg(recorder.get_program())
+        .args(recorder.get_args());
+    command.envs(recorder.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    let mut child = begun(command, folder.path());
+    send("INT", &child);
+    std::thread::sleep(Duration::from_millis(500));
+    assert!(child.try_wait().unwrap().is_none(), "it still records");
+    send("TERM", &child);
+    assert_eq!(child.wait().unwrap().signal(), Some(15));
+}
+
 #[cfg(unix)]
 #[test]
 fn signals_end_a_recording_with_a_sentence_and_a_second_recorder_waits_its_turn() {
     use std::os::unix::process::ExitStatusExt;
     let folder = tempdir().unwrap();
-    let partial = folder.path().join("long.raydump.partial");
     for (name, number) in [("INT", 2), ("TERM", 15)] {
-        let mut command = Program::Recorder.command(LONG.split_whitespace());
-        let child = command.current_dir(folder.path()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
-        let child = child.unwrap();
-        let start = Instant::now();
-        while !partial.join("scene/materials.npy").exists() {
-            assert!(start.elapsed() < Duration::from_secs(60), "nothing is recorded");
-            std::thread::sleep(Duration::from_millis(10));
-        }
+        let child = begun(Program::Recorder.command(LONG.split_whitespace()), folder.path());
         if name == "INT" {
             for force in ["", " --force"] {
                 let second = Program::Recorder.run(folder.path(), &format!("{LONG}{force}"));
                 second.failed_with(1, &["long.raydump.partial", "being written by another process"]);
             }
         }
-        Command::new("kill").args(["-s", name, &child.id().to_string()]).status().unwrap();
+        send(name, &child);
         let output = child.wait_with_output().unwrap();
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.signal(), Some(number), "{said}");
