@@ -106,8 +106,15 @@ pub struct MaterialMask {
 }
 
 impl MaterialMask {
+    /// The cutoff of a material that is all holes: more than the byte of any texel.
+    pub const CUTOFF_MAX: f32 = 256.0 / 255.0;
     /// The texture number of a material without an alpha texture.
     pub const NO_TEXTURE: u32 = u32::MAX;
+
+    /// Whether the cutoff is one that some byte of a texel could be held against.
+    pub fn is_valid(&self) -> bool {
+        (0.0..=Self::CUTOFF_MAX).contains(&self.cutoff)
+    }
 }
 
 /// Values that a mapped array can be read as.

@@ -7,11 +7,11 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use formats::key::LightSite;
+use formats::key::{LightSite, Termination};
 use formats::manifest::scan::scan;
 use formats::manifest::{
-    CacheRecord, End, Header, Mismatches, Outcome, Place, QueueArray, QueueId, QueueRecord, Record, Source,
-    Stage, TimingRecord, encode_frame, preamble,
+    CacheRecord, End, Header, MethodRecord, Mismatches, Outcome, Place, QueueArray, QueueId, QueueRecord,
+    Record, Source, Stage, TimingRecord, encode_frame, preamble,
 };
 use formats::ray::Kind;
 use formats::reader::Dump;
@@ -89,6 +89,10 @@ fn absurd_headers_are_found() {
         (|header| header.scene.bounds_max[2] = f32::INFINITY, "box goes from"),
         (|header| header.scene.bounds_min = [5.0; 3], "the lowest first"),
         (|header| (header.scene.bounds_min, header.scene.bounds_max) = ([-3e38; 3], [3e38; 3]), "box"),
+        (|header| header.options.keep.push("everything".into()), "it kept 'everything'"),
+        (|header| header.options.table_method = "nope".into(), "addressed by 'nope'"),
+        (|header| header.options.table_method = "two-point".into(), "addressed by 'two-point'"),
+        (|header| header.options.methods.push("nope".into()), "no record of method nope"),
         (|header| header.lights[0] = LightSite::Placed { centre: [f32::NAN; 3] }, "light 0 is"),
         (|header| header.lights[2] = LightSite::directional([f32::INFINITY; 3]), "light 2 is"),
     ];
@@ -125,6 +129,23 @@ fn impossible_queues_are_found() {
         ),
     ];
     assert_found(queue, cases);
+}
+
+/// A method record, where there is one.
+fn method(record: &mut Record) -> Option<&mut MethodRecord> {
+    if let Record::Method(method) = record { Some(method) } else { None }
+}
+
+#[test]
+fn lengths_that_do_not_fit_a_layout_are_found() {
+    let cases: &[Case<MethodRecord>] = &[
+        (
+            |method| method.termination = Termination::Unused,
+            "method two-point-adaptive: its length is Unused",
+        ),
+        (|method| method.termination = Termination::Real, "method aila: its length is Real"),
+    ];
+    assert_found(method, cases);
 }
 
 #[test]
@@ -192,7 +213,8 @@ fn a_replay_without_its_source_is_not_right() {
     let replay = folder.path().join("replay.raydump");
     fs::create_dir(&replay).unwrap();
     let write = |name: String| {
-        let header = Header { source: Source::Replayed { name, manifest_sha256 }, ..sample::header() };
+        let mut header = Header { source: Source::Replayed { name, manifest_sha256 }, ..sample::header() };
+        header.options.methods.truncate(1);
         let end = End { outcome: Outcome::Complete, image: None, wall_ns: 1 };
         let records = [Record::Header(Box::new(header)), Record::End(end)];
         let bytes = records.iter().flat_map(|record| encode_frame(record).unwrap());

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use formats::key::method::{BUILTIN, UNSORTED};
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method, MethodError};
 use formats::length_table::{TABLE_BITS_MAX, TABLE_BITS_MIN};
-use formats::manifest::check::{BOUNCES_MAX, PASSES_MAX, REPEATS_MAX};
+use formats::manifest::check::{BOUNCES_MAX, KEEP_WORDS, PASSES_MAX, REPEATS_MAX};
 
 use crate::stages::trace::TraceKernel;
 
@@ -54,8 +54,7 @@ pub struct Keep {
 
 impl Keep {
     /// The words of `--keep`, in the order in which they are listed.
-    pub const WORDS: [&'static str; 9] =
-        ["rays", "hits", "keys", "permutations", "lengths", "scene", "image", "caches", "work"];
+    pub const WORDS: [&'static str; 9] = KEEP_WORDS;
 
     fn flag(&mut self, word: &str) -> Option<&mut bool> {
         Some(match word {

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use formats::length_table::LengthCell;
 use formats::manifest::{Header, Record};
+use formats::npy::MaterialMask;
 use formats::ray::{Hit, Ray};
 use tempfile::tempdir;
 use tests::crafted::{copy, edit_array, edit_records};
@@ -136,9 +137,35 @@ fn headers() -> Vec<Case> {
     ]
 }
 
-fn is_refused(cases: &[Case], backends: &[&str]) {
+fn cutoffs(cutoff: f32) -> Box<dyn Fn(&Path)> {
+    Box::new(move |path| {
+        edit_array(path, "scene/masks.npy", |masks: &mut Vec<MaterialMask>| {
+            masks.iter_mut().for_each(|mask| mask.cutoff = cutoff);
+        });
+    })
+}
+
+fn masks() -> Vec<Case> {
+    vec![
+        ("no-cutoff", &["masks.npy", "material 0 is NaN"], cutoffs(f32::NAN)),
+        ("low-cutoff", &["masks.npy", "-0.5"], cutoffs(-0.5)),
+        ("high-cutoff", &["masks.npy", "1.01"], cutoffs(1.01)),
+        (
+            "no-materials",
+            &["material", "0"],
+            Box::new(|path| edit_array(path, "scene/masks.npy", Vec::<MaterialMask>::clear)),
+        ),
+        (
+            "no-texels",
+            &["mask-000.npy", "no texels"],
+            Box::new(|path| edit_array(path, "scene/mask-000.npy", Vec::<u8>::clear)),
+        ),
+    ]
+}
+
+fn is_refused(scene: &str, cases: &[Case], backends: &[&str]) {
     let folder = tempdir().unwrap();
-    record(folder.path(), "right", "builtin:cornell", "--backend cpu --repeats 1 --methods aila");
+    record(folder.path(), "right", scene, "--backend cpu --repeats 1 --methods aila");
     for (name, words, edit) in cases {
         let path = copy(&folder.path().join("right.raydump"), name);
         edit(&path);
@@ -159,12 +186,17 @@ fn is_refused(cases: &[Case], backends: &[&str]) {
 
 #[test]
 fn arrays_are_checked_before_any_kernel_runs() {
-    is_refused(&arrays(), &["cpu", "gpu"]);
+    is_refused("builtin:cornell", &arrays(), &["cpu", "gpu"]);
 }
 
 #[test]
 fn headers_are_checked_and_the_command_line_is_not_blamed() {
-    is_refused(&headers(), &["cpu"]);
+    is_refused("builtin:cornell", &headers(), &["cpu"]);
+}
+
+#[test]
+fn masks_are_checked() {
+    is_refused("builtin:atrium", &masks(), &["cpu"]);
 }
 
 /// What a replay reads of its source is held against the source's checksums, before and after it is made.

@@ -4,7 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{LayoutError, LayoutText};
+use super::{Coordinate, Layout, LayoutError, LayoutText};
 use crate::manifest::place::is_method_name;
 use crate::ray::Kind;
 use crate::text::one_line;
@@ -24,6 +24,13 @@ pub enum Termination {
     Adaptive,
     /// The traced length: an upper bound, since the ray must be traced first.
     Real,
+}
+
+impl Termination {
+    /// Whether this is a source of lengths exactly where the layout has a termination point.
+    pub fn fits(self, layout: &Layout) -> bool {
+        (self != Self::Unused) == layout.uses(Coordinate::needs_length)
+    }
 }
 
 /// A way to make a key from a ray.
@@ -113,7 +120,7 @@ impl Method {
             return Err(bad_name());
         }
         let mut method = Self::new(name, layout, Termination::Unused)?;
-        if method.uses(super::Coordinate::needs_length) {
+        if method.uses(Coordinate::needs_length) {
             method.termination = Termination::Fixed;
         }
         Ok(method)
@@ -125,14 +132,14 @@ impl Method {
         Ok(Self { name: name.to_owned(), layout, termination })
     }
 
-    fn uses(&self, predicate: impl Fn(super::Coordinate) -> bool) -> bool {
+    fn uses(&self, predicate: impl Fn(Coordinate) -> bool) -> bool {
         // With two lights the index has a bit, so that `light` shows.
         self.layout.expand(2).is_ok_and(|layout| layout.uses(predicate))
     }
 
     /// Whether the method makes sense for this kind of ray: what needs a light is for shadow rays.
     pub fn applies_to(&self, kind: Kind) -> bool {
-        kind == Kind::Shadow || !self.uses(super::Coordinate::needs_light)
+        kind == Kind::Shadow || !self.uses(Coordinate::needs_light)
     }
 
     /// Whether a length table can be addressed by this method: it must not need a length itself,

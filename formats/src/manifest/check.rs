@@ -2,7 +2,7 @@
 
 use super::{Backend, CameraPose, Header, NAME_CHARACTERS, SceneSummary};
 use crate::key::method::UNSORTED;
-use crate::key::{KEY_BITS_MIN, LAYOUT_BITS, LightSite};
+use crate::key::{KEY_BITS_MIN, LAYOUT_BITS, LightSite, Method};
 use crate::length_table::{LONGEST_SUMMED, TABLE_BITS_MAX, TABLE_BITS_MIN};
 use crate::stored_table::cell_encoder;
 use crate::text::one_line;
@@ -18,6 +18,9 @@ pub const REPEATS_MAX: u32 = 10_000;
 const TRACE_KERNELS: &[&str] = &["cwbvh", "bvh2", "ray-query"];
 /// Which passes may be kept.
 const KEPT_PASSES: &[&str] = &["measured", "all"];
+/// The words of `--keep`, in the order in which they are listed.
+pub const KEEP_WORDS: [&str; 9] =
+    ["rays", "hits", "keys", "permutations", "lengths", "scene", "image", "caches", "work"];
 
 /// How far the length of a camera's vector may be from 1.
 const UNIT_TOLERANCE: f64 = 1e-4;
@@ -63,6 +66,17 @@ impl Header {
                 let found = one_line(found, NAME_CHARACTERS);
                 problems.push(format!("its {what} are '{found}', expected one of {}", known.join(", ")));
             }
+        }
+        if let Some(word) = options.keep.iter().find(|word| !KEEP_WORDS.contains(&word.as_str())) {
+            let (found, known) = (one_line(word, NAME_CHARACTERS), KEEP_WORDS.join(", "));
+            problems.push(format!("it kept '{found}', expected some of {known}"));
+        }
+        let table_method = Method::builtin(&options.table_method).map(|method| method.can_address_table());
+        if table_method != Ok(true) {
+            let found = one_line(&options.table_method, NAME_CHARACTERS);
+            problems.push(format!(
+                "its tables are addressed by '{found}', expected a built-in method that needs no length and no light"
+            ));
         }
         if !options.methods.iter().any(|method| method == UNSORTED) {
             problems.push(format!("its methods lack {UNSORTED}, which is always measured"));

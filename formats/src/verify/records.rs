@@ -18,6 +18,10 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
         let problem = known.outside(queue.pass, queue.bounce);
         check.require(problem.is_none(), || format!("{queue}: {}", problem.unwrap_or_default()));
     }
+    for method in &manifest.header.options.methods {
+        let problem = known.unknown_method(method).filter(|_| known.has_all_records);
+        check.require(problem.is_none(), || format!("the header's methods: {}", problem.unwrap_or_default()));
+    }
     for queue in &manifest.queues {
         let problem = known.queue_problem(queue);
         check.require(problem.is_none(), || format!("queue {}: {}", queue.id, problem.unwrap_or_default()));
@@ -49,8 +53,8 @@ struct Known<'a> {
     options: &'a Options,
     queues: BTreeMap<QueueId, &'a QueueRecord>,
     methods: BTreeSet<&'a str>,
-    /// Whether every queue that was measured has its record.
-    has_all_queues: bool,
+    /// Whether every method, and every queue that was measured, has its record.
+    has_all_records: bool,
 }
 
 impl<'a> Known<'a> {
@@ -60,7 +64,7 @@ impl<'a> Known<'a> {
             options: &manifest.header.options,
             queues: manifest.queues.iter().map(|queue| (queue.id, queue)).collect(),
             methods: methods.chain([UNSORTED]).collect(),
-            has_all_queues: state == DumpState::Complete,
+            has_all_records: state == DumpState::Complete,
         }
     }
 
@@ -78,7 +82,7 @@ impl<'a> Known<'a> {
     }
 
     fn unknown_queue(&self, queue: QueueId) -> Option<String> {
-        let is_unknown = self.has_all_queues && !self.queues.contains_key(&queue);
+        let is_unknown = self.has_all_records && !self.queues.contains_key(&queue);
         is_unknown.then(|| format!("there is no record of queue {queue}"))
     }
 

@@ -1,5 +1,7 @@
 //! The header's own numbers, the scene's arrays and the picture.
 
+use std::collections::BTreeSet;
+
 use sha2::{Digest, Sha256};
 
 use super::{Check, Subject};
@@ -53,9 +55,13 @@ pub(super) fn method_problem(method: &MethodRecord, lights: usize) -> Option<Str
         Err(error) => return Some(error.message),
     };
     let names = layout.bits().iter().map(|coordinate| coordinate.name());
-    let is_same = names.eq(method.layout.iter().map(String::as_str));
-    (!is_same).then(|| {
-        format!("its bits are not those of '{}' for {lights} lights", one_line(&method.text, NAME_CHARACTERS))
+    let text = one_line(&method.text, NAME_CHARACTERS);
+    if !names.eq(method.layout.iter().map(String::as_str)) {
+        return Some(format!("its bits are not those of '{text}' for {lights} lights"));
+    }
+    (!method.termination.fits(&layout)).then(|| {
+        let found = method.termination;
+        format!("its length is {found:?}, which does not fit '{text}'; only ex, ey and ez need one")
     })
 }
 
@@ -111,7 +117,8 @@ fn check_scene(subject: &Subject<'_>) -> Check {
     check
 }
 
-/// Alpha masks: one entry per material, texture coordinates for every vertex, textures that exist.
+/// Alpha masks: one entry per material, texture coordinates for every vertex, textures that exist and have
+/// texels.
 fn check_masks(subject: &Subject<'_>, check: &mut Check, materials: &[u32], vertices: usize) {
     let Some(masks) = subject.array::<MaterialMask>(&Place::Scene(SceneArray::Masks)) else { return };
     let in_range = |triangle: usize| (materials[triangle] as usize) < masks.len();
@@ -122,9 +129,25 @@ fn check_masks(subject: &Subject<'_>, check: &mut Check, materials: &[u32], vert
             masks.len()
         )
     });
-    let uvs = subject.array::<[f32; 2]>(&Place::Scene(SceneArray::Uvs)).map(|uvs| uvs.len());
-    let textures =
-        masks.iter().map(|mask| mask.texture).filter(|&texture| texture != MaterialMask::NO_TEXTURE);
+    check.each(
+        masks.len(),
+        |material| masks[material].is_valid(),
+        |material| {
+            let (found, most) = (masks[material].cutoff, MaterialMask::CUTOFF_MAX);
+            format!("scene/masks.npy: the cutoff of material {material} is {found}, expected 0 to {most}")
+        },
+    );
+    let uvs = subject.array::<[f32; 2]>(&Place::Scene(SceneArray::Uvs));
+    let is_finite = |vertex: usize| uvs.as_ref().is_none_or(|uvs| uvs[vertex].iter().all(|x| x.is_finite()));
+    check.each(uvs.as_ref().map_or(0, |uvs| uvs.len()), is_finite, |vertex| {
+        format!("scene/uvs.npy: vertex {vertex} has coordinates that are not finite")
+    });
+    let uvs = uvs.map(|uvs| uvs.len());
+    let textures: BTreeSet<u32> = masks
+        .iter()
+        .map(|mask| mask.texture)
+        .filter(|&texture| texture != MaterialMask::NO_TEXTURE)
+        .collect();
     // A recording that was ended early may have got no further, and a recovered one has lost something.
     let may_lack = subject.dump.state() != DumpState::Complete;
     for texture in textures {
@@ -133,6 +156,8 @@ fn check_masks(subject: &Subject<'_>, check: &mut Check, materials: &[u32], vert
         });
         let place = Place::Scene(SceneArray::Mask(texture));
         check.require(subject.dump.has(&place) || may_lack, || format!("there is no {place}"));
+        let has_texels = subject.dump.record(&place).is_none_or(|record| !record.shape.contains(&0));
+        check.require(has_texels, || format!("{place} has no texels"));
     }
 }
 

@@ -26,7 +26,13 @@ const RAYS: usize = 6;
 pub(super) fn write(folder: &Path, kind: Kind) -> PathBuf {
     let whole = Dump::open(&sample::write(folder)).unwrap();
     let mut header = sample::header();
+    // Keys of 32 bits by the length table, and keys of 64 bits by lights.
+    let name = match kind {
+        Kind::Closest => "two-point-adaptive",
+        Kind::Shadow => "light-octahedron",
+    };
     header.options.table_bits = TABLE_BITS_MIN;
+    header.options.methods = vec!["unsorted".to_owned(), name.to_owned()];
     let writer = DumpWriter::create(&folder.join("original"), header.clone(), false).unwrap();
     for array in [SceneArray::Positions, SceneArray::Triangles, SceneArray::Materials] {
         let record = whole.record(&Place::Scene(array)).unwrap();
@@ -34,11 +40,6 @@ pub(super) fn write(folder: &Path, kind: Kind) -> PathBuf {
         file.write(&whole.bytes(record).unwrap()).unwrap();
         file.finish().unwrap();
     }
-    // Keys of 32 bits by the length table, and keys of 64 bits by lights.
-    let name = match kind {
-        Kind::Closest => "two-point-adaptive",
-        Kind::Shadow => "light-octahedron",
-    };
     let method = whole.manifest().methods.iter().find(|method| method.name == name).unwrap();
     writer.method(method.clone()).unwrap();
     write_queue(&writer, &whole, &header, kind, method);

@@ -454,7 +454,9 @@ pub(crate) fn thinned(whole: &Path, name: &str, queues: &[QueueId], methods: &[&
         Place::Method(queue, method, _) => queues.contains(queue) && methods.contains(&method.as_str()),
     };
     let source = Dump::open(whole).unwrap();
-    let writer = DumpWriter::create(&whole.with_file_name(name), header(), false).unwrap();
+    let mut header = header();
+    header.options.methods.retain(|method| method == "unsorted" || methods.contains(&method.as_str()));
+    let writer = DumpWriter::create(&whole.with_file_name(name), header, false).unwrap();
     for frame in scan(&whole.join("manifest.bin")).unwrap().frames {
         match frame.record {
             Record::Method(method) if methods.contains(&method.name.as_str()) => {

@@ -147,7 +147,9 @@ impl<'a> Context<'a> {
             return Ok(Places::Canonical(rays));
         }
         let place = Place::Method(self.queue, method.to_owned(), MethodArray::Permutation);
-        Places::sorted(self.dump.array(&place).map_err(|error| error.to_string())?, rays)
+        let permutation = self.dump.array(&place).map_err(|error| error.to_string())?;
+        Places::sorted(permutation, rays)
+            .map_err(|problem| format!("{}/{place}: {problem}", self.dump.root().display()))
     }
 
     fn coherence(&self, places: &Result<Places, String>) -> Metric<Coherence> {

@@ -85,10 +85,9 @@ impl QueueArrays {
         }
         let of_all = |name: &str, found: usize| {
             let problem = || {
-                let queue = record.id;
+                let (root, queue, rays) = (dump.root().display(), record.id, record.rays);
                 format!(
-                    "{queue}/{name}.npy has {found} entries for {} rays; `inspector verify` says what is wrong",
-                    record.rays
+                    "{root}/{queue}/{name}.npy has {found} entries for {rays} rays; `inspector verify` says what is wrong"
                 )
             };
             (found as u64 == record.rays).then_some(()).ok_or_else(problem)

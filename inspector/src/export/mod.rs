@@ -99,7 +99,7 @@ pub(crate) fn run(
     json: bool,
 ) -> anyhow::Result<()> {
     let dump = Dump::open(path)?;
-    let rays = Rays::open(&dump, selection)?;
+    let rays = Rays::open(&dump, selection).with_context(|| dump.root().display().to_string())?;
     make_folder(out)?;
     let stem = stem(&rays, selection);
     let files = match format {

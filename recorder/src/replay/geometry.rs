@@ -36,6 +36,10 @@ fn add_masks(dump: &Dump, scene: &mut Scene) -> Result<()> {
         materials.len()
     );
     check_below(materials.iter(), masks.len(), "a material")?;
+    if let Some(at) = masks.iter().position(|mask| !mask.is_valid()) {
+        let (found, most) = (masks[at].cutoff, MaterialMask::CUTOFF_MAX);
+        bail!("scene/masks.npy: the cutoff of material {at} is {found}, expected 0 to {most}");
+    }
     scene.triangle_materials = materials.to_vec();
     if dump.has(&Place::Scene(SceneArray::Uvs)) {
         scene.uvs = dump.checked_array::<[f32; 2]>(&Place::Scene(SceneArray::Uvs))?.to_vec();
