@@ -10,7 +10,7 @@ use memmap2::Mmap;
 
 use crate::manifest::{ArrayRecord, Place};
 use crate::npy::{self, Dtype, Element};
-use crate::reader::ReadError;
+use crate::read_error::ReadError;
 
 /// Bytes that are read at a time for a checksum.
 const BLOCK_BYTES: usize = 1 << 20;

@@ -19,6 +19,9 @@ pub const RESERVE_NAME: &str = "reserve.bin";
 /// Its length; file systems give out space in blocks of 4 KiB or more.
 pub(crate) const RESERVE_BYTES: usize = 16 << 10;
 
+/// A manifest that `recover` writes, until it takes the old one's name.
+pub(crate) const NEW_MANIFEST: &str = "manifest.bin.new";
+
 /// The folder that `out` names: the extension is added if the last part does not have it already.
 /// `None` if `out` has no last part, such as `/` or `..`.
 pub fn dump_folder(out: &Path) -> Option<PathBuf> {
@@ -139,7 +142,7 @@ pub(crate) fn replaceable(folder: &Path) -> io::Result<Result<Contents, Foreign>
     let listed = listed_arrays(&folder.join(manifest::FILE_NAME));
     let is_known = |file: &PathBuf| {
         let Some(name) = file.to_str() else { return false };
-        let own = [manifest::FILE_NAME, crate::recover::NEW_MANIFEST, RESERVE_NAME];
+        let own = [manifest::FILE_NAME, NEW_MANIFEST, RESERVE_NAME];
         let is_array = || Place::parse(&name.replace(std::path::MAIN_SEPARATOR, "/"));
         own.contains(&name)
             || is_array().is_some_and(|place| listed.as_ref().is_none_or(|listed| listed.contains(&place)))

@@ -22,6 +22,7 @@ pub mod npy;
 pub mod permutation;
 pub mod queue_check;
 pub mod ray;
+mod read_error;
 pub mod reader;
 pub mod recover;
 pub mod stored_table;

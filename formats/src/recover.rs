@@ -15,13 +15,10 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use crate::array_file;
-use crate::folder;
+use crate::folder::{self, NEW_MANIFEST};
 use crate::key::method::UNSORTED;
 use crate::manifest::scan::salvage;
 use crate::manifest::{self, ArrayRecord, End, Fault, ManifestError, Outcome, Place, Record, encode_frame};
-
-/// The new manifest until it takes the old one's name.
-pub(crate) const NEW_MANIFEST: &str = "manifest.bin.new";
 
 /// Why nothing could be recovered.
 #[derive(Debug, thiserror::Error)]

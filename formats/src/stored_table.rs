@@ -1,12 +1,11 @@
 //! A stored length table and how rays find their cell in it.
 
-use crate::key::{Encoder, LayoutText};
+use crate::key::Encoder;
 use crate::length_table::{LengthCell, LengthTable, LengthTableError, TABLE_BITS_MAX, TABLE_BITS_MIN};
 use crate::manifest::{Header, NAME_CHARACTERS, Place, QueueArray, QueueId};
 use crate::ray::Ray;
 use crate::reader::{Dump, Mapped, ReadError};
 use crate::text::one_line;
-use crate::unit_space::UnitSpace;
 
 /// Why a queue has no usable length table.
 #[derive(Debug, thiserror::Error)]
@@ -32,18 +31,6 @@ pub enum StoredTableError {
     /// The cells are not a table.
     #[error(transparent)]
     Table(#[from] LengthTableError),
-}
-
-/// What gives a ray's cell in the length tables of a recording, if the header says so.
-pub fn cell_encoder(header: &Header) -> Option<Encoder> {
-    let (options, scene) = (&header.options, &header.scene);
-    if !(TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&options.table_bits) {
-        return None;
-    }
-    let layout = LayoutText::parse(&options.table_layout).ok()?.expand(1).ok()?;
-    let fits = !layout.uses(|coordinate| coordinate.needs_light() || coordinate.needs_length());
-    let unit = UnitSpace::from_bounds(scene.bounds_min, scene.bounds_max);
-    fits.then(|| Encoder::new(&layout, options.table_bits, unit, &[]))
 }
 
 /// The length table of stored cells.
@@ -76,7 +63,7 @@ impl StoredTable {
         let cells: Mapped<LengthCell> = dump.array(&Place::Queue(queue, QueueArray::Lengths))?;
         let table = from_cells(header, &cells)?;
         let layout = || StoredTableError::Layout { layout: header.options.table_layout.clone() };
-        Ok(Self { encoder: cell_encoder(header).ok_or_else(layout)?, table, touched: cells.len() })
+        Ok(Self { encoder: header.cell_encoder().ok_or_else(layout)?, table, touched: cells.len() })
     }
 
     /// Mean length of a ray's cell, unit lengths: what two-point-adaptive takes the ray's length for.

@@ -111,8 +111,8 @@ fn killed_before_the_rename_nothing_is_lost() {
 #[test]
 fn a_dropped_writer_can_be_recovered_and_a_running_one_is_left_alone() {
     let folder = sample::folder_in_memory();
-    let writer = DumpWriter::create(&folder.path().join("x"), sample::header(), false).unwrap();
-    sample::write_all(&writer).unwrap();
+    let mut writer = DumpWriter::create(&folder.path().join("x"), sample::header(), false).unwrap();
+    sample::write_all(&mut writer).unwrap();
     assert!(matches!(recover(&folder.path().join("x")), Err(RecoverError::Busy { .. })));
     drop(writer);
     let recovery = recover(&folder.path().join("x")).unwrap();
@@ -206,8 +206,8 @@ fn a_full_disk_is_one_clear_error_and_the_rest_is_recovered() {
         eprintln!("NOT TESTED: a full disk, since this user cannot mount a file system; run it as root");
         return;
     };
-    let writer = DumpWriter::create(&disk.0.path().join("full"), sample::header(), false).unwrap();
-    let error = sample::write_all(&writer).unwrap_err();
+    let mut writer = DumpWriter::create(&disk.0.path().join("full"), sample::header(), false).unwrap();
+    let error = sample::write_all(&mut writer).unwrap_err();
     assert!(matches!(error, WriteError::Full { .. }), "{error}");
     assert!(error.to_string().contains("no space is left"), "{error}");
     drop(writer);

@@ -59,8 +59,9 @@ fn the_same_recording_gives_the_same_bytes() {
 #[test]
 fn a_recording_that_runs_can_be_read_up_to_now() {
     let folder = tempfile::tempdir().unwrap();
-    let writer = DumpWriter::create(&folder.path().join("sample.raydump"), sample::header(), false).unwrap();
-    let end = sample::write_all(&writer).unwrap();
+    let mut writer =
+        DumpWriter::create(&folder.path().join("sample.raydump"), sample::header(), false).unwrap();
+    let end = sample::write_all(&mut writer).unwrap();
     let partial = folder.path().join("sample.raydump.partial");
     let dump = Dump::open(&partial).unwrap();
     assert_eq!(dump.state(), DumpState::Partial);
@@ -78,8 +79,8 @@ fn existing_dumps_are_replaced_only_when_told_and_only_at_the_end() {
     let path = sample::write(folder.path());
     let again = DumpWriter::create(&path, sample::header(), false);
     assert!(matches!(again, Err(WriteError::Exists { .. })), "{again:?}");
-    let writer = DumpWriter::create(&path, sample::header(), true).unwrap();
-    let end = sample::write_all(&writer).unwrap();
+    let mut writer = DumpWriter::create(&path, sample::header(), true).unwrap();
+    let end = sample::write_all(&mut writer).unwrap();
     Dump::open(&path).unwrap();
     drop(writer);
     let left = DumpWriter::create(&folder.path().join("sample"), sample::header(), false);
@@ -88,8 +89,8 @@ fn existing_dumps_are_replaced_only_when_told_and_only_at_the_end() {
     let left = DumpWriter::create(&path, sample::header(), false);
     assert!(matches!(left, Err(WriteError::LeftOver { .. })), "{left:?}");
     fs::rename(folder.path().join("other.raydump"), &path).unwrap();
-    let writer = DumpWriter::create(&path, sample::header(), true).unwrap();
-    sample::write_all(&writer).unwrap();
+    let mut writer = DumpWriter::create(&path, sample::header(), true).unwrap();
+    sample::write_all(&mut writer).unwrap();
     writer.finish(end).unwrap();
     Dump::open(&path).unwrap();
     let names: Vec<_> =
@@ -117,7 +118,7 @@ fn nothing_but_recordings_is_replaced() {
 #[test]
 fn arrays_hold_what_they_promise() {
     let folder = tempfile::tempdir().unwrap();
-    let writer = DumpWriter::create(&folder.path().join("x"), sample::header(), false).unwrap();
+    let mut writer = DumpWriter::create(&folder.path().join("x"), sample::header(), false).unwrap();
     let place = Place::Scene(SceneArray::Materials);
     let count = |error| assert!(matches!(error, Err(WriteError::Count { .. })), "{error:?}");
     count(writer.whole_array(&place, &[4], &[1u32, 2, 3]));

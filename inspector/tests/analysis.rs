@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use formats::manifest::{End, MethodArray, Outcome, Place, QueueArray, QueueRecord, Source, Stage};
+use formats::manifest::{End, MethodArray, Outcome, Place, QueueArray, QueueRecord, Record, Source, Stage};
 use formats::metrics::capsule::{Capsule, Segment};
 use formats::metrics::speedup::median;
 use formats::ray::{Kind, Ray, Work};
@@ -151,16 +151,18 @@ fn a_replay_is_analysed_with_the_arrays_of_its_source() {
         let manifest_sha256 = source.manifest_sha256().unwrap();
         header.source = Source::Replayed { name: "sample.raydump".into(), manifest_sha256 };
         header.options.trace_kernel = kernel.into();
-        let writer = DumpWriter::create(&folder.path().join(kernel), header, false).unwrap();
-        writer.method(source.manifest().methods[0].clone()).unwrap();
+        let mut writer = DumpWriter::create(&folder.path().join(kernel), header, false).unwrap();
+        writer.record(&Record::Method(source.manifest().methods[0].clone())).unwrap();
         let place = Place::Method(record.id, "aila".into(), MethodArray::Permutation);
         let permutation: Mapped<u32> = source.array(&place).unwrap();
         writer.whole_array(&place, &[record.rays], &permutation[..]).unwrap();
         let methods = vec!["unsorted".to_owned(), "aila".to_owned()];
         let mismatches = Vec::new();
-        writer.queue(QueueRecord { id: record.id, rays: record.rays, methods, mismatches }).unwrap();
+        writer
+            .record(&Record::Queue(QueueRecord { id: record.id, rays: record.rays, methods, mismatches }))
+            .unwrap();
         let end = End { outcome: Outcome::Complete, image: None, wall_ns: 1 };
-        dumps.push(Dump::open(&writer.finish(end).unwrap()).unwrap());
+        dumps.push(Dump::open(&mut writer.finish(end).unwrap()).unwrap());
     }
     let analysis = analysed(&dumps, GroupWidth::Rays64, 1);
     let aila = |recording: usize| {

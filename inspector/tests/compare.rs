@@ -46,11 +46,10 @@ fn altered(whole: &Path) -> PathBuf {
     header.options.seed += 1;
     header.options.trace_kernel = "cwbvh".to_owned();
     header.adapter.name = "another processor".to_owned();
-    let writer = DumpWriter::create(&whole.with_file_name("altered"), header, false).unwrap();
+    let mut writer = DumpWriter::create(&whole.with_file_name("altered"), header, false).unwrap();
     for frame in scan(&whole.join("manifest.bin")).unwrap().frames {
         match frame.record {
             Record::Header(_) => {}
-            Record::Method(method) => writer.method(method).unwrap(),
             Record::Array(array) => {
                 let mut bytes = source.bytes(&array).unwrap().to_vec();
                 if array.place == Place::Queue(QUEUE, QueueArray::Hits) {
@@ -66,10 +65,8 @@ fn altered(whole: &Path) -> PathBuf {
                 file.write(&bytes).unwrap();
                 file.finish().unwrap();
             }
-            Record::Queue(queue) => writer.queue(queue).unwrap(),
-            Record::Timing(timing) => writer.timing(timing).unwrap(),
-            Record::Cache(cache) => writer.cache(cache).unwrap(),
             Record::End(end) => return writer.finish(end).unwrap(),
+            record => writer.record(&record).unwrap(),
         }
     }
     panic!("the sample has an end")

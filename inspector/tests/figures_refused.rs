@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use formats::manifest::{End, MethodArray, Outcome, Place, QueueRecord, Source};
+use formats::manifest::{End, MethodArray, Outcome, Place, QueueRecord, Record, Source};
 use formats::reader::Dump;
 use formats::writer::DumpWriter;
 
@@ -127,15 +127,22 @@ fn replay(folder: &Path, source: &Path) -> PathBuf {
     let mut header = sample::header();
     let manifest_sha256 = source.manifest_sha256().unwrap();
     header.source = Source::Replayed { name: "sample.raydump".into(), manifest_sha256 };
-    let writer = DumpWriter::create(&folder.join("replay"), header, false).unwrap();
-    writer.method(source.manifest().methods[0].clone()).unwrap();
+    let mut writer = DumpWriter::create(&folder.join("replay"), header, false).unwrap();
+    writer.record(&Record::Method(source.manifest().methods[0].clone())).unwrap();
     let place = Place::Method(record.id, "aila".into(), MethodArray::Permutation);
     let permutation = source.array::<u32>(&place);
     if let Ok(permutation) = permutation {
         writer.whole_array(&place, &[record.rays], &permutation[..]).unwrap();
     }
     let methods = vec!["unsorted".to_owned(), "aila".to_owned()];
-    writer.queue(QueueRecord { id: record.id, rays: record.rays, methods, mismatches: Vec::new() }).unwrap();
+    writer
+        .record(&Record::Queue(QueueRecord {
+            id: record.id,
+            rays: record.rays,
+            methods,
+            mismatches: Vec::new(),
+        }))
+        .unwrap();
     writer.finish(End { outcome: Outcome::Complete, image: None, wall_ns: 1 }).unwrap()
 }
 

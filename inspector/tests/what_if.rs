@@ -171,7 +171,7 @@ fn a_cell_that_is_clicked_is_its_rays() {
     let order = context.awaited_order().unwrap();
     let queue = order.queue.clone();
     let header = &context.recording().unwrap().dump.manifest().header;
-    let cell_of = formats::stored_table::cell_encoder(header).unwrap();
+    let cell_of = header.cell_encoder().unwrap();
     let cell_of = |ray: usize| cell_of.encode(&queue.traced.rays()[ray], 0.0, 0) as u32;
     let cell = cell_of(7);
     let expected: Vec<u32> =

@@ -139,8 +139,8 @@ fn imported_rays_are_shown_in_rows() {
     let folder = tempfile::tempdir().unwrap();
     let mut header = sample::header();
     (header.options.width, header.options.height) = (20_000, 1);
-    let writer = DumpWriter::create(&folder.path().join("imported"), header, false).unwrap();
-    let end = sample::write_all(&writer).unwrap();
+    let mut writer = DumpWriter::create(&folder.path().join("imported"), header, false).unwrap();
+    let end = sample::write_all(&mut writer).unwrap();
     let mut context = Context::open(&[writer.finish(end).unwrap()]);
     context.go_to(QUEUE);
     let mut harness = panel("order", context);

@@ -4,7 +4,7 @@ use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, channel, sync_channel}
 use std::thread::JoinHandle;
 
 use anyhow::{Context, Result, anyhow};
-use formats::manifest::{CacheRecord, End, MethodRecord, Place, QueueRecord, TimingRecord};
+use formats::manifest::{End, Place, Record};
 use formats::npy::{Dtype, Element};
 use formats::writer::{DumpWriter, WriteError};
 
@@ -17,10 +17,7 @@ enum Message {
     Begin(Place, Dtype, Vec<u64>),
     Bytes(Vec<u8>),
     FinishArray,
-    Method(MethodRecord),
-    Queue(QueueRecord),
-    Timing(TimingRecord),
-    Cache(CacheRecord),
+    Record(Record),
     End(End),
 }
 
@@ -73,36 +70,12 @@ impl Capture {
         })
     }
 
-    /// Appends a method to the manifest.
+    /// Appends a record to the manifest.
     ///
     /// # Errors
     /// What went wrong with writing up to now.
-    pub fn method(&mut self, method: MethodRecord) -> Result<()> {
-        self.send(Message::Method(method))
-    }
-
-    /// Appends a queue to the manifest.
-    ///
-    /// # Errors
-    /// What went wrong with writing up to now.
-    pub fn queue(&mut self, queue: QueueRecord) -> Result<()> {
-        self.send(Message::Queue(queue))
-    }
-
-    /// Appends a timing to the manifest.
-    ///
-    /// # Errors
-    /// What went wrong with writing up to now.
-    pub fn timing(&mut self, timing: TimingRecord) -> Result<()> {
-        self.send(Message::Timing(timing))
-    }
-
-    /// Appends what the cache model says of an order.
-    ///
-    /// # Errors
-    /// What went wrong with writing up to now.
-    pub fn cache(&mut self, cache: CacheRecord) -> Result<()> {
-        self.send(Message::Cache(cache))
+    pub fn record(&mut self, record: Record) -> Result<()> {
+        self.send(Message::Record(record))
     }
 
     /// Waits until all is on the disk and the dump has its name, which is returned.
@@ -158,31 +131,26 @@ impl Capture {
 }
 
 fn write_all(
-    writer: DumpWriter,
+    mut writer: DumpWriter,
     inbox: &Receiver<Message>,
     give_back: impl Fn(Vec<u8>),
 ) -> Result<std::path::PathBuf, WriteError> {
     let target = writer.target().to_owned();
-    let mut array = None;
     while let Ok(message) = inbox.recv() {
         match message {
-            Message::Begin(place, dtype, shape) => array = Some(writer.array(&place, dtype, &shape)?),
-            Message::Bytes(bytes) => {
-                if let Some(array) = &mut array {
+            Message::Begin(place, dtype, shape) => {
+                let mut array = writer.array(&place, dtype, &shape)?;
+                while let Ok(Message::Bytes(bytes)) = inbox.recv() {
                     array.write(&bytes)?;
+                    give_back(bytes);
                 }
-                give_back(bytes);
+                // Fails where the recording was given up within the array, which is removed then.
+                array.finish()?;
             }
-            Message::FinishArray => {
-                if let Some(array) = array.take() {
-                    array.finish()?;
-                }
-            }
-            Message::Method(method) => writer.method(method)?,
-            Message::Queue(queue) => writer.queue(queue)?,
-            Message::Timing(timing) => writer.timing(timing)?,
-            Message::Cache(cache) => writer.cache(cache)?,
+            Message::Record(record) => writer.record(&record)?,
             Message::End(end) => return writer.finish(end),
+            // Both follow a `Begin`.
+            Message::Bytes(_) | Message::FinishArray => {}
         }
     }
     // The recording was given up; what is complete stays in the partial folder.

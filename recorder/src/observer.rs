@@ -4,7 +4,8 @@ use anyhow::{Result, bail};
 use formats::key::method::UNSORTED;
 use formats::length_table::LengthCell;
 use formats::manifest::{
-    MethodArray, Mismatches, Place as ArrayPlace, QueueArray, QueueId, QueueRecord, Stage, TimingRecord,
+    MethodArray, Mismatches, Place as ArrayPlace, QueueArray, QueueId, QueueRecord, Record, Stage,
+    TimingRecord,
 };
 use formats::npy::Dtype;
 use formats::ray::{Kind, Ray};
@@ -156,7 +157,7 @@ impl<'a> Recorder<'a> {
     ) -> Result<Vec<Ray>> {
         let Some(model) = &self.plan.cache_model else { return Ok(Vec::new()) };
         let copied: Vec<Ray> = collected(|sink| backend.read_rays(rays, sink))?;
-        self.capture.cache(model.record(id, UNSORTED, &copied, |at| at))?;
+        self.capture.record(Record::Cache(model.record(id, UNSORTED, &copied, |at| at)))?;
         Ok(copied)
     }
 
@@ -181,14 +182,14 @@ impl<'a> Recorder<'a> {
     }
 
     fn timing(&mut self, id: QueueId, method: &str, stage: Stage, samples_ns: &[u64]) -> Result<()> {
-        self.capture.timing(TimingRecord {
+        self.capture.record(Record::Timing(TimingRecord {
             pass: id.pass,
             bounce: id.bounce,
             kind: (!matches!(stage, Stage::Generate | Stage::Shade)).then_some(id.kind),
             method: method.to_owned(),
             stage,
             samples_ns: samples_ns.to_vec(),
-        })
+        }))
     }
 
     fn queue_record(&self, id: QueueId, rays: usize, measurement: Option<&QueueMeasurement>) -> QueueRecord {
@@ -233,7 +234,7 @@ impl<B: Backend> Observer<B> for Recorder<'_> {
             measurement = Some(measured);
         }
         if self.keeps(place) {
-            self.capture.queue(self.queue_record(id, rays.len(), measurement.as_ref()))?;
+            self.capture.record(Record::Queue(self.queue_record(id, rays.len(), measurement.as_ref())))?;
         }
         if let Some(measurement) = measurement {
             self.measured.push(MeasuredQueue {
@@ -299,7 +300,7 @@ impl<B: Backend> OrderObserver<B> for OrderCapture<'_> {
         if let Some(model) = &self.plan.cache_model {
             let permutation: Vec<u32> = collected(|sink| backend.read_order(order, sink))?;
             let record = model.record(self.id, &plan.name, &self.copied, |at| permutation[at] as usize);
-            self.capture.cache(record)?;
+            self.capture.record(Record::Cache(record))?;
         }
         Ok(())
     }

@@ -2,10 +2,10 @@
 
 use super::{Backend, CameraPose, Header, NAME_CHARACTERS, SceneSummary};
 use crate::key::method::UNSORTED;
-use crate::key::{KEY_BITS_MIN, LAYOUT_BITS, LightSite, Method};
+use crate::key::{Encoder, KEY_BITS_MIN, LAYOUT_BITS, LayoutText, LightSite, Method};
 use crate::length_table::{LONGEST_SUMMED, TABLE_BITS_MAX, TABLE_BITS_MIN};
-use crate::stored_table::cell_encoder;
 use crate::text::one_line;
+use crate::unit_space::UnitSpace;
 
 /// Most bounces of a recording.
 pub const BOUNCES_MAX: u32 = 99;
@@ -38,6 +38,18 @@ impl Header {
             }
         }
         problems
+    }
+
+    /// What gives a ray's cell in the length tables, if the header says so.
+    pub fn cell_encoder(&self) -> Option<Encoder> {
+        let (options, scene) = (&self.options, &self.scene);
+        if !(TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&options.table_bits) {
+            return None;
+        }
+        let layout = LayoutText::parse(&options.table_layout).ok()?.expand(1).ok()?;
+        let fits = !layout.uses(|coordinate| coordinate.needs_light() || coordinate.needs_length());
+        let unit = UnitSpace::from_bounds(scene.bounds_min, scene.bounds_max);
+        fits.then(|| Encoder::new(&layout, options.table_bits, unit, &[]))
     }
 
     fn check_options(&self, problems: &mut Vec<String>) {
@@ -89,7 +101,7 @@ impl Header {
             problems.push(format!("the length of two-point is {length}, expected 0 to {LONGEST_SUMMED}"));
         }
         let has_bits = (TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&options.table_bits);
-        if has_bits && cell_encoder(self).is_none() {
+        if has_bits && self.cell_encoder().is_none() {
             problems.push(format!(
                 "the table's layout '{}' is none that gives every ray a cell",
                 one_line(&options.table_layout, NAME_CHARACTERS)

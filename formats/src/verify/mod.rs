@@ -103,7 +103,7 @@ impl<'a> Subject<'a> {
 
     /// What gives a ray's cell in the length table.
     fn cell_encoder(&self) -> Option<Encoder> {
-        stored_table::cell_encoder(&self.dump.manifest().header)
+        self.dump.manifest().header.cell_encoder()
     }
 
     /// The length table of these cells, if they are one.

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::error::io_error;
-use super::{Shared, WriteError, create_file};
+use super::{DumpWriter, WriteError, create_file};
 use crate::manifest::{ArrayRecord, Record};
 use crate::npy;
 
@@ -20,8 +20,8 @@ const WRITE_BACK_BYTES: u64 = 64 << 20;
 /// Dropped without it, as after an error, the file is removed: what it holds is not complete, and
 /// on a full disk the space is needed to recover what is.
 #[derive(Debug)]
-pub struct ArrayWriter {
-    shared: Arc<Shared>,
+pub struct ArrayWriter<'a> {
+    dump: &'a mut DumpWriter,
     path: PathBuf,
     record: ArrayRecord,
     /// `None` once the file is finished.
@@ -30,17 +30,17 @@ pub struct ArrayWriter {
     hinted: u64,
 }
 
-impl ArrayWriter {
+impl<'a> ArrayWriter<'a> {
     /// Creates the file with its header. `record.bytes` is the size of the data to come.
     pub(super) fn create(
-        shared: Arc<Shared>,
+        dump: &'a mut DumpWriter,
         path: PathBuf,
         record: ArrayRecord,
     ) -> Result<Self, WriteError> {
         let file = Arc::new(create_file(&path)?);
         let output = BufWriter::with_capacity(BUFFER_BYTES, file);
         let header = npy::header(record.dtype, &record.shape);
-        let mut writer = Self { shared, path, record, output: Some(output), written: 0, hinted: 0 };
+        let mut writer = Self { dump, path, record, output: Some(output), written: 0, hinted: 0 };
         writer.put(&header)?;
         Ok(writer)
     }
@@ -61,7 +61,7 @@ impl ArrayWriter {
             && let Some(output) = &self.output
         {
             self.hinted = written;
-            self.shared.write_back.hint(output.get_ref(), &self.path);
+            self.dump.write_back.hint(output.get_ref(), &self.path);
         }
         Ok(())
     }
@@ -77,12 +77,12 @@ impl ArrayWriter {
         if let Some(output) = &mut self.output {
             output.flush().map_err(io_error("write", &self.path))?;
         }
-        self.shared.append(&Record::Array(self.record.clone()))?;
+        self.dump.record(&Record::Array(self.record.clone()))?;
         if let Some(output) = self.output.take() {
             let (file, _) = output.into_parts();
-            self.shared.write_back.finish_file(file, self.path.clone());
+            self.dump.write_back.finish_file(file, self.path.clone());
         }
-        self.shared.state().unfinished.remove(&self.record.place);
+        self.dump.written.insert(self.record.place.clone());
         Ok(())
     }
 
@@ -98,15 +98,12 @@ impl ArrayWriter {
     }
 }
 
-impl Drop for ArrayWriter {
+impl Drop for ArrayWriter<'_> {
     fn drop(&mut self) {
         if let Some(output) = self.output.take() {
             // What is still in the buffer is not wanted any more.
             let _ = output.into_parts();
             let _ = fs::remove_file(&self.path);
-            let mut state = self.shared.state();
-            state.unfinished.remove(&self.record.place);
-            state.begun.remove(&self.record.place);
         }
     }
 }

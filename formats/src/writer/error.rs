@@ -96,15 +96,9 @@ pub enum WriteError {
         /// Bytes of the shape.
         expected: u64,
     },
-    /// An array that was begun before.
-    #[error("{place} was begun before; an array is written once")]
+    /// An array that was written before.
+    #[error("{place} was written before; an array is written once")]
     Twice {
-        /// The array.
-        place: Place,
-    },
-    /// The dump was finished before one of its arrays.
-    #[error("{place} was begun, but not finished")]
-    Unfinished {
         /// The array.
         place: Place,
     },

@@ -12,46 +12,30 @@ use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 pub use array::ArrayWriter;
 pub use error::WriteError;
 
 use crate::folder::{self, Contents, Foreign};
-use crate::manifest::{
-    self, ArrayRecord, CacheRecord, End, Header, MethodRecord, Place, QueueRecord, Record, TimingRecord,
-    encode_frame,
-};
+use crate::manifest::{self, ArrayRecord, End, Header, Place, Record, encode_frame};
 use crate::npy::{self, Dtype, Element};
 use error::io_error;
 use write_back::WriteBack;
 
-/// Writes one dump. Can be sent to another thread, and shared: arrays may be written side by side.
+/// Writes one dump: one array after the other, and records between them.
 ///
 /// Dropped without [`DumpWriter::finish`] it leaves the `.partial` folder, for `recover`.
 #[derive(Debug)]
 pub struct DumpWriter {
     target: PathBuf,
-    overwrite: bool,
-    shared: Arc<Shared>,
-}
-
-/// What array writers share with the writer of the dump.
-#[derive(Debug)]
-struct Shared {
     partial: PathBuf,
-    state: Mutex<State>,
-    write_back: WriteBack,
-}
-
-#[derive(Debug)]
-struct State {
+    overwrite: bool,
     manifest: File,
     manifest_bytes: u64,
     is_broken: bool,
-    begun: BTreeSet<Place>,
-    unfinished: BTreeSet<Place>,
+    written: BTreeSet<Place>,
     folders: BTreeSet<PathBuf>,
+    write_back: WriteBack,
 }
 
 impl DumpWriter {
@@ -82,18 +66,20 @@ impl DumpWriter {
         file.write_all(&manifest::preamble()).map_err(io_error("write", &path))?;
         let reserve = partial.join(folder::RESERVE_NAME);
         create_file(&reserve)?.write_all(&[0; folder::RESERVE_BYTES]).map_err(io_error("write", &reserve))?;
-        let state = State {
+        let write_back = WriteBack::start().map_err(io_error("start the write-back thread for", &partial))?;
+        let mut writer = Self {
+            target,
+            partial,
+            overwrite,
             manifest: file,
             manifest_bytes: manifest::PREAMBLE_BYTES as u64,
             is_broken: false,
-            begun: BTreeSet::new(),
-            unfinished: BTreeSet::new(),
+            written: BTreeSet::new(),
             folders: BTreeSet::new(),
+            write_back,
         };
-        let write_back = WriteBack::start().map_err(io_error("start the write-back thread for", &partial))?;
-        let shared = Arc::new(Shared { partial, state: Mutex::new(state), write_back });
-        shared.append(&Record::Header(Box::new(header)))?;
-        Ok(Self { target, overwrite, shared })
+        writer.record(&Record::Header(Box::new(header)))?;
+        Ok(writer)
     }
 
     /// Whether [`DumpWriter::create`] would begin, without touching anything: for a word before long
@@ -141,8 +127,13 @@ impl DumpWriter {
     /// Begins an array; its data is streamed to the result, which must be finished.
     ///
     /// # Errors
-    /// If the array was begun before, cannot look like this, or its file cannot be created.
-    pub fn array(&self, place: &Place, dtype: Dtype, shape: &[u64]) -> Result<ArrayWriter, WriteError> {
+    /// If the array was written before, cannot look like this, or its file cannot be created.
+    pub fn array(
+        &mut self,
+        place: &Place,
+        dtype: Dtype,
+        shape: &[u64],
+    ) -> Result<ArrayWriter<'_>, WriteError> {
         let bytes = npy::data_bytes(dtype, shape).filter(|_| place.allows(dtype, shape));
         let Some(bytes) = bytes else {
             return Err(WriteError::Shape {
@@ -151,9 +142,13 @@ impl DumpWriter {
                 expected: place.expectation(),
             });
         };
-        let path = self.shared.begin(place)?;
+        if self.written.contains(place) {
+            return Err(WriteError::Twice { place: place.clone() });
+        }
+        let path = self.partial.join(place.to_string());
+        self.make_folder(folder::parent(&path))?;
         let record = ArrayRecord { place: place.clone(), dtype, shape: shape.to_vec(), crc32c: 0, bytes };
-        ArrayWriter::create(Arc::clone(&self.shared), path, record)
+        ArrayWriter::create(self, path, record)
     }
 
     /// Writes a whole array whose last dimension is that of `T`, the others as in `shape`.
@@ -161,7 +156,7 @@ impl DumpWriter {
     /// # Errors
     /// As [`DumpWriter::array`], and if the values do not fill the shape.
     pub fn whole_array<T: Element>(
-        &self,
+        &mut self,
         place: &Place,
         shape: &[u64],
         values: &[T],
@@ -171,104 +166,54 @@ impl DumpWriter {
         array.finish()
     }
 
-    /// Appends a method.
+    /// Appends a record in one piece. Those of the header, of arrays and of the end are the writer's own.
     ///
     /// # Errors
     /// If the manifest cannot be written.
-    pub fn method(&self, method: MethodRecord) -> Result<(), WriteError> {
-        self.shared.append(&Record::Method(method))
-    }
-
-    /// Appends a queue whose arrays are finished.
-    ///
-    /// # Errors
-    /// If the manifest cannot be written.
-    pub fn queue(&self, queue: QueueRecord) -> Result<(), WriteError> {
-        self.shared.append(&Record::Queue(queue))
-    }
-
-    /// Appends what the cache model says of an order.
-    ///
-    /// # Errors
-    /// If the manifest cannot be written.
-    pub fn cache(&self, cache: CacheRecord) -> Result<(), WriteError> {
-        self.shared.append(&Record::Cache(cache))
-    }
-
-    /// Appends a timing.
-    ///
-    /// # Errors
-    /// If the manifest cannot be written.
-    pub fn timing(&self, timing: TimingRecord) -> Result<(), WriteError> {
-        self.shared.append(&Record::Timing(timing))
+    pub fn record(&mut self, record: &Record) -> Result<(), WriteError> {
+        let path = self.partial.join(manifest::FILE_NAME);
+        let frame =
+            encode_frame(record).map_err(|bytes| WriteError::RecordTooLong { path: path.clone(), bytes })?;
+        if self.is_broken {
+            return Err(WriteError::Broken { path });
+        }
+        if let Err(cause) = self.manifest.write_all(&frame) {
+            // Half a record must stay the last one; better still if it can be taken back.
+            self.is_broken = true;
+            let _ = self.manifest.set_len(self.manifest_bytes);
+            return Err(io_error("write", &path)(cause));
+        }
+        self.manifest_bytes += frame.len() as u64;
+        Ok(())
     }
 
     /// Waits until everything is on the disk, ends the manifest and gives the dump its name.
     ///
     /// # Errors
-    /// If an array is unfinished or anything cannot be written; the `.partial` folder stays.
-    pub fn finish(self, end: End) -> Result<PathBuf, WriteError> {
-        let Self { target, overwrite, shared } = self;
-        if let Some(place) = shared.state().unfinished.first() {
-            return Err(WriteError::Unfinished { place: place.clone() });
-        }
-        let partial = shared.partial.clone();
-        shared.write_back.wait().map_err(|(path, cause)| io_error("write", &path)(cause))?;
-        let reserve = partial.join(folder::RESERVE_NAME);
+    /// If anything cannot be written; the `.partial` folder stays.
+    pub fn finish(mut self, end: End) -> Result<PathBuf, WriteError> {
+        self.write_back.wait().map_err(|(path, cause)| io_error("write", &path)(cause))?;
+        let reserve = self.partial.join(folder::RESERVE_NAME);
         fs::remove_file(&reserve).map_err(io_error("remove", &reserve))?;
-        let folders = shared.state().folders.clone();
-        for folder in folders.iter().chain([&partial]) {
+        for folder in self.folders.iter().chain([&self.partial]) {
             folder::sync_folder(folder).map_err(io_error("write", folder))?;
         }
-        shared.append(&Record::End(end))?;
-        let manifest = partial.join(manifest::FILE_NAME);
-        shared.state().manifest.sync_all().map_err(io_error("write", &manifest))?;
+        self.record(&Record::End(end))?;
+        let Self { target, partial, overwrite, manifest, .. } = self;
+        let path = partial.join(manifest::FILE_NAME);
+        manifest.sync_all().map_err(io_error("write", &path))?;
         // Some systems do not rename a folder in which a file is open.
-        drop(shared);
+        drop(manifest);
         replace(&partial, &target, overwrite)?;
         Ok(target)
     }
-}
 
-impl Shared {
-    fn state(&self) -> MutexGuard<'_, State> {
-        // The state is whole between statements, so a panic elsewhere has not broken it.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Notes that an array is begun and makes its folder.
-    fn begin(&self, place: &Place) -> Result<PathBuf, WriteError> {
-        let mut state = self.state();
-        if !state.begun.insert(place.clone()) {
-            return Err(WriteError::Twice { place: place.clone() });
-        }
-        let path = self.partial.join(place.to_string());
-        let folder = folder::parent(&path).to_owned();
-        if !state.folders.contains(&folder) {
-            fs::create_dir_all(&folder).map_err(io_error("create", &folder))?;
+    fn make_folder(&mut self, folder: &Path) -> Result<(), WriteError> {
+        if !self.folders.contains(folder) {
+            fs::create_dir_all(folder).map_err(io_error("create", folder))?;
             let above = folder.ancestors().take_while(|above| *above != self.partial);
-            state.folders.extend(above.map(Path::to_owned));
+            self.folders.extend(above.map(Path::to_owned));
         }
-        state.unfinished.insert(place.clone());
-        Ok(path)
-    }
-
-    /// Appends a record in one piece.
-    fn append(&self, record: &Record) -> Result<(), WriteError> {
-        let path = self.partial.join(manifest::FILE_NAME);
-        let frame =
-            encode_frame(record).map_err(|bytes| WriteError::RecordTooLong { path: path.clone(), bytes })?;
-        let mut state = self.state();
-        if state.is_broken {
-            return Err(WriteError::Broken { path });
-        }
-        if let Err(cause) = state.manifest.write_all(&frame) {
-            // Half a record must stay the last one; better still if it can be taken back.
-            state.is_broken = true;
-            let _ = state.manifest.set_len(state.manifest_bytes);
-            return Err(io_error("write", &path)(cause));
-        }
-        state.manifest_bytes += frame.len() as u64;
         Ok(())
     }
 }

@@ -7,12 +7,11 @@ use formats::key::{Encoder, Method};
 use formats::length_table::{LengthTable, TABLE_BITS_MIN};
 use formats::manifest::{
     End, Header, MethodArray, MethodRecord, Mismatches, Outcome, Place, QueueArray, QueueId, QueueRecord,
-    SceneArray,
+    Record, SceneArray,
 };
 use formats::npy::Element;
 use formats::ray::{Hit, Kind, Ray};
 use formats::reader::Dump;
-use formats::stored_table::cell_encoder;
 use formats::traced::Traced;
 use formats::unit_space::UnitSpace;
 use formats::writer::DumpWriter;
@@ -33,7 +32,7 @@ pub(super) fn write(folder: &Path, kind: Kind) -> PathBuf {
     };
     header.options.table_bits = TABLE_BITS_MIN;
     header.options.methods = vec!["unsorted".to_owned(), name.to_owned()];
-    let writer = DumpWriter::create(&folder.join("original"), header.clone(), false).unwrap();
+    let mut writer = DumpWriter::create(&folder.join("original"), header.clone(), false).unwrap();
     for array in [SceneArray::Positions, SceneArray::Triangles, SceneArray::Materials] {
         let record = whole.record(&Place::Scene(array)).unwrap();
         let mut file = writer.array(&record.place, record.dtype, &record.shape).unwrap();
@@ -41,12 +40,12 @@ pub(super) fn write(folder: &Path, kind: Kind) -> PathBuf {
         file.finish().unwrap();
     }
     let method = whole.manifest().methods.iter().find(|method| method.name == name).unwrap();
-    writer.method(method.clone()).unwrap();
-    write_queue(&writer, &whole, &header, kind, method);
+    writer.record(&Record::Method(method.clone())).unwrap();
+    write_queue(&mut writer, &whole, &header, kind, method);
     writer.finish(End { outcome: Outcome::Complete, image: None, wall_ns: 1 }).unwrap()
 }
 
-fn write_queue(writer: &DumpWriter, whole: &Dump, header: &Header, kind: Kind, method: &MethodRecord) {
+fn write_queue(writer: &mut DumpWriter, whole: &Dump, header: &Header, kind: Kind, method: &MethodRecord) {
     let id = QueueId { pass: 1, bounce: 1, kind };
     let place = |array| Place::Queue(id, array);
     let rays = cut::<Ray>(writer, whole, &place(QueueArray::Rays));
@@ -61,17 +60,17 @@ fn write_queue(writer: &DumpWriter, whole: &Dump, header: &Header, kind: Kind, m
             cut::<u32>(writer, whole, &place(QueueArray::Lights))
         }
     };
-    let (traced, cells) = (Traced::open(whole, id).unwrap(), cell_encoder(header).unwrap());
+    let (traced, cells) = (Traced::open(whole, id).unwrap(), header.cell_encoder().unwrap());
     let table = LengthTable::new(header.options.table_bits);
     let cell = |ray: &Ray| cells.encode(ray, 0.0, 0) as u32;
     let add_all = || rays.iter().enumerate().for_each(|(i, ray)| table.add(cell(ray), traced.length(i)));
     // As if the same rays had been traced before.
     add_all();
-    let write_table = |array| {
+    let write_table = |writer: &mut DumpWriter, array| {
         let touched = table.touched();
         writer.whole_array(&place(array), &[touched.len() as u64], &touched).unwrap();
     };
-    write_table(QueueArray::Lengths);
+    write_table(writer, QueueArray::Lengths);
     let unit = UnitSpace::from_bounds(header.scene.bounds_min, header.scene.bounds_max);
     let layout = Method::builtin(&method.name).unwrap().layout.expand(header.lights.len()).unwrap();
     let encoder = Encoder::new(&layout, method.key_bits, unit, &header.lights);
@@ -82,13 +81,13 @@ fn write_queue(writer: &DumpWriter, whole: &Dump, header: &Header, kind: Kind, m
         .collect();
     write_method(writer, id, method, &keys);
     add_all();
-    write_table(QueueArray::FinalLengths);
+    write_table(writer, QueueArray::FinalLengths);
     let methods = vec!["unsorted".to_owned(), method.name.clone()];
     let mismatches = methods.iter().map(|method| Mismatches { method: method.clone(), rays: 0 }).collect();
-    writer.queue(QueueRecord { id, rays: RAYS as u64, methods, mismatches }).unwrap();
+    writer.record(&Record::Queue(QueueRecord { id, rays: RAYS as u64, methods, mismatches })).unwrap();
 }
 
-fn write_method(writer: &DumpWriter, queue: QueueId, method: &MethodRecord, keys: &[u64]) {
+fn write_method(writer: &mut DumpWriter, queue: QueueId, method: &MethodRecord, keys: &[u64]) {
     let place = |array| Place::Method(queue, method.name.clone(), array);
     let shape = [RAYS as u64];
     if method.key_bits > 32 {
@@ -103,7 +102,7 @@ fn write_method(writer: &DumpWriter, queue: QueueId, method: &MethodRecord, keys
 }
 
 /// Copies the first entries of an array; returns them.
-fn cut<T: Element>(writer: &DumpWriter, whole: &Dump, place: &Place) -> Vec<T> {
+fn cut<T: Element>(writer: &mut DumpWriter, whole: &Dump, place: &Place) -> Vec<T> {
     let entries = whole.array::<T>(place).unwrap()[..RAYS].to_vec();
     writer.whole_array(place, &[RAYS as u64], &entries).unwrap();
     entries

@@ -235,7 +235,7 @@ pub(crate) fn header() -> Header {
     }
 }
 
-fn write_scene(writer: &DumpWriter) -> Result<(), WriteError> {
+fn write_scene(writer: &mut DumpWriter) -> Result<(), WriteError> {
     let positions = positions();
     let (vertices, triangles) = (positions.len() as u64, TRIANGLES.len() as u64);
     let scene = Place::Scene;
@@ -251,7 +251,7 @@ fn write_scene(writer: &DumpWriter) -> Result<(), WriteError> {
     writer.whole_array(&scene(SceneArray::Mask(0)), &[2, 3], &[255u8, 255, 255, 255, 255, 255])
 }
 
-fn write_queue(writer: &DumpWriter, queue: &Queue) -> Result<(), WriteError> {
+fn write_queue(writer: &mut DumpWriter, queue: &Queue) -> Result<(), WriteError> {
     let place = |array| Place::Queue(queue.id, array);
     let rays = queue.rays.len() as u64;
     writer.whole_array(&place(QueueArray::Rays), &[rays], &queue.rays)?;
@@ -273,7 +273,7 @@ fn cell_of(encoder: &Encoder, ray: &Ray) -> u32 {
 }
 
 fn write_method(
-    writer: &DumpWriter,
+    writer: &mut DumpWriter,
     queue: &Queue,
     method: &Method,
     key_bits: u32,
@@ -330,7 +330,7 @@ fn methods() -> Vec<(Method, u32)> {
 }
 
 /// Times of a queue and method: made up, but such that some methods pay off and some do not.
-fn write_timings(writer: &DumpWriter, id: QueueId, method: &str, number: u64) -> Result<(), WriteError> {
+fn write_timings(writer: &mut DumpWriter, id: QueueId, method: &str, number: u64) -> Result<(), WriteError> {
     let around = |ns: u64| vec![ns + 20, ns - 10, ns];
     let trace = 10_000 + 3_000 * u64::from(id.bounce) - 700 * number;
     let mut stages = vec![(Stage::Trace, around(trace))];
@@ -345,13 +345,20 @@ fn write_timings(writer: &DumpWriter, id: QueueId, method: &str, number: u64) ->
     }
     for (stage, samples_ns) in stages {
         let (pass, bounce, kind) = (id.pass, id.bounce, Some(id.kind));
-        writer.timing(TimingRecord { pass, bounce, kind, method: method.to_owned(), stage, samples_ns })?;
+        writer.record(&Record::Timing(TimingRecord {
+            pass,
+            bounce,
+            kind,
+            method: method.to_owned(),
+            stage,
+            samples_ns,
+        }))?;
     }
     Ok(())
 }
 
 fn write_measured(
-    writer: &DumpWriter,
+    writer: &mut DumpWriter,
     queue: &Queue,
     table: &LengthTable,
     is_last: bool,
@@ -393,18 +400,23 @@ fn write_measured(
             l1_hits: hits,
             l2_hits: 7,
         };
-        writer.cache(model(if method == "unsorted" { 500 } else { 700 }))?;
+        writer.record(&Record::Cache(model(if method == "unsorted" { 500 } else { 700 })))?;
     }
     let mismatches = measured.iter().map(|method| Mismatches { method: method.clone(), rays: 0 }).collect();
-    writer.queue(QueueRecord { id: queue.id, rays: queue.rays.len() as u64, methods: measured, mismatches })
+    writer.record(&Record::Queue(QueueRecord {
+        id: queue.id,
+        rays: queue.rays.len() as u64,
+        methods: measured,
+        mismatches,
+    }))
 }
 
 /// Everything but the end.
-pub(crate) fn write_all(writer: &DumpWriter) -> Result<End, WriteError> {
+pub(crate) fn write_all(writer: &mut DumpWriter) -> Result<End, WriteError> {
     write_scene(writer)?;
     for (method, key_bits) in methods() {
         let layout = method.layout.expand(lights().len()).unwrap();
-        writer.method(MethodRecord {
+        writer.record(&Record::Method(MethodRecord {
             name: method.name.clone(),
             text: method.layout.text().to_owned(),
             layout: layout.bits().iter().map(|bit| bit.name().to_owned()).collect(),
@@ -412,7 +424,7 @@ pub(crate) fn write_all(writer: &DumpWriter) -> Result<End, WriteError> {
             key_bits,
             base: method.name.clone(),
             two_point_length: header().options.two_point_length,
-        })?;
+        }))?;
     }
     let tables = [LengthTable::new(12), LengthTable::new(12)];
     for pass in 0..PASSES {
@@ -440,8 +452,8 @@ pub(crate) fn folder_in_memory() -> tempfile::TempDir {
 
 /// Writes `sample.raydump` into a folder.
 pub(crate) fn write(folder: &Path) -> PathBuf {
-    let writer = DumpWriter::create(&folder.join("sample"), header(), false).unwrap();
-    let end = write_all(&writer).unwrap();
+    let mut writer = DumpWriter::create(&folder.join("sample"), header(), false).unwrap();
+    let end = write_all(&mut writer).unwrap();
     writer.finish(end).unwrap()
 }
 
@@ -456,11 +468,11 @@ pub(crate) fn thinned(whole: &Path, name: &str, queues: &[QueueId], methods: &[&
     let source = Dump::open(whole).unwrap();
     let mut header = header();
     header.options.methods.retain(|method| method == "unsorted" || methods.contains(&method.as_str()));
-    let writer = DumpWriter::create(&whole.with_file_name(name), header, false).unwrap();
+    let mut writer = DumpWriter::create(&whole.with_file_name(name), header, false).unwrap();
     for frame in scan(&whole.join("manifest.bin")).unwrap().frames {
         match frame.record {
             Record::Method(method) if methods.contains(&method.name.as_str()) => {
-                writer.method(method).unwrap();
+                writer.record(&Record::Method(method)).unwrap();
             }
             Record::Array(array) if is_kept(&array.place) => {
                 let mut file = writer.array(&array.place, array.dtype, &array.shape).unwrap();
@@ -470,7 +482,7 @@ pub(crate) fn thinned(whole: &Path, name: &str, queues: &[QueueId], methods: &[&
             Record::Queue(mut queue) if queues.contains(&queue.id) => {
                 queue.methods.retain(|method| methods.contains(&method.as_str()));
                 queue.mismatches.retain(|mismatches| methods.contains(&mismatches.method.as_str()));
-                writer.queue(queue).unwrap();
+                writer.record(&Record::Queue(queue)).unwrap();
             }
             _ => {}
         }

@@ -202,7 +202,7 @@ impl Context {
         let queue = self.queue().ok()?;
         let recording = self.recording()?;
         let (at, header) = (recording.opening, &recording.dump.manifest().header);
-        let encoder = formats::stored_table::cell_encoder(header)?;
+        let encoder = header.cell_encoder()?;
         let Derived { waker, rays_of_cell, .. } = &mut self.derived;
         let make = move || {
             let rays = queue.traced.rays().par_iter().enumerate();

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use formats::key::Encoder;
 use formats::manifest::Header;
 use formats::metrics::lanes::work_of;
-use formats::stored_table::cell_encoder;
 use formats::traced::Results;
 use serde::{Deserialize, Serialize};
 
@@ -86,7 +85,7 @@ pub struct Numbers {
 impl Numbers {
     /// Of an order of a recording.
     pub fn of(order: Arc<Order>, header: &Header, width: GroupWidth) -> Self {
-        Self { order, width, image_width: header.options.width.max(1), cells: cell_encoder(header) }
+        Self { order, width, image_width: header.options.width.max(1), cells: header.cell_encoder() }
     }
 
     /// Why a quantity is not known of these rays, if so.

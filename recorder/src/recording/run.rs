@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use formats::folder::partial_of;
-use formats::manifest::{End, Header, ImageDigest, Outcome, Place};
+use formats::manifest::{End, Header, ImageDigest, Outcome, Place, Record};
 use formats::writer::DumpWriter;
 use scenes::Scene;
 use sha2::{Digest, Sha256};
@@ -109,7 +109,7 @@ impl Run<'_> {
             scene_arrays::write(&mut capture, self.scene)?;
         }
         for method in &self.setup.methods {
-            capture.method(header::method_record(method))?;
+            capture.record(Record::Method(header::method_record(method)))?;
         }
         let progress = self.progress();
         let mut recorder = Recorder::new(&plan, &mut capture, &progress);

@@ -15,7 +15,6 @@ use std::{
     env, fs,
     io::{self, Read, Write},
     path::{Path, PathBuf},
-    process,
     time::Instant,
 };
 
@@ -176,18 +175,11 @@ fn keep(path: &Path, content: &[u8; 32], bvh: &Bvh) -> io::Result<()> {
         slots: (bvh.order().len() as u64).to_le_bytes(),
         checksum: crc32c::crc32c_append(crc32c::crc32c(bvh.node_bytes()), order).to_le_bytes(),
     };
-    let partial = path.with_extension(format!("{}.{}.partial", bvh.kind(), process::id()));
-    let write = || {
-        let mut file = fs::File::create(&partial)?;
-        file.write_all(bytemuck::bytes_of(&header))?;
-        file.write_all(bvh.node_bytes())?;
-        file.write_all(order)?;
-        fs::rename(&partial, path)
-    };
-    write().inspect_err(|_| {
-        // The first error is the one to report; what is left of the file is of no use.
-        let _ = fs::remove_file(&partial);
-    })
+    let mut file = tempfile::NamedTempFile::new_in(path.parent().unwrap_or(Path::new(".")))?;
+    file.write_all(bytemuck::bytes_of(&header))?;
+    file.write_all(bvh.node_bytes())?;
+    file.write_all(order)?;
+    file.persist(path).map(drop).map_err(|error| error.error)
 }
 
 #[cfg(test)]
@@ -196,18 +188,14 @@ mod tests {
 
     /// Loads twice through a folder of its own.
     fn twice(damage: impl Fn(&Path)) -> (Source, Source, bool) {
-        let folder = env::temp_dir().join(format!(
-            "rayscope-bvh-cache-{}-{:?}",
-            process::id(),
-            std::thread::current().id()
-        ));
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
         let scene = soup(500, 1);
-        let (first, built) = load_or_build(&scene, BvhKind::Cwbvh, Some(&folder)).unwrap();
-        let files: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+        let (first, built) = load_or_build(&scene, BvhKind::Cwbvh, Some(folder)).unwrap();
+        let files: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
         assert_eq!(files.len(), 1, "one file and no leftovers: {files:?}");
         damage(&files[0]);
-        let (second, again) = load_or_build(&scene, BvhKind::Cwbvh, Some(&folder)).unwrap();
-        fs::remove_dir_all(&folder).unwrap();
+        let (second, again) = load_or_build(&scene, BvhKind::Cwbvh, Some(folder)).unwrap();
         (built, again, first == second)
     }
 
@@ -265,10 +253,8 @@ mod tests {
     #[test]
     fn a_folder_that_cannot_be_is_no_error() {
         let scene = soup(20, 2);
-        let file = env::temp_dir().join(format!("rayscope-not-a-folder-{}", process::id()));
-        fs::write(&file, b"").unwrap();
-        let (_, source) = load_or_build(&scene, BvhKind::Bvh2, Some(&file.join("cache"))).unwrap();
-        fs::remove_file(&file).unwrap();
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let (_, source) = load_or_build(&scene, BvhKind::Bvh2, Some(&file.path().join("cache"))).unwrap();
         assert!(matches!(source, Source::BuiltNotKept { .. }), "{source:?}");
     }
 

@@ -2,7 +2,7 @@
 //! First inputs: `scenes/tests/corpus/sidecar`.
 #![no_main]
 
-#[path = "../../scenes/tests/hostile/mod.rs"]
+#[path = "../../../scenes/tests/hostile/mod.rs"]
 mod hostile;
 
 #[global_allocator]

@@ -2,7 +2,7 @@
 //! First inputs: `formats/tests/corpus/layout`.
 #![no_main]
 
-#[path = "../../formats/tests/hostile/mod.rs"]
+#[path = "../../../formats/tests/hostile/mod.rs"]
 mod hostile;
 
 #[global_allocator]

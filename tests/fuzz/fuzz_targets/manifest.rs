@@ -2,7 +2,7 @@
 //! First inputs: `formats/tests/corpus/manifest`.
 #![no_main]
 
-#[path = "../../formats/tests/hostile/mod.rs"]
+#[path = "../../../formats/tests/hostile/mod.rs"]
 mod hostile;
 
 #[global_allocator]
