@@ -2,8 +2,9 @@
 
 use glam::{DAffine3, DVec2, DVec3, dvec2, dvec3};
 
-use super::mesh::{Canvas, Vertex};
+use super::canvas::Canvas;
 use super::numbers::{Dice, sin_cos};
+use super::shapes::quad;
 use crate::Texture;
 
 /// Texels along each edge of the leaf texture.
@@ -30,9 +31,8 @@ pub(super) fn sprig_texture() -> Texture {
 /// How bright the leaf is that covers this point of the unit square, if any does.
 fn leaf_at(point: DVec2) -> Option<f64> {
     let pairs = (0..6).map(|leaf| {
-        let side = if leaf % 2 == 0 { 1.0 } else { -1.0 };
-        let height = 0.88 - 0.1 * f64::from(leaf);
-        (dvec2(0.5, height), side * 0.17, 1.0 - 0.04 * f64::from(leaf))
+        let turns = if leaf % 2 == 0 { 0.17 } else { -0.17 };
+        (dvec2(0.5, 0.88 - 0.1 * f64::from(leaf)), turns, 1.0 - 0.04 * f64::from(leaf))
     });
     let top = std::iter::once((dvec2(0.5, 0.34), 0.0, 1.1));
     pairs.chain(top).find_map(|(root, turns, brightness)| {
@@ -48,42 +48,23 @@ fn leaf_at(point: DVec2) -> Option<f64> {
     })
 }
 
-/// A cloud of leaf patches in the unit ball of `frame`, denser near its surface.
-pub(super) struct Leaves {
-    pub(super) material: u32,
-    /// How many patches; two triangles each.
-    pub(super) count: u32,
-    /// Edge of a patch in world space, metres.
-    pub(super) size: f64,
-}
-
-impl Leaves {
-    pub(super) fn draw(&self, canvas: &mut Canvas, frame: &DAffine3, dice: &mut Dice) {
-        // A stream of their own: a canvas that only counts does not call the stroke.
-        let mut leaf_dice = Dice::new(dice.bits());
-        let dice = &mut leaf_dice;
-        canvas.draw(2 * u64::from(self.count), |mesh| {
-            for _ in 0..self.count {
-                let (sine, cosine) = sin_cos(dice.unit());
-                let height = dice.between(-1.0, 1.0);
-                let radius = (1.0 - height * height).sqrt();
-                let outward = dvec3(radius * cosine, height, radius * sine);
+impl Canvas {
+    /// A cloud of leaf patches in the unit ball of `frame`, denser near its surface: so many of two
+    /// triangles each, their edge about `size` metres in world space.
+    pub(super) fn leaves(&mut self, material: u32, frame: &DAffine3, count: u32, size: f64, seed: u64) {
+        self.draw(2 * u64::from(count), |mesh| {
+            let mut dice = Dice::new(seed);
+            for _ in 0..count {
+                let outward = dice.direction();
                 // A cube root would fill the ball evenly; leaves sit further out.
                 let depth = dice.unit().sqrt().sqrt();
                 let centre = frame.transform_point3(outward * depth);
-                let facing = (outward + 0.9 * random_vector(dice)).normalize_or(DVec3::Y);
-                let across = facing.cross(random_vector(dice)).normalize_or(DVec3::X);
-                let upward = facing.cross(across);
-                let half = 0.5 * self.size * dice.between(0.75, 1.25);
-                let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| {
-                    mesh.vertex(Vertex {
-                        position: centre + across * (x * half) + upward * (y * half),
-                        normal: DVec3::ZERO,
-                        uv: dvec2(0.5 + 0.5 * x, 0.5 - 0.5 * y),
-                    })
-                });
-                mesh.triangle(self.material, [corners[0], corners[1], corners[2]]);
-                mesh.triangle(self.material, [corners[0], corners[2], corners[3]]);
+                let facing = (outward + 0.9 * random_vector(&mut dice)).normalize_or(DVec3::Y);
+                let across = facing.cross(random_vector(&mut dice)).normalize_or(DVec3::X);
+                let half = 0.5 * size * dice.between(0.75, 1.25);
+                let (right, up) = (across * half, facing.cross(across) * half);
+                let (left_edge, right_edge) = (centre - right, centre + right);
+                quad(mesh, material, [left_edge - up, right_edge - up, right_edge + up, left_edge + up]);
             }
         });
     }

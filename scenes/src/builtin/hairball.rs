@@ -1,13 +1,13 @@
 //! `hairball`: thousands of thin curves wound around each other, the hardest case for a hierarchy
 //! of boxes and the least coherent for rays (after Laine's model of the same name).
 
-use glam::{DVec3, dvec3};
+use glam::{DAffine3, DVec3};
 
 use super::BuiltinInfo;
-use super::mesh::Canvas;
+use super::canvas::Canvas;
 use super::numbers::{Dice, sin_cos};
-use super::setting::{Materials, Recipe, Setting, camera, sphere_light};
-use super::shapes::tube;
+use super::setting::{Recipe, Setting, camera, glossy, metal, palette, sphere_light};
+use super::shapes::path;
 use crate::Environment;
 
 pub(super) const RECIPE: Recipe = Recipe {
@@ -27,29 +27,16 @@ const RADIUS: f64 = 2.0;
 /// Radius of the hollow that no hair enters.
 const HOLLOW: f64 = 0.45;
 
-struct Paint {
-    shades: [u32; 4],
-}
-
-impl Paint {
-    fn new(materials: &mut Materials) -> Self {
-        Self {
-            shades: [
-                materials.glossy("chestnut", [0.42, 0.2, 0.09], 0.45),
-                materials.glossy("blond", [0.66, 0.46, 0.22], 0.4),
-                materials.glossy("auburn", [0.5, 0.14, 0.06], 0.45),
-                materials.metal("copper", [0.9, 0.56, 0.4], 0.3),
-            ],
-        }
-    }
+palette! {
+    CHESTNUT = glossy("chestnut", [0.42, 0.2, 0.09], 0.45);
+    BLOND = glossy("blond", [0.66, 0.46, 0.22], 0.4);
+    AUBURN = glossy("auburn", [0.5, 0.14, 0.06], 0.45);
+    COPPER = metal("copper", [0.9, 0.56, 0.4], 0.3);
 }
 
 fn setting() -> Setting {
-    let mut materials = Materials::default();
-    Paint::new(&mut materials);
     Setting {
-        materials: materials.0,
-        textures: Vec::new(),
+        materials: materials(),
         lights: vec![
             sphere_light([3.0, 4.0, 3.5], [120.0, 110.0, 95.0]),
             sphere_light([-0.1, 0.2, -0.1], [2.4, 2.0, 1.5]),
@@ -60,11 +47,11 @@ fn setting() -> Setting {
             camera("close", [1.6, 1.0, 2.1], [0.0, 0.3, 0.2], 0.14),
             camera("inside", [0.0, 0.0, 0.0], [1.0, 0.35, 0.6], 0.2),
         ],
+        ..Setting::default()
     }
 }
 
 fn draw(canvas: &mut Canvas) {
-    let paint = Paint::new(&mut Materials::default());
     // Detail goes mostly into more hairs, the rest into smoother ones.
     let smoothness = canvas.detail().sqrt().sqrt().max(0.35);
     let rows = (30.0 * smoothness) as u32;
@@ -74,14 +61,14 @@ fn draw(canvas: &mut Canvas) {
         let path = wind(&mut dice, rows);
         let around = canvas.round(3.4).max(3);
         let thickness = dice.between(0.004, 0.0075);
-        let shade = paint.shades[dice.below(paint.shades.len())];
-        tube(canvas, shade, &path, |t| thickness * (1.0 - t * t), around);
+        let shade = [CHESTNUT, BLOND, AUBURN, COPPER][dice.below(4)];
+        canvas.tube(shade, &DAffine3::IDENTITY, &path, |t| thickness * (1.0 - t * t), around);
     }
 }
 
 /// A curve that starts near the hollow and is wound around the ball on its way out.
 fn wind(dice: &mut Dice, rows: u32) -> Vec<DVec3> {
-    let axis = direction(dice);
+    let axis = dice.direction();
     let side = axis.any_orthonormal_vector();
     let other = axis.cross(side);
     let start = dice.unit();
@@ -91,23 +78,12 @@ fn wind(dice: &mut Dice, rows: u32) -> Vec<DVec3> {
     let reach = dice.between(0.8, 1.0) * RADIUS;
     let (curl_size, curl_turns) = (dice.between(0.03, 0.2), dice.between(1.5, 5.5));
     let curl_start = dice.unit();
-    (0..=rows)
-        .map(|row| {
-            let t = f64::from(row) / f64::from(rows);
-            let (sine, cosine) = sin_cos(start + turns * t);
-            let (rise, level) = sin_cos(tilt * (2.0 * t - 1.0));
-            let outward = (side * cosine + other * sine) * level + axis * rise;
-            let (curl, sway) = sin_cos(curl_start + curl_turns * t);
-            let radius = depth + (reach - depth) * t + 0.5 * curl_size * curl * t;
-            outward * radius.max(HOLLOW) + axis * (curl_size * sway)
-        })
-        .collect()
-}
-
-/// A direction, all equally likely.
-fn direction(dice: &mut Dice) -> DVec3 {
-    let (sine, cosine) = sin_cos(dice.unit());
-    let y = dice.between(-1.0, 1.0);
-    let radius = (1.0 - y * y).sqrt();
-    dvec3(radius * cosine, y, radius * sine)
+    path(rows, |t| {
+        let (sine, cosine) = sin_cos(start + turns * t);
+        let (rise, level) = sin_cos(tilt * (2.0 * t - 1.0));
+        let outward = (side * cosine + other * sine) * level + axis * rise;
+        let (curl, sway) = sin_cos(curl_start + curl_turns * t);
+        let radius = depth + (reach - depth) * t + 0.5 * curl_size * curl * t;
+        outward * radius.max(HOLLOW) + axis * (curl_size * sway)
+    })
 }

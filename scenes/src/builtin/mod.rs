@@ -6,20 +6,17 @@
 
 mod apartment;
 mod atrium;
+mod canvas;
 mod city;
 mod cornell;
 mod foliage;
 mod hairball;
-mod mesh;
 mod numbers;
 mod setting;
 mod shapes;
 mod terrain;
 
-#[cfg(test)]
-mod tests;
-
-use mesh::{Canvas, Mesh};
+use canvas::{Canvas, Mesh};
 use setting::{Recipe, Setting};
 
 use crate::bvh::BYTES_PER_TRIANGLE;
@@ -53,19 +50,11 @@ pub enum BuiltinError {
         /// All names, with commas.
         known: String,
     },
-    /// A scene without triangles was asked for.
-    #[error("builtin:{name} cannot have 0 triangles; ask for {least} to {most}")]
-    NoTriangles {
-        /// The scene.
-        name: &'static str,
-        /// Its coarsest.
-        least: u64,
-        /// Its finest.
-        most: u64,
-    },
-    /// More triangles were asked for than the scene is made for.
-    #[error("builtin:{name} is made for {least} to {most} triangles, not {asked}; ask for fewer")]
-    TooManyTriangles {
+    /// It cannot have as many triangles as were asked for, or none.
+    #[error(
+        "builtin:{name} cannot have {asked} triangles, expected {least} to {most}; ask for another count"
+    )]
+    TriangleCount {
         /// The scene.
         name: &'static str,
         /// How many were asked for.
@@ -90,19 +79,9 @@ pub enum BuiltinError {
 const RECIPES: [Recipe; 6] =
     [cornell::RECIPE, atrium::RECIPE, apartment::RECIPE, city::RECIPE, hairball::RECIPE, terrain::RECIPE];
 
-const INFOS: [BuiltinInfo; RECIPES.len()] = {
-    let mut infos = [RECIPES[0].info; RECIPES.len()];
-    let mut index = 0;
-    while index < infos.len() {
-        infos[index] = RECIPES[index].info;
-        index += 1;
-    }
-    infos
-};
-
 /// All built-in scenes.
-pub fn list() -> &'static [BuiltinInfo] {
-    &INFOS
+pub fn list() -> [BuiltinInfo; RECIPES.len()] {
+    RECIPES.map(|recipe| recipe.info)
 }
 
 /// Builds a built-in scene with about this many triangles: within 5 %, but never fewer than the
@@ -113,16 +92,13 @@ pub fn list() -> &'static [BuiltinInfo] {
 /// which keeps every index in 32 bits.
 pub fn build(name: &str, triangles: Option<u64>) -> Result<Scene, BuiltinError> {
     let Some(recipe) = RECIPES.iter().find(|recipe| recipe.info.name == name) else {
-        let known = INFOS.map(|info| info.name).join(", ");
+        let known = list().map(|info| info.name).join(", ");
         return Err(BuiltinError::UnknownName { name: name.into(), known });
     };
     let BuiltinInfo { name, least_triangles: least, most_triangles: most, .. } = recipe.info;
     let asked = triangles.unwrap_or(recipe.info.default_triangles);
-    if asked == 0 {
-        return Err(BuiltinError::NoTriangles { name, least, most });
-    }
-    if asked > most {
-        return Err(BuiltinError::TooManyTriangles { name, asked, least, most });
+    if asked == 0 || asked > most {
+        return Err(BuiltinError::TriangleCount { name, asked, least, most });
     }
     memory::check(asked * BYTES_PER_TRIANGLE, memory::free()).map_err(|source| BuiltinError::Memory {
         name,

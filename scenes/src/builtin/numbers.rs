@@ -4,6 +4,8 @@
 //! sine of the standard library comes from the system's own and differs between systems, and
 //! `powi` may: both stay out.
 
+use glam::{DVec3, dvec3};
+
 /// Sine and cosine of an angle given in turns (1 = a full circle).
 ///
 /// Exact at multiples of a quarter turn, elsewhere within 1e-15; the sine and cosine of `t` and of
@@ -73,6 +75,14 @@ impl Dice {
     /// Uniform in 0 .. count; `count` ≥ 1.
     pub(super) fn below(&mut self, count: usize) -> usize {
         (self.bits() % count as u64) as usize
+    }
+
+    /// A unit vector, all equally likely.
+    pub(super) fn direction(&mut self) -> DVec3 {
+        let (sine, cosine) = sin_cos(self.unit());
+        let y = self.between(-1.0, 1.0);
+        let radius = (1.0 - y * y).sqrt();
+        dvec3(radius * cosine, y, radius * sine)
     }
 
     /// Whether an event of this probability happens.

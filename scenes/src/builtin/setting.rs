@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::BuiltinInfo;
-use super::mesh::Canvas;
+use super::canvas::Canvas;
 use crate::{Camera, Environment, Light, Material, Texture};
 
 /// How to make a built-in scene.
@@ -17,6 +17,7 @@ pub(super) struct Recipe {
 }
 
 /// Everything but the triangles.
+#[derive(Default)]
 pub(super) struct Setting {
     pub(super) materials: Vec<Material>,
     pub(super) textures: Vec<Texture>,
@@ -26,48 +27,44 @@ pub(super) struct Setting {
     pub(super) cameras: Vec<Camera>,
 }
 
-/// Collects materials and hands out their numbers.
-#[derive(Default)]
-pub(super) struct Materials(pub(super) Vec<Material>);
+/// The materials of a scene, `NUMBER = material;` each: a constant that strokes take, and
+/// `materials()`, which lists them in the same order.
+macro_rules! palette {
+    ($($number:ident = $material:expr;)*) => {
+        #[allow(clippy::upper_case_acronyms, non_camel_case_types, reason = "they name constants")]
+        enum Number { $($number),* }
+        $(const $number: u32 = Number::$number as u32;)*
+        fn materials() -> Vec<crate::Material> {
+            vec![$($material),*]
+        }
+    };
+}
+pub(super) use palette;
 
-impl Materials {
-    fn add(&mut self, material: Material) -> u32 {
-        self.0.push(material);
-        self.0.len() as u32 - 1
-    }
+/// Diffuse.
+pub(super) fn matt(name: &str, base_color: [f32; 3]) -> Material {
+    glossy(name, base_color, 1.0)
+}
 
-    /// Diffuse.
-    pub(super) fn matt(&mut self, name: &str, base_color: [f32; 3]) -> u32 {
-        self.glossy(name, base_color, 1.0)
-    }
+/// A dielectric with a highlight.
+pub(super) fn glossy(name: &str, base_color: [f32; 3], roughness: f32) -> Material {
+    Material { name: name.into(), base_color, roughness, ..Material::default() }
+}
 
-    /// A dielectric with a highlight.
-    pub(super) fn glossy(&mut self, name: &str, base_color: [f32; 3], roughness: f32) -> u32 {
-        self.add(Material { name: name.into(), base_color, roughness, ..Material::default() })
-    }
+/// A metal; roughness 0 is a mirror.
+pub(super) fn metal(name: &str, base_color: [f32; 3], roughness: f32) -> Material {
+    Material { metallic: 1.0, ..glossy(name, base_color, roughness) }
+}
 
-    /// A metal; roughness 0 is a mirror.
-    pub(super) fn metal(&mut self, name: &str, base_color: [f32; 3], roughness: f32) -> u32 {
-        let name = name.into();
-        self.add(Material { name, base_color, roughness, metallic: 1.0, ..Material::default() })
-    }
+/// A surface that emits this radiance and reflects nothing.
+pub(super) fn lamp(name: &str, emission: [f32; 3]) -> Material {
+    Material { name: name.into(), base_color: [0.0; 3], emission, ..Material::default() }
+}
 
-    /// A surface that emits this radiance and reflects nothing.
-    pub(super) fn lamp(&mut self, name: &str, emission: [f32; 3]) -> u32 {
-        let base_color = [0.0; 3];
-        self.add(Material { name: name.into(), base_color, emission, ..Material::default() })
-    }
-
-    /// Diffuse, cut out by the alpha of a texture.
-    pub(super) fn cut_out(&mut self, name: &str, base_color: [f32; 3], texture: u32) -> u32 {
-        self.add(Material {
-            name: name.into(),
-            base_color,
-            base_color_texture: Some(texture),
-            alpha_cutoff: Some(0.5),
-            ..Material::default()
-        })
-    }
+/// Diffuse, of the colour of a texture and cut out by its alpha.
+pub(super) fn cut_out(name: &str, texture: u32) -> Material {
+    let (base_color_texture, alpha_cutoff) = (Some(texture), Some(0.5));
+    Material { base_color_texture, alpha_cutoff, ..matt(name, [1.0; 3]) }
 }
 
 /// A light of the kind the paper uses: a glowing sphere of radius 0.05.

@@ -1,10 +1,10 @@
 //! The strokes that built-in scenes are drawn with: patches, blocks, lathe work, tubes, sheets.
 //!
-//! Seen from outside, all triangles run counter-clockwise.
+//! Each is drawn in a frame, in metres. Seen from outside, all triangles run counter-clockwise.
 
-use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3Swizzles, dvec2, dvec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3, dvec2, dvec3};
 
-use super::mesh::{Canvas, Mesh, Vertex};
+use super::canvas::{Canvas, Mesh, Vertex};
 use super::numbers::sin_cos;
 
 /// A frame that stands at a point and is turned about the vertical by so many turns.
@@ -20,27 +20,17 @@ pub(super) fn tilt(turns: f64) -> DAffine3 {
     DAffine3::from_mat3(DMat3::from_cols(DVec3::X, dvec3(0.0, cosine, sine), dvec3(0.0, -sine, cosine)))
 }
 
-/// Shrinks or stretches along the axes; all factors > 0.
+/// A frame at the origin that shrinks or stretches along the axes; all factors > 0.
 pub(super) fn stretch(x: f64, y: f64, z: f64) -> DAffine3 {
     DAffine3::from_mat3(DMat3::from_diagonal(dvec3(x, y, z)))
 }
 
-/// What carries unit normals through a frame that may stretch.
-pub(super) struct NormalTransform(DMat3);
-
-impl NormalTransform {
-    pub(super) fn of(frame: &DAffine3) -> Self {
-        let m = frame.matrix3;
-        Self(DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis)))
-    }
-
-    /// The unit normal in world space; zero stays zero.
-    pub(super) fn apply(&self, normal: DVec3) -> DVec3 {
-        (self.0 * normal).normalize_or_zero()
-    }
+/// So many steps along the curve `point` over [0, 1].
+pub(super) fn path(steps: u32, point: impl Fn(f64) -> DVec3) -> Vec<DVec3> {
+    (0..=steps).map(|step| point(f64::from(step) / f64::from(steps))).collect()
 }
 
-/// Whether a sheet's vertices get normals.
+/// Whether the vertices of a surface get normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shading {
     /// No normals: the facets show.
@@ -59,12 +49,18 @@ struct Net {
 }
 
 /// How many triangles a net has: two a cell, one a cell next to a pole.
-fn net_count(columns: u32, rows: u32, poles: [bool; 2]) -> u64 {
+fn net_count([columns, rows]: [u32; 2], poles: [bool; 2]) -> u64 {
     let columns = u64::from(columns);
     2 * columns * u64::from(rows) - columns * (u64::from(poles[0]) + u64::from(poles[1]))
 }
 
 impl Net {
+    fn new([columns, rows]: [u32; 2], poles: [bool; 2], vertex: impl Fn(u32, u32) -> Vertex) -> Self {
+        let places = (0..=rows).flat_map(|row| (0..=columns).map(move |column| (column, row)));
+        let vertices = places.map(|(column, row)| vertex(column, row)).collect();
+        Self { columns, rows, poles, vertices }
+    }
+
     /// The triangles, as places in `vertices`.
     fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
         let stride = self.columns + 1;
@@ -123,92 +119,8 @@ impl Net {
     }
 }
 
-/// A flat or twisted patch between four corners, counter-clockwise, cut into `cells` along the
-/// first and the second edge.
-pub(super) fn patch(canvas: &mut Canvas, material: u32, corners: [DVec3; 4], cells: [u32; 2]) {
-    let [a, b, c, d] = corners;
-    sheet(canvas, material, cells, Shading::Flat, |u, v| {
-        let near = a + (b - a) * u;
-        let far = d + (c - d) * u;
-        near + (far - near) * v
-    });
-}
-
-/// A surface over the unit square, cut into `columns` by `rows` cells. The normal points along
-/// `∂point/∂u × ∂point/∂v`.
-pub(super) fn sheet(
-    canvas: &mut Canvas,
-    material: u32,
-    cells: [u32; 2],
-    shading: Shading,
-    point: impl Fn(f64, f64) -> DVec3,
-) {
-    surface(canvas, material, cells, [false; 2], shading, point);
-}
-
-/// A sheet whose edge at v = 0 is a single point: webs of vaults, gores, fans.
-pub(super) fn fan(
-    canvas: &mut Canvas,
-    material: u32,
-    cells: [u32; 2],
-    shading: Shading,
-    point: impl Fn(f64, f64) -> DVec3,
-) {
-    surface(canvas, material, cells, [true, false], shading, point);
-}
-
-fn surface(
-    canvas: &mut Canvas,
-    material: u32,
-    [columns, rows]: [u32; 2],
-    poles: [bool; 2],
-    shading: Shading,
-    point: impl Fn(f64, f64) -> DVec3,
-) {
-    canvas.draw(net_count(columns, rows, poles), |mesh| {
-        let mut vertices = Vec::with_capacity(((columns + 1) * (rows + 1)) as usize);
-        for row in 0..=rows {
-            let v = f64::from(row) / f64::from(rows);
-            for column in 0..=columns {
-                let u = f64::from(column) / f64::from(columns);
-                let uv = dvec2(u, 1.0 - v);
-                vertices.push(Vertex { position: point(u, v), normal: DVec3::ZERO, uv });
-            }
-        }
-        let mut net = Net { columns, rows, poles, vertices };
-        if shading == Shading::Smooth {
-            net.smooth();
-        }
-        net.write(mesh, material);
-    });
-}
-
-/// The six sides of a block from `low` to `high`, as (origin, first edge, second edge).
-fn sides(low: DVec3, high: DVec3) -> [[DVec3; 3]; 6] {
-    let e = high - low;
-    let (x, y, z) = (e * DVec3::X, e * DVec3::Y, e * DVec3::Z);
-    [[low, y, x], [low + z, x, y], [low, z, y], [low + x, y, z], [low, x, z], [low + y, z, x]]
-}
-
-/// A block with sharp edges between two corners in `frame`; 12 triangles.
-pub(super) fn block(canvas: &mut Canvas, material: u32, frame: &DAffine3, low: DVec3, high: DVec3) {
-    canvas.draw(12, |mesh| {
-        for [origin, first, second] in sides(low, high) {
-            let corners = [origin, origin + first, origin + first + second, origin + second];
-            quad(mesh, material, corners.map(|corner| frame.transform_point3(corner)));
-        }
-    });
-}
-
-/// Several blocks of one material, each from its lowest to its highest corner.
-pub(super) fn blocks(canvas: &mut Canvas, material: u32, frame: &DAffine3, corners: &[([f64; 3], [f64; 3])]) {
-    for &(low, high) in corners {
-        block(canvas, material, frame, low.into(), high.into());
-    }
-}
-
-/// Two triangles between four corners, counter-clockwise.
-fn quad(mesh: &mut Mesh, material: u32, corners: [DVec3; 4]) {
+/// Two triangles between four corners in world space, counter-clockwise, with the whole texture.
+pub(super) fn quad(mesh: &mut Mesh, material: u32, corners: [DVec3; 4]) {
     const UVS: [DVec2; 4] = [dvec2(0.0, 1.0), dvec2(1.0, 1.0), dvec2(1.0, 0.0), dvec2(0.0, 0.0)];
     let [a, b, c, d] = [0, 1, 2, 3].map(|corner| {
         mesh.vertex(Vertex { position: corners[corner], normal: DVec3::ZERO, uv: UVS[corner] })
@@ -217,132 +129,241 @@ fn quad(mesh: &mut Mesh, material: u32, corners: [DVec3; 4]) {
     mesh.triangle(material, [a, c, d]);
 }
 
-/// Mouldings around a rectangle from `low` to `high` in the plane y = 0 of `frame`: ledges,
-/// cornices, parapets. The profile runs through (distance beyond the rectangle, height) points,
-/// upwards along the outside; each of its spans is 8 triangles.
-pub(super) fn band(
-    canvas: &mut Canvas,
-    material: u32,
-    frame: &DAffine3,
-    [low, high]: [DVec2; 2],
-    profile: &[[f64; 2]],
-) {
-    let loops = profile.iter().map(|&[out, y]| {
-        let (low, high) = (low - out, high + out);
-        [(low.x, high.y), (high.x, high.y), (high.x, low.y), (low.x, low.y)]
-            .map(|(x, z)| frame.transform_point3(dvec3(x, y, z)))
-    });
-    canvas.draw(8 * (profile.len() as u64 - 1), |mesh| {
-        let loops: Vec<[DVec3; 4]> = loops.collect();
-        for pair in loops.windows(2) {
-            let [below, above] = [pair[0], pair[1]];
-            for here in 0..4 {
-                let next = (here + 1) % 4;
-                quad(mesh, material, [below[here], below[next], above[next], above[here]]);
+impl Canvas {
+    /// A flat or twisted patch between four corners, counter-clockwise, cut into `cells` along the
+    /// first and the second edge.
+    pub(super) fn patch(
+        &mut self,
+        material: u32,
+        frame: &DAffine3,
+        corners: [DVec3; 4],
+        [columns, rows]: [u32; 2],
+    ) {
+        let [a, b, c, d] = corners.map(|corner| frame.transform_point3(corner));
+        // The corners are in world space.
+        self.surface(material, &DAffine3::IDENTITY, [columns, rows], [false; 2], Shading::Flat, |u, v| {
+            let near = a + (b - a) * u;
+            let far = d + (c - d) * u;
+            near + (far - near) * v
+        });
+    }
+
+    /// A horizontal rectangle that faces upwards, given as least x and z, then greatest x and z.
+    pub(super) fn flat(&mut self, material: u32, frame: &DAffine3, sides: [f64; 4], y: f64) {
+        let [left, back, right, front] = sides;
+        let corners = [(left, front), (right, front), (right, back), (left, back)];
+        self.patch(material, frame, corners.map(|(x, z)| dvec3(x, y, z)), [1, 1]);
+    }
+
+    /// A surface over the unit square, cut into `columns` by `rows` cells, with vertex normals
+    /// along `∂point/∂u × ∂point/∂v`.
+    pub(super) fn sheet(
+        &mut self,
+        material: u32,
+        frame: &DAffine3,
+        cells: [u32; 2],
+        point: impl Fn(f64, f64) -> DVec3,
+    ) {
+        self.surface(material, frame, cells, [false; 2], Shading::Smooth, point);
+    }
+
+    /// The same, with a say in normals, and with edges at v = 0 and v = 1 that are one point each
+    /// where `poles` says so.
+    pub(super) fn surface(
+        &mut self,
+        material: u32,
+        frame: &DAffine3,
+        [columns, rows]: [u32; 2],
+        poles: [bool; 2],
+        shading: Shading,
+        point: impl Fn(f64, f64) -> DVec3,
+    ) {
+        self.draw(net_count([columns, rows], poles), |mesh| {
+            let mut net = Net::new([columns, rows], poles, |column, row| {
+                let (u, v) = (f64::from(column) / f64::from(columns), f64::from(row) / f64::from(rows));
+                let position = frame.transform_point3(point(u, v));
+                Vertex { position, normal: DVec3::ZERO, uv: dvec2(u, 1.0 - v) }
+            });
+            if shading == Shading::Smooth {
+                net.smooth();
             }
-        }
-    });
-}
+            net.write(mesh, material);
+        });
+    }
 
-/// A four-sided frame between two corners whose sides are `thickness` thick, open along y.
-pub(super) fn ring(
-    canvas: &mut Canvas,
-    material: u32,
-    frame: &DAffine3,
-    [low, high]: [DVec3; 2],
-    thickness: f64,
-) {
-    let (foot, top) = (low.y, high.y);
-    let profile = [[-thickness, foot], [0.0, foot], [0.0, top], [-thickness, top], [-thickness, foot]];
-    band(canvas, material, frame, [low.xz(), high.xz()], &profile);
-}
+    /// A block with sharp edges between two corners; 12 triangles.
+    pub(super) fn block(&mut self, material: u32, frame: &DAffine3, low: [f64; 3], high: [f64; 3]) {
+        let low = DVec3::from(low);
+        let extent = DVec3::from(high) - low;
+        let [x, y, z] = DVec3::AXES.map(|axis| extent * axis);
+        self.draw(12, |mesh| {
+            for [origin, first, second] in
+                [[low, y, x], [low + z, x, y], [low, z, y], [low + x, y, z], [low, x, z], [low + y, z, x]]
+            {
+                let corners = [origin, origin + first, origin + first + second, origin + second];
+                quad(mesh, material, corners.map(|corner| frame.transform_point3(corner)));
+            }
+        });
+    }
 
-/// A block with edges of this radius, each cut into `2 · steps` facets: cushions, mattresses,
-/// appliances. `12 · (2 · steps + 1)²` triangles.
-pub(super) fn rounded_block(
-    canvas: &mut Canvas,
-    material: u32,
-    frame: &DAffine3,
-    [low, high]: [DVec3; 2],
-    radius: f64,
-    steps: u32,
-) {
-    let cells = 2 * steps + 1;
-    let half = 0.5 * (high - low);
-    // A little of each side stays flat, or its facets would have no area.
-    let radius = radius.min(0.95 * half.min_element());
-    let centre = low + half;
-    let core = half - radius;
-    let normals = NormalTransform::of(frame);
-    // Index 0 … steps runs over the near edge, steps + 1 … 2·steps + 1 over the far one.
-    let along = |index: u32| {
-        if index <= steps {
-            (-1.0, f64::from(index) / f64::from(steps) - 1.0)
-        } else {
-            (1.0, f64::from(index - steps - 1) / f64::from(steps))
-        }
-    };
-    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-    canvas.draw(6 * net_count(cells, cells, [false; 2]), |mesh| {
-        for (side, axis) in [0, 1, 2, 0, 1, 2].into_iter().enumerate() {
-            let (out, first, second) = if side < 3 {
-                (axes[axis], axes[(axis + 1) % 3], axes[(axis + 2) % 3])
+    /// Mouldings around a rectangle from `low` to `high` (x and z) in the plane y = 0: ledges,
+    /// cornices, parapets. The profile runs through (distance beyond the rectangle, height) points,
+    /// upwards along the outside; each of its spans is 8 triangles.
+    pub(super) fn band(
+        &mut self,
+        material: u32,
+        frame: &DAffine3,
+        [low, high]: [DVec2; 2],
+        profile: &[[f64; 2]],
+    ) {
+        let around = |&[out, y]: &[f64; 2]| {
+            let (low, high) = (low - out, high + out);
+            [(low.x, high.y), (high.x, high.y), (high.x, low.y), (low.x, low.y)]
+                .map(|(x, z)| frame.transform_point3(dvec3(x, y, z)))
+        };
+        self.draw(8 * (profile.len() as u64 - 1), |mesh| {
+            for span in profile.windows(2) {
+                let (below, above) = (around(&span[0]), around(&span[1]));
+                for here in 0..4 {
+                    let next = (here + 1) % 4;
+                    quad(mesh, material, [below[here], below[next], above[next], above[here]]);
+                }
+            }
+        });
+    }
+
+    /// A four-sided frame between two corners whose sides are `thickness` thick, open along y.
+    pub(super) fn ring(
+        &mut self,
+        material: u32,
+        frame: &DAffine3,
+        [low, high]: [[f64; 3]; 2],
+        thickness: f64,
+    ) {
+        let (foot, top) = (low[1], high[1]);
+        let profile = [[-thickness, foot], [0.0, foot], [0.0, top], [-thickness, top], [-thickness, foot]];
+        self.band(material, frame, [dvec2(low[0], low[2]), dvec2(high[0], high[2])], &profile);
+    }
+
+    /// A block with edges of this radius, each cut into `2 · steps` facets, in a frame that does
+    /// not stretch: cushions, mattresses, appliances. `12 · (2 · steps + 1)²` triangles.
+    pub(super) fn rounded_block(
+        &mut self,
+        material: u32,
+        frame: &DAffine3,
+        [low, high]: [[f64; 3]; 2],
+        radius: f64,
+        steps: u32,
+    ) {
+        let cells = [2 * steps + 1; 2];
+        let low = DVec3::from(low);
+        let half = 0.5 * (DVec3::from(high) - low);
+        // A little of each side stays flat, or its facets would have no area.
+        let radius = radius.min(0.95 * half.min_element());
+        let centre = low + half;
+        let core = half - radius;
+        // Index 0 … steps runs over the near edge, steps + 1 … 2·steps + 1 over the far one.
+        let along = |index: u32| {
+            if index <= steps {
+                (-1.0, f64::from(index) / f64::from(steps) - 1.0)
             } else {
-                (-axes[axis], axes[(axis + 2) % 3], axes[(axis + 1) % 3])
-            };
-            let mut vertices = Vec::with_capacity(((cells + 1) * (cells + 1)) as usize);
-            for row in 0..=cells {
-                let (row_side, row_slope) = along(row);
-                for column in 0..=cells {
-                    let (column_side, column_slope) = along(column);
+                (1.0, f64::from(index - steps - 1) / f64::from(steps))
+            }
+        };
+        let axes = DVec3::AXES;
+        self.draw(6 * net_count(cells, [false; 2]), |mesh| {
+            for (side, axis) in [0, 1, 2, 0, 1, 2].into_iter().enumerate() {
+                let (next, last) = (axes[(axis + 1) % 3], axes[(axis + 2) % 3]);
+                let [out, first, second] =
+                    if side < 3 { [axes[axis], next, last] } else { [-axes[axis], last, next] };
+                let net = Net::new(cells, [false; 2], |column, row| {
+                    let ((row_side, row_slope), (column_side, column_slope)) = (along(row), along(column));
                     let normal = (out + first * column_slope + second * row_slope).normalize();
                     let corner = core * (out + first * column_side + second * row_side);
-                    vertices.push(Vertex {
+                    Vertex {
                         position: frame.transform_point3(centre + corner + normal * radius),
-                        normal: normals.apply(normal),
+                        normal: frame.transform_vector3(normal).normalize(),
                         uv: dvec2(0.5 + 0.5 * column_slope, 0.5 - 0.5 * row_slope),
-                    });
-                }
+                    }
+                });
+                net.write(mesh, material);
             }
-            Net { columns: cells, rows: cells, poles: [false; 2], vertices }.write(mesh, material);
-        }
-    });
-}
+        });
+    }
 
-/// Lathe work about the y axis of `frame`. Each piece of the profile is a smooth curve through
-/// (radius, height) points, with a crease between pieces; it runs upwards along the outside. A
-/// radius of 0 closes the end. A piece of two points is straight; longer ones are cut into
-/// `rows` per span.
-pub(super) fn revolve(
-    canvas: &mut Canvas,
-    material: u32,
-    frame: &DAffine3,
-    pieces: &[&[[f64; 2]]],
-    [around, rows]: [u32; 2],
-) {
-    for piece in pieces {
-        let spans = piece.len() as u32 - 1;
-        let poles = [piece[0][0] == 0.0, piece[piece.len() - 1][0] == 0.0];
-        let needed = 1 + u32::from(poles[0] && poles[1]);
-        let rows = if spans == 1 { needed } else { (rows * spans).max(needed) };
-        canvas.draw(net_count(around, rows, poles), |mesh| {
-            let mut vertices = Vec::with_capacity(((around + 1) * (rows + 1)) as usize);
-            for row in 0..=rows {
-                let v = f64::from(row) / f64::from(rows);
+    /// Lathe work about the y axis. Each piece of the profile is a smooth curve through (radius,
+    /// height) points, with a crease between pieces; it runs upwards along the outside. A radius of
+    /// 0 closes the end. A piece of two points is straight; longer ones are cut into `rows` per
+    /// span.
+    pub(super) fn revolve(
+        &mut self,
+        material: u32,
+        frame: &DAffine3,
+        pieces: &[&[[f64; 2]]],
+        [around, rows]: [u32; 2],
+    ) {
+        for piece in pieces {
+            let spans = piece.len() as u32 - 1;
+            let poles = [piece[0][0] == 0.0, piece[piece.len() - 1][0] == 0.0];
+            let needed = 1 + u32::from(poles[0] && poles[1]);
+            let rows = if spans == 1 { needed } else { (rows * spans).max(needed) };
+            self.surface(material, frame, [around, rows], poles, Shading::Smooth, |u, v| {
                 let [radius, height] = curve(piece, v);
-                for column in 0..=around {
-                    let u = f64::from(column) / f64::from(around);
-                    let (sine, cosine) = sin_cos(u);
-                    let point = dvec3(radius * cosine, height, -radius * sine);
-                    vertices.push(Vertex {
-                        position: frame.transform_point3(point),
-                        normal: DVec3::ZERO,
-                        uv: dvec2(u, 1.0 - v),
-                    });
-                }
-            }
-            let mut net = Net { columns: around, rows, poles, vertices };
-            net.smooth();
+                let (sine, cosine) = sin_cos(u);
+                dvec3(radius * cosine, height, -radius * sine)
+            });
+        }
+    }
+
+    /// A ball whose surface lies at `reach(outward)` from the origin, for every unit vector;
+    /// `2 · rows` facets around and `rows` from pole to pole.
+    pub(super) fn lump(&mut self, material: u32, frame: &DAffine3, rows: u32, reach: impl Fn(DVec3) -> f64) {
+        let rows = rows.max(2);
+        self.surface(material, frame, [2 * rows, rows], [true; 2], Shading::Smooth, |u, v| {
+            // From the lower pole to the upper one.
+            let (height, radius) = sin_cos(0.5 * v - 0.25);
+            let (sine, cosine) = sin_cos(u);
+            let outward = dvec3(radius * cosine, height, -radius * sine);
+            outward * reach(outward)
+        });
+    }
+
+    /// A tube along `path` (at least two points, no two neighbours equal), `around` facets around.
+    /// `radius` is given by the place along the path, 0 to 1; where it is 0 at an end, the tube ends
+    /// in a point, else it is open.
+    pub(super) fn tube(
+        &mut self,
+        material: u32,
+        frame: &DAffine3,
+        path: &[DVec3],
+        radius: impl Fn(f64) -> f64,
+        around: u32,
+    ) {
+        let rows = path.len() as u32 - 1;
+        let poles = [radius(0.0) == 0.0, radius(1.0) == 0.0];
+        self.draw(net_count([around, rows], poles), |mesh| {
+            let path: Vec<DVec3> = path.iter().map(|&point| frame.transform_point3(point)).collect();
+            let tangent = |row: usize| {
+                let (before, after) = (row.saturating_sub(1), (row + 1).min(path.len() - 1));
+                (path[after] - path[before]).normalize_or(DVec3::Y)
+            };
+            let mut side = tangent(0).any_orthonormal_vector();
+            let rings: Vec<[DVec3; 2]> = (0..path.len())
+                .map(|row| {
+                    let forward = tangent(row);
+                    // Carried along from ring to ring, so that the tube does not twist.
+                    side =
+                        (side - forward * side.dot(forward)).normalize_or(forward.any_orthonormal_vector());
+                    [side, forward.cross(side)]
+                })
+                .collect();
+            let net = Net::new([around, rows], poles, |column, row| {
+                let (u, v) = (f64::from(column) / f64::from(around), f64::from(row) / f64::from(rows));
+                let [side, other] = rings[row as usize];
+                let (sine, cosine) = sin_cos(u);
+                let normal = side * cosine + other * sine;
+                Vertex { position: path[row as usize] + normal * radius(v), normal, uv: dvec2(u, 1.0 - v) }
+            });
             net.write(mesh, material);
         });
     }
@@ -370,65 +391,4 @@ fn curve(points: &[[f64; 2]], t: f64) -> [f64; 2] {
         + end * (3.0 * square - 2.0 * cube)
         + slope_at_end * (cube - square);
     [point.x.max(0.0), point.y]
-}
-
-/// A ball of radius 1 in `frame`, `2 · rows` facets around and `rows` from pole to pole.
-pub(super) fn ball(canvas: &mut Canvas, material: u32, frame: &DAffine3, rows: u32) {
-    lump(canvas, material, frame, rows, |_| 1.0);
-}
-
-/// A ball whose surface lies at `reach(outward)` from the origin of `frame`, for every unit vector.
-pub(super) fn lump(
-    canvas: &mut Canvas,
-    material: u32,
-    frame: &DAffine3,
-    rows: u32,
-    reach: impl Fn(DVec3) -> f64,
-) {
-    let rows = rows.max(2);
-    surface(canvas, material, [2 * rows, rows], [true; 2], Shading::Smooth, |u, v| {
-        // From the lower pole to the upper one.
-        let (height, radius) = sin_cos(0.5 * v - 0.25);
-        let (sine, cosine) = sin_cos(u);
-        let outward = dvec3(radius * cosine, height, -radius * sine);
-        frame.transform_point3(outward * reach(outward))
-    });
-}
-
-/// A tube along `path` (at least two points, no two neighbours equal), `around` facets around.
-/// `radius` is given by the place along the path, 0 to 1; where it is 0 at an end, the tube ends
-/// in a point, else it is open.
-pub(super) fn tube(
-    canvas: &mut Canvas,
-    material: u32,
-    path: &[DVec3],
-    radius: impl Fn(f64) -> f64,
-    around: u32,
-) {
-    let rows = path.len() as u32 - 1;
-    let poles = [radius(0.0) == 0.0, radius(1.0) == 0.0];
-    canvas.draw(net_count(around, rows, poles), |mesh| {
-        let tangent = |row: usize| {
-            let (before, after) = (row.saturating_sub(1), (row + 1).min(path.len() - 1));
-            (path[after] - path[before]).normalize_or(DVec3::Y)
-        };
-        let mut side = tangent(0).any_orthonormal_vector();
-        let mut vertices = Vec::with_capacity(((around + 1) * (rows + 1)) as usize);
-        for (row, &centre) in path.iter().enumerate() {
-            let forward = tangent(row);
-            // Carried along from ring to ring, so that the tube does not twist.
-            side = (side - forward * side.dot(forward)).normalize_or(forward.any_orthonormal_vector());
-            let other = forward.cross(side);
-            let v = row as f64 / f64::from(rows);
-            let reach = radius(v);
-            for column in 0..=around {
-                let u = f64::from(column) / f64::from(around);
-                let (sine, cosine) = sin_cos(u);
-                let normal = side * cosine + other * sine;
-                let uv = dvec2(u, 1.0 - v);
-                vertices.push(Vertex { position: centre + normal * reach, normal, uv });
-            }
-        }
-        Net { columns: around, rows, poles, vertices }.write(mesh, material);
-    });
 }

@@ -1,12 +1,12 @@
 //! `terrain`: mountains around a lake, with rocks and firs, under an open sky.
 
-use glam::{DVec3, dvec3};
+use glam::{DAffine3, DVec3, dvec3};
 
 use super::BuiltinInfo;
-use super::mesh::{Canvas, Vertex};
+use super::canvas::{Canvas, Vertex};
 use super::numbers::{Dice, ease, fractal_noise, value_noise};
-use super::setting::{Materials, Recipe, Setting, camera};
-use super::shapes::{lump, patch, place, revolve, stretch};
+use super::setting::{Recipe, Setting, camera, glossy, matt, palette};
+use super::shapes::{place, stretch};
 use crate::{Environment, Light};
 
 pub(super) const RECIPE: Recipe = Recipe {
@@ -24,7 +24,7 @@ pub(super) const RECIPE: Recipe = Recipe {
 /// Edge of the square of land, metres.
 const EDGE: f64 = 1200.0;
 /// Height of the lake.
-const WATER: f64 = 0.0;
+const LAKE: f64 = 0.0;
 
 /// A camera by where it stands on the land.
 struct View {
@@ -44,51 +44,30 @@ const VIEWS: [View; 3] = [
 /// Nothing grows nearer than this to a camera, metres.
 const CLEARING: f64 = 14.0;
 
-struct Paint {
-    grass: u32,
-    meadow: u32,
-    rock: u32,
-    snow: u32,
-    sand: u32,
-    water: u32,
-    boulder: u32,
-    bark: u32,
-    needles: u32,
-}
-
-impl Paint {
-    fn new(materials: &mut Materials) -> Self {
-        Self {
-            grass: materials.matt("grass", [0.13, 0.21, 0.06]),
-            meadow: materials.matt("meadow", [0.24, 0.27, 0.09]),
-            rock: materials.matt("rock", [0.29, 0.26, 0.23]),
-            snow: materials.glossy("snow", [0.86, 0.88, 0.9], 0.7),
-            sand: materials.matt("sand", [0.5, 0.43, 0.3]),
-            water: materials.glossy("water", [0.02, 0.06, 0.07], 0.06),
-            boulder: materials.matt("boulder", [0.36, 0.34, 0.31]),
-            bark: materials.matt("bark", [0.17, 0.11, 0.07]),
-            needles: materials.matt("needles", [0.05, 0.12, 0.05]),
-        }
-    }
+palette! {
+    GRASS = matt("grass", [0.13, 0.21, 0.06]);
+    MEADOW = matt("meadow", [0.24, 0.27, 0.09]);
+    ROCK = matt("rock", [0.29, 0.26, 0.23]);
+    SNOW = glossy("snow", [0.86, 0.88, 0.9], 0.7);
+    SAND = matt("sand", [0.5, 0.43, 0.3]);
+    WATER = glossy("water", [0.02, 0.06, 0.07], 0.06);
+    BOULDER = matt("boulder", [0.36, 0.34, 0.31]);
+    BARK = matt("bark", [0.17, 0.11, 0.07]);
+    NEEDLES = matt("needles", [0.05, 0.12, 0.05]);
 }
 
 fn setting() -> Setting {
-    let mut materials = Materials::default();
-    Paint::new(&mut materials);
-    let from_sun = dvec3(-0.62, -0.5, -0.6).normalize();
+    let direction = dvec3(-0.62, -0.5, -0.6).normalize().as_vec3().to_array();
     Setting {
-        materials: materials.0,
-        textures: Vec::new(),
-        lights: vec![Light::Directional {
-            direction: from_sun.as_vec3().to_array(),
-            irradiance: [4.2, 3.7, 3.0],
-        }],
+        materials: materials(),
+        lights: vec![Light::Directional { direction, irradiance: [4.2, 3.7, 3.0] }],
         environment: Some(Environment { zenith: [0.45, 0.75, 1.3], nadir: [0.75, 0.8, 0.85] }),
         cameras: VIEWS
             .map(|View { name, stand: [x, z], above, target }| {
                 camera(name, [x, height(x, z) + above, z], target, 0.14)
             })
             .to_vec(),
+        ..Setting::default()
     }
 }
 
@@ -118,16 +97,15 @@ fn height(x: f64, z: f64) -> f64 {
 }
 
 fn draw(canvas: &mut Canvas) {
-    let paint = Paint::new(&mut Materials::default());
-    land(canvas, &paint);
+    land(canvas);
     let corners = [(-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5)];
-    let lake = corners.map(|(x, z)| dvec3(0.62 * x * EDGE, WATER, 0.62 * z * EDGE));
-    patch(canvas, paint.water, lake, [1, 1]);
-    scatter(canvas, &paint);
+    let lake = corners.map(|(x, z)| dvec3(0.62 * x * EDGE, LAKE, 0.62 * z * EDGE));
+    canvas.patch(WATER, &DAffine3::IDENTITY, lake, [1, 1]);
+    scatter(canvas);
 }
 
 /// The ground: a grid of heights with smooth normals, painted by height and slope.
-fn land(canvas: &mut Canvas, paint: &Paint) {
+fn land(canvas: &mut Canvas) {
     let cells = ((440.0 * canvas.detail().sqrt()) as u32).max(40);
     let step = EDGE / f64::from(cells);
     let stride = cells + 1;
@@ -156,7 +134,7 @@ fn land(canvas: &mut Canvas, paint: &Paint) {
                 let a = row * stride + column;
                 let (b, c, d) = (a + 1, a + 1 + stride, a + stride);
                 for corners in [[a, d, c], [a, c, b]] {
-                    let material = ground(paint, corners.map(|index| points[index as usize]));
+                    let material = ground(corners.map(|index| points[index as usize]));
                     mesh.triangle(material, corners.map(|index| first + index));
                 }
             }
@@ -165,25 +143,25 @@ fn land(canvas: &mut Canvas, paint: &Paint) {
 }
 
 /// What covers a facet of the ground.
-fn ground(paint: &Paint, [a, b, c]: [DVec3; 3]) -> u32 {
+fn ground([a, b, c]: [DVec3; 3]) -> u32 {
     let level = (b - a).cross(c - a).normalize_or(DVec3::Y).y;
     let middle = (a + b + c) / 3.0;
     let blur = value_noise(99, middle.x / 23.0, middle.z / 23.0);
     if middle.y < 1.6 + blur {
-        paint.sand
+        SAND
     } else if middle.y > 105.0 + 20.0 * blur && level > 0.58 + 0.06 * blur {
-        paint.snow
+        SNOW
     } else if level < 0.72 + 0.04 * blur || middle.y > 70.0 + 20.0 * blur {
-        paint.rock
+        ROCK
     } else if blur > 0.15 {
-        paint.meadow
+        MEADOW
     } else {
-        paint.grass
+        GRASS
     }
 }
 
 /// Firs and boulders, one candidate for each cell of a grid.
-fn scatter(canvas: &mut Canvas, paint: &Paint) {
+fn scatter(canvas: &mut Canvas) {
     const CELLS: i64 = 72;
     let share = canvas.detail().min(1.0);
     for cell in 0..CELLS * CELLS {
@@ -201,35 +179,35 @@ fn scatter(canvas: &mut Canvas, paint: &Paint) {
             continue;
         }
         if wooded && y < 75.0 && slope < 0.75 {
-            fir(canvas, paint, dvec3(x, y, z), &mut dice);
+            fir(canvas, dvec3(x, y, z), &mut dice);
         } else if slope < 0.9 && dice.chance(0.35) {
-            boulder(canvas, paint, dvec3(x, y, z), &mut dice);
+            boulder(canvas, dvec3(x, y, z), &mut dice);
         }
     }
 }
 
 /// A trunk and a few skirts of needles.
-fn fir(canvas: &mut Canvas, paint: &Paint, foot: DVec3, dice: &mut Dice) {
+fn fir(canvas: &mut Canvas, foot: DVec3, dice: &mut Dice) {
     let size = dice.between(6.0, 13.0);
     let frame = place(foot.x, foot.y - 0.4, foot.z, dice.unit()) * stretch(size, size, size);
     let around = canvas.steps(6.0, 4);
-    revolve(canvas, paint.bark, &frame, &[&[[0.03, 0.0], [0.015, 0.5]]], [around, 1]);
+    canvas.revolve(BARK, &frame, &[&[[0.03, 0.0], [0.015, 0.5]]], [around, 1]);
     let skirts = 4;
     for skirt in 0..skirts {
         let t = f64::from(skirt) / f64::from(skirts);
         let (reach, foot) = (0.21 * (1.0 - 0.75 * t), 0.14 + 0.68 * t);
         let profile = [[0.3 * reach, foot + 0.05], [reach, foot], [0.0, foot + 0.32 - 0.1 * t]];
-        revolve(canvas, paint.needles, &frame, &[&profile[..2], &profile[1..]], [around, 1]);
+        canvas.revolve(NEEDLES, &frame, &[&profile[..2], &profile[1..]], [around, 1]);
     }
 }
 
 /// A lumpy ball, half in the ground.
-fn boulder(canvas: &mut Canvas, paint: &Paint, foot: DVec3, dice: &mut Dice) {
+fn boulder(canvas: &mut Canvas, foot: DVec3, dice: &mut Dice) {
     let size = dice.between(0.6, 3.2);
     let frame = place(foot.x, foot.y, foot.z, dice.unit()) * stretch(size, 0.7 * size, 1.2 * size);
     let lumps = dice.bits();
     let rows = canvas.steps(6.0, 3);
-    lump(canvas, paint.boulder, &frame, rows, |outward| {
+    canvas.lump(BOULDER, &frame, rows, |outward| {
         1.0 + 0.2 * fractal_noise(lumps, 1.4 * outward.x + outward.y, 1.4 * outward.z - outward.y, 2)
     });
 }

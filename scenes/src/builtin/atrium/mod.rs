@@ -7,12 +7,12 @@ mod aisle;
 mod arcade;
 mod court;
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 
 use super::BuiltinInfo;
+use super::canvas::Canvas;
 use super::foliage::sprig_texture;
-use super::mesh::Canvas;
-use super::setting::{Materials, Recipe, Setting, camera, sphere_light};
+use super::setting::{Recipe, Setting, camera, cut_out, glossy, matt, metal, palette, sphere_light};
 use super::shapes::place;
 use crate::Environment;
 
@@ -41,51 +41,28 @@ const CORNICE: f64 = 9.2;
 /// Half the thickness of the arcade walls.
 const HALF_WALL: f64 = 0.25;
 
-struct Paint {
-    limestone: u32,
-    marble: u32,
-    plaster: u32,
-    dark_tile: u32,
-    light_tile: u32,
-    wood: u32,
-    roof_tile: u32,
-    bronze: u32,
-    water: u32,
-    clay: u32,
-    leaves: u32,
-    cloths: [u32; 3],
-}
-
-impl Paint {
-    fn new(materials: &mut Materials) -> Self {
-        Self {
-            limestone: materials.matt("limestone", [0.62, 0.54, 0.42]),
-            marble: materials.glossy("marble", [0.74, 0.7, 0.64], 0.35),
-            plaster: materials.matt("plaster", [0.72, 0.58, 0.42]),
-            dark_tile: materials.glossy("dark tile", [0.22, 0.17, 0.14], 0.25),
-            light_tile: materials.glossy("light tile", [0.6, 0.54, 0.45], 0.3),
-            wood: materials.glossy("oak", [0.3, 0.18, 0.09], 0.6),
-            roof_tile: materials.matt("roof tile", [0.55, 0.24, 0.13]),
-            bronze: materials.metal("bronze", [0.65, 0.45, 0.25], 0.35),
-            water: materials.glossy("water", [0.05, 0.12, 0.13], 0.03),
-            clay: materials.matt("clay", [0.58, 0.31, 0.19]),
-            leaves: materials.cut_out("leaves", [1.0; 3], 0),
-            cloths: [
-                materials.matt("red cloth", [0.55, 0.07, 0.05]),
-                materials.matt("green cloth", [0.1, 0.3, 0.12]),
-                materials.matt("blue cloth", [0.08, 0.14, 0.42]),
-            ],
-        }
-    }
+palette! {
+    LIMESTONE = matt("limestone", [0.62, 0.54, 0.42]);
+    MARBLE = glossy("marble", [0.74, 0.7, 0.64], 0.35);
+    PLASTER = matt("plaster", [0.72, 0.58, 0.42]);
+    DARK_TILE = glossy("dark tile", [0.22, 0.17, 0.14], 0.25);
+    LIGHT_TILE = glossy("light tile", [0.6, 0.54, 0.45], 0.3);
+    WOOD = glossy("oak", [0.3, 0.18, 0.09], 0.6);
+    ROOF_TILE = matt("roof tile", [0.55, 0.24, 0.13]);
+    BRONZE = metal("bronze", [0.65, 0.45, 0.25], 0.35);
+    WATER = glossy("water", [0.05, 0.12, 0.13], 0.03);
+    CLAY = matt("clay", [0.58, 0.31, 0.19]);
+    LEAVES = cut_out("leaves", 0);
+    RED_CLOTH = matt("red cloth", [0.55, 0.07, 0.05]);
+    GREEN_CLOTH = matt("green cloth", [0.1, 0.3, 0.12]);
+    BLUE_CLOTH = matt("blue cloth", [0.08, 0.14, 0.42]);
 }
 
 fn setting() -> Setting {
-    let mut materials = Materials::default();
-    Paint::new(&mut materials);
     let warm = [24.0, 19.0, 12.0];
     let light = |lantern: Lantern| sphere_light(lantern.frame.translation.as_vec3().to_array(), warm);
     Setting {
-        materials: materials.0,
+        materials: materials(),
         textures: vec![sprig_texture()],
         lights: lanterns().map(light).to_vec(),
         environment: Some(Environment { zenith: [1.5, 2.0, 2.9], nadir: [0.6, 0.54, 0.48] }),
@@ -121,11 +98,6 @@ impl Side {
     fn bay(&self, bay: u32, height: f64) -> DAffine3 {
         self.frame * place(BAY * (f64::from(bay) + 0.5), height, 0.0, 0.0)
     }
-
-    /// A point given in the side's own frame.
-    fn point(&self, point: DVec3) -> DVec3 {
-        self.frame.transform_point3(point)
-    }
 }
 
 /// A lantern around a sphere light.
@@ -146,13 +118,12 @@ fn lanterns() -> [Lantern; 6] {
 }
 
 fn draw(canvas: &mut Canvas) {
-    let paint = Paint::new(&mut Materials::default());
     for (index, side) in Side::all().iter().enumerate() {
-        arcade::draw(canvas, &paint, side);
-        aisle::draw(canvas, &paint, side, index as u64);
+        arcade::draw(canvas, side);
+        aisle::draw(canvas, side, index as u64);
     }
     for lantern in &lanterns() {
-        aisle::lantern(canvas, &paint, lantern);
+        aisle::lantern(canvas, lantern);
     }
-    court::draw(canvas, &paint);
+    court::draw(canvas);
 }

@@ -60,40 +60,29 @@ impl Mesh {
     }
 }
 
-/// Where the strokes go.
-#[derive(Debug)]
-enum Target {
-    /// Only counted, to find the detail that gives a wanted number of triangles.
-    Count(u64),
-    /// Kept.
-    Mesh(Mesh),
-}
-
 /// A place to draw a scene on, at some level of detail.
 ///
-/// A scene is drawn twice: first on canvases that only count, then on one that keeps. So how many
-/// triangles a stroke has must be known before it is drawn, and random numbers that later strokes
-/// depend on must not be taken inside it.
+/// A scene is drawn several times: first on canvases that only count, then on one that keeps. So how
+/// many triangles a stroke has must be known before it is drawn, and random numbers that later
+/// strokes depend on must not be taken inside it.
 #[derive(Debug)]
 pub(super) struct Canvas {
     detail: f64,
     dither: Dice,
-    target: Target,
+    triangle_count: u64,
+    /// None on a canvas that only counts.
+    mesh: Option<Mesh>,
 }
 
 impl Canvas {
     /// A canvas that only counts. `detail` is 0 for the coarsest scene and 1 for about the default.
     pub(super) fn counting(detail: f64) -> Self {
-        Self::new(detail, Target::Count(0))
+        Self { detail, dither: Dice::new(0x5EED), triangle_count: 0, mesh: None }
     }
 
     /// A canvas that keeps what is drawn.
     pub(super) fn keeping(detail: f64) -> Self {
-        Self::new(detail, Target::Mesh(Mesh::default()))
-    }
-
-    fn new(detail: f64, target: Target) -> Self {
-        Self { detail, dither: Dice::new(0x5EED), target }
+        Self { mesh: Some(Mesh::default()), ..Self::counting(detail) }
     }
 
     /// The level of detail, 0 for the coarsest scene.
@@ -116,29 +105,20 @@ impl Canvas {
 
     /// Draws `triangle_count` triangles by calling `stroke`, or counts them.
     pub(super) fn draw(&mut self, triangle_count: u64, stroke: impl FnOnce(&mut Mesh)) {
-        match &mut self.target {
-            Target::Count(count) => *count += triangle_count,
-            Target::Mesh(mesh) => {
-                let before = mesh.triangles.len() as u64;
-                stroke(mesh);
-                debug_assert_eq!(mesh.triangles.len() as u64 - before, triangle_count);
-            }
+        self.triangle_count += triangle_count;
+        if let Some(mesh) = &mut self.mesh {
+            stroke(mesh);
+            debug_assert_eq!(mesh.triangles.len() as u64, self.triangle_count);
         }
     }
 
     /// How many triangles were drawn.
     pub(super) fn triangle_count(&self) -> u64 {
-        match &self.target {
-            Target::Count(count) => *count,
-            Target::Mesh(mesh) => mesh.triangles.len() as u64,
-        }
+        self.triangle_count
     }
 
     /// The mesh that was drawn; empty if triangles were only counted.
     pub(super) fn into_mesh(self) -> Mesh {
-        match self.target {
-            Target::Count(_) => Mesh::default(),
-            Target::Mesh(mesh) => mesh,
-        }
+        self.mesh.unwrap_or_default()
     }
 }

@@ -1,0 +1,341 @@
+//! `city`: a grid of streets with towers in its middle, flats around them and houses at its rim.
+//!
+//! Each [`Plot`] is a square with a block of buildings and half of the streets around it. More
+//! triangles make a larger city; few make each plot coarser too.
+
+use std::ops::Range;
+
+use glam::{DAffine3, DVec2, dvec2, dvec3};
+
+use super::BuiltinInfo;
+use super::canvas::Canvas;
+use super::foliage::sprig_texture;
+use super::numbers::{Dice, value_noise};
+use super::setting::{Recipe, Setting, camera, cut_out, glossy, matt, metal, palette};
+use super::shapes::{path, place, stretch, tilt};
+use crate::Environment;
+
+pub(super) const RECIPE: Recipe = Recipe {
+    info: BuiltinInfo {
+        name: "city",
+        description: "Streets with towers, flats and houses, parked cars, lamps and trees with cut-out leaves, under an open sky.",
+        default_triangles: 1_000_000,
+        least_triangles: 25_000,
+        most_triangles: 50_000_000,
+    },
+    setting,
+    draw,
+};
+
+/// From the middle of one street to the next, metres.
+const PITCH: f64 = 72.0;
+/// Half the edge of the raised block between the streets, pavement included.
+const HALF_BLOCK: f64 = 28.0;
+/// Half the edge of what can be built on.
+const HALF_LOT: f64 = 24.5;
+/// Height of the kerb.
+const KERB: f64 = 0.15;
+
+palette! {
+    ASPHALT = matt("asphalt", [0.09, 0.09, 0.095]);
+    PAVING = matt("paving", [0.42, 0.4, 0.37]);
+    LAWN = matt("lawn", [0.15, 0.25, 0.07]);
+    ROAD_MARKING = matt("road marking", [0.75, 0.75, 0.7]);
+    GLASS = glossy("window glass", [0.04, 0.06, 0.08], 0.05);
+    CONCRETE = matt("concrete", [0.52, 0.5, 0.46]);
+    BRICK = matt("brick", [0.42, 0.17, 0.11]);
+    SANDSTONE = matt("sandstone", [0.6, 0.48, 0.33]);
+    STEEL = metal("steel", [0.55, 0.56, 0.58], 0.35);
+    WHITE = glossy("white paint", [0.78, 0.77, 0.74], 0.5);
+    ROOFING = matt("roofing felt", [0.2, 0.19, 0.18]);
+    ROOF_TILE = matt("roof tile", [0.4, 0.14, 0.09]);
+    RED_CAR = glossy("red car", [0.5, 0.03, 0.03], 0.15);
+    BLUE_CAR = glossy("blue car", [0.04, 0.1, 0.35], 0.15);
+    SILVER_CAR = metal("silver car", [0.7, 0.71, 0.73], 0.25);
+    YELLOW_CAR = glossy("yellow car", [0.75, 0.5, 0.03], 0.15);
+    TYRE = matt("tyre", [0.03, 0.03, 0.03]);
+    BARK = matt("bark", [0.2, 0.14, 0.09]);
+    LEAVES = cut_out("leaves", 0);
+}
+
+fn setting() -> Setting {
+    Setting {
+        materials: materials(),
+        textures: vec![sprig_texture()],
+        lights: Vec::new(),
+        environment: Some(Environment { zenith: [0.8, 1.15, 1.8], nadir: [0.55, 0.5, 0.45] }),
+        cameras: vec![
+            camera("skyline", [-235.0, 150.0, 290.0], [20.0, 22.0, -20.0], 0.11),
+            camera("avenue", [38.6, 2.4, 104.0], [36.0, 13.0, 0.0], 0.16),
+            camera("crossing", [30.5, 7.0, 43.5], [60.0, 9.0, -20.0], 0.18),
+        ],
+    }
+}
+
+/// A square of the grid.
+struct Plot {
+    frame: DAffine3,
+    dice: Dice,
+    /// How much to put on it, in (0, 1].
+    richness: f64,
+    /// How far from the middle of the city, in plots.
+    distance: f64,
+}
+
+impl Plot {
+    /// Whether something that a rich plot has is there on this one.
+    fn keeps(&self, canvas: &mut Canvas) -> bool {
+        canvas.round(2.0 * self.richness) > 0
+    }
+
+    /// A number of things after scaling it by the richness, at least `least`.
+    fn steps(&self, canvas: &mut Canvas, at_full_richness: f64, least: u32) -> u32 {
+        canvas.round(at_full_richness * self.richness).max(least)
+    }
+}
+
+/// The place of the n-th square of a spiral around the origin.
+fn spiral(index: i64) -> (i64, i64) {
+    let mut ring = 0;
+    while (2 * ring + 1) * (2 * ring + 1) <= index {
+        ring += 1;
+    }
+    if ring == 0 {
+        return (0, 0);
+    }
+    let along = index - (2 * ring - 1) * (2 * ring - 1);
+    let (side, offset) = (along / (2 * ring), along % (2 * ring) - ring);
+    match side {
+        0 => (ring, offset),
+        1 => (-offset, ring),
+        2 => (-ring, -offset),
+        _ => (offset, -ring),
+    }
+}
+
+fn draw(canvas: &mut Canvas) {
+    // A smaller city has fewer plots and less on each of them.
+    let richness = canvas.detail().sqrt().clamp(0.02, 1.0);
+    let plots = (180.0 * canvas.detail() / richness).max(9.0) as u32;
+    let reach = PITCH * (f64::from(plots).sqrt() + 16.0);
+    canvas.flat(LAWN, &DAffine3::IDENTITY, [-reach, -reach, reach, reach], -0.3);
+    for index in 0..plots {
+        let (column, row) = spiral(i64::from(index));
+        let (x, z) = (column as f64, row as f64);
+        let mut plot = Plot {
+            frame: place(PITCH * x, 0.0, PITCH * z, 0.0),
+            dice: Dice::of_cell(501, column, row),
+            richness,
+            distance: (x * x + z * z).sqrt(),
+        };
+        street(canvas, &mut plot);
+        let zone = plot.distance + 0.8 * value_noise(507, 0.7 * x, 0.7 * z);
+        let is_park = plot.dice.chance(0.09) && index > 0;
+        match zone {
+            _ if is_park => park(canvas, &mut plot),
+            ..1.9 => towers(canvas, &mut plot),
+            ..4.0 => flats(canvas, &mut plot),
+            _ => houses(canvas, &mut plot),
+        }
+    }
+}
+
+/// The ground of a plot; the markings of its streets; lamps, trees and cars along them.
+fn street(canvas: &mut Canvas, plot: &mut Plot) {
+    let half = 0.5 * PITCH;
+    canvas.flat(ASPHALT, &plot.frame, [-half, -half, half, half], 0.0);
+    canvas.block(PAVING, &plot.frame, [-HALF_BLOCK, 0.0, -HALF_BLOCK], [HALF_BLOCK, KERB, HALF_BLOCK]);
+    for side in 0..4_usize {
+        // x along the street, z towards its middle.
+        let frame = plot.frame * place(0.0, 0.0, 0.0, 0.25 * side as f64);
+        if side < 2 && plot.keeps(canvas) {
+            for dash in 0..9 {
+                let x = 5.5 * f64::from(dash) - 23.5;
+                canvas.flat(ROAD_MARKING, &frame, [x, half - 0.08, x + 2.5, half + 0.08], 0.012);
+            }
+            for stripe in 0..10 {
+                let z = HALF_BLOCK + 0.4 + 1.6 * f64::from(stripe);
+                canvas.flat(ROAD_MARKING, &frame, [-27.5, z, -24.5, z + 0.8], 0.012);
+            }
+        }
+        for x in [-14.0, 14.0] {
+            if plot.keeps(canvas) {
+                let lamp = frame * place(x, KERB, HALF_BLOCK - 0.6, 0.0);
+                let mast = [(0.0, 0.0), (6.2, 0.0), (7.0, 0.35), (7.3, 1.0), (7.35, 2.0)];
+                canvas.tube(STEEL, &lamp, &mast.map(|(y, z)| dvec3(0.0, y, z)), |t| 0.1 - 0.05 * t, 5);
+                canvas.block(STEEL, &lamp, [-0.16, 7.26, 1.6], [0.16, 7.4, 2.4]);
+            }
+        }
+        for x in [-21.0, -7.0, 7.0, 21.0] {
+            let z = HALF_BLOCK - 1.0;
+            if plot.dice.chance(0.6) {
+                tree(canvas, plot, [[x, z], [z, -x], [-x, -z], [-z, x]][side], 5.0..8.0);
+            }
+        }
+        for space in 0..7 {
+            let taken = plot.dice.chance(0.4) && plot.keeps(canvas);
+            let turns = if plot.dice.chance(0.5) { 0.5 } else { 0.0 };
+            let colour = [RED_CAR, BLUE_CAR, WHITE, SILVER_CAR, YELLOW_CAR][plot.dice.below(5)];
+            if taken {
+                let x = f64::from(space) * 6.4 - 19.2;
+                car(canvas, plot, &(frame * place(x, 0.0, HALF_BLOCK + 1.3, turns)), colour);
+            }
+        }
+    }
+}
+
+/// A parked car, along x.
+fn car(canvas: &mut Canvas, plot: &Plot, frame: &DAffine3, colour: u32) {
+    let steps = plot.steps(canvas, 1.0, 1);
+    canvas.rounded_block(colour, frame, [[-2.1, 0.28, -0.86], [2.1, 0.88, 0.86]], 0.2, steps);
+    canvas.rounded_block(GLASS, frame, [[-1.5, 0.7, -0.76], [1.0, 1.38, 0.76]], 0.3, steps);
+    canvas.block(colour, frame, [-1.2, 1.36, -0.6], [0.7, 1.41, 0.6]);
+    let around = plot.steps(canvas, 10.0, 5);
+    let tyre = [[0.0, -0.12], [0.32, -0.12], [0.32, 0.12], [0.0, 0.12]];
+    for (x, z) in [(-1.3, 0.72), (1.3, 0.72), (-1.3, -0.72), (1.3, -0.72)] {
+        let axle = *frame * place(x, 0.32, z, 0.0) * tilt(0.25);
+        canvas.revolve(TYRE, &axle, &[&tyre[..2], &tyre[1..3], &tyre[2..]], [around, 1]);
+    }
+}
+
+/// A tree on a plot, at this x and z and of a height in this range, metres, if the plot is rich enough.
+fn tree(canvas: &mut Canvas, plot: &mut Plot, [x, z]: [f64; 2], heights: Range<f64>) {
+    let frame = plot.frame * place(x, KERB, z, plot.dice.unit());
+    let height = plot.dice.between(heights.start, heights.end);
+    let seed = plot.dice.bits();
+    if !plot.keeps(canvas) {
+        return;
+    }
+    let around = plot.steps(canvas, 6.0, 3);
+    let trunk = path(3, |t| dvec3(0.02 * height * t * t, 0.8 * height * t, 0.0));
+    canvas.tube(BARK, &frame, &trunk, |t| (0.035 - 0.025 * t) * height, around);
+    let count = plot.steps(canvas, 75.0, 8);
+    let size = 0.23 * height * (75.0 / f64::from(count)).sqrt();
+    let (wide, high) = (0.28 * height, 0.33 * height);
+    let crown = frame * place(0.0, 0.66 * height, 0.0, 0.0) * stretch(wide, high, wide);
+    canvas.leaves(LEAVES, &crown, count, size, seed);
+}
+
+/// A lawn with two paths and trees.
+fn park(canvas: &mut Canvas, plot: &mut Plot) {
+    let frame = plot.frame;
+    canvas.flat(LAWN, &frame, [-HALF_LOT, -HALF_LOT, HALF_LOT, HALF_LOT], KERB + 0.02);
+    canvas.flat(PAVING, &frame, [-HALF_LOT, -1.2, HALF_LOT, 1.2], KERB + 0.04);
+    canvas.flat(PAVING, &frame, [-1.2, -HALF_LOT, 1.2, HALF_LOT], KERB + 0.045);
+    for cell in 0..36 {
+        let (x, z) = (8.0 * (f64::from(cell % 6) - 2.5), 8.0 * (f64::from(cell / 6) - 2.5));
+        let (dx, dz) = (plot.dice.between(-1.8, 1.8), plot.dice.between(-1.8, 1.8));
+        tree(canvas, plot, [x + dx, z + dz], 6.0..11.0);
+    }
+}
+
+/// A building, or one tier of a tower: glass behind walls.
+struct Building {
+    /// Half the footprint.
+    half: DVec2,
+    /// Height of its foot.
+    foot: f64,
+    floors: u32,
+    floor_height: f64,
+    /// Share of the height of a floor that is wall.
+    solid: f64,
+    wall: u32,
+    /// With a tiled roof instead of a flat one.
+    is_pitched: bool,
+}
+
+/// Gives the height at which the walls end.
+fn draw_building(canvas: &mut Canvas, plot: &Plot, frame: &DAffine3, building: &Building) -> f64 {
+    let Building { half, foot, floors, floor_height, solid, wall, is_pitched } = *building;
+    let top = foot + f64::from(floors) * floor_height;
+    canvas.block(GLASS, frame, [-half.x, foot, -half.y], [half.x, top, half.y]);
+    let ledges = plot.steps(canvas, f64::from(floors), 1).min(floors);
+    for ledge in 0..ledges {
+        let low = foot + (top - foot) * f64::from(ledge) / f64::from(ledges);
+        let high = low + solid * floor_height;
+        canvas.band(wall, frame, [-half, half], &[[0.0, low], [0.22, low], [0.22, high], [0.0, high]]);
+    }
+    for side in 0..4 {
+        let (out, width) = if side % 2 == 0 { (half.y, half.x) } else { (half.x, half.y) };
+        let facade = *frame * place(0.0, 0.0, 0.0, 0.25 * f64::from(side)) * place(0.0, 0.0, out, 0.0);
+        let bays = plot.steps(canvas, width / 1.5, 1);
+        for rib in 0..=bays {
+            let (x, reach) = (width * (2.0 * f64::from(rib) / f64::from(bays) - 1.0), 0.9 * solid);
+            canvas.block(wall, &facade, [x - reach, foot, -0.1], [x + reach, top, 0.25]);
+        }
+    }
+    if is_pitched {
+        let (ridge, reach) = (top + 0.7 * half.y, half.x - half.y);
+        let slopes = [[0.0, top - 0.1], [0.6, top - 0.1], [0.6, top], [0.1 - half.y, ridge]];
+        canvas.band(ROOF_TILE, frame, [-half, half], &slopes);
+        canvas.block(ROOF_TILE, frame, [-reach - 0.1, ridge - 0.1, -0.15], [reach + 0.1, ridge + 0.05, 0.15]);
+        canvas.block(BRICK, frame, [-0.35, top, -1.4], [0.35, ridge + 0.8, -0.7]);
+    } else {
+        canvas.block(ROOFING, frame, [-half.x, top, -half.y], [half.x, top + 0.1, half.y]);
+        let parapet = [[0.0, top], [0.3, top], [0.3, top + 0.9], [0.0, top + 0.9], [0.0, top + 0.1]];
+        canvas.band(wall, frame, [-half, half], &parapet);
+        canvas.block(CONCRETE, frame, [1.0, top, -1.5], [3.5, top + 2.6, 1.5]);
+    }
+    top
+}
+
+/// One large tower, or four smaller ones, that step back as they rise.
+fn towers(canvas: &mut Canvas, plot: &mut Plot) {
+    let four = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let (lots, edge) = if plot.dice.chance(0.4) { (&[(0.0, 0.0)][..], 17.0) } else { (&four[..], 9.5) };
+    for (x, z) in lots {
+        let frame = plot.frame * place(0.52 * HALF_LOT * x, 0.0, 0.52 * HALF_LOT * z, 0.0);
+        let half = edge * dvec2(plot.dice.between(0.85, 1.15), plot.dice.between(0.85, 1.15));
+        let tiers = 1 + plot.dice.below(4) as u32;
+        let height = plot.dice.between(0.2, 1.0) * 38.0 * (1.0 - plot.distance / 4.0).max(0.2);
+        let floors = ((8.0 + height) as u32 / tiers).max(3);
+        let wall = [CONCRETE, STEEL, SANDSTONE, WHITE][plot.dice.below(4)];
+        let (floor_height, solid, is_pitched) = (3.5, 0.25, false);
+        let mut tier = Building { half, foot: KERB, floors, floor_height, solid, wall, is_pitched };
+        for _ in 0..tiers {
+            tier.foot = draw_building(canvas, plot, &frame, &tier);
+            tier.half *= plot.dice.between(0.7, 0.88);
+        }
+        if plot.dice.chance(0.5) {
+            let spire = [1.0, 1.25].map(|t| dvec3(0.0, tier.foot * t, 0.0));
+            canvas.tube(STEEL, &frame, &spire, |t| 0.45 - 0.4 * t, 6);
+        }
+    }
+}
+
+/// Four blocks of flats around a yard with trees.
+fn flats(canvas: &mut Canvas, plot: &mut Plot) {
+    for side in 0..4 {
+        let turned = plot.frame * place(0.0, 0.0, 0.0, 0.25 * f64::from(side));
+        let half = dvec2(plot.dice.between(13.0, 16.0), 6.5);
+        let floors = 4 + plot.dice.below(5) as u32;
+        let wall = [BRICK, SANDSTONE, WHITE, CONCRETE][plot.dice.below(4)];
+        let (floor_height, solid, is_pitched) = (3.1, 0.48, false);
+        let house = Building { half, foot: KERB, floors, floor_height, solid, wall, is_pitched };
+        draw_building(canvas, plot, &(turned * place(-7.0, 0.0, HALF_LOT - 7.5, 0.0)), &house);
+    }
+    for _ in 0..3 {
+        let (x, z) = (plot.dice.between(-6.0, 6.0), plot.dice.between(-6.0, 6.0));
+        tree(canvas, plot, [x, z], 5.0..8.0);
+    }
+}
+
+/// Two rows of houses in gardens, back to back.
+fn houses(canvas: &mut Canvas, plot: &mut Plot) {
+    canvas.flat(LAWN, &plot.frame, [-HALF_LOT, -HALF_LOT, HALF_LOT, HALF_LOT], KERB + 0.02);
+    for lot in 0..6 {
+        let front = plot.frame * place(0.0, 0.0, 0.0, 0.5 * f64::from(lot / 3));
+        let x = 16.0 * (f64::from(lot % 3) - 1.0);
+        let half = dvec2(plot.dice.between(5.2, 6.2), plot.dice.between(3.8, 4.8));
+        let floors = 1 + plot.dice.below(2) as u32;
+        let wall = [WHITE, BRICK, SANDSTONE][plot.dice.below(3)];
+        let (floor_height, solid, is_pitched) = (2.8, 0.55, true);
+        let house = Building { half, foot: KERB, floors, floor_height, solid, wall, is_pitched };
+        let frame = front * place(x, 0.0, plot.dice.between(12.5, 15.0), 0.0);
+        draw_building(canvas, plot, &frame, &house);
+        for z in [2.5, 5.5] {
+            let aside = x + plot.dice.between(-6.0, 6.0);
+            tree(canvas, plot, [aside, if lot < 3 { z } else { -z }], 3.5..7.0);
+        }
+    }
+}
