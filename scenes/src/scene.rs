@@ -47,8 +47,8 @@ impl Bounds {
 ///
 /// Invariants, kept by every loader: all positions are finite; every index is in range; at least
 /// one triangle and one camera; `triangle_materials.len() == triangles.len()`; `normals` and
-/// `uvs` are empty or have one entry per position.
-#[derive(Clone, Debug)]
+/// `uvs` are empty or have one entry per position. The default is empty: what a loader begins with.
+#[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// File stem or built-in name.
     pub name: String,

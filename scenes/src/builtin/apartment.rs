@@ -18,21 +18,16 @@
 
 use glam::{DAffine3, dvec3};
 
-use super::BuiltinInfo;
 use super::canvas::Canvas;
 use super::numbers::{Dice, sin_cos};
-use super::setting::{Recipe, Setting, camera, glossy, lamp, matt, metal, palette, sphere_light};
+use super::setting::{Recipe, camera, environment, glossy, lamp, matt, metal, palette, sphere_light};
 use super::shapes::{place, tilt};
-use crate::Environment;
+use crate::Scene;
 
 pub(super) const RECIPE: Recipe = Recipe {
-    info: BuiltinInfo {
-        name: "apartment",
-        description: "Six furnished rooms with doors, windows, curtains, books and mirrors, lit by lamps and a glowing panel.",
-        default_triangles: 400_000,
-        least_triangles: 14_000,
-        most_triangles: 20_000_000,
-    },
+    name: "apartment",
+    description: "Six furnished rooms with doors, windows, curtains, books and mirrors, lit by lamps and a glowing panel.",
+    triangles: [11_000, 400_000, 20_000_000],
     setting,
     draw,
 };
@@ -45,9 +40,7 @@ const HALF_WALL: f64 = 0.06;
 palette! {
     WALL = matt("wall", [0.78, 0.75, 0.69]);
     PLANK = glossy("plank", [0.43, 0.28, 0.16], 0.35);
-    DARK_PLANK = glossy("dark plank", [0.36, 0.22, 0.12], 0.35);
     TILE = glossy("tile", [0.32, 0.33, 0.34], 0.2);
-    LIGHT_TILE = glossy("light tile", [0.4, 0.42, 0.42], 0.2);
     WHITE = glossy("white lacquer", [0.8, 0.79, 0.76], 0.3);
     OAK = glossy("oak", [0.5, 0.34, 0.19], 0.5);
     WALNUT = glossy("walnut", [0.24, 0.14, 0.08], 0.4);
@@ -100,18 +93,15 @@ const WALLS: [([f64; 2], f64, bool, &[Opening]); 9] = [
     ([14.0, 0.0], 10.0, true, &[door(4.8, 5.7)]),
 ];
 
-/// A block of furniture: material, lowest and highest corner.
-type Piece = (u32, [f64; 3], [f64; 3]);
-
-/// What has hard edges and stands in one place.
-const FURNITURE: [Piece; 37] = [
-    // Living room: television on a sideboard, pictures.
+/// Furniture that stands in one place: material, lowest and highest corner.
+const FURNITURE: [(u32, [f64; 3], [f64; 3]); 43] = [
+    // Living room: rug, television on a sideboard, pictures.
+    (RUST, [0.9, 0.0, 2.4], [4.2, 0.02, 4.8]),
     (OAK, [1.7, 0.12, 0.08], [3.6, 0.55, 0.52]),
-    (BLACK, [2.0, 0.6, 0.25], [3.3, 1.38, 0.29]),
-    (BLACK, [2.5, 0.55, 0.2], [2.8, 0.6, 0.35]),
+    (BLACK, [2.0, 0.55, 0.25], [3.3, 1.35, 0.29]),
     (BLUE, [1.8, 1.3, 5.91], [2.9, 2.0, 5.94]),
     (RUST, [0.06, 1.3, 4.3], [0.09, 1.9, 5.1]),
-    // Kitchen: units along two walls, cupboards, sink, hob, oven, fridge, island, panel.
+    // Kitchen: units along two walls, cupboards, sink with a tap, hob, oven, fridge, island, panel.
     (WHITE, [8.07, 0.1, 0.06], [13.94, 0.88, 0.62]),
     (GRANITE, [8.07, 0.88, 0.06], [13.94, 0.92, 0.66]),
     (WHITE, [13.36, 0.1, 0.62], [13.94, 0.88, 2.9]),
@@ -119,68 +109,56 @@ const FURNITURE: [Piece; 37] = [
     (OAK, [8.07, 1.5, 0.06], [9.4, 2.25, 0.4]),
     (OAK, [11.6, 1.5, 0.06], [13.94, 2.25, 0.4]),
     (STEEL, [10.1, 0.9, 0.16], [10.9, 0.94, 0.56]),
+    (STEEL, [10.45, 0.92, 0.08], [10.55, 1.2, 0.15]),
     (BLACK, [13.4, 0.91, 1.4], [13.9, 0.93, 2.1]),
     (BLACK, [13.34, 0.25, 1.45], [13.37, 0.8, 2.05]),
     (STEEL, [13.2, 0.02, 3.0], [13.94, 1.95, 3.75]),
     (OAK, [10.2, 0.1, 2.05], [12.0, 0.88, 2.75]),
     (GRANITE, [10.1, 0.88, 1.95], [12.1, 0.93, 2.95]),
     (WHITE, [10.3, 2.68, 1.7], [11.9, 2.7, 2.9]),
-    // Bedroom: bed, bedside tables, wardrobe, chest with a mirror, picture.
+    // Bedroom: bed and bedding, bedside tables, wardrobe, chest with a mirror, picture, rug.
     (WALNUT, [0.1, 0.12, 7.05], [2.3, 0.34, 8.95]),
     (WALNUT, [0.07, 0.05, 7.0], [0.14, 1.05, 9.0]),
+    (LINEN, [0.15, 0.34, 7.1], [2.25, 0.56, 8.9]),
+    (RUST, [0.95, 0.42, 7.05], [2.3, 0.62, 8.95]),
+    (LINEN, [0.2, 0.54, 7.25], [0.65, 0.68, 7.9]),
+    (LINEN, [0.2, 0.54, 8.1], [0.65, 0.68, 8.75]),
+    (MUSTARD, [0.6, 0.55, 7.4], [0.8, 0.85, 7.8]),
     (WALNUT, [0.1, 0.05, 6.45], [0.5, 0.48, 6.9]),
     (WALNUT, [0.1, 0.05, 9.1], [0.5, 0.48, 9.55]),
     (WHITE, [4.34, 0.05, 7.6], [4.94, 2.25, 9.8]),
     (OAK, [1.0, 0.05, 6.07], [2.2, 0.83, 6.5]),
     (MIRROR, [1.1, 1.05, 6.06], [2.1, 1.95, 6.08]),
     (MUSTARD, [0.06, 1.35, 7.6], [0.09, 1.85, 8.4]),
+    (MUSTARD, [2.9, 0.0, 7.2], [4.0, 0.02, 8.8]),
     // Study: a screen on the desk.
-    (BLACK, [5.2, 0.85, 8.5], [5.24, 1.25, 9.2]),
-    (BLACK, [5.15, 0.74, 8.75], [5.3, 0.85, 8.95]),
-    // Bathroom: basin with a mirror, bath of five sides, toilet.
+    (BLACK, [5.2, 0.74, 8.5], [5.24, 1.2, 9.2]),
+    // Bathroom: basin with a mirror, the bottom of the bath, toilet.
     (MIRROR, [9.06, 1.1, 7.2], [9.08, 1.9, 8.0]),
     (WHITE, [9.07, 0.3, 7.1], [9.5, 0.72, 8.1]),
-    (CHINA, [12.3, 0.02, 6.1], [13.92, 0.1, 6.9]),
-    (CHINA, [12.3, 0.1, 6.07], [13.94, 0.56, 6.15]),
-    (CHINA, [12.3, 0.1, 6.85], [13.94, 0.56, 6.93]),
-    (CHINA, [12.3, 0.1, 6.15], [12.4, 0.56, 6.85]),
-    (CHINA, [13.8, 0.1, 6.15], [13.94, 0.56, 6.85]),
-    // Hall: a mirror, a picture.
+    (CHINA, [9.07, 0.72, 7.2], [9.55, 0.88, 8.0]),
+    (CHINA, [12.3, 0.02, 6.1], [13.9, 0.12, 6.9]),
+    (CHINA, [9.5, 0.0, 9.3], [9.85, 0.42, 9.75]),
+    (CHINA, [9.42, 0.4, 9.75], [9.93, 0.85, 9.93]),
+    // Hall: a bench, a mirror, a picture.
+    (OAK, [12.3, 0.0, 5.55], [13.5, 0.45, 5.9]),
     (MIRROR, [9.2, 0.9, 5.92], [10.0, 1.95, 5.94]),
     (MUSTARD, [12.4, 1.3, 4.56], [13.3, 1.9, 4.59]),
 ];
 
-/// What is upholstered or of rounded china.
-const ROUNDED: [Piece; 13] = [
-    (RUST, [0.9, 0.0, 2.4], [4.2, 0.02, 4.8]),
-    (LINEN, [0.15, 0.34, 7.1], [2.25, 0.56, 8.9]),
-    (RUST, [0.95, 0.42, 7.05], [2.3, 0.62, 8.95]),
-    (LINEN, [0.2, 0.54, 7.25], [0.65, 0.68, 7.9]),
-    (LINEN, [0.2, 0.54, 8.1], [0.65, 0.68, 8.75]),
-    (MUSTARD, [0.6, 0.55, 7.4], [0.8, 0.85, 7.8]),
-    (MUSTARD, [2.9, 0.0, 7.2], [4.0, 0.02, 8.8]),
-    (CHINA, [9.07, 0.72, 7.2], [9.55, 0.88, 8.0]),
-    (CHINA, [9.5, 0.0, 9.3], [9.85, 0.4, 9.75]),
-    (CHINA, [9.45, 0.36, 9.25], [9.9, 0.44, 9.78]),
-    (CHINA, [9.42, 0.4, 9.75], [9.93, 0.85, 9.93]),
-    (LINEN, [10.2, 0.0, 7.2], [11.4, 0.02, 8.0]),
-    (STEEL, [10.45, 0.92, 0.08], [10.55, 1.2, 0.15]),
-];
-
-fn setting() -> Setting {
+fn setting() -> Scene {
     let light = |([x, y, z], power): ([f64; 3], f32)| {
         sphere_light([x as f32, y as f32, z as f32], [power, 0.82 * power, 0.58 * power])
     };
-    Setting {
+    Scene {
         materials: materials(),
-        lights: LAMPS.map(light).to_vec(),
-        environment: Some(Environment { zenith: [2.4, 3.0, 4.0], nadir: [1.1, 1.1, 1.1] }),
+        lights: LAMPS.map(light).into_iter().chain([environment([2.4, 3.0, 4.0], [1.1, 1.1, 1.1])]).collect(),
         cameras: vec![
             camera("living", [7.4, 1.6, 0.7], [1.8, 0.8, 4.6], 0.17),
             camera("kitchen", [8.5, 1.65, 4.0], [12.6, 0.9, 0.9], 0.18),
             camera("bedroom", [4.6, 1.65, 6.5], [1.0, 0.6, 9.2], 0.18),
         ],
-        ..Setting::default()
+        ..Scene::default()
     }
 }
 
@@ -190,11 +168,14 @@ fn draw(canvas: &mut Canvas) {
     }
     canvas.block(WALL, &DAffine3::IDENTITY, [0.0, CEILING, 0.0], [14.0, CEILING + 0.2, 10.0]);
     canvas.block(PANEL, &DAffine3::IDENTITY, [10.4, 2.66, 1.8], [11.8, 2.68, 2.8]);
-    for sides in [[0.0, 0.0, 8.0, 6.0], [8.0, 4.5, 14.0, 6.0], [0.0, 6.0, 9.0, 10.0]] {
-        floor(canvas, [PLANK, DARK_PLANK], sides, [1.6, 0.16]);
-    }
-    for sides in [[8.0, 0.0, 14.0, 4.5], [9.0, 6.0, 14.0, 10.0]] {
-        floor(canvas, [TILE, LIGHT_TILE], sides, [0.4, 0.4]);
+    for (material, sides) in [
+        (PLANK, [0.0, 0.0, 8.0, 6.0]),
+        (PLANK, [8.0, 4.5, 14.0, 6.0]),
+        (PLANK, [0.0, 6.0, 9.0, 10.0]),
+        (TILE, [8.0, 0.0, 14.0, 4.5]),
+        (TILE, [9.0, 6.0, 14.0, 10.0]),
+    ] {
+        canvas.flat(material, &DAffine3::IDENTITY, sides, 0.0);
     }
     for (x, z, turns) in [(4.6, 6.0, -0.27), (8.95, 6.0, -0.3), (12.1, 6.0, -0.22), (14.0, 5.69, -0.25)] {
         let leaf = place(x, 0.0, z, turns);
@@ -212,26 +193,18 @@ fn draw(canvas: &mut Canvas) {
 
 fn furnish(canvas: &mut Canvas) {
     for (material, low, high) in FURNITURE {
-        soft_block(canvas, material, &DAffine3::IDENTITY, [low, high], 0.008);
+        soft_block(canvas, material, &DAffine3::IDENTITY, low, high);
     }
-    for (material, low, high) in ROUNDED {
-        soft_block(canvas, material, &DAffine3::IDENTITY, [low, high], 0.07);
-    }
+    canvas.ring(CHINA, &DAffine3::IDENTITY, [[12.3, 0.02, 6.1], [13.9, 0.56, 6.9]], 0.08);
     sofa(canvas, &place(2.3, 0.0, 5.35, 0.5));
     sofa(canvas, &place(0.65, 0.0, 3.2, 0.25));
     table(canvas, WALNUT, &place(2.5, 0.0, 3.6, 0.0), [0.55, 0.4, 0.35]);
     table(canvas, OAK, &place(5.9, 0.0, 4.3, 0.0), [0.9, 0.74, 0.45]);
     table(canvas, OAK, &place(5.45, 0.0, 8.85, 0.25), [0.8, 0.74, 0.38]);
-    table(canvas, OAK, &place(12.9, 0.0, 5.7, 0.0), [0.55, 0.45, 0.18]);
-    for (x, z, turns) in [
-        (5.4, 5.08, 0.49),
-        (6.4, 5.1, 0.51),
-        (5.4, 3.52, 0.01),
-        (6.4, 3.48, -0.02),
-        (6.3, 8.8, -0.28),
-        (10.8, 3.35, 0.47),
-        (11.6, 3.4, 0.52),
-    ] {
+    for (x, z, turns) in [(5.4, 5.08, 0.49), (6.4, 5.1, 0.51), (5.4, 3.52, 0.01), (6.4, 3.48, -0.02)] {
+        chair(canvas, &place(x, 0.0, z, turns));
+    }
+    for (x, z, turns) in [(6.3, 8.8, -0.28), (10.8, 3.35, 0.47), (11.6, 3.4, 0.52)] {
         chair(canvas, &place(x, 0.0, z, turns));
     }
     for (x, z, turns) in [(5.1, 5.93, 0.5), (6.15, 5.93, 0.5), (8.93, 8.4, -0.25)] {
@@ -268,18 +241,6 @@ fn wall(canvas: &mut Canvas, frame: &DAffine3, length: f64, openings: &[Opening]
     }
 }
 
-/// A floor of slabs of about this size in two shades; `sides` are least x and z, then greatest.
-fn floor(canvas: &mut Canvas, shades: [u32; 2], [left, back, right, front]: [f64; 4], size: [f64; 2]) {
-    let (columns, rows) = (((right - left) / size[0]) as u32, ((front - back) / size[1]) as u32);
-    let (width, depth) = ((right - left) / f64::from(columns), (front - back) / f64::from(rows));
-    let mut dice = Dice::of_cell(201, left as i64, back as i64);
-    for slab in 0..columns * rows {
-        let x = left + width * f64::from(slab % columns);
-        let z = back + depth * f64::from(slab / columns);
-        canvas.flat(shades[dice.below(2)], &DAffine3::IDENTITY, [x, z, x + width, z + depth], 0.0);
-    }
-}
-
 /// A rod with a curtain on each side of a window; z points into the room.
 fn curtains(canvas: &mut Canvas, frame: &DAffine3) {
     let around = canvas.steps(10.0, 5);
@@ -304,57 +265,54 @@ fn pendant(canvas: &mut Canvas, frame: &DAffine3, cord: f64) {
 }
 
 /// A block with softly rounded edges; sharp ones where the detail allows no better.
-fn soft_block(canvas: &mut Canvas, material: u32, frame: &DAffine3, [low, high]: [[f64; 3]; 2], radius: f64) {
+fn soft_block(canvas: &mut Canvas, material: u32, frame: &DAffine3, low: [f64; 3], high: [f64; 3]) {
+    let is_soft = [CHINA, SOFA, MUSTARD, RUST, LINEN].contains(&material);
     match canvas.steps(7.0, 0) {
         0 => canvas.block(material, frame, low, high),
-        steps => canvas.rounded_block(material, frame, [low, high], radius, steps),
+        steps => {
+            canvas.rounded_block(material, frame, [low, high], if is_soft { 0.07 } else { 0.008 }, steps)
+        }
     }
 }
 
 /// A sofa with two seats, looking along z.
 fn sofa(canvas: &mut Canvas, frame: &DAffine3) {
-    for (material, low, high) in [
-        (SOFA, [-0.9, 0.08, -0.5], [0.9, 0.3, 0.42]),
-        (SOFA, [-0.9, 0.2, -0.54], [0.9, 0.8, -0.3]),
-        (SOFA, [-1.1, 0.08, -0.52], [-0.88, 0.6, 0.44]),
-        (SOFA, [0.88, 0.08, -0.52], [1.1, 0.6, 0.44]),
-        (SOFA, [-0.88, 0.3, -0.34], [0.0, 0.46, 0.45]),
-        (SOFA, [0.0, 0.3, -0.34], [0.88, 0.46, 0.45]),
-        (MUSTARD, [-0.85, 0.46, -0.32], [-0.43, 0.86, -0.16]),
-        (RUST, [0.4, 0.46, -0.32], [0.82, 0.86, -0.16]),
-    ] {
-        soft_block(canvas, material, frame, [low, high], 0.07);
+    soft_block(canvas, SOFA, frame, [-0.9, 0.08, -0.5], [0.9, 0.3, 0.42]);
+    soft_block(canvas, SOFA, frame, [-0.9, 0.2, -0.54], [0.9, 0.8, -0.3]);
+    for x in [-1.1, 0.88] {
+        soft_block(canvas, SOFA, frame, [x, 0.08, -0.52], [x + 0.22, 0.6, 0.44]);
+    }
+    for (x, cushion) in [(-0.88, MUSTARD), (0.0, RUST)] {
+        soft_block(canvas, SOFA, frame, [x, 0.3, -0.34], [x + 0.88, 0.46, 0.45]);
+        soft_block(canvas, cushion, frame, [x + 0.2, 0.46, -0.32], [x + 0.62, 0.86, -0.16]);
     }
 }
 
 /// A top on four legs; half its width, its height and half its depth.
 fn table(canvas: &mut Canvas, material: u32, frame: &DAffine3, [x, top, z]: [f64; 3]) {
-    soft_block(canvas, material, frame, [[-x, top - 0.04, -z], [x, top, z]], 0.01);
+    soft_block(canvas, material, frame, [-x, top - 0.04, -z], [x, top, z]);
     for (x, z) in [(x - 0.06, z - 0.06), (x - 0.06, 0.06 - z), (0.06 - x, z - 0.06), (0.06 - x, 0.06 - z)] {
-        let leg = [[x - 0.025, 0.0, z - 0.025], [x + 0.025, top - 0.04, z + 0.025]];
-        soft_block(canvas, material, frame, leg, 0.01);
+        soft_block(canvas, material, frame, [x - 0.025, 0.0, z - 0.025], [x + 0.025, top - 0.04, z + 0.025]);
     }
 }
 
 /// A chair that looks along z.
 fn chair(canvas: &mut Canvas, frame: &DAffine3) {
     table(canvas, WALNUT, frame, [0.21, 0.45, 0.21]);
-    soft_block(canvas, WALNUT, frame, [[-0.2, 0.45, -0.21], [0.2, 0.92, -0.18]], 0.01);
-    soft_block(canvas, LINEN, frame, [[-0.19, 0.45, -0.17], [0.19, 0.49, 0.2]], 0.02);
+    soft_block(canvas, WALNUT, frame, [-0.2, 0.45, -0.21], [0.2, 0.92, -0.18]);
+    soft_block(canvas, LINEN, frame, [-0.19, 0.45, -0.17], [0.19, 0.49, 0.2]);
 }
 
 /// A bookcase 1 m wide with its books; x along it, z out of it, its back at the origin.
 fn bookcase(canvas: &mut Canvas, frame: &DAffine3) {
-    for x in [-0.5, 0.475] {
-        canvas.block(OAK, frame, [x, 0.0, 0.0], [x + 0.025, 2.16, 0.3]);
-    }
+    canvas.ring(OAK, &(*frame * tilt(0.25)), [[-0.5, 0.0, -2.16], [0.5, 0.3, 0.0]], 0.025);
     canvas.block(OAK, frame, [-0.475, 0.0, 0.0], [0.475, 2.16, 0.01]);
     let mut dice = Dice::new(231);
-    for board in 0..=6 {
+    for board in 0..6 {
         let y = 0.355 * f64::from(board);
         canvas.block(OAK, frame, [-0.475, y, 0.01], [0.475, y + 0.025, 0.3]);
         let mut x = -0.47;
-        while board < 6 && x < 0.42 {
+        while x < 0.42 {
             let (thickness, height) = (dice.between(0.018, 0.05), dice.between(0.2, 0.32));
             let cover = [RUST, BLUE, WALNUT, MUSTARD, LINEN][dice.below(5)];
             let depth = dice.between(0.16, 0.24);

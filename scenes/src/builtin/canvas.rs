@@ -1,9 +1,9 @@
-//! What built-in scenes are drawn on: a mesh that grows, or only a count of its triangles.
+//! What built-in scenes are drawn on: a scene that grows, or only a count of its triangles.
 
 use glam::{DVec2, DVec3};
 
 use super::numbers::Dice;
-use crate::{Light, Material};
+use crate::Scene;
 
 /// One corner of a triangle, before it is rounded to single precision.
 #[derive(Clone, Copy, Debug, Default)]
@@ -16,19 +16,9 @@ pub(super) struct Vertex {
     pub(super) uv: DVec2,
 }
 
-/// The flat arrays that become a scene.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Mesh {
-    pub(super) positions: Vec<[f32; 3]>,
-    pub(super) normals: Vec<[f32; 3]>,
-    pub(super) uvs: Vec<[f32; 2]>,
-    pub(super) triangles: Vec<[u32; 3]>,
-    pub(super) triangle_materials: Vec<u32>,
-}
-
-impl Mesh {
+impl Scene {
     /// Appends a vertex and gives its index.
-    pub(super) fn vertex(&mut self, vertex: Vertex) -> u32 {
+    pub(super) fn push_vertex(&mut self, vertex: Vertex) -> u32 {
         let index = self.positions.len() as u32;
         self.positions.push(vertex.position.as_vec3().to_array());
         self.normals.push(vertex.normal.as_vec3().to_array());
@@ -37,26 +27,9 @@ impl Mesh {
     }
 
     /// Appends a triangle, counter-clockwise seen from outside.
-    pub(super) fn triangle(&mut self, material: u32, corners: [u32; 3]) {
+    pub(super) fn push_triangle(&mut self, material: u32, corners: [u32; 3]) {
         self.triangles.push(corners);
         self.triangle_materials.push(material);
-    }
-
-    /// One light for every run of neighbouring triangles of one emissive material.
-    ///
-    /// Lamps of the same material that are drawn one after the other would become one light: give
-    /// each its own draw order, or mean it.
-    pub(super) fn emissive_lights(&self, materials: &[Material]) -> Vec<Light> {
-        let mut first_triangle = 0;
-        let mut lights = Vec::new();
-        for run in self.triangle_materials.chunk_by(|a, b| a == b) {
-            let triangle_count = run.len() as u32;
-            if materials[run[0] as usize].is_emissive() {
-                lights.push(Light::Emissive { first_triangle, triangle_count });
-            }
-            first_triangle += triangle_count;
-        }
-        lights
     }
 }
 
@@ -67,27 +40,24 @@ impl Mesh {
 /// strokes depend on must not be taken inside it.
 #[derive(Debug)]
 pub(super) struct Canvas {
-    detail: f64,
+    /// The level of detail, 0 for the coarsest scene.
+    pub(super) detail: f64,
     dither: Dice,
-    triangle_count: u64,
-    /// None on a canvas that only counts.
-    mesh: Option<Mesh>,
+    /// How many triangles were drawn.
+    pub(super) triangle_count: u64,
+    /// What was drawn; none on a canvas that only counts.
+    pub(super) scene: Option<Scene>,
 }
 
 impl Canvas {
     /// A canvas that only counts. `detail` is 0 for the coarsest scene and 1 for about the default.
     pub(super) fn counting(detail: f64) -> Self {
-        Self { detail, dither: Dice::new(0x5EED), triangle_count: 0, mesh: None }
+        Self { detail, dither: Dice::new(0x5EED), triangle_count: 0, scene: None }
     }
 
-    /// A canvas that keeps what is drawn.
-    pub(super) fn keeping(detail: f64) -> Self {
-        Self { mesh: Some(Mesh::default()), ..Self::counting(detail) }
-    }
-
-    /// The level of detail, 0 for the coarsest scene.
-    pub(super) fn detail(&self) -> f64 {
-        self.detail
+    /// A canvas that keeps what is drawn, in a scene without triangles.
+    pub(super) fn keeping(detail: f64, scene: Scene) -> Self {
+        Self { scene: Some(scene), ..Self::counting(detail) }
     }
 
     /// Into how many steps to cut something that wants `at_default` of them at detail 1: at least
@@ -104,21 +74,11 @@ impl Canvas {
     }
 
     /// Draws `triangle_count` triangles by calling `stroke`, or counts them.
-    pub(super) fn draw(&mut self, triangle_count: u64, stroke: impl FnOnce(&mut Mesh)) {
+    pub(super) fn draw(&mut self, triangle_count: u64, stroke: impl FnOnce(&mut Scene)) {
         self.triangle_count += triangle_count;
-        if let Some(mesh) = &mut self.mesh {
-            stroke(mesh);
-            debug_assert_eq!(mesh.triangles.len() as u64, self.triangle_count);
+        if let Some(scene) = &mut self.scene {
+            stroke(scene);
+            debug_assert_eq!(scene.triangles.len() as u64, self.triangle_count);
         }
-    }
-
-    /// How many triangles were drawn.
-    pub(super) fn triangle_count(&self) -> u64 {
-        self.triangle_count
-    }
-
-    /// The mesh that was drawn; empty if triangles were only counted.
-    pub(super) fn into_mesh(self) -> Mesh {
-        self.mesh.unwrap_or_default()
     }
 }

@@ -1,4 +1,4 @@
-//! `city`: a grid of streets with towers in its middle, flats around them and houses at its rim.
+//! `city`: a grid of streets with towers in its middle, and blocks of flats and parks around them.
 //!
 //! Each [`Plot`] is a square with a block of buildings and half of the streets around it. More
 //! triangles make a larger city; few make each plot coarser too.
@@ -7,22 +7,17 @@ use std::ops::Range;
 
 use glam::{DAffine3, DVec2, dvec2, dvec3};
 
-use super::BuiltinInfo;
 use super::canvas::Canvas;
 use super::foliage::sprig_texture;
 use super::numbers::{Dice, value_noise};
-use super::setting::{Recipe, Setting, camera, cut_out, glossy, matt, metal, palette};
+use super::setting::{Recipe, camera, cut_out, environment, glossy, matt, metal, palette};
 use super::shapes::{path, place, stretch, tilt};
-use crate::Environment;
+use crate::Scene;
 
 pub(super) const RECIPE: Recipe = Recipe {
-    info: BuiltinInfo {
-        name: "city",
-        description: "Streets with towers, flats and houses, parked cars, lamps and trees with cut-out leaves, under an open sky.",
-        default_triangles: 1_000_000,
-        least_triangles: 25_000,
-        most_triangles: 50_000_000,
-    },
+    name: "city",
+    description: "Streets with towers and flats, parks, parked cars, lamps and trees with cut-out leaves, under an open sky.",
+    triangles: [12_500, 1_000_000, 50_000_000],
     setting,
     draw,
 };
@@ -48,7 +43,6 @@ palette! {
     STEEL = metal("steel", [0.55, 0.56, 0.58], 0.35);
     WHITE = glossy("white paint", [0.78, 0.77, 0.74], 0.5);
     ROOFING = matt("roofing felt", [0.2, 0.19, 0.18]);
-    ROOF_TILE = matt("roof tile", [0.4, 0.14, 0.09]);
     RED_CAR = glossy("red car", [0.5, 0.03, 0.03], 0.15);
     BLUE_CAR = glossy("blue car", [0.04, 0.1, 0.35], 0.15);
     SILVER_CAR = metal("silver car", [0.7, 0.71, 0.73], 0.25);
@@ -58,17 +52,17 @@ palette! {
     LEAVES = cut_out("leaves", 0);
 }
 
-fn setting() -> Setting {
-    Setting {
+fn setting() -> Scene {
+    Scene {
         materials: materials(),
         textures: vec![sprig_texture()],
-        lights: Vec::new(),
-        environment: Some(Environment { zenith: [0.8, 1.15, 1.8], nadir: [0.55, 0.5, 0.45] }),
+        lights: vec![environment([0.8, 1.15, 1.8], [0.55, 0.5, 0.45])],
         cameras: vec![
             camera("skyline", [-235.0, 150.0, 290.0], [20.0, 22.0, -20.0], 0.11),
             camera("avenue", [38.6, 2.4, 104.0], [36.0, 13.0, 0.0], 0.16),
             camera("crossing", [30.5, 7.0, 43.5], [60.0, 9.0, -20.0], 0.18),
         ],
+        ..Scene::default()
     }
 }
 
@@ -94,33 +88,17 @@ impl Plot {
     }
 }
 
-/// The place of the n-th square of a spiral around the origin.
-fn spiral(index: i64) -> (i64, i64) {
-    let mut ring = 0;
-    while (2 * ring + 1) * (2 * ring + 1) <= index {
-        ring += 1;
-    }
-    if ring == 0 {
-        return (0, 0);
-    }
-    let along = index - (2 * ring - 1) * (2 * ring - 1);
-    let (side, offset) = (along / (2 * ring), along % (2 * ring) - ring);
-    match side {
-        0 => (ring, offset),
-        1 => (-offset, ring),
-        2 => (-ring, -offset),
-        _ => (offset, -ring),
-    }
-}
-
 fn draw(canvas: &mut Canvas) {
     // A smaller city has fewer plots and less on each of them.
-    let richness = canvas.detail().sqrt().clamp(0.02, 1.0);
-    let plots = (180.0 * canvas.detail() / richness).max(9.0) as u32;
+    let richness = canvas.detail.sqrt().clamp(0.02, 1.0);
+    let plots = (180.0 * canvas.detail / richness).max(9.0) as u32;
     let reach = PITCH * (f64::from(plots).sqrt() + 16.0);
     canvas.flat(LAWN, &DAffine3::IDENTITY, [-reach, -reach, reach, reach], -0.3);
-    for index in 0..plots {
-        let (column, row) = spiral(i64::from(index));
+    let rings = (f64::from(plots).sqrt() / 2.0).ceil() as i64;
+    let mut cells: Vec<[i64; 2]> =
+        (-rings..=rings).flat_map(|row| (-rings..=rings).map(move |column| [column, row])).collect();
+    cells.sort_by_key(|[column, row]| column.abs().max(row.abs()));
+    for [column, row] in cells.into_iter().take(plots as usize) {
         let (x, z) = (column as f64, row as f64);
         let mut plot = Plot {
             frame: place(PITCH * x, 0.0, PITCH * z, 0.0),
@@ -130,12 +108,12 @@ fn draw(canvas: &mut Canvas) {
         };
         street(canvas, &mut plot);
         let zone = plot.distance + 0.8 * value_noise(507, 0.7 * x, 0.7 * z);
-        let is_park = plot.dice.chance(0.09) && index > 0;
-        match zone {
-            _ if is_park => park(canvas, &mut plot),
-            ..1.9 => towers(canvas, &mut plot),
-            ..4.0 => flats(canvas, &mut plot),
-            _ => houses(canvas, &mut plot),
+        if plot.dice.chance(0.09) && plot.distance > 0.0 {
+            park(canvas, &mut plot);
+        } else if zone < 1.9 {
+            towers(canvas, &mut plot);
+        } else {
+            flats(canvas, &mut plot);
         }
     }
 }
@@ -240,13 +218,11 @@ struct Building {
     /// Share of the height of a floor that is wall.
     solid: f64,
     wall: u32,
-    /// With a tiled roof instead of a flat one.
-    is_pitched: bool,
 }
 
 /// Gives the height at which the walls end.
 fn draw_building(canvas: &mut Canvas, plot: &Plot, frame: &DAffine3, building: &Building) -> f64 {
-    let Building { half, foot, floors, floor_height, solid, wall, is_pitched } = *building;
+    let Building { half, foot, floors, floor_height, solid, wall } = *building;
     let top = foot + f64::from(floors) * floor_height;
     canvas.block(GLASS, frame, [-half.x, foot, -half.y], [half.x, top, half.y]);
     let ledges = plot.steps(canvas, f64::from(floors), 1).min(floors);
@@ -264,18 +240,10 @@ fn draw_building(canvas: &mut Canvas, plot: &Plot, frame: &DAffine3, building: &
             canvas.block(wall, &facade, [x - reach, foot, -0.1], [x + reach, top, 0.25]);
         }
     }
-    if is_pitched {
-        let (ridge, reach) = (top + 0.7 * half.y, half.x - half.y);
-        let slopes = [[0.0, top - 0.1], [0.6, top - 0.1], [0.6, top], [0.1 - half.y, ridge]];
-        canvas.band(ROOF_TILE, frame, [-half, half], &slopes);
-        canvas.block(ROOF_TILE, frame, [-reach - 0.1, ridge - 0.1, -0.15], [reach + 0.1, ridge + 0.05, 0.15]);
-        canvas.block(BRICK, frame, [-0.35, top, -1.4], [0.35, ridge + 0.8, -0.7]);
-    } else {
-        canvas.block(ROOFING, frame, [-half.x, top, -half.y], [half.x, top + 0.1, half.y]);
-        let parapet = [[0.0, top], [0.3, top], [0.3, top + 0.9], [0.0, top + 0.9], [0.0, top + 0.1]];
-        canvas.band(wall, frame, [-half, half], &parapet);
-        canvas.block(CONCRETE, frame, [1.0, top, -1.5], [3.5, top + 2.6, 1.5]);
-    }
+    canvas.block(ROOFING, frame, [-half.x, top, -half.y], [half.x, top + 0.1, half.y]);
+    let parapet = [[0.0, top], [0.3, top], [0.3, top + 0.9], [0.0, top + 0.9], [0.0, top + 0.1]];
+    canvas.band(wall, frame, [-half, half], &parapet);
+    canvas.block(CONCRETE, frame, [1.0, top, -1.5], [3.5, top + 2.6, 1.5]);
     top
 }
 
@@ -290,8 +258,7 @@ fn towers(canvas: &mut Canvas, plot: &mut Plot) {
         let height = plot.dice.between(0.2, 1.0) * 38.0 * (1.0 - plot.distance / 4.0).max(0.2);
         let floors = ((8.0 + height) as u32 / tiers).max(3);
         let wall = [CONCRETE, STEEL, SANDSTONE, WHITE][plot.dice.below(4)];
-        let (floor_height, solid, is_pitched) = (3.5, 0.25, false);
-        let mut tier = Building { half, foot: KERB, floors, floor_height, solid, wall, is_pitched };
+        let mut tier = Building { half, foot: KERB, floors, floor_height: 3.5, solid: 0.25, wall };
         for _ in 0..tiers {
             tier.foot = draw_building(canvas, plot, &frame, &tier);
             tier.half *= plot.dice.between(0.7, 0.88);
@@ -310,32 +277,11 @@ fn flats(canvas: &mut Canvas, plot: &mut Plot) {
         let half = dvec2(plot.dice.between(13.0, 16.0), 6.5);
         let floors = 4 + plot.dice.below(5) as u32;
         let wall = [BRICK, SANDSTONE, WHITE, CONCRETE][plot.dice.below(4)];
-        let (floor_height, solid, is_pitched) = (3.1, 0.48, false);
-        let house = Building { half, foot: KERB, floors, floor_height, solid, wall, is_pitched };
+        let house = Building { half, foot: KERB, floors, floor_height: 3.1, solid: 0.48, wall };
         draw_building(canvas, plot, &(turned * place(-7.0, 0.0, HALF_LOT - 7.5, 0.0)), &house);
     }
     for _ in 0..3 {
         let (x, z) = (plot.dice.between(-6.0, 6.0), plot.dice.between(-6.0, 6.0));
         tree(canvas, plot, [x, z], 5.0..8.0);
-    }
-}
-
-/// Two rows of houses in gardens, back to back.
-fn houses(canvas: &mut Canvas, plot: &mut Plot) {
-    canvas.flat(LAWN, &plot.frame, [-HALF_LOT, -HALF_LOT, HALF_LOT, HALF_LOT], KERB + 0.02);
-    for lot in 0..6 {
-        let front = plot.frame * place(0.0, 0.0, 0.0, 0.5 * f64::from(lot / 3));
-        let x = 16.0 * (f64::from(lot % 3) - 1.0);
-        let half = dvec2(plot.dice.between(5.2, 6.2), plot.dice.between(3.8, 4.8));
-        let floors = 1 + plot.dice.below(2) as u32;
-        let wall = [WHITE, BRICK, SANDSTONE][plot.dice.below(3)];
-        let (floor_height, solid, is_pitched) = (2.8, 0.55, true);
-        let house = Building { half, foot: KERB, floors, floor_height, solid, wall, is_pitched };
-        let frame = front * place(x, 0.0, plot.dice.between(12.5, 15.0), 0.0);
-        draw_building(canvas, plot, &frame, &house);
-        for z in [2.5, 5.5] {
-            let aside = x + plot.dice.between(-6.0, 6.0);
-            tree(canvas, plot, [aside, if lot < 3 { z } else { -z }], 3.5..7.0);
-        }
     }
 }

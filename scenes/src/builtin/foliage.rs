@@ -52,7 +52,7 @@ impl Canvas {
     /// A cloud of leaf patches in the unit ball of `frame`, denser near its surface: so many of two
     /// triangles each, their edge about `size` metres in world space.
     pub(super) fn leaves(&mut self, material: u32, frame: &DAffine3, count: u32, size: f64, seed: u64) {
-        self.draw(2 * u64::from(count), |mesh| {
+        self.draw(2 * u64::from(count), |scene| {
             let mut dice = Dice::new(seed);
             for _ in 0..count {
                 let outward = dice.direction();
@@ -64,7 +64,7 @@ impl Canvas {
                 let half = 0.5 * size * dice.between(0.75, 1.25);
                 let (right, up) = (across * half, facing.cross(across) * half);
                 let (left_edge, right_edge) = (centre - right, centre + right);
-                quad(mesh, material, [left_edge - up, right_edge - up, right_edge + up, left_edge + up]);
+                quad(scene, material, [left_edge - up, right_edge - up, right_edge + up, left_edge + up]);
             }
         });
     }

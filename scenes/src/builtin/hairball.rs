@@ -3,21 +3,16 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::BuiltinInfo;
 use super::canvas::Canvas;
 use super::numbers::{Dice, sin_cos};
-use super::setting::{Recipe, Setting, camera, glossy, metal, palette, sphere_light};
+use super::setting::{Recipe, camera, environment, glossy, metal, palette, sphere_light};
 use super::shapes::path;
-use crate::Environment;
+use crate::Scene;
 
 pub(super) const RECIPE: Recipe = Recipe {
-    info: BuiltinInfo {
-        name: "hairball",
-        description: "A ball of thin curled hairs with a hollow in its middle, lit by the sky and two sphere lights, one in the hollow.",
-        default_triangles: 500_000,
-        least_triangles: 9_000,
-        most_triangles: 50_000_000,
-    },
+    name: "hairball",
+    description: "A ball of thin curled hairs with a hollow in its middle, lit by the sky and two sphere lights, one in the hollow.",
+    triangles: [9_000, 500_000, 50_000_000],
     setting,
     draw,
 };
@@ -34,28 +29,28 @@ palette! {
     COPPER = metal("copper", [0.9, 0.56, 0.4], 0.3);
 }
 
-fn setting() -> Setting {
-    Setting {
+fn setting() -> Scene {
+    Scene {
         materials: materials(),
         lights: vec![
             sphere_light([3.0, 4.0, 3.5], [120.0, 110.0, 95.0]),
             sphere_light([-0.1, 0.2, -0.1], [2.4, 2.0, 1.5]),
+            environment([0.7, 0.85, 1.1], [0.35, 0.3, 0.27]),
         ],
-        environment: Some(Environment { zenith: [0.7, 0.85, 1.1], nadir: [0.35, 0.3, 0.27] }),
         cameras: vec![
             camera("outside", [0.0, 1.2, 6.0], [0.0, 0.0, 0.0], 0.125),
             camera("close", [1.6, 1.0, 2.1], [0.0, 0.3, 0.2], 0.14),
             camera("inside", [0.0, 0.0, 0.0], [1.0, 0.35, 0.6], 0.2),
         ],
-        ..Setting::default()
+        ..Scene::default()
     }
 }
 
 fn draw(canvas: &mut Canvas) {
     // Detail goes mostly into more hairs, the rest into smoother ones.
-    let smoothness = canvas.detail().sqrt().sqrt().max(0.35);
+    let smoothness = canvas.detail.sqrt().sqrt().max(0.35);
     let rows = (30.0 * smoothness) as u32;
-    let hairs = canvas.round(2500.0 * (canvas.detail() / smoothness).max(0.05));
+    let hairs = canvas.round(2500.0 * (canvas.detail / smoothness).max(0.05));
     for hair in 0..hairs {
         let mut dice = Dice::of_cell(61, i64::from(hair), 0);
         let path = wind(&mut dice, rows);

@@ -16,8 +16,8 @@ mod setting;
 mod shapes;
 mod terrain;
 
-use canvas::{Canvas, Mesh};
-use setting::{Recipe, Setting};
+use canvas::Canvas;
+use setting::Recipe;
 
 use crate::bvh::BYTES_PER_TRIANGLE;
 use crate::memory::{self, Shortage};
@@ -81,7 +81,13 @@ const RECIPES: [Recipe; 6] =
 
 /// All built-in scenes.
 pub fn list() -> [BuiltinInfo; RECIPES.len()] {
-    RECIPES.map(|recipe| recipe.info)
+    RECIPES.map(|Recipe { name, description, triangles: [least, default, most], .. }| BuiltinInfo {
+        name,
+        description,
+        default_triangles: default,
+        least_triangles: least,
+        most_triangles: most,
+    })
 }
 
 /// Builds a built-in scene with about this many triangles: within 5 %, but never fewer than the
@@ -91,12 +97,12 @@ pub fn list() -> [BuiltinInfo; RECIPES.len()] {
 /// If no scene has this name, or if `triangles` is 0 or more than the scene's `most_triangles`,
 /// which keeps every index in 32 bits.
 pub fn build(name: &str, triangles: Option<u64>) -> Result<Scene, BuiltinError> {
-    let Some(recipe) = RECIPES.iter().find(|recipe| recipe.info.name == name) else {
-        let known = list().map(|info| info.name).join(", ");
+    let Some(recipe) = RECIPES.iter().find(|recipe| recipe.name == name) else {
+        let known = RECIPES.map(|recipe| recipe.name).join(", ");
         return Err(BuiltinError::UnknownName { name: name.into(), known });
     };
-    let BuiltinInfo { name, least_triangles: least, most_triangles: most, .. } = recipe.info;
-    let asked = triangles.unwrap_or(recipe.info.default_triangles);
+    let (name, [least, default, most]) = (recipe.name, recipe.triangles);
+    let asked = triangles.unwrap_or(default);
     if asked == 0 || asked > most {
         return Err(BuiltinError::TriangleCount { name, asked, least, most });
     }
@@ -105,9 +111,11 @@ pub fn build(name: &str, triangles: Option<u64>) -> Result<Scene, BuiltinError> 
         asked,
         source,
     })?;
-    let mut canvas = Canvas::keeping(detail_for(recipe, asked.max(least)));
+    let mut canvas = Canvas::keeping(detail_for(recipe, asked.max(least)), (recipe.setting)());
     (recipe.draw)(&mut canvas);
-    let mut scene = assemble(name, (recipe.setting)(), canvas.into_mesh());
+    let mut scene = Scene { name: name.into(), ..canvas.scene.unwrap_or_default() };
+    leave_out_unused(&mut scene);
+    add_emissive_lights(&mut scene);
     if asked < least {
         scene.notices.push(format!(
             "builtin:{name} cannot do with {asked} triangles and has {}, about its fewest",
@@ -122,7 +130,7 @@ fn detail_for(recipe: &Recipe, wanted: u64) -> f64 {
     let count_at = |detail: f64| {
         let mut canvas = Canvas::counting(detail);
         (recipe.draw)(&mut canvas);
-        canvas.triangle_count()
+        canvas.triangle_count
     };
     // Each a level of detail and its count; the wanted one lies between them.
     let mut low = (0.0, count_at(0.0));
@@ -169,28 +177,29 @@ fn detail_for(recipe: &Recipe, wanted: u64) -> f64 {
     nearest.0
 }
 
-/// Puts a scene together, leaving out what nothing in it uses.
-fn assemble(name: &str, setting: Setting, mut mesh: Mesh) -> Scene {
-    let mut lights = setting.lights;
-    lights.extend(mesh.emissive_lights(&setting.materials));
-    lights.extend(setting.environment.map(Light::Environment));
-    if mesh.normals.iter().all(|normal| *normal == [0.0; 3]) {
-        mesh.normals = Vec::new();
+/// Removes arrays that nothing in the scene uses.
+fn leave_out_unused(scene: &mut Scene) {
+    if scene.normals.iter().all(|normal| *normal == [0.0; 3]) {
+        scene.normals = Vec::new();
     }
-    if setting.textures.is_empty() {
-        mesh.uvs = Vec::new();
+    if scene.textures.is_empty() {
+        scene.uvs = Vec::new();
     }
-    Scene {
-        name: name.into(),
-        positions: mesh.positions,
-        normals: mesh.normals,
-        uvs: mesh.uvs,
-        triangles: mesh.triangles,
-        triangle_materials: mesh.triangle_materials,
-        materials: setting.materials,
-        textures: setting.textures,
-        lights,
-        cameras: setting.cameras,
-        notices: Vec::new(),
+}
+
+/// Adds one light for every run of neighbouring triangles of one emissive material, before an
+/// environment.
+///
+/// Lamps of the same material that are drawn one after the other would become one light: give each
+/// its own draw order, or mean it.
+fn add_emissive_lights(scene: &mut Scene) {
+    let mut first_triangle = 0;
+    for run in scene.triangle_materials.chunk_by(|a, b| a == b) {
+        let triangle_count = run.len() as u32;
+        if scene.materials[run[0] as usize].is_emissive() {
+            scene.lights.push(Light::Emissive { first_triangle, triangle_count });
+        }
+        first_triangle += triangle_count;
     }
+    scene.lights.sort_by_key(|light| matches!(light, Light::Environment(_)));
 }

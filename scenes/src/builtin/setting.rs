@@ -2,29 +2,19 @@
 
 use glam::DVec3;
 
-use super::BuiltinInfo;
 use super::canvas::Canvas;
-use crate::{Camera, Environment, Light, Material, Texture};
+use crate::{Camera, Environment, Light, Material, Scene};
 
 /// How to make a built-in scene.
 pub(super) struct Recipe {
-    /// What users are told about it.
-    pub(super) info: BuiltinInfo,
-    /// Everything but the triangles.
-    pub(super) setting: fn() -> Setting,
+    pub(super) name: &'static str,
+    pub(super) description: &'static str,
+    /// The fewest it can have, how many it has if none are asked for, and the most.
+    pub(super) triangles: [u64; 3],
+    /// Everything but the triangles, and the lights that they are.
+    pub(super) setting: fn() -> Scene,
     /// Draws the triangles.
     pub(super) draw: fn(&mut Canvas),
-}
-
-/// Everything but the triangles.
-#[derive(Default)]
-pub(super) struct Setting {
-    pub(super) materials: Vec<Material>,
-    pub(super) textures: Vec<Texture>,
-    /// Spheres and punctual lights; emissive triangles become lights by themselves.
-    pub(super) lights: Vec<Light>,
-    pub(super) environment: Option<Environment>,
-    pub(super) cameras: Vec<Camera>,
 }
 
 /// The materials of a scene, `NUMBER = material;` each: a constant that strokes take, and
@@ -70,6 +60,11 @@ pub(super) fn cut_out(name: &str, texture: u32) -> Material {
 /// A light of the kind the paper uses: a glowing sphere of radius 0.05.
 pub(super) fn sphere_light(position: [f32; 3], intensity: [f32; 3]) -> Light {
     Light::Sphere { position, radius: 0.05, intensity }
+}
+
+/// Light from all around; the last light of a scene.
+pub(super) fn environment(zenith: [f32; 3], nadir: [f32; 3]) -> Light {
+    Light::Environment(Environment { zenith, nadir })
 }
 
 /// A camera that stands at `eye` and looks at `target`, which is not straight above or below it.

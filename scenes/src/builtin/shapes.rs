@@ -4,8 +4,9 @@
 
 use glam::{DAffine3, DMat3, DVec2, DVec3, dvec2, dvec3};
 
-use super::canvas::{Canvas, Mesh, Vertex};
+use super::canvas::{Canvas, Vertex};
 use super::numbers::sin_cos;
+use crate::Scene;
 
 /// A frame that stands at a point and is turned about the vertical by so many turns.
 pub(super) fn place(x: f64, y: f64, z: f64, turns: f64) -> DAffine3 {
@@ -108,25 +109,25 @@ impl Net {
         }
     }
 
-    fn write(&self, mesh: &mut Mesh, material: u32) {
-        let first = mesh.positions.len() as u32;
+    fn write(&self, scene: &mut Scene, material: u32) {
+        let first = scene.positions.len() as u32;
         for vertex in &self.vertices {
-            mesh.vertex(*vertex);
+            scene.push_vertex(*vertex);
         }
         for corners in self.triangles() {
-            mesh.triangle(material, corners.map(|index| first + index));
+            scene.push_triangle(material, corners.map(|index| first + index));
         }
     }
 }
 
 /// Two triangles between four corners in world space, counter-clockwise, with the whole texture.
-pub(super) fn quad(mesh: &mut Mesh, material: u32, corners: [DVec3; 4]) {
+pub(super) fn quad(scene: &mut Scene, material: u32, corners: [DVec3; 4]) {
     const UVS: [DVec2; 4] = [dvec2(0.0, 1.0), dvec2(1.0, 1.0), dvec2(1.0, 0.0), dvec2(0.0, 0.0)];
     let [a, b, c, d] = [0, 1, 2, 3].map(|corner| {
-        mesh.vertex(Vertex { position: corners[corner], normal: DVec3::ZERO, uv: UVS[corner] })
+        scene.push_vertex(Vertex { position: corners[corner], normal: DVec3::ZERO, uv: UVS[corner] })
     });
-    mesh.triangle(material, [a, b, c]);
-    mesh.triangle(material, [a, c, d]);
+    scene.push_triangle(material, [a, b, c]);
+    scene.push_triangle(material, [a, c, d]);
 }
 
 impl Canvas {
@@ -178,7 +179,7 @@ impl Canvas {
         shading: Shading,
         point: impl Fn(f64, f64) -> DVec3,
     ) {
-        self.draw(net_count([columns, rows], poles), |mesh| {
+        self.draw(net_count([columns, rows], poles), |scene| {
             let mut net = Net::new([columns, rows], poles, |column, row| {
                 let (u, v) = (f64::from(column) / f64::from(columns), f64::from(row) / f64::from(rows));
                 let position = frame.transform_point3(point(u, v));
@@ -187,7 +188,7 @@ impl Canvas {
             if shading == Shading::Smooth {
                 net.smooth();
             }
-            net.write(mesh, material);
+            net.write(scene, material);
         });
     }
 
@@ -196,12 +197,12 @@ impl Canvas {
         let low = DVec3::from(low);
         let extent = DVec3::from(high) - low;
         let [x, y, z] = DVec3::AXES.map(|axis| extent * axis);
-        self.draw(12, |mesh| {
+        self.draw(12, |scene| {
             for [origin, first, second] in
                 [[low, y, x], [low + z, x, y], [low, z, y], [low + x, y, z], [low, x, z], [low + y, z, x]]
             {
                 let corners = [origin, origin + first, origin + first + second, origin + second];
-                quad(mesh, material, corners.map(|corner| frame.transform_point3(corner)));
+                quad(scene, material, corners.map(|corner| frame.transform_point3(corner)));
             }
         });
     }
@@ -221,12 +222,12 @@ impl Canvas {
             [(low.x, high.y), (high.x, high.y), (high.x, low.y), (low.x, low.y)]
                 .map(|(x, z)| frame.transform_point3(dvec3(x, y, z)))
         };
-        self.draw(8 * (profile.len() as u64 - 1), |mesh| {
+        self.draw(8 * (profile.len() as u64 - 1), |scene| {
             for span in profile.windows(2) {
                 let (below, above) = (around(&span[0]), around(&span[1]));
                 for here in 0..4 {
                     let next = (here + 1) % 4;
-                    quad(mesh, material, [below[here], below[next], above[next], above[here]]);
+                    quad(scene, material, [below[here], below[next], above[next], above[here]]);
                 }
             }
         });
@@ -271,7 +272,7 @@ impl Canvas {
             }
         };
         let axes = DVec3::AXES;
-        self.draw(6 * net_count(cells, [false; 2]), |mesh| {
+        self.draw(6 * net_count(cells, [false; 2]), |scene| {
             for (side, axis) in [0, 1, 2, 0, 1, 2].into_iter().enumerate() {
                 let (next, last) = (axes[(axis + 1) % 3], axes[(axis + 2) % 3]);
                 let [out, first, second] =
@@ -286,7 +287,7 @@ impl Canvas {
                         uv: dvec2(0.5 + 0.5 * column_slope, 0.5 - 0.5 * row_slope),
                     }
                 });
-                net.write(mesh, material);
+                net.write(scene, material);
             }
         });
     }
@@ -315,19 +316,6 @@ impl Canvas {
         }
     }
 
-    /// A ball whose surface lies at `reach(outward)` from the origin, for every unit vector;
-    /// `2 · rows` facets around and `rows` from pole to pole.
-    pub(super) fn lump(&mut self, material: u32, frame: &DAffine3, rows: u32, reach: impl Fn(DVec3) -> f64) {
-        let rows = rows.max(2);
-        self.surface(material, frame, [2 * rows, rows], [true; 2], Shading::Smooth, |u, v| {
-            // From the lower pole to the upper one.
-            let (height, radius) = sin_cos(0.5 * v - 0.25);
-            let (sine, cosine) = sin_cos(u);
-            let outward = dvec3(radius * cosine, height, -radius * sine);
-            outward * reach(outward)
-        });
-    }
-
     /// A tube along `path` (at least two points, no two neighbours equal), `around` facets around.
     /// `radius` is given by the place along the path, 0 to 1; where it is 0 at an end, the tube ends
     /// in a point, else it is open.
@@ -341,7 +329,7 @@ impl Canvas {
     ) {
         let rows = path.len() as u32 - 1;
         let poles = [radius(0.0) == 0.0, radius(1.0) == 0.0];
-        self.draw(net_count([around, rows], poles), |mesh| {
+        self.draw(net_count([around, rows], poles), |scene| {
             let path: Vec<DVec3> = path.iter().map(|&point| frame.transform_point3(point)).collect();
             let tangent = |row: usize| {
                 let (before, after) = (row.saturating_sub(1), (row + 1).min(path.len() - 1));
@@ -364,7 +352,7 @@ impl Canvas {
                 let normal = side * cosine + other * sine;
                 Vertex { position: path[row as usize] + normal * radius(v), normal, uv: dvec2(u, 1.0 - v) }
             });
-            net.write(mesh, material);
+            net.write(scene, material);
         });
     }
 }

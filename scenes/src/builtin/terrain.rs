@@ -2,45 +2,28 @@
 
 use glam::{DAffine3, DVec3, dvec3};
 
-use super::BuiltinInfo;
 use super::canvas::{Canvas, Vertex};
-use super::numbers::{Dice, ease, fractal_noise, value_noise};
-use super::setting::{Recipe, Setting, camera, glossy, matt, palette};
-use super::shapes::{place, stretch};
-use crate::{Environment, Light};
+use super::numbers::{Dice, ease, fractal_noise, sin_cos, value_noise};
+use super::setting::{Recipe, camera, environment, glossy, matt, palette};
+use super::shapes::{Shading, place, stretch};
+use crate::{Light, Scene};
 
 pub(super) const RECIPE: Recipe = Recipe {
-    info: BuiltinInfo {
-        name: "terrain",
-        description: "Mountains around a lake, with rocks and firs, under the sun and an open sky.",
-        default_triangles: 500_000,
-        least_triangles: 6_000,
-        most_triangles: 50_000_000,
-    },
+    name: "terrain",
+    description: "Mountains around a lake, with rocks and firs, under the sun and an open sky.",
+    triangles: [6_000, 500_000, 50_000_000],
     setting,
     draw,
 };
 
 /// Edge of the square of land, metres.
 const EDGE: f64 = 1200.0;
-/// Height of the lake.
-const LAKE: f64 = 0.0;
-
-/// A camera by where it stands on the land.
-struct View {
-    name: &'static str,
-    stand: [f64; 2],
-    /// Metres above the ground.
-    above: f64,
-    target: [f64; 3],
-}
-
-const VIEWS: [View; 3] = [
-    View { name: "shore", stand: [-60.0, 215.0], above: 7.0, target: [60.0, 38.0, -300.0] },
-    View { name: "ridge", stand: [330.0, 330.0], above: 45.0, target: [-40.0, 10.0, -60.0] },
-    View { name: "forest", stand: [-250.0, 120.0], above: 9.0, target: [120.0, 20.0, -80.0] },
+/// Cameras: name, where on the land, so many metres above it, what it looks at.
+const VIEWS: [(&str, [f64; 2], f64, [f64; 3]); 3] = [
+    ("shore", [-60.0, 215.0], 7.0, [60.0, 38.0, -300.0]),
+    ("ridge", [330.0, 330.0], 45.0, [-40.0, 10.0, -60.0]),
+    ("forest", [-250.0, 120.0], 9.0, [120.0, 20.0, -80.0]),
 ];
-
 /// Nothing grows nearer than this to a camera, metres.
 const CLEARING: f64 = 14.0;
 
@@ -56,18 +39,16 @@ palette! {
     NEEDLES = matt("needles", [0.05, 0.12, 0.05]);
 }
 
-fn setting() -> Setting {
+fn setting() -> Scene {
     let direction = dvec3(-0.62, -0.5, -0.6).normalize().as_vec3().to_array();
-    Setting {
+    let sun = Light::Directional { direction, irradiance: [4.2, 3.7, 3.0] };
+    Scene {
         materials: materials(),
-        lights: vec![Light::Directional { direction, irradiance: [4.2, 3.7, 3.0] }],
-        environment: Some(Environment { zenith: [0.45, 0.75, 1.3], nadir: [0.75, 0.8, 0.85] }),
+        lights: vec![sun, environment([0.45, 0.75, 1.3], [0.75, 0.8, 0.85])],
         cameras: VIEWS
-            .map(|View { name, stand: [x, z], above, target }| {
-                camera(name, [x, height(x, z) + above, z], target, 0.14)
-            })
+            .map(|(name, [x, z], above, target)| camera(name, [x, height(x, z) + above, z], target, 0.14))
             .to_vec(),
-        ..Setting::default()
+        ..Scene::default()
     }
 }
 
@@ -99,30 +80,30 @@ fn height(x: f64, z: f64) -> f64 {
 fn draw(canvas: &mut Canvas) {
     land(canvas);
     let corners = [(-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5)];
-    let lake = corners.map(|(x, z)| dvec3(0.62 * x * EDGE, LAKE, 0.62 * z * EDGE));
+    let lake = corners.map(|(x, z)| dvec3(0.62 * x * EDGE, 0.0, 0.62 * z * EDGE));
     canvas.patch(WATER, &DAffine3::IDENTITY, lake, [1, 1]);
     scatter(canvas);
 }
 
 /// The ground: a grid of heights with smooth normals, painted by height and slope.
 fn land(canvas: &mut Canvas) {
-    let cells = ((440.0 * canvas.detail().sqrt()) as u32).max(40);
+    let cells = ((440.0 * canvas.detail.sqrt()) as u32).max(40);
     let step = EDGE / f64::from(cells);
     let stride = cells + 1;
-    canvas.draw(2 * u64::from(cells) * u64::from(cells), |mesh| {
+    canvas.draw(2 * u64::from(cells) * u64::from(cells), |scene| {
         let at = |column: u32, row: u32| {
             let x = step * f64::from(column) - 0.5 * EDGE;
             let z = step * f64::from(row) - 0.5 * EDGE;
             dvec3(x, height(x, z), z)
         };
         let points: Vec<DVec3> = (0..stride * stride).map(|i| at(i % stride, i / stride)).collect();
-        let first = mesh.positions.len() as u32;
+        let first = scene.positions.len() as u32;
         let of = |column: u32, row: u32| points[(row.min(cells) * stride + column.min(cells)) as usize];
         for row in 0..stride {
             for column in 0..stride {
                 let across = of(column + 1, row) - of(column.saturating_sub(1), row);
                 let along = of(column, row + 1) - of(column, row.saturating_sub(1));
-                mesh.vertex(Vertex {
+                scene.push_vertex(Vertex {
                     position: of(column, row),
                     normal: along.cross(across).normalize_or(DVec3::Y),
                     ..Vertex::default()
@@ -135,7 +116,7 @@ fn land(canvas: &mut Canvas) {
                 let (b, c, d) = (a + 1, a + 1 + stride, a + stride);
                 for corners in [[a, d, c], [a, c, b]] {
                     let material = ground(corners.map(|index| points[index as usize]));
-                    mesh.triangle(material, corners.map(|index| first + index));
+                    scene.push_triangle(material, corners.map(|index| first + index));
                 }
             }
         }
@@ -163,7 +144,7 @@ fn ground([a, b, c]: [DVec3; 3]) -> u32 {
 /// Firs and boulders, one candidate for each cell of a grid.
 fn scatter(canvas: &mut Canvas) {
     const CELLS: i64 = 72;
-    let share = canvas.detail().min(1.0);
+    let share = canvas.detail.min(1.0);
     for cell in 0..CELLS * CELLS {
         let (column, row) = (cell % CELLS, cell / CELLS);
         let mut dice = Dice::of_cell(77, column, row);
@@ -174,7 +155,7 @@ fn scatter(canvas: &mut Canvas) {
         let kept = dice.chance(0.02 + 0.98 * share);
         let wooded = value_noise(101, x / 90.0, z / 90.0) > -0.25;
         let in_view =
-            VIEWS.iter().any(|View { stand, .. }| (x - stand[0]).abs().max((z - stand[1]).abs()) < CLEARING);
+            VIEWS.iter().any(|(_, stand, ..)| (x - stand[0]).abs().max((z - stand[1]).abs()) < CLEARING);
         if !kept || y < 2.5 || in_view {
             continue;
         }
@@ -207,7 +188,10 @@ fn boulder(canvas: &mut Canvas, foot: DVec3, dice: &mut Dice) {
     let frame = place(foot.x, foot.y, foot.z, dice.unit()) * stretch(size, 0.7 * size, 1.2 * size);
     let lumps = dice.bits();
     let rows = canvas.steps(6.0, 3);
-    canvas.lump(BOULDER, &frame, rows, |outward| {
-        1.0 + 0.2 * fractal_noise(lumps, 1.4 * outward.x + outward.y, 1.4 * outward.z - outward.y, 2)
+    canvas.surface(BOULDER, &frame, [2 * rows, rows], [true; 2], Shading::Smooth, |u, v| {
+        // From the lower pole to the upper one.
+        let ((y, radius), (sine, cosine)) = (sin_cos(0.5 * v - 0.25), sin_cos(u));
+        let (x, z) = (radius * cosine, -radius * sine);
+        dvec3(x, y, z) * (1.0 + 0.2 * fractal_noise(lumps, 1.4 * x + y, 1.4 * z - y, 2))
     });
 }

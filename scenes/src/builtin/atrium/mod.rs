@@ -9,21 +9,16 @@ mod court;
 
 use glam::DAffine3;
 
-use super::BuiltinInfo;
 use super::canvas::Canvas;
 use super::foliage::sprig_texture;
-use super::setting::{Recipe, Setting, camera, cut_out, glossy, matt, metal, palette, sphere_light};
+use super::setting::{Recipe, camera, cut_out, environment, glossy, matt, metal, palette, sphere_light};
 use super::shapes::place;
-use crate::Environment;
+use crate::Scene;
 
 pub(super) const RECIPE: Recipe = Recipe {
-    info: BuiltinInfo {
-        name: "atrium",
-        description: "An open court between two storeys of columns and arches, with vaults, curtains, a fountain and plants; sky and sphere lights.",
-        default_triangles: 262_144,
-        least_triangles: 80_000,
-        most_triangles: 20_000_000,
-    },
+    name: "atrium",
+    description: "An open court between two storeys of columns and arches, with vaults, curtains, a fountain and plants; sky and sphere lights.",
+    triangles: [80_000, 262_144, 20_000_000],
     setting,
     draw,
 };
@@ -58,19 +53,23 @@ palette! {
     BLUE_CLOTH = matt("blue cloth", [0.08, 0.14, 0.42]);
 }
 
-fn setting() -> Setting {
+fn setting() -> Scene {
     let warm = [24.0, 19.0, 12.0];
     let light = |lantern: Lantern| sphere_light(lantern.frame.translation.as_vec3().to_array(), warm);
-    Setting {
+    Scene {
         materials: materials(),
         textures: vec![sprig_texture()],
-        lights: lanterns().map(light).to_vec(),
-        environment: Some(Environment { zenith: [1.5, 2.0, 2.9], nadir: [0.6, 0.54, 0.48] }),
+        lights: lanterns()
+            .map(light)
+            .into_iter()
+            .chain([environment([1.5, 2.0, 2.9], [0.6, 0.54, 0.48])])
+            .collect(),
         cameras: vec![
             camera("court", [-10.9, 1.7, 1.6], [6.0, 3.9, -0.9], 0.17),
             camera("gallery", [9.6, 6.9, 6.4], [-4.0, 4.0, -2.6], 0.17),
             camera("aisle", [-14.2, 1.7, 7.3], [2.0, 2.2, 5.2], 0.17),
         ],
+        ..Scene::default()
     }
 }
 
