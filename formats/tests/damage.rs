@@ -6,6 +6,7 @@ mod hostile;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use fastrand::Rng;
 use formats::manifest::scan::{Frame, scan};
 use formats::manifest::{ArrayRecord, End, Outcome, Place, QueueId, Record, encode_frame, preamble};
 use formats::ray::Kind;
@@ -14,19 +15,6 @@ use formats::recover::recover;
 use hostile::{assert_sentence, sample, use_everything};
 
 const SEED: u64 = 0x5eed_f00d;
-
-/// Random numbers for tests (splitmix64, Steele et al. 2014).
-struct Random(u64);
-
-impl Random {
-    /// Less than `limit`.
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % limit as u64) as usize
-    }
-}
 
 fn frames(dump: &Path) -> Vec<Frame> {
     scan(&dump.join("manifest.bin")).unwrap().frames
@@ -106,12 +94,12 @@ fn arrays_cut_anywhere_are_refused_and_found() {
     let folder = sample::folder_in_memory();
     for (dump, cuts) in [(small(folder.path()), 900), (folder.path().join("sample.raydump"), 100)] {
         let arrays = arrays(&dump);
-        let mut random = Random(SEED);
+        let mut random = Rng::with_seed(SEED);
         for _ in 0..cuts {
-            let array = &arrays[random.below(arrays.len())];
+            let array = &arrays[random.usize(..arrays.len())];
             let file = dump.join(array.place.to_string());
             let bytes = fs::read(&file).unwrap();
-            let cut = random.below(bytes.len());
+            let cut = random.usize(..bytes.len());
             fs::write(&file, &bytes[..cut]).unwrap();
             let error = Dump::open(&dump).unwrap().bytes(array).unwrap_err();
             assert!(matches!(error, ReadError::FileLength { .. }), "{}: {error}", array.place);
@@ -127,14 +115,14 @@ fn a_cut_array_is_left_out_of_what_is_recovered() {
     let folder = sample::folder_in_memory();
     let dump = small(folder.path());
     let arrays = arrays(&dump);
-    let mut random = Random(SEED);
+    let mut random = Rng::with_seed(SEED);
     let copy = folder.path().join("copy.raydump");
     for _ in 0..50 {
         linked(&dump, &copy);
-        let at = random.below(arrays.len());
+        let at = random.usize(..arrays.len());
         let file = copy.join(arrays[at].place.to_string());
         let bytes = fs::read(&file).unwrap();
-        let cut = random.below(bytes.len());
+        let cut = random.usize(..bytes.len());
         replace(&file, &bytes[..cut]);
         let recovery = recover(&copy).unwrap();
         assert_eq!(recovery.arrays, arrays.len() - 1, "{} cut to {cut} bytes", arrays[at].place);
@@ -151,11 +139,11 @@ fn every_flipped_bit_is_refused_or_found() {
     for (dump, flips) in [(small(folder.path()), 1700), (folder.path().join("sample.raydump"), 300)] {
         let mut files = vec!["manifest.bin".to_owned()];
         files.extend(arrays(&dump).iter().map(|array| array.place.to_string()));
-        let mut random = Random(SEED);
+        let mut random = Rng::with_seed(SEED);
         for _ in 0..flips {
-            let file = dump.join(&files[random.below(files.len())]);
+            let file = dump.join(&files[random.usize(..files.len())]);
             let bytes = fs::read(&file).unwrap();
-            let (at, bit) = (random.below(bytes.len()), random.below(8));
+            let (at, bit) = (random.usize(..bytes.len()), random.usize(..8));
             let mut flipped = bytes.clone();
             flipped[at] ^= 1 << bit;
             fs::write(&file, &flipped).unwrap();

@@ -101,11 +101,8 @@ fn oracle_key(bits: &[&'static str], key_bits: usize, ray: &Ray, light: u32) -> 
 }
 
 fn rays() -> impl Iterator<Item = Ray> {
-    let mut state = 0x1234_5678u32;
-    let mut number = move || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as f32 / (1u32 << 24) as f32
-    };
+    let mut random = fastrand::Rng::with_seed(0x1234_5678);
+    let mut number = move || random.f32();
     (0..20_000).map(move |index| {
         let origin = [0, 1, 2].map(|axis| MIN[axis] + (MAX[axis] - MIN[axis]) * number());
         let d: [f32; 3] = std::array::from_fn(|_| number() * 2.0 - 1.0);

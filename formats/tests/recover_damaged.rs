@@ -103,14 +103,13 @@ fn any_damaged_arrays_are_left_out() {
     let whole_dump = sample::write(folder.path());
     let original = Original::of(&whole_dump);
     let (whole, copy) = (arrays(&whole_dump), folder.path().join("copy.raydump"));
-    let mut state = 0x5eed_f00du32;
+    let mut random = fastrand::Rng::with_seed(0x5eed_f00d);
     for round in 0..24 {
         original.write(&copy);
         let mut lost = BTreeSet::new();
         for array in &whole {
-            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
             // From a few to nearly all.
-            if state >> 8 < (round + 1) * ((1 << 24) / 25) {
+            if random.u32(..25) <= round {
                 fs::remove_file(copy.join(array)).unwrap();
                 lost.insert(array.clone());
             }

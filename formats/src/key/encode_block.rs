@@ -136,11 +136,8 @@ mod tests {
 
     #[test]
     fn blocks_have_the_keys_of_single_rays() {
-        let mut state = 5u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 40) as f32 / 8_388_608.0 - 1.0
-        };
+        let mut generator = fastrand::Rng::with_seed(5);
+        let mut random = || 2.0 * generator.f32() - 1.0;
         let mut ray = || Ray {
             origin: [random() * 3.0, random(), random()],
             t_min: 0.0,

@@ -3,15 +3,6 @@
 use super::*;
 use crate::{Camera, Material};
 
-/// Numbers in 0..1 from a linear congruential generator (Knuth's MMIX).
-pub(super) fn random(seed: u64) -> impl FnMut() -> f32 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f32 / (1 << 24) as f32
-    }
-}
-
 /// A scene of triangles that share no corners.
 pub(super) fn scene_of(triangles: &[[[f32; 3]; 3]]) -> Scene {
     Scene {
@@ -40,10 +31,10 @@ pub(super) fn scene_of(triangles: &[[[f32; 3]; 3]]) -> Scene {
 
 /// Small triangles anywhere in the unit cube.
 pub(super) fn soup(count: usize, seed: u64) -> Scene {
-    let mut random = random(seed);
+    let mut random = fastrand::Rng::with_seed(seed);
     let mut triangle = || {
-        let centre = [random(), random(), random()];
-        std::array::from_fn(|_| centre.map(|x| x + 0.1 * (random() - 0.5)))
+        let centre = std::array::from_fn(|_| random.f32());
+        std::array::from_fn(|_| centre.map(|x| x + 0.1 * (random.f32() - 0.5)))
     };
     scene_of(&(0..count).map(|_| triangle()).collect::<Vec<_>>())
 }

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::fixture::{Fixture, Random, check_invariants, load_bytes};
+use crate::fixture::{Fixture, check_invariants, load_bytes};
 
 const SEED: u64 = 7;
 const ROUNDS: usize = 1000;
@@ -33,18 +33,18 @@ fn rich() -> Fixture {
 #[test]
 fn damaged_bytes_never_panic() {
     let whole = rich().glb();
-    let mut random = Random(SEED);
+    let mut random = fastrand::Rng::with_seed(SEED);
     let mut loaded = 0;
     for round in 0..ROUNDS {
         let mut bytes = whole.clone();
-        for _ in 0..=random.below(4) {
-            let place = random.below(bytes.len());
-            bytes[place] = match random.below(4) {
+        for _ in 0..=random.usize(..4) {
+            let place = random.usize(..bytes.len());
+            bytes[place] = match random.usize(..4) {
                 // A digit where numbers are, so that the JSON often survives.
-                0..=2 if bytes[place].is_ascii_digit() => b'0' + random.below(10) as u8,
+                0..=2 if bytes[place].is_ascii_digit() => random.u8(b'0'..=b'9'),
                 0 => b'9',
                 1 => 0xFF,
-                _ => random.below(256) as u8,
+                _ => random.u8(..),
             };
         }
         // A panic shows which round it was.
