@@ -5,21 +5,13 @@ use std::sync::Arc;
 use anyhow::Result;
 use formats::key::{Layout, LayoutError, LightSite, Method, Termination};
 use formats::length_table::LengthCell;
+use formats::manifest::QueueId;
 use formats::ray::{Kind, Ray};
 use formats::unit_space::UnitSpace;
 use scenes::{Camera, Scene};
 
 use crate::stages::shade::tables::ShadeTables;
 use crate::stages::trace::Precision;
-
-/// A value and how long the device took to make it.
-#[derive(Clone, Copy, Debug)]
-pub struct Timed<T> {
-    /// The value.
-    pub value: T,
-    /// Nanoseconds, on the device's clock where it has one.
-    pub elapsed_ns: u64,
-}
 
 /// A method as a backend runs it: layout expanded for the scene's lights.
 #[derive(Clone, Debug)]
@@ -123,12 +115,10 @@ impl Setup {
 
 /// A queue: the live rays of one pass, bounce and kind, in canonical order.
 pub trait Queue {
+    /// Which one it is.
+    fn id(&self) -> QueueId;
     /// Number of rays.
     fn len(&self) -> usize;
-    /// What they ask for.
-    fn kind(&self) -> Kind;
-    /// Their bounce.
-    fn bounce(&self) -> u32;
 
     /// Whether no ray is left.
     fn is_empty(&self) -> bool {
@@ -147,17 +137,26 @@ pub struct Shaded<R> {
 
 /// Rays that were recorded, in canonical order.
 #[derive(Clone, Copy, Debug)]
-pub struct UploadedRays<'a> {
-    /// What they ask for.
-    pub kind: Kind,
-    /// Their bounce.
-    pub bounce: u32,
+pub struct RecordedRays<'a> {
+    /// The queue that they were.
+    pub id: QueueId,
     /// The rays; at most one per pixel of the [`Setup`].
     pub rays: &'a [Ray],
     /// Path index of each.
     pub path_ids: &'a [u32],
     /// Light index of each shadow ray; empty for closest rays.
     pub lights: &'a [u32],
+    /// The touched cells of the length table that their methods read; the table as it is if not given.
+    pub lengths: Option<&'a [LengthCell]>,
+}
+
+/// Which of the two length tables of a kind lengths are added to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Table {
+    /// The one that methods read.
+    Learnt,
+    /// One that nothing reads, to time the adding alone.
+    Scratch,
 }
 
 /// Takes an array's bytes, piece by piece.
@@ -191,43 +190,38 @@ pub trait Backend {
     /// Rays copied into another order.
     type Gathered;
 
+    /// Nanoseconds that the last verb took, on the device's clock where it has one. Copies between the
+    /// device and main memory are not timed.
+    fn elapsed_ns(&self) -> u64;
+
     /// A queue of recorded rays. What paths carry beside their rays is not recorded, so it cannot be shaded.
-    fn upload(&mut self, queue: UploadedRays<'_>) -> Result<Self::Rays>;
-    /// Replaces the length table of a kind.
-    fn load_table(&mut self, kind: Kind, cells: &[LengthCell]) -> Result<()>;
+    fn upload(&mut self, queue: RecordedRays<'_>) -> Result<Self::Rays>;
     /// Starts the length tables anew, 2^`bits` cells each, addressed by the top bits of `layout`.
     fn address_tables(&mut self, bits: u32, layout: &Layout) -> Result<()>;
 
     /// Camera rays of a pass.
-    fn generate(&mut self, pass: u32) -> Result<Timed<Self::Rays>>;
+    fn generate(&mut self, pass: u32) -> Result<Self::Rays>;
     /// Traces a queue in canonical order.
-    fn trace(&mut self, rays: &Self::Rays) -> Result<Timed<Self::Hits>>;
-    /// Adds traced lengths to the table of the queue's kind.
-    fn accumulate(&mut self, rays: &Self::Rays, hits: &Self::Hits) -> Result<()>;
+    fn trace(&mut self, rays: &Self::Rays) -> Result<Self::Hits>;
+    /// Adds traced lengths to a table of the queue's kind.
+    fn accumulate(&mut self, rays: &Self::Rays, hits: &Self::Hits, table: Table) -> Result<()>;
     /// Shades hits: film, next rays, shadow rays.
-    fn shade(&mut self, pass: u32, rays: &Self::Rays, hits: &Self::Hits)
-    -> Result<Timed<Shaded<Self::Rays>>>;
+    fn shade(&mut self, rays: &Self::Rays, hits: &Self::Hits) -> Result<Shaded<Self::Rays>>;
     /// Adds the light of shadow rays that arrived to the film.
     fn add_light(&mut self, rays: &Self::Rays, hits: &Self::Hits) -> Result<()>;
 
     /// Keys of a queue by method number, the query of the length table included.
-    fn key(&mut self, rays: &Self::Rays, hits: &Self::Hits, method: usize) -> Result<Timed<Self::Keys>>;
+    fn key(&mut self, rays: &Self::Rays, hits: &Self::Hits, method: usize) -> Result<Self::Keys>;
     /// Sorts keys, stably.
-    fn sort(&mut self, keys: &Self::Keys) -> Result<Timed<Self::Order>>;
+    fn sort(&mut self, keys: &Self::Keys) -> Result<Self::Order>;
     /// Copies rays into an order.
-    fn gather(&mut self, rays: &Self::Rays, order: &Self::Order) -> Result<Timed<Self::Gathered>>;
+    fn gather(&mut self, rays: &Self::Rays, order: &Self::Order) -> Result<Self::Gathered>;
     /// Traces copied rays; results go to canonical places.
-    fn trace_gathered(
-        &mut self,
-        gathered: &Self::Gathered,
-        order: &Self::Order,
-    ) -> Result<Timed<Self::Scattered>>;
+    fn trace_gathered(&mut self, gathered: &Self::Gathered, order: &Self::Order) -> Result<Self::Scattered>;
     /// Traces rays where they are, in an order; results go to canonical places.
-    fn trace_indirect(&mut self, rays: &Self::Rays, order: &Self::Order) -> Result<Timed<Self::Scattered>>;
+    fn trace_indirect(&mut self, rays: &Self::Rays, order: &Self::Order) -> Result<Self::Scattered>;
     /// Counts results that differ: all of a hit's fields, for shadow rays the occlusion.
     fn differences(&mut self, rays: &Self::Rays, hits: &Self::Hits, other: &Self::Scattered) -> Result<u64>;
-    /// Time of [`Backend::accumulate`] on a scratch table.
-    fn time_accumulate(&mut self, rays: &Self::Rays, hits: &Self::Hits) -> Result<u64>;
 
     /// Bytes of the rays, [`formats::ray::Ray`] each.
     fn read_rays(&mut self, rays: &Self::Rays, sink: &mut Sink<'_>) -> Result<()>;

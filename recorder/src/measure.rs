@@ -5,7 +5,7 @@ use formats::key::Termination;
 use formats::metrics::speedup::StageSamples;
 use formats::ray::Kind;
 
-use crate::backend::{Backend, MethodPlan, Queue};
+use crate::backend::{Backend, MethodPlan, Queue, Table};
 
 /// What measuring one queue gave.
 #[derive(Clone, Debug)]
@@ -27,41 +27,36 @@ pub struct MethodMeasurement {
     pub mismatches: u64,
 }
 
-/// Keys and order of a method, seen once per queue, before the timed repeats.
-pub trait OrderObserver<B: Backend> {
-    /// The keys and the permutation that one method gave.
-    fn ordered(&mut self, backend: &mut B, method: usize, keys: &B::Keys, order: &B::Order) -> Result<()>;
-}
-
 /// Measures all methods that apply to the queue.
 ///
-/// A warm-up round comes first; it also hands keys and permutation to `observer`. Then each repeat
-/// runs the baseline and every method once, starting one method later each time, so that drift
-/// hits all alike.
+/// A warm-up round comes first; it also hands the number of each method, its keys and its permutation to
+/// `ordered`. Then each repeat runs the baseline and every method once, starting one method later each time,
+/// so that drift hits all alike.
 ///
 /// # Errors
-/// Whatever the backend or the observer reports.
+/// Any of the backend or of `ordered`.
 pub fn measure<B: Backend>(
     backend: &mut B,
     rays: &B::Rays,
     hits: &B::Hits,
     methods: &[MethodPlan],
     repeats: u32,
-    observer: &mut impl OrderObserver<B>,
+    mut ordered: impl FnMut(&mut B, usize, &B::Keys, &B::Order) -> Result<()>,
 ) -> Result<QueueMeasurement> {
-    let applicable = (0..methods.len()).filter(|&method| methods[method].applies_to(rays.kind()));
+    let applicable = (0..methods.len()).filter(|&method| methods[method].applies_to(rays.id().kind));
     let mut measured: Vec<MethodMeasurement> = applicable
         .map(|method| MethodMeasurement { method, stages: StageSamples::default(), mismatches: 0 })
         .collect();
     for entry in &mut measured {
-        let keys = backend.key(rays, hits, entry.method)?.value;
-        let order = backend.sort(&keys)?.value;
-        observer.ordered(backend, entry.method, &keys, &order)?;
+        let keys = backend.key(rays, hits, entry.method)?;
+        let order = backend.sort(&keys)?;
+        ordered(backend, entry.method, &keys, &order)?;
         warm_up(backend, rays, hits, &order)?;
     }
     let mut unsorted_ns = Vec::new();
     for repeat in 0..repeats as usize {
-        unsorted_ns.push(backend.trace(rays)?.elapsed_ns);
+        backend.trace(rays)?;
+        unsorted_ns.push(backend.elapsed_ns());
         let count = measured.len();
         for turn in 0..count {
             let entry = &mut measured[(turn + repeat) % count];
@@ -73,11 +68,10 @@ pub fn measure<B: Backend>(
 
 /// Runs every stage after the sort once, so that no timed one is the first to compile or to touch memory.
 fn warm_up<B: Backend>(backend: &mut B, rays: &B::Rays, hits: &B::Hits, order: &B::Order) -> Result<()> {
-    let gathered = backend.gather(rays, order)?.value;
+    let gathered = backend.gather(rays, order)?;
     backend.trace_gathered(&gathered, order)?;
     backend.trace_indirect(rays, order)?;
-    backend.time_accumulate(rays, hits)?;
-    Ok(())
+    backend.accumulate(rays, hits, Table::Scratch)
 }
 
 fn measure_once<B: Backend>(
@@ -87,20 +81,22 @@ fn measure_once<B: Backend>(
     method: &MethodPlan,
     entry: &mut MethodMeasurement,
 ) -> Result<()> {
+    let stages = &mut entry.stages;
     let keys = backend.key(rays, hits, entry.method)?;
-    entry.stages.key.push(keys.elapsed_ns);
-    let order = backend.sort(&keys.value)?;
-    entry.stages.sort.push(order.elapsed_ns);
-    let gathered = backend.gather(rays, &order.value)?;
-    entry.stages.gather.push(gathered.elapsed_ns);
-    let scattered = backend.trace_gathered(&gathered.value, &order.value)?;
-    entry.stages.trace.push(scattered.elapsed_ns);
-    entry.mismatches = entry.mismatches.max(backend.differences(rays, hits, &scattered.value)?);
-    let scattered = backend.trace_indirect(rays, &order.value)?;
-    entry.stages.trace_indirect.push(scattered.elapsed_ns);
-    entry.mismatches = entry.mismatches.max(backend.differences(rays, hits, &scattered.value)?);
+    stages.key.push(backend.elapsed_ns());
+    let order = backend.sort(&keys)?;
+    stages.sort.push(backend.elapsed_ns());
+    let gathered = backend.gather(rays, &order)?;
+    stages.gather.push(backend.elapsed_ns());
+    let scattered = backend.trace_gathered(&gathered, &order)?;
+    stages.trace.push(backend.elapsed_ns());
+    entry.mismatches = entry.mismatches.max(backend.differences(rays, hits, &scattered)?);
+    let scattered = backend.trace_indirect(rays, &order)?;
+    stages.trace_indirect.push(backend.elapsed_ns());
+    entry.mismatches = entry.mismatches.max(backend.differences(rays, hits, &scattered)?);
     if method.termination == Termination::Adaptive {
-        entry.stages.accumulate.push(backend.time_accumulate(rays, hits)?);
+        backend.accumulate(rays, hits, Table::Scratch)?;
+        stages.accumulate.push(backend.elapsed_ns());
     }
     Ok(())
 }

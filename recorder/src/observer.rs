@@ -1,11 +1,10 @@
-//! Looks at each queue of the loop: measures it, captures it, keeps what the closing table needs.
+//! Measures and captures each queue of the loop, and keeps what the closing table needs.
 
 use anyhow::{Result, bail};
 use formats::key::method::UNSORTED;
 use formats::length_table::LengthCell;
 use formats::manifest::{
-    MethodArray, Mismatches, Place as ArrayPlace, QueueArray, QueueId, QueueRecord, Record, Stage,
-    TimingRecord,
+    MethodArray, Mismatches, Place, QueueArray, QueueId, QueueRecord, Stage, TimingRecord,
 };
 use formats::npy::Dtype;
 use formats::ray::{Kind, Ray};
@@ -15,10 +14,10 @@ use crate::backend::{Backend, MethodPlan, Queue, collected};
 use crate::cache_model::CacheModel;
 use crate::capture::Capture;
 use crate::comparison::compare;
-use crate::measure::{MethodMeasurement, OrderObserver, QueueMeasurement, measure, queue_name};
+use crate::measure::{MethodMeasurement, QueueMeasurement, measure, queue_name};
 use crate::options::{Keep, KeepPasses};
 use crate::progress::Progress;
-use crate::wavefront::{Observer, Place};
+use crate::wavefront::Observer;
 
 /// What is measured and kept.
 pub struct Plan<'a> {
@@ -88,28 +87,22 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
-    fn is_measured(&self, place: Place) -> bool {
-        place.pass + 1 == self.plan.passes
+    fn is_measured(&self, id: QueueId) -> bool {
+        id.pass + 1 == self.plan.passes
     }
 
-    fn keeps(&self, place: Place) -> bool {
-        self.is_measured(place) || self.plan.keep_passes == KeepPasses::All
+    fn keeps(&self, id: QueueId) -> bool {
+        self.is_measured(id) || self.plan.keep_passes == KeepPasses::All
     }
 
     fn write_cells(&mut self, id: QueueId, array: QueueArray, cells: &[LengthCell]) -> Result<()> {
-        self.capture.whole_array(ArrayPlace::Queue(id, array), &[cells.len() as u64], cells)
+        self.capture.whole_array(Place::Queue(id, array), &[cells.len() as u64], cells)
     }
 
-    fn keep_queue<B: Backend>(
-        &mut self,
-        backend: &mut B,
-        id: QueueId,
-        rays: &B::Rays,
-        hits: &B::Hits,
-    ) -> Result<()> {
-        let keep = &self.plan.keep;
+    fn keep_queue<B: Backend>(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
+        let (keep, id) = (&self.plan.keep, rays.id());
         let shape = [rays.len() as u64];
-        let at = |array| ArrayPlace::Queue(id, array);
+        let at = |array| Place::Queue(id, array);
         if keep.rays {
             self.capture
                 .array(at(QueueArray::Rays), Dtype::Ray, &shape, |sink| backend.read_rays(rays, sink))?;
@@ -149,15 +142,10 @@ impl<'a> Recorder<'a> {
     }
 
     /// What the cache model says of canonical order; returns the rays, for the other orders.
-    fn model_baseline<B: Backend>(
-        &mut self,
-        backend: &mut B,
-        id: QueueId,
-        rays: &B::Rays,
-    ) -> Result<Vec<Ray>> {
+    fn model_baseline<B: Backend>(&mut self, backend: &mut B, rays: &B::Rays) -> Result<Vec<Ray>> {
         let Some(model) = &self.plan.cache_model else { return Ok(Vec::new()) };
         let copied: Vec<Ray> = collected(|sink| backend.read_rays(rays, sink))?;
-        self.capture.record(Record::Cache(model.record(id, UNSORTED, &copied, |at| at)))?;
+        self.capture.cache(model.record(rays.id(), UNSORTED, &copied, |at| at))?;
         Ok(copied)
     }
 
@@ -208,88 +196,70 @@ impl<'a> Recorder<'a> {
 }
 
 impl<B: Backend> Observer<B> for Recorder<'_> {
-    fn traced(
-        &mut self,
-        backend: &mut B,
-        place: Place,
-        rays: &B::Rays,
-        hits: &B::Hits,
-        _elapsed_ns: u64,
-    ) -> Result<()> {
-        let id = QueueId { pass: place.pass, bounce: place.bounce, kind: place.kind };
-        self.progress.traced(place, rays.len());
-        if self.keeps(place) {
-            self.keep_queue(backend, id, rays, hits)?;
-            self.last_kept[place.kind as usize] = Some(id);
+    fn measure(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
+        let (id, count) = (rays.id(), rays.len());
+        self.progress.traced(id, count);
+        if self.keeps(id) {
+            self.keep_queue(backend, rays, hits)?;
+            self.last_kept[id.kind as usize] = Some(id);
         }
-        let mut measurement = None;
-        if self.is_measured(place) {
-            let copied = self.model_baseline(backend, id, rays)?;
-            let mut orders =
-                OrderCapture { plan: self.plan, capture: self.capture, id, rays: rays.len(), copied };
-            let measured = measure(backend, rays, hits, &self.plan.methods, self.plan.repeats, &mut orders)?;
-            self.progress.measured(place, rays.len());
-            self.check_mismatches(place, &measured)?;
-            self.write_timings(id, &measured)?;
-            measurement = Some(measured);
+        let measurement =
+            if self.is_measured(id) { Some(self.measure_methods(backend, rays, hits)?) } else { None };
+        if self.keeps(id) {
+            self.capture.queue(self.queue_record(id, count, measurement.as_ref()))?;
         }
-        if self.keeps(place) {
-            self.capture.record(Record::Queue(self.queue_record(id, rays.len(), measurement.as_ref())))?;
-        }
-        if let Some(measurement) = measurement {
-            self.measured.push(MeasuredQueue {
-                bounce: place.bounce,
-                kind: place.kind,
-                rays: rays.len(),
-                measurement,
-            });
-        }
+        let measured = measurement.map(|measurement| MeasuredQueue {
+            bounce: id.bounce,
+            kind: id.kind,
+            rays: count,
+            measurement,
+        });
+        self.measured.extend(measured);
         Ok(())
     }
 
-    fn stage(&mut self, place: Place, stage: Stage, elapsed_ns: u64) -> Result<()> {
-        if self.is_measured(place) {
-            let id = QueueId { pass: place.pass, bounce: place.bounce, kind: place.kind };
-            self.timing(id, UNSORTED, stage, &[elapsed_ns])?;
+    fn ran(&mut self, backend: &B, stage: Stage, rays: &B::Rays) -> Result<()> {
+        if self.is_measured(rays.id()) {
+            self.timing(rays.id(), UNSORTED, stage, &[backend.elapsed_ns()])?;
         }
         Ok(())
     }
 }
 
 impl Recorder<'_> {
-    fn check_mismatches(&self, place: Place, measurement: &QueueMeasurement) -> Result<()> {
-        for entry in &measurement.methods {
-            if entry.mismatches > 0 && !self.plan.tolerates_mismatches {
-                bail!(
-                    "{}: {} rays traced in the order of '{}' found something else than in canonical order; \
-                     a ray's result must depend on that ray alone, so this is a fault of the driver or of this program: please report it",
-                    queue_name(place.bounce, place.kind),
-                    entry.mismatches,
-                    self.plan.methods[entry.method].name
-                );
-            }
-        }
-        Ok(())
+    /// Measures every method, and captures keys and permutations as the warm-up round makes them.
+    fn measure_methods<B: Backend>(
+        &mut self,
+        backend: &mut B,
+        rays: &B::Rays,
+        hits: &B::Hits,
+    ) -> Result<QueueMeasurement> {
+        let (plan, id) = (self.plan, rays.id());
+        let copied = self.model_baseline(backend, rays)?;
+        let ordered = |backend: &mut B, method: usize, keys: &B::Keys, order: &B::Order| {
+            self.keep_order(backend, rays, &copied, &plan.methods[method], (keys, order))
+        };
+        let measured = measure(backend, rays, hits, &plan.methods, plan.repeats, ordered)?;
+        self.progress.measured(id, rays.len());
+        self.check_mismatches(id, &measured)?;
+        self.write_timings(id, &measured)?;
+        Ok(measured)
     }
-}
 
-/// Writes keys and permutations as the warm-up round makes them.
-struct OrderCapture<'a> {
-    plan: &'a Plan<'a>,
-    capture: &'a mut Capture,
-    id: QueueId,
-    rays: usize,
-    /// The rays themselves, for the cache model; empty without it.
-    copied: Vec<Ray>,
-}
-
-impl<B: Backend> OrderObserver<B> for OrderCapture<'_> {
-    fn ordered(&mut self, backend: &mut B, method: usize, keys: &B::Keys, order: &B::Order) -> Result<()> {
-        let plan = &self.plan.methods[method];
-        let at = |array| ArrayPlace::Method(self.id, plan.name.clone(), array);
-        let shape = [self.rays as u64];
+    /// Writes keys and permutation, and what caches make of the order; `copied` are the queue's rays, empty
+    /// without the cache model.
+    fn keep_order<B: Backend>(
+        &mut self,
+        backend: &mut B,
+        rays: &B::Rays,
+        copied: &[Ray],
+        method: &MethodPlan,
+        (keys, order): (&B::Keys, &B::Order),
+    ) -> Result<()> {
+        let at = |array| Place::Method(rays.id(), method.name.clone(), array);
+        let shape = [rays.len() as u64];
         if self.plan.keep.keys {
-            let dtype = if plan.key_bits <= 32 { Dtype::U4 } else { Dtype::U8 };
+            let dtype = if method.key_bits <= 32 { Dtype::U4 } else { Dtype::U8 };
             self.capture.array(at(MethodArray::Keys), dtype, &shape, |sink| backend.read_keys(keys, sink))?;
         }
         if self.plan.keep.permutations {
@@ -299,8 +269,23 @@ impl<B: Backend> OrderObserver<B> for OrderCapture<'_> {
         }
         if let Some(model) = &self.plan.cache_model {
             let permutation: Vec<u32> = collected(|sink| backend.read_order(order, sink))?;
-            let record = model.record(self.id, &plan.name, &self.copied, |at| permutation[at] as usize);
-            self.capture.record(Record::Cache(record))?;
+            self.capture
+                .cache(model.record(rays.id(), &method.name, copied, |at| permutation[at] as usize))?;
+        }
+        Ok(())
+    }
+
+    fn check_mismatches(&self, id: QueueId, measurement: &QueueMeasurement) -> Result<()> {
+        for entry in &measurement.methods {
+            if entry.mismatches > 0 && !self.plan.tolerates_mismatches {
+                bail!(
+                    "{}: {} rays traced in the order of '{}' found something else than in canonical order; \
+                     a ray's result must depend on that ray alone, so this is a fault of the driver or of this program: please report it",
+                    queue_name(id.bounce, id.kind),
+                    entry.mismatches,
+                    self.plan.methods[entry.method].name
+                );
+            }
         }
         Ok(())
     }

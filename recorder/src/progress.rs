@@ -1,8 +1,7 @@
 //! A progress bar on stderr: rays traced, rays per second, time left.
 
+use formats::manifest::QueueId;
 use indicatif::{ProgressBar, ProgressStyle};
-
-use crate::wavefront::Place;
 
 /// Progress of a recording, in traced rays. Hidden where stderr is not a terminal.
 pub struct Progress {
@@ -30,16 +29,16 @@ impl Progress {
     }
 
     /// A queue of `rays` was traced once.
-    pub fn traced(&self, place: Place, rays: usize) {
-        self.bar.set_message(format!("pass {} bounce {} {}", place.pass, place.bounce, place.kind));
+    pub fn traced(&self, id: QueueId, rays: usize) {
+        self.bar.set_message(format!("pass {} bounce {} {}", id.pass, id.bounce, id.kind));
         self.bar.inc(rays as u64);
-        self.expect(place.pass, place.bounce, rays as u64);
+        self.expect(id.pass, id.bounce, rays as u64);
     }
 
     /// A queue of `rays` was measured with all methods.
-    pub fn measured(&self, place: Place, rays: usize) {
+    pub fn measured(&self, id: QueueId, rays: usize) {
         self.bar.inc(rays as u64 * self.measured_traces);
-        self.expect(place.pass, place.bounce, rays as u64);
+        self.expect(id.pass, id.bounce, rays as u64);
     }
 
     /// The bar is done.

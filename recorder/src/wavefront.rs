@@ -2,42 +2,23 @@
 
 use anyhow::Result;
 use formats::manifest::Stage;
-use formats::ray::Kind;
 
-use crate::backend::{Backend, Queue};
+use crate::backend::{Backend, Queue, RecordedRays, Table};
 
-/// Where in the run a queue stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
-    /// Pass, from 0.
-    pub pass: u32,
-    /// Surfaces away from the camera.
-    pub bounce: u32,
-    /// What the rays ask for.
-    pub kind: Kind,
-}
-
-/// What wants to look at the loop: measuring and capturing stand outside it.
+/// What measures and captures the queues of the loop.
 pub trait Observer<B: Backend> {
-    /// A queue was traced in canonical order; its table still is as before.
-    fn traced(
-        &mut self,
-        backend: &mut B,
-        place: Place,
-        rays: &B::Rays,
-        hits: &B::Hits,
-        elapsed_ns: u64,
-    ) -> Result<()>;
-    /// A stage that has no queue of its own to show took this long.
-    fn stage(&mut self, _place: Place, _stage: Stage, _elapsed_ns: u64) -> Result<()> {
+    /// A queue was just traced in canonical order; its length table still is as before.
+    fn measure(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()>;
+    /// A stage beside tracing has just run: `Generate` made these rays, or `Shade` shaded them.
+    fn ran(&mut self, _backend: &B, _stage: Stage, _rays: &B::Rays) -> Result<()> {
         Ok(())
     }
 }
 
-/// Runs `passes` passes of up to `bounces` bounces.
+/// Traces paths from the camera: `passes` samples per pixel of up to `bounces` bounces.
 ///
 /// # Errors
-/// Whatever the backend or the observer reports.
+/// Any of the backend or the observer.
 pub fn run<B: Backend>(
     backend: &mut B,
     passes: u32,
@@ -45,34 +26,52 @@ pub fn run<B: Backend>(
     observer: &mut impl Observer<B>,
 ) -> Result<()> {
     for pass in 0..passes {
-        let at = |bounce, kind| Place { pass, bounce, kind };
-        let generated = backend.generate(pass)?;
-        let mut rays = generated.value;
-        observer.stage(at(0, Kind::Closest), Stage::Generate, generated.elapsed_ns)?;
-        for bounce in 0..bounces {
+        let mut rays = backend.generate(pass)?;
+        observer.ran(backend, Stage::Generate, &rays)?;
+        for _ in 0..bounces {
             if rays.is_empty() {
                 break;
             }
-            let hits = backend.trace(&rays)?;
-            observer.traced(backend, at(bounce, Kind::Closest), &rays, &hits.value, hits.elapsed_ns)?;
-            backend.accumulate(&rays, &hits.value)?;
-            let shaded = backend.shade(pass, &rays, &hits.value)?;
-            observer.stage(at(bounce, Kind::Closest), Stage::Shade, shaded.elapsed_ns)?;
-            let shadow_rays = shaded.value.shadow;
-            if !shadow_rays.is_empty() {
-                let occlusion = backend.trace(&shadow_rays)?;
-                observer.traced(
-                    backend,
-                    at(bounce, Kind::Shadow),
-                    &shadow_rays,
-                    &occlusion.value,
-                    occlusion.elapsed_ns,
-                )?;
-                backend.accumulate(&shadow_rays, &occlusion.value)?;
-                backend.add_light(&shadow_rays, &occlusion.value)?;
+            let hits = trace(backend, &rays, observer)?;
+            let shaded = backend.shade(&rays, &hits)?;
+            observer.ran(backend, Stage::Shade, &rays)?;
+            if !shaded.shadow.is_empty() {
+                let occlusion = trace(backend, &shaded.shadow, observer)?;
+                backend.add_light(&shaded.shadow, &occlusion)?;
             }
-            rays = shaded.value.next;
+            rays = shaded.next;
         }
     }
     Ok(())
+}
+
+/// Traces queues that were recorded, in the order of their recording.
+///
+/// # Errors
+/// Any of the backend or the observer.
+pub fn run_recorded<B: Backend>(
+    backend: &mut B,
+    queues: &[RecordedRays<'_>],
+    observer: &mut impl Observer<B>,
+) -> Result<()> {
+    for &queue in queues {
+        let rays = backend.upload(queue)?;
+        trace(backend, &rays, observer)?;
+    }
+    Ok(())
+}
+
+/// Traces a queue in canonical order, measures it, and only then lets the length table learn from it.
+fn trace<B: Backend>(backend: &mut B, rays: &B::Rays, observer: &mut impl Observer<B>) -> Result<B::Hits> {
+    let hits = backend.trace(rays)?;
+    observer.measure(backend, rays, &hits)?;
+    backend.accumulate(rays, &hits, Table::Learnt)?;
+    Ok(hits)
+}
+
+/// Queues that nobody measures.
+impl<B: Backend> Observer<B> for () {
+    fn measure(&mut self, _: &mut B, _: &B::Rays, _: &B::Hits) -> Result<()> {
+        Ok(())
+    }
 }

@@ -8,10 +8,11 @@
 use std::sync::Arc;
 
 use formats::key::{Encoder, Termination};
-use formats::length_table::LengthTable;
+use formats::length_table::{LengthCell, LengthTable};
+use formats::manifest::QueueId;
 use formats::ray::{Hit, Kind, Ray, Work};
 use formats::unit_space::UnitSpace;
-use recorder::backend::{Backend, Queue, Setup, UploadedRays};
+use recorder::backend::{Backend, Queue, RecordedRays, Setup, Table};
 use recorder::cli::parse_record;
 use recorder::gpu::backend::GpuBackend;
 use recorder::gpu::{AdapterRequest, Gpu};
@@ -72,7 +73,7 @@ fn copy(
     let ray_bytes = bytes(|sink| gpu.read_rays(rays, sink));
     let hit_bytes = bytes(|sink| gpu.read_hits(hits, sink));
     let copied: Vec<Ray> = bytemuck::pod_collect_to_vec(&ray_bytes);
-    let (lights, lengths) = match rays.kind() {
+    let (lights, lengths) = match rays.id().kind {
         Kind::Closest => {
             let hits: Vec<Hit> = bytemuck::pod_collect_to_vec(&hit_bytes);
             let lengths = copied.iter().zip(&hits).map(|(ray, hit)| setup.unit.closest_length(ray, hit));
@@ -102,7 +103,7 @@ fn compare_orders(
     let cells = Encoder::new(&setup.table_layout, setup.table_bits, setup.unit, &[]);
     let mut compared = 0;
     for (number, method) in
-        setup.methods.iter().enumerate().filter(|(_, method)| method.applies_to(rays.kind()))
+        setup.methods.iter().enumerate().filter(|(_, method)| method.applies_to(rays.id().kind))
     {
         let encoder = Encoder::new(&method.layout, method.key_bits, setup.unit, &setup.light_sites);
         let expected: Vec<u64> = (0..copied.rays.len())
@@ -116,18 +117,17 @@ fn compare_orders(
                 encoder.encode(ray, length, copied.lights[index])
             })
             .collect();
-        let keys = gpu.key(rays, hits, number).unwrap().value;
+        let keys = gpu.key(rays, hits, number).unwrap();
         let key_bytes = bytes(|sink| gpu.read_keys(&keys, sink));
         let found: Vec<u64> = if method.key_bits <= 32 {
             bytemuck::pod_collect_to_vec::<u8, u32>(&key_bytes).into_iter().map(u64::from).collect()
         } else {
             bytemuck::pod_collect_to_vec(&key_bytes)
         };
-        let place =
-            format!("{} at {} bits, bounce {} {}", method.name, method.key_bits, rays.bounce(), rays.kind());
+        let place = format!("{} at {} bits, {}", method.name, method.key_bits, rays.id());
         let wrong = found.iter().zip(&expected).position(|(found, expected)| found != expected);
         assert_eq!(wrong, None, "first wrong key of {place}");
-        let order = gpu.sort(&keys).unwrap().value;
+        let order = gpu.sort(&keys).unwrap();
         let found: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_order(&order, sink)));
         let mut expected_order: Vec<u32> = (0..expected.len() as u32).collect();
         expected_order.sort_by_key(|&index| expected[index as usize]);
@@ -150,25 +150,24 @@ fn compare_run(options: &RecordOptions) -> usize {
     let tables = [LengthTable::new(setup.table_bits), LengthTable::new(setup.table_bits)];
     let mut compared = 0;
     for pass in 0..2 {
-        let mut rays = gpu.generate(pass).unwrap().value;
+        let mut rays = gpu.generate(pass).unwrap();
         for _ in 0..setup.bounces {
-            let hits = gpu.trace(&rays).unwrap().value;
+            let hits = gpu.trace(&rays).unwrap();
             let mut queues = vec![(rays, hits)];
-            let shaded = gpu.shade(pass, &queues[0].0, &queues[0].1).unwrap().value;
-            let occlusion = gpu.trace(&shaded.shadow).unwrap().value;
+            let shaded = gpu.shade(&queues[0].0, &queues[0].1).unwrap();
+            let occlusion = gpu.trace(&shaded.shadow).unwrap();
             queues.push((shaded.shadow, occlusion));
             for (rays, hits) in &queues {
-                let table = &tables[rays.kind() as usize];
+                let table = &tables[rays.id().kind as usize];
                 compared += compare_orders(&mut gpu, &setup, rays, hits, table);
                 let copied = copy(&mut gpu, &setup, rays, hits);
                 add_lengths(&setup, table, &copied);
-                gpu.accumulate(rays, hits).unwrap();
+                gpu.accumulate(rays, hits, Table::Learnt).unwrap();
                 assert_eq!(
-                    gpu.touched_cells(rays.kind()).unwrap(),
+                    gpu.touched_cells(rays.id().kind).unwrap(),
                     table.touched(),
-                    "table after bounce {} {}",
-                    rays.bounce(),
-                    rays.kind()
+                    "table after {}",
+                    rays.id()
                 );
             }
             rays = shaded.next;
@@ -198,9 +197,9 @@ fn keys_permutations_and_tables_are_equal_at_64_bits() {
 fn compare_tracing(options: &RecordOptions) {
     let Machine { scene, setup, bvh, mut gpu } = machine(options);
     let tracer = CpuTracer::new(&scene, &bvh);
-    let mut rays = gpu.generate(0).unwrap().value;
+    let mut rays = gpu.generate(0).unwrap();
     for bounce in 0..setup.bounces {
-        let hits = gpu.trace(&rays).unwrap().value;
+        let hits = gpu.trace(&rays).unwrap();
         let copied = copy(&mut gpu, &setup, &rays, &hits);
         let mut expected = vec![Hit::MISS; copied.rays.len()];
         tracer.closest(&copied.rays, &mut expected);
@@ -210,8 +209,8 @@ fn compare_tracing(options: &RecordOptions) {
         assert_eq!(wrong, None, "first wrong hit of bounce {bounce}");
         let work: Vec<Work> = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_work(&rays, sink)));
         assert_eq!(work, tracer.work(&copied.rays, Kind::Closest), "work of bounce {bounce}");
-        let shaded = gpu.shade(0, &rays, &hits).unwrap().value;
-        let occlusion = gpu.trace(&shaded.shadow).unwrap().value;
+        let shaded = gpu.shade(&rays, &hits).unwrap();
+        let occlusion = gpu.trace(&shaded.shadow).unwrap();
         let shadow = copy(&mut gpu, &setup, &shaded.shadow, &occlusion);
         let mut expected = vec![0.0f32; shadow.rays.len()];
         tracer.occlusion(&shadow.rays, &mut expected);
@@ -241,8 +240,8 @@ fn every_precision_finds_the_same_on_both_backends() {
             let setup = Arc::new(Setup { precision, ..Setup::clone(&setup) });
             let gpu = Gpu::open(&AdapterRequest::Any).unwrap();
             let mut gpu = GpuBackend::new(gpu, &scene, Some(&bvh), setup, trace).unwrap();
-            let rays = gpu.generate(0).unwrap().value;
-            let hits = gpu.trace(&rays).unwrap().value;
+            let rays = gpu.generate(0).unwrap();
+            let hits = gpu.trace(&rays).unwrap();
             let found = bytes(|sink| gpu.read_hits(&hits, sink));
             let rays: Vec<Ray> = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_rays(&rays, sink)));
             let mut expected = vec![Hit::MISS; rays.len()];
@@ -291,9 +290,14 @@ fn odd_rays(unit_min: [f32; 3], unit_max: [f32; 3]) -> Vec<Ray> {
     (0..6000).map(&mut ray).collect()
 }
 
-fn upload(gpu: &mut GpuBackend, rays: &[Ray]) -> <GpuBackend as Backend>::Rays {
+fn upload(
+    gpu: &mut GpuBackend,
+    rays: &[Ray],
+    lengths: Option<&[LengthCell]>,
+) -> <GpuBackend as Backend>::Rays {
     let path_ids: Vec<u32> = (0..rays.len() as u32).collect();
-    let queue = UploadedRays { kind: Kind::Closest, bounce: 1, rays, path_ids: &path_ids, lights: &[] };
+    let id = QueueId { pass: 0, bounce: 1, kind: Kind::Closest };
+    let queue = RecordedRays { id, rays, path_ids: &path_ids, lights: &[], lengths };
     gpu.upload(queue).unwrap()
 }
 
@@ -313,8 +317,8 @@ fn keys_of_odd_rays_are_equal_in_boxes_of_any_extent() {
         let bvh = scenes::bvh::build(&scene, BvhKind::Cwbvh).unwrap();
         let gpu = Gpu::open(&AdapterRequest::Any).unwrap();
         let mut gpu = GpuBackend::new(gpu, &scene, Some(&bvh), Arc::clone(&setup), options.trace).unwrap();
-        let rays = upload(&mut gpu, &odd_rays(min, max));
-        let hits = gpu.trace(&rays).unwrap().value;
+        let rays = upload(&mut gpu, &odd_rays(min, max), None);
+        let hits = gpu.trace(&rays).unwrap();
         let table = LengthTable::new(setup.table_bits);
         assert!(compare_orders(&mut gpu, &setup, &rays, &hits, &table) > 30_000, "{min:?} to {max:?}");
     }
@@ -326,12 +330,12 @@ fn tables_of_one_cell_and_of_misses_alone_are_equal() {
     let options = options("builtin:cornell", &[]);
     let Machine { setup, mut gpu, .. } = machine(&options);
     let away = Ray { origin: [1e6; 3], t_min: 0.0, direction: [1.0, 0.0, 0.0], t_max: f32::INFINITY };
-    let rays = upload(&mut gpu, &[away; 6000]);
-    let hits = gpu.trace(&rays).unwrap().value;
+    let rays = upload(&mut gpu, &[away; 6000], None);
+    let hits = gpu.trace(&rays).unwrap();
     let copied = copy(&mut gpu, &setup, &rays, &hits);
     let table = LengthTable::new(setup.table_bits);
     for _ in 0..3 {
-        gpu.accumulate(&rays, &hits).unwrap();
+        gpu.accumulate(&rays, &hits, Table::Learnt).unwrap();
         add_lengths(&setup, &table, &copied);
     }
     assert_eq!(table.touched().len(), 1, "all rays are in one cell");
@@ -343,8 +347,8 @@ fn tables_of_one_cell_and_of_misses_alone_are_equal() {
     cells[0].sum = dummy + (cells[0].sum - dummy) * scale;
     cells[0].count = 1 + (cells[0].count - 1) * scale as u32;
     let table = LengthTable::from_touched(setup.table_bits, &cells).unwrap();
-    gpu.load_table(Kind::Closest, &cells).unwrap();
-    gpu.accumulate(&rays, &hits).unwrap();
+    let rays = upload(&mut gpu, &[away; 6000], Some(&cells));
+    gpu.accumulate(&rays, &hits, Table::Learnt).unwrap();
     add_lengths(&setup, &table, &copied);
     assert_eq!(gpu.touched_cells(Kind::Closest).unwrap(), table.touched());
 }

@@ -1,11 +1,11 @@
 //! Queues in main memory, and samples of them.
 
 use anyhow::Result;
-use formats::manifest::Stage;
+use formats::length_table::LengthCell;
+use formats::manifest::QueueId;
 use formats::ray::{Kind, Ray};
 
-use crate::backend::{Backend, Queue, UploadedRays, collected};
-use crate::wavefront::{Observer, Place};
+use crate::backend::{Backend, Queue, RecordedRays, collected};
 
 /// A queue in main memory.
 pub(super) struct Copied {
@@ -18,34 +18,17 @@ impl Copied {
     pub(super) fn of<B: Backend>(backend: &mut B, queue: &B::Rays) -> Result<Self> {
         let rays = collected(|sink| backend.read_rays(queue, sink))?;
         let path_ids = collected(|sink| backend.read_path_ids(queue, sink))?;
-        let lights = match queue.kind() {
+        let lights = match queue.id().kind {
             Kind::Closest => Vec::new(),
             Kind::Shadow => collected(|sink| backend.read_lights(queue, sink))?,
         };
         Ok(Self { rays, path_ids, lights })
     }
 
-    pub(super) fn queue(&self, place: Place) -> UploadedRays<'_> {
-        UploadedRays {
-            kind: place.kind,
-            bounce: place.bounce,
-            rays: &self.rays,
-            path_ids: &self.path_ids,
-            lights: &self.lights,
-        }
-    }
-}
-
-/// Lets paths be traced and looks at nothing.
-pub(super) struct Unobserved;
-
-impl<B: Backend> Observer<B> for Unobserved {
-    fn traced(&mut self, _: &mut B, _: Place, _: &B::Rays, _: &B::Hits, _: u64) -> Result<()> {
-        Ok(())
-    }
-
-    fn stage(&mut self, _: Place, _: Stage, _: u64) -> Result<()> {
-        Ok(())
+    /// The same queue, for another backend.
+    pub(super) fn queue<'a>(&'a self, id: QueueId, lengths: &'a [LengthCell]) -> RecordedRays<'a> {
+        let Self { rays, path_ids, lights } = self;
+        RecordedRays { id, rays, path_ids, lights, lengths: Some(lengths) }
     }
 }
 

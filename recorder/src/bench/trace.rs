@@ -15,7 +15,7 @@ use crate::device::{self, DeviceRequest};
 use crate::options::RecordOptions;
 use crate::recording::{choose_camera, setup};
 use crate::stages::trace::TraceKernel;
-use crate::wavefront::{self, Observer, Place};
+use crate::wavefront::{self, Observer};
 
 /// What to measure: scenes one after the other, the rest as for a recording.
 #[derive(Clone, Debug)]
@@ -78,29 +78,21 @@ struct KernelsAndOrders<'a, B> {
 }
 
 impl<B: Backend> Observer<B> for KernelsAndOrders<'_, B> {
-    fn traced(
-        &mut self,
-        backend: &mut B,
-        place: Place,
-        rays: &B::Rays,
-        hits: &B::Hits,
-        _elapsed_ns: u64,
-    ) -> Result<()> {
-        if place.pass + 1 != self.bench.run.passes {
+    fn measure(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
+        let id = rays.id();
+        if id.pass + 1 != self.bench.run.passes {
             return Ok(());
         }
         let copied = Copied::of(backend, rays)?;
-        let cells = backend.touched_cells(place.kind)?;
+        let cells = backend.touched_cells(id.kind)?;
         // Keys are made once, by the backend that has the length table as paths made it.
-        let methods: Vec<usize> = (0..self.setup.methods.len())
-            .filter(|&at| self.setup.methods[at].applies_to(place.kind))
-            .collect();
+        let methods: Vec<usize> =
+            (0..self.setup.methods.len()).filter(|&at| self.setup.methods[at].applies_to(id.kind)).collect();
         let mut kernels = vec![prepare(backend, rays, hits, &methods)?];
         let mut queues = Vec::new();
         for other in &mut self.others {
-            other.load_table(place.kind, &cells)?;
-            let queue = other.upload(copied.queue(place))?;
-            let hits = other.trace(&queue)?.value;
+            let queue = other.upload(copied.queue(id, &cells))?;
+            let hits = other.trace(&queue)?;
             kernels.push(prepare(other, &queue, &hits, &methods)?);
             queues.push(queue);
         }
@@ -118,8 +110,8 @@ impl<B: Backend> Observer<B> for KernelsAndOrders<'_, B> {
                     scene: self.scene.name.clone(),
                     triangles: self.scene.triangles.len() as u64,
                     kernel: kernel.name().to_owned(),
-                    bounce: place.bounce,
-                    kind: place.kind,
+                    bounce: id.bounce,
+                    kind: id.kind,
                     order: order.to_owned(),
                     rays: rays.len() as u64,
                     samples_ns,
@@ -138,8 +130,8 @@ fn prepare<B: Backend>(
     methods: &[usize],
 ) -> Result<Vec<B::Order>> {
     let mut order = |&method: &usize| {
-        let keys = backend.key(rays, hits, method)?.value;
-        Ok(backend.sort(&keys)?.value)
+        let keys = backend.key(rays, hits, method)?;
+        backend.sort(&keys)
     };
     methods.iter().map(&mut order).collect()
 }
@@ -151,10 +143,12 @@ fn sample<B: Backend>(
     orders: &[B::Order],
     samples: &mut [Vec<u64>],
 ) -> Result<()> {
-    samples[0].push(backend.trace(rays)?.elapsed_ns);
+    backend.trace(rays)?;
+    samples[0].push(backend.elapsed_ns());
     for (order, samples) in orders.iter().zip(&mut samples[1..]) {
-        let gathered = backend.gather(rays, order)?.value;
-        samples.push(backend.trace_gathered(&gathered, order)?.elapsed_ns);
+        let gathered = backend.gather(rays, order)?;
+        backend.trace_gathered(&gathered, order)?;
+        samples.push(backend.elapsed_ns());
     }
     Ok(())
 }

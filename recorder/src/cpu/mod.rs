@@ -6,10 +6,11 @@ use std::time::Instant;
 use anyhow::Result;
 use formats::key::{Encoder, Layout};
 use formats::length_table::{LengthCell, LengthTable};
+use formats::manifest::QueueId;
 use formats::ray::{Hit, Kind, Ray};
 use glam::Vec3;
 
-use crate::backend::{Backend, Queue, Setup, Shaded, Sink, Timed, UploadedRays};
+use crate::backend::{Backend, Queue, RecordedRays, Setup, Shaded, Sink, Table};
 use crate::stages::key::Keys;
 use crate::stages::key::cpu::{Lengths, encode};
 use crate::stages::shade::cpu::{Compacted, Paths};
@@ -30,15 +31,16 @@ pub struct CpuBackend {
     tables: [LengthTable; 2],
     scratch_tables: [LengthTable; 2],
     film: Vec<Vec3>,
+    elapsed_ns: u64,
 }
 
 /// A queue on the CPU.
 #[derive(Debug)]
 pub enum CpuRays {
-    /// Closest rays of a bounce.
-    Closest(u32, Compacted<PathState>),
-    /// Shadow rays of a bounce.
-    Shadow(u32, Compacted<ShadowState>),
+    /// Closest rays.
+    Closest(QueueId, Compacted<PathState>),
+    /// Shadow rays.
+    Shadow(QueueId, Compacted<ShadowState>),
 }
 
 /// Results of a queue in canonical order.
@@ -94,24 +96,11 @@ impl Queue for CpuRays {
         self.rays().len()
     }
 
-    fn kind(&self) -> Kind {
+    fn id(&self) -> QueueId {
         match self {
-            Self::Closest(..) => Kind::Closest,
-            Self::Shadow(..) => Kind::Shadow,
+            Self::Closest(id, _) | Self::Shadow(id, _) => *id,
         }
     }
-
-    fn bounce(&self) -> u32 {
-        match self {
-            Self::Closest(bounce, _) | Self::Shadow(bounce, _) => *bounce,
-        }
-    }
-}
-
-fn timed<T>(work: impl FnOnce() -> T) -> Timed<T> {
-    let start = Instant::now();
-    let value = work();
-    Timed { value, elapsed_ns: start.elapsed().as_nanos() as u64 }
 }
 
 impl CpuBackend {
@@ -128,6 +117,7 @@ impl CpuBackend {
             cells,
             tracer,
             film: vec![Vec3::ZERO; setup.width as usize * setup.height as usize],
+            elapsed_ns: 0,
             setup,
         }
     }
@@ -140,10 +130,12 @@ impl CpuBackend {
         }
     }
 
-    fn add_lengths(&self, table: &LengthTable, rays: &CpuRays, hits: &CpuHits) {
-        accumulate::on_threads(table, &self.cells, rays.rays(), |index| {
-            self.traced_length(rays, hits, index)
-        });
+    /// Runs a stage and remembers how long it took.
+    fn timed<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        let start = Instant::now();
+        let value = work(self);
+        self.elapsed_ns = start.elapsed().as_nanos() as u64;
+        value
     }
 }
 
@@ -155,24 +147,26 @@ impl Backend for CpuBackend {
     type Order = Vec<u32>;
     type Gathered = CpuGathered;
 
-    fn upload(&mut self, queue: UploadedRays<'_>) -> Result<CpuRays> {
-        let UploadedRays { bounce, rays, path_ids, lights, .. } = queue;
+    fn elapsed_ns(&self) -> u64 {
+        self.elapsed_ns
+    }
+
+    fn upload(&mut self, queue: RecordedRays<'_>) -> Result<CpuRays> {
+        let RecordedRays { id, rays, path_ids, lights, lengths } = queue;
+        if let Some(cells) = lengths {
+            self.tables[id.kind as usize] = LengthTable::from_touched(self.setup.table_bits, cells)?;
+        }
         let (rays, path_ids, count) = (rays.to_vec(), path_ids.to_vec(), rays.len());
-        Ok(match queue.kind {
+        Ok(match id.kind {
             Kind::Closest => {
                 let states = vec![PathState { color: [0.0; 3], density: 0.0 }; count];
-                CpuRays::Closest(bounce, Compacted { rays, path_ids, states })
+                CpuRays::Closest(id, Compacted { rays, path_ids, states })
             }
             Kind::Shadow => {
                 let states = lights.iter().map(|&light| ShadowState { color: [0.0; 3], light }).collect();
-                CpuRays::Shadow(bounce, Compacted { rays, path_ids, states })
+                CpuRays::Shadow(id, Compacted { rays, path_ids, states })
             }
         })
-    }
-
-    fn load_table(&mut self, kind: Kind, cells: &[LengthCell]) -> Result<()> {
-        self.tables[kind as usize] = LengthTable::from_touched(self.setup.table_bits, cells)?;
-        Ok(())
     }
 
     fn address_tables(&mut self, bits: u32, layout: &Layout) -> Result<()> {
@@ -185,118 +179,123 @@ impl Backend for CpuBackend {
         Ok(())
     }
 
-    fn generate(&mut self, pass: u32) -> Result<Timed<CpuRays>> {
+    fn generate(&mut self, pass: u32) -> Result<CpuRays> {
         let params = generate::params(&self.setup, pass);
-        let generated = timed(|| generate::cpu::generate(&params));
-        let count = generated.value.len();
+        let rays = self.timed(|_| generate::cpu::generate(&params));
+        let count = rays.len();
         let queue = Compacted {
-            rays: generated.value,
+            rays,
             path_ids: (0..count as u32).collect(),
             states: vec![PathState { color: [1.0; 3], density: 0.0 }; count],
         };
-        Ok(Timed { value: CpuRays::Closest(0, queue), elapsed_ns: generated.elapsed_ns })
+        Ok(CpuRays::Closest(QueueId { pass, bounce: 0, kind: Kind::Closest }, queue))
     }
 
-    fn trace(&mut self, rays: &CpuRays) -> Result<Timed<CpuHits>> {
+    fn trace(&mut self, rays: &CpuRays) -> Result<CpuHits> {
         Ok(match rays {
             CpuRays::Closest(_, queue) => {
                 let mut hits = vec![Hit::MISS; queue.rays.len()];
-                let elapsed_ns = timed(|| self.tracer.closest(&queue.rays, &mut hits)).elapsed_ns;
-                Timed { value: CpuHits::Closest(hits), elapsed_ns }
+                self.timed(|backend| backend.tracer.closest(&queue.rays, &mut hits));
+                CpuHits::Closest(hits)
             }
             CpuRays::Shadow(_, queue) => {
                 let mut distances = vec![f32::INFINITY; queue.rays.len()];
-                let elapsed_ns = timed(|| self.tracer.occlusion(&queue.rays, &mut distances)).elapsed_ns;
-                Timed { value: CpuHits::Shadow(distances), elapsed_ns }
+                self.timed(|backend| backend.tracer.occlusion(&queue.rays, &mut distances));
+                CpuHits::Shadow(distances)
             }
         })
     }
 
-    fn accumulate(&mut self, rays: &CpuRays, hits: &CpuHits) -> Result<()> {
-        self.add_lengths(&self.tables[rays.kind() as usize], rays, hits);
+    fn accumulate(&mut self, rays: &CpuRays, hits: &CpuHits, table: Table) -> Result<()> {
+        self.timed(|backend| {
+            let tables = match table {
+                Table::Learnt => &backend.tables,
+                Table::Scratch => &backend.scratch_tables,
+            };
+            accumulate::on_threads(&tables[rays.id().kind as usize], &backend.cells, rays.rays(), |index| {
+                backend.traced_length(rays, hits, index)
+            });
+        });
         Ok(())
     }
 
-    fn shade(&mut self, pass: u32, rays: &CpuRays, hits: &CpuHits) -> Result<Timed<Shaded<CpuRays>>> {
-        let (CpuRays::Closest(bounce, queue), CpuHits::Closest(hits)) = (rays, hits) else {
+    fn shade(&mut self, rays: &CpuRays, hits: &CpuHits) -> Result<Shaded<CpuRays>> {
+        let (CpuRays::Closest(id, queue), CpuHits::Closest(hits)) = (rays, hits) else {
             anyhow::bail!("only closest rays are shaded");
         };
-        let params = shade::params(&self.setup, pass, *bounce);
+        let params = shade::params(&self.setup, *id);
         let paths = Paths { rays: &queue.rays, hits, path_ids: &queue.path_ids, states: &queue.states };
-        let shaded = timed(|| {
-            shade::cpu::shade(&self.setup.tables, &self.setup.features, &params, paths, &mut self.film)
+        let (next, shadow) = self.timed(|Self { setup, film, .. }| {
+            shade::cpu::shade(&setup.tables, &setup.features, &params, paths, film)
         });
-        let (next, shadow) = shaded.value;
-        let value =
-            Shaded { next: CpuRays::Closest(bounce + 1, next), shadow: CpuRays::Shadow(*bounce, shadow) };
-        Ok(Timed { value, elapsed_ns: shaded.elapsed_ns })
+        Ok(Shaded {
+            next: CpuRays::Closest(QueueId { bounce: id.bounce + 1, ..*id }, next),
+            shadow: CpuRays::Shadow(QueueId { kind: Kind::Shadow, ..*id }, shadow),
+        })
     }
 
     fn add_light(&mut self, rays: &CpuRays, hits: &CpuHits) -> Result<()> {
         let (CpuRays::Shadow(_, queue), CpuHits::Shadow(distances)) = (rays, hits) else {
             anyhow::bail!("only shadow rays bring light");
         };
-        shade::cpu::add_light(&queue.path_ids, &queue.states, distances, &mut self.film);
+        self.timed(|backend| {
+            shade::cpu::add_light(&queue.path_ids, &queue.states, distances, &mut backend.film);
+        });
         Ok(())
     }
 
-    fn key(&mut self, rays: &CpuRays, hits: &CpuHits, method: usize) -> Result<Timed<KeysOfWidth>> {
-        let plan = &self.setup.methods[method];
-        let real = |index: usize| self.traced_length(rays, hits, index);
-        let table = &self.tables[rays.kind() as usize];
-        let lengths = Lengths::of(plan.termination, plan.two_point_length, table, &self.cells, &real);
-        let made = timed(|| {
-            encode(&self.encoders[method], plan.key_bits, rays.rays(), &lengths, |index| rays.light(index))
-        });
-        Ok(Timed {
-            value: KeysOfWidth { keys: made.value, bits: plan.key_bits },
-            elapsed_ns: made.elapsed_ns,
-        })
+    fn key(&mut self, rays: &CpuRays, hits: &CpuHits, method: usize) -> Result<KeysOfWidth> {
+        Ok(self.timed(|backend| {
+            let plan = &backend.setup.methods[method];
+            let real = |index: usize| backend.traced_length(rays, hits, index);
+            let table = &backend.tables[rays.id().kind as usize];
+            let lengths = Lengths::of(plan.termination, plan.two_point_length, table, &backend.cells, &real);
+            let encoder = &backend.encoders[method];
+            let keys = encode(encoder, plan.key_bits, rays.rays(), &lengths, |index| rays.light(index));
+            KeysOfWidth { keys, bits: plan.key_bits }
+        }))
     }
 
-    fn sort(&mut self, keys: &KeysOfWidth) -> Result<Timed<Vec<u32>>> {
-        Ok(timed(|| match &keys.keys {
+    fn sort(&mut self, keys: &KeysOfWidth) -> Result<Vec<u32>> {
+        Ok(self.timed(|_| match &keys.keys {
             Keys::Narrow(narrow) => sort::cpu::sort_u32(narrow, keys.bits),
             Keys::Wide(wide) => sort::cpu::sort_u64(wide, keys.bits),
         }))
     }
 
-    fn gather(&mut self, rays: &CpuRays, order: &Vec<u32>) -> Result<Timed<CpuGathered>> {
-        let kind = rays.kind();
-        Ok(timed(|| CpuGathered { kind, rays: gather::on_threads(rays.rays(), order) }))
+    fn gather(&mut self, rays: &CpuRays, order: &Vec<u32>) -> Result<CpuGathered> {
+        let kind = rays.id().kind;
+        Ok(self.timed(|_| CpuGathered { kind, rays: gather::on_threads(rays.rays(), order) }))
     }
 
-    fn trace_gathered(&mut self, gathered: &CpuGathered, order: &Vec<u32>) -> Result<Timed<CpuScattered>> {
-        let count = order.len();
+    fn trace_gathered(&mut self, gathered: &CpuGathered, order: &Vec<u32>) -> Result<CpuScattered> {
+        let (rays, count) = (&gathered.rays, order.len());
         Ok(match gathered.kind {
             Kind::Closest => {
                 let hits = ScatteredHits::new(count);
-                let elapsed_ns =
-                    timed(|| self.tracer.closest_gathered(&gathered.rays, order, &hits)).elapsed_ns;
-                Timed { value: CpuScattered::Closest(hits), elapsed_ns }
+                self.timed(|backend| backend.tracer.closest_gathered(rays, order, &hits));
+                CpuScattered::Closest(hits)
             }
             Kind::Shadow => {
                 let distances = ScatteredDistances::new(count);
-                let elapsed_ns =
-                    timed(|| self.tracer.occlusion_gathered(&gathered.rays, order, &distances)).elapsed_ns;
-                Timed { value: CpuScattered::Shadow(distances), elapsed_ns }
+                self.timed(|backend| backend.tracer.occlusion_gathered(rays, order, &distances));
+                CpuScattered::Shadow(distances)
             }
         })
     }
 
-    fn trace_indirect(&mut self, rays: &CpuRays, order: &Vec<u32>) -> Result<Timed<CpuScattered>> {
-        let count = order.len();
-        Ok(match rays {
-            CpuRays::Closest(_, queue) => {
+    fn trace_indirect(&mut self, rays: &CpuRays, order: &Vec<u32>) -> Result<CpuScattered> {
+        let (kind, rays, count) = (rays.id().kind, rays.rays(), order.len());
+        Ok(match kind {
+            Kind::Closest => {
                 let hits = ScatteredHits::new(count);
-                let elapsed_ns = timed(|| self.tracer.closest_indirect(&queue.rays, order, &hits)).elapsed_ns;
-                Timed { value: CpuScattered::Closest(hits), elapsed_ns }
+                self.timed(|backend| backend.tracer.closest_indirect(rays, order, &hits));
+                CpuScattered::Closest(hits)
             }
-            CpuRays::Shadow(_, queue) => {
+            Kind::Shadow => {
                 let distances = ScatteredDistances::new(count);
-                let elapsed_ns =
-                    timed(|| self.tracer.occlusion_indirect(&queue.rays, order, &distances)).elapsed_ns;
-                Timed { value: CpuScattered::Shadow(distances), elapsed_ns }
+                self.timed(|backend| backend.tracer.occlusion_indirect(rays, order, &distances));
+                CpuScattered::Shadow(distances)
             }
         })
     }
@@ -307,10 +306,6 @@ impl Backend for CpuBackend {
             (CpuHits::Shadow(distances), CpuScattered::Shadow(other)) => Ok(other.differences(distances)),
             _ => anyhow::bail!("results of different kinds were compared"),
         }
-    }
-
-    fn time_accumulate(&mut self, rays: &CpuRays, hits: &CpuHits) -> Result<u64> {
-        Ok(timed(|| self.add_lengths(&self.scratch_tables[rays.kind() as usize], rays, hits)).elapsed_ns)
     }
 
     fn read_rays(&mut self, rays: &CpuRays, sink: &mut Sink<'_>) -> Result<()> {
@@ -340,7 +335,7 @@ impl Backend for CpuBackend {
     }
 
     fn read_work(&mut self, rays: &CpuRays, sink: &mut Sink<'_>) -> Result<()> {
-        in_pieces(bytemuck::cast_slice(&self.tracer.work(rays.rays(), rays.kind())), sink)
+        in_pieces(bytemuck::cast_slice(&self.tracer.work(rays.rays(), rays.id().kind)), sink)
     }
 
     fn read_keys(&mut self, keys: &KeysOfWidth, sink: &mut Sink<'_>) -> Result<()> {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use formats::key::Layout;
 use formats::length_table::{LengthCell, LengthTable};
+use formats::manifest::QueueId;
 use formats::ray::{Kind, Ray};
 use scenes::Scene;
 use scenes::bvh::Bvh;
@@ -14,7 +15,7 @@ use super::run::ItemRange;
 use super::shading::Shading;
 use super::table::GpuTable;
 use super::{DeviceArray, Gpu, GpuError, Kernel, Readback, StageRun};
-use crate::backend::{Backend, Queue, Setup, Shaded, Sink, Timed, UploadedRays};
+use crate::backend::{Backend, Queue, RecordedRays, Setup, Shaded, Sink, Table};
 use crate::stages::shared::{GenerateParams, Span};
 use crate::stages::sort::gpu::{SortKeys, Sorter};
 use crate::stages::trace::TraceKernel;
@@ -39,6 +40,7 @@ pub struct GpuBackend {
     tables: [GpuTable; 2],
     scratch_tables: Option<[GpuTable; 2]>,
     scratch: Scratch,
+    elapsed_ns: u64,
 }
 
 /// Arrays for one ray per pixel that every queue uses anew.
@@ -54,8 +56,7 @@ struct Scratch {
 
 /// A queue on the GPU.
 pub struct GpuRays {
-    kind: Kind,
-    pub(super) bounce: u32,
+    pub(super) id: QueueId,
     pub(super) count: usize,
     pub(crate) origins: DeviceArray<[f32; 4]>,
     pub(crate) directions: DeviceArray<[f32; 4]>,
@@ -93,21 +94,16 @@ impl Queue for GpuRays {
         self.count
     }
 
-    fn kind(&self) -> Kind {
-        self.kind
-    }
-
-    fn bounce(&self) -> u32 {
-        self.bounce
+    fn id(&self) -> QueueId {
+        self.id
     }
 }
 
 impl GpuRays {
     /// Room for a queue.
-    pub(super) fn new(gpu: &Gpu, kind: Kind, bounce: u32, count: usize) -> Result<Self, GpuError> {
+    pub(super) fn new(gpu: &Gpu, id: QueueId, count: usize) -> Result<Self, GpuError> {
         Ok(Self {
-            kind,
-            bounce,
+            id,
             count,
             origins: gpu.array("queue::origins", count)?,
             directions: gpu.array("queue::directions", count)?,
@@ -166,6 +162,7 @@ impl GpuBackend {
             film: gpu.array("film", pixels)?,
             scratch: Scratch::new(&gpu, &setup)?,
             scratch_tables: None,
+            elapsed_ns: 0,
             tables,
             setup,
             gpu,
@@ -185,7 +182,7 @@ impl GpuBackend {
         Ok(())
     }
 
-    /// Runs a kernel over spans of `count` items.
+    /// Runs a kernel over spans of `count` items; returns its time in nanoseconds.
     fn run_spans(
         &self,
         kernel: &Kernel,
@@ -197,17 +194,6 @@ impl GpuBackend {
         Ok(run.finish()?.elapsed_ns)
     }
 
-    fn add_lengths(&self, rays: &GpuRays, hits: &GpuHits, table: &GpuTable) -> Result<u64> {
-        let resources = [
-            rays.origins.binding(),
-            rays.directions.binding(),
-            hits.array(),
-            table.sums.binding(),
-            table.counts.binding(),
-        ];
-        self.run_spans(&self.kernels.accumulate[rays.kind as usize], &resources, rays.count)
-    }
-
     fn trace_in(
         &mut self,
         kind: Kind,
@@ -215,14 +201,14 @@ impl GpuBackend {
         origins: &DeviceArray<[f32; 4]>,
         directions: &DeviceArray<[f32; 4]>,
         count: usize,
-    ) -> Result<Timed<GpuHits>> {
+    ) -> Result<GpuHits> {
         let results = match kind {
             Kind::Closest => GpuHits::Closest(self.scratch.hits.clone()),
             Kind::Shadow => GpuHits::Shadow(self.scratch.distances.clone()),
         };
-        let elapsed_ns =
+        self.elapsed_ns =
             self.tracer.trace(&self.gpu, kind, order, origins, directions, results.array(), count)?;
-        Ok(Timed { value: results, elapsed_ns })
+        Ok(results)
     }
 
     fn read_words(&self, array: &DeviceArray<u32>, count: usize, sink: &mut Sink<'_>) -> Result<()> {
@@ -238,27 +224,28 @@ impl Backend for GpuBackend {
     type Order = GpuOrder;
     type Gathered = GpuGathered;
 
-    fn upload(&mut self, queue: UploadedRays<'_>) -> Result<GpuRays> {
+    fn elapsed_ns(&self) -> u64 {
+        self.elapsed_ns
+    }
+
+    fn upload(&mut self, queue: RecordedRays<'_>) -> Result<GpuRays> {
+        if let Some(cells) = queue.lengths {
+            let table = LengthTable::from_touched(self.setup.table_bits, cells)?;
+            self.tables[queue.id.kind as usize] = GpuTable::filled(&self.gpu, &table)?;
+        }
         let halves = |half: fn(&Ray) -> [f32; 4]| queue.rays.iter().map(half).collect::<Vec<_>>();
         let origins = halves(|ray| [ray.origin[0], ray.origin[1], ray.origin[2], ray.t_min]);
         let directions = halves(|ray| [ray.direction[0], ray.direction[1], ray.direction[2], ray.t_max]);
         let light = |at: usize| queue.lights.get(at).copied().unwrap_or(0);
         let states: Vec<[u32; 4]> = (0..queue.rays.len()).map(|at| [0, 0, 0, light(at)]).collect();
         Ok(GpuRays {
-            kind: queue.kind,
-            bounce: queue.bounce,
+            id: queue.id,
             count: queue.rays.len(),
             origins: self.gpu.array_of("queue::origins", &origins)?,
             directions: self.gpu.array_of("queue::directions", &directions)?,
             path_ids: self.gpu.array_of("queue::path_ids", queue.path_ids)?,
             states: self.gpu.array_of("queue::states", &states)?,
         })
-    }
-
-    fn load_table(&mut self, kind: Kind, cells: &[LengthCell]) -> Result<()> {
-        let table = LengthTable::from_touched(self.setup.table_bits, cells)?;
-        self.tables[kind as usize] = GpuTable::filled(&self.gpu, &table)?;
-        Ok(())
     }
 
     fn address_tables(&mut self, bits: u32, layout: &Layout) -> Result<()> {
@@ -271,10 +258,10 @@ impl Backend for GpuBackend {
         Ok(())
     }
 
-    fn generate(&mut self, pass: u32) -> Result<Timed<GpuRays>> {
+    fn generate(&mut self, pass: u32) -> Result<GpuRays> {
         let params = generate::params(&self.setup, pass);
-        let count = params.count as usize;
-        let rays = GpuRays::new(&self.gpu, Kind::Closest, 0, count)?;
+        let id = QueueId { pass, bounce: 0, kind: Kind::Closest };
+        let rays = GpuRays::new(&self.gpu, id, params.count as usize)?;
         let kernel = &self.kernels.generate;
         let resources = [
             rays.origins.binding(),
@@ -287,52 +274,72 @@ impl Backend for GpuBackend {
         run.dispatch_chunks(kernel, &group, ItemRange::new(params.count, WORKGROUP), |chunk| {
             GenerateParams { first: chunk.first, count: chunk.count, ..params }
         });
-        let elapsed_ns = run.finish()?.elapsed_ns;
-        Ok(Timed { value: rays, elapsed_ns })
+        self.elapsed_ns = run.finish()?.elapsed_ns;
+        Ok(rays)
     }
 
-    fn trace(&mut self, rays: &GpuRays) -> Result<Timed<GpuHits>> {
-        let results = match rays.kind {
+    fn trace(&mut self, rays: &GpuRays) -> Result<GpuHits> {
+        let kind = rays.id.kind;
+        let results = match kind {
             Kind::Closest => GpuHits::Closest(self.gpu.array("trace::hits", rays.count)?),
             Kind::Shadow => GpuHits::Shadow(self.gpu.array("trace::distances", rays.count)?),
         };
-        let elapsed_ns = self.tracer.trace(
+        self.elapsed_ns = self.tracer.trace(
             &self.gpu,
-            rays.kind,
+            kind,
             Order::Canonical,
             &rays.origins,
             &rays.directions,
             results.array(),
             rays.count,
         )?;
-        Ok(Timed { value: results, elapsed_ns })
+        Ok(results)
     }
 
-    fn accumulate(&mut self, rays: &GpuRays, hits: &GpuHits) -> Result<()> {
-        self.add_lengths(rays, hits, &self.tables[rays.kind as usize])?;
+    fn accumulate(&mut self, rays: &GpuRays, hits: &GpuHits, table: Table) -> Result<()> {
+        let kind = rays.id.kind as usize;
+        if table == Table::Scratch && self.scratch_tables.is_none() {
+            let bits = self.setup.table_bits;
+            self.scratch_tables = Some([GpuTable::new(&self.gpu, bits)?, GpuTable::new(&self.gpu, bits)?]);
+        }
+        let table = match (table, &self.scratch_tables) {
+            (Table::Scratch, Some(scratch)) => &scratch[kind],
+            _ => &self.tables[kind],
+        };
+        let resources = [
+            rays.origins.binding(),
+            rays.directions.binding(),
+            hits.array(),
+            table.sums.binding(),
+            table.counts.binding(),
+        ];
+        self.elapsed_ns = self.run_spans(&self.kernels.accumulate[kind], &resources, rays.count)?;
         Ok(())
     }
 
-    fn shade(&mut self, pass: u32, rays: &GpuRays, hits: &GpuHits) -> Result<Timed<Shaded<GpuRays>>> {
-        let params = shade::params(&self.setup, pass, rays.bounce);
-        self.shading.run(&self.gpu, &self.kernels, params, (rays, hits), &self.film)
+    fn shade(&mut self, rays: &GpuRays, hits: &GpuHits) -> Result<Shaded<GpuRays>> {
+        let params = shade::params(&self.setup, rays.id);
+        let (shaded, elapsed_ns) =
+            self.shading.run(&self.gpu, &self.kernels, params, (rays, hits), &self.film)?;
+        self.elapsed_ns = elapsed_ns;
+        Ok(shaded)
     }
 
     fn add_light(&mut self, rays: &GpuRays, hits: &GpuHits) -> Result<()> {
         let resources = [rays.path_ids.binding(), rays.states.binding(), hits.array(), self.film.binding()];
-        self.run_spans(&self.kernels.add_light, &resources, rays.count)?;
+        self.elapsed_ns = self.run_spans(&self.kernels.add_light, &resources, rays.count)?;
         Ok(())
     }
 
-    fn key(&mut self, rays: &GpuRays, hits: &GpuHits, method: usize) -> Result<Timed<GpuKeys>> {
+    fn key(&mut self, rays: &GpuRays, hits: &GpuHits, method: usize) -> Result<GpuKeys> {
         let plan = &self.setup.methods[method];
-        let kernel = self.kernels.key[method][rays.kind as usize].as_ref();
-        let kernel =
-            kernel.with_context(|| format!("method '{}' has no keys for {} rays", plan.name, rays.kind))?;
+        let kernel = self.kernels.key[method][rays.id.kind as usize].as_ref();
+        let kernel = kernel
+            .with_context(|| format!("method '{}' has no keys for {} rays", plan.name, rays.id.kind))?;
         let inputs = key::gpu::KeyInputs::of(plan);
         let mut resources = vec![rays.origins.binding(), rays.directions.binding()];
         if inputs.table {
-            let table = &self.tables[rays.kind as usize];
+            let table = &self.tables[rays.id.kind as usize];
             resources.extend([table.sums.binding(), table.counts.binding()]);
         }
         if inputs.results {
@@ -344,20 +351,18 @@ impl Backend for GpuBackend {
         let high = self.scratch.keys_high.as_ref().filter(|_| plan.key_bits > 32);
         resources.push(self.scratch.keys_low.binding());
         resources.extend(high.map(DeviceArray::binding));
-        let elapsed_ns = self.run_spans(kernel, &resources, rays.count)?;
+        self.elapsed_ns = self.run_spans(kernel, &resources, rays.count)?;
         let keys = SortKeys { low: self.scratch.keys_low.clone(), high: high.cloned(), bits: plan.key_bits };
-        Ok(Timed { value: GpuKeys { keys, count: rays.count }, elapsed_ns })
+        Ok(GpuKeys { keys, count: rays.count })
     }
 
-    fn sort(&mut self, keys: &GpuKeys) -> Result<Timed<GpuOrder>> {
+    fn sort(&mut self, keys: &GpuKeys) -> Result<GpuOrder> {
         let sorted = self.sorter.sort(&self.gpu, &keys.keys, keys.count)?;
-        Ok(Timed {
-            value: GpuOrder { permutation: sorted.permutation, count: keys.count },
-            elapsed_ns: sorted.elapsed_ns,
-        })
+        self.elapsed_ns = sorted.elapsed_ns;
+        Ok(GpuOrder { permutation: sorted.permutation, count: keys.count })
     }
 
-    fn gather(&mut self, rays: &GpuRays, order: &GpuOrder) -> Result<Timed<GpuGathered>> {
+    fn gather(&mut self, rays: &GpuRays, order: &GpuOrder) -> Result<GpuGathered> {
         let resources = [
             order.permutation.binding(),
             rays.origins.binding(),
@@ -365,19 +370,19 @@ impl Backend for GpuBackend {
             self.scratch.gathered_origins.binding(),
             self.scratch.gathered_directions.binding(),
         ];
-        let elapsed_ns = self.run_spans(&self.kernels.gather, &resources, rays.count)?;
-        Ok(Timed { value: GpuGathered { kind: rays.kind }, elapsed_ns })
+        self.elapsed_ns = self.run_spans(&self.kernels.gather, &resources, rays.count)?;
+        Ok(GpuGathered { kind: rays.id.kind })
     }
 
-    fn trace_gathered(&mut self, gathered: &GpuGathered, order: &GpuOrder) -> Result<Timed<GpuHits>> {
+    fn trace_gathered(&mut self, gathered: &GpuGathered, order: &GpuOrder) -> Result<GpuHits> {
         let (origins, directions) =
             (self.scratch.gathered_origins.clone(), self.scratch.gathered_directions.clone());
         self.trace_in(gathered.kind, Order::Gathered(&order.permutation), &origins, &directions, order.count)
     }
 
-    fn trace_indirect(&mut self, rays: &GpuRays, order: &GpuOrder) -> Result<Timed<GpuHits>> {
+    fn trace_indirect(&mut self, rays: &GpuRays, order: &GpuOrder) -> Result<GpuHits> {
         self.trace_in(
-            rays.kind,
+            rays.id.kind,
             Order::Indirect(&order.permutation),
             &rays.origins,
             &rays.directions,
@@ -386,7 +391,7 @@ impl Backend for GpuBackend {
     }
 
     fn differences(&mut self, rays: &GpuRays, hits: &GpuHits, other: &GpuHits) -> Result<u64> {
-        let kernel = &self.kernels.differences[rays.kind as usize];
+        let kernel = &self.kernels.differences[rays.id.kind as usize];
         let mut run = self.gpu.stage(kernel.label());
         run.clear(&self.scratch.counter);
         self.add_spans(
@@ -397,15 +402,6 @@ impl Backend for GpuBackend {
         )?;
         run.submit()?;
         Ok(self.gpu.read_vec(&self.scratch.counter)?.iter().map(|&count| u64::from(count)).sum())
-    }
-
-    fn time_accumulate(&mut self, rays: &GpuRays, hits: &GpuHits) -> Result<u64> {
-        let bits = self.setup.table_bits;
-        if self.scratch_tables.is_none() {
-            self.scratch_tables = Some([GpuTable::new(&self.gpu, bits)?, GpuTable::new(&self.gpu, bits)?]);
-        }
-        let tables = self.scratch_tables.as_ref().context("the scratch tables were just made")?;
-        self.add_lengths(rays, hits, &tables[rays.kind as usize])
     }
 
     fn read_rays(&mut self, rays: &GpuRays, sink: &mut Sink<'_>) -> Result<()> {
@@ -434,7 +430,7 @@ impl Backend for GpuBackend {
     }
 
     fn read_lights(&mut self, rays: &GpuRays, sink: &mut Sink<'_>) -> Result<()> {
-        if rays.kind != Kind::Shadow {
+        if rays.id.kind != Kind::Shadow {
             bail!("only shadow rays have lights");
         }
         Readback::new(&self.gpu).read_chunks(&rays.states, 0..rays.count, |bytes| {
@@ -452,7 +448,7 @@ impl Backend for GpuBackend {
     }
 
     fn read_work(&mut self, rays: &GpuRays, sink: &mut Sink<'_>) -> Result<()> {
-        let work = self.tracer.work(&self.gpu, rays.kind, &rays.origins, &rays.directions, rays.count)?;
+        let work = self.tracer.work(&self.gpu, rays.id.kind, &rays.origins, &rays.directions, rays.count)?;
         Readback::new(&self.gpu).read_chunks(&work, 0..rays.count, sink)
     }
 

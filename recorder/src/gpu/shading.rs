@@ -1,6 +1,7 @@
 //! Shading on the GPU: the kernels in turn, then the queues that are left moved together.
 
 use anyhow::Result;
+use formats::manifest::QueueId;
 use formats::ray::Kind;
 
 use super::backend::{GpuHits, GpuRays, WORKGROUP};
@@ -8,7 +9,7 @@ use super::kernels::Kernels;
 use super::run::ItemRange;
 use super::scene::SceneArrays;
 use super::{DeviceArray, Gpu};
-use crate::backend::{Setup, Shaded, Timed};
+use crate::backend::{Setup, Shaded};
 use crate::stages::compact::gpu::Scan;
 use crate::stages::shared::{ShadeParams, Span, SurfaceData};
 
@@ -58,7 +59,7 @@ impl Shading {
         })
     }
 
-    /// Shades a queue: light to `film`, and the queues that are left.
+    /// Shades a queue: light to `film`; returns the queues that are left, and the time in nanoseconds.
     ///
     /// # Errors
     /// Those of the device.
@@ -69,7 +70,7 @@ impl Shading {
         params: ShadeParams,
         (rays, hits): (&GpuRays, &GpuHits),
         film: &DeviceArray<[f32; 4]>,
-    ) -> Result<Timed<Shaded<GpuRays>>> {
+    ) -> Result<(Shaded<GpuRays>, u64)> {
         let scene = &self.scene;
         let mut resources = vec![
             rays.directions.binding(),
@@ -105,23 +106,24 @@ impl Shading {
             ..params
         });
         let shade_ns = run.finish()?.elapsed_ns;
-        let (shadow, shadow_ns) = self.compact(gpu, kernels, &self.shadow, rays, Kind::Shadow)?;
-        let (next, next_ns) = self.compact(gpu, kernels, &self.next, rays, Kind::Closest)?;
-        Ok(Timed { value: Shaded { next, shadow }, elapsed_ns: shade_ns + shadow_ns + next_ns })
+        let id = QueueId { kind: Kind::Shadow, ..rays.id };
+        let (shadow, shadow_ns) = self.compact(gpu, kernels, &self.shadow, rays, id)?;
+        let id = QueueId { bounce: rays.id.bounce + 1, ..rays.id };
+        let (next, next_ns) = self.compact(gpu, kernels, &self.next, rays, id)?;
+        Ok((Shaded { next, shadow }, shade_ns + shadow_ns + next_ns))
     }
 
-    /// The candidates that live, as a queue of the bounce that they belong to.
+    /// The candidates that live, as a queue.
     fn compact(
         &self,
         gpu: &Gpu,
         kernels: &Kernels,
         candidates: &Candidates,
         rays: &GpuRays,
-        kind: Kind,
+        id: QueueId,
     ) -> Result<(GpuRays, u64)> {
         let scanned = self.scan.run(gpu, &candidates.directions, &self.places, rays.count)?;
-        let bounce = rays.bounce + u32::from(kind == Kind::Closest);
-        let live = GpuRays::new(gpu, kind, bounce, scanned.total as usize)?;
+        let live = GpuRays::new(gpu, id, scanned.total as usize)?;
         let from = [candidates.directions.binding(), self.places.binding()];
         let ray = [self.origins.binding(), live.origins.binding(), live.directions.binding()];
         let path = [

@@ -66,7 +66,8 @@ pub fn record(options: &RecordOptions) -> Result<Recorded> {
     let mut notices = scene.notices.clone();
     notices.extend(device.notices());
     let header = header(&scene, &setup, options, &device, &notices, Source::Traced);
-    Run { scene: &scene, setup, options, header, rays: Rays::Paths, notices, start }.on(device)
+    let rays = Rays::Paths;
+    Run { scene: &scene, setup, options, header, rays, recorded: None, notices, start }.on(device)
 }
 
 /// The camera of this name, or the first.

@@ -6,13 +6,14 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use formats::folder::partial_of;
-use formats::manifest::{End, Header, ImageDigest, Outcome, Place, Record};
+use formats::manifest::{End, Header, ImageDigest, Outcome, Place};
+use formats::reader::Dump;
 use formats::writer::DumpWriter;
 use scenes::Scene;
 use sha2::{Digest, Sha256};
 
 use super::{Recorded, header, scene_arrays};
-use crate::backend::{Backend, Setup};
+use crate::backend::{Backend, RecordedRays, Setup};
 use crate::cache_model::CacheModel;
 use crate::capture::Capture;
 use crate::cpu::CpuBackend;
@@ -22,7 +23,6 @@ use crate::interrupt;
 use crate::observer::{MeasuredQueue, Plan, Recorder};
 use crate::options::RecordOptions;
 use crate::progress::Progress;
-use crate::replay::queues::{self, RecordedRays};
 use crate::stages::trace::TraceKernel;
 use crate::stages::trace::cpu::CpuTracer;
 use crate::wavefront;
@@ -31,8 +31,8 @@ use crate::wavefront;
 pub(crate) enum Rays<'a> {
     /// Paths from the camera.
     Paths,
-    /// A recording or a file.
-    Recorded(RecordedRays<'a>),
+    /// Queues that were recorded or imported.
+    Recorded(Vec<RecordedRays<'a>>),
 }
 
 /// Everything of a run but the device.
@@ -42,6 +42,8 @@ pub(crate) struct Run<'a> {
     pub(crate) options: &'a RecordOptions,
     pub(crate) header: Header,
     pub(crate) rays: Rays<'a>,
+    /// The recording whose queues these are, if they are.
+    pub(crate) recorded: Option<&'a Dump>,
     pub(crate) notices: Vec<String>,
     pub(crate) start: Instant,
 }
@@ -92,10 +94,7 @@ impl Run<'_> {
             tolerates_mismatches: options.trace == TraceKernel::RayQuery,
             counts_work: options.trace != TraceKernel::RayQuery,
             cache_model,
-            recorded: match &self.rays {
-                Rays::Recorded(RecordedRays::Dump { dump, .. }) => Some(dump),
-                Rays::Paths | Rays::Recorded(RecordedRays::Queue(_)) => None,
-            },
+            recorded: self.recorded,
         }
     }
 
@@ -115,7 +114,7 @@ impl Run<'_> {
         let mut recorder = Recorder::new(&plan, &mut capture, &progress);
         match &self.rays {
             Rays::Paths => wavefront::run(backend, options.passes, options.bounces, &mut recorder)?,
-            Rays::Recorded(rays) => queues::run(backend, rays, &mut recorder)?,
+            Rays::Recorded(queues) => wavefront::run_recorded(backend, queues, &mut recorder)?,
         }
         recorder.finish(backend)?;
         let Recorder { measured, differing, .. } = recorder;

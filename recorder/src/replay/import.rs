@@ -7,18 +7,17 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail, ensure};
 use formats::files::read_plain;
 use formats::key::LightSite;
-use formats::manifest::Source;
+use formats::manifest::{QueueId, Source};
 use formats::npy::{self, Dtype};
 use formats::ray::{Kind, Ray};
 use formats::unit_space::UnitSpace;
 use formats::writer::DumpWriter;
 use sha2::{Digest, Sha256};
 
-use crate::backend::UploadedRays;
+use crate::backend::RecordedRays;
 use crate::device;
 use crate::options::RecordOptions;
 use crate::recording::{Rays, Recorded, Run, choose_camera, header, setup};
-use crate::replay::queues::RecordedRays;
 
 /// Directions whose length differs from 1 by less than this are taken as they are.
 const UNIT_TOLERANCE: f64 = 1e-6;
@@ -74,15 +73,15 @@ pub fn import(options: &ImportOptions) -> Result<Recorded> {
     notices.extend(device.notices());
     let name = options.rays.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let header = header(&scene, &setup, &run, &device, &notices, Source::Imported { name, sha256 });
-    let queue = UploadedRays {
-        kind: options.kind,
-        bounce: options.bounce,
+    let queue = RecordedRays {
+        id: QueueId { pass: 0, bounce: options.bounce, kind: options.kind },
         rays: &rays,
         path_ids: &path_ids,
         lights: &lights,
+        lengths: None,
     };
-    let rays = Rays::Recorded(RecordedRays::Queue(queue));
-    Run { scene: &scene, setup, options: &run, header, rays, notices, start }.on(device)
+    let rays = Rays::Recorded(vec![queue]);
+    Run { scene: &scene, setup, options: &run, header, rays, recorded: None, notices, start }.on(device)
 }
 
 /// The rays of a file, and its SHA-256.

@@ -1,7 +1,7 @@
 //! Measures recorded rays again, without tracing paths: other methods, other bits, another device.
 //!
 //! - [`variants`]: methods at several key bits and lengths
-//! - [`queues`]: the loop over recorded queues
+//! - [`queues`]: recorded queues, checked
 //! - `geometry`: the scene as a recording holds it
 //! - [`import`]: rays from any other tracer
 
@@ -27,7 +27,7 @@ use crate::device;
 use crate::options::{BackendChoice, Keep, KeepPasses, RecordOptions};
 use crate::recording::{Rays, Recorded, Run, header, setup};
 use crate::stages::trace::TraceKernel;
-use queues::RecordedRays;
+use queues::RecordedQueue;
 use variants::Sweep;
 
 /// Everything that `recorder replay` was asked for; what is not given is as it was recorded.
@@ -128,8 +128,9 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
         features: recorded.features.clone(),
         ..header(&scene, &setup, &run_options, &device, &notices, source)
     };
-    let rays = Rays::Recorded(RecordedRays::Dump { dump, queues });
-    Run { scene: &scene, setup, options: &run_options, header, rays, notices, start }.on(device)
+    let rays = Rays::Recorded(queues.iter().map(RecordedQueue::rays).collect());
+    let options = &run_options;
+    Run { scene: &scene, setup, options, header, rays, recorded: Some(dump), notices, start }.on(device)
 }
 
 /// The options of a run over what was recorded in `source`, by default those of `recorded`.

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use formats::manifest::Stage;
 use recorder::backend::{Backend, Setup};
 use recorder::cli::parse_record;
 use recorder::cpu::CpuBackend;
@@ -11,7 +10,7 @@ use recorder::gpu::{AdapterRequest, Gpu};
 use recorder::recording;
 use recorder::stages::trace::TraceKernel;
 use recorder::stages::trace::cpu::CpuTracer;
-use recorder::wavefront::{self, Observer, Place};
+use recorder::wavefront;
 use scenes::Scene;
 use scenes::bvh::{BvhKind, build};
 
@@ -37,18 +36,6 @@ impl Estimate {
     }
 }
 
-struct NoObserver;
-
-impl<B: Backend> Observer<B> for NoObserver {
-    fn traced(&mut self, _: &mut B, _: Place, _: &B::Rays, _: &B::Hits, _: u64) -> anyhow::Result<()> {
-        Ok(())
-    }
-
-    fn stage(&mut self, _: Place, _: Stage, _: u64) -> anyhow::Result<()> {
-        Ok(())
-    }
-}
-
 fn setup(scene: &Scene, bounces: u32, roulette: bool) -> Setup {
     let words = ["builtin:cornell", "--out", "unused", "--methods", "unsorted", "--seed", "7"];
     let options = parse_record(words.into_iter().map(Into::into)).unwrap();
@@ -57,7 +44,7 @@ fn setup(scene: &Scene, bounces: u32, roulette: bool) -> Setup {
 }
 
 fn picture(mut backend: impl Backend, bounces: u32) -> Vec<f64> {
-    wavefront::run(&mut backend, PASSES, bounces, &mut NoObserver).unwrap();
+    wavefront::run(&mut backend, PASSES, bounces, &mut ()).unwrap();
     let image = backend.image(PASSES).unwrap();
     assert!(image.iter().flatten().all(|value| value.is_finite() && *value >= 0.0), "a pixel is no radiance");
     image.into_iter().map(|[_, green, _]| f64::from(green)).collect()

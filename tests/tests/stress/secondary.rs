@@ -3,17 +3,16 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use formats::manifest::Stage;
 use formats::ray::{Kind, Ray};
 use rayon::prelude::*;
-use recorder::backend::{Backend, Setup};
+use recorder::backend::{Backend, Queue, Setup, collected};
 use recorder::cli::parse_record;
 use recorder::cpu::CpuBackend;
 use recorder::oracle::{Deviation, Oracle, Verdict};
 use recorder::recording;
 use recorder::stages::trace::TraceKernel;
 use recorder::stages::trace::cpu::CpuTracer;
-use recorder::wavefront::{self, Observer, Place};
+use recorder::wavefront::{self, Observer};
 use scenes::Scene;
 use scenes::bvh::{BvhKind, build};
 
@@ -30,24 +29,11 @@ const BOUNCES: u32 = 6;
 struct Secondary(Vec<Ray>);
 
 impl<B: Backend> Observer<B> for Secondary {
-    fn traced(
-        &mut self,
-        backend: &mut B,
-        place: Place,
-        rays: &B::Rays,
-        _: &B::Hits,
-        _: u64,
-    ) -> anyhow::Result<()> {
-        if place.kind == Kind::Closest && place.bounce > 0 {
-            backend.read_rays(rays, &mut |bytes| {
-                self.0.extend(bytemuck::pod_collect_to_vec::<u8, Ray>(bytes));
-                Ok(())
-            })?;
+    fn measure(&mut self, backend: &mut B, rays: &B::Rays, _: &B::Hits) -> anyhow::Result<()> {
+        let id = rays.id();
+        if id.kind == Kind::Closest && id.bounce > 0 {
+            self.0.extend(collected::<Ray>(|sink| backend.read_rays(rays, sink))?);
         }
-        Ok(())
-    }
-
-    fn stage(&mut self, _: Place, _: Stage, _: u64) -> anyhow::Result<()> {
         Ok(())
     }
 }

@@ -9,6 +9,7 @@ use formats::bench_result::error::EstimatorRow;
 use formats::key::termination::bounded_length;
 use formats::key::{Encoder, Layout, Method};
 use formats::length_table::LengthTable;
+use formats::manifest::QueueId;
 use formats::metrics::estimator::EstimateError;
 use formats::ray::{Hit, Kind, Ray};
 use rayon::prelude::*;
@@ -16,9 +17,9 @@ use rayon::prelude::*;
 use super::super::backends::{self, Measurement};
 use super::super::queues::strata;
 use super::Bench;
-use crate::backend::{Backend, Queue, collected};
+use crate::backend::{Backend, Queue, Table, collected};
 use crate::options::RecordOptions;
-use crate::wavefront::{self, Observer, Place};
+use crate::wavefront::{self, Observer};
 
 /// Methods whose keys can address a table: those that need no length and no light.
 pub const TABLE_METHODS: [&str; 5] = ["origin", "reis", "costa", "aila", "octahedron"];
@@ -55,7 +56,7 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<EstimatorRow>> {
     let Learnt { queues, costs } = backends::measure(bench.device, bench.scene, &setup, &[run.trace], work)?;
     let mut rows = Vec::new();
     for kind in Kind::ALL {
-        let of_kind: Vec<&Lengths> = queues.iter().filter(|queue| queue.place.kind == kind).collect();
+        let of_kind: Vec<&Lengths> = queues.iter().filter(|queue| queue.id.kind == kind).collect();
         rows.extend(constant_rows(bench, &of_kind, kind, setup.methods[FIXED].two_point_length));
         for (at, address) in addresses.iter().enumerate() {
             for bits in TABLE_BITS {
@@ -85,7 +86,7 @@ struct Address {
 
 /// What is kept of a queue.
 struct Lengths {
-    place: Place,
+    id: QueueId,
     /// Traced length of each ray, unit lengths.
     traced: Vec<f32>,
     /// Per method the cell of each ray in a table of [`MOST_BITS`].
@@ -134,18 +135,12 @@ struct Learning<'a> {
 }
 
 impl<B: Backend> Observer<B> for Learning<'_> {
-    fn traced(
-        &mut self,
-        backend: &mut B,
-        place: Place,
-        rays: &B::Rays,
-        hits: &B::Hits,
-        _elapsed_ns: u64,
-    ) -> Result<()> {
-        if place.pass + 1 == PASSES && place.bounce == TIMED_BOUNCE {
-            self.time(backend, place.kind, rays, hits)?;
+    fn measure(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
+        let id = rays.id();
+        if id.pass + 1 == PASSES && id.bounce == TIMED_BOUNCE {
+            self.time(backend, rays, hits)?;
         }
-        self.queues.push(self.lengths(backend, place, rays, hits)?);
+        self.queues.push(self.lengths(backend, id, rays, hits)?);
         Ok(())
     }
 }
@@ -154,13 +149,13 @@ impl Learning<'_> {
     fn lengths<B: Backend>(
         &self,
         backend: &mut B,
-        place: Place,
+        id: QueueId,
         rays: &B::Rays,
         hits: &B::Hits,
     ) -> Result<Lengths> {
         let unit = self.bench.unit();
         let rays: Vec<Ray> = collected(|sink| backend.read_rays(rays, sink))?;
-        let traced = traced_lengths(backend, place.kind, &unit, &rays, hits)?;
+        let traced = traced_lengths(backend, id.kind, &unit, &rays, hits)?;
         let cells = |address: &Address| -> Vec<u32> {
             rays.par_iter().map(|ray| address.encoder.encode(ray, 0.0, 0) as u32).collect()
         };
@@ -169,7 +164,7 @@ impl Learning<'_> {
             (at as u32, bounded_length(&unit, ray, unit.point(ray.origin), f32::INFINITY))
         };
         Ok(Lengths {
-            place,
+            id,
             cells: self.addresses.iter().map(cells).collect(),
             looked_at: strata(rays.len(), self.bench.options.rays).map(longest).collect(),
             traced,
@@ -177,18 +172,13 @@ impl Learning<'_> {
     }
 
     /// Adds a queue to tables of every size and address, and makes keys with their means, on the device.
-    fn time<B: Backend>(
-        &mut self,
-        backend: &mut B,
-        kind: Kind,
-        rays: &B::Rays,
-        hits: &B::Hits,
-    ) -> Result<()> {
+    fn time<B: Backend>(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
+        let kind = rays.id().kind;
         let repeats = self.bench.options.run.repeats;
         let mut fixed = Vec::new();
         for repeat in 0..=repeats {
-            let elapsed_ns = backend.key(rays, hits, FIXED)?.elapsed_ns;
-            fixed.extend((repeat > 0).then_some(elapsed_ns));
+            backend.key(rays, hits, FIXED)?;
+            fixed.extend((repeat > 0).then_some(backend.elapsed_ns()));
         }
         let count = rays.len() as u64;
         let cost = |method, bits| Cost {
@@ -205,8 +195,10 @@ impl Learning<'_> {
                 backend.address_tables(bits, &address.layout)?;
                 let mut cost = cost(address.name, bits);
                 for repeat in 0..=repeats {
-                    let accumulate_ns = backend.time_accumulate(rays, hits)?;
-                    let key_ns = backend.key(rays, hits, ADAPTIVE)?.elapsed_ns;
+                    backend.accumulate(rays, hits, Table::Scratch)?;
+                    let accumulate_ns = backend.elapsed_ns();
+                    backend.key(rays, hits, ADAPTIVE)?;
+                    let key_ns = backend.elapsed_ns();
                     // The first round touches the memory.
                     if repeat > 0 {
                         cost.accumulate_ns.push(accumulate_ns);
@@ -244,8 +236,8 @@ pub(super) fn traced_lengths<B: Backend>(
 }
 
 /// Whether the errors of a queue count: camera rays are not sorted.
-fn is_looked_at(place: Place) -> bool {
-    place.kind == Kind::Shadow || place.bounce > 0
+fn is_looked_at(id: QueueId) -> bool {
+    id.kind == Kind::Shadow || id.bounce > 0
 }
 
 /// Errors of every pass when the rays of a kind are estimated by `estimate` (queue and place of the ray) and
@@ -259,8 +251,8 @@ fn errors_by_pass(
     let mut errors = Vec::new();
     for pass in 0..PASSES {
         let mut pairs = Vec::new();
-        for queue in queues.iter().filter(|queue| queue.place.pass == pass) {
-            if is_looked_at(queue.place) {
+        for queue in queues.iter().filter(|queue| queue.id.pass == pass) {
+            if is_looked_at(queue.id) {
                 let pair = |&(at, longest): &(u32, f32)| {
                     (estimate(queue, at).min(longest).max(0.0), queue.traced[at as usize])
                 };
@@ -328,7 +320,7 @@ mod tests {
         let cell = |at: usize, pass: usize| (at * 7 + pass) as u32 % 5;
         let length = |at: usize, pass: usize| ((at * 13 + pass * 5) % 32) as f32 / 32.0;
         let queue = |pass: usize| Lengths {
-            place: Place { pass: pass as u32, bounce: 1, kind: Kind::Closest },
+            id: QueueId { pass: pass as u32, bounce: 1, kind: Kind::Closest },
             traced: (0..100).map(|at| length(at, pass)).collect(),
             cells: vec![(0..100).map(|at| cell(at, pass)).collect()],
             looked_at: (0..100).map(|at| (at, 1.5)).collect(),

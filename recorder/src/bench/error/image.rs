@@ -14,11 +14,10 @@ use formats::manifest::Stage;
 use formats::ray::Kind;
 
 use super::super::backends::{self, Measurement};
-use super::super::queues::Unobserved;
 use super::Bench;
-use crate::backend::{Backend, MethodPlan, Setup};
+use crate::backend::{Backend, MethodPlan, Queue, Setup, Table};
 use crate::options::RecordOptions;
-use crate::wavefront::{self, Observer, Place};
+use crate::wavefront::{self, Observer};
 
 /// Keeps dark pixels from deciding: a part of the reference's mean square.
 const DARK: f64 = 0.01;
@@ -61,7 +60,7 @@ impl Measurement for Reference {
     type Output = Vec<[f32; 3]>;
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<[f32; 3]>> {
-        wavefront::run(&mut backends[0], self.passes, self.bounces, &mut Unobserved)?;
+        wavefront::run(&mut backends[0], self.passes, self.bounces, &mut ())?;
         backends[0].image(self.passes)
     }
 }
@@ -103,26 +102,20 @@ struct Watch<'a> {
 }
 
 impl<B: Backend> Observer<B> for Watch<'_> {
-    fn traced(
-        &mut self,
-        backend: &mut B,
-        place: Place,
-        rays: &B::Rays,
-        hits: &B::Hits,
-        _elapsed_ns: u64,
-    ) -> Result<()> {
-        let is_camera = place.bounce == 0 && place.kind == Kind::Closest;
-        if is_camera && place.pass > 0 {
-            self.look(backend, place.pass)?;
+    fn measure(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
+        let id = rays.id();
+        let is_camera = id.bounce == 0 && id.kind == Kind::Closest;
+        if is_camera && id.pass > 0 {
+            self.look(backend, id.pass)?;
         }
         let unsorted_ns = waited(|| backend.trace(rays).map(drop))?;
         self.unsorted_ns += unsorted_ns;
         let count = self.clocks.len();
         for turn in 0..count {
-            let method = (turn + place.pass as usize) % count;
+            let method = (turn + id.pass as usize) % count;
             let plan = &self.pictures.setup.methods[method];
             let clock = &mut self.clocks[method];
-            if is_camera || !plan.applies_to(place.kind) {
+            if is_camera || !plan.applies_to(id.kind) {
                 clock.gathered_ns += unsorted_ns;
                 clock.indirect_ns += unsorted_ns;
             } else {
@@ -132,14 +125,14 @@ impl<B: Backend> Observer<B> for Watch<'_> {
         Ok(())
     }
 
-    fn stage(&mut self, _place: Place, _stage: Stage, elapsed_ns: u64) -> Result<()> {
-        self.shared_ns += elapsed_ns;
+    fn ran(&mut self, backend: &B, _: Stage, _: &B::Rays) -> Result<()> {
+        self.shared_ns += backend.elapsed_ns();
         Ok(())
     }
 }
 
 impl Watch<'_> {
-    /// Takes down what every method has come to after so many passes.
+    /// Records what every method has taken after so many passes.
     fn look<B: Backend>(&mut self, backend: &mut B, passes: u32) -> Result<()> {
         let Pictures { bench, setup, reference } = self.pictures;
         let relative_mse = relative_mse(&backend.image(passes)?, reference);
@@ -171,15 +164,15 @@ fn sorted<B: Backend>(
     clock: &mut Clock,
 ) -> Result<()> {
     let start = Instant::now();
-    let keys = backend.key(rays, hits, method)?.value;
-    let order = backend.sort(&keys)?.value;
+    let keys = backend.key(rays, hits, method)?;
+    let order = backend.sort(&keys)?;
     let mut before_ns = start.elapsed().as_nanos() as u64;
     if plan.termination == Termination::Adaptive {
-        before_ns += waited(|| backend.time_accumulate(rays, hits).map(drop))?;
+        before_ns += waited(|| backend.accumulate(rays, hits, Table::Scratch))?;
     }
     clock.gathered_ns += before_ns
         + waited(|| {
-            let gathered = backend.gather(rays, &order)?.value;
+            let gathered = backend.gather(rays, &order)?;
             backend.trace_gathered(&gathered, &order).map(drop)
         })?;
     clock.indirect_ns += before_ns + waited(|| backend.trace_indirect(rays, &order).map(drop))?;

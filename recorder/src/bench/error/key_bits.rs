@@ -12,9 +12,9 @@ use rayon::prelude::*;
 use super::super::backends::{self, Measurement};
 use super::Bench;
 use super::estimator::traced_lengths;
-use crate::backend::{Backend, Setup, collected};
+use crate::backend::{Backend, Queue, Setup, collected};
 use crate::replay::variants::Sweep;
-use crate::wavefront::{self, Observer, Place};
+use crate::wavefront::{self, Observer};
 
 /// The queues that are measured, or those of the last bounce if there are fewer: incoherent rays, and the
 /// shadow rays of the surface before.
@@ -60,31 +60,25 @@ struct Orders<'a> {
 }
 
 impl<B: Backend> Observer<B> for Orders<'_> {
-    fn traced(
-        &mut self,
-        backend: &mut B,
-        place: Place,
-        rays: &B::Rays,
-        hits: &B::Hits,
-        _elapsed_ns: u64,
-    ) -> Result<()> {
+    fn measure(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
+        let id = rays.id();
         let run = &self.bench.options.run;
-        let wanted = match place.kind {
+        let wanted = match id.kind {
             Kind::Closest => SECONDARY_BOUNCE,
             Kind::Shadow => SHADOW_BOUNCE,
         };
-        if place.pass + 1 != run.passes || place.bounce != wanted.min(run.bounces - 1) {
+        if id.pass + 1 != run.passes || id.bounce != wanted.min(run.bounces - 1) {
             return Ok(());
         }
         let unit = self.bench.unit();
         let copied: Vec<Ray> = collected(|sink| backend.read_rays(rays, sink))?;
-        let lengths = traced_lengths(backend, place.kind, &unit, &copied, hits)?;
+        let lengths = traced_lengths(backend, id.kind, &unit, &copied, hits)?;
         let area = |order: &[u32]| mean_capsule_area(&unit, &copied, &lengths, order);
         let canonical: Vec<u32> = (0..copied.len() as u32).collect();
         let row = |method: &str, key_bits, capsule_area| KeyBitsRow {
             scene: self.bench.scene.name.clone(),
-            bounce: place.bounce,
-            kind: place.kind,
+            bounce: id.bounce,
+            kind: id.kind,
             method: method.to_owned(),
             key_bits,
             rays: copied.len() as u64,
@@ -97,18 +91,19 @@ impl<B: Backend> Observer<B> for Orders<'_> {
         let mut applicable = Vec::new();
         self.rows.push(row(UNSORTED, 0, area(&canonical)));
         for (number, plan) in self.setup.methods.iter().enumerate() {
-            if !plan.applies_to(place.kind) {
+            if !plan.applies_to(id.kind) {
                 continue;
             }
-            let keys = backend.key(rays, hits, number)?.value;
-            let order = backend.sort(&keys)?.value;
+            let keys = backend.key(rays, hits, number)?;
+            let order = backend.sort(&keys)?;
             let permutation: Vec<u32> = collected(|sink| backend.read_order(&order, sink))?;
             applicable.push(number);
             self.rows.push(row(&plan.base, plan.key_bits, area(&permutation)));
         }
         let rows = &mut self.rows[first..];
         for repeat in 0..run.repeats as usize {
-            rows[0].trace_ns.push(backend.trace(rays)?.elapsed_ns);
+            backend.trace(rays)?;
+            rows[0].trace_ns.push(backend.elapsed_ns());
             for turn in 0..applicable.len() {
                 let at = (turn + repeat) % applicable.len();
                 sample(backend, rays, hits, applicable[at], &mut rows[at + 1])?;
@@ -126,11 +121,12 @@ fn sample<B: Backend>(
     row: &mut KeyBitsRow,
 ) -> Result<()> {
     let keys = backend.key(rays, hits, method)?;
-    row.key_ns.push(keys.elapsed_ns);
-    let order = backend.sort(&keys.value)?;
-    row.sort_ns.push(order.elapsed_ns);
-    let gathered = backend.gather(rays, &order.value)?.value;
-    row.trace_ns.push(backend.trace_gathered(&gathered, &order.value)?.elapsed_ns);
+    row.key_ns.push(backend.elapsed_ns());
+    let order = backend.sort(&keys)?;
+    row.sort_ns.push(backend.elapsed_ns());
+    let gathered = backend.gather(rays, &order)?;
+    backend.trace_gathered(&gathered, &order)?;
+    row.trace_ns.push(backend.elapsed_ns());
     Ok(())
 }
 

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use formats::bench_result::error::{Distribution, HitErrors, PrecisionRow};
+use formats::manifest::QueueId;
 use formats::ray::{Hit, Kind, Ray};
 use rayon::prelude::*;
 use scenes::Scene;
@@ -14,11 +15,11 @@ use scenes::Scene;
 use super::super::backends::{Configuration, Measurement, measure, measure_all};
 use super::super::queues::strata;
 use super::Bench;
-use crate::backend::{Backend, Queue, Setup, UploadedRays, collected};
+use crate::backend::{Backend, Queue, RecordedRays, Setup, collected};
 use crate::device::Device;
 use crate::oracle::{ExactHit, Oracle, Verdict};
 use crate::stages::trace::{Precision, TraceKernel};
-use crate::wavefront::{self, Observer, Place};
+use crate::wavefront::{self, Observer};
 
 /// Name of tests that are the driver's affair.
 const DRIVER: &str = "driver";
@@ -87,8 +88,9 @@ struct Sample {
 }
 
 impl<B: Backend> Observer<B> for Sample {
-    fn traced(&mut self, backend: &mut B, place: Place, rays: &B::Rays, _: &B::Hits, _: u64) -> Result<()> {
-        if place.kind == Kind::Closest && place.bounce > 0 {
+    fn measure(&mut self, backend: &mut B, rays: &B::Rays, _: &B::Hits) -> Result<()> {
+        let id = rays.id();
+        if id.kind == Kind::Closest && id.bounce > 0 {
             let queue: Vec<Ray> = collected(|sink| backend.read_rays(rays, sink))?;
             self.rays.extend(strata(rays.len(), self.wanted).map(|at| queue[at]));
         }
@@ -113,18 +115,18 @@ impl Measurement for Tracing<'_> {
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<Traced>> {
         let path_ids: Vec<u32> = (0..self.rays.len() as u32).collect();
-        let queue = UploadedRays {
-            kind: Kind::Closest,
-            bounce: 1,
+        let queue = RecordedRays {
+            id: QueueId { pass: 0, bounce: 1, kind: Kind::Closest },
             rays: self.rays,
             path_ids: &path_ids,
             lights: &[],
+            lengths: None,
         };
         let mut traced = Vec::new();
         let mut queues = Vec::new();
         for backend in &mut backends {
             let rays = backend.upload(queue)?;
-            let hits = backend.trace(&rays)?.value;
+            let hits = backend.trace(&rays)?;
             let hits = collected(|sink| backend.read_hits(&hits, sink))?;
             traced.push(Traced { hits, samples_ns: Vec::new() });
             queues.push(rays);
@@ -133,7 +135,8 @@ impl Measurement for Tracing<'_> {
         for repeat in 0..self.repeats as usize {
             for turn in 0..count {
                 let at = (turn + repeat) % count;
-                traced[at].samples_ns.push(backends[at].trace(&queues[at])?.elapsed_ns);
+                backends[at].trace(&queues[at])?;
+                traced[at].samples_ns.push(backends[at].elapsed_ns());
             }
         }
         Ok(traced)

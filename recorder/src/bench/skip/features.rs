@@ -14,7 +14,7 @@ use crate::device::Device;
 use crate::stages::shade::cpu::SPECIALISED;
 use crate::stages::shade::tables::ShadeTables;
 use crate::stages::trace::mask::Masks;
-use crate::wavefront::{self, Observer, Place};
+use crate::wavefront::{self, Observer};
 
 /// What is skipped of the scene's features, one by one and all together.
 pub(super) fn rows(bench: Bench<'_>) -> Result<Vec<SkipRow>> {
@@ -125,14 +125,14 @@ struct Pass {
 }
 
 impl<B: Backend> Observer<B> for Pass {
-    fn traced(&mut self, _: &mut B, _: Place, _: &B::Rays, _: &B::Hits, elapsed_ns: u64) -> Result<()> {
-        self.trace_ns += elapsed_ns;
+    fn measure(&mut self, backend: &mut B, _: &B::Rays, _: &B::Hits) -> Result<()> {
+        self.trace_ns += backend.elapsed_ns();
         Ok(())
     }
 
-    fn stage(&mut self, _: Place, stage: Stage, elapsed_ns: u64) -> Result<()> {
+    fn ran(&mut self, backend: &B, stage: Stage, _: &B::Rays) -> Result<()> {
         if stage == Stage::Shade {
-            self.shade_ns += elapsed_ns;
+            self.shade_ns += backend.elapsed_ns();
         }
         Ok(())
     }

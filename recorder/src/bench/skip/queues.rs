@@ -5,13 +5,13 @@ use std::time::Instant;
 use anyhow::Result;
 use formats::bench_result::skip::{Cost, SkipRow};
 use formats::length_table::LengthCell;
+use formats::manifest::QueueId;
 use formats::ray::Kind;
 
 use super::super::backends::{self, Measurement};
-use super::super::queues::Unobserved;
 use super::super::sort::{random_keys, sorted_by};
 use super::Bench;
-use crate::backend::{Backend, UploadedRays};
+use crate::backend::{Backend, RecordedRays, Table};
 use crate::stages::sort::Digits;
 use crate::wavefront;
 
@@ -55,7 +55,7 @@ impl Measurement for Paths<'_> {
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<SkipRow>> {
         let backend = &mut backends[0];
-        wavefront::run(backend, 1, self.bench.run.bounces, &mut Unobserved)?;
+        wavefront::run(backend, 1, self.bench.run.bounces, &mut ())?;
         let bounce = self.empty_bounce(backend)?;
         let mut rows = vec![bounce];
         for kind in Kind::ALL {
@@ -65,21 +65,24 @@ impl Measurement for Paths<'_> {
     }
 }
 
+/// A queue without rays, with the length table of its kind or without.
+fn no_rays(bounce: u32, kind: Kind, lengths: Option<&[LengthCell]>) -> RecordedRays<'_> {
+    RecordedRays { id: QueueId { pass: 0, bounce, kind }, rays: &[], path_ids: &[], lights: &[], lengths }
+}
+
 impl Paths<'_> {
     /// The verbs of a bounce to which no ray has come, which the loop does not run.
     fn empty_bounce<B: Backend>(&self, backend: &mut B) -> Result<SkipRow> {
         let mut row = self.bench.row("a bounce without live rays", "all stages of the bounce", "picture");
         let before = backend.image(1)?;
         for repeat in 0..=self.bench.run.repeats {
-            let bounce = self.bench.run.bounces;
-            let nothing = UploadedRays { kind: Kind::Closest, bounce, rays: &[], path_ids: &[], lights: &[] };
-            let rays = backend.upload(nothing)?;
+            let rays = backend.upload(no_rays(self.bench.run.bounces, Kind::Closest, None))?;
             let start = Instant::now();
-            let hits = backend.trace(&rays)?.value;
-            backend.accumulate(&rays, &hits)?;
-            let shadow = backend.shade(0, &rays, &hits)?.value.shadow;
-            let occlusion = backend.trace(&shadow)?.value;
-            backend.accumulate(&shadow, &occlusion)?;
+            let hits = backend.trace(&rays)?;
+            backend.accumulate(&rays, &hits, Table::Learnt)?;
+            let shadow = backend.shade(&rays, &hits)?.shadow;
+            let occlusion = backend.trace(&shadow)?;
+            backend.accumulate(&shadow, &occlusion, Table::Learnt)?;
             backend.add_light(&shadow, &occlusion)?;
             row.done.samples_ns.extend((repeat > 0).then_some(start.elapsed().as_nanos() as u64));
         }
@@ -94,7 +97,7 @@ impl Paths<'_> {
         let touched = backend.touched_cells(kind)?;
         row.skipped.bytes = size_of_val(&*touched) as u64;
         row.done.bytes = (size_of::<LengthCell>() as u64) << self.bench.setup.table_bits;
-        backend.load_table(kind, &touched)?;
+        backend.upload(no_rays(0, kind, Some(&touched)))?;
         row.is_same = backend.touched_cells(kind)? == touched;
         Ok(row)
     }

@@ -12,19 +12,21 @@ pub mod path;
 pub mod surface;
 pub mod tables;
 
+use formats::manifest::QueueId;
+
 use crate::backend::Setup;
 use crate::stages::shared::ShadeParams;
 
-/// Parameters for all rays of a bounce; `count` is the dispatch's to set.
-pub fn params(setup: &Setup, pass: u32, bounce: u32) -> ShadeParams {
+/// Parameters for all rays of a queue; `count` is the dispatch's to set.
+pub fn params(setup: &Setup, id: QueueId) -> ShadeParams {
     let tables = &setup.tables;
     ShadeParams {
         first: 0,
         count: 0,
-        pass_index: pass,
-        bounce,
+        pass_index: id.pass,
+        bounce: id.bounce,
         seed: setup.seed_words(),
-        is_last: u32::from(bounce + 1 == setup.bounces),
+        is_last: u32::from(id.bounce + 1 == setup.bounces),
         roulette: u32::from(setup.roulette),
         zenith: tables.zenith.to_array(),
         emitter_count: tables.emitters.len() as u32,
