@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use formats::manifest::{Place, QueueArray, QueueId, SceneArray};
-use formats::ray::{Hit, Kind, Ray};
+use formats::ray::{Kind, Ray};
 use formats::reader::Dump;
 use glam::Vec3A;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
@@ -18,7 +18,9 @@ use obvhs::ray::RayHit;
 use obvhs::triangle::Triangle;
 use obvhs::{BvhBuildParams, ray::Ray as ObvhsRay};
 use rayon::prelude::*;
+use recorder::stages::trace::Order;
 use recorder::stages::trace::cpu::CpuTracer;
+use recorder::stages::trace::hits::Hits;
 use scenes::Scene;
 use scenes::bvh::BvhKind;
 
@@ -39,7 +41,7 @@ fn main() -> Result<()> {
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         for (order, rays) in [("canonical", &rays), ("shuffled", &shuffled)] {
-            let mut hits = vec![Hit::MISS; rays.len()];
+            let hits = Hits::new(Kind::Closest, rays.len());
             let mut distances = vec![0.0; rays.len()];
             let mut best = [f64::INFINITY; 4];
             let mut differing = [0; 4];
@@ -47,15 +49,18 @@ fn main() -> Result<()> {
                 for tracer in 0..4 {
                     let start = Instant::now();
                     pool.install(|| match tracer {
-                        0 => bvh2.closest(rays, &mut hits),
+                        0 => bvh2.trace(rays, Order::Canonical, &hits),
                         1 => theirs.binary(rays, &mut distances),
-                        2 => cwbvh.closest(rays, &mut hits),
+                        2 => cwbvh.trace(rays, Order::Canonical, &hits),
                         _ => theirs.wide(rays, &mut distances),
                     });
                     best[tracer] = best[tracer].min(start.elapsed().as_secs_f64());
-                    let differs = |(hit, t): (&Hit, &f32)| (hit.t - t).abs() > 1e-3 * hit.t.min(*t);
+                    let differs = |&(at, t): &(usize, &f32)| {
+                        let found = hits.distance(at);
+                        (found - t).abs() > 1e-3 * found.min(*t)
+                    };
                     if tracer % 2 == 1 {
-                        differing[tracer] = hits.iter().zip(&distances).filter(|&at| differs(at)).count();
+                        differing[tracer] = distances.iter().enumerate().filter(differs).count();
                     }
                 }
             }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::Result;
+use bytemuck::Pod;
 use formats::key::{Layout, LayoutError, LightSite, Method, Termination};
 use formats::length_table::LengthCell;
 use formats::manifest::QueueId;
@@ -11,7 +12,7 @@ use formats::unit_space::UnitSpace;
 use scenes::{Camera, Scene};
 
 use crate::stages::shade::tables::ShadeTables;
-use crate::stages::trace::Precision;
+use crate::stages::trace::{Order, Precision};
 
 /// A method as a backend runs it: layout expanded for the scene's lights.
 #[derive(Clone, Debug)]
@@ -162,50 +163,75 @@ pub enum Table {
 /// Takes an array's bytes, piece by piece.
 pub type Sink<'a> = dyn FnMut(&[u8]) -> Result<()> + 'a;
 
-/// The elements that a backend hands to a sink.
+/// What can be read back of a queue and of what was made of it.
+pub enum Array<'a, B: Backend + ?Sized> {
+    /// The rays, [`Ray`] each.
+    Rays(&'a B::Rays),
+    /// Path index of each ray, u32.
+    PathIds(&'a B::Rays),
+    /// Light index of each shadow ray, u32.
+    Lights(&'a B::Rays),
+    /// Work of tracing each ray, [`formats::ray::Work`] each, from an untimed run.
+    Work(&'a B::Rays),
+    /// [`formats::ray::Hit`] of each closest ray, f32 distance of each shadow ray.
+    Hits(&'a B::Hits),
+    /// Keys in canonical order, u32 up to 32 bits, else u64.
+    Keys(&'a B::Keys),
+    /// The permutation, u32.
+    Permutation(&'a B::Permutation),
+    /// Touched cells of the length table of a kind, [`LengthCell`] each.
+    Lengths(Kind),
+    /// Light that each pixel got so far, linear RGB, f32 each; top row first.
+    Film,
+}
+
+/// The elements of an array of a backend.
 ///
 /// # Errors
-/// Whatever `read` reports.
-pub fn collected<T: bytemuck::Pod>(read: impl FnOnce(&mut Sink<'_>) -> Result<()>) -> Result<Vec<T>> {
+/// Any of the backend.
+pub fn collected<T: Pod, B: Backend>(backend: &mut B, array: Array<'_, B>) -> Result<Vec<T>> {
     let mut elements = Vec::new();
-    read(&mut |bytes| {
+    backend.read(array, &mut |bytes| {
         elements.extend(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned::<T>));
         Ok(())
     })?;
     Ok(elements)
 }
 
+/// The picture after so many passes, linear RGB, top row first.
+///
+/// # Errors
+/// Any of the backend.
+pub fn picture<B: Backend>(backend: &mut B, passes: u32) -> Result<Vec<[f32; 3]>> {
+    let scale = 1.0 / passes as f32;
+    let film: Vec<[f32; 3]> = collected(backend, Array::Film)?;
+    Ok(film.into_iter().map(|pixel| pixel.map(|light| light * scale)).collect())
+}
+
 /// A device that runs the stages. Queues and everything made of them are opaque.
 pub trait Backend {
-    /// Rays with the state of their paths.
+    /// A queue, or its rays in another order.
     type Rays: Queue;
-    /// What tracing a queue in canonical order found.
+    /// What tracing a queue found, at canonical places.
     type Hits;
-    /// What tracing it in another order found, brought back to canonical places.
-    type Scattered;
     /// Keys in canonical order.
     type Keys;
     /// A permutation of a queue.
-    type Order;
-    /// Rays copied into another order.
-    type Gathered;
+    type Permutation;
 
     /// Nanoseconds that the last verb took, on the device's clock where it has one. Copies between the
     /// device and main memory are not timed.
     fn elapsed_ns(&self) -> u64;
 
-    /// A queue of recorded rays. What paths carry beside their rays is not recorded, so it cannot be shaded.
-    fn upload(&mut self, queue: RecordedRays<'_>) -> Result<Self::Rays>;
-    /// Starts the length tables anew, 2^`bits` cells each, addressed by the top bits of `layout`.
-    fn address_tables(&mut self, bits: u32, layout: &Layout) -> Result<()>;
-
     /// Camera rays of a pass.
     fn generate(&mut self, pass: u32) -> Result<Self::Rays>;
-    /// Traces a queue in canonical order.
-    fn trace(&mut self, rays: &Self::Rays) -> Result<Self::Hits>;
+    /// A queue of recorded rays. What paths carry beside their rays is not recorded: shading it is dark.
+    fn upload(&mut self, queue: RecordedRays<'_>) -> Result<Self::Rays>;
+    /// Traces rays; in any order but the canonical one, results live until the next trace.
+    fn trace(&mut self, rays: &Self::Rays, order: Order<&Self::Permutation>) -> Result<Self::Hits>;
     /// Adds traced lengths to a table of the queue's kind.
     fn accumulate(&mut self, rays: &Self::Rays, hits: &Self::Hits, table: Table) -> Result<()>;
-    /// Shades hits: film, next rays, shadow rays.
+    /// Shades the hits of closest rays: light to the film, next rays, shadow rays.
     fn shade(&mut self, rays: &Self::Rays, hits: &Self::Hits) -> Result<Shaded<Self::Rays>>;
     /// Adds the light of shadow rays that arrived to the film.
     fn add_light(&mut self, rays: &Self::Rays, hits: &Self::Hits) -> Result<()>;
@@ -213,32 +239,12 @@ pub trait Backend {
     /// Keys of a queue by method number, the query of the length table included.
     fn key(&mut self, rays: &Self::Rays, hits: &Self::Hits, method: usize) -> Result<Self::Keys>;
     /// Sorts keys, stably.
-    fn sort(&mut self, keys: &Self::Keys) -> Result<Self::Order>;
-    /// Copies rays into an order.
-    fn gather(&mut self, rays: &Self::Rays, order: &Self::Order) -> Result<Self::Gathered>;
-    /// Traces copied rays; results go to canonical places.
-    fn trace_gathered(&mut self, gathered: &Self::Gathered, order: &Self::Order) -> Result<Self::Scattered>;
-    /// Traces rays where they are, in an order; results go to canonical places.
-    fn trace_indirect(&mut self, rays: &Self::Rays, order: &Self::Order) -> Result<Self::Scattered>;
+    fn sort(&mut self, keys: &Self::Keys) -> Result<Self::Permutation>;
+    /// Copies rays into an order, to be traced with [`Order::Gathered`] alone, before the next gather.
+    fn gather(&mut self, rays: &Self::Rays, permutation: &Self::Permutation) -> Result<Self::Rays>;
     /// Counts results that differ: all of a hit's fields, for shadow rays the occlusion.
-    fn differences(&mut self, rays: &Self::Rays, hits: &Self::Hits, other: &Self::Scattered) -> Result<u64>;
+    fn differences(&mut self, hits: &Self::Hits, others: &Self::Hits) -> Result<u64>;
 
-    /// Bytes of the rays, [`formats::ray::Ray`] each.
-    fn read_rays(&mut self, rays: &Self::Rays, sink: &mut Sink<'_>) -> Result<()>;
-    /// Path index of each ray, u32.
-    fn read_path_ids(&mut self, rays: &Self::Rays, sink: &mut Sink<'_>) -> Result<()>;
-    /// Light index of each shadow ray, u32.
-    fn read_lights(&mut self, rays: &Self::Rays, sink: &mut Sink<'_>) -> Result<()>;
-    /// Bytes of the hits, [`formats::ray::Hit`] each, or f32 distances of shadow rays.
-    fn read_hits(&mut self, hits: &Self::Hits, sink: &mut Sink<'_>) -> Result<()>;
-    /// Work of tracing each ray, [`formats::ray::Work`] each, from an untimed run.
-    fn read_work(&mut self, rays: &Self::Rays, sink: &mut Sink<'_>) -> Result<()>;
-    /// Keys in canonical order, u32 up to 32 bits, else u64.
-    fn read_keys(&mut self, keys: &Self::Keys, sink: &mut Sink<'_>) -> Result<()>;
-    /// The permutation, u32.
-    fn read_order(&mut self, order: &Self::Order, sink: &mut Sink<'_>) -> Result<()>;
-    /// Touched cells of the length table of a kind.
-    fn touched_cells(&mut self, kind: Kind) -> Result<Vec<LengthCell>>;
-    /// The film divided by the number of passes, linear RGB, top row first.
-    fn image(&mut self, passes: u32) -> Result<Vec<[f32; 3]>>;
+    /// Hands the bytes of an array to a sink, piece by piece.
+    fn read(&mut self, array: Array<'_, Self>, sink: &mut Sink<'_>) -> Result<()>;
 }

@@ -5,7 +5,7 @@ use formats::manifest::{Place, QueueArray, QueueId};
 use formats::ray::{Hit, Kind};
 use formats::reader::{Dump, Mapped};
 
-use crate::backend::Backend;
+use crate::backend::{Array, Backend};
 
 /// How results differ from recorded ones.
 #[derive(Clone, Copy, Debug, Default)]
@@ -56,7 +56,7 @@ fn compare_each<B: Backend, T: bytemuck::AnyBitPattern>(
     mut compare: impl FnMut(&T, &T),
 ) -> Result<()> {
     let mut stored = stored.iter();
-    backend.read_hits(hits, &mut |bytes| {
+    backend.read(Array::Hits(hits), &mut |bytes| {
         for found in bytes.chunks_exact(size_of::<T>()) {
             let stored = stored.next().context("more hits than were recorded")?;
             compare(&bytemuck::pod_read_unaligned(found), stored);

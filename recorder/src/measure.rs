@@ -6,6 +6,7 @@ use formats::metrics::speedup::StageSamples;
 use formats::ray::Kind;
 
 use crate::backend::{Backend, MethodPlan, Queue, Table};
+use crate::stages::trace::Order;
 
 /// What measuring one queue gave.
 #[derive(Clone, Debug)]
@@ -41,7 +42,7 @@ pub fn measure<B: Backend>(
     hits: &B::Hits,
     methods: &[MethodPlan],
     repeats: u32,
-    mut ordered: impl FnMut(&mut B, usize, &B::Keys, &B::Order) -> Result<()>,
+    mut ordered: impl FnMut(&mut B, usize, &B::Keys, &B::Permutation) -> Result<()>,
 ) -> Result<QueueMeasurement> {
     let applicable = (0..methods.len()).filter(|&method| methods[method].applies_to(rays.id().kind));
     let mut measured: Vec<MethodMeasurement> = applicable
@@ -49,13 +50,13 @@ pub fn measure<B: Backend>(
         .collect();
     for entry in &mut measured {
         let keys = backend.key(rays, hits, entry.method)?;
-        let order = backend.sort(&keys)?;
-        ordered(backend, entry.method, &keys, &order)?;
-        warm_up(backend, rays, hits, &order)?;
+        let permutation = backend.sort(&keys)?;
+        ordered(backend, entry.method, &keys, &permutation)?;
+        warm_up(backend, rays, hits, &permutation)?;
     }
     let mut unsorted_ns = Vec::new();
     for repeat in 0..repeats as usize {
-        backend.trace(rays)?;
+        backend.trace(rays, Order::Canonical)?;
         unsorted_ns.push(backend.elapsed_ns());
         let count = measured.len();
         for turn in 0..count {
@@ -67,10 +68,15 @@ pub fn measure<B: Backend>(
 }
 
 /// Runs every stage after the sort once, so that no timed one is the first to compile or to touch memory.
-fn warm_up<B: Backend>(backend: &mut B, rays: &B::Rays, hits: &B::Hits, order: &B::Order) -> Result<()> {
-    let gathered = backend.gather(rays, order)?;
-    backend.trace_gathered(&gathered, order)?;
-    backend.trace_indirect(rays, order)?;
+fn warm_up<B: Backend>(
+    backend: &mut B,
+    rays: &B::Rays,
+    hits: &B::Hits,
+    permutation: &B::Permutation,
+) -> Result<()> {
+    let gathered = backend.gather(rays, permutation)?;
+    backend.trace(&gathered, Order::Gathered(permutation))?;
+    backend.trace(rays, Order::Indirect(permutation))?;
     backend.accumulate(rays, hits, Table::Scratch)
 }
 
@@ -84,16 +90,16 @@ fn measure_once<B: Backend>(
     let stages = &mut entry.stages;
     let keys = backend.key(rays, hits, entry.method)?;
     stages.key.push(backend.elapsed_ns());
-    let order = backend.sort(&keys)?;
+    let permutation = backend.sort(&keys)?;
     stages.sort.push(backend.elapsed_ns());
-    let gathered = backend.gather(rays, &order)?;
+    let gathered = backend.gather(rays, &permutation)?;
     stages.gather.push(backend.elapsed_ns());
-    let scattered = backend.trace_gathered(&gathered, &order)?;
+    let found = backend.trace(&gathered, Order::Gathered(&permutation))?;
     stages.trace.push(backend.elapsed_ns());
-    entry.mismatches = entry.mismatches.max(backend.differences(rays, hits, &scattered)?);
-    let scattered = backend.trace_indirect(rays, &order)?;
+    entry.mismatches = entry.mismatches.max(backend.differences(hits, &found)?);
+    let found = backend.trace(rays, Order::Indirect(&permutation))?;
     stages.trace_indirect.push(backend.elapsed_ns());
-    entry.mismatches = entry.mismatches.max(backend.differences(rays, hits, &scattered)?);
+    entry.mismatches = entry.mismatches.max(backend.differences(hits, &found)?);
     if method.termination == Termination::Adaptive {
         backend.accumulate(rays, hits, Table::Scratch)?;
         stages.accumulate.push(backend.elapsed_ns());

@@ -10,7 +10,7 @@ use formats::npy::Dtype;
 use formats::ray::{Kind, Ray};
 use formats::reader::Dump;
 
-use crate::backend::{Backend, MethodPlan, Queue, collected};
+use crate::backend::{Array, Backend, MethodPlan, Queue, collected};
 use crate::cache_model::CacheModel;
 use crate::capture::Capture;
 use crate::comparison::compare;
@@ -81,7 +81,7 @@ impl<'a> Recorder<'a> {
             return Ok(());
         }
         for id in self.last_kept.into_iter().flatten() {
-            let cells = backend.touched_cells(id.kind)?;
+            let cells = collected(backend, Array::Lengths(id.kind))?;
             self.write_cells(id, QueueArray::FinalLengths, &cells)?;
         }
         Ok(())
@@ -102,19 +102,6 @@ impl<'a> Recorder<'a> {
     fn keep_queue<B: Backend>(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
         let (keep, id) = (&self.plan.keep, rays.id());
         let shape = [rays.len() as u64];
-        let at = |array| Place::Queue(id, array);
-        if keep.rays {
-            self.capture
-                .array(at(QueueArray::Rays), Dtype::Ray, &shape, |sink| backend.read_rays(rays, sink))?;
-            self.capture.array(at(QueueArray::PathIds), Dtype::U4, &shape, |sink| {
-                backend.read_path_ids(rays, sink)
-            })?;
-            if id.kind == Kind::Shadow {
-                self.capture.array(at(QueueArray::Lights), Dtype::U4, &shape, |sink| {
-                    backend.read_lights(rays, sink)
-                })?;
-            }
-        }
         let differs = match self.plan.recorded {
             None => false,
             Some(dump) => {
@@ -123,19 +110,22 @@ impl<'a> Recorder<'a> {
                 difference.in_bits
             }
         };
-        if keep.hits || differs {
-            let (array, dtype) = match id.kind {
-                Kind::Closest => (QueueArray::Hits, Dtype::Hit),
-                Kind::Shadow => (QueueArray::Distances, Dtype::F4),
-            };
-            self.capture.array(at(array), dtype, &shape, |sink| backend.read_hits(hits, sink))?;
-        }
-        if keep.work && self.plan.counts_work {
-            self.capture
-                .array(at(QueueArray::Work), Dtype::Work, &shape, |sink| backend.read_work(rays, sink))?;
+        let (results, result_type) = match id.kind {
+            Kind::Closest => (QueueArray::Hits, Dtype::Hit),
+            Kind::Shadow => (QueueArray::Distances, Dtype::F4),
+        };
+        let arrays = [
+            (keep.rays, QueueArray::Rays, Dtype::Ray, Array::Rays(rays)),
+            (keep.rays, QueueArray::PathIds, Dtype::U4, Array::PathIds(rays)),
+            (keep.rays && id.kind == Kind::Shadow, QueueArray::Lights, Dtype::U4, Array::Lights(rays)),
+            (keep.hits || differs, results, result_type, Array::Hits(hits)),
+            (keep.work && self.plan.counts_work, QueueArray::Work, Dtype::Work, Array::Work(rays)),
+        ];
+        for (_, name, dtype, array) in arrays.into_iter().filter(|(is_kept, ..)| *is_kept) {
+            self.capture.array(Place::Queue(id, name), dtype, &shape, |sink| backend.read(array, sink))?;
         }
         if keep.lengths {
-            let cells = backend.touched_cells(id.kind)?;
+            let cells = collected(backend, Array::Lengths(id.kind))?;
             self.write_cells(id, QueueArray::Lengths, &cells)?;
         }
         Ok(())
@@ -144,7 +134,7 @@ impl<'a> Recorder<'a> {
     /// What the cache model says of canonical order; returns the rays, for the other orders.
     fn model_baseline<B: Backend>(&mut self, backend: &mut B, rays: &B::Rays) -> Result<Vec<Ray>> {
         let Some(model) = &self.plan.cache_model else { return Ok(Vec::new()) };
-        let copied: Vec<Ray> = collected(|sink| backend.read_rays(rays, sink))?;
+        let copied: Vec<Ray> = collected(backend, Array::Rays(rays))?;
         self.capture.cache(model.record(rays.id(), UNSORTED, &copied, |at| at))?;
         Ok(copied)
     }
@@ -236,8 +226,8 @@ impl Recorder<'_> {
     ) -> Result<QueueMeasurement> {
         let (plan, id) = (self.plan, rays.id());
         let copied = self.model_baseline(backend, rays)?;
-        let ordered = |backend: &mut B, method: usize, keys: &B::Keys, order: &B::Order| {
-            self.keep_order(backend, rays, &copied, &plan.methods[method], (keys, order))
+        let ordered = |backend: &mut B, method: usize, keys: &B::Keys, permutation: &B::Permutation| {
+            self.keep_order(backend, rays, &copied, &plan.methods[method], (keys, permutation))
         };
         let measured = measure(backend, rays, hits, &plan.methods, plan.repeats, ordered)?;
         self.progress.measured(id, rays.len());
@@ -254,23 +244,23 @@ impl Recorder<'_> {
         rays: &B::Rays,
         copied: &[Ray],
         method: &MethodPlan,
-        (keys, order): (&B::Keys, &B::Order),
+        (keys, permutation): (&B::Keys, &B::Permutation),
     ) -> Result<()> {
         let at = |array| Place::Method(rays.id(), method.name.clone(), array);
         let shape = [rays.len() as u64];
         if self.plan.keep.keys {
             let dtype = if method.key_bits <= 32 { Dtype::U4 } else { Dtype::U8 };
-            self.capture.array(at(MethodArray::Keys), dtype, &shape, |sink| backend.read_keys(keys, sink))?;
+            self.capture
+                .array(at(MethodArray::Keys), dtype, &shape, |sink| backend.read(Array::Keys(keys), sink))?;
         }
         if self.plan.keep.permutations {
             self.capture.array(at(MethodArray::Permutation), Dtype::U4, &shape, |sink| {
-                backend.read_order(order, sink)
+                backend.read(Array::Permutation(permutation), sink)
             })?;
         }
         if let Some(model) = &self.plan.cache_model {
-            let permutation: Vec<u32> = collected(|sink| backend.read_order(order, sink))?;
-            self.capture
-                .cache(model.record(rays.id(), &method.name, copied, |at| permutation[at] as usize))?;
+            let places: Vec<u32> = collected(backend, Array::Permutation(permutation))?;
+            self.capture.cache(model.record(rays.id(), &method.name, copied, |at| places[at] as usize))?;
         }
         Ok(())
     }

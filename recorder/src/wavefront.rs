@@ -4,6 +4,7 @@ use anyhow::Result;
 use formats::manifest::Stage;
 
 use crate::backend::{Backend, Queue, RecordedRays, Table};
+use crate::stages::trace::Order;
 
 /// What measures and captures the queues of the loop.
 pub trait Observer<B: Backend> {
@@ -63,7 +64,7 @@ pub fn run_recorded<B: Backend>(
 
 /// Traces a queue in canonical order, measures it, and only then lets the length table learn from it.
 fn trace<B: Backend>(backend: &mut B, rays: &B::Rays, observer: &mut impl Observer<B>) -> Result<B::Hits> {
-    let hits = backend.trace(rays)?;
+    let hits = backend.trace(rays, Order::Canonical)?;
     observer.measure(backend, rays, &hits)?;
     backend.accumulate(rays, &hits, Table::Learnt)?;
     Ok(hits)

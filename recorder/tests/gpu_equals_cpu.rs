@@ -10,9 +10,9 @@ use std::sync::Arc;
 use formats::key::{Encoder, Termination};
 use formats::length_table::{LengthCell, LengthTable};
 use formats::manifest::QueueId;
-use formats::ray::{Hit, Kind, Ray, Work};
+use formats::ray::{Kind, Ray, Work};
 use formats::unit_space::UnitSpace;
-use recorder::backend::{Backend, Queue, RecordedRays, Setup, Table};
+use recorder::backend::{Array, Backend, Queue, RecordedRays, Setup, Table, collected};
 use recorder::cli::parse_record;
 use recorder::gpu::backend::GpuBackend;
 use recorder::gpu::{AdapterRequest, Gpu};
@@ -20,7 +20,8 @@ use recorder::options::RecordOptions;
 use recorder::recording;
 use recorder::stages::random::Random;
 use recorder::stages::trace::cpu::CpuTracer;
-use recorder::stages::trace::{Precision, TraceKernel};
+use recorder::stages::trace::hits::Hits;
+use recorder::stages::trace::{Order, Precision, TraceKernel};
 use scenes::Scene;
 use scenes::bvh::{Bvh, BvhKind};
 
@@ -29,14 +30,16 @@ fn options(scene: &str, extra: &[&str]) -> RecordOptions {
     parse_record(words.iter().chain(extra).map(|&word| word.into())).unwrap()
 }
 
-fn bytes(read: impl FnOnce(&mut recorder::backend::Sink<'_>) -> anyhow::Result<()>) -> Vec<u8> {
-    let mut all = Vec::new();
-    read(&mut |piece: &[u8]| {
-        all.extend_from_slice(piece);
-        Ok(())
-    })
-    .unwrap();
-    all
+/// An array of the GPU.
+fn read<T: bytemuck::Pod>(gpu: &mut GpuBackend, array: Array<'_, GpuBackend>) -> Vec<T> {
+    collected(gpu, array).unwrap()
+}
+
+/// What threads find, as a recording holds it.
+fn traced(tracer: &CpuTracer, kind: Kind, rays: &[Ray]) -> Vec<u8> {
+    let hits = Hits::new(kind, rays.len());
+    tracer.trace(rays, Order::Canonical, &hits);
+    hits.bytes(0..rays.len())
 }
 
 struct Machine {
@@ -70,24 +73,15 @@ fn copy(
     rays: &<GpuBackend as Backend>::Rays,
     hits: &<GpuBackend as Backend>::Hits,
 ) -> Copied {
-    let ray_bytes = bytes(|sink| gpu.read_rays(rays, sink));
-    let hit_bytes = bytes(|sink| gpu.read_hits(hits, sink));
-    let copied: Vec<Ray> = bytemuck::pod_collect_to_vec(&ray_bytes);
-    let (lights, lengths) = match rays.id().kind {
-        Kind::Closest => {
-            let hits: Vec<Hit> = bytemuck::pod_collect_to_vec(&hit_bytes);
-            let lengths = copied.iter().zip(&hits).map(|(ray, hit)| setup.unit.closest_length(ray, hit));
-            (vec![0; copied.len()], lengths.collect())
-        }
-        Kind::Shadow => {
-            let distances: Vec<f32> = bytemuck::pod_collect_to_vec(&hit_bytes);
-            let lights = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_lights(rays, sink)));
-            let lengths =
-                copied.iter().zip(&distances).map(|(ray, &distance)| setup.unit.shadow_length(ray, distance));
-            (lights, lengths.collect())
-        }
+    let kind = rays.id().kind;
+    let copied: Vec<Ray> = read(gpu, Array::Rays(rays));
+    let found = Hits::from_bytes(kind, &read(gpu, Array::Hits(hits)));
+    assert_eq!((copied.len(), found.len()), (rays.len(), rays.len()));
+    let lengths = (0..found.len()).map(|index| found.length(&setup.unit, &copied[index], index)).collect();
+    let lights = match kind {
+        Kind::Closest => vec![0; copied.len()],
+        Kind::Shadow => read(gpu, Array::Lights(rays)),
     };
-    assert_eq!(copied.len(), rays.len());
     Copied { rays: copied, lights, lengths }
 }
 
@@ -118,17 +112,16 @@ fn compare_orders(
             })
             .collect();
         let keys = gpu.key(rays, hits, number).unwrap();
-        let key_bytes = bytes(|sink| gpu.read_keys(&keys, sink));
         let found: Vec<u64> = if method.key_bits <= 32 {
-            bytemuck::pod_collect_to_vec::<u8, u32>(&key_bytes).into_iter().map(u64::from).collect()
+            read::<u32>(gpu, Array::Keys(&keys)).into_iter().map(u64::from).collect()
         } else {
-            bytemuck::pod_collect_to_vec(&key_bytes)
+            read(gpu, Array::Keys(&keys))
         };
         let place = format!("{} at {} bits, {}", method.name, method.key_bits, rays.id());
         let wrong = found.iter().zip(&expected).position(|(found, expected)| found != expected);
         assert_eq!(wrong, None, "first wrong key of {place}");
         let order = gpu.sort(&keys).unwrap();
-        let found: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_order(&order, sink)));
+        let found: Vec<u32> = read(gpu, Array::Permutation(&order));
         let mut expected_order: Vec<u32> = (0..expected.len() as u32).collect();
         expected_order.sort_by_key(|&index| expected[index as usize]);
         assert_eq!(found, expected_order, "permutation of {place}");
@@ -152,10 +145,10 @@ fn compare_run(options: &RecordOptions) -> usize {
     for pass in 0..2 {
         let mut rays = gpu.generate(pass).unwrap();
         for _ in 0..setup.bounces {
-            let hits = gpu.trace(&rays).unwrap();
+            let hits = gpu.trace(&rays, Order::Canonical).unwrap();
             let mut queues = vec![(rays, hits)];
             let shaded = gpu.shade(&queues[0].0, &queues[0].1).unwrap();
-            let occlusion = gpu.trace(&shaded.shadow).unwrap();
+            let occlusion = gpu.trace(&shaded.shadow, Order::Canonical).unwrap();
             queues.push((shaded.shadow, occlusion));
             for (rays, hits) in &queues {
                 let table = &tables[rays.id().kind as usize];
@@ -164,7 +157,7 @@ fn compare_run(options: &RecordOptions) -> usize {
                 add_lengths(&setup, table, &copied);
                 gpu.accumulate(rays, hits, Table::Learnt).unwrap();
                 assert_eq!(
-                    gpu.touched_cells(rays.id().kind).unwrap(),
+                    read::<LengthCell>(&mut gpu, Array::Lengths(rays.id().kind)),
                     table.touched(),
                     "table after {}",
                     rays.id()
@@ -199,23 +192,19 @@ fn compare_tracing(options: &RecordOptions) {
     let tracer = CpuTracer::new(&scene, &bvh);
     let mut rays = gpu.generate(0).unwrap();
     for bounce in 0..setup.bounces {
-        let hits = gpu.trace(&rays).unwrap();
+        let hits = gpu.trace(&rays, Order::Canonical).unwrap();
         let copied = copy(&mut gpu, &setup, &rays, &hits);
-        let mut expected = vec![Hit::MISS; copied.rays.len()];
-        tracer.closest(&copied.rays, &mut expected);
-        let found: Vec<Hit> = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_hits(&hits, sink)));
-        let wrong =
-            found.iter().zip(&expected).position(|(a, b)| bytemuck::bytes_of(a) != bytemuck::bytes_of(b));
+        let found: Vec<u8> = read(&mut gpu, Array::Hits(&hits));
+        let expected = traced(&tracer, Kind::Closest, &copied.rays);
+        let wrong = found.chunks(16).zip(expected.chunks(16)).position(|(found, expected)| found != expected);
         assert_eq!(wrong, None, "first wrong hit of bounce {bounce}");
-        let work: Vec<Work> = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_work(&rays, sink)));
+        let work: Vec<Work> = read(&mut gpu, Array::Work(&rays));
         assert_eq!(work, tracer.work(&copied.rays, Kind::Closest), "work of bounce {bounce}");
         let shaded = gpu.shade(&rays, &hits).unwrap();
-        let occlusion = gpu.trace(&shaded.shadow).unwrap();
+        let occlusion = gpu.trace(&shaded.shadow, Order::Canonical).unwrap();
         let shadow = copy(&mut gpu, &setup, &shaded.shadow, &occlusion);
-        let mut expected = vec![0.0f32; shadow.rays.len()];
-        tracer.occlusion(&shadow.rays, &mut expected);
-        let found: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_hits(&occlusion, sink)));
-        assert_eq!(found, expected, "distances of bounce {bounce}");
+        let found: Vec<u8> = read(&mut gpu, Array::Hits(&occlusion));
+        assert_eq!(found, traced(&tracer, Kind::Shadow, &shadow.rays), "distances of bounce {bounce}");
         rays = shaded.next;
     }
 }
@@ -241,13 +230,12 @@ fn every_precision_finds_the_same_on_both_backends() {
             let gpu = Gpu::open(&AdapterRequest::Any).unwrap();
             let mut gpu = GpuBackend::new(gpu, &scene, Some(&bvh), setup, trace).unwrap();
             let rays = gpu.generate(0).unwrap();
-            let hits = gpu.trace(&rays).unwrap();
-            let found = bytes(|sink| gpu.read_hits(&hits, sink));
-            let rays: Vec<Ray> = bytemuck::pod_collect_to_vec(&bytes(|sink| gpu.read_rays(&rays, sink)));
-            let mut expected = vec![Hit::MISS; rays.len()];
-            CpuTracer::new(&scene, &bvh).with_precision(precision).closest(&rays, &mut expected);
-            let found: Vec<Hit> = bytemuck::pod_collect_to_vec(&found);
-            let differing = found.iter().zip(&expected).filter(|(a, b)| a != b).count();
+            let hits = gpu.trace(&rays, Order::Canonical).unwrap();
+            let found: Vec<u8> = read(&mut gpu, Array::Hits(&hits));
+            let rays: Vec<Ray> = read(&mut gpu, Array::Rays(&rays));
+            let tracer = CpuTracer::new(&scene, &bvh).with_precision(precision);
+            let expected = traced(&tracer, Kind::Closest, &rays);
+            let differing = found.chunks(16).zip(expected.chunks(16)).filter(|(a, b)| a != b).count();
             assert_eq!(differing, 0, "{precision:?} by {trace:?}");
         }
     }
@@ -318,7 +306,7 @@ fn keys_of_odd_rays_are_equal_in_boxes_of_any_extent() {
         let gpu = Gpu::open(&AdapterRequest::Any).unwrap();
         let mut gpu = GpuBackend::new(gpu, &scene, Some(&bvh), Arc::clone(&setup), options.trace).unwrap();
         let rays = upload(&mut gpu, &odd_rays(min, max), None);
-        let hits = gpu.trace(&rays).unwrap();
+        let hits = gpu.trace(&rays, Order::Canonical).unwrap();
         let table = LengthTable::new(setup.table_bits);
         assert!(compare_orders(&mut gpu, &setup, &rays, &hits, &table) > 30_000, "{min:?} to {max:?}");
     }
@@ -331,7 +319,7 @@ fn tables_of_one_cell_and_of_misses_alone_are_equal() {
     let Machine { setup, mut gpu, .. } = machine(&options);
     let away = Ray { origin: [1e6; 3], t_min: 0.0, direction: [1.0, 0.0, 0.0], t_max: f32::INFINITY };
     let rays = upload(&mut gpu, &[away; 6000], None);
-    let hits = gpu.trace(&rays).unwrap();
+    let hits = gpu.trace(&rays, Order::Canonical).unwrap();
     let copied = copy(&mut gpu, &setup, &rays, &hits);
     let table = LengthTable::new(setup.table_bits);
     for _ in 0..3 {
@@ -339,7 +327,7 @@ fn tables_of_one_cell_and_of_misses_alone_are_equal() {
         add_lengths(&setup, &table, &copied);
     }
     assert_eq!(table.touched().len(), 1, "all rays are in one cell");
-    assert_eq!(gpu.touched_cells(Kind::Closest).unwrap(), table.touched());
+    assert_eq!(read::<LengthCell>(&mut gpu, Array::Lengths(Kind::Closest)), table.touched());
     let mut cells = table.touched();
     let scale = (1u64 << 31) / u64::from(cells[0].count);
     // The first of the count and of the sum is what an untouched cell holds.
@@ -350,5 +338,5 @@ fn tables_of_one_cell_and_of_misses_alone_are_equal() {
     let rays = upload(&mut gpu, &[away; 6000], Some(&cells));
     gpu.accumulate(&rays, &hits, Table::Learnt).unwrap();
     add_lengths(&setup, &table, &copied);
-    assert_eq!(gpu.touched_cells(Kind::Closest).unwrap(), table.touched());
+    assert_eq!(read::<LengthCell>(&mut gpu, Array::Lengths(Kind::Closest)), table.touched());
 }

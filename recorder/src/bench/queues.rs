@@ -5,10 +5,11 @@ use formats::length_table::LengthCell;
 use formats::manifest::QueueId;
 use formats::ray::{Kind, Ray};
 
-use crate::backend::{Backend, Queue, RecordedRays, collected};
+use crate::backend::{Array, Backend, Queue, RecordedRays, collected};
 
 /// A queue in main memory.
 pub(super) struct Copied {
+    pub(super) id: QueueId,
     pub(super) rays: Vec<Ray>,
     path_ids: Vec<u32>,
     lights: Vec<u32>,
@@ -16,19 +17,19 @@ pub(super) struct Copied {
 
 impl Copied {
     pub(super) fn of<B: Backend>(backend: &mut B, queue: &B::Rays) -> Result<Self> {
-        let rays = collected(|sink| backend.read_rays(queue, sink))?;
-        let path_ids = collected(|sink| backend.read_path_ids(queue, sink))?;
         let lights = match queue.id().kind {
             Kind::Closest => Vec::new(),
-            Kind::Shadow => collected(|sink| backend.read_lights(queue, sink))?,
+            Kind::Shadow => collected(backend, Array::Lights(queue))?,
         };
-        Ok(Self { rays, path_ids, lights })
+        let rays = collected(backend, Array::Rays(queue))?;
+        let path_ids = collected(backend, Array::PathIds(queue))?;
+        Ok(Self { id: queue.id(), rays, path_ids, lights })
     }
 
-    /// The same queue, for another backend.
-    pub(super) fn queue<'a>(&'a self, id: QueueId, lengths: &'a [LengthCell]) -> RecordedRays<'a> {
-        let Self { rays, path_ids, lights } = self;
-        RecordedRays { id, rays, path_ids, lights, lengths: Some(lengths) }
+    /// The same queue with a length table, for another backend.
+    pub(super) fn queue<'a>(&'a self, lengths: Option<&'a [LengthCell]>) -> RecordedRays<'a> {
+        let Self { id, rays, path_ids, lights } = self;
+        RecordedRays { id: *id, rays, path_ids, lights, lengths }
     }
 }
 

@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::result;
 use crate::device::{self, Device, DeviceRequest};
 use crate::gpu::Gpu;
-use crate::stages::sort::gpu::{SortKeys, Sorter};
+use crate::stages::sort::gpu::Sorter;
 use crate::stages::sort::{self, Digits};
 
 /// What to measure.
@@ -61,33 +61,22 @@ fn measure(bench: &SortBench, mut sort_ns: impl FnMut(&[u64], u32) -> Result<u64
 }
 
 fn on_threads(keys: &[u64], bits: u32) -> u64 {
-    if bits <= u32::BITS {
-        let narrow: Vec<u32> = keys.iter().map(|key| (key >> (64 - bits)) as u32).collect();
-        let start = Instant::now();
-        let order = sort::cpu::sort_u32(&narrow, bits);
-        let elapsed = start.elapsed();
-        drop(order);
-        return elapsed.as_nanos() as u64;
-    }
-    let wide: Vec<u64> = keys.iter().map(|key| key >> (64 - bits)).collect();
+    let keys = sort::cpu::Keys::of(&cut(keys, bits), bits);
     let start = Instant::now();
-    let order = sort::cpu::sort_u64(&wide, bits);
+    let order = sort::cpu::Sorter::default().sort(&keys);
     let elapsed = start.elapsed();
     drop(order);
     elapsed.as_nanos() as u64
 }
 
 fn on_gpu(gpu: &Gpu, sorter: &mut Sorter, keys: &[u64], bits: u32) -> Result<u64> {
-    let cut = |key: &u64| key >> (64 - bits);
-    let low: Vec<u32> = keys.iter().map(|key| cut(key) as u32).collect();
-    let high = if bits > u32::BITS {
-        let words: Vec<u32> = keys.iter().map(|key| (cut(key) >> 32) as u32).collect();
-        Some(gpu.array_of("sort::high", &words)?)
-    } else {
-        None
-    };
-    let keys = SortKeys { low: gpu.array_of("sort::low", &low)?, high, bits };
-    Ok(sorter.sort(gpu, &keys, low.len())?.elapsed_ns)
+    let keys = sort::gpu::Keys::upload(gpu, &cut(keys, bits), bits)?;
+    Ok(sorter.sort(gpu, &keys)?.elapsed_ns)
+}
+
+/// The highest `bits` bits of keys of 64.
+fn cut(keys: &[u64], bits: u32) -> Vec<u64> {
+    keys.iter().map(|key| key >> (64 - bits)).collect()
 }
 
 /// Times of a sort and the order that it gave.
@@ -107,23 +96,23 @@ pub(super) fn sorted_by(
     choices: &[Digits],
     repeats: u32,
 ) -> Result<Vec<SortedBy>> {
-    let words: Vec<u32> = keys.iter().map(|&key| key as u32).collect();
     match device {
         Device::Cpu(cpu) => cpu.pool.install(|| {
+            let keys = sort::cpu::Keys::of(keys, u32::BITS);
             let mut sorters: Vec<_> = choices.iter().map(|&digits| sort::cpu::Sorter::by(digits)).collect();
             in_turns(choices.len(), repeats, |at| {
                 let start = Instant::now();
-                let order = sorters[at].sort_u32(&words, u32::BITS);
+                let order = sorters[at].sort(&keys);
                 Ok((start.elapsed().as_nanos() as u64, order))
             })
         }),
         Device::Gpu(device) => {
             let gpu = &device.gpu;
-            let keys = SortKeys { low: gpu.array_of("sort::low", &words)?, high: None, bits: u32::BITS };
+            let keys = sort::gpu::Keys::upload(gpu, keys, u32::BITS)?;
             let sorters = choices.iter().map(|&digits| Ok(Sorter::new(gpu)?.by(digits)));
             let mut sorters: Vec<Sorter> = sorters.collect::<Result<_>>()?;
             in_turns(choices.len(), repeats, |at| {
-                let sorted = sorters[at].sort(gpu, &keys, words.len())?;
+                let sorted = sorters[at].sort(gpu, &keys)?;
                 Ok((sorted.elapsed_ns, gpu.read_vec(&sorted.permutation)?))
             })
         }

@@ -5,16 +5,17 @@ use std::sync::Arc;
 use anyhow::Result;
 use formats::bench_result::{BenchResult, Rows, TraceRow};
 use formats::key::method::UNSORTED;
+use formats::length_table::LengthCell;
 use scenes::Scene;
 
 use super::backends::{self, Measurement};
 use super::queues::Copied;
 use super::result;
-use crate::backend::{Backend, Queue, Setup};
+use crate::backend::{Array, Backend, Queue, Setup, collected};
 use crate::device::{self, DeviceRequest};
 use crate::options::RecordOptions;
 use crate::recording::{choose_camera, setup};
-use crate::stages::trace::TraceKernel;
+use crate::stages::trace::{Order, TraceKernel};
 use crate::wavefront::{self, Observer};
 
 /// What to measure: scenes one after the other, the rest as for a recording.
@@ -84,15 +85,15 @@ impl<B: Backend> Observer<B> for KernelsAndOrders<'_, B> {
             return Ok(());
         }
         let copied = Copied::of(backend, rays)?;
-        let cells = backend.touched_cells(id.kind)?;
+        let cells: Vec<LengthCell> = collected(backend, Array::Lengths(id.kind))?;
         // Keys are made once, by the backend that has the length table as paths made it.
         let methods: Vec<usize> =
             (0..self.setup.methods.len()).filter(|&at| self.setup.methods[at].applies_to(id.kind)).collect();
         let mut kernels = vec![prepare(backend, rays, hits, &methods)?];
         let mut queues = Vec::new();
         for other in &mut self.others {
-            let queue = other.upload(copied.queue(id, &cells))?;
-            let hits = other.trace(&queue)?;
+            let queue = other.upload(copied.queue(Some(&cells)))?;
+            let hits = other.trace(&queue, Order::Canonical)?;
             kernels.push(prepare(other, &queue, &hits, &methods)?);
             queues.push(queue);
         }
@@ -128,7 +129,7 @@ fn prepare<B: Backend>(
     rays: &B::Rays,
     hits: &B::Hits,
     methods: &[usize],
-) -> Result<Vec<B::Order>> {
+) -> Result<Vec<B::Permutation>> {
     let mut order = |&method: &usize| {
         let keys = backend.key(rays, hits, method)?;
         backend.sort(&keys)
@@ -140,14 +141,14 @@ fn prepare<B: Backend>(
 fn sample<B: Backend>(
     backend: &mut B,
     rays: &B::Rays,
-    orders: &[B::Order],
+    orders: &[B::Permutation],
     samples: &mut [Vec<u64>],
 ) -> Result<()> {
-    backend.trace(rays)?;
+    backend.trace(rays, Order::Canonical)?;
     samples[0].push(backend.elapsed_ns());
     for (order, samples) in orders.iter().zip(&mut samples[1..]) {
         let gathered = backend.gather(rays, order)?;
-        backend.trace_gathered(&gathered, order)?;
+        backend.trace(&gathered, Order::Gathered(order))?;
         samples.push(backend.elapsed_ns());
     }
     Ok(())

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use anyhow::{Context, Result, bail};
-use formats::key::Layout;
-use formats::length_table::{LengthCell, LengthTable};
+use anyhow::{Context, Result, ensure};
+use bytemuck::Pod;
+use formats::length_table::LengthTable;
 use formats::manifest::QueueId;
-use formats::ray::{Kind, Ray};
+use formats::ray::Kind;
 use scenes::Scene;
 use scenes::bvh::Bvh;
 
@@ -15,17 +15,17 @@ use super::run::ItemRange;
 use super::shading::Shading;
 use super::table::GpuTable;
 use super::{DeviceArray, Gpu, GpuError, Kernel, Readback, StageRun};
-use crate::backend::{Backend, Queue, RecordedRays, Setup, Shaded, Sink, Table};
-use crate::stages::shared::{GenerateParams, Span};
-use crate::stages::sort::gpu::{SortKeys, Sorter};
-use crate::stages::trace::TraceKernel;
-use crate::stages::trace::gpu::{Order, Tracer};
+use crate::backend::{Array, Backend, Queue, RecordedRays, Setup, Shaded, Sink, Table};
+use crate::stages::shared::{GenerateParams, LightSiteData, Span};
+use crate::stages::sort::gpu::{Keys, Sorter};
+use crate::stages::trace::gpu::{Hits, RayArrays, Tracer};
+use crate::stages::trace::{Order, TraceKernel};
 use crate::stages::{generate, key, shade};
 
 /// Threads of a workgroup, in every kernel here.
 pub(super) const WORKGROUP: u32 = 64;
-/// Rays that are read back at once where halves have to be joined.
-const JOIN_RAYS: usize = 1 << 18;
+/// Items that are read back at once where halves have to be joined.
+const JOIN_ITEMS: usize = 1 << 18;
 
 /// Runs every stage as a compute kernel.
 pub struct GpuBackend {
@@ -35,9 +35,10 @@ pub struct GpuBackend {
     tracer: Tracer,
     sorter: Sorter,
     shading: Shading,
-    light_sites: DeviceArray<crate::stages::shared::LightSiteData>,
+    light_sites: DeviceArray<LightSiteData>,
     film: DeviceArray<[f32; 4]>,
     tables: [GpuTable; 2],
+    /// Made when they are first needed.
     scratch_tables: Option<[GpuTable; 2]>,
     scratch: Scratch,
     elapsed_ns: u64,
@@ -47,10 +48,9 @@ pub struct GpuBackend {
 struct Scratch {
     keys_low: DeviceArray<u32>,
     keys_high: Option<DeviceArray<u32>>,
-    gathered_origins: DeviceArray<[f32; 4]>,
-    gathered_directions: DeviceArray<[f32; 4]>,
-    hits: DeviceArray<[u32; 4]>,
-    distances: DeviceArray<f32>,
+    gathered: RayArrays,
+    /// By kind.
+    hits: [Hits; 2],
     counter: DeviceArray<u32>,
 }
 
@@ -58,67 +58,48 @@ struct Scratch {
 pub struct GpuRays {
     pub(super) id: QueueId,
     pub(super) count: usize,
-    pub(crate) origins: DeviceArray<[f32; 4]>,
-    pub(crate) directions: DeviceArray<[f32; 4]>,
-    pub(super) path_ids: DeviceArray<u32>,
+    pub(super) rays: RayArrays,
+    /// None where rays were gathered.
+    paths: Option<PathArrays>,
+}
+
+/// What the rays of a queue carry.
+pub(super) struct PathArrays {
+    pub(super) ids: DeviceArray<u32>,
     pub(super) states: DeviceArray<[u32; 4]>,
 }
 
-/// Results in canonical order.
-pub enum GpuHits {
-    /// t, triangle, u, v of closest rays.
-    Closest(DeviceArray<[u32; 4]>),
-    /// Distances of shadow rays.
-    Shadow(DeviceArray<f32>),
-}
-
-/// Keys in the scratch arrays.
-pub struct GpuKeys {
-    keys: SortKeys,
-    count: usize,
-}
-
 /// A permutation.
-pub struct GpuOrder {
+pub struct GpuPermutation {
     permutation: DeviceArray<u32>,
     count: usize,
 }
 
-/// Gathered rays in the scratch arrays.
-pub struct GpuGathered {
-    kind: Kind,
-}
-
 impl Queue for GpuRays {
-    fn len(&self) -> usize {
-        self.count
-    }
-
     fn id(&self) -> QueueId {
         self.id
+    }
+
+    fn len(&self) -> usize {
+        self.count
     }
 }
 
 impl GpuRays {
     /// Room for a queue.
     pub(super) fn new(gpu: &Gpu, id: QueueId, count: usize) -> Result<Self, GpuError> {
-        Ok(Self {
-            id,
-            count,
-            origins: gpu.array("queue::origins", count)?,
-            directions: gpu.array("queue::directions", count)?,
-            path_ids: gpu.array("queue::path_ids", count)?,
+        let paths = PathArrays {
+            ids: gpu.array("queue::path_ids", count)?,
             states: gpu.array("queue::states", count)?,
-        })
+        };
+        Ok(Self { id, count, rays: RayArrays::new(gpu, "queue", count)?, paths: Some(paths) })
     }
-}
 
-impl GpuHits {
-    pub(super) fn array(&self) -> wgpu::BindingResource<'_> {
-        match self {
-            Self::Closest(array) => array.binding(),
-            Self::Shadow(array) => array.binding(),
-        }
+    /// What the rays carry.
+    pub(super) fn paths(&self) -> Result<&PathArrays> {
+        self.paths.as_ref().with_context(|| {
+            format!("the rays of {} were gathered, and only those of a whole queue carry paths", self.id)
+        })
     }
 }
 
@@ -126,14 +107,13 @@ impl Scratch {
     fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
         let pixels = setup.width as usize * setup.height as usize;
         let wide = setup.methods.iter().any(|method| method.key_bits > 32);
+        let hits = |kind| Hits::new(gpu, "trace::scattered_hits", kind, pixels);
         Ok(Self {
             keys_low: gpu.array("key::low", pixels)?,
             keys_high: wide.then(|| gpu.array("key::high", pixels)).transpose()?,
-            gathered_origins: gpu.array("gather::origins", pixels)?,
-            gathered_directions: gpu.array("gather::directions", pixels)?,
-            hits: gpu.array("trace::scattered_hits", pixels)?,
-            distances: gpu.array("trace::scattered_distances", pixels)?,
-            counter: gpu.array("measure::counter", 1)?,
+            gathered: RayArrays::new(gpu, "gather", pixels)?,
+            hits: [hits(Kind::Closest)?, hits(Kind::Shadow)?],
+            counter: gpu.array("compare::counter", 1)?,
         })
     }
 }
@@ -194,35 +174,30 @@ impl GpuBackend {
         Ok(run.finish()?.elapsed_ns)
     }
 
-    fn trace_in(
-        &mut self,
-        kind: Kind,
-        order: Order<'_>,
-        origins: &DeviceArray<[f32; 4]>,
-        directions: &DeviceArray<[f32; 4]>,
+    /// Hands over items whose halves lie in two arrays.
+    fn read_halves<T: Pod>(
+        &self,
+        [first, second]: [&DeviceArray<T>; 2],
         count: usize,
-    ) -> Result<GpuHits> {
-        let results = match kind {
-            Kind::Closest => GpuHits::Closest(self.scratch.hits.clone()),
-            Kind::Shadow => GpuHits::Shadow(self.scratch.distances.clone()),
-        };
-        self.elapsed_ns =
-            self.tracer.trace(&self.gpu, kind, order, origins, directions, results.array(), count)?;
-        Ok(results)
-    }
-
-    fn read_words(&self, array: &DeviceArray<u32>, count: usize, sink: &mut Sink<'_>) -> Result<()> {
-        Readback::new(&self.gpu).read_chunks(array, 0..count, sink)
+        sink: &mut Sink<'_>,
+    ) -> Result<()> {
+        let mut readback = Readback::new(&self.gpu);
+        for start in (0..count).step_by(JOIN_ITEMS) {
+            let range = start..count.min(start + JOIN_ITEMS);
+            let halves =
+                readback.read_vec(first, range.clone())?.into_iter().zip(readback.read_vec(second, range)?);
+            let joined: Vec<T> = halves.flat_map(|(first, second)| [first, second]).collect();
+            sink(bytemuck::cast_slice(&joined))?;
+        }
+        Ok(())
     }
 }
 
 impl Backend for GpuBackend {
     type Rays = GpuRays;
-    type Hits = GpuHits;
-    type Scattered = GpuHits;
-    type Keys = GpuKeys;
-    type Order = GpuOrder;
-    type Gathered = GpuGathered;
+    type Hits = Hits;
+    type Keys = Keys;
+    type Permutation = GpuPermutation;
 
     fn elapsed_ns(&self) -> u64 {
         self.elapsed_ns
@@ -233,29 +208,12 @@ impl Backend for GpuBackend {
             let table = LengthTable::from_touched(self.setup.table_bits, cells)?;
             self.tables[queue.id.kind as usize] = GpuTable::filled(&self.gpu, &table)?;
         }
-        let halves = |half: fn(&Ray) -> [f32; 4]| queue.rays.iter().map(half).collect::<Vec<_>>();
-        let origins = halves(|ray| [ray.origin[0], ray.origin[1], ray.origin[2], ray.t_min]);
-        let directions = halves(|ray| [ray.direction[0], ray.direction[1], ray.direction[2], ray.t_max]);
         let light = |at: usize| queue.lights.get(at).copied().unwrap_or(0);
         let states: Vec<[u32; 4]> = (0..queue.rays.len()).map(|at| [0, 0, 0, light(at)]).collect();
-        Ok(GpuRays {
-            id: queue.id,
-            count: queue.rays.len(),
-            origins: self.gpu.array_of("queue::origins", &origins)?,
-            directions: self.gpu.array_of("queue::directions", &directions)?,
-            path_ids: self.gpu.array_of("queue::path_ids", queue.path_ids)?,
-            states: self.gpu.array_of("queue::states", &states)?,
-        })
-    }
-
-    fn address_tables(&mut self, bits: u32, layout: &Layout) -> Result<()> {
-        let setup = Arc::make_mut(&mut self.setup);
-        setup.table_bits = bits;
-        setup.table_layout = layout.clone();
-        self.kernels.for_table(&self.gpu, &self.setup)?;
-        self.tables = [GpuTable::new(&self.gpu, bits)?, GpuTable::new(&self.gpu, bits)?];
-        self.scratch_tables = None;
-        Ok(())
+        let ids = self.gpu.array_of("queue::path_ids", queue.path_ids)?;
+        let paths = PathArrays { ids, states: self.gpu.array_of("queue::states", &states)? };
+        let rays = RayArrays::upload(&self.gpu, "queue", queue.rays)?;
+        Ok(GpuRays { id: queue.id, count: queue.rays.len(), rays, paths: Some(paths) })
     }
 
     fn generate(&mut self, pass: u32) -> Result<GpuRays> {
@@ -263,12 +221,9 @@ impl Backend for GpuBackend {
         let id = QueueId { pass, bounce: 0, kind: Kind::Closest };
         let rays = GpuRays::new(&self.gpu, id, params.count as usize)?;
         let kernel = &self.kernels.generate;
-        let resources = [
-            rays.origins.binding(),
-            rays.directions.binding(),
-            rays.path_ids.binding(),
-            rays.states.binding(),
-        ];
+        let paths = rays.paths()?;
+        let [origins, directions] = rays.rays.bindings();
+        let resources = [origins, directions, paths.ids.binding(), paths.states.binding()];
         let group = kernel.bind(&self.gpu, 0, &resources)?;
         let mut run = self.gpu.stage(kernel.label());
         run.dispatch_chunks(kernel, &group, ItemRange::new(params.count, WORKGROUP), |chunk| {
@@ -278,25 +233,20 @@ impl Backend for GpuBackend {
         Ok(rays)
     }
 
-    fn trace(&mut self, rays: &GpuRays) -> Result<GpuHits> {
+    fn trace(&mut self, rays: &GpuRays, order: Order<&GpuPermutation>) -> Result<Hits> {
         let kind = rays.id.kind;
-        let results = match kind {
-            Kind::Closest => GpuHits::Closest(self.gpu.array("trace::hits", rays.count)?),
-            Kind::Shadow => GpuHits::Shadow(self.gpu.array("trace::distances", rays.count)?),
+        let hits = match order {
+            Order::Canonical => Hits::new(&self.gpu, "trace::hits", kind, rays.count)?,
+            Order::Gathered(_) | Order::Indirect(_) => {
+                Hits { count: rays.count, ..self.scratch.hits[kind as usize].clone() }
+            }
         };
-        self.elapsed_ns = self.tracer.trace(
-            &self.gpu,
-            kind,
-            Order::Canonical,
-            &rays.origins,
-            &rays.directions,
-            results.array(),
-            rays.count,
-        )?;
-        Ok(results)
+        let order = order.map(|permutation| &permutation.permutation);
+        self.elapsed_ns = self.tracer.trace(&self.gpu, &rays.rays, order, &hits)?;
+        Ok(hits)
     }
 
-    fn accumulate(&mut self, rays: &GpuRays, hits: &GpuHits, table: Table) -> Result<()> {
+    fn accumulate(&mut self, rays: &GpuRays, hits: &Hits, table: Table) -> Result<()> {
         let kind = rays.id.kind as usize;
         if table == Table::Scratch && self.scratch_tables.is_none() {
             let bits = self.setup.table_bits;
@@ -306,183 +256,115 @@ impl Backend for GpuBackend {
             (Table::Scratch, Some(scratch)) => &scratch[kind],
             _ => &self.tables[kind],
         };
-        let resources = [
-            rays.origins.binding(),
-            rays.directions.binding(),
-            hits.array(),
-            table.sums.binding(),
-            table.counts.binding(),
-        ];
+        let [origins, directions] = rays.rays.bindings();
+        let [sums, counts] = table.bindings();
+        let resources = [origins, directions, hits.words.binding(), sums, counts];
         self.elapsed_ns = self.run_spans(&self.kernels.accumulate[kind], &resources, rays.count)?;
         Ok(())
     }
 
-    fn shade(&mut self, rays: &GpuRays, hits: &GpuHits) -> Result<Shaded<GpuRays>> {
-        let params = shade::params(&self.setup, rays.id);
+    fn shade(&mut self, rays: &GpuRays, hits: &Hits) -> Result<Shaded<GpuRays>> {
+        let id = rays.id;
+        ensure!(id.kind == Kind::Closest, "{id} was to be shaded, which only closest rays are");
+        let params = shade::params(&self.setup, id);
         let (shaded, elapsed_ns) =
             self.shading.run(&self.gpu, &self.kernels, params, (rays, hits), &self.film)?;
         self.elapsed_ns = elapsed_ns;
         Ok(shaded)
     }
 
-    fn add_light(&mut self, rays: &GpuRays, hits: &GpuHits) -> Result<()> {
-        let resources = [rays.path_ids.binding(), rays.states.binding(), hits.array(), self.film.binding()];
+    fn add_light(&mut self, rays: &GpuRays, hits: &Hits) -> Result<()> {
+        let paths = rays.paths()?;
+        let resources =
+            [paths.ids.binding(), paths.states.binding(), hits.words.binding(), self.film.binding()];
         self.elapsed_ns = self.run_spans(&self.kernels.add_light, &resources, rays.count)?;
         Ok(())
     }
 
-    fn key(&mut self, rays: &GpuRays, hits: &GpuHits, method: usize) -> Result<GpuKeys> {
+    fn key(&mut self, rays: &GpuRays, hits: &Hits, method: usize) -> Result<Keys> {
         let plan = &self.setup.methods[method];
         let kernel = self.kernels.key[method][rays.id.kind as usize].as_ref();
         let kernel = kernel
             .with_context(|| format!("method '{}' has no keys for {} rays", plan.name, rays.id.kind))?;
         let inputs = key::gpu::KeyInputs::of(plan);
-        let mut resources = vec![rays.origins.binding(), rays.directions.binding()];
+        let mut resources = rays.rays.bindings().to_vec();
         if inputs.table {
-            let table = &self.tables[rays.id.kind as usize];
-            resources.extend([table.sums.binding(), table.counts.binding()]);
+            resources.extend(self.tables[rays.id.kind as usize].bindings());
         }
         if inputs.results {
-            resources.push(hits.array());
+            resources.push(hits.words.binding());
         }
         if inputs.lights {
-            resources.extend([rays.states.binding(), self.light_sites.binding()]);
+            resources.extend([rays.paths()?.states.binding(), self.light_sites.binding()]);
         }
         let high = self.scratch.keys_high.as_ref().filter(|_| plan.key_bits > 32);
         resources.push(self.scratch.keys_low.binding());
         resources.extend(high.map(DeviceArray::binding));
         self.elapsed_ns = self.run_spans(kernel, &resources, rays.count)?;
-        let keys = SortKeys { low: self.scratch.keys_low.clone(), high: high.cloned(), bits: plan.key_bits };
-        Ok(GpuKeys { keys, count: rays.count })
+        let low = self.scratch.keys_low.clone();
+        Ok(Keys { bits: plan.key_bits, count: rays.count, low, high: high.cloned() })
     }
 
-    fn sort(&mut self, keys: &GpuKeys) -> Result<GpuOrder> {
-        let sorted = self.sorter.sort(&self.gpu, &keys.keys, keys.count)?;
+    fn sort(&mut self, keys: &Keys) -> Result<GpuPermutation> {
+        let sorted = self.sorter.sort(&self.gpu, keys)?;
         self.elapsed_ns = sorted.elapsed_ns;
-        Ok(GpuOrder { permutation: sorted.permutation, count: keys.count })
+        Ok(GpuPermutation { permutation: sorted.permutation, count: keys.count })
     }
 
-    fn gather(&mut self, rays: &GpuRays, order: &GpuOrder) -> Result<GpuGathered> {
-        let resources = [
-            order.permutation.binding(),
-            rays.origins.binding(),
-            rays.directions.binding(),
-            self.scratch.gathered_origins.binding(),
-            self.scratch.gathered_directions.binding(),
-        ];
+    fn gather(&mut self, rays: &GpuRays, permutation: &GpuPermutation) -> Result<GpuRays> {
+        let gathered = self.scratch.gathered.clone();
+        let [origins, directions] = rays.rays.bindings();
+        let [to_origins, to_directions] = gathered.bindings();
+        let resources = [permutation.permutation.binding(), origins, directions, to_origins, to_directions];
         self.elapsed_ns = self.run_spans(&self.kernels.gather, &resources, rays.count)?;
-        Ok(GpuGathered { kind: rays.id.kind })
+        Ok(GpuRays { id: rays.id, count: rays.count, rays: gathered, paths: None })
     }
 
-    fn trace_gathered(&mut self, gathered: &GpuGathered, order: &GpuOrder) -> Result<GpuHits> {
-        let (origins, directions) =
-            (self.scratch.gathered_origins.clone(), self.scratch.gathered_directions.clone());
-        self.trace_in(gathered.kind, Order::Gathered(&order.permutation), &origins, &directions, order.count)
-    }
-
-    fn trace_indirect(&mut self, rays: &GpuRays, order: &GpuOrder) -> Result<GpuHits> {
-        self.trace_in(
-            rays.id.kind,
-            Order::Indirect(&order.permutation),
-            &rays.origins,
-            &rays.directions,
-            rays.count,
-        )
-    }
-
-    fn differences(&mut self, rays: &GpuRays, hits: &GpuHits, other: &GpuHits) -> Result<u64> {
-        let kernel = &self.kernels.differences[rays.id.kind as usize];
+    fn differences(&mut self, hits: &Hits, others: &Hits) -> Result<u64> {
+        let kernel = &self.kernels.compare[hits.kind as usize];
         let mut run = self.gpu.stage(kernel.label());
         run.clear(&self.scratch.counter);
-        self.add_spans(
-            &mut run,
-            kernel,
-            &[hits.array(), other.array(), self.scratch.counter.binding()],
-            rays.count,
-        )?;
+        let resources = [hits.words.binding(), others.words.binding(), self.scratch.counter.binding()];
+        self.add_spans(&mut run, kernel, &resources, hits.count)?;
         run.submit()?;
         Ok(self.gpu.read_vec(&self.scratch.counter)?.iter().map(|&count| u64::from(count)).sum())
     }
 
-    fn read_rays(&mut self, rays: &GpuRays, sink: &mut Sink<'_>) -> Result<()> {
+    fn read(&mut self, array: Array<'_, Self>, sink: &mut Sink<'_>) -> Result<()> {
         let mut readback = Readback::new(&self.gpu);
-        let mut joined = Vec::with_capacity(JOIN_RAYS.min(rays.count));
-        for first in (0..rays.count).step_by(JOIN_RAYS) {
-            let range = first..rays.count.min(first + JOIN_RAYS);
-            let origins = readback.read_vec(&rays.origins, range.clone())?;
-            let directions = readback.read_vec(&rays.directions, range)?;
-            joined.clear();
-            joined.extend(origins.iter().zip(&directions).map(
-                |(&[ox, oy, oz, t_min], &[dx, dy, dz, t_max])| Ray {
-                    origin: [ox, oy, oz],
-                    t_min,
-                    direction: [dx, dy, dz],
-                    t_max,
-                },
-            ));
-            sink(bytemuck::cast_slice(&joined))?;
+        match array {
+            Array::Rays(GpuRays { rays, count, .. }) => {
+                self.read_halves([&rays.origins, &rays.directions], *count, sink)
+            }
+            Array::PathIds(rays) => readback.read_chunks(&rays.paths()?.ids, 0..rays.count, sink),
+            Array::Lights(rays) => readback.read_chunks(&rays.paths()?.states, 0..rays.count, |bytes| {
+                let lights: Vec<u8> =
+                    bytes.chunks_exact(16).flat_map(|state| &state[12..]).copied().collect();
+                sink(&lights)
+            }),
+            Array::Work(rays) => {
+                let work = self.tracer.work(&self.gpu, rays.id.kind, &rays.rays, rays.count)?;
+                readback.read_chunks(&work, 0..rays.count, sink)
+            }
+            Array::Hits(hits) => {
+                readback.read_chunks(&hits.words, 0..hits.count * Hits::words_each(hits.kind), sink)
+            }
+            Array::Keys(Keys { low, high: Some(high), count, .. }) => {
+                self.read_halves([low, high], *count, sink)
+            }
+            Array::Keys(keys) => readback.read_chunks(&keys.low, 0..keys.count, sink),
+            Array::Permutation(GpuPermutation { permutation, count }) => {
+                readback.read_chunks(permutation, 0..*count, sink)
+            }
+            Array::Lengths(kind) => {
+                let cells = self.tables[kind as usize].touched(&self.gpu)?;
+                sink(bytemuck::cast_slice(&cells))
+            }
+            Array::Film => readback.read_chunks(&self.film, 0..self.film.len(), |bytes| {
+                let pixels: Vec<u8> =
+                    bytes.chunks_exact(16).flat_map(|pixel| &pixel[..12]).copied().collect();
+                sink(&pixels)
+            }),
         }
-        Ok(())
-    }
-
-    fn read_path_ids(&mut self, rays: &GpuRays, sink: &mut Sink<'_>) -> Result<()> {
-        self.read_words(&rays.path_ids, rays.count, sink)
-    }
-
-    fn read_lights(&mut self, rays: &GpuRays, sink: &mut Sink<'_>) -> Result<()> {
-        if rays.id.kind != Kind::Shadow {
-            bail!("only shadow rays have lights");
-        }
-        Readback::new(&self.gpu).read_chunks(&rays.states, 0..rays.count, |bytes| {
-            let lights: Vec<u8> = bytes.chunks_exact(16).flat_map(|state| &state[12..]).copied().collect();
-            sink(&lights)
-        })
-    }
-
-    fn read_hits(&mut self, hits: &GpuHits, sink: &mut Sink<'_>) -> Result<()> {
-        let mut readback = Readback::new(&self.gpu);
-        match hits {
-            GpuHits::Closest(array) => readback.read_chunks(array, 0..array.len(), sink),
-            GpuHits::Shadow(array) => readback.read_chunks(array, 0..array.len(), sink),
-        }
-    }
-
-    fn read_work(&mut self, rays: &GpuRays, sink: &mut Sink<'_>) -> Result<()> {
-        let work = self.tracer.work(&self.gpu, rays.id.kind, &rays.origins, &rays.directions, rays.count)?;
-        Readback::new(&self.gpu).read_chunks(&work, 0..rays.count, sink)
-    }
-
-    fn read_keys(&mut self, keys: &GpuKeys, sink: &mut Sink<'_>) -> Result<()> {
-        let Some(high) = &keys.keys.high else {
-            return self.read_words(&keys.keys.low, keys.count, sink);
-        };
-        let mut readback = Readback::new(&self.gpu);
-        for first in (0..keys.count).step_by(JOIN_RAYS) {
-            let range = first..keys.count.min(first + JOIN_RAYS);
-            let low = readback.read_vec(&keys.keys.low, range.clone())?;
-            let high = readback.read_vec(high, range)?;
-            let joined: Vec<u64> =
-                low.iter().zip(&high).map(|(&low, &high)| u64::from(high) << 32 | u64::from(low)).collect();
-            sink(bytemuck::cast_slice(&joined))?;
-        }
-        Ok(())
-    }
-
-    fn read_order(&mut self, order: &GpuOrder, sink: &mut Sink<'_>) -> Result<()> {
-        self.read_words(&order.permutation, order.count, sink)
-    }
-
-    fn touched_cells(&mut self, kind: Kind) -> Result<Vec<LengthCell>> {
-        Ok(self.tables[kind as usize].touched(&self.gpu)?)
-    }
-
-    fn image(&mut self, passes: u32) -> Result<Vec<[f32; 3]>> {
-        let scale = 1.0 / passes as f32;
-        Ok(self
-            .gpu
-            .read_vec(&self.film)?
-            .iter()
-            .map(|&[r, g, b, _]| [r * scale, g * scale, b * scale])
-            .collect())
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, bail, ensure};
 use formats::key::method::BUILTIN;
-use formats::key::{Coordinate, Layout, LightSite, Method, Termination};
+use formats::key::{Coordinate, Layout, LightSite, Method};
 use formats::ray::Kind;
 use formats::unit_space::UnitSpace;
 use rayon::prelude::*;
@@ -13,10 +13,9 @@ use scenes::features::Features;
 
 use super::{Gpu, GpuError, Kernel, Module};
 use crate::backend::{MethodPlan, Setup};
-use crate::stages::shared::Span;
-use crate::stages::trace::gpu::{OrderKind, TraceVariant};
-use crate::stages::trace::{Precision, TraceKernel};
-use crate::stages::{accumulate, compact, gather, generate, key, shade, trace};
+use crate::stages::trace::gpu::TraceVariant;
+use crate::stages::trace::{Order, Precision, TraceKernel};
+use crate::stages::{accumulate, compact, compare, gather, generate, key, shade, trace};
 
 /// The kernels that do not trace or sort.
 pub struct Kernels {
@@ -33,21 +32,8 @@ pub struct Kernels {
     /// By method and kind; `None` where the method does not apply.
     pub(super) key: Vec<[Option<Kernel>; 2]>,
     /// By kind.
-    pub(super) differences: [Kernel; 2],
+    pub(super) compare: [Kernel; 2],
 }
-
-/// Results of a kind are the same where this says so.
-const SAME_HIT: &str = "
-fn differs(index: u32) -> bool {
-    return any(results[index] != others[index]);
-}
-";
-/// Shadow rays only say whether the light is seen.
-const SAME_OCCLUSION: &str = "
-fn differs(index: u32) -> bool {
-    return (bitcast<u32>(results[index]) == 0x7f800000u) != (bitcast<u32>(others[index]) == 0x7f800000u);
-}
-";
 
 /// Refuses numbers that kernels are made with and WGSL cannot write.
 fn check_finite(setup: &Setup) -> Result<()> {
@@ -65,22 +51,6 @@ fn check_finite(setup: &Setup) -> Result<()> {
     Ok(())
 }
 
-/// Bindings: results, others; counter.
-pub fn differences_module(kind: Kind) -> Module {
-    let (element, differs) = match kind {
-        Kind::Closest => ("vec4<u32>", SAME_HIT),
-        Kind::Shadow => ("f32", SAME_OCCLUSION),
-    };
-    Module::new(&format!("measure::differences_{kind}"))
-        .immediate::<Span>("span", "Span")
-        .read("results", element)
-        .read("others", element)
-        .write("counter", "atomic<u32>")
-        .text(&Span::description().wgsl)
-        .text(differs)
-        .text(include_str!("differences.wgsl"))
-}
-
 /// All modules of a run but those that trace and sort, in the order in which [`Kernels`] takes them.
 pub fn modules(setup: &Setup) -> Vec<Module> {
     let mut modules = vec![
@@ -95,7 +65,7 @@ pub fn modules(setup: &Setup) -> Vec<Module> {
     ];
     for kind in Kind::ALL {
         modules.push(accumulate::gpu::module(kind, &setup.unit, &setup.table_layout, setup.table_bits));
-        modules.push(differences_module(kind));
+        modules.push(compare::gpu::module(kind));
         let applicable = setup.methods.iter().filter(|method| method.applies_to(kind));
         modules.extend(applicable.map(|method| key::gpu::module(setup, method, kind)));
     }
@@ -108,22 +78,6 @@ fn compile(gpu: &Gpu, module: &Module) -> Result<Kernel, GpuError> {
     // prefix sum gave, by cells below the table's size, or by scene indices that the loader
     // checked. Counts of the length table are never 0.
     unsafe { module.compile(gpu) }
-}
-
-fn by_kind(gpu: &Gpu, module: impl Fn(Kind) -> Module) -> Result<[Kernel; 2], GpuError> {
-    Ok([compile(gpu, &module(Kind::Closest))?, compile(gpu, &module(Kind::Shadow))?])
-}
-
-fn accumulate_kernels(gpu: &Gpu, setup: &Setup) -> Result<[Kernel; 2], GpuError> {
-    by_kind(gpu, |kind| accumulate::gpu::module(kind, &setup.unit, &setup.table_layout, setup.table_bits))
-}
-
-fn key_kernels(gpu: &Gpu, setup: &Setup, method: &MethodPlan) -> Result<[Option<Kernel>; 2], GpuError> {
-    let mut kernels = [None, None];
-    for kind in Kind::ALL.into_iter().filter(|&kind| method.applies_to(kind)) {
-        kernels[kind as usize] = Some(compile(gpu, &key::gpu::module(setup, method, kind))?);
-    }
-    Ok(kernels)
 }
 
 impl Kernels {
@@ -146,8 +100,8 @@ impl Kernels {
             }
             Ok(shared)
         };
-        let [accumulate_closest, differences_closest] = of_kind(Kind::Closest)?;
-        let [accumulate_shadow, differences_shadow] = of_kind(Kind::Shadow)?;
+        let [accumulate_closest, compare_closest] = of_kind(Kind::Closest)?;
+        let [accumulate_shadow, compare_shadow] = of_kind(Kind::Shadow)?;
         Ok(Self {
             generate,
             surface,
@@ -158,22 +112,8 @@ impl Kernels {
             gather,
             accumulate: [accumulate_closest, accumulate_shadow],
             key,
-            differences: [differences_closest, differences_shadow],
+            compare: [compare_closest, compare_shadow],
         })
-    }
-
-    /// Compiles those anew that depend on how length tables are addressed.
-    ///
-    /// # Errors
-    /// If the driver refuses one.
-    pub fn for_table(&mut self, gpu: &Gpu, setup: &Setup) -> Result<()> {
-        self.accumulate = accumulate_kernels(gpu, setup)?;
-        for (kernels, method) in self.key.iter_mut().zip(&setup.methods) {
-            if method.termination == Termination::Adaptive {
-                *kernels = key_kernels(gpu, setup, method)?;
-            }
-        }
-        Ok(())
     }
 }
 
@@ -186,7 +126,7 @@ pub(crate) fn every_module() -> Vec<Module> {
         }
         for kernel in [TraceKernel::Cwbvh, TraceKernel::Bvh2, TraceKernel::RayQuery] {
             for kind in Kind::ALL {
-                for order in [OrderKind::Canonical, OrderKind::Gathered, OrderKind::Indirect] {
+                for order in [Order::Canonical, Order::Gathered(()), Order::Indirect(())] {
                     for precision in Precision::ALL {
                         let (masks, count_work) = (all_features, all_features);
                         let variant = TraceVariant { kernel, kind, order, masks, count_work, precision };
@@ -247,6 +187,8 @@ fn made_up_setup(all_features: bool, key_bits: u32) -> Setup {
 
 #[cfg(test)]
 mod tests {
+    use formats::key::Termination;
+
     use super::*;
     use crate::gpu::{AdapterRequest, limits, skipped, test_gpu};
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource};
-use crate::stages::sort::gpu::{SortKeys, Sorter};
+use crate::stages::sort::gpu::{Keys, Sorter};
 
 /// Keys of the trial sort.
 const SORT_KEYS: u32 = 70_003;
@@ -189,25 +189,14 @@ impl Bench<'_> {
     }
 
     fn sort(&self, bits: u32) -> Result<Check, GpuError> {
-        let words = |seed| -> Vec<u32> { numbers(seed).take(SORT_KEYS as usize).collect() };
-        let (low, high) = (words(3), words(4));
         let gpu = self.gpu;
-        let keys = SortKeys {
-            low: gpu.array_of("self_check::keys_low", &low)?,
-            high: if bits > 32 { Some(gpu.array_of("self_check::keys_high", &high)?) } else { None },
-            bits,
-        };
-        let key = |index: u32| {
-            let index = index as usize;
-            if bits > 32 {
-                u64::from(high[index]) << 32 | u64::from(low[index])
-            } else {
-                u64::from(low[index])
-            }
-        };
+        let (low, high) = (numbers(3), numbers(4));
+        let key =
+            |(low, high)| if bits > 32 { u64::from(high) << 32 | u64::from(low) } else { u64::from(low) };
+        let keys: Vec<u64> = low.zip(high).map(key).take(SORT_KEYS as usize).collect();
         let mut expected: Vec<u32> = (0..SORT_KEYS).collect();
-        expected.sort_by_key(|&index| key(index));
-        let sorted = Sorter::new(gpu)?.sort(gpu, &keys, SORT_KEYS as usize)?;
+        expected.sort_by_key(|&index| keys[index as usize]);
+        let sorted = Sorter::new(gpu)?.sort(gpu, &Keys::upload(gpu, &keys, bits)?)?;
         let found = gpu.read_vec(&sorted.permutation)?;
         let wrong = found.iter().zip(&expected).position(|(found, expected)| found != expected);
         let name = if bits > 32 { "sort of 64-bit keys" } else { "sort of 32-bit keys" };

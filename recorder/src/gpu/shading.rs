@@ -4,7 +4,7 @@ use anyhow::Result;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 
-use super::backend::{GpuHits, GpuRays, WORKGROUP};
+use super::backend::{GpuRays, WORKGROUP};
 use super::kernels::Kernels;
 use super::run::ItemRange;
 use super::scene::SceneArrays;
@@ -12,6 +12,7 @@ use super::{DeviceArray, Gpu};
 use crate::backend::{Setup, Shaded};
 use crate::stages::compact::gpu::Scan;
 use crate::stages::shared::{ShadeParams, Span, SurfaceData};
+use crate::stages::trace::gpu::Hits;
 
 /// The scene as shading reads it, and what its kernels write.
 pub(super) struct Shading {
@@ -68,13 +69,13 @@ impl Shading {
         gpu: &Gpu,
         kernels: &Kernels,
         params: ShadeParams,
-        (rays, hits): (&GpuRays, &GpuHits),
+        (rays, hits): (&GpuRays, &Hits),
         film: &DeviceArray<[f32; 4]>,
     ) -> Result<(Shaded<GpuRays>, u64)> {
-        let scene = &self.scene;
+        let (scene, paths) = (&self.scene, rays.paths()?);
         let mut resources = vec![
-            rays.directions.binding(),
-            hits.array(),
+            rays.rays.directions.binding(),
+            hits.words.binding(),
             scene.triangles.binding(),
             scene.positions.binding(),
             scene.tables.binding(),
@@ -85,9 +86,9 @@ impl Shading {
         let surface = kernels.surface.bind(gpu, 0, &resources)?;
         let path = [
             self.surfaces.binding(),
-            rays.directions.binding(),
-            rays.path_ids.binding(),
-            rays.states.binding(),
+            rays.rays.directions.binding(),
+            paths.ids.binding(),
+            paths.states.binding(),
         ];
         let to_shadow = [
             scene.emitters.binding(),
@@ -125,12 +126,14 @@ impl Shading {
         let scanned = self.scan.run(gpu, &candidates.directions, &self.places, rays.count)?;
         let live = GpuRays::new(gpu, id, scanned.total as usize)?;
         let from = [candidates.directions.binding(), self.places.binding()];
-        let ray = [self.origins.binding(), live.origins.binding(), live.directions.binding()];
+        let [live_origins, live_directions] = live.rays.bindings();
+        let ray = [self.origins.binding(), live_origins, live_directions];
+        let live_paths = live.paths()?;
         let path = [
             candidates.states.binding(),
-            rays.path_ids.binding(),
-            live.states.binding(),
-            live.path_ids.binding(),
+            rays.paths()?.ids.binding(),
+            live_paths.states.binding(),
+            live_paths.ids.binding(),
         ];
         let [move_rays, move_paths] = &kernels.compact;
         let ray = move_rays.bind(gpu, 0, &[&from[..], &ray].concat())?;

@@ -6,8 +6,8 @@ use super::{DeviceArray, Gpu, GpuError};
 
 /// Sums, low word first, and counts.
 pub(super) struct GpuTable {
-    pub(super) sums: DeviceArray<[u32; 2]>,
-    pub(super) counts: DeviceArray<u32>,
+    sums: DeviceArray<[u32; 2]>,
+    counts: DeviceArray<u32>,
 }
 
 /// A sum's words.
@@ -23,6 +23,11 @@ impl GpuTable {
             sums: gpu.array_of("length_table::sums", &vec![words(DUMMY_SUM); cells])?,
             counts: gpu.array_of("length_table::counts", &vec![1u32; cells])?,
         })
+    }
+
+    /// Sums and counts, to be bound.
+    pub(super) fn bindings(&self) -> [wgpu::BindingResource<'_>; 2] {
+        [self.sums.binding(), self.counts.binding()]
     }
 
     /// A copy of a table.

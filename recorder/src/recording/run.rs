@@ -13,7 +13,7 @@ use scenes::Scene;
 use sha2::{Digest, Sha256};
 
 use super::{Recorded, header, scene_arrays};
-use crate::backend::{Backend, RecordedRays, Setup};
+use crate::backend::{Backend, RecordedRays, Setup, picture};
 use crate::cache_model::CacheModel;
 use crate::capture::Capture;
 use crate::cpu::CpuBackend;
@@ -141,7 +141,7 @@ impl Run<'_> {
     }
 
     fn write_image<B: Backend>(&self, backend: &mut B, capture: &mut Capture) -> Result<ImageDigest> {
-        let image = backend.image(self.options.passes)?;
+        let image = picture(backend, self.options.passes)?;
         let (width, height) = (self.setup.width, self.setup.height);
         let digest = Sha256::digest(bytemuck::cast_slice::<_, u8>(&image));
         if self.options.keep.image {

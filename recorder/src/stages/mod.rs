@@ -5,6 +5,7 @@
 
 pub mod accumulate;
 pub mod compact;
+pub mod compare;
 pub mod gather;
 pub mod generate;
 pub mod key;

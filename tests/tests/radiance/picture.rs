@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use recorder::backend::{Backend, Setup};
+use recorder::backend::{Backend, Setup, picture};
 use recorder::cli::parse_record;
 use recorder::cpu::CpuBackend;
 use recorder::gpu::backend::GpuBackend;
@@ -43,9 +43,9 @@ fn setup(scene: &Scene, bounces: u32, roulette: bool) -> Setup {
     Setup { width: SIZE, height: SIZE, bounces, roulette, ..setup }
 }
 
-fn picture(mut backend: impl Backend, bounces: u32) -> Vec<f64> {
+fn green(mut backend: impl Backend, bounces: u32) -> Vec<f64> {
     wavefront::run(&mut backend, PASSES, bounces, &mut ()).unwrap();
-    let image = backend.image(PASSES).unwrap();
+    let image = picture(&mut backend, PASSES).unwrap();
     assert!(image.iter().flatten().all(|value| value.is_finite() && *value >= 0.0), "a pixel is no radiance");
     image.into_iter().map(|[_, green, _]| f64::from(green)).collect()
 }
@@ -58,7 +58,7 @@ pub(crate) fn pictures(scene: &Scene, bounces: u32, roulette: bool) -> [(&'stati
     let gpu = Gpu::open(&AdapterRequest::Any)
         .unwrap_or_else(|error| panic!("GPU tests need an adapter; tests/run installs one: {error}"));
     let gpu = GpuBackend::new(gpu, scene, Some(&bvh), setup, TraceKernel::Cwbvh).unwrap();
-    [("threads", picture(threads, bounces)), ("gpu", picture(gpu, bounces))]
+    [("threads", green(threads, bounces)), ("gpu", green(gpu, bounces))]
 }
 
 /// Renders on every backend with paths that do not end by chance, and compares the picture's mean with what is

@@ -6,9 +6,9 @@ use formats::ray::{Hit, Kind, Ray};
 use rayon::prelude::*;
 use recorder::gpu::{AdapterRequest, Gpu};
 use recorder::oracle::{Oracle, Verdict};
-use recorder::stages::trace::TraceKernel;
 use recorder::stages::trace::cpu::CpuTracer;
-use recorder::stages::trace::gpu::{Order, Tracer};
+use recorder::stages::trace::gpu::{Hits, RayArrays, Tracer};
+use recorder::stages::trace::{Order, TraceKernel, hits as cpu_hits};
 use scenes::Scene;
 use scenes::bvh::{BvhKind, build};
 use scenes::features::Features;
@@ -100,36 +100,29 @@ pub(crate) fn trace(backend: Backend, kernel: TraceKernel, scene: &Scene, rays: 
         Backend::Cpu => format!("{} on threads", kernel.name()),
         Backend::Gpu => format!("{} on the gpu", kernel.name()),
     };
-    let (hits, distances) = match backend {
+    let kinds = Kind::ALL;
+    let [hits, distances]: [Vec<u8>; 2] = match backend {
         Backend::Cpu => {
             let tracer = CpuTracer::new(scene, &bvh.unwrap());
-            let (mut hits, mut distances) = (vec![Hit::MISS; rays.len()], vec![0.0; rays.len()]);
-            tracer.closest(rays, &mut hits);
-            tracer.occlusion(rays, &mut distances);
-            (hits, distances)
+            kinds.map(|kind| {
+                let hits = cpu_hits::Hits::new(kind, rays.len());
+                tracer.trace(rays, Order::Canonical, &hits);
+                hits.bytes(0..rays.len())
+            })
         }
         Backend::Gpu => {
             let gpu = gpu();
             let features = Features::of(scene);
             let mut tracer = Tracer::new(gpu, scene, bvh.as_ref(), kernel, &features).unwrap();
-            let [origins, directions]: [Vec<[f32; 4]>; 2] = [
-                rays.iter().map(|ray| [ray.origin[0], ray.origin[1], ray.origin[2], ray.t_min]).collect(),
-                rays.iter()
-                    .map(|ray| [ray.direction[0], ray.direction[1], ray.direction[2], ray.t_max])
-                    .collect(),
-            ];
-            let origins = gpu.array_of("stress::origins", &origins).unwrap();
-            let directions = gpu.array_of("stress::directions", &directions).unwrap();
-            let hits = gpu.array::<[u32; 4]>("stress::hits", rays.len()).unwrap();
-            let distances = gpu.array::<f32>("stress::distances", rays.len()).unwrap();
-            for (kind, results) in [(Kind::Closest, hits.binding()), (Kind::Shadow, distances.binding())] {
-                let order = Order::Canonical;
-                tracer.trace(gpu, kind, order, &origins, &directions, results, rays.len()).unwrap();
-            }
-            let hits = gpu.read_vec(&hits).unwrap();
-            (bytemuck::cast_slice(&hits).to_vec(), gpu.read_vec(&distances).unwrap())
+            let uploaded = RayArrays::upload(gpu, "stress", rays).unwrap();
+            kinds.map(|kind| {
+                let hits = Hits::new(gpu, "stress::hits", kind, rays.len()).unwrap();
+                tracer.trace(gpu, &uploaded, Order::Canonical, &hits).unwrap();
+                bytemuck::cast_slice(&gpu.read_vec(&hits.words).unwrap()).to_vec()
+            })
         }
     };
+    let (hits, distances) = (bytemuck::pod_collect_to_vec(&hits), bytemuck::pod_collect_to_vec(&distances));
     Answers { name, hits, distances }
 }
 

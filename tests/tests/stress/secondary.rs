@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use formats::ray::{Kind, Ray};
 use rayon::prelude::*;
-use recorder::backend::{Backend, Queue, Setup, collected};
+use recorder::backend::{Array, Backend, Queue, Setup, collected};
 use recorder::cli::parse_record;
 use recorder::cpu::CpuBackend;
 use recorder::oracle::{Deviation, Oracle, Verdict};
@@ -32,7 +32,7 @@ impl<B: Backend> Observer<B> for Secondary {
     fn measure(&mut self, backend: &mut B, rays: &B::Rays, _: &B::Hits) -> anyhow::Result<()> {
         let id = rays.id();
         if id.kind == Kind::Closest && id.bounce > 0 {
-            self.0.extend(collected::<Ray>(|sink| backend.read_rays(rays, sink))?);
+            self.0.extend(collected::<Ray, B>(backend, Array::Rays(rays))?);
         }
         Ok(())
     }

@@ -4,6 +4,8 @@
 //! method would address in the largest table; a smaller table's cell is a prefix of it. Errors then come
 //! from tables that are filled in the order in which the path tracer would.
 
+use std::sync::Arc;
+
 use anyhow::Result;
 use formats::bench_result::error::EstimatorRow;
 use formats::key::termination::bounded_length;
@@ -11,14 +13,17 @@ use formats::key::{Encoder, Layout, Method};
 use formats::length_table::LengthTable;
 use formats::manifest::QueueId;
 use formats::metrics::estimator::EstimateError;
-use formats::ray::{Hit, Kind, Ray};
+use formats::ray::{Kind, Ray};
+use formats::unit_space::UnitSpace;
 use rayon::prelude::*;
 
 use super::super::backends::{self, Measurement};
-use super::super::queues::strata;
+use super::super::queues::{Copied, strata};
 use super::Bench;
-use crate::backend::{Backend, Queue, Table, collected};
+use crate::backend::{Array, Backend, Queue, Setup, Table, collected};
 use crate::options::RecordOptions;
+use crate::stages::trace::Order;
+use crate::stages::trace::hits::Hits;
 use crate::wavefront::{self, Observer};
 
 /// Methods whose keys can address a table: those that need no length and no light.
@@ -53,7 +58,8 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<EstimatorRow>> {
         addresses.push(Address { name, layout, encoder });
     }
     let work = Estimator { bench, addresses: &addresses };
-    let Learnt { queues, costs } = backends::measure(bench.device, bench.scene, &setup, &[run.trace], work)?;
+    let Learnt { queues, timed } = backends::measure(bench.device, bench.scene, &setup, &[run.trace], work)?;
+    let costs = costs(bench, &setup, &addresses, &timed)?;
     let mut rows = Vec::new();
     for kind in Kind::ALL {
         let of_kind: Vec<&Lengths> = queues.iter().filter(|queue| queue.id.kind == kind).collect();
@@ -107,7 +113,8 @@ struct Cost {
 
 struct Learnt {
     queues: Vec<Lengths>,
-    costs: Vec<Cost>,
+    /// The queues on which costs are measured.
+    timed: Vec<Copied>,
 }
 
 struct Estimator<'a> {
@@ -120,41 +127,35 @@ impl Measurement for Estimator<'_> {
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Learnt> {
         let bounces = self.bench.options.run.bounces;
-        let mut observer =
-            Learning { bench: self.bench, addresses: self.addresses, queues: Vec::new(), costs: Vec::new() };
+        let learnt = Learnt { queues: Vec::new(), timed: Vec::new() };
+        let mut observer = Learning { bench: self.bench, addresses: self.addresses, learnt };
         wavefront::run(&mut backends[0], PASSES, bounces, &mut observer)?;
-        Ok(Learnt { queues: observer.queues, costs: observer.costs })
+        Ok(observer.learnt)
     }
 }
 
 struct Learning<'a> {
     bench: Bench<'a>,
     addresses: &'a [Address],
-    queues: Vec<Lengths>,
-    costs: Vec<Cost>,
+    learnt: Learnt,
 }
 
 impl<B: Backend> Observer<B> for Learning<'_> {
     fn measure(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
         let id = rays.id();
         if id.pass + 1 == PASSES && id.bounce == TIMED_BOUNCE {
-            self.time(backend, rays, hits)?;
+            self.learnt.timed.push(Copied::of(backend, rays)?);
         }
-        self.queues.push(self.lengths(backend, id, rays, hits)?);
+        let lengths = self.lengths(backend, rays, hits)?;
+        self.learnt.queues.push(lengths);
         Ok(())
     }
 }
 
 impl Learning<'_> {
-    fn lengths<B: Backend>(
-        &self,
-        backend: &mut B,
-        id: QueueId,
-        rays: &B::Rays,
-        hits: &B::Hits,
-    ) -> Result<Lengths> {
-        let unit = self.bench.unit();
-        let rays: Vec<Ray> = collected(|sink| backend.read_rays(rays, sink))?;
+    fn lengths<B: Backend>(&self, backend: &mut B, queue: &B::Rays, hits: &B::Hits) -> Result<Lengths> {
+        let (id, unit) = (queue.id(), self.bench.unit());
+        let rays: Vec<Ray> = collected(backend, Array::Rays(queue))?;
         let traced = traced_lengths(backend, id.kind, &unit, &rays, hits)?;
         let cells = |address: &Address| -> Vec<u32> {
             rays.par_iter().map(|ray| address.encoder.encode(ray, 0.0, 0) as u32).collect()
@@ -170,69 +171,83 @@ impl Learning<'_> {
             traced,
         })
     }
+}
 
-    /// Adds a queue to tables of every size and address, and makes keys with their means, on the device.
-    fn time<B: Backend>(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
-        let kind = rays.id().kind;
-        let repeats = self.bench.options.run.repeats;
-        let mut fixed = Vec::new();
-        for repeat in 0..=repeats {
-            backend.key(rays, hits, FIXED)?;
-            fixed.extend((repeat > 0).then_some(backend.elapsed_ns()));
+/// What keys cost without a table, and with tables of every size and address: each on a backend of its own.
+fn costs(
+    bench: Bench<'_>,
+    setup: &Arc<Setup>,
+    addresses: &[Address],
+    queues: &[Copied],
+) -> Result<Vec<Cost>> {
+    let measure = |setup: &Arc<Setup>, timing: Timing<'_>| {
+        backends::measure(bench.device, bench.scene, setup, &[bench.options.run.trace], timing)
+    };
+    let repeats = bench.options.run.repeats;
+    let mut costs = measure(setup, Timing { queues, repeats, method: FIXED, name: CONSTANT, bits: 0 })?;
+    for Address { name, layout, .. } in addresses {
+        for bits in TABLE_BITS {
+            let addressed = Setup { table_bits: bits, table_layout: layout.clone(), ..Setup::clone(setup) };
+            let timing = Timing { queues, repeats, method: ADAPTIVE, name, bits };
+            costs.extend(measure(&Arc::new(addressed), timing)?);
         }
-        let count = rays.len() as u64;
-        let cost = |method, bits| Cost {
-            kind,
-            method,
-            bits,
-            rays: count,
-            accumulate_ns: Vec::new(),
-            key_ns: Vec::new(),
-        };
-        self.costs.push(Cost { key_ns: fixed, ..cost(CONSTANT, 0) });
-        for address in self.addresses {
-            for bits in TABLE_BITS {
-                backend.address_tables(bits, &address.layout)?;
-                let mut cost = cost(address.name, bits);
-                for repeat in 0..=repeats {
-                    backend.accumulate(rays, hits, Table::Scratch)?;
-                    let accumulate_ns = backend.elapsed_ns();
-                    backend.key(rays, hits, ADAPTIVE)?;
-                    let key_ns = backend.elapsed_ns();
-                    // The first round touches the memory.
-                    if repeat > 0 {
-                        cost.accumulate_ns.push(accumulate_ns);
-                        cost.key_ns.push(key_ns);
-                    }
+    }
+    Ok(costs)
+}
+
+/// Makes keys of queues by one method, and adds them to the table that it reads, if it does.
+struct Timing<'a> {
+    queues: &'a [Copied],
+    repeats: u32,
+    method: usize,
+    /// Of the table.
+    name: &'static str,
+    bits: u32,
+}
+
+impl Measurement for Timing<'_> {
+    type Output = Vec<Cost>;
+
+    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<Cost>> {
+        let backend = &mut backends[0];
+        let mut costs = Vec::new();
+        for queue in self.queues {
+            let rays = backend.upload(queue.queue(None))?;
+            let hits = backend.trace(&rays, Order::Canonical)?;
+            let (mut accumulate_ns, mut key_ns) = (Vec::new(), Vec::new());
+            for _ in 0..=self.repeats {
+                if self.method == ADAPTIVE {
+                    backend.accumulate(&rays, &hits, Table::Scratch)?;
+                    accumulate_ns.push(backend.elapsed_ns());
                 }
-                self.costs.push(cost);
+                backend.key(&rays, &hits, self.method)?;
+                key_ns.push(backend.elapsed_ns());
             }
+            // The first round touches the memory.
+            let timed = |samples_ns: Vec<u64>| samples_ns.into_iter().skip(1).collect();
+            costs.push(Cost {
+                kind: queue.id.kind,
+                method: self.name,
+                bits: self.bits,
+                rays: queue.rays.len() as u64,
+                accumulate_ns: timed(accumulate_ns),
+                key_ns: timed(key_ns),
+            });
         }
-        Ok(())
+        Ok(costs)
     }
 }
 
-/// Traced length of each ray, unit lengths.
+/// Traced length of each ray of a queue, unit lengths.
 pub(super) fn traced_lengths<B: Backend>(
     backend: &mut B,
     kind: Kind,
-    unit: &formats::unit_space::UnitSpace,
+    unit: &UnitSpace,
     rays: &[Ray],
     hits: &B::Hits,
 ) -> Result<Vec<f32>> {
-    Ok(match kind {
-        Kind::Closest => {
-            let hits: Vec<Hit> = collected(|sink| backend.read_hits(hits, sink))?;
-            rays.par_iter().zip(&hits).map(|(ray, hit)| unit.closest_length(ray, hit)).collect()
-        }
-        Kind::Shadow => {
-            let distances: Vec<f32> = collected(|sink| backend.read_hits(hits, sink))?;
-            rays.par_iter()
-                .zip(&distances)
-                .map(|(ray, &distance)| unit.shadow_length(ray, distance))
-                .collect()
-        }
-    })
+    let hits = Hits::from_bytes(kind, &collected(backend, Array::Hits(hits))?);
+    Ok(rays.par_iter().enumerate().map(|(index, ray)| hits.length(unit, ray, index)).collect())
 }
 
 /// Whether the errors of a queue count: camera rays are not sorted.

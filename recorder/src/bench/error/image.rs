@@ -15,8 +15,9 @@ use formats::ray::Kind;
 
 use super::super::backends::{self, Measurement};
 use super::Bench;
-use crate::backend::{Backend, MethodPlan, Queue, Setup, Table};
+use crate::backend::{Backend, MethodPlan, Queue, Setup, Table, picture};
 use crate::options::RecordOptions;
+use crate::stages::trace::Order;
 use crate::wavefront::{self, Observer};
 
 /// Keeps dark pixels from deciding: a part of the reference's mean square.
@@ -61,7 +62,7 @@ impl Measurement for Reference {
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<[f32; 3]>> {
         wavefront::run(&mut backends[0], self.passes, self.bounces, &mut ())?;
-        backends[0].image(self.passes)
+        picture(&mut backends[0], self.passes)
     }
 }
 
@@ -108,7 +109,7 @@ impl<B: Backend> Observer<B> for Watch<'_> {
         if is_camera && id.pass > 0 {
             self.look(backend, id.pass)?;
         }
-        let unsorted_ns = waited(|| backend.trace(rays).map(drop))?;
+        let unsorted_ns = waited(|| backend.trace(rays, Order::Canonical).map(drop))?;
         self.unsorted_ns += unsorted_ns;
         let count = self.clocks.len();
         for turn in 0..count {
@@ -135,7 +136,7 @@ impl Watch<'_> {
     /// Records what every method has taken after so many passes.
     fn look<B: Backend>(&mut self, backend: &mut B, passes: u32) -> Result<()> {
         let Pictures { bench, setup, reference } = self.pictures;
-        let relative_mse = relative_mse(&backend.image(passes)?, reference);
+        let relative_mse = relative_mse(&picture(backend, passes)?, reference);
         let row = |method: &str, traced_ns: u64| ImageRow {
             scene: bench.scene.name.clone(),
             method: method.to_owned(),
@@ -173,9 +174,9 @@ fn sorted<B: Backend>(
     clock.gathered_ns += before_ns
         + waited(|| {
             let gathered = backend.gather(rays, &order)?;
-            backend.trace_gathered(&gathered, &order).map(drop)
+            backend.trace(&gathered, Order::Gathered(&order)).map(drop)
         })?;
-    clock.indirect_ns += before_ns + waited(|| backend.trace_indirect(rays, &order).map(drop))?;
+    clock.indirect_ns += before_ns + waited(|| backend.trace(rays, Order::Indirect(&order)).map(drop))?;
     Ok(())
 }
 

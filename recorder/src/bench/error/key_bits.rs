@@ -12,8 +12,9 @@ use rayon::prelude::*;
 use super::super::backends::{self, Measurement};
 use super::Bench;
 use super::estimator::traced_lengths;
-use crate::backend::{Backend, Queue, Setup, collected};
+use crate::backend::{Array, Backend, Queue, Setup, collected};
 use crate::replay::variants::Sweep;
+use crate::stages::trace::Order;
 use crate::wavefront::{self, Observer};
 
 /// The queues that are measured, or those of the last bounce if there are fewer: incoherent rays, and the
@@ -71,7 +72,7 @@ impl<B: Backend> Observer<B> for Orders<'_> {
             return Ok(());
         }
         let unit = self.bench.unit();
-        let copied: Vec<Ray> = collected(|sink| backend.read_rays(rays, sink))?;
+        let copied: Vec<Ray> = collected(backend, Array::Rays(rays))?;
         let lengths = traced_lengths(backend, id.kind, &unit, &copied, hits)?;
         let area = |order: &[u32]| mean_capsule_area(&unit, &copied, &lengths, order);
         let canonical: Vec<u32> = (0..copied.len() as u32).collect();
@@ -96,13 +97,13 @@ impl<B: Backend> Observer<B> for Orders<'_> {
             }
             let keys = backend.key(rays, hits, number)?;
             let order = backend.sort(&keys)?;
-            let permutation: Vec<u32> = collected(|sink| backend.read_order(&order, sink))?;
+            let permutation: Vec<u32> = collected(backend, Array::Permutation(&order))?;
             applicable.push(number);
             self.rows.push(row(&plan.base, plan.key_bits, area(&permutation)));
         }
         let rows = &mut self.rows[first..];
         for repeat in 0..run.repeats as usize {
-            backend.trace(rays)?;
+            backend.trace(rays, Order::Canonical)?;
             rows[0].trace_ns.push(backend.elapsed_ns());
             for turn in 0..applicable.len() {
                 let at = (turn + repeat) % applicable.len();
@@ -125,7 +126,7 @@ fn sample<B: Backend>(
     let order = backend.sort(&keys)?;
     row.sort_ns.push(backend.elapsed_ns());
     let gathered = backend.gather(rays, &order)?;
-    backend.trace_gathered(&gathered, &order)?;
+    backend.trace(&gathered, Order::Gathered(&order))?;
     row.trace_ns.push(backend.elapsed_ns());
     Ok(())
 }

@@ -15,10 +15,10 @@ use scenes::Scene;
 use super::super::backends::{Configuration, Measurement, measure, measure_all};
 use super::super::queues::strata;
 use super::Bench;
-use crate::backend::{Backend, Queue, RecordedRays, Setup, collected};
+use crate::backend::{Array, Backend, Queue, RecordedRays, Setup, collected};
 use crate::device::Device;
 use crate::oracle::{ExactHit, Oracle, Verdict};
-use crate::stages::trace::{Precision, TraceKernel};
+use crate::stages::trace::{Order, Precision, TraceKernel};
 use crate::wavefront::{self, Observer};
 
 /// Name of tests that are the driver's affair.
@@ -91,7 +91,7 @@ impl<B: Backend> Observer<B> for Sample {
     fn measure(&mut self, backend: &mut B, rays: &B::Rays, _: &B::Hits) -> Result<()> {
         let id = rays.id();
         if id.kind == Kind::Closest && id.bounce > 0 {
-            let queue: Vec<Ray> = collected(|sink| backend.read_rays(rays, sink))?;
+            let queue: Vec<Ray> = collected(backend, Array::Rays(rays))?;
             self.rays.extend(strata(rays.len(), self.wanted).map(|at| queue[at]));
         }
         Ok(())
@@ -126,8 +126,8 @@ impl Measurement for Tracing<'_> {
         let mut queues = Vec::new();
         for backend in &mut backends {
             let rays = backend.upload(queue)?;
-            let hits = backend.trace(&rays)?;
-            let hits = collected(|sink| backend.read_hits(&hits, sink))?;
+            let hits = backend.trace(&rays, Order::Canonical)?;
+            let hits = collected(backend, Array::Hits(&hits))?;
             traced.push(Traced { hits, samples_ns: Vec::new() });
             queues.push(rays);
         }
@@ -135,7 +135,7 @@ impl Measurement for Tracing<'_> {
         for repeat in 0..self.repeats as usize {
             for turn in 0..count {
                 let at = (turn + repeat) % count;
-                backends[at].trace(&queues[at])?;
+                backends[at].trace(&queues[at], Order::Canonical)?;
                 traced[at].samples_ns.push(backends[at].elapsed_ns());
             }
         }

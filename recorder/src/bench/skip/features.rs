@@ -9,7 +9,7 @@ use scenes::features::Features;
 
 use super::super::backends::{Configuration, Measurement, measure_all};
 use super::Bench;
-use crate::backend::{Backend, Setup};
+use crate::backend::{Backend, Setup, picture};
 use crate::device::Device;
 use crate::stages::shade::cpu::SPECIALISED;
 use crate::stages::shade::tables::ShadeTables;
@@ -104,7 +104,7 @@ impl Measurement for Sides<'_> {
             }
         }
         let side = |(mut backend, stages): (B, Stages)| {
-            let image = backend.image(run.repeats + 1)?;
+            let image = picture(&mut backend, run.repeats + 1)?;
             Ok(Side { trace_ns: stages.trace_ns, shade_ns: stages.shade_ns, image })
         };
         backends.into_iter().zip(stages).map(side).collect()

@@ -11,8 +11,9 @@ use formats::ray::Kind;
 use super::super::backends::{self, Measurement};
 use super::super::sort::{random_keys, sorted_by};
 use super::Bench;
-use crate::backend::{Backend, RecordedRays, Table};
+use crate::backend::{Array, Backend, RecordedRays, Table, collected, picture};
 use crate::stages::sort::Digits;
+use crate::stages::trace::Order;
 use crate::wavefront;
 
 /// Keys that are sorted.
@@ -74,19 +75,19 @@ impl Paths<'_> {
     /// The verbs of a bounce to which no ray has come, which the loop does not run.
     fn empty_bounce<B: Backend>(&self, backend: &mut B) -> Result<SkipRow> {
         let mut row = self.bench.row("a bounce without live rays", "all stages of the bounce", "picture");
-        let before = backend.image(1)?;
+        let before = picture(backend, 1)?;
         for repeat in 0..=self.bench.run.repeats {
             let rays = backend.upload(no_rays(self.bench.run.bounces, Kind::Closest, None))?;
             let start = Instant::now();
-            let hits = backend.trace(&rays)?;
+            let hits = backend.trace(&rays, Order::Canonical)?;
             backend.accumulate(&rays, &hits, Table::Learnt)?;
             let shadow = backend.shade(&rays, &hits)?.shadow;
-            let occlusion = backend.trace(&shadow)?;
+            let occlusion = backend.trace(&shadow, Order::Canonical)?;
             backend.accumulate(&shadow, &occlusion, Table::Learnt)?;
             backend.add_light(&shadow, &occlusion)?;
             row.done.samples_ns.extend((repeat > 0).then_some(start.elapsed().as_nanos() as u64));
         }
-        row.is_same = backend.image(1)? == before;
+        row.is_same = picture(backend, 1)? == before;
         Ok(row)
     }
 
@@ -94,11 +95,11 @@ impl Paths<'_> {
     fn untouched_cells<B: Backend>(&self, backend: &mut B, kind: Kind) -> Result<SkipRow> {
         let what = format!("untouched cells of the {kind} table");
         let mut row = self.bench.row(&what, "lengths.npy", "table");
-        let touched = backend.touched_cells(kind)?;
+        let touched: Vec<LengthCell> = collected(backend, Array::Lengths(kind))?;
         row.skipped.bytes = size_of_val(&*touched) as u64;
         row.done.bytes = (size_of::<LengthCell>() as u64) << self.bench.setup.table_bits;
         backend.upload(no_rays(0, kind, Some(&touched)))?;
-        row.is_same = backend.touched_cells(kind)? == touched;
+        row.is_same = collected::<LengthCell, B>(backend, Array::Lengths(kind))? == touched;
         Ok(row)
     }
 }

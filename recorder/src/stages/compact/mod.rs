@@ -3,6 +3,7 @@
 //! - [`gpu`]: exclusive prefix sum over the flags of live rays, and their number
 //! - [`queue`]: the kernels that move a queue's live rays to the places that the sums give
 
+pub mod cpu;
 pub mod gpu;
 pub mod queue;
 

@@ -5,17 +5,10 @@ use formats::length_table::LengthTable;
 use formats::ray::Ray;
 use rayon::prelude::*;
 
+use crate::stages::sort::cpu::{Keys, Words};
+
 /// Rays that one task encodes.
 const CHUNK: usize = 1 << 12;
-
-/// Keys in canonical order, in the width that a dump stores.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Keys {
-    /// Up to 32 bits.
-    Narrow(Vec<u32>),
-    /// Up to 64 bits.
-    Wide(Vec<u64>),
-}
 
 /// The estimate of a ray's length that a method sorts by.
 pub enum Lengths<'a> {
@@ -52,15 +45,16 @@ pub fn encode(
     lengths: &Lengths<'_>,
     light: impl Fn(usize) -> u32 + Sync,
 ) -> Keys {
-    if key_bits <= 32 {
+    let words = if key_bits <= u32::BITS {
         let mut keys = vec![0u32; rays.len()];
         encode_into(encoder, rays, lengths, light, &mut keys, |key| key as u32);
-        Keys::Narrow(keys)
+        Words::Narrow(keys)
     } else {
         let mut keys = vec![0u64; rays.len()];
         encode_into(encoder, rays, lengths, light, &mut keys, |key| key);
-        Keys::Wide(keys)
-    }
+        Words::Wide(keys)
+    };
+    Keys { bits: key_bits, words }
 }
 
 fn encode_into<T: Send>(

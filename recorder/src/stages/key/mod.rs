@@ -6,5 +6,3 @@
 pub mod cpu;
 pub mod gpu;
 pub mod wgsl;
-
-pub use cpu::Keys;

@@ -7,21 +7,13 @@ use super::bsdf::Surface;
 use super::emitters::{sample_light, sky_radiance};
 use super::surface::{HitSurface, hit_surface};
 use super::tables::ShadeTables;
+use crate::stages::compact::cpu::RayState;
 use crate::stages::random::Random;
-use crate::stages::shared::{PathState, ShadeParams};
+use crate::stages::shared::ShadeParams;
 use crate::stages::vector::{basis, dot3, luminance};
 
 /// Bounces before Russian roulette starts.
 pub const ROULETTE_FREE_BOUNCES: u32 = 2;
-
-/// What a shadow ray carries beside itself.
-#[derive(Clone, Copy, Debug)]
-pub struct ShadowState {
-    /// Radiance that the film gets if the ray arrives.
-    pub color: [f32; 3],
-    /// Index of the scene's light.
-    pub light: u32,
-}
 
 /// What a path leaves at a surface.
 #[derive(Clone, Copy, Debug, Default)]
@@ -29,9 +21,9 @@ pub struct Outcome {
     /// Light that the film gets at once: emission met by the ray.
     pub emitted: Vec3,
     /// A ray to a light sample and what it brings.
-    pub shadow: Option<(Ray, ShadowState)>,
+    pub shadow: Option<(Ray, RayState)>,
     /// The path's next ray.
-    pub next: Option<(Ray, PathState)>,
+    pub next: Option<(Ray, RayState)>,
 }
 
 /// Power heuristic with exponent 2 (Veach 1997, §9.2.4): the weight of a sample drawn with density `a`.
@@ -46,7 +38,7 @@ pub fn shade_path<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>
     params: &ShadeParams,
     ray: &Ray,
     hit: &Hit,
-    state: &PathState,
+    state: &RayState,
     pixel: u32,
 ) -> Outcome {
     let direction = Vec3::from(ray.direction);
@@ -81,7 +73,7 @@ fn emission_weight(density: f32, light_density: f32) -> f32 {
     if density > 0.0 { power_heuristic(density, light_density) } else { 1.0 }
 }
 
-fn emitted(tables: &ShadeTables, ray: &Ray, hit: &Hit, state: &PathState, surface: &HitSurface) -> Vec3 {
+fn emitted(tables: &ShadeTables, ray: &Ray, hit: &Hit, state: &RayState, surface: &HitSurface) -> Vec3 {
     let radiance = Vec3::from(surface.material.emission);
     let brightness = luminance(radiance);
     if brightness <= 0.0 {
@@ -123,7 +115,7 @@ fn shadow_ray<const GLOSSY: bool>(
     out: Vec3,
     throughput: Vec3,
     random: &mut Random,
-) -> Option<(Ray, ShadowState)> {
+) -> Option<(Ray, RayState)> {
     let origin = surface.origin;
     let light = sample_light(tables, origin, random)?;
     if dot3(light.direction, surface.geometric_normal) <= 0.0 || light.t_max <= 0.0 {
@@ -147,7 +139,7 @@ fn shadow_ray<const GLOSSY: bool>(
         direction: light.direction.to_array(),
         t_max: light.t_max,
     };
-    Some((ray, ShadowState { color: color.to_array(), light: light.light }))
+    Some((ray, RayState { color: color.to_array(), light: light.light, density: 0.0 }))
 }
 
 fn next_ray<const GLOSSY: bool>(
@@ -158,7 +150,7 @@ fn next_ray<const GLOSSY: bool>(
     out: Vec3,
     throughput: Vec3,
     random: &mut Random,
-) -> Option<(Ray, PathState)> {
+) -> Option<(Ray, RayState)> {
     let sample = reflection.sample::<GLOSSY>(out, random)?;
     let direction = crate::stages::vector::normalize3(frame.to_world(sample.direction));
     if dot3(direction, surface.geometric_normal) <= 0.0 {
@@ -179,5 +171,5 @@ fn next_ray<const GLOSSY: bool>(
     let origin = surface.origin;
     let ray =
         Ray { origin: origin.to_array(), t_min: 0.0, direction: direction.to_array(), t_max: f32::INFINITY };
-    Some((ray, PathState { color: color.to_array(), density: sample.density }))
+    Some((ray, RayState { color: color.to_array(), density: sample.density, light: 0 }))
 }

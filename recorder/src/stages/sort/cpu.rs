@@ -24,20 +24,34 @@ pub struct Sorter {
     digits: Digits,
 }
 
-/// The permutation that sorts keys of `bits` bits (1 to 32), in memory that is given back.
-///
-/// # Panics
-/// As [`Sorter::sort_u32`].
-pub fn sort_u32(keys: &[u32], bits: u32) -> Vec<u32> {
-    Sorter::default().sort_u32(keys, bits)
+/// Keys in canonical order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Keys {
+    /// Bits of a key, 1 to 64; all above are 0.
+    pub bits: u32,
+    /// The keys.
+    pub words: Words,
 }
 
-/// The permutation that sorts keys of `bits` bits (1 to 64), in memory that is given back.
-///
-/// # Panics
-/// As [`Sorter::sort_u64`].
-pub fn sort_u64(keys: &[u64], bits: u32) -> Vec<u32> {
-    Sorter::default().sort_u64(keys, bits)
+/// Keys in the width that a dump stores.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Words {
+    /// Up to 32 bits.
+    Narrow(Vec<u32>),
+    /// Up to 64 bits.
+    Wide(Vec<u64>),
+}
+
+impl Keys {
+    /// Keys of `bits` bits in their width.
+    pub fn of(keys: &[u64], bits: u32) -> Self {
+        let words = if bits <= u32::BITS {
+            Words::Narrow(keys.iter().map(|&key| key as u32).collect())
+        } else {
+            Words::Wide(keys.to_vec())
+        };
+        Self { bits, words }
+    }
 }
 
 impl Sorter {
@@ -46,23 +60,27 @@ impl Sorter {
         Self { digits, ..Self::default() }
     }
 
-    /// The permutation that sorts keys of `bits` bits (1 to 32); higher bits must be 0.
+    /// The permutation that sorts keys stably.
     ///
     /// # Panics
     /// If there are 2^32 keys or more.
-    pub fn sort_u32(&mut self, keys: &[u32], bits: u32) -> Vec<u32> {
-        self.sort_words(keys.len(), bits, move |index| u64::from(keys[index]))
+    pub fn sort(&mut self, keys: &Keys) -> Vec<u32> {
+        match &keys.words {
+            Words::Narrow(words) => {
+                self.sort_words(words.len(), keys.bits, move |index| u64::from(words[index]))
+            }
+            Words::Wide(words) => self.sort_words(words.len(), keys.bits, move |index| words[index]),
+        }
     }
 
-    /// The permutation that sorts keys of `bits` bits (1 to 64); higher bits must be 0.
-    ///
-    /// # Panics
-    /// If there are 2^32 keys or more.
-    pub fn sort_u64(&mut self, keys: &[u64], bits: u32) -> Vec<u32> {
-        self.sort_words(keys.len(), bits, move |index| keys[index])
-    }
-
-    fn sort_words(&mut self, count: usize, bits: u32, key: impl Key) -> Vec<u32> {
+    /// `key` gives the key of a canonical index. It is copied into inner loops, so that what it captures stays
+    /// in registers; behind a reference the loops take twice as long.
+    fn sort_words(
+        &mut self,
+        count: usize,
+        bits: u32,
+        key: impl Fn(usize) -> u64 + Copy + Send + Sync,
+    ) -> Vec<u32> {
         assert!(u32::try_from(count).is_ok(), "{count} keys are more than 32-bit indices can name");
         let blocks = Blocks::of(count);
         let varying = self.digits.varying(bits, || varying_bits(&blocks, key));
@@ -102,11 +120,6 @@ impl Sorter {
     }
 }
 
-/// Gives the key of a canonical index. Copied into inner loops, so that what it captures stays in
-/// registers; behind a reference the loops take twice as long.
-trait Key: Fn(usize) -> u64 + Copy + Send + Sync {}
-impl<T: Fn(usize) -> u64 + Copy + Send + Sync> Key for T {}
-
 /// Makes an array of pairs large enough; zeros are written by all threads, since it is the first
 /// touch of memory that takes its time.
 fn make_room(pairs: &mut Vec<AtomicU64>, count: usize) {
@@ -118,7 +131,7 @@ fn make_room(pairs: &mut Vec<AtomicU64>, count: usize) {
 }
 
 /// The bits that are not the same in all keys.
-fn varying_bits(blocks: &Blocks, key: impl Key) -> u64 {
+fn varying_bits(blocks: &Blocks, key: impl Fn(usize) -> u64 + Copy + Send + Sync) -> u64 {
     let of_block = move |range: Range<usize>| {
         range.fold((0, 0), |(ones, zeros), index| (ones | key(index), zeros | !key(index)))
     };
@@ -218,14 +231,7 @@ mod tests {
         for threads in [1, 2, 5] {
             for count in counts {
                 for (what, bits, keys) in test_keys::cases(count) {
-                    let found = pool(threads).install(|| {
-                        if bits <= 32 {
-                            let keys: Vec<u32> = keys.iter().map(|&key| key as u32).collect();
-                            sort_u32(&keys, bits)
-                        } else {
-                            sort_u64(&keys, bits)
-                        }
-                    });
+                    let found = pool(threads).install(|| Sorter::default().sort(&Keys::of(&keys, bits)));
                     assert!(found == expected(&keys), "{count} {what} of {bits} bits, {threads} threads");
                 }
             }
@@ -235,7 +241,7 @@ mod tests {
     #[test]
     fn sixteen_million_keys_and_more() {
         let keys = test_keys::random((1 << 24) + 12_345, 24, 3);
-        let found = sort_u32(&keys.iter().map(|&key| key as u32).collect::<Vec<_>>(), 24);
+        let found = Sorter::default().sort(&Keys::of(&keys, 24));
         assert!(found == expected(&keys));
     }
 }

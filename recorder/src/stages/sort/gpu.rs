@@ -12,15 +12,30 @@ const EXAMINE_THREADS: u32 = 128;
 /// Keys that one of them looks at.
 const EXAMINE_KEYS_PER_THREAD: u32 = 64;
 
-/// Keys to sort, in canonical order.
+/// Keys in canonical order.
 #[derive(Clone, Debug)]
-pub struct SortKeys {
+pub struct Keys {
+    /// Bits of a key, 1 to 64; all above are 0.
+    pub bits: u32,
+    /// How many keys there are; the arrays may be longer.
+    pub count: usize,
     /// The low 32 bits of every key.
     pub low: DeviceArray<u32>,
     /// The high 32 bits, where keys are longer than 32 bits.
     pub high: Option<DeviceArray<u32>>,
-    /// Bits of a key, 1 to 64; all above are 0.
-    pub bits: u32,
+}
+
+impl Keys {
+    /// Uploads keys of `bits` bits.
+    ///
+    /// # Errors
+    /// If there are too many for the adapter.
+    pub fn upload(gpu: &Gpu, keys: &[u64], bits: u32) -> Result<Self, GpuError> {
+        let words = |shift: u32| keys.iter().map(|key| (key >> shift) as u32).collect::<Vec<_>>();
+        let high = (bits > u32::BITS).then(|| gpu.array_of("sort::high", &words(u32::BITS)));
+        let low = gpu.array_of("sort::low", &words(0))?;
+        Ok(Self { bits, count: keys.len(), low, high: high.transpose()? })
+    }
 }
 
 /// What a sort made.
@@ -189,15 +204,15 @@ impl Sorter {
         Self { digits, ..self }
     }
 
-    /// The stable order of the first `count` keys, in an array of its own.
+    /// The stable order of keys, in an array of its own.
     ///
     /// # Errors
     /// Those of the device.
     ///
     /// # Panics
-    /// If the arrays of keys are shorter than `count`, or keys of more than 32 bits have no high
-    /// words.
-    pub fn sort(&mut self, gpu: &Gpu, keys: &SortKeys, count: usize) -> Result<Sorted, GpuError> {
+    /// If the arrays of keys are shorter than their count, or keys of more than 32 bits have no high words.
+    pub fn sort(&mut self, gpu: &Gpu, keys: &Keys) -> Result<Sorted, GpuError> {
+        let count = keys.count;
         let is_wide = keys.bits > u32::BITS;
         let high = if is_wide { keys.high.as_ref() } else { Some(&keys.low) };
         let high = high.expect("keys of more than 32 bits have high words");
@@ -295,20 +310,9 @@ mod tests {
     use crate::gpu::{skipped, test_gpu};
     use crate::stages::sort::test_keys::{self, expected};
 
-    fn upload(keys: &[u64], bits: u32) -> SortKeys {
-        let gpu = test_gpu();
-        let low: Vec<u32> = keys.iter().map(|&key| key as u32).collect();
-        let high: Vec<u32> = keys.iter().map(|&key| (key >> 32) as u32).collect();
-        SortKeys {
-            low: gpu.array_of("test::low", &low).unwrap(),
-            high: (bits > 32).then(|| gpu.array_of("test::high", &high).unwrap()),
-            bits,
-        }
-    }
-
     fn check(sorter: &mut Sorter, keys: &[u64], bits: u32, what: &str) {
         let gpu = test_gpu();
-        let sorted = sorter.sort(gpu, &upload(keys, bits), keys.len()).unwrap();
+        let sorted = sorter.sort(gpu, &Keys::upload(gpu, keys, bits).unwrap()).unwrap();
         let found = gpu.read_vec(&sorted.permutation).unwrap();
         let expected = expected(keys);
         let wrong = found.iter().zip(&expected).position(|(found, expected)| found != expected);

@@ -1,7 +1,7 @@
 //! Trace on threads: the same arithmetic as the WGSL kernels, with AVX2 for the box tests where
 //! the processor has it.
 
-use std::marker::PhantomData;
+use std::sync::atomic::Ordering::Relaxed;
 
 use formats::ray::{Hit, Kind, Ray, Work};
 use rayon::prelude::*;
@@ -9,14 +9,13 @@ use scenes::Scene;
 use scenes::bvh::Bvh;
 use scenes::features::Features;
 
-pub use super::scattered::{ScatteredDistances, ScatteredHits};
-
 use super::cpu_bvh2::BinaryTree;
 use super::cpu_cwbvh::WideTree;
+use super::hits::{Hits, store};
 use super::mask::Masks;
 use super::moeller_trumbore::PlainRay;
 use super::triangle::{Intersection, LeafTriangle, Shear};
-use super::{BoxTest, Precision, TriangleTest, farthest, reciprocal};
+use super::{BoxTest, Order, Precision, TriangleTest, farthest, reciprocal};
 
 /// Rays that a thread takes at once.
 const CHUNK: usize = 256;
@@ -95,57 +94,26 @@ impl CpuTracer {
         self
     }
 
-    /// The nearest hit of each ray.
+    /// Traces rays of the kind that the results are of, the nearest hit of each or any.
     ///
     /// # Panics
-    /// If there are not as many hits as rays.
-    pub fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
-        assert_eq!(rays.len(), hits.len(), "one hit per ray");
-        rays.par_chunks(CHUNK).zip(hits.par_chunks_mut(CHUNK)).for_each(|(rays, hits)| {
-            for (ray, hit) in rays.iter().zip(hits) {
-                *hit = self.nearest(ray);
+    /// If there are not as many results or places as rays.
+    pub fn trace(&self, rays: &[Ray], order: Order<&[u32]>, hits: &Hits) {
+        match hits {
+            Hits::Closest(hits) => {
+                for_each_ray(rays, order, hits, |ray, hit| store(hit, self.nearest(ray)));
             }
-        });
-    }
-
-    /// The distance at which each ray is blocked, `+inf` where it is not.
-    ///
-    /// # Panics
-    /// If there are not as many distances as rays.
-    pub fn occlusion(&self, rays: &[Ray], distances: &mut [f32]) {
-        assert_eq!(rays.len(), distances.len(), "one distance per ray");
-        rays.par_chunks(CHUNK).zip(distances.par_chunks_mut(CHUNK)).for_each(|(rays, distances)| {
-            for (ray, distance) in rays.iter().zip(distances) {
-                *distance = self.blocked_at(ray);
-            }
-        });
-    }
-
-    /// [`Self::closest`] for rays in the order of `permutation`; results go to canonical places.
-    pub fn closest_gathered(&self, sorted_rays: &[Ray], permutation: &[u32], out: &ScatteredHits) {
-        in_order(sorted_rays, permutation, |ray, place| out.store(place, self.nearest(ray)));
-    }
-
-    /// [`Self::occlusion`] for rays in the order of `permutation`; results go to canonical places.
-    pub fn occlusion_gathered(&self, sorted_rays: &[Ray], permutation: &[u32], out: &ScatteredDistances) {
-        in_order(sorted_rays, permutation, |ray, place| out.store(place, self.blocked_at(ray)));
-    }
-
-    /// [`Self::closest`], fetching the rays in the order of `permutation`.
-    pub fn closest_indirect(&self, rays: &[Ray], permutation: &[u32], out: &ScatteredHits) {
-        through(rays, permutation, |ray, place| out.store(place, self.nearest(ray)));
-    }
-
-    /// [`Self::occlusion`], fetching the rays in the order of `permutation`.
-    pub fn occlusion_indirect(&self, rays: &[Ray], permutation: &[u32], out: &ScatteredDistances) {
-        through(rays, permutation, |ray, place| out.store(place, self.blocked_at(ray)));
+            Hits::Shadow(distances) => for_each_ray(rays, order, distances, |ray, distance| {
+                distance.store(self.search::<Shear, true, true>(ray).t.to_bits(), Relaxed);
+            }),
+        }
     }
 
     /// What tracing each ray takes.
     pub fn work(&self, rays: &[Ray], kind: Kind) -> Vec<Work> {
         let work = |ray: &Ray| match kind {
-            Kind::Closest => self.search_with_account::<Work, Robust, false>(ray, Work::default()).1,
-            Kind::Shadow => self.search_with_account::<Work, Robust, true>(ray, Work::default()).1,
+            Kind::Closest => self.search_with_account::<Work, Shear, true, false>(ray, Work::default()).1,
+            Kind::Shadow => self.search_with_account::<Work, Shear, true, true>(ray, Work::default()).1,
         };
         rays.par_iter().with_min_len(CHUNK).map(work).collect()
     }
@@ -158,81 +126,73 @@ impl CpuTracer {
         };
         let trail = Trail { node_bytes, reads: Vec::new() };
         match kind {
-            Kind::Closest => self.search_with_account::<Trail, Robust, false>(ray, trail).1,
-            Kind::Shadow => self.search_with_account::<Trail, Robust, true>(ray, trail).1,
+            Kind::Closest => self.search_with_account::<Trail, Shear, true, false>(ray, trail).1,
+            Kind::Shadow => self.search_with_account::<Trail, Shear, true, true>(ray, trail).1,
         }
     }
 
     fn nearest(&self, ray: &Ray) -> Hit {
         let Precision { triangles, boxes } = self.precision;
         match (triangles, boxes) {
-            (TriangleTest::Watertight, BoxTest::Padded) => self.search::<Robust, false>(ray),
-            (TriangleTest::Watertight, BoxTest::Plain) => self.search::<Tests<Shear, false>, false>(ray),
-            (TriangleTest::MoellerTrumbore, BoxTest::Padded) => {
-                self.search::<Tests<PlainRay, true>, false>(ray)
-            }
-            (TriangleTest::MoellerTrumbore, BoxTest::Plain) => {
-                self.search::<Tests<PlainRay, false>, false>(ray)
-            }
+            (TriangleTest::Watertight, BoxTest::Padded) => self.search::<Shear, true, false>(ray),
+            (TriangleTest::Watertight, BoxTest::Plain) => self.search::<Shear, false, false>(ray),
+            (TriangleTest::MoellerTrumbore, BoxTest::Padded) => self.search::<PlainRay, true, false>(ray),
+            (TriangleTest::MoellerTrumbore, BoxTest::Plain) => self.search::<PlainRay, false, false>(ray),
         }
     }
 
-    fn blocked_at(&self, ray: &Ray) -> f32 {
-        self.search::<Robust, true>(ray).t
+    fn search<R: TriangleRay, const PADDED: bool, const ANY: bool>(&self, ray: &Ray) -> Hit {
+        self.search_with_account::<(), R, PADDED, ANY>(ray, ()).0
     }
 
-    fn search<P: Arithmetic, const ANY: bool>(&self, ray: &Ray) -> Hit {
-        self.search_with_account::<(), P, ANY>(ray, ()).0
-    }
-
-    fn search_with_account<A: Account, P: Arithmetic, const ANY: bool>(
+    fn search_with_account<A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool>(
         &self,
         ray: &Ray,
         account: A,
     ) -> (Hit, A) {
         if self.masks.is_empty() {
-            self.search_with::<A, P, ANY, false>(ray, account)
+            self.search_with::<A, R, PADDED, ANY, false>(ray, account)
         } else {
-            self.search_with::<A, P, ANY, true>(ray, account)
+            self.search_with::<A, R, PADDED, ANY, true>(ray, account)
         }
     }
 
-    fn search_with<A: Account, P: Arithmetic, const ANY: bool, const MASKS: bool>(
+    fn search_with<A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const MASKS: bool>(
         &self,
         ray: &Ray,
         account: A,
     ) -> (Hit, A) {
         match self.instructions {
             Instructions::Portable => {
-                let mut query = Query::<A, P, ANY, MASKS>::new(self, ray, account);
+                let mut query = Query::<A, R, PADDED, ANY, MASKS>::new(self, ray, account);
                 match &self.tree {
                     Tree::Binary(tree) => {
-                        tree.traverse::<super::cpu_bvh2::Portable, A, P, ANY, MASKS>(&mut query)
+                        tree.traverse::<super::cpu_bvh2::Portable, A, R, PADDED, ANY, MASKS>(&mut query)
                     }
                     Tree::Wide(tree) => {
-                        tree.traverse::<super::cpu_cwbvh::Portable, A, P, ANY, MASKS>(&mut query)
+                        tree.traverse::<super::cpu_cwbvh::Portable, A, R, PADDED, ANY, MASKS>(&mut query)
                     }
                 }
                 query.result()
             }
             #[cfg(target_arch = "x86_64")]
             // SAFETY: this variant is made where the processor has these instructions.
-            Instructions::Avx2 => unsafe { search_avx2::<A, P, ANY, MASKS>(self, ray, account) },
+            Instructions::Avx2 => unsafe { search_avx2::<A, R, PADDED, ANY, MASKS>(self, ray, account) },
         }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn search_avx2<A: Account, P: Arithmetic, const ANY: bool, const MASKS: bool>(
+fn search_avx2<A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const MASKS: bool>(
     tracer: &CpuTracer,
     ray: &Ray,
     account: A,
 ) -> (Hit, A) {
-    let mut query = Query::<A, P, ANY, MASKS>::new(tracer, ray, account);
+    let mut query = Query::<A, R, PADDED, ANY, MASKS>::new(tracer, ray, account);
     match &tracer.tree {
-        Tree::Binary(tree) => tree.traverse::<super::cpu_bvh2::Avx2, A, P, ANY, MASKS>(&mut query),
-        Tree::Wide(tree) => tree.traverse::<super::cpu_cwbvh::Avx2, A, P, ANY, MASKS>(&mut query),
+        Tree::Binary(tree) => tree.traverse::<super::cpu_bvh2::Avx2, A, R, PADDED, ANY, MASKS>(&mut query),
+        Tree::Wide(tree) => tree.traverse::<super::cpu_cwbvh::Avx2, A, R, PADDED, ANY, MASKS>(&mut query),
     }
     query.result()
 }
@@ -269,25 +229,6 @@ impl TriangleRay for PlainRay {
         self.intersect(leaf)
     }
 }
-
-/// How triangles and boxes are tested, known when the traversal is compiled.
-pub(super) trait Arithmetic {
-    /// The triangle test.
-    type Ray: TriangleRay;
-    /// The factor on far planes and on the nearest hit.
-    const PADDING: f32;
-}
-
-/// A triangle test with padded or plain boxes.
-pub(super) struct Tests<R, const PADDED: bool>(PhantomData<R>);
-
-impl<R: TriangleRay, const PADDED: bool> Arithmetic for Tests<R, PADDED> {
-    type Ray = R;
-    const PADDING: f32 = if PADDED { BoxTest::Padded } else { BoxTest::Plain }.padding();
-}
-
-/// What everything but measurements of precision uses.
-type Robust = Tests<Shear, true>;
 
 /// What is kept of a ray's way beside its hit; nothing where rates are measured.
 pub(super) trait Account {
@@ -339,50 +280,61 @@ impl Account for Trail {
     }
 }
 
-/// Calls `trace` for each ray with its canonical place.
-fn in_order(rays: &[Ray], permutation: &[u32], trace: impl Fn(&Ray, u32) + Sync) {
-    assert_eq!(rays.len(), permutation.len(), "one place per ray");
-    rays.par_chunks(CHUNK).zip(permutation.par_chunks(CHUNK)).for_each(|(rays, places)| {
-        for (ray, &place) in rays.iter().zip(places) {
-            trace(ray, place);
+/// Calls `trace` for each ray of an order with its canonical place among the results.
+fn for_each_ray<T: Sync>(rays: &[Ray], order: Order<&[u32]>, results: &[T], trace: impl Fn(&Ray, &T) + Sync) {
+    assert_eq!(rays.len(), results.len(), "one result per ray");
+    match order {
+        Order::Canonical => {
+            rays.par_chunks(CHUNK).zip(results.par_chunks(CHUNK)).for_each(|(rays, results)| {
+                rays.iter().zip(results).for_each(|(ray, result)| trace(ray, result));
+            });
         }
-    });
-}
-
-/// Calls `trace` for each canonical place with its ray.
-fn through(rays: &[Ray], permutation: &[u32], trace: impl Fn(&Ray, u32) + Sync) {
-    permutation.par_chunks(CHUNK).for_each(|places| {
-        for &place in places {
-            trace(&rays[place as usize], place);
+        Order::Gathered(permutation) => {
+            assert_eq!(rays.len(), permutation.len(), "one place per ray");
+            rays.par_chunks(CHUNK).zip(permutation.par_chunks(CHUNK)).for_each(|(rays, places)| {
+                rays.iter().zip(places).for_each(|(ray, &place)| trace(ray, &results[place as usize]));
+            });
         }
-    });
+        Order::Indirect(permutation) => permutation.par_chunks(CHUNK).for_each(|places| {
+            places.iter().for_each(|&place| trace(&rays[place as usize], &results[place as usize]));
+        }),
+    }
 }
 
 /// A ray on its way through a hierarchy, and what it has found.
 ///
-/// `P`: tests. `ANY`: ends at the first hit. `MASKS`: looks for holes.
-pub(super) struct Query<'a, A: Account, P: Arithmetic, const ANY: bool, const MASKS: bool> {
+/// `R`: triangle test. `PADDED`: see [`BoxTest`]. `ANY`: ends at the first hit. `MASKS`: looks for holes.
+pub(super) struct Query<
+    'a,
+    A: Account,
+    R: TriangleRay,
+    const PADDED: bool,
+    const ANY: bool,
+    const MASKS: bool,
+> {
     /// Where the ray starts.
     pub origin: [f32; 3],
     /// Reciprocals of its direction.
     pub inverse: [f32; 3],
     /// Nearest distance that counts.
     pub t_min: f32,
-    triangle_ray: P::Ray,
+    triangle_ray: R,
     best: Hit,
     account: A,
     triangles: &'a [LeafTriangle],
     masks: &'a Masks,
 }
 
-impl<'a, A: Account, P: Arithmetic, const ANY: bool, const MASKS: bool> Query<'a, A, P, ANY, MASKS> {
+impl<'a, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const MASKS: bool>
+    Query<'a, A, R, PADDED, ANY, MASKS>
+{
     #[inline(always)]
     fn new(tracer: &'a CpuTracer, ray: &Ray, account: A) -> Self {
         Self {
             origin: ray.origin,
             inverse: ray.direction.map(reciprocal),
             t_min: ray.t_min,
-            triangle_ray: P::Ray::new(ray),
+            triangle_ray: R::new(ray),
             best: Hit { t: farthest(ray), ..Hit::MISS },
             account,
             triangles: &tracer.triangles,
@@ -390,13 +342,19 @@ impl<'a, A: Account, P: Arithmetic, const ANY: bool, const MASKS: bool> Query<'a
         }
     }
 
+    /// The factor on far planes and on the nearest hit.
+    #[inline(always)]
+    pub(super) const fn padding(&self) -> f32 {
+        if PADDED { BoxTest::Padded } else { BoxTest::Plain }.padding()
+    }
+
     /// Boxes beyond this distance need not be entered.
     #[inline(always)]
     pub(super) fn limit(&self) -> f32 {
-        self.best.t * P::PADDING
+        self.best.t * self.padding()
     }
 
-    /// Takes down a node whose children are tested.
+    /// Counts a node whose children are tested.
     #[inline(always)]
     pub(super) fn visit(&mut self, index: usize) {
         self.account.node(index);

@@ -2,7 +2,7 @@
 
 use scenes::bvh::{BVH2_STACK, Bvh2Node};
 
-use super::cpu::{Account, Arithmetic, Query};
+use super::cpu::{Account, Query, TriangleRay};
 
 /// Bits of a reference that hold the first leaf slot or node pair; those above hold the number of
 /// triangles, 0 for an inner node.
@@ -59,9 +59,16 @@ impl BinaryTree {
 
     /// Finds what the query asks for.
     #[inline(always)]
-    pub(super) fn traverse<T: PairTest, A: Account, P: Arithmetic, const ANY: bool, const MASKS: bool>(
+    pub(super) fn traverse<
+        T: PairTest,
+        A: Account,
+        R: TriangleRay,
+        const PADDED: bool,
+        const ANY: bool,
+        const MASKS: bool,
+    >(
         &self,
-        query: &mut Query<'_, A, P, ANY, MASKS>,
+        query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
     ) {
         let test = T::new(query.origin, query.inverse, query.t_min);
         let mut stack: [Waiting; BVH2_STACK] = [(0, 0.0); BVH2_STACK];
@@ -73,7 +80,7 @@ impl BinaryTree {
             if count == 0 {
                 query.visit(first);
                 let pair = &self.pairs[first];
-                let (near, is_hit) = test.test(pair, query.limit(), P::PADDING);
+                let (near, is_hit) = test.test(pair, query.limit(), query.padding());
                 let [first, second] = pair.references;
                 if is_hit == 0b11 {
                     let is_swapped = near[1] < near[0];

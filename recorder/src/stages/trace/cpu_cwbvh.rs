@@ -3,7 +3,7 @@
 
 use scenes::bvh::{CWBVH_STACK, CwbvhNode};
 
-use super::cpu::{Account, Arithmetic, Query};
+use super::cpu::{Account, Query, TriangleRay};
 
 /// The nodes, in 16-byte units so that each lies in two cache lines.
 #[derive(Clone, Debug)]
@@ -38,9 +38,16 @@ impl WideTree {
 
     /// Finds what the query asks for.
     #[inline(always)]
-    pub(super) fn traverse<T: WideTest, A: Account, P: Arithmetic, const ANY: bool, const MASKS: bool>(
+    pub(super) fn traverse<
+        T: WideTest,
+        A: Account,
+        R: TriangleRay,
+        const PADDED: bool,
+        const ANY: bool,
+        const MASKS: bool,
+    >(
         &self,
-        query: &mut Query<'_, A, P, ANY, MASKS>,
+        query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
     ) {
         let test = T::new(query.origin, query.inverse, query.t_min);
         let is_positive = query.inverse.map(|inverse| u32::from(inverse > 0.0));
@@ -51,7 +58,7 @@ impl WideTree {
         loop {
             query.visit(current as usize);
             let node = &self.0[current as usize];
-            let hits = test.test(node, query.limit(), P::PADDING);
+            let hits = test.test(node, query.limit(), query.padding());
             let imask = u32::from(node.imask);
             let mut triangles = triangles(node, hits & !imask);
             while triangles != 0 {

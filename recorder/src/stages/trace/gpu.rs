@@ -1,7 +1,7 @@
 //! Trace on the GPU: kernels composed per hierarchy, kind of ray, order and alpha masks.
 
 use anyhow::{Context, Result, ensure};
-use formats::ray::{Hit, Kind};
+use formats::ray::{Hit, Kind, Ray};
 use scenes::Scene;
 use scenes::bvh::{BVH2_STACK, Bvh, CWBVH_STACK};
 use scenes::features::Features;
@@ -9,37 +9,82 @@ use scenes::features::Features;
 use super::driver::DriverHierarchy;
 use super::mask::Masks;
 use super::triangle::GAMMA_8;
-use super::{Precision, RECIPROCAL_LIMIT, TraceKernel, TriangleTest};
+use super::{Order, Precision, RECIPROCAL_LIMIT, TraceKernel, TriangleTest};
 use crate::gpu::kernel::constants_wgsl;
 use crate::gpu::run::ItemRange;
 use crate::gpu::scene::padded;
-use crate::gpu::{DeviceArray, Gpu, Kernel, Module};
+use crate::gpu::{DeviceArray, Gpu, GpuError, Kernel, Module};
 use crate::stages::key::wgsl::wgsl_f32;
 use crate::stages::shared::{MaskedTriangle, Span};
 
 /// Threads of a workgroup.
 const WORKGROUP: u32 = 64;
 
-/// The order in which a queue is traced; results always go to canonical places.
-#[derive(Clone, Copy, Debug)]
-pub enum Order<'a> {
-    /// Ray i is the i-th ray of the queue.
-    Canonical,
-    /// Ray i was gathered from place `permutation[i]`.
-    Gathered(&'a DeviceArray<u32>),
-    /// The i-th ray to trace lies at place `permutation[i]`.
-    Indirect(&'a DeviceArray<u32>),
+/// Rays on the GPU; as many of each half.
+#[derive(Clone, Debug)]
+pub struct RayArrays {
+    /// Origin and t_min of each.
+    pub origins: DeviceArray<[f32; 4]>,
+    /// Direction and t_max of each.
+    pub directions: DeviceArray<[f32; 4]>,
 }
 
-/// The order as far as a kernel's text depends on it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OrderKind {
-    /// See [`Order::Canonical`].
-    Canonical,
-    /// See [`Order::Gathered`].
-    Gathered,
-    /// See [`Order::Indirect`].
-    Indirect,
+impl RayArrays {
+    /// Room for `count` rays; the labels begin with `owner`.
+    ///
+    /// # Errors
+    /// If there are too many for the adapter.
+    pub fn new(gpu: &Gpu, owner: &str, count: usize) -> Result<Self, GpuError> {
+        let half = |name: &str| gpu.array(&format!("{owner}::{name}"), count);
+        Ok(Self { origins: half("origins")?, directions: half("directions")? })
+    }
+
+    /// Uploads rays.
+    ///
+    /// # Errors
+    /// As [`RayArrays::new`].
+    pub fn upload(gpu: &Gpu, owner: &str, rays: &[Ray]) -> Result<Self, GpuError> {
+        let arrays = Self::new(gpu, owner, rays.len())?;
+        let halves: Vec<[[f32; 4]; 2]> = rays.iter().map(|ray| bytemuck::cast(*ray)).collect();
+        let half = |at: usize| halves.iter().map(|halves| halves[at]).collect::<Vec<_>>();
+        gpu.write(&arrays.origins, &half(0))?;
+        gpu.write(&arrays.directions, &half(1))?;
+        Ok(arrays)
+    }
+
+    /// Both halves, to be bound.
+    pub fn bindings(&self) -> [wgpu::BindingResource<'_>; 2] {
+        [self.origins.binding(), self.directions.binding()]
+    }
+}
+
+/// Results of a queue at canonical places.
+#[derive(Clone, Debug)]
+pub struct Hits {
+    /// What its rays asked for.
+    pub kind: Kind,
+    /// How many rays there are; the array may be longer.
+    pub count: usize,
+    /// t, triangle, u and v of each closest ray; of shadow rays the distance at which each is blocked.
+    pub words: DeviceArray<u32>,
+}
+
+impl Hits {
+    /// Room for `count` results of unknown value.
+    ///
+    /// # Errors
+    /// If there are too many for the adapter.
+    pub fn new(gpu: &Gpu, label: &str, kind: Kind, count: usize) -> Result<Self, GpuError> {
+        Ok(Self { kind, count, words: gpu.array(label, count.max(1) * Self::words_each(kind))? })
+    }
+
+    /// Words of a result.
+    pub fn words_each(kind: Kind) -> usize {
+        match kind {
+            Kind::Closest => size_of::<Hit>() / size_of::<u32>(),
+            Kind::Shadow => 1,
+        }
+    }
 }
 
 /// What a trace kernel is specialised on.
@@ -50,7 +95,7 @@ pub struct TraceVariant {
     /// Kind of rays.
     pub kind: Kind,
     /// Their order.
-    pub order: OrderKind,
+    pub order: Order<()>,
     /// Whether the scene has alpha masks.
     pub masks: bool,
     /// Writes counters instead of results.
@@ -96,7 +141,7 @@ pub fn module(variant: &TraceVariant) -> Module {
         .immediate::<Span>("span", "Span")
         .read("origins", "vec4<f32>")
         .read("directions", "vec4<f32>");
-    if variant.order != OrderKind::Canonical {
+    if variant.order != Order::Canonical {
         module = module.read("permutation", "u32");
     }
     module = module.write("results", element).read("leaves", "vec4<u32>").read("positions", "vec4<f32>");
@@ -108,9 +153,9 @@ pub fn module(variant: &TraceVariant) -> Module {
         TraceKernel::Cwbvh | TraceKernel::Bvh2 => module.read("nodes", "vec4<u32>"),
     };
     let (ray_place, result_place) = match variant.order {
-        OrderKind::Canonical => ("index", "index"),
-        OrderKind::Gathered => ("index", "permutation[index]"),
-        OrderKind::Indirect => ("permutation[index]", "permutation[index]"),
+        Order::Canonical => ("index", "index"),
+        Order::Gathered(()) => ("index", "permutation[index]"),
+        Order::Indirect(()) => ("permutation[index]", "permutation[index]"),
     };
     let result = match (variant.count_work, variant.kind) {
         (true, _) => WORK_RESULT,
@@ -264,25 +309,22 @@ impl Tracer {
         Self { precision, compiled: Vec::new(), ..self }
     }
 
-    /// Traces `count` rays; returns the device's time in nanoseconds.
+    /// Traces as many rays as there are results; returns the device's time in nanoseconds.
     ///
     /// # Errors
     /// If the driver refuses a kernel or the device is lost.
-    #[expect(clippy::too_many_arguments, reason = "rays on the GPU are two arrays and a count")]
     pub fn trace(
         &mut self,
         gpu: &Gpu,
-        kind: Kind,
-        order: Order<'_>,
-        origins: &DeviceArray<[f32; 4]>,
-        directions: &DeviceArray<[f32; 4]>,
-        results: wgpu::BindingResource<'_>,
-        count: usize,
+        rays: &RayArrays,
+        order: Order<&DeviceArray<u32>>,
+        hits: &Hits,
     ) -> Result<u64> {
-        self.run(gpu, kind, order, [origins, directions], results, count, false)
+        let kernel = self.compiled(gpu, hits.kind, order.map(drop), false)?;
+        self.run(gpu, &kernel, rays, order, &hits.words, hits.count)
     }
 
-    /// What tracing each ray takes, in canonical order.
+    /// What tracing each of the first `count` rays takes, in canonical order.
     ///
     /// # Errors
     /// As [`Tracer::trace`].
@@ -290,38 +332,30 @@ impl Tracer {
         &mut self,
         gpu: &Gpu,
         kind: Kind,
-        origins: &DeviceArray<[f32; 4]>,
-        directions: &DeviceArray<[f32; 4]>,
+        rays: &RayArrays,
         count: usize,
     ) -> Result<DeviceArray<[u32; 2]>> {
         let work = gpu.array("trace::work", count)?;
-        self.run(gpu, kind, Order::Canonical, [origins, directions], work.binding(), count, true)?;
+        let kernel = self.compiled(gpu, kind, Order::Canonical, true)?;
+        self.run(gpu, &kernel, rays, Order::Canonical, &work, count)?;
         Ok(work)
     }
 
-    #[expect(clippy::too_many_arguments, reason = "as `trace`")]
-    fn run(
-        &mut self,
+    fn run<T>(
+        &self,
         gpu: &Gpu,
-        kind: Kind,
-        order: Order<'_>,
-        [origins, directions]: [&DeviceArray<[f32; 4]>; 2],
-        results: wgpu::BindingResource<'_>,
+        kernel: &Kernel,
+        rays: &RayArrays,
+        order: Order<&DeviceArray<u32>>,
+        results: &DeviceArray<T>,
         count: usize,
-        count_work: bool,
     ) -> Result<u64> {
-        let (order, permutation) = match order {
-            Order::Canonical => (OrderKind::Canonical, None),
-            Order::Gathered(permutation) => (OrderKind::Gathered, Some(permutation)),
-            Order::Indirect(permutation) => (OrderKind::Indirect, Some(permutation)),
-        };
-        let kernel = self.compiled(gpu, kind, order, count_work)?;
-        let mut resources = vec![origins.binding(), directions.binding()];
-        resources.extend(permutation.map(DeviceArray::binding));
-        resources.extend([results, self.leaves.binding(), self.positions.binding()]);
-        if let Some(masks) = &self.masks {
-            resources.push(masks.binding());
+        let mut resources = rays.bindings().to_vec();
+        if let Order::Gathered(permutation) | Order::Indirect(permutation) = order {
+            resources.push(permutation.binding());
         }
+        resources.extend([results.binding(), self.leaves.binding(), self.positions.binding()]);
+        resources.extend(self.masks.as_ref().map(DeviceArray::binding));
         resources.push(match &self.hierarchy {
             Hierarchy::Nodes(nodes) => nodes.binding(),
             Hierarchy::Driver(hierarchy) => hierarchy.binding(),
@@ -329,9 +363,7 @@ impl Tracer {
         let group = kernel.bind(gpu, 0, &resources)?;
         let total = count as u32;
         let mut run = gpu.stage(kernel.label());
-        run.dispatch_chunks(&kernel, &group, ItemRange::new(total, WORKGROUP), |chunk| {
-            Span::of(chunk, total)
-        });
+        run.dispatch_chunks(kernel, &group, ItemRange::new(total, WORKGROUP), |chunk| Span::of(chunk, total));
         Ok(run.finish()?.elapsed_ns)
     }
 
@@ -341,13 +373,13 @@ impl Tracer {
     /// If the driver refuses a kernel.
     pub fn compile(&mut self, gpu: &Gpu) -> Result<()> {
         Kind::ALL.into_iter().try_for_each(|kind| {
-            self.compiled(gpu, kind, OrderKind::Canonical, false)?;
+            self.compiled(gpu, kind, Order::Canonical, false)?;
             Ok(())
         })
     }
 
     /// The kernel of a variant, compiled when it is first needed.
-    fn compiled(&mut self, gpu: &Gpu, kind: Kind, order: OrderKind, count_work: bool) -> Result<Kernel> {
+    fn compiled(&mut self, gpu: &Gpu, kind: Kind, order: Order<()>, count_work: bool) -> Result<Kernel> {
         let variant = TraceVariant {
             kernel: self.kernel,
             kind,
@@ -374,7 +406,7 @@ mod tests {
 
     #[test]
     fn alpha_masks_are_in_the_module_if_and_only_if_the_scene_has_them() {
-        let (kind, order, count_work) = (Kind::Closest, OrderKind::Canonical, false);
+        let (kind, order, count_work) = (Kind::Closest, Order::Canonical, false);
         for kernel in [TraceKernel::Cwbvh, TraceKernel::Bvh2, TraceKernel::RayQuery] {
             for masks in [false, true] {
                 let precision = Precision::default();

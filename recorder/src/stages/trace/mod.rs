@@ -40,9 +40,10 @@ mod cpu_bvh2;
 mod cpu_cwbvh;
 mod driver;
 pub mod gpu;
+pub mod hits;
 pub mod mask;
 pub mod moeller_trumbore;
-pub mod scattered;
+
 #[cfg(test)]
 mod tests;
 pub mod triangle;
@@ -135,6 +136,28 @@ pub fn reciprocal(direction: f32) -> f32 {
 /// The farthest `t` that counts: `t_max`, but finite.
 pub(crate) fn farthest(ray: &Ray) -> f32 {
     ray.t_max.min(f32::MAX)
+}
+
+/// The order in which a queue is traced; results always go to canonical places. `P` is a permutation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order<P> {
+    /// Ray i is the i-th ray of the queue.
+    Canonical,
+    /// Ray i was gathered from place `permutation[i]`.
+    Gathered(P),
+    /// The i-th ray to trace lies at place `permutation[i]`.
+    Indirect(P),
+}
+
+impl<P> Order<P> {
+    /// The same order by another form of its permutation.
+    pub fn map<Q>(self, form: impl FnOnce(P) -> Q) -> Order<Q> {
+        match self {
+            Self::Canonical => Order::Canonical,
+            Self::Gathered(permutation) => Order::Gathered(form(permutation)),
+            Self::Indirect(permutation) => Order::Indirect(form(permutation)),
+        }
+    }
 }
 
 /// What walks which hierarchy.

@@ -4,11 +4,13 @@ use formats::ray::{Hit, Kind, Ray};
 use scenes::bvh::{BvhKind, build};
 use scenes::{Camera, Material, Scene, Texture};
 
-use super::cpu::{CpuTracer, ScatteredDistances, ScatteredHits};
+use super::cpu::CpuTracer;
+use super::hits::Hits;
 use super::mask::Masks;
 use super::triangle::{LeafTriangle, Shear};
-use super::{Precision, farthest};
+use super::{Order, Precision, farthest};
 use crate::oracle::Oracle;
+use crate::stages::compare::cpu::differences as differences_between;
 
 /// Numbers in 0..1 from a linear congruential generator (Knuth's MMIX).
 struct Random(u64);
@@ -175,16 +177,20 @@ fn bits(hit: &Hit) -> [u32; 4] {
     bytemuck::cast(*hit)
 }
 
-fn closest(tracer: &CpuTracer, rays: &[Ray]) -> Vec<Hit> {
-    let mut hits = vec![Hit::MISS; rays.len()];
-    tracer.closest(rays, &mut hits);
+fn found(tracer: &CpuTracer, kind: Kind, rays: &[Ray], order: Order<&[u32]>) -> Hits {
+    let hits = Hits::new(kind, rays.len());
+    tracer.trace(rays, order, &hits);
     hits
 }
 
+fn closest(tracer: &CpuTracer, rays: &[Ray]) -> Vec<Hit> {
+    let hits = found(tracer, Kind::Closest, rays, Order::Canonical);
+    (0..rays.len()).map(|index| hits.hit(index)).collect()
+}
+
 fn occlusion(tracer: &CpuTracer, rays: &[Ray]) -> Vec<f32> {
-    let mut distances = vec![0.0; rays.len()];
-    tracer.occlusion(rays, &mut distances);
-    distances
+    let hits = found(tracer, Kind::Shadow, rays, Order::Canonical);
+    (0..rays.len()).map(|index| hits.distance(index)).collect()
 }
 
 /// All tracers find what testing every triangle finds, bit for bit. Returns how many rays hit.
@@ -467,29 +473,31 @@ fn threads_and_orders_do_not_change_results() {
             "{name}"
         );
 
-        let scattered = ScatteredHits::new(rays.len());
-        tracer.closest_gathered(&gathered, &permutation, &scattered);
-        assert_eq!(scattered.differences(&hits), 0, "{name}");
-        let scattered = ScatteredHits::new(rays.len());
-        tracer.closest_indirect(&rays, &permutation, &scattered);
-        assert_eq!(scattered.differences(&hits), 0, "{name}");
-        let mut other = hits.clone();
-        other[77].v += 1.0;
-        other[4999].triangle ^= 1;
-        assert_eq!(scattered.differences(&other), 2, "{name}");
+        let of_bytes = |kind, hits: &[u8]| Hits::from_bytes(kind, hits);
+        for (order, rays) in
+            [(Order::Gathered(&*permutation), &gathered), (Order::Indirect(&*permutation), &rays)]
+        {
+            let scattered = found(&tracer, Kind::Closest, rays, order);
+            let differences = |hits: &[Hit]| {
+                differences_between(&scattered, &of_bytes(Kind::Closest, bytemuck::cast_slice(hits)))
+            };
+            assert_eq!(differences(&hits), 0, "{name}");
+            let mut other = hits.clone();
+            other[77].v += 1.0;
+            other[4999].triangle ^= 1;
+            assert_eq!(differences(&other), 2, "{name}");
 
-        let scattered = ScatteredDistances::new(rays.len());
-        tracer.occlusion_gathered(&gathered, &permutation, &scattered);
-        assert_eq!(scattered.differences(&distances), 0, "{name}");
-        let scattered = ScatteredDistances::new(rays.len());
-        tracer.occlusion_indirect(&rays, &permutation, &scattered);
-        assert_eq!(scattered.differences(&distances), 0, "{name}");
-        let nearer: Vec<f32> = distances.iter().map(|distance| 0.5 * distance).collect();
-        assert_eq!(scattered.differences(&nearer), 0, "{name}: blocked all the same");
-        let blocked = vec![1.0; rays.len()];
-        let free = distances.iter().filter(|distance| distance.is_infinite()).count() as u64;
-        assert!(free > 0);
-        assert_eq!(scattered.differences(&blocked), free, "{name}");
+            let scattered = found(&tracer, Kind::Shadow, rays, order);
+            let differences = |hits: &[f32]| {
+                differences_between(&scattered, &of_bytes(Kind::Shadow, bytemuck::cast_slice(hits)))
+            };
+            assert_eq!(differences(&distances), 0, "{name}");
+            let nearer: Vec<f32> = distances.iter().map(|distance| 0.5 * distance).collect();
+            assert_eq!(differences(&nearer), 0, "{name}: blocked all the same");
+            let free = distances.iter().filter(|distance| distance.is_infinite()).count() as u64;
+            assert!(free > 0);
+            assert_eq!(differences(&vec![1.0; rays.len()]), free, "{name}");
+        }
     }
 }
 
