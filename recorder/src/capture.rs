@@ -53,7 +53,7 @@ impl Capture {
         place: Place,
         dtype: Dtype,
         shape: &[u64],
-        fill: impl FnOnce(&mut crate::backend::Sink<'_>) -> Result<()>,
+        fill: impl FnOnce(&mut crate::backends::Sink<'_>) -> Result<()>,
     ) -> Result<()> {
         self.send(Message::Begin(place, dtype, shape.to_vec()))?;
         fill(&mut |bytes: &[u8]| self.send_bytes(bytes))?;

@@ -5,7 +5,7 @@ use formats::manifest::{Place, QueueArray, QueueId};
 use formats::ray::{Hit, Kind};
 use formats::reader::{Dump, Mapped};
 
-use crate::backend::{Array, Backend};
+use crate::backends::{Array, Backend};
 
 /// How results differ from recorded ones.
 #[derive(Clone, Copy, Debug, Default)]

@@ -4,7 +4,7 @@ use std::io::{self, IsTerminal};
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-use crate::cli::output::say;
+use crate::output::say;
 
 /// The folder that a recording is being written to.
 static PARTIAL: Mutex<Option<PathBuf>> = Mutex::new(None);

@@ -1,24 +1,26 @@
 //! A wavefront path tracer that records what reordering does to its rays.
 //!
-//! [`wavefront`] is the loop, [`stages`] the verbs in it. [`backend`] is what the loop needs from a
-//! device; [`cpu`] and [`gpu`] are the two that exist. [`measure`] times methods on a queue,
-//! [`capture`] carries arrays to the dump, [`observer`] ties both to the loop, [`recording`] is a
-//! whole run, [`replay`] one over rays that were recorded before, [`bench`] measures single stages.
+//! Rooms, lowest first; each knows those before it alone. [`device`] is the GPU itself, [`stages`] what runs
+//! on it and on threads, [`machine`] opens and checks what a run needs, [`backends`] offer the stages as verbs.
+//! [`wavefront`] is the loop over them, [`measure`] times methods on a queue, [`capture`] carries arrays to the
+//! dump, [`observer`] ties both to the loop. [`recording`] is a whole run, [`replay`] one over rays that were
+//! recorded before, [`bench`] measures single stages, [`cli`] is what is typed. [`oracle`] stands apart: the
+//! exact answers.
 
-pub mod backend;
+pub mod backends;
 pub mod bench;
 pub mod cache_model;
 pub mod capture;
 pub mod cli;
 mod comparison;
-pub mod cpu;
 pub mod device;
-pub mod gpu;
 mod interrupt;
+pub mod machine;
 pub mod measure;
 pub mod observer;
 pub mod options;
 pub mod oracle;
+mod output;
 pub mod progress;
 pub mod recording;
 pub mod replay;

@@ -5,7 +5,8 @@ use formats::key::Termination;
 use formats::metrics::speedup::StageSamples;
 use formats::ray::Kind;
 
-use crate::backend::{Backend, MethodPlan, Queue, Table};
+use crate::backends::{Backend, Queue, Table};
+use crate::stages::setup::MethodPlan;
 use crate::stages::trace::Order;
 
 /// What measuring one queue gave.

@@ -10,13 +10,14 @@ use formats::npy::Dtype;
 use formats::ray::{Kind, Ray};
 use formats::reader::Dump;
 
-use crate::backend::{Array, Backend, MethodPlan, Queue, collected};
+use crate::backends::{Array, Backend, Queue, collected};
 use crate::cache_model::CacheModel;
 use crate::capture::Capture;
 use crate::comparison::compare;
 use crate::measure::{MethodMeasurement, QueueMeasurement, measure, queue_name};
 use crate::options::{Keep, KeepPasses};
 use crate::progress::Progress;
+use crate::stages::setup::MethodPlan;
 use crate::wavefront::Observer;
 
 /// What is measured and kept.

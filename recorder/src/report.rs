@@ -5,10 +5,10 @@ use comfy_table::{CellAlignment, Table};
 use formats::key::method::UNSORTED;
 use formats::metrics::speedup::{Speedup, median};
 
-use crate::backend::MethodPlan;
 use crate::measure::{MethodMeasurement, has_speedup};
 use crate::observer::MeasuredQueue;
 use crate::recording::Recorded;
+use crate::stages::setup::MethodPlan;
 
 const COLUMNS: [&str; 12] = [
     "bounce",

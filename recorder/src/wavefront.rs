@@ -3,7 +3,7 @@
 use anyhow::Result;
 use formats::manifest::Stage;
 
-use crate::backend::{Backend, Queue, RecordedRays, Table};
+use crate::backends::{Backend, Queue, RecordedRays, Table};
 use crate::stages::trace::Order;
 
 /// What measures and captures the queues of the loop.

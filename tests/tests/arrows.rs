@@ -15,6 +15,34 @@ const ARROWS: [(&str, &[&str]); 5] = [
     ("tests", &["formats", "inspector", "recorder", "scenes"]),
 ];
 
+/// `crate → its rooms, lowest first`: a room is a file or folder right below `src`, and names those before it
+/// alone. The crate's root, which names them all, and its `main.rs` are no rooms.
+const ROOMS: [(&str, &[&str]); 1] = [(
+    "recorder",
+    &[
+        "device",
+        "stages",
+        "oracle",
+        "options",
+        "machine",
+        "backends",
+        "output",
+        "progress",
+        "interrupt",
+        "wavefront",
+        "measure",
+        "capture",
+        "cache_model",
+        "comparison",
+        "observer",
+        "recording",
+        "replay",
+        "bench",
+        "report",
+        "cli",
+    ],
+)];
+
 /// What `formats` never reaches, through whatever crate: a GPU, a window, a scene file.
 const NOT_IN_FORMATS: [&str; 7] = ["wgpu", "naga", "ash", "winit", "egui", "gltf", "obvhs"];
 
@@ -158,10 +186,59 @@ fn the_loop_names_no_backend() {
     }
 }
 
-/// The code of a file without its comments and its tests.
+/// The code of a file without its comments and what only tests see.
 fn code(text: &str) -> String {
-    let code = text.split("#[cfg(test)]").next().unwrap();
-    code.lines().map(|line| line.split("//").next().unwrap()).collect::<Vec<_>>().join("\n")
+    let mut kept = Vec::new();
+    let mut lines = text.lines().map(|line| line.split("//").next().unwrap());
+    while let Some(line) = lines.next() {
+        if line.trim() != "#[cfg(test)]" {
+            kept.push(line);
+            continue;
+        }
+        // The item that follows is a line, or ends with a brace as far indented as the attribute.
+        if !lines.next().unwrap().trim_end().ends_with(';') {
+            let end = format!("{}}}", &line[..line.len() - line.trim_start().len()]);
+            let _ = lines.find(|line| line.trim_end() == end);
+        }
+    }
+    kept.join("\n")
+}
+
+/// The module of a file below `src`: `["stages", "trace", "gpu"]`. The root has none.
+fn module<'a>(path: &'a str, package: &str) -> Vec<&'a str> {
+    let inside = path.strip_prefix(&format!("{package}/src/")).unwrap().strip_suffix(".rs").unwrap();
+    let mut names: Vec<&str> = inside.split('/').collect();
+    if matches!(names.last(), Some(&("mod" | "lib" | "main"))) {
+        names.pop();
+    }
+    names
+}
+
+#[test]
+fn rooms_name_only_those_below_them() {
+    for (package, rooms) in ROOMS {
+        let sources = files(&format!("{package}/src"), "rs");
+        let mut seen = BTreeSet::new();
+        for source in &sources {
+            let module = module(&source.path, package);
+            // Files of tests, which a `#[cfg(test)]` declares.
+            let is_test = module.last().is_some_and(|name| *name == "tests" || name.starts_with("test_"));
+            let Some(&room) = module.first().filter(|_| !is_test) else { continue };
+            let level = rooms.iter().position(|known| *known == room);
+            let level = level.unwrap_or_else(|| panic!("{}: {room} has no place in ROOMS", source.path));
+            seen.insert(room);
+            let code = code(&source.text).replace(&"super::".repeat(module.len()), "crate::");
+            for (at, _) in code.match_indices("crate::") {
+                let named = &code[at + "crate::".len()..];
+                let end = named.find(|letter: char| !letter.is_alphanumeric() && letter != '_');
+                let named = &named[..end.unwrap_or(named.len())];
+                assert!(!named.is_empty(), "{}: a `use` for each room, so that it is seen", source.path);
+                let is_above = rooms.iter().skip(level + 1).any(|above| *above == named);
+                assert!(!is_above, "{}: {room} names {named}, a room above it", source.path);
+            }
+        }
+        assert_eq!(seen, rooms.iter().copied().collect(), "the rooms of {package}");
+    }
 }
 
 #[test]

@@ -7,8 +7,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Expression, Literal, Module, TypeInner};
-use recorder::stages::key::wgsl::wgsl_f32;
-use recorder::stages::{all_shader_sources, shared_structs};
+use recorder::backends::gpu::kernels::all_shader_sources;
+use recorder::stages::shared_structs;
+use recorder::stages::wgsl::wgsl_f32;
 use tests::sources::{Source, files};
 
 /// Every composed module with its label, parsed.

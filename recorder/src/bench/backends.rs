@@ -5,10 +5,11 @@ use std::sync::Arc;
 use anyhow::{Context, Result};
 use scenes::Scene;
 
-use crate::backend::{Backend, Setup};
-use crate::cpu::CpuBackend;
-use crate::device::{self, Device};
-use crate::gpu::backend::GpuBackend;
+use crate::backends::Backend;
+use crate::backends::cpu::CpuBackend;
+use crate::backends::gpu::GpuBackend;
+use crate::machine::Device;
+use crate::stages::setup::Setup;
 use crate::stages::trace::TraceKernel;
 use crate::stages::trace::cpu::CpuTracer;
 
@@ -56,11 +57,11 @@ pub(super) fn measure_all<M: Measurement + Send>(
     configurations: &[Configuration],
     measurement: M,
 ) -> Result<M::Output> {
-    let hierarchy = |kernel| device::hierarchy(scene, kernel);
     match device {
         Device::Cpu(cpu) => cpu.pool.install(|| {
             let backend = |Configuration { setup, kernel }: &Configuration| {
-                let bvh = hierarchy(*kernel)?.context("threads have no ray queries; use --backend gpu")?;
+                let bvh =
+                    kernel.hierarchy(scene)?.context("threads have no ray queries; use --backend gpu")?;
                 let tracer =
                     CpuTracer::for_features(scene, &bvh, &setup.features).with_precision(setup.precision);
                 Ok(CpuBackend::new(Arc::clone(setup), Arc::new(tracer)))
@@ -69,7 +70,7 @@ pub(super) fn measure_all<M: Measurement + Send>(
         }),
         Device::Gpu(device) => {
             let backend = |Configuration { setup, kernel }: &Configuration| {
-                let bvh = hierarchy(*kernel)?;
+                let bvh = kernel.hierarchy(scene)?;
                 GpuBackend::new(device.gpu.clone(), scene, bvh.as_ref(), Arc::clone(setup), *kernel)
             };
             measurement.run(configurations.iter().map(backend).collect::<Result<_>>()?)

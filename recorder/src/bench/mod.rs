@@ -18,7 +18,7 @@ pub mod trace;
 use formats::bench_result::{BENCH_VERSION, BenchResult, Rows};
 use formats::metrics::speedup::{interquartile_range, median};
 
-use crate::device::Device;
+use crate::machine::Device;
 
 /// What was measured, on which device.
 pub(crate) fn result(device: &Device, rows: Rows) -> BenchResult {

@@ -5,7 +5,7 @@ use formats::length_table::LengthCell;
 use formats::manifest::QueueId;
 use formats::ray::{Kind, Ray};
 
-use crate::backend::{Array, Backend, Queue, RecordedRays, collected};
+use crate::backends::{Array, Backend, Queue, RecordedRays, collected};
 
 /// A queue in main memory.
 pub(super) struct Copied {

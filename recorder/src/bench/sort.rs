@@ -5,8 +5,8 @@ use formats::bench_result::{BenchResult, Rows, SortRow};
 use std::time::Instant;
 
 use super::result;
-use crate::device::{self, Device, DeviceRequest};
-use crate::gpu::Gpu;
+use crate::device::Gpu;
+use crate::machine::{self, Device, DeviceRequest};
 use crate::stages::sort::gpu::Sorter;
 use crate::stages::sort::{self, Digits};
 
@@ -28,7 +28,7 @@ pub struct SortBench {
 /// # Errors
 /// If there is no such device or the keys do not fit it.
 pub fn run(bench: &SortBench) -> Result<BenchResult> {
-    let device = device::open(&bench.device)?;
+    let device = machine::open(&bench.device)?;
     let rows = match &device {
         Device::Cpu(cpu) => cpu.pool.install(|| measure(bench, |keys, bits| Ok(on_threads(keys, bits))))?,
         Device::Gpu(gpu) => {

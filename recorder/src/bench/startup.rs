@@ -6,18 +6,18 @@ use anyhow::Result;
 use formats::bench_result::skip::StartupRow;
 use formats::bench_result::{BenchResult, Rows};
 use scenes::Scene;
-use scenes::bvh::{self, Bvh, BvhKind};
+use scenes::bvh::{self, Bvh};
 
 use super::result;
 use super::skip::SkipBench;
-use crate::backend::Setup;
-use crate::device::{self, Device};
-use crate::gpu::Gpu;
-use crate::gpu::kernels::Kernels;
-use crate::gpu::scene::SceneArrays;
+use crate::backends::gpu::kernels::Kernels;
+use crate::backends::gpu::scene::SceneArrays;
+use crate::device::Gpu;
+use crate::machine::{self, Device};
 use crate::options::RecordOptions;
 use crate::recording::{choose_camera, setup};
 use crate::stages::compact::gpu::Scan;
+use crate::stages::setup::Setup;
 use crate::stages::sort::gpu::Sorter;
 use crate::stages::trace::TraceKernel;
 use crate::stages::trace::cpu::CpuTracer;
@@ -32,11 +32,11 @@ pub fn run(options: &SkipBench) -> Result<BenchResult> {
     let request = (&options.run).into();
     let mut opened = None;
     for _ in 0..options.run.repeats {
-        opened = Some(steps.timed("device", || device::open(&request))?);
+        opened = Some(steps.timed("device", || machine::open(&request))?);
     }
     let device = match opened {
         Some(device) => device,
-        None => device::open(&request)?,
+        None => machine::open(&request)?,
     };
     let mut rows = steps.rows("", 0, options.run.trace);
     for name in &options.scenes {
@@ -82,13 +82,8 @@ fn start(device: &Device, name: &str, run: &RecordOptions, steps: &mut Steps) ->
     let scene = steps.timed("parse", || scenes::load(name))?;
     let camera = choose_camera(&scene, run.camera.as_deref())?;
     let setup = steps.timed("tables", || setup(&scene, &camera, run))?;
-    let kind = match run.trace {
-        TraceKernel::Cwbvh => Some(BvhKind::Cwbvh),
-        TraceKernel::Bvh2 => Some(BvhKind::Bvh2),
-        TraceKernel::RayQuery => None,
-    };
     let mut hierarchy = None;
-    if let Some(kind) = kind {
+    if let Some(kind) = run.trace.bvh_kind() {
         let built = steps.timed("hierarchy, built", || bvh::build(&scene, kind))?;
         drop(built);
         let folder = bvh::default_cache_folder();

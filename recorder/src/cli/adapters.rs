@@ -3,8 +3,8 @@
 use anyhow::Result;
 use clap::Args;
 
-use super::output::{print, print_json};
-use crate::gpu::adapters;
+use crate::machine::adapters;
+use crate::output::{print, print_json};
 
 #[derive(Debug, Args)]
 pub(super) struct AdaptersArguments {
@@ -21,7 +21,7 @@ pub(super) fn run(arguments: &AdaptersArguments) -> Result<()> {
     if reports.is_empty() {
         print(format_args!(
             "No GPU adapter was found; recordings run on the cpu backend. {}",
-            crate::gpu::GpuError::NoAdapter
+            crate::device::GpuError::NoAdapter
         ))?;
     }
     for report in &reports {

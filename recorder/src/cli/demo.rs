@@ -6,8 +6,8 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use formats::reader::Dump;
 
-use super::output::{print, print_json};
 use super::record::{DeviceArguments, RecordArguments};
+use crate::output::{print, print_json};
 use crate::recording;
 use crate::report;
 

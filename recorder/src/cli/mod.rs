@@ -4,7 +4,6 @@ mod adapters;
 mod bench;
 mod demo;
 mod import;
-pub(crate) mod output;
 mod record;
 mod replay;
 mod scenes;
@@ -15,7 +14,7 @@ use clap::{Parser, Subcommand};
 
 use crate::interrupt;
 use crate::options::OptionError;
-use output::say;
+use crate::output::say;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::{Args, FromArgMatches, ValueEnum};
 
-use super::output::{print, print_json};
 use crate::cache_model::L2_BYTES;
 use crate::options::{BackendChoice, Keep, KeepPasses, OptionError, RecordOptions, parse_methods};
+use crate::output::{print, print_json};
 use crate::recording::{self, Recorded};
 use crate::report;
 use crate::stages::trace::TraceKernel;

@@ -5,7 +5,7 @@ use clap::Args;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{ContentArrangement, Table};
 
-use super::output::{print, print_json};
+use crate::output::{print, print_json};
 
 #[derive(Debug, Args)]
 pub(super) struct ScenesArguments {

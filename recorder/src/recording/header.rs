@@ -6,9 +6,9 @@ use formats::manifest::{
 use formats::text::one_line;
 use scenes::Scene;
 
-use crate::backend::{MethodPlan, Setup};
-use crate::device::Device;
+use crate::machine::Device;
 use crate::options::RecordOptions;
+use crate::stages::setup::{MethodPlan, Setup};
 
 /// Most characters of a name that the closing table shows.
 const NAME_CHARACTERS: usize = 120;

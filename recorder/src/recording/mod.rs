@@ -20,10 +20,10 @@ use scenes::{Camera, Scene};
 pub(crate) use header::header;
 pub(crate) use run::{Rays, Run};
 
-use crate::backend::{MethodPlan, Setup};
-use crate::device;
+use crate::machine;
 use crate::observer::MeasuredQueue;
 use crate::options::RecordOptions;
+use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::shade::tables::ShadeTables;
 use crate::stages::trace::Precision;
 
@@ -60,7 +60,7 @@ pub fn record(options: &RecordOptions) -> Result<Recorded> {
     DumpWriter::check(&options.out, options.force, &[])?;
     let scene = scenes::load(&options.scene)?;
     let camera = choose_camera(&scene, options.camera.as_deref())?;
-    let device = device::open(&options.into())?;
+    let device = machine::open(&options.into())?;
     let setup = Arc::new(setup(&scene, &camera, options)?);
     device.check_capacity(&setup, &scene, options)?;
     let mut notices = scene.notices.clone();

@@ -13,16 +13,17 @@ use scenes::Scene;
 use sha2::{Digest, Sha256};
 
 use super::{Recorded, header, scene_arrays};
-use crate::backend::{Backend, RecordedRays, Setup, picture};
+use crate::backends::cpu::CpuBackend;
+use crate::backends::gpu::GpuBackend;
+use crate::backends::{Backend, RecordedRays, picture};
 use crate::cache_model::CacheModel;
 use crate::capture::Capture;
-use crate::cpu::CpuBackend;
-use crate::device::{self, Device};
-use crate::gpu::backend::GpuBackend;
 use crate::interrupt;
+use crate::machine::Device;
 use crate::observer::{MeasuredQueue, Plan, Recorder};
 use crate::options::RecordOptions;
 use crate::progress::Progress;
+use crate::stages::setup::Setup;
 use crate::stages::trace::TraceKernel;
 use crate::stages::trace::cpu::CpuTracer;
 use crate::wavefront;
@@ -59,7 +60,7 @@ impl Run<'_> {
     pub(crate) fn on(self, device: Device) -> Result<Recorded> {
         // The backend comes first: what does not fit a device is refused before anything is written.
         let kernel = self.options.trace;
-        let bvh = device::hierarchy(self.scene, kernel)?;
+        let bvh = kernel.hierarchy(self.scene)?;
         let setup = Arc::clone(&self.setup);
         let tracer = || bvh.as_ref().map(|bvh| Arc::new(CpuTracer::new(self.scene, bvh)));
         let model = |tracer| CacheModel { tracer, l2_bytes: self.options.l2_bytes };

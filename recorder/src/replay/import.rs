@@ -14,8 +14,8 @@ use formats::unit_space::UnitSpace;
 use formats::writer::DumpWriter;
 use sha2::{Digest, Sha256};
 
-use crate::backend::RecordedRays;
-use crate::device;
+use crate::backends::RecordedRays;
+use crate::machine;
 use crate::options::RecordOptions;
 use crate::recording::{Rays, Recorded, Run, choose_camera, header, setup};
 
@@ -54,7 +54,7 @@ pub fn import(options: &ImportOptions) -> Result<Recorded> {
     };
     let scene = scenes::load(&run.scene)?;
     let camera = choose_camera(&scene, run.camera.as_deref())?;
-    let device = device::open(&(&run).into())?;
+    let device = machine::open(&(&run).into())?;
     let setup = Arc::new(setup(&scene, &camera, &run)?);
     device.check_capacity(&setup, &scene, &run)?;
     let path_ids: Vec<u32> = (0..rays.len() as u32).collect();

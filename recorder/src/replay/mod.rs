@@ -23,7 +23,7 @@ use formats::text::one_line;
 use formats::writer::DumpWriter;
 use scenes::Camera;
 
-use crate::device;
+use crate::machine;
 use crate::options::{BackendChoice, Keep, KeepPasses, RecordOptions};
 use crate::recording::{Rays, Recorded, Run, header, setup};
 use crate::stages::trace::TraceKernel;
@@ -104,7 +104,7 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let queues = queues::open(dump, !run_options.keep.lengths)?;
     let scene = geometry::scene(dump).with_context(cannot)?;
     let camera = camera(recorded);
-    let device = device::open(&(&run_options).into())?;
+    let device = machine::open(&(&run_options).into())?;
     let mut setup = setup(&scene, &camera, &run_options)?;
     setup.light_sites = recorded.lights.clone();
     setup.unit =

@@ -9,7 +9,7 @@ use formats::ray::{Hit, Kind, Ray};
 use formats::reader::{Dump, Mapped};
 use formats::stored_table;
 
-use crate::backend::RecordedRays;
+use crate::backends::RecordedRays;
 
 /// A queue of a recording that was found fit for kernels.
 pub struct RecordedQueue {

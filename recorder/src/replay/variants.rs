@@ -3,8 +3,8 @@
 use anyhow::{Context, Result};
 use formats::key::{Method, Termination};
 
-use crate::backend::MethodPlan;
 use crate::options::OptionError;
+use crate::stages::setup::MethodPlan;
 
 /// Key bits and lengths to measure; empty for what was recorded.
 #[derive(Clone, Debug, Default, PartialEq)]

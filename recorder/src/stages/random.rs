@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use super::wgsl::wgsl_f32_array;
+
 /// A stream of numbers that depends on seed, pixel, pass and stream alone: no state survives a
 /// kernel, so any order of rays draws the same numbers.
 ///
@@ -57,6 +59,11 @@ pub fn cosine_hemisphere(a: f32, b: f32) -> Vec3 {
     let radius = a.sqrt();
     let (sine, cosine) = sine_cosine(b);
     Vec3::new(radius * cosine, radius * sine, (1.0 - a).max(0.0).sqrt())
+}
+
+/// The same in WGSL.
+pub(super) fn wgsl() -> String {
+    wgsl_f32_array("SINE", &SINE) + &wgsl_f32_array("COSINE", &COSINE) + include_str!("random.wgsl")
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::gpu::Chunk;
+use crate::device::Chunk;
 
 /// A type with a WGSL counterpart of the same bytes.
 pub trait WgslType {

@@ -33,3 +33,8 @@ pub fn basis(n: Vec3) -> (Vec3, Vec3) {
 pub fn luminance(color: Vec3) -> f32 {
     0.2126 * color.x + 0.7152 * color.y + 0.0722 * color.z
 }
+
+/// Vectors of three as kernels read them.
+pub fn padded(vectors: &[[f32; 3]]) -> Vec<[f32; 4]> {
+    vectors.iter().map(|&[x, y, z]| [x, y, z, 0.0]).collect()
+}

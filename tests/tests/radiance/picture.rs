@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use recorder::backend::{Backend, Setup, picture};
+use recorder::backends::cpu::CpuBackend;
+use recorder::backends::gpu::GpuBackend;
+use recorder::backends::{Backend, picture};
 use recorder::cli::parse_record;
-use recorder::cpu::CpuBackend;
-use recorder::gpu::backend::GpuBackend;
-use recorder::gpu::{AdapterRequest, Gpu};
+use recorder::device::{AdapterRequest, Gpu};
 use recorder::recording;
+use recorder::stages::setup::Setup;
 use recorder::stages::trace::TraceKernel;
 use recorder::stages::trace::cpu::CpuTracer;
 use recorder::wavefront;

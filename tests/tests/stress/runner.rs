@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use formats::ray::{Hit, Kind, Ray};
 use rayon::prelude::*;
-use recorder::gpu::{AdapterRequest, Gpu};
+use recorder::device::{AdapterRequest, Gpu};
 use recorder::oracle::{Oracle, Verdict};
 use recorder::stages::trace::cpu::CpuTracer;
 use recorder::stages::trace::gpu::{Hits, RayArrays, Tracer};

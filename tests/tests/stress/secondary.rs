@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use formats::ray::{Kind, Ray};
 use rayon::prelude::*;
-use recorder::backend::{Array, Backend, Queue, Setup, collected};
+use recorder::backends::cpu::CpuBackend;
+use recorder::backends::{Array, Backend, Queue, collected};
 use recorder::cli::parse_record;
-use recorder::cpu::CpuBackend;
 use recorder::oracle::{Deviation, Oracle, Verdict};
 use recorder::recording;
+use recorder::stages::setup::Setup;
 use recorder::stages::trace::TraceKernel;
 use recorder::stages::trace::cpu::CpuTracer;
 use recorder::wavefront::{self, Observer};

@@ -15,8 +15,9 @@ use formats::ray::Kind;
 
 use super::super::backends::{self, Measurement};
 use super::Bench;
-use crate::backend::{Backend, MethodPlan, Queue, Setup, Table, picture};
+use crate::backends::{Backend, Queue, Table, picture};
 use crate::options::RecordOptions;
+use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::trace::Order;
 use crate::wavefront::{self, Observer};
 

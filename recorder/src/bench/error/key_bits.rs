@@ -12,8 +12,9 @@ use rayon::prelude::*;
 use super::super::backends::{self, Measurement};
 use super::Bench;
 use super::estimator::traced_lengths;
-use crate::backend::{Array, Backend, Queue, Setup, collected};
+use crate::backends::{Array, Backend, Queue, collected};
 use crate::replay::variants::Sweep;
+use crate::stages::setup::Setup;
 use crate::stages::trace::Order;
 use crate::wavefront::{self, Observer};
 

@@ -19,10 +19,10 @@ use formats::unit_space::UnitSpace;
 use scenes::{Camera, Scene};
 
 use super::result;
-use crate::backend::Setup;
-use crate::device::{self, Device};
+use crate::machine::{self, Device};
 use crate::options::RecordOptions;
 use crate::recording::{choose_camera, setup};
+use crate::stages::setup::Setup;
 
 /// A curve of run time against error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -81,7 +81,7 @@ struct Bench<'a> {
 /// # Errors
 /// One sentence on what went wrong with scene or device.
 pub fn run(options: &ErrorBench) -> Result<BenchResult> {
-    let device = device::open(&(&options.run).into())?;
+    let device = machine::open(&(&options.run).into())?;
     let mut rows = ErrorRows::default();
     for name in &options.scenes {
         let scene = scenes::load(name)?;

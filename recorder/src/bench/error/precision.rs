@@ -15,9 +15,10 @@ use scenes::Scene;
 use super::super::backends::{Configuration, Measurement, measure, measure_all};
 use super::super::queues::strata;
 use super::Bench;
-use crate::backend::{Array, Backend, Queue, RecordedRays, Setup, collected};
-use crate::device::Device;
+use crate::backends::{Array, Backend, Queue, RecordedRays, collected};
+use crate::machine::Device;
 use crate::oracle::{ExactHit, Oracle, Verdict};
+use crate::stages::setup::Setup;
 use crate::stages::trace::{Order, Precision, TraceKernel};
 use crate::wavefront::{self, Observer};
 

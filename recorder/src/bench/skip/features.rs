@@ -9,8 +9,9 @@ use scenes::features::Features;
 
 use super::super::backends::{Configuration, Measurement, measure_all};
 use super::Bench;
-use crate::backend::{Backend, Setup, picture};
-use crate::device::Device;
+use crate::backends::{Backend, picture};
+use crate::machine::Device;
+use crate::stages::setup::Setup;
 use crate::stages::shade::cpu::SPECIALISED;
 use crate::stages::shade::tables::ShadeTables;
 use crate::stages::trace::mask::Masks;

@@ -6,13 +6,12 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use formats::bench_result::skip::{Cost, SkipRow};
 use formats::reader::Dump;
-use scenes::bvh::{self, BvhKind, Source};
+use scenes::bvh::{self, Source};
 
 use super::Bench;
-use crate::device::Device;
+use crate::machine::Device;
 use crate::options::{Keep, KeepPasses, RecordOptions};
 use crate::recording::record;
-use crate::stages::trace::TraceKernel;
 
 /// Recordings of two passes with fewer and more arrays; the hierarchy built and loaded.
 pub(super) fn rows(bench: Bench<'_>) -> Result<Vec<SkipRow>> {
@@ -98,11 +97,7 @@ fn folder_bytes(folder: &Path) -> Result<u64> {
 
 /// The hierarchy from the cache, and built.
 fn hierarchy(bench: Bench<'_>, cache: &Path) -> Result<Option<SkipRow>> {
-    let kind = match bench.run.trace {
-        TraceKernel::Cwbvh => BvhKind::Cwbvh,
-        TraceKernel::Bvh2 => BvhKind::Bvh2,
-        TraceKernel::RayQuery => return Ok(None),
-    };
+    let Some(kind) = bench.run.trace.bvh_kind() else { return Ok(None) };
     let mut row = bench.row("a hierarchy that was built before", "start", "hierarchy");
     let (kept, _) = bvh::load_or_build(bench.scene, kind, Some(cache))?;
     for _ in 0..bench.run.repeats {

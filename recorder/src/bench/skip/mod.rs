@@ -17,10 +17,10 @@ use formats::bench_result::{BenchResult, Rows};
 use scenes::Scene;
 
 use super::result;
-use crate::backend::Setup;
-use crate::device::{self, Device};
+use crate::machine::{self, Device};
 use crate::options::RecordOptions;
 use crate::recording::{choose_camera, setup};
+use crate::stages::setup::Setup;
 
 /// What to measure: scenes one after the other.
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ struct Bench<'a> {
 /// # Errors
 /// One sentence on what went wrong with scene, device or disk.
 pub fn run(options: &SkipBench) -> Result<BenchResult> {
-    let device = device::open(&(&options.run).into())?;
+    let device = machine::open(&(&options.run).into())?;
     let mut rows = Vec::new();
     for name in &options.scenes {
         let run = RecordOptions { scene: name.clone(), ..options.run.clone() };

@@ -11,7 +11,7 @@ use formats::ray::Kind;
 use super::super::backends::{self, Measurement};
 use super::super::sort::{random_keys, sorted_by};
 use super::Bench;
-use crate::backend::{Array, Backend, RecordedRays, Table, collected, picture};
+use crate::backends::{Array, Backend, RecordedRays, Table, collected, picture};
 use crate::stages::sort::Digits;
 use crate::stages::trace::Order;
 use crate::wavefront;

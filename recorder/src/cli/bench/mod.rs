@@ -11,7 +11,7 @@ use comfy_table::Table;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use formats::bench_result::{BenchResult, Rows};
 
-use super::output::{print, print_json};
+use crate::output::{print, print_json};
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
 use formats::metrics::speedup::median;
 
@@ -20,7 +20,7 @@ use crate::bench::rate;
 use crate::bench::sort::{self, SortBench};
 use crate::bench::trace::{self, TraceBench};
 use crate::cache_model::L2_BYTES;
-use crate::device::DeviceRequest;
+use crate::machine::DeviceRequest;
 use crate::options::{BackendChoice, Keep, KeepPasses, OptionError, RecordOptions, in_range, parse_methods};
 use crate::stages::trace::TraceKernel;
 use error::ErrorArguments;

@@ -4,7 +4,7 @@ use formats::key::Layout;
 use formats::ray::Kind;
 use formats::unit_space::UnitSpace;
 
-use crate::gpu::Module;
+use crate::device::Module;
 use crate::stages::key::gpu::traced_length;
 use crate::stages::key::wgsl::{constants, encode_function};
 use crate::stages::shared::Span;

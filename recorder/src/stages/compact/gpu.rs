@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::WORKGROUP_SCAN_WGSL;
-use crate::gpu::kernel::{LINEAR_WORKGROUP_WGSL, constants_wgsl};
-use crate::gpu::{Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource, Readback};
+use crate::device::kernel::{LINEAR_WORKGROUP_WGSL, constants_wgsl};
+use crate::device::{Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource, Readback};
 
 /// Threads of a workgroup; a power of two.
 const THREADS: u32 = 64;
@@ -114,7 +114,7 @@ pub(crate) fn wgsl() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::test_gpu;
+    use crate::device::test_gpu;
     use crate::stages::sort::test_keys::SplitMix;
 
     /// Compares the places and the total with a serial sum.

@@ -1,7 +1,7 @@
 //! The modules of the kernels that move live candidates together: rays first, then their paths, since
 //! a kernel has few bindings.
 
-use crate::gpu::Module;
+use crate::device::Module;
 use crate::stages::shared::Span;
 
 const MOVE_RAY: &str = "

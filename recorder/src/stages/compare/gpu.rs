@@ -2,7 +2,7 @@
 
 use formats::ray::Kind;
 
-use crate::gpu::Module;
+use crate::device::Module;
 use crate::stages::shared::Span;
 
 /// All of a hit is compared.

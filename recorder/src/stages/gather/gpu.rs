@@ -1,6 +1,6 @@
 //! The module of the gather kernel.
 
-use crate::gpu::Module;
+use crate::device::Module;
 use crate::stages::shared::Span;
 
 /// Bindings: order, origins, directions; gathered origins, gathered directions.

@@ -1,8 +1,7 @@
 //! The module of the generate kernel.
 
-use crate::gpu::Module;
-use crate::stages::key::wgsl::wgsl_f32_array;
-use crate::stages::random::{COSINE, SINE};
+use crate::device::Module;
+use crate::stages::random;
 use crate::stages::shared::GenerateParams;
 
 /// Bindings: origins, directions, path ids, states.
@@ -14,12 +13,7 @@ pub fn module() -> Module {
         .write("path_ids", "u32")
         .write("states", "vec4<u32>")
         .text(&GenerateParams::description().wgsl)
-        .text(&random_text())
+        .text(&random::wgsl())
         .text(include_str!("../vector.wgsl"))
         .text(include_str!("kernel.wgsl"))
-}
-
-/// Random numbers with their constants.
-pub fn random_text() -> String {
-    wgsl_f32_array("SINE", &SINE) + &wgsl_f32_array("COSINE", &COSINE) + include_str!("../random.wgsl")
 }

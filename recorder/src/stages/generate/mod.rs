@@ -3,7 +3,7 @@
 pub mod cpu;
 pub mod gpu;
 
-use crate::backend::Setup;
+use crate::stages::setup::Setup;
 use crate::stages::shared::GenerateParams;
 
 /// Parameters for all pixels of a pass.

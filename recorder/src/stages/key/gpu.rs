@@ -4,8 +4,8 @@ use formats::key::{Coordinate, LightSite, Termination};
 use formats::ray::{Hit, Kind};
 
 use super::wgsl::{constants, encode_function, length_expression};
-use crate::backend::{MethodPlan, Setup};
-use crate::gpu::Module;
+use crate::device::Module;
+use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::shared::{LightSiteData, Span};
 
 /// Shape of a light with a place, in `LightSiteData`.
@@ -56,7 +56,7 @@ impl KeyInputs {
 
 /// Adds the binding and the function of traced lengths.
 pub fn traced_length(module: Module, kind: Kind) -> Module {
-    let none = crate::gpu::kernel::constants_wgsl(&[("NO_TRIANGLE", Hit::NONE)]);
+    let none = crate::device::kernel::constants_wgsl(&[("NO_TRIANGLE", Hit::NONE)]);
     match kind {
         Kind::Closest => {
             module.read("hits", "vec4<u32>").text(&none).text(include_str!("closest_length.wgsl"))
@@ -97,7 +97,7 @@ pub fn module(setup: &Setup, method: &MethodPlan, kind: Kind) -> Module {
     module = module
         .text(&Span::description().wgsl)
         .text(&constants(&setup.unit))
-        .text(&crate::gpu::kernel::constants_wgsl(&sites))
+        .text(&crate::device::kernel::constants_wgsl(&sites))
         .text(include_str!("kernel.wgsl"))
         .text(&encode_function("encode", &method.layout, method.key_bits, &setup.light_sites));
     if inputs.table {

@@ -13,10 +13,10 @@ use super::emitters::{
 };
 use super::path::ROULETTE_FREE_BOUNCES;
 use super::surface::{OFFSET_OF_POINT, OFFSET_OF_TRIANGLE};
-use crate::gpu::Module;
-use crate::stages::generate::gpu::random_text;
-use crate::stages::key::wgsl::wgsl_f32;
+use crate::device::Module;
+use crate::stages::random;
 use crate::stages::shared::{Emitter, MaterialData, PathState, ShadeParams, Span, SurfaceData};
+use crate::stages::wgsl::wgsl_f32;
 use formats::ray::Hit;
 
 /// A scene without vertex normals.
@@ -125,7 +125,7 @@ fn path_module(label: &str, features: &Features) -> Module {
         .read("path_ids", "u32")
         .read("states", "vec4<u32>")
         .text(&PathState::description().wgsl)
-        .text(&random_text())
+        .text(&random::wgsl())
         .text(include_str!("bsdf.wgsl"))
         .text(composed(features.specular, include_str!("glossy.wgsl"), MATT))
         .text(include_str!("reflection.wgsl"))
@@ -198,7 +198,7 @@ fn constants() -> String {
     ];
     let floats = floats.map(|(name, value)| format!("const {name} = {};\n", wgsl_f32(value)));
     let infinity = "var<private> infinity_bits: u32 = 0x7f800000u;\n";
-    format!("{}{}{infinity}", floats.concat(), crate::gpu::kernel::constants_wgsl(&integers))
+    format!("{}{}{infinity}", floats.concat(), crate::device::kernel::constants_wgsl(&integers))
 }
 
 #[cfg(test)]

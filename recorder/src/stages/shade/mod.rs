@@ -14,7 +14,7 @@ pub mod tables;
 
 use formats::manifest::QueueId;
 
-use crate::backend::Setup;
+use crate::stages::setup::Setup;
 use crate::stages::shared::ShadeParams;
 
 /// Parameters for all rays of a queue; `count` is the dispatch's to set.

@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::{BINS, DIGIT_BITS, DIGITS_PER_WORD, Digits};
-use crate::gpu::kernel::{LINEAR_WORKGROUP_WGSL, constants_wgsl};
-use crate::gpu::{AdapterDescription, Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource};
+use crate::device::kernel::{LINEAR_WORKGROUP_WGSL, constants_wgsl};
+use crate::device::{AdapterDescription, Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource};
 use crate::stages::compact::WORKGROUP_SCAN_WGSL;
 
 /// Threads of a workgroup that looks for bits that differ.
@@ -307,7 +307,7 @@ fn wgsl(tiling: &Tiling) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::{skipped, test_gpu};
+    use crate::device::{skipped, test_gpu};
     use crate::stages::sort::test_keys::{self, expected};
 
     fn check(sorter: &mut Sorter, keys: &[u64], bits: u32, what: &str) {

@@ -3,7 +3,7 @@
 use anyhow::{Result, bail};
 use scenes::Scene;
 
-use crate::gpu::{DeviceArray, Gpu};
+use crate::device::{DeviceArray, Gpu};
 
 /// A hierarchy of one instance of all triangles, in scene order.
 pub(super) struct DriverHierarchy {

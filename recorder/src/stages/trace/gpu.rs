@@ -10,12 +10,12 @@ use super::driver::DriverHierarchy;
 use super::mask::Masks;
 use super::triangle::GAMMA_8;
 use super::{Order, Precision, RECIPROCAL_LIMIT, TraceKernel, TriangleTest};
-use crate::gpu::kernel::constants_wgsl;
-use crate::gpu::run::ItemRange;
-use crate::gpu::scene::padded;
-use crate::gpu::{DeviceArray, Gpu, GpuError, Kernel, Module};
-use crate::stages::key::wgsl::wgsl_f32;
+use crate::device::kernel::constants_wgsl;
+use crate::device::run::ItemRange;
+use crate::device::{DeviceArray, Gpu, GpuError, Kernel, Module};
 use crate::stages::shared::{MaskedTriangle, Span};
+use crate::stages::vector::padded;
+use crate::stages::wgsl::wgsl_f32;
 
 /// Threads of a workgroup.
 const WORKGROUP: u32 = 64;

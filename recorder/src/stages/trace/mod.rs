@@ -49,6 +49,8 @@ mod tests;
 pub mod triangle;
 
 use formats::ray::Ray;
+use scenes::Scene;
+use scenes::bvh::{Bvh, BvhError, BvhKind};
 
 /// Factor on far planes and on the nearest hit: 1 + 2^-19, which is 32 roundings. Box and triangle
 /// tests add up to about 20 where division is exact, 28 where a GPU divides to 2.5 ulp.
@@ -172,6 +174,25 @@ pub enum TraceKernel {
 }
 
 impl TraceKernel {
+    /// The hierarchy that it walks; `ray-query` has the driver's own.
+    pub fn bvh_kind(self) -> Option<BvhKind> {
+        match self {
+            Self::Cwbvh => Some(BvhKind::Cwbvh),
+            Self::Bvh2 => Some(BvhKind::Bvh2),
+            Self::RayQuery => None,
+        }
+    }
+
+    /// A scene's hierarchy, from the cache where it is there.
+    ///
+    /// # Errors
+    /// If it cannot be built.
+    pub fn hierarchy(self, scene: &Scene) -> Result<Option<Bvh>, BvhError> {
+        let folder = scenes::bvh::default_cache_folder();
+        let load = |kind| Ok(scenes::bvh::load_or_build(scene, kind, folder.as_deref())?.0);
+        self.bvh_kind().map(load).transpose()
+    }
+
     /// Name on the command line and in recordings.
     pub fn name(self) -> &'static str {
         match self {

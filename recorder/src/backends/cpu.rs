@@ -10,9 +10,10 @@ use formats::manifest::QueueId;
 use formats::ray::{Kind, Ray};
 use glam::Vec3;
 
-use crate::backend::{Array, Backend, Queue, RecordedRays, Setup, Shaded, Sink, Table};
+use crate::backends::{Array, Backend, Queue, RecordedRays, Shaded, Sink, Table};
 use crate::stages::compact::cpu::{Paths, RayState};
 use crate::stages::key::cpu::{Lengths, encode};
+use crate::stages::setup::Setup;
 use crate::stages::sort::cpu::{Keys, Sorter, Words};
 use crate::stages::trace::Order;
 use crate::stages::trace::cpu::CpuTracer;

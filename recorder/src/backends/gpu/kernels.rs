@@ -11,11 +11,12 @@ use rayon::prelude::*;
 use scenes::Camera;
 use scenes::features::Features;
 
-use super::{Gpu, GpuError, Kernel, Module};
-use crate::backend::{MethodPlan, Setup};
+use crate::device::{Gpu, GpuError, Kernel, Module};
+use crate::machine::self_check;
+use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::trace::gpu::TraceVariant;
 use crate::stages::trace::{Order, Precision, TraceKernel};
-use crate::stages::{accumulate, compact, compare, gather, generate, key, shade, trace};
+use crate::stages::{accumulate, compact, compare, gather, generate, key, shade, sort, trace};
 
 /// The kernels that do not trace or sort.
 pub struct Kernels {
@@ -117,8 +118,24 @@ impl Kernels {
     }
 }
 
+/// Label and WGSL of every module that a run can compile: scenes with all features and with none,
+/// all methods at 32 and 64 bits, every trace kernel, both ways to sort. For tests that look at all
+/// of them.
+pub fn all_shader_sources() -> Vec<(String, String)> {
+    let modules = every_module();
+    let numbered = modules
+        .iter()
+        .enumerate()
+        .map(|(number, module)| (format!("{} #{number}", module.label()), module.wgsl()));
+    let mut sources: Vec<_> = numbered.collect();
+    sources.extend(sort::gpu::sources());
+    sources.push(("compact::places".to_owned(), compact::gpu::wgsl()));
+    sources.push(("self_check".to_owned(), self_check::WGSL.to_owned()));
+    sources
+}
+
 /// Modules for made-up runs that between them need every line of WGSL.
-pub(crate) fn every_module() -> Vec<Module> {
+fn every_module() -> Vec<Module> {
     let mut modules = Vec::new();
     for all_features in [false, true] {
         for key_bits in [32, 64] {
@@ -190,7 +207,7 @@ mod tests {
     use formats::key::Termination;
 
     use super::*;
-    use crate::gpu::{AdapterRequest, limits, skipped, test_gpu};
+    use crate::device::{AdapterRequest, limits, skipped, test_gpu};
 
     #[test]
     fn every_module_compiles_here() {

@@ -164,7 +164,7 @@ impl Gpu {
     }
 
     /// Opens this very adapter with `extra` features, which it must offer.
-    pub(super) fn open_adapter(adapter: &wgpu::Adapter, extra: wgpu::Features) -> Result<Self, GpuError> {
+    pub(crate) fn open_adapter(adapter: &wgpu::Adapter, extra: wgpu::Features) -> Result<Self, GpuError> {
         let description = AdapterDescription::of(adapter);
         if !adapter.features().contains(wgpu::Features::IMMEDIATES) {
             return Err(GpuError::MissingFeature {
@@ -306,7 +306,7 @@ impl Gpu {
 
 /// All adapters of this machine, the best first: hardware before software, discrete before
 /// integrated, Vulkan and Metal before DX12.
-pub(super) fn enumerate() -> Vec<wgpu::Adapter> {
+pub(crate) fn enumerate() -> Vec<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = wgpu::Backends::PRIMARY;
     // Vulkan's validation layers cost time and are not what debug builds of this program test.
@@ -382,7 +382,7 @@ fn device_type_name(device_type: wgpu::DeviceType) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::{AdapterRequest, Gpu, lock};
-    use crate::gpu::{GpuError, skipped, test_gpu};
+    use crate::device::{GpuError, skipped, test_gpu};
 
     #[test]
     fn an_adapter_is_found_by_part_of_its_name_in_any_case() {

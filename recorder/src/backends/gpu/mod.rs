@@ -1,4 +1,14 @@
 //! The backend on a GPU.
+//!
+//! - [`kernels`]: every kernel of a run but those that trace and sort
+//! - [`scene`]: a scene's arrays as shading reads them
+//! - `shading`: the kernels of shading in turn, and the queues that they leave
+//! - `table`: a length table
+
+pub mod kernels;
+pub mod scene;
+mod shading;
+mod table;
 
 use std::sync::Arc;
 
@@ -10,12 +20,13 @@ use formats::ray::Kind;
 use scenes::Scene;
 use scenes::bvh::Bvh;
 
-use super::kernels::Kernels;
-use super::run::ItemRange;
-use super::shading::Shading;
-use super::table::GpuTable;
-use super::{DeviceArray, Gpu, GpuError, Kernel, Readback, StageRun};
-use crate::backend::{Array, Backend, Queue, RecordedRays, Setup, Shaded, Sink, Table};
+use self::kernels::Kernels;
+use self::shading::Shading;
+use self::table::GpuTable;
+use crate::backends::{Array, Backend, Queue, RecordedRays, Shaded, Sink, Table};
+use crate::device::run::ItemRange;
+use crate::device::{DeviceArray, Gpu, GpuError, Kernel, Readback, StageRun};
+use crate::stages::setup::Setup;
 use crate::stages::shared::{GenerateParams, LightSiteData, Span};
 use crate::stages::sort::gpu::{Keys, Sorter};
 use crate::stages::trace::gpu::{Hits, RayArrays, Tracer};
@@ -23,7 +34,7 @@ use crate::stages::trace::{Order, TraceKernel};
 use crate::stages::{generate, key, shade};
 
 /// Threads of a workgroup, in every kernel here.
-pub(super) const WORKGROUP: u32 = 64;
+const WORKGROUP: u32 = 64;
 /// Items that are read back at once where halves have to be joined.
 const JOIN_ITEMS: usize = 1 << 18;
 
@@ -56,17 +67,17 @@ struct Scratch {
 
 /// A queue on the GPU.
 pub struct GpuRays {
-    pub(super) id: QueueId,
-    pub(super) count: usize,
-    pub(super) rays: RayArrays,
+    id: QueueId,
+    count: usize,
+    rays: RayArrays,
     /// None where rays were gathered.
     paths: Option<PathArrays>,
 }
 
 /// What the rays of a queue carry.
-pub(super) struct PathArrays {
-    pub(super) ids: DeviceArray<u32>,
-    pub(super) states: DeviceArray<[u32; 4]>,
+struct PathArrays {
+    ids: DeviceArray<u32>,
+    states: DeviceArray<[u32; 4]>,
 }
 
 /// A permutation.
@@ -87,7 +98,7 @@ impl Queue for GpuRays {
 
 impl GpuRays {
     /// Room for a queue.
-    pub(super) fn new(gpu: &Gpu, id: QueueId, count: usize) -> Result<Self, GpuError> {
+    fn new(gpu: &Gpu, id: QueueId, count: usize) -> Result<Self, GpuError> {
         let paths = PathArrays {
             ids: gpu.array("queue::path_ids", count)?,
             states: gpu.array("queue::states", count)?,
@@ -96,7 +107,7 @@ impl GpuRays {
     }
 
     /// What the rays carry.
-    pub(super) fn paths(&self) -> Result<&PathArrays> {
+    fn paths(&self) -> Result<&PathArrays> {
         self.paths.as_ref().with_context(|| {
             format!("the rays of {} were gathered, and only those of a whole queue carry paths", self.id)
         })

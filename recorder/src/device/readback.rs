@@ -207,7 +207,7 @@ fn make_staging(gpu: &Gpu, bytes: u64) -> Result<wgpu::Buffer, GpuError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::test_gpu;
+    use crate::device::test_gpu;
 
     #[test]
     fn ranges_come_back_whole_and_in_order_whatever_the_piece() {

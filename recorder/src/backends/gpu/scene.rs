@@ -2,9 +2,10 @@
 
 use scenes::features::Features;
 
-use super::{DeviceArray, Gpu, GpuError};
+use crate::device::{DeviceArray, Gpu, GpuError};
 use crate::stages::shade::tables::ShadeTables;
 use crate::stages::shared::Emitter;
+use crate::stages::vector::padded;
 
 /// Uploaded once per run.
 pub struct SceneArrays {
@@ -15,11 +16,6 @@ pub struct SceneArrays {
     pub(super) emitters: DeviceArray<Emitter>,
     pub(super) normals: Option<DeviceArray<[f32; 4]>>,
     pub(super) uvs: Option<DeviceArray<[f32; 2]>>,
-}
-
-/// Vectors of three as kernels read them.
-pub(crate) fn padded(vectors: &[[f32; 3]]) -> Vec<[f32; 4]> {
-    vectors.iter().map(|&[x, y, z]| [x, y, z, 0.0]).collect()
 }
 
 impl SceneArrays {

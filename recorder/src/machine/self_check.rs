@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource};
+use crate::device::{Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource};
 use crate::stages::sort::gpu::{Keys, Sorter};
 
 /// Keys of the trial sort.
@@ -288,7 +288,7 @@ mod tests {
 
     #[test]
     fn this_device_passes_in_under_a_second() {
-        let gpu = crate::gpu::test_gpu();
+        let gpu = crate::device::test_gpu();
         let start = std::time::Instant::now();
         let found = SelfCheck::run(gpu).unwrap();
         println!("{found:#?} in {:?}", start.elapsed());

@@ -2,17 +2,12 @@
 //! and not the driver's or wgpu's affair.
 
 use super::{AdapterDescription, GpuError};
-use crate::stages::shared::{GenerateParams, ShadeParams};
 
 /// Storage buffers that a kernel may bind: what WebGPU promises everywhere. Devices are opened with
 /// this many, however many an adapter allows, so that a kernel with more compiles nowhere.
 pub const STORAGE_BUFFERS: u32 = 8;
-/// Bytes of the longest immediates.
-const IMMEDIATE_BYTES: usize = if size_of::<ShadeParams>() > size_of::<GenerateParams>() {
-    size_of::<ShadeParams>()
-} else {
-    size_of::<GenerateParams>()
-};
+/// Bytes of the longest immediates; [`super::Module::immediate`] takes no longer ones.
+pub const IMMEDIATE_BYTES: u32 = 80;
 /// Threads of the largest workgroup.
 pub const WORKGROUP_THREADS: u32 = 256;
 /// Bytes of workgroup memory with which every stage has a kernel; the sort takes more where there is more.
@@ -25,7 +20,7 @@ pub const WORKGROUP_BYTES: u32 = 16 << 10;
 pub(super) fn check(adapter: &AdapterDescription, limits: &wgpu::Limits) -> Result<(), GpuError> {
     let needs = [
         ("storage buffers in a kernel", limits.max_storage_buffers_per_shader_stage, STORAGE_BUFFERS),
-        ("bytes of immediate data", limits.max_immediate_size, IMMEDIATE_BYTES as u32),
+        ("bytes of immediate data", limits.max_immediate_size, IMMEDIATE_BYTES),
         ("threads in a workgroup", limits.max_compute_invocations_per_workgroup, WORKGROUP_THREADS),
         ("threads along a workgroup", limits.max_compute_workgroup_size_x, WORKGROUP_THREADS),
         ("bytes of workgroup memory", limits.max_compute_workgroup_storage_size, WORKGROUP_BYTES),
@@ -41,7 +36,7 @@ pub(super) fn check(adapter: &AdapterDescription, limits: &wgpu::Limits) -> Resu
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::test_gpu;
+    use crate::device::test_gpu;
 
     /// The limits that WebGPU promises, and the immediates that Vulkan does.
     fn promised() -> wgpu::Limits {

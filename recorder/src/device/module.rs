@@ -1,5 +1,6 @@
 //! A kernel's module put together: shared structs, constants, bindings, then the stage's own WGSL.
 
+use super::limits::IMMEDIATE_BYTES;
 use super::{Binding, Gpu, GpuError, Kernel, KernelSource};
 
 /// A WGSL module in the making, with the bindings of group 0 in the order of their declaration.
@@ -35,6 +36,7 @@ impl Module {
     /// Declares `var<immediate> name` of a shared struct, whose definition must be in the text.
     #[must_use]
     pub fn immediate<T>(mut self, name: &str, type_name: &str) -> Self {
+        const { assert!(size_of::<T>() <= IMMEDIATE_BYTES as usize) };
         self.declarations.push_str(&format!("var<immediate> {name}: {type_name};\n"));
         self.immediate_bytes = size_of::<T>() as u32;
         self

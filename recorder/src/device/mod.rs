@@ -1,6 +1,6 @@
 //! The ground under every GPU stage: one adapter opened, kernels compiled, arrays, timed runs, read-back.
 //!
-//! - [`device`]: the adapter that was chosen, and every wgpu error turned into a [`GpuError`]
+//! - [`gpu`]: the adapter that was chosen, and every wgpu error turned into a [`GpuError`]
 //! - [`limits`]: what the kernels need of an adapter
 //! - [`buffer`]: typed arrays in GPU memory, checked against the adapter's limits
 //! - [`kernel`]: WGSL to pipeline, bindings, grids beyond 65,535 workgroups, chunks
@@ -8,26 +8,19 @@
 //! - [`timing`]: where an elapsed time came from
 //! - [`readback`]: GPU memory to the CPU through a ring of staging buffers
 
-pub mod adapters;
-pub mod backend;
 pub mod buffer;
-pub mod device;
 pub mod error;
+pub mod gpu;
 pub mod kernel;
-pub mod kernels;
 pub mod limits;
 pub mod module;
 pub mod readback;
 pub mod run;
-pub mod scene;
-pub mod self_check;
-mod shading;
-mod table;
 pub mod timing;
 
 pub use buffer::DeviceArray;
-pub use device::{AdapterDescription, AdapterRequest, Gpu};
 pub use error::GpuError;
+pub use gpu::{AdapterDescription, AdapterRequest, Gpu};
 pub use kernel::{Binding, Chunk, Kernel, KernelSource};
 pub use module::Module;
 pub use readback::Readback;

@@ -2,7 +2,7 @@
 
 use formats::length_table::{DUMMY_SUM, LengthCell, LengthTable};
 
-use super::{DeviceArray, Gpu, GpuError};
+use crate::device::{DeviceArray, Gpu, GpuError};
 
 /// Sums, low word first, and counts.
 pub(super) struct GpuTable {

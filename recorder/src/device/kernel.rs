@@ -212,8 +212,8 @@ fn binding_type(kind: Binding) -> wgpu::BindingType {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::run::ItemRange;
-    use crate::gpu::{TimeSource, skipped, test_gpu};
+    use crate::device::run::ItemRange;
+    use crate::device::{TimeSource, skipped, test_gpu};
 
     /// Adds 1 to the element of each item.
     const COUNT_WGSL: &str = "

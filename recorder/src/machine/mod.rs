@@ -1,15 +1,20 @@
 //! Where a recording runs: opened, checked, described for the manifest.
+//!
+//! - [`self_check`]: known answers that an adapter must give
+//! - [`adapters`]: all adapters of this machine with what it found
+
+pub mod adapters;
+pub mod self_check;
 
 use anyhow::{Context, Result, bail};
 use formats::manifest::{Adapter, Backend as BackendName, Check};
 use scenes::Scene;
-use scenes::bvh::{Bvh, BvhKind};
 use sysinfo::System;
 
-use crate::backend::Setup;
-use crate::gpu::self_check::{SMALLEST_FLUSHED_SCENE, SelfCheck};
-use crate::gpu::{AdapterRequest, Gpu, GpuError};
+use self::self_check::{SMALLEST_FLUSHED_SCENE, SelfCheck};
+use crate::device::{AdapterRequest, Gpu, GpuError};
 use crate::options::{BackendChoice, RecordOptions};
+use crate::stages::setup::Setup;
 use crate::stages::trace::TraceKernel;
 
 /// Where stages run.
@@ -113,21 +118,6 @@ fn open_cpu(options: &DeviceRequest, passed_over: Option<String>) -> Result<Devi
     let builder = rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0));
     let pool = builder.build().context("starting the threads of the cpu backend")?;
     Ok(Device::Cpu(CpuDevice { pool, passed_over }))
-}
-
-/// The hierarchy that a trace kernel walks, from the cache where it is there; `ray-query` has its own.
-///
-/// # Errors
-/// If it cannot be built.
-pub fn hierarchy(scene: &Scene, trace: TraceKernel) -> Result<Option<Bvh>> {
-    let kind = match trace {
-        TraceKernel::Cwbvh => BvhKind::Cwbvh,
-        TraceKernel::Bvh2 => BvhKind::Bvh2,
-        TraceKernel::RayQuery => return Ok(None),
-    };
-    let folder = scenes::bvh::default_cache_folder();
-    let (bvh, _) = scenes::bvh::load_or_build(scene, kind, folder.as_deref())?;
-    Ok(Some(bvh))
 }
 
 /// Bytes of CPU memory that a run needs per pixel: two queues of closest and one of shadow rays
@@ -320,7 +310,7 @@ mod tests {
 
     #[test]
     fn tiny_scenes_are_refused_where_denormal_numbers_are_flushed() {
-        let gpu = crate::gpu::test_gpu().clone();
+        let gpu = crate::device::test_gpu().clone();
         let mut scene = scenes::load("builtin:cornell").unwrap();
         let found = SelfCheck::run(&gpu).unwrap();
         let device = |flushes_denormals| GpuDevice {

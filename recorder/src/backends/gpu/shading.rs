@@ -4,13 +4,14 @@ use anyhow::Result;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 
-use super::backend::{GpuRays, WORKGROUP};
 use super::kernels::Kernels;
-use super::run::ItemRange;
 use super::scene::SceneArrays;
-use super::{DeviceArray, Gpu};
-use crate::backend::{Setup, Shaded};
+use super::{GpuRays, WORKGROUP};
+use crate::backends::Shaded;
+use crate::device::run::ItemRange;
+use crate::device::{DeviceArray, Gpu};
 use crate::stages::compact::gpu::Scan;
+use crate::stages::setup::Setup;
 use crate::stages::shared::{ShadeParams, Span, SurfaceData};
 use crate::stages::trace::gpu::Hits;
 

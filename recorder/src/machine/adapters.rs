@@ -4,9 +4,9 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::device::enumerate;
 use super::self_check::{Outcome, SelfCheck};
-use super::{AdapterDescription, Gpu};
+use crate::device::gpu::enumerate;
+use crate::device::{AdapterDescription, Gpu};
 
 /// An adapter and whether it can be used.
 #[derive(Clone, Debug, Serialize)]

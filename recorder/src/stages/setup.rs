@@ -1,0 +1,111 @@
+//! Everything about a run that kernels depend on.
+
+use std::sync::Arc;
+
+use formats::key::{Layout, LayoutError, LightSite, Method, Termination};
+use formats::ray::Kind;
+use formats::unit_space::UnitSpace;
+use scenes::{Camera, Scene};
+
+use super::shade::tables::ShadeTables;
+use super::trace::Precision;
+
+/// A method as a backend runs it: layout expanded for the scene's lights.
+#[derive(Clone, Debug)]
+pub struct MethodPlan {
+    /// Name in paths and tables.
+    pub name: String,
+    /// Method that this is a variant of; its own name if it is none.
+    pub base: String,
+    /// What the user typed or KEYS says.
+    pub text: String,
+    /// The key's bits.
+    pub layout: Layout,
+    /// Source of the length estimate.
+    pub termination: Termination,
+    /// Width of the key, 8 to 64.
+    pub key_bits: u32,
+    /// Length that a fixed estimate assumes, unit lengths.
+    pub two_point_length: f32,
+    /// Whether closest rays have such keys.
+    pub for_closest: bool,
+}
+
+impl MethodPlan {
+    /// A method as it is, for a scene with this many lights.
+    ///
+    /// # Errors
+    /// If the layout is too long for so many lights.
+    pub fn new(
+        method: &Method,
+        lights: usize,
+        key_bits: u32,
+        two_point_length: f32,
+    ) -> Result<Self, LayoutError> {
+        Ok(Self {
+            name: method.name.clone(),
+            base: method.name.clone(),
+            text: method.layout.text().to_owned(),
+            layout: method.layout.expand(lights)?,
+            termination: method.termination,
+            key_bits,
+            two_point_length,
+            for_closest: method.applies_to(Kind::Closest),
+        })
+    }
+
+    /// Whether the method makes sense for this kind of ray.
+    pub fn applies_to(&self, kind: Kind) -> bool {
+        kind == Kind::Shadow || self.for_closest
+    }
+}
+
+/// Everything about a run that kernels depend on.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// Scene arrays for shading.
+    pub tables: Arc<ShadeTables>,
+    /// What the scene uses.
+    pub features: scenes::features::Features,
+    /// World to unit space.
+    pub unit: UnitSpace,
+    /// Where the lights are, by index.
+    pub light_sites: Vec<LightSite>,
+    /// The view.
+    pub camera: Camera,
+    /// Picture width in pixels.
+    pub width: u32,
+    /// Picture height in pixels.
+    pub height: u32,
+    /// Bounces traced; the last has number `bounces − 1`.
+    pub bounces: u32,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Whether dark paths end by chance.
+    pub roulette: bool,
+    /// Methods to measure, in order.
+    pub methods: Vec<MethodPlan>,
+    /// Address bits of the length tables.
+    pub table_bits: u32,
+    /// Layout whose top bits address them.
+    pub table_layout: Layout,
+    /// How triangles and boxes are tested for closest rays.
+    pub precision: Precision,
+}
+
+impl Setup {
+    /// Unit space and light sites of a scene.
+    pub fn light_sites(scene: &Scene, unit: &UnitSpace) -> Vec<LightSite> {
+        let site = |light: &scenes::Light| match (light, light.centre(scene)) {
+            (_, Some(centre)) => LightSite::Placed { centre: unit.point(centre) },
+            (scenes::Light::Directional { direction, .. }, None) => LightSite::directional(*direction),
+            (_, None) => LightSite::Environment,
+        };
+        scene.lights.iter().map(site).collect()
+    }
+
+    /// The seed as kernels take it, low word first.
+    pub fn seed_words(&self) -> [u32; 2] {
+        [self.seed as u32, (self.seed >> 32) as u32]
+    }
+}
