@@ -353,7 +353,7 @@ fn window(dumps: Vec<PathBuf>, session: Option<&Path>) -> ExitCode {
                 .map(Session::read)
                 .transpose()
                 .map_err(anyhow::Error::from)
-                .and_then(|session| app::run(&dumps, session)),
+                .and_then(|session| app::run::run(&dumps, session)),
         ),
         Some(word) => {
             say(&format!(

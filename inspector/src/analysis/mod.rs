@@ -3,6 +3,7 @@
 //! - [`options`]: group width, threads, how deep to look
 //! - [`metric`]: a number, or why there is none
 //! - [`recording`], [`queue`], [`order`]: the numbers of one recording, queue and order
+//! - `arrays`: the arrays of a queue that its orders share
 //! - [`timing`]: times, speedups, bandwidths of an order's stages
 //! - [`coherence`]: capsules, direction spread and lane utilisation, streamed over arrays
 //! - [`tables`]: fill of the length table, errors of estimated lengths
@@ -14,6 +15,7 @@
 //! Arrays are loaded one queue at a time. Beyond them, memory is about 12 bytes for each ray of the
 //! largest queue and 16 for each of its groups, whatever the number of methods.
 
+mod arrays;
 pub mod coherence;
 pub mod correlations;
 pub mod labels;

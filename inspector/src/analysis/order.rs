@@ -9,9 +9,9 @@ use formats::reader::Dump;
 use serde::Serialize;
 
 use super::Metric;
+use super::arrays::QueueArrays;
 use super::coherence::{Coherence, LaneUtilisation, Places, coherence, lanes};
 use super::options::{Depth, Options};
-use super::queue::QueueArrays;
 use super::timing::{Samples, SpeedupLine, StageTime, Time, stages};
 use crate::shown;
 

@@ -3,8 +3,8 @@
 //! - `layout`, `tiles`: where panels are, and what can be saved of each
 //! - `menu`, `keys`, `help`: what is done to the window as a whole
 //! - `welcome`, [`demo`]: before a recording is open
-//! - `ask`, `saving`: files
-//! - `run`: the window on a screen; `kept`: from one to the next
+//! - `ask`, `saving`, `picture`: files
+//! - [`run`]: the window on a screen; `kept`: from one to the next
 
 mod ask;
 pub mod demo;
@@ -13,7 +13,8 @@ mod kept;
 mod keys;
 mod layout;
 mod menu;
-mod run;
+mod picture;
+pub mod run;
 mod saving;
 mod tiles;
 mod welcome;
@@ -26,7 +27,7 @@ use egui_tiles::Tree;
 use self::ask::{Asked, Asking, Prompt};
 use self::demo::Demo;
 use self::layout::Pane;
-use self::saving::Picture;
+use self::picture::Picture;
 use self::tiles::{Shown, Wish};
 use crate::model::context::Problem;
 use crate::model::history::History;
@@ -37,8 +38,6 @@ use crate::recent::Recent;
 use crate::render::gpu::errors::Errors;
 use crate::session::Session;
 use crate::shot_command;
-
-pub use run::run;
 
 /// What is done once all of the window is drawn.
 enum Task {

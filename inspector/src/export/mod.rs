@@ -9,78 +9,24 @@ mod ply;
 mod rays;
 
 use std::io::{self, Write};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use formats::files::replace;
-use formats::manifest::QueueId;
-use formats::ray::Kind;
 use formats::reader::Dump;
 use serde::Serialize;
 
-use crate::analysis::GroupWidth;
 use crate::figures::files::make_folder;
 use crate::output::{print, print_json};
 use rays::Rays;
+
+pub(crate) use rays::Selection;
 
 /// What files are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Format {
     Csv,
     Ply,
-}
-
-/// Which rays, in which order.
-#[derive(Clone, Debug)]
-pub(crate) struct Selection {
-    /// The last that was kept if `None`.
-    pub(crate) pass: Option<u32>,
-    pub(crate) bounce: u32,
-    pub(crate) kind: Kind,
-    pub(crate) method: String,
-    /// One group alone.
-    pub(crate) group: Option<usize>,
-    pub(crate) group_width: GroupWidth,
-    /// A condition that rays must meet.
-    pub(crate) filter: Option<String>,
-}
-
-impl Selection {
-    /// The queue that is meant.
-    fn queue(&self, dump: &Dump) -> anyhow::Result<QueueId> {
-        let queues = &source_of(dump).manifest().queues;
-        let is_meant = |id: &QueueId| {
-            id.bounce == self.bounce && id.kind == self.kind && self.pass.is_none_or(|pass| pass == id.pass)
-        };
-        let meant = queues.iter().map(|queue| queue.id).filter(is_meant).max();
-        meant.with_context(|| {
-            let kept: Vec<String> = queues.iter().map(|queue| queue.id.to_string()).collect();
-            let pass = self.pass.map_or(String::new(), |pass| format!(" in pass {pass}"));
-            let root = dump.root().display();
-            format!(
-                "{root} has no {} rays of bounce {}{pass}; it has: {}",
-                self.kind,
-                self.bounce,
-                kept.join(", ")
-            )
-        })
-    }
-
-    /// The places of the order that are meant, of so many.
-    fn places(&self, rays: usize) -> anyhow::Result<Range<usize>> {
-        let Some(group) = self.group else { return Ok(0..rays) };
-        let first = group.saturating_mul(self.group_width.rays());
-        if first >= rays {
-            bail!("there is no group {group}: there are {}", rays.div_ceil(self.group_width.rays()));
-        }
-        Ok(first..(first + self.group_width.rays()).min(rays))
-    }
-}
-
-/// The recording that has the rays: a replay's source.
-fn source_of(dump: &Dump) -> &Dump {
-    if dump.manifest().queues.is_empty() { dump.source().unwrap_or(dump) } else { dump }
 }
 
 /// What `--json` prints.

@@ -7,7 +7,8 @@ use formats::metrics::lanes::{LaneUse, work_of};
 use formats::metrics::spread::direction_spread;
 use rayon::prelude::*;
 
-use super::order::Order;
+use super::queue::Queue;
+use crate::analysis::coherence::Places;
 
 /// Groups that a thread takes at a time.
 const GROUPS_PER_TASK: usize = 64;
@@ -37,10 +38,10 @@ pub struct Groups {
 }
 
 impl Groups {
-    /// Of `width` consecutive rays of an order.
-    pub(super) fn of(order: &Order, width: usize) -> Self {
+    /// Of `width` consecutive rays of an order of a queue.
+    pub(super) fn of(queue: &Queue, order: &Places, width: usize) -> Self {
         let rays = order.len();
-        let group = |at: usize| Group::of(order, places_of(at, width, rays));
+        let group = |at: usize| Group::of(queue, order, places_of(at, width, rays));
         let groups = (0..rays.div_ceil(width)).into_par_iter().with_min_len(GROUPS_PER_TASK);
         let groups: Vec<Group> = groups.filter_map(group).collect();
         let weighted = |(at, group): (usize, &Group)| group.area * places_of(at, width, rays).len() as f64;
@@ -85,9 +86,8 @@ pub(super) fn places_of(group: usize, width: usize, rays: usize) -> Range<usize>
 
 impl Group {
     /// Of these places of an order; `None` for none.
-    pub(super) fn of(order: &Order, places: Range<usize>) -> Option<Self> {
-        let queue = &order.queue;
-        let indices: Vec<usize> = places.map(|place| order.places.ray(place)).collect();
+    pub(super) fn of(queue: &Queue, order: &Places, places: Range<usize>) -> Option<Self> {
+        let indices: Vec<usize> = places.map(|place| order.ray(place)).collect();
         let segments: Vec<Segment> = indices.iter().map(|&ray| queue.segment(ray)).collect();
         let capsule = Capsule::around(&segments)?;
         let lanes = queue.work.as_ref().ok().and_then(|work| {

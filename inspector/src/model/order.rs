@@ -164,7 +164,7 @@ impl Order {
 
     /// One group by itself; `None` if there is none.
     pub fn group(&self, group: usize, width: GroupWidth) -> Option<Group> {
-        Group::of(self, self.places_of_group(group, width))
+        Group::of(&self.queue, &self.places, self.places_of_group(group, width))
     }
 
     /// The groups of this width: found when they are first asked for, which takes all threads a tenth of a
@@ -174,7 +174,7 @@ impl Order {
     pub fn groups(&self, width: GroupWidth) -> &Groups {
         self.groups[width as usize].get_or_init(|| {
             debug_assert!(rayon::current_thread_index().is_none(), "groups are found before values are");
-            Groups::of(self, width.rays())
+            Groups::of(&self.queue, &self.places, width.rays())
         })
     }
 }

@@ -3,14 +3,14 @@
 use egui_plot::{Line, Plot, PlotPoints};
 use serde::{Deserialize, Serialize};
 
+use super::notes::{hint, legend, missing, power_of_ten};
 use super::worst::WorstGroups;
-use super::{hint, legend, missing, power_of_ten};
 use crate::analysis::Metric;
 use crate::analysis::coherence::Coherence;
 use crate::model::Context;
 use crate::model::coherences::OrderCoherence;
-use crate::panels::Panel;
 use crate::panels::data::Data;
+use crate::panels::panel::Panel;
 use crate::theme::Theme;
 
 /// Height of a row of the table below, points.

@@ -6,15 +6,15 @@ use egui::{ComboBox, ScrollArea, Ui};
 use formats::key::method::UNSORTED;
 use serde::{Deserialize, Serialize};
 
-use super::hint;
+use super::notes::hint;
 use super::space::layers::RayValues;
 use super::space::{Canvas, SpaceState, SpaceView};
 use crate::model::comparison::{Difference, LOWEST_DISTANCE};
 use crate::model::comparisons::{Compared, Comparisons, Wanted};
 use crate::model::differences::{Row, counts, settings, speedups};
 use crate::model::{Context, Order, Selection};
-use crate::panels::Panel;
 use crate::panels::data::Data;
+use crate::panels::panel::Panel;
 use crate::render::range::ValueRange;
 use crate::theme::Theme;
 

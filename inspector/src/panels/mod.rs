@@ -1,13 +1,15 @@
 //! What the window is made of: one file each behind one trait, registered in one list.
 //!
-//! Panels know the [`Context`] and nothing of each other.
+//! Panels know the [`Context`](crate::model::Context) and nothing of each other.
 
 mod coherence;
 mod compare;
 pub mod data;
 mod filter_box;
 mod navigator;
+mod notes;
 mod order;
+mod panel;
 mod picture;
 mod problems;
 mod ray;
@@ -21,46 +23,10 @@ mod timings;
 mod what_if;
 mod worst;
 
-use std::collections::BTreeSet;
+use self::space::Canvas;
 
-use self::data::Data;
-use self::space::{Canvas, SpaceView};
-use crate::model::{Absent, Context};
-
-/// A part of the window.
-pub trait Panel {
-    /// What it is called.
-    fn title(&self) -> &'static str;
-
-    /// Draws it and takes what is done to it.
-    fn show(&mut self, ui: &mut egui::Ui, context: &mut Context);
-
-    /// The numbers behind it.
-    ///
-    /// # Errors
-    /// Why there are none.
-    fn data(&mut self, _context: &mut Context) -> Result<Data, String> {
-        Err("it shows no numbers of its own".to_owned())
-    }
-
-    /// What it shows besides the selection, as sessions keep it; null if there is nothing to keep.
-    fn state(&self) -> serde_json::Value {
-        serde_json::Value::Null
-    }
-
-    /// Takes what [`Panel::state`] gave.
-    ///
-    /// # Errors
-    /// If that is no state of this panel.
-    fn set_state(&mut self, _state: serde_json::Value) -> Result<(), serde_json::Error> {
-        Ok(())
-    }
-
-    /// The view into space that it has, if it has one.
-    fn space(&mut self) -> Option<&mut SpaceView> {
-        None
-    }
-}
+pub(crate) use self::notes::Lacking;
+pub use self::panel::Panel;
 
 /// A panel in the list of all.
 pub struct Entry {
@@ -130,67 +96,3 @@ pub const PANELS: &[Entry] = &[
         make: |_| Box::new(problems::ProblemsPanel),
     },
 ];
-
-/// A name with the colour of its series before it.
-fn legend(ui: &mut egui::Ui, colour: egui::Color32, name: &str) {
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = 5.0;
-        let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
-        ui.painter().rect_filled(rect, 2.0, colour);
-        ui.label(name);
-    });
-}
-
-/// The number of a logarithm, where it is a power of ten.
-fn power_of_ten(exponent: f64) -> String {
-    if (exponent - exponent.round()).abs() > 1e-6 {
-        return String::new();
-    }
-    match exponent.round() as i32 {
-        exponent @ -3..=3 => format!("{}", 10f64.powi(exponent)),
-        exponent => format!("1e{exponent}"),
-    }
-}
-
-/// Why something is not shown of a recording, for whoever draws without a screen.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Lacking(BTreeSet<String>);
-
-impl Lacking {
-    /// What was said since it was last asked for.
-    pub(crate) fn take(window: &egui::Context) -> BTreeSet<String> {
-        window.data_mut(|data| data.remove_temp::<Self>(egui::Id::NULL)).unwrap_or_default().0
-    }
-
-    fn note(window: &egui::Context, reason: &str) {
-        window.data_mut(|data| {
-            data.get_temp_mut_or_default::<Self>(egui::Id::NULL).0.insert(reason.to_owned());
-        });
-    }
-}
-
-/// Says why something is not shown, where it would have been.
-fn missing(ui: &mut egui::Ui, absent: impl Into<Absent>) {
-    match absent.into() {
-        Absent::Awaited => {
-            ui.add_space(8.0);
-            ui.vertical_centered(|ui| {
-                ui.spinner();
-                ui.label("reading the recording");
-            });
-        }
-        Absent::Impossible(reason) => {
-            Lacking::note(ui.ctx(), &reason);
-            hint(ui, &reason);
-        }
-    }
-}
-
-/// Says what to do to have something shown.
-fn hint(ui: &mut egui::Ui, text: &str) {
-    ui.add_space(8.0);
-    ui.vertical_centered(|ui| {
-        ui.label(egui::RichText::new("Nothing to show here").strong());
-        ui.label(text);
-    });
-}

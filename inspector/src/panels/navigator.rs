@@ -9,7 +9,7 @@ use crate::analysis::GroupWidth;
 use crate::model::Context;
 use crate::model::what_if::WHAT_IF;
 use crate::output::{count, counted};
-use crate::panels::Panel;
+use crate::panels::panel::Panel;
 use crate::shown;
 
 pub(super) struct Navigator;

@@ -6,7 +6,7 @@ use egui::Color32;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::missing;
+use super::notes::missing;
 use super::picture::{Picture, Shown};
 use crate::analysis::GroupWidth;
 use crate::model::derived::Filtered;
@@ -15,8 +15,8 @@ use crate::model::image_plane::ImagePlane;
 use crate::model::key::{ReadKey, field_text};
 use crate::model::{Context, Order, Recording};
 use crate::output::{count, counted};
-use crate::panels::Panel;
 use crate::panels::data::Data;
+use crate::panels::panel::Panel;
 use crate::render::colour_map::ColourMap;
 use crate::theme::Theme;
 

@@ -1,7 +1,7 @@
 //! What went wrong, and what to do about it.
 
 use crate::model::Context;
-use crate::panels::Panel;
+use crate::panels::panel::Panel;
 use crate::shown;
 use crate::theme::Theme;
 

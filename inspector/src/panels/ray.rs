@@ -5,14 +5,14 @@ use std::sync::Arc;
 use egui::RichText;
 use formats::traced::Results;
 
-use super::{hint, missing};
+use super::notes::{hint, missing};
 use crate::analysis::GroupWidth;
 use crate::model::groups::Groups;
 use crate::model::key::ReadKey;
 use crate::model::{Absent, Context, Order};
 use crate::output::count;
-use crate::panels::Panel;
 use crate::panels::data::Data;
+use crate::panels::panel::Panel;
 use crate::theme::Theme;
 
 /// Width of the longest name of a line, points.

@@ -1,10 +1,10 @@
 //! The scene with rays, the curve of their order, capsules and table cells.
 
-use super::hint;
+use super::notes::hint;
 use super::space::{Canvas, SpaceView};
 use crate::model::Context;
-use crate::panels::Panel;
 use crate::panels::data::Data;
+use crate::panels::panel::Panel;
 
 /// The panel.
 pub(super) struct Scene {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use super::Panel;
+use super::panel::Panel;
 
 /// Under which name the options of a view into space are kept in the state of its panel.
 pub(super) const OPTIONS: &str = "options";

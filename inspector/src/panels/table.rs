@@ -8,13 +8,13 @@ use formats::manifest::QueueId;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::missing;
+use super::notes::missing;
 use super::picture::Picture;
 use super::table_plots::{EstimatePlot, histograms};
 use crate::model::{Context, Queue};
 use crate::output::{count, counted};
-use crate::panels::Panel;
 use crate::panels::data::Data;
+use crate::panels::panel::Panel;
 use crate::render::cell_box::{cell_of_pixel, pixel_of_cell};
 use crate::render::colour_map::ColourMap;
 use crate::render::range::Values;

@@ -6,7 +6,7 @@ use egui_plot::{Bar, BarChart, Line, Plot, PlotImage, PlotPoint, PlotPoints, uni
 use formats::length_table::{LengthCell, mean_length};
 use formats::manifest::QueueId;
 
-use super::{missing, power_of_ten};
+use super::notes::{missing, power_of_ten};
 use crate::model::Context;
 use crate::model::estimates::{BINS, Estimates};
 use crate::output::count;

@@ -4,12 +4,12 @@ use egui_plot::{AxisHints, Bar, BarChart, Plot, VLine};
 use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 
-use super::{hint, legend};
+use super::notes::{hint, legend};
 use crate::analysis::timing::{SpeedupLine, Verdict};
 use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis};
 use crate::model::Context;
-use crate::panels::Panel;
 use crate::panels::data::Data;
+use crate::panels::panel::Panel;
 use crate::theme::Theme;
 
 pub(super) struct TimingsPanel;

@@ -7,12 +7,12 @@ use formats::key::method::UNSORTED;
 use formats::key::{Coordinate, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError};
 
 use super::filter_box::typed;
-use super::{legend, missing};
+use super::notes::{legend, missing};
 use crate::analysis::{GroupWidth, Metric};
 use crate::model::Context;
 use crate::model::coherences::OrderCoherence;
 use crate::model::what_if::{Estimate, Settings, WHAT_IF};
-use crate::panels::Panel;
+use crate::panels::panel::Panel;
 use crate::theme::Theme;
 
 /// The panel.

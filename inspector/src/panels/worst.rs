@@ -1,6 +1,6 @@
 //! The groups of an order with the largest capsules, the worst first.
 
-use super::missing;
+use super::notes::missing;
 use crate::analysis::GroupWidth;
 use crate::model::{Absent, Context};
 use crate::output::count;

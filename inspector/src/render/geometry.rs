@@ -66,6 +66,19 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// The edges of the triangles of surfaces, each once.
+    pub fn edges(surfaces: &Surfaces) -> Self {
+        let triangles = surfaces.triangles.iter();
+        let mut edges: Vec<[u32; 2]> = triangles
+            .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+            .map(|[a, b]| [a.min(b), a.max(b)])
+            .collect();
+        edges.sort_unstable();
+        edges.dedup();
+        let corner = |at: u32| Vertex { position: surfaces.positions[at as usize], value: 0.0 };
+        Self::Segments(edges.into_iter().map(|edge| edge.map(corner)).collect())
+    }
+
     /// Points from one line, mark or box to the next: lines of a strip share theirs.
     pub fn points_each(&self) -> u32 {
         if matches!(self, Self::Strip(_)) { 1 } else { 2 }

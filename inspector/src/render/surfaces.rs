@@ -13,7 +13,6 @@ use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::camera::Camera;
-use super::geometry::{Shape, Vertex};
 
 /// Grids: 0 is none, and number `grid` has cells of `2^(grid - FINEST_BITS)` unit lengths.
 const GRIDS: usize = 16;
@@ -87,19 +86,6 @@ impl Surfaces {
             let grid = grid_of(CELL * nearest * side);
             Some((part.first..part.first + part.left[grid], grid as u32))
         })
-    }
-
-    /// The edges of the triangles, each once.
-    pub fn edges(&self) -> Shape {
-        let triangles = self.triangles.iter();
-        let mut edges: Vec<[u32; 2]> = triangles
-            .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
-            .map(|[a, b]| [a.min(b), a.max(b)])
-            .collect();
-        edges.sort_unstable();
-        edges.dedup();
-        let corner = |at: u32| Vertex { position: self.positions[at as usize], value: 0.0 };
-        Shape::Segments(edges.into_iter().map(|edge| edge.map(corner)).collect())
     }
 }
 

@@ -6,8 +6,8 @@ use std::ops::Range;
 use formats::key::Coordinate;
 use rayon::prelude::*;
 
-use super::Expression;
 use super::error::FilterError;
+use super::parse::Expression;
 use super::tree::{Condition, Connective, Fact, Number};
 use crate::model::quantity::Numbers;
 

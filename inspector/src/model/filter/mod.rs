@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 pub use self::error::FilterError;
 pub use self::evaluate::{Passing, passing};
-use self::tree::Condition;
+pub use self::parse::Expression;
 
 /// What a filter may contain besides the names of quantities: word, and what it is.
 pub const WORDS: [(&str, &str); 6] = [
@@ -25,36 +25,6 @@ pub const WORDS: [(&str, &str); 6] = [
     ("< <= > >= == !=", "compare numbers; what a ray does not have is equal to nothing"),
     ("&& || ! ( ) + - * /", "and, or, not, brackets, arithmetic; 0x1f is a number too"),
 ];
-
-/// A condition that rays meet or not.
-#[derive(Clone, Debug)]
-pub struct Expression {
-    text: String,
-    pub(super) condition: Condition,
-}
-
-impl PartialEq for Expression {
-    fn eq(&self, other: &Self) -> bool {
-        self.text == other.text
-    }
-}
-
-impl Eq for Expression {}
-
-impl Expression {
-    /// From text.
-    ///
-    /// # Errors
-    /// What is wrong with it, and where.
-    pub fn parse(text: &str) -> Result<Self, FilterError> {
-        Ok(Self { text: text.to_owned(), condition: parse::parse(text)? })
-    }
-
-    /// As it was typed.
-    pub fn text(&self) -> &str {
-        &self.text
-    }
-}
 
 /// The filter as it is being typed. While the text is wrong, what was right before stays in force.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

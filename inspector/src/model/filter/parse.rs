@@ -12,8 +12,38 @@ use crate::model::quantity::Quantity;
 /// How deep operations may lie inside each other, so that no text can exhaust a stack.
 const DEEPEST: usize = 64;
 
+/// A condition that rays meet or not.
+#[derive(Clone, Debug)]
+pub struct Expression {
+    text: String,
+    pub(super) condition: Condition,
+}
+
+impl PartialEq for Expression {
+    fn eq(&self, other: &Self) -> bool {
+        self.text == other.text
+    }
+}
+
+impl Eq for Expression {}
+
+impl Expression {
+    /// From text.
+    ///
+    /// # Errors
+    /// What is wrong with it, and where.
+    pub fn parse(text: &str) -> Result<Self, FilterError> {
+        Ok(Self { text: text.to_owned(), condition: parse(text)? })
+    }
+
+    /// As it was typed.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+}
+
 /// The condition of a text.
-pub(super) fn parse(text: &str) -> Result<Condition, FilterError> {
+fn parse(text: &str) -> Result<Condition, FilterError> {
     let mut parser = Parser { tokens: tokens(text)?, at: 0, depth: 0 };
     let whole = parser.either()?;
     let (found, span) = parser.next();

@@ -14,13 +14,13 @@ use serde::{Deserialize, Serialize};
 
 use self::window::RowWindow;
 use super::filter_box::{filter_box, filter_problem};
-use super::missing;
+use super::notes::missing;
 use crate::model::quantity::{Numbers, Quantity};
 use crate::model::rows::{Direction, Rows, Sorting};
 use crate::model::{Context, Order};
 use crate::output::{count, counted};
-use crate::panels::Panel;
 use crate::panels::data::Data;
+use crate::panels::panel::Panel;
 
 /// Between columns, points.
 const GAP: f32 = 14.0;

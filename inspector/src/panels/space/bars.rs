@@ -2,9 +2,9 @@
 
 use egui::{Align2, Color32, Id, Rect, Response, Sense, Slider, Ui, pos2, vec2};
 
-use super::SpaceView;
 use super::layers::AREAS;
 use super::options::Options;
+use super::view::SpaceView;
 use crate::model::value::ColourBy;
 use crate::render::colour_map::ColourMap;
 use crate::render::range::{ValueRange, Values};

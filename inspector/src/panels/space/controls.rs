@@ -4,10 +4,10 @@ use egui::{ComboBox, FontId, Rect, Slider, Ui, vec2};
 
 use super::super::filter_box::filter_box;
 use super::options::{Axis, CapsuleChoice, MeshMode, Navigation, Options, Side, StandPoint};
-use super::{SpaceView, stand};
+use super::view::{SpaceView, stand};
 use crate::model::value::ColourBy;
 use crate::model::{Absent, Context};
-use crate::panels::Lacking;
+use crate::panels::notes::Lacking;
 use crate::render::camera::Camera;
 use crate::render::colour_map::ColourMap;
 use crate::render::geometry::RayEnd;

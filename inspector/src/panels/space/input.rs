@@ -3,8 +3,8 @@
 use egui::{Key, PointerButton, Response, Ui};
 use glam::Vec3;
 
-use super::options::Navigation;
-use super::{SpaceView, StandPoint, stand};
+use super::options::{Navigation, StandPoint};
+use super::view::{SpaceView, stand};
 use crate::model::{Context, Order};
 use crate::render::camera::Camera;
 

@@ -58,7 +58,7 @@ fn read(dump: &Dump, unit: &UnitSpace, form: MeshForm) -> Result<Geometry, Strin
     let surfaces = Surfaces::new(unit, &positions, &triangles);
     Ok(match form {
         MeshForm::Surfaces => Shape::Mesh(surfaces).into(),
-        MeshForm::Edges => surfaces.edges().into(),
+        MeshForm::Edges => Shape::edges(&surfaces).into(),
     })
 }
 

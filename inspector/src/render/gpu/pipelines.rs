@@ -3,12 +3,19 @@
 use std::collections::BTreeMap;
 
 use wgpu::util::{DeviceExt, TextureDataOrder};
-use wgpu::{BindingType, CompareFunction, Device, ShaderStages, VertexStepMode, vertex_attr_array};
+use wgpu::{
+    BindingType, CompareFunction, Device, ShaderStages, TextureFormat, VertexStepMode, vertex_attr_array,
+};
 
 use super::super::colour_map::{ColourMap, STEPS};
 use super::super::frame::LayerUniform;
 use super::shaders;
-use super::target::{DEPTH_FORMAT, PICTURE_FORMAT, SAMPLES};
+
+/// Of pictures: sRGB as it is, without conversion.
+pub(super) const PICTURE_FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
+pub(super) const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
+/// Samples to a pixel: what every adapter has.
+pub(super) const SAMPLES: u32 = 4;
 
 /// A way of drawing: each has a pipeline, made when something is first drawn so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

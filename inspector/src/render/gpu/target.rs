@@ -1,15 +1,9 @@
 //! The picture of one view, with depth and several samples to a pixel.
 
-use wgpu::{Device, TextureFormat, TextureUsages};
+use wgpu::{Device, TextureUsages};
 
-use super::pipelines::Pipelines;
+use super::pipelines::{DEPTH_FORMAT, PICTURE_FORMAT, Pipelines, SAMPLES};
 use crate::theme::ShaderColour;
-
-/// Of pictures: sRGB as it is, without conversion.
-pub(super) const PICTURE_FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
-pub(super) const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
-/// Samples to a pixel: what every adapter has.
-pub(super) const SAMPLES: u32 = 4;
 
 pub(super) struct Target {
     pixels: [u32; 2],

@@ -1,0 +1,69 @@
+//! What panels say and mark in the same way: why something is not shown, legends, marks of axes.
+
+use std::collections::BTreeSet;
+
+use crate::model::Absent;
+
+/// A name with the colour of its series before it.
+pub(super) fn legend(ui: &mut egui::Ui, colour: egui::Color32, name: &str) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 5.0;
+        let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
+        ui.painter().rect_filled(rect, 2.0, colour);
+        ui.label(name);
+    });
+}
+
+/// The number of a logarithm, where it is a power of ten.
+pub(super) fn power_of_ten(exponent: f64) -> String {
+    if (exponent - exponent.round()).abs() > 1e-6 {
+        return String::new();
+    }
+    match exponent.round() as i32 {
+        exponent @ -3..=3 => format!("{}", 10f64.powi(exponent)),
+        exponent => format!("1e{exponent}"),
+    }
+}
+
+/// Why something is not shown of a recording, for whoever draws without a screen.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lacking(BTreeSet<String>);
+
+impl Lacking {
+    /// What was said since it was last asked for.
+    pub(crate) fn take(window: &egui::Context) -> BTreeSet<String> {
+        window.data_mut(|data| data.remove_temp::<Self>(egui::Id::NULL)).unwrap_or_default().0
+    }
+
+    pub(super) fn note(window: &egui::Context, reason: &str) {
+        window.data_mut(|data| {
+            data.get_temp_mut_or_default::<Self>(egui::Id::NULL).0.insert(reason.to_owned());
+        });
+    }
+}
+
+/// Says why something is not shown, where it would have been.
+pub(super) fn missing(ui: &mut egui::Ui, absent: impl Into<Absent>) {
+    match absent.into() {
+        Absent::Awaited => {
+            ui.add_space(8.0);
+            ui.vertical_centered(|ui| {
+                ui.spinner();
+                ui.label("reading the recording");
+            });
+        }
+        Absent::Impossible(reason) => {
+            Lacking::note(ui.ctx(), &reason);
+            hint(ui, &reason);
+        }
+    }
+}
+
+/// Says what to do to have something shown.
+pub(super) fn hint(ui: &mut egui::Ui, text: &str) {
+    ui.add_space(8.0);
+    ui.vertical_centered(|ui| {
+        ui.label(egui::RichText::new("Nothing to show here").strong());
+        ui.label(text);
+    });
+}
