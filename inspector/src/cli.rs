@@ -12,8 +12,9 @@ use crate::analysis::{Depth, GroupWidth, Options};
 use crate::figures::style::Width;
 use crate::output::{print, say, sentence};
 use crate::session::Session;
-use crate::shot_arguments::ShotArguments;
-use crate::{app, export, info, plot, recover, shot, verify};
+use crate::shot::Shot;
+use crate::shot::draw::STARTED;
+use crate::{app, arguments, export, info, plot, recover, verify};
 
 /// The command failed, and said why on standard error.
 const FAILED: u8 = 1;
@@ -84,13 +85,16 @@ view shows was not kept or is damaged, the picture says so and is written, and t
 Examples:
   inspector shot sponza.raydump --view window --out window.png
   inspector shot sponza.raydump --view curve --bounce 2 --method two-point --out curve.png
-  inspector shot sponza.raydump --view capsules --method costa --camera overview --mesh ghost --out capsules.png
-  inspector shot sponza.raydump --view window --size 2560x1440 --scale 2 --light --out window.png
+  inspector shot sponza.raydump --view capsules --method costa --set mesh=ghost --out capsules.png
+  inspector shot sponza.raydump --view window --size 2560x1440 --scale 2 --theme light --out window.png
   inspector shot --session view.json --view curve --out view.png         as it was saved in the window
+  inspector shot other.raydump --session view.json --out other.png       the same of another recording
   inspector shot sponza.raydump --view curve --set mesh=wire --set clip_at=0.5 --camera \"0.5 0.2 0.3 1.2 -0.3 0.8\" --out c.png
-  inspector shot sponza.raydump --view rays --frames 100 --json --out rays.png    frame times, draws, memory
+  inspector shot sponza.raydump --view rays --set colour_by=length --set detail=5000 --out rays.png
+  inspector shot sponza.raydump --view capsules --set group_width=32 --set group=7 --set capsule_choice=selected --out g.png
+  inspector shot sponza.raydump --view rays --json --out rays.png        frame times, draws, memory
 
-Each panel of the window shows the command that draws it: ... > Show command.";
+Each panel of the window saves its session and shows the command that draws it: ... > Show command.";
 
 const EXPORT_EXAMPLES: &str = "\
 csv: one file of rays with their hits, in the order of a method. ply: rays and the curve of the order
@@ -141,7 +145,7 @@ enum Command {
     Report(Report),
     /// Draw the window, or one view of it, into a file.
     #[command(after_help = SHOT_EXAMPLES)]
-    Shot(Box<ShotArguments>),
+    Shot(Box<Shot>),
     /// Write rays, hits, orders and capsules for other programs.
     #[command(after_help = EXPORT_EXAMPLES)]
     Export(Export),
@@ -200,8 +204,8 @@ struct Export {
     #[arg(long, default_value_t = 1)]
     bounce: u32,
     /// The kind of rays.
-    #[arg(long, value_enum, default_value_t = RayKind::Closest)]
-    kind: RayKind,
+    #[arg(long, value_parser = arguments::kind(), default_value = "closest")]
+    kind: Kind,
     /// The order: a method, or unsorted.
     #[arg(long, default_value = "unsorted")]
     method: String,
@@ -236,14 +240,6 @@ enum ExportFormat {
     Ply,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum RayKind {
-    /// Camera and secondary rays.
-    Closest,
-    /// Rays to lights.
-    Shadow,
-}
-
 impl Plot {
     fn run(&self) -> anyhow::Result<()> {
         let width = match self.width {
@@ -260,11 +256,7 @@ impl Export {
             ExportFormat::Csv => export::Format::Csv,
             ExportFormat::Ply => export::Format::Ply,
         };
-        let kind = match self.kind {
-            RayKind::Closest => Kind::Closest,
-            RayKind::Shadow => Kind::Shadow,
-        };
-        let Self { pass, bounce, method, group, group_width, filter, .. } = self;
+        let Self { pass, bounce, kind, method, group, group_width, filter, .. } = self;
         let selection = export::Selection { pass, bounce, kind, method, group, group_width, filter };
         export::run(&self.dump, &self.out, format, &selection, self.json)
     }
@@ -309,7 +301,7 @@ impl InfoTarget {
 
 /// Runs the command that `arguments` (the program's name first) ask for.
 pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> ExitCode {
-    LazyLock::force(&shot::STARTED);
+    LazyLock::force(&STARTED);
     if rayon::ThreadPoolBuilder::new().build_global().is_err() {
         // Where the system gives no more threads, this one does the work; what fails then, fails by itself.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();

@@ -1,6 +1,6 @@
 //! Looks at Rayscope recordings: what is in them, whether it is right, and what can be saved.
 //!
-//! - [`cli`]: the command line
+//! - [`cli`]: the command line; `arguments`: words that several commands take
 //! - [`analysis`]: whole recordings by the numbers of `formats::metrics`
 //! - [`figures`]: figures as data, and the catalogue of them
 //! - `info`, `verify`, `recover`: the commands that need no window and no GPU
@@ -8,13 +8,14 @@
 //! - `plot`, `report`, `export`: the commands that make files: [`figures`], one page, rays for other programs
 //! - [`model`]: what the window shows, without a window; [`render`]: what it draws in space
 //! - [`panels`], [`app`]: the window; `shot`: the same without a screen; [`theme`]: its colours
-//! - [`session`], [`recent`], `shot_command`: what a window shows, to come back to and to repeat
+//! - [`session`], [`recent`]: what a window shows, to come back to and to repeat
 //! - `shown`: names that files give, fit to be shown; `output`: all that is printed, tables, names and sizes as text; `png_file`: pictures
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod analysis;
 pub mod app;
+mod arguments;
 pub mod cli;
 mod export;
 pub mod figures;
@@ -32,8 +33,6 @@ pub mod render;
 pub mod report;
 pub mod session;
 mod shot;
-mod shot_arguments;
-mod shot_command;
 mod shown;
 pub mod theme;
 mod verify;

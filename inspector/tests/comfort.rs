@@ -282,30 +282,45 @@ fn the_command_that_is_shown_draws_what_is_seen() {
     harness.get_by_label("Overview").click();
     settle(&mut harness);
     let context = harness.ctx.clone();
-    assert!(harness.state().command_of("window", &context).is_some());
-    let command = harness.state().command_of("scene", &context).unwrap();
-    for part in ["--bounce 1", "--method aila", "--ray 7", "--set capsules=true", "--camera '"] {
-        assert!(command.contains(part), "{part} is not in {command}");
-    }
-    let rows = harness.state().session(&context);
-    let camera = rows.panels["scene"]["camera"].as_str().unwrap().to_owned();
-    assert!(command.contains(&camera), "{camera} is not in {command}");
-    let out = folder.path().join("again.png");
-    let again = command.replacen("inspector", env!("CARGO_BIN_EXE_inspector"), 1);
-    let again = again.replace("--out scene.png", &format!("--out {}", out.display()));
-    let done = std::process::Command::new("sh").args(["-c", &again]).output().unwrap();
-    assert!(done.status.success(), "{again}: {}", String::from_utf8_lossy(&done.stderr));
-    assert!(out.is_file());
+    // A panel that was moved to the front is in front of the window that is drawn.
+    harness.get_by_label("Timings").click();
+    settle(&mut harness);
+    let file = folder.path().join("view.json");
+    let command =
+        |panel: &str, harness: &Harness<'_, App>| harness.state().command(panel, &file, &context).unwrap();
+    let draw = |command: &str, panel: &str| {
+        let out = folder.path().join("again.png");
+        let again = command.replacen("inspector", env!("CARGO_BIN_EXE_inspector"), 1);
+        let again = again.replace(&format!("--out {panel}.png"), &format!("--out {}", out.display()));
+        let done = std::process::Command::new("sh").args(["-c", &again]).output().unwrap();
+        assert!(done.status.success(), "{again}: {}", String::from_utf8_lossy(&done.stderr));
+        std::fs::read(out).unwrap()
+    };
     for (panel, view) in
         [("rays", "rays-table"), ("order", "order"), ("window", "window"), ("scene", "curve")]
     {
-        let command = harness.state().command_of(panel, &context).unwrap();
-        assert!(command.contains(&format!("--view {view} ")), "{panel}: {command}");
+        let command = command(panel, &harness);
+        let parts = [format!("--view {view} "), format!("--session {} ", file.display())];
+        assert!(parts.iter().all(|part| command.contains(part)), "{panel}: {command}");
     }
-    // Where panels are cannot be said in a command.
-    harness.get_by_label("Timings").click();
-    settle(&mut harness);
-    assert_eq!(harness.state().command_of("window", &context), None);
+    let session = Session::read(&file).unwrap();
+    assert_eq!(session.panels["scene"]["options"]["capsules"], true);
+    let camera = session.panels["scene"]["camera"].as_str().unwrap().to_owned();
+    // The same by options, without the session.
+    let dump = folder.path().join("sample.raydump");
+    let by_options = format!(
+        "inspector shot {} --view curve --bounce 1 --method aila --ray 7 --camera '{camera}' --set capsules=true \
+         --set capsule_choice=selected --out scene.png",
+        dump.display()
+    );
+    let seen = command("scene", &harness);
+    let size = seen.split(" --size ").nth(1).unwrap().split(" --out").next().unwrap();
+    let seen = draw(&seen, "scene");
+    assert!(seen == draw(&format!("{by_options} --size {size}"), "scene"), "another picture by {by_options}");
+    let window = draw(&command("window", &harness), "window");
+    let usual = by_options.replace("--view curve", "--view window");
+    let at_first = draw(&usual.replace("scene.png", "window.png --size 1280x720"), "window");
+    assert!(window != at_first, "the panel that was brought forward is not seen");
 }
 
 /// An order that was made, with bits, a length and an estimate of its own, is drawn by the command.
@@ -319,12 +334,15 @@ fn the_command_of_an_order_that_was_made_draws_it() {
         estimate,
         length,
     };
-    for (settings, expected) in [
+    for (settings, options) in [
         (
             settings("(u v)*3 (ox oy oz)*5", 18, Estimate::Fixed, 0.5),
-            "--what-if-bits 18 --what-if-length 0.5",
+            "--what-if '(u v)*3 (ox oy oz)*5' --set what_if.key_bits=18 --set what_if.length=0.5",
         ),
-        (settings("(ox oy oz ex ey ez)*5", 30, Estimate::Traced, 0.25), "--what-if-estimate traced"),
+        (
+            settings("(ox oy oz ex ey ez)*5", 30, Estimate::Traced, 0.25),
+            "--what-if '(ox oy oz ex ey ez)*5' --set estimate=traced --set key_bits=30",
+        ),
     ] {
         let context = &mut harness.state_mut().context;
         context.go_to(QUEUE);
@@ -334,11 +352,11 @@ fn the_command_of_an_order_that_was_made_draws_it() {
         let keys: Vec<u64> = (0..made.len()).map(|ray| made.keys.as_ref().unwrap().0.at(ray)).collect();
         settle(&mut harness);
         let window = harness.ctx.clone();
-        let command = harness.state().command_of("rays", &window).unwrap();
+        let session = folder.path().join("made.json");
+        let command = harness.state().command("rays", &session, &window).unwrap();
         let size = command.split_whitespace().skip_while(|word| *word != "--size").nth(1).unwrap();
         // As many rows as there are rays.
         let command = command.replace(size, "600x4000");
-        assert!(command.contains(expected), "{expected} is not in {command}");
         let draw = |command: &str, name: &str| {
             let out = folder.path().join(name);
             let command = command.replacen("inspector", env!("CARGO_BIN_EXE_inspector"), 1);
@@ -348,14 +366,13 @@ fn the_command_of_an_order_that_was_made_draws_it() {
             std::fs::read(out).unwrap()
         };
         let drawn = draw(&command, "made.png");
-        let usual = draw(&command.replace(expected, ""), "usual.png");
-        assert!(drawn != usual, "{command} changes nothing");
-        let session = folder.path().join("made.json");
-        harness.state().session(&window).write(&session).unwrap();
-        let by_session = format!(
-            "inspector shot --session {} --view rays-table --size 600x4000 --out rays.png",
-            session.display()
+        let by_session = format!("--session {}", session.display());
+        let by_options = |options: &str| command.replace(&by_session, &format!("--bounce 1 {options}"));
+        assert!(
+            draw(&by_options(options), "options.png") == drawn,
+            "{options} shows another order: {keys:?}"
         );
-        assert!(draw(&by_session, "session.png") == drawn, "the session shows another order: {keys:?}");
+        let usual = options.split(" --set").next().unwrap();
+        assert!(draw(&by_options(usual), "usual.png") != drawn, "{options} changes nothing");
     }
 }

@@ -81,7 +81,7 @@ fn what_a_recording_does_not_have_is_said() {
         ("--bounce", "9", "bounce-09"),
         ("--method", "nope", "nope"),
         ("--ray", "100000", "100000"),
-        ("--group", "999", "999"),
+        ("--set", "group=999", "999"),
         ("--what-if", "(ox oq)*4", "unknown coordinate 'oq'"),
         ("--what-if", "light-octahedron", "only shadow rays have"),
         ("--filter", "bounse == 1", "did you mean 'bounce'?"),
@@ -123,15 +123,17 @@ fn what_is_drawn_is_set_and_counted() {
         &["--set", "mesh=wire"],
         &["--set", "clip_axis=x", "--set", "clip_at=0.5"],
         &["--set", "arrows=true"],
-        &["--colour-by", "key:ox", "--method", "aila"],
+        &["--set", "scene.options.colour_by=key:ox", "--method", "aila"],
+        &["--set", "group=2", "--set", "group_width=32"],
+        &["--theme", "light"],
     ] {
         assert!(draw(more).0 != usual, "{more:?} changes nothing");
     }
     for (more, code, expected) in [
         (["--camera", "1 2 3"], 2, "target x, y, z, yaw, pitch, distance"),
-        (["--set", "meshes=wire"], 1, "there are: all_rows"),
+        (["--set", "meshes=wire"], 1, "did you mean 'mesh'?"),
         (["--set", "mesh=wood"], 1, "wood"),
-        (["--colour-by", "key:no"], 2, "ox, oy"),
+        (["--set", "colour_by=key:no"], 1, "ox, oy"),
         (["--recording", "7"], 1, "no recording 7"),
     ] {
         let view = ["shot", "--view", "compare", "--out", out.to_str().unwrap()];
@@ -148,7 +150,8 @@ fn views_share_the_surfaces() {
     let dump = sample::write(folder.path());
     let uploaded = |view: &str| {
         let out = folder.path().join("x.png");
-        let arguments = ["shot", "--json", "--view", view, "--mesh", "ghost", "--size", "640x400", "--out"];
+        let arguments =
+            ["shot", "--json", "--view", view, "--set", "mesh=ghost", "--size", "640x400", "--out"];
         let output = inspector(&arguments, &dump).arg(out).output().unwrap();
         assert!(output.status.success(), "{view}: {}", text(&output));
         let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -194,6 +197,43 @@ fn settings_of_panels_change_their_pictures() {
         assert_eq!(output.status.code(), Some(1), "{setting}");
         assert!(text(&output).contains(expected), "{setting}: {}", text(&output));
     }
+}
+
+/// A session without the version's newest settings, with relative paths, as programs before wrote them; and the
+/// same of another recording.
+#[test]
+fn a_session_is_drawn_with_changes_and_of_another_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = sample::write(folder.path());
+    let other = folder.path().join("other.raydump");
+    std::fs::rename(&dump, &other).unwrap();
+    let dump = sample::write(folder.path());
+    let file = folder.path().join("view.json");
+    let selection = r#""recording": 0, "pass": 1, "bounce": 1, "kind": "closest", "method": "aila",
+        "group_width": "64", "ray": 3, "group": null, "cell": null"#;
+    let session = format!(
+        r#"{{ "version": 1, "recordings": ["sample.raydump"], "selection": {{ {selection} }}, "theme": "light",
+            "layout": null, "panels": {{ "scene": {{ "options": {{ "rays": true }}, "camera": null }} }} }}"#
+    );
+    std::fs::write(&file, session).unwrap();
+    let out = folder.path().join("x.png");
+    let draw = |dump: Option<&Path>, more: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_inspector"));
+        command.arg("shot").args(dump).args(["--view", "curve", "--size", "320x240", "--out"]).arg(&out);
+        let output = command.args(more).output().unwrap();
+        assert!(output.status.success(), "{more:?}: {}", text(&output));
+        std::fs::read(&out).unwrap()
+    };
+    let session = ["--session", file.to_str().unwrap()];
+    let drawn = draw(None, &session);
+    let by_options =
+        ["--bounce", "1", "--method", "aila", "--ray", "3", "--theme", "light", "--set", "rays=true"];
+    let by_options = [&by_options[..], &["--set", "capsule_choice=selected"]].concat();
+    assert!(draw(Some(&dump), &by_options) == drawn, "the session shows something else");
+    assert!(draw(Some(&other), &session) == drawn, "the other recording has the same rays");
+    assert!(draw(None, &[&session[..], &["--method", "mine"]].concat()) != drawn);
+    std::fs::remove_dir_all(&dump).unwrap();
+    assert!(draw(Some(&other), &session) == drawn, "it takes the place of the session's");
 }
 
 /// With all Vulkan drivers hidden, only what draws in a window fails, and says why.

@@ -227,8 +227,7 @@ fn a_source_that_was_changed_is_named() {
 fn a_picture_of_what_cannot_be_drawn_is_a_failure() {
     let folder = tempdir().unwrap();
     record(folder.path(), "right", "builtin:cornell", "--backend cpu --repeats 1 --methods aila");
-    let shot =
-        "--view rays --bounce 0 --kind closest --method aila --mesh solid --size 320x240 --out picture.png";
+    let shot = "--view rays --bounce 0 --kind closest --method aila --set mesh=solid --size 320x240 --out picture.png";
     let draw = |name: &str| Program::Inspector.run(folder.path(), &format!("shot {name}.raydump {shot}"));
     draw("right").succeeded();
     let path = copy(&folder.path().join("right.raydump"), "rays");

@@ -9,6 +9,8 @@ pub(super) enum Asking {
     OpenRecording,
     OpenSession,
     SaveSession,
+    /// The session that the command for a panel, or for the `window`, draws.
+    SaveCommand(&'static str),
     /// A picture of a panel, or of the window.
     SavePicture(Option<&'static str>),
     /// The data of a panel.
@@ -35,6 +37,7 @@ impl Asking {
             Self::OpenRecording => "Open NAME.raydump",
             Self::OpenSession => "Open session",
             Self::SaveSession => "Save session",
+            Self::SaveCommand(_) => "Save the session that the command draws",
             Self::SavePicture(_) => "Save picture",
             Self::SaveData(_) => "Save data",
         }
@@ -44,6 +47,7 @@ impl Asking {
         match self {
             Self::OpenRecording | Self::OpenSession => String::new(),
             Self::SaveSession => "session.json".to_owned(),
+            Self::SaveCommand(panel) => format!("{panel}.json"),
             Self::SavePicture(panel) => format!("{}.png", panel.unwrap_or("window")),
             Self::SaveData(panel) => format!("{panel}.csv"),
         }
@@ -56,7 +60,7 @@ impl Asking {
         let chosen = match self {
             Self::OpenRecording => dialog.pick_folder(),
             Self::OpenSession => dialog.add_filter("session", &["json"]).pick_file(),
-            Self::SaveSession | Self::SavePicture(_) | Self::SaveData(_) => {
+            Self::SaveSession | Self::SaveCommand(_) | Self::SavePicture(_) | Self::SaveData(_) => {
                 dialog.set_file_name(self.file_name()).save_file()
             }
         };

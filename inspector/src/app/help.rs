@@ -72,7 +72,7 @@ impl App {
     }
 
     pub(super) fn command_window(&mut self, ui: &egui::Ui) {
-        let Some(command) = &self.command else { return };
+        let Some(command) = &self.shown_command else { return };
         let mut is_open = true;
         egui::Window::new("The same without a window")
             .open(&mut is_open)
@@ -86,7 +86,7 @@ impl App {
                 }
             });
         if !is_open {
-            self.command = None;
+            self.shown_command = None;
         }
     }
 }

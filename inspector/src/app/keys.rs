@@ -31,7 +31,7 @@ impl App {
         }
         if pressed(Modifiers::NONE, Key::Escape) {
             self.context.selection.clear();
-            (self.is_help_open, self.command) = (false, None);
+            (self.is_help_open, self.shown_command) = (false, None);
         }
         if ui.input(|input| {
             input.events.iter().any(|event| matches!(event, egui::Event::Text(text) if text == "?"))

@@ -30,12 +30,6 @@ pub(super) fn at_first() -> Tree<Pane> {
     Tree::new(egui::Id::unique("tiles"), root, tiles)
 }
 
-/// Whether panels are where they are at first, the same ones in front.
-pub(super) fn is_as_at_first(tree: &Tree<Pane>) -> bool {
-    let written = |tree: &Tree<Pane>| serde_json::to_value(tree).ok();
-    written(tree) == written(&at_first())
-}
-
 fn share(tiles: &mut Tiles<Pane>, container: TileId, shares: &[(TileId, f32)]) {
     if let Some(Tile::Container(Container::Linear(linear))) = tiles.get_mut(container) {
         for (tile, share) in shares {

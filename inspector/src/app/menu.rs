@@ -54,10 +54,8 @@ impl App {
         ui.separator();
         let picture = Task::Ask(Asking::SavePicture(None));
         task(self, ui, item("Save picture of the window...", ""), is_open, picture);
-        if ui.add_enabled(is_open, Button::new("Show command of the window")).clicked() {
-            self.show_command("window", ui.ctx());
-            ui.close();
-        }
+        let command = Task::Ask(Asking::SaveCommand("window"));
+        task(self, ui, item("Show command of the window...", ""), is_open, command);
         ui.separator();
         if ui.button("Quit").clicked() {
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);

@@ -3,10 +3,11 @@
 //! - `layout`, `tiles`: where panels are, and what can be saved of each
 //! - `menu`, `keys`, `help`: what is done to the window as a whole
 //! - `welcome`, [`demo`]: before a recording is open
-//! - `ask`, `saving`, `picture`: files
+//! - `ask`, `saving`, `picture`, `command`: files, and the command that draws the same without a window
 //! - [`run`]: the window on a screen; `kept`: from one to the next
 
 mod ask;
+mod command;
 pub mod demo;
 mod help;
 mod kept;
@@ -37,7 +38,6 @@ use crate::panels::{PANELS, Panel};
 use crate::recent::Recent;
 use crate::render::gpu::errors::Errors;
 use crate::session::Session;
-use crate::shot_command;
 
 /// What is done once all of the window is drawn.
 enum Task {
@@ -64,7 +64,7 @@ pub struct App {
     picture: Option<Picture>,
     places: BTreeMap<&'static str, egui::Rect>,
     /// A command that is shown.
-    command: Option<String>,
+    shown_command: Option<String>,
     is_help_open: bool,
     canvas: Canvas,
     gpu_errors: Errors,
@@ -89,7 +89,7 @@ impl App {
             prompt: None,
             picture: None,
             places: BTreeMap::new(),
-            command: None,
+            shown_command: None,
             is_help_open: false,
             canvas,
             gpu_errors: Errors::default(),
@@ -151,6 +151,24 @@ impl App {
     pub fn restore(&mut self, session: &Session) {
         self.context = session.open();
         self.arrange_as(session);
+    }
+
+    /// Shows what a session says of the recordings that are open.
+    ///
+    /// # Errors
+    /// If what is selected is not there. What panels cannot show is a problem.
+    pub(crate) fn show_session(&mut self, session: &Session) -> Result<(), String> {
+        self.context.what_if.clone_from(&session.what_if);
+        session.selection.select(&mut self.context)?;
+        self.arrange_as(session);
+        Ok(())
+    }
+
+    /// Shows one panel alone.
+    pub(crate) fn show_panel(&mut self, name: &str, ui: &mut egui::Ui) {
+        if let Some(panel) = layout::place(name).and_then(|at| self.panels.get_mut(at)) {
+            panel.show(ui, &mut self.context);
+        }
     }
 
     /// Arranges panels as a session has them.
@@ -235,30 +253,8 @@ impl App {
             }
             Some((panel, Wish::SaveData)) => self.task = Some(Task::Ask(Asking::SaveData(panel))),
             Some((panel, Wish::CopyData)) => self.copy_data(panel, ui.ctx()),
-            Some((panel, Wish::ShowCommand)) => self.show_command(panel, ui.ctx()),
+            Some((panel, Wish::ShowCommand)) => self.task = Some(Task::Ask(Asking::SaveCommand(panel))),
         }
-    }
-
-    fn show_command(&mut self, panel: &str, window: &egui::Context) {
-        let none = "No option of `inspector shot` gives this: save a session, and draw that by --session.";
-        self.command = Some(self.command_of(panel, window).unwrap_or_else(|| none.to_owned()));
-    }
-
-    /// The command that draws a panel, or the window, as it is; none for a window whose panels were moved.
-    pub fn command_of(&self, panel: &str, window: &egui::Context) -> Option<String> {
-        if panel == "window" && !layout::is_as_at_first(&self.tree) {
-            return None;
-        }
-        let (scale, size) = (window.pixels_per_point(), window.content_rect().size());
-        let size = self.places.get(panel).map_or(size, egui::Rect::size);
-        let look = shot_command::Look {
-            size: [size.x, size.y].map(|side| (side * scale).round() as u32),
-            scale,
-            is_light: window.theme() == egui::Theme::Light,
-        };
-        let states = PANELS.iter().zip(&self.panels).map(|(entry, panel)| (entry.name, panel.state()));
-        let states = states.filter(|(name, _)| panel == "window" || *name == panel);
-        shot_command::of(&self.context, panel, &states.collect::<Vec<_>>(), &look)
     }
 
     fn take_dropped(&mut self, ui: &egui::Ui) {
@@ -316,6 +312,10 @@ impl App {
                     self.problem("the session cannot be saved", error);
                 }
             }
+            Asking::SaveCommand(panel) => match self.command(panel, &path, window) {
+                Ok(command) => self.shown_command = Some(command),
+                Err(error) => self.problem("the session cannot be saved", error),
+            },
             Asking::SavePicture(panel) => self.picture = Some(Picture::of(panel, path)),
             Asking::SaveData(panel) => self.save_data(panel, &path),
         }
@@ -343,7 +343,6 @@ mod tests {
         let mut app = App::showing(context, wgpu::TextureFormat::Rgba8Unorm.into());
         app.arrange(Some(kept.clone()));
         layout::bring_forward(&mut kept, "problems");
-        assert!(!layout::is_as_at_first(&kept));
         assert_eq!(serde_json::to_value(&app.tree).unwrap(), serde_json::to_value(&kept).unwrap());
     }
 }

@@ -21,7 +21,11 @@ const WISHES: [(Wish, &str, &str); 4] = [
     (Wish::SavePicture, "Save picture...", "This panel as it is on the screen, as a PNG"),
     (Wish::SaveData, "Save data...", "The numbers behind this panel, as CSV"),
     (Wish::CopyData, "Copy data", "The numbers behind this panel as text, to be pasted into a table"),
-    (Wish::ShowCommand, "Show command", "The command that draws this panel into a file without a window"),
+    (
+        Wish::ShowCommand,
+        "Show command...",
+        "Saves the session, and gives the command that draws this panel of it without a window",
+    ),
 ];
 
 pub(super) struct Shown<'a> {

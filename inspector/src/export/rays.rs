@@ -224,10 +224,7 @@ fn passing(
     filter: &str,
     places: &Range<usize>,
 ) -> anyhow::Result<Vec<u32>> {
-    let wrong = |error: filter::FilterError| {
-        let (blanks, marks) = (" ".repeat(error.start), "^".repeat(error.length));
-        Error::msg(format!("--filter: {error}\n  {filter}\n  {blanks}{marks}"))
-    };
+    let wrong = |error: filter::FilterError| Error::msg(format!("--filter: {}", error.shown(filter)));
     let expression = Expression::parse(filter).map_err(wrong)?;
     let queue = Arc::new(Queue::open(dump, id).map_err(Error::msg)?);
     let order = Arc::new(Order::open(dump, queue, &selection.method).map_err(Error::msg)?);

@@ -15,11 +15,11 @@ mod problems;
 mod ray;
 mod rays;
 mod scene;
-pub(crate) mod settings;
 pub mod space;
 mod table;
 mod table_plots;
 mod timings;
+pub(crate) mod views;
 mod what_if;
 mod worst;
 

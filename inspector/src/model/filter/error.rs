@@ -26,6 +26,11 @@ impl FilterError {
         Self::new(span, format!("found {found}, expected {expected}"))
     }
 
+    /// With the text of the filter, and marks under what is at fault.
+    pub fn shown(&self, filter: &str) -> String {
+        format!("{self}\n  {filter}\n  {}{}", " ".repeat(self.start), "^".repeat(self.length))
+    }
+
     /// No quantity has this name; says which was meant.
     pub(super) fn unknown(span: &Range<usize>, name: &str) -> Self {
         let quantities = Quantity::ALL.iter().map(|quantity| quantity.name());
@@ -41,7 +46,7 @@ impl FilterError {
 }
 
 /// The known word that a mistyped one is most like, if it is like any.
-pub(super) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     // Half of a word may be wrong, so that 'len' is 'length'; nothing is like a single letter.
     let like = |known: &&'a str| (strsim::jaro_winkler(name, known), *known);
     let best = known.iter().map(like).max_by(|a, b| a.0.total_cmp(&b.0))?;

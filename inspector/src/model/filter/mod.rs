@@ -13,6 +13,7 @@ pub mod tree;
 use std::sync::Arc;
 
 pub use self::error::FilterError;
+pub(crate) use self::error::nearest;
 pub use self::evaluate::{Passing, passing};
 pub use self::parse::Expression;
 

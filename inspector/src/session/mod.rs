@@ -1,10 +1,13 @@
 //! Sessions: all that a window shows, as a file to come back to or to draw from without a screen.
 
+mod setting;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use formats::files::{read_plain, replace};
+use formats::key::method::UNSORTED;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 use serde::{Deserialize, Serialize};
@@ -12,6 +15,8 @@ use serde::{Deserialize, Serialize};
 use crate::analysis::GroupWidth;
 use crate::model::what_if::{self, WHAT_IF};
 use crate::model::{Context, Selection};
+
+pub use self::setting::SettingError;
 
 /// Version of the files that this program writes and reads.
 const VERSION: u32 = 1;
@@ -41,7 +46,7 @@ pub struct Session {
 }
 
 /// Light or dark.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum ThemeChoice {
     /// Dark on light.
@@ -50,6 +55,7 @@ pub enum ThemeChoice {
     Dark,
     /// As the system.
     #[default]
+    #[value(skip)]
     System,
 }
 
@@ -77,18 +83,18 @@ impl From<ThemeChoice> for egui::ThemePreference {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedSelection {
-    recording: usize,
-    pass: u32,
-    bounce: u32,
-    kind: Kind,
-    method: String,
-    group_width: String,
-    ray: Option<usize>,
-    group: Option<usize>,
-    cell: Option<u32>,
+    pub(crate) recording: usize,
+    pub(crate) pass: u32,
+    pub(crate) bounce: u32,
+    pub(crate) kind: Kind,
+    pub(crate) method: String,
+    pub(crate) group_width: String,
+    pub(crate) ray: Option<usize>,
+    pub(crate) group: Option<usize>,
+    pub(crate) cell: Option<u32>,
     /// Which rays are looked at; all if empty.
     #[serde(default)]
-    filter: String,
+    pub(crate) filter: String,
 }
 
 impl From<&Selection> for SavedSelection {
@@ -201,20 +207,28 @@ impl Session {
             .map_err(|cause| SessionError::Write { path: path.to_owned(), cause })
     }
 
+    /// With these recordings in place of its own; its own if there are none.
+    pub(crate) fn of_recordings(mut self, recordings: &[PathBuf]) -> Self {
+        if let Some(last) = recordings.len().checked_sub(1) {
+            self.recordings = recordings.to_vec();
+            self.selection.recording = self.selection.recording.min(last);
+        }
+        self
+    }
+
     /// Opens its recordings and selects what was selected. What is not there any more is a problem.
     pub fn open(&self) -> Context {
         let mut context = Context::default();
-        context.what_if.clone_from(&self.what_if);
         let mut places = Vec::new();
         for path in &self.recordings {
             let before = context.recordings.len();
             context.add(path);
             places.push((context.recordings.len() > before).then_some(before));
         }
-        let saved = &self.selection;
-        let Some(Some(at)) = places.get(saved.recording) else { return context };
+        context.what_if.clone_from(&self.what_if);
+        let Some(Some(at)) = places.get(self.selection.recording) else { return context };
         context.select_recording(*at);
-        if let Err(why) = saved.select(&mut context) {
+        if let Err(why) = self.selection.select(&mut context) {
             let what = "not all that the session had selected can be selected".to_owned();
             context.problems.push(crate::model::context::Problem { what, why });
         }
@@ -223,24 +237,43 @@ impl Session {
 }
 
 impl SavedSelection {
-    fn select(&self, context: &mut Context) -> Result<(), String> {
-        let queue = QueueId { pass: self.pass, bounce: self.bounce, kind: self.kind };
+    /// The queue that is looked at.
+    pub(crate) fn queue(&self) -> QueueId {
+        QueueId { pass: self.pass, bounce: self.bounce, kind: self.kind }
+    }
+
+    /// Selects it in the recording that is looked at.
+    ///
+    /// # Errors
+    /// What that recording does not have.
+    pub(crate) fn select(&self, context: &mut Context) -> Result<(), String> {
+        let queue = self.queue();
         let recording = context.recording().ok_or("its recording is not open")?;
-        if !recording.queues().iter().any(|record| record.id == queue) {
-            return Err(format!("{} has no {queue}", recording.label));
+        let Some(record) = recording.queues().iter().find(|record| record.id == queue) else {
+            let known: Vec<String> = recording.queues().iter().map(|record| record.id.to_string()).collect();
+            return Err(format!("{} has no {queue}; it has: {}", recording.label, known.join(", ")));
+        };
+        let is_made = self.method == WHAT_IF || self.method == UNSORTED;
+        if !is_made && !record.methods.contains(&self.method) {
+            let known = record.methods.join(", ");
+            return Err(format!("{queue} was not ordered by {}; there are: {known}", self.method));
         }
-        let is_known = self.method == WHAT_IF || recording.methods(queue).contains(&self.method);
-        if !is_known && !recording.methods(queue).is_empty() {
-            return Err(format!("{queue} was not ordered by {}", self.method));
+        let width = GroupWidth::from_str(&self.group_width, false)?;
+        let rays = record.rays;
+        let groups = rays.div_ceil(width.rays() as u64);
+        for (what, chosen, all) in [("ray", self.ray, rays), ("group", self.group, groups)] {
+            if let Some(chosen) = chosen.filter(|&chosen| chosen as u64 >= all) {
+                return Err(format!("{queue} has no {what} {chosen}; there are {all}, counted from 0"));
+            }
         }
         context.go_to(queue);
-        context.selection.group_width = GroupWidth::from_str(&self.group_width, false)?;
+        context.selection.group_width = width;
         context.selection.order_by(&self.method);
         let selection = &mut context.selection;
         (selection.ray, selection.group, selection.cell) = (self.ray, self.group, self.cell);
         selection.filter.set(&self.filter);
         match selection.filter.error() {
-            Some(error) => Err(format!("its filter {:?} is none: {error}", self.filter)),
+            Some(error) => Err(format!("the filter is none: {}", error.shown(&self.filter))),
             None => Ok(()),
         }
     }
