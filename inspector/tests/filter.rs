@@ -13,13 +13,14 @@ use egui_kittest::kittest::Queryable;
 use formats::key::decode::decode;
 use formats::length_table::mean_length;
 use formats::manifest::QueueId;
+use formats::metrics::quantity::Quantity;
 use formats::ray::Kind;
 use formats::traced::Results;
 use inspector::analysis::GroupWidth;
+use inspector::model::colour_by::ColourBy;
 use inspector::model::filter::{Expression, passing};
-use inspector::model::quantity::{Numbers, Quantity};
+use inspector::model::numbers::Numbers;
 use inspector::model::rows::{Direction, Rows, Sorting};
-use inspector::model::value::ColourBy;
 use inspector::model::{Context, Order};
 use inspector::panels::space::layers::Layers;
 use inspector::panels::space::options::Options;
@@ -52,6 +53,11 @@ fn numbers(context: &mut Context) -> Numbers {
 /// The places that pass by a closure.
 fn kept(order: &Order, keep: impl Fn(usize, usize) -> bool) -> Vec<u32> {
     (0..order.len()).filter(|&place| keep(place, order.places.ray(place))).map(|place| place as u32).collect()
+}
+
+fn value(numbers: &Numbers, quantity: Quantity, place: usize) -> f64 {
+    numbers.prepare(quantity);
+    (quantity.value())(numbers.rays().at(place))
 }
 
 fn places(text: &str, numbers: &Numbers) -> Vec<u32> {
@@ -137,7 +143,7 @@ fn what_takes_groups_finds_them_first() {
         let sorted = Rows::of(&numbers(&mut context), None, Sorting { by, direction: Direction::Ascending });
         assert!(sorted.len() > 1);
     }
-    for colour_by in [ColourBy::CapsuleArea, ColourBy::Spread, ColourBy::Lanes] {
+    for colour_by in [Quantity::Area, Quantity::Spread, Quantity::Lanes].map(ColourBy::Quantity) {
         let options = Options { curve: false, colour_by, ..Options::default() };
         let mut layers = Layers::default();
         shown_by(&mut layers, &mut fresh(), &options);
@@ -171,7 +177,7 @@ fn the_rays_of_a_cell_have_its_mean() {
     for cell in cells.iter() {
         let places = places(&format!("cell == {}", cell.cell), &numbers);
         let mean = f64::from(mean_length(cell.sum, cell.count));
-        assert!(places.iter().all(|&place| numbers.value(Quantity::Estimate, place as usize) == mean));
+        assert!(places.iter().all(|&place| value(&numbers, Quantity::Estimate, place as usize) == mean));
         found += places.len();
     }
     assert!(found > 50, "only {found} rays have a cell that was touched");
@@ -219,7 +225,7 @@ fn any_number() -> impl Strategy<Value = Sample> {
     let quantity = prop::sample::select(Quantity::ALL)
         .prop_filter("known of closest rays", |quantity| !matches!(quantity, Quantity::Light));
     let quantity = quantity.prop_map(|quantity| {
-        sample(quantity.name().to_owned(), move |numbers, place| numbers.value(quantity, place))
+        sample(quantity.name().to_owned(), move |numbers, place| value(numbers, quantity, place))
     });
     prop_oneof![literal, quantity].prop_recursive(3, 12, 2, |inner| {
         let two = (inner.clone(), inner.clone(), 0..4usize).prop_map(|(a, b, sign)| {
@@ -312,9 +318,10 @@ fn rows_are_sorted_stably_and_filtered() {
                 let kept = |place: &usize| filter.is_none_or(|filter| filter.contains(*place));
                 let mut expected: Vec<usize> = (0..numbers.order.len()).filter(kept).collect();
                 expected.sort_by(|&a, &b| {
-                    let (x, y) = (numbers.value(by, a), numbers.value(by, b));
+                    let (x, y) = (value(&numbers, by, a), value(&numbers, by, b));
                     let compared = if by == Quantity::Key {
-                        numbers.key(a).cmp(&numbers.key(b))
+                        let rays = numbers.rays();
+                        rays.at(a).key().cmp(&rays.at(b).key())
                     } else {
                         x.partial_cmp(&y).unwrap_or_else(|| x.is_nan().cmp(&y.is_nan()))
                     };
@@ -408,7 +415,7 @@ fn a_header_sorts_and_again_the_other_way() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = panel("rays", opened(folder.path(), QUEUE, "two-point"));
     let numbers = numbers(&mut harness.state_mut().context);
-    let lengths = (0..numbers.order.len()).map(|place| numbers.value(Quantity::Length, place));
+    let lengths = (0..numbers.order.len()).map(|place| value(&numbers, Quantity::Length, place));
     let lengths: BTreeSet<u32> = lengths.map(|length| (length as f32).to_bits()).collect();
     let text = |bits: Option<&u32>| format!("{:.4}", f32::from_bits(*bits.unwrap()));
     let (shortest, longest) = (text(lengths.first()), text(lengths.last()));

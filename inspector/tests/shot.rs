@@ -213,7 +213,8 @@ fn a_session_is_drawn_with_changes_and_of_another_recording() {
         "group_width": "64", "ray": 3, "group": null, "cell": null"#;
     let session = format!(
         r#"{{ "version": 1, "recordings": ["sample.raydump"], "selection": {{ {selection} }}, "theme": "light",
-            "layout": null, "panels": {{ "scene": {{ "options": {{ "rays": true }}, "camera": null }} }} }}"#
+            "layout": null,
+            "panels": {{ "scene": {{ "options": {{ "rays": true, "colour_by": "estimate" }}, "camera": null }} }} }}"#
     );
     std::fs::write(&file, session).unwrap();
     let out = folder.path().join("x.png");
@@ -228,7 +229,9 @@ fn a_session_is_drawn_with_changes_and_of_another_recording() {
     let drawn = draw(None, &session);
     let by_options =
         ["--bounce", "1", "--method", "aila", "--ray", "3", "--theme", "light", "--set", "rays=true"];
-    let by_options = [&by_options[..], &["--set", "capsule_choice=selected"]].concat();
+    // What is estimated over what was traced has another name since.
+    let by_options =
+        [&by_options[..], &["--set", "capsule_choice=selected", "--set", "colour_by=ratio"]].concat();
     assert!(draw(Some(&dump), &by_options) == drawn, "the session shows something else");
     assert!(draw(Some(&other), &session) == drawn, "the other recording has the same rays");
     assert!(draw(None, &[&session[..], &["--method", "mine"]].concat()) != drawn);

@@ -1,6 +1,8 @@
 //! What recordings are judged by (KEYS, "Coherence of an order").
 //!
-//! - [`capsule`], [`spread`], [`lanes`]: how coherent an order's groups of rays are
+//! - [`order`]: which ray is at each place, and by which key
+//! - [`capsule`], [`spread`], [`lanes`]: how coherent rays are; [`group`]: all of it of one group
+//! - [`quantity`]: the numbers that a ray or its group has, by name: one entry each
 //! - [`estimator`]: how far estimated ray lengths are from traced ones
 //! - [`speedup`], [`bandwidth`]: what times say
 //! - [`correlation`]: how two numbers go together
@@ -9,7 +11,10 @@ pub mod bandwidth;
 pub mod capsule;
 pub mod correlation;
 pub mod estimator;
+pub mod group;
 pub mod lanes;
+pub mod order;
+pub mod quantity;
 pub mod speedup;
 pub mod spread;
 

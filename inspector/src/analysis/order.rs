@@ -4,13 +4,14 @@ use formats::key::Termination;
 use formats::key::method::UNSORTED;
 use formats::manifest::{CacheRecord, Manifest, MethodArray, MethodRecord, Place, QueueId};
 use formats::metrics::bandwidth::{KeyTraffic, Traffic};
+use formats::metrics::order::Places;
 use formats::metrics::speedup::StageSamples;
 use formats::reader::Dump;
 use serde::Serialize;
 
 use super::Metric;
 use super::arrays::QueueArrays;
-use super::coherence::{Coherence, LaneUtilisation, Places, coherence, lanes};
+use super::coherence::{Coherence, LaneUtilisation, coherence, lanes};
 use super::options::{Depth, Options};
 use super::timing::{Samples, SpeedupLine, StageTime, Time, stages};
 use crate::shown;

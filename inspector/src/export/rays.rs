@@ -12,7 +12,7 @@ use formats::unit_space::UnitSpace;
 use super::capsule::Point;
 use crate::analysis::GroupWidth;
 use crate::model::filter::{self, Expression};
-use crate::model::quantity::Numbers;
+use crate::model::numbers::Numbers;
 use crate::model::{Order, Queue};
 
 /// Which rays, in which order.

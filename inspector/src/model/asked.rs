@@ -14,8 +14,8 @@ use super::derived::{Derived, Filtered, Rays};
 use super::estimates::Estimates;
 use super::filter::passing;
 use super::groups::Groups;
+use super::numbers::Numbers;
 use super::order::Order;
-use super::quantity::Numbers;
 use super::rows::{Rows, Sorting};
 
 impl Context {
@@ -145,7 +145,7 @@ impl Context {
         let queue = self.queue().ok()?;
         let recording = self.recording()?;
         let (at, header) = (recording.opening, &recording.dump.manifest().header);
-        let encoder = formats::stored_table::cell_encoder(header)?;
+        let encoder = header.cell_encoder()?;
         let Derived { waker, rays_of_cell, .. } = &mut self.derived;
         let make = move || {
             let rays = queue.traced.rays().par_iter().enumerate();

@@ -2,29 +2,14 @@
 
 use std::ops::Range;
 
-use formats::metrics::capsule::{Capsule, Segment};
-use formats::metrics::lanes::{LaneUse, work_of};
-use formats::metrics::spread::direction_spread;
+use formats::metrics::group::Group;
+use formats::metrics::order::Places;
 use rayon::prelude::*;
 
 use super::queue::Queue;
-use crate::analysis::coherence::Places;
 
 /// Groups that a thread takes at a time.
 const GROUPS_PER_TASK: usize = 64;
-
-/// One group.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Group {
-    /// Its capsule, unit space.
-    pub capsule: Capsule,
-    /// Area of the capsule.
-    pub area: f64,
-    /// Direction spread, 0 to 1.
-    pub spread: f64,
-    /// Lane utilisation if the group were traced together, 0 to 1; not known without work. A model.
-    pub lanes: Option<f64>,
-}
 
 /// The groups of an order.
 #[derive(Debug)]
@@ -41,11 +26,11 @@ impl Groups {
     /// Of `width` consecutive rays of an order of a queue.
     pub(super) fn of(queue: &Queue, order: &Places, width: usize) -> Self {
         let rays = order.len();
-        let group = |at: usize| Group::of(queue, order, places_of(at, width, rays));
+        let of = |at: usize| group(queue, order, places_of(at, width, rays));
         let groups = (0..rays.div_ceil(width)).into_par_iter().with_min_len(GROUPS_PER_TASK);
-        let groups: Vec<Group> = groups.filter_map(group).collect();
-        let weighted = |(at, group): (usize, &Group)| group.area * places_of(at, width, rays).len() as f64;
-        let mean_area = groups.iter().enumerate().map(weighted).sum::<f64>() / rays.max(1) as f64;
+        let groups: Vec<Group> = groups.filter_map(of).collect();
+        let weighted = |group: &Group| group.area * f64::from(group.rays);
+        let mean_area = groups.iter().map(weighted).sum::<f64>() / rays.max(1) as f64;
         Self { width, groups, rays, mean_area }
     }
 
@@ -84,18 +69,8 @@ pub(super) fn places_of(group: usize, width: usize, rays: usize) -> Range<usize>
     first..(first + width).min(rays)
 }
 
-impl Group {
-    /// Of these places of an order; `None` for none.
-    pub(super) fn of(queue: &Queue, order: &Places, places: Range<usize>) -> Option<Self> {
-        let indices: Vec<usize> = places.map(|place| order.ray(place)).collect();
-        let segments: Vec<Segment> = indices.iter().map(|&ray| queue.segment(ray)).collect();
-        let capsule = Capsule::around(&segments)?;
-        let lanes = queue.work.as_ref().ok().and_then(|work| {
-            let mut lanes = LaneUse::new(indices.len());
-            lanes.add(&indices.iter().map(|&ray| work_of(&work[ray])).collect::<Vec<_>>());
-            lanes.utilisation()
-        });
-        let spread = direction_spread(indices.iter().map(|&ray| queue.traced.rays()[ray].direction))?;
-        Some(Self { area: capsule.area(), capsule, spread, lanes })
-    }
+/// The group at these places of an order; `None` for none.
+pub(super) fn group(queue: &Queue, order: &Places, places: Range<usize>) -> Option<Group> {
+    let work = queue.work.as_deref().ok();
+    Group::of(&queue.traced, &queue.lengths, work, places.map(|place| order.ray(place)))
 }

@@ -6,9 +6,9 @@
 //! - [`image_plane`]: where on the picture a ray's path starts
 //! - [`history`]: selections to go back to
 //! - [`groups`]: capsules, direction spread and lane utilisation of each group of an order
-//! - [`value`]: the numbers that colours stand for
+//! - [`numbers`]: what the numbers of an order's rays are read from; [`colour_by`]: what colours stand for
 //! - [`key`]: a key field by field
-//! - [`quantity`]: the numbers that a ray has, by name; [`filter`]: which rays are looked at
+//! - [`filter`]: which rays are looked at
 //! - [`rows`]: the rays that pass, sorted by any of their numbers; [`estimates`]: the length table against
 //!   the lengths that were traced
 //! - [`what_if`]: another order of the recorded rays, made here
@@ -21,6 +21,7 @@ pub mod absent;
 mod asked;
 pub mod background;
 pub mod coherences;
+pub mod colour_by;
 pub mod comparison;
 pub mod comparisons;
 pub mod context;
@@ -32,13 +33,12 @@ pub mod groups;
 pub mod history;
 pub mod image_plane;
 pub mod key;
+pub mod numbers;
 pub mod order;
-pub mod quantity;
 pub mod queue;
 pub mod recording;
 pub mod rows;
 pub mod selection;
-pub mod value;
 pub mod what_if;
 
 pub use absent::Absent;

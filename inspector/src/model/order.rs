@@ -7,46 +7,14 @@ use std::sync::{Arc, OnceLock};
 use formats::key::method::UNSORTED;
 use formats::key::{Coordinate, KEY_BITS_MIN, LAYOUT_BITS, Layout};
 use formats::manifest::{MethodArray, MethodRecord, Place};
-use formats::reader::{Dump, Mapped};
+use formats::metrics::group::Group;
+use formats::metrics::order::{Keys, Places};
+use formats::reader::Dump;
 use rayon::prelude::*;
 
-use super::groups::{Group, Groups, places_of};
+use super::groups::{Groups, group, places_of};
 use super::queue::Queue;
 use crate::analysis::GroupWidth;
-use crate::analysis::coherence::Places;
-
-/// Keys as they are stored, or as they were made here.
-#[derive(Debug)]
-pub enum Keys {
-    /// Made here, of any number of bits.
-    Made(Vec<u64>),
-    /// Of up to 32 bits.
-    Narrow(Mapped<u32>),
-    /// Of more.
-    Wide(Mapped<u64>),
-}
-
-impl Keys {
-    /// The key of a ray.
-    ///
-    /// # Panics
-    /// If there is no such ray.
-    pub fn at(&self, ray: usize) -> u64 {
-        match self {
-            Self::Made(keys) => keys[ray],
-            Self::Narrow(keys) => u64::from(keys[ray]),
-            Self::Wide(keys) => keys[ray],
-        }
-    }
-
-    fn len(&self) -> usize {
-        match self {
-            Self::Made(keys) => keys.len(),
-            Self::Narrow(keys) => keys.len(),
-            Self::Wide(keys) => keys.len(),
-        }
-    }
-}
 
 /// How a method's keys are made.
 #[derive(Clone, Debug)]
@@ -152,6 +120,13 @@ impl Order {
         })
     }
 
+    /// Positions in the keys of a coordinate's bits, the highest first; none if keys have none of them.
+    pub fn field_positions(&self, coordinate: Coordinate) -> Vec<u32> {
+        let fields = self.keys.as_ref().map(|(_, layout)| layout.layout.fields(layout.key_bits));
+        let mut fields = fields.unwrap_or_default().into_iter();
+        fields.find(|field| field.coordinate == coordinate).map_or(Vec::new(), |field| field.positions)
+    }
+
     /// The groups of this width; `None` until they are found.
     pub fn known_groups(&self, width: GroupWidth) -> Option<&Groups> {
         self.groups[width as usize].get()
@@ -163,8 +138,8 @@ impl Order {
     }
 
     /// One group by itself; `None` if there is none.
-    pub fn group(&self, group: usize, width: GroupWidth) -> Option<Group> {
-        Group::of(&self.queue, &self.places, self.places_of_group(group, width))
+    pub fn group(&self, at: usize, width: GroupWidth) -> Option<Group> {
+        group(&self.queue, &self.places, self.places_of_group(at, width))
     }
 
     /// The groups of this width: found when they are first asked for, which takes all threads a tenth of a

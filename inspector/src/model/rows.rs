@@ -1,9 +1,10 @@
 //! The rows of a table of rays: those that pass the filter, sorted by any of their numbers.
 
+use formats::metrics::quantity::{Quantity, RayAt};
 use rayon::prelude::*;
 
 use super::filter::Passing;
-use super::quantity::{Numbers, Quantity};
+use super::numbers::Numbers;
 
 /// Which way rows go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,7 +54,8 @@ impl Rows {
             };
         }
         numbers.prepare(sorting.by);
-        let keyed = |place: u32| (sort_key(numbers, sorting, place as usize), place);
+        let (ordered, value) = (numbers.rays(), sorting.by.value());
+        let keyed = |place: u32| (sort_key(ordered.at(place as usize), sorting, value), place);
         let mut keyed: Vec<(u64, u32)> = match passing {
             Some(passing) => passing.places().par_iter().map(|&place| keyed(place)).collect(),
             None => (0..rays as u32).into_par_iter().map(keyed).collect(),
@@ -99,11 +101,11 @@ impl Rows {
 }
 
 /// Whole numbers that sort as the numbers of rays do; what is not a number last.
-fn sort_key(numbers: &Numbers, sorting: Sorting, place: usize) -> u64 {
+fn sort_key(ray: RayAt<'_>, sorting: Sorting, value: fn(RayAt<'_>) -> f64) -> u64 {
     let ascending = match sorting.by {
         // All of its bits, of which f64 has too few.
-        Quantity::Key => numbers.key(place),
-        by => ordered_bits(numbers.value(by, place)),
+        Quantity::Key => ray.key(),
+        _ => ordered_bits(value(ray)),
     };
     match (ascending, sorting.direction) {
         (None, _) => u64::MAX,

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Stroke, TextEdit};
+use formats::metrics::quantity::Quantity;
 
 use crate::model::Context;
 use crate::model::derived::Filtered;
 use crate::model::filter::{FilterError, WORDS};
-use crate::model::quantity::Quantity;
 use crate::theme::Theme;
 
 /// Characters at fault: the first one, and how many.

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use egui::Color32;
+use formats::metrics::quantity::Quantity;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
 
 use super::notes::missing;
 use super::picture::{Picture, Shown};
@@ -13,6 +14,7 @@ use crate::model::derived::Filtered;
 use crate::model::filter::Expression;
 use crate::model::image_plane::ImagePlane;
 use crate::model::key::{ReadKey, field_text};
+use crate::model::numbers::Numbers;
 use crate::model::{Context, Order, Recording};
 use crate::output::{count, counted};
 use crate::panels::data::Data;
@@ -20,35 +22,26 @@ use crate::panels::panel::Panel;
 use crate::render::colour_map::ColourMap;
 use crate::theme::Theme;
 
-/// What pixels are coloured by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum Colouring {
-    /// Place in the order.
-    #[default]
-    Place,
-    /// How far the ray was moved.
-    Displacement,
-    /// Key.
-    Key,
-}
-
-impl Colouring {
-    const ALL: [(Self, &str, &str); 3] = [
-        (Self::Place, "place", "First rays of the order dark, last ones bright"),
-        (Self::Displacement, "displacement", "How far sorting moved the ray from its place in pixel order"),
-        (Self::Key, "key", "The key over the largest key of as many bits"),
-    ];
-}
+/// What pixels may be coloured by.
+const COLOURS: [(Quantity, &str); 3] = [
+    (Quantity::Place, "First rays of the order dark, last ones bright"),
+    (Quantity::Displacement, "How far sorting moved the ray from its place in pixel order"),
+    (Quantity::Key, "The key over the largest key of as many bits"),
+];
 
 /// What the picture depends on: the order, the filter and whether it is known yet, and the colours.
-type Key = (u64, Option<(Arc<Expression>, GroupWidth, bool)>, Colouring, bool);
+type Key = (u64, Option<(Arc<Expression>, GroupWidth, bool)>, Quantity, bool);
 
 /// The panel.
-#[derive(Default)]
 pub(super) struct OrderPanel {
-    colouring: Colouring,
+    colouring: Quantity,
     picture: Picture<Key>,
+}
+
+impl Default for OrderPanel {
+    fn default() -> Self {
+        Self { colouring: Quantity::Place, picture: Picture::default() }
+    }
 }
 
 impl Panel for OrderPanel {
@@ -62,13 +55,14 @@ impl Panel for OrderPanel {
             Err(reason) => return missing(ui, &reason),
         };
         ui.horizontal_wrapped(|ui| {
-            for (colouring, name, about) in Colouring::ALL {
-                ui.selectable_value(&mut self.colouring, colouring, name).on_hover_text(about);
+            for (quantity, about) in COLOURS {
+                ui.selectable_value(&mut self.colouring, quantity, quantity.name()).on_hover_text(about);
             }
             ui.weak(format!("{} by {}", counted(order.len() as u64, "ray", "rays"), order.method));
         });
         let filtered = context.filtered(&order);
         let Some(plane) = context.recording().map(Recording::image_plane) else { return };
+        let Some(numbers) = context.numbers(order.clone()) else { return };
         let (selection, theme) = (&context.selection, Theme::of(ui.ctx()));
         let is_known = !matches!(filtered, Filtered::Unknown);
         let filter =
@@ -78,8 +72,8 @@ impl Panel for OrderPanel {
         let lines = 3.0 * ui.text_style_height(&egui::TextStyle::Small) + 8.0;
         let shown = ui
             .allocate_ui((ui.available_size() - egui::vec2(0.0, lines)).max(egui::Vec2::ZERO), |ui| {
-                let (of, colouring) = (order.clone(), self.colouring);
-                let make = move || pixels((&of, &filtered), plane, colouring, theme);
+                let colouring = self.colouring;
+                let make = move || pixels((&numbers, &filtered), plane, colouring, theme);
                 self.picture.show(ui, context.waker(), ("order", key), plane.size(), make)
             })
             .inner;
@@ -112,7 +106,11 @@ impl Panel for OrderPanel {
     }
 
     fn set_state(&mut self, state: serde_json::Value) -> Result<(), serde_json::Error> {
-        self.colouring = serde_json::from_value(state["colouring"].clone())?;
+        let colouring = serde_json::from_value(state["colouring"].clone())?;
+        if COLOURS.iter().all(|(known, _)| *known != colouring) {
+            return Err(serde_json::Error::custom("pixels are coloured by place, displacement or key"));
+        }
+        self.colouring = colouring;
         Ok(())
     }
 }
@@ -122,19 +120,18 @@ const REACH: u32 = 3;
 
 /// A colour for each pixel; grey where the ray does not pass the filter.
 fn pixels(
-    (order, filtered): (&Order, &Filtered),
+    (numbers, filtered): (&Numbers, &Filtered),
     plane: ImagePlane,
-    colouring: Colouring,
+    colouring: Quantity,
     theme: Theme,
 ) -> Vec<Color32> {
+    let (order, rays, value) = (&*numbers.order, numbers.rays(), colouring.value());
     let last = order.len().saturating_sub(1).max(1) as f32;
+    let most = if colouring == Quantity::Key { 1.0 } else { last };
     let place_of_ray = order.place_of_ray();
-    let value = |ray: usize| match colouring {
-        Colouring::Place => place_of_ray[ray] as f32 / last,
-        Colouring::Displacement => (place_of_ray[ray] as f32 - ray as f32).abs() / last,
-        Colouring::Key => order.keys.as_ref().map_or(f32::NAN, |(keys, layout)| {
-            (keys.at(ray) as f64 / 2f64.powi(layout.key_bits as i32)) as f32
-        }),
+    let value = |ray: usize| {
+        let at = rays.at(place_of_ray[ray] as usize);
+        colouring.coloured(value(at), &rays) / most
     };
     let colours: Vec<Color32> = (0..order.len())
         .into_par_iter()

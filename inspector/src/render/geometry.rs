@@ -168,39 +168,34 @@ fn vertex(point: Point, value: f32) -> Vertex {
     Vertex { position: point.map(|along| along as f32), value }
 }
 
-/// The curve of an order: a vertex for each shown place, in order.
-pub fn curve(
-    order: &Order,
-    places: impl Iterator<Item = usize>,
-    end: RayEnd,
-    value: impl Fn(usize) -> f32,
-) -> Shape {
-    let of = |place: usize| {
+/// The curve of an order: a vertex for each shown place with its value, in order.
+pub fn curve(order: &Order, places: impl Iterator<Item = (usize, f32)>, end: RayEnd) -> Shape {
+    let of = |(place, value): (usize, f32)| {
         let segment = order.queue.segment(order.places.ray(place));
         let point = match end {
             RayEnd::Origin => segment.origin,
             RayEnd::Termination => segment.end,
         };
-        vertex(point, value(place))
+        vertex(point, value)
     };
     Shape::Strip(places.map(of).collect())
 }
 
-/// The rays of an order: a line for each shown place, from origin to end.
-pub fn rays(order: &Order, places: impl Iterator<Item = usize>, value: impl Fn(usize) -> f32) -> Shape {
-    let of = |place: usize| {
+/// The rays of an order: a line for each shown place with its value, from origin to end.
+pub fn rays(order: &Order, places: impl Iterator<Item = (usize, f32)>) -> Shape {
+    let of = |(place, value): (usize, f32)| {
         let segment = order.queue.segment(order.places.ray(place));
-        [vertex(segment.origin, value(place)), vertex(segment.end, value(place))]
+        [vertex(segment.origin, value), vertex(segment.end, value)]
     };
     Shape::Segments(places.map(of).collect())
 }
 
-/// Where shown rays end: the first point has the value, the second the [`Mark`].
-pub fn ends(order: &Order, places: impl Iterator<Item = usize>, value: impl Fn(usize) -> f32) -> Shape {
-    let of = |place: usize| {
+/// Where shown rays end: the first point has the value of the place, the second the [`Mark`].
+pub fn ends(order: &Order, places: impl Iterator<Item = (usize, f32)>) -> Shape {
+    let of = |(place, value): (usize, f32)| {
         let ray = order.places.ray(place);
         let end = order.queue.segment(ray).end;
-        [vertex(end, value(place)), vertex(end, Mark::of(&order.queue, ray) as u8 as f32)]
+        [vertex(end, value), vertex(end, Mark::of(&order.queue, ray) as u8 as f32)]
     };
     Shape::Segments(places.map(of).collect())
 }

@@ -18,8 +18,12 @@ use crate::model::{Context, Selection};
 
 pub use self::setting::SettingError;
 
-/// Version of the files that this program writes and reads.
-const VERSION: u32 = 1;
+/// Versions of the files that this program reads; it writes the last.
+const OLDEST: u64 = 1;
+const VERSION: u64 = 2;
+
+/// What colours stood for in version 1, and what it is called since.
+const RENAMED_COLOURS: [(&str, &str); 2] = [("estimate", "ratio"), ("capsule-area", "area")];
 
 /// Bytes of the largest file that is read as a session; usual ones have some thousands.
 const LARGEST: u64 = 16 << 20;
@@ -28,8 +32,8 @@ const LARGEST: u64 = 16 << 20;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Session {
-    /// 1.
-    version: u32,
+    /// 2.
+    version: u64,
     /// The recordings; relative paths start at the session's folder.
     pub recordings: Vec<PathBuf>,
     /// What of them is selected.
@@ -143,7 +147,7 @@ pub enum SessionError {
         cause: serde_json::Error,
     },
     /// A session of another version.
-    #[error("{} is a session of version {found}; this program reads version {VERSION}", path.display())]
+    #[error("{} is a session of version {found}; this program reads {OLDEST} to {VERSION}", path.display())]
     Version {
         /// The file.
         path: PathBuf,
@@ -183,17 +187,32 @@ impl Session {
         let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(syntax)?;
         // Another version may differ in anything else, so it is looked at first.
         match value.get("version").and_then(serde_json::Value::as_u64) {
-            Some(found) if found != u64::from(VERSION) => {
+            Some(found) if !(OLDEST..=VERSION).contains(&found) => {
                 return Err(SessionError::Version { path: owned(), found });
             }
             _ => {}
         }
         let mut session: Self = serde_json::from_slice(&bytes).map_err(syntax)?;
+        session.upgrade();
         let folder = path.parent().unwrap_or(Path::new(""));
         for recording in &mut session.recordings {
             *recording = folder.join(&*recording);
         }
         Ok(session)
+    }
+
+    /// From what an earlier version wrote.
+    fn upgrade(&mut self) {
+        if self.version == OLDEST {
+            for colour in self.panels.values_mut().filter_map(|panel| panel.pointer_mut("/options/colour_by"))
+            {
+                let renamed = RENAMED_COLOURS.into_iter().find(|(before, _)| *colour == *before);
+                if let Some((_, now)) = renamed {
+                    *colour = now.into();
+                }
+            }
+        }
+        self.version = VERSION;
     }
 
     /// Writes it.

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
+use formats::metrics::quantity::Quantity;
+
 use super::tree::{Fact, Function};
-use crate::model::quantity::Quantity;
 
 /// What is wrong with a filter, and where.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use formats::key::Coordinate;
+use formats::metrics::quantity::OrderedRays;
 use rayon::prelude::*;
 
 use super::error::FilterError;
 use super::parse::Expression;
 use super::tree::{Condition, Connective, Fact, Number};
-use crate::model::quantity::Numbers;
+use crate::model::numbers::Numbers;
 
 /// Places that each node of the tree is evaluated for at a time.
 const BLOCK: usize = 256;
@@ -92,14 +93,17 @@ pub fn passing(expression: &Expression, numbers: &Numbers) -> Result<Passing, Fi
 /// What an expression is evaluated with.
 struct Evaluation<'a> {
     numbers: &'a Numbers,
+    rays: OrderedRays<'a>,
     /// Positions in the key of each coordinate that is asked for, highest bit first.
     fields: BTreeMap<Coordinate, Vec<u32>>,
 }
 
 impl<'a> Evaluation<'a> {
     fn of(expression: &Expression, numbers: &'a Numbers) -> Result<Self, FilterError> {
-        let mut evaluation = Self { numbers, fields: BTreeMap::new() };
+        let mut evaluation = Self { numbers, rays: numbers.rays(), fields: BTreeMap::new() };
         evaluation.check_condition(&expression.condition)?;
+        // With the groups that were found meanwhile.
+        evaluation.rays = numbers.rays();
         Ok(evaluation)
     }
 
@@ -115,7 +119,7 @@ impl<'a> Evaluation<'a> {
     fn check_number(&mut self, number: &Number) -> Result<(), FilterError> {
         match number {
             Number::Literal(_) => Ok(()),
-            Number::Quantity(quantity, span) => match self.numbers.missing(*quantity) {
+            Number::Quantity(quantity, span) => match quantity.missing(&self.rays) {
                 Some(reason) => {
                     let message = format!("'{}' is not known here: {reason}", quantity.name());
                     Err(FilterError::new(span, message))
@@ -198,13 +202,14 @@ impl<'a> Evaluation<'a> {
         match number {
             Number::Literal(value) => out.fill(*value),
             Number::Quantity(quantity, _) => {
+                let value = quantity.value();
                 let places = places.clone().zip(out);
-                places.for_each(|(place, out)| *out = self.numbers.value(*quantity, place));
+                places.for_each(|(place, out)| *out = value(self.rays.at(place)));
             }
             Number::Field(coordinate, _) => {
                 let positions = self.fields.get(coordinate).map_or(&[][..], Vec::as_slice);
                 for (place, out) in places.clone().zip(out) {
-                    let key = self.numbers.key(place).unwrap_or(0);
+                    let key = self.rays.at(place).key().unwrap_or(0);
                     let bits = positions.iter().fold(0, |bits, &at| bits << 1 | key >> at & 1);
                     *out = bits as f64;
                 }

@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use formats::key::Coordinate;
+use formats::metrics::quantity::Quantity;
 
 use super::error::{FilterError, nearest};
 use super::token::{Token, tokens};
 use super::tree::{Arithmetic, Comparison, Condition, Connective, Fact, Function, Number};
-use crate::model::quantity::Quantity;
 
 /// How deep operations may lie inside each other, so that no text can exhaust a stack.
 const DEEPEST: usize = 64;

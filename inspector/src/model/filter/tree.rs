@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use formats::key::Coordinate;
-
-use crate::model::quantity::Quantity;
+use formats::metrics::quantity::Quantity;
 
 /// A number of a ray.
 #[derive(Clone, Debug, PartialEq)]

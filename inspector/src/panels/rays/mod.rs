@@ -9,13 +9,14 @@ use std::sync::Arc;
 
 use egui::{Align, Layout};
 use egui_extras::{Column, TableBuilder};
+use formats::metrics::quantity::{OrderedRays, Quantity};
 use serde::de::Error as _;
 use serde::{Deserialize, Serialize};
 
 use self::window::RowWindow;
 use super::filter_box::{filter_box, filter_problem};
 use super::notes::missing;
-use crate::model::quantity::{Numbers, Quantity};
+use crate::model::numbers::Numbers;
 use crate::model::rows::{Direction, Rows, Sorting};
 use crate::model::{Context, Order};
 use crate::output::{count, counted};
@@ -157,9 +158,10 @@ impl Panel for RaysPanel {
         let all = rows.len();
         let columns: Vec<Quantity> = self.columns.iter().map(|column| column.quantity).collect();
         let names: Vec<&str> = columns.iter().map(|quantity| quantity.name()).collect();
+        columns.iter().for_each(|&quantity| numbers.prepare(quantity));
         let row = move |row: usize| {
-            let place = rows.place(row);
-            columns.iter().map(|&quantity| numbers.text(quantity, place)).collect()
+            let (rays, place) = (numbers.rays(), rows.place(row));
+            columns.iter().map(|quantity| quantity.text(rays.at(place))).collect()
         };
         Ok(Data::new(&names, (0..all).map(row)))
     }
@@ -258,7 +260,8 @@ impl RaysPanel {
         row_height: f32,
         done: &mut Done,
     ) {
-        let texts: Vec<Vec<String>> = seen.clone().map(|row| self.cells(numbers, rows.place(row))).collect();
+        let rays = numbers.rays();
+        let texts: Vec<Vec<String>> = seen.clone().map(|row| self.cells(&rays, rows.place(row))).collect();
         for (at, column) in self.columns.iter_mut().enumerate() {
             let longest = texts.iter().map(|cells| cells[at].chars().count()).max().unwrap_or(0);
             column.characters = column.characters.max(longest);
@@ -319,15 +322,16 @@ impl RaysPanel {
         }
     }
 
-    fn cells(&self, numbers: &Numbers, place: usize) -> Vec<String> {
-        self.columns.iter().map(|column| numbers.text(column.quantity, place)).collect()
+    fn cells(&self, rays: &OrderedRays<'_>, place: usize) -> Vec<String> {
+        self.columns.iter().map(|column| column.quantity.text(rays.at(place))).collect()
     }
 
     /// Rows as text: a line each, tabs between columns, their names first.
     fn text(&self, numbers: &Numbers, rows: &Rows, range: Range<usize>) -> String {
         let names: Vec<String> =
             self.columns.iter().map(|column| column.quantity.name().to_owned()).collect();
-        let cells = range.map(|row| self.cells(numbers, rows.place(row)));
+        let rays = numbers.rays();
+        let cells = range.map(|row| self.cells(&rays, rows.place(row)));
         let lines: Vec<String> = std::iter::once(names).chain(cells).map(|cells| cells.join("\t")).collect();
         lines.join("\n") + "\n"
     }

@@ -1,11 +1,12 @@
 //! What is below the picture: the slider along the order, and the colour bars with their histograms.
 
 use egui::{Align2, Color32, Id, Rect, Response, Sense, Slider, Ui, pos2, vec2};
+use formats::metrics::quantity::Quantity;
 
 use super::layers::AREAS;
 use super::options::Options;
 use super::view::SpaceView;
-use crate::model::value::ColourBy;
+use crate::model::colour_by::ColourBy;
 use crate::render::colour_map::ColourMap;
 use crate::render::range::{ValueRange, Values};
 use crate::theme::Theme;
@@ -64,9 +65,11 @@ struct Bar<'a> {
 fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
     let SpaceView { options, layers, .. } = view;
     let by = options.colour_by;
-    let has_values = !matches!(by, ColourBy::Place | ColourBy::Bounce) || layers.title().is_some();
+    let has_values =
+        !matches!(by, ColourBy::Quantity(Quantity::Place | Quantity::Bounce)) || layers.title().is_some();
     let values = layers.values().filter(|_| has_values);
-    let title = layers.title().unwrap_or(by.title());
+    let title = layers.title().map_or_else(|| by.title(), str::to_owned);
+    let title = title.as_str();
     let rays = layers.range().filter(|_| options.shows_rays()).map(|range| Bar { range, title, values });
     let areas = Bar { range: AREAS, title: "capsule area, log10", values: None };
     let areas = options.capsules.then_some(areas);

@@ -1,11 +1,12 @@
 //! The row above the picture, and what is written on it.
 
 use egui::{ComboBox, FontId, Rect, Slider, Ui, vec2};
+use formats::metrics::quantity::Quantity;
 
 use super::super::filter_box::filter_box;
 use super::options::{Axis, CapsuleChoice, MeshMode, Navigation, Options, Side, StandPoint};
 use super::view::{SpaceView, stand};
-use crate::model::value::ColourBy;
+use crate::model::colour_by::ColourBy;
 use crate::model::{Absent, Context};
 use crate::panels::notes::Lacking;
 use crate::render::camera::Camera;
@@ -56,10 +57,11 @@ fn colour_choice(ui: &mut Ui, options: &mut Options, context: &mut Context) {
         )
     });
     let fields = fields.unwrap_or_default().into_iter().map(ColourBy::Field);
+    let choices = Quantity::ALL.iter().map(|&quantity| ColourBy::Quantity(quantity)).chain(fields);
     ComboBox::from_id_salt("colour by").selected_text(format!("by {}", options.colour_by.name())).show_ui(
         ui,
         |ui| {
-            for choice in ColourBy::ALL.into_iter().chain(fields) {
+            for choice in choices {
                 let label = ui.selectable_label(options.colour_by == choice, choice.name());
                 if label.on_hover_text(choice.title()).clicked() {
                     // A range of other numbers says nothing of these.

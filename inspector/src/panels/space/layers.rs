@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use formats::metrics::quantity::Quantity;
 use formats::reader::Dump;
 use rayon::prelude::*;
 
@@ -10,9 +11,10 @@ use super::options::{CapsuleChoice, Options};
 use super::shown::Shown;
 use crate::analysis::GroupWidth;
 use crate::model::background::Background;
+use crate::model::colour_by::ColourBy;
 use crate::model::derived::Filtered;
 use crate::model::filter::{Expression, Passing};
-use crate::model::value::ColourBy;
+use crate::model::numbers::Numbers;
 use crate::model::{Absent, Context, Order};
 use crate::render::cell_box::{cell_box, cells};
 use crate::render::detail::Detail;
@@ -218,9 +220,10 @@ impl Layers {
                 (options.capsule_choice, options.capsule_count, group)
             }),
         };
-        let missing = options.colour_by.missing(&order).filter(|_| self.values_of_rays.is_none());
+        let Some(numbers) = context.numbers(order.clone()) else { return Vec::new() };
+        let missing = options.colour_by.missing(&numbers).filter(|_| self.values_of_rays.is_none());
         self.problem = missing.map(Absent::from);
-        self.make(&order, key, filtered.passing(), context);
+        self.make(numbers, key, filtered.passing(), context);
         let chosen = (selection.ray, selection.group, selection.cell);
         self.passing = filtered.passing().map(|passing| passing.len());
         let key = SelectedKey { order: of_order, chosen };
@@ -232,14 +235,14 @@ impl Layers {
     }
 
     /// Has the vertices of all rays made by another thread.
-    fn make(&mut self, order: &Arc<Order>, key: Key, passing: Option<Arc<Passing>>, context: &Context) {
+    fn make(&mut self, numbers: Numbers, key: Key, passing: Option<Arc<Passing>>, context: &Context) {
         let Some(recording) = context.recording() else { return };
         if self.made.as_ref().is_some_and(|(known, _)| *known == key) {
             return;
         }
         let behind = Behind { passing, values: self.values_of_rays.clone(), dump: recording.dump.clone() };
-        let (order, wanted) = (order.clone(), key.clone());
-        let making = move || Arc::new(Made::of(&order, &wanted, &behind));
+        let wanted = key.clone();
+        let making = move || Arc::new(Made::of(&numbers, &wanted, &behind));
         match self.making.of(key.clone(), context.waker(), making) {
             Ok(made) => self.made = Some((key, made.clone())),
             Err(absent) => {
@@ -257,8 +260,10 @@ impl Layers {
             _ if values.is_some_and(|values| values.range.is_some()) && options.range.is_none() => {
                 values.and_then(|values| values.range).unwrap_or(AREAS)
             }
-            ColourBy::Bounce if values.is_none() => ValueRange { low: 0.0, high: BOUNCES_SHOWN },
-            ColourBy::Place if values.is_none() => {
+            ColourBy::Quantity(Quantity::Bounce) if values.is_none() => {
+                ValueRange { low: 0.0, high: BOUNCES_SHOWN }
+            }
+            ColourBy::Quantity(Quantity::Place) if values.is_none() => {
                 ValueRange { low: 0.0, high: order.len().saturating_sub(1).max(1) as f32 }
             }
             _ if options.range.is_some() => {
@@ -347,24 +352,24 @@ impl Drawing<'_> {
 }
 
 impl Made {
-    fn of(order: &Order, key: &Key, behind: &Behind) -> Self {
-        let width = key.order.1;
-        if behind.values.is_none() && key.colour_by.is_of_group() {
-            // Here, and not by one of the threads that ask for values at once.
-            order.groups(width);
-        }
+    fn of(numbers: &Numbers, key: &Key, behind: &Behind) -> Self {
+        let (order, width) = (&*numbers.order, key.order.1);
         let shown = Shown::of(&key.places, key.detail, behind.passing.clone());
-        let value = |place: usize| match &behind.values {
-            Some(values) => values.of_ray.get(order.places.ray(place)).copied().unwrap_or(f32::NAN),
-            None => key.colour_by.value(order, width, place),
+        let values = match &behind.values {
+            Some(values) => {
+                let value = |place| values.of_ray.get(order.places.ray(place)).copied().unwrap_or(f32::NAN);
+                shown.places().map(value).collect()
+            }
+            None => key.colour_by.values(numbers, shown.places()),
         };
+        let places = || shown.places().zip(values.iter().copied());
         Self {
-            curve: key.curve.map(|end| curve(order, shown.places(), end, value).into()),
-            rays: key.rays.then(|| rays(order, shown.places(), value).into()),
-            ends: key.ends.then(|| ends(order, shown.places(), value).into()),
+            curve: key.curve.map(|end| curve(order, places(), end).into()),
+            rays: key.rays.then(|| rays(order, places()).into()),
+            ends: key.ends.then(|| ends(order, places()).into()),
             capsules: key.capsules.map(|(choice, most, group)| capsules(order, width, choice, most, group)),
             cells: key.cells.map(|most| cells(&behind.dump.manifest().header.options, &order.queue, most)),
-            values: Values::of(shown.places().collect::<Vec<_>>().into_par_iter().map(value)),
+            values: Values::of(values.into_par_iter()),
             places: shown,
         }
     }
@@ -398,7 +403,7 @@ impl Selected {
         let mut lines: Vec<[Vertex; 2]> = Vec::new();
         let place = ray.and_then(|ray| order.place_of_ray().get(ray));
         if let (Some(&place), Some(_)) = (place, ray)
-            && let Shape::Segments(found) = rays(order, std::iter::once(place as usize), |_| 0.0)
+            && let Shape::Segments(found) = rays(order, std::iter::once((place as usize, 0.0)))
         {
             lines.extend(found);
         }
@@ -413,7 +418,7 @@ impl Selected {
             found.map(|group| Shape::Capsules(vec![CapsuleInstance::of(&group.capsule, 0.0)]).into());
         Self {
             lines: Shape::Segments(lines).into(),
-            group: rays(order, places, |_| 0.0).into(),
+            group: rays(order, places.map(|place| (place, 0.0))).into(),
             capsule,
             cell,
         }

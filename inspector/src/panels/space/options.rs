@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::value::ColourBy;
+use crate::model::colour_by::ColourBy;
 use crate::render::colour_map::ColourMap;
 use crate::render::geometry::RayEnd;
 

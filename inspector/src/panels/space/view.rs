@@ -119,21 +119,19 @@ impl SpaceView {
     pub(crate) fn data(&self, context: &mut Context) -> Result<Data, String> {
         let order = context.order().map_err(|reason| reason.to_string())?;
         let places: Vec<usize> = self.layers.shown_places(&self.options, order.len()).collect();
-        let (colour_by, width) = (self.options.colour_by, context.selection.group_width);
+        let numbers = context.numbers(order.clone()).ok_or("no recording is open")?;
+        let colour_by = self.options.colour_by;
+        let values = colour_by.values(&numbers, places.iter().copied());
         let name = colour_by.name();
         let header =
             ["place", "ray", "path", &*name, "origin_x", "origin_y", "origin_z", "end_x", "end_y", "end_z"];
-        let rows = places.into_iter().map({
-            let order = order.clone();
-            move |place| {
-                let ray = order.places.ray(place);
-                let segment = order.queue.segment(ray);
-                let value = colour_by.value(&order, width, place);
-                let mut row = vec![place.to_string(), ray.to_string(), order.queue.path_ids[ray].to_string()];
-                row.push(if value.is_nan() { String::new() } else { value.to_string() });
-                row.extend(segment.origin.iter().chain(&segment.end).map(f64::to_string));
-                row
-            }
+        let rows = places.into_iter().zip(values).map(move |(place, value)| {
+            let ray = order.places.ray(place);
+            let segment = order.queue.segment(ray);
+            let mut row = vec![place.to_string(), ray.to_string(), order.queue.path_ids[ray].to_string()];
+            row.push(if value.is_nan() { String::new() } else { value.to_string() });
+            row.extend(segment.origin.iter().chain(&segment.end).map(f64::to_string));
+            row
         });
         Ok(Data::new(&header, rows))
     }
