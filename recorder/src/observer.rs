@@ -4,7 +4,7 @@ use anyhow::{Result, bail};
 use formats::key::method::UNSORTED;
 use formats::length_table::LengthCell;
 use formats::manifest::{
-    MethodArray, Mismatches, Place, QueueArray, QueueId, QueueRecord, Stage, TimingRecord,
+    MethodArray, Mismatches, Place, QueueArray, QueueId, QueueRecord, Record, Stage, TimingRecord,
 };
 use formats::npy::Dtype;
 use formats::ray::{Kind, Ray};
@@ -136,7 +136,7 @@ impl<'a> Recorder<'a> {
     fn model_baseline<B: Backend>(&mut self, backend: &mut B, rays: &B::Rays) -> Result<Vec<Ray>> {
         let Some(model) = &self.plan.cache_model else { return Ok(Vec::new()) };
         let copied: Vec<Ray> = collected(backend, Array::Rays(rays))?;
-        self.capture.cache(model.record(rays.id(), UNSORTED, &copied, |at| at))?;
+        self.capture.record(Record::Cache(model.record(rays.id(), UNSORTED, &copied, |at| at)))?;
         Ok(copied)
     }
 
@@ -197,7 +197,7 @@ impl<B: Backend> Observer<B> for Recorder<'_> {
         let measurement =
             if self.is_measured(id) { Some(self.measure_methods(backend, rays, hits)?) } else { None };
         if self.keeps(id) {
-            self.capture.queue(self.queue_record(id, count, measurement.as_ref()))?;
+            self.capture.record(Record::Queue(self.queue_record(id, count, measurement.as_ref())))?;
         }
         let measured = measurement.map(|measurement| MeasuredQueue {
             bounce: id.bounce,
@@ -261,7 +261,9 @@ impl Recorder<'_> {
         }
         if let Some(model) = &self.plan.cache_model {
             let places: Vec<u32> = collected(backend, Array::Permutation(permutation))?;
-            self.capture.cache(model.record(rays.id(), &method.name, copied, |at| places[at] as usize))?;
+            self.capture.record(Record::Cache(
+                model.record(rays.id(), &method.name, copied, |at| places[at] as usize),
+            ))?;
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use formats::folder::partial_of;
-use formats::manifest::{End, Header, ImageDigest, Outcome, Place};
+use formats::manifest::{End, Header, ImageDigest, Outcome, Place, Record};
 use formats::reader::Dump;
 use formats::writer::DumpWriter;
 use scenes::Scene;
