@@ -57,6 +57,14 @@ fn timing(record: &mut Record) -> Option<&mut TimingRecord> {
     if let Record::Timing(timing) = record { Some(timing) } else { None }
 }
 
+/// The time of one queue's unsorted rays.
+fn baseline(record: &mut Record) -> Option<&mut TimingRecord> {
+    let is_meant = |timing: &&mut TimingRecord| {
+        timing.method == "unsorted" && (timing.bounce, timing.kind) == (1, Some(Kind::Shadow))
+    };
+    timing(record).filter(is_meant)
+}
+
 fn cache(record: &mut Record) -> Option<&mut CacheRecord> {
     if let Record::Cache(cache) = record { Some(cache) } else { None }
 }
@@ -152,16 +160,22 @@ fn lengths_that_do_not_fit_a_layout_are_found() {
 fn times_of_what_was_not_measured_are_found() {
     let cases: &[Case<TimingRecord>] = &[
         (|timing| timing.pass = 7, "in pass 7, bounce 0: pass 7, bounce 0 of a recording of 2 passes"),
-        (|timing| timing.bounce = 2, "bounce 2 of a recording"),
+        (|timing| timing.bounce += 2, "bounce 2 of a recording"),
         (
-            |timing| timing.method = "nope".into(),
-            "time of trace by nope in pass 1, bounce 0: there is no record of method nope",
+            |timing| timing.method.insert(0, 'n'),
+            "time of trace by nunsorted in pass 1, bounce 0: there is no record of method nunsorted",
         ),
-        (|timing| timing.samples_ns.clear(), "there are no samples"),
-        (|timing| timing.kind = None, "it has no kind of queue, expected one"),
-        (|timing| timing.stage = Stage::Shade, "it has a kind of queue, expected none"),
+        (|timing| timing.samples_ns.clear(), "it has 0 samples, expected 3"),
+        (|timing| timing.samples_ns.push(1), "it has 4 samples, expected 3"),
     ];
     assert_found(timing, cases);
+    // Of one queue, since a time is told once.
+    let cases: &[Case<TimingRecord>] = &[
+        (|timing| timing.kind = None, "it has no kind of queue, expected one"),
+        (|timing| timing.stage = Stage::Shade, "it has a kind of queue, expected none"),
+        (|timing| timing.stage = Stage::TraceIndirect, "unsorted rays are traced, and nothing else"),
+    ];
+    assert_found(baseline, cases);
 }
 
 #[test]
@@ -172,7 +186,8 @@ fn impossible_caches_are_found() {
             "caches of unsorted in pass-001/bounce-00/closest: 994 and 7 hits of 1000",
         ),
         (|cache| cache.l2_hits = u64::MAX, "hits of 1000 accesses"),
-        (|cache| cache.rays = 500, "500 rays were sampled, of 192"),
+        (|cache| (cache.rays, cache.groups) = (500, 8), "500 rays were sampled, of 192"),
+        (|cache| cache.groups = 0, "0 groups of 64 rays, 64 each"),
         (|cache| cache.bounce += 5, "bounce 5 of a recording"),
         (|cache| cache.method = format!("{}x", cache.method), "no record of method unsortedx"),
     ];
@@ -184,22 +199,16 @@ fn impossible_caches_are_found() {
 fn times_of_a_queue_without_a_record_are_found() {
     let folder = sample::folder_in_memory();
     let dump = sample::write(folder.path());
-    edit(&dump, |record| {
-        if let Record::Timing(timing) = record {
-            timing.pass = 0;
-        }
-    });
-    assert!(verify(&Dump::open(&dump).unwrap()).is_ok(), "every queue of pass 0 has a record");
     let manifest = dump.join("manifest.bin");
     let frames = scan(&manifest).unwrap().frames;
-    let gone = QueueId { pass: 0, bounce: 0, kind: Kind::Shadow };
+    let gone = QueueId { pass: 1, bounce: 0, kind: Kind::Shadow };
     let kept =
         frames.iter().filter(|frame| !matches!(&frame.record, Record::Queue(queue) if queue.id == gone));
     let bytes: Vec<u8> = kept.flat_map(|frame| encode_frame(&frame.record).unwrap()).collect();
     fs::write(&manifest, [&preamble()[..], &bytes].concat()).unwrap();
     let found = problems(&verify(&Dump::open(&dump).unwrap()));
     assert!(
-        found.iter().any(|problem| problem.contains("no record of queue pass-000/bounce-00/shadow")),
+        found.iter().any(|problem| problem.contains("no record of queue pass-001/bounce-00/shadow")),
         "{found:?}"
     );
 }
@@ -246,12 +255,13 @@ fn a_damaged_array_of_the_source_is_found() {
     let replay = folder.path().join("replay.raydump");
     fs::create_dir(&replay).unwrap();
     let name = "sample.raydump".to_owned();
-    let header = Header { source: Source::Replayed { name, manifest_sha256 }, ..sample::header() };
+    let mut header = Header { source: Source::Replayed { name, manifest_sha256 }, ..sample::header() };
+    header.options.keep.clear();
     let frames = scan(&source.join("manifest.bin")).unwrap().frames;
     let queues = frames
         .into_iter()
         .map(|frame| frame.record)
-        .filter(|record| matches!(record, Record::Queue(_) | Record::Method(_)));
+        .filter(|record| matches!(record, Record::Queue(_) | Record::Method(_) | Record::Timing(_)));
     let end = Record::End(End { outcome: Outcome::Complete, image: None, wall_ns: 1 });
     let records = [Record::Header(Box::new(header))].into_iter().chain(queues).chain([end]);
     let bytes = records.flat_map(|record| encode_frame(&record).unwrap());
@@ -365,4 +375,64 @@ fn a_file_that_shrinks_meanwhile_is_a_sentence() {
         is_done.store(true, Ordering::Relaxed);
     });
     assert!(verify(&opened).is_ok());
+}
+
+/// What a complete recording lacks, and what nobody said was kept.
+#[test]
+fn what_was_kept_is_there() {
+    let folder = sample::folder_in_memory();
+    let dump = sample::write(folder.path());
+    let manifest = fs::read(dump.join("manifest.bin")).unwrap();
+    let without = |is_gone: &dyn Fn(&Record) -> bool| {
+        let frames = scan(&dump.join("manifest.bin")).unwrap().frames;
+        let kept = frames.iter().filter(|frame| !is_gone(&frame.record));
+        let bytes: Vec<u8> = kept.flat_map(|frame| encode_frame(&frame.record).unwrap()).collect();
+        fs::write(dump.join("manifest.bin"), [&preamble()[..], &bytes].concat()).unwrap();
+        let found = problems(&verify(&Dump::open(&dump).unwrap()));
+        fs::write(dump.join("manifest.bin"), &manifest).unwrap();
+        found
+    };
+    let words = sample::header().options.keep;
+    for word in words.iter().filter(|word| *word != "caches") {
+        let is_of_word =
+            |record: &Record| matches!(record, Record::Array(array) if array.place.kept_with() == word);
+        let (found, said) = (without(&is_of_word), format!("but {word} were kept by the header"));
+        assert!(found.iter().any(|problem| problem.contains(&said)), "{word}: {found:#?}");
+    }
+    let found = without(&|record| matches!(record, Record::Cache(_)));
+    assert!(found.iter().any(|problem| problem.contains("there are no caches of unsorted")), "{found:#?}");
+    let found = without(&|record| matches!(record, Record::Timing(_)));
+    assert!(found.iter().any(|problem| problem.contains("there are no times of unsorted")), "{found:#?}");
+    let cases: &[Case<Header>] = &[
+        (|header| header.options.keep.clear(), "the header does not say that scene were kept"),
+        (|header| header.options.keep.push("rays".into()), "kept arrays name 'rays' twice"),
+        (|header| header.options.methods.truncate(1), "method aila is not among the header's"),
+        (|header| header.options.methods.push("aila".into()), "methods name 'aila' twice"),
+        (|header| header.options.passes = 3, "pass 2 of 3 has no queue, kept: all"),
+        (|header| header.options.keep_passes = "measured".into(), "pass 0 of 2 has queues, kept: measured"),
+        (|header| header.options.threads = 0, "it ran on 0 threads"),
+        (|header| header.options.trace_kernel = "ray-query".into(), "by ray-query"),
+    ];
+    assert_found(header, cases);
+}
+
+/// A second time of the same would hide the first.
+#[test]
+fn a_time_is_told_once() {
+    let folder = sample::folder_in_memory();
+    let dump = sample::write(folder.path());
+    let manifest = dump.join("manifest.bin");
+    let frames = scan(&manifest).unwrap().frames;
+    let twice = |record: &Record| 1 + usize::from(matches!(record, Record::Timing(_)));
+    let bytes: Vec<u8> = frames
+        .iter()
+        .flat_map(|frame| encode_frame(&frame.record).unwrap().repeat(twice(&frame.record)))
+        .collect();
+    fs::write(&manifest, [&preamble()[..], &bytes].concat()).unwrap();
+    let error = Dump::open(&dump).unwrap_err().to_string();
+    assert!(
+        error.contains("it describes times of trace by unsorted in pass 1")
+            && error.contains("a second time"),
+        "{error}"
+    );
 }

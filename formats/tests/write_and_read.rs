@@ -39,9 +39,9 @@ fn a_dump_comes_back() {
     let said = |place: &Place| dump.array::<u8>(place).unwrap_err().to_string();
     assert!(matches!(dump.array::<u8>(&absent), Err(ReadError::NoSuchArray { .. })));
     assert!(!said(&absent).contains("--keep"), "scenes are kept, and this one has no such mask");
-    let queue = QueueId { pass: 9, bounce: 0, kind: Kind::Closest };
-    let unkept = said(&Place::Queue(queue, QueueArray::Work));
-    assert!(unkept.ends_with("without work: `--keep work`"), "{unkept}");
+    let thin = Dump::open(&sample::thinned(&path, "thin", &[], &[])).unwrap();
+    let unkept = thin.array::<f32>(&Place::Image).unwrap_err().to_string();
+    assert!(unkept.ends_with("without image: `--keep image`"), "{unkept}");
 }
 
 #[test]

@@ -90,11 +90,24 @@ impl Header {
                 "its tables are addressed by '{found}', expected a built-in method that needs no length and no light"
             ));
         }
+        for (what, words) in [("kept arrays", &options.keep), ("methods", &options.methods)] {
+            if let Some(twice) = (1..words.len()).find(|&at| words[..at].contains(&words[at])) {
+                let word = one_line(&words[twice], NAME_CHARACTERS);
+                problems.push(format!("its {what} name '{word}' twice"));
+            }
+        }
         if !options.methods.iter().any(|method| method == UNSORTED) {
             problems.push(format!("its methods lack {UNSORTED}, which is always measured"));
         }
         if self.backend == Backend::Gpu && options.threads != 0 {
             problems.push(format!("it has {} threads of the cpu backend, but ran on a gpu", options.threads));
+        }
+        if self.backend == Backend::Cpu && (options.threads == 0 || options.trace_kernel == "ray-query") {
+            problems.push(format!(
+                "it ran on {} threads by {}, expected some threads and a kernel of the cpu backend",
+                options.threads,
+                one_line(&options.trace_kernel, NAME_CHARACTERS)
+            ));
         }
         let length = options.two_point_length;
         if !(0.0..=LONGEST_SUMMED).contains(&length) {

@@ -353,7 +353,11 @@ impl Order {
                 let found = timing.samples_ns.len();
                 return Err(format!("it has {found} samples of a time, expected at most {REPEATS_MAX}"));
             }
-            Record::Header(_) | Record::Timing(_) => return Ok(()),
+            Record::Timing(TimingRecord { pass, bounce, kind, method, stage, .. }) => {
+                let kind = kind.map_or_else(String::new, |kind| format!(", {kind} rays"));
+                format!("times of {} by {method} in pass {pass}, bounce {bounce}{kind},", stage.name())
+            }
+            Record::Header(_) => return Ok(()),
         };
         if self.names.contains(&name) {
             return Err(format!("it describes {} a second time", one_line(&name, 2 * NAME_CHARACTERS)));

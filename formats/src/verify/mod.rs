@@ -4,6 +4,7 @@
 //! - `files`: checksums, lengths, headers, files that no record names
 //! - `scene`: the header's own numbers, the scene's arrays, the picture
 //! - `records`: queues, timings and cache records of what was recorded
+//! - `kept`: that what the header says was kept is there
 //! - `queues`: arrays that belong together, rays, path indices, lights
 //! - `hits`: hits and distances against their rays and triangles
 //! - `orders`: keys recomputed from the stored rays, permutations
@@ -13,6 +14,7 @@
 
 mod files;
 mod hits;
+mod kept;
 mod orders;
 mod queues;
 mod records;
@@ -40,6 +42,7 @@ pub fn verify(dump: &Dump) -> Report {
     files::find_damage(&subject);
     let mut checks: Vec<Check> = scene::check(&subject).into();
     checks.insert(1, records::check(&subject));
+    checks.insert(2, kept::check(&subject));
     checks.extend(queues::check(&subject));
     checks.extend(hits::check(&subject));
     checks.extend(orders::check(&subject));

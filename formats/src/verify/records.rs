@@ -10,6 +10,9 @@ use crate::manifest::{
 use crate::reader::DumpState;
 use crate::text::one_line;
 
+/// Rays of a group whose caches are modelled.
+const GROUP_RAYS: u64 = 64;
+
 pub(super) fn check(subject: &Subject<'_>) -> Check {
     let manifest = subject.dump.manifest();
     let known = Known::new(manifest, subject.dump.state());
@@ -21,6 +24,12 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
     for method in &manifest.header.options.methods {
         let problem = known.unknown_method(method).filter(|_| known.has_all_records);
         check.require(problem.is_none(), || format!("the header's methods: {}", problem.unwrap_or_default()));
+    }
+    for method in &manifest.methods {
+        let is_named = known.options.methods.contains(&method.name);
+        check.require(is_named, || {
+            format!("method {} is not among the header's", one_line(&method.name, NAME_CHARACTERS))
+        });
     }
     for queue in &manifest.queues {
         let problem = known.queue_problem(queue);
@@ -101,17 +110,23 @@ impl<'a> Known<'a> {
             (mismatches.rays > queue.rays)
                 .then(|| format!("{} results of {method} differ, of {} rays", mismatches.rays, queue.rays))
         });
-        unknown.or(wrong)
+        let unmeasured = !queue.methods.is_empty() && !queue.methods.iter().any(|method| method == UNSORTED);
+        let no_baseline =
+            unmeasured.then(|| format!("its methods lack {UNSORTED}, which is always measured"));
+        unknown.or(no_baseline).or(wrong)
     }
 
     fn timing_problem(&self, timing: &TimingRecord) -> Option<String> {
         let &TimingRecord { pass, bounce, kind, stage, ref method, ref samples_ns } = timing;
         let is_of_a_queue = !matches!(stage, Stage::Generate | Stage::Shade);
-        let wrong = if samples_ns.is_empty() {
-            Some("there are no samples".to_owned())
-        } else if is_of_a_queue != kind.is_some() {
+        let expected = if is_of_a_queue { self.options.repeats } else { 1 };
+        let wrong = if is_of_a_queue != kind.is_some() {
             let (found, expected) = if is_of_a_queue { ("no", "one") } else { ("a", "none") };
             Some(format!("it has {found} kind of queue, expected {expected}"))
+        } else if method == UNSORTED && is_of_a_queue && stage != Stage::Trace {
+            Some("unsorted rays are traced, and nothing else".to_owned())
+        } else if samples_ns.len() != expected as usize {
+            Some(format!("it has {} samples, expected {expected}", samples_ns.len()))
         } else {
             None
         };
@@ -127,8 +142,8 @@ impl<'a> Known<'a> {
         let hits = l1_hits.checked_add(l2_hits);
         let wrong = if [u64::from(cache.line_bytes), cache.l1_bytes, cache.l2_bytes].contains(&0) {
             Some("a cache or its lines have no bytes".to_owned())
-        } else if cache.groups > rays {
-            Some(format!("{} groups of {rays} rays", cache.groups))
+        } else if cache.groups != rays.div_ceil(GROUP_RAYS) {
+            Some(format!("{} groups of {rays} rays, {GROUP_RAYS} each", cache.groups))
         } else if hits.is_none_or(|hits| hits > accesses) {
             Some(format!("{l1_hits} and {l2_hits} hits of {accesses} accesses"))
         } else {

@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 use sha2::{Digest, Sha256};
 
 use super::{Check, Subject};
+use crate::key::method::UNSORTED;
 use crate::key::{KEY_BITS_MIN, LAYOUT_BITS, LayoutText};
 use crate::length_table::LONGEST_SUMMED;
-use crate::manifest::{MethodRecord, NAME_CHARACTERS, Outcome, Place, SceneArray, Source};
+use crate::manifest::{Header, MethodRecord, NAME_CHARACTERS, Outcome, Place, SceneArray, Source};
 use crate::npy::MaterialMask;
 use crate::reader::DumpState;
 use crate::summary::hexadecimal;
@@ -30,6 +31,12 @@ fn check_header(subject: &Subject<'_>) -> Check {
             )
         });
     }
+    if let Some(source) = subject.dump.source() {
+        let differing = differing(&manifest.header, &source.manifest().header);
+        check.require(differing.is_empty(), || {
+            format!("its {} are not those of the recording that it is a replay of", differing.join(", "))
+        });
+    }
     for method in &manifest.methods {
         let lights = manifest.header.lights.len();
         let problem = method_problem(method, lights);
@@ -41,6 +48,21 @@ fn check_header(subject: &Subject<'_>) -> Check {
     check
 }
 
+/// What of a replay's header should be its source's, and is not.
+fn differing(replay: &Header, source: &Header) -> Vec<&'static str> {
+    let picture = |header: &Header| (header.options.width, header.options.height, header.options.seed);
+    let path =
+        |header: &Header| (header.options.passes, header.options.bounces, header.options.russian_roulette);
+    let parts = [
+        ("scene", replay.scene == source.scene),
+        ("camera", replay.camera == source.camera),
+        ("lights", replay.lights == source.lights),
+        ("width, height and seed", picture(replay) == picture(source)),
+        ("passes, bounces and roulette", path(replay) == path(source)),
+    ];
+    parts.into_iter().filter(|(_, is_same)| !is_same).map(|(part, _)| part).collect()
+}
+
 /// What is wrong with the record of a method, if anything.
 pub(super) fn method_problem(method: &MethodRecord, lights: usize) -> Option<String> {
     if !(KEY_BITS_MIN..=LAYOUT_BITS).contains(&method.key_bits) {
@@ -49,6 +71,9 @@ pub(super) fn method_problem(method: &MethodRecord, lights: usize) -> Option<Str
     if !(0.0..=LONGEST_SUMMED).contains(&method.two_point_length) {
         let length = method.two_point_length;
         return Some(format!("it assumes a length of {length}, expected 0 to {LONGEST_SUMMED}"));
+    }
+    if method.base == UNSORTED {
+        return Some(format!("it is a variant of {UNSORTED}, which has no key"));
     }
     let layout = match LayoutText::parse(&method.text).and_then(|text| text.expand(lights)) {
         Ok(layout) => layout,

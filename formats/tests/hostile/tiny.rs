@@ -7,7 +7,7 @@ use formats::key::{Encoder, Method};
 use formats::length_table::{LengthTable, TABLE_BITS_MIN};
 use formats::manifest::{
     End, Header, MethodArray, MethodRecord, Mismatches, Outcome, Place, QueueArray, QueueId, QueueRecord,
-    Record, SceneArray,
+    Record, SceneArray, Stage, TimingRecord,
 };
 use formats::npy::Element;
 use formats::ray::{Hit, Kind, Ray};
@@ -32,6 +32,8 @@ pub(super) fn write(folder: &Path, kind: Kind) -> PathBuf {
     };
     header.options.table_bits = TABLE_BITS_MIN;
     header.options.methods = vec!["unsorted".to_owned(), name.to_owned()];
+    header.options.keep.retain(|word| !matches!(word.as_str(), "image" | "caches" | "work"));
+    header.options.keep_passes = "measured".to_owned();
     let mut writer = DumpWriter::create(&folder.join("original"), header.clone(), false).unwrap();
     for array in [SceneArray::Positions, SceneArray::Triangles, SceneArray::Materials] {
         let record = whole.record(&Place::Scene(array)).unwrap();
@@ -83,6 +85,12 @@ fn write_queue(writer: &mut DumpWriter, whole: &Dump, header: &Header, kind: Kin
     add_all();
     write_table(writer, QueueArray::FinalLengths);
     let methods = vec!["unsorted".to_owned(), method.name.clone()];
+    for method in methods.clone() {
+        let QueueId { pass, bounce, kind } = id;
+        let samples_ns = vec![9; header.options.repeats as usize];
+        let timing = TimingRecord { pass, bounce, kind: Some(kind), method, stage: Stage::Trace, samples_ns };
+        writer.record(&Record::Timing(timing)).unwrap();
+    }
     let mismatches = methods.iter().map(|method| Mismatches { method: method.clone(), rays: 0 }).collect();
     writer.record(&Record::Queue(QueueRecord { id, rays: RAYS as u64, methods, mismatches })).unwrap();
 }

@@ -196,7 +196,7 @@ pub(crate) fn header() -> Header {
             table_layout: TABLE_LAYOUT.into(),
             trace_kernel: "bvh2".into(),
             threads: 1,
-            keep: ["rays", "hits", "keys", "permutations", "lengths", "scene", "image"]
+            keep: ["rays", "hits", "keys", "permutations", "lengths", "scene", "image", "work", "caches"]
                 .map(str::to_owned)
                 .to_vec(),
             keep_passes: "all".into(),
@@ -468,6 +468,10 @@ pub(crate) fn thinned(whole: &Path, name: &str, queues: &[QueueId], methods: &[&
     let source = Dump::open(whole).unwrap();
     let mut header = header();
     header.options.methods.retain(|method| method == "unsorted" || methods.contains(&method.as_str()));
+    header.options.keep.retain(|word| word != "image" && word != "caches");
+    if !queues.iter().any(|queue| queue.pass == 0) {
+        header.options.keep_passes = "measured".to_owned();
+    }
     let mut writer = DumpWriter::create(&whole.with_file_name(name), header, false).unwrap();
     for frame in scan(&whole.join("manifest.bin")).unwrap().frames {
         match frame.record {
@@ -480,9 +484,19 @@ pub(crate) fn thinned(whole: &Path, name: &str, queues: &[QueueId], methods: &[&
                 file.finish().unwrap();
             }
             Record::Queue(mut queue) if queues.contains(&queue.id) => {
-                queue.methods.retain(|method| methods.contains(&method.as_str()));
+                queue.methods.retain(|method| method == "unsorted" || methods.contains(&method.as_str()));
                 queue.mismatches.retain(|mismatches| methods.contains(&mismatches.method.as_str()));
                 writer.record(&Record::Queue(queue)).unwrap();
+            }
+            Record::Timing(timing) if timing.kind.is_some() => {
+                let TimingRecord { pass, bounce, ref method, .. } = timing;
+                let of = |queue: &QueueId| {
+                    (queue.pass, queue.bounce, Some(queue.kind)) == (pass, bounce, timing.kind)
+                };
+                let is_kept = method == "unsorted" || methods.contains(&method.as_str());
+                if is_kept && queues.iter().any(of) {
+                    writer.record(&Record::Timing(timing)).unwrap();
+                }
             }
             _ => {}
         }

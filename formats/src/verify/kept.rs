@@ -1,0 +1,99 @@
+//! What the header says was kept: it is there, and nothing else is.
+
+use super::{Check, Subject};
+use crate::key::method::UNSORTED;
+use crate::manifest::check::PASSES_MAX;
+use crate::manifest::{
+    Manifest, MethodArray, NAME_CHARACTERS, Place, QueueArray, QueueRecord, SceneArray, Source,
+};
+use crate::ray::Kind;
+use crate::reader::DumpState;
+use crate::text::one_line;
+
+pub(super) fn check(subject: &Subject<'_>) -> Check {
+    let mut check = Check::new("kept");
+    let manifest = subject.dump.manifest();
+    if subject.dump.state() != DumpState::Complete {
+        check.not_checked.push("what was kept: the recording did not end, or lost something".to_owned());
+        return check;
+    }
+    let keep = &manifest.header.options.keep;
+    for place in promised(manifest).filter(|place| keep.iter().any(|word| word == place.kept_with())) {
+        check.require(subject.dump.has(&place), || {
+            format!("there is no {place}, but {} were kept by the header", place.kept_with())
+        });
+    }
+    if manifest.header.source == Source::Traced {
+        for array in &manifest.arrays {
+            let word = array.place.kept_with();
+            check.require(keep.iter().any(|kept| kept == word), || {
+                format!("there is {}, but the header does not say that {word} were kept", array.place)
+            });
+        }
+        check_passes(manifest, &mut check);
+    }
+    for queue in &manifest.queues {
+        for method in &queue.methods {
+            check_orders(manifest, queue, method, &mut check);
+        }
+    }
+    check
+}
+
+/// Where the arrays are that a recording has if it keeps everything.
+fn promised(manifest: &Manifest) -> impl Iterator<Item = Place> + '_ {
+    let scene = [SceneArray::Positions, SceneArray::Triangles, SceneArray::Materials].map(Place::Scene);
+    let image = (manifest.header.source == Source::Traced).then_some(Place::Image);
+    scene
+        .into_iter()
+        .chain(image)
+        .chain(manifest.queues.iter().flat_map(|queue| promised_of(manifest, queue)))
+}
+
+fn promised_of<'a>(manifest: &'a Manifest, queue: &'a QueueRecord) -> impl Iterator<Item = Place> + 'a {
+    let of_kind = match queue.id.kind {
+        Kind::Closest => &[QueueArray::Hits][..],
+        Kind::Shadow => &[QueueArray::Distances, QueueArray::Lights],
+    };
+    // The driver does not count what it does.
+    let is_counted = manifest.header.options.trace_kernel != "ray-query";
+    let of_queue = [QueueArray::Rays, QueueArray::PathIds, QueueArray::Lengths]
+        .into_iter()
+        .chain(of_kind.iter().copied())
+        .chain(is_counted.then_some(QueueArray::Work));
+    let of_methods = queue.methods.iter().filter(|method| *method != UNSORTED).flat_map(|method| {
+        let place = |array| Place::Method(queue.id, method.clone(), array);
+        [place(MethodArray::Keys), place(MethodArray::Permutation)]
+    });
+    of_queue.map(|array| Place::Queue(queue.id, array)).chain(of_methods)
+}
+
+/// The passes whose queues are there are those that `--keep-passes` names.
+fn check_passes(manifest: &Manifest, check: &mut Check) {
+    let options = &manifest.header.options;
+    // More are a fault of the header.
+    for pass in 0..options.passes.min(PASSES_MAX) {
+        let is_kept = options.keep_passes == "all" || pass + 1 == options.passes;
+        let is_there = manifest.queues.iter().any(|queue| queue.id.pass == pass);
+        check.require(is_kept == is_there, || {
+            let found = if is_there { "queues" } else { "no queue" };
+            format!("pass {pass} of {} has {found}, kept: {}", options.passes, options.keep_passes)
+        });
+    }
+}
+
+/// An order that was measured has its times, and one modelled caches if any has.
+fn check_orders(manifest: &Manifest, queue: &QueueRecord, method: &str, check: &mut Check) {
+    let id = queue.id;
+    let is_timed = manifest.timings.iter().any(|timing| {
+        (timing.pass, timing.bounce, timing.kind, timing.method.as_str())
+            == (id.pass, id.bounce, Some(id.kind), method)
+    });
+    let keeps_caches = manifest.header.options.keep.iter().any(|word| word == "caches");
+    let is_modelled = manifest.caches.iter().any(|cache| {
+        (cache.pass, cache.bounce, cache.kind, cache.method.as_str()) == (id.pass, id.bounce, id.kind, method)
+    });
+    let name = || one_line(method, NAME_CHARACTERS);
+    check.require(is_timed, || format!("there are no times of {} in {id}", name()));
+    check.require(is_modelled || !keeps_caches, || format!("there are no caches of {} in {id}", name()));
+}
