@@ -3,8 +3,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::camera::automatic;
-use crate::scene::Bounds;
+use crate::automatic;
+use crate::bounds::Bounds;
 use crate::{Camera, Light, Scene};
 
 /// Mean radiance below which a picture looks black: three of 255 steps in sRGB.

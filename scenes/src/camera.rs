@@ -1,7 +1,5 @@
 //! Pinhole cameras.
 
-pub(crate) mod automatic;
-
 use glam::DVec3;
 
 /// A pinhole camera in world space.

@@ -4,6 +4,8 @@
 //! (instances flattened), materials, lights and cameras. [`features::Features`] says what of all
 //! that the scene uses, [`bvh`] builds and caches the hierarchies that tracers walk.
 
+mod automatic;
+pub mod bounds;
 mod brightness;
 pub mod builtin;
 pub mod bvh;

@@ -1,6 +1,6 @@
 //! Lights: what shadow rays are sent to.
 
-use crate::scene::Bounds;
+use crate::bounds::Bounds;
 
 /// One light. Radiometric values are linear RGB.
 #[derive(Clone, Debug, PartialEq)]

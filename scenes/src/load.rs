@@ -5,11 +5,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::builtin::{self, BuiltinError};
-use crate::camera::{CameraError, automatic};
+use crate::camera::CameraError;
 use crate::gltf::{self, GltfError};
 use crate::shown::{shown, shown_path};
 use crate::sidecar::{self, Sidecar, SidecarError};
-use crate::{Camera, Environment, Light, Scene, brightness, files};
+use crate::{Camera, Environment, Light, Scene, automatic, brightness, files};
 
 /// The longest scene file that is read, bytes: a GLB file counts its bytes with 32 bits.
 const MAX_FILE_BYTES: u64 = u32::MAX as u64;

@@ -6,7 +6,7 @@ use super::{
     Bvh, Bvh2Node,
     boxes::{Boxes, union},
 };
-use crate::scene::Bounds;
+use crate::bounds::Bounds;
 
 /// Lays the tree out so that a node's first child and what is below it follow the pair that it is
 /// in: what a ray visits next is often in the cache already.

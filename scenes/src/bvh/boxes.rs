@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::BvhError;
 use crate::Scene;
-use crate::scene::Bounds;
+use crate::bounds::Bounds;
 
 /// Largest absolute coordinate, world units (2^40).
 ///

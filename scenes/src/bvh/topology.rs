@@ -14,7 +14,7 @@ use obvhs::{
 use rayon::prelude::*;
 
 use super::{BVH2_STACK, CWBVH_STACK, boxes::Boxes};
-use crate::scene::Bounds;
+use crate::bounds::Bounds;
 
 /// The format of a hierarchy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -6,7 +6,7 @@ use super::{
     boxes::{exact_box, union},
     node::Child,
 };
-use crate::{Scene, scene::Bounds};
+use crate::{Scene, bounds::Bounds};
 
 /// Most triangles in a leaf of a [`Bvh2Node`]; a stack entry keeps the count in four bits.
 const LEAF_LIMIT: u32 = 15;

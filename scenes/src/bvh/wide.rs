@@ -16,7 +16,7 @@ use super::{
     node::Child,
     topology::PARAMETERS,
 };
-use crate::scene::Bounds;
+use crate::bounds::Bounds;
 
 /// Most triangles in a leaf; the unary count has three bits.
 const LEAF_TRIANGLES: u32 = 3;

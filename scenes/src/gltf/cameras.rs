@@ -1,5 +1,5 @@
-//! Perspective cameras, in the order of their nodes. One that cannot be used is left out and said: nobody
-//! may want to look through it.
+//! Perspective cameras, in the order of their nodes. One that cannot be used is left out and said: the
+//! file may have others.
 
 use ::gltf::json::Value;
 use ::gltf::json::deserialize::from_value;

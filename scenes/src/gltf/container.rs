@@ -1,5 +1,5 @@
 //! From bytes to JSON and binary chunk: the GLB container (glTF 2.0 §4) and the checks that come
-//! before the JSON is taken at its word.
+//! before the JSON is believed.
 
 use ::gltf::json::{Root, deserialize::from_slice};
 use serde::Deserialize;

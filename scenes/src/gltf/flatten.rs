@@ -1,4 +1,4 @@
-//! From placed nodes to one soup of world-space triangles.
+//! From placed nodes to one list of world-space triangles.
 
 use ::gltf::json::mesh::{Mesh, Mode, Primitive, Semantic};
 use ::gltf::json::texture::Info;
@@ -11,12 +11,12 @@ use super::error::GltfError;
 use super::materials;
 use super::nodes::{self, PlacedNode};
 use super::notices::Notices;
-use super::primitive::{self, LocalMesh};
-use crate::bvh::{BYTES_PER_TRIANGLE, TRIANGLE_LIMIT};
+use super::primitive::{self, LIMIT, LocalMesh};
+use crate::bvh::{HIERARCHY_BYTES_PER_TRIANGLE, TRIANGLE_LIMIT};
 use crate::memory;
 
-/// The largest number of vertices: all have 32-bit numbers.
-pub(super) const LIMIT: u64 = u32::MAX as u64;
+/// What a triangle takes at least, in bytes: three indices, a material, and its share of the hierarchy.
+const BYTES_PER_TRIANGLE: u64 = 16 + HIERARCHY_BYTES_PER_TRIANGLE;
 
 /// The triangles of the whole scene. `normals` are as in [`crate::Scene`]; `uvs` end with the last
 /// vertex that has any.
@@ -87,7 +87,7 @@ pub(super) fn flatten(
     flat.finish(notices)
 }
 
-/// Refuses instances that come to more triangles than can be numbered or than fit into `free` bytes, by what
+/// Refuses instances that have more triangles than can be numbered or than fit into `free` bytes, by what
 /// the accessors of their meshes claim.
 fn check_claim(document: &Document, instances: &[(&PlacedNode, usize)], free: u64) -> Result<(), GltfError> {
     let of_mesh: Vec<u64> = document

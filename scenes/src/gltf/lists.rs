@@ -1,5 +1,5 @@
 //! From the text of the JSON to the lists that are read: what glTF allows and the parser does not is
-//! levelled first, and nobody looks at what has no effect here (animations, skins, morph targets).
+//! levelled first, and what has no effect here is not checked (animations, skins, morph targets).
 
 use ::gltf::json::deserialize::{from_slice, from_value};
 use ::gltf::json::{Root, Value};

@@ -67,7 +67,7 @@ impl Document<'_> {
 /// `bytes` are the file's, `folder` is where its relative URIs start, `name` becomes the scene's.
 ///
 /// # Errors
-/// Whatever is wrong with the file or the files that it refers to, with the node, primitive,
+/// What is wrong with the file or with a file that it refers to, with the node, primitive,
 /// accessor or image at fault.
 pub fn import(name: String, bytes: &[u8], folder: &Path) -> Result<Scene, GltfError> {
     let parsed = container::parse(bytes)?;

@@ -9,8 +9,10 @@ use ::gltf::json::{Index, validation::Checked};
 use super::Document;
 use super::accessor::Elements;
 use super::error::GltfError;
-use super::flatten::LIMIT;
 use super::notices::Notices;
+
+/// The largest number of vertices: all have 32-bit numbers.
+pub(super) const LIMIT: u64 = u32::MAX as u64;
 
 /// Triangles of one primitive, not yet placed.
 pub(super) struct LocalMesh {

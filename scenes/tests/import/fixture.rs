@@ -177,7 +177,7 @@ pub(crate) fn le_bytes(floats: &[f32]) -> Vec<u8> {
     floats.iter().flat_map(|x| x.to_le_bytes()).collect()
 }
 
-/// What every scene keeps to, whatever the file was.
+/// What holds for the scene of any file.
 #[track_caller]
 pub(crate) fn check_invariants(scene: &Scene) {
     let vertices = scene.positions.len();

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Camera, CameraError};
-use crate::{Environment, Light, Scene};
+use crate::camera::CameraError;
+use crate::{Camera, Environment, Light, Scene};
 
 /// How many directions [`look_around`] looks in.
 const DIRECTIONS: usize = 14;
@@ -36,8 +36,8 @@ struct Sight {
 const NOTHING: Sight = Sight { distance: f64::INFINITY, is_front: false };
 
 impl Sight {
-    /// Whether it is nearer; of two coincident triangles the front counts, whatever the order of
-    /// the threads.
+    /// Whether it is nearer; of two coincident triangles the front counts, in any order of the
+    /// threads.
     fn comes_before(self, other: Self) -> bool {
         (self.distance, !self.is_front) < (other.distance, !other.is_front)
     }
