@@ -6,7 +6,6 @@ use std::process::ExitCode;
 use std::sync::LazyLock;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use formats::ray::Kind;
 
 use crate::analysis::{Depth, GroupWidth, Options};
 use crate::figures::style::Width;
@@ -14,7 +13,7 @@ use crate::output::{print, say, sentence};
 use crate::session::Session;
 use crate::shot::Shot;
 use crate::shot::draw::STARTED;
-use crate::{app, arguments, export, info, plot, recover, verify};
+use crate::{app, export, info, plot, recover, verify};
 
 /// The command failed, and said why on standard error.
 const FAILED: u8 = 1;
@@ -196,29 +195,9 @@ struct Export {
     out: PathBuf,
     /// What to write.
     #[arg(long, value_enum)]
-    format: ExportFormat,
-    /// The pass [default: the last that was kept].
-    #[arg(long)]
-    pass: Option<u32>,
-    /// The bounce; 0 is the camera rays.
-    #[arg(long, default_value_t = 1)]
-    bounce: u32,
-    /// The kind of rays.
-    #[arg(long, value_parser = arguments::kind(), default_value = "closest")]
-    kind: Kind,
-    /// The order: a method, or unsorted.
-    #[arg(long, default_value = "unsorted")]
-    method: String,
-    /// One group of the order alone, counted from 0.
-    #[arg(long)]
-    group: Option<usize>,
-    /// Rays in a group.
-    #[arg(long, value_enum, default_value_t)]
-    group_width: GroupWidth,
-    /// Only the rays that meet a condition, such as 'hit && length < 0.1'; capsules are left out, as they
-    /// are those of whole groups.
-    #[arg(long, value_name = "EXPR")]
-    filter: Option<String>,
+    format: export::Format,
+    #[command(flatten)]
+    choice: export::RayChoice,
     /// Print one JSON object instead of text.
     #[arg(long)]
     json: bool,
@@ -232,14 +211,6 @@ enum FigureWidth {
     TwoColumn,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum ExportFormat {
-    /// Rays with their hits as a table.
-    Csv,
-    /// Rays, hits, curve and capsules as geometry.
-    Ply,
-}
-
 impl Plot {
     fn run(&self) -> anyhow::Result<()> {
         let width = match self.width {
@@ -247,18 +218,6 @@ impl Plot {
             FigureWidth::TwoColumn => Width::TwoColumn,
         };
         plot::plot(&self.inputs, &self.out, &self.figures, width, self.json)
-    }
-}
-
-impl Export {
-    fn run(self) -> anyhow::Result<()> {
-        let format = match self.format {
-            ExportFormat::Csv => export::Format::Csv,
-            ExportFormat::Ply => export::Format::Ply,
-        };
-        let Self { pass, bounce, kind, method, group, group_width, filter, .. } = self;
-        let selection = export::Selection { pass, bounce, kind, method, group, group_width, filter };
-        export::run(&self.dump, &self.out, format, &selection, self.json)
     }
 }
 
@@ -319,7 +278,9 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Command::Recover(Target { dump, json }) => recover::run(&dump, json),
         Command::Plot(plot) => plot.run(),
         Command::Report(Report { inputs, out, json }) => plot::report(&inputs, &out, json),
-        Command::Export(export) => export.run(),
+        Command::Export(Export { dump, out, format, choice, json }) => {
+            export::run(&dump, &out, format, &choice, json)
+        }
         Command::Shot(shot) => shot.run(),
     };
     exit_code(done)

@@ -66,7 +66,7 @@ pub(crate) fn run(path: &Path, json: bool, options: &Options) -> anyhow::Result<
     let is_partial = dump.state() == DumpState::Partial;
     let shown = shown::header(&dump.manifest().header);
     let mut parts = vec![facts(&summary, &shown, source_is), queues(&summary), timings(&summary)];
-    // What there is so far of a recording can be looked at, but has no means yet.
+    // What there is so far of a recording can be shown, but has no means yet.
     if !is_partial || options.depth == Depth::Arrays {
         let analysis = analyse(std::slice::from_ref(&dump), options)?;
         if json {

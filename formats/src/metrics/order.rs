@@ -60,7 +60,7 @@ impl Places {
     }
 
     /// What `of` makes of each chunk of places, given the canonical indices there, in order. Chunks are whole
-    /// groups, and the same ones whatever the number of threads.
+    /// groups, and the same ones for any number of threads.
     pub fn chunks<T: Send>(&self, of: impl Fn(&[u32]) -> T + Sync) -> Vec<T> {
         let chunk = |at: usize| {
             let (first, end) = (at * CHUNK, self.len().min((at + 1) * CHUNK));

@@ -88,7 +88,7 @@ enum Needs {
 
 /// One quantity of the list.
 #[derive(Clone, Copy)]
-struct Entry {
+struct Definition {
     label: &'static str,
     unit: &'static str,
     form: Form,
@@ -97,15 +97,15 @@ struct Entry {
     value: fn(RayAt<'_>) -> f64,
 }
 
-const fn real(label: &'static str, unit: &'static str, value: fn(RayAt<'_>) -> f64) -> Entry {
-    Entry { label, unit, form: Form::Real, scale: Scale::Linear, needs: Needs::Nothing, value }
+const fn real(label: &'static str, unit: &'static str, value: fn(RayAt<'_>) -> f64) -> Definition {
+    Definition { label, unit, form: Form::Real, scale: Scale::Linear, needs: Needs::Nothing, value }
 }
 
-const fn whole(label: &'static str, value: fn(RayAt<'_>) -> f64) -> Entry {
-    Entry { form: Form::Whole, ..real(label, "", value) }
+const fn whole(label: &'static str, value: fn(RayAt<'_>) -> f64) -> Definition {
+    Definition { form: Form::Whole, ..real(label, "", value) }
 }
 
-impl Entry {
+impl Definition {
     const fn needs(self, needs: Needs) -> Self {
         Self { needs, ..self }
     }
@@ -116,7 +116,7 @@ impl Entry {
 }
 
 macro_rules! quantities {
-    ($($variant:ident = $name:literal $(| $alias:literal)?, $about:literal: $entry:expr;)*) => {
+    ($($variant:ident = $name:literal $(| $alias:literal)?, $about:literal: $definition:expr;)*) => {
         /// A number that a ray or its group has.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
         pub enum Quantity { $(#[doc = $about] #[serde(rename = $name)] $variant,)* }
@@ -140,9 +140,9 @@ macro_rules! quantities {
                 match name { $($name $(| $alias)? => Some(Self::$variant),)* _ => None }
             }
 
-            fn entry(self) -> &'static Entry {
-                static ENTRIES: &[Entry] = &[$($entry,)*];
-                &ENTRIES[self as usize]
+            fn definition(self) -> &'static Definition {
+                static DEFINITIONS: &[Definition] = &[$($definition,)*];
+                &DEFINITIONS[self as usize]
             }
         }
     };
@@ -310,18 +310,18 @@ impl RayAt<'_> {
 impl Quantity {
     /// Of a ray; NaN where it does not have it. To be asked for once for many rays.
     pub fn value(self) -> fn(RayAt<'_>) -> f64 {
-        self.entry().value
+        self.definition().value
     }
 
     /// Whether it takes the groups of the order to know it.
     pub fn is_of_group(self) -> bool {
-        matches!(self.entry().needs, Needs::Groups | Needs::GroupsAndWork)
+        matches!(self.definition().needs, Needs::Groups | Needs::GroupsAndWork)
     }
 
     /// Why it is not known of these rays, if so.
     pub fn missing<'a>(self, rays: &OrderedRays<'a>) -> Option<&'a str> {
         let is_closest = matches!(rays.traced.results(), Results::Hits(_));
-        match self.entry().needs {
+        match self.definition().needs {
             Needs::Nothing | Needs::Groups => None,
             Needs::Keys => rays.keys.err(),
             Needs::Work | Needs::GroupsAndWork => rays.work.err(),
@@ -336,7 +336,7 @@ impl Quantity {
 
     /// What colours stand for, with its unit.
     pub fn title(self) -> String {
-        let Entry { label, unit, scale, .. } = self.entry();
+        let Definition { label, unit, scale, .. } = self.definition();
         let logarithm = |base: u32| match *unit {
             "" => format!("{label}, log{base}"),
             unit => format!("{label}, log{base} of {unit}"),
@@ -353,7 +353,7 @@ impl Quantity {
 
     /// What colours stand for, of its value; not finite where it is not known.
     pub fn coloured(self, value: f64, rays: &OrderedRays<'_>) -> f32 {
-        let scaled = match self.entry().scale {
+        let scaled = match self.definition().scale {
             Scale::Linear => value,
             // `max` would take the least for it.
             _ if value.is_nan() => value,
@@ -379,7 +379,7 @@ impl Quantity {
             (Self::Triangle, _) if value.is_nan() && self.missing(at.of).is_none() => "none".to_owned(),
             _ if value.is_nan() => "-".to_owned(),
             (Self::Cell, _) => format!("{:05x}", value as u64),
-            _ if self.entry().form == Form::Whole => value.to_string(),
+            _ if self.definition().form == Form::Whole => value.to_string(),
             _ => format!("{value:.4}"),
         }
     }

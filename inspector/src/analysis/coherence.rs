@@ -1,7 +1,7 @@
 //! Capsules, direction spread and lane utilisation of an order (KEYS, "Coherence of an order").
 //!
 //! Streamed: places of the order are taken in chunks whose boundaries are fixed, so that sums are added
-//! in the same order whatever the number of threads.
+//! in the same order for any number of threads.
 
 use formats::metrics::group::Group;
 use formats::metrics::lanes::{LaneUse, WIDTHS, work_of};

@@ -12,8 +12,8 @@
 //! - [`work`]: nodes and triangles of the recording's own kernel
 //! - [`picture`]: the image and what each pixel cost
 //!
-//! Arrays are loaded one queue at a time. Beyond them, memory is about 12 bytes for each ray of the
-//! largest queue and 16 for each of its groups, whatever the number of methods.
+//! Arrays are mapped one queue at a time. Beyond the maps, memory is about 12 bytes for each ray of the
+//! largest queue and 16 for each of its groups, for any number of methods.
 
 mod arrays;
 pub mod coherence;
@@ -43,7 +43,7 @@ pub use queue::QueueAnalysis;
 pub use recording::RecordingAnalysis;
 pub use summary::MethodSummary;
 
-/// What recordings come to.
+/// The numbers of recordings.
 #[derive(Clone, Debug, Serialize)]
 pub struct Analysis {
     /// Rays of a group.

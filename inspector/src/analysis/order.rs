@@ -71,7 +71,7 @@ impl From<&CacheRecord> for CacheHits {
 
 /// A queue and everything that its orders share.
 #[derive(Debug)]
-pub(super) struct Context<'a> {
+pub(super) struct QueueContext<'a> {
     pub(super) dump: &'a Dump,
     pub(super) queue: QueueId,
     pub(super) rays: u64,
@@ -80,7 +80,7 @@ pub(super) struct Context<'a> {
     pub(super) options: &'a Options,
 }
 
-impl<'a> Context<'a> {
+impl<'a> QueueContext<'a> {
     fn manifest(&self) -> &'a Manifest {
         self.dump.manifest()
     }

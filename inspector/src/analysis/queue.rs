@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::Metric;
 use super::arrays::QueueArrays;
 use super::options::Options;
-use super::order::{Context, OrderAnalysis};
+use super::order::{OrderAnalysis, QueueContext};
 use super::tables::{Estimators, TableFill};
 use super::timing::Samples;
 
@@ -37,7 +37,7 @@ impl QueueAnalysis {
         let queue = record.id;
         let arrays = QueueArrays::open(dump, record, options.depth);
         let (table, estimators) = arrays.table(dump, queue);
-        let context = Context { dump, queue, rays: record.rays, samples, arrays: &arrays, options };
+        let context = QueueContext { dump, queue, rays: record.rays, samples, arrays: &arrays, options };
         let mut methods: Vec<&str> = record.methods.iter().map(String::as_str).collect();
         methods.sort_by_key(|&method| method != UNSORTED);
         let orders = methods.into_iter().map(|method| context.order(method)).collect();

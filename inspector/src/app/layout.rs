@@ -7,26 +7,33 @@ use crate::panels::PANELS;
 /// A tile: the name of the panel that it shows.
 pub(super) type Pane = String;
 
+/// Panels that share a place: left, middle and right, each from top to bottom. A panel that is not among them
+/// is with the last.
+const TABS: [&[&str]; 6] = [
+    &["navigator"],
+    &["ray", "problems"],
+    &["scene", "compare"],
+    &["rays"],
+    &["order", "table"],
+    &["coherence", "what-if", "timings"],
+];
+
 /// The scene in the middle, numbers to its right.
 pub(super) fn at_first() -> Tree<Pane> {
     let mut tiles = Tiles::default();
-    let mut pane = |name: &str| tiles.insert_pane(name.to_owned());
-    let [navigator, problems] = ["navigator", "problems"].map(&mut pane);
-    let pictures = ["order", "table"].map(&mut pane);
-    let numbers = ["coherence", "what-if", "timings"].map(&mut pane);
-    let rays = ["ray", "rays"].map(&mut pane);
-    let scenes = ["scene", "compare"].map(&mut pane);
-    let tabs = |tiles: &mut Tiles<Pane>, of: &[TileId]| tiles.insert_tab_tile(of.to_vec());
-    let left_parts = [tabs(&mut tiles, &[navigator]), tabs(&mut tiles, &[rays[0], problems])];
-    let left = tiles.insert_vertical_tile(left_parts.to_vec());
-    let middle_parts = [tabs(&mut tiles, &scenes), tabs(&mut tiles, &[rays[1]])];
-    let middle = tiles.insert_vertical_tile(middle_parts.to_vec());
-    let right = [tabs(&mut tiles, &pictures), tabs(&mut tiles, &numbers)];
-    let right = tiles.insert_vertical_tile(right.to_vec());
+    let mut names = TABS.map(<[&str]>::to_vec);
+    let others = PANELS.iter().map(|entry| entry.name).filter(|name| !TABS.concat().contains(name));
+    names[TABS.len() - 1].extend(others);
+    let tabs = names.map(|names| {
+        let panes = names.into_iter().map(|name| tiles.insert_pane(name.to_owned())).collect();
+        tiles.insert_tab_tile(panes)
+    });
+    let [left, middle, right] =
+        [0, 2, 4].map(|first| tiles.insert_vertical_tile(tabs[first..first + 2].to_vec()));
     let root = tiles.insert_horizontal_tile(vec![left, middle, right]);
     share(&mut tiles, root, &[(left, 0.66), (middle, 1.5), (right, 1.1)]);
-    share(&mut tiles, left, &[(left_parts[0], 1.5), (left_parts[1], 1.0)]);
-    share(&mut tiles, middle, &[(middle_parts[0], 2.2), (middle_parts[1], 1.0)]);
+    share(&mut tiles, left, &[(tabs[0], 1.5), (tabs[1], 1.0)]);
+    share(&mut tiles, middle, &[(tabs[2], 2.2), (tabs[3], 1.0)]);
     Tree::new(egui::Id::unique("tiles"), root, tiles)
 }
 

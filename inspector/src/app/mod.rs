@@ -3,7 +3,7 @@
 //! - `layout`, `tiles`: where panels are, and what can be saved of each
 //! - `menu`, `keys`, `help`: what is done to the window as a whole
 //! - `welcome`, [`demo`]: before a recording is open
-//! - `ask`, `saving`, `picture`, `command`: files, and the command that draws the same without a window
+//! - `ask`, `saving`, `screenshot`, `command`: files, and the command that draws the same without a window
 //! - [`run`]: the window on a screen; `kept`: from one to the next
 
 mod ask;
@@ -14,9 +14,9 @@ mod kept;
 mod keys;
 mod layout;
 mod menu;
-mod picture;
 pub mod run;
 mod saving;
+mod screenshot;
 mod tiles;
 mod welcome;
 
@@ -28,12 +28,12 @@ use egui_tiles::Tree;
 use self::ask::{Asked, Asking, Prompt};
 use self::demo::Demo;
 use self::layout::Pane;
-use self::picture::Picture;
-use self::tiles::{Shown, Wish};
+use self::screenshot::Screenshot;
+use self::tiles::{PanelTiles, Wish};
 use crate::model::context::Problem;
 use crate::model::history::History;
 use crate::model::{Context, Selection};
-use crate::panels::space::Canvas;
+use crate::panels::space::ViewSetup;
 use crate::panels::{PANELS, Panel};
 use crate::recent::Recent;
 use crate::render::gpu::errors::Errors;
@@ -61,12 +61,12 @@ pub struct App {
     history: History,
     task: Option<Task>,
     prompt: Option<Prompt>,
-    picture: Option<Picture>,
+    screenshot: Option<Screenshot>,
     places: BTreeMap<&'static str, egui::Rect>,
     /// A command that is shown.
     shown_command: Option<String>,
     is_help_open: bool,
-    canvas: Canvas,
+    setup: ViewSetup,
     gpu_errors: Errors,
 }
 
@@ -77,21 +77,21 @@ impl App {
     }
 
     /// With what is open and selected already.
-    pub fn showing(context: Context, canvas: Canvas) -> Self {
+    pub fn showing(context: Context, setup: ViewSetup) -> Self {
         let mut app = Self {
             context,
             recent: Recent::default(),
             demo: Demo::with(demo::find_recorder()),
-            panels: PANELS.iter().map(|entry| (entry.make)(&canvas)).collect(),
+            panels: PANELS.iter().map(|entry| (entry.make)(&setup)).collect(),
             tree: layout::at_first(),
             history: History::default(),
             task: None,
             prompt: None,
-            picture: None,
+            screenshot: None,
             places: BTreeMap::new(),
             shown_command: None,
             is_help_open: false,
-            canvas,
+            setup,
             gpu_errors: Errors::default(),
         };
         app.greet();
@@ -174,7 +174,7 @@ impl App {
     /// Arranges panels as a session has them.
     fn arrange_as(&mut self, session: &Session) {
         self.history.clear();
-        self.panels = PANELS.iter().map(|entry| (entry.make)(&self.canvas)).collect();
+        self.panels = PANELS.iter().map(|entry| (entry.make)(&self.setup)).collect();
         self.tree = layout::of_all_panels(session.layout.clone()).unwrap_or_else(layout::at_first);
         for (name, state) in &session.panels {
             let restored = match self.panel(name) {
@@ -230,7 +230,7 @@ impl App {
         self.command_window(ui);
         self.history.note(&self.context.selection);
         self.take_prompt(ui);
-        self.take_picture(ui);
+        self.take_screenshot(ui);
         if let Some(task) = self.task.take() {
             self.perform(task, ui.ctx());
         }
@@ -239,7 +239,7 @@ impl App {
     fn tiles(&mut self, ui: &mut egui::Ui) {
         let mut wish = None;
         self.places.clear();
-        let mut shown = Shown {
+        let mut shown = PanelTiles {
             panels: &mut self.panels,
             context: &mut self.context,
             places: &mut self.places,
@@ -316,7 +316,7 @@ impl App {
                 Ok(command) => self.shown_command = Some(command),
                 Err(error) => self.problem("the session cannot be saved", error),
             },
-            Asking::SavePicture(panel) => self.picture = Some(Picture::of(panel, path)),
+            Asking::SavePicture(panel) => self.screenshot = Some(Screenshot::of(panel, path)),
             Asking::SaveData(panel) => self.save_data(panel, &path),
         }
     }

@@ -5,22 +5,22 @@ use std::sync::PoisonError;
 
 use super::App;
 use super::layout::place;
-use super::picture::{Slot, write};
+use super::screenshot::{Slot, write};
 use crate::output::sentence;
 use crate::panels::data::Data;
 
 impl App {
     /// Asks for the picture, and writes it once it is there.
-    pub(super) fn take_picture(&mut self, ui: &egui::Ui) {
-        let Some(picture) = &mut self.picture else { return };
+    pub(super) fn take_screenshot(&mut self, ui: &egui::Ui) {
+        let Some(screenshot) = &mut self.screenshot else { return };
         ui.ctx().request_repaint();
-        if picture.frames_before > 0 {
-            picture.frames_before -= 1;
+        if screenshot.frames_before > 0 {
+            screenshot.frames_before -= 1;
             return;
         }
-        let Some(slot) = &picture.taken else {
+        let Some(slot) = &screenshot.taken else {
             let slot = Slot::default();
-            picture.taken = Some(slot.clone());
+            screenshot.taken = Some(slot.clone());
             let window = ui.ctx().clone();
             ui.ctx().request_screenshot(move |image| {
                 *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(image);
@@ -29,9 +29,9 @@ impl App {
             return;
         };
         let Some(image) = slot.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
-        let rect = picture.panel.and_then(|panel| self.places.get(panel)).copied();
-        let written = write(&image, rect, ui.ctx().pixels_per_point(), &picture.path);
-        self.picture = None;
+        let rect = screenshot.panel.and_then(|panel| self.places.get(panel)).copied();
+        let written = write(&image, rect, ui.ctx().pixels_per_point(), &screenshot.path);
+        self.screenshot = None;
         if let Err(error) = written {
             self.problem("the picture cannot be saved", sentence(&error));
         }

@@ -28,7 +28,7 @@ const WISHES: [(Wish, &str, &str); 4] = [
     ),
 ];
 
-pub(super) struct Shown<'a> {
+pub(super) struct PanelTiles<'a> {
     pub(super) panels: &'a mut [Box<dyn Panel>],
     pub(super) context: &'a mut Context,
     /// Where panels were drawn, by their names.
@@ -36,7 +36,7 @@ pub(super) struct Shown<'a> {
     pub(super) wish: &'a mut Option<(&'static str, Wish)>,
 }
 
-impl egui_tiles::Behavior<Pane> for Shown<'_> {
+impl egui_tiles::Behavior<Pane> for PanelTiles<'_> {
     fn pane_ui(&mut self, ui: &mut egui::Ui, _tile: TileId, pane: &mut Pane) -> UiResponse {
         let Some(at) = place(pane) else { return UiResponse::None };
         self.places.insert(PANELS[at].name, ui.max_rect());

@@ -23,7 +23,7 @@ const RAY_COLUMNS: [&str; 11] = [
 /// Writes the rows with their header. Lengths are world units; `ray` is the canonical index.
 pub(crate) fn write(rays: &Rays, output: impl Write) -> io::Result<()> {
     let mut writer = csv::Writer::from_writer(output);
-    let end_columns: &[&str] = match rays.id.kind {
+    let end_columns: &[&str] = match rays.id().kind {
         Kind::Closest => &["t", "triangle", "u", "v"],
         Kind::Shadow => &["distance", "light"],
     };

@@ -12,6 +12,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use clap::ValueEnum;
 use formats::files::replace;
 use formats::reader::Dump;
 use serde::Serialize;
@@ -20,12 +21,14 @@ use crate::figures::files::make_folder;
 use crate::output::{print, print_json};
 use rays::Rays;
 
-pub(crate) use rays::Selection;
+pub(crate) use rays::RayChoice;
 
 /// What files are made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Format {
+    /// Rays with their hits as a table.
     Csv,
+    /// Rays, hits, curve and capsules as geometry.
     Ply,
 }
 
@@ -41,13 +44,13 @@ pub(crate) fn run(
     path: &Path,
     out: &Path,
     format: Format,
-    selection: &Selection,
+    choice: &RayChoice,
     json: bool,
 ) -> anyhow::Result<()> {
     let dump = Dump::open(path)?;
-    let rays = Rays::open(&dump, selection).with_context(|| dump.root().display().to_string())?;
+    let rays = Rays::open(&dump, choice)?;
     make_folder(out)?;
-    let stem = stem(&rays, selection);
+    let stem = stem(&rays, choice);
     let files = match format {
         Format::Csv => vec![write(out, &format!("{stem}.csv"), |output| csv::write(&rays, output))?],
         Format::Ply => {
@@ -57,8 +60,8 @@ pub(crate) fn run(
                 write(out, &format!("{stem}-curve.ply"), |output| ply::curve(&rays, output))?,
             ];
             // Rays that pass a filter are no groups.
-            if selection.filter.is_none() {
-                let width = selection.group_width.rays();
+            if choice.filter.is_none() {
+                let width = choice.group_width.rays();
                 let capsules = |output: &mut dyn Write| ply::capsules(&rays, width, output);
                 files.push(write(out, &format!("{stem}-capsules.ply"), capsules)?);
             }
@@ -72,11 +75,11 @@ pub(crate) fn run(
 }
 
 /// Names of the files up to what each holds.
-fn stem(rays: &Rays, selection: &Selection) -> String {
-    let id = rays.id;
-    let group = selection.group.map_or(String::new(), |group| format!("-group-{group}"));
-    let filtered = if selection.filter.is_some() { "-filtered" } else { "" };
-    format!("pass-{:03}-bounce-{:02}-{}-{}{group}{filtered}", id.pass, id.bounce, id.kind, rays.method)
+fn stem(rays: &Rays, choice: &RayChoice) -> String {
+    let id = rays.id();
+    let group = choice.group.map_or(String::new(), |group| format!("-group-{group}"));
+    let filtered = if choice.filter.is_some() { "-filtered" } else { "" };
+    format!("pass-{:03}-bounce-{:02}-{}-{}{group}{filtered}", id.pass, id.bounce, id.kind, rays.method())
 }
 
 /// Writes a file whole or not at all.

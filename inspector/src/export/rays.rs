@@ -4,33 +4,48 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use anyhow::{Context, Error, bail};
-use formats::manifest::{MethodArray, Place, QueueArray, QueueId};
+use clap::Args;
+use formats::key::method::UNSORTED;
+use formats::manifest::QueueId;
 use formats::ray::{Hit, Kind, Ray};
-use formats::reader::{Dump, Mapped};
-use formats::unit_space::UnitSpace;
+use formats::reader::Dump;
+use formats::traced::Results;
 
 use super::capsule::Point;
 use crate::analysis::GroupWidth;
+use crate::arguments;
 use crate::model::filter::{self, Expression};
 use crate::model::numbers::Numbers;
 use crate::model::{Order, Queue};
 
 /// Which rays, in which order.
-#[derive(Clone, Debug)]
-pub(crate) struct Selection {
-    /// The last that was kept if `None`.
-    pub(crate) pass: Option<u32>,
-    pub(crate) bounce: u32,
-    pub(crate) kind: Kind,
-    pub(crate) method: String,
-    /// One group alone.
-    pub(crate) group: Option<usize>,
-    pub(crate) group_width: GroupWidth,
-    /// A condition that rays must meet.
-    pub(crate) filter: Option<String>,
+#[derive(Clone, Debug, Args)]
+pub(crate) struct RayChoice {
+    /// The pass [default: the last that was kept].
+    #[arg(long)]
+    pass: Option<u32>,
+    /// The bounce; 0 is the camera rays.
+    #[arg(long, default_value_t = 1)]
+    bounce: u32,
+    /// The kind of rays.
+    #[arg(long, value_parser = arguments::kind(), default_value = "closest")]
+    kind: Kind,
+    /// The order: a method, or unsorted.
+    #[arg(long, default_value = UNSORTED)]
+    method: String,
+    /// One group of the order alone, counted from 0.
+    #[arg(long)]
+    pub(super) group: Option<usize>,
+    /// Rays in a group.
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) group_width: GroupWidth,
+    /// Only the rays that meet a condition, such as 'hit && length < 0.1'; capsules are left out, as they
+    /// are those of whole groups.
+    #[arg(long, value_name = "EXPR")]
+    pub(super) filter: Option<String>,
 }
 
-impl Selection {
+impl RayChoice {
     /// The queue that is meant.
     fn queue(&self, dump: &Dump) -> anyhow::Result<QueueId> {
         let queues = &source_of(dump).manifest().queues;
@@ -67,31 +82,17 @@ fn source_of(dump: &Dump) -> &Dump {
     if dump.manifest().queues.is_empty() { dump.source().unwrap_or(dump) } else { dump }
 }
 
-/// What is known of a queue's rays, mapped, in canonical order.
+/// Rays of a queue in an order.
 pub(crate) struct Rays {
-    pub(crate) id: QueueId,
-    pub(crate) method: String,
-    unit_space: UnitSpace,
-    rays: Mapped<Ray>,
-    path_ids: Mapped<u32>,
-    ends: Ends,
-    /// Canonical index at each place of the order; none for canonical order itself.
-    permutation: Option<Mapped<u32>>,
-    /// Places of the order that were asked for.
-    places: Places,
+    order: Arc<Order>,
+    places: Chosen,
 }
 
 /// Places of an order, ascending.
-enum Places {
+enum Chosen {
     Range(Range<usize>),
     /// Those that pass a filter.
     Listed(Vec<u32>),
-}
-
-/// Where rays end.
-enum Ends {
-    Closest(Mapped<Hit>),
-    Shadow { distances: Mapped<f32>, lights: Mapped<u32> },
 }
 
 /// One ray with its end.
@@ -130,105 +131,77 @@ impl End {
 }
 
 impl Rays {
-    /// Opens what a selection names.
-    pub(crate) fn open(dump: &Dump, selection: &Selection) -> anyhow::Result<Self> {
-        let id = selection.queue(dump)?;
-        let rays: Mapped<Ray> = dump.array(&Place::Queue(id, QueueArray::Rays))?;
-        let path_ids = dump.array(&Place::Queue(id, QueueArray::PathIds))?;
-        let ends = match id.kind {
-            Kind::Closest => Ends::Closest(dump.array(&Place::Queue(id, QueueArray::Hits))?),
-            Kind::Shadow => Ends::Shadow {
-                distances: dump.array(&Place::Queue(id, QueueArray::Distances))?,
-                lights: dump.array(&Place::Queue(id, QueueArray::Lights))?,
-            },
+    /// Opens what a choice names.
+    pub(crate) fn open(dump: &Dump, choice: &RayChoice) -> anyhow::Result<Self> {
+        let queue = Queue::open(dump, choice.queue(dump)?).map_err(Error::msg)?;
+        let order = Order::open(dump, Arc::new(queue), &choice.method).map_err(Error::msg)?;
+        let order = Arc::new(order);
+        let places = choice.places(order.len())?;
+        let places = match &choice.filter {
+            Some(filter) => {
+                let numbers = Numbers::of(order.clone(), &dump.manifest().header, choice.group_width);
+                Chosen::Listed(passing(&numbers, filter, &places)?)
+            }
+            None => Chosen::Range(places),
         };
-        let method = selection.method.clone();
-        let permutation = if method == formats::key::method::UNSORTED {
-            None
-        } else {
-            let place = Place::Method(id, method.clone(), MethodArray::Permutation);
-            let permutation: Mapped<u32> = dump.array(&place)?;
-            formats::permutation::check_bijection(&permutation, rays.len()).context(place.to_string())?;
-            Some(permutation)
-        };
-        let ends_count = match &ends {
-            Ends::Closest(hits) => hits.len(),
-            Ends::Shadow { distances, lights } => distances.len().min(lights.len()),
-        };
-        if path_ids.len() != rays.len() || ends_count != rays.len() {
-            bail!(
-                "{id} has {} rays, {} paths and {ends_count} ends; expected as many of each",
-                rays.len(),
-                path_ids.len()
-            );
-        }
-        let places = selection.places(rays.len())?;
-        let places = match &selection.filter {
-            Some(filter) => Places::Listed(passing(dump, id, selection, filter, &places)?),
-            None => Places::Range(places),
-        };
-        let scene = &dump.manifest().header.scene;
-        let unit_space = UnitSpace::from_bounds(scene.bounds_min, scene.bounds_max);
-        Ok(Self { id, method, unit_space, rays, path_ids, ends, permutation, places })
+        Ok(Self { order, places })
+    }
+
+    /// The queue that they are of.
+    pub(crate) fn id(&self) -> QueueId {
+        self.order.queue.id
+    }
+
+    /// What they are ordered by.
+    pub(crate) fn method(&self) -> &str {
+        &self.order.method
     }
 
     /// How many there are.
     pub(crate) fn len(&self) -> usize {
         match &self.places {
-            Places::Range(places) => places.len(),
-            Places::Listed(places) => places.len(),
+            Chosen::Range(places) => places.len(),
+            Chosen::Listed(places) => places.len(),
         }
     }
 
     /// How far along the order a place is, 0 to 1.
     pub(crate) fn part(&self, place: usize) -> f64 {
-        place as f64 / self.rays.len().saturating_sub(1).max(1) as f64
+        place as f64 / self.order.len().saturating_sub(1).max(1) as f64
     }
 
     /// All of them in their order.
     pub(crate) fn iter(&self) -> impl Iterator<Item = RayAtPlace> + '_ {
         let place = |at: usize| match &self.places {
-            Places::Range(places) => places.start + at,
-            Places::Listed(places) => places[at] as usize,
+            Chosen::Range(places) => places.start + at,
+            Chosen::Listed(places) => places[at] as usize,
         };
         (0..self.len()).map(move |at| self.at(place(at)))
     }
 
     fn at(&self, place: usize) -> RayAtPlace {
-        let index = self.permutation.as_ref().map_or(place, |permutation| permutation[place] as usize);
-        let ray = self.rays[index];
-        let (end, unit_length) = match &self.ends {
-            Ends::Closest(hits) => {
-                (End::Closest(hits[index]), self.unit_space.closest_length(&ray, &hits[index]))
-            }
-            Ends::Shadow { distances, lights } => {
-                let distance = distances[index];
-                let end = End::Shadow { distance, light: lights[index] };
-                (end, self.unit_space.shadow_length(&ray, distance))
+        let (queue, index) = (&self.order.queue, self.order.places.ray(place));
+        let ray = queue.traced.rays()[index];
+        let end = match queue.traced.results() {
+            Results::Hits(hits) => End::Closest(hits[index]),
+            Results::Distances(distances) => {
+                let light = queue.lights.as_ref().map_or(0, |lights| lights[index]);
+                End::Shadow { distance: distances[index], light }
             }
         };
-        let length = f64::from(unit_length) / f64::from(self.unit_space.scale);
+        let length = f64::from(queue.lengths[index]) / f64::from(queue.traced.unit().scale);
         // A ray without a direction never leaves.
         let length = if length.is_finite() { length } else { 0.0 };
         let termination =
             [0, 1, 2].map(|axis| f64::from(ray.origin[axis]) + length * f64::from(ray.direction[axis]));
-        RayAtPlace { place, index, path_id: self.path_ids[index], ray, end, termination }
+        RayAtPlace { place, index, path_id: queue.path_ids[index], ray, end, termination }
     }
 }
 
 /// Which of these places pass a filter.
-fn passing(
-    dump: &Dump,
-    id: QueueId,
-    selection: &Selection,
-    filter: &str,
-    places: &Range<usize>,
-) -> anyhow::Result<Vec<u32>> {
+fn passing(numbers: &Numbers, filter: &str, places: &Range<usize>) -> anyhow::Result<Vec<u32>> {
     let wrong = |error: filter::FilterError| Error::msg(format!("--filter: {}", error.shown(filter)));
     let expression = Expression::parse(filter).map_err(wrong)?;
-    let queue = Arc::new(Queue::open(dump, id).map_err(Error::msg)?);
-    let order = Arc::new(Order::open(dump, queue, &selection.method).map_err(Error::msg)?);
-    let numbers = Numbers::of(order, &dump.manifest().header, selection.group_width);
-    let passing = filter::passing(&expression, &numbers).map_err(wrong)?;
+    let passing = filter::passing(&expression, numbers).map_err(wrong)?;
     Ok(passing.places()[passing.between(places)].to_vec())
 }

@@ -34,12 +34,12 @@ impl Context {
         self.derived.waker.wait()
     }
 
-    /// The orders of the queue that can be looked at: recorded ones, and the one made here.
+    /// The orders of the queue that can be shown: recorded ones, and the one made here.
     pub fn methods(&self) -> Vec<String> {
         self.methods_of(self.selection.recording)
     }
 
-    /// The orders of the same queue of any of the open recordings that can be looked at.
+    /// The orders of the same queue of any of the open recordings that can be shown.
     pub fn methods_of(&self, recording: usize) -> Vec<String> {
         let recording = self.recordings.get(recording);
         let recorded = recording.map_or(&[][..], |open| open.methods(self.selection.queue));
@@ -47,7 +47,7 @@ impl Context {
         recorded.iter().cloned().chain(made).collect()
     }
 
-    /// The numbers of the rays of an order of the recording that is looked at.
+    /// The numbers of the rays of an order of the selected recording.
     pub fn numbers(&self, order: Arc<Order>) -> Option<Numbers> {
         let header = &self.recording()?.dump.manifest().header;
         Some(Numbers::of(order, header, self.selection.group_width))

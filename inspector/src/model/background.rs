@@ -22,7 +22,7 @@ struct AtWork {
 
 impl AtWork {
     fn threads(&self) -> MutexGuard<'_, usize> {
-        // A number is whole whatever happened to the thread that held it.
+        // A number is whole even if something happened to the thread that held it.
         self.threads.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -102,7 +102,7 @@ pub struct Background<K, T, const KEPT: usize = 3> {
     running: Option<(K, Receiver<Made<T>>)>,
 }
 
-/// What was made, or what whoever made it died of.
+/// What was made, or what its thread died of.
 type Made<T> = Result<T, Absent>;
 
 impl<K, T, const KEPT: usize> Default for Background<K, T, KEPT> {

@@ -31,7 +31,7 @@ type Opened<T> = Result<Arc<T>, String>;
 /// Opening of a recording, and queue.
 type QueueKey = (u64, QueueId);
 
-/// A queue that whoever needs it first opens.
+/// A queue that is opened by the first that needs it.
 type Opening = LazyLock<Opened<Queue>, Box<dyn FnOnce() -> Opened<Queue> + Send>>;
 
 /// Queues that can be asked for at once: those of two orders that are compared and one to go back to.
@@ -97,12 +97,12 @@ impl Context {
         self.keep_method();
     }
 
-    /// The recording that is looked at.
+    /// The selected recording.
     pub fn recording(&self) -> Option<&Recording> {
         self.recordings.get(self.selection.recording)
     }
 
-    /// Reads the recording that is looked at again: more of it if it is still being written.
+    /// Reads the selected recording again: more of it if it is still being written.
     pub fn refresh(&mut self) {
         let Some(recording) = self.recording() else { return };
         match recording.again() {
@@ -139,7 +139,7 @@ impl Context {
         }
     }
 
-    /// The queue that is looked at: read by another thread.
+    /// The selected queue: read by another thread.
     ///
     /// # Errors
     /// Why it cannot be shown, or not yet.
@@ -148,7 +148,7 @@ impl Context {
         opened(self.queues.of(wanted, &self.derived.waker, move || LazyLock::force(&opening).clone()))
     }
 
-    /// The queue that is looked at, for threads that can wait for it.
+    /// The selected queue, for threads that can wait for it.
     fn opening(&mut self) -> Result<(QueueKey, Arc<Opening>), Absent> {
         let recording = self.recording().ok_or("no recording is open")?;
         let wanted = (recording.opening, self.selection.queue);
@@ -165,14 +165,14 @@ impl Context {
         Ok((wanted, opening))
     }
 
-    /// Has other threads read what is looked at, before there is a window that asks for it.
+    /// Has other threads read what is selected, before there is a window that asks for it.
     pub fn read_ahead(&mut self) {
         // Panels say why if something cannot be read.
         drop(self.queue());
         drop(self.order());
     }
 
-    /// The order that is looked at: read by another thread.
+    /// The selected order: read by another thread.
     ///
     /// # Errors
     /// Why it cannot be shown, or not yet.
@@ -199,7 +199,7 @@ impl Context {
         opened(self.orders.of(wanted, &self.derived.waker, open))
     }
 
-    /// The order that is looked at, however long it takes.
+    /// The selected order, however long it takes.
     ///
     /// # Errors
     /// Why it cannot be shown.
@@ -227,7 +227,7 @@ impl Context {
         self.selection.group = group.filter(|group| *group < rays.div_ceil(width));
     }
 
-    /// Rays of the queue that is looked at.
+    /// Rays of the selected queue.
     fn rays(&self) -> usize {
         let of_queue = |open: &Recording| {
             let record = open.queues().iter().find(|record| record.id == self.selection.queue)?;

@@ -17,7 +17,7 @@ use crate::analysis::GroupWidth;
 pub(super) type Rays = Arc<[(QueueId, usize)]>;
 
 /// Serial number of an order, and rays of a group.
-type Grouped = (u64, GroupWidth);
+pub(crate) type Grouped = (u64, GroupWidth);
 
 /// Which rows: of which order, what its rays must meet, what they are sorted by.
 type WantedRows = (Grouped, Option<Arc<Expression>>, Sorting);

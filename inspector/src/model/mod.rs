@@ -8,7 +8,7 @@
 //! - [`groups`]: capsules, direction spread and lane utilisation of each group of an order
 //! - [`numbers`]: what the numbers of an order's rays are read from; [`colour_by`]: what colours stand for
 //! - [`key`]: a key field by field
-//! - [`filter`]: which rays are looked at
+//! - [`filter`]: which rays are shown
 //! - [`rows`]: the rays that pass, sorted by any of their numbers; [`estimates`]: the length table against
 //!   the lengths that were traced
 //! - [`what_if`]: another order of the recorded rays, made here

@@ -99,7 +99,7 @@ impl Recording {
         UnitSpace::from_bounds(scene.bounds_min, scene.bounds_max)
     }
 
-    /// The queue that is looked at first: secondary rays of the last pass, where orders differ most.
+    /// The queue that is selected first: secondary rays of the last pass, where orders differ most.
     pub fn first_queue(&self) -> Option<QueueId> {
         let queues = || self.queues().iter().map(|record| record.id);
         let pass = queues().map(|queue| queue.pass).max()?;

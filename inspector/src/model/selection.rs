@@ -24,7 +24,7 @@ pub struct Selection {
     pub group: Option<usize>,
     /// A cell of the length table.
     pub cell: Option<u32>,
-    /// Which rays are looked at.
+    /// Which rays are shown.
     pub filter: Filter,
 }
 

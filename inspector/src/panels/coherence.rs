@@ -3,10 +3,9 @@
 use egui_plot::{Line, Plot, PlotPoints};
 use serde::{Deserialize, Serialize};
 
-use super::notes::{hint, legend, missing, power_of_ten};
+use super::notes::{hint, missing, power_of_ten};
+use super::order_table::{order_table, unsorted_area};
 use super::worst::WorstGroups;
-use crate::analysis::Metric;
-use crate::analysis::coherence::Coherence;
 use crate::model::Context;
 use crate::model::coherences::OrderCoherence;
 use crate::panels::data::Data;
@@ -23,7 +22,7 @@ enum Listed {
     /// The means of every order.
     #[default]
     Orders,
-    /// The worst groups of the order that is looked at.
+    /// The worst groups of the selected order.
     Groups,
 }
 
@@ -77,7 +76,16 @@ impl Panel for CoherencePanel {
             }
         });
         match self.listed {
-            Listed::Orders => means(ui, orders),
+            Listed::Orders => {
+                let theme = Theme::of(ui.ctx());
+                let rows = orders
+                    .iter()
+                    .enumerate()
+                    .map(|(number, order)| (theme.series(number), order.method.as_str(), Some(order)));
+                egui::ScrollArea::both()
+                    .auto_shrink([false, true])
+                    .show(ui, |ui| order_table(ui, "means", rows, unsorted_area(orders), &[32]));
+            }
             Listed::Groups => self.worst.show(ui, context),
         }
     }
@@ -150,51 +158,4 @@ fn distribution(ui: &mut egui::Ui, orders: &[OrderCoherence], chosen: &str, heig
                 plot.line(line);
             }
         });
-}
-
-fn means(ui: &mut egui::Ui, orders: &[OrderCoherence]) {
-    let theme = Theme::of(ui.ctx());
-    let unsorted = orders.first().and_then(|order| order.coherence.known());
-    let unsorted = unsorted.map(|coherence| coherence.mean_capsule_area);
-    egui::ScrollArea::both().auto_shrink([false, true]).show(ui, |ui| {
-        egui::Grid::new("means").striped(true).num_columns(5).spacing([18.0, 2.0]).show(ui, |ui| {
-            for (name, about) in [
-                ("order", "How the rays were sorted"),
-                ("mean area", "Of the capsules, weighted by rays, in unit space"),
-                ("of unsorted", "Mean area over that of unsorted rays"),
-                ("spread", "1 - |sum of directions| / n of a group: 0 if all rays are parallel"),
-                ("lanes 32", "Share of their time in which 32 lanes work that wait for each other. A model"),
-            ] {
-                ui.strong(name).on_hover_text(about);
-            }
-            ui.end_row();
-            for (number, order) in orders.iter().enumerate() {
-                legend(ui, theme.series(number), &order.method);
-                row(ui, order, unsorted);
-                ui.end_row();
-            }
-        });
-    });
-}
-
-fn row(ui: &mut egui::Ui, order: &OrderCoherence, unsorted: Option<f64>) {
-    match &order.coherence {
-        Metric::Known(Coherence { mean_capsule_area, mean_direction_spread, .. }) => {
-            ui.label(format!("{mean_capsule_area:.4}"));
-            // Single rays have capsules without area.
-            let of_unsorted = unsorted.filter(|&unsorted| unsorted > 0.0);
-            ui.label(of_unsorted.map_or("–".to_owned(), |area| format!("{:.3}", mean_capsule_area / area)));
-            ui.label(format!("{mean_direction_spread:.3}"));
-        }
-        Metric::Missing { missing } => {
-            ui.weak("none").on_hover_text(missing);
-            ui.label("");
-            ui.label("");
-        }
-    }
-    let lanes = order.lanes.known().and_then(|lanes| lanes.iter().find(|lanes| lanes.width == 32));
-    match lanes {
-        Some(lanes) => ui.label(format!("{:.3}", lanes.utilisation)),
-        None => ui.weak("none").on_hover_text(order.lanes.reason().unwrap_or("no ray did any work")),
-    };
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::notes::hint;
 use super::space::layers::RayValues;
-use super::space::{Canvas, SpaceState, SpaceView};
+use super::space::{SpaceState, SpaceView, ViewSetup};
 use crate::model::comparison::{Difference, LOWEST_DISTANCE};
 use crate::model::comparisons::{Compared, Comparisons, Wanted};
 use crate::model::differences::{Row, counts, settings, speedups};
@@ -54,7 +54,7 @@ pub(super) struct Compare {
 }
 
 impl Compare {
-    pub(super) fn new(canvas: &Canvas) -> Self {
+    pub(super) fn new(setup: &ViewSetup) -> Self {
         let choice = Choice {
             before: UNSORTED.to_owned(),
             before_recording: None,
@@ -63,7 +63,7 @@ impl Compare {
             all_rows: false,
         };
         Self {
-            views: [SpaceView::new(canvas), SpaceView::new(canvas)],
+            views: [SpaceView::new(setup), SpaceView::new(setup)],
             choice,
             comparisons: Comparisons::default(),
             compared: None,

@@ -40,7 +40,7 @@ pub(super) fn typed(
     ui.add(edit.layouter(&mut layouter))
 }
 
-/// What is wrong with the filter, also where it only is for the order that is looked at.
+/// What is wrong with the filter, also where it only is for the selected order.
 pub(super) fn problem(context: &mut Context) -> Option<FilterError> {
     if let Some(error) = context.selection.filter.error() {
         return Some(error.clone());

@@ -9,6 +9,7 @@ mod filter_box;
 mod navigator;
 mod notes;
 mod order;
+mod order_table;
 mod panel;
 mod picture;
 mod problems;
@@ -23,7 +24,7 @@ pub(crate) mod views;
 mod what_if;
 mod worst;
 
-use self::space::Canvas;
+use self::space::ViewSetup;
 
 pub(crate) use self::notes::Lacking;
 pub use self::panel::Panel;
@@ -35,7 +36,7 @@ pub struct Entry {
     /// What it shows, in a sentence without its full stop.
     pub about: &'static str,
     /// Makes it for a window.
-    pub make: fn(&Canvas) -> Box<dyn Panel>,
+    pub make: fn(&ViewSetup) -> Box<dyn Panel>,
 }
 
 /// All panels.
@@ -48,12 +49,12 @@ pub const PANELS: &[Entry] = &[
     Entry {
         name: "scene",
         about: "the scene with rays, the curve of their order, capsules and table cells",
-        make: |canvas| Box::new(scene::Scene::new(canvas)),
+        make: |setup| Box::new(scene::Scene::new(setup)),
     },
     Entry {
         name: "compare",
         about: "two orders of the same rays side by side, seen from one place",
-        make: |canvas| Box::new(compare::Compare::new(canvas)),
+        make: |setup| Box::new(compare::Compare::new(setup)),
     },
     Entry {
         name: "order",

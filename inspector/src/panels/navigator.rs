@@ -1,11 +1,11 @@
-//! Which recording, pass, bounce, kind and order is looked at.
+//! Which recording, pass, bounce, kind and order is selected.
 
 use std::collections::BTreeSet;
 
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 
-use crate::analysis::GroupWidth;
+use super::notes::group_widths;
 use crate::model::Context;
 use crate::model::what_if::WHAT_IF;
 use crate::output::{count, counted};
@@ -31,7 +31,7 @@ impl Panel for Navigator {
             ui.separator();
             orders(ui, context);
             ui.separator();
-            widths(ui, context);
+            ui.horizontal_wrapped(|ui| group_widths(ui, "Group", context));
         });
     }
 }
@@ -123,18 +123,4 @@ fn orders(ui: &mut egui::Ui, context: &mut Context) {
             context.select_ray(context.selection.ray);
         }
     }
-}
-
-fn widths(ui: &mut egui::Ui, context: &mut Context) {
-    ui.horizontal_wrapped(|ui| {
-        ui.label("Group").on_hover_text("Consecutive rays of the order that a GPU traces together");
-        for width in [GroupWidth::Rays32, GroupWidth::Rays64, GroupWidth::Rays128] {
-            let is_now = context.selection.group_width == width;
-            if ui.selectable_label(is_now, width.rays().to_string()).clicked() && !is_now {
-                context.selection.group_width = width;
-                context.selection.group = None;
-                context.select_ray(context.selection.ray);
-            }
-        }
-    });
 }

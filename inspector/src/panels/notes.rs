@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::model::Absent;
+use crate::analysis::GroupWidth;
+use crate::model::{Absent, Context};
 
 /// A name with the colour of its series before it.
 pub(super) fn legend(ui: &mut egui::Ui, colour: egui::Color32, name: &str) {
@@ -25,7 +26,7 @@ pub(super) fn power_of_ten(exponent: f64) -> String {
     }
 }
 
-/// Why something is not shown of a recording, for whoever draws without a screen.
+/// Why something is not shown of a recording, for those who draw without a screen.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lacking(BTreeSet<String>);
 
@@ -66,4 +67,16 @@ pub(super) fn hint(ui: &mut egui::Ui, text: &str) {
         ui.label(egui::RichText::new("Nothing to show here").strong());
         ui.label(text);
     });
+}
+
+/// Chooses how many rays a group has.
+pub(super) fn group_widths(ui: &mut egui::Ui, name: &str, context: &mut Context) {
+    ui.label(name).on_hover_text("Consecutive rays of the order that a GPU traces together");
+    for width in [GroupWidth::Rays32, GroupWidth::Rays64, GroupWidth::Rays128] {
+        let is_now = context.selection.group_width == width;
+        if ui.selectable_label(is_now, width.rays().to_string()).clicked() && !is_now {
+            context.selection.group_width = width;
+            context.select_ray(context.selection.ray);
+        }
+    }
 }

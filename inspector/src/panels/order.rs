@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::de::Error as _;
 
 use super::notes::missing;
-use super::picture::{Picture, Shown};
+use super::picture::{DrawnPicture, Picture};
 use crate::analysis::GroupWidth;
 use crate::model::derived::Filtered;
 use crate::model::filter::Expression;
@@ -30,12 +30,12 @@ const COLOURS: [(Quantity, &str); 3] = [
 ];
 
 /// What the picture depends on: the order, the filter and whether it is known yet, and the colours.
-type Key = (u64, Option<(Arc<Expression>, GroupWidth, bool)>, Quantity, bool);
+type Wanted = (u64, Option<(Arc<Expression>, GroupWidth, bool)>, Quantity, bool);
 
 /// The panel.
 pub(super) struct OrderPanel {
     colouring: Quantity,
-    picture: Picture<Key>,
+    picture: Picture<Wanted>,
 }
 
 impl Default for OrderPanel {
@@ -155,7 +155,7 @@ fn pixels(
 }
 
 /// Marks what is selected: a cross at the ray, dots at the rays of its group.
-fn mark(ui: &egui::Ui, shown: &Shown, context: &Context, order: &Order, plane: ImagePlane) {
+fn mark(ui: &egui::Ui, shown: &DrawnPicture, context: &Context, order: &Order, plane: ImagePlane) {
     let colour = Theme::of(ui.ctx()).selected_mark();
     let at = |ray: usize| Some(shown.rect_of(plane.point(order.queue.path_ids[ray])?).center());
     if let Some(group) = context.selection.group {

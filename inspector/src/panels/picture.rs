@@ -19,7 +19,7 @@ impl<Key> Default for Picture<Key> {
 }
 
 /// A picture as it was drawn.
-pub(super) struct Shown {
+pub(super) struct DrawnPicture {
     /// What was done to it.
     pub(super) response: egui::Response,
     /// Where it is.
@@ -29,7 +29,7 @@ pub(super) struct Shown {
     size: [usize; 2],
 }
 
-impl Shown {
+impl DrawnPicture {
     /// The rectangle of a pixel on the screen.
     pub(super) fn rect_of(&self, [column, row]: [u32; 2]) -> Rect {
         let step = self.step();
@@ -51,7 +51,7 @@ impl<Key: PartialEq + Clone> Picture<Key> {
         (name, key): (&str, Key),
         size: [usize; 2],
         pixels: impl FnOnce() -> Vec<Color32> + Send + 'static,
-    ) -> Shown {
+    ) -> DrawnPicture {
         if self.made.as_ref().is_none_or(|(known, _)| *known != key) {
             let make = move || Arc::new(ColorImage::new(size, pixels()));
             self.made = self.making.of(key.clone(), waker, make).ok().map(|image| {
@@ -76,6 +76,6 @@ impl<Key: PartialEq + Clone> Picture<Key> {
                 |part: f32, size: usize| (part.clamp(0.0, 1.0) * size as f32).min(size as f32 - 1.0) as u32;
             [place(part.x, size[0]), place(part.y, size[1])]
         });
-        Shown { response, rect, pixel, size }
+        DrawnPicture { response, rect, pixel, size }
     }
 }

@@ -1,7 +1,7 @@
 //! The scene with rays, the curve of their order, capsules and table cells.
 
 use super::notes::hint;
-use super::space::{Canvas, SpaceView};
+use super::space::{SpaceView, ViewSetup};
 use crate::model::Context;
 use crate::panels::data::Data;
 use crate::panels::panel::Panel;
@@ -12,8 +12,8 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    pub(super) fn new(canvas: &Canvas) -> Self {
-        Self { view: SpaceView::new(canvas) }
+    pub(super) fn new(setup: &ViewSetup) -> Self {
+        Self { view: SpaceView::new(setup) }
     }
 }
 

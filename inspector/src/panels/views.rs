@@ -1,7 +1,9 @@
-//! What `shot` draws, by name: the window, or a panel with some settings.
+//! What `shot` draws, by name: the window, a panel as it is at first, or the scene with some settings.
+
+use super::PANELS;
 
 /// A picture that has a name.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct View {
     /// Its name on the command line.
     pub(crate) name: &'static str,
@@ -11,28 +13,12 @@ pub(crate) struct View {
     pub(crate) settings: &'static [&'static str],
 }
 
-impl View {
-    const fn of(name: &'static str, panel: &'static str, settings: &'static [&'static str]) -> Self {
-        Self { name, panel: Some(panel), settings }
-    }
-
-    /// The view of this name.
-    pub(crate) fn of_name(name: &str) -> Option<&'static Self> {
-        VIEWS.iter().find(|view| view.name == name)
-    }
-
-    /// The view that shows a panel as it is, or all of the `window`.
-    pub(crate) fn of_panel(panel: &str) -> Option<&'static Self> {
-        VIEWS.iter().find(|view| view.panel.unwrap_or(view.name) == panel)
-    }
-}
-
-/// All views.
-pub(crate) static VIEWS: [View; 15] = [
+/// Views that are not a panel of their name as it is at first.
+const NAMED: [View; 7] = [
     View { name: "window", panel: None, settings: &[] },
     View::of("curve", "scene", &["capsule_choice=spread"]),
     View::of("rays", "scene", &["capsule_choice=spread", "curve=false", "rays=true", "ends=true"]),
-    // Capsules are larger than rooms, so they are looked at from outside.
+    // Capsules are larger than rooms, so they are seen from outside.
     View::of(
         "capsules",
         "scene",
@@ -44,13 +30,40 @@ pub(crate) static VIEWS: [View; 15] = [
         &["capsule_choice=spread", "curve=false", "mesh=ghost", "stand_point=overview"],
     ),
     View::of("compare", "compare", &["capsule_choice=spread"]),
-    View::of("table", "table", &[]),
-    View::of("order", "order", &[]),
-    View::of("coherence", "coherence", &[]),
-    View::of("what-if", "what-if", &[]),
-    View::of("timings", "timings", &[]),
     View::of("rays-table", "rays", &[]),
-    View::of("ray", "ray", &[]),
-    View::of("navigator", "navigator", &[]),
-    View::of("problems", "problems", &[]),
 ];
+
+impl View {
+    const fn of(name: &'static str, panel: &'static str, settings: &'static [&'static str]) -> Self {
+        Self { name, panel: Some(panel), settings }
+    }
+
+    /// All views: every panel has one.
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        let is_named = |panel: &str| NAMED.iter().any(|view| view.panel == Some(panel));
+        let others = PANELS.iter().filter(move |entry| !is_named(entry.name));
+        NAMED.into_iter().chain(others.map(|entry| Self::of(entry.name, entry.name, &[])))
+    }
+
+    /// The view that shows a panel as it is, or all of the `window`.
+    pub(crate) fn of_panel(panel: &str) -> Option<Self> {
+        Self::all().find(|view| view.panel.unwrap_or(view.name) == panel)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn every_panel_has_a_view_and_every_view_a_name_of_its_own() {
+        let names: BTreeSet<&str> = View::all().map(|view| view.name).collect();
+        assert_eq!(names.len(), View::all().count());
+        for entry in PANELS {
+            assert!(View::of_panel(entry.name).is_some(), "{}", entry.name);
+        }
+        assert_eq!(View::of_panel("window").map(|view| view.name), Some("window"));
+    }
+}

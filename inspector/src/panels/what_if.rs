@@ -7,10 +7,9 @@ use formats::key::method::UNSORTED;
 use formats::key::{Coordinate, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError};
 
 use super::filter_box::typed;
-use super::notes::{legend, missing};
-use crate::analysis::{GroupWidth, Metric};
+use super::notes::{group_widths, missing};
+use super::order_table::{order_table, unsorted_area};
 use crate::model::Context;
-use crate::model::coherences::OrderCoherence;
 use crate::model::what_if::{Estimate, Settings, WHAT_IF};
 use crate::panels::panel::Panel;
 use crate::theme::Theme;
@@ -53,7 +52,7 @@ impl Panel for WhatIfPanel {
     }
 }
 
-/// What the panel begins with: the order that is looked at, or else a method that is built in.
+/// What the panel begins with: the selected order, or else a method that is built in.
 fn first(context: &Context) -> Option<Settings> {
     let recording = context.recording()?;
     let selected = recording.method(&context.selection.method).map(Settings::of);
@@ -140,14 +139,7 @@ fn bits(ui: &mut egui::Ui, layout: &Layout, key_bits: u32) {
 }
 
 fn widths(ui: &mut egui::Ui, context: &mut Context) {
-    ui.label("Groups of").on_hover_text("Consecutive rays of the order that a GPU traces together");
-    for width in [GroupWidth::Rays32, GroupWidth::Rays64, GroupWidth::Rays128] {
-        let is_now = context.selection.group_width == width;
-        if ui.selectable_label(is_now, width.rays().to_string()).clicked() && !is_now {
-            context.selection.group_width = width;
-            context.select_ray(context.selection.ray);
-        }
-    }
+    group_widths(ui, "Groups of", context);
     let is_shown = context.selection.method == WHAT_IF;
     let show = ui.selectable_label(is_shown, "show this order");
     if show.on_hover_text("Looks at this order in all panels, like at a recorded one").clicked() {
@@ -168,69 +160,14 @@ fn outcome(ui: &mut egui::Ui, context: &mut Context, queue: formats::manifest::Q
     let (methods, waker) = (recording.methods(queue), context.waker().clone());
     let frame = ui.ctx().cumulative_frame_nr();
     let recorded = context.coherences.of(at, &recording.dump, (&rays, methods), width, (&waker, frame));
-    table(ui, made.as_ref(), recorded, methods.len());
-}
-
-const COLUMNS: [(&str, &str); 7] = [
-    ("order", "How the rays are sorted"),
-    ("mean area", "Of the capsules of the groups, weighted by rays, in unit space"),
-    ("of unsorted", "Mean area over that of unsorted rays"),
-    ("spread", "1 - |sum of directions| / n of a group: 0 if all rays are parallel"),
-    ("lanes 8", "Share of their time in which 8 lanes work that wait for each other. A model"),
-    ("lanes 32", "The same for 32 lanes"),
-    ("lanes 64", "The same for 64 lanes"),
-];
-
-fn table(ui: &mut egui::Ui, made: Option<&OrderCoherence>, recorded: &[OrderCoherence], all: usize) {
     let theme = Theme::of(ui.ctx());
-    let unsorted = recorded.iter().find(|order| order.method == UNSORTED);
-    let unsorted = unsorted.and_then(|order| order.coherence.known()).map(|known| known.mean_capsule_area);
-    egui::Grid::new("what-if").striped(true).num_columns(COLUMNS.len()).spacing([16.0, 2.0]).show(ui, |ui| {
-        for (name, about) in COLUMNS {
-            ui.strong(name).on_hover_text(about);
-        }
-        ui.end_row();
-        match made {
-            Some(order) => {
-                legend(ui, theme.selected_mark(), WHAT_IF);
-                numbers(ui, order, unsorted);
-            }
-            None => {
-                ui.spinner();
-            }
-        }
-        ui.end_row();
-        for (number, order) in recorded.iter().enumerate() {
-            legend(ui, theme.series(number), &order.method);
-            numbers(ui, order, unsorted);
-            ui.end_row();
-        }
-    });
-    if recorded.len() < all {
-        ui.weak(format!("{} of {all} recorded orders so far", recorded.len()));
-    }
-}
-
-fn numbers(ui: &mut egui::Ui, order: &OrderCoherence, unsorted: Option<f64>) {
-    let OrderCoherence { coherence, lanes, .. } = order;
-    let known = |of: &dyn Fn(&crate::analysis::coherence::Coherence) -> String| match coherence {
-        Metric::Known(coherence) => (of(coherence), None),
-        Metric::Missing { missing } => ("-".to_owned(), Some(missing.clone())),
-    };
-    let area = known(&|known| format!("{:.4}", known.mean_capsule_area));
-    let part = known(&|known| {
-        unsorted.map_or("-".to_owned(), |unsorted| format!("{:.3}", known.mean_capsule_area / unsorted))
-    });
-    let spread = known(&|known| format!("{:.3}", known.mean_direction_spread));
-    let of_width = |width: usize| {
-        let found = lanes.known().and_then(|lanes| lanes.iter().find(|lanes| lanes.width == width));
-        let reason = lanes.reason().unwrap_or("no ray did any work").to_owned();
-        found.map_or(("-".to_owned(), Some(reason)), |lanes| (format!("{:.3}", lanes.utilisation), None))
-    };
-    for (text, reason) in [area, part, spread, of_width(8), of_width(32), of_width(64)] {
-        let label = ui.label(text);
-        if let Some(reason) = reason {
-            label.on_hover_text(reason);
-        }
+    let rows = recorded
+        .iter()
+        .enumerate()
+        .map(|(number, order)| (theme.series(number), order.method.as_str(), Some(order)));
+    let rows = std::iter::once((theme.selected_mark(), WHAT_IF, made.as_ref())).chain(rows);
+    order_table(ui, "what-if", rows, unsorted_area(recorded), &[8, 32, 64]);
+    if recorded.len() < methods.len() {
+        ui.weak(format!("{} of {} recorded orders so far", recorded.len(), methods.len()));
     }
 }

@@ -4,7 +4,7 @@
 //! 1993), and triangles that have less than three corners left are not drawn. A cell is no larger than half a
 //! pixel, so a corner moves by no more than a quarter of one along each axis. The cells of a grid are halved by
 //! the next finer one: what one grid leaves out is left out by all coarser ones, so the triangles of a part are
-//! sorted by that once, and of each part the beginning is drawn, whatever the camera does.
+//! sorted by that once, and of each part the beginning is drawn for any camera.
 
 use std::ops::Range;
 

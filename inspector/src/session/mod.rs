@@ -1,6 +1,6 @@
 //! Sessions: all that a window shows, as a file to come back to or to draw from without a screen.
 
-mod setting;
+pub mod setting;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,8 +15,6 @@ use serde::{Deserialize, Serialize};
 use crate::analysis::GroupWidth;
 use crate::model::what_if::{self, WHAT_IF};
 use crate::model::{Context, Selection};
-
-pub use self::setting::SettingError;
 
 /// Versions of the files that this program reads; it writes the last.
 const OLDEST: u64 = 1;
@@ -96,7 +94,7 @@ pub struct SavedSelection {
     pub(crate) ray: Option<usize>,
     pub(crate) group: Option<usize>,
     pub(crate) cell: Option<u32>,
-    /// Which rays are looked at; all if empty.
+    /// Which rays are shown; all if empty.
     #[serde(default)]
     pub(crate) filter: String,
 }
@@ -185,7 +183,7 @@ impl Session {
         let bytes = read_plain(path, LARGEST).map_err(|cause| SessionError::Read { path: owned(), cause })?;
         let syntax = |cause| SessionError::Syntax { path: owned(), cause };
         let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(syntax)?;
-        // Another version may differ in anything else, so it is looked at first.
+        // Another version may differ in anything else, so it is read first.
         match value.get("version").and_then(serde_json::Value::as_u64) {
             Some(found) if !(OLDEST..=VERSION).contains(&found) => {
                 return Err(SessionError::Version { path: owned(), found });
@@ -256,12 +254,12 @@ impl Session {
 }
 
 impl SavedSelection {
-    /// The queue that is looked at.
+    /// The selected queue.
     pub(crate) fn queue(&self) -> QueueId {
         QueueId { pass: self.pass, bounce: self.bounce, kind: self.kind }
     }
 
-    /// Selects it in the recording that is looked at.
+    /// Selects it in the selected recording.
     ///
     /// # Errors
     /// What that recording does not have.

@@ -17,7 +17,7 @@ use crate::arguments;
 use crate::model::Context;
 use crate::model::filter::Expression;
 use crate::model::what_if::{Settings, WHAT_IF};
-use crate::panels::views::{VIEWS, View};
+use crate::panels::views::View;
 use crate::render::camera::Camera;
 use crate::session::{Session, ThemeChoice};
 
@@ -38,7 +38,7 @@ pub(crate) struct Shot {
     out: PathBuf,
     /// What is drawn.
     #[arg(long, default_value = "window", value_parser = parse_view())]
-    view: &'static View,
+    view: View,
     /// The pass [default: the last that was kept].
     #[arg(long)]
     pass: Option<u32>,
@@ -166,9 +166,9 @@ fn refuse_problems(app: &App) -> anyhow::Result<()> {
     }
 }
 
-fn parse_view() -> impl TypedValueParser<Value = &'static View> {
-    let names = PossibleValuesParser::new(VIEWS.iter().map(|view| view.name));
-    names.try_map(|name| View::of_name(&name).ok_or("expected the name of a view"))
+fn parse_view() -> impl TypedValueParser<Value = View> {
+    let names = PossibleValuesParser::new(View::all().map(|view| view.name));
+    names.try_map(|name| View::all().find(|view| view.name == name).ok_or("expected the name of a view"))
 }
 
 fn parse_camera(text: &str) -> Result<String, String> {

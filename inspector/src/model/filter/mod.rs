@@ -1,4 +1,4 @@
-//! Filters: which rays are looked at, as an expression that is typed, `bounce == 2 && length < 0.1`.
+//! Filters: which rays are shown, as an expression that is typed, `bounce == 2 && length < 0.1`.
 //!
 //! - `token`, `parse`: from text to a checked tree; [`error`]: what is wrong, where, and what was meant
 //! - [`tree`]: numbers and conditions, kept apart by type

@@ -27,7 +27,7 @@ pub(super) fn take(ui: &Ui, response: &Response, view: &mut SpaceView, context: 
         let scroll = ui.input(|input| input.smooth_scroll_delta.y);
         camera.zoom((scroll * 0.003).exp());
     }
-    // Keys belong to whatever has the focus, such as a number that is typed.
+    // Keys belong to what has the focus, such as a number that is typed.
     if response.hovered() && !ui.ctx().egui_wants_keyboard_input() {
         keys(ui, &mut camera, view, context);
     }

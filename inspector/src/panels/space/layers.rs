@@ -8,11 +8,11 @@ use formats::reader::Dump;
 use rayon::prelude::*;
 
 use super::options::{CapsuleChoice, Options};
-use super::shown::Shown;
+use super::places::ShownPlaces;
 use crate::analysis::GroupWidth;
 use crate::model::background::Background;
 use crate::model::colour_by::ColourBy;
-use crate::model::derived::Filtered;
+use crate::model::derived::{Filtered, Grouped};
 use crate::model::filter::{Expression, Passing};
 use crate::model::numbers::Numbers;
 use crate::model::{Absent, Context, Order};
@@ -32,13 +32,10 @@ const SELECTED_WIDTH: f32 = 3.0;
 const ARROW_WIDTH: f32 = 9.0;
 const MARK_WIDTH: f32 = 8.0;
 
-/// Serial number of an order, and rays of a group.
-type OrderKey = (u64, GroupWidth);
-
 /// What the vertices of all rays depend on. Of the filter: whether it is known yet which rays pass.
 #[derive(Clone, Debug, PartialEq)]
-struct Key {
-    order: OrderKey,
+struct Wanted {
+    order: Grouped,
     filter: Option<(Arc<Expression>, bool)>,
     places: Range<usize>,
     detail: usize,
@@ -54,8 +51,8 @@ struct Key {
 
 /// What the vertices of what is selected depend on.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct SelectedKey {
-    order: OrderKey,
+struct WantedSelected {
+    order: Grouped,
     chosen: (Option<usize>, Option<usize>, Option<u32>),
 }
 
@@ -69,7 +66,7 @@ struct Behind {
 
 /// The vertices of all rays that are shown.
 struct Made {
-    places: Shown,
+    places: ShownPlaces,
     curve: Option<Geometry>,
     rays: Option<Geometry>,
     ends: Option<Geometry>,
@@ -116,11 +113,11 @@ struct Selected {
 /// The vertices of the last picture.
 #[derive(Default)]
 pub struct Layers {
-    making: Background<Key, Arc<Made>, 1>,
+    making: Background<Wanted, Arc<Made>, 1>,
     /// What the picture is made of: while other rays are being made, those of before, if of the same
     /// order and in the same colours.
-    made: Option<(Key, Arc<Made>)>,
-    selected: Option<(SelectedKey, Selected)>,
+    made: Option<(Wanted, Arc<Made>)>,
+    selected: Option<(WantedSelected, Selected)>,
     problem: Option<Absent>,
     /// What rays are coloured by in place of what the options say.
     values_of_rays: Option<RayValues>,
@@ -204,7 +201,7 @@ impl Layers {
         let selection = &context.selection;
         let of_order = (order.serial, selection.group_width);
         let is_known = !matches!(filtered, Filtered::Unknown);
-        let key = Key {
+        let key = Wanted {
             order: of_order,
             filter: selection.filter.in_force().map(|filter| (filter.clone(), is_known)),
             places: drawn_from(options, order.len()),
@@ -226,7 +223,7 @@ impl Layers {
         self.make(numbers, key, filtered.passing(), context);
         let chosen = (selection.ray, selection.group, selection.cell);
         self.passing = filtered.passing().map(|passing| passing.len());
-        let key = SelectedKey { order: of_order, chosen };
+        let key = WantedSelected { order: of_order, chosen };
         if self.selected.as_ref().is_none_or(|(known, _)| *known != key) {
             let selected = Selected::of(&order, &key, context);
             self.selected = Some((key, selected));
@@ -235,7 +232,7 @@ impl Layers {
     }
 
     /// Has the vertices of all rays made by another thread.
-    fn make(&mut self, numbers: Numbers, key: Key, passing: Option<Arc<Passing>>, context: &Context) {
+    fn make(&mut self, numbers: Numbers, key: Wanted, passing: Option<Arc<Passing>>, context: &Context) {
         let Some(recording) = context.recording() else { return };
         if self.made.as_ref().is_some_and(|(known, _)| *known == key) {
             return;
@@ -247,7 +244,7 @@ impl Layers {
             Ok(made) => self.made = Some((key, made.clone())),
             Err(absent) => {
                 self.problem = Some(absent);
-                let shows = |known: &Key| (&known.order, known.colour_by) == (&key.order, key.colour_by);
+                let shows = |known: &Wanted| (&known.order, known.colour_by) == (&key.order, key.colour_by);
                 self.made.take_if(|(known, _)| !shows(known));
             }
         }
@@ -352,9 +349,9 @@ impl Drawing<'_> {
 }
 
 impl Made {
-    fn of(numbers: &Numbers, key: &Key, behind: &Behind) -> Self {
+    fn of(numbers: &Numbers, key: &Wanted, behind: &Behind) -> Self {
         let (order, width) = (&*numbers.order, key.order.1);
-        let shown = Shown::of(&key.places, key.detail, behind.passing.clone());
+        let shown = ShownPlaces::of(&key.places, key.detail, behind.passing.clone());
         let values = match &behind.values {
             Some(values) => {
                 let value = |place| values.of_ray.get(order.places.ray(place)).copied().unwrap_or(f32::NAN);
@@ -398,7 +395,7 @@ fn capsules(
 }
 
 impl Selected {
-    fn of(order: &Order, key: &SelectedKey, context: &Context) -> Self {
+    fn of(order: &Order, key: &WantedSelected, context: &Context) -> Self {
         let (ray, group, cell) = key.chosen;
         let mut lines: Vec<[Vertex; 2]> = Vec::new();
         let place = ray.and_then(|ray| order.place_of_ray().get(ray));

@@ -21,7 +21,7 @@ pub(super) enum MeshForm {
 }
 
 /// Opening of a recording, and form.
-type Key = (u64, MeshForm);
+type Wanted = (u64, MeshForm);
 
 /// What is kept: more than the three views of a window look at at once, so that none waits for what another
 /// one lets go.
@@ -29,7 +29,7 @@ const KEPT: usize = 4;
 
 /// The latest meshes of all views that share this.
 #[derive(Clone, Debug, Default)]
-pub struct Meshes(Arc<Mutex<Background<Key, Result<Geometry, String>, KEPT>>>);
+pub struct Meshes(Arc<Mutex<Background<Wanted, Result<Geometry, String>, KEPT>>>);
 
 impl Meshes {
     /// The mesh of a recording.
@@ -43,7 +43,7 @@ impl Meshes {
         waker: &Waker,
     ) -> Result<Geometry, Absent> {
         let (dump, unit) = (recording.dump.clone(), recording.unit());
-        // What was kept is whole whatever happened to the thread that held it.
+        // What was kept is whole even if something happened to the thread that held it.
         let mut meshes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let found = meshes.of((recording.opening, form), waker, move || read(&dump, &unit, form));
         found?.clone().map_err(Absent::from)

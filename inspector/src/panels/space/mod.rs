@@ -1,7 +1,7 @@
 //! The scene in space, with rays, the curve of their order, capsules and table cells: what panels show it with.
 //!
 //! - [`options`]: what is shown, and how
-//! - [`layers`]: from a selection to vertices, made anew only when it changes; `shown`: of which places
+//! - [`layers`]: from a selection to vertices, made anew only when it changes; `places`: of which places
 //! - [`meshes`]: surfaces, read once for all views
 //! - `view`: a view, and the frame that comes of it
 //! - `controls`: the row above the picture; `bars`: the slider and the colour bars below
@@ -13,7 +13,7 @@ mod input;
 pub mod layers;
 pub mod meshes;
 pub mod options;
-mod shown;
+mod places;
 mod view;
 
 use std::sync::Arc;
@@ -26,7 +26,7 @@ use crate::render::gpu::FrameCallback;
 use crate::theme::Theme;
 
 pub(super) use self::view::SpaceState;
-pub use self::view::{Canvas, SpaceView, cut};
+pub use self::view::{SpaceView, ViewSetup, cut};
 
 impl SpaceView {
     /// What is shown, to be changed.

@@ -137,7 +137,7 @@ pub struct Options {
     pub line_width: f32,
     /// Opacity of what surfaces hide.
     pub hidden_opacity: f32,
-    /// The camera of a recording that was not looked at yet.
+    /// The camera of a recording that was not shown yet.
     pub stand_point: StandPoint,
     /// What dragging does.
     pub navigation: Navigation,

@@ -18,14 +18,14 @@ use crate::theme::Theme;
 
 /// What all views of a window are drawn on and with.
 #[derive(Clone, Debug)]
-pub struct Canvas {
+pub struct ViewSetup {
     /// Format of the window.
     pub format: wgpu::TextureFormat,
     /// The surfaces that they show.
     pub meshes: Meshes,
 }
 
-impl From<wgpu::TextureFormat> for Canvas {
+impl From<wgpu::TextureFormat> for ViewSetup {
     fn from(format: wgpu::TextureFormat) -> Self {
         Self { format, meshes: Meshes::default() }
     }
@@ -38,7 +38,7 @@ pub struct SpaceView {
     /// What is shown, and how.
     pub options: Options,
     pub(super) camera: Option<(usize, Camera)>,
-    /// Where the camera goes next, whatever the recording.
+    /// Where the camera goes next, in any recording.
     placed: Option<Camera>,
     meshes: Meshes,
     /// Why the last picture lacks surfaces.
@@ -58,16 +58,16 @@ pub(crate) struct SpaceState {
 }
 
 impl SpaceView {
-    /// On this canvas.
-    pub fn new(canvas: &Canvas) -> Self {
+    /// On this setup.
+    pub fn new(setup: &ViewSetup) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         Self {
             view: NEXT.fetch_add(1, Ordering::Relaxed),
-            format: canvas.format,
+            format: setup.format,
             options: Options::default(),
             camera: None,
             placed: None,
-            meshes: canvas.meshes.clone(),
+            meshes: setup.meshes.clone(),
             mesh_problem: None,
             layers: Layers::default(),
             drawn: None,
@@ -105,7 +105,7 @@ impl SpaceView {
         self.placed = state.camera;
     }
 
-    /// Puts the camera somewhere, whatever the recording.
+    /// Puts the camera somewhere, in any recording.
     pub fn place(&mut self, camera: Camera) {
         self.placed = Some(camera);
     }
@@ -136,7 +136,7 @@ impl SpaceView {
         Ok(Data::new(&header, rows))
     }
 
-    /// The surfaces of the recording that is looked at, or their edges.
+    /// The surfaces of the selected recording, or their edges.
     fn mesh(&mut self, context: &Context, form: MeshForm) -> Option<Geometry> {
         match self.meshes.of(context.recording()?, form, context.waker()) {
             Ok(mesh) => {

@@ -59,6 +59,6 @@ impl Errors {
 }
 
 fn locked<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
-    // What is in it is whole whatever happened to the thread that held it.
+    // What is in it is whole even if something happened to the thread that held it.
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }

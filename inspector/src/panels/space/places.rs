@@ -7,13 +7,13 @@ use crate::model::filter::Passing;
 use crate::render::detail::Detail;
 
 /// Places that are shown.
-pub(super) struct Shown {
+pub(super) struct ShownPlaces {
     detail: Detail,
     /// Those that `detail` picks from; all if `None`.
     passing: Option<Arc<Passing>>,
 }
 
-impl Shown {
+impl ShownPlaces {
     /// At most `wanted` of a range of places.
     pub(super) fn of(places: &Range<usize>, wanted: usize, passing: Option<Arc<Passing>>) -> Self {
         let of = passing.as_ref().map_or_else(|| places.clone(), |passing| passing.between(places));
@@ -42,11 +42,11 @@ mod tests {
     #[test]
     fn places_that_do_not_pass_are_passed_over() {
         let passing = Arc::new(Passing::of(vec![2, 3, 50, 51, 52, 90], 100));
-        let shown = |wanted| Shown::of(&(0..100), wanted, Some(passing.clone()));
+        let shown = |wanted| ShownPlaces::of(&(0..100), wanted, Some(passing.clone()));
         assert_eq!(shown(100).places().collect::<Vec<_>>(), [2, 3, 50, 51, 52, 90]);
         assert_eq!(shown(3).places().collect::<Vec<_>>(), [3, 51, 90]);
         assert_eq!(shown(100).between(&(3..52)), 1..4);
-        assert_eq!(Shown::of(&(3..52), 100, Some(passing.clone())).places().count(), 3);
-        assert_eq!(Shown::of(&(4..9), 100, None).places().collect::<Vec<_>>(), [4, 5, 6, 7, 8]);
+        assert_eq!(ShownPlaces::of(&(3..52), 100, Some(passing.clone())).places().count(), 3);
+        assert_eq!(ShownPlaces::of(&(4..9), 100, None).places().collect::<Vec<_>>(), [4, 5, 6, 7, 8]);
     }
 }

@@ -10,18 +10,18 @@ use crate::png_file;
 /// Frames until the menu that asked for a picture is gone from it.
 const FRAMES_BEFORE: u32 = 3;
 
-/// What the window system gives back, on whatever thread.
+/// What the window system gives back, on any thread.
 pub(super) type Slot = Arc<Mutex<Option<Arc<ColorImage>>>>;
 
 /// A picture that is waited for.
-pub(super) struct Picture {
+pub(super) struct Screenshot {
     pub(super) panel: Option<&'static str>,
     pub(super) path: PathBuf,
     pub(super) frames_before: u32,
     pub(super) taken: Option<Slot>,
 }
 
-impl Picture {
+impl Screenshot {
     pub(super) fn of(panel: Option<&'static str>, path: PathBuf) -> Self {
         Self { panel, path, frames_before: FRAMES_BEFORE, taken: None }
     }
