@@ -106,6 +106,7 @@ impl Backend for CpuBackend {
     }
 
     fn upload(&mut self, queue: RecordedRays<'_>) -> Result<CpuRays> {
+        queue.check(&self.setup)?;
         let RecordedRays { id, rays, path_ids, lights, lengths } = queue;
         if let Some(cells) = lengths {
             let table = LengthTable::from_touched(self.setup.table_bits, cells)?;

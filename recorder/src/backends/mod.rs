@@ -3,12 +3,13 @@
 pub mod cpu;
 pub mod gpu;
 
-use anyhow::Result;
+use anyhow::{Result, bail, ensure};
 use bytemuck::Pod;
 use formats::length_table::LengthCell;
 use formats::manifest::QueueId;
 use formats::ray::{Kind, Ray};
 
+use crate::stages::setup::Setup;
 use crate::stages::trace::Order;
 
 /// A queue: the live rays of one pass, bounce and kind, in canonical order.
@@ -46,6 +47,33 @@ pub struct RecordedRays<'a> {
     pub lights: &'a [u32],
     /// The touched cells of the length table that their methods read; the table as it is if not given.
     pub lengths: Option<&'a [LengthCell]>,
+}
+
+impl RecordedRays<'_> {
+    /// Refuses what kernels must not be given: indices beyond the picture or the lights, arrays of other lengths.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    fn check(&self, setup: &Setup) -> Result<()> {
+        let Self { id, rays, path_ids, lights, .. } = self;
+        let (count, pixels) = (rays.len(), setup.width as usize * setup.height as usize);
+        let light_count = if id.kind == Kind::Shadow { count } else { 0 };
+        ensure!(
+            path_ids.len() == count && lights.len() == light_count,
+            "{id} has {count} rays, {} path indices and {} lights; expected {count} and {light_count}",
+            path_ids.len(),
+            lights.len()
+        );
+        ensure!(count <= pixels, "{id} has {count} rays, but the picture has {pixels} pixels");
+        if let Some(at) = path_ids.iter().position(|&path| path as usize >= pixels) {
+            bail!("ray {at} of {id} is of path {}, but the picture has {pixels} pixels", path_ids[at]);
+        }
+        let sites = setup.light_sites.len();
+        if let Some(at) = lights.iter().position(|&light| light as usize >= sites) {
+            bail!("ray {at} of {id} goes to light {}, but there are {sites}", lights[at]);
+        }
+        Ok(())
+    }
 }
 
 /// Which of the two length tables of a kind lengths are added to.
@@ -144,4 +172,38 @@ pub trait Backend {
 
     /// Hands the bytes of an array to a sink, piece by piece.
     fn read(&mut self, array: Array<'_, Self>, sink: &mut Sink<'_>) -> Result<()>;
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::cpu::CpuBackend;
+    use super::*;
+    use crate::stages::trace::cpu::CpuTracer;
+
+    #[test]
+    fn what_kernels_must_not_be_given_is_not_uploaded() {
+        let scene = scenes::load("builtin:cornell").unwrap();
+        let bvh = scenes::bvh::build(&scene, scenes::bvh::BvhKind::Bvh2).unwrap();
+        let tracer = Arc::new(CpuTracer::new(&scene, &bvh));
+        let setup = Arc::new(Setup { width: 2, height: 2, ..Setup::made_up(false, 32) });
+        let mut backend = CpuBackend::new(setup, tracer);
+        let rays = [Ray { origin: [0.0; 3], t_min: 0.0, direction: [0.0, 0.0, 1.0], t_max: 1.0 }; 5];
+        let mut upload = |rays: &[Ray], path_ids: &[u32], lights: &[u32]| {
+            let id = QueueId { pass: 0, bounce: 1, kind: Kind::Shadow };
+            backend.upload(RecordedRays { id, rays, path_ids, lights, lengths: None }).map(drop)
+        };
+        upload(&rays[..2], &[0, 3], &[0, 2]).unwrap();
+        for (found, expected) in [
+            (upload(&rays[..2], &[0, 4], &[0, 2]), "ray 1 of pass-000/bounce-01/shadow is of path 4"),
+            (upload(&rays[..2], &[0, 3], &[3, 2]), "goes to light 3, but there are 3"),
+            (upload(&rays[..2], &[0], &[0, 2]), "2 rays, 1 path indices and 2 lights; expected 2 and 2"),
+            (upload(&rays[..2], &[0, 3], &[]), "2 rays, 2 path indices and 0 lights"),
+            (upload(&rays, &[0; 5], &[0; 5]), "5 rays, but the picture has 4 pixels"),
+        ] {
+            let message = found.unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}");
+        }
+    }
 }

@@ -1,6 +1,4 @@
-//! From WGSL to a pipeline that can be dispatched: bindings, immediates, constants, grids and chunks.
-
-use bytemuck::{Pod, Zeroable};
+//! From WGSL to a pipeline that can be dispatched: bindings, immediates, constants and grids.
 
 use super::{Gpu, GpuError};
 
@@ -47,27 +45,6 @@ pub struct KernelSource<'a> {
     pub groups: &'a [&'a [Binding]],
     /// Size of the `var<immediate>` that the module declares; 0 if none.
     pub immediate_bytes: u32,
-}
-
-/// A part of the items of a stage; a kernel's `var<immediate>` begins with it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub struct Chunk {
-    /// The first item of this dispatch.
-    pub first: u32,
-    /// How many items it has; threads beyond must return.
-    pub count: u32,
-}
-
-impl Chunk {
-    /// Cuts `0..items` into chunks of at most `largest`; none if there are no items.
-    pub fn split(items: u32, largest: u32) -> impl Iterator<Item = Chunk> {
-        let largest = largest.max(1);
-        (0..items.div_ceil(largest)).map(move |index| {
-            let first = index * largest;
-            Chunk { first, count: largest.min(items - first) }
-        })
-    }
 }
 
 /// A compiled kernel.
@@ -212,7 +189,6 @@ fn binding_type(kind: Binding) -> wgpu::BindingType {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::run::ItemRange;
     use crate::device::{TimeSource, skipped, test_gpu};
 
     /// Adds 1 to the element of each item.
@@ -237,27 +213,9 @@ mod tests {
             wgsl: &wgsl,
             entry_point: "count",
             groups: &[&[Binding::ReadWrite]],
-            immediate_bytes: size_of::<Chunk>() as u32,
+            immediate_bytes: 8,
         };
         Kernel::checked(gpu, &source).unwrap()
-    }
-
-    #[test]
-    fn a_chunked_dispatch_visits_every_item_once() {
-        let gpu = test_gpu();
-        let kernel = count_kernel(gpu, 64);
-        for (items, per_submission) in [(0, 10), (1, 10), (63, 64), (1000, 1), (70_001, 4_096)] {
-            // One more than there are items: nothing may be written beyond them.
-            let visits = gpu.array::<u32>("test::visits", items as usize + 1).unwrap();
-            let group = kernel.bind(gpu, 0, &[visits.binding()]).unwrap();
-            let range = ItemRange { count: items, per_workgroup: 64, per_submission };
-            let mut run = gpu.stage("test");
-            run.dispatch_chunks(&kernel, &group, range, |chunk| chunk);
-            run.finish().unwrap();
-            let mut expected = vec![1; items as usize];
-            expected.push(0);
-            assert_eq!(gpu.read_vec(&visits).unwrap(), expected, "{items} by {per_submission}");
-        }
     }
 
     #[test]
@@ -268,7 +226,7 @@ mod tests {
         let visits = gpu.array::<u32>("test::visits", items as usize).unwrap();
         let group = kernel.bind(gpu, 0, &[visits.binding()]).unwrap();
         let mut run = gpu.stage("test");
-        run.dispatch(&kernel, &[&group], &Chunk { first: 0, count: items }, items);
+        run.dispatch(&kernel, &[&group], &[0, items], items);
         run.finish().unwrap();
         assert!(gpu.read_vec(&visits).unwrap().iter().all(|&count| count == 1));
     }
@@ -308,9 +266,9 @@ mod tests {
         let mut run = gpu.stage("test");
         run.copy(&visits, &before, 100);
         run.clear(&visits);
-        run.dispatch(&kernel, &[&group], &Chunk { first: 0, count: 100 }, 2);
+        run.dispatch(&kernel, &[&group], &[0, 100], 2);
         run.copy(&visits, &after, 50);
-        run.dispatch(&kernel, &[&group], &Chunk { first: 0, count: 10 }, 1);
+        run.dispatch(&kernel, &[&group], &[0, 10], 1);
         let elapsed = run.finish().unwrap();
         assert_eq!(gpu.read_vec(&before).unwrap(), [7; 100]);
         assert_eq!(gpu.read_vec(&after).unwrap(), [[1; 50], [0; 50]].concat());

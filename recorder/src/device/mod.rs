@@ -3,7 +3,8 @@
 //! - [`gpu`]: the adapter that was chosen, and every wgpu error turned into a [`GpuError`]
 //! - [`limits`]: what the kernels need of an adapter
 //! - [`buffer`]: typed arrays in GPU memory, checked against the adapter's limits
-//! - [`kernel`]: WGSL to pipeline, bindings, grids beyond 65,535 workgroups, chunks
+//! - [`kernel`]: WGSL to pipeline, bindings, grids beyond 65,535 workgroups
+//! - [`item`]: kernels that run once for each item of a queue, and why they need no index checks
 //! - [`run`]: the dispatches of one stage, recorded, submitted and timed as one figure
 //! - [`timing`]: where an elapsed time came from
 //! - [`readback`]: GPU memory to the CPU through a ring of staging buffers
@@ -11,9 +12,9 @@
 pub mod buffer;
 pub mod error;
 pub mod gpu;
+pub mod item;
 pub mod kernel;
 pub mod limits;
-pub mod module;
 pub mod readback;
 pub mod run;
 pub mod timing;
@@ -21,8 +22,8 @@ pub mod timing;
 pub use buffer::DeviceArray;
 pub use error::GpuError;
 pub use gpu::{AdapterDescription, AdapterRequest, Gpu};
-pub use kernel::{Binding, Chunk, Kernel, KernelSource};
-pub use module::Module;
+pub use item::{ITEMS, ItemKernel, Module, Parameters, WgslType};
+pub use kernel::{Binding, Kernel, KernelSource};
 pub use readback::Readback;
 pub use run::StageRun;
 pub use timing::{Elapsed, TimeSource};

@@ -4,12 +4,17 @@ use std::time::Instant;
 
 use bytemuck::NoUninit;
 
+use super::item::{BoundKernel, Chunk, Parameters, THREADS};
 use super::kernel::grid;
 use super::timing::covered_ticks;
-use super::{Chunk, DeviceArray, Elapsed, Gpu, GpuError, Kernel, TimeSource};
+use super::{DeviceArray, Elapsed, Gpu, GpuError, Kernel, TimeSource};
 
 /// Most submissions of one run that are timed one by one; wgpu's query sets end at 4096 entries.
 const MOST_TIMED_SUBMISSIONS: usize = 2048;
+
+/// Most items of one submission. A million rays are milliseconds on hardware, and no watchdog waits less than
+/// a second.
+pub const ITEMS_PER_SUBMISSION: u32 = 1 << 20;
 
 /// Bytes of one timestamp.
 const TIMESTAMP_BYTES: u64 = 8;
@@ -78,38 +83,31 @@ impl StageRun<'_> {
         });
     }
 
-    /// Adds one dispatch and one submission per chunk of `items`, so that none runs long enough to
-    /// wake a driver's watchdog. `immediates` gets the chunk; its value should begin with it.
+    /// Adds kernels that run for the same items: one dispatch of each in turn and one submission per chunk of
+    /// them, so that none runs long enough to wake a driver's watchdog.
     ///
     /// # Panics
-    /// As [`StageRun::dispatch`].
-    pub fn dispatch_chunks<I: NoUninit>(
-        &mut self,
-        kernel: &Kernel,
-        group: &wgpu::BindGroup,
-        items: ItemRange,
-        immediates: impl Fn(Chunk) -> I,
-    ) {
-        self.dispatch_in_turn(&[(kernel, group)], items, immediates);
+    /// If the kernels take other parameters or were bound for different numbers of items.
+    pub fn for_items<P: Parameters>(&mut self, kernels: &[BoundKernel<'_>], parameters: P) {
+        self.for_items_by(kernels, parameters, ITEMS_PER_SUBMISSION);
     }
 
-    /// As [`StageRun::dispatch_chunks`] for kernels that hand a chunk to one another.
-    ///
-    /// # Panics
-    /// As [`StageRun::dispatch`].
-    pub fn dispatch_in_turn<I: NoUninit>(
+    /// The same with other chunks.
+    pub(super) fn for_items_by<P: Parameters>(
         &mut self,
-        kernels: &[(&Kernel, &wgpu::BindGroup)],
-        items: ItemRange,
-        immediates: impl Fn(Chunk) -> I,
+        kernels: &[BoundKernel<'_>],
+        parameters: P,
+        per_submission: u32,
     ) {
-        for (index, chunk) in Chunk::split(items.count, items.per_submission).enumerate() {
+        let items = kernels.first().map_or(0, |kernel| kernel.count);
+        for (index, chunk) in Chunk::split(items, per_submission).enumerate() {
             if index > 0 {
                 self.submissions.push(Vec::new());
             }
-            let workgroups = chunk.count.div_ceil(items.per_workgroup);
-            for &(kernel, group) in kernels {
-                self.dispatch(kernel, &[group], &immediates(chunk), workgroups);
+            let workgroups = chunk.count.div_ceil(THREADS);
+            for BoundKernel { kernel, group, count } in kernels {
+                assert_eq!(*count, items, "items of {}", kernel.label);
+                self.dispatch(kernel, &[group], &parameters.of(chunk), workgroups);
             }
         }
     }
@@ -209,27 +207,6 @@ impl StageRun<'_> {
         let period_ns = f64::from(self.gpu.queue().get_timestamp_period());
         let elapsed_ns = (covered_ticks(&mut intervals) as f64 * period_ns).round() as u64;
         Ok(Elapsed { elapsed_ns, source: TimeSource::GpuTimestamps })
-    }
-}
-
-/// How the items of a stage spread over threads, workgroups and submissions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ItemRange {
-    /// All items.
-    pub count: u32,
-    /// Items that one workgroup takes care of.
-    pub per_workgroup: u32,
-    /// Most items of one submission; see [`ItemRange::PER_SUBMISSION`].
-    pub per_submission: u32,
-}
-
-impl ItemRange {
-    /// A million rays: milliseconds on hardware, and no watchdog waits less than a second.
-    pub const PER_SUBMISSION: u32 = 1 << 20;
-
-    /// All items, in submissions of the usual size.
-    pub fn new(count: u32, per_workgroup: u32) -> Self {
-        Self { count, per_workgroup, per_submission: Self::PER_SUBMISSION }
     }
 }
 

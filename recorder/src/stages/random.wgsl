@@ -1,4 +1,4 @@
-// Random numbers and functions of them: the twin of `stages::random`.
+// Random numbers and functions of them: the same on threads is `stages::random`.
 
 fn pcg(value: u32) -> u32 {
     let state = value * 747796405u + 2891336453u;

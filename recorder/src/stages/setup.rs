@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use formats::key::{Layout, LayoutError, LightSite, Method, Termination};
+use formats::key::method::BUILTIN;
+use formats::key::{Coordinate, Layout, LayoutError, LightSite, Method, Termination};
 use formats::ray::Kind;
 use formats::unit_space::UnitSpace;
+use scenes::features::Features;
 use scenes::{Camera, Scene};
 
 use super::shade::tables::ShadeTables;
@@ -66,7 +68,7 @@ pub struct Setup {
     /// Scene arrays for shading.
     pub tables: Arc<ShadeTables>,
     /// What the scene uses.
-    pub features: scenes::features::Features,
+    pub features: Features,
     /// World to unit space.
     pub unit: UnitSpace,
     /// Where the lights are, by index.
@@ -102,6 +104,45 @@ impl Setup {
             (_, None) => LightSite::Environment,
         };
         scene.lights.iter().map(site).collect()
+    }
+
+    /// A run over nothing, with all features of scenes or with none, and all built-in methods: for tests that
+    /// need every line of WGSL.
+    pub(crate) fn made_up(all_features: bool, key_bits: u32) -> Self {
+        let features = Features::each().into_iter().filter(|_| all_features);
+        let light_sites = vec![
+            LightSite::Placed { centre: [0.5; 3] },
+            LightSite::directional([0.0, -1.0, 0.0]),
+            LightSite::Environment,
+        ];
+        let methods = BUILTIN.iter().filter_map(|(name, ..)| {
+            let method = Method::builtin(name).ok()?;
+            MethodPlan::new(&method, light_sites.len(), key_bits, 0.25).ok()
+        });
+        let table_layout = vec![Coordinate::OriginX, Coordinate::DirectionX];
+        Self {
+            tables: Arc::default(),
+            features: features.fold(Features::default(), |all, (_, feature)| all.union(feature)),
+            unit: UnitSpace::from_bounds([-1.0; 3], [1.0; 3]),
+            camera: Camera {
+                name: String::new(),
+                eye: [0.0; 3],
+                forward: [0.0, 0.0, 1.0],
+                right: [1.0, 0.0, 0.0],
+                up: [0.0, 1.0, 0.0],
+                yfov_radians: 1.0,
+            },
+            width: 64,
+            height: 64,
+            bounces: 2,
+            seed: 0,
+            roulette: all_features,
+            methods: methods.collect(),
+            table_bits: 20,
+            table_layout: Layout::from_bits(table_layout).unwrap_or_default(),
+            precision: Precision::default(),
+            light_sites,
+        }
     }
 
     /// The seed as kernels take it, low word first.

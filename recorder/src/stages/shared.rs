@@ -2,29 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::device::Chunk;
-
-/// A type with a WGSL counterpart of the same bytes.
-pub trait WgslType {
-    /// Its name in WGSL.
-    const NAME: &'static str;
-}
-
-macro_rules! wgsl_type {
-    ($($rust:ty = $wgsl:literal),* $(,)?) => {
-        $(impl WgslType for $rust { const NAME: &'static str = $wgsl; })*
-    };
-}
-
-wgsl_type!(
-    u32 = "u32",
-    f32 = "f32",
-    [u32; 2] = "vec2<u32>",
-    [f32; 2] = "vec2<f32>",
-    [f32; 3] = "vec3<f32>",
-    [f32; 4] = "vec4<f32>",
-    [u32; 4] = "vec4<u32>"
-);
+use crate::device::item::Chunk;
+use crate::device::{Parameters, WgslType};
 
 /// A struct's name, size and field offsets as the CPU lays it out, and its WGSL text.
 #[derive(Clone, Debug)]
@@ -47,6 +26,8 @@ macro_rules! shared_structs {
         #[repr(C)]
         #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
         pub struct $name { $($(#[$field_meta])* pub $field: $ty,)* }
+
+        impl WgslType for $name { const NAME: &'static str = stringify!($name); }
 
         impl $name {
             /// Layout and WGSL text.
@@ -93,26 +74,19 @@ impl SharedStruct {
     }
 }
 
-impl Span {
-    /// A chunk of a queue of `total` items.
-    pub fn of(chunk: Chunk, total: u32) -> Self {
-        Self { first: chunk.first, count: chunk.count, total, unused: 0 }
+impl Parameters for GenerateParams {
+    fn of(self, Chunk { first, count }: Chunk) -> Self {
+        Self { first, count, ..self }
+    }
+}
+
+impl Parameters for ShadeParams {
+    fn of(self, Chunk { first, count }: Chunk) -> Self {
+        Self { first, count, ..self }
     }
 }
 
 shared_structs! {
-    /// Which of a stage's items a dispatch works on.
-    pub struct Span {
-        /// First item.
-        pub first: u32,
-        /// How many.
-        pub count: u32,
-        /// Items of the whole queue.
-        pub total: u32,
-        /// Nothing; keeps the size a multiple of 16.
-        pub unused: u32,
-    }
-
     /// What `generate` needs to know.
     pub struct GenerateParams {
         /// Camera position, world space.

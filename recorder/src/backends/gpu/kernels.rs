@@ -1,17 +1,11 @@
 //! Every kernel of a run, compiled once for its scene and methods.
 
-use std::sync::Arc;
-
 use anyhow::{Context, Result, bail, ensure};
-use formats::key::method::BUILTIN;
-use formats::key::{Coordinate, Layout, LightSite, Method};
 use formats::ray::Kind;
 use formats::unit_space::UnitSpace;
 use rayon::prelude::*;
-use scenes::Camera;
-use scenes::features::Features;
 
-use crate::device::{Gpu, GpuError, Kernel, Module};
+use crate::device::{Gpu, ItemKernel, Module};
 use crate::machine::self_check;
 use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::trace::gpu::TraceVariant;
@@ -20,20 +14,20 @@ use crate::stages::{accumulate, compact, compare, gather, generate, key, shade, 
 
 /// The kernels that do not trace or sort.
 pub struct Kernels {
-    pub(super) generate: Kernel,
-    pub(super) surface: Kernel,
-    pub(super) shadow: Kernel,
-    pub(super) next: Kernel,
+    pub(super) generate: ItemKernel,
+    pub(super) surface: ItemKernel,
+    pub(super) shadow: ItemKernel,
+    pub(super) next: ItemKernel,
     /// Of rays, of their paths.
-    pub(super) compact: [Kernel; 2],
-    pub(super) add_light: Kernel,
-    pub(super) gather: Kernel,
+    pub(super) compact: [ItemKernel; 2],
+    pub(super) add_light: ItemKernel,
+    pub(super) gather: ItemKernel,
     /// By kind.
-    pub(super) accumulate: [Kernel; 2],
+    pub(super) accumulate: [ItemKernel; 2],
     /// By method and kind; `None` where the method does not apply.
-    pub(super) key: Vec<[Option<Kernel>; 2]>,
+    pub(super) key: Vec<[Option<ItemKernel>; 2]>,
     /// By kind.
-    pub(super) compare: [Kernel; 2],
+    pub(super) compare: [ItemKernel; 2],
 }
 
 /// Refuses numbers that kernels are made with and WGSL cannot write.
@@ -73,14 +67,6 @@ pub fn modules(setup: &Setup) -> Vec<Module> {
     modules
 }
 
-fn compile(gpu: &Gpu, module: &Module) -> Result<Kernel, GpuError> {
-    // SAFETY: every kernel returns where `span.count` ends, loops a constant number of times,
-    // and indexes arrays by its item, by path ids below the number of pixels, by places that a
-    // prefix sum gave, by cells below the table's size, or by scene indices that the loader
-    // checked. Counts of the length table are never 0.
-    unsafe { module.compile(gpu) }
-}
-
 impl Kernels {
     /// Compiles all of them, as many at a time as there are threads.
     ///
@@ -88,13 +74,13 @@ impl Kernels {
     /// If the driver refuses one, or a number that is written into kernels is not finite.
     pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
         check_finite(setup)?;
-        let compiled = modules(setup).into_par_iter().map(|module| compile(gpu, &module));
+        let compiled = modules(setup).into_par_iter().map(|module| module.compile(gpu));
         let mut compiled = compiled.collect::<Result<Vec<_>, _>>()?.into_iter();
         let mut next = || compiled.next().context("there are fewer kernels than modules");
         let (generate, surface, shadow, next_ray) = (next()?, next()?, next()?, next()?);
         let (compact, add_light, gather) = ([next()?, next()?], next()?, next()?);
         let mut key = vec![[None, None]; setup.methods.len()];
-        let mut of_kind = |kind: Kind| -> Result<[Kernel; 2]> {
+        let mut of_kind = |kind: Kind| -> Result<[ItemKernel; 2]> {
             let shared = [next()?, next()?];
             for (kernels, method) in key.iter_mut().zip(&setup.methods) {
                 kernels[kind as usize] = method.applies_to(kind).then(&mut next).transpose()?;
@@ -139,7 +125,7 @@ fn every_module() -> Vec<Module> {
     let mut modules = Vec::new();
     for all_features in [false, true] {
         for key_bits in [32, 64] {
-            modules.extend(self::modules(&made_up_setup(all_features, key_bits)));
+            modules.extend(self::modules(&Setup::made_up(all_features, key_bits)));
         }
         for kernel in [TraceKernel::Cwbvh, TraceKernel::Bvh2, TraceKernel::RayQuery] {
             for kind in Kind::ALL {
@@ -156,55 +142,10 @@ fn every_module() -> Vec<Module> {
     modules
 }
 
-fn made_up_setup(all_features: bool, key_bits: u32) -> Setup {
-    let features = Features {
-        alpha_masks: all_features,
-        textures: all_features,
-        emissive_triangles: all_features,
-        sphere_lights: all_features,
-        punctual_lights: all_features,
-        environment: all_features,
-        specular: all_features,
-        vertex_normals: all_features,
-    };
-    let light_sites = vec![
-        LightSite::Placed { centre: [0.5; 3] },
-        LightSite::directional([0.0, -1.0, 0.0]),
-        LightSite::Environment,
-    ];
-    let methods = BUILTIN.iter().filter_map(|(name, ..)| {
-        let method = Method::builtin(name).ok()?;
-        MethodPlan::new(&method, light_sites.len(), key_bits, 0.25).ok()
-    });
-    Setup {
-        tables: Arc::default(),
-        features,
-        unit: UnitSpace::from_bounds([-1.0; 3], [1.0; 3]),
-        camera: Camera {
-            name: String::new(),
-            eye: [0.0; 3],
-            forward: [0.0, 0.0, 1.0],
-            right: [1.0, 0.0, 0.0],
-            up: [0.0, 1.0, 0.0],
-            yfov_radians: 1.0,
-        },
-        width: 64,
-        height: 64,
-        bounces: 2,
-        seed: 0,
-        roulette: all_features,
-        methods: methods.collect(),
-        table_bits: 20,
-        table_layout: Layout::from_bits(vec![Coordinate::OriginX, Coordinate::DirectionX])
-            .unwrap_or_default(),
-        precision: Precision::default(),
-        light_sites,
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use formats::key::Termination;
+    use formats::key::{Coordinate, Layout, Termination};
+    use scenes::features::Features;
 
     use super::*;
     use crate::device::{AdapterRequest, limits, skipped, test_gpu};
@@ -222,14 +163,13 @@ mod tests {
             if module.label().starts_with("trace::ray-query") && !has_ray_query {
                 continue;
             }
-            // SAFETY: the kernels are compiled and not run.
-            unsafe { module.compile(gpu) }.unwrap();
+            module.compile(gpu).unwrap();
         }
     }
 
     #[test]
     fn numbers_that_wgsl_cannot_write_are_refused_before_a_kernel_is_made() {
-        let sound = made_up_setup(false, 32);
+        let sound = Setup::made_up(false, 32);
         for bound in [f32::NAN, f32::INFINITY, -f32::INFINITY, f32::MAX] {
             let unit = UnitSpace::from_bounds([-f32::MAX; 3], [bound; 3]);
             let error = Kernels::new(test_gpu(), &Setup { unit, ..sound.clone() }).err().unwrap();
@@ -251,7 +191,7 @@ mod tests {
             modules.extend([shade::gpu::surface_module(&features), shade::gpu::shadow_module(&features)]);
             modules.push(shade::gpu::next_module(&features));
         }
-        let setup = made_up_setup(true, 64);
+        let setup = Setup::made_up(true, 64);
         for termination in [Termination::Fixed, Termination::Adaptive, Termination::Real] {
             let lit = Layout::from_bits([Coordinate::Light, Coordinate::EndX, Coordinate::LightU].repeat(21))
                 .unwrap();

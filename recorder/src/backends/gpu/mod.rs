@@ -24,17 +24,14 @@ use self::kernels::Kernels;
 use self::shading::Shading;
 use self::table::GpuTable;
 use crate::backends::{Array, Backend, Queue, RecordedRays, Shaded, Sink, Table};
-use crate::device::run::ItemRange;
-use crate::device::{DeviceArray, Gpu, GpuError, Kernel, Readback, StageRun};
+use crate::device::{DeviceArray, Gpu, GpuError, ITEMS, Readback};
 use crate::stages::setup::Setup;
-use crate::stages::shared::{GenerateParams, LightSiteData, Span};
+use crate::stages::shared::LightSiteData;
 use crate::stages::sort::gpu::{Keys, Sorter};
 use crate::stages::trace::gpu::{Hits, RayArrays, Tracer};
 use crate::stages::trace::{Order, TraceKernel};
 use crate::stages::{generate, key, shade};
 
-/// Threads of a workgroup, in every kernel here.
-const WORKGROUP: u32 = 64;
 /// Items that are read back at once where halves have to be joined.
 const JOIN_ITEMS: usize = 1 << 18;
 
@@ -160,31 +157,6 @@ impl GpuBackend {
         })
     }
 
-    fn add_spans(
-        &self,
-        run: &mut StageRun<'_>,
-        kernel: &Kernel,
-        resources: &[wgpu::BindingResource<'_>],
-        count: usize,
-    ) -> Result<()> {
-        let group = kernel.bind(&self.gpu, 0, resources)?;
-        let total = count as u32;
-        run.dispatch_chunks(kernel, &group, ItemRange::new(total, WORKGROUP), |chunk| Span::of(chunk, total));
-        Ok(())
-    }
-
-    /// Runs a kernel over spans of `count` items; returns its time in nanoseconds.
-    fn run_spans(
-        &self,
-        kernel: &Kernel,
-        resources: &[wgpu::BindingResource<'_>],
-        count: usize,
-    ) -> Result<u64> {
-        let mut run = self.gpu.stage(kernel.label());
-        self.add_spans(&mut run, kernel, resources, count)?;
-        Ok(run.finish()?.elapsed_ns)
-    }
-
     /// Hands over items whose halves lie in two arrays.
     fn read_halves<T: Pod>(
         &self,
@@ -215,6 +187,7 @@ impl Backend for GpuBackend {
     }
 
     fn upload(&mut self, queue: RecordedRays<'_>) -> Result<GpuRays> {
+        queue.check(&self.setup)?;
         if let Some(cells) = queue.lengths {
             let table = LengthTable::from_touched(self.setup.table_bits, cells)?;
             self.tables[queue.id.kind as usize] = GpuTable::filled(&self.gpu, &table)?;
@@ -231,16 +204,10 @@ impl Backend for GpuBackend {
         let params = generate::params(&self.setup, pass);
         let id = QueueId { pass, bounce: 0, kind: Kind::Closest };
         let rays = GpuRays::new(&self.gpu, id, params.count as usize)?;
-        let kernel = &self.kernels.generate;
         let paths = rays.paths()?;
         let [origins, directions] = rays.rays.bindings();
         let resources = [origins, directions, paths.ids.binding(), paths.states.binding()];
-        let group = kernel.bind(&self.gpu, 0, &resources)?;
-        let mut run = self.gpu.stage(kernel.label());
-        run.dispatch_chunks(kernel, &group, ItemRange::new(params.count, WORKGROUP), |chunk| {
-            GenerateParams { first: chunk.first, count: chunk.count, ..params }
-        });
-        self.elapsed_ns = run.finish()?.elapsed_ns;
+        self.elapsed_ns = self.kernels.generate.run(&self.gpu, &resources, rays.count, params)?;
         Ok(rays)
     }
 
@@ -270,7 +237,7 @@ impl Backend for GpuBackend {
         let [origins, directions] = rays.rays.bindings();
         let [sums, counts] = table.bindings();
         let resources = [origins, directions, hits.words.binding(), sums, counts];
-        self.elapsed_ns = self.run_spans(&self.kernels.accumulate[kind], &resources, rays.count)?;
+        self.elapsed_ns = self.kernels.accumulate[kind].run(&self.gpu, &resources, rays.count, ITEMS)?;
         Ok(())
     }
 
@@ -288,7 +255,7 @@ impl Backend for GpuBackend {
         let paths = rays.paths()?;
         let resources =
             [paths.ids.binding(), paths.states.binding(), hits.words.binding(), self.film.binding()];
-        self.elapsed_ns = self.run_spans(&self.kernels.add_light, &resources, rays.count)?;
+        self.elapsed_ns = self.kernels.add_light.run(&self.gpu, &resources, rays.count, ITEMS)?;
         Ok(())
     }
 
@@ -311,7 +278,7 @@ impl Backend for GpuBackend {
         let high = self.scratch.keys_high.as_ref().filter(|_| plan.key_bits > 32);
         resources.push(self.scratch.keys_low.binding());
         resources.extend(high.map(DeviceArray::binding));
-        self.elapsed_ns = self.run_spans(kernel, &resources, rays.count)?;
+        self.elapsed_ns = kernel.run(&self.gpu, &resources, rays.count, ITEMS)?;
         let low = self.scratch.keys_low.clone();
         Ok(Keys { bits: plan.key_bits, count: rays.count, low, high: high.cloned() })
     }
@@ -327,7 +294,7 @@ impl Backend for GpuBackend {
         let [origins, directions] = rays.rays.bindings();
         let [to_origins, to_directions] = gathered.bindings();
         let resources = [permutation.permutation.binding(), origins, directions, to_origins, to_directions];
-        self.elapsed_ns = self.run_spans(&self.kernels.gather, &resources, rays.count)?;
+        self.elapsed_ns = self.kernels.gather.run(&self.gpu, &resources, rays.count, ITEMS)?;
         Ok(GpuRays { id: rays.id, count: rays.count, rays: gathered, paths: None })
     }
 
@@ -336,7 +303,7 @@ impl Backend for GpuBackend {
         let mut run = self.gpu.stage(kernel.label());
         run.clear(&self.scratch.counter);
         let resources = [hits.words.binding(), others.words.binding(), self.scratch.counter.binding()];
-        self.add_spans(&mut run, kernel, &resources, hits.count)?;
+        run.for_items(&[kernel.bind(&self.gpu, &resources, hits.count)?], ITEMS);
         run.submit()?;
         Ok(self.gpu.read_vec(&self.scratch.counter)?.iter().map(|&count| u64::from(count)).sum())
     }

@@ -4,15 +4,15 @@ use anyhow::Result;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 
+use super::GpuRays;
 use super::kernels::Kernels;
 use super::scene::SceneArrays;
-use super::{GpuRays, WORKGROUP};
 use crate::backends::Shaded;
-use crate::device::run::ItemRange;
-use crate::device::{DeviceArray, Gpu};
+use crate::device::run::ITEMS_PER_SUBMISSION;
+use crate::device::{DeviceArray, Gpu, ITEMS};
 use crate::stages::compact::gpu::Scan;
 use crate::stages::setup::Setup;
-use crate::stages::shared::{ShadeParams, Span, SurfaceData};
+use crate::stages::shared::{ShadeParams, SurfaceData};
 use crate::stages::trace::gpu::Hits;
 
 /// The scene as shading reads it, and what its kernels write.
@@ -52,7 +52,7 @@ impl Shading {
         let pixels = setup.width as usize * setup.height as usize;
         Ok(Self {
             scene: SceneArrays::new(gpu, &setup.tables, &setup.features)?,
-            surfaces: gpu.array("shade::surfaces", pixels.min(ItemRange::PER_SUBMISSION as usize))?,
+            surfaces: gpu.array("shade::surfaces", pixels.min(ITEMS_PER_SUBMISSION as usize))?,
             origins: gpu.array("shade::origins", pixels)?,
             shadow: Candidates::new(gpu, "shadow", pixels)?,
             next: Candidates::new(gpu, "next", pixels)?,
@@ -84,7 +84,7 @@ impl Shading {
         resources.extend(scene.normals.iter().map(DeviceArray::binding));
         resources.extend(scene.uvs.iter().map(DeviceArray::binding));
         resources.push(self.surfaces.binding());
-        let surface = kernels.surface.bind(gpu, 0, &resources)?;
+        let surface = kernels.surface.bind(gpu, &resources, rays.count)?;
         let path = [
             self.surfaces.binding(),
             rays.rays.directions.binding(),
@@ -97,16 +97,11 @@ impl Shading {
             self.shadow.directions.binding(),
             self.shadow.states.binding(),
         ];
-        let shadow = kernels.shadow.bind(gpu, 0, &[&path[..], &to_shadow].concat())?;
+        let shadow = kernels.shadow.bind(gpu, &[&path[..], &to_shadow].concat(), rays.count)?;
         let to_next = [self.origins.binding(), self.next.directions.binding(), self.next.states.binding()];
-        let next = kernels.next.bind(gpu, 0, &[&path[..], &to_next].concat())?;
+        let next = kernels.next.bind(gpu, &[&path[..], &to_next].concat(), rays.count)?;
         let mut run = gpu.stage("shade");
-        let in_turn = [(&kernels.surface, &surface), (&kernels.shadow, &shadow), (&kernels.next, &next)];
-        run.dispatch_in_turn(&in_turn, ItemRange::new(rays.count as u32, WORKGROUP), |chunk| ShadeParams {
-            first: chunk.first,
-            count: chunk.count,
-            ..params
-        });
+        run.for_items(&[surface, shadow, next], params);
         let shade_ns = run.finish()?.elapsed_ns;
         let id = QueueId { kind: Kind::Shadow, ..rays.id };
         let (shadow, shadow_ns) = self.compact(gpu, kernels, &self.shadow, rays, id)?;
@@ -137,13 +132,10 @@ impl Shading {
             live_paths.ids.binding(),
         ];
         let [move_rays, move_paths] = &kernels.compact;
-        let ray = move_rays.bind(gpu, 0, &[&from[..], &ray].concat())?;
-        let path = move_paths.bind(gpu, 0, &[&from[..], &path].concat())?;
+        let ray = move_rays.bind(gpu, &[&from[..], &ray].concat(), rays.count)?;
+        let path = move_paths.bind(gpu, &[&from[..], &path].concat(), rays.count)?;
         let mut run = gpu.stage("compact");
-        let items = ItemRange::new(rays.count as u32, WORKGROUP);
-        run.dispatch_in_turn(&[(move_rays, &ray), (move_paths, &path)], items, |chunk| {
-            Span::of(chunk, items.count)
-        });
+        run.for_items(&[ray, path], ITEMS);
         Ok((live, scanned.elapsed_ns + run.finish()?.elapsed_ns))
     }
 }

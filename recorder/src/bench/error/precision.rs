@@ -41,7 +41,8 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<PrecisionRow>> {
         variants.push((TraceKernel::RayQuery, Precision::default()));
     }
     let configuration = |&(kernel, precision): &(TraceKernel, Precision)| Configuration {
-        setup: Arc::new(Setup { precision, ..Setup::clone(&setup) }),
+        // A queue has a pixel for each ray.
+        setup: Arc::new(Setup { precision, width: rays.len() as u32, height: 1, ..Setup::clone(&setup) }),
         kernel,
     };
     let configurations: Vec<Configuration> = variants.iter().map(configuration).collect();

@@ -7,18 +7,15 @@ use formats::unit_space::UnitSpace;
 use crate::device::Module;
 use crate::stages::key::gpu::traced_length;
 use crate::stages::key::wgsl::{constants, encode_function};
-use crate::stages::shared::Span;
 
 /// Bindings: origins, directions, hits or distances; sums, counts.
 pub fn module(kind: Kind, unit: &UnitSpace, table_layout: &Layout, table_bits: u32) -> Module {
     let module = Module::new(&format!("accumulate::{kind}"))
-        .immediate::<Span>("span", "Span")
-        .read("origins", "vec4<f32>")
-        .read("directions", "vec4<f32>");
+        .items::<[f32; 4]>("origins")
+        .items::<[f32; 4]>("directions");
     traced_length(module, kind)
-        .write("sums", "atomic<u32>")
-        .write("counts", "atomic<u32>")
-        .text(&Span::description().wgsl)
+        .counters("sums")
+        .counters("counts")
         .text(&constants(unit))
         .text(include_str!("../key/kernel.wgsl"))
         .text(include_str!("../key/lengths.wgsl"))

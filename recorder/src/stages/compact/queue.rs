@@ -2,7 +2,6 @@
 //! a kernel has few bindings.
 
 use crate::device::Module;
-use crate::stages::shared::Span;
 
 const MOVE_RAY: &str = "
 fn move_item(index: u32, place: u32) {
@@ -19,20 +18,15 @@ fn move_item(index: u32, place: u32) {
 
 /// Bindings: directions of the candidates, places that the scan gave.
 fn module(label: &str) -> Module {
-    Module::new(label)
-        .immediate::<Span>("span", "Span")
-        .read("directions", "vec4<f32>")
-        .read("places", "u32")
-        .text(&Span::description().wgsl)
-        .text(include_str!("live.wgsl"))
+    Module::new(label).items::<[f32; 4]>("directions").items::<u32>("places").text(include_str!("live.wgsl"))
 }
 
 /// Further bindings: origins; live origins, live directions.
 pub fn ray_module() -> Module {
     module("compact::rays")
-        .read("origins", "vec4<f32>")
-        .write("live_origins", "vec4<f32>")
-        .write("live_directions", "vec4<f32>")
+        .items::<[f32; 4]>("origins")
+        .table_mut::<[f32; 4]>("live_origins")
+        .table_mut::<[f32; 4]>("live_directions")
         .text(MOVE_RAY)
         .text(include_str!("queue.wgsl"))
 }
@@ -40,10 +34,10 @@ pub fn ray_module() -> Module {
 /// Further bindings: states, path ids; live states, live path ids.
 pub fn path_module() -> Module {
     module("compact::paths")
-        .read("states", "vec4<u32>")
-        .read("path_ids", "u32")
-        .write("live_states", "vec4<u32>")
-        .write("live_path_ids", "u32")
+        .items::<[u32; 4]>("states")
+        .items::<u32>("path_ids")
+        .table_mut::<[u32; 4]>("live_states")
+        .table_mut::<u32>("live_path_ids")
         .text(MOVE_PATH)
         .text(include_str!("queue.wgsl"))
 }

@@ -1,12 +1,6 @@
 // Moves the live candidates of a queue together, in canonical order. `move_item` says what moves.
 
-@compute @workgroup_size(64)
-fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let item = (group.y * groups.x + group.x) * 64u + lane;
-    if item >= span.count {
-        return;
-    }
-    let index = span.first + item;
+fn run_item(index: u32) {
     if is_live(index) {
         move_item(index, places[index]);
     }

@@ -3,7 +3,6 @@
 use formats::ray::Kind;
 
 use crate::device::Module;
-use crate::stages::shared::Span;
 
 /// All of a hit is compared.
 const SAME_HIT: &str = "
@@ -20,16 +19,10 @@ fn differs(index: u32) -> bool {
 
 /// Bindings: results, others; counter.
 pub fn module(kind: Kind) -> Module {
-    let (element, differs) = match kind {
-        Kind::Closest => ("vec4<u32>", SAME_HIT),
-        Kind::Shadow => ("f32", SAME_OCCLUSION),
+    let module = Module::new(&format!("compare::{kind}"));
+    let module = match kind {
+        Kind::Closest => module.items::<[u32; 4]>("results").items::<[u32; 4]>("others").text(SAME_HIT),
+        Kind::Shadow => module.items::<f32>("results").items::<f32>("others").text(SAME_OCCLUSION),
     };
-    Module::new(&format!("compare::{kind}"))
-        .immediate::<Span>("span", "Span")
-        .read("results", element)
-        .read("others", element)
-        .write("counter", "atomic<u32>")
-        .text(&Span::description().wgsl)
-        .text(differs)
-        .text(include_str!("kernel.wgsl"))
+    module.counters("counter").text(include_str!("kernel.wgsl"))
 }

@@ -6,12 +6,11 @@ use crate::stages::shared::GenerateParams;
 
 /// Bindings: origins, directions, path ids, states.
 pub fn module() -> Module {
-    Module::new("generate::main")
-        .immediate::<GenerateParams>("params", "GenerateParams")
-        .write("origins", "vec4<f32>")
-        .write("directions", "vec4<f32>")
-        .write("path_ids", "u32")
-        .write("states", "vec4<u32>")
+    Module::with_parameters::<GenerateParams>("generate::main", "params")
+        .items_mut::<[f32; 4]>("origins")
+        .items_mut::<[f32; 4]>("directions")
+        .items_mut::<u32>("path_ids")
+        .items_mut::<[u32; 4]>("states")
         .text(&GenerateParams::description().wgsl)
         .text(&random::wgsl())
         .text(include_str!("../vector.wgsl"))

@@ -1,14 +1,8 @@
-// Camera rays: the twin of `stages::generate::cpu`.
+// Camera rays: the same on threads is `stages::generate::cpu`.
 
 var<private> infinity_bits: u32 = 0x7f800000u;
 
-@compute @workgroup_size(64)
-fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let item = (group.y * groups.x + group.x) * 64u + lane;
-    if item >= params.count {
-        return;
-    }
-    let pixel = params.first + item;
+fn run_item(pixel: u32) {
     var random = random_start(params.seed, pixel, params.pass_index, 0u);
     let x = f32(pixel % params.width) + random_next(&random);
     let y = f32(pixel / params.width) + random_next(&random);

@@ -6,7 +6,7 @@ use formats::ray::{Hit, Kind};
 use super::wgsl::{constants, encode_function, length_expression};
 use crate::device::Module;
 use crate::stages::setup::{MethodPlan, Setup};
-use crate::stages::shared::{LightSiteData, Span};
+use crate::stages::shared::LightSiteData;
 
 /// Shape of a light with a place, in `LightSiteData`.
 pub const SITE_PLACED: u32 = 0;
@@ -59,9 +59,9 @@ pub fn traced_length(module: Module, kind: Kind) -> Module {
     let none = crate::device::kernel::constants_wgsl(&[("NO_TRIANGLE", Hit::NONE)]);
     match kind {
         Kind::Closest => {
-            module.read("hits", "vec4<u32>").text(&none).text(include_str!("closest_length.wgsl"))
+            module.items::<[u32; 4]>("hits").text(&none).text(include_str!("closest_length.wgsl"))
         }
-        Kind::Shadow => module.read("distances", "f32").text(include_str!("shadow_length.wgsl")),
+        Kind::Shadow => module.items::<f32>("distances").text(include_str!("shadow_length.wgsl")),
     }
 }
 
@@ -70,24 +70,23 @@ pub fn traced_length(module: Module, kind: Kind) -> Module {
 pub fn module(setup: &Setup, method: &MethodPlan, kind: Kind) -> Module {
     let inputs = KeyInputs::of(method);
     let mut module = Module::new(&format!("key::{}", method.name))
-        .immediate::<Span>("span", "Span")
-        .read("origins", "vec4<f32>")
-        .read("directions", "vec4<f32>");
+        .items::<[f32; 4]>("origins")
+        .items::<[f32; 4]>("directions");
     if inputs.table {
-        module = module.read("sums", "vec2<u32>").read("counts", "u32");
+        module = module.table::<[u32; 2]>("sums").table::<u32>("counts");
     }
     if inputs.results {
         module = traced_length(module, kind);
     }
     if inputs.lights {
         module = module
-            .read("states", "vec4<u32>")
-            .read("light_sites", "LightSiteData")
+            .items::<[u32; 4]>("states")
+            .table::<LightSiteData>("light_sites")
             .text(&LightSiteData::description().wgsl);
     }
-    module = module.write("keys_low", "u32");
+    module = module.items_mut::<u32>("keys_low");
     if method.key_bits > 32 {
-        module = module.write("keys_high", "u32");
+        module = module.items_mut::<u32>("keys_high");
     }
     let sites = [
         ("SITE_PLACED", SITE_PLACED),
@@ -95,7 +94,6 @@ pub fn module(setup: &Setup, method: &MethodPlan, kind: Kind) -> Module {
         ("SITE_ENVIRONMENT", SITE_ENVIRONMENT),
     ];
     module = module
-        .text(&Span::description().wgsl)
         .text(&constants(&setup.unit))
         .text(&crate::device::kernel::constants_wgsl(&sites))
         .text(include_str!("kernel.wgsl"))
@@ -121,13 +119,7 @@ fn main_function(method: &MethodPlan, inputs: KeyInputs) -> String {
     let light = if inputs.lights { "states[index].w" } else { "0u" };
     let high = if method.key_bits > 32 { "    keys_high[index] = key.y;\n" } else { "" };
     format!(
-        "@compute @workgroup_size(64)
-fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {{
-    let item = (group.y * groups.x + group.x) * 64u + lane;
-    if item >= span.count {{
-        return;
-    }}
-    let index = span.first + item;
+        "fn run_item(index: u32) {{
     let ray = unit_ray(origins[index].xyz, directions[index].xyz, directions[index].w);
     let key = encode(ray, {length}, {light});
     keys_low[index] = key.x;

@@ -1,4 +1,4 @@
-// Coordinates that keys are taken from: the twin of `formats::key`. `encode` is generated per layout.
+// Coordinates that keys are taken from: the same on threads is `formats::key`. `encode` is generated per layout.
 
 struct UnitRay {
     origin: vec3<f32>,

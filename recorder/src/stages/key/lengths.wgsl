@@ -1,4 +1,4 @@
-// Traced lengths and the query of the length table: the twin of `formats::length_table`.
+// Traced lengths and the query of the length table: the same on threads is `formats::length_table`.
 
 fn fixed_point(length: f32) -> u32 {
     return u32(min(length, LONGEST_SUMMED) * FIXED_POINT_ONE);

@@ -1,4 +1,4 @@
-// Metallic-roughness reflection, the diffuse part: the twin of `stages::shade::bsdf`.
+// Metallic-roughness reflection, the diffuse part: the same on threads is `stages::shade::bsdf`.
 
 struct Surface {
     diffuse: vec3<f32>,

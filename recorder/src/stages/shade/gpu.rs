@@ -15,7 +15,7 @@ use super::path::ROULETTE_FREE_BOUNCES;
 use super::surface::{OFFSET_OF_POINT, OFFSET_OF_TRIANGLE};
 use crate::device::Module;
 use crate::stages::random;
-use crate::stages::shared::{Emitter, MaterialData, PathState, ShadeParams, Span, SurfaceData};
+use crate::stages::shared::{Emitter, MaterialData, PathState, ShadeParams, SurfaceData};
 use crate::stages::wgsl::wgsl_f32;
 use formats::ray::Hit;
 
@@ -83,8 +83,7 @@ fn composed(is_used: bool, with: &'static str, without: &'static str) -> &'stati
 
 /// A module of shading with what all of them need.
 fn new_module(label: &str) -> Module {
-    Module::new(label)
-        .immediate::<ShadeParams>("params", "ShadeParams")
+    Module::with_parameters::<ShadeParams>(label, "params")
         .text(&ShadeParams::description().wgsl)
         .text(&SurfaceData::description().wgsl)
         .text(&constants())
@@ -95,20 +94,20 @@ fn new_module(label: &str) -> Module {
 /// where it has textures; the surfaces, which begin with the dispatch.
 pub fn surface_module(features: &Features) -> Module {
     let mut module = new_module("shade::surface")
-        .read("directions", "vec4<f32>")
-        .read("hits", "vec4<u32>")
-        .read("triangles", "vec4<u32>")
-        .read("positions", "vec4<f32>")
-        .read("tables", "u32");
+        .items::<[f32; 4]>("directions")
+        .items::<[u32; 4]>("hits")
+        .table::<[u32; 4]>("triangles")
+        .table::<[f32; 4]>("positions")
+        .table::<u32>("tables");
     if features.vertex_normals {
-        module = module.read("normals", "vec4<f32>");
+        module = module.table::<[f32; 4]>("normals");
     }
     if features.textures {
-        module = module.read("uvs", "vec2<f32>");
+        module = module.table::<[f32; 2]>("uvs");
     }
     let material = MaterialData::description();
     module
-        .write("surfaces", "SurfaceData")
+        .dispatch_items_mut::<SurfaceData>("surfaces")
         .text(&material.wgsl)
         .text(&material.wgsl_loader("load_material", "tables"))
         .text(include_str!("offset.wgsl"))
@@ -120,10 +119,10 @@ pub fn surface_module(features: &Features) -> Module {
 /// A module of what follows from surfaces. Bindings: surfaces, directions, path ids, states.
 fn path_module(label: &str, features: &Features) -> Module {
     new_module(label)
-        .read("surfaces", "SurfaceData")
-        .read("directions", "vec4<f32>")
-        .read("path_ids", "u32")
-        .read("states", "vec4<u32>")
+        .dispatch_items::<SurfaceData>("surfaces")
+        .items::<[f32; 4]>("directions")
+        .items::<u32>("path_ids")
+        .items::<[u32; 4]>("states")
         .text(&PathState::description().wgsl)
         .text(&random::wgsl())
         .text(include_str!("bsdf.wgsl"))
@@ -135,10 +134,10 @@ fn path_module(label: &str, features: &Features) -> Module {
 /// shadow rays.
 pub fn shadow_module(features: &Features) -> Module {
     path_module("shade::shadow", features)
-        .read("emitters", "Emitter")
-        .write("film", "vec4<f32>")
-        .write("shadow_directions", "vec4<f32>")
-        .write("shadow_states", "vec4<u32>")
+        .table::<Emitter>("emitters")
+        .table_mut::<[f32; 4]>("film")
+        .items_mut::<[f32; 4]>("shadow_directions")
+        .items_mut::<[u32; 4]>("shadow_states")
         .text(&Emitter::description().wgsl)
         .text(include_str!("offset.wgsl"))
         .text(include_str!("weight.wgsl"))
@@ -155,21 +154,19 @@ pub fn shadow_module(features: &Features) -> Module {
 /// the next rays.
 pub fn next_module(features: &Features) -> Module {
     path_module("shade::next", features)
-        .write("origins", "vec4<f32>")
-        .write("next_directions", "vec4<f32>")
-        .write("next_states", "vec4<u32>")
+        .items_mut::<[f32; 4]>("origins")
+        .items_mut::<[f32; 4]>("next_directions")
+        .items_mut::<[u32; 4]>("next_states")
         .text(include_str!("next.wgsl"))
 }
 
 /// Bindings: path ids, states, distances; film.
 pub fn add_light_module() -> Module {
     Module::new("shade::add_light")
-        .immediate::<Span>("span", "Span")
-        .read("path_ids", "u32")
-        .read("states", "vec4<u32>")
-        .read("distances", "f32")
-        .write("film", "vec4<f32>")
-        .text(&Span::description().wgsl)
+        .items::<u32>("path_ids")
+        .items::<[u32; 4]>("states")
+        .items::<f32>("distances")
+        .table_mut::<[f32; 4]>("film")
         .text(include_str!("add_light.wgsl"))
 }
 

@@ -1,4 +1,4 @@
-// Picking lights: the twin of `stages::shade::emitters`. `sample_emitter` knows the shapes that a scene has.
+// Picking lights: the same on threads is `stages::shade::emitters`. `sample_emitter` knows the shapes that a scene has.
 
 // A `t_max` of 0 says that the pick brings nothing.
 struct LightSample {

@@ -1,18 +1,16 @@
-// The next ray of each path: the twin of `stages::shade::path`. A t_max of 0 says that the path ends.
+// The next ray of each path: the same on threads is `stages::shade::path`. A t_max of 0 says that the path ends.
 
-fn cast_next_ray(index: u32, pixel: u32, surface: SurfaceData) -> bool {
-    var random = random_start(params.seed, pixel, params.pass_index, params.bounce + 1u);
+fn cast_next_ray(index: u32, surface: SurfaceData) -> bool {
+    var random = random_at(index);
     if params.emitter_count > 0u {
         random_skip(&random, LIGHT_DRAWS);
     }
-    let reflection = surface_new(surface.base_color, surface.metallic, surface.roughness);
-    let frame = basis(surface.shading_normal);
-    let out_direction = to_local(frame, surface.shading_normal, -directions[index].xyz);
-    let sample = bsdf_sample(reflection, out_direction, &random);
+    let at = reflection_at(surface, directions[index].xyz);
+    let sample = bsdf_sample(at.surface, at.out_direction, &random);
     if sample.density < 0.0 {
         return false;
     }
-    let direction = normalize3(to_world(frame, surface.shading_normal, sample.direction));
+    let direction = normalize3(to_world(at, sample.direction));
     if dot3(direction, surface.geometric_normal) <= 0.0 {
         return false;
     }
@@ -32,20 +30,14 @@ fn cast_next_ray(index: u32, pixel: u32, surface: SurfaceData) -> bool {
     return true;
 }
 
-@compute @workgroup_size(64)
-fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let item = (group.y * groups.x + group.x) * 64u + lane;
-    if item >= params.count {
-        return;
-    }
-    let index = params.first + item;
-    let surface = surfaces[item];
+fn run_item(index: u32) {
+    let surface = surface_at(index);
     var has_ray = false;
     if !is_miss(surface) {
         // Of the shadow ray, too.
         origins[index] = vec4(surface.origin, 0.0);
         if params.is_last == 0u {
-            has_ray = cast_next_ray(index, path_ids[index], surface);
+            has_ray = cast_next_ray(index, surface);
         }
     }
     if !has_ray {

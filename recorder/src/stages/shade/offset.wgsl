@@ -1,4 +1,4 @@
-// Where rays leave a triangle: the twin of `stages::shade::surface::offset_origin`.
+// Where rays leave a triangle: the same on threads is `stages::shade::surface::offset_origin`.
 
 fn largest(v: vec3<f32>) -> f32 {
     return max(max(abs(v.x), abs(v.y)), abs(v.z));

@@ -1,18 +1,16 @@
-// The light that each ray met, and its shadow ray: the twin of `stages::shade::path`.
+// The light that each ray met, and its shadow ray: the same on threads is `stages::shade::path`.
 //
 // Candidates for the next queues go to the place of their path; `compact` removes the holes, which
 // are where t_max is 0.
 
-fn cast_shadow_ray(index: u32, pixel: u32, direction: vec3<f32>, throughput: vec3<f32>, surface: SurfaceData) -> bool {
-    var random = random_start(params.seed, pixel, params.pass_index, params.bounce + 1u);
+fn cast_shadow_ray(index: u32, direction: vec3<f32>, throughput: vec3<f32>, surface: SurfaceData) -> bool {
+    var random = random_at(index);
     let light = sample_light(surface.origin, &random);
     if dot3(light.direction, surface.geometric_normal) <= 0.0 || light.t_max <= 0.0 {
         return false;
     }
-    let reflection = surface_new(surface.base_color, surface.metallic, surface.roughness);
-    let frame = basis(surface.shading_normal);
-    let out_direction = to_local(frame, surface.shading_normal, -direction);
-    let found = bsdf_evaluate(reflection, out_direction, to_local(frame, surface.shading_normal, light.direction));
+    let at = reflection_at(surface, direction);
+    let found = bsdf_evaluate(at.surface, at.out_direction, to_local(at, light.direction));
     var weight = 1.0;
     if light.density > 0.0 && params.is_last == 0u {
         weight = power_heuristic(light.density, found.density);
@@ -26,17 +24,10 @@ fn cast_shadow_ray(index: u32, pixel: u32, direction: vec3<f32>, throughput: vec
     return true;
 }
 
-@compute @workgroup_size(64)
-fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let item = (group.y * groups.x + group.x) * 64u + lane;
-    if item >= params.count {
-        return;
-    }
-    let index = params.first + item;
-    let pixel = path_ids[index];
+fn run_item(index: u32) {
     let direction = directions[index].xyz;
     let state = path_state(index);
-    let surface = surfaces[item];
+    let surface = surface_at(index);
     var has_ray = false;
     var met: vec3<f32>;
     if is_miss(surface) {
@@ -44,13 +35,14 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
     } else {
         met = emitted_radiance(direction, state, surface);
         if params.emitter_count > 0u {
-            has_ray = cast_shadow_ray(index, pixel, direction, state.color, surface);
+            has_ray = cast_shadow_ray(index, direction, state.color, surface);
         }
     }
     if !has_ray {
         shadow_directions[index].w = 0.0;
     }
     if any(met != vec3(0.0)) {
+        let pixel = path_ids[index];
         film[pixel] = film[pixel] + vec4(met, 0.0);
     }
 }

@@ -1,4 +1,4 @@
-// The surface at each hit of a dispatch: the twin of `stages::shade::surface`.
+// The surface at each hit of a dispatch: the same on threads is `stages::shade::surface`.
 
 fn hit_surface(direction: vec3<f32>, hit: vec4<u32>) -> SurfaceData {
     let u = bitcast<f32>(hit.z);
@@ -25,17 +25,11 @@ fn hit_surface(direction: vec3<f32>, hit: vec4<u32>) -> SurfaceData {
     return surface;
 }
 
-@compute @workgroup_size(64)
-fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let item = (group.y * groups.x + group.x) * 64u + lane;
-    if item >= params.count {
-        return;
-    }
-    let index = params.first + item;
+fn run_item(index: u32) {
     let hit = hits[index];
     if hit.y == NO_TRIANGLE {
-        surfaces[item].t = bitcast<f32>(infinity_bits);
+        surfaces[index - params.first].t = bitcast<f32>(infinity_bits);
         return;
     }
-    surfaces[item] = hit_surface(directions[index].xyz, hit);
+    surfaces[index - params.first] = hit_surface(directions[index].xyz, hit);
 }

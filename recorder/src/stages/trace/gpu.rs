@@ -11,14 +11,10 @@ use super::mask::Masks;
 use super::triangle::GAMMA_8;
 use super::{Order, Precision, RECIPROCAL_LIMIT, TraceKernel, TriangleTest};
 use crate::device::kernel::constants_wgsl;
-use crate::device::run::ItemRange;
-use crate::device::{DeviceArray, Gpu, GpuError, Kernel, Module};
-use crate::stages::shared::{MaskedTriangle, Span};
+use crate::device::{DeviceArray, Gpu, GpuError, ITEMS, ItemKernel, Module};
+use crate::stages::shared::MaskedTriangle;
 use crate::stages::vector::padded;
 use crate::stages::wgsl::wgsl_f32;
-
-/// Threads of a workgroup.
-const WORKGROUP: u32 = 64;
 
 /// Rays on the GPU; as many of each half.
 #[derive(Clone, Debug)]
@@ -132,25 +128,24 @@ fn write_result(place: u32, query: ptr<function, Query>) {
 /// The module of a variant. Bindings: origins, directions; the permutation where there is one;
 /// results; leaves (or scene triangles), positions; the masks where there are any; the nodes or the driver's hierarchy.
 pub fn module(variant: &TraceVariant) -> Module {
-    let element = match (variant.count_work, variant.kind) {
-        (true, _) => "vec2<u32>",
-        (false, Kind::Closest) => "vec4<u32>",
-        (false, Kind::Shadow) => "f32",
-    };
     let mut module = Module::new(&format!("trace::{}_{}", variant.kernel.name(), variant.kind))
-        .immediate::<Span>("span", "Span")
-        .read("origins", "vec4<f32>")
-        .read("directions", "vec4<f32>");
+        .items::<[f32; 4]>("origins")
+        .items::<[f32; 4]>("directions");
     if variant.order != Order::Canonical {
-        module = module.read("permutation", "u32");
+        module = module.items::<u32>("permutation");
     }
-    module = module.write("results", element).read("leaves", "vec4<u32>").read("positions", "vec4<f32>");
+    module = match (variant.count_work, variant.kind) {
+        (true, _) => module.items_mut::<[u32; 2]>("results"),
+        (false, Kind::Closest) => module.items_mut::<[u32; 4]>("results"),
+        (false, Kind::Shadow) => module.items_mut::<f32>("results"),
+    };
+    module = module.table::<[u32; 4]>("leaves").table::<[f32; 4]>("positions");
     if variant.masks {
-        module = module.read("masks", "u32");
+        module = module.table::<u32>("masks");
     }
     module = match variant.kernel {
         TraceKernel::RayQuery => module.driver_hierarchy("hierarchy"),
-        TraceKernel::Cwbvh | TraceKernel::Bvh2 => module.read("nodes", "vec4<u32>"),
+        TraceKernel::Cwbvh | TraceKernel::Bvh2 => module.table::<[u32; 4]>("nodes"),
     };
     let (ray_place, result_place) = match variant.order {
         Order::Canonical => ("index", "index"),
@@ -169,7 +164,6 @@ pub fn module(variant: &TraceVariant) -> Module {
         NO_MASKS.to_owned()
     };
     module
-        .text(&Span::description().wgsl)
         .text(&constants(variant))
         .text(&format!("fn ray_place(index: u32) -> u32 {{ return {ray_place}; }}\nfn result_place(index: u32) -> u32 {{ return {result_place}; }}\n"))
         .text(&masks)
@@ -214,7 +208,7 @@ pub struct Tracer {
     masks: Option<DeviceArray<u32>>,
     hierarchy: Hierarchy,
     precision: Precision,
-    compiled: Vec<(TraceVariant, Kernel)>,
+    compiled: Vec<(TraceVariant, ItemKernel)>,
 }
 
 enum Hierarchy {
@@ -344,7 +338,7 @@ impl Tracer {
     fn run<T>(
         &self,
         gpu: &Gpu,
-        kernel: &Kernel,
+        kernel: &ItemKernel,
         rays: &RayArrays,
         order: Order<&DeviceArray<u32>>,
         results: &DeviceArray<T>,
@@ -360,11 +354,7 @@ impl Tracer {
             Hierarchy::Nodes(nodes) => nodes.binding(),
             Hierarchy::Driver(hierarchy) => hierarchy.binding(),
         });
-        let group = kernel.bind(gpu, 0, &resources)?;
-        let total = count as u32;
-        let mut run = gpu.stage(kernel.label());
-        run.dispatch_chunks(kernel, &group, ItemRange::new(total, WORKGROUP), |chunk| Span::of(chunk, total));
-        Ok(run.finish()?.elapsed_ns)
+        Ok(kernel.run(gpu, &resources, count, ITEMS)?)
     }
 
     /// Compiles what tracing in canonical order needs, which else happens with the first rays.
@@ -379,7 +369,7 @@ impl Tracer {
     }
 
     /// The kernel of a variant, compiled when it is first needed.
-    fn compiled(&mut self, gpu: &Gpu, kind: Kind, order: Order<()>, count_work: bool) -> Result<Kernel> {
+    fn compiled(&mut self, gpu: &Gpu, kind: Kind, order: Order<()>, count_work: bool) -> Result<ItemKernel> {
         let variant = TraceVariant {
             kernel: self.kernel,
             kind,
@@ -391,10 +381,7 @@ impl Tracer {
         if let Some((_, kernel)) = self.compiled.iter().find(|(known, _)| *known == variant) {
             return Ok(kernel.clone());
         }
-        // SAFETY: `scenes::bvh` has checked that all links of the hierarchy lie inside it, that it is
-        // a tree, and that its depth fits the stack; permutations come from the sort and are
-        // bijections; vertex indices were checked by the loader; mask texels are clamped.
-        let kernel = unsafe { module(&variant).compile(gpu)? };
+        let kernel = module(&variant).compile(gpu)?;
         self.compiled.push((variant, kernel.clone()));
         Ok(kernel)
     }
