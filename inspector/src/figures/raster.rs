@@ -2,11 +2,14 @@
 
 use std::sync::{Arc, LazyLock};
 
+use krilla::geom::Size;
+use krilla::page::PageSettings;
+use krilla_svg::{SurfaceExt, SvgSettings};
 use resvg::{tiny_skia, usvg};
 
 use super::FigureError;
 use super::model::Picture;
-use super::style::{DOTS_PER_INCH, FONT, FONT_FAMILY};
+use super::style::{DOTS_PER_INCH, FONT, FONT_FAMILY, POINTS_PER_INCH};
 
 static FONTS: LazyLock<Arc<usvg::fontdb::Database>> = LazyLock::new(|| {
     let mut fonts = usvg::fontdb::Database::new();
@@ -53,15 +56,23 @@ pub fn png(svg: &str) -> Result<Vec<u8>, FigureError> {
     encode(width, height, &rgb, Some(dots_per_metre))
 }
 
-/// A PDF of an SVG; text stays text.
+/// A PDF of an SVG, one page as wide as the figure; text stays text.
 ///
 /// # Errors
 /// If it cannot be read or converted.
 pub fn pdf(svg: &str) -> Result<Vec<u8>, FigureError> {
-    // 96 pixels to the inch, so that a page is as wide as the figure.
-    let page = svg2pdf::PageOptions { dpi: PIXELS_PER_INCH as f32 };
-    svg2pdf::to_pdf(&tree(svg)?, svg2pdf::ConversionOptions::default(), page)
-        .map_err(|cause| FigureError::Render(cause.to_string()))
+    let tree = tree(svg)?;
+    let points = (POINTS_PER_INCH / PIXELS_PER_INCH) as f32;
+    let (width, height) = (tree.size().width() * points, tree.size().height() * points);
+    let refused = || FigureError::Render(format!("a page of {width} × {height} points is no page"));
+    let size = Size::from_wh(width, height).ok_or_else(refused)?;
+    let mut document = krilla::Document::new();
+    let mut page = document.start_page_with(PageSettings::new(size));
+    let mut surface = page.surface();
+    surface.draw_svg(&tree, size, SvgSettings::default()).ok_or_else(refused)?;
+    surface.finish();
+    page.finish();
+    document.finish().map_err(|cause| FigureError::Render(format!("{cause:?}")))
 }
 
 /// The pixels of a picture as PNG.

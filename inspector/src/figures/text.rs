@@ -2,21 +2,27 @@
 
 use std::sync::LazyLock;
 
-use ttf_parser::Face;
+use skrifa::charmap::Charmap;
+use skrifa::instance::{LocationRef, Size};
+use skrifa::metrics::GlyphMetrics;
+use skrifa::{FontRef, MetadataProvider};
 
 use super::style::FONT;
 
-static FACE: LazyLock<Option<Face<'static>>> = LazyLock::new(|| Face::parse(FONT, 0).ok());
+/// Which glyph a character has, and how wide it is, in sizes.
+static GLYPHS: LazyLock<Option<(Charmap<'static>, GlyphMetrics<'static>)>> = LazyLock::new(|| {
+    let font = FontRef::new(FONT).ok()?;
+    Some((font.charmap(), font.glyph_metrics(Size::new(1.0), LocationRef::default())))
+});
 
 /// Advance of a character that the font lacks, in sizes.
 const UNKNOWN_ADVANCE: f64 = 0.75;
 
 /// Width of one line of text at a size, both in points. Kerning, which only narrows, is left out.
 pub(crate) fn width(text: &str, size: f64) -> f64 {
-    let advance = |character| {
-        let face = FACE.as_ref()?;
-        let advance = face.glyph_hor_advance(face.glyph_index(character)?)?;
-        Some(f64::from(advance) / f64::from(face.units_per_em()))
+    let advance = |character: char| {
+        let (glyphs, metrics) = GLYPHS.as_ref()?;
+        metrics.advance_width(glyphs.map(character)?).map(f64::from)
     };
     text.chars().map(|character| advance(character).unwrap_or(UNKNOWN_ADVANCE)).sum::<f64>() * size
 }
@@ -67,7 +73,7 @@ mod tests {
 
     #[test]
     fn widths_grow_with_text_and_size() {
-        assert!(FACE.is_some(), "the embedded font cannot be read");
+        assert!(GLYPHS.is_some(), "the embedded font cannot be read");
         assert!((width("00", 10.0) - 2.0 * 5.56).abs() < 0.05, "digits are 0.556 wide");
         assert_eq!(width("", 8.0), 0.0);
         assert!(width("iiii", 8.0) < width("mmmm", 8.0));
@@ -75,10 +81,10 @@ mod tests {
 
     #[test]
     fn the_font_has_what_labels_are_written_with() {
-        let face = FACE.as_ref().unwrap();
+        let (glyphs, _) = GLYPHS.as_ref().unwrap();
         for character in ('!'..='~').chain("–—×µ²³≥≤−→±·Δ…“”éäß•°∞√½".chars())
         {
-            assert!(face.glyph_index(character).is_some(), "{character} is missing");
+            assert!(glyphs.map(character).is_some(), "{character} is missing");
         }
     }
 

@@ -190,7 +190,7 @@ fn gallery_files_are_what_their_names_say() {
             assert_eq!(f64::from(png.width()), width.points() / 72.0 * 300.0, "{}", figure.name);
             let pdf = read("pdf");
             assert!(pdf.starts_with(b"%PDF-") && pdf.trim_ascii_end().ends_with(b"%%EOF"));
-            let media_box = format!("/MediaBox [0 0 {} ", width.points());
+            let media_box = format!("/MediaBox[0 0 {} ", width.points());
             let has = |text: &str| pdf.windows(text.len()).any(|window| window == text.as_bytes());
             assert!(has(&media_box), "{}: the PDF is not {} points wide", figure.name, width.points());
             assert!(
