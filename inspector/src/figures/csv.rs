@@ -1,13 +1,13 @@
-//! Every number of a figure as CSV, one row each.
+//! The numbers of a figure as CSV: one table of all of them for people and programs, and one a panel that
+//! pgfplots reads.
 
 use super::FigureError;
 use super::model::{Axis, Content, Figure, Panel, Point, Scale};
 
 /// Columns, before the two whose names carry the axes' labels and units.
 const BEFORE: [&str; 5] = ["curve", "panel", "series", "name", "category"];
-/// Columns after them. `below` and `above` are distances from y to `low` and `high`, 0 where the
-/// spread is unknown: what LaTeX draws error bars from. It knows columns by their places.
-const AFTER: [&str; 5] = ["low", "high", "n", "below", "above"];
+/// Columns after them.
+const AFTER: [&str; 3] = ["low", "high", "n"];
 
 /// The rows of a figure with their header. Series count from 0 over all panels (`curve`); lines across
 /// a panel are rows without a curve, one for each end; a picture gives the colours of its bar.
@@ -15,14 +15,13 @@ const AFTER: [&str; 5] = ["low", "high", "n", "below", "above"];
 /// # Errors
 /// Only if memory ends.
 pub fn write(figure: &Figure) -> Result<Vec<u8>, FigureError> {
-    let failed = |cause: csv::Error| FigureError::Render(cause.to_string());
     let mut writer = csv::Writer::from_writer(Vec::new());
     let axes = [
         format!("x: {}", labels(figure, |panel| &panel.x)),
         format!("y: {}", labels(figure, |panel| &panel.y)),
     ];
     let header = BEFORE.map(str::to_owned).into_iter().chain(axes).chain(AFTER.map(str::to_owned));
-    writer.write_record(header.map(|name| plain(&name))).map_err(failed)?;
+    writer.write_record(header).map_err(failed)?;
     let mut curve = 0;
     for (at, panel) in figure.panels.iter().enumerate() {
         let title = if panel.title.is_empty() { format!("panel {}", at + 1) } else { panel.title.clone() };
@@ -37,6 +36,37 @@ pub fn write(figure: &Figure) -> Result<Vec<u8>, FigureError> {
             writer.write_record(row("", &title, &label, panel, &point)).map_err(failed)?;
         }
     }
+    finish(writer)
+}
+
+/// Series beside each other, four columns each: `x0,y0,below0,above0,x1,…`. `below` and `above` are
+/// distances from y to the ends of its spread, 0 where that is unknown; short series end with `nan`.
+///
+/// # Errors
+/// Only if memory ends.
+pub fn panel(series: &[Vec<Point>]) -> Result<Vec<u8>, FigureError> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let header = |at: usize| ["x", "y", "below", "above"].map(|name| format!("{name}{at}"));
+    writer.write_record((0..series.len()).flat_map(header)).map_err(failed)?;
+    for row in 0..series.iter().map(Vec::len).max().unwrap_or(0) {
+        let of_series = |points: &Vec<Point>| points.get(row).map_or([f64::NAN; 4], numbers);
+        let numbers = series.iter().flat_map(of_series);
+        let words = numbers.map(|number| number.to_string().to_lowercase());
+        writer.write_record(words).map_err(failed)?;
+    }
+    finish(writer)
+}
+
+fn numbers(point: &Point) -> [f64; 4] {
+    let (low, high) = point.spread.unwrap_or((point.y, point.y));
+    [point.x, point.y, (point.y - low).abs(), (high - point.y).abs()]
+}
+
+fn failed(cause: csv::Error) -> FigureError {
+    FigureError::Render(cause.to_string())
+}
+
+fn finish(writer: csv::Writer<Vec<u8>>) -> Result<Vec<u8>, FigureError> {
     writer.into_inner().map_err(|cause| FigureError::Render(cause.to_string()))
 }
 
@@ -52,27 +82,24 @@ fn labels<'a>(figure: &'a Figure, axis: fn(&'a Panel) -> &'a Axis) -> String {
     labels.join(" | ")
 }
 
-fn row(curve: &str, panel_title: &str, series: &str, panel: &Panel, point: &Point) -> [String; 12] {
+fn row(curve: &str, panel_title: &str, series: &str, panel: &Panel, point: &Point) -> [String; 10] {
     let category = match &panel.x.scale {
         Scale::Categories(names) => names.get(point.x as usize).map_or("", String::as_str),
         _ => "",
     };
     let (low, high) = point.spread.unzip();
-    let distance = |end: Option<f64>| end.map_or(0.0, |end| (end - point.y).abs());
     let known = |end: Option<f64>| end.map_or(String::new(), |end| end.to_string());
     [
         curve.to_owned(),
-        plain(panel_title),
-        plain(series),
-        plain(&point.name),
-        plain(category),
+        panel_title.to_owned(),
+        series.to_owned(),
+        point.name.clone(),
+        category.to_owned(),
         point.x.to_string(),
         point.y.to_string(),
         known(low),
         known(high),
         point.n.to_string(),
-        distance(low).to_string(),
-        distance(high).to_string(),
     ]
 }
 
@@ -99,19 +126,4 @@ fn colours(panel: &Panel) -> Vec<(String, Point)> {
 
 fn bare_point(x: f64, y: f64, name: &str) -> Point {
     Point { x, y, spread: None, n: 0, name: name.to_owned() }
-}
-
-/// Text that needs no quotes, which LaTeX would not understand, and no backslashes or braces, which
-/// it would.
-fn plain(text: &str) -> String {
-    let plain = |character: char| match character {
-        ',' => ';',
-        '"' => '\'',
-        '\\' => '/',
-        '{' => '(',
-        '}' => ')',
-        control if control.is_control() => ' ',
-        other => other,
-    };
-    text.chars().map(plain).collect()
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::model::{Content, Figure};
+use super::model::Figure;
 use super::style::Width;
 use super::{FigureError, caption, csv, pgfplots, raster, svg};
 
@@ -15,8 +15,8 @@ pub fn make_folder(folder: &Path) -> Result<(), FigureError> {
     fs::create_dir_all(folder).map_err(|cause| FigureError::Io { path: folder.to_owned(), cause })
 }
 
-/// Writes NAME.svg, .pdf, .png, .csv, .tex and .txt, and the pictures that the .tex shows, into a
-/// folder that exists; gives their paths. All are made before the first is written.
+/// Writes NAME.svg, .pdf, .png, .csv, .txt and .tex, and what the .tex reads, into a folder that exists;
+/// gives their paths. All are made before the first is written.
 ///
 /// # Errors
 /// If the figure contradicts itself or a file cannot be written; the error names it.
@@ -27,15 +27,10 @@ pub fn write(figure: &Figure, width: Width, folder: &Path) -> Result<Vec<PathBuf
         (name("pdf"), raster::pdf(&drawing)?),
         (name("png"), raster::png(&drawing)?),
         (name("csv"), csv::write(figure)?),
-        (name("tex"), pgfplots::write(figure, width).into_bytes()),
         (name("txt"), caption::write(figure).into_bytes()),
         (name("svg"), drawing.into_bytes()),
     ];
-    for (at, panel) in figure.panels.iter().enumerate() {
-        if let Content::Picture(picture) = &panel.content {
-            files.push((pgfplots::picture_name(figure, at), raster::picture_png(picture)?));
-        }
-    }
+    files.extend(pgfplots::files(figure, width)?);
     files.into_iter().map(|(name, bytes)| replace(&folder.join(name), &bytes)).collect()
 }
 

@@ -1,17 +1,19 @@
-//! The same figure for LaTeX: a standalone file that reads the CSV beside it and draws with pgfplots.
+//! The same figure for LaTeX: a standalone file that draws with pgfplots what it reads from one CSV a panel.
 
 use std::fmt::Write;
 
+use super::FigureError;
 use super::axis::{Mapping, Tick};
 use super::frame::Frame;
 use super::legend::{Entry, Sample, entries, reference_labels};
 use super::marks::{bar_width, marker_stride, place_in_group};
-use super::model::{Axis, Content, Figure, Panel, Picture, Scale, Series};
+use super::model::{Axis, Content, Figure, Panel, Picture, Point, Scale, Series};
 use super::style::{Hatch, Marker, REFERENCE_DASHES, Style, Width, style};
 use super::svg::{Layout, layout};
+use super::{csv, raster};
 
-/// What every file starts with: packages, and how the rows of one curve are picked from the CSV.
-const HEAD: &str = r"% Compile with pdflatex; the CSV must lie beside this file.
+/// What every file starts with.
+const HEAD: &str = r"% Compile with pdflatex; the numbers and pictures of the panels must lie beside this file.
 \documentclass[border=2pt]{standalone}
 \usepackage[utf8]{inputenc}
 \usepackage{pgfplots}
@@ -19,50 +21,62 @@ const HEAD: &str = r"% Compile with pdflatex; the CSV must lie beside this file.
 \usepgfplotslibrary{groupplots}
 \usetikzlibrary{patterns}
 \renewcommand{\familydefault}{\sfdefault}
-% Sorts the rows of the CSV into one macro per curve, so that it is read once: x, y, below, above. What is
-% at an x is kept as well, for bars, which stand beside their x, and stacks, which must not lack one.
-\newread\numbers
-\makeatletter
-\def\addrow#1,#2,#3,#4,#5,#6,#7,#8,#9\relax{\addends{#1}{#6}{#7}#9\relax}
-\def\addends#1#2#3#4,#5,#6,#7\relax{%
-  \ifcsname curve-#1\endcsname\else\expandafter\gdef\csname curve-#1\endcsname{}\fi
-  \expandafter\xdef\csname curve-#1\endcsname{%
-    \unexpanded\expandafter\expandafter\expandafter{\csname curve-#1\endcsname}#2,#3,#6,#7\unexpanded{\\}}%
-  \expandafter\gdef\csname curve-#1-at-#2\endcsname{#3,#6,#7\\}}
-\def\readcurves#1{%
-  \openin\numbers=#1\relax \endlinechar=-1
-  \loop \read\numbers to\row \ifx\row\@empty\else\expandafter\addrow\row\relax\fi
-  \ifeof\numbers\else\repeat
-  \closein\numbers \endlinechar=13 }
-% Places the numbers of a curve: x in the CSV/place on the axis, and so on. Where there is none, it is 0.
-\def\placerows#1#2{\expandafter\def\csname curve-#1\endcsname{}%
-  \@for\place:=#2\do{\expandafter\placerow\place/#1\relax}}
-\def\placerow#1/#2/#3\relax{%
-  \ifcsname curve-#3-at-#1\endcsname\else
-    \expandafter\def\csname curve-#3-at-#1\endcsname{0,0,0\\}\fi
-  \expandafter\edef\csname curve-#3\endcsname{%
-    \unexpanded\expandafter\expandafter\expandafter{\csname curve-#3\endcsname}#2,%
-    \unexpanded\expandafter\expandafter\expandafter{\csname curve-#3-at-#1\endcsname}}}
-\makeatother
-\def\plotcurve#1#2#3{\edef\next{\noexpand\addplot[\unexpanded{#2}]
-  table[col sep=comma, row sep=\noexpand\\, header=false, y index=1, \unexpanded{#3}]
-  {\unexpanded\expandafter\expandafter\expandafter{\csname curve-#1\endcsname}}}\next;}
 ";
 
-/// Text of the CSV is read as it is, so from here on no special character of TeX is one but the
-/// backslash and braces.
-const PLAIN_TEXT: &str = r"\begin{document}
-\footnotesize
-\catcode37=12\catcode35=12\catcode36=12\catcode38=12\catcode94=12\catcode95=12\catcode126=12\relax
-";
+/// The files that draw a figure, with their names: NAME.tex, and of each panel its numbers
+/// (NAME-panel-1.csv) or its pixels (NAME-panel-1.png).
+///
+/// # Errors
+/// If a picture has another number of pixels than its sides say.
+pub fn files(figure: &Figure, width: Width) -> Result<Vec<(String, Vec<u8>)>, FigureError> {
+    let layout = layout(figure, width);
+    let mut files = vec![(format!("{}.tex", figure.name), tex(figure, width, &layout).into_bytes())];
+    for (at, frame) in layout.frames.iter().enumerate() {
+        files.push(match &frame.panel.content {
+            Content::Picture(picture) => (panel_file(figure, at, "png"), raster::picture_png(picture)?),
+            content => (panel_file(figure, at, "csv"), csv::panel(&columns(frame, content))?),
+        });
+    }
+    Ok(files)
+}
 
-/// File name of the pixels of a panel that shows a picture.
-pub fn picture_name(figure: &Figure, panel: usize) -> String {
-    format!("{}-panel-{}.png", figure.name, panel + 1)
+fn panel_file(figure: &Figure, panel: usize, extension: &str) -> String {
+    format!("{}-panel-{}.{extension}", figure.name, panel + 1)
+}
+
+/// The points of each series at the places where they are drawn.
+fn columns(frame: &Frame, content: &Content) -> Vec<Vec<Point>> {
+    let all = content.series();
+    let moved = |at: usize, point: &Point| match content {
+        // The numbers are moved instead of the bars, since error bars stay where the numbers are.
+        Content::Bars(_) => {
+            let across = place_in_group(all, at, point.x) * bar_width(frame) / frame.slot();
+            Point { x: point.x + across, ..point.clone() }
+        }
+        _ => point.clone(),
+    };
+    let of_series = |(at, series): (usize, &Series)| match (content, &frame.panel.x.scale) {
+        // A stack must not lack a category.
+        (Content::Stacks(_), Scale::Categories(names)) => {
+            let of_category = |x: usize| {
+                let point = series.points.iter().find(|point| point.x == x as f64 && point.y.is_finite());
+                point.cloned().unwrap_or(Point {
+                    x: x as f64,
+                    y: 0.0,
+                    spread: None,
+                    n: 0,
+                    name: String::new(),
+                })
+            };
+            (0..names.len()).map(of_category).collect()
+        }
+        _ => series.points.iter().map(|point| moved(at, point)).collect(),
+    };
+    all.iter().enumerate().map(of_series).collect()
 }
 
 /// The LaTeX source of a figure: the same axes in the same places as in the SVG.
-pub fn write(figure: &Figure, width: Width) -> String {
+fn tex(figure: &Figure, width: Width, layout: &Layout) -> String {
     let mut tex = HEAD.to_owned();
     for number in styles_of(figure) {
         let hex = style(number).colour.hex().to_uppercase();
@@ -70,21 +84,23 @@ pub fn write(figure: &Figure, width: Width) -> String {
         let _ = writeln!(tex, "\\definecolor{{style{number}}}{{HTML}}{{{hex}}}");
         let _ = writeln!(tex, "\\definecolor{{line{number}}}{{HTML}}{{{ink}}}");
     }
-    tex.push_str(PLAIN_TEXT);
-    let _ = writeln!(tex, "\\readcurves{{{}.csv}}", figure.name);
-    let Layout { columns, frames, .. } = layout(figure, width);
-    tex.push_str(&group_start(&frames, columns));
+    tex.push_str("\\begin{document}\n\\footnotesize\n");
+    tex.push_str(&group_start(&layout.frames, layout.columns));
     let references = reference_labels(figure);
-    let mut curve = 0;
-    for (at, frame) in frames.iter().enumerate() {
+    for (at, frame) in layout.frames.iter().enumerate() {
         let panel = frame.panel;
         let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(frame, &references));
-        for series in panel.content.series() {
-            tex.push_str(&plot(frame, series, curve));
-            curve += 1;
-        }
         if let Content::Picture(picture) = &panel.content {
-            tex.push_str(&picture_plot(figure, at, picture));
+            tex.push_str(&picture_plot(picture, &panel_file(figure, at, "png")));
+        }
+        for (number, series) in panel.content.series().iter().enumerate() {
+            let look = series_look(&panel.content, series);
+            let _ = writeln!(
+                tex,
+                "\\addplot[{look}] table[col sep=comma, x=x{number}, y=y{number}, \
+                 y error minus=below{number}, y error plus=above{number}]{{{}}};",
+                panel_file(figure, at, "csv")
+            );
         }
     }
     tex.push_str("\\end{groupplot}\n");
@@ -196,50 +212,24 @@ fn tick_label(label: &str) -> String {
     format!("\\ensuremath{{{power}}}")
 }
 
-/// One series: the rows of the CSV with its number.
-fn plot(frame: &Frame, series: &Series, curve: usize) -> String {
-    let mut places: Vec<(f64, f64)> = Vec::new();
-    let look = match &frame.panel.content {
+/// How a series is drawn, with error bars where spreads are known.
+fn series_look(content: &Content, series: &Series) -> String {
+    let number = series.style;
+    let (look, ink) = match content {
         Content::Lines(_) => {
             let stride = marker_stride(series);
-            let phase = 1 + (2 * stride - stride / 2 - series.style % stride) % stride;
-            let (line, marker) = (line_look(series.style), marker_look(series.style));
-            format!("{line}, {marker}, mark repeat={stride}, mark phase={phase}")
+            let phase = 1 + (2 * stride - stride / 2 - number % stride) % stride;
+            let (line, marker) = (line_look(number), marker_look(number));
+            (format!("{line}, {marker}, mark repeat={stride}, mark phase={phase}"), format!("line{number}"))
         }
-        Content::Scatter(_) => format!("only marks, {}", marker_look(series.style)),
-        Content::Bars(all) => {
-            // The numbers are moved instead of the bars, since error bars stay where the numbers are.
-            let at = all.iter().position(|one| std::ptr::eq(one, series)).unwrap_or(0);
-            let width = bar_width(frame) / frame.slot();
-            let place = |x: f64| (x, x + place_in_group(all, at, x) * width);
-            places.extend(series.points.iter().map(|point| place(point.x)));
-            format!("ybar, bar shift=0pt, {}", bar_look(series.style))
-        }
-        Content::Stacks(_) => {
-            if let Scale::Categories(names) = &frame.panel.x.scale {
-                places.extend((0..names.len()).map(|at| (at as f64, at as f64)));
-            }
-            bar_look(series.style)
-        }
-        Content::Picture(_) => bar_look(series.style),
+        Content::Scatter(_) => (format!("only marks, {}", marker_look(number)), format!("line{number}")),
+        Content::Bars(_) => (format!("ybar, bar shift=0pt, {}", bar_look(number)), "black".to_owned()),
+        Content::Stacks(_) | Content::Picture(_) => (bar_look(number), "black".to_owned()),
     };
-    let has_spread = series.points.iter().any(|point| point.spread.is_some());
-    let (bars, columns) = if has_spread {
-        let colour = match &frame.panel.content {
-            Content::Lines(_) | Content::Scatter(_) => format!("line{}", series.style),
-            _ => "black".to_owned(),
-        };
-        let bars = format!(", error bars/.cd, y dir=both, y explicit, error bar style={{{colour}, solid}}");
-        (bars, ", y error minus index=2, y error plus index=3")
-    } else {
-        (String::new(), "")
-    };
-    let places: Vec<String> = places.iter().map(|(x, place)| format!("{x}/{place:.5}")).collect();
-    let placed = match places.join(",") {
-        places if places.is_empty() => String::new(),
-        places => format!("\\placerows{{{curve}}}{{{places}}}\n"),
-    };
-    format!("{placed}\\plotcurve{{{curve}}}{{{look}{bars}}}{{x index=0{columns}}}\n")
+    if series.points.iter().all(|point| point.spread.is_none()) {
+        return look;
+    }
+    format!("{look}, error bars/.cd, y dir=both, y explicit, error bar style={{{ink}, solid}}")
 }
 
 fn line_look(number: usize) -> String {
@@ -324,9 +314,9 @@ fn picture_options(frame: &Frame, picture: &Picture) -> String {
     options
 }
 
-fn picture_plot(figure: &Figure, panel: usize, picture: &Picture) -> String {
-    let (width, height, name) = (picture.width, picture.height, picture_name(figure, panel));
-    format!("\\addplot graphics[xmin=0, xmax={width}, ymin={height}, ymax=0]{{{name}}};\n")
+fn picture_plot(picture: &Picture, file: &str) -> String {
+    let (width, height) = (picture.width, picture.height);
+    format!("\\addplot graphics[xmin=0, xmax={width}, ymin={height}, ymax=0]{{{file}}};\n")
 }
 
 /// Lines across, from edge to edge where they have no span.
@@ -398,7 +388,7 @@ fn lines(lines: &[String]) -> String {
     lines.iter().map(|line| escape(line)).collect::<Vec<_>>().join("\\\\ ")
 }
 
-/// Text as TeX wants it where only the backslash and braces are special.
+/// Text as TeX wants it.
 fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
