@@ -50,14 +50,10 @@ pub(super) struct Canvas {
 }
 
 impl Canvas {
-    /// A canvas that only counts. `detail` is 0 for the coarsest scene and 1 for about the default.
-    pub(super) fn counting(detail: f64) -> Self {
-        Self { detail, dither: Dice::new(0x5EED), triangle_count: 0, scene: None }
-    }
-
-    /// A canvas that keeps what is drawn, in a scene without triangles.
-    pub(super) fn keeping(detail: f64, scene: Scene) -> Self {
-        Self { scene: Some(scene), ..Self::counting(detail) }
+    /// `detail` is 0 for the coarsest scene and 1 for about the default. What is drawn is kept in `scene`, or
+    /// only counted if there is none.
+    pub(super) fn new(detail: f64, scene: Option<Scene>) -> Self {
+        Self { detail, dither: Dice::new(0x5EED), triangle_count: 0, scene }
     }
 
     /// Into how many steps to cut something that wants `at_default` of them at detail 1: at least

@@ -1,23 +1,21 @@
-//! `city`: a grid of streets with towers in its middle, and blocks of flats and parks around them.
+//! `city`: a grid of streets with towers in its middle, and blocks of flats around them.
 //!
 //! Each [`Plot`] is a square with a block of buildings and half of the streets around it. More
 //! triangles make a larger city; few make each plot coarser too.
 
-use std::ops::Range;
-
-use glam::{DAffine3, DVec2, dvec2, dvec3};
+use glam::{DVec2, dvec2, dvec3};
 
 use super::canvas::Canvas;
 use super::foliage::sprig_texture;
 use super::numbers::{Dice, value_noise};
 use super::setting::{Recipe, camera, cut_out, environment, glossy, matt, metal, palette};
-use super::shapes::{path, place, stretch, tilt};
+use super::shapes::{Frame, path, place, stretch, tilt};
 use crate::Scene;
 
 pub(super) const RECIPE: Recipe = Recipe {
     name: "city",
-    description: "Streets with towers and flats, parks, parked cars, lamps and trees with cut-out leaves, under an open sky.",
-    triangles: [12_500, 1_000_000, 50_000_000],
+    description: "Streets with towers and flats, parked cars, lamps and trees with cut-out leaves, under an open sky.",
+    triangles: [14_000, 1_000_000, 50_000_000],
     setting,
     draw,
 };
@@ -42,7 +40,6 @@ palette! {
     SANDSTONE = matt("sandstone", [0.6, 0.48, 0.33]);
     STEEL = metal("steel", [0.55, 0.56, 0.58], 0.35);
     WHITE = glossy("white paint", [0.78, 0.77, 0.74], 0.5);
-    ROOFING = matt("roofing felt", [0.2, 0.19, 0.18]);
     RED_CAR = glossy("red car", [0.5, 0.03, 0.03], 0.15);
     BLUE_CAR = glossy("blue car", [0.04, 0.1, 0.35], 0.15);
     SILVER_CAR = metal("silver car", [0.7, 0.71, 0.73], 0.25);
@@ -68,7 +65,7 @@ fn setting() -> Scene {
 
 /// A square of the grid.
 struct Plot {
-    frame: DAffine3,
+    frame: Frame,
     dice: Dice,
     /// How much to put on it, in (0, 1].
     richness: f64,
@@ -93,7 +90,7 @@ fn draw(canvas: &mut Canvas) {
     let richness = canvas.detail.sqrt().clamp(0.02, 1.0);
     let plots = (180.0 * canvas.detail / richness).max(9.0) as u32;
     let reach = PITCH * (f64::from(plots).sqrt() + 16.0);
-    canvas.flat(LAWN, &DAffine3::IDENTITY, [-reach, -reach, reach, reach], -0.3);
+    canvas.flat(LAWN, &Frame::IDENTITY, [-reach, -reach, reach, reach], -0.3);
     let rings = (f64::from(plots).sqrt() / 2.0).ceil() as i64;
     let mut cells: Vec<[i64; 2]> =
         (-rings..=rings).flat_map(|row| (-rings..=rings).map(move |column| [column, row])).collect();
@@ -108,9 +105,7 @@ fn draw(canvas: &mut Canvas) {
         };
         street(canvas, &mut plot);
         let zone = plot.distance + 0.8 * value_noise(507, 0.7 * x, 0.7 * z);
-        if plot.dice.chance(0.09) && plot.distance > 0.0 {
-            park(canvas, &mut plot);
-        } else if zone < 1.9 {
+        if zone < 1.9 {
             towers(canvas, &mut plot);
         } else {
             flats(canvas, &mut plot);
@@ -147,7 +142,7 @@ fn street(canvas: &mut Canvas, plot: &mut Plot) {
         for x in [-21.0, -7.0, 7.0, 21.0] {
             let z = HALF_BLOCK - 1.0;
             if plot.dice.chance(0.6) {
-                tree(canvas, plot, [[x, z], [z, -x], [-x, -z], [-z, x]][side], 5.0..8.0);
+                tree(canvas, plot, [[x, z], [z, -x], [-x, -z], [-z, x]][side]);
             }
         }
         for space in 0..7 {
@@ -163,7 +158,7 @@ fn street(canvas: &mut Canvas, plot: &mut Plot) {
 }
 
 /// A parked car, along x.
-fn car(canvas: &mut Canvas, plot: &Plot, frame: &DAffine3, colour: u32) {
+fn car(canvas: &mut Canvas, plot: &Plot, frame: &Frame, colour: u32) {
     let steps = plot.steps(canvas, 1.0, 1);
     canvas.rounded_block(colour, frame, [[-2.1, 0.28, -0.86], [2.1, 0.88, 0.86]], 0.2, steps);
     canvas.rounded_block(GLASS, frame, [[-1.5, 0.7, -0.76], [1.0, 1.38, 0.76]], 0.3, steps);
@@ -176,10 +171,10 @@ fn car(canvas: &mut Canvas, plot: &Plot, frame: &DAffine3, colour: u32) {
     }
 }
 
-/// A tree on a plot, at this x and z and of a height in this range, metres, if the plot is rich enough.
-fn tree(canvas: &mut Canvas, plot: &mut Plot, [x, z]: [f64; 2], heights: Range<f64>) {
+/// A tree on a plot, at this x and z, if the plot is rich enough.
+fn tree(canvas: &mut Canvas, plot: &mut Plot, [x, z]: [f64; 2]) {
     let frame = plot.frame * place(x, KERB, z, plot.dice.unit());
-    let height = plot.dice.between(heights.start, heights.end);
+    let height = plot.dice.between(5.0, 8.0);
     let seed = plot.dice.bits();
     if !plot.keeps(canvas) {
         return;
@@ -192,19 +187,6 @@ fn tree(canvas: &mut Canvas, plot: &mut Plot, [x, z]: [f64; 2], heights: Range<f
     let (wide, high) = (0.28 * height, 0.33 * height);
     let crown = frame * place(0.0, 0.66 * height, 0.0, 0.0) * stretch(wide, high, wide);
     canvas.leaves(LEAVES, &crown, count, size, seed);
-}
-
-/// A lawn with two paths and trees.
-fn park(canvas: &mut Canvas, plot: &mut Plot) {
-    let frame = plot.frame;
-    canvas.flat(LAWN, &frame, [-HALF_LOT, -HALF_LOT, HALF_LOT, HALF_LOT], KERB + 0.02);
-    canvas.flat(PAVING, &frame, [-HALF_LOT, -1.2, HALF_LOT, 1.2], KERB + 0.04);
-    canvas.flat(PAVING, &frame, [-1.2, -HALF_LOT, 1.2, HALF_LOT], KERB + 0.045);
-    for cell in 0..36 {
-        let (x, z) = (8.0 * (f64::from(cell % 6) - 2.5), 8.0 * (f64::from(cell / 6) - 2.5));
-        let (dx, dz) = (plot.dice.between(-1.8, 1.8), plot.dice.between(-1.8, 1.8));
-        tree(canvas, plot, [x + dx, z + dz], 6.0..11.0);
-    }
 }
 
 /// A building, or one tier of a tower: glass behind walls.
@@ -221,7 +203,7 @@ struct Building {
 }
 
 /// Gives the height at which the walls end.
-fn draw_building(canvas: &mut Canvas, plot: &Plot, frame: &DAffine3, building: &Building) -> f64 {
+fn draw_building(canvas: &mut Canvas, plot: &Plot, frame: &Frame, building: &Building) -> f64 {
     let Building { half, foot, floors, floor_height, solid, wall } = *building;
     let top = foot + f64::from(floors) * floor_height;
     canvas.block(GLASS, frame, [-half.x, foot, -half.y], [half.x, top, half.y]);
@@ -240,7 +222,7 @@ fn draw_building(canvas: &mut Canvas, plot: &Plot, frame: &DAffine3, building: &
             canvas.block(wall, &facade, [x - reach, foot, -0.1], [x + reach, top, 0.25]);
         }
     }
-    canvas.block(ROOFING, frame, [-half.x, top, -half.y], [half.x, top + 0.1, half.y]);
+    canvas.block(ASPHALT, frame, [-half.x, top, -half.y], [half.x, top + 0.1, half.y]);
     let parapet = [[0.0, top], [0.3, top], [0.3, top + 0.9], [0.0, top + 0.9], [0.0, top + 0.1]];
     canvas.band(wall, frame, [-half, half], &parapet);
     canvas.block(CONCRETE, frame, [1.0, top, -1.5], [3.5, top + 2.6, 1.5]);
@@ -270,7 +252,7 @@ fn towers(canvas: &mut Canvas, plot: &mut Plot) {
     }
 }
 
-/// Four blocks of flats around a yard with trees.
+/// Four blocks of flats around a lawn with trees.
 fn flats(canvas: &mut Canvas, plot: &mut Plot) {
     for side in 0..4 {
         let turned = plot.frame * place(0.0, 0.0, 0.0, 0.25 * f64::from(side));
@@ -280,8 +262,9 @@ fn flats(canvas: &mut Canvas, plot: &mut Plot) {
         let house = Building { half, foot: KERB, floors, floor_height: 3.1, solid: 0.48, wall };
         draw_building(canvas, plot, &(turned * place(-7.0, 0.0, HALF_LOT - 7.5, 0.0)), &house);
     }
-    for _ in 0..3 {
-        let (x, z) = (plot.dice.between(-6.0, 6.0), plot.dice.between(-6.0, 6.0));
-        tree(canvas, plot, [x, z], 5.0..8.0);
+    canvas.flat(LAWN, &plot.frame, [-9.0, -9.0, 9.0, 9.0], KERB + 0.02);
+    for _ in 0..5 {
+        let (x, z) = (plot.dice.between(-7.0, 7.0), plot.dice.between(-7.0, 7.0));
+        tree(canvas, plot, [x, z]);
     }
 }

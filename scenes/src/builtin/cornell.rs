@@ -1,9 +1,10 @@
 //! `cornell`: the box that the graphics laboratory of Cornell University built and measured.
 
-use glam::{DAffine3, DVec3, dvec3};
+use glam::{DVec3, dvec3};
 
 use super::canvas::Canvas;
 use super::setting::{Recipe, camera, lamp, matt, palette};
+use super::shapes::Frame;
 use crate::Scene;
 
 pub(super) const RECIPE: Recipe = Recipe {
@@ -72,7 +73,7 @@ fn cells(canvas: &mut Canvas, from: DVec3, to: DVec3) -> u32 {
 
 fn wall(canvas: &mut Canvas, material: u32, corners: [DVec3; 4]) {
     let cells = [cells(canvas, corners[0], corners[1]), cells(canvas, corners[1], corners[2])];
-    canvas.patch(material, &DAffine3::IDENTITY, corners, cells);
+    canvas.patch(material, &Frame::IDENTITY, corners, cells);
 }
 
 /// A block on the floor; its footprint runs counter-clockwise seen from below.
@@ -82,10 +83,10 @@ fn standing_block(canvas: &mut Canvas, height: f64, footprint: [[f64; 2]; 4]) {
     // Shared by the faces that meet in an edge, so that no edge opens.
     let around = [cells(canvas, below[0], below[1]), cells(canvas, below[1], below[2])];
     let upwards = cells(canvas, below[0], above[0]);
-    canvas.patch(WHITE, &DAffine3::IDENTITY, above, around);
+    canvas.patch(WHITE, &Frame::IDENTITY, above, around);
     for here in 0..4 {
         let next = (here + 1) % 4;
         let corners = [below[here], below[next], above[next], above[here]];
-        canvas.patch(WHITE, &DAffine3::IDENTITY, corners, [around[here % 2], upwards]);
+        canvas.patch(WHITE, &Frame::IDENTITY, corners, [around[here % 2], upwards]);
     }
 }

@@ -1,10 +1,10 @@
 //! Leaves for plants and trees: a generated texture with holes, and clouds of small patches of it.
 
-use glam::{DAffine3, DVec2, DVec3, dvec2, dvec3};
+use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::canvas::Canvas;
 use super::numbers::{Dice, sin_cos};
-use super::shapes::quad;
+use super::shapes::{Frame, quad};
 use crate::Texture;
 
 /// Texels along each edge of the leaf texture.
@@ -51,7 +51,7 @@ fn leaf_at(point: DVec2) -> Option<f64> {
 impl Canvas {
     /// A cloud of leaf patches in the unit ball of `frame`, denser near its surface: so many of two
     /// triangles each, their edge about `size` metres in world space.
-    pub(super) fn leaves(&mut self, material: u32, frame: &DAffine3, count: u32, size: f64, seed: u64) {
+    pub(super) fn leaves(&mut self, material: u32, frame: &Frame, count: u32, size: f64, seed: u64) {
         self.draw(2 * u64::from(count), |scene| {
             let mut dice = Dice::new(seed);
             for _ in 0..count {

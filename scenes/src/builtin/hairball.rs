@@ -1,12 +1,12 @@
 //! `hairball`: thousands of thin curves wound around each other, the hardest case for a hierarchy
 //! of boxes and the least coherent for rays (after Laine's model of the same name).
 
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 
 use super::canvas::Canvas;
 use super::numbers::{Dice, sin_cos};
 use super::setting::{Recipe, camera, environment, glossy, metal, palette, sphere_light};
-use super::shapes::path;
+use super::shapes::{Frame, path};
 use crate::Scene;
 
 pub(super) const RECIPE: Recipe = Recipe {
@@ -57,7 +57,7 @@ fn draw(canvas: &mut Canvas) {
         let around = canvas.round(3.4).max(3);
         let thickness = dice.between(0.004, 0.0075);
         let shade = [CHESTNUT, BLOND, AUBURN, COPPER][dice.below(4)];
-        canvas.tube(shade, &DAffine3::IDENTITY, &path, |t| thickness * (1.0 - t * t), around);
+        canvas.tube(shade, &Frame::IDENTITY, &path, |t| thickness * (1.0 - t * t), around);
     }
 }
 

@@ -106,16 +106,10 @@ pub fn build(name: &str, triangles: Option<u64>) -> Result<Scene, BuiltinError> 
     if asked == 0 || asked > most {
         return Err(BuiltinError::TriangleCount { name, asked, least, most });
     }
-    memory::check(asked * BYTES_PER_TRIANGLE, memory::free()).map_err(|source| BuiltinError::Memory {
-        name,
-        asked,
-        source,
-    })?;
-    let mut canvas = Canvas::keeping(detail_for(recipe, asked.max(least)), (recipe.setting)());
+    let mut canvas = Canvas::new(detail_for(recipe, asked.max(least)), Some((recipe.setting)()));
     (recipe.draw)(&mut canvas);
     let mut scene = Scene { name: name.into(), ..canvas.scene.unwrap_or_default() };
-    leave_out_unused(&mut scene);
-    add_emissive_lights(&mut scene);
+    finish(&mut scene);
     if asked < least {
         scene.notices.push(format!(
             "builtin:{name} cannot do with {asked} triangles and has {}, about its fewest",
@@ -128,7 +122,7 @@ pub fn build(name: &str, triangles: Option<u64>) -> Result<Scene, BuiltinError> 
 /// The level of detail at which a scene has as close to `wanted` triangles as can be found.
 fn detail_for(recipe: &Recipe, wanted: u64) -> f64 {
     let count_at = |detail: f64| {
-        let mut canvas = Canvas::counting(detail);
+        let mut canvas = Canvas::new(detail, None);
         (recipe.draw)(&mut canvas);
         canvas.triangle_count
     };
@@ -177,22 +171,18 @@ fn detail_for(recipe: &Recipe, wanted: u64) -> f64 {
     nearest.0
 }
 
-/// Removes arrays that nothing in the scene uses.
-fn leave_out_unused(scene: &mut Scene) {
+/// Removes arrays that nothing in a scene uses, and adds one light for every run of neighbouring triangles of
+/// one emissive material.
+///
+/// Lamps of the same material that are drawn one after the other would become one light: give each its own
+/// draw order, or mean it.
+fn finish(scene: &mut Scene) {
     if scene.normals.iter().all(|normal| *normal == [0.0; 3]) {
         scene.normals = Vec::new();
     }
     if scene.textures.is_empty() {
         scene.uvs = Vec::new();
     }
-}
-
-/// Adds one light for every run of neighbouring triangles of one emissive material, before an
-/// environment.
-///
-/// Lamps of the same material that are drawn one after the other would become one light: give each
-/// its own draw order, or mean it.
-fn add_emissive_lights(scene: &mut Scene) {
     let mut first_triangle = 0;
     for run in scene.triangle_materials.chunk_by(|a, b| a == b) {
         let triangle_count = run.len() as u32;
@@ -201,5 +191,6 @@ fn add_emissive_lights(scene: &mut Scene) {
         }
         first_triangle += triangle_count;
     }
+    // An environment comes last.
     scene.lights.sort_by_key(|light| matches!(light, Light::Environment(_)));
 }

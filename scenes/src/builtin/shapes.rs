@@ -8,22 +8,25 @@ use super::canvas::{Canvas, Vertex};
 use super::numbers::sin_cos;
 use crate::Scene;
 
+/// The space that a stroke is drawn in, as the way from there to world space.
+pub(super) type Frame = DAffine3;
+
 /// A frame that stands at a point and is turned about the vertical by so many turns.
-pub(super) fn place(x: f64, y: f64, z: f64, turns: f64) -> DAffine3 {
+pub(super) fn place(x: f64, y: f64, z: f64, turns: f64) -> Frame {
     let (sine, cosine) = sin_cos(turns);
     let rotation = DMat3::from_cols(dvec3(cosine, 0.0, -sine), DVec3::Y, dvec3(sine, 0.0, cosine));
-    DAffine3::from_mat3_translation(rotation, dvec3(x, y, z))
+    Frame::from_mat3_translation(rotation, dvec3(x, y, z))
 }
 
 /// A frame at the origin, turned about its own x axis by so many turns (y towards z).
-pub(super) fn tilt(turns: f64) -> DAffine3 {
+pub(super) fn tilt(turns: f64) -> Frame {
     let (sine, cosine) = sin_cos(turns);
-    DAffine3::from_mat3(DMat3::from_cols(DVec3::X, dvec3(0.0, cosine, sine), dvec3(0.0, -sine, cosine)))
+    Frame::from_mat3(DMat3::from_cols(DVec3::X, dvec3(0.0, cosine, sine), dvec3(0.0, -sine, cosine)))
 }
 
 /// A frame at the origin that shrinks or stretches along the axes; all factors > 0.
-pub(super) fn stretch(x: f64, y: f64, z: f64) -> DAffine3 {
-    DAffine3::from_mat3(DMat3::from_diagonal(dvec3(x, y, z)))
+pub(super) fn stretch(x: f64, y: f64, z: f64) -> Frame {
+    Frame::from_mat3(DMat3::from_diagonal(dvec3(x, y, z)))
 }
 
 /// So many steps along the curve `point` over [0, 1].
@@ -133,16 +136,10 @@ pub(super) fn quad(scene: &mut Scene, material: u32, corners: [DVec3; 4]) {
 impl Canvas {
     /// A flat or twisted patch between four corners, counter-clockwise, cut into `cells` along the
     /// first and the second edge.
-    pub(super) fn patch(
-        &mut self,
-        material: u32,
-        frame: &DAffine3,
-        corners: [DVec3; 4],
-        [columns, rows]: [u32; 2],
-    ) {
+    pub(super) fn patch(&mut self, material: u32, frame: &Frame, corners: [DVec3; 4], cells: [u32; 2]) {
         let [a, b, c, d] = corners.map(|corner| frame.transform_point3(corner));
         // The corners are in world space.
-        self.surface(material, &DAffine3::IDENTITY, [columns, rows], [false; 2], Shading::Flat, |u, v| {
+        self.surface(material, &Frame::IDENTITY, cells, [false; 2], Shading::Flat, |u, v| {
             let near = a + (b - a) * u;
             let far = d + (c - d) * u;
             near + (far - near) * v
@@ -150,7 +147,7 @@ impl Canvas {
     }
 
     /// A horizontal rectangle that faces upwards, given as least x and z, then greatest x and z.
-    pub(super) fn flat(&mut self, material: u32, frame: &DAffine3, sides: [f64; 4], y: f64) {
+    pub(super) fn flat(&mut self, material: u32, frame: &Frame, sides: [f64; 4], y: f64) {
         let [left, back, right, front] = sides;
         let corners = [(left, front), (right, front), (right, back), (left, back)];
         self.patch(material, frame, corners.map(|(x, z)| dvec3(x, y, z)), [1, 1]);
@@ -161,7 +158,7 @@ impl Canvas {
     pub(super) fn sheet(
         &mut self,
         material: u32,
-        frame: &DAffine3,
+        frame: &Frame,
         cells: [u32; 2],
         point: impl Fn(f64, f64) -> DVec3,
     ) {
@@ -173,7 +170,7 @@ impl Canvas {
     pub(super) fn surface(
         &mut self,
         material: u32,
-        frame: &DAffine3,
+        frame: &Frame,
         [columns, rows]: [u32; 2],
         poles: [bool; 2],
         shading: Shading,
@@ -193,7 +190,7 @@ impl Canvas {
     }
 
     /// A block with sharp edges between two corners; 12 triangles.
-    pub(super) fn block(&mut self, material: u32, frame: &DAffine3, low: [f64; 3], high: [f64; 3]) {
+    pub(super) fn block(&mut self, material: u32, frame: &Frame, low: [f64; 3], high: [f64; 3]) {
         let low = DVec3::from(low);
         let extent = DVec3::from(high) - low;
         let [x, y, z] = DVec3::AXES.map(|axis| extent * axis);
@@ -207,18 +204,12 @@ impl Canvas {
         });
     }
 
-    /// Mouldings around a rectangle from `low` to `high` (x and z) in the plane y = 0: ledges,
+    /// Mouldings around a rectangle between two corners (x and z) in the plane y = 0: ledges,
     /// cornices, parapets. The profile runs through (distance beyond the rectangle, height) points,
     /// upwards along the outside; each of its spans is 8 triangles.
-    pub(super) fn band(
-        &mut self,
-        material: u32,
-        frame: &DAffine3,
-        [low, high]: [DVec2; 2],
-        profile: &[[f64; 2]],
-    ) {
+    pub(super) fn band(&mut self, material: u32, frame: &Frame, corners: [DVec2; 2], profile: &[[f64; 2]]) {
         let around = |&[out, y]: &[f64; 2]| {
-            let (low, high) = (low - out, high + out);
+            let (low, high) = (corners[0] - out, corners[1] + out);
             [(low.x, high.y), (high.x, high.y), (high.x, low.y), (low.x, low.y)]
                 .map(|(x, z)| frame.transform_point3(dvec3(x, y, z)))
         };
@@ -234,13 +225,7 @@ impl Canvas {
     }
 
     /// A four-sided frame between two corners whose sides are `thickness` thick, open along y.
-    pub(super) fn ring(
-        &mut self,
-        material: u32,
-        frame: &DAffine3,
-        [low, high]: [[f64; 3]; 2],
-        thickness: f64,
-    ) {
+    pub(super) fn ring(&mut self, material: u32, frame: &Frame, [low, high]: [[f64; 3]; 2], thickness: f64) {
         let (foot, top) = (low[1], high[1]);
         let profile = [[-thickness, foot], [0.0, foot], [0.0, top], [-thickness, top], [-thickness, foot]];
         self.band(material, frame, [dvec2(low[0], low[2]), dvec2(high[0], high[2])], &profile);
@@ -251,7 +236,7 @@ impl Canvas {
     pub(super) fn rounded_block(
         &mut self,
         material: u32,
-        frame: &DAffine3,
+        frame: &Frame,
         [low, high]: [[f64; 3]; 2],
         radius: f64,
         steps: u32,
@@ -296,13 +281,8 @@ impl Canvas {
     /// height) points, with a crease between pieces; it runs upwards along the outside. A radius of
     /// 0 closes the end. A piece of two points is straight; longer ones are cut into `rows` per
     /// span.
-    pub(super) fn revolve(
-        &mut self,
-        material: u32,
-        frame: &DAffine3,
-        pieces: &[&[[f64; 2]]],
-        [around, rows]: [u32; 2],
-    ) {
+    pub(super) fn revolve(&mut self, material: u32, frame: &Frame, pieces: &[&[[f64; 2]]], facets: [u32; 2]) {
+        let [around, rows] = facets;
         for piece in pieces {
             let spans = piece.len() as u32 - 1;
             let poles = [piece[0][0] == 0.0, piece[piece.len() - 1][0] == 0.0];
@@ -322,7 +302,7 @@ impl Canvas {
     pub(super) fn tube(
         &mut self,
         material: u32,
-        frame: &DAffine3,
+        frame: &Frame,
         path: &[DVec3],
         radius: impl Fn(f64) -> f64,
         around: u32,

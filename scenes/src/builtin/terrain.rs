@@ -1,11 +1,11 @@
 //! `terrain`: mountains around a lake, with rocks and firs, under an open sky.
 
-use glam::{DAffine3, DVec3, dvec3};
+use glam::{DVec3, dvec3};
 
 use super::canvas::{Canvas, Vertex};
 use super::numbers::{Dice, ease, fractal_noise, sin_cos, value_noise};
 use super::setting::{Recipe, camera, environment, glossy, matt, palette};
-use super::shapes::{Shading, place, stretch};
+use super::shapes::{Frame, Shading, place, stretch};
 use crate::{Light, Scene};
 
 pub(super) const RECIPE: Recipe = Recipe {
@@ -24,9 +24,6 @@ const VIEWS: [(&str, [f64; 2], f64, [f64; 3]); 3] = [
     ("ridge", [330.0, 330.0], 45.0, [-40.0, 10.0, -60.0]),
     ("forest", [-250.0, 120.0], 9.0, [120.0, 20.0, -80.0]),
 ];
-/// Nothing grows nearer than this to a camera, metres.
-const CLEARING: f64 = 14.0;
-
 palette! {
     GRASS = matt("grass", [0.13, 0.21, 0.06]);
     MEADOW = matt("meadow", [0.24, 0.27, 0.09]);
@@ -81,7 +78,7 @@ fn draw(canvas: &mut Canvas) {
     land(canvas);
     let corners = [(-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5)];
     let lake = corners.map(|(x, z)| dvec3(0.62 * x * EDGE, 0.0, 0.62 * z * EDGE));
-    canvas.patch(WATER, &DAffine3::IDENTITY, lake, [1, 1]);
+    canvas.patch(WATER, &Frame::IDENTITY, lake, [1, 1]);
     scatter(canvas);
 }
 
@@ -154,8 +151,9 @@ fn scatter(canvas: &mut Canvas) {
         let slope = (height(x + 2.0, z) - y).abs().max((height(x, z + 2.0) - y).abs()) / 2.0;
         let kept = dice.chance(0.02 + 0.98 * share);
         let wooded = value_noise(101, x / 90.0, z / 90.0) > -0.25;
+        // Nothing grows near a camera.
         let in_view =
-            VIEWS.iter().any(|(_, stand, ..)| (x - stand[0]).abs().max((z - stand[1]).abs()) < CLEARING);
+            VIEWS.iter().any(|(_, stand, ..)| (x - stand[0]).abs().max((z - stand[1]).abs()) < 14.0);
         if !kept || y < 2.5 || in_view {
             continue;
         }

@@ -1,11 +1,11 @@
 //! The covered walks of the atrium: floors, vaults, outer walls with doors and windows, the roof.
 
-use glam::{DAffine3, DVec3, dvec3};
+use glam::{DVec3, dvec3};
 
 use super::super::canvas::Canvas;
 use super::super::numbers::{Dice, sin_cos};
-use super::super::shapes::{Shading, path, place, tilt};
-use super::{BAY, CORNICE, DEPTH, HALF_WALL, Lantern, Side, UPPER_FLOOR};
+use super::super::shapes::{Frame, Shading, path, place, tilt};
+use super::{BAY, CORNICE, DEPTH, HALF_WALL, Side, UPPER_FLOOR};
 use super::{BRONZE, DARK_TILE, LIGHT_TILE, LIMESTONE, MARBLE, PLASTER, ROOF_TILE, WOOD};
 
 /// Height at which vaults spring, and how far they rise.
@@ -58,7 +58,7 @@ fn floors(canvas: &mut Canvas, side: &Side) {
 }
 
 /// A groined vault over a rectangle, seen from below; the frame stands in its middle.
-fn vault(canvas: &mut Canvas, frame: &DAffine3, half: [f64; 2]) {
+fn vault(canvas: &mut Canvas, frame: &Frame, half: [f64; 2]) {
     let cells = [2 * canvas.steps(7.0, 2), canvas.steps(9.0, 2)];
     for web in 0..4 {
         // Each web is the part of a cylinder between the centre and one edge.
@@ -74,7 +74,7 @@ fn vault(canvas: &mut Canvas, frame: &DAffine3, half: [f64; 2]) {
 }
 
 /// The arch that carries the vaults across the aisle, over a column.
-fn transverse_rib(canvas: &mut Canvas, frame: &DAffine3) {
+fn transverse_rib(canvas: &mut Canvas, frame: &Frame) {
     let (along, around) = (canvas.steps(22.0, 6), canvas.steps(8.0, 4));
     let arch = path(along, |t| {
         let (sine, cosine) = sin_cos(0.5 * t);
@@ -100,7 +100,7 @@ fn outer_wall(canvas: &mut Canvas, side: &Side) {
 }
 
 /// Half a pillar and, in turn, a door or an alcove with a vase, in the ground floor's wall.
-fn wall_bay(canvas: &mut Canvas, frame: &DAffine3, bay: u32) {
+fn wall_bay(canvas: &mut Canvas, frame: &Frame, bay: u32) {
     let on_wall = *frame * place(0.0, 0.0, DEPTH, 0.5);
     let left = -0.5 * BAY;
     for (half, low, high, depth) in
@@ -116,7 +116,7 @@ fn wall_bay(canvas: &mut Canvas, frame: &DAffine3, bay: u32) {
 }
 
 /// A panelled double door in a stone frame; z points out of the wall.
-fn door(canvas: &mut Canvas, frame: &DAffine3) {
+fn door(canvas: &mut Canvas, frame: &Frame) {
     // Lying flat in its own frame: the ring's height is the door frame's depth.
     let upright = *frame * tilt(0.25);
     canvas.ring(LIMESTONE, &upright, [[-0.75, 0.0, -2.45], [0.75, 0.14, 0.15]], 0.15);
@@ -134,7 +134,7 @@ fn door(canvas: &mut Canvas, frame: &DAffine3) {
     }
 }
 
-fn vase_on_pedestal(canvas: &mut Canvas, frame: &DAffine3) {
+fn vase_on_pedestal(canvas: &mut Canvas, frame: &Frame) {
     canvas.block(MARBLE, frame, [-0.22, 0.0, -0.22], [0.22, 0.9, 0.22]);
     canvas.block(MARBLE, frame, [-0.27, 0.9, -0.27], [0.27, 0.98, 0.27]);
     let facets = [canvas.steps(28.0, 8), canvas.steps(4.0, 1)];
@@ -144,7 +144,7 @@ fn vase_on_pedestal(canvas: &mut Canvas, frame: &DAffine3) {
 }
 
 /// The upper storey over one bay: a shuttered window and the beams and boards of the ceiling.
-fn upper_bay(canvas: &mut Canvas, frame: &DAffine3) {
+fn upper_bay(canvas: &mut Canvas, frame: &Frame) {
     let on_wall = *frame * place(0.0, UPPER_FLOOR, DEPTH, 0.5);
     let upright = on_wall * tilt(0.25);
     canvas.ring(LIMESTONE, &upright, [[-0.62, 0.0, -2.5], [0.62, 0.12, -0.7]], 0.1);
@@ -165,10 +165,9 @@ fn upper_bay(canvas: &mut Canvas, frame: &DAffine3) {
 }
 
 /// A lantern that hangs around a sphere light: cap, dish and six bars.
-pub(super) fn lantern(canvas: &mut Canvas, lantern: &Lantern) {
-    let frame = &lantern.frame;
+pub(super) fn lantern(canvas: &mut Canvas, frame: &Frame, chain: f64) {
     let around = canvas.steps(12.0, 6);
-    canvas.tube(BRONZE, frame, &[0.2, lantern.chain].map(|y| dvec3(0.0, y, 0.0)), |_| 0.012, 5);
+    canvas.tube(BRONZE, frame, &[0.2, chain].map(|y| dvec3(0.0, y, 0.0)), |_| 0.012, 5);
     let cap = [[0.19, 0.14], [0.12, 0.18], [0.03, 0.24], [0.0, 0.26]];
     let dish = [[0.0, -0.18], [0.1, -0.16], [0.14, -0.13]];
     canvas.revolve(BRONZE, frame, &[&cap, &dish], [around, 2]);

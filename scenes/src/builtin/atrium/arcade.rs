@@ -1,10 +1,10 @@
 //! The arcades of the atrium: columns, arches, cornices, balustrades.
 
-use glam::{DAffine3, DVec3, dvec3};
+use glam::{DVec3, dvec3};
 
 use super::super::canvas::Canvas;
 use super::super::numbers::sin_cos;
-use super::super::shapes::{Shading, path, place};
+use super::super::shapes::{Frame, Shading, path, place};
 use super::{BAY, CORNICE, HALF_WALL, LIMESTONE, MARBLE, Side, UPPER_FLOOR};
 
 /// What differs between the two storeys.
@@ -52,12 +52,12 @@ pub(super) fn draw(canvas: &mut Canvas, side: &Side) {
 }
 
 /// A square course of stone about the y axis.
-fn course(canvas: &mut Canvas, frame: &DAffine3, half: f64, bottom: f64, top: f64) {
+fn course(canvas: &mut Canvas, frame: &Frame, half: f64, bottom: f64, top: f64) {
     canvas.block(LIMESTONE, frame, [-half, bottom, -half], [half, top, half]);
 }
 
 /// The square pier at the corner where a side begins.
-fn corner_pier(canvas: &mut Canvas, frame: &DAffine3, storey: &Storey) {
+fn corner_pier(canvas: &mut Canvas, frame: &Frame, storey: &Storey) {
     let Storey { springing, top, .. } = *storey;
     course(canvas, frame, 0.4, 0.0, 0.2);
     course(canvas, frame, 0.36, 0.2, 0.42);
@@ -68,7 +68,7 @@ fn corner_pier(canvas: &mut Canvas, frame: &DAffine3, storey: &Storey) {
 }
 
 /// A column on its plinth, up to the springing of the arches.
-fn draw_column(canvas: &mut Canvas, frame: &DAffine3, storey: &Storey) {
+fn draw_column(canvas: &mut Canvas, frame: &Frame, storey: &Storey) {
     let Storey { girth, springing: height, .. } = *storey;
     course(canvas, frame, 0.34 * girth, 0.0, 0.15);
     course(canvas, frame, 0.37 * girth, height - 0.13, height - 0.05);
@@ -88,7 +88,7 @@ fn draw_column(canvas: &mut Canvas, frame: &DAffine3, storey: &Storey) {
 }
 
 /// The shaft of a column, a little thinner at its top; fluted where the detail allows.
-fn shaft(canvas: &mut Canvas, frame: &DAffine3, storey: &Storey, top: f64) {
+fn shaft(canvas: &mut Canvas, frame: &Frame, storey: &Storey, top: f64) {
     let facets = canvas.steps(4.0, 1);
     let fluted = facets > 1 && storey.flutes > 0;
     let plain = canvas.steps(24.0, 8);
@@ -107,7 +107,7 @@ fn shaft(canvas: &mut Canvas, frame: &DAffine3, storey: &Storey, top: f64) {
 }
 
 /// Two rows of curled leaves around the bell of a capital.
-fn capital_leaves(canvas: &mut Canvas, frame: &DAffine3, girth: f64) {
+fn capital_leaves(canvas: &mut Canvas, frame: &Frame, girth: f64) {
     let cells = [2 * canvas.steps(1.5, 1), canvas.steps(5.0, 2)];
     for (height, root, shift) in [(0.2, 0.0, 0.0), (0.3, 0.06, 0.5)] {
         for leaf in 0..8 {
@@ -125,7 +125,7 @@ fn capital_leaves(canvas: &mut Canvas, frame: &DAffine3, girth: f64) {
 }
 
 /// The wall above one bay, with its arched opening; the frame stands on the storey's floor.
-fn arch(canvas: &mut Canvas, frame: &DAffine3, storey: &Storey) {
+fn arch(canvas: &mut Canvas, frame: &Frame, storey: &Storey) {
     // A multiple of four, so that the corners of the wall are met.
     let cells = [4 * canvas.steps(6.0, 2), canvas.steps(2.0, 1)];
     let on_arch = |u: f64, reach: f64| {
@@ -158,7 +158,7 @@ fn arch(canvas: &mut Canvas, frame: &DAffine3, storey: &Storey) {
 }
 
 /// Rail, foot and turned balusters between two columns of the upper storey.
-fn balustrade(canvas: &mut Canvas, frame: &DAffine3) {
+fn balustrade(canvas: &mut Canvas, frame: &Frame) {
     const BALUSTERS: u32 = 8;
     let half = 0.5 * BAY - 0.2;
     for (reach, bottom, top) in [(0.13, 0.0, 0.12), (0.14, 0.85, 0.92), (0.11, 0.92, 0.97)] {

@@ -1,10 +1,10 @@
 //! The court of the atrium: paving, fountain, curtains between the columns, potted plants.
 
-use glam::{DAffine3, dvec3};
+use glam::dvec3;
 
 use super::super::canvas::Canvas;
 use super::super::numbers::{Dice, fractal_noise, sin_cos};
-use super::super::shapes::{path, place, stretch};
+use super::super::shapes::{Frame, path, place, stretch};
 use super::{BAY, COURT, HALF_WALL, Side, UPPER_FLOOR};
 use super::{BLUE_CLOTH, CLAY, GREEN_CLOTH, LEAVES, LIGHT_TILE, LIMESTONE, MARBLE, RED_CLOTH, WATER, WOOD};
 
@@ -44,7 +44,7 @@ fn paving(canvas: &mut Canvas) {
             let material = if light { LIMESTONE } else { LIGHT_TILE };
             let corners =
                 [at(column, row + 1), at(column + 1, row + 1), at(column + 1, row), at(column, row)];
-            canvas.patch(material, &DAffine3::IDENTITY, corners, [1, 1]);
+            canvas.patch(material, &Frame::IDENTITY, corners, [1, 1]);
         }
     }
 }
@@ -71,7 +71,7 @@ fn fountain(canvas: &mut Canvas) {
 }
 
 /// A curtain in an arch of the ground floor, drawn to one side and tied.
-fn curtain(canvas: &mut Canvas, cloth: u32, frame: &DAffine3, seed: u64) {
+fn curtain(canvas: &mut Canvas, cloth: u32, frame: &Frame, seed: u64) {
     let cells = [canvas.steps(72.0, 12), canvas.steps(26.0, 5)];
     let mut dice = Dice::of_cell(31, seed as i64, 0);
     let hand = if dice.chance(0.5) { 1.0 } else { -1.0 };
@@ -91,7 +91,7 @@ fn curtain(canvas: &mut Canvas, cloth: u32, frame: &DAffine3, seed: u64) {
 }
 
 /// A long cloth that hangs over the balustrade into the court.
-fn banner(canvas: &mut Canvas, cloth: u32, frame: &DAffine3, seed: u64) {
+fn banner(canvas: &mut Canvas, cloth: u32, frame: &Frame, seed: u64) {
     let cells = [canvas.steps(40.0, 8), canvas.steps(30.0, 6)];
     canvas.sheet(cloth, frame, cells, |u, v| {
         let across = 1.0 - 2.0 * u;
@@ -107,7 +107,7 @@ fn banner(canvas: &mut Canvas, cloth: u32, frame: &DAffine3, seed: u64) {
 }
 
 /// A clay pot with a bush: stems, and leaves cut out of a texture.
-fn potted_plant(canvas: &mut Canvas, frame: &DAffine3, seed: u64) {
+fn potted_plant(canvas: &mut Canvas, frame: &Frame, seed: u64) {
     let facets = [canvas.steps(28.0, 8), canvas.steps(3.0, 1)];
     let foot = [[0.0, 0.02], [0.2, 0.0], [0.21, 0.04]];
     let belly = [[0.21, 0.04], [0.3, 0.25], [0.31, 0.42], [0.26, 0.52]];

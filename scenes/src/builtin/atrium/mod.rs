@@ -7,12 +7,10 @@ mod aisle;
 mod arcade;
 mod court;
 
-use glam::DAffine3;
-
 use super::canvas::Canvas;
 use super::foliage::sprig_texture;
 use super::setting::{Recipe, camera, cut_out, environment, glossy, matt, metal, palette, sphere_light};
-use super::shapes::place;
+use super::shapes::{Frame, place};
 use crate::Scene;
 
 pub(super) const RECIPE: Recipe = Recipe {
@@ -55,7 +53,7 @@ palette! {
 
 fn setting() -> Scene {
     let warm = [24.0, 19.0, 12.0];
-    let light = |lantern: Lantern| sphere_light(lantern.frame.translation.as_vec3().to_array(), warm);
+    let light = |(frame, _): (Frame, f64)| sphere_light(frame.translation.as_vec3().to_array(), warm);
     Scene {
         materials: materials(),
         textures: vec![sprig_texture()],
@@ -75,7 +73,7 @@ fn setting() -> Scene {
 
 /// One side of the court.
 struct Side {
-    frame: DAffine3,
+    frame: Frame,
     bays: u32,
 }
 
@@ -94,26 +92,19 @@ impl Side {
     }
 
     /// The frame of a bay: its origin is the middle of the bay on the row of columns.
-    fn bay(&self, bay: u32, height: f64) -> DAffine3 {
+    fn bay(&self, bay: u32, height: f64) -> Frame {
         self.frame * place(BAY * (f64::from(bay) + 0.5), height, 0.0, 0.0)
     }
 }
 
-/// A lantern around a sphere light.
-struct Lantern {
-    /// Stands where the light is.
-    frame: DAffine3,
-    /// From the light up to where the chain is fixed, metres.
-    chain: f64,
-}
-
-/// Two lanterns in the lower and one in the upper walk along each of the long sides.
-fn lanterns() -> [Lantern; 6] {
+/// Two lanterns in the lower and one in the upper walk along each of the long sides: a frame that stands where
+/// the light is, and how far above the chain is fixed, metres.
+fn lanterns() -> [(Frame, f64); 6] {
     let [front, _, back, _] = Side::all();
     let lower = |side: &Side, bay| (side.bay(bay, 3.27), 1.1);
     let upper = |side: &Side, bay| (side.bay(bay, UPPER_FLOOR + 3.0), 2.0);
     [lower(&front, 1), lower(&front, 6), lower(&back, 1), lower(&back, 6), upper(&front, 4), upper(&back, 4)]
-        .map(|(bay, chain)| Lantern { frame: bay * place(0.0, 0.0, 0.5 * DEPTH, 0.0), chain })
+        .map(|(bay, chain)| (bay * place(0.0, 0.0, 0.5 * DEPTH, 0.0), chain))
 }
 
 fn draw(canvas: &mut Canvas) {
@@ -121,8 +112,8 @@ fn draw(canvas: &mut Canvas) {
         arcade::draw(canvas, side);
         aisle::draw(canvas, side, index as u64);
     }
-    for lantern in &lanterns() {
-        aisle::lantern(canvas, lantern);
+    for (frame, chain) in lanterns() {
+        aisle::lantern(canvas, &frame, chain);
     }
     court::draw(canvas);
 }
