@@ -92,11 +92,7 @@ fn read(dump: &Dump, bounce: u32) -> Result<(Scene, Vec<Ray>)> {
 
 fn shuffle(rays: &[Ray]) -> Vec<Ray> {
     let mut shuffled = rays.to_vec();
-    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-    for at in (1..shuffled.len()).rev() {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        shuffled.swap(at, ((state >> 33) % (at as u64 + 1)) as usize);
-    }
+    fastrand::Rng::with_seed(1).shuffle(&mut shuffled);
     shuffled
 }
 

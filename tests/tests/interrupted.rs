@@ -41,11 +41,10 @@ fn killed_at_any_moment_it_recovers() {
     Program::Recorder.run(folder.path(), &line("whole")).succeeded();
     let whole = start.elapsed();
     // A fixed sequence of fractions, so that a failure can be run again.
-    let mut state = 12_345u32;
+    let mut random = fastrand::Rng::with_seed(12_345);
     let mut recovered = 0;
     for kill in 0..KILLS {
-        state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-        let delay = whole.mul_f64(f64::from(state >> 8) / f64::from(1 << 24));
+        let delay = whole.mul_f64(random.f64());
         let name = format!("kill-{kill}");
         let line = line(&name);
         let mut command = Program::Recorder.command(line.split_whitespace());

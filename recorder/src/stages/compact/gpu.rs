@@ -114,8 +114,7 @@ pub(crate) fn wgsl() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::test_gpu;
-    use crate::stages::sort::test_keys::SplitMix;
+    use crate::gpu::test_gpu;
 
     /// Compares the places and the total with a serial sum.
     fn check(scan: &Scan, flags: &[u32], what: &str) {
@@ -147,11 +146,11 @@ mod tests {
         let scan = Scan::new(test_gpu()).unwrap();
         let seed = 0x5CA1_AB1E;
         println!("seed {seed:#x}");
-        let mut random = SplitMix::new(seed);
+        let mut random = fastrand::Rng::with_seed(seed);
         let borders = [1, ITEMS_PER_THREAD, THREADS, TILE, 2 * TILE, THREADS * TILE];
         for border in borders {
             for count in border - 1..=border + 1 {
-                let flags: Vec<u32> = (0..count).map(|_| random.next_u32() & 1).collect();
+                let flags: Vec<u32> = (0..count).map(|_| random.u32(..2)).collect();
                 check(&scan, &flags, "flags");
                 check(&scan, &vec![1; count as usize], "ones");
                 check(&scan, &vec![0; count as usize], "zeros");

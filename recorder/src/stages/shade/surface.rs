@@ -125,11 +125,8 @@ mod tests {
     /// No ray that leaves a triangle finds it again, however far away, large, thin or grazing.
     #[test]
     fn rays_do_not_find_the_triangle_that_they_leave() {
-        let mut state = 7u32;
-        let mut random = || {
-            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            (state >> 8) as f32 / 8_388_608.0 - 1.0
-        };
+        let mut generator = fastrand::Rng::with_seed(7);
+        let mut random = || 2.0 * generator.f32() - 1.0;
         let mut again = 0;
         for round in 0..4000 {
             let scale = |exponent: u32| 10f32.powi(exponent as i32 % 9 - 4);
@@ -174,11 +171,8 @@ mod tests {
     /// of small and large triangles shadowed itself.
     #[test]
     fn rays_do_not_find_a_larger_triangle_in_the_plane_that_they_leave() {
-        let mut state = 11u32;
-        let mut random = || {
-            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            (state >> 8) as f32 / 8_388_608.0 - 1.0
-        };
+        let mut generator = fastrand::Rng::with_seed(11);
+        let mut random = || 2.0 * generator.f32() - 1.0;
         let mut again = 0;
         for height in [0.0f32, 6.5e-4, 2126.5] {
             for _ in 0..500 {

@@ -3,29 +3,6 @@
 /// The seed of all keys here; failures repeat, since it is fixed.
 const SEED: u64 = 0x0DD5_0F7E_57ED;
 
-/// Steele, Lea and Flood 2014.
-#[derive(Clone, Debug)]
-pub(crate) struct SplitMix {
-    state: u64,
-}
-
-impl SplitMix {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self { state: seed }
-    }
-
-    pub(crate) fn next_u64(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mixed = (self.state ^ (self.state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        mixed ^ (mixed >> 31)
-    }
-
-    pub(crate) fn next_u32(&mut self) -> u32 {
-        (self.next_u64() >> 32) as u32
-    }
-}
-
 /// The order of a stable sort.
 pub(crate) fn expected(keys: &[u64]) -> Vec<u32> {
     let mut order: Vec<u32> = (0..keys.len() as u32).collect();
@@ -35,8 +12,8 @@ pub(crate) fn expected(keys: &[u64]) -> Vec<u32> {
 
 /// Random keys of `bits` bits.
 pub(crate) fn random(count: usize, bits: u32, salt: u64) -> Vec<u64> {
-    let mut random = SplitMix::new(SEED ^ salt);
-    (0..count).map(|_| random.next_u64() >> (64 - bits)).collect()
+    let mut random = fastrand::Rng::with_seed(SEED ^ salt);
+    (0..count).map(|_| random.u64(..) >> (64 - bits)).collect()
 }
 
 /// Description, bits and keys: every kind of order at every width that a recording can have.
