@@ -1,4 +1,5 @@
 //! What must hold for each built-in scene.
+#![allow(clippy::unwrap_used, reason = "this is test code, also outside test functions")]
 
 use std::sync::LazyLock;
 
