@@ -230,12 +230,10 @@ fn pendant(canvas: &mut Canvas, frame: &Frame, cord: f64) {
 
 /// A block with softly rounded edges; sharp ones where the detail allows no better.
 fn soft_block(canvas: &mut Canvas, material: u32, frame: &Frame, low: [f64; 3], high: [f64; 3]) {
-    let is_soft = [CHINA, SOFA, MUSTARD, RUST, LINEN].contains(&material);
+    let radius = if [CHINA, SOFA, MUSTARD, RUST, LINEN].contains(&material) { 0.07 } else { 0.008 };
     match canvas.steps(7.0, 0) {
         0 => canvas.block(material, frame, low, high),
-        steps => {
-            canvas.rounded_block(material, frame, [low, high], if is_soft { 0.07 } else { 0.008 }, steps)
-        }
+        steps => canvas.rounded_block(material, frame, [low, high], radius, steps),
     }
 }
 

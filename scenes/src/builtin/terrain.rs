@@ -171,9 +171,8 @@ fn fir(canvas: &mut Canvas, foot: DVec3, dice: &mut Dice) {
     let frame = place(foot.x, foot.y - 0.4, foot.z, dice.unit()) * stretch(size, size, size);
     let around = canvas.steps(6.0, 4);
     canvas.revolve(BARK, &frame, &[&[[0.03, 0.0], [0.015, 0.5]]], [around, 1]);
-    let skirts = 4;
-    for skirt in 0..skirts {
-        let t = f64::from(skirt) / f64::from(skirts);
+    for skirt in 0..4 {
+        let t = f64::from(skirt) / 4.0;
         let (reach, foot) = (0.21 * (1.0 - 0.75 * t), 0.14 + 0.68 * t);
         let profile = [[0.3 * reach, foot + 0.05], [reach, foot], [0.0, foot + 0.32 - 0.1 * t]];
         canvas.revolve(NEEDLES, &frame, &[&profile[..2], &profile[1..]], [around, 1]);
