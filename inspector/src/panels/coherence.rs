@@ -3,7 +3,7 @@
 use egui_plot::{Line, Plot, PlotPoints};
 use serde::{Deserialize, Serialize};
 
-use super::notes::{hint, missing, power_of_ten};
+use super::notes::{found, hint, power_of_ten};
 use super::order_table::{order_table, unsorted_area};
 use super::worst::WorstGroups;
 use crate::model::Context;
@@ -39,10 +39,7 @@ impl Panel for CoherencePanel {
     }
 
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let queue = match context.queue() {
-            Ok(queue) => queue,
-            Err(reason) => return missing(ui, &reason),
-        };
+        let Some(queue) = found(ui, context.queue()) else { return };
         let (at, width) = (context.selection.recording, context.selection.group_width);
         let Some(recording) = context.recordings.get(at) else { return };
         let methods = recording.methods(queue.id);
@@ -84,7 +81,7 @@ impl Panel for CoherencePanel {
                     .map(|(number, order)| (theme.series(number), order.method.as_str(), Some(order)));
                 egui::ScrollArea::both()
                     .auto_shrink([false, true])
-                    .show(ui, |ui| order_table(ui, "means", rows, unsorted_area(orders), &[32]));
+                    .show(ui, |ui| order_table(ui, ("means", 18.0), rows, unsorted_area(orders), &[32]));
             }
             Listed::Groups => self.worst.show(ui, context),
         }

@@ -60,6 +60,11 @@ pub(super) fn missing(ui: &mut egui::Ui, absent: impl Into<Absent>) {
     }
 }
 
+/// What was found; else says why it is not shown, where it would have been.
+pub(super) fn found<T>(ui: &mut egui::Ui, found: Result<T, impl Into<Absent>>) -> Option<T> {
+    found.map_err(|absent| missing(ui, absent)).ok()
+}
+
 /// Says what to do to have something shown.
 pub(super) fn hint(ui: &mut egui::Ui, text: &str) {
     ui.add_space(8.0);

@@ -7,7 +7,7 @@ use formats::metrics::quantity::Quantity;
 use rayon::prelude::*;
 use serde::de::Error as _;
 
-use super::notes::missing;
+use super::notes::found;
 use super::picture::{DrawnPicture, Picture};
 use crate::analysis::GroupWidth;
 use crate::model::derived::Filtered;
@@ -50,10 +50,7 @@ impl Panel for OrderPanel {
     }
 
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let order = match context.order() {
-            Ok(order) => order,
-            Err(reason) => return missing(ui, &reason),
-        };
+        let Some(order) = found(ui, context.order()) else { return };
         ui.horizontal_wrapped(|ui| {
             for (quantity, about) in COLOURS {
                 ui.selectable_value(&mut self.colouring, quantity, quantity.name()).on_hover_text(about);

@@ -20,16 +20,17 @@ pub(super) fn unsorted_area(orders: &[OrderCoherence]) -> Option<f64> {
     unsorted.coherence.known().map(|known| known.mean_capsule_area).filter(|&area| area > 0.0)
 }
 
-/// A row for each order, with lane utilisation for these widths; orders are awaited where they are `None`.
+/// A row for each order, with lane utilisation for these widths; orders are awaited where they are `None`. `gap`
+/// lies between columns, points.
 pub(super) fn order_table<'a>(
     ui: &mut egui::Ui,
-    id: &str,
+    (id, gap): (&str, f32),
     rows: impl Iterator<Item = (Color32, &'a str, Option<&'a OrderCoherence>)>,
     unsorted: Option<f64>,
     widths: &[usize],
 ) {
     let columns = COLUMNS.len() + widths.len();
-    egui::Grid::new(id).striped(true).num_columns(columns).spacing([18.0, 2.0]).show(ui, |ui| {
+    egui::Grid::new(id).striped(true).num_columns(columns).spacing([gap, 2.0]).show(ui, |ui| {
         for (name, about) in COLUMNS {
             ui.strong(name).on_hover_text(about);
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use egui::RichText;
 use formats::traced::Results;
 
-use super::notes::{hint, missing};
+use super::notes::{found, hint};
 use crate::analysis::GroupWidth;
 use crate::model::groups::Groups;
 use crate::model::key::ReadKey;
@@ -31,10 +31,7 @@ impl Panel for RayPanel {
     }
 
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let order = match context.order() {
-            Ok(order) => order,
-            Err(reason) => return missing(ui, &reason),
-        };
+        let Some(order) = found(ui, context.order()) else { return };
         self.step(ui, context, &order);
         let Some(ray) = context.selection.ray.filter(|&ray| ray < order.len()) else {
             return hint(ui, "choose a ray: click a pixel, a row, a cell or a line in space");

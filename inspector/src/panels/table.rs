@@ -8,7 +8,7 @@ use formats::manifest::QueueId;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::notes::missing;
+use super::notes::found;
 use super::picture::Picture;
 use super::table_plots::{EstimatePlot, histograms};
 use crate::model::{Context, Queue};
@@ -110,14 +110,8 @@ impl Panel for TablePanel {
     }
 
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let queue = match context.queue() {
-            Ok(queue) => queue,
-            Err(reason) => return missing(ui, &reason),
-        };
-        let cells: &[LengthCell] = match &queue.cells {
-            Ok(cells) => cells,
-            Err(reason) => return missing(ui, reason),
-        };
+        let Some(queue) = found(ui, context.queue()) else { return };
+        let Some(cells) = found(ui, queue.cells.as_deref()) else { return };
         let Some(bits) = context.recording().map(|open| open.dump.manifest().header.options.table_bits)
         else {
             return;

@@ -7,7 +7,7 @@ use formats::key::method::UNSORTED;
 use formats::key::{Coordinate, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError};
 
 use super::filter_box::typed;
-use super::notes::{group_widths, missing};
+use super::notes::{found, group_widths};
 use super::order_table::{order_table, unsorted_area};
 use crate::model::Context;
 use crate::model::what_if::{Estimate, Settings, WHAT_IF};
@@ -24,10 +24,7 @@ impl Panel for WhatIfPanel {
     }
 
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let queue = match context.queue() {
-            Ok(queue) => queue,
-            Err(reason) => return missing(ui, &reason),
-        };
+        let Some(queue) = found(ui, context.queue()) else { return };
         let Some(lights) = context.recording().map(|open| open.dump.manifest().header.lights.len()) else {
             return;
         };
@@ -150,10 +147,7 @@ fn widths(ui: &mut egui::Ui, context: &mut Context) {
 
 /// How coherent the order is, beside the recorded ones.
 fn outcome(ui: &mut egui::Ui, context: &mut Context, queue: formats::manifest::QueueId) {
-    let made = match context.what_if_coherence() {
-        Ok(made) => made.cloned(),
-        Err(reason) => return missing(ui, &reason),
-    };
+    let Some(made) = found(ui, context.what_if_coherence().map(Option::<&_>::cloned)) else { return };
     let (at, width) = (context.selection.recording, context.selection.group_width);
     let Ok(rays) = context.queue() else { return };
     let Some(recording) = context.recordings.get(at) else { return };
@@ -166,7 +160,7 @@ fn outcome(ui: &mut egui::Ui, context: &mut Context, queue: formats::manifest::Q
         .enumerate()
         .map(|(number, order)| (theme.series(number), order.method.as_str(), Some(order)));
     let rows = std::iter::once((theme.selected_mark(), WHAT_IF, made.as_ref())).chain(rows);
-    order_table(ui, "what-if", rows, unsorted_area(recorded), &[8, 32, 64]);
+    order_table(ui, ("what-if", 16.0), rows, unsorted_area(recorded), &[8, 32, 64]);
     if recorded.len() < methods.len() {
         ui.weak(format!("{} of {} recorded orders so far", recorded.len(), methods.len()));
     }

@@ -1,6 +1,6 @@
 //! The groups of an order with the largest capsules, the worst first.
 
-use super::notes::missing;
+use super::notes::{found, missing};
 use crate::analysis::GroupWidth;
 use crate::model::{Absent, Context};
 use crate::output::count;
@@ -18,12 +18,9 @@ pub(super) struct WorstGroups {
 impl WorstGroups {
     /// A row for each group; a click selects it with its first ray.
     pub(super) fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let order = match context.order() {
-            Ok(order) => order,
-            Err(reason) => return missing(ui, &reason),
-        };
+        let Some(order) = found(ui, context.order()) else { return };
         let width = context.selection.group_width;
-        let Some(groups) = context.groups(&order) else { return missing(ui, &Absent::Awaited) };
+        let Some(groups) = context.groups(&order) else { return missing(ui, Absent::Awaited) };
         let key = (order.serial, width);
         let worst = match &self.known {
             Some((known, worst)) if *known == key => worst,

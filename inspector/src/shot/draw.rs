@@ -33,7 +33,7 @@ const PATIENCE: Duration = Duration::from_secs(900);
 
 /// What `--json` prints.
 #[derive(Serialize)]
-struct Report {
+struct Measured {
     file: PathBuf,
     /// From the start of the program until all that is drawn was read and made, on the CPU.
     ready_ms: f64,
@@ -64,9 +64,9 @@ struct Memory {
 impl Shot {
     /// Draws a picture into a file.
     pub(crate) fn run(&self) -> anyhow::Result<()> {
-        let (report, lacking) = self.draw()?;
+        let (measured, lacking) = self.draw()?;
         if self.json {
-            print_json(&report)?;
+            print_json(&measured)?;
         } else if self.out.is_file() {
             // The picture itself may have gone to standard output.
             print(&self.out.display().to_string())?;
@@ -79,7 +79,7 @@ impl Shot {
     }
 
     /// Gives the times, and what the picture lacks: why, in sentences.
-    fn draw(&self) -> anyhow::Result<(Report, BTreeSet<String>)> {
+    fn draw(&self) -> anyhow::Result<(Measured, BTreeSet<String>)> {
         let state = render_state()?;
         let errors = Errors::of(&state.device, &Waker::default());
         let (app, theme) = self.open(state.target_format)?;
@@ -111,7 +111,7 @@ impl Shot {
         }
         png_file::write(&self.out, size, &rgba)?;
         times.sort_by(f64::total_cmp);
-        let report = Report {
+        let measured = Measured {
             file: self.out.clone(),
             ready_ms,
             worst_frame_until_ready_ms,
@@ -123,7 +123,7 @@ impl Shot {
             draws: DrawCounts::of(&state.renderer.read().callback_resources),
             memory: memory(),
         };
-        Ok((report, lacking))
+        Ok((measured, lacking))
     }
 }
 

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use self::window::RowWindow;
 use super::filter_box::{filter_box, filter_problem};
-use super::notes::missing;
+use super::notes::found;
 use crate::model::numbers::Numbers;
 use crate::model::rows::{Direction, Rows, Sorting};
 use crate::model::{Context, Order};
@@ -109,10 +109,7 @@ impl Panel for RaysPanel {
     }
 
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let order = match context.order() {
-            Ok(order) => order,
-            Err(reason) => return missing(ui, &reason),
-        };
+        let Some(order) = found(ui, context.order()) else { return };
         let Some(numbers) = context.numbers(order.clone()) else { return };
         ui.horizontal_wrapped(|ui| {
             filter_box(ui, context, (ui.available_width() - 130.0).clamp(80.0, 420.0))
