@@ -47,7 +47,7 @@ impl Capture {
     /// Writes one array; `fill` gets a sink for exactly its bytes.
     ///
     /// # Errors
-    /// Whatever `fill` reports, or what went wrong with writing up to now.
+    /// Any of `fill`, or what went wrong with writing up to now.
     pub fn array(
         &mut self,
         place: Place,

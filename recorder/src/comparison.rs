@@ -20,7 +20,7 @@ pub(crate) struct Difference {
 /// Compares results with those of a recording; no difference if they were not kept.
 ///
 /// # Errors
-/// A damaged array, or whatever the backend reports.
+/// A damaged array, or any of the backend.
 pub(crate) fn compare<B: Backend>(
     backend: &mut B,
     dump: &Dump,

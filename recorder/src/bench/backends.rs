@@ -13,7 +13,7 @@ use crate::stages::setup::Setup;
 use crate::stages::trace::TraceKernel;
 use crate::stages::trace::cpu::CpuTracer;
 
-/// Something to measure on whatever backend there is.
+/// Something to measure on any backend.
 pub(super) trait Measurement {
     /// What it gives.
     type Output: Send;
@@ -21,7 +21,7 @@ pub(super) trait Measurement {
     /// Measures; `backends` has one for each kernel.
     ///
     /// # Errors
-    /// Whatever the backends report.
+    /// Any of the backends.
     fn run<B: Backend>(self, backends: Vec<B>) -> Result<Self::Output>;
 }
 
@@ -50,7 +50,7 @@ pub(super) fn measure<M: Measurement + Send>(
 /// Runs a measurement with several backends, on the threads of the device if it has its own.
 ///
 /// # Errors
-/// If a hierarchy cannot be built, a backend not be made, and whatever the measurement reports.
+/// If a hierarchy cannot be built, a backend not be made, and any of the measurement.
 pub(super) fn measure_all<M: Measurement + Send>(
     device: &Device,
     scene: &Scene,

@@ -122,7 +122,7 @@ fn open_cpu(options: &DeviceRequest, passed_over: Option<String>) -> Result<Devi
 
 /// Bytes of CPU memory that a run needs per pixel: two queues of closest and one of shadow rays
 /// with state and results, a sorted copy, keys, sort buffers, the film.
-const CPU_BYTES_PER_PIXEL: u64 = 2 * 52 + 52 + 2 * 16 + 32 + 4 * 16 + 12;
+const CPU_BYTES_PER_PIXEL: u64 = 3 * 56 + 2 * 16 + 32 + 4 * 16 + 12;
 /// Bytes of CPU memory that a scene needs per triangle: its arrays twice, leaf triangles, nodes.
 const CPU_BYTES_PER_TRIANGLE: u64 = 2 * 64 + 48 + 80;
 /// Bytes of CPU memory of a cell of the length tables: two tables, and two to time adding to them.

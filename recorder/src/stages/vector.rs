@@ -1,7 +1,7 @@
 //! Vector products with a fixed order of evaluation, so that both backends round alike.
 //!
 //! Sums and products by component are `glam`'s; what has an order to choose is here and, under the
-//! same names, in the WGSL twin.
+//! same names, in WGSL.
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-// Vector products with a fixed order of evaluation: the twin of `stages::vector`.
+// Vector products with a fixed order of evaluation: the same on threads is `stages::vector`.
 
 fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z;

@@ -1,6 +1,7 @@
 //! Every kernel of a run, compiled once for its scene and methods.
 
 use anyhow::{Context, Result, bail, ensure};
+use clap::ValueEnum;
 use formats::ray::Kind;
 use formats::unit_space::UnitSpace;
 use rayon::prelude::*;
@@ -127,7 +128,7 @@ fn every_module() -> Vec<Module> {
         for key_bits in [32, 64] {
             modules.extend(self::modules(&Setup::made_up(all_features, key_bits)));
         }
-        for kernel in [TraceKernel::Cwbvh, TraceKernel::Bvh2, TraceKernel::RayQuery] {
+        for &kernel in TraceKernel::value_variants() {
             for kind in Kind::ALL {
                 for order in [Order::Canonical, Order::Gathered(()), Order::Indirect(())] {
                     for precision in Precision::ALL {

@@ -1,8 +1,8 @@
 //! Shade: at each hit, the light that the ray met, one shadow ray to a light sample, and the
 //! path's next ray.
 //!
-//! [`path`] is the arithmetic; [`bsdf`], [`emitters`] and [`surface`] its parts, each with a WGSL
-//! twin of the same name; [`tables`] is the scene as both read it.
+//! [`path`] is the arithmetic; [`bsdf`], [`emitters`] and [`surface`] its parts, each with WGSL of the same
+//! name beside it; [`tables`] is the scene as both read it.
 
 pub mod bsdf;
 pub mod cpu;

@@ -1,4 +1,4 @@
-// Traversal of the binary hierarchy: the twin of `stages::trace::cpu_bvh2`.
+// Traversal of the binary hierarchy: the same on threads is `stages::trace::cpu_bvh2`.
 
 fn bvh2_near(query: ptr<function, Query>, low: vec3<f32>, high: vec3<f32>) -> vec2<f32> {
     let a = (low - (*query).origin) * (*query).inverse;

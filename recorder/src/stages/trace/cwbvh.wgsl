@@ -1,4 +1,4 @@
-// Traversal of the compressed wide hierarchy: the twin of `stages::trace::cpu_cwbvh`.
+// Traversal of the compressed wide hierarchy: the same on threads is `stages::trace::cpu_cwbvh`.
 
 struct WideRay {
     origin: vec3<f32>,

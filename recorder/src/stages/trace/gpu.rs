@@ -143,9 +143,9 @@ pub fn module(variant: &TraceVariant) -> Module {
     if variant.masks {
         module = module.table::<u32>("masks");
     }
-    module = match variant.kernel {
-        TraceKernel::RayQuery => module.driver_hierarchy("hierarchy"),
-        TraceKernel::Cwbvh | TraceKernel::Bvh2 => module.table::<[u32; 4]>("nodes"),
+    module = match variant.kernel.bvh_kind() {
+        None => module.driver_hierarchy("hierarchy"),
+        Some(_) => module.table::<[u32; 4]>("nodes"),
     };
     let (ray_place, result_place) = match variant.order {
         Order::Canonical => ("index", "index"),
@@ -173,11 +173,7 @@ pub fn module(variant: &TraceVariant) -> Module {
             TriangleTest::MoellerTrumbore => include_str!("moeller_trumbore.wgsl"),
         })
         .text(include_str!("query.wgsl"))
-        .text(match variant.kernel {
-            TraceKernel::Cwbvh => include_str!("cwbvh.wgsl"),
-            TraceKernel::Bvh2 => include_str!("bvh2.wgsl"),
-            TraceKernel::RayQuery => include_str!("ray_query.wgsl"),
-        })
+        .text(variant.kernel.wgsl())
         .text(result)
         .text(include_str!("kernel.wgsl"))
 }
@@ -272,8 +268,8 @@ impl Tracer {
             [a, b, c, triangle]
         };
         let masks = Masks::for_features(scene, features);
-        let (leaves, hierarchy): (Vec<_>, _) = match (bvh, kernel) {
-            (None, TraceKernel::RayQuery) => {
+        let (leaves, hierarchy): (Vec<_>, _) = match (bvh, kernel.bvh_kind()) {
+            (None, None) => {
                 let leaves = (0..scene.triangles.len() as u32).map(leaf).collect();
                 (leaves, Hierarchy::Driver(DriverHierarchy::new(gpu, scene, &positions, masks.is_empty())?))
             }
@@ -389,12 +385,14 @@ impl Tracer {
 
 #[cfg(test)]
 mod tests {
+    use clap::ValueEnum;
+
     use super::*;
 
     #[test]
     fn alpha_masks_are_in_the_module_if_and_only_if_the_scene_has_them() {
         let (kind, order, count_work) = (Kind::Closest, Order::Canonical, false);
-        for kernel in [TraceKernel::Cwbvh, TraceKernel::Bvh2, TraceKernel::RayQuery] {
+        for &kernel in TraceKernel::value_variants() {
             for masks in [false, true] {
                 let precision = Precision::default();
                 let text = module(&TraceVariant { kernel, kind, order, masks, count_work, precision }).wgsl();

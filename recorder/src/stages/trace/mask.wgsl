@@ -1,4 +1,4 @@
-// Holes of alpha masks: the twin of `stages::trace::mask`, composed in where a scene has them.
+// Holes of alpha masks: the same on threads is `stages::trace::mask`, composed in where a scene has them.
 
 fn mask_texel(at: f32, size: u32) -> u32 {
     return min(u32((at - floor(at)) * f32(size)), size - 1u);

@@ -174,13 +174,28 @@ pub enum TraceKernel {
 }
 
 impl TraceKernel {
+    /// Name on the command line and in recordings, the hierarchy that it walks, and how it does so on the GPU.
+    fn row(self) -> (&'static str, Option<BvhKind>, &'static str) {
+        match self {
+            Self::Cwbvh => ("cwbvh", Some(BvhKind::Cwbvh), include_str!("cwbvh.wgsl")),
+            Self::Bvh2 => ("bvh2", Some(BvhKind::Bvh2), include_str!("bvh2.wgsl")),
+            Self::RayQuery => ("ray-query", None, include_str!("ray_query.wgsl")),
+        }
+    }
+
+    /// Name on the command line and in recordings.
+    pub fn name(self) -> &'static str {
+        self.row().0
+    }
+
     /// The hierarchy that it walks; `ray-query` has the driver's own.
     pub fn bvh_kind(self) -> Option<BvhKind> {
-        match self {
-            Self::Cwbvh => Some(BvhKind::Cwbvh),
-            Self::Bvh2 => Some(BvhKind::Bvh2),
-            Self::RayQuery => None,
-        }
+        self.row().1
+    }
+
+    /// `fn traverse(query: ptr<function, Query>)` over the hierarchy.
+    pub(super) fn wgsl(self) -> &'static str {
+        self.row().2
     }
 
     /// A scene's hierarchy, from the cache where it is there.
@@ -191,14 +206,5 @@ impl TraceKernel {
         let folder = scenes::bvh::default_cache_folder();
         let load = |kind| Ok(scenes::bvh::load_or_build(scene, kind, folder.as_deref())?.0);
         self.bvh_kind().map(load).transpose()
-    }
-
-    /// Name on the command line and in recordings.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Cwbvh => "cwbvh",
-            Self::Bvh2 => "bvh2",
-            Self::RayQuery => "ray-query",
-        }
     }
 }

@@ -1,4 +1,4 @@
-// The triangle test of Möller and Trumbore: the twin of `stages::trace::moeller_trumbore`.
+// The triangle test of Möller and Trumbore: the same on threads is `stages::trace::moeller_trumbore`.
 
 struct TriangleRay {
     origin: vec3<f32>,

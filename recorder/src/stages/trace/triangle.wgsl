@@ -1,4 +1,4 @@
-// The watertight triangle test: the twin of `stages::trace::triangle`.
+// The watertight triangle test: the same on threads is `stages::trace::triangle`.
 
 struct TriangleRay {
     // Axis that becomes z, and whether x and y are swapped.
