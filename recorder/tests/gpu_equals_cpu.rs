@@ -53,7 +53,7 @@ struct Machine {
 fn machine(options: &RecordOptions) -> Machine {
     let scene = scenes::load(&options.scene).unwrap();
     let setup = Arc::new(recording::setup(&scene, &scene.cameras[0], options).unwrap());
-    let kind = if options.trace == TraceKernel::Bvh2 { BvhKind::Bvh2 } else { BvhKind::Cwbvh };
+    let kind = options.trace.bvh_kind().unwrap();
     let bvh = scenes::bvh::build(&scene, kind).unwrap();
     let gpu = Gpu::open(&AdapterRequest::Any)
         .unwrap_or_else(|error| panic!("GPU tests need an adapter; tests/run installs one: {error}"));

@@ -156,7 +156,11 @@ impl Backend for CpuBackend {
             let real = |index: usize| hits.length(&setup.unit, &rays.rays()[index], index);
             let table = &tables[Table::Learnt as usize][rays.id.kind as usize];
             let lengths = Lengths::of(plan.termination, plan.two_point_length, table, cells, &real);
-            let light = |index: usize| rays.paths.states[index].light;
+            // States are not touched where they say nothing.
+            let light = |index: usize| match rays.id.kind {
+                Kind::Closest => 0,
+                Kind::Shadow => rays.paths.states[index].light,
+            };
             encode(&encoders[method], plan.key_bits, rays.rays(), &lengths, light)
         }))
     }

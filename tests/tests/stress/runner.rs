@@ -10,7 +10,7 @@ use recorder::stages::trace::cpu::CpuTracer;
 use recorder::stages::trace::gpu::{Hits, RayArrays, Tracer};
 use recorder::stages::trace::{Order, TraceKernel, hits as cpu_hits};
 use scenes::Scene;
-use scenes::bvh::{BvhKind, build};
+use scenes::bvh::build;
 use scenes::features::Features;
 use tests::drivers::skipped;
 
@@ -85,17 +85,9 @@ pub(crate) struct Answers {
     pub(crate) distances: Vec<f32>,
 }
 
-fn hierarchy(kernel: TraceKernel) -> Option<BvhKind> {
-    match kernel {
-        TraceKernel::Cwbvh => Some(BvhKind::Cwbvh),
-        TraceKernel::Bvh2 => Some(BvhKind::Bvh2),
-        TraceKernel::RayQuery => None,
-    }
-}
-
 /// Traces rays, as closest and as shadow rays.
 pub(crate) fn trace(backend: Backend, kernel: TraceKernel, scene: &Scene, rays: &[Ray]) -> Answers {
-    let bvh = hierarchy(kernel).map(|kind| build(scene, kind).unwrap());
+    let bvh = kernel.bvh_kind().map(|kind| build(scene, kind).unwrap());
     let name = match backend {
         Backend::Cpu => format!("{} on threads", kernel.name()),
         Backend::Gpu => format!("{} on the gpu", kernel.name()),
