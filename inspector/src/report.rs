@@ -5,10 +5,10 @@ use std::fmt::Write;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use crate::figures::canvas::escape;
 use crate::figures::model::Figure;
 use crate::figures::style::{FONT, FONT_FAMILY, Width};
-use crate::figures::{FigureError, svg};
+use crate::figures::svg::escape;
+use crate::figures::{FigureError, draw};
 
 /// What a report says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -145,7 +145,7 @@ fn summary(report: &Report) -> String {
 
 fn figure_section(at: usize, figure: &Figure) -> Result<String, FigureError> {
     let number = at + 1;
-    let drawing = svg::draw(figure, Width::TwoColumn, &format!("figure-{number}"))?;
+    let drawing = draw::draw(figure, Width::TwoColumn, &format!("figure-{number}"))?;
     let settings: String =
         figure.settings.iter().map(|line| format!("<li>{}</li>\n", escape(line))).collect();
     let settings =

@@ -1,5 +1,9 @@
 //! From numbers to places on an axis, and which of them are written beside it.
 
+use std::ops::Range;
+
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+
 use super::model::Scale;
 
 /// A place on an axis that is marked.
@@ -66,9 +70,46 @@ impl Mapping {
         }
     }
 
+    /// The same axis from its end to its start: pictures count their rows from the top.
+    pub(crate) fn reversed(self) -> Self {
+        Self { range: (self.range.1, self.range.0), ..self }
+    }
+
+    /// The ticks that are labelled.
+    pub(crate) fn labelled(&self) -> impl Iterator<Item = &Tick> {
+        self.ticks.iter().filter(|tick| !tick.label.is_empty())
+    }
+
     /// Where bars start: at 0, or at the lower end where there is none.
     pub(crate) fn base(&self) -> f64 {
         if self.is_logarithmic { self.range.0 } else { 0.0f64.clamp(self.range.0, self.range.1) }
+    }
+}
+
+/// Labelled ticks are plotters' bold points, those between them the light ones.
+impl Ranged for Mapping {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
+        // What has no place, such as the lower end of a spread that reaches 0, is at the start.
+        let place = self.place(*value).unwrap_or(0.0);
+        start + (place * f64::from(end - start)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        let is_light = hint.weight().allow_light_points();
+        self.ticks.iter().filter(|tick| tick.label.is_empty() == is_light).map(|tick| tick.value).collect()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.range.0..self.range.1
+    }
+}
+
+impl ValueFormatter<f64> for Mapping {
+    fn format_ext(&self, value: &f64) -> String {
+        self.ticks.iter().find(|tick| tick.value == *value).map_or(String::new(), |tick| tick.label.clone())
     }
 }
 
@@ -262,6 +303,8 @@ fn power_label(base: f64, power: i32, (first, last): (i32, i32)) -> String {
 
 #[cfg(test)]
 mod tests {
+    use plotters::coord::ranged1d::{BoldPoints, LightPoints};
+
     use super::*;
 
     fn labels(mapping: &Mapping) -> Vec<&str> {
@@ -301,6 +344,18 @@ mod tests {
         let two = Scale::Logarithmic { base: 2 };
         assert_eq!(labels(&Mapping::new(&two, [8.0, 60.0], 8)), ["8", "16", "32", "64"]);
         assert_eq!(labels(&Mapping::new(&two, [1048576.0, 4194304.0], 8)), ["2^20", "2^21", "2^22"]);
+    }
+
+    #[test]
+    fn plotters_is_given_our_ticks_and_places() {
+        let axis = Mapping::new(&Scale::Logarithmic { base: 10 }, [0.3, 40.0], 8);
+        assert_eq!(axis.key_points(BoldPoints(1)), [0.1, 1.0, 10.0, 100.0]);
+        let light = axis.key_points(LightPoints::new(1, 1));
+        assert!(light.len() == 24 && light.contains(&20.0), "{light:?}");
+        assert_eq!(axis.format_ext(&10.0), "10");
+        assert_eq!([0.1, 1.0, 100.0].map(|value| axis.map(&value, (900, 0))), [900, 600, 0]);
+        assert_eq!(axis.map(&0.0, (900, 0)), 900, "what has no place is at the start");
+        assert_eq!(axis.reversed().map(&1.0, (900, 0)), 300);
     }
 
     #[test]

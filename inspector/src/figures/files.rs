@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::model::Figure;
 use super::style::Width;
-use super::{FigureError, caption, csv, pgfplots, raster, svg};
+use super::{FigureError, caption, csv, draw, pgfplots, raster};
 
 /// Makes the folder, and all that lead to it, if it is not there.
 ///
@@ -21,7 +21,7 @@ pub fn make_folder(folder: &Path) -> Result<(), FigureError> {
 /// # Errors
 /// If the figure contradicts itself or a file cannot be written; the error names it.
 pub fn write(figure: &Figure, width: Width, folder: &Path) -> Result<Vec<PathBuf>, FigureError> {
-    let drawing = svg::draw(figure, width, &figure.name)?;
+    let drawing = draw::draw(figure, width, &figure.name)?;
     let name = |extension: &str| format!("{}.{extension}", figure.name);
     let mut files = vec![
         (name("pdf"), raster::pdf(&drawing)?),

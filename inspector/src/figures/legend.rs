@@ -1,16 +1,15 @@
 //! The legend below the axes: one entry per series or line across a panel, whatever the panels.
 
-use super::canvas::{Anchor, Canvas, Rectangle, Stroke, Text};
 use super::model::{Content, Figure};
-use super::style::{
-    LINE_HEIGHT, LINE_STROKE, MARKER_RADIUS, REFERENCE_COLOUR, REFERENCE_DASHES, TEXT_SIZE, style,
-};
-use super::text;
+use super::style::{LINE_HEIGHT, TEXT_SIZE};
+use super::svg::{Area, units, words};
+use super::{FigureError, mark, text};
 
 const SAMPLE_WIDTH: f64 = 24.0;
 const SAMPLE_GAP: f64 = 4.0;
 const ENTRY_GAP: f64 = 14.0;
-const ROW_HEIGHT: f64 = TEXT_SIZE * LINE_HEIGHT + 2.0;
+/// Between two rows.
+const ROW_GAP: f64 = 2.0;
 
 /// What is drawn before the words.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,22 +66,20 @@ pub(crate) fn reference_labels(figure: &Figure) -> Vec<String> {
     labels
 }
 
-/// The dash of the line across a panel with this number.
-pub(crate) fn reference_stroke(number: usize) -> Stroke<'static> {
-    Stroke { colour: REFERENCE_COLOUR, width: 0.9, dash: REFERENCE_DASHES[number % REFERENCE_DASHES.len()] }
-}
-
 /// An entry with its place in a row.
 struct Placed {
-    entry: Entry,
-    lines: Vec<String>,
+    sample: Sample,
+    /// Broken into lines.
+    label: String,
     left: f64,
-    width: f64,
 }
 
 /// A legend that has been laid out.
 pub(crate) struct Legend {
     rows: Vec<Vec<Placed>>,
+    /// Of the widest row, points.
+    used: f64,
+    /// Of the room for it, points.
     width: f64,
 }
 
@@ -90,21 +87,21 @@ impl Legend {
     /// Entries in as many rows as they need.
     pub(crate) fn new(entries: Vec<Entry>, width: f64) -> Self {
         let mut rows: Vec<Vec<Placed>> = Vec::new();
-        let mut left = f64::INFINITY;
-        for entry in entries {
-            let lines = text::wrap(&entry.label, TEXT_SIZE, width - SAMPLE_WIDTH - SAMPLE_GAP);
-            let entry_width = SAMPLE_WIDTH + SAMPLE_GAP + text::widest(&lines, TEXT_SIZE);
+        let (mut left, mut used) = (f64::INFINITY, 0.0f64);
+        for Entry { sample, label } in entries {
+            let label = text::wrap(&label, TEXT_SIZE, width - SAMPLE_WIDTH - SAMPLE_GAP);
+            let entry_width = SAMPLE_WIDTH + SAMPLE_GAP + text::width(&label, TEXT_SIZE);
             if left + entry_width > width {
                 rows.push(Vec::new());
                 left = 0.0;
             }
-            let placed = Placed { entry, lines, left, width: entry_width };
-            left += entry_width + ENTRY_GAP;
+            used = used.max(left + entry_width);
             if let Some(row) = rows.last_mut() {
-                row.push(placed);
+                row.push(Placed { sample, label, left });
             }
+            left += entry_width + ENTRY_GAP;
         }
-        Self { rows, width }
+        Self { rows, used, width }
     }
 
     /// How much room it takes, points.
@@ -112,60 +109,45 @@ impl Legend {
         self.rows.iter().map(|row| row_height(row)).sum()
     }
 
-    /// Draws it with its upper left corner here.
-    pub(crate) fn draw(&self, canvas: &mut Canvas, left: f64, mut top: f64) {
-        let used = self.rows.iter().filter_map(|row| row.last()).map(|last| last.left + last.width);
-        let start = left + 0.5 * (self.width - used.fold(0.0, f64::max)).max(0.0);
+    /// Draws it with its upper left corner here, points.
+    ///
+    /// # Errors
+    /// As plotters: none is known.
+    pub(crate) fn draw(&self, page: &Area, (left, mut top): (f64, f64)) -> Result<(), FigureError> {
+        let start = left + 0.5 * (self.width - self.used).max(0.0);
         for row in &self.rows {
             for placed in row {
-                draw_entry(canvas, placed, start + placed.left, top);
+                draw_entry(page, placed, start + placed.left, top)?;
             }
             top += row_height(row);
         }
+        Ok(())
     }
 }
 
 fn row_height(row: &[Placed]) -> f64 {
-    let lines = row.iter().map(|placed| placed.lines.len()).max().unwrap_or(1);
-    ROW_HEIGHT + (lines.max(1) - 1) as f64 * TEXT_SIZE * LINE_HEIGHT
+    row.iter().map(|placed| text::height(&placed.label, TEXT_SIZE)).fold(0.0, f64::max) + ROW_GAP
 }
 
-fn draw_entry(canvas: &mut Canvas, placed: &Placed, left: f64, top: f64) {
-    let middle = top + 0.5 * ROW_HEIGHT;
-    let (from, to) = ((left, middle), (left + SAMPLE_WIDTH, middle));
-    let centre = (left + 0.5 * SAMPLE_WIDTH, middle);
-    match placed.entry.sample {
+fn draw_entry(page: &Area, placed: &Placed, left: f64, top: f64) -> Result<(), FigureError> {
+    let middle = top + 0.5 * (TEXT_SIZE * LINE_HEIGHT + ROW_GAP);
+    let at = |across: f64, down: f64| (units(left + across), units(middle + down));
+    let ends = [at(0.0, 0.0), at(SAMPLE_WIDTH, 0.0)];
+    let centre = at(0.5 * SAMPLE_WIDTH, 0.0);
+    let no_tooltip = String::new();
+    match placed.sample {
         Sample::Line(number) => {
-            let style = style(number);
-            canvas.line(
-                from,
-                to,
-                Stroke { colour: style.colour.ink(), width: LINE_STROKE, dash: style.dash },
-            );
-            canvas.marker(centre, MARKER_RADIUS, style.marker, style.colour, "");
+            page.draw(&mark::line(ends.into(), number))?;
+            page.draw(&mark::marker(centre, number, no_tooltip))?;
         }
-        Sample::Marker(number) => {
-            let style = style(number);
-            canvas.marker(centre, MARKER_RADIUS, style.marker, style.colour, "");
-        }
+        Sample::Marker(number) => page.draw(&mark::marker(centre, number, no_tooltip))?,
         Sample::Bar(number) => {
-            let style = style(number);
-            let area =
-                Rectangle { left: left + 3.0, top: middle - 4.0, width: SAMPLE_WIDTH - 5.0, height: 8.0 };
-            canvas.bar(area, style.colour, style.hatch, "");
+            let corners = [at(3.0, -4.0), at(SAMPLE_WIDTH - 2.0, 4.0)];
+            page.draw(&mark::bar(corners, number, no_tooltip))?;
         }
-        Sample::Reference(number) => canvas.line(from, to, reference_stroke(number)),
+        Sample::Reference(number) => page.draw(&mark::reference(ends, number))?,
     }
-    for (at, line) in placed.lines.iter().enumerate() {
-        canvas.text(Text {
-            text: line,
-            place: (
-                left + SAMPLE_WIDTH + SAMPLE_GAP,
-                middle + 0.36 * TEXT_SIZE + at as f64 * TEXT_SIZE * LINE_HEIGHT,
-            ),
-            size: TEXT_SIZE,
-            anchor: Anchor::Start,
-            rotate_degrees: 0.0,
-        });
-    }
+    let place = at(SAMPLE_WIDTH + SAMPLE_GAP, -0.5 * TEXT_SIZE * LINE_HEIGHT);
+    page.draw_text(&placed.label, &words(TEXT_SIZE), place)?;
+    Ok(())
 }

@@ -3,29 +3,31 @@
 //! - [`model`]: a figure as data; `content` asks it things
 //! - [`catalogue`]: which figures there are
 //! - [`style`]: widths, sizes, colours, markers, dashes and hatches
-//! - [`svg`]: the drawing, of `axis` (numbers to places), `frame` (the room for words), `tick_labels`,
-//!   `marks`, `legend`, `text` (widths) and `canvas` (SVG itself)
+//! - [`draw`]: the drawing, each panel a chart of plotters: `svg` is its backend, `axis` its coordinates with
+//!   our ticks, `series` what it shows, of `mark`s. Ours are `layout` (the room for words), `tick_labels`
+//!   (broken, slanted, upright), `legend` and `text` (widths)
 //! - [`raster`]: PNG and PDF from the SVG
 //! - [`csv`], [`pgfplots`], [`caption`]: the numbers, the same figure in LaTeX, the words
 //! - [`files`]: all of them in a folder
 
 mod axis;
-pub(crate) mod canvas;
 pub mod caption;
 pub mod catalogue;
 mod content;
 pub mod csv;
+pub mod draw;
 pub mod files;
-mod frame;
 #[cfg(test)]
 mod gallery;
+mod layout;
 mod legend;
-mod marks;
+mod mark;
 pub mod model;
 pub mod pgfplots;
 pub mod raster;
+mod series;
 pub mod style;
-pub mod svg;
+pub(crate) mod svg;
 mod text;
 mod tick_labels;
 

@@ -4,12 +4,11 @@ use std::fmt::Write;
 
 use super::FigureError;
 use super::axis::{Mapping, Tick};
-use super::frame::Frame;
+use super::layout::{Layout, Plot};
 use super::legend::{Entry, Sample, entries, reference_labels};
-use super::marks::{bar_width, marker_stride, place_in_group};
 use super::model::{Axis, Content, Figure, Panel, Picture, Point, Scale, Series};
+use super::series::{bar_width, marker_stride, place_in_group};
 use super::style::{Hatch, Marker, REFERENCE_DASHES, Style, Width, style};
-use super::svg::{Layout, layout};
 use super::{csv, raster};
 
 /// What every file starts with.
@@ -29,12 +28,12 @@ const HEAD: &str = r"% Compile with pdflatex; the numbers and pictures of the pa
 /// # Errors
 /// If a picture has another number of pixels than its sides say.
 pub fn files(figure: &Figure, width: Width) -> Result<Vec<(String, Vec<u8>)>, FigureError> {
-    let layout = layout(figure, width);
+    let layout = Layout::new(figure, width);
     let mut files = vec![(format!("{}.tex", figure.name), tex(figure, width, &layout).into_bytes())];
-    for (at, frame) in layout.frames.iter().enumerate() {
-        files.push(match &frame.panel.content {
+    for (at, plot) in layout.plots.iter().enumerate() {
+        files.push(match &plot.panel.content {
             Content::Picture(picture) => (panel_file(figure, at, "png"), raster::picture_png(picture)?),
-            content => (panel_file(figure, at, "csv"), csv::panel(&columns(frame, content))?),
+            content => (panel_file(figure, at, "csv"), csv::panel(&columns(plot, content))?),
         });
     }
     Ok(files)
@@ -45,17 +44,17 @@ fn panel_file(figure: &Figure, panel: usize, extension: &str) -> String {
 }
 
 /// The points of each series at the places where they are drawn.
-fn columns(frame: &Frame, content: &Content) -> Vec<Vec<Point>> {
+fn columns(plot: &Plot, content: &Content) -> Vec<Vec<Point>> {
     let all = content.series();
     let moved = |at: usize, point: &Point| match content {
         // The numbers are moved instead of the bars, since error bars stay where the numbers are.
         Content::Bars(_) => {
-            let across = place_in_group(all, at, point.x) * bar_width(frame) / frame.slot();
+            let across = place_in_group(all, at, point.x) * bar_width(plot) / plot.slot();
             Point { x: point.x + across, ..point.clone() }
         }
         _ => point.clone(),
     };
-    let of_series = |(at, series): (usize, &Series)| match (content, &frame.panel.x.scale) {
+    let of_series = |(at, series): (usize, &Series)| match (content, &plot.panel.x.scale) {
         // A stack must not lack a category.
         (Content::Stacks(_), Scale::Categories(names)) => {
             let of_category = |x: usize| {
@@ -85,11 +84,11 @@ fn tex(figure: &Figure, width: Width, layout: &Layout) -> String {
         let _ = writeln!(tex, "\\definecolor{{line{number}}}{{HTML}}{{{ink}}}");
     }
     tex.push_str("\\begin{document}\n\\footnotesize\n");
-    tex.push_str(&group_start(&layout.frames, layout.columns));
+    tex.push_str(&group_start(layout));
     let references = reference_labels(figure);
-    for (at, frame) in layout.frames.iter().enumerate() {
-        let panel = frame.panel;
-        let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(frame, &references));
+    for (at, plot) in layout.plots.iter().enumerate() {
+        let panel = plot.panel;
+        let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(plot, &references));
         if let Content::Picture(picture) = &panel.content {
             tex.push_str(&picture_plot(picture, &panel_file(figure, at, "png")));
         }
@@ -109,11 +108,11 @@ fn tex(figure: &Figure, width: Width, layout: &Layout) -> String {
     tex
 }
 
-fn group_start(frames: &[Frame], columns: usize) -> String {
-    let rows = frames.len().div_ceil(columns);
-    let largest = |part: fn(&Frame) -> f64| frames.iter().map(part).fold(0.0, f64::max);
-    let beside = largest(|frame| frame.left) + largest(|frame| frame.right) + 4.0;
-    let above = largest(|frame| frame.top) + largest(|frame| frame.bottom) + 12.0;
+fn group_start(layout: &Layout) -> String {
+    let (columns, rows) = (layout.columns, layout.plots.len().div_ceil(layout.columns));
+    let largest = |part: fn(&Plot) -> f64| layout.plots.iter().map(part).fold(0.0, f64::max);
+    let beside = largest(|plot| plot.room.left) + largest(|plot| plot.room.right) + 4.0;
+    let above = largest(|plot| plot.top) + largest(|plot| plot.bottom) + 12.0;
     format!(
         "\\begin{{tikzpicture}}\n\\begin{{groupplot}}[\n  group style={{group size={columns} by {rows}, \
          horizontal sep={beside:.0}bp, vertical sep={above:.0}bp}},\n  \
@@ -127,27 +126,27 @@ fn styles_of(figure: &Figure) -> std::collections::BTreeSet<usize> {
 }
 
 /// Axis labels, scales, ticks and how bars stand.
-fn axis_options(frame: &Frame, references: &[String]) -> String {
-    let panel = frame.panel;
+fn axis_options(plot: &Plot, references: &[String]) -> String {
+    let panel = plot.panel;
     let mut options = vec![
-        format!("width={:.1}bp, height={:.1}bp", frame.width, frame.height),
-        format!("title={{{}}}", lines(&frame.title)),
-        format!("xlabel={{{}}}", lines(&frame.x_label)),
-        format!("ylabel={{{}}}", lines(&frame.y_label)),
+        format!("width={:.1}bp, height={:.1}bp", plot.width, plot.height),
+        format!("title={{{}}}", lines(&plot.title)),
+        format!("xlabel={{{}}}", lines(&plot.x_label)),
+        format!("ylabel={{{}}}", lines(&plot.y_label)),
     ];
-    options.extend(scale_options('x', &panel.x, &frame.x));
-    options.extend(scale_options('y', &panel.y, &frame.y));
+    options.extend(scale_options('x', &panel.x, &plot.x));
+    options.extend(scale_options('y', &panel.y, &plot.y));
     if matches!(panel.y.scale, Scale::Logarithmic { .. }) {
         // Bars stand on the lower end of the axis.
         options.push("log origin y=infty".to_owned());
     }
     match &panel.content {
-        Content::Bars(_) => options.push(format!("bar width={:.2}bp", bar_width(frame))),
-        Content::Stacks(_) => options.push(format!("ybar stacked, bar width={:.2}bp", bar_width(frame))),
+        Content::Bars(_) => options.push(format!("bar width={:.2}bp", bar_width(plot))),
+        Content::Stacks(_) => options.push(format!("ybar stacked, bar width={:.2}bp", bar_width(plot))),
         _ => {}
     }
-    let turned = match frame.x_ticks.degrees() {
-        0 => format!("align=center, text width={:.1}bp", frame.slot().max(4.0)),
+    let turned = match plot.room.turn.degrees() {
+        0 => "align=center".to_owned(),
         90 => "rotate=90, anchor=east".to_owned(),
         degrees => format!("rotate={degrees}, anchor=north east, inner sep=1pt"),
     };
@@ -155,11 +154,11 @@ fn axis_options(frame: &Frame, references: &[String]) -> String {
         options.push(format!("x tick label style={{{turned}}}"));
     }
     if let Content::Picture(picture) = &panel.content {
-        options.push(picture_options(frame, picture));
+        options.push(picture_options(plot, picture));
     }
     if !panel.references.is_empty() {
         // Stacks are drawn at the very end of an axis, so that lines across come after it.
-        options.push(format!("after end axis/.append code={{{}}}", reference_lines(frame, references)));
+        options.push(format!("after end axis/.append code={{{}}}", reference_lines(plot, references)));
     }
     options.join(", ")
 }
@@ -177,8 +176,8 @@ fn scale_options(axis: char, shown: &Axis, mapping: &Mapping) -> Vec<String> {
 
 /// Range, labelled ticks and marks between them.
 fn tick_options(axis: char, mapping: &Mapping) -> Vec<String> {
-    let (low, high) = mapping.range;
-    let mut options = vec![format!("{axis}min={low}, {axis}max={high}")];
+    let (start, end) = mapping.range;
+    let mut options = vec![format!("{axis}min={}, {axis}max={}", start.min(end), start.max(end))];
     let (labelled, between): (Vec<&Tick>, Vec<&Tick>) =
         mapping.ticks.iter().partition(|tick| !tick.label.is_empty());
     let values =
@@ -207,7 +206,7 @@ fn tick_label(label: &str) -> String {
         (_, Some((factor, power))) if is_number(factor) && is_number(power) => {
             format!("{factor}\\times10\\sp{{{power}}}")
         }
-        _ => return escape(label),
+        _ => return lines(label),
     };
     format!("\\ensuremath{{{power}}}")
 }
@@ -295,9 +294,9 @@ fn bar_look(number: usize) -> String {
     format!("{fill}, postaction={{pattern={pattern}, pattern color={lines}}}")
 }
 
-fn picture_options(frame: &Frame, picture: &Picture) -> String {
+fn picture_options(plot: &Plot, picture: &Picture) -> String {
     let mut options = String::from("axis on top, grid=none, y dir=reverse");
-    if let (Some(bar), Some((mapping, label))) = (&picture.colour_bar, &frame.colour_bar) {
+    if let (Some(bar), Some((mapping, label))) = (&picture.colour_bar, &plot.colour_bar) {
         let colours: Vec<String> =
             bar.colours.iter().map(|[red, green, blue]| format!("rgb255=({red},{green},{blue})")).collect();
         let _ = write!(
@@ -320,9 +319,9 @@ fn picture_plot(picture: &Picture, file: &str) -> String {
 }
 
 /// Lines across, from edge to edge where they have no span.
-fn reference_lines(frame: &Frame, labels: &[String]) -> String {
-    let panel = frame.panel;
-    let (low, high) = frame.x.range;
+fn reference_lines(plot: &Plot, labels: &[String]) -> String {
+    let panel = plot.panel;
+    let (low, high) = plot.x.range;
     let mut tex = String::new();
     for reference in &panel.references {
         let number = labels.iter().position(|label| *label == reference.label).unwrap_or(0);
@@ -384,8 +383,8 @@ fn legend(entries: &[Entry], width: Width) -> String {
 }
 
 /// Lines of text below each other.
-fn lines(lines: &[String]) -> String {
-    lines.iter().map(|line| escape(line)).collect::<Vec<_>>().join("\\\\ ")
+fn lines(text: &str) -> String {
+    text.lines().map(escape).collect::<Vec<_>>().join("\\\\ ")
 }
 
 /// Text as TeX wants it.
@@ -441,7 +440,7 @@ mod tests {
             escape("\\input 2^20 × ~ µs"),
             "\\textbackslash{}input 2\\textasciicircum{}20 \\ensuremath{\\times} \\textasciitilde{} \\ensuremath{\\mu}s"
         );
-        assert_eq!(lines(&["a".into(), "b".into()]), "a\\\\ b");
+        assert_eq!(lines("a\nb"), "a\\\\ b");
     }
 
     #[test]

@@ -103,9 +103,10 @@ pub enum Marker {
 }
 
 /// What fills a bar besides its colour.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Hatch {
     /// Nothing.
+    #[default]
     Solid,
     /// Lines that rise.
     Rising,

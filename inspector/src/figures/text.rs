@@ -7,7 +7,7 @@ use skrifa::instance::{LocationRef, Size};
 use skrifa::metrics::GlyphMetrics;
 use skrifa::{FontRef, MetadataProvider};
 
-use super::style::FONT;
+use super::style::{FONT, LINE_HEIGHT};
 
 /// Which glyph a character has, and how wide it is, in sizes.
 static GLYPHS: LazyLock<Option<(Charmap<'static>, GlyphMetrics<'static>)>> = LazyLock::new(|| {
@@ -18,23 +18,26 @@ static GLYPHS: LazyLock<Option<(Charmap<'static>, GlyphMetrics<'static>)>> = Laz
 /// Advance of a character that the font lacks, in sizes.
 const UNKNOWN_ADVANCE: f64 = 0.75;
 
-/// Width of one line of text at a size, both in points. Kerning, which only narrows, is left out.
+/// Width of the widest line of a text at a size, both in the same unit. Kerning, which only narrows, is
+/// left out.
 pub(crate) fn width(text: &str, size: f64) -> f64 {
     let advance = |character: char| {
         let (glyphs, metrics) = GLYPHS.as_ref()?;
         metrics.advance_width(glyphs.map(character)?).map(f64::from)
     };
-    text.chars().map(|character| advance(character).unwrap_or(UNKNOWN_ADVANCE)).sum::<f64>() * size
+    let of_line =
+        |line: &str| line.chars().map(|character| advance(character).unwrap_or(UNKNOWN_ADVANCE)).sum();
+    text.lines().map(of_line).fold(0.0, f64::max) * size
 }
 
-/// Width of the widest of these lines.
-pub(crate) fn widest(lines: &[String], size: f64) -> f64 {
-    lines.iter().map(|line| width(line, size)).fold(0.0, f64::max)
+/// Height of the lines of a text, in the unit of its size.
+pub(crate) fn height(text: &str, size: f64) -> f64 {
+    text.lines().count() as f64 * LINE_HEIGHT * size
 }
 
-/// Breaks text into lines no wider than `room` points: after spaces, hyphens and slashes. A piece
-/// that is wider than that stays whole.
-pub(crate) fn wrap(text: &str, size: f64, room: f64) -> Vec<String> {
+/// Breaks text into lines no wider than `room`: after spaces, hyphens and slashes. A piece that is wider
+/// than that stays whole.
+pub(crate) fn wrap(text: &str, size: f64, room: f64) -> String {
     let mut lines: Vec<String> = Vec::new();
     let mut line = String::new();
     for piece in text.split_inclusive([' ', '-', '/']) {
@@ -46,23 +49,17 @@ pub(crate) fn wrap(text: &str, size: f64, room: f64) -> Vec<String> {
             line = longer;
         }
     }
-    if !line.trim_end().is_empty() {
-        lines.push(line.trim_end().to_owned());
-    }
-    lines
+    lines.push(line.trim_end().to_owned());
+    lines.join("\n")
 }
 
 /// As [`wrap`], with lines as even as their number lets them be: no word stands alone below a full line.
-pub(crate) fn wrap_evenly(text: &str, size: f64, room: f64) -> Vec<String> {
-    let lines = wrap(text, size, room);
-    let (mut narrow, mut wide) = (0.0, room);
-    while lines.len() > 1 && wide - narrow > 0.5 {
+pub(crate) fn wrap_evenly(text: &str, size: f64, room: f64) -> String {
+    let lines = |room: f64| wrap(text, size, room).lines().count();
+    let (fewest, mut narrow, mut wide) = (lines(room), 0.0, room);
+    while fewest > 1 && wide - narrow > 0.5 {
         let middle = 0.5 * (narrow + wide);
-        if wrap(text, size, middle).len() > lines.len() {
-            narrow = middle;
-        } else {
-            wide = middle;
-        }
+        if lines(middle) > fewest { narrow = middle } else { wide = middle }
     }
     wrap(text, size, wide)
 }
@@ -91,14 +88,16 @@ mod tests {
     #[test]
     fn lines_break_where_they_may_and_lose_nothing() {
         let text = "two-point-adaptive of Crytek Sponza/bounce 2";
-        let lines = wrap(text, 8.0, 60.0);
+        let wrapped = wrap(text, 8.0, 60.0);
+        let lines: Vec<&str> = wrapped.lines().collect();
         assert!(lines.len() > 2, "{lines:?}");
         for line in &lines {
             assert!(width(line, 8.0) <= 60.0, "{line}");
         }
+        assert!(width(&wrapped, 8.0) <= 60.0);
         let without_spaces = |text: &str| text.replace(' ', "");
         assert_eq!(without_spaces(&lines.concat()), without_spaces(text));
-        assert_eq!(wrap("unbreakable", 8.0, 1.0), ["unbreakable"]);
+        assert_eq!(wrap("unbreakable", 8.0, 1.0), "unbreakable");
         assert!(wrap("", 8.0, 10.0).is_empty());
     }
 
@@ -106,9 +105,9 @@ mod tests {
     fn even_lines_leave_no_word_alone() {
         let text = "kitchen: closest rays, bounce 1";
         let room = width("kitchen: closest rays, bounce", 8.0) + 1.0;
-        assert_eq!(wrap(text, 8.0, room), ["kitchen: closest rays, bounce", "1"]);
-        assert_eq!(wrap_evenly(text, 8.0, room), ["kitchen: closest", "rays, bounce 1"]);
-        assert_eq!(wrap_evenly(text, 8.0, 500.0), [text]);
-        assert_eq!(wrap_evenly("unbreakable", 8.0, 1.0), ["unbreakable"]);
+        assert_eq!(wrap(text, 8.0, room), "kitchen: closest rays, bounce\n1");
+        assert_eq!(wrap_evenly(text, 8.0, room), "kitchen: closest\nrays, bounce 1");
+        assert_eq!(wrap_evenly(text, 8.0, 500.0), text);
+        assert_eq!(wrap_evenly("unbreakable", 8.0, 1.0), "unbreakable");
     }
 }

@@ -1,0 +1,295 @@
+//! Where the panels of a figure go, and how much room their words take, points.
+
+use super::axis::{Mapping, Tick};
+use super::legend::{Legend, entries};
+use super::model::{Content, Figure, Panel, Scale};
+use super::style::{LINE_HEIGHT, TEXT_SIZE, TITLE_SIZE, Width};
+use super::text;
+use super::tick_labels::{self, Direction};
+
+/// Between an axis and its tick labels.
+pub(crate) const TICK_GAP: f64 = 4.0;
+/// Between a picture and its colour bar.
+pub(crate) const COLOUR_BAR_GAP: f64 = 6.0;
+/// Of a colour bar, across.
+pub(crate) const COLOUR_BAR_WIDTH: f64 = 8.0;
+/// Between panels.
+const GAP: f64 = 8.0;
+/// Around the whole.
+const PAGE_EDGE: f64 = 3.0;
+/// Above and beside the axes, where there are no words.
+const EDGE: f64 = 5.0;
+/// Highest picture.
+const TALLEST_PICTURE: f64 = 300.0;
+/// The least that a bar needs to be told from its neighbours.
+const NARROWEST_BAR: f64 = 2.3;
+/// Between two tick labels of an upward axis, at least.
+const Y_TICK_ROOM: f64 = 17.0;
+/// Where a logarithmic axis of bars starts at the latest, in lowest values.
+const LOWEST_BAR: f64 = 0.7;
+/// Lines beside a colour bar, at most.
+const MOST_BAR_LINES: usize = 2;
+/// How often the room for words is settled with the words that fit beside what is left of it.
+const ROUNDS: usize = 8;
+
+/// A figure laid out: panels in a grid as wide as the page, the legend below them.
+pub(crate) struct Layout<'a> {
+    /// Panels beside each other.
+    pub(crate) columns: usize,
+    /// All panels, row by row.
+    pub(crate) plots: Vec<Plot<'a>>,
+    /// Below them.
+    pub(crate) legend: Legend,
+    /// Upper left corner of the legend.
+    pub(crate) legend_place: (f64, f64),
+    /// Of the whole.
+    pub(crate) size: (f64, f64),
+}
+
+/// What is left beside a plot area for words, and how those below it are turned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Room {
+    pub(crate) left: f64,
+    /// With a colour bar, if there is one.
+    pub(crate) right: f64,
+    pub(crate) turn: Direction,
+}
+
+/// A panel laid out.
+pub(crate) struct Plot<'a> {
+    pub(crate) panel: &'a Panel,
+    /// Upper left corner of the plot area on the page.
+    pub(crate) place: (f64, f64),
+    /// Of the plot area.
+    pub(crate) width: f64,
+    /// Of the plot area.
+    pub(crate) height: f64,
+    /// Beside the plot area.
+    pub(crate) room: Room,
+    /// For words above it.
+    pub(crate) top: f64,
+    /// For words below it.
+    pub(crate) bottom: f64,
+    pub(crate) x: Mapping,
+    pub(crate) y: Mapping,
+    pub(crate) title: String,
+    pub(crate) x_label: String,
+    pub(crate) y_label: String,
+    /// The numbers beside the colour bar of a picture, and what they are.
+    pub(crate) colour_bar: Option<(Mapping, String)>,
+}
+
+impl<'a> Layout<'a> {
+    /// Lays a figure out.
+    pub(crate) fn new(figure: &'a Figure, width: Width) -> Self {
+        let page = width.points();
+        let columns = columns(figure, width);
+        let cell = (page - 2.0 * PAGE_EDGE - (columns - 1) as f64 * GAP) / columns as f64;
+        let mut plots = measure(figure, columns, cell);
+        let mut below = PAGE_EDGE - GAP;
+        for row in plots.chunks_mut(columns) {
+            let largest = |part: fn(&Plot) -> f64| row.iter().map(part).fold(0.0, f64::max);
+            let (top, bottom) = (largest(|plot| plot.top), largest(|plot| plot.height + plot.bottom));
+            for (at, plot) in row.iter_mut().enumerate() {
+                plot.place = (PAGE_EDGE + at as f64 * (cell + GAP) + plot.room.left, below + GAP + top);
+            }
+            below += GAP + top + bottom;
+        }
+        let legend = Legend::new(entries(figure), page - 2.0 * PAGE_EDGE);
+        let size = (page, (below + legend.height() + 2.0 * PAGE_EDGE).ceil());
+        Self { columns, plots, legend, legend_place: (PAGE_EDGE, below + 0.5 * GAP), size }
+    }
+}
+
+/// Panels beside each other.
+fn columns(figure: &Figure, width: Width) -> usize {
+    let panels = figure.panels.len().max(1);
+    if panels.is_multiple_of(2) && figure.panels.iter().all(is_picture) {
+        // A picture and what belongs to it stand beside each other.
+        return 2;
+    }
+    let most = match (width, panels) {
+        (Width::OneColumn, 1..=3) => 1,
+        (Width::OneColumn, _) => 2,
+        (Width::TwoColumn, 4) => 2,
+        (Width::TwoColumn, _) => panels.min(3),
+    };
+    let widest = figure.panels.iter().map(least_width).fold(0.0, f64::max);
+    (2..=most).rev().find(|&columns| width.points() / columns as f64 >= widest).unwrap_or(1)
+}
+
+/// How much room a panel needs for its bars and the words beside them.
+fn least_width(panel: &Panel) -> f64 {
+    let Scale::Categories(names) = &panel.x.scale else { return 110.0 };
+    let bars = match &panel.content {
+        Content::Bars(series) => names.len() * (series.len() + 1),
+        _ => 2 * names.len(),
+    };
+    // No name is left out for want of room.
+    50.0 + (bars as f64 * NARROWEST_BAR).max(names.len() as f64 * TEXT_SIZE * LINE_HEIGHT)
+}
+
+fn is_picture(panel: &Panel) -> bool {
+    matches!(panel.content, Content::Picture(_))
+}
+
+/// All panels. Those below each other begin in one line, those beside each other are as wide as each
+/// other, and words are turned alike.
+fn measure(figure: &Figure, columns: usize, cell: f64) -> Vec<Plot<'_>> {
+    let mut rooms = vec![Room { left: 0.0, right: EDGE, turn: Direction::Level }; figure.panels.len()];
+    let mut plots = Vec::new();
+    for _ in 0..ROUNDS {
+        let panels = figure.panels.iter().zip(&rooms);
+        let measured = panels.map(|(panel, &room)| Plot::measure(figure, panel, cell, room));
+        let needed: Vec<Room>;
+        (plots, needed) = measured.unzip();
+        let settled = rooms.clone();
+        let left = needed.iter().map(|needed| needed.left).fold(0.0, f64::max);
+        let turn = needed.iter().map(|needed| needed.turn).fold(Direction::Level, Direction::max);
+        for (at, room) in rooms.iter_mut().enumerate() {
+            let row = needed.iter().skip(at - at % columns).take(columns);
+            room.right = row.map(|needed| needed.right).fold(room.right, f64::max);
+            // How words may be turned depends on what is left of them, which is settled first.
+            if left > room.left {
+                room.left = left;
+            } else {
+                room.turn = room.turn.max(turn);
+            }
+        }
+        if rooms == settled {
+            break;
+        }
+    }
+    plots
+}
+
+impl<'a> Plot<'a> {
+    /// Measures a panel with this room for words; gives the room that its own need. Panels of `figure`
+    /// that have the same axis share its range.
+    fn measure(figure: &'a Figure, panel: &'a Panel, cell: f64, room: Room) -> (Self, Room) {
+        let mut width = (cell - room.left - room.right).max(20.0);
+        let mut height = (0.62 * cell).clamp(90.0, 180.0);
+        if let Content::Picture(picture) = &panel.content {
+            // A picture keeps its sides.
+            let aspect = f64::from(picture.height.max(1)) / f64::from(picture.width.max(1));
+            height = (aspect * width).min(1.3 * cell).min(TALLEST_PICTURE);
+            width = height / aspect;
+        }
+        let y = y_mapping(figure, panel, height);
+        let y_label = text::wrap(&panel.y.label, TEXT_SIZE, height + 20.0);
+        let (x, turn) = x_mapping(figure, panel, width, room);
+        let x_label = text::wrap_evenly(&panel.x.label, TEXT_SIZE, width + room.left.min(room.right));
+        let title = text::wrap_evenly(&panel.title, TITLE_SIZE, cell - EDGE);
+        let colour_bar = colour_bar(panel, height);
+        let bar_room = colour_bar.as_ref().map_or(0.0, |(mapping, label)| {
+            let words = widest_label(mapping) + TICK_GAP + text::height(label, TEXT_SIZE);
+            COLOUR_BAR_GAP + COLOUR_BAR_WIDTH + words
+        });
+        // The label of a colour bar may be higher than the picture.
+        let bar_label = colour_bar.as_ref().map_or(0.0, |(_, label)| text::width(label, TEXT_SIZE));
+        // The last label may reach over the end of the axis.
+        let overhang = if turn == Direction::Level { tick_labels::overhang(&x, width) } else { 0.0 };
+        let words = tick_labels::height(&x, turn) + text::height(&x_label, TEXT_SIZE);
+        let needed = Room {
+            left: widest_label(&y) + text::height(&y_label, TEXT_SIZE) + TICK_GAP + 3.0,
+            right: (EDGE + bar_room).max(overhang + 1.0),
+            turn,
+        };
+        let (place, top) = ((0.0, 0.0), text::height(&title, TITLE_SIZE) + EDGE);
+        let bottom = (words + TICK_GAP + 1.5).max(bar_label - height);
+        let plot = Self {
+            panel,
+            place,
+            width,
+            height,
+            room,
+            top,
+            bottom,
+            x,
+            y,
+            title,
+            x_label,
+            y_label,
+            colour_bar,
+        };
+        (plot, needed)
+    }
+
+    /// Width of a category.
+    pub(crate) fn slot(&self) -> f64 {
+        self.width / (self.x.range.1 - self.x.range.0)
+    }
+}
+
+/// Of the labels at the ticks of an upward axis.
+pub(crate) fn widest_label(axis: &Mapping) -> f64 {
+    axis.ticks.iter().map(|tick: &Tick| text::width(&tick.label, TEXT_SIZE)).fold(0.0, f64::max)
+}
+
+fn colour_bar(panel: &Panel, height: f64) -> Option<(Mapping, String)> {
+    let Content::Picture(picture) = &panel.content else { return None };
+    let bar = picture.colour_bar.as_ref()?;
+    let mapping = Mapping::exact(bar.range.0, bar.range.1, (height / 24.0) as usize);
+    // Of a low picture the label may be higher, rather than take all of its width.
+    let mut labels =
+        (0..).map(|tenths| text::wrap(&bar.label, TEXT_SIZE, height * (1.0 + 0.1 * f64::from(tenths))));
+    Some((mapping, labels.find(|label| label.lines().count() <= MOST_BAR_LINES)?))
+}
+
+fn y_mapping(figure: &Figure, panel: &Panel, height: f64) -> Mapping {
+    let room = (height / Y_TICK_ROOM) as usize;
+    if let Content::Picture(picture) = &panel.content {
+        return pixels(&panel.y.label, picture.height, room).reversed();
+    }
+    let mut values: Vec<f64> = Vec::new();
+    for alike in figure.panels.iter().filter(|other| other.y == panel.y) {
+        values.extend(alike.references.iter().map(|reference| reference.y));
+        values.extend(alike.content.reached());
+    }
+    if matches!(panel.content, Content::Bars(_) | Content::Stacks(_)) {
+        match panel.y.scale {
+            Scale::Logarithmic { .. } => {
+                // So that the lowest bar has a height.
+                let lowest =
+                    values.iter().copied().filter(|value| *value > 0.0).fold(f64::INFINITY, f64::min);
+                values.push(LOWEST_BAR * lowest);
+            }
+            _ => values.push(0.0),
+        }
+    }
+    Mapping::new(&panel.y.scale, values, room)
+}
+
+/// An axis along a picture; without a label it has no ticks either.
+fn pixels(label: &str, count: u32, room: usize) -> Mapping {
+    let mut mapping = Mapping::exact(0.0, f64::from(count), room);
+    if label.is_empty() {
+        mapping.ticks.clear();
+    }
+    mapping
+}
+
+fn x_mapping(figure: &Figure, panel: &Panel, width: f64, room: Room) -> (Mapping, Direction) {
+    let values = || {
+        let alike = figure.panels.iter().filter(|other| other.x == panel.x);
+        alike.flat_map(|other| other.content.series()).flat_map(|series| &series.points).map(|point| point.x)
+    };
+    let with_labels = |most| match &panel.content {
+        Content::Picture(picture) => pixels(&panel.x.label, picture.width, most),
+        _ => Mapping::new(&panel.x.scale, values(), most),
+    };
+    if let Scale::Categories(_) = &panel.x.scale {
+        let mut mapping = with_labels(0);
+        let turn = tick_labels::fit_categories(&mut mapping, width, room.left, room.turn);
+        return (mapping, turn);
+    }
+    let most = ((width / 24.0) as usize).clamp(2, 12);
+    // As many labels as have their place beside each other.
+    let thinned = |most| {
+        let mut mapping = with_labels(most);
+        let are_some_left_out = tick_labels::thin_out(&mut mapping, width);
+        (mapping, are_some_left_out)
+    };
+    let fitting = (2..=most).rev().map(thinned).find(|(_, are_some_left_out)| !are_some_left_out);
+    (fitting.unwrap_or_else(|| thinned(2)).0, Direction::Level)
+}

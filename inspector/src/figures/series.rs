@@ -1,0 +1,192 @@
+//! What a panel shows inside its axes: lines, markers, bars, stacks and pictures as plotters' series.
+
+use std::collections::BTreeMap;
+use std::iter::once;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use plotters::chart::ChartContext;
+use plotters::coord::cartesian::Cartesian2d;
+
+use super::axis::{Mapping, number};
+use super::layout::Plot;
+use super::mark::{Mark, bar, line, marker, reference, whisker};
+use super::model::{Content, Picture, Point, Series};
+use super::style::{Colour, style};
+use super::svg::Svg;
+use super::{FigureError, raster};
+
+/// A panel's axes in their place.
+pub(crate) type Chart<'a> = ChartContext<'a, Svg, Cartesian2d<Mapping, Mapping>>;
+
+/// Lines of more points than this have a marker at some of them only.
+const MOST_MARKERS: usize = 40;
+/// The part of its slot that a group of bars takes.
+const GROUP_WIDTH: f64 = 0.8;
+/// The part of its slot that a stack takes.
+const STACK_WIDTH: f64 = 0.7;
+/// Widest bar and widest stack, points.
+const WIDEST_BAR: f64 = 24.0;
+const WIDEST_STACK: f64 = 36.0;
+/// Width of the lines of spreads and of those around them, points.
+const WHISKER_STROKE: f64 = 0.7;
+const WHISKER_EDGE: f64 = 1.8;
+/// Half the width of the end of a spread, points.
+const CAP: f64 = 1.65;
+
+/// Width of the bars of a panel, points.
+pub(crate) fn bar_width(plot: &Plot) -> f64 {
+    match &plot.panel.content {
+        Content::Bars(series) => {
+            (GROUP_WIDTH * plot.slot() / largest_group(series).max(1) as f64).min(WIDEST_BAR)
+        }
+        _ => (STACK_WIDTH * plot.slot()).min(WIDEST_STACK),
+    }
+}
+
+/// Whether a series has a bar at a category.
+fn has_bar(series: &Series, category: f64) -> bool {
+    series.points.iter().any(|point| point.x == category && point.y.is_finite())
+}
+
+/// Most bars at one category.
+pub(crate) fn largest_group(series: &[Series]) -> usize {
+    let categories = series.iter().flat_map(|series| &series.points).map(|point| point.x);
+    categories.map(|x| series.iter().filter(|one| has_bar(one, x)).count()).max().unwrap_or(0)
+}
+
+/// From a category to the middle of a series' bar there, in bars. Series without a bar there take no room.
+pub(crate) fn place_in_group(series: &[Series], at: usize, category: f64) -> f64 {
+    let count = |series: &[Series]| series.iter().filter(|one| has_bar(one, category)).count() as f64;
+    count(&series[..at]) + 0.5 - 0.5 * count(series)
+}
+
+/// A line has a marker at every so many points.
+pub(crate) fn marker_stride(series: &Series) -> usize {
+    if series.points.len() > MOST_MARKERS { series.points.len().div_ceil(12) } else { 1 }
+}
+
+/// Draws what a panel shows into its chart. `reference_labels` give the dashes of lines across.
+pub(crate) fn draw(chart: &mut Chart, plot: &Plot, reference_labels: &[String]) -> Result<(), FigureError> {
+    match &plot.panel.content {
+        Content::Lines(all) => all.iter().try_for_each(|series| lines(chart, plot, series))?,
+        Content::Scatter(all) => all.iter().try_for_each(|series| markers(chart, plot, series, 1))?,
+        Content::Bars(all) => bars(chart, plot, all)?,
+        Content::Stacks(all) => stacks(chart, plot, all)?,
+        Content::Picture(shown) => picture(chart, plot, shown)?,
+    }
+    for line in &plot.panel.references {
+        let (from, to) = line.span.unwrap_or(plot.x.range);
+        let number = reference_labels.iter().position(|label| *label == line.label).unwrap_or(0);
+        chart.draw_series(once(reference([(from, line.y), (to, line.y)], number)))?;
+    }
+    Ok(())
+}
+
+/// Whether a point has a place, as 0 on a logarithmic axis has not.
+fn has_place(plot: &Plot, point: &Point) -> bool {
+    plot.x.place(point.x).is_some() && plot.y.place(point.y).is_some()
+}
+
+fn lines(chart: &mut Chart, plot: &Plot, series: &Series) -> Result<(), FigureError> {
+    // A point without a place leaves a gap.
+    let runs = series.points.split(|point| !has_place(plot, point)).filter(|run| run.len() > 1);
+    chart.draw_series(
+        runs.map(|run| line(run.iter().map(|point| (point.x, point.y)).collect(), series.style)),
+    )?;
+    markers(chart, plot, series, marker_stride(series))
+}
+
+/// Every so many points of a series with their markers, all with their spreads.
+fn markers(chart: &mut Chart, plot: &Plot, series: &Series, stride: usize) -> Result<(), FigureError> {
+    let ink = style(series.style).colour.ink();
+    for (at, point) in series.points.iter().enumerate().filter(|(_, point)| has_place(plot, point)) {
+        spread(chart, point.x, (point, 0.0), (WHISKER_STROKE, CAP), [ink; 2])?;
+        // Markers of several long lines are not above each other.
+        if (at + stride / 2 + series.style).is_multiple_of(stride) {
+            chart.draw_series(once(marker((point.x, point.y), series.style, tooltip(series, point))))?;
+        }
+    }
+    Ok(())
+}
+
+fn bars(chart: &mut Chart, plot: &Plot, all: &[Series]) -> Result<(), FigureError> {
+    // In categories.
+    let width = bar_width(plot) / plot.slot();
+    let cap = CAP.min(0.3 * bar_width(plot));
+    for (at, series) in all.iter().enumerate() {
+        // The part of a spread inside the bar is in the one of black and white that is seen there.
+        let colours = [style(series.style).colour.contrast(), Colour::BLACK];
+        for point in series.points.iter().filter(|point| has_place(plot, point)) {
+            let centre = point.x + place_in_group(all, at, point.x) * width;
+            let corners = [(centre - 0.5 * width, plot.y.base()), (centre + 0.5 * width, point.y)];
+            chart.draw_series(once(bar(corners, series.style, tooltip(series, point))))?;
+            spread(chart, centre, (point, 0.0), (WHISKER_STROKE, cap), colours)?;
+        }
+    }
+    Ok(())
+}
+
+fn stacks(chart: &mut Chart, plot: &Plot, all: &[Series]) -> Result<(), FigureError> {
+    let half = 0.5 * bar_width(plot) / plot.slot();
+    let mut tops: BTreeMap<u64, f64> = BTreeMap::new();
+    let mut spreads = Vec::new();
+    for series in all {
+        for point in series.points.iter().filter(|point| point.y.is_finite()) {
+            let top = tops.entry(point.x.to_bits()).or_insert(0.0);
+            let below = *top;
+            *top += point.y;
+            let start = if below == 0.0 { plot.y.base() } else { below };
+            let corners = [(point.x - half, start), (point.x + half, *top)];
+            chart.draw_series(once(bar(corners, series.style, tooltip(series, point))))?;
+            spreads.push((point, below));
+        }
+    }
+    // Above all bars, since the next bar starts where a spread is centred; with a white edge, so that they
+    // are seen on dark bars.
+    for (point, below) in spreads {
+        for (colour, width) in [(Colour::WHITE, WHISKER_EDGE), (Colour::BLACK, WHISKER_STROKE)] {
+            let cap = CAP + 0.5 * (width - WHISKER_STROKE);
+            spread(chart, point.x, (point, below), (width, cap), [colour; 2])?;
+        }
+    }
+    Ok(())
+}
+
+/// Draws both halves of the spread of a number that stands on others: downwards and upwards.
+fn spread(
+    chart: &mut Chart,
+    x: f64,
+    (point, below): (&Point, f64),
+    (width, cap): (f64, f64),
+    colours: [Colour; 2],
+) -> Result<(), FigureError> {
+    let ends = point.spread.into_iter().flat_map(|(low, high)| [low, high]).zip(colours);
+    let half = |(end, colour)| whisker([(x, below + point.y), (x, below + end)], colour, width, cap);
+    chart.draw_series(ends.map(half))?;
+    Ok(())
+}
+
+fn picture(chart: &mut Chart, plot: &Plot, picture: &Picture) -> Result<(), FigureError> {
+    let png = raster::picture_png(picture)?;
+    let source = format!("data:image/png;base64,{}", STANDARD.encode(png));
+    // Cells that are larger than a dot of the print keep their edges.
+    let is_magnified = f64::from(picture.width) < plot.width * 2.0;
+    let corners = [(0.0, 0.0), (f64::from(picture.width), f64::from(picture.height))];
+    let picture = Mark::new(corners, |svg, at| svg.picture([at[0], at[1]], &source, is_magnified));
+    chart.draw_series(once(picture))?;
+    Ok(())
+}
+
+/// What a number is, its spread and how many samples are behind it.
+fn tooltip(series: &Series, point: &Point) -> String {
+    let name = match (series.label.as_str(), point.name.as_str()) {
+        (label, "") => label.to_owned(),
+        ("", name) => name.to_owned(),
+        (label, name) => format!("{label}, {name}"),
+    };
+    let spread =
+        point.spread.map_or(String::new(), |(low, high)| format!(" ({} to {})", number(low), number(high)));
+    let samples = if point.n > 0 { format!(", n = {}", point.n) } else { String::new() };
+    format!("{name}: {}{spread}{samples}", number(point.y))
+}
