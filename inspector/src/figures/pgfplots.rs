@@ -171,29 +171,31 @@ fn scale_options(axis: char, shown: &Axis, mapping: &Mapping) -> Vec<String> {
     if let Scale::Logarithmic { base } = &shown.scale {
         options.push(format!("{axis}mode=log, log basis {axis}={base}"));
     }
+    let between = values(mapping.ticks.iter().filter(|tick| tick.label.is_empty()));
+    // pgfplots refuses marks between powers of another base than 10.
+    let is_refused = matches!(shown.scale, Scale::Logarithmic { base } if base != 10);
+    if !between.is_empty() && !is_refused {
+        options.push(format!("minor {axis}tick={{{between}}}"));
+    }
     options
 }
 
-/// Range, labelled ticks and marks between them.
+/// Range and labelled ticks.
 fn tick_options(axis: char, mapping: &Mapping) -> Vec<String> {
     let (start, end) = mapping.range;
-    let mut options = vec![format!("{axis}min={}, {axis}max={}", start.min(end), start.max(end))];
-    let (labelled, between): (Vec<&Tick>, Vec<&Tick>) =
-        mapping.ticks.iter().partition(|tick| !tick.label.is_empty());
-    let values =
-        |ticks: &[&Tick]| ticks.iter().map(|tick| tick.value.to_string()).collect::<Vec<_>>().join(",");
-    if labelled.is_empty() {
-        options.push(format!("{axis}tick=\\empty"));
-    } else {
-        let labels: Vec<String> =
-            labelled.iter().map(|tick| format!("{{{}}}", tick_label(&tick.label))).collect();
-        options.push(format!("{axis}tick={{{}}}", values(&labelled)));
-        options.push(format!("{axis}ticklabels={{{}}}", labels.join(",")));
-    }
-    if !between.is_empty() {
-        options.push(format!("minor {axis}tick={{{}}}", values(&between)));
-    }
-    options
+    let labels: Vec<String> =
+        mapping.labelled().map(|tick| format!("{{{}}}", tick_label(&tick.label))).collect();
+    let ticks =
+        if labels.is_empty() { "\\empty".to_owned() } else { format!("{{{}}}", values(mapping.labelled())) };
+    vec![
+        format!("{axis}min={}, {axis}max={}", start.min(end), start.max(end)),
+        format!("{axis}tick={ticks}"),
+        format!("{axis}ticklabels={{{}}}", labels.join(",")),
+    ]
+}
+
+fn values<'a>(ticks: impl Iterator<Item = &'a Tick>) -> String {
+    ticks.map(|tick| tick.value.to_string()).collect::<Vec<_>>().join(",")
 }
 
 /// A power as TeX writes it: `2^10` and `2.5e−7`; other labels as they are.
@@ -450,6 +452,17 @@ mod tests {
         assert_eq!(tick_label("2.5e12"), "\\ensuremath{2.5\\times10\\sp{12}}");
         assert_eq!(tick_label("two-point^e"), "two-point\\textasciicircum{}e");
         assert_eq!(tick_label("1,000"), "1,000");
+    }
+
+    #[test]
+    fn marks_between_powers_are_only_where_pgfplots_takes_them() {
+        for (base, is_taken) in [(2, false), (10, true)] {
+            let axis = Axis { label: String::new(), scale: Scale::Logarithmic { base } };
+            let mapping = Mapping::new(&axis.scale, [1.0, 1e6], 7);
+            assert!(mapping.ticks.iter().any(|tick| tick.label.is_empty()));
+            let options = scale_options('x', &axis, &mapping).join(", ");
+            assert_eq!(options.contains("minor xtick"), is_taken, "{options}");
+        }
     }
 
     #[test]
