@@ -106,6 +106,11 @@ pub fn build(name: &str, triangles: Option<u64>) -> Result<Scene, BuiltinError> 
     if asked == 0 || asked > most {
         return Err(BuiltinError::TriangleCount { name, asked, least, most });
     }
+    memory::check(asked * BYTES_PER_TRIANGLE, memory::free()).map_err(|source| BuiltinError::Memory {
+        name,
+        asked,
+        source,
+    })?;
     let mut canvas = Canvas::new(detail_for(recipe, asked.max(least)), Some((recipe.setting)()));
     (recipe.draw)(&mut canvas);
     let mut scene = Scene { name: name.into(), ..canvas.scene.unwrap_or_default() };

@@ -114,7 +114,7 @@ pub(crate) fn wgsl() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::test_gpu;
+    use crate::device::test_gpu;
 
     /// Compares the places and the total with a serial sum.
     fn check(scan: &Scan, flags: &[u32], what: &str) {
