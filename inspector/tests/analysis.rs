@@ -162,7 +162,7 @@ fn a_replay_is_analysed_with_the_arrays_of_its_source() {
             .record(&Record::Queue(QueueRecord { id: record.id, rays: record.rays, methods, mismatches }))
             .unwrap();
         let end = End { outcome: Outcome::Complete, image: None, wall_ns: 1 };
-        dumps.push(Dump::open(&mut writer.finish(end).unwrap()).unwrap());
+        dumps.push(Dump::open(&writer.finish(end).unwrap()).unwrap());
     }
     let analysis = analysed(&dumps, GroupWidth::Rays64, 1);
     let aila = |recording: usize| {

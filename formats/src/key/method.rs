@@ -5,7 +5,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Coordinate, Layout, LayoutError, LayoutText};
-use crate::manifest::place::is_method_name;
 use crate::ray::Kind;
 use crate::text::one_line;
 
@@ -42,6 +41,12 @@ pub struct Method {
     pub layout: LayoutText,
     /// Source of the length estimate.
     pub termination: Termination,
+}
+
+/// Whether a name can be a method's: small letters, digits and dashes, as the command line takes them.
+pub fn is_method_name(name: &str) -> bool {
+    let plain = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-';
+    !name.is_empty() && name.len() <= 100 && !name.starts_with('-') && name.bytes().all(plain)
 }
 
 /// The baseline: canonical order, no key, no permutation.

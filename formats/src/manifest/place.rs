@@ -4,6 +4,7 @@
 
 use std::fmt;
 
+use crate::key::method::is_method_name;
 use crate::npy::Dtype;
 use crate::ray::Kind;
 
@@ -278,12 +279,6 @@ impl fmt::Display for Place {
             Self::Method(queue, method, array) => write!(f, "{queue}/{method}/{}.npy", array.name()),
         }
     }
-}
-
-/// Whether a name can be a method's: small letters, digits and dashes, as the command line takes them.
-pub fn is_method_name(name: &str) -> bool {
-    let plain = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-';
-    !name.is_empty() && name.len() <= 100 && !name.starts_with('-') && name.bytes().all(plain)
 }
 
 fn parse_scene_array(name: &str) -> Option<SceneArray> {

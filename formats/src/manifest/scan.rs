@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 
 use super::check::REPEATS_MAX;
 use super::codec::{self, RECORD_KINDS};
-use super::place::is_method_name;
 use super::{
     ArrayRecord, CacheRecord, End, FORMAT_VERSION, FRAME_BYTES, Header, MAGIC, MethodRecord, NAME_CHARACTERS,
     PREAMBLE_BYTES, QueueId, QueueRecord, RECORD_BYTES_MAX, Record, TimingRecord,
 };
+use crate::key::method::is_method_name;
 use crate::npy;
 use crate::text::one_line;
 

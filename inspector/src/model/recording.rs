@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use formats::folder::dump_of_partial;
-use formats::manifest::place::is_method_name;
+use formats::key::method::is_method_name;
 use formats::manifest::{Header, MethodRecord, QueueId, QueueRecord, Source};
 use formats::reader::{Dump, ReadError};
 use formats::unit_space::UnitSpace;
