@@ -62,7 +62,7 @@ pub(crate) fn exists(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok()
 }
 
-/// The recording, finished or not, in whose folder `path` lies, by whatever links.
+/// The recording, finished or not, in whose folder `path` lies, by any links.
 pub(crate) fn recording_around(path: &Path) -> Option<PathBuf> {
     let folder = fs::canonicalize(parent(path)).ok()?;
     folder.ancestors().find(|folder| has_manifest(folder)).map(Path::to_owned)

@@ -41,7 +41,7 @@ const ROOMS: [(&str, &str); 4] = [
     ),
 ];
 
-/// What `formats` never reaches, through whatever crate: a GPU, a window, a scene file.
+/// What `formats` never reaches, through any crate: a GPU, a window, a scene file.
 const NOT_IN_FORMATS: [&str; 7] = ["wgpu", "naga", "ash", "winit", "egui", "gltf", "obvhs"];
 
 /// What `scenes` never reaches: it is CPU only and knows no dump.

@@ -1,7 +1,7 @@
 //! Arctangent and arccosine as polynomials: the same on every backend, unlike built-ins.
 //!
 //! Coefficients: Abramowitz & Stegun, Handbook of Mathematical Functions, 4.4.46 (arccosine) and
-//! 4.4.49 (arctangent), absolute error ≤ 2·10⁻⁸ before rounding. The WGSL twin is composed from
+//! 4.4.49 (arctangent), absolute error ≤ 2·10⁻⁸ before rounding. The WGSL is composed from
 //! these same arrays.
 
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI};

@@ -232,7 +232,7 @@ fn own_contents(path: &Path) -> Result<Contents, WriteError> {
     })
 }
 
-/// Whether what is written to `target` would replace `source` or lie in it, by whatever links they are named.
+/// Whether what is written to `target` would replace `source` or lie in it, by any of their names and links.
 fn touches(target: &Path, source: &Path) -> bool {
     // A source that is not there is missed by whoever reads it.
     let Ok(source) = fs::canonicalize(source) else { return false };

@@ -1,4 +1,4 @@
-//! Capsules: they hold what they are around, whatever the order and the place of the group.
+//! Capsules: they hold what they are around, in any order and at any place of the group.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! Properties that hold whatever the input: keys, length tables, permutations and capsules against
+//! Properties that hold for any input: keys, length tables, permutations and capsules against
 //! oracles that share no code with them.
 #![allow(clippy::unwrap_used, reason = "this is test code, also outside test functions")]
 

@@ -1,4 +1,4 @@
-//! The legend below the axes: one entry per series or line across a panel, whatever the panels.
+//! The legend below the axes: one entry per series or line across a panel, however many panels have it.
 
 use super::model::{Content, Figure};
 use super::style::{LINE_HEIGHT, TEXT_SIZE};

@@ -15,7 +15,7 @@ pub enum AdapterRequest {
     Hardware,
     /// The best hardware GPU, else a software adapter.
     Any,
-    /// The first whose name, driver or backend contains this text, whatever the case.
+    /// The first whose name, driver or backend contains this text, in upper or lower case.
     Named(String),
 }
 
@@ -109,7 +109,7 @@ impl AdapterDescription {
         self.device_type == device_type_name(wgpu::DeviceType::Cpu)
     }
 
-    /// Whether the text occurs in the name, the driver or the backend, whatever the case.
+    /// Whether the text occurs in the name, the driver or the backend, in upper or lower case.
     fn matches(&self, wanted: &str) -> bool {
         let wanted = wanted.to_lowercase();
         [&self.name, &self.driver, &self.driver_info, &self.backend]

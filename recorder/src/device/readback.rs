@@ -15,7 +15,7 @@ const STAGING_BYTES: u64 = 16 << 20;
 const RING: usize = 3;
 
 /// Reads arrays piece by piece; copies of the next pieces are under way while one is handled, and
-/// memory stays at three pieces of at most 16 MiB, whatever the size of the array.
+/// memory stays at three pieces of at most 16 MiB, for any size of the array.
 #[derive(Debug)]
 pub struct Readback<'gpu> {
     gpu: &'gpu Gpu,

@@ -3,7 +3,7 @@
 //! Which triangles a line meets is decided by the signs of edge functions. They are evaluated in f64
 //! with a bound of their rounding, and in whole numbers where the bound does not tell the sign
 //! ([`line`](mod@line), [`exact`]); boxes are tested conservatively ([`tree`]). So a hit of the oracle is a hit,
-//! edges and corners included, whatever the scene's scale or the triangle's shape. Nothing here is
+//! edges and corners included, at any scale of the scene and any shape of the triangle. Nothing here is
 //! shared with the tracers but the alpha masks, whose texels are looked up alike.
 //!
 //! [`judge`](mod@judge) holds a tracer's answer against it; [`radiance`] is a path tracer of its own over it.
@@ -137,7 +137,7 @@ impl Oracle {
         best
     }
 
-    /// Where a line hits a triangle, whatever the distance, if that is no hole.
+    /// Where a line hits a triangle, for any distance, if that is no hole.
     fn hit(&self, line: &Line, triangle: u32) -> Option<ExactHit> {
         let crossing = line.cross(&self.corners[triangle as usize])?;
         let hit = ExactHit::new(triangle, crossing);

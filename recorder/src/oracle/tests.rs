@@ -204,7 +204,7 @@ fn occlusion_is_judged() {
 #[test]
 fn distances_are_compared_in_ulps_of_the_coordinates() {
     let oracle = squares();
-    // The largest coordinate is 4, whose ulp is 2^-21, whatever the length of the direction.
+    // The largest coordinate is 4, whose ulp is 2^-21, for any length of the direction.
     for speed in [1.0, 0.25] {
         let from_afar = ray([0.5, 0.0, -4.0], [0.0, 0.0, speed]);
         let off = hit((5.0 + 3.0 * 2f32.powi(-21)) / speed, 0);

@@ -190,7 +190,7 @@ fn escaped(hit: &Hit, distance: f32) -> bool {
     !hit.is_hit() || distance == f32::INFINITY
 }
 
-/// Runs a case on everything. Own kernels must do no wrong, and find the same whatever the hierarchy and
+/// Runs a case on everything. Own kernels must do no wrong, and find the same with any hierarchy and
 /// the backend; of ray queries it is counted and shown.
 pub(crate) fn run(case: &Case) {
     let oracle = Oracle::new(&case.scene);

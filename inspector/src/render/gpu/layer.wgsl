@@ -1,4 +1,4 @@
-// What every layer is drawn with: the twin of LayerUniform, and the colour of a value.
+// What every layer is drawn with, as in LayerUniform, and the colour of a value.
 struct Layer {
     clip_from_unit: mat4x4<f32>,
     eye: vec4<f32>,

@@ -21,7 +21,7 @@ const KEYS: usize = 1 << 18;
 /// Keys of 32 bits in which only the first and the third digit differ.
 const DIFFERING: u64 = 0xff00_ff00;
 
-/// What is skipped whatever the scene, on its paths.
+/// What is skipped in every scene, on its paths.
 pub(super) fn rows(bench: Bench<'_>) -> Result<Vec<SkipRow>> {
     let work = Paths { bench };
     let mut rows = backends::measure(bench.device, bench.scene, bench.setup, &[bench.run.trace], work)?;
