@@ -4,11 +4,14 @@
 use bytemuck::{NoUninit, Pod, Zeroable};
 
 use super::limits::IMMEDIATE_BYTES;
-use super::run::ITEMS_PER_SUBMISSION;
 use super::{Binding, Gpu, GpuError, Kernel, KernelSource};
 
 /// Threads of a workgroup.
 pub(super) const THREADS: u32 = 64;
+
+/// Most items of one submission. A million rays are milliseconds on hardware, and no watchdog waits less than
+/// a second.
+pub const ITEMS_PER_SUBMISSION: u32 = 1 << 20;
 
 /// A type with a WGSL counterpart of the same bytes.
 pub trait WgslType {

@@ -4,17 +4,13 @@ use std::time::Instant;
 
 use bytemuck::NoUninit;
 
-use super::item::{BoundKernel, Chunk, Parameters, THREADS};
+use super::item::{BoundKernel, Chunk, ITEMS_PER_SUBMISSION, Parameters, THREADS};
 use super::kernel::grid;
 use super::timing::covered_ticks;
 use super::{DeviceArray, Elapsed, Gpu, GpuError, Kernel, TimeSource};
 
 /// Most submissions of one run that are timed one by one; wgpu's query sets end at 4096 entries.
 const MOST_TIMED_SUBMISSIONS: usize = 2048;
-
-/// Most items of one submission. A million rays are milliseconds on hardware, and no watchdog waits less than
-/// a second.
-pub const ITEMS_PER_SUBMISSION: u32 = 1 << 20;
 
 /// Bytes of one timestamp.
 const TIMESTAMP_BYTES: u64 = 8;

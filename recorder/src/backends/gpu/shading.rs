@@ -8,7 +8,7 @@ use super::GpuRays;
 use super::kernels::Kernels;
 use super::scene::SceneArrays;
 use crate::backends::Shaded;
-use crate::device::run::ITEMS_PER_SUBMISSION;
+use crate::device::item::ITEMS_PER_SUBMISSION;
 use crate::device::{DeviceArray, Gpu, ITEMS};
 use crate::stages::compact::gpu::Scan;
 use crate::stages::setup::Setup;
