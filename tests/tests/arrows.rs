@@ -212,6 +212,32 @@ fn module<'a>(path: &'a str, package: &str) -> Vec<&'a str> {
     names
 }
 
+fn first_name(path: &str) -> &str {
+    path.split(|letter: char| !letter.is_alphanumeric() && letter != '_').next().unwrap_or_default()
+}
+
+/// The first name of a path, or of each path of a list in braces.
+fn first_names(path: &str) -> Vec<&str> {
+    let Some(list) = path.strip_prefix('{') else { return vec![first_name(path)] };
+    let (mut names, mut depth) = (Vec::new(), 0);
+    for part in list.split_inclusive([',', '{', '}']) {
+        if depth == 0 {
+            names.push(first_name(part.trim_start()));
+        }
+        depth += i32::from(part.ends_with('{')) - i32::from(part.ends_with('}'));
+        if depth < 0 {
+            break;
+        }
+    }
+    names
+}
+
+#[test]
+fn lists_of_paths_name_each_room() {
+    assert_eq!(first_names("a::b;"), ["a"]);
+    assert_eq!(first_names("{a, b::{c, d}, e::f};\nuse g"), ["a", "b", "", "e"]);
+}
+
 #[test]
 fn rooms_name_only_those_below_them() {
     for (package, rooms) in ROOMS {
@@ -228,12 +254,10 @@ fn rooms_name_only_those_below_them() {
             seen.insert(room);
             let code = code(&source.text).replace(&"super::".repeat(module.len()), "crate::");
             for (at, _) in code.match_indices("crate::") {
-                let named = &code[at + "crate::".len()..];
-                let end = named.find(|letter: char| !letter.is_alphanumeric() && letter != '_');
-                let named = &named[..end.unwrap_or(named.len())];
-                assert!(!named.is_empty(), "{}: a `use` for each room, so that it is seen", source.path);
-                let is_above = rooms.iter().skip(level + 1).any(|above| *above == named);
-                assert!(!is_above, "{}: {room} names {named}, a room above it", source.path);
+                for named in first_names(&code[at + "crate::".len()..]) {
+                    let is_above = rooms.iter().skip(level + 1).any(|above| *above == named);
+                    assert!(!is_above, "{}: {room} names {named}, a room above it", source.path);
+                }
             }
         }
         assert_eq!(seen, rooms.iter().copied().collect(), "the rooms of {package}");

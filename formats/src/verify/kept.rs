@@ -55,17 +55,20 @@ fn promised_of<'a>(manifest: &'a Manifest, queue: &'a QueueRecord) -> impl Itera
         Kind::Closest => &[QueueArray::Hits][..],
         Kind::Shadow => &[QueueArray::Distances, QueueArray::Lights],
     };
-    // The driver does not count what it does.
-    let is_counted = manifest.header.options.trace_kernel != "ray-query";
     let of_queue = [QueueArray::Rays, QueueArray::PathIds, QueueArray::Lengths]
         .into_iter()
         .chain(of_kind.iter().copied())
-        .chain(is_counted.then_some(QueueArray::Work));
+        .chain(is_counted(manifest).then_some(QueueArray::Work));
     let of_methods = queue.methods.iter().filter(|method| *method != UNSORTED).flat_map(|method| {
         let place = |array| Place::Method(queue.id, method.clone(), array);
         [place(MethodArray::Keys), place(MethodArray::Permutation)]
     });
     of_queue.map(|array| Place::Queue(queue.id, array)).chain(of_methods)
+}
+
+/// Whether nodes and triangles were counted, and caches modelled: a driver's own traversal shows neither.
+fn is_counted(manifest: &Manifest) -> bool {
+    manifest.header.options.trace_kernel != "ray-query"
 }
 
 /// The passes whose queues are there are those that `--keep-passes` names.
@@ -89,7 +92,8 @@ fn check_orders(manifest: &Manifest, queue: &QueueRecord, method: &str, check: &
         (timing.pass, timing.bounce, timing.kind, timing.method.as_str())
             == (id.pass, id.bounce, Some(id.kind), method)
     });
-    let keeps_caches = manifest.header.options.keep.iter().any(|word| word == "caches");
+    let keeps_caches =
+        manifest.header.options.keep.iter().any(|word| word == "caches") && is_counted(manifest);
     let is_modelled = manifest.caches.iter().any(|cache| {
         (cache.pass, cache.bounce, cache.kind, cache.method.as_str()) == (id.pass, id.bounce, id.kind, method)
     });
