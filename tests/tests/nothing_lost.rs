@@ -108,6 +108,16 @@ fn begun(mut command: Command, folder: &Path) -> std::process::Child {
     child
 }
 
+/// The recorder, started by another program.
+#[cfg(unix)]
+fn recorder_through(program: &str, arguments: &[&str]) -> Command {
+    let recorder = Program::Recorder.command(LONG.split_whitespace());
+    let mut command = Command::new(program);
+    command.args(arguments).arg(recorder.get_program()).args(recorder.get_args());
+    command.envs(recorder.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    command
+}
+
 #[cfg(unix)]
 fn send(signal: &str, child: &std::process::Child) {
     Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap();
@@ -119,13 +129,7 @@ fn send(signal: &str, child: &std::process::Child) {
 fn an_interrupt_that_was_to_be_ignored_is() {
     use std::os::unix::process::ExitStatusExt;
     let folder = tempdir().unwrap();
-    let recorder = Program::Recorder.command(LONG.split_whitespace());
-    let mut command = Command::new("sh");
-    command
-        .args(["-c", "trap '' INT; exec \"$0\" \"$@\""])
-        .arg(recorder.get_program())
-        .args(recorder.get_args());
-    command.envs(recorder.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    let command = recorder_through("sh", &["-c", "trap '' INT; exec \"$0\" \"$@\""]);
     let mut child = begun(command, folder.path());
     send("INT", &child);
     std::thread::sleep(Duration::from_millis(500));
@@ -140,7 +144,13 @@ fn signals_end_a_recording_with_a_sentence_and_a_second_recorder_waits_its_turn(
     use std::os::unix::process::ExitStatusExt;
     let folder = tempdir().unwrap();
     for (name, number) in [("INT", 2), ("TERM", 15)] {
-        let child = begun(Program::Recorder.command(LONG.split_whitespace()), folder.path());
+        // These tests may run in the background of a script themselves.
+        let command = if cfg!(target_os = "linux") {
+            recorder_through("env", &["--default-signal=INT"])
+        } else {
+            Program::Recorder.command(LONG.split_whitespace())
+        };
+        let child = begun(command, folder.path());
         if name == "INT" {
             for force in ["", " --force"] {
                 let second = Program::Recorder.run(folder.path(), &format!("{LONG}{force}"));
