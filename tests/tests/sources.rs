@@ -49,8 +49,11 @@ fn unreasoned_unsafe(text: &str) -> Vec<usize> {
         ["{", "fn", "impl", "extern"].iter().any(|next| code.contains(&format!("unsafe {next}")))
     };
     let has_reason = |index: usize| {
+        // A comment right above counts whole.
+        let comment = lines[..index].iter().rev().take_while(|line| line.trim_start().starts_with("//"));
         lines[index.saturating_sub(REASON_WITHIN)..=index]
             .iter()
+            .chain(comment)
             .any(|line| line.contains("SAFETY:") || line.contains("# Safety"))
     };
     (0..lines.len())
