@@ -131,6 +131,11 @@ fn impossible_queues_are_found() {
             |queue| queue.mismatches.iter_mut().for_each(|found| found.rays = 193),
             "193 results of unsorted differ, of 192 rays",
         ),
+        (|queue| queue.methods.truncate(1), "does not name aila"),
+        (
+            |queue| queue.mismatches.iter_mut().for_each(|found| found.rays = 1),
+            "1 results of unsorted differ from themselves",
+        ),
         (
             |queue| queue.mismatches.push(Mismatches { method: "reis".into(), rays: 0 }),
             "results of reis are said to differ, but it was not measured",
@@ -410,6 +415,10 @@ fn what_was_kept_is_there() {
         (|header| header.options.methods.push("aila".into()), "methods name 'aila' twice"),
         (|header| header.options.passes = 3, "pass 2 of 3 has no queue, kept: all"),
         (|header| header.options.keep_passes = "measured".into(), "pass 0 of 2 has queues, kept: measured"),
+        (
+            |header| header.options.two_point_length = 0.5,
+            "method aila assumes a length of 0.25, the header says 0.5",
+        ),
         (|header| header.options.threads = 0, "it ran on 0 threads"),
         (|header| header.options.trace_kernel = "ray-query".into(), "by ray-query"),
     ];

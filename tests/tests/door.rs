@@ -199,6 +199,18 @@ fn masks_are_checked() {
     is_refused("builtin:atrium", &masks(), &["cpu"]);
 }
 
+/// A replay finds what is behind a hole; `verify` says that no ray can have been stopped there.
+#[test]
+fn hits_in_holes_are_found() {
+    let folder = tempdir().unwrap();
+    record(folder.path(), "right", "builtin:atrium", "--backend cpu --repeats 1 --methods aila");
+    let path = copy(&folder.path().join("right.raydump"), "holes");
+    edit_array(&path, "scene/mask-000.npy", |alphas: &mut Vec<u8>| alphas.fill(0));
+    Program::Inspector.run(folder.path(), "verify right.raydump").succeeded();
+    let outcome = Program::Inspector.run(folder.path(), "verify holes.raydump");
+    assert!(outcome.code == Some(1) && outcome.stdout.contains("mask has a hole"), "{}", outcome.stdout);
+}
+
 /// What a replay reads of its source is held against the source's checksums, before and after it is made.
 #[test]
 fn a_source_that_was_changed_is_named() {

@@ -5,6 +5,7 @@
 
 use std::fmt;
 
+use super::holes::Holes;
 use super::{Check, Subject};
 use crate::manifest::{Place, SceneArray};
 use crate::ray::{Hit, Ray};
@@ -56,8 +57,9 @@ pub(super) fn check(subject: &Subject<'_>) -> [Check; 2] {
     [hits_check, distances_check]
 }
 
-/// The scene's triangles.
+/// The scene's triangles and their holes.
 struct Geometry {
+    holes: Option<Holes>,
     positions: Mapped<[f32; 3]>,
     triangles: Mapped<[u32; 3]>,
 }
@@ -65,9 +67,16 @@ struct Geometry {
 impl Geometry {
     fn of(subject: &Subject<'_>) -> Option<Self> {
         Some(Self {
+            holes: Holes::of(subject),
             positions: subject.array(&Place::Scene(SceneArray::Positions))?,
             triangles: subject.array(&Place::Scene(SceneArray::Triangles))?,
         })
+    }
+
+    /// Whether an existing triangle has a hole where it is hit.
+    fn is_hole(&self, hit: &Hit) -> bool {
+        let corners = self.triangles[hit.triangle as usize];
+        self.holes.as_ref().is_some_and(|holes| holes.is_hole(hit.triangle, corners, [hit.u, hit.v]))
     }
 
     /// The corners of a triangle; `None` if there is no such triangle or vertex.
@@ -89,6 +98,8 @@ enum Fault {
     Distance,
     /// The weights are not those of a point in a triangle.
     Weights,
+    /// The point is a hole of the material's mask.
+    Hole,
     /// The point on the triangle is not the point on the ray; world units.
     Point { apart: f64, tolerance: f64 },
 }
@@ -100,6 +111,7 @@ impl fmt::Display for Fault {
             Self::Triangle => f.write_str("hits a triangle that does not exist"),
             Self::Distance => f.write_str("is hit outside its t_min and t_max"),
             Self::Weights => f.write_str("has barycentric weights outside 0 to 1"),
+            Self::Hole => f.write_str("is hit where its material's mask has a hole"),
             Self::Point { apart, tolerance } => {
                 write!(f, "is hit {apart:e} away from the triangle's point, expected at most {tolerance:e}")
             }
@@ -141,7 +153,10 @@ fn fault(ray: &Ray, hit: &Hit, scene: Option<&Geometry>) -> Option<Fault> {
     let Some(corners) = scene.corners(hit.triangle) else { return Some(Fault::Triangle) };
     let (apart, tolerance) = distance_and_tolerance(ray, hit, corners);
     let is_close = apart <= tolerance;
-    (!is_close).then_some(Fault::Point { apart, tolerance })
+    if !is_close {
+        return Some(Fault::Point { apart, tolerance });
+    }
+    scene.is_hole(hit).then_some(Fault::Hole)
 }
 
 /// How far the triangle's point is from the ray's, and how far it may be, in world units.

@@ -31,6 +31,7 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
             });
         }
         check_passes(manifest, &mut check);
+        check_lengths(manifest, &mut check);
     }
     for queue in &manifest.queues {
         for method in &queue.methods {
@@ -81,6 +82,18 @@ fn check_passes(manifest: &Manifest, check: &mut Check) {
         check.require(is_kept == is_there, || {
             let found = if is_there { "queues" } else { "no queue" };
             format!("pass {pass} of {} has {found}, kept: {}", options.passes, options.keep_passes)
+        });
+    }
+}
+
+/// All methods of a recording assume the header's length; those of a replay may be variants.
+fn check_lengths(manifest: &Manifest, check: &mut Check) {
+    let expected = manifest.header.options.two_point_length;
+    for method in &manifest.methods {
+        let found = method.two_point_length;
+        check.require(found == expected, || {
+            let name = one_line(&method.name, NAME_CHARACTERS);
+            format!("method {name} assumes a length of {found}, the header says {expected}")
         });
     }
 }

@@ -14,6 +14,7 @@
 
 mod files;
 mod hits;
+mod holes;
 mod kept;
 mod orders;
 mod queues;

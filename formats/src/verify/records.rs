@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::{Check, Subject};
 use crate::key::method::UNSORTED;
 use crate::manifest::{
-    CacheRecord, Manifest, NAME_CHARACTERS, Options, QueueId, QueueRecord, Stage, TimingRecord,
+    CacheRecord, Manifest, NAME_CHARACTERS, Options, Place, QueueId, QueueRecord, Stage, TimingRecord,
 };
 use crate::reader::DumpState;
 use crate::text::one_line;
@@ -34,6 +34,11 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
     for queue in &manifest.queues {
         let problem = known.queue_problem(queue);
         check.require(problem.is_none(), || format!("queue {}: {}", queue.id, problem.unwrap_or_default()));
+    }
+    for array in &manifest.arrays {
+        let Place::Method(queue, method, _) = &array.place else { continue };
+        let problem = known.unmeasured(*queue, method);
+        check.require(problem.is_none(), || format!("{}: {}", array.place, problem.unwrap_or_default()));
     }
     for timing in &manifest.timings {
         let problem = known.timing_problem(timing);
@@ -95,6 +100,13 @@ impl<'a> Known<'a> {
         is_unknown.then(|| format!("there is no record of queue {queue}"))
     }
 
+    /// That a queue's record does not name the method, if so.
+    fn unmeasured(&self, queue: QueueId, method: &str) -> Option<String> {
+        let is_measured = |record: &&QueueRecord| record.methods.iter().any(|name| name == method);
+        let record = self.queues.get(&queue).filter(|record| !is_measured(record));
+        record.map(|_| format!("the record of {queue} does not name {}", one_line(method, NAME_CHARACTERS)))
+    }
+
     fn queue_problem(&self, queue: &QueueRecord) -> Option<String> {
         let Options { width, height, .. } = *self.options;
         let pixels = u64::from(width) * u64::from(height);
@@ -107,8 +119,14 @@ impl<'a> Known<'a> {
             if !queue.methods.contains(&mismatches.method) {
                 return Some(format!("results of {method} are said to differ, but it was not measured"));
             }
-            (mismatches.rays > queue.rays)
-                .then(|| format!("{} results of {method} differ, of {} rays", mismatches.rays, queue.rays))
+            if mismatches.rays > queue.rays {
+                return Some(format!(
+                    "{} results of {method} differ, of {} rays",
+                    mismatches.rays, queue.rays
+                ));
+            }
+            (mismatches.method == UNSORTED && mismatches.rays > 0)
+                .then(|| format!("{} results of {UNSORTED} differ from themselves", mismatches.rays))
         });
         let unmeasured = !queue.methods.is_empty() && !queue.methods.iter().any(|method| method == UNSORTED);
         let no_baseline =
@@ -133,6 +151,7 @@ impl<'a> Known<'a> {
         self.outside(pass, bounce)
             .or_else(|| self.unknown_method(method))
             .or_else(|| self.unknown_queue(QueueId { pass, bounce, kind: kind? }))
+            .or_else(|| self.unmeasured(QueueId { pass, bounce, kind: kind? }, method))
             .or(wrong)
     }
 
@@ -153,6 +172,7 @@ impl<'a> Known<'a> {
         self.outside(pass, bounce)
             .or_else(|| self.unknown_method(method))
             .or_else(|| self.unknown_queue(queue))
+            .or_else(|| self.unmeasured(queue, method))
             .or(wrong)
     }
 }

@@ -157,7 +157,10 @@ impl<'a> QueueContext<'a> {
         let of = |places: &Places| {
             let (traced, lengths) = self.arrays.traced.as_ref().map_err(String::clone)?;
             let width = self.options.group_width.rays();
-            coherence(traced, lengths, places, width).ok_or_else(|| "there are no rays".to_owned())
+            let found = coherence(traced, lengths, places, width).ok_or("there are no rays")?;
+            let is_finite = (found.mean_capsule_area + found.mean_direction_spread).is_finite();
+            let why = || "its rays are not finite; `inspector verify` says which".to_owned();
+            is_finite.then_some(found).ok_or_else(why)
         };
         places.as_ref().map_err(String::clone).and_then(of).into()
     }
