@@ -51,7 +51,7 @@ pub fn edit_records(recording: &Path, edit: impl FnMut(&mut Record)) {
     edit_manifest(recording, |records| records.iter_mut().for_each(edit));
 }
 
-/// Writes an array of one dimension anew from what `edit` makes of its values, its record with it.
+/// Writes an array anew from what `edit` makes of its values, with as many rows as they fill, and its record.
 ///
 /// # Panics
 /// If there is no such array.
@@ -74,7 +74,8 @@ fn rewrite<T: Element>(recording: &Path, array: &mut ArrayRecord, edit: impl FnO
     let mut values: Vec<T> = bytemuck::pod_collect_to_vec(&old[header..]);
     edit(&mut values);
     let data: &[u8] = bytemuck::cast_slice(&values);
-    array.shape[0] = values.len() as u64;
+    let in_a_row = array.shape[1..].iter().product::<u64>() / T::COLUMNS;
+    array.shape[0] = values.len() as u64 / in_a_row.max(1);
     (array.bytes, array.crc32c) = (data.len() as u64, crc32c::crc32c(data));
     fs::write(file, [&npy::header(array.dtype, &array.shape), data].concat()).unwrap();
 }
