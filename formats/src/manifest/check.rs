@@ -1,5 +1,7 @@
 //! What a header says against what any recorder writes: numbers in range, vectors that are some.
 
+use std::collections::BTreeSet;
+
 use super::{Backend, CameraPose, Header, NAME_CHARACTERS, SceneSummary};
 use crate::key::method::UNSORTED;
 use crate::key::{Encoder, KEY_BITS_MIN, LAYOUT_BITS, LayoutText, LightSite, Method};
@@ -91,8 +93,9 @@ impl Header {
             ));
         }
         for (what, words) in [("kept arrays", &options.keep), ("methods", &options.methods)] {
-            if let Some(twice) = (1..words.len()).find(|&at| words[..at].contains(&words[at])) {
-                let word = one_line(&words[twice], NAME_CHARACTERS);
+            let mut seen = BTreeSet::new();
+            if let Some(twice) = words.iter().find(|word| !seen.insert(*word)) {
+                let word = one_line(twice, NAME_CHARACTERS);
                 problems.push(format!("its {what} name '{word}' twice"));
             }
         }

@@ -1,10 +1,13 @@
 //! What the header says was kept: it is there, and nothing else is.
 
+use std::collections::BTreeSet;
+
 use super::{Check, Subject};
 use crate::key::method::UNSORTED;
 use crate::manifest::check::PASSES_MAX;
 use crate::manifest::{
-    Manifest, MethodArray, NAME_CHARACTERS, Place, QueueArray, QueueRecord, SceneArray, Source,
+    CacheRecord, Manifest, MethodArray, NAME_CHARACTERS, Place, QueueArray, QueueId, QueueRecord, SceneArray,
+    Source, TimingRecord,
 };
 use crate::ray::Kind;
 use crate::reader::DumpState;
@@ -17,8 +20,8 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
         check.not_checked.push("what was kept: the recording did not end, or lost something".to_owned());
         return check;
     }
-    let keep = &manifest.header.options.keep;
-    for place in promised(manifest).filter(|place| keep.iter().any(|word| word == place.kept_with())) {
+    let keep: BTreeSet<&str> = manifest.header.options.keep.iter().map(String::as_str).collect();
+    for place in promised(manifest).filter(|place| keep.contains(place.kept_with())) {
         check.require(subject.dump.has(&place), || {
             format!("there is no {place}, but {} were kept by the header", place.kept_with())
         });
@@ -26,18 +29,14 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
     if manifest.header.source == Source::Traced {
         for array in &manifest.arrays {
             let word = array.place.kept_with();
-            check.require(keep.iter().any(|kept| kept == word), || {
+            check.require(keep.contains(word), || {
                 format!("there is {}, but the header does not say that {word} were kept", array.place)
             });
         }
         check_passes(manifest, &mut check);
         check_lengths(manifest, &mut check);
     }
-    for queue in &manifest.queues {
-        for method in &queue.methods {
-            check_orders(manifest, queue, method, &mut check);
-        }
-    }
+    check_orders(manifest, keep.contains("caches") && is_counted(manifest), &mut check);
     check
 }
 
@@ -98,19 +97,23 @@ fn check_lengths(manifest: &Manifest, check: &mut Check) {
     }
 }
 
-/// An order that was measured has its times, and one modelled caches if any has.
-fn check_orders(manifest: &Manifest, queue: &QueueRecord, method: &str, check: &mut Check) {
-    let id = queue.id;
-    let is_timed = manifest.timings.iter().any(|timing| {
-        (timing.pass, timing.bounce, timing.kind, timing.method.as_str())
-            == (id.pass, id.bounce, Some(id.kind), method)
+/// An order that was measured has its times, and modelled caches if those were kept.
+fn check_orders(manifest: &Manifest, keeps_caches: bool, check: &mut Check) {
+    let times = manifest.timings.iter().filter_map(|timing| {
+        let &TimingRecord { pass, bounce, kind, ref method, .. } = timing;
+        Some((QueueId { pass, bounce, kind: kind? }, method.as_str()))
     });
-    let keeps_caches =
-        manifest.header.options.keep.iter().any(|word| word == "caches") && is_counted(manifest);
-    let is_modelled = manifest.caches.iter().any(|cache| {
-        (cache.pass, cache.bounce, cache.kind, cache.method.as_str()) == (id.pass, id.bounce, id.kind, method)
+    let caches = manifest.caches.iter().map(|cache| {
+        let &CacheRecord { pass, bounce, kind, ref method, .. } = cache;
+        (QueueId { pass, bounce, kind }, method.as_str())
     });
-    let name = || one_line(method, NAME_CHARACTERS);
-    check.require(is_timed, || format!("there are no times of {} in {id}", name()));
-    check.require(is_modelled || !keeps_caches, || format!("there are no caches of {} in {id}", name()));
+    let (times, caches): (BTreeSet<_>, BTreeSet<_>) = (times.collect(), caches.collect());
+    for QueueRecord { id, methods, .. } in &manifest.queues {
+        for method in methods {
+            let (order, name) = ((*id, method.as_str()), || one_line(method, NAME_CHARACTERS));
+            check.require(times.contains(&order), || format!("there are no times of {} in {id}", name()));
+            let is_modelled = !keeps_caches || caches.contains(&order);
+            check.require(is_modelled, || format!("there are no caches of {} in {id}", name()));
+        }
+    }
 }
