@@ -144,6 +144,11 @@ impl LengthTable {
         self.bits
     }
 
+    /// Where a cell lies: its sum and its count, the dummy left out.
+    pub fn cell(&self, cell: u32) -> (&AtomicU64, &AtomicU32) {
+        (&self.sums[cell as usize], &self.counts[cell as usize])
+    }
+
     /// Mean length of a cell in unit space.
     pub fn mean(&self, cell: u32) -> f32 {
         let (sum, count) = with_dummy(&self.sums[cell as usize], &self.counts[cell as usize]);

@@ -79,14 +79,13 @@ impl Dump {
         }
         let is_partial = folder::dump_of_partial(path).is_some();
         let scan = scan(&manifest_path)?;
-        match scan.fault {
+        match &scan.fault {
             // The recorder may be writing this record right now.
             Some(Fault::Torn { .. }) if is_partial => {}
-            Some(fault) => return Err(ReadError::Damaged { path: manifest_path, fault }),
+            Some(fault) => return Err(ReadError::Damaged { path: manifest_path, fault: fault.clone() }),
             None => {}
         }
-        let manifest = Manifest::from_frames(scan.frames)
-            .ok_or_else(|| ReadError::Empty { path: manifest_path.clone() })?;
+        let manifest = Manifest::of(scan).ok_or_else(|| ReadError::Empty { path: manifest_path.clone() })?;
         let state = match &manifest.end {
             Some(end) if end.outcome == Outcome::Complete => DumpState::Complete,
             Some(_) => DumpState::Recovered,

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::array_file;
 use crate::folder::{self, NEW_MANIFEST};
-use crate::key::method::UNSORTED;
+use crate::key::method::WITHOUT_KEY;
 use crate::manifest::scan::salvage;
 use crate::manifest::{self, ArrayRecord, End, Fault, ManifestError, Outcome, Place, Record, encode_frame};
 
@@ -248,7 +248,7 @@ fn leave_out_lost_methods(records: &mut Vec<Record>, left_out: &mut Vec<String>)
         Record::Method(method) => Some(method.name.clone()),
         _ => None,
     });
-    let names: BTreeSet<String> = names.chain([UNSORTED.to_owned()]).collect();
+    let names: BTreeSet<String> = names.chain(WITHOUT_KEY.map(str::to_owned)).collect();
     records.retain_mut(|record| match record {
         Record::Array(array) => match &array.place {
             Place::Method(_, method, _) if !names.contains(method) => {
@@ -259,6 +259,8 @@ fn leave_out_lost_methods(records: &mut Vec<Record>, left_out: &mut Vec<String>)
         },
         Record::Timing(timing) => names.contains(&timing.method),
         Record::Cache(cache) => names.contains(&cache.method),
+        Record::Disturbed(disturbed) => names.contains(&disturbed.method),
+        Record::Way(way) => names.contains(&way.method),
         Record::Queue(queue) => {
             queue.methods.retain(|method| names.contains(method));
             queue.mismatches.retain(|mismatches| names.contains(&mismatches.method));

@@ -5,8 +5,8 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::manifest::{
-    Adapter, ArrayRecord, CacheRecord, Check, FORMAT_VERSION, Features, Manifest, Mismatches, Options,
-    Outcome, QueueRecord, Source, TimingRecord,
+    Adapter, ArrayRecord, CacheRecord, Check, Features, Manifest, Mismatches, Options, Outcome, QueueRecord,
+    Source, TimingRecord,
 };
 use crate::metrics::speedup::{interquartile_range, median};
 use crate::ray::Kind;
@@ -172,7 +172,7 @@ impl Summary {
         let outcome = end.map(|end| end.outcome);
         Self {
             dump: path.display().to_string(),
-            format_version: FORMAT_VERSION,
+            format_version: manifest.version,
             program_version: header.program_version.clone(),
             complete: outcome == Some(Outcome::Complete),
             recovered: outcome == Some(Outcome::Recovered),

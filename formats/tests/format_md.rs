@@ -68,7 +68,8 @@ fn the_python_reader_reads_what_was_written() {
 import numpy, reader
 records, arrays = reader.open_recording('sample.raydump')
 for kind, fields in records:
-    print(kind, fields.get('path', fields.get('name', fields.get('rays', ''))))
+    what = '' if kind == 'timing' else fields.get('method', '')
+    print(kind, fields.get('path', fields.get('name', fields.get('rays', what))))
 header, end = records[0][1], records[-1][1]
 print(header['options']['table_layout'], header['options']['russian_roulette'], header['scene']['vertices'])
 print([kind for kind, _ in header['lights']], header['notices'][-1], header['limits'][0]['value'])
@@ -97,7 +98,7 @@ for path, array in arrays.items():
     expected.push(format!("{} {} {} ('traced', {{}})", cache.method, cache.accesses, cache.l2_hits));
     let image = manifest.end.unwrap().image.unwrap();
     expected.push(format!("complete {} 1500000000", formats::summary::hexadecimal(&image.sha256)));
-    expected.push("1 0 closest unsorted trace [10020, 9990, 10000]".to_owned());
+    expected.push("1 0 closest unsorted trace [10020, 9990, 10000, 10005, 9995, 10010, 9980]".to_owned());
     for array in &manifest.arrays {
         let data = dump.bytes(array).unwrap();
         let sum: u64 = data.iter().zip(0u64..).map(|(&byte, at)| u64::from(byte) * (at % 251 + 1)).sum();
@@ -116,6 +117,8 @@ fn kind_and_name(record: &Record) -> String {
         Record::Timing(_) => "timing".to_owned(),
         Record::End(_) => "end".to_owned(),
         Record::Cache(cache) => format!("cache {}", cache.rays),
+        Record::Disturbed(disturbed) => format!("disturbed {}", disturbed.method),
+        Record::Way(way) => format!("way {}", way.method),
     }
 }
 

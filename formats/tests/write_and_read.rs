@@ -217,8 +217,9 @@ fn lying_records_are_refused() {
     let path = sample::write(folder.path());
     let manifest = path.join("manifest.bin");
     let original = fs::read(&manifest).unwrap();
-    let frames = scan(&manifest).unwrap().frames;
-    assert!(Manifest::from_frames(frames.clone()).is_some());
+    let scanned = scan(&manifest).unwrap();
+    let frames = scanned.frames.clone();
+    assert!(Manifest::of(scanned).is_some());
     let array = frames.iter().find(|frame| matches!(frame.record, Record::Array(_))).unwrap();
     let payload = &original[array.offset as usize + 8..array.end as usize];
     let text = "scene/positions.npy";
@@ -248,7 +249,7 @@ fn lying_records_are_refused() {
     rewrite(&put(name - 8, b"\xff\xff\x00\x00\x00\x00\x00\x00"), "go on after its end");
     rewrite(&put(shape, b"\xff\xff\xff\xff\xff\xff\xff\xff"), "more than there can be");
     rewrite(&put(shape, b"\x0c"), "said to have");
-    rewrite(&put(0, b"\x63"), "kind 99, which format version 2 does not have");
+    rewrite(&put(0, b"\x63"), "kind 99, which format version 3 does not have");
     rewrite(&|bytes| bytes.push(0), "its fields take");
     rewrite(&|bytes| bytes.clear(), "damaged");
     rewrite(&|bytes| *bytes = original[24..array.offset as usize].to_vec(), "damaged");

@@ -237,8 +237,8 @@ fn timings(summary: &Summary) -> String {
     if summary.timings.is_empty() {
         return "Nothing was timed.".to_owned();
     }
-    const STAGES: [&str; 8] =
-        ["key", "sort", "gather", "trace", "trace_indirect", "accumulate", "generate", "shade"];
+    const STAGES: [&str; 9] =
+        ["key", "sort", "gather", "trace", "scatter", "trace_indirect", "accumulate", "generate", "shade"];
     let timed: Vec<&str> = STAGES
         .into_iter()
         .filter(|stage| summary.timings.iter().any(|timing| timing.stage == *stage))

@@ -80,6 +80,7 @@ fn manifest() -> Manifest {
         samples_ns: samples_ns.to_vec(),
     };
     Manifest {
+        version: 3,
         header: header(),
         methods: Vec::new(),
         arrays: vec![ArrayRecord {
@@ -100,6 +101,8 @@ fn manifest() -> Manifest {
             timing(Some(Kind::Closest), "reis", Stage::TraceIndirect, &[40, 10, 30, 20]),
         ],
         caches: Vec::new(),
+        disturbed: Vec::new(),
+        ways: Vec::new(),
         end: Some(End {
             outcome: Outcome::Complete,
             image: Some(ImageDigest { width: 4, height: 2, sha256: [0xab; 32] }),
@@ -117,7 +120,7 @@ fn the_promised_fields_are_there() {
     let found = summary(&manifest());
     for (field, expected) in [
         ("dump", json!("x.raydump")),
-        ("format_version", json!(2)),
+        ("format_version", json!(3)),
         ("complete", json!(true)),
         ("backend", json!("gpu")),
         ("image", json!({"width": 4, "height": 2, "sha256": "ab".repeat(32)})),

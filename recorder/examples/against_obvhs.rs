@@ -49,9 +49,9 @@ fn main() -> Result<()> {
                 for tracer in 0..4 {
                     let start = Instant::now();
                     pool.install(|| match tracer {
-                        0 => bvh2.trace(rays, Order::Canonical, &hits),
+                        0 => bvh2.trace(rays, Order::Stored, &hits),
                         1 => theirs.binary(rays, &mut distances),
-                        2 => cwbvh.trace(rays, Order::Canonical, &hits),
+                        2 => cwbvh.trace(rays, Order::Stored, &hits),
                         _ => theirs.wide(rays, &mut distances),
                     });
                     best[tracer] = best[tracer].min(start.elapsed().as_secs_f64());

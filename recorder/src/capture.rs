@@ -18,6 +18,8 @@ enum Message {
     Bytes(Vec<u8>),
     FinishArray,
     Record(Record),
+    /// Answered when everything before it is on the disk.
+    Drain(SyncSender<()>),
     End(End),
 }
 
@@ -78,6 +80,16 @@ impl Capture {
         self.send(Message::Record(record))
     }
 
+    /// Waits until all that was handed over is on the disk, so that nothing is written beside what is timed.
+    ///
+    /// # Errors
+    /// What went wrong with writing up to now.
+    pub fn drain(&mut self) -> Result<()> {
+        let (done, is_done) = sync_channel(1);
+        self.send(Message::Drain(done))?;
+        is_done.recv().map_err(|_| self.failure())
+    }
+
     /// Waits until all is on the disk and the dump has its name, which is returned.
     ///
     /// # Errors
@@ -119,9 +131,13 @@ impl Capture {
         if messages.send(message).is_ok() {
             return Ok(());
         }
-        // The thread only stops early on an error, which says more than a closed channel.
+        Err(self.failure())
+    }
+
+    /// Why the thread stopped early: only on an error, which says more than a closed channel.
+    fn failure(&mut self) -> anyhow::Error {
         self.messages = None;
-        Err(self.join().err().unwrap_or_else(|| anyhow!("the capture thread stopped early")))
+        self.join().err().unwrap_or_else(|| anyhow!("the capture thread stopped early"))
     }
 
     fn join(&mut self) -> Result<std::path::PathBuf> {
@@ -148,6 +164,11 @@ fn write_all(
                 array.finish()?;
             }
             Message::Record(record) => writer.record(&record)?,
+            Message::Drain(done) => {
+                writer.sync()?;
+                // Whoever asked has given up only if the recording has.
+                let _ = done.send(());
+            }
             Message::End(end) => return writer.finish(end),
             // Both follow a `Begin`.
             Message::Bytes(_) | Message::FinishArray => {}

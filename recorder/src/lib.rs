@@ -1,6 +1,6 @@
 //! A wavefront path tracer that records what reordering does to its rays.
 //!
-//! Rooms, lowest first; each knows those before it alone. [`device`] is the GPU itself, [`stages`] what runs
+//! Rooms, lowest first; each knows those before it alone. [`clock`] takes times, [`device`] is the GPU itself, [`stages`] what runs
 //! on it and on threads, [`machine`] opens and checks what a run needs, [`backends`] offer the stages as verbs.
 //! [`wavefront`] is the loop over them, [`measure`] times methods on a queue, [`capture`] carries arrays to the
 //! dump, [`observer`] ties both to the loop. [`recording`] is a whole run, [`replay`] one over rays that were
@@ -12,6 +12,7 @@ pub mod bench;
 pub mod cache_model;
 pub mod capture;
 pub mod cli;
+pub mod clock;
 mod comparison;
 pub mod device;
 mod interrupt;

@@ -1,7 +1,17 @@
-//! Measures every method on one queue: key → sort → gather → trace, in round-robin (DESIGN §7).
+//! Measures every order of one queue: key → sort → gather → trace → scatter, in rounds (DESIGN §7).
+//!
+//! A round has the baseline, the control and every method once, in an order drawn for it, so that drift hits
+//! all alike and nothing always follows the same. What a section writes was there and was touched before: the
+//! first round is not timed, and backends use their memory again. The second decides which way of tracing
+//! sorted rays counts, so that no figure is taken from the samples that it was chosen by.
 
-use anyhow::Result;
+use std::collections::BTreeMap;
+
+use anyhow::{Result, bail};
+use fastrand::Rng;
 use formats::key::Termination;
+use formats::key::method::{CONTROL, SHUFFLED, UNSORTED};
+use formats::manifest::{QueueId, Stage, Way};
 use formats::metrics::speedup::StageSamples;
 use formats::ray::Kind;
 
@@ -9,103 +19,227 @@ use crate::backends::{Backend, Queue, Table};
 use crate::stages::setup::MethodPlan;
 use crate::stages::trace::Order;
 
-/// What measuring one queue gave.
+/// What is measured on every queue.
 #[derive(Clone, Debug)]
-pub struct QueueMeasurement {
-    /// Traces in canonical order, nanoseconds each.
-    pub unsorted_ns: Vec<u64>,
-    /// One entry per method that applies, in the order of the methods.
-    pub methods: Vec<MethodMeasurement>,
+pub struct Measured {
+    /// The orders, canonical order first.
+    pub orders: Vec<Subject>,
+    /// Timed rounds that figures are taken from.
+    pub repeats: u32,
+    /// Of the orders of rounds, and of the shuffled order.
+    pub seed: u64,
 }
 
-/// What measuring one method on one queue gave.
-#[derive(Clone, Debug)]
-pub struct MethodMeasurement {
-    /// Index into the methods of the run.
-    pub method: usize,
-    /// Samples per stage.
-    pub stages: StageSamples,
-    /// Most results of any of its traces that differed from the unsorted ones.
-    pub mismatches: u64,
+/// An order that is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// Canonical order: the baseline, traced and nothing else.
+    Unsorted,
+    /// Canonical order, gathered, traced and scattered like a method's.
+    Control,
+    /// A random order.
+    Shuffled,
+    /// The order of a method, by its number.
+    Method(usize),
 }
 
-/// Measures all methods that apply to the queue.
-///
-/// A warm-up round comes first; it also hands the number of each method, its keys and its permutation to
-/// `ordered`. Then each repeat runs the baseline and every method once, starting one method later each time,
-/// so that drift hits all alike.
-///
-/// # Errors
-/// Any of the backend or of `ordered`.
-pub fn measure<B: Backend>(
-    backend: &mut B,
-    rays: &B::Rays,
-    hits: &B::Hits,
-    methods: &[MethodPlan],
-    repeats: u32,
-    mut ordered: impl FnMut(&mut B, usize, &B::Keys, &B::Permutation) -> Result<()>,
-) -> Result<QueueMeasurement> {
-    let applicable = (0..methods.len()).filter(|&method| methods[method].applies_to(rays.id().kind));
-    let mut measured: Vec<MethodMeasurement> = applicable
-        .map(|method| MethodMeasurement { method, stages: StageSamples::default(), mismatches: 0 })
-        .collect();
-    for entry in &mut measured {
-        let keys = backend.key(rays, hits, entry.method)?;
-        let permutation = backend.sort(&keys)?;
-        ordered(backend, entry.method, &keys, &permutation)?;
-        warm_up(backend, rays, hits, &permutation)?;
-    }
-    let mut unsorted_ns = Vec::new();
-    for repeat in 0..repeats as usize {
-        backend.trace(rays, Order::Canonical)?;
-        unsorted_ns.push(backend.elapsed_ns());
-        let count = measured.len();
-        for turn in 0..count {
-            let entry = &mut measured[(turn + repeat) % count];
-            measure_once(backend, rays, hits, &methods[entry.method], entry)?;
+impl Subject {
+    /// Name in recordings and tables.
+    pub fn name(self, methods: &[MethodPlan]) -> &str {
+        match self {
+            Self::Unsorted => UNSORTED,
+            Self::Control => CONTROL,
+            Self::Shuffled => SHUFFLED,
+            Self::Method(number) => &methods[number].name,
         }
     }
-    Ok(QueueMeasurement { unsorted_ns, methods: measured })
 }
 
-/// Runs every stage after the sort once, so that no timed one is the first to compile or to touch memory.
-fn warm_up<B: Backend>(
-    backend: &mut B,
-    rays: &B::Rays,
-    hits: &B::Hits,
-    permutation: &B::Permutation,
-) -> Result<()> {
-    let gathered = backend.gather(rays, permutation)?;
-    backend.trace(&gathered, Order::Gathered(permutation))?;
-    backend.trace(rays, Order::Indirect(permutation))?;
-    backend.accumulate(rays, hits, Table::Scratch)
+/// What measuring one order of a queue gave.
+#[derive(Clone, Debug)]
+pub struct Measurement {
+    /// The order.
+    pub subject: Subject,
+    /// Samples per stage, one per round.
+    pub stages: StageSamples,
+    /// Rounds in which a stage was disturbed.
+    pub disturbed: BTreeMap<Stage, Vec<u32>>,
+    /// Most results of any of its traces that differed from those of canonical order.
+    pub mismatches: u64,
+    /// The round that decides which way counts.
+    pub deciding: StageSamples,
 }
 
-fn measure_once<B: Backend>(
-    backend: &mut B,
-    rays: &B::Rays,
-    hits: &B::Hits,
-    method: &MethodPlan,
-    entry: &mut MethodMeasurement,
-) -> Result<()> {
-    let stages = &mut entry.stages;
-    let keys = backend.key(rays, hits, entry.method)?;
-    stages.key.push(backend.elapsed_ns());
-    let permutation = backend.sort(&keys)?;
-    stages.sort.push(backend.elapsed_ns());
-    let gathered = backend.gather(rays, &permutation)?;
-    stages.gather.push(backend.elapsed_ns());
-    let found = backend.trace(&gathered, Order::Gathered(&permutation))?;
-    stages.trace.push(backend.elapsed_ns());
-    entry.mismatches = entry.mismatches.max(backend.differences(hits, &found)?);
-    let found = backend.trace(rays, Order::Indirect(&permutation))?;
-    stages.trace_indirect.push(backend.elapsed_ns());
-    entry.mismatches = entry.mismatches.max(backend.differences(hits, &found)?);
-    if method.termination == Termination::Adaptive {
-        backend.accumulate(rays, hits, Table::Scratch)?;
-        stages.accumulate.push(backend.elapsed_ns());
+/// What measuring one queue gave: an entry for each order that applies, canonical order first.
+pub type QueueMeasurement = Vec<Measurement>;
+
+/// A queue to measure.
+pub struct Queued<'a, B: Backend> {
+    /// Its rays.
+    pub rays: &'a B::Rays,
+    /// What they found, in canonical order.
+    pub hits: &'a B::Hits,
+    /// The methods of the run.
+    pub methods: &'a [MethodPlan],
+}
+
+/// The orders of a queue, with those that need no key.
+pub struct Orders<P> {
+    subjects: Vec<(Subject, Option<P>)>,
+}
+
+impl<B: Backend> Queued<'_, B> {
+    /// Runs everything once, so that no timed section is the first to compile or to touch memory; hands the
+    /// number of each method, its keys and its permutation to `ordered`.
+    ///
+    /// # Errors
+    /// Any of the backend or of `ordered`.
+    pub fn warm_up(
+        &self,
+        backend: &mut B,
+        measured: &Measured,
+        mut ordered: impl FnMut(&mut B, usize, &B::Keys, &B::Permutation) -> Result<()>,
+    ) -> Result<Orders<B::Permutation>> {
+        let (id, count) = (self.rays.id(), self.rays.len() as u32);
+        let mut subjects = Vec::new();
+        for &subject in &measured.orders {
+            let permutation = match subject {
+                Subject::Unsorted => None,
+                Subject::Control => Some(backend.upload_permutation(&(0..count).collect::<Vec<_>>())?),
+                Subject::Shuffled => {
+                    let mut indices: Vec<u32> = (0..count).collect();
+                    rng(measured.seed, id).shuffle(&mut indices);
+                    Some(backend.upload_permutation(&indices)?)
+                }
+                Subject::Method(number) if !self.methods[number].applies_to(id.kind) => continue,
+                Subject::Method(number) => {
+                    let keys = backend.key(self.rays, self.hits, number)?;
+                    let permutation = backend.sort(&keys)?;
+                    ordered(backend, number, &keys, &permutation)?;
+                    None
+                }
+            };
+            subjects.push((subject, permutation));
+        }
+        let orders = Orders { subjects };
+        let mut nowhere = empty(&orders);
+        for (order, entry) in orders.subjects.iter().zip(&mut nowhere) {
+            self.sample(backend, order, entry, 0)?;
+        }
+        backend.accumulate(self.rays, self.hits, Table::Scratch)?;
+        Ok(orders)
     }
-    Ok(())
+
+    /// Measures all orders.
+    ///
+    /// # Errors
+    /// Any of the backend.
+    pub fn measure(
+        &self,
+        backend: &mut B,
+        measured: &Measured,
+        orders: &Orders<B::Permutation>,
+    ) -> Result<QueueMeasurement> {
+        let mut rng = rng(!measured.seed, self.rays.id());
+        let mut places: Vec<usize> = (0..orders.subjects.len()).collect();
+        let mut deciding = empty(orders);
+        for &at in &places {
+            self.sample(backend, &orders.subjects[at], &mut deciding[at], 0)?;
+        }
+        let mut entries = empty(orders);
+        for round in 0..measured.repeats {
+            rng.shuffle(&mut places);
+            for &at in &places {
+                self.sample(backend, &orders.subjects[at], &mut entries[at], round)?;
+            }
+        }
+        for (entry, deciding) in entries.iter_mut().zip(deciding) {
+            entry.deciding = deciding.stages;
+        }
+        Ok(entries)
+    }
+
+    /// One sample of each stage of an order.
+    fn sample(
+        &self,
+        backend: &mut B,
+        (subject, permutation): &(Subject, Option<B::Permutation>),
+        entry: &mut Measurement,
+        round: u32,
+    ) -> Result<()> {
+        let Self { rays, hits, methods } = *self;
+        if *subject == Subject::Unsorted {
+            backend.trace(rays, Order::Stored)?;
+            entry.keep(backend, Stage::Trace, round);
+            return Ok(());
+        }
+        let sorted;
+        let permutation = match (subject, permutation) {
+            (_, Some(permutation)) => permutation,
+            (Subject::Method(number), None) => {
+                let keys = backend.key(rays, hits, *number)?;
+                entry.keep(backend, Stage::Key, round);
+                sorted = backend.sort(&keys)?;
+                entry.keep(backend, Stage::Sort, round);
+                &sorted
+            }
+            (_, None) => bail!("an order without keys has no permutation"),
+        };
+        let gathered = backend.gather(rays, permutation)?;
+        entry.keep(backend, Stage::Gather, round);
+        let found = backend.trace(&gathered, Order::Stored)?;
+        entry.keep(backend, Stage::Trace, round);
+        let found = backend.scatter(&found, permutation)?;
+        entry.keep(backend, Stage::Scatter, round);
+        entry.mismatches = entry.mismatches.max(backend.differences(hits, &found)?);
+        if *subject == Subject::Control {
+            return Ok(());
+        }
+        let found = backend.trace(rays, Order::Indirect(permutation))?;
+        entry.keep(backend, Stage::TraceIndirect, round);
+        entry.mismatches = entry.mismatches.max(backend.differences(hits, &found)?);
+        if let Subject::Method(number) = subject
+            && methods[*number].termination == Termination::Adaptive
+        {
+            backend.accumulate(rays, hits, Table::Scratch)?;
+            entry.keep(backend, Stage::Accumulate, round);
+        }
+        Ok(())
+    }
+}
+
+impl Measurement {
+    fn keep<B: Backend>(&mut self, backend: &B, stage: Stage, round: u32) {
+        let sample = backend.sample();
+        self.stages.of_mut(stage).push(sample.elapsed_ns);
+        if sample.is_disturbed {
+            self.disturbed.entry(stage).or_default().push(round);
+        }
+    }
+
+    /// Nanoseconds of the deciding round by each way.
+    pub fn ways_ns(&self) -> [u64; 2] {
+        [Way::Gathered, Way::Indices]
+            .map(|way| way.stages().iter().map(|&stage| self.deciding.of(stage).iter().sum::<u64>()).sum())
+    }
+}
+
+/// Entries without samples.
+fn empty<P>(orders: &Orders<P>) -> QueueMeasurement {
+    let entry = |&(subject, _): &(Subject, Option<P>)| Measurement {
+        subject,
+        stages: StageSamples::default(),
+        disturbed: BTreeMap::new(),
+        mismatches: 0,
+        deciding: StageSamples::default(),
+    };
+    orders.subjects.iter().map(entry).collect()
+}
+
+/// Random numbers that depend on the queue.
+fn rng(seed: u64, id: QueueId) -> Rng {
+    let queue = (u64::from(id.pass) << 32 | u64::from(id.bounce)) << 1 | id.kind as u64;
+    Rng::with_seed(seed ^ queue.wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
 
 /// Whether a speedup may be quoted: the real length is only known once the ray was traced.

@@ -4,7 +4,8 @@ use anyhow::{Result, bail};
 use formats::key::method::UNSORTED;
 use formats::length_table::LengthCell;
 use formats::manifest::{
-    MethodArray, Mismatches, Place, QueueArray, QueueId, QueueRecord, Record, Stage, TimingRecord,
+    DisturbedRecord, MethodArray, Mismatches, Place, QueueArray, QueueId, QueueRecord, Record, Stage,
+    TimingRecord, Way, WayRecord,
 };
 use formats::npy::Dtype;
 use formats::ray::{Kind, Ray};
@@ -14,7 +15,7 @@ use crate::backends::{Array, Backend, Queue, collected};
 use crate::cache_model::CacheModel;
 use crate::capture::Capture;
 use crate::comparison::compare;
-use crate::measure::{MethodMeasurement, QueueMeasurement, measure, queue_name};
+use crate::measure::{Measured, Measurement, QueueMeasurement, Queued, Subject, queue_name};
 use crate::options::{Keep, KeepPasses};
 use crate::progress::Progress;
 use crate::stages::setup::MethodPlan;
@@ -26,8 +27,8 @@ pub struct Plan<'a> {
     pub methods: Vec<MethodPlan>,
     /// Passes of the run; the last one is measured.
     pub passes: u32,
-    /// Timed repeats.
-    pub repeats: u32,
+    /// What is measured on every queue of that pass.
+    pub measured: Measured,
     /// Arrays to keep.
     pub keep: Keep,
     /// Passes to keep them of.
@@ -44,14 +45,29 @@ pub struct Plan<'a> {
 
 /// A measured queue, for the closing table.
 pub struct MeasuredQueue {
-    /// Bounce.
-    pub bounce: u32,
-    /// Kind.
-    pub kind: Kind,
+    /// Which one.
+    pub id: QueueId,
     /// Rays.
     pub rays: usize,
     /// Its times.
-    pub measurement: QueueMeasurement,
+    pub measurements: QueueMeasurement,
+}
+
+impl MeasuredQueue {
+    /// Traces in canonical order, nanoseconds each.
+    pub fn unsorted(&self) -> &[u64] {
+        let baseline = self.measurements.iter().find(|entry| entry.subject == Subject::Unsorted);
+        baseline.map_or(&[], |entry| entry.stages.of(Stage::Trace))
+    }
+}
+
+/// The way that was shorter over all queues in the rounds that decide; `None` where the order was not measured.
+pub fn chosen_way(queues: &[MeasuredQueue], subject: Subject) -> Option<Way> {
+    let entries = queues.iter().flat_map(|queue| &queue.measurements);
+    let ns: Vec<_> = entries.filter(|entry| entry.subject == subject).map(Measurement::ways_ns).collect();
+    let [gathered, indices] = [0, 1].map(|way| ns.iter().map(|ns: &[u64; 2]| ns[way]).sum::<u64>());
+    let way = if indices < gathered { Way::Indices } else { Way::Gathered };
+    (!ns.is_empty()).then_some(way)
 }
 
 /// The observer of a recording.
@@ -73,11 +89,16 @@ impl<'a> Recorder<'a> {
         Self { plan, capture, progress, measured: Vec::new(), differing: 0, last_kept: [None; 2] }
     }
 
-    /// Writes the tables' last state. Call once after the loop.
+    /// Writes which way of tracing counts for each method, and the tables' last state. Call once after the loop.
     ///
     /// # Errors
     /// What the backend or the disk reports.
     pub fn finish<B: Backend>(&mut self, backend: &mut B) -> Result<()> {
+        for (number, method) in self.plan.methods.iter().enumerate() {
+            if let Some(way) = chosen_way(&self.measured, Subject::Method(number)) {
+                self.capture.record(Record::Way(WayRecord { method: method.name.clone(), way }))?;
+            }
+        }
         if !self.plan.keep.lengths {
             return Ok(());
         }
@@ -140,21 +161,22 @@ impl<'a> Recorder<'a> {
         Ok(copied)
     }
 
-    fn write_timings(&mut self, id: QueueId, measurement: &QueueMeasurement) -> Result<()> {
-        self.timing(id, UNSORTED, Stage::Trace, &measurement.unsorted_ns)?;
-        for MethodMeasurement { method, stages, .. } in &measurement.methods {
-            let name = &self.plan.methods[*method].name;
-            for (stage, samples) in [
-                (Stage::Key, &stages.key),
-                (Stage::Sort, &stages.sort),
-                (Stage::Gather, &stages.gather),
-                (Stage::Trace, &stages.trace),
-                (Stage::TraceIndirect, &stages.trace_indirect),
-                (Stage::Accumulate, &stages.accumulate),
-            ] {
-                if !samples.is_empty() {
-                    self.timing(id, name, stage, samples)?;
-                }
+    fn write_timings(&mut self, id: QueueId, measurements: &QueueMeasurement) -> Result<()> {
+        let plan = self.plan;
+        for Measurement { subject, stages, disturbed, .. } in measurements {
+            let name = subject.name(&plan.methods);
+            for (stage, samples) in stages.iter() {
+                self.timing(id, name, stage, samples)?;
+            }
+            for (&stage, rounds) in disturbed {
+                self.capture.record(Record::Disturbed(DisturbedRecord {
+                    pass: id.pass,
+                    bounce: id.bounce,
+                    kind: id.kind,
+                    method: name.to_owned(),
+                    stage,
+                    samples: rounds.clone(),
+                }))?;
             }
         }
         Ok(())
@@ -171,17 +193,18 @@ impl<'a> Recorder<'a> {
         }))
     }
 
-    fn queue_record(&self, id: QueueId, rays: usize, measurement: Option<&QueueMeasurement>) -> QueueRecord {
-        let name = |entry: &MethodMeasurement| self.plan.methods[entry.method].name.clone();
-        let entries = measurement.map_or(&[][..], |measurement| &measurement.methods);
-        let baseline = measurement.map(|_| UNSORTED.to_owned());
+    fn queue_record(&self, id: QueueId, rays: usize, measurements: &[Measurement]) -> QueueRecord {
+        let of_method = |entry: &&Measurement| matches!(entry.subject, Subject::Method(_));
+        let name = |entry: &Measurement| entry.subject.name(&self.plan.methods).to_owned();
+        let methods = measurements.iter().filter(of_method);
+        let baseline = (!measurements.is_empty()).then(|| UNSORTED.to_owned());
         let mismatches =
-            entries.iter().map(|entry| Mismatches { method: name(entry), rays: entry.mismatches });
+            methods.clone().map(|entry| Mismatches { method: name(entry), rays: entry.mismatches });
         QueueRecord {
             id,
             rays: rays as u64,
-            methods: baseline.into_iter().chain(entries.iter().map(name)).collect(),
             mismatches: mismatches.collect(),
+            methods: baseline.into_iter().chain(methods.map(name)).collect(),
         }
     }
 }
@@ -194,18 +217,14 @@ impl<B: Backend> Observer<B> for Recorder<'_> {
             self.keep_queue(backend, rays, hits)?;
             self.last_kept[id.kind as usize] = Some(id);
         }
-        let measurement =
-            if self.is_measured(id) { Some(self.measure_methods(backend, rays, hits)?) } else { None };
+        let measurements =
+            if self.is_measured(id) { self.measure_orders(backend, rays, hits)? } else { Vec::new() };
         if self.keeps(id) {
-            self.capture.record(Record::Queue(self.queue_record(id, count, measurement.as_ref())))?;
+            self.capture.record(Record::Queue(self.queue_record(id, count, &measurements)))?;
         }
-        let measured = measurement.map(|measurement| MeasuredQueue {
-            bounce: id.bounce,
-            kind: id.kind,
-            rays: count,
-            measurement,
-        });
-        self.measured.extend(measured);
+        if self.is_measured(id) {
+            self.measured.push(MeasuredQueue { id, rays: count, measurements });
+        }
         Ok(())
     }
 
@@ -218,8 +237,8 @@ impl<B: Backend> Observer<B> for Recorder<'_> {
 }
 
 impl Recorder<'_> {
-    /// Measures every method, and captures keys and permutations as the warm-up round makes them.
-    fn measure_methods<B: Backend>(
+    /// Measures every order, and captures keys and permutations as the warm-up round makes them.
+    fn measure_orders<B: Backend>(
         &mut self,
         backend: &mut B,
         rays: &B::Rays,
@@ -227,14 +246,16 @@ impl Recorder<'_> {
     ) -> Result<QueueMeasurement> {
         let (plan, id) = (self.plan, rays.id());
         let copied = self.model_baseline(backend, rays)?;
-        let ordered = |backend: &mut B, method: usize, keys: &B::Keys, permutation: &B::Permutation| {
+        let queue = Queued { rays, hits, methods: &plan.methods };
+        let orders = queue.warm_up(backend, &plan.measured, |backend, method, keys, permutation| {
             self.keep_order(backend, rays, &copied, &plan.methods[method], (keys, permutation))
-        };
-        let measured = measure(backend, rays, hits, &plan.methods, plan.repeats, ordered)?;
+        })?;
+        self.capture.drain()?;
+        let measurements = queue.measure(backend, &plan.measured, &orders)?;
         self.progress.measured(id, rays.len());
-        self.check_mismatches(id, &measured)?;
-        self.write_timings(id, &measured)?;
-        Ok(measured)
+        self.check_mismatches(id, &measurements)?;
+        self.write_timings(id, &measurements)?;
+        Ok(measurements)
     }
 
     /// Writes keys and permutation, and what caches make of the order; `copied` are the queue's rays, empty
@@ -268,15 +289,15 @@ impl Recorder<'_> {
         Ok(())
     }
 
-    fn check_mismatches(&self, id: QueueId, measurement: &QueueMeasurement) -> Result<()> {
-        for entry in &measurement.methods {
+    fn check_mismatches(&self, id: QueueId, measurements: &QueueMeasurement) -> Result<()> {
+        for entry in measurements {
             if entry.mismatches > 0 && !self.plan.tolerates_mismatches {
                 bail!(
                     "{}: {} rays traced in the order of '{}' found something else than in canonical order; \
                      a ray's result must depend on that ray alone, so this is a fault of the driver or of this program: please report it",
                     queue_name(id.bounce, id.kind),
                     entry.mismatches,
-                    self.plan.methods[entry.method].name
+                    entry.subject.name(&self.plan.methods)
                 );
             }
         }

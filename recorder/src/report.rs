@@ -2,84 +2,125 @@
 
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
-use formats::key::method::UNSORTED;
-use formats::metrics::speedup::{Speedup, median};
+use formats::manifest::{Stage, Way};
+use formats::metrics::speedup::{Instrument, Speedup, median};
 
-use crate::measure::{MethodMeasurement, has_speedup};
-use crate::observer::MeasuredQueue;
+use crate::bench::rate;
+use crate::measure::{Measurement, Subject, has_speedup};
+use crate::observer::{MeasuredQueue, chosen_way};
 use crate::recording::Recorded;
-use crate::stages::setup::MethodPlan;
 
-const COLUMNS: [&str; 12] = [
-    "bounce",
-    "kind",
-    "rays",
-    "method",
-    "key",
-    "sort",
-    "gather",
-    "trace",
-    "indirect",
-    "accumulate",
-    "trace speedup",
-    "net speedup",
+/// The stages of the table, in the order in which they run.
+const STAGES: [(Stage, &str); 7] = [
+    (Stage::Key, "key"),
+    (Stage::Sort, "sort"),
+    (Stage::Gather, "gather"),
+    (Stage::Trace, "trace"),
+    (Stage::Scatter, "scatter"),
+    (Stage::TraceIndirect, "indirect"),
+    (Stage::Accumulate, "accumulate"),
 ];
+/// Spread of a median's rounds, in percent of it, from which on a word is said.
+const WIDE_SPREAD: f64 = 10.0;
 
 /// Scene, device, settings, notices and the table, a line or more each.
 pub fn text(recorded: &Recorded) -> String {
     let notices = recorded.notices.iter().map(|notice| format!("note     {notice}"));
-    let about = "\nMedians in ms; speedups against unsorted with 95 % bootstrap intervals; ≈ marks no significant \
-                 difference.";
+    let about = "\nMedians in ms; speedups against unsorted in the same round, medians with 95 % bootstrap \
+                 intervals over rounds; ≈ marks no significant difference. The net speedup counts gather, trace \
+                 and scatter, or the trace through indices (*).";
     let lines = recorded.headline.iter().cloned().chain(notices);
     let lines = lines.chain([about.to_owned(), table(recorded).to_string()]).chain(mismatches(recorded));
+    let lines = lines.chain(instrument(recorded)).chain(disturbances(recorded));
     lines.chain([format!("recording: {}", recorded.path.display())]).collect::<Vec<_>>().join("\n")
 }
 
 fn table(recorded: &Recorded) -> Table {
     let mut table = Table::new();
-    table.load_style(UTF8_BORDERS_ONLY).set_header(COLUMNS);
-    for column in table
-        .column_iter_mut()
-        .enumerate()
-        .filter(|(index, _)| !matches!(index, 1 | 3))
-        .map(|(_, column)| column)
-    {
+    let names = ["bounce", "kind", "rays", "method"].into_iter().chain(STAGES.map(|(_, name)| name));
+    table.load_style(UTF8_BORDERS_ONLY).set_header(names.chain(["trace speedup", "net speedup"]));
+    for (_, column) in table.column_iter_mut().enumerate().filter(|(index, _)| !matches!(index, 1 | 3)) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     for queue in &recorded.queues {
-        let unsorted = &queue.measurement.unsorted_ns;
-        let mut row = vec![
-            queue.bounce.to_string(),
-            queue.kind.to_string(),
-            queue.rays.to_string(),
-            UNSORTED.to_owned(),
-        ];
-        row.extend(["", "", ""].map(str::to_owned));
-        row.push(milliseconds(unsorted));
-        table.add_row(row);
-        for entry in &queue.measurement.methods {
-            table.add_row(method_row(queue, entry, &recorded.methods[entry.method]));
+        for (at, entry) in queue.measurements.iter().enumerate() {
+            let of_queue = [queue.id.bounce.to_string(), queue.id.kind.to_string(), queue.rays.to_string()];
+            let mut row: Vec<String> =
+                of_queue.into_iter().map(|text| if at == 0 { text } else { String::new() }).collect();
+            row.push(entry.subject.name(&recorded.methods).to_owned());
+            let way = chosen_way(&recorded.queues, entry.subject);
+            row.extend(STAGES.map(|(stage, _)| {
+                let mark = if stage == Stage::TraceIndirect && way == Some(Way::Indices) { "*" } else { "" };
+                format!("{mark}{}", milliseconds(entry.stages.of(stage)))
+            }));
+            row.extend(speedups(queue, entry, recorded));
+            table.add_row(row);
         }
     }
     table
 }
 
-fn method_row(queue: &MeasuredQueue, entry: &MethodMeasurement, method: &MethodPlan) -> Vec<String> {
-    let stages = &entry.stages;
-    let unsorted = &queue.measurement.unsorted_ns;
-    let mut row = vec![String::new(), String::new(), String::new(), method.name.clone()];
-    for samples in
-        [&stages.key, &stages.sort, &stages.gather, &stages.trace, &stages.trace_indirect, &stages.accumulate]
-    {
-        row.push(milliseconds(samples));
+fn speedups(queue: &MeasuredQueue, entry: &Measurement, recorded: &Recorded) -> [String; 2] {
+    let unsorted = queue.unsorted();
+    let trace = || speedup(Speedup::of(unsorted, entry.stages.of(Stage::Trace)));
+    match entry.subject {
+        Subject::Unsorted => [String::new(), String::new()],
+        Subject::Method(number) if !has_speedup(&recorded.methods[number]) => {
+            ["(traced first)".to_owned(), String::new()]
+        }
+        Subject::Method(_) => {
+            let way = chosen_way(&recorded.queues, entry.subject).unwrap_or(Way::Gathered);
+            [trace(), speedup(Speedup::of(unsorted, &entry.stages.totals(way)))]
+        }
+        Subject::Control | Subject::Shuffled => [trace(), String::new()],
     }
-    if has_speedup(method) {
-        row.push(speedup(Speedup::of(unsorted, &stages.trace)));
-        row.push(speedup(Speedup::of(unsorted, &stages.totals())));
-    } else {
-        row.extend(["(traced first)".to_owned(), String::new()]);
+}
+
+/// How far the control is from 1, which it must measure: the error of everything above.
+fn instrument(recorded: &Recorded) -> Option<String> {
+    let instrument = Instrument::of(recorded.queues.iter().filter_map(|queue| {
+        let control = queue.measurements.iter().find(|entry| entry.subject == Subject::Control)?;
+        Speedup::of(queue.unsorted(), control.stages.of(Stage::Trace))
+    }))?;
+    let intervals = match instrument.median_half_width {
+        None => ", without intervals: they need at least 6 repeats".to_owned(),
+        Some(half_width) => format!(
+            "; {} of {} intervals hold 1, half of them are narrower than ±{:.1} %",
+            instrument.hold_one,
+            instrument.experiments,
+            100.0 * half_width
+        ),
+    };
+    Some(format!(
+        "instrument: the control (canonical order, gathered) is off by {:+.1} % over {} queues{intervals}",
+        100.0 * instrument.pooled_bias,
+        instrument.experiments
+    ))
+}
+
+/// What stood in the way of the measurement, and what would help.
+fn disturbances(recorded: &Recorded) -> Vec<String> {
+    let entries = || recorded.queues.iter().flat_map(|queue| &queue.measurements);
+    let samples: usize =
+        entries().flat_map(|entry| entry.stages.iter()).map(|(_, samples)| samples.len()).sum();
+    let disturbed: usize = entries().flat_map(|entry| entry.disturbed.values()).map(Vec::len).sum();
+    let traces = || entries().map(|entry| entry.stages.of(Stage::Trace));
+    let spread = |samples: &&[u64]| rate(1, samples).is_some_and(|(_, spread)| spread > WIDE_SPREAD);
+    let (wide, all) = (traces().filter(spread).count(), traces().count());
+    let mut lines = Vec::new();
+    if disturbed > 0 {
+        lines.push(format!(
+            "{disturbed} of {samples} samples were taken while the machine did other work; they count, and are \
+             marked in the recording"
+        ));
     }
-    row
+    if wide > 0 {
+        lines.push(format!(
+            "{wide} of {all} trace times spread by more than {WIDE_SPREAD} % of their median: an idle machine, \
+             --pin and more --repeats help"
+        ));
+    }
+    lines
 }
 
 fn milliseconds(samples_ns: &[u64]) -> String {
@@ -101,10 +142,10 @@ fn speedup(speedup: Option<Speedup>) -> String {
 fn mismatches(recorded: &Recorded) -> Vec<String> {
     let mut lines = Vec::new();
     for queue in &recorded.queues {
-        for entry in queue.measurement.methods.iter().filter(|entry| entry.mismatches > 0) {
+        for entry in queue.measurements.iter().filter(|entry| entry.mismatches > 0) {
             lines.push(format!(
                 "bounce {} {}: {} of {} rays found something else in the order of {} (ties and any-hit order are the driver's)",
-                queue.bounce, queue.kind, entry.mismatches, queue.rays, recorded.methods[entry.method].name
+                queue.id.bounce, queue.id.kind, entry.mismatches, queue.rays, entry.subject.name(&recorded.methods)
             ));
         }
     }

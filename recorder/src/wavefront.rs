@@ -64,7 +64,7 @@ pub fn run_recorded<B: Backend>(
 
 /// Traces a queue in canonical order, measures it, and only then lets the length table learn from it.
 fn trace<B: Backend>(backend: &mut B, rays: &B::Rays, observer: &mut impl Observer<B>) -> Result<B::Hits> {
-    let hits = backend.trace(rays, Order::Canonical)?;
+    let hits = backend.trace(rays, Order::Stored)?;
     observer.measure(backend, rays, &hits)?;
     backend.accumulate(rays, &hits, Table::Learnt)?;
     Ok(hits)

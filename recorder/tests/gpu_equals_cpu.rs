@@ -39,7 +39,7 @@ fn read<T: bytemuck::Pod>(gpu: &mut GpuBackend, array: Array<'_, GpuBackend>) ->
 /// What threads find, as a recording holds it.
 fn traced(tracer: &CpuTracer, kind: Kind, rays: &[Ray]) -> Vec<u8> {
     let hits = Hits::new(kind, rays.len());
-    tracer.trace(rays, Order::Canonical, &hits);
+    tracer.trace(rays, Order::Stored, &hits);
     hits.bytes(0..rays.len())
 }
 
@@ -146,10 +146,10 @@ fn compare_run(options: &RecordOptions) -> usize {
     for pass in 0..2 {
         let mut rays = gpu.generate(pass).unwrap();
         for _ in 0..setup.bounces {
-            let hits = gpu.trace(&rays, Order::Canonical).unwrap();
+            let hits = gpu.trace(&rays, Order::Stored).unwrap();
             let mut queues = vec![(rays, hits)];
             let shaded = gpu.shade(&queues[0].0, &queues[0].1).unwrap();
-            let occlusion = gpu.trace(&shaded.shadow, Order::Canonical).unwrap();
+            let occlusion = gpu.trace(&shaded.shadow, Order::Stored).unwrap();
             queues.push((shaded.shadow, occlusion));
             for (rays, hits) in &queues {
                 let table = &tables[rays.id().kind as usize];
@@ -193,7 +193,7 @@ fn compare_tracing(options: &RecordOptions) {
     let tracer = CpuTracer::new(&scene, &bvh);
     let mut rays = gpu.generate(0).unwrap();
     for bounce in 0..setup.bounces {
-        let hits = gpu.trace(&rays, Order::Canonical).unwrap();
+        let hits = gpu.trace(&rays, Order::Stored).unwrap();
         let copied = copy(&mut gpu, &setup, &rays, &hits);
         let found: Vec<u8> = read(&mut gpu, Array::Hits(&hits));
         let expected = traced(&tracer, Kind::Closest, &copied.rays);
@@ -202,7 +202,7 @@ fn compare_tracing(options: &RecordOptions) {
         let work: Vec<Work> = read(&mut gpu, Array::Work(&rays));
         assert_eq!(work, tracer.work(&copied.rays, Kind::Closest), "work of bounce {bounce}");
         let shaded = gpu.shade(&rays, &hits).unwrap();
-        let occlusion = gpu.trace(&shaded.shadow, Order::Canonical).unwrap();
+        let occlusion = gpu.trace(&shaded.shadow, Order::Stored).unwrap();
         let shadow = copy(&mut gpu, &setup, &shaded.shadow, &occlusion);
         let found: Vec<u8> = read(&mut gpu, Array::Hits(&occlusion));
         assert_eq!(found, traced(&tracer, Kind::Shadow, &shadow.rays), "distances of bounce {bounce}");
@@ -231,7 +231,7 @@ fn every_precision_finds_the_same_on_both_backends() {
             let gpu = Gpu::open(&AdapterRequest::Any).unwrap();
             let mut gpu = GpuBackend::new(gpu, &scene, Some(&bvh), setup, trace).unwrap();
             let rays = gpu.generate(0).unwrap();
-            let hits = gpu.trace(&rays, Order::Canonical).unwrap();
+            let hits = gpu.trace(&rays, Order::Stored).unwrap();
             let found: Vec<u8> = read(&mut gpu, Array::Hits(&hits));
             let rays: Vec<Ray> = read(&mut gpu, Array::Rays(&rays));
             let tracer = CpuTracer::new(&scene, &bvh).with_precision(precision);
@@ -307,7 +307,7 @@ fn keys_of_odd_rays_are_equal_in_boxes_of_any_extent() {
         let gpu = Gpu::open(&AdapterRequest::Any).unwrap();
         let mut gpu = GpuBackend::new(gpu, &scene, Some(&bvh), Arc::clone(&setup), options.trace).unwrap();
         let rays = upload(&mut gpu, &odd_rays(min, max), None);
-        let hits = gpu.trace(&rays, Order::Canonical).unwrap();
+        let hits = gpu.trace(&rays, Order::Stored).unwrap();
         let table = LengthTable::new(setup.table_bits);
         assert!(compare_orders(&mut gpu, &setup, &rays, &hits, &table) > 30_000, "{min:?} to {max:?}");
     }
@@ -320,7 +320,7 @@ fn tables_of_one_cell_and_of_misses_alone_are_equal() {
     let Machine { setup, mut gpu, .. } = machine(&options);
     let away = Ray { origin: [1e6; 3], t_min: 0.0, direction: [1.0, 0.0, 0.0], t_max: f32::INFINITY };
     let rays = upload(&mut gpu, &[away; 6000], None);
-    let hits = gpu.trace(&rays, Order::Canonical).unwrap();
+    let hits = gpu.trace(&rays, Order::Stored).unwrap();
     let copied = copy(&mut gpu, &setup, &rays, &hits);
     let table = LengthTable::new(setup.table_bits);
     for _ in 0..3 {

@@ -52,6 +52,16 @@ pub fn is_method_name(name: &str) -> bool {
 /// The baseline: canonical order, no key, no permutation.
 pub const UNSORTED: &str = "unsorted";
 
+/// Canonical order again, but gathered, traced and scattered as any method is: what it misses 1 by is the
+/// instrument's error. It has times alone.
+pub const CONTROL: &str = "control";
+
+/// The orders that need no key.
+pub const WITHOUT_KEY: [&str; 2] = [UNSORTED, CONTROL];
+
+/// A random order, which benchmarks measure: what canonical order already has over none at all.
+pub const SHUFFLED: &str = "shuffled";
+
 const TWO_POINT: &str = "(ox oy oz ex ey ez)*10 ox oy oz ex";
 
 /// Name, layout and length estimate of every built-in method (layouts: KEYS).
@@ -120,7 +130,9 @@ impl Method {
         let bad_name = || MethodError::BadName { definition: definition.to_owned() };
         let (name, layout) = definition.split_once('=').ok_or_else(bad_name)?;
         let name = name.trim();
-        let taken = name == UNSORTED || BUILTIN.iter().any(|(known, ..)| *known == name);
+        let taken = WITHOUT_KEY.contains(&name)
+            || name == SHUFFLED
+            || BUILTIN.iter().any(|(known, ..)| *known == name);
         if !is_method_name(name) || taken {
             return Err(bad_name());
         }

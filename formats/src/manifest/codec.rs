@@ -13,7 +13,7 @@ use crate::ray::Kind;
 use crate::text::one_line;
 
 /// Kinds of records that this version knows: the number of variants of [`Record`].
-pub(super) const RECORD_KINDS: u32 = 7;
+pub(super) const RECORD_KINDS: u32 = 9;
 
 /// Most records are shorter than this. What the decoded values may take, lists with false lengths
 /// included, is bounded by the length of the record: a short one cannot ask for much memory.

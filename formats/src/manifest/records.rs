@@ -28,6 +28,10 @@ pub enum Record {
     End(End),
     /// What the cache model says of one order.
     Cache(CacheRecord),
+    /// Which times of a timing were disturbed.
+    Disturbed(DisturbedRecord),
+    /// How a method's rays are traced in its totals.
+    Way(WayRecord),
 }
 
 /// What is recorded, on which machine and how.
@@ -316,6 +320,61 @@ pub struct TimingRecord {
     pub samples_ns: Vec<u64>,
 }
 
+/// Samples of a timing that were taken while the machine did other work.
+#[derive(Clone, Debug, PartialEq, Eq, Encode, Decode)]
+pub struct DisturbedRecord {
+    /// Pass of the timing.
+    pub pass: u32,
+    /// Its bounce.
+    pub bounce: u32,
+    /// Its kind.
+    pub kind: Kind,
+    /// Its method.
+    pub method: String,
+    /// Its stage.
+    pub stage: Stage,
+    /// Places among its samples, ascending.
+    pub samples: Vec<u32>,
+}
+
+/// How a method's rays are traced in its totals: chosen once per recording, from a round that no figure uses.
+#[derive(Clone, Debug, PartialEq, Eq, Encode, Decode)]
+pub struct WayRecord {
+    /// The method.
+    pub method: String,
+    /// The way.
+    pub way: Way,
+}
+
+/// How sorted rays are traced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Encode, Decode, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Way {
+    /// Gathered, traced as they then lie, results scattered home.
+    Gathered,
+    /// Through indices, from and to canonical places.
+    Indices,
+}
+
+impl Way {
+    /// The stages that it takes.
+    pub fn stages(self) -> &'static [Stage] {
+        match self {
+            Self::Gathered => &[Stage::Gather, Stage::Trace, Stage::Scatter],
+            Self::Indices => &[Stage::TraceIndirect],
+        }
+    }
+
+    /// Whether a stage counts: all but those of the other way.
+    pub fn counts(self, stage: Stage) -> bool {
+        let other = match self {
+            Self::Gathered => Self::Indices,
+            Self::Indices => Self::Gathered,
+        };
+        !other.stages().contains(&stage)
+    }
+}
+
 /// A stage that is timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Encode, Decode, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -326,7 +385,8 @@ pub enum Stage {
     Sort,
     /// Gathering rays into the new order.
     Gather,
-    /// Tracing gathered rays, or those in canonical order for the baseline.
+    /// Tracing rays as they lie, gathered or, for the baseline, in canonical order. Until version 2 the
+    /// trace of gathered rays wrote each result to its canonical place.
     Trace,
     /// Tracing through indices, without gather.
     TraceIndirect,
@@ -336,6 +396,8 @@ pub enum Stage {
     Generate,
     /// From hits to the next rays.
     Shade,
+    /// Bringing the results of gathered rays home to canonical places.
+    Scatter,
 }
 
 impl Stage {
@@ -350,6 +412,7 @@ impl Stage {
             Self::Accumulate => "accumulate",
             Self::Generate => "generate",
             Self::Shade => "shade",
+            Self::Scatter => "scatter",
         }
     }
 }

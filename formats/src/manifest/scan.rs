@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use super::check::REPEATS_MAX;
 use super::codec::{self, RECORD_KINDS};
 use super::{
-    ArrayRecord, CacheRecord, End, FORMAT_VERSION, FRAME_BYTES, Header, MAGIC, MethodRecord, NAME_CHARACTERS,
-    PREAMBLE_BYTES, QueueId, QueueRecord, RECORD_BYTES_MAX, Record, TimingRecord,
+    ArrayRecord, CacheRecord, DisturbedRecord, End, FORMAT_VERSION, FRAME_BYTES, Header, MAGIC, MethodRecord,
+    NAME_CHARACTERS, OLDEST_VERSION, PREAMBLE_BYTES, QueueId, QueueRecord, RECORD_BYTES_MAX, Record,
+    TimingRecord, WayRecord,
 };
 use crate::key::method::is_method_name;
 use crate::npy;
@@ -33,7 +34,7 @@ pub enum ManifestError {
         path: PathBuf,
     },
     /// Written by another version of the format.
-    #[error("{}: found format version {found}, this program reads version {FORMAT_VERSION}; use the program that recorded it", path.display())]
+    #[error("{}: found format version {found}, this program reads versions {OLDEST_VERSION} to {FORMAT_VERSION}; use the program that recorded it", path.display())]
     Version {
         /// The manifest.
         path: PathBuf,
@@ -86,6 +87,8 @@ pub enum Fault {
 /// The readable records of a manifest, by kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manifest {
+    /// Version of the format.
+    pub version: u32,
     /// What is recorded and how.
     pub header: Header,
     /// The methods.
@@ -98,6 +101,10 @@ pub struct Manifest {
     pub timings: Vec<TimingRecord>,
     /// What the cache model says of each order.
     pub caches: Vec<CacheRecord>,
+    /// Which samples of the timings were disturbed.
+    pub disturbed: Vec<DisturbedRecord>,
+    /// How each method's rays are traced in its totals; none in recordings that do not say.
+    pub ways: Vec<WayRecord>,
     /// How the recording ended; `None` if it did not.
     pub end: Option<End>,
 }
@@ -116,6 +123,8 @@ pub struct Frame {
 /// What a manifest file holds: whole records, and the first fault after them, if there is one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scan {
+    /// Version of the format; 0 of a file that ends before it says so.
+    pub version: u32,
     /// The records before the fault, in order.
     pub frames: Vec<Frame>,
     /// Why there are no more of them, unless the file simply ends.
@@ -157,7 +166,7 @@ pub fn scan_bytes(reader: impl Read, bytes: u64, path: &Path) -> Result<Scan, Ma
             Next::End => break None,
         }
     };
-    Ok(Scan { frames, fault })
+    Ok(Scan { version: records.version, frames, fault })
 }
 
 /// Reads what can be read of the manifest at `path`: a damaged record is passed over if its length leads
@@ -203,6 +212,7 @@ struct Records<'a, R> {
     /// Where the next record starts; 0 before the preamble.
     offset: u64,
     order: Order,
+    version: u32,
     path: &'a Path,
 }
 
@@ -218,7 +228,7 @@ enum Next {
 
 impl<'a, R: Read> Records<'a, R> {
     fn new(reader: R, bytes: u64, path: &'a Path) -> Self {
-        Self { reader, bytes, offset: 0, order: Order::default(), path }
+        Self { reader, bytes, offset: 0, order: Order::default(), version: 0, path }
     }
 
     fn next(&mut self) -> Result<Next, ManifestError> {
@@ -229,7 +239,7 @@ impl<'a, R: Read> Records<'a, R> {
             }
             let mut preamble = [0; PREAMBLE_BYTES];
             self.reader.read_exact(&mut preamble).map_err(|cause| self.io_error(cause))?;
-            check_preamble(self.path, &preamble)?;
+            self.version = check_preamble(self.path, &preamble)?;
             self.offset = PREAMBLE_BYTES as u64;
         }
         if self.offset >= self.bytes {
@@ -262,15 +272,16 @@ impl<'a, R: Read> Records<'a, R> {
     }
 }
 
-fn check_preamble(path: &Path, preamble: &[u8; PREAMBLE_BYTES]) -> Result<(), ManifestError> {
+/// The version.
+fn check_preamble(path: &Path, preamble: &[u8; PREAMBLE_BYTES]) -> Result<u32, ManifestError> {
     let path = path.to_owned();
     let [.., v0, v1, v2, v3, r0, r1, r2, r3] = *preamble;
     if !preamble.starts_with(&MAGIC) {
         return Err(ManifestError::Magic { path });
     }
     match (u32::from_le_bytes([v0, v1, v2, v3]), u32::from_le_bytes([r0, r1, r2, r3])) {
-        (FORMAT_VERSION, 0) => Ok(()),
-        (FORMAT_VERSION, found) => Err(ManifestError::Reserved { path, found }),
+        (version @ OLDEST_VERSION..=FORMAT_VERSION, 0) => Ok(version),
+        (OLDEST_VERSION..=FORMAT_VERSION, found) => Err(ManifestError::Reserved { path, found }),
         (found, _) => Err(ManifestError::Version { path, found }),
     }
 }
@@ -349,6 +360,16 @@ impl Order {
             Record::Cache(CacheRecord { pass, bounce, kind, method, .. }) => {
                 format!("caches of {method} in {}", QueueId { pass: *pass, bounce: *bounce, kind: *kind })
             }
+            Record::Disturbed(DisturbedRecord { pass, bounce, kind, method, stage, samples }) => {
+                if !samples.is_sorted_by(|a, b| a < b) {
+                    return Err("its samples do not ascend".into());
+                }
+                format!(
+                    "disturbed times of {} by {method} in pass {pass}, bounce {bounce}, {kind} rays,",
+                    stage.name()
+                )
+            }
+            Record::Way(WayRecord { method, .. }) => format!("the way of {method}"),
             Record::Timing(timing) if timing.samples_ns.len() > REPEATS_MAX as usize => {
                 let found = timing.samples_ns.len();
                 return Err(format!("it has {found} samples of a time, expected at most {REPEATS_MAX}"));
@@ -402,16 +423,19 @@ fn check_array(array: &ArrayRecord) -> Result<(), String> {
 
 impl Manifest {
     /// The records sorted by kind; `None` if not even the header is among them.
-    pub fn from_frames(frames: impl IntoIterator<Item = Frame>) -> Option<Self> {
-        let mut frames = frames.into_iter();
+    pub fn of(scan: Scan) -> Option<Self> {
+        let mut frames = scan.frames.into_iter();
         let Some(Record::Header(header)) = frames.next().map(|frame| frame.record) else { return None };
         let mut manifest = Self {
+            version: scan.version,
             header: *header,
             methods: Vec::new(),
             arrays: Vec::new(),
             queues: Vec::new(),
             timings: Vec::new(),
             caches: Vec::new(),
+            disturbed: Vec::new(),
+            ways: Vec::new(),
             end: None,
         };
         for frame in frames {
@@ -422,6 +446,8 @@ impl Manifest {
                 Record::Queue(queue) => manifest.queues.push(queue),
                 Record::Timing(timing) => manifest.timings.push(timing),
                 Record::Cache(cache) => manifest.caches.push(cache),
+                Record::Disturbed(disturbed) => manifest.disturbed.push(disturbed),
+                Record::Way(way) => manifest.ways.push(way),
                 Record::End(end) => manifest.end = Some(end),
             }
         }

@@ -44,7 +44,8 @@ impl Traffic {
     /// | key | ray (32); the cell (12) if adaptive; the result if real | key (4 or 8) |
     /// | sort, per 8 bits | key for the histogram; key and index | key and index |
     /// | gather | index, ray | ray |
-    /// | trace | ray; index if sorted, for the result's place; the hierarchy is not counted | result |
+    /// | trace | ray; the hierarchy is not counted | result |
+    /// | scatter | index, result | result |
     /// | trace through indices | index, ray; the hierarchy is not counted | result |
     /// | accumulate | ray, result | cell (12) |
     ///
@@ -54,7 +55,6 @@ impl Traffic {
             Kind::Closest => size_of::<Hit>() as u64,
             Kind::Shadow => size_of::<f32>() as u64,
         };
-        let index = if self.order.is_some() { INDEX } else { 0 };
         match (stage, self.order) {
             (Stage::Key, Some(order)) => {
                 let length = match order.termination {
@@ -69,10 +69,11 @@ impl Traffic {
                 Some(passes * (order.key_bytes() + 2 * (order.key_bytes() + INDEX)))
             }
             (Stage::Gather, Some(_)) => Some(INDEX + 2 * RAY),
-            (Stage::Trace, _) => Some(RAY + index + result),
+            (Stage::Trace, _) => Some(RAY + result),
+            (Stage::Scatter, Some(_)) => Some(INDEX + 2 * result),
             (Stage::TraceIndirect, Some(_)) => Some(INDEX + RAY + result),
             (Stage::Accumulate, _) => Some(RAY + result + CELL),
-            (Stage::Key | Stage::Sort | Stage::Gather | Stage::TraceIndirect, None)
+            (Stage::Key | Stage::Sort | Stage::Gather | Stage::Scatter | Stage::TraceIndirect, None)
             | (Stage::Generate | Stage::Shade, _) => None,
         }
     }
@@ -110,7 +111,8 @@ mod tests {
             (Stage::Sort, Kind::Closest, 17, Fixed, 60),
             (Stage::Sort, Kind::Closest, 64, Fixed, 256),
             (Stage::Gather, Kind::Shadow, 32, Fixed, 68),
-            (Stage::Trace, Kind::Closest, 32, Fixed, 52),
+            (Stage::Trace, Kind::Closest, 32, Fixed, 48),
+            (Stage::Scatter, Kind::Closest, 32, Fixed, 36),
             (Stage::TraceIndirect, Kind::Shadow, 32, Fixed, 40),
             (Stage::Accumulate, Kind::Closest, 32, Adaptive, 60),
         ] {

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Check, Subject};
-use crate::key::method::UNSORTED;
+use crate::key::method::{UNSORTED, WITHOUT_KEY};
 use crate::manifest::{
     CacheRecord, Manifest, NAME_CHARACTERS, Options, Place, QueueId, QueueRecord, Stage, TimingRecord,
 };
@@ -77,7 +77,7 @@ impl<'a> Known<'a> {
         Self {
             options: &manifest.header.options,
             queues: manifest.queues.iter().map(|queue| (queue.id, queue)).collect(),
-            methods: methods.chain([UNSORTED]).collect(),
+            methods: methods.chain(WITHOUT_KEY).collect(),
             has_all_records: state == DumpState::Complete,
         }
     }
@@ -141,6 +141,8 @@ impl<'a> Known<'a> {
         let wrong = if is_of_a_queue != kind.is_some() {
             let (found, expected) = if is_of_a_queue { ("no", "one") } else { ("a", "none") };
             Some(format!("it has {found} kind of queue, expected {expected}"))
+        } else if WITHOUT_KEY.contains(&method.as_str()) && matches!(stage, Stage::Key | Stage::Sort) {
+            Some("it has no key".to_owned())
         } else if method == UNSORTED && is_of_a_queue && stage != Stage::Trace {
             Some("unsorted rays are traced, and nothing else".to_owned())
         } else if samples_ns.len() != expected as usize {

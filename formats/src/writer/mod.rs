@@ -187,6 +187,16 @@ impl DumpWriter {
         Ok(())
     }
 
+    /// Waits until everything that was written so far is on the disk.
+    ///
+    /// # Errors
+    /// If something cannot be written.
+    pub fn sync(&mut self) -> Result<(), WriteError> {
+        self.write_back.wait().map_err(|(path, cause)| io_error("write", &path)(cause))?;
+        let path = self.partial.join(manifest::FILE_NAME);
+        self.manifest.sync_data().map_err(io_error("write", &path))
+    }
+
     /// Waits until everything is on the disk, ends the manifest and gives the dump its name.
     ///
     /// # Errors

@@ -55,11 +55,11 @@ fn scan_and_compare(bytes: &[u8]) {
         assert!(encode_frame(&frame.record).unwrap() == found, "{:?}", frame.record);
         offset = frame.end;
     }
-    match scan.fault {
+    match &scan.fault {
         Some(fault) => assert_sentence(&fault.to_string()),
         None => assert_eq!(offset, bytes.len() as u64),
     }
-    if let Some(manifest) = Manifest::from_frames(scan.frames) {
+    if let Some(manifest) = Manifest::of(scan) {
         serde_json::to_string(&Summary::new(path, &manifest)).unwrap();
     }
 }

@@ -8,9 +8,9 @@ use formats::key::{Encoder, LightSite, Method, Termination};
 use formats::length_table::LengthTable;
 use formats::manifest::scan::scan;
 use formats::manifest::{
-    Adapter, Backend, CacheRecord, CameraPose, Check, End, Features, Header, ImageDigest, MethodArray,
-    MethodRecord, Mismatches, Options, Outcome, Place, QueueArray, QueueId, QueueRecord, Record, SceneArray,
-    SceneSummary, Source, Stage, TimingRecord,
+    Adapter, Backend, CacheRecord, CameraPose, Check, DisturbedRecord, End, Features, Header, ImageDigest,
+    MethodArray, MethodRecord, Mismatches, Options, Outcome, Place, QueueArray, QueueId, QueueRecord, Record,
+    SceneArray, SceneSummary, Source, Stage, TimingRecord, Way, WayRecord,
 };
 use formats::npy::{Dtype, MaterialMask};
 use formats::ray::{Hit, Kind, Ray, Work};
@@ -185,7 +185,7 @@ pub(crate) fn header() -> Header {
             height: HEIGHT,
             bounces: BOUNCES,
             passes: PASSES,
-            repeats: 3,
+            repeats: 7,
             seed: 7,
             camera: "middle".into(),
             methods: names.map(str::to_owned).to_vec(),
@@ -331,17 +331,28 @@ fn methods() -> Vec<(Method, u32)> {
 
 /// Times of a queue and method: made up, but such that some methods pay off and some do not.
 fn write_timings(writer: &mut DumpWriter, id: QueueId, method: &str, number: u64) -> Result<(), WriteError> {
-    let around = |ns: u64| vec![ns + 20, ns - 10, ns];
+    let around = |ns: u64| vec![ns + 20, ns - 10, ns, ns + 5, ns - 5, ns + 10, ns - 20];
     let trace = 10_000 + 3_000 * u64::from(id.bounce) - 700 * number;
     let mut stages = vec![(Stage::Trace, around(trace))];
     if method != "unsorted" {
-        stages.push((Stage::Key, vec![500, 700, 600]));
+        stages.push((Stage::Key, vec![500, 700, 600, 550, 650, 580, 620]));
         stages.push((Stage::Sort, around(1_000 + 100 * number)));
         stages.push((Stage::Gather, around(900)));
+        stages.push((Stage::Scatter, around(100)));
         stages.push((Stage::TraceIndirect, around(trace + 500 * (number % 3))));
     }
     if method == "two-point-adaptive" {
         stages.push((Stage::Accumulate, around(250)));
+    }
+    if method == "unsorted" {
+        writer.record(&Record::Disturbed(DisturbedRecord {
+            pass: id.pass,
+            bounce: id.bounce,
+            kind: id.kind,
+            method: method.to_owned(),
+            stage: Stage::Trace,
+            samples: vec![1],
+        }))?;
     }
     for (stage, samples_ns) in stages {
         let (pass, bounce, kind) = (id.pass, id.bounce, Some(id.kind));
@@ -425,6 +436,9 @@ pub(crate) fn write_all(writer: &mut DumpWriter) -> Result<End, WriteError> {
             base: method.name.clone(),
             two_point_length: header().options.two_point_length,
         }))?;
+        if method.name == "aila" {
+            writer.record(&Record::Way(WayRecord { method: method.name, way: Way::Indices }))?;
+        }
     }
     let tables = [LengthTable::new(12), LengthTable::new(12)];
     for pass in 0..PASSES {

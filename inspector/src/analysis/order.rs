@@ -2,10 +2,9 @@
 
 use formats::key::Termination;
 use formats::key::method::UNSORTED;
-use formats::manifest::{CacheRecord, Manifest, MethodArray, MethodRecord, Place, QueueId};
+use formats::manifest::{CacheRecord, Manifest, MethodArray, MethodRecord, Place, QueueId, Stage, Way};
 use formats::metrics::bandwidth::{KeyTraffic, Traffic};
 use formats::metrics::order::Places;
-use formats::metrics::speedup::StageSamples;
 use formats::reader::Dump;
 use serde::Serialize;
 
@@ -29,7 +28,9 @@ pub struct OrderAnalysis {
     pub two_point_length: Option<f32>,
     /// The stages that were timed.
     pub stages: Vec<StageTime>,
-    /// All stages that tracing in this order takes; `null` where it was not timed.
+    /// How its rays are traced in the total.
+    pub way: Way,
+    /// All stages that tracing in this order takes that way; `null` where it was not timed.
     pub total: Option<Time>,
     /// Unsorted trace over trace in this order.
     pub trace_speedup: Metric<SpeedupLine>,
@@ -94,7 +95,8 @@ impl<'a> QueueContext<'a> {
                 .map(|record| KeyTraffic { key_bits: record.key_bits, termination: record.termination }),
         };
         let own = self.samples.get(self.queue, method);
-        let totals = own.map(StageSamples::totals).unwrap_or_default();
+        let way = self.samples.way(self.queue, method);
+        let totals = own.map_or(Vec::new(), |own| own.totals(way));
         let places = self.places(method);
         OrderAnalysis {
             method: shown::name(method),
@@ -104,8 +106,9 @@ impl<'a> QueueContext<'a> {
                 .filter(|record| record.termination == Termination::Fixed)
                 .map(|record| record.two_point_length),
             stages: own.map_or(Vec::new(), |own| stages(own, &traffic, self.rays)),
+            way,
             total: Time::of(&totals, self.rays),
-            trace_speedup: self.speedup(method, record, own.map_or(&[], |own| &own.trace)),
+            trace_speedup: self.speedup(method, record, own.map_or(&[], |own| own.of(Stage::Trace))),
             net_speedup: self.speedup(method, record, &totals),
             caches: self.caches(method),
             coherence: self.coherence(&places),
@@ -122,7 +125,8 @@ impl<'a> QueueContext<'a> {
                 "it must trace the rays before it can sort them: an upper bound, not a method",
             );
         }
-        let baseline = self.samples.get(self.queue, UNSORTED).map_or(&[][..], |unsorted| &unsorted.trace);
+        let baseline =
+            self.samples.get(self.queue, UNSORTED).map_or(&[][..], |unsorted| unsorted.of(Stage::Trace));
         if baseline.is_empty() {
             return Metric::missing("the trace of unsorted rays was not timed");
         }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use formats::manifest::{Manifest, QueueId, Stage, TimingRecord};
+use formats::manifest::{Manifest, QueueId, Stage, TimingRecord, Way};
 use formats::metrics::bandwidth::{Traffic, bytes_per_second};
 use formats::metrics::speedup::{Speedup, StageSamples, median, quantile};
 use serde::Serialize;
@@ -64,9 +64,9 @@ pub enum Verdict {
 /// A speedup over the trace of unsorted rays.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SpeedupLine {
-    /// Median of the baseline over median of the method.
+    /// Median over rounds of the baseline's time over the method's.
     pub ratio: f64,
-    /// 95 % bootstrap interval; `null` with fewer than two samples.
+    /// 95 % bootstrap interval; `null` with fewer than six rounds.
     pub interval: Option<(f64, f64)>,
     /// What it says.
     pub verdict: Verdict,
@@ -88,58 +88,61 @@ impl SpeedupLine {
     }
 }
 
-/// The samples of a recording, by queue and method.
+/// The samples of a recording.
 #[derive(Debug, Default)]
-pub struct Samples<'a>(BTreeMap<(QueueId, &'a str), StageSamples>);
+pub struct Samples<'a> {
+    by_order: BTreeMap<(QueueId, &'a str), StageSamples>,
+    ways: BTreeMap<&'a str, Way>,
+}
 
 impl<'a> Samples<'a> {
     /// All that a manifest has. Stages that serve both kinds belong to no order and are left out.
     pub fn of(manifest: &'a Manifest) -> Self {
-        let mut samples: BTreeMap<_, StageSamples> = BTreeMap::new();
+        let mut by_order: BTreeMap<_, StageSamples> = BTreeMap::new();
         for TimingRecord { pass, bounce, kind, method, stage, samples_ns } in &manifest.timings {
             let Some(kind) = *kind else { continue };
             let queue = QueueId { pass: *pass, bounce: *bounce, kind };
-            let stages = samples.entry((queue, method.as_str())).or_default();
-            if let Some(stage) = samples_of(stages, *stage) {
-                stage.extend(samples_ns);
-            }
+            let stages = by_order.entry((queue, method.as_str())).or_default();
+            stages.of_mut(*stage).extend(samples_ns);
         }
-        Self(samples)
+        let ways = manifest.ways.iter().map(|record| (record.method.as_str(), record.way));
+        Self { by_order, ways: ways.collect() }
+    }
+
+    /// How sorted rays are traced in a method's totals: the way that the recording chose, else, as until
+    /// version 2, the one with the shorter median in this queue.
+    pub fn way(&self, queue: QueueId, method: &'a str) -> Way {
+        let shorter = || self.get(queue, method).map_or(Way::Gathered, StageSamples::shorter_way);
+        self.ways.get(method).copied().unwrap_or_else(shorter)
     }
 
     /// Those of one order.
     pub fn get(&self, queue: QueueId, method: &'a str) -> Option<&StageSamples> {
-        self.0.get(&(queue, method))
+        self.by_order.get(&(queue, method))
     }
 }
 
 /// The stages of an order, in the order in which they run.
-pub const STAGES: [Stage; 6] =
-    [Stage::Key, Stage::Sort, Stage::Gather, Stage::Trace, Stage::TraceIndirect, Stage::Accumulate];
-
-fn samples_of(samples: &mut StageSamples, stage: Stage) -> Option<&mut Vec<u64>> {
-    match stage {
-        Stage::Key => Some(&mut samples.key),
-        Stage::Sort => Some(&mut samples.sort),
-        Stage::Gather => Some(&mut samples.gather),
-        Stage::Trace => Some(&mut samples.trace),
-        Stage::TraceIndirect => Some(&mut samples.trace_indirect),
-        Stage::Accumulate => Some(&mut samples.accumulate),
-        Stage::Generate | Stage::Shade => None,
-    }
-}
+pub const STAGES: [Stage; 7] = [
+    Stage::Key,
+    Stage::Sort,
+    Stage::Gather,
+    Stage::Trace,
+    Stage::Scatter,
+    Stage::TraceIndirect,
+    Stage::Accumulate,
+];
 
 /// The times of an order's stages, those that were taken.
 pub fn stages(samples: &StageSamples, traffic: &Traffic, rays: u64) -> Vec<StageTime> {
-    let mut samples = samples.clone();
-    let mut of = |stage: Stage| {
-        let time = Time::of(samples_of(&mut samples, stage)?, rays)?;
+    let of = |stage: Stage| {
+        let time = Time::of(samples.of(stage), rays)?;
         let bytes_per_ray = traffic.bytes_per_ray(stage);
         let bytes_per_second =
             bytes_per_ray.and_then(|bytes| bytes_per_second(bytes.saturating_mul(rays), time.median_ns));
         Some(StageTime { stage, time, bytes_per_ray, bytes_per_second })
     };
-    STAGES.into_iter().filter_map(&mut of).collect()
+    STAGES.into_iter().filter_map(of).collect()
 }
 
 #[cfg(test)]
@@ -149,9 +152,10 @@ mod tests {
     #[test]
     fn verdicts_follow_the_interval() {
         let verdict = |baseline: &[u64], method: &[u64]| SpeedupLine::of(baseline, method).unwrap().verdict;
-        assert_eq!(verdict(&[200, 201, 199], &[100, 101, 99]), Verdict::Faster);
-        assert_eq!(verdict(&[100, 101, 99], &[200, 201, 199]), Verdict::Slower);
-        assert_eq!(verdict(&[90, 110, 100], &[92, 108, 101]), Verdict::NoSignificantDifference);
+        let (slow, fast) = ([200, 201, 199, 200, 202, 198], [100, 101, 99, 101, 99, 100]);
+        assert_eq!(verdict(&slow, &fast), Verdict::Faster);
+        assert_eq!(verdict(&fast, &slow), Verdict::Slower);
+        assert_eq!(verdict(&slow, &[201, 200, 200, 199, 203, 197]), Verdict::NoSignificantDifference);
         assert_eq!(verdict(&[90], &[92]), Verdict::Unknown);
         assert_eq!(SpeedupLine::of(&[], &[1]), None);
     }

@@ -5,7 +5,7 @@ use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 
 use super::notes::{hint, legend};
-use crate::analysis::timing::{SpeedupLine, Verdict};
+use crate::analysis::timing::{STAGES, SpeedupLine, Verdict};
 use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis};
 use crate::model::Context;
 use crate::panels::data::Data;
@@ -22,10 +22,6 @@ const BAR_ROW: f32 = 19.0;
 
 /// Height of the axis below the bars and the names above them, points.
 const AXIS: f32 = 64.0;
-
-/// The stages of a bar, from left to right.
-const STACK: [Stage; 6] =
-    [Stage::Key, Stage::Sort, Stage::Gather, Stage::Trace, Stage::TraceIndirect, Stage::Accumulate];
 
 impl Panel for TimingsPanel {
     fn title(&self) -> &'static str {
@@ -83,31 +79,21 @@ fn quantities(order: &OrderAnalysis) -> Vec<Vec<String>> {
     stages.chain(speedups).map(|(quantity, value)| row(quantity, value)).collect()
 }
 
-/// The stages that tracing in an order takes, in milliseconds: of the two ways to trace, the faster one.
-fn stack(order: &OrderAnalysis) -> [f64; STACK.len()] {
+/// The stages that tracing in an order takes, in milliseconds, by its way.
+fn stack(order: &OrderAnalysis) -> [f64; STAGES.len()] {
     let time = |stage: Stage| {
         let found = order.stages.iter().find(|found| found.stage == stage);
         found.map(|found| found.time.median_ns / 1e6)
     };
-    let gathered = time(Stage::Trace).map(|trace| trace + time(Stage::Gather).unwrap_or(0.0));
-    let is_indirect = match (gathered, time(Stage::TraceIndirect)) {
-        (Some(gathered), Some(indirect)) => indirect < gathered,
-        (None, indirect) => indirect.is_some(),
-        (Some(_), None) => false,
-    };
-    STACK.map(|stage| match stage {
-        Stage::Gather | Stage::Trace if is_indirect => 0.0,
-        Stage::TraceIndirect if !is_indirect => 0.0,
-        stage => time(stage).unwrap_or(0.0),
-    })
+    STAGES.map(|stage| time(stage).filter(|_| order.way.counts(stage)).unwrap_or(0.0))
 }
 
 fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
     let theme = Theme::of(ui.ctx());
     let orders: Vec<&OrderAnalysis> = queue.orders.iter().rev().collect();
-    let stacks: Vec<[f64; STACK.len()]> = orders.iter().map(|order| stack(order)).collect();
+    let stacks: Vec<[f64; STAGES.len()]> = orders.iter().map(|order| stack(order)).collect();
     let mut charts: Vec<BarChart> = Vec::new();
-    for (at, stage) in STACK.into_iter().enumerate() {
+    for (at, stage) in STAGES.into_iter().enumerate() {
         if stacks.iter().all(|stack| stack[at] == 0.0) {
             continue;
         }
@@ -122,10 +108,10 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
     let names: Vec<String> = orders.iter().map(|order| order.method.clone()).collect();
     let break_even = stack_of(queue, UNSORTED).map(|stack| stack.iter().sum::<f64>());
     let drawn: Vec<usize> =
-        (0..STACK.len()).filter(|&at| stacks.iter().any(|stack| stack[at] > 0.0)).collect();
+        (0..STAGES.len()).filter(|&at| stacks.iter().any(|stack| stack[at] > 0.0)).collect();
     let line = ui.horizontal_wrapped(|ui| {
         for at in drawn {
-            legend(ui, theme.series(at + 1), &STACK[at].name().replace('_', " "));
+            legend(ui, theme.series(at + 1), &STAGES[at].name().replace('_', " "));
         }
         ui.label("- - -  break-even: the trace of unsorted rays");
     });
@@ -158,7 +144,7 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
         });
 }
 
-fn stack_of(queue: &QueueAnalysis, method: &str) -> Option<[f64; STACK.len()]> {
+fn stack_of(queue: &QueueAnalysis, method: &str) -> Option<[f64; STAGES.len()]> {
     queue.orders.iter().find(|order| order.method == method).map(stack)
 }
 

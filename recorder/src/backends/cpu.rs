@@ -1,24 +1,27 @@
 //! The backend on native threads.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::sync::atomic::Ordering::Relaxed;
 
 use anyhow::{Result, ensure};
 use formats::key::Encoder;
 use formats::length_table::LengthTable;
 use formats::manifest::QueueId;
+use formats::permutation::check_bijection;
 use formats::ray::{Kind, Ray};
-use glam::Vec3;
 
+use super::pool::Pool;
 use crate::backends::{Array, Backend, Queue, RecordedRays, Shaded, Sink, Table};
+use crate::clock::{Clock, Sample};
 use crate::stages::compact::cpu::{Paths, RayState};
 use crate::stages::key::cpu::{Lengths, encode};
 use crate::stages::setup::Setup;
-use crate::stages::sort::cpu::{Keys, Sorter, Words};
+use crate::stages::shade::cpu::{Film, Shader, add_light, dark_film, light_of};
+use crate::stages::sort::cpu::{Keys, Permutation, Sorter, Words, permutation_of};
 use crate::stages::trace::Order;
 use crate::stages::trace::cpu::CpuTracer;
 use crate::stages::trace::hits::Hits;
-use crate::stages::{accumulate, compare, gather, generate, shade};
+use crate::stages::{accumulate, compare, gather, generate, scatter, shade};
 
 /// Bytes that are handed to a sink at once.
 const SINK_BYTES: usize = 4 << 20;
@@ -33,8 +36,18 @@ pub struct CpuBackend {
     cells: Encoder,
     /// By [`Table`] and kind.
     tables: [[LengthTable; 2]; 2],
-    film: Vec<Vec3>,
-    elapsed_ns: u64,
+    film: Film,
+    sorter: Sorter,
+    shader: Shader,
+    /// By kind.
+    paths: [Pool<Paths>; 2],
+    /// Rays in another order, without what their paths carry.
+    gathered: Pool<Paths>,
+    /// By kind.
+    hits: [Pool<Hits>; 2],
+    keys: Pool<Keys>,
+    permutations: Pool<Permutation>,
+    clock: Clock,
 }
 
 /// A queue on the CPU.
@@ -42,7 +55,7 @@ pub struct CpuBackend {
 pub struct CpuRays {
     id: QueueId,
     /// Without indices and states where rays were gathered.
-    paths: Paths,
+    paths: Arc<Paths>,
 }
 
 impl CpuRays {
@@ -70,39 +83,40 @@ impl CpuBackend {
             encoders: setup.methods.iter().map(|method| encoder(&method.layout, method.key_bits)).collect(),
             cells: encoder(&setup.table_layout, setup.table_bits),
             tables: [tables(), tables()],
-            film: vec![Vec3::ZERO; setup.width as usize * setup.height as usize],
-            elapsed_ns: 0,
+            film: dark_film(setup.width as usize * setup.height as usize),
+            sorter: Sorter::default(),
+            shader: Shader::default(),
+            paths: [Pool::default(), Pool::default()],
+            gathered: Pool::default(),
+            hits: [Pool::default(), Pool::default()],
+            keys: Pool::default(),
+            permutations: Pool::default(),
+            clock: Clock::of_processor(),
             tracer,
             setup,
         }
-    }
-
-    /// Runs a stage and remembers how long it took.
-    fn timed<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
-        let start = Instant::now();
-        let value = work(self);
-        self.elapsed_ns = start.elapsed().as_nanos() as u64;
-        value
     }
 }
 
 impl Backend for CpuBackend {
     type Rays = CpuRays;
-    type Hits = Hits;
-    type Keys = Keys;
-    type Permutation = Vec<u32>;
+    type Hits = Arc<Hits>;
+    type Keys = Arc<Keys>;
+    type Permutation = Arc<Permutation>;
 
-    fn elapsed_ns(&self) -> u64 {
-        self.elapsed_ns
+    fn sample(&self) -> Sample {
+        self.clock.last()
     }
 
     fn generate(&mut self, pass: u32) -> Result<CpuRays> {
         let params = generate::params(&self.setup, pass);
-        let rays = self.timed(|_| generate::cpu::generate(&params));
-        let ids = (0..rays.len() as u32).collect();
-        let states = vec![RayState { color: [1.0; 3], ..RayState::default() }; rays.len()];
-        let id = QueueId { pass, bounce: 0, kind: Kind::Closest };
-        Ok(CpuRays { id, paths: Paths { rays, ids, states } })
+        let (paths, ()) = self.paths[Kind::Closest as usize].filled(|paths| {
+            paths.make_room(params.count as usize);
+            paths.ids.iter_mut().zip(0..).for_each(|(id, pixel)| *id = pixel);
+            paths.states.fill(RayState { color: [1.0; 3], ..RayState::default() });
+            self.clock.time(|| generate::cpu::generate(&params, &mut paths.rays));
+        });
+        Ok(CpuRays { id: QueueId { pass, bounce: 0, kind: Kind::Closest }, paths })
     }
 
     fn upload(&mut self, queue: RecordedRays<'_>) -> Result<CpuRays> {
@@ -114,30 +128,56 @@ impl Backend for CpuBackend {
         }
         let mut states = vec![RayState::default(); rays.len()];
         states.iter_mut().zip(lights).for_each(|(state, &light)| state.light = light);
-        Ok(CpuRays { id, paths: Paths { rays: rays.to_vec(), ids: path_ids.to_vec(), states } })
+        let paths = Paths { rays: rays.to_vec(), ids: path_ids.to_vec(), states };
+        Ok(CpuRays { id, paths: Arc::new(paths) })
     }
 
-    fn trace(&mut self, rays: &CpuRays, order: Order<&Vec<u32>>) -> Result<Hits> {
-        let hits = Hits::new(rays.id.kind, rays.len());
-        self.timed(|backend| backend.tracer.trace(rays.rays(), order.map(Vec::as_slice), &hits));
-        Ok(hits)
+    fn upload_permutation(&mut self, indices: &[u32]) -> Result<Arc<Permutation>> {
+        check_bijection(indices, indices.len())?;
+        Ok(Arc::new(permutation_of(indices)))
     }
 
-    fn accumulate(&mut self, rays: &CpuRays, hits: &Hits, table: Table) -> Result<()> {
-        self.timed(|Self { setup, cells, tables, .. }| {
-            let table = &tables[table as usize][rays.id.kind as usize];
-            let length = |index: usize| hits.length(&setup.unit, &rays.rays()[index], index);
-            accumulate::cpu::accumulate(table, cells, rays.rays(), length);
+    fn trace(&mut self, rays: &CpuRays, order: Order<&Arc<Permutation>>) -> Result<Arc<Hits>> {
+        let kind = rays.id.kind;
+        let (filled, ()) = self.hits[kind as usize].filled(|hits| {
+            hits.make_room(kind, rays.len());
+            let order = order.map(|permutation| permutation.as_slice());
+            self.clock.time(|| self.tracer.trace(rays.rays(), order, hits));
         });
+        Ok(filled)
+    }
+
+    fn scatter(&mut self, hits: &Arc<Hits>, permutation: &Arc<Permutation>) -> Result<Arc<Hits>> {
+        let kind = hits.kind();
+        let (filled, ()) = self.hits[kind as usize].filled(|home| {
+            home.make_room(kind, hits.len());
+            self.clock.time(|| scatter::cpu::scatter(hits, permutation, home));
+        });
+        Ok(filled)
+    }
+
+    fn accumulate(&mut self, rays: &CpuRays, hits: &Arc<Hits>, table: Table) -> Result<()> {
+        let table = &self.tables[table as usize][rays.id.kind as usize];
+        let length = |index: usize| hits.length(&self.setup.unit, &rays.rays()[index], index);
+        self.clock.time(|| accumulate::cpu::accumulate(table, &self.cells, rays.rays(), length));
         Ok(())
     }
 
-    fn shade(&mut self, rays: &CpuRays, hits: &Hits) -> Result<Shaded<CpuRays>> {
+    fn shade(&mut self, rays: &CpuRays, hits: &Arc<Hits>) -> Result<Shaded<CpuRays>> {
         let id = rays.id;
         ensure!(id.kind == Kind::Closest, "{id} was to be shaded, which only closest rays are");
         let params = shade::params(&self.setup, id);
-        let [next, shadow] = self.timed(|Self { setup, film, .. }| {
-            shade::cpu::shade(&setup.tables, &setup.features, &params, (&rays.paths, hits), film)
+        let Self { setup, film, shader, clock, paths: [closest_paths, shadow_paths], .. } = self;
+        let (shadow, (next, ())) = shadow_paths.filled(|shadow| {
+            closest_paths.filled(|next| {
+                shader.make_room(rays.len(), [next, shadow]);
+                let live = clock.time(|| {
+                    let queue = (&*rays.paths, &**hits);
+                    shader.shade(&setup.tables, &setup.features, &params, queue, film, [next, shadow])
+                });
+                next.truncate(live[0]);
+                shadow.truncate(live[1]);
+            })
         });
         Ok(Shaded {
             next: CpuRays { id: QueueId { bounce: id.bounce + 1, ..id }, paths: next },
@@ -145,36 +185,46 @@ impl Backend for CpuBackend {
         })
     }
 
-    fn add_light(&mut self, rays: &CpuRays, hits: &Hits) -> Result<()> {
-        self.timed(|backend| shade::cpu::add_light(&rays.paths, hits, &mut backend.film));
+    fn add_light(&mut self, rays: &CpuRays, hits: &Arc<Hits>) -> Result<()> {
+        self.clock.time(|| add_light(&rays.paths, hits, &self.film));
         Ok(())
     }
 
-    fn key(&mut self, rays: &CpuRays, hits: &Hits, method: usize) -> Result<Keys> {
-        Ok(self.timed(|Self { setup, cells, tables, encoders, .. }| {
-            let plan = &setup.methods[method];
-            let real = |index: usize| hits.length(&setup.unit, &rays.rays()[index], index);
-            let table = &tables[Table::Learnt as usize][rays.id.kind as usize];
-            let lengths = Lengths::of(plan.termination, plan.two_point_length, table, cells, &real);
-            // States are not touched where they say nothing.
-            let light = |index: usize| match rays.id.kind {
-                Kind::Closest => 0,
-                Kind::Shadow => rays.paths.states[index].light,
-            };
-            encode(&encoders[method], plan.key_bits, rays.rays(), &lengths, light)
-        }))
+    fn key(&mut self, rays: &CpuRays, hits: &Arc<Hits>, method: usize) -> Result<Arc<Keys>> {
+        let Self { setup, cells, tables, encoders, clock, .. } = self;
+        let plan = &setup.methods[method];
+        let real = |index: usize| hits.length(&setup.unit, &rays.rays()[index], index);
+        let table = &tables[Table::Learnt as usize][rays.id.kind as usize];
+        let lengths = Lengths::of(plan.termination, plan.two_point_length, table, cells, &real);
+        // States are not touched where they say nothing.
+        let light = |index: usize| match rays.id.kind {
+            Kind::Closest => 0,
+            Kind::Shadow => rays.paths.states[index].light,
+        };
+        let (filled, ()) = self.keys.filled(|keys| {
+            keys.make_room(rays.len(), plan.key_bits);
+            clock.time(|| encode(&encoders[method], rays.rays(), &lengths, light, keys));
+        });
+        Ok(filled)
     }
 
-    fn sort(&mut self, keys: &Keys) -> Result<Vec<u32>> {
-        Ok(self.timed(|_| Sorter::default().sort(keys)))
+    fn sort(&mut self, keys: &Arc<Keys>) -> Result<Arc<Permutation>> {
+        let (filled, ()) = self.permutations.filled(|permutation| {
+            self.sorter.make_room(keys, permutation);
+            self.clock.time(|| self.sorter.sort(keys, permutation));
+        });
+        Ok(filled)
     }
 
-    fn gather(&mut self, rays: &CpuRays, permutation: &Vec<u32>) -> Result<CpuRays> {
-        let gathered = self.timed(|_| gather::cpu::gather(rays.rays(), permutation));
-        Ok(CpuRays { id: rays.id, paths: Paths { rays: gathered, ..Paths::default() } })
+    fn gather(&mut self, rays: &CpuRays, permutation: &Arc<Permutation>) -> Result<CpuRays> {
+        let (paths, ()) = self.gathered.filled(|paths| {
+            paths.rays.resize(rays.len(), bytemuck::Zeroable::zeroed());
+            self.clock.time(|| gather::cpu::gather(rays.rays(), permutation, &mut paths.rays));
+        });
+        Ok(CpuRays { id: rays.id, paths })
     }
 
-    fn differences(&mut self, hits: &Hits, others: &Hits) -> Result<u64> {
+    fn differences(&mut self, hits: &Arc<Hits>, others: &Arc<Hits>) -> Result<u64> {
         Ok(compare::cpu::differences(hits, others))
     }
 
@@ -191,15 +241,20 @@ impl Backend for CpuBackend {
             Array::Hits(hits) => (0..hits.len())
                 .step_by(SINK_ITEMS)
                 .try_for_each(|first| sink(&hits.bytes(first..hits.len().min(first + SINK_ITEMS)))),
-            Array::Keys(Keys { words: Words::Narrow(words), .. }) => whole(bytemuck::cast_slice(words)),
-            Array::Keys(Keys { words: Words::Wide(words), .. }) => whole(bytemuck::cast_slice(words)),
-            Array::Permutation(permutation) => whole(bytemuck::cast_slice(permutation)),
+            Array::Keys(keys) => match &keys.words {
+                Words::Narrow(words) => whole(bytemuck::cast_slice(words)),
+                Words::Wide(words) => whole(bytemuck::cast_slice(words)),
+            },
+            Array::Permutation(permutation) => permutation.chunks(SINK_ITEMS).try_for_each(|places| {
+                let places: Vec<u32> = places.iter().map(|place| place.load(Relaxed)).collect();
+                sink(bytemuck::cast_slice(&places))
+            }),
             Array::Lengths(kind) => {
                 let cells = self.tables[Table::Learnt as usize][kind as usize].touched();
                 whole(bytemuck::cast_slice(&cells))
             }
             Array::Film => self.film.chunks(SINK_ITEMS).try_for_each(|pixels| {
-                let pixels: Vec<[f32; 3]> = pixels.iter().map(Vec3::to_array).collect();
+                let pixels: Vec<[f32; 3]> = pixels.iter().map(light_of).collect();
                 sink(bytemuck::cast_slice(&pixels))
             }),
         }

@@ -2,6 +2,7 @@
 
 pub mod cpu;
 pub mod gpu;
+mod pool;
 
 use anyhow::{Result, bail, ensure};
 use bytemuck::Pod;
@@ -9,6 +10,7 @@ use formats::length_table::LengthCell;
 use formats::manifest::QueueId;
 use formats::ray::{Kind, Ray};
 
+use crate::clock::Sample;
 use crate::stages::setup::Setup;
 use crate::stages::trace::Order;
 
@@ -133,26 +135,34 @@ pub fn picture<B: Backend>(backend: &mut B, passes: u32) -> Result<Vec<[f32; 3]>
     Ok(film.into_iter().map(|pixel| pixel.map(|light| light * scale)).collect())
 }
 
-/// A device that runs the stages. Queues and everything made of them are opaque.
+/// A device that runs the stages. Queues and everything made of them are opaque, and live in memory that is
+/// used again once they are dropped: what a verb writes while it is timed was touched before.
 pub trait Backend {
     /// A queue, or its rays in another order.
     type Rays: Queue;
-    /// What tracing a queue found, at canonical places.
+    /// What tracing rays found, a result for each.
     type Hits;
     /// Keys in canonical order.
     type Keys;
     /// A permutation of a queue.
     type Permutation;
 
-    /// Nanoseconds that the last verb took, on the device's clock where it has one. Copies between the
-    /// device and main memory are not timed.
-    fn elapsed_ns(&self) -> u64;
+    /// The time of the last verb, on the device's clock where it has one. Copies between the device and main
+    /// memory are not timed.
+    fn sample(&self) -> Sample;
+
+    /// The same in nanoseconds alone.
+    fn elapsed_ns(&self) -> u64 {
+        self.sample().elapsed_ns
+    }
 
     /// Camera rays of a pass.
     fn generate(&mut self, pass: u32) -> Result<Self::Rays>;
     /// A queue of recorded rays. What paths carry beside their rays is not recorded: shading it is dark.
     fn upload(&mut self, queue: RecordedRays<'_>) -> Result<Self::Rays>;
-    /// Traces rays; in any order but the canonical one, results live until the next trace.
+    /// An order that no key has: the canonical index of the ray at each place, each once.
+    fn upload_permutation(&mut self, indices: &[u32]) -> Result<Self::Permutation>;
+    /// Traces rays; results lie as the rays do.
     fn trace(&mut self, rays: &Self::Rays, order: Order<&Self::Permutation>) -> Result<Self::Hits>;
     /// Adds traced lengths to a table of the queue's kind.
     fn accumulate(&mut self, rays: &Self::Rays, hits: &Self::Hits, table: Table) -> Result<()>;
@@ -165,7 +175,9 @@ pub trait Backend {
     fn key(&mut self, rays: &Self::Rays, hits: &Self::Hits, method: usize) -> Result<Self::Keys>;
     /// Sorts keys, stably.
     fn sort(&mut self, keys: &Self::Keys) -> Result<Self::Permutation>;
-    /// Copies rays into an order, to be traced with [`Order::Gathered`] alone, before the next gather.
+    /// Brings what gathered rays found home to canonical places.
+    fn scatter(&mut self, hits: &Self::Hits, permutation: &Self::Permutation) -> Result<Self::Hits>;
+    /// Copies rays into an order.
     fn gather(&mut self, rays: &Self::Rays, permutation: &Self::Permutation) -> Result<Self::Rays>;
     /// Counts results that differ: all of a hit's fields, for shadow rays the occlusion.
     fn differences(&mut self, hits: &Self::Hits, others: &Self::Hits) -> Result<u64>;

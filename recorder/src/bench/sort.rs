@@ -2,11 +2,12 @@
 
 use anyhow::Result;
 use formats::bench_result::{BenchResult, Rows, SortRow};
-use std::time::Instant;
+use std::sync::atomic::Ordering::Relaxed;
 
 use super::result;
-use crate::device::Gpu;
+use crate::clock::Clock;
 use crate::machine::{self, Device, DeviceRequest};
+use crate::stages::sort::cpu::Permutation;
 use crate::stages::sort::gpu::Sorter;
 use crate::stages::sort::{self, Digits};
 
@@ -30,10 +31,18 @@ pub struct SortBench {
 pub fn run(bench: &SortBench) -> Result<BenchResult> {
     let device = machine::open(&bench.device)?;
     let rows = match &device {
-        Device::Cpu(cpu) => cpu.pool.install(|| measure(bench, |keys, bits| Ok(on_threads(keys, bits))))?,
+        Device::Cpu(cpu) => cpu.pool.install(|| {
+            let (mut sorter, mut order) = (sort::cpu::Sorter::default(), Permutation::new());
+            measure(bench, |keys, bits| Ok(on_threads(&mut sorter, &mut order, keys, bits)))
+        })?,
         Device::Gpu(gpu) => {
             let mut sorter = Sorter::new(&gpu.gpu)?;
-            measure(bench, |keys, bits| on_gpu(&gpu.gpu, &mut sorter, keys, bits))?
+            let most = bench.counts.iter().max().map_or(0, |&most| most as usize);
+            let order = gpu.gpu.array("sort::permutation", most)?;
+            measure(bench, |keys, bits| {
+                let keys = sort::gpu::Keys::upload(&gpu.gpu, &cut(keys, bits), bits)?;
+                Ok(sorter.sort(&gpu.gpu, &keys, &order)?)
+            })?
         }
     };
     Ok(result(&device, Rows::Sort(rows)))
@@ -60,18 +69,12 @@ fn measure(bench: &SortBench, mut sort_ns: impl FnMut(&[u64], u32) -> Result<u64
     Ok(rows)
 }
 
-fn on_threads(keys: &[u64], bits: u32) -> u64 {
+fn on_threads(sorter: &mut sort::cpu::Sorter, order: &mut Permutation, keys: &[u64], bits: u32) -> u64 {
     let keys = sort::cpu::Keys::of(&cut(keys, bits), bits);
-    let start = Instant::now();
-    let order = sort::cpu::Sorter::default().sort(&keys);
-    let elapsed = start.elapsed();
-    drop(order);
-    elapsed.as_nanos() as u64
-}
-
-fn on_gpu(gpu: &Gpu, sorter: &mut Sorter, keys: &[u64], bits: u32) -> Result<u64> {
-    let keys = sort::gpu::Keys::upload(gpu, &cut(keys, bits), bits)?;
-    Ok(sorter.sort(gpu, &keys)?.elapsed_ns)
+    let mut clock = Clock::of_processor();
+    sorter.make_room(&keys, order);
+    clock.time(|| sorter.sort(&keys, order));
+    clock.last().elapsed_ns
 }
 
 /// The highest `bits` bits of keys of 64.
@@ -100,10 +103,12 @@ pub(super) fn sorted_by(
         Device::Cpu(cpu) => cpu.pool.install(|| {
             let keys = sort::cpu::Keys::of(keys, u32::BITS);
             let mut sorters: Vec<_> = choices.iter().map(|&digits| sort::cpu::Sorter::by(digits)).collect();
+            let (mut clock, mut order) = (Clock::of_processor(), Permutation::new());
             in_turns(choices.len(), repeats, |at| {
-                let start = Instant::now();
-                let order = sorters[at].sort(&keys);
-                Ok((start.elapsed().as_nanos() as u64, order))
+                sorters[at].make_room(&keys, &mut order);
+                clock.time(|| sorters[at].sort(&keys, &mut order));
+                let order = order.iter().map(|place| place.load(Relaxed)).collect();
+                Ok((clock.last().elapsed_ns, order))
             })
         }),
         Device::Gpu(device) => {
@@ -111,9 +116,10 @@ pub(super) fn sorted_by(
             let keys = sort::gpu::Keys::upload(gpu, keys, u32::BITS)?;
             let sorters = choices.iter().map(|&digits| Ok(Sorter::new(gpu)?.by(digits)));
             let mut sorters: Vec<Sorter> = sorters.collect::<Result<_>>()?;
+            let order = gpu.array("sort::permutation", keys.count)?;
             in_turns(choices.len(), repeats, |at| {
-                let sorted = sorters[at].sort(gpu, &keys)?;
-                Ok((sorted.elapsed_ns, gpu.read_vec(&sorted.permutation)?))
+                let elapsed_ns = sorters[at].sort(gpu, &keys, &order)?;
+                Ok((elapsed_ns, gpu.read_vec(&order)?))
             })
         }
     }

@@ -94,7 +94,7 @@ impl<B: Backend> Observer<B> for KernelsAndOrders<'_, B> {
         let mut queues = Vec::new();
         for other in &mut self.others {
             let queue = other.upload(copied.queue(Some(&cells)))?;
-            let hits = other.trace(&queue, Order::Canonical)?;
+            let hits = other.trace(&queue, Order::Stored)?;
             kernels.push(prepare(other, &queue, &hits, &methods)?);
             queues.push(queue);
         }
@@ -145,11 +145,11 @@ fn sample<B: Backend>(
     orders: &[B::Permutation],
     samples: &mut [Vec<u64>],
 ) -> Result<()> {
-    backend.trace(rays, Order::Canonical)?;
+    backend.trace(rays, Order::Stored)?;
     samples[0].push(backend.elapsed_ns());
     for (order, samples) in orders.iter().zip(&mut samples[1..]) {
         let gathered = backend.gather(rays, order)?;
-        backend.trace(&gathered, Order::Gathered(order))?;
+        backend.trace(&gathered, Order::Stored)?;
         samples.push(backend.elapsed_ns());
     }
     Ok(())

@@ -17,9 +17,9 @@ use formats::key::Method;
 /// Sets of defaults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Preset {
-    /// 960×540, 5 bounces, 2 passes, 3 repeats.
+    /// 960×540, 5 bounces, 2 passes, 7 repeats.
     Quick,
-    /// 1920×1080, 8 bounces, 4 passes, 10 repeats, 32-bit keys: the paper's settings.
+    /// 1920×1080, 8 bounces, 4 passes, 15 repeats, 32-bit keys: the paper's settings.
     Paper,
 }
 
@@ -34,8 +34,8 @@ struct PresetValues {
 impl Preset {
     fn values(self) -> PresetValues {
         match self {
-            Self::Quick => PresetValues { width: 960, height: 540, bounces: 5, passes: 2, repeats: 3 },
-            Self::Paper => PresetValues { width: 1920, height: 1080, bounces: 8, passes: 4, repeats: 10 },
+            Self::Quick => PresetValues { width: 960, height: 540, bounces: 5, passes: 2, repeats: 7 },
+            Self::Paper => PresetValues { width: 1920, height: 1080, bounces: 8, passes: 4, repeats: 15 },
         }
     }
 }

@@ -196,8 +196,8 @@ impl Bench<'_> {
         let keys: Vec<u64> = low.zip(high).map(key).take(SORT_KEYS as usize).collect();
         let mut expected: Vec<u32> = (0..SORT_KEYS).collect();
         expected.sort_by_key(|&index| keys[index as usize]);
-        let sorted = Sorter::new(gpu)?.sort(gpu, &Keys::upload(gpu, &keys, bits)?)?;
-        let found = gpu.read_vec(&sorted.permutation)?;
+        let sorted = Sorter::new(gpu)?.sorted(gpu, &Keys::upload(gpu, &keys, bits)?)?;
+        let found = gpu.read_vec(&sorted)?;
         let wrong = found.iter().zip(&expected).position(|(found, expected)| found != expected);
         let name = if bits > 32 { "sort of 64-bit keys" } else { "sort of 32-bit keys" };
         Ok(verdict(name, wrong.map(|place| format!("place {place} of {SORT_KEYS} holds the wrong key"))))

@@ -20,6 +20,7 @@ use crate::cache_model::CacheModel;
 use crate::capture::Capture;
 use crate::interrupt;
 use crate::machine::Device;
+use crate::measure::{Measured, Subject};
 use crate::observer::{MeasuredQueue, Plan, Recorder};
 use crate::options::RecordOptions;
 use crate::progress::Progress;
@@ -89,7 +90,7 @@ impl Run<'_> {
         Plan {
             methods: self.setup.methods.clone(),
             passes: options.passes,
-            repeats: options.repeats,
+            measured: self.measured(),
             keep: options.keep,
             keep_passes: options.keep_passes,
             tolerates_mismatches: options.trace == TraceKernel::RayQuery,
@@ -97,6 +98,14 @@ impl Run<'_> {
             cache_model,
             recorded: self.recorded,
         }
+    }
+
+    /// The baseline and all methods, and the control where there is any.
+    fn measured(&self) -> Measured {
+        let methods = (0..self.setup.methods.len()).map(Subject::Method);
+        let control = (!self.setup.methods.is_empty()).then_some(Subject::Control);
+        let orders = [Subject::Unsorted].into_iter().chain(control).chain(methods).collect();
+        Measured { orders, repeats: self.options.repeats, seed: self.options.seed }
     }
 
     fn with<B: Backend>(&self, backend: &mut B, cache_model: Option<CacheModel>) -> Result<Outcomes> {
@@ -133,7 +142,8 @@ impl Run<'_> {
     fn progress(&self) -> Progress {
         let pixels = u64::from(self.setup.width) * u64::from(self.setup.height);
         let repeats = u64::from(self.options.repeats);
-        let traces = repeats + self.setup.methods.len() as u64 * (2 + 2 * repeats);
+        // Two rounds come before those that count; the control and the baseline are traced once in each.
+        let traces = (2 + repeats) * 2 * (1 + self.setup.methods.len() as u64);
         let passes = match &self.rays {
             Rays::Paths => self.options.passes,
             Rays::Recorded(_) => 1,

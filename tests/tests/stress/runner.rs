@@ -98,7 +98,7 @@ pub(crate) fn trace(backend: Backend, kernel: TraceKernel, scene: &Scene, rays: 
             let tracer = CpuTracer::new(scene, &bvh.unwrap());
             kinds.map(|kind| {
                 let hits = cpu_hits::Hits::new(kind, rays.len());
-                tracer.trace(rays, Order::Canonical, &hits);
+                tracer.trace(rays, Order::Stored, &hits);
                 hits.bytes(0..rays.len())
             })
         }
@@ -109,7 +109,7 @@ pub(crate) fn trace(backend: Backend, kernel: TraceKernel, scene: &Scene, rays: 
             let uploaded = RayArrays::upload(gpu, "stress", rays).unwrap();
             kinds.map(|kind| {
                 let hits = Hits::new(gpu, "stress::hits", kind, rays.len()).unwrap();
-                tracer.trace(gpu, &uploaded, Order::Canonical, &hits).unwrap();
+                tracer.trace(gpu, &uploaded, Order::Stored, &hits).unwrap();
                 bytemuck::cast_slice(&gpu.read_vec(&hits.words).unwrap()).to_vec()
             })
         }

@@ -9,7 +9,7 @@ use super::building::{
 use super::{Material, Skipped};
 use crate::analysis::summary::Rays;
 use crate::analysis::timing::STAGES;
-use crate::analysis::{OrderAnalysis, QueueAnalysis, RecordingAnalysis};
+use crate::analysis::{QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Content, Figure, Panel, Point, Reference, Series};
 
 /// Time of each stage per method, stacked.
@@ -23,7 +23,7 @@ pub fn overhead(material: &Material<'_>) -> Result<Figure, Skipped> {
     let parts = Figure {
         name: "overhead".to_owned(),
         title: "Where the time goes, per method".to_owned(),
-        caption: "Median times of the stages, summed over bounces. Of gather with trace and trace through indices, the shorter way is taken for each bounce. A method whose stack stays below the line, the trace of unsorted rays, pays off.".to_owned(),
+        caption: "Median times of the stages, summed over bounces. Gather, trace and scatter count, or the trace through indices: what the recording chose for the method. A method whose stack stays below the line, the trace of unsorted rays, pays off.".to_owned(),
         settings: settings(material),
         panels,
     };
@@ -61,7 +61,7 @@ fn panel(material: &Material<'_>, recording: &RecordingAnalysis, rays: Rays) -> 
 fn stage_time(queues: &[&QueueAnalysis], method: &str, stage: Stage) -> Option<(f64, usize)> {
     let orders = queues.iter().filter_map(|queue| order(queue, method));
     let times: Vec<(f64, usize)> = orders
-        .filter(|order| is_on_way(order, stage))
+        .filter(|order| order.way.counts(stage))
         .filter_map(|order| {
             let time = &order.stages.iter().find(|found| found.stage == stage)?.time;
             Some((time.median_ns, time.samples_ns.len()))
@@ -69,21 +69,6 @@ fn stage_time(queues: &[&QueueAnalysis], method: &str, stage: Stage) -> Option<(
         .collect();
     let ns = times.iter().map(|(ns, _)| ns).sum();
     Some((ns, times.iter().map(|(_, n)| *n).min()?))
-}
-
-/// Whether a stage belongs to the shorter of the two ways to trace an order.
-fn is_on_way(order: &OrderAnalysis, stage: Stage) -> bool {
-    let median = |stage: Stage| {
-        order.stages.iter().find(|found| found.stage == stage).map(|found| found.time.median_ns)
-    };
-    let gathered = median(Stage::Trace).map(|trace| median(Stage::Gather).unwrap_or(0.0) + trace);
-    let through_indices = median(Stage::TraceIndirect)
-        .is_some_and(|indirect| gathered.is_none_or(|gathered| indirect < gathered));
-    match stage {
-        Stage::Gather | Stage::Trace => !through_indices,
-        Stage::TraceIndirect => through_indices,
-        _ => true,
-    }
 }
 
 /// What a stage is called in legends.

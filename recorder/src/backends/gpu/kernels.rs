@@ -11,7 +11,7 @@ use crate::machine::self_check;
 use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::trace::gpu::TraceVariant;
 use crate::stages::trace::{Order, Precision, TraceKernel};
-use crate::stages::{accumulate, compact, compare, gather, generate, key, shade, sort, trace};
+use crate::stages::{accumulate, compact, compare, gather, generate, key, scatter, shade, sort, trace};
 
 /// The kernels that do not trace or sort.
 pub struct Kernels {
@@ -29,6 +29,8 @@ pub struct Kernels {
     pub(super) key: Vec<[Option<ItemKernel>; 2]>,
     /// By kind.
     pub(super) compare: [ItemKernel; 2],
+    /// By kind.
+    pub(super) scatter: [ItemKernel; 2],
 }
 
 /// Refuses numbers that kernels are made with and WGSL cannot write.
@@ -62,6 +64,7 @@ pub fn modules(setup: &Setup) -> Vec<Module> {
     for kind in Kind::ALL {
         modules.push(accumulate::gpu::module(kind, &setup.unit, &setup.table_layout, setup.table_bits));
         modules.push(compare::gpu::module(kind));
+        modules.push(scatter::gpu::module(kind));
         let applicable = setup.methods.iter().filter(|method| method.applies_to(kind));
         modules.extend(applicable.map(|method| key::gpu::module(setup, method, kind)));
     }
@@ -81,15 +84,15 @@ impl Kernels {
         let (generate, surface, shadow, next_ray) = (next()?, next()?, next()?, next()?);
         let (compact, add_light, gather) = ([next()?, next()?], next()?, next()?);
         let mut key = vec![[None, None]; setup.methods.len()];
-        let mut of_kind = |kind: Kind| -> Result<[ItemKernel; 2]> {
-            let shared = [next()?, next()?];
+        let mut of_kind = |kind: Kind| -> Result<[ItemKernel; 3]> {
+            let shared = [next()?, next()?, next()?];
             for (kernels, method) in key.iter_mut().zip(&setup.methods) {
                 kernels[kind as usize] = method.applies_to(kind).then(&mut next).transpose()?;
             }
             Ok(shared)
         };
-        let [accumulate_closest, compare_closest] = of_kind(Kind::Closest)?;
-        let [accumulate_shadow, compare_shadow] = of_kind(Kind::Shadow)?;
+        let [accumulate_closest, compare_closest, scatter_closest] = of_kind(Kind::Closest)?;
+        let [accumulate_shadow, compare_shadow, scatter_shadow] = of_kind(Kind::Shadow)?;
         Ok(Self {
             generate,
             surface,
@@ -101,6 +104,7 @@ impl Kernels {
             accumulate: [accumulate_closest, accumulate_shadow],
             key,
             compare: [compare_closest, compare_shadow],
+            scatter: [scatter_closest, scatter_shadow],
         })
     }
 }
@@ -130,7 +134,7 @@ fn every_module() -> Vec<Module> {
         }
         for &kernel in TraceKernel::value_variants() {
             for kind in Kind::ALL {
-                for order in [Order::Canonical, Order::Gathered(()), Order::Indirect(())] {
+                for order in [Order::Stored, Order::Indirect(())] {
                     for precision in Precision::ALL {
                         let (masks, count_work) = (all_features, all_features);
                         let variant = TraceVariant { kernel, kind, order, masks, count_work, precision };

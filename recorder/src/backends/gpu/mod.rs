@@ -16,6 +16,7 @@ use anyhow::{Context, Result, ensure};
 use bytemuck::Pod;
 use formats::length_table::LengthTable;
 use formats::manifest::QueueId;
+use formats::permutation::check_bijection;
 use formats::ray::Kind;
 use scenes::Scene;
 use scenes::bvh::Bvh;
@@ -23,7 +24,9 @@ use scenes::bvh::Bvh;
 use self::kernels::Kernels;
 use self::shading::Shading;
 use self::table::GpuTable;
+use super::pool::{Lent, Pool};
 use crate::backends::{Array, Backend, Queue, RecordedRays, Shaded, Sink, Table};
+use crate::clock::{Clock, Sample};
 use crate::device::{DeviceArray, Gpu, GpuError, ITEMS, Readback};
 use crate::stages::setup::Setup;
 use crate::stages::shared::LightSiteData;
@@ -48,25 +51,20 @@ pub struct GpuBackend {
     tables: [GpuTable; 2],
     /// Made when they are first needed.
     scratch_tables: Option<[GpuTable; 2]>,
-    scratch: Scratch,
-    elapsed_ns: u64,
-}
-
-/// Arrays for one ray per pixel that every queue uses anew.
-struct Scratch {
-    keys_low: DeviceArray<u32>,
-    keys_high: Option<DeviceArray<u32>>,
-    gathered: RayArrays,
-    /// By kind.
-    hits: [Hits; 2],
     counter: DeviceArray<u32>,
+    gathered: Pool<RayArrays>,
+    /// By kind.
+    hits: [Pool<Hits>; 2],
+    keys: Pool<Keys>,
+    permutations: Pool<DeviceArray<u32>>,
+    clock: Clock,
 }
 
 /// A queue on the GPU.
 pub struct GpuRays {
     id: QueueId,
     count: usize,
-    rays: RayArrays,
+    rays: Arc<RayArrays>,
     /// None where rays were gathered.
     paths: Option<PathArrays>,
 }
@@ -79,7 +77,7 @@ struct PathArrays {
 
 /// A permutation.
 pub struct GpuPermutation {
-    permutation: DeviceArray<u32>,
+    permutation: Arc<DeviceArray<u32>>,
     count: usize,
 }
 
@@ -100,28 +98,13 @@ impl GpuRays {
             ids: gpu.array("queue::path_ids", count)?,
             states: gpu.array("queue::states", count)?,
         };
-        Ok(Self { id, count, rays: RayArrays::new(gpu, "queue", count)?, paths: Some(paths) })
+        Ok(Self { id, count, rays: Arc::new(RayArrays::new(gpu, "queue", count)?), paths: Some(paths) })
     }
 
     /// What the rays carry.
     fn paths(&self) -> Result<&PathArrays> {
         self.paths.as_ref().with_context(|| {
             format!("the rays of {} were gathered, and only those of a whole queue carry paths", self.id)
-        })
-    }
-}
-
-impl Scratch {
-    fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        let pixels = setup.width as usize * setup.height as usize;
-        let wide = setup.methods.iter().any(|method| method.key_bits > 32);
-        let hits = |kind| Hits::new(gpu, "trace::scattered_hits", kind, pixels);
-        Ok(Self {
-            keys_low: gpu.array("key::low", pixels)?,
-            keys_high: wide.then(|| gpu.array("key::high", pixels)).transpose()?,
-            gathered: RayArrays::new(gpu, "gather", pixels)?,
-            hits: [hits(Kind::Closest)?, hits(Kind::Shadow)?],
-            counter: gpu.array("compare::counter", 1)?,
         })
     }
 }
@@ -148,13 +131,37 @@ impl GpuBackend {
             sorter: Sorter::new(&gpu)?,
             light_sites: gpu.array_of("key::light_sites", &sites)?,
             film: gpu.array("film", pixels)?,
-            scratch: Scratch::new(&gpu, &setup)?,
             scratch_tables: None,
-            elapsed_ns: 0,
+            counter: gpu.array("compare::counter", 1)?,
+            gathered: Pool::default(),
+            hits: [Pool::default(), Pool::default()],
+            keys: Pool::default(),
+            permutations: Pool::default(),
+            // A software adapter shares the processor with everything else.
+            clock: if gpu.adapter().is_software() { Clock::of_processor() } else { Clock::of_device() },
             tables,
             setup,
             gpu,
         })
+    }
+
+    /// Rays that arrays must have room for.
+    fn pixels(&self) -> usize {
+        self.setup.width as usize * self.setup.height as usize
+    }
+
+    /// Room for results of a queue.
+    fn results(&mut self, kind: Kind, count: usize) -> Result<Lent<Hits>> {
+        let pixels = self.pixels();
+        let memory = self.hits[kind as usize].get(|| Hits::new(&self.gpu, "trace::hits", kind, pixels))?;
+        Ok(Lent::new(memory, |hits| Hits { count, ..hits.clone() }))
+    }
+
+    /// Room for a permutation.
+    fn places(&mut self, count: usize) -> Result<GpuPermutation> {
+        let pixels = self.pixels();
+        let permutation = self.permutations.get(|| self.gpu.array("sort::permutation", pixels))?;
+        Ok(GpuPermutation { permutation, count })
     }
 
     /// Hands over items whose halves lie in two arrays.
@@ -178,12 +185,12 @@ impl GpuBackend {
 
 impl Backend for GpuBackend {
     type Rays = GpuRays;
-    type Hits = Hits;
-    type Keys = Keys;
+    type Hits = Lent<Hits>;
+    type Keys = Lent<Keys>;
     type Permutation = GpuPermutation;
 
-    fn elapsed_ns(&self) -> u64 {
-        self.elapsed_ns
+    fn sample(&self) -> Sample {
+        self.clock.last()
     }
 
     fn upload(&mut self, queue: RecordedRays<'_>) -> Result<GpuRays> {
@@ -196,7 +203,7 @@ impl Backend for GpuBackend {
         let states: Vec<[u32; 4]> = (0..queue.rays.len()).map(|at| [0, 0, 0, light(at)]).collect();
         let ids = self.gpu.array_of("queue::path_ids", queue.path_ids)?;
         let paths = PathArrays { ids, states: self.gpu.array_of("queue::states", &states)? };
-        let rays = RayArrays::upload(&self.gpu, "queue", queue.rays)?;
+        let rays = Arc::new(RayArrays::upload(&self.gpu, "queue", queue.rays)?);
         Ok(GpuRays { id: queue.id, count: queue.rays.len(), rays, paths: Some(paths) })
     }
 
@@ -207,24 +214,32 @@ impl Backend for GpuBackend {
         let paths = rays.paths()?;
         let [origins, directions] = rays.rays.bindings();
         let resources = [origins, directions, paths.ids.binding(), paths.states.binding()];
-        self.elapsed_ns = self.kernels.generate.run(&self.gpu, &resources, rays.count, params)?;
+        self.clock.keep(|| self.kernels.generate.run(&self.gpu, &resources, rays.count, params))?;
         Ok(rays)
     }
 
-    fn trace(&mut self, rays: &GpuRays, order: Order<&GpuPermutation>) -> Result<Hits> {
-        let kind = rays.id.kind;
-        let hits = match order {
-            Order::Canonical => Hits::new(&self.gpu, "trace::hits", kind, rays.count)?,
-            Order::Gathered(_) | Order::Indirect(_) => {
-                Hits { count: rays.count, ..self.scratch.hits[kind as usize].clone() }
-            }
-        };
-        let order = order.map(|permutation| &permutation.permutation);
-        self.elapsed_ns = self.tracer.trace(&self.gpu, &rays.rays, order, &hits)?;
+    fn upload_permutation(&mut self, indices: &[u32]) -> Result<GpuPermutation> {
+        check_bijection(indices, indices.len())?;
+        let permutation = Arc::new(self.gpu.array_of("sort::permutation", indices)?);
+        Ok(GpuPermutation { permutation, count: indices.len() })
+    }
+
+    fn trace(&mut self, rays: &GpuRays, order: Order<&GpuPermutation>) -> Result<Lent<Hits>> {
+        let hits = self.results(rays.id.kind, rays.count)?;
+        let order = order.map(|permutation| &*permutation.permutation);
+        self.clock.keep(|| self.tracer.trace(&self.gpu, &rays.rays, order, &hits))?;
         Ok(hits)
     }
 
-    fn accumulate(&mut self, rays: &GpuRays, hits: &Hits, table: Table) -> Result<()> {
+    fn scatter(&mut self, hits: &Lent<Hits>, permutation: &GpuPermutation) -> Result<Lent<Hits>> {
+        let home = self.results(hits.kind, hits.count)?;
+        let resources = [permutation.permutation.binding(), hits.words.binding(), home.words.binding()];
+        let kernel = &self.kernels.scatter[hits.kind as usize];
+        self.clock.keep(|| kernel.run(&self.gpu, &resources, hits.count, ITEMS))?;
+        Ok(home)
+    }
+
+    fn accumulate(&mut self, rays: &GpuRays, hits: &Lent<Hits>, table: Table) -> Result<()> {
         let kind = rays.id.kind as usize;
         if table == Table::Scratch && self.scratch_tables.is_none() {
             let bits = self.setup.table_bits;
@@ -237,29 +252,33 @@ impl Backend for GpuBackend {
         let [origins, directions] = rays.rays.bindings();
         let [sums, counts] = table.bindings();
         let resources = [origins, directions, hits.words.binding(), sums, counts];
-        self.elapsed_ns = self.kernels.accumulate[kind].run(&self.gpu, &resources, rays.count, ITEMS)?;
+        self.clock.keep(|| self.kernels.accumulate[kind].run(&self.gpu, &resources, rays.count, ITEMS))?;
         Ok(())
     }
 
-    fn shade(&mut self, rays: &GpuRays, hits: &Hits) -> Result<Shaded<GpuRays>> {
+    fn shade(&mut self, rays: &GpuRays, hits: &Lent<Hits>) -> Result<Shaded<GpuRays>> {
         let id = rays.id;
         ensure!(id.kind == Kind::Closest, "{id} was to be shaded, which only closest rays are");
         let params = shade::params(&self.setup, id);
-        let (shaded, elapsed_ns) =
-            self.shading.run(&self.gpu, &self.kernels, params, (rays, hits), &self.film)?;
-        self.elapsed_ns = elapsed_ns;
-        Ok(shaded)
+        let Self { gpu, kernels, shading, film, clock, .. } = self;
+        let mut shaded = None;
+        clock.keep(|| {
+            let (left, elapsed_ns) = shading.run(gpu, kernels, params, (rays, hits), film)?;
+            shaded = Some(left);
+            anyhow::Ok(elapsed_ns)
+        })?;
+        shaded.context("shading left nothing")
     }
 
-    fn add_light(&mut self, rays: &GpuRays, hits: &Hits) -> Result<()> {
+    fn add_light(&mut self, rays: &GpuRays, hits: &Lent<Hits>) -> Result<()> {
         let paths = rays.paths()?;
         let resources =
             [paths.ids.binding(), paths.states.binding(), hits.words.binding(), self.film.binding()];
-        self.elapsed_ns = self.kernels.add_light.run(&self.gpu, &resources, rays.count, ITEMS)?;
+        self.clock.keep(|| self.kernels.add_light.run(&self.gpu, &resources, rays.count, ITEMS))?;
         Ok(())
     }
 
-    fn key(&mut self, rays: &GpuRays, hits: &Hits, method: usize) -> Result<Keys> {
+    fn key(&mut self, rays: &GpuRays, hits: &Lent<Hits>, method: usize) -> Result<Lent<Keys>> {
         let plan = &self.setup.methods[method];
         let kernel = self.kernels.key[method][rays.id.kind as usize].as_ref();
         let kernel = kernel
@@ -275,37 +294,44 @@ impl Backend for GpuBackend {
         if inputs.lights {
             resources.extend([rays.paths()?.states.binding(), self.light_sites.binding()]);
         }
-        let high = self.scratch.keys_high.as_ref().filter(|_| plan.key_bits > 32);
-        resources.push(self.scratch.keys_low.binding());
-        resources.extend(high.map(DeviceArray::binding));
-        self.elapsed_ns = kernel.run(&self.gpu, &resources, rays.count, ITEMS)?;
-        let low = self.scratch.keys_low.clone();
-        Ok(Keys { bits: plan.key_bits, count: rays.count, low, high: high.cloned() })
+        let (pixels, is_wide) = (self.pixels(), plan.key_bits > u32::BITS);
+        let memory = self.keys.get(|| Keys::new(&self.gpu, pixels))?;
+        let keys = Lent::new(memory, |keys| Keys {
+            bits: plan.key_bits,
+            count: rays.count,
+            high: keys.high.clone().filter(|_| is_wide),
+            low: keys.low.clone(),
+        });
+        resources.push(keys.low.binding());
+        resources.extend(keys.high.as_ref().map(DeviceArray::binding));
+        self.clock.keep(|| kernel.run(&self.gpu, &resources, rays.count, ITEMS))?;
+        Ok(keys)
     }
 
-    fn sort(&mut self, keys: &Keys) -> Result<GpuPermutation> {
-        let sorted = self.sorter.sort(&self.gpu, keys)?;
-        self.elapsed_ns = sorted.elapsed_ns;
-        Ok(GpuPermutation { permutation: sorted.permutation, count: keys.count })
+    fn sort(&mut self, keys: &Lent<Keys>) -> Result<GpuPermutation> {
+        let places = self.places(keys.count)?;
+        self.clock.keep(|| self.sorter.sort(&self.gpu, keys, &places.permutation))?;
+        Ok(places)
     }
 
     fn gather(&mut self, rays: &GpuRays, permutation: &GpuPermutation) -> Result<GpuRays> {
-        let gathered = self.scratch.gathered.clone();
+        let pixels = self.pixels();
+        let gathered = self.gathered.get(|| RayArrays::new(&self.gpu, "gather", pixels))?;
         let [origins, directions] = rays.rays.bindings();
         let [to_origins, to_directions] = gathered.bindings();
         let resources = [permutation.permutation.binding(), origins, directions, to_origins, to_directions];
-        self.elapsed_ns = self.kernels.gather.run(&self.gpu, &resources, rays.count, ITEMS)?;
+        self.clock.keep(|| self.kernels.gather.run(&self.gpu, &resources, rays.count, ITEMS))?;
         Ok(GpuRays { id: rays.id, count: rays.count, rays: gathered, paths: None })
     }
 
-    fn differences(&mut self, hits: &Hits, others: &Hits) -> Result<u64> {
+    fn differences(&mut self, hits: &Lent<Hits>, others: &Lent<Hits>) -> Result<u64> {
         let kernel = &self.kernels.compare[hits.kind as usize];
         let mut run = self.gpu.stage(kernel.label());
-        run.clear(&self.scratch.counter);
-        let resources = [hits.words.binding(), others.words.binding(), self.scratch.counter.binding()];
+        run.clear(&self.counter);
+        let resources = [hits.words.binding(), others.words.binding(), self.counter.binding()];
         run.for_items(&[kernel.bind(&self.gpu, &resources, hits.count)?], ITEMS);
         run.submit()?;
-        Ok(self.gpu.read_vec(&self.scratch.counter)?.iter().map(|&count| u64::from(count)).sum())
+        Ok(self.gpu.read_vec(&self.counter)?.iter().map(|&count| u64::from(count)).sum())
     }
 
     fn read(&mut self, array: Array<'_, Self>, sink: &mut Sink<'_>) -> Result<()> {
@@ -327,10 +353,10 @@ impl Backend for GpuBackend {
             Array::Hits(hits) => {
                 readback.read_chunks(&hits.words, 0..hits.count * Hits::words_each(hits.kind), sink)
             }
-            Array::Keys(Keys { low, high: Some(high), count, .. }) => {
-                self.read_halves([low, high], *count, sink)
-            }
-            Array::Keys(keys) => readback.read_chunks(&keys.low, 0..keys.count, sink),
+            Array::Keys(keys) => match &keys.high {
+                Some(high) => self.read_halves([&keys.low, high], keys.count, sink),
+                None => readback.read_chunks(&keys.low, 0..keys.count, sink),
+            },
             Array::Permutation(GpuPermutation { permutation, count }) => {
                 readback.read_chunks(permutation, 0..*count, sink)
             }

@@ -110,7 +110,7 @@ impl<B: Backend> Observer<B> for Watch<'_> {
         if is_camera && id.pass > 0 {
             self.look(backend, id.pass)?;
         }
-        let unsorted_ns = waited(|| backend.trace(rays, Order::Canonical).map(drop))?;
+        let unsorted_ns = waited(|| backend.trace(rays, Order::Stored).map(drop))?;
         self.unsorted_ns += unsorted_ns;
         let count = self.clocks.len();
         for turn in 0..count {
@@ -175,7 +175,8 @@ fn sorted<B: Backend>(
     clock.gathered_ns += before_ns
         + waited(|| {
             let gathered = backend.gather(rays, &order)?;
-            backend.trace(&gathered, Order::Gathered(&order)).map(drop)
+            let found = backend.trace(&gathered, Order::Stored)?;
+            backend.scatter(&found, &order).map(drop)
         })?;
     clock.indirect_ns += before_ns + waited(|| backend.trace(rays, Order::Indirect(&order)).map(drop))?;
     Ok(())

@@ -104,7 +104,7 @@ impl<B: Backend> Observer<B> for Orders<'_> {
         }
         let rows = &mut self.rows[first..];
         for repeat in 0..run.repeats as usize {
-            backend.trace(rays, Order::Canonical)?;
+            backend.trace(rays, Order::Stored)?;
             rows[0].trace_ns.push(backend.elapsed_ns());
             for turn in 0..applicable.len() {
                 let at = (turn + repeat) % applicable.len();
@@ -127,7 +127,7 @@ fn sample<B: Backend>(
     let order = backend.sort(&keys)?;
     row.sort_ns.push(backend.elapsed_ns());
     let gathered = backend.gather(rays, &order)?;
-    backend.trace(&gathered, Order::Gathered(&order))?;
+    backend.trace(&gathered, Order::Stored)?;
     row.trace_ns.push(backend.elapsed_ns());
     Ok(())
 }

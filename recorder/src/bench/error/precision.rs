@@ -128,7 +128,7 @@ impl Measurement for Tracing<'_> {
         let mut queues = Vec::new();
         for backend in &mut backends {
             let rays = backend.upload(queue)?;
-            let hits = backend.trace(&rays, Order::Canonical)?;
+            let hits = backend.trace(&rays, Order::Stored)?;
             let hits = collected(backend, Array::Hits(&hits))?;
             traced.push(Traced { hits, samples_ns: Vec::new() });
             queues.push(rays);
@@ -137,7 +137,7 @@ impl Measurement for Tracing<'_> {
         for repeat in 0..self.repeats as usize {
             for turn in 0..count {
                 let at = (turn + repeat) % count;
-                backends[at].trace(&queues[at], Order::Canonical)?;
+                backends[at].trace(&queues[at], Order::Stored)?;
                 traced[at].samples_ns.push(backends[at].elapsed_ns());
             }
         }

@@ -79,10 +79,10 @@ impl Paths<'_> {
         for repeat in 0..=self.bench.run.repeats {
             let rays = backend.upload(no_rays(self.bench.run.bounces, Kind::Closest, None))?;
             let start = Instant::now();
-            let hits = backend.trace(&rays, Order::Canonical)?;
+            let hits = backend.trace(&rays, Order::Stored)?;
             backend.accumulate(&rays, &hits, Table::Learnt)?;
             let shadow = backend.shade(&rays, &hits)?.shadow;
-            let occlusion = backend.trace(&shadow, Order::Canonical)?;
+            let occlusion = backend.trace(&shadow, Order::Stored)?;
             backend.accumulate(&shadow, &occlusion, Table::Learnt)?;
             backend.add_light(&shadow, &occlusion)?;
             row.done.samples_ns.extend((repeat > 0).then_some(start.elapsed().as_nanos() as u64));

@@ -8,9 +8,9 @@ use crate::stages::random::Random;
 use crate::stages::shared::GenerateParams;
 use crate::stages::vector::normalize3;
 
-/// One ray per pixel, in pixel order, top row first.
-pub fn generate(params: &GenerateParams) -> Vec<Ray> {
-    (0..params.count).into_par_iter().map(|pixel| camera_ray(params, pixel)).collect()
+/// Writes one ray per pixel, in pixel order, top row first.
+pub fn generate(params: &GenerateParams, rays: &mut [Ray]) {
+    rays.par_iter_mut().enumerate().for_each(|(pixel, ray)| *ray = camera_ray(params, pixel as u32));
 }
 
 fn camera_ray(params: &GenerateParams, pixel: u32) -> Ray {

@@ -5,6 +5,7 @@ use formats::length_table::LengthTable;
 use formats::ray::Ray;
 use rayon::prelude::*;
 
+use crate::stages::prefetch::prefetch_cell;
 use crate::stages::sort::cpu::{Keys, Words};
 
 /// Rays that one task encodes.
@@ -37,24 +38,22 @@ impl<'a> Lengths<'a> {
     }
 }
 
-/// Encodes a queue. `light` gives the light of a ray by canonical index (0 where it has none).
+/// Encodes a queue into keys that have room for it. `light` gives the light of a ray by canonical index (0
+/// where it has none).
+///
+/// # Panics
+/// If there are not as many keys as rays.
 pub fn encode(
     encoder: &Encoder,
-    key_bits: u32,
     rays: &[Ray],
     lengths: &Lengths<'_>,
     light: impl Fn(usize) -> u32 + Sync,
-) -> Keys {
-    let words = if key_bits <= u32::BITS {
-        let mut keys = vec![0u32; rays.len()];
-        encode_into(encoder, rays, lengths, light, &mut keys, |key| key as u32);
-        Words::Narrow(keys)
-    } else {
-        let mut keys = vec![0u64; rays.len()];
-        encode_into(encoder, rays, lengths, light, &mut keys, |key| key);
-        Words::Wide(keys)
-    };
-    Keys { bits: key_bits, words }
+    keys: &mut Keys,
+) {
+    match &mut keys.words {
+        Words::Narrow(keys) => encode_into(encoder, rays, lengths, light, keys, |key| key as u32),
+        Words::Wide(keys) => encode_into(encoder, rays, lengths, light, keys, |key| key),
+    }
 }
 
 fn encode_into<T: Send>(
@@ -65,17 +64,13 @@ fn encode_into<T: Send>(
     keys: &mut [T],
     narrowed: impl Fn(u64) -> T + Sync,
 ) {
+    assert_eq!(rays.len(), keys.len(), "a key for each ray");
     rays.par_chunks(CHUNK).zip(keys.par_chunks_mut(CHUNK)).enumerate().for_each(|(number, (rays, keys))| {
         let first = number * CHUNK;
-        // The table is asked for all rays of a chunk at once: its cells lie far apart.
-        let means: Vec<f32> = match lengths {
-            Lengths::Adaptive(table, cells) => {
-                let mut means = Vec::with_capacity(rays.len());
-                cells.encode_all(rays, |_| 0.0, |_| 0, |_, cell| means.push(table.mean(cell as u32)));
-                means
-            }
-            Lengths::Fixed(_) | Lengths::Real(_) => Vec::new(),
-        };
+        let mut means = [0.0; CHUNK];
+        if let Lengths::Adaptive(table, cells) = lengths {
+            mean_lengths(table, cells, rays, &mut means);
+        }
         let length = |at: usize| match lengths {
             Lengths::Fixed(length) => *length,
             Lengths::Adaptive(..) => means[at],
@@ -83,4 +78,19 @@ fn encode_into<T: Send>(
         };
         encoder.encode_all(rays, length, |at| light(first + at), |at, key| keys[at] = narrowed(key));
     });
+}
+
+/// Asks the table for all rays of a chunk at once: its cells lie far apart.
+fn mean_lengths(table: &LengthTable, cells: &Encoder, rays: &[Ray], means: &mut [f32; CHUNK]) {
+    let mut cell_of = [0; CHUNK];
+    cells.encode_all(
+        rays,
+        |_| 0.0,
+        |_| 0,
+        |at, cell| {
+            cell_of[at] = cell as u32;
+            prefetch_cell(table, cell as u32);
+        },
+    );
+    means.iter_mut().zip(&cell_of).take(rays.len()).for_each(|(mean, &cell)| *mean = table.mean(cell));
 }

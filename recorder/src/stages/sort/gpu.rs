@@ -26,6 +26,15 @@ pub struct Keys {
 }
 
 impl Keys {
+    /// Room for `count` keys of any width and value.
+    ///
+    /// # Errors
+    /// If there are too many for the adapter.
+    pub fn new(gpu: &Gpu, count: usize) -> Result<Self, GpuError> {
+        let high = Some(gpu.array("key::high", count)?);
+        Ok(Self { bits: u64::BITS, count, low: gpu.array("key::low", count)?, high })
+    }
+
     /// Uploads keys of `bits` bits.
     ///
     /// # Errors
@@ -36,15 +45,6 @@ impl Keys {
         let low = gpu.array_of("sort::low", &words(0))?;
         Ok(Self { bits, count: keys.len(), low, high: high.transpose()? })
     }
-}
-
-/// What a sort made.
-#[derive(Clone, Debug)]
-pub struct Sorted {
-    /// The canonical index of the key at each place.
-    pub permutation: DeviceArray<u32>,
-    /// How long it took, in nanoseconds.
-    pub elapsed_ns: u64,
 }
 
 /// Words in front of the totals of the bins: bits seen as 1 and as 0 in the low and high words.
@@ -204,22 +204,22 @@ impl Sorter {
         Self { digits, ..self }
     }
 
-    /// The stable order of keys, in an array of its own.
+    /// Writes the stable order of keys, the canonical index of the key at each place; returns how long it took,
+    /// in nanoseconds.
     ///
     /// # Errors
     /// Those of the device.
     ///
     /// # Panics
-    /// If the arrays of keys are shorter than their count, or keys of more than 32 bits have no high words.
-    pub fn sort(&mut self, gpu: &Gpu, keys: &Keys) -> Result<Sorted, GpuError> {
+    /// If an array is shorter than the count of keys, or keys of more than 32 bits have no high words.
+    pub fn sort(&mut self, gpu: &Gpu, keys: &Keys, permutation: &DeviceArray<u32>) -> Result<u64, GpuError> {
         let count = keys.count;
         let is_wide = keys.bits > u32::BITS;
         let high = if is_wide { keys.high.as_ref() } else { Some(&keys.low) };
         let high = high.expect("keys of more than 32 bits have high words");
-        for word in [&keys.low, high] {
-            assert!(count <= word.len(), "{count} keys of {} in {}", word.len(), word.label());
+        for array in [&keys.low, high, permutation] {
+            assert!(count <= array.len(), "{count} keys, {} in {}", array.len(), array.label());
         }
-        let permutation = gpu.array::<u32>("sort::permutation", count)?;
         let count = u32::try_from(count).expect("binding limits keep arrays below 2^32 elements");
         let tiles = count.div_ceil(self.tiling.tile_keys);
         let room = self.make_room(gpu, count as usize, tiles as usize)?;
@@ -254,8 +254,17 @@ impl Sorter {
             run.dispatch(&self.scan, &[&group], &pass, BINS as u32);
             run.dispatch(&self.scatter, &[&group], &pass, workgroups);
         }
-        let elapsed_ns = run.finish()?.elapsed_ns;
-        Ok(Sorted { permutation, elapsed_ns })
+        Ok(run.finish()?.elapsed_ns)
+    }
+
+    /// The stable order of keys, in an array of its own.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn sorted(&mut self, gpu: &Gpu, keys: &Keys) -> Result<DeviceArray<u32>, GpuError> {
+        let permutation = gpu.array("sort::permutation", keys.count)?;
+        self.sort(gpu, keys, &permutation)?;
+        Ok(permutation)
     }
 
     /// The arrays that depend on the number of keys, made anew unless those there are large enough.
@@ -312,8 +321,8 @@ mod tests {
 
     fn check(sorter: &mut Sorter, keys: &[u64], bits: u32, what: &str) {
         let gpu = test_gpu();
-        let sorted = sorter.sort(gpu, &Keys::upload(gpu, keys, bits).unwrap()).unwrap();
-        let found = gpu.read_vec(&sorted.permutation).unwrap();
+        let order = sorter.sorted(gpu, &Keys::upload(gpu, keys, bits).unwrap()).unwrap();
+        let found = gpu.read_vec(&order).unwrap();
         let expected = expected(keys);
         let wrong = found.iter().zip(&expected).position(|(found, expected)| found != expected);
         assert_eq!(wrong, None, "first wrong place of {} {what} of {bits} bits", keys.len());

@@ -1,7 +1,7 @@
 //! Trace on threads: the same arithmetic as the WGSL kernels, with AVX2 for the box tests where
 //! the processor has it.
 
-use std::sync::atomic::Ordering::Relaxed;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use formats::ray::{Hit, Kind, Ray, Work};
 use rayon::prelude::*;
@@ -16,6 +16,7 @@ use super::mask::Masks;
 use super::moeller_trumbore::PlainRay;
 use super::triangle::{Intersection, LeafTriangle, Shear};
 use super::{BoxTest, Order, Precision, TriangleTest, farthest, reciprocal};
+use crate::stages::prefetch::prefetch;
 
 /// Rays that a thread takes at once.
 const CHUNK: usize = 256;
@@ -98,7 +99,7 @@ impl CpuTracer {
     ///
     /// # Panics
     /// If there are not as many results or places as rays.
-    pub fn trace(&self, rays: &[Ray], order: Order<&[u32]>, hits: &Hits) {
+    pub fn trace(&self, rays: &[Ray], order: Order<&[AtomicU32]>, hits: &Hits) {
         match hits {
             Hits::Closest(hits) => {
                 for_each_ray(rays, order, hits, |ray, hit| store(hit, self.nearest(ray)));
@@ -280,23 +281,33 @@ impl Account for Trail {
     }
 }
 
-/// Calls `trace` for each ray of an order with its canonical place among the results.
-fn for_each_ray<T: Sync>(rays: &[Ray], order: Order<&[u32]>, results: &[T], trace: impl Fn(&Ray, &T) + Sync) {
+/// How many rays ahead a ray is asked for that lies elsewhere: one takes about as long as a miss.
+const RAYS_AHEAD: usize = 2;
+
+/// Calls `trace` for each ray of an order with the place of its result. What lies elsewhere is asked for ahead:
+/// the ray, and the result's place before its ray is traced.
+fn for_each_ray<T: Sync>(
+    rays: &[Ray],
+    order: Order<&[AtomicU32]>,
+    results: &[T],
+    trace: impl Fn(&Ray, &T) + Sync,
+) {
     assert_eq!(rays.len(), results.len(), "one result per ray");
     match order {
-        Order::Canonical => {
+        Order::Stored => {
             rays.par_chunks(CHUNK).zip(results.par_chunks(CHUNK)).for_each(|(rays, results)| {
                 rays.iter().zip(results).for_each(|(ray, result)| trace(ray, result));
             });
         }
-        Order::Gathered(permutation) => {
-            assert_eq!(rays.len(), permutation.len(), "one place per ray");
-            rays.par_chunks(CHUNK).zip(permutation.par_chunks(CHUNK)).for_each(|(rays, places)| {
-                rays.iter().zip(places).for_each(|(ray, &place)| trace(ray, &results[place as usize]));
-            });
-        }
         Order::Indirect(permutation) => permutation.par_chunks(CHUNK).for_each(|places| {
-            places.iter().for_each(|&place| trace(&rays[place as usize], &results[place as usize]));
+            for (at, place) in places.iter().enumerate() {
+                if let Some(ahead) = places.get(at + RAYS_AHEAD) {
+                    prefetch(&rays[ahead.load(Relaxed) as usize]);
+                }
+                let place = place.load(Relaxed) as usize;
+                prefetch(&results[place]);
+                trace(&rays[place], &results[place]);
+            }
         }),
     }
 }

@@ -131,7 +131,7 @@ pub fn module(variant: &TraceVariant) -> Module {
     let mut module = Module::new(&format!("trace::{}_{}", variant.kernel.name(), variant.kind))
         .items::<[f32; 4]>("origins")
         .items::<[f32; 4]>("directions");
-    if variant.order != Order::Canonical {
+    if variant.order != Order::Stored {
         module = module.items::<u32>("permutation");
     }
     module = match (variant.count_work, variant.kind) {
@@ -147,10 +147,9 @@ pub fn module(variant: &TraceVariant) -> Module {
         None => module.driver_hierarchy("hierarchy"),
         Some(_) => module.table::<[u32; 4]>("nodes"),
     };
-    let (ray_place, result_place) = match variant.order {
-        Order::Canonical => ("index", "index"),
-        Order::Gathered(()) => ("index", "permutation[index]"),
-        Order::Indirect(()) => ("permutation[index]", "permutation[index]"),
+    let place = match variant.order {
+        Order::Stored => "index",
+        Order::Indirect(()) => "permutation[index]",
     };
     let result = match (variant.count_work, variant.kind) {
         (true, _) => WORK_RESULT,
@@ -165,7 +164,7 @@ pub fn module(variant: &TraceVariant) -> Module {
     };
     module
         .text(&constants(variant))
-        .text(&format!("fn ray_place(index: u32) -> u32 {{ return {ray_place}; }}\nfn result_place(index: u32) -> u32 {{ return {result_place}; }}\n"))
+        .text(&format!("fn place_of(index: u32) -> u32 {{ return {place}; }}\n"))
         .text(&masks)
         .text(include_str!("../vector.wgsl"))
         .text(match variant.precision.triangles {
@@ -326,8 +325,8 @@ impl Tracer {
         count: usize,
     ) -> Result<DeviceArray<[u32; 2]>> {
         let work = gpu.array("trace::work", count)?;
-        let kernel = self.compiled(gpu, kind, Order::Canonical, true)?;
-        self.run(gpu, &kernel, rays, Order::Canonical, &work, count)?;
+        let kernel = self.compiled(gpu, kind, Order::Stored, true)?;
+        self.run(gpu, &kernel, rays, Order::Stored, &work, count)?;
         Ok(work)
     }
 
@@ -341,7 +340,7 @@ impl Tracer {
         count: usize,
     ) -> Result<u64> {
         let mut resources = rays.bindings().to_vec();
-        if let Order::Gathered(permutation) | Order::Indirect(permutation) = order {
+        if let Order::Indirect(permutation) = order {
             resources.push(permutation.binding());
         }
         resources.extend([results.binding(), self.leaves.binding(), self.positions.binding()]);
@@ -359,7 +358,7 @@ impl Tracer {
     /// If the driver refuses a kernel.
     pub fn compile(&mut self, gpu: &Gpu) -> Result<()> {
         Kind::ALL.into_iter().try_for_each(|kind| {
-            self.compiled(gpu, kind, Order::Canonical, false)?;
+            self.compiled(gpu, kind, Order::Stored, false)?;
             Ok(())
         })
     }
@@ -391,7 +390,7 @@ mod tests {
 
     #[test]
     fn alpha_masks_are_in_the_module_if_and_only_if_the_scene_has_them() {
-        let (kind, order, count_work) = (Kind::Closest, Order::Canonical, false);
+        let (kind, order, count_work) = (Kind::Closest, Order::Stored, false);
         for &kernel in TraceKernel::value_variants() {
             for masks in [false, true] {
                 let precision = Precision::default();

@@ -15,12 +15,27 @@ pub enum Hits {
     Shadow(Vec<AtomicU32>),
 }
 
+impl Default for Hits {
+    fn default() -> Self {
+        Self::Closest(Vec::new())
+    }
+}
+
 impl Hits {
     /// `count` results of unknown value.
     pub fn new(kind: Kind, count: usize) -> Self {
         match kind {
             Kind::Closest => Self::Closest((0..count).map(|_| Default::default()).collect()),
             Kind::Shadow => Self::Shadow((0..count).map(|_| AtomicU32::default()).collect()),
+        }
+    }
+
+    /// Makes and touches room for so many results of any value.
+    pub fn make_room(&mut self, kind: Kind, count: usize) {
+        match (&mut *self, kind) {
+            (Self::Closest(places), Kind::Closest) => places.resize_with(count, Default::default),
+            (Self::Shadow(places), Kind::Shadow) => places.resize_with(count, Default::default),
+            _ => *self = Self::new(kind, count),
         }
     }
 
@@ -35,6 +50,14 @@ impl Hits {
                 let words = bytemuck::pod_collect_to_vec::<u8, u32>(bytes);
                 Self::Shadow(words.into_iter().map(AtomicU32::new).collect())
             }
+        }
+    }
+
+    /// The kind of the rays.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Closest(_) => Kind::Closest,
+            Self::Shadow(_) => Kind::Shadow,
         }
     }
 

@@ -140,14 +140,12 @@ pub(crate) fn farthest(ray: &Ray) -> f32 {
     ray.t_max.min(f32::MAX)
 }
 
-/// The order in which a queue is traced; results always go to canonical places. `P` is a permutation.
+/// The order in which rays are traced. `P` is a permutation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order<P> {
-    /// Ray i is the i-th ray of the queue.
-    Canonical,
-    /// Ray i was gathered from place `permutation[i]`.
-    Gathered(P),
-    /// The i-th ray to trace lies at place `permutation[i]`.
+    /// As they lie, results likewise.
+    Stored,
+    /// The i-th ray to trace, and its result, lie at place `permutation[i]`.
     Indirect(P),
 }
 
@@ -155,8 +153,7 @@ impl<P> Order<P> {
     /// The same order by another form of its permutation.
     pub fn map<Q>(self, form: impl FnOnce(P) -> Q) -> Order<Q> {
         match self {
-            Self::Canonical => Order::Canonical,
-            Self::Gathered(permutation) => Order::Gathered(form(permutation)),
+            Self::Stored => Order::Stored,
             Self::Indirect(permutation) => Order::Indirect(form(permutation)),
         }
     }

@@ -1,5 +1,7 @@
 //! The tracers held against a double-precision oracle and against testing every triangle.
 
+use std::sync::atomic::AtomicU32;
+
 use formats::ray::{Hit, Kind, Ray};
 use scenes::bvh::{BvhKind, build};
 use scenes::{Camera, Material, Scene, Texture};
@@ -11,6 +13,8 @@ use super::triangle::{LeafTriangle, Shear};
 use super::{Order, Precision, farthest};
 use crate::oracle::Oracle;
 use crate::stages::compare::cpu::differences as differences_between;
+use crate::stages::scatter::cpu::scatter;
+use crate::stages::sort::cpu::permutation_of;
 
 struct Random(fastrand::Rng);
 
@@ -180,19 +184,19 @@ fn bits(hit: &Hit) -> [u32; 4] {
     bytemuck::cast(*hit)
 }
 
-fn found(tracer: &CpuTracer, kind: Kind, rays: &[Ray], order: Order<&[u32]>) -> Hits {
+fn found(tracer: &CpuTracer, kind: Kind, rays: &[Ray], order: Order<&[AtomicU32]>) -> Hits {
     let hits = Hits::new(kind, rays.len());
     tracer.trace(rays, order, &hits);
     hits
 }
 
 fn closest(tracer: &CpuTracer, rays: &[Ray]) -> Vec<Hit> {
-    let hits = found(tracer, Kind::Closest, rays, Order::Canonical);
+    let hits = found(tracer, Kind::Closest, rays, Order::Stored);
     (0..rays.len()).map(|index| hits.hit(index)).collect()
 }
 
 fn occlusion(tracer: &CpuTracer, rays: &[Ray]) -> Vec<f32> {
-    let hits = found(tracer, Kind::Shadow, rays, Order::Canonical);
+    let hits = found(tracer, Kind::Shadow, rays, Order::Stored);
     (0..rays.len()).map(|index| hits.distance(index)).collect()
 }
 
@@ -477,10 +481,15 @@ fn threads_and_orders_do_not_change_results() {
         );
 
         let of_bytes = |kind, hits: &[u8]| Hits::from_bytes(kind, hits);
-        for (order, rays) in
-            [(Order::Gathered(&*permutation), &gathered), (Order::Indirect(&*permutation), &rays)]
-        {
-            let scattered = found(&tracer, Kind::Closest, rays, order);
+        let places = permutation_of(&permutation);
+        let home = |kind| {
+            let home = Hits::new(kind, rays.len());
+            scatter(&found(&tracer, kind, &gathered, Order::Stored), &places, &home);
+            home
+        };
+        let through_indices = |kind| found(&tracer, kind, &rays, Order::Indirect(&places));
+        for traced in [&home as &dyn Fn(Kind) -> Hits, &through_indices] {
+            let scattered = traced(Kind::Closest);
             let differences = |hits: &[Hit]| {
                 differences_between(&scattered, &of_bytes(Kind::Closest, bytemuck::cast_slice(hits)))
             };
@@ -490,7 +499,7 @@ fn threads_and_orders_do_not_change_results() {
             other[4999].triangle ^= 1;
             assert_eq!(differences(&other), 2, "{name}");
 
-            let scattered = found(&tracer, Kind::Shadow, rays, order);
+            let scattered = traced(Kind::Shadow);
             let differences = |hits: &[f32]| {
                 differences_between(&scattered, &of_bytes(Kind::Shadow, bytemuck::cast_slice(hits)))
             };
