@@ -445,3 +445,33 @@ fn a_time_is_told_once() {
         "{error}"
     );
 }
+
+/// As many methods as a manifest may list, each with a time of one queue.
+#[test]
+fn many_methods_take_seconds() {
+    const COUNT: usize = 60_000;
+    let folder = sample::folder_in_memory();
+    let dump = sample::write(folder.path());
+    let manifest = dump.join("manifest.bin");
+    let frames = scan(&manifest).unwrap().frames;
+    let part =
+        |of: fn(&Record) -> bool| frames.iter().find(|frame| of(&frame.record)).unwrap().record.clone();
+    let Record::Method(method) = part(|record| matches!(record, Record::Method(_))) else { unreachable!() };
+    let Record::Timing(timing) = part(|record| matches!(record, Record::Timing(_))) else { unreachable!() };
+    let names: Vec<String> = (0..COUNT).map(|number| format!("a-method-of-many-{number}")).collect();
+    let many = names.iter().flat_map(|name| {
+        let method = MethodRecord { name: name.clone(), ..method.clone() };
+        let timing = TimingRecord { method: name.clone(), stage: Stage::Sort, ..timing.clone() };
+        [Record::Method(method), Record::Timing(timing)]
+    });
+    let mut records: Vec<Record> = frames.iter().map(|frame| frame.record.clone()).collect();
+    records.iter_mut().filter_map(queue).for_each(|queue| queue.methods.extend(names.clone()));
+    let end = records.pop();
+    let records = records.into_iter().chain(many).chain(end);
+    let bytes: Vec<u8> = records.flat_map(|record| encode_frame(&record).unwrap()).collect();
+    fs::write(&manifest, [&preamble()[..], &bytes].concat()).unwrap();
+    let opened = Dump::open(&dump).unwrap();
+    let start = std::time::Instant::now();
+    assert!(!problems(&verify(&opened)).is_empty());
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+}

@@ -30,7 +30,7 @@ pub use report::{Check, Findings, Report};
 
 use crate::key::Encoder;
 use crate::length_table::{LengthCell, LengthTable};
-use crate::manifest::{Place, QueueArray, QueueId};
+use crate::manifest::{MethodRecord, Place, QueueArray, QueueId, QueueRecord};
 use crate::npy::Element;
 use crate::reader::{Dump, Mapped, ReadError};
 use crate::stored_table::{self, StoredTableError};
@@ -56,27 +56,41 @@ pub fn verify(dump: &Dump) -> Report {
 struct Subject<'a> {
     dump: &'a Dump,
     unit: UnitSpace,
-    /// Every queue with a record or an array, with the arrays' places.
-    queues: BTreeMap<QueueId, BTreeSet<Place>>,
+    /// Every queue with a record or an array.
+    queues: BTreeMap<QueueId, Queue<'a>>,
+    /// Records of methods by name.
+    methods: BTreeMap<&'a str, &'a MethodRecord>,
     /// What is wrong with the files of arrays.
     faults: RefCell<BTreeMap<Place, String>>,
+}
+
+/// What a manifest says of a queue.
+#[derive(Default)]
+struct Queue<'a> {
+    record: Option<&'a QueueRecord>,
+    /// The methods that the record names.
+    measured: BTreeSet<&'a str>,
+    /// Where its arrays are.
+    places: BTreeSet<Place>,
 }
 
 impl<'a> Subject<'a> {
     fn new(dump: &'a Dump) -> Self {
         let manifest = dump.manifest();
         let scene = &manifest.header.scene;
-        let mut queues: BTreeMap<QueueId, BTreeSet<Place>> = BTreeMap::new();
-        for queue in &manifest.queues {
-            queues.entry(queue.id).or_default();
+        let mut queues: BTreeMap<QueueId, Queue<'_>> = BTreeMap::new();
+        for record in &manifest.queues {
+            let measured = record.methods.iter().map(String::as_str).collect();
+            queues.insert(record.id, Queue { record: Some(record), measured, places: BTreeSet::new() });
         }
         for array in &manifest.arrays {
             if let Some(queue) = array.place.queue() {
-                queues.entry(queue).or_default().insert(array.place.clone());
+                queues.entry(queue).or_default().places.insert(array.place.clone());
             }
         }
+        let methods = manifest.methods.iter().map(|method| (method.name.as_str(), method)).collect();
         let unit = UnitSpace::from_bounds(scene.bounds_min, scene.bounds_max);
-        Self { dump, unit, queues, faults: RefCell::default() }
+        Self { dump, unit, queues, methods, faults: RefCell::default() }
     }
 
     /// Notes what is wrong with the file of an array; the first thing stands.

@@ -2,7 +2,7 @@
 
 use super::report::findings;
 use super::scene::method_problem;
-use super::{Check, Findings, Subject};
+use super::{Check, Findings, Queue, Subject};
 use crate::key::{Coordinate, Encoder, LayoutText, Termination};
 use crate::length_table::LengthTable;
 use crate::manifest::{MethodArray, MethodRecord, Place, QueueArray, QueueId};
@@ -15,7 +15,7 @@ use crate::traced::Traced;
 pub(super) fn check(subject: &Subject<'_>) -> [Check; 2] {
     let mut keys_check = Check::new("keys");
     let mut permutations_check = Check::new("permutations");
-    for (&queue, places) in &subject.queues {
+    for (&queue, Queue { places, .. }) in &subject.queues {
         let has_keys = places.iter().any(|place| matches!(place, Place::Method(_, _, MethodArray::Keys)));
         // Once for all methods.
         let rays = has_keys.then(|| subject.queue_array::<Ray>(queue, QueueArray::Rays)).flatten();
@@ -90,11 +90,10 @@ fn with_place(place: &Place, result: Result<(), impl std::fmt::Display>) -> Stri
 
 fn check_keys(subject: &Subject<'_>, queue: QueueId, name: &str, rays: Option<&[Ray]>, check: &mut Check) {
     let place = Place::Method(queue, name.to_owned(), MethodArray::Keys);
-    let manifest = subject.dump.manifest();
     let Some(keys) = Keys::of(subject, &place) else { return };
     // That the method has no record, or a wrong one, was found before.
-    let Some(method) = manifest.methods.iter().find(|method| method.name == name) else { return };
-    if method_problem(method, manifest.header.lights.len()).is_some() {
+    let Some(method) = subject.methods.get(name) else { return };
+    if method_problem(method, subject.dump.manifest().header.lights.len()).is_some() {
         return;
     }
     let is_wide = matches!(keys, Keys::Wide(_));

@@ -1,6 +1,6 @@
 //! Arrays that belong together, and those that speak for themselves: rays, path indices, lights.
 
-use super::{Check, Subject};
+use super::{Check, Queue, Subject};
 use crate::manifest::{Place, QueueArray, QueueId};
 use crate::queue_check::QueueRules;
 use crate::ray::Ray;
@@ -21,18 +21,18 @@ pub(super) fn check(subject: &Subject<'_>) -> Vec<Check> {
 }
 
 fn check_structure(subject: &Subject<'_>, queue: QueueId, check: &mut Check) {
-    let manifest = subject.dump.manifest();
-    let record = manifest.queues.iter().find(|record| record.id == queue);
+    let &Queue { record, ref places, .. } = &subject.queues[&queue];
     let is_complete = subject.dump.state() == DumpState::Complete;
     check.require(record.is_some() || !is_complete, || {
         format!("{queue}: there are arrays, but no record of it")
     });
-    let has_record = |name: &str| manifest.methods.iter().any(|method| method.name == name);
     let mut rays = record.map(|record| (record.rays, "its record"));
-    let per_ray = subject.queues[&queue].iter().filter_map(|place| match place {
+    let per_ray = places.iter().filter_map(|place| match place {
         Place::Queue(_, array) if array.is_per_ray() => Some((place, array.name())),
         Place::Method(_, method, array) => {
-            check.require(has_record(method), || format!("{place}: there is no record of this method"));
+            check.require(subject.methods.contains_key(method.as_str()), || {
+                format!("{place}: there is no record of this method")
+            });
             Some((place, array.name()))
         }
         _ => None,

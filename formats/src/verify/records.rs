@@ -1,11 +1,11 @@
 //! Records of queues, timings and caches: of what was recorded, and with numbers that can be.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use super::{Check, Subject};
-use crate::key::method::{UNSORTED, WITHOUT_KEY};
+use crate::key::method::UNSORTED;
 use crate::manifest::{
-    CacheRecord, Manifest, NAME_CHARACTERS, Options, Place, QueueId, QueueRecord, Stage, TimingRecord,
+    CacheRecord, NAME_CHARACTERS, Options, Place, QueueId, QueueRecord, Stage, TimingRecord,
 };
 use crate::reader::DumpState;
 use crate::text::one_line;
@@ -15,100 +15,87 @@ const GROUP_RAYS: u64 = 64;
 
 pub(super) fn check(subject: &Subject<'_>) -> Check {
     let manifest = subject.dump.manifest();
-    let known = Known::new(manifest, subject.dump.state());
+    let options = &manifest.header.options;
+    let short = |name: &str| one_line(name, NAME_CHARACTERS);
     let mut check = Check::new("records");
-    for &queue in subject.queues.keys() {
-        let problem = known.outside(queue.pass, queue.bounce);
-        check.require(problem.is_none(), || format!("{queue}: {}", problem.unwrap_or_default()));
+    for queue in subject.queues.keys() {
+        check.find(subject.outside(queue.pass, queue.bounce), || queue.to_string());
     }
-    for method in &manifest.header.options.methods {
-        let problem = known.unknown_method(method).filter(|_| known.has_all_records);
-        check.require(problem.is_none(), || format!("the header's methods: {}", problem.unwrap_or_default()));
+    for method in &options.methods {
+        let problem = subject.unknown_method(method).filter(|_| subject.has_all_records());
+        check.find(problem, || "the header's methods".to_owned());
     }
+    let named: BTreeSet<&str> = options.methods.iter().map(String::as_str).collect();
     for method in &manifest.methods {
-        let is_named = known.options.methods.contains(&method.name);
-        check.require(is_named, || {
-            format!("method {} is not among the header's", one_line(&method.name, NAME_CHARACTERS))
+        check.require(named.contains(method.name.as_str()), || {
+            format!("method {} is not among the header's", short(&method.name))
         });
     }
     for queue in &manifest.queues {
-        let problem = known.queue_problem(queue);
-        check.require(problem.is_none(), || format!("queue {}: {}", queue.id, problem.unwrap_or_default()));
+        check.find(subject.queue_problem(queue), || format!("queue {}", queue.id));
     }
     for array in &manifest.arrays {
         let Place::Method(queue, method, _) = &array.place else { continue };
-        let problem = known.unmeasured(*queue, method);
-        check.require(problem.is_none(), || format!("{}: {}", array.place, problem.unwrap_or_default()));
+        check.find(subject.unmeasured(*queue, method), || array.place.to_string());
     }
     for timing in &manifest.timings {
-        let problem = known.timing_problem(timing);
-        check.require(problem.is_none(), || {
-            let (TimingRecord { pass, bounce, .. }, stage) = (timing, timing.stage.name());
-            let method = one_line(&timing.method, NAME_CHARACTERS);
-            format!(
-                "time of {stage} by {method} in pass {pass}, bounce {bounce}: {}",
-                problem.unwrap_or_default()
-            )
+        let TimingRecord { pass, bounce, stage, method, .. } = timing;
+        check.find(subject.timing_problem(timing), || {
+            format!("time of {} by {} in pass {pass}, bounce {bounce}", stage.name(), short(method))
         });
     }
     for cache in &manifest.caches {
-        let problem = known.cache_problem(cache);
-        check.require(problem.is_none(), || {
-            let queue = QueueId { pass: cache.pass, bounce: cache.bounce, kind: cache.kind };
-            let method = one_line(&cache.method, NAME_CHARACTERS);
-            format!("caches of {method} in {queue}: {}", problem.unwrap_or_default())
+        let &CacheRecord { pass, bounce, kind, ref method, .. } = cache;
+        check.find(subject.cache_problem(cache), || {
+            format!("caches of {} in {}", short(method), QueueId { pass, bounce, kind })
         });
     }
     check
 }
 
-/// What records can be about.
-struct Known<'a> {
-    options: &'a Options,
-    queues: BTreeMap<QueueId, &'a QueueRecord>,
-    methods: BTreeSet<&'a str>,
-    /// Whether every method, and every queue that was measured, has its record.
-    has_all_records: bool,
-}
+impl Subject<'_> {
+    fn options(&self) -> &Options {
+        &self.dump.manifest().header.options
+    }
 
-impl<'a> Known<'a> {
-    fn new(manifest: &'a Manifest, state: DumpState) -> Self {
-        let methods = manifest.methods.iter().map(|method| method.name.as_str());
-        Self {
-            options: &manifest.header.options,
-            queues: manifest.queues.iter().map(|queue| (queue.id, queue)).collect(),
-            methods: methods.chain(WITHOUT_KEY).collect(),
-            has_all_records: state == DumpState::Complete,
-        }
+    /// Whether every method, and every queue that was measured, has its record.
+    fn has_all_records(&self) -> bool {
+        self.dump.state() == DumpState::Complete
     }
 
     /// That there are no such passes or bounces, if so.
     fn outside(&self, pass: u32, bounce: u32) -> Option<String> {
-        let Options { passes, bounces, .. } = *self.options;
+        let &Options { passes, bounces, .. } = self.options();
         (pass >= passes || bounce >= bounces).then(|| {
             format!("pass {pass}, bounce {bounce} of a recording of {passes} passes and {bounces} bounces")
         })
     }
 
     fn unknown_method(&self, method: &str) -> Option<String> {
-        let is_unknown = !self.methods.contains(method);
+        let is_unknown = method != UNSORTED && !self.methods.contains_key(method);
         is_unknown.then(|| format!("there is no record of method {}", one_line(method, NAME_CHARACTERS)))
     }
 
+    fn record_of(&self, queue: QueueId) -> Option<&QueueRecord> {
+        self.queues.get(&queue)?.record
+    }
+
     fn unknown_queue(&self, queue: QueueId) -> Option<String> {
-        let is_unknown = self.has_all_records && !self.queues.contains_key(&queue);
+        let is_unknown = self.has_all_records() && self.record_of(queue).is_none();
         is_unknown.then(|| format!("there is no record of queue {queue}"))
     }
 
     /// That a queue's record does not name the method, if so.
     fn unmeasured(&self, queue: QueueId, method: &str) -> Option<String> {
-        let is_measured = |record: &&QueueRecord| record.methods.iter().any(|name| name == method);
-        let record = self.queues.get(&queue).filter(|record| !is_measured(record));
-        record.map(|_| format!("the record of {queue} does not name {}", one_line(method, NAME_CHARACTERS)))
+        let found = self.queues.get(&queue).filter(|found| found.record.is_some());
+        let is_missing = found.is_some_and(|found| !found.measured.contains(method));
+        is_missing
+            .then(|| format!("the record of {queue} does not name {}", one_line(method, NAME_CHARACTERS)))
     }
 
     fn queue_problem(&self, queue: &QueueRecord) -> Option<String> {
-        let Options { width, height, .. } = *self.options;
+        let &Options { width, height, .. } = self.options();
+        let measured = &self.queues[&queue.id].measured;
         let pixels = u64::from(width) * u64::from(height);
         if queue.rays > pixels {
             return Some(format!("{} rays, expected at most {width} × {height}", queue.rays));
@@ -116,7 +103,7 @@ impl<'a> Known<'a> {
         let unknown = queue.methods.iter().find_map(|method| self.unknown_method(method));
         let wrong = queue.mismatches.iter().find_map(|mismatches| {
             let method = one_line(&mismatches.method, NAME_CHARACTERS);
-            if !queue.methods.contains(&mismatches.method) {
+            if !measured.contains(mismatches.method.as_str()) {
                 return Some(format!("results of {method} are said to differ, but it was not measured"));
             }
             if mismatches.rays > queue.rays {
@@ -128,7 +115,7 @@ impl<'a> Known<'a> {
             (mismatches.method == UNSORTED && mismatches.rays > 0)
                 .then(|| format!("{} results of {UNSORTED} differ from themselves", mismatches.rays))
         });
-        let unmeasured = !queue.methods.is_empty() && !queue.methods.iter().any(|method| method == UNSORTED);
+        let unmeasured = !measured.is_empty() && !measured.contains(UNSORTED);
         let no_baseline =
             unmeasured.then(|| format!("its methods lack {UNSORTED}, which is always measured"));
         unknown.or(no_baseline).or(wrong)
@@ -137,12 +124,10 @@ impl<'a> Known<'a> {
     fn timing_problem(&self, timing: &TimingRecord) -> Option<String> {
         let &TimingRecord { pass, bounce, kind, stage, ref method, ref samples_ns } = timing;
         let is_of_a_queue = !matches!(stage, Stage::Generate | Stage::Shade);
-        let expected = if is_of_a_queue { self.options.repeats } else { 1 };
+        let expected = if is_of_a_queue { self.options().repeats } else { 1 };
         let wrong = if is_of_a_queue != kind.is_some() {
             let (found, expected) = if is_of_a_queue { ("no", "one") } else { ("a", "none") };
             Some(format!("it has {found} kind of queue, expected {expected}"))
-        } else if WITHOUT_KEY.contains(&method.as_str()) && matches!(stage, Stage::Key | Stage::Sort) {
-            Some("it has no key".to_owned())
         } else if method == UNSORTED && is_of_a_queue && stage != Stage::Trace {
             Some("unsorted rays are traced, and nothing else".to_owned())
         } else if samples_ns.len() != expected as usize {
@@ -168,7 +153,7 @@ impl<'a> Known<'a> {
         } else if hits.is_none_or(|hits| hits > accesses) {
             Some(format!("{l1_hits} and {l2_hits} hits of {accesses} accesses"))
         } else {
-            let most = self.queues.get(&queue).map_or(u64::MAX, |queue| queue.rays);
+            let most = self.record_of(queue).map_or(u64::MAX, |queue| queue.rays);
             (rays > most).then(|| format!("{rays} rays were sampled, of {most}"))
         };
         self.outside(pass, bounce)

@@ -55,6 +55,11 @@ impl Check {
         }
     }
 
+    /// Counts one more item; `problem` says what is wrong with it, if anything.
+    pub(super) fn find(&mut self, problem: Option<String>, item: impl FnOnce() -> String) {
+        self.require(problem.is_none(), || format!("{}: {}", item(), problem.unwrap_or_default()));
+    }
+
     /// Checks `items` items in parallel; what is wrong with the first few is described.
     pub(super) fn each(
         &mut self,

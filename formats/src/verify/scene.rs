@@ -38,12 +38,8 @@ fn check_header(subject: &Subject<'_>) -> Check {
         });
     }
     for method in &manifest.methods {
-        let lights = manifest.header.lights.len();
-        let problem = method_problem(method, lights);
-        check.require(problem.is_none(), || {
-            let name = one_line(&method.name, NAME_CHARACTERS);
-            format!("method {name}: {}", problem.unwrap_or_default())
-        });
+        let problem = method_problem(method, manifest.header.lights.len());
+        check.find(problem, || format!("method {}", one_line(&method.name, NAME_CHARACTERS)));
     }
     check
 }

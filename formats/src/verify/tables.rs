@@ -34,7 +34,7 @@ fn check_kind(subject: &Subject<'_>, kind: Kind, cells: &Encoder, check: &mut Ch
         let place = Place::Queue(queue, QueueArray::Lengths);
         let Some(stored) = subject.array::<LengthCell>(&place) else {
             // Passes that were not kept have no arrays at all, and need no word.
-            if !subject.queues[&queue].is_empty() {
+            if !subject.queues[&queue].places.is_empty() {
                 check.not_checked.push(format!("{queue}: its length table was not kept"));
             }
             before = None;
