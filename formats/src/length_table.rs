@@ -44,39 +44,17 @@ pub struct LengthTable {
 
 /// Why stored cells are not a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum LengthTableError {
     /// Cells must ascend and stay below 2^bits.
     #[error("cell {cell} at place {place} is out of order or not below 2^{bits}")]
-    Cell {
-        /// The address found.
-        cell: u32,
-        /// Its place in the array.
-        place: usize,
-        /// Address bits of the table.
-        bits: u32,
-    },
+    Cell { cell: u32, place: usize, bits: u32 },
     /// A stored cell counts at least the dummy and one ray.
     #[error("cell {cell} holds {count} rays, expected 2 or more")]
-    Count {
-        /// The address.
-        cell: u32,
-        /// The count found.
-        count: u32,
-    },
+    Count { cell: u32, count: u32 },
     /// No ray adds more than [`LONGEST_SUMMED`], and none takes away from the dummy.
     #[error("cell {cell} sums {sum} for {count} rays, expected {least} to {most}")]
-    Sum {
-        /// The address.
-        cell: u32,
-        /// The sum found.
-        sum: u64,
-        /// The count found.
-        count: u32,
-        /// The least that so many rays sum up to.
-        least: u64,
-        /// The most.
-        most: u64,
-    },
+    Sum { cell: u32, sum: u64, count: u32, least: u64, most: u64 },
 }
 
 /// A length in unit space as the fixed-point number that is summed.

@@ -159,54 +159,29 @@ pub struct NpyHeader {
 
 /// Why bytes are not an NPY header that a dump can hold.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum NpyError {
     /// The first six bytes are not NumPy's.
     #[error("the file does not start with NumPy's magic bytes")]
     Magic,
     /// A version other than 1.0, 2.0 and 3.0.
     #[error("NPY version {major}.{minor} is unknown; expected 1.0, 2.0 or 3.0")]
-    Version {
-        /// Major version found.
-        major: u8,
-        /// Minor version found.
-        minor: u8,
-    },
+    Version { major: u8, minor: u8 },
     /// The header ends before its own length says.
     #[error("the NPY header says it is {expected} bytes long, but only {found} were found")]
-    Truncated {
-        /// Bytes found.
-        found: usize,
-        /// Bytes that the header says it has.
-        expected: usize,
-    },
+    Truncated { found: usize, expected: usize },
     /// The header is longer than any header of a dump.
     #[error("the NPY header says it is {found} bytes long; expected at most {HEADER_BYTES_MAX}")]
-    TooLong {
-        /// Bytes that the header says it has.
-        found: usize,
-    },
+    TooLong { found: usize },
     /// The text is not the Python literal that NumPy writes.
     #[error("the NPY header is not a literal that NumPy writes: {problem} at character {at}")]
-    Literal {
-        /// What was expected.
-        problem: &'static str,
-        /// Where, counted in bytes from the start of the text.
-        at: usize,
-    },
+    Literal { problem: &'static str, at: usize },
     /// A key is missing, or holds something else than it should.
     #[error("the NPY header's '{key}' is missing or wrong; expected {expected}")]
-    Entry {
-        /// The key.
-        key: &'static str,
-        /// What should be there.
-        expected: &'static str,
-    },
+    Entry { key: &'static str, expected: &'static str },
     /// An element type that dumps do not have.
     #[error("the element type {found} is none that a recording holds")]
-    Dtype {
-        /// The description found.
-        found: String,
-    },
+    Dtype { found: String },
 }
 
 /// Bytes of an array's data; `None` if they do not fit an `u64`.

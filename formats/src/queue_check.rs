@@ -24,29 +24,14 @@ pub struct QueueRays<'a> {
 
 /// What is wrong with a queue.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum QueueFault {
     /// An array that has another length than the queue has rays.
     #[error("{queue}/{}.npy has {found} entries, but the queue has {expected} rays", array.name())]
-    Count {
-        /// The queue.
-        queue: QueueId,
-        /// The array.
-        array: QueueArray,
-        /// Its entries.
-        found: u64,
-        /// Rays of the queue.
-        expected: u64,
-    },
+    Count { queue: QueueId, array: QueueArray, found: u64, expected: u64 },
     /// An entry that nothing can be traced or looked up with.
     #[error("{queue}/{}.npy: {problem}", array.name())]
-    Entry {
-        /// The queue.
-        queue: QueueId,
-        /// The array.
-        array: QueueArray,
-        /// Which entry, what was found and what was expected.
-        problem: String,
-    },
+    Entry { queue: QueueId, array: QueueArray, problem: String },
 }
 
 /// What the entries of a queue's arrays must be.

@@ -22,60 +22,32 @@ use crate::manifest::{self, ArrayRecord, End, Fault, ManifestError, Outcome, Pla
 
 /// Why nothing could be recovered.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum RecoverError {
     /// There is no such folder.
     #[error("there is no recording {}, and no .partial folder of that name", path.display())]
-    Missing {
-        /// What was asked for.
-        path: PathBuf,
-    },
+    Missing { path: PathBuf },
     /// The manifest has no header, or nothing after it was complete.
     #[error("nothing was complete yet in {}, so there is nothing to recover", path.display())]
-    Nothing {
-        /// The folder.
-        path: PathBuf,
-    },
+    Nothing { path: PathBuf },
     /// Nothing of what the manifest names is whole.
     #[error("nothing is whole in {}, so there is nothing to recover: {first}", path.display())]
-    Damaged {
-        /// The folder.
-        path: PathBuf,
-        /// What is wrong with the first thing.
-        first: String,
-    },
+    Damaged { path: PathBuf, first: String },
     /// Something else in the place of the manifest, such as a link that may lead out of the folder.
     #[error("{} is not a plain file, so that it is not written to", path.display())]
-    NotPlain {
-        /// The manifest.
-        path: PathBuf,
-    },
+    NotPlain { path: PathBuf },
     /// The recorder has not ended.
     #[error("{} is being written by another process; wait until it ends", path.display())]
-    Busy {
-        /// The folder.
-        path: PathBuf,
-    },
+    Busy { path: PathBuf },
     /// The name that the dump would get is taken.
     #[error("{} exists already; rename {} to another NAME.raydump.partial first", dump.display(), partial.display())]
-    Exists {
-        /// The dump.
-        dump: PathBuf,
-        /// The folder to recover.
-        partial: PathBuf,
-    },
+    Exists { dump: PathBuf, partial: PathBuf },
     /// The manifest is not one of this version.
     #[error(transparent)]
     Manifest(#[from] ManifestError),
     /// The system refused something.
     #[error("cannot {action} {}: {cause}; nothing is lost, so run recover again when that is mended", path.display())]
-    Io {
-        /// What was being done.
-        action: &'static str,
-        /// To which file or folder.
-        path: PathBuf,
-        /// What the system said.
-        cause: io::Error,
-    },
+    Io { action: &'static str, path: PathBuf, cause: io::Error },
 }
 
 /// What was recovered.

@@ -9,6 +9,7 @@ use crate::unit_space::UnitSpace;
 
 /// Why a queue has no traced lengths.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum TracedError {
     /// Its rays, or their hits or distances, were not kept or cannot be read.
     #[error(transparent)]
@@ -18,16 +19,7 @@ pub enum TracedError {
         "{}: {queue} has {rays} rays and {results} results of them; `inspector verify` says what is wrong",
         dump.display()
     )]
-    Lengths {
-        /// The dump.
-        dump: PathBuf,
-        /// The queue.
-        queue: QueueId,
-        /// Entries of its rays.
-        rays: usize,
-        /// Entries of its hits or distances.
-        results: usize,
-    },
+    Lengths { dump: PathBuf, queue: QueueId, rays: usize, results: usize },
 }
 
 /// The rays of a queue and what came of them, equally many, in canonical order.

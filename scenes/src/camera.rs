@@ -21,6 +21,7 @@ pub struct Camera {
 
 /// Why a camera cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum CameraError {
     /// A place or direction that is NaN or infinite.
     #[error("its eye or its direction is not finite")]
@@ -33,10 +34,7 @@ pub enum CameraError {
     NoUp,
     /// A field of view that no pinhole has.
     #[error("its vertical field of view is {degrees}°, expected more than 0° and less than 180°")]
-    FieldOfView {
-        /// What was asked for.
-        degrees: f32,
-    },
+    FieldOfView { degrees: f32 },
 }
 
 impl Camera {

@@ -41,45 +41,23 @@ pub struct Sidecar {
     pub environment: Option<Environment>,
 }
 
-/// Why a sidecar was refused. Each message is the rest of a sentence that names the file.
+/// Why a sidecar was refused. Each message is the rest of a sentence that names the file. Lines,
+/// cameras and lights are counted from 1.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum SidecarError {
     /// It cannot be read.
     #[error("it cannot be read")]
-    Read {
-        /// What the system says.
-        source: io::Error,
-    },
+    Read { source: io::Error },
     /// It is not TOML, or has keys or values that a sidecar does not have.
     #[error("line {line}: {}", shown(message))]
-    Line {
-        /// Counted from 1.
-        line: usize,
-        /// What the parser says, on one line.
-        message: String,
-    },
+    Line { line: usize, message: String },
     /// A camera that cannot be.
     #[error("camera {number} (\"{}\")", shown(name))]
-    Camera {
-        /// Counted from 1.
-        number: usize,
-        /// Its name.
-        name: String,
-        /// What is wrong with it.
-        source: CameraError,
-    },
+    Camera { number: usize, name: String, source: CameraError },
     /// A light or sky that cannot be.
     #[error("{what} has {field} {found}, expected {expected}")]
-    Light {
-        /// Which one.
-        what: String,
-        /// Its key.
-        field: &'static str,
-        /// Its value.
-        found: String,
-        /// What the value may be.
-        expected: &'static str,
-    },
+    Light { what: String, field: &'static str, found: String, expected: &'static str },
 }
 
 #[derive(Deserialize)]

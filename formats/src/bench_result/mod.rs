@@ -97,31 +97,17 @@ pub struct TraceRow {
 
 /// Why a file is no benchmark result.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum BenchError {
     /// It cannot be read.
     #[error("cannot read {}: {cause}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        cause: std::io::Error,
-    },
+    Io { path: PathBuf, cause: std::io::Error },
     /// It is something else.
     #[error("{} is not what `recorder bench --json` prints: {cause}", path.display())]
-    Json {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong, and where.
-        cause: serde_json::Error,
-    },
+    Json { path: PathBuf, cause: serde_json::Error },
     /// Another version.
     #[error("{} is a benchmark result of version {found}, this program reads version {BENCH_VERSION}; use the program that made it", path.display())]
-    Version {
-        /// The file.
-        path: PathBuf,
-        /// The version found.
-        found: u32,
-    },
+    Version { path: PathBuf, found: u32 },
 }
 
 impl BenchResult {

@@ -79,30 +79,20 @@ pub const BUILTIN: &[(&str, &str, Termination)] = &[
 
 /// Why a method cannot be had.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum MethodError {
     /// No built-in method has this name.
     #[error("there is no method '{}'; there are unsorted, {known}, and your own as 'name=layout'", one_line(name, SHOWN), known = builtin_names())]
-    Unknown {
-        /// What was asked for.
-        name: String,
-    },
+    Unknown { name: String },
     /// A user's method without a usable name.
     #[error(
         "'{}' is not a method: write 'name=layout' with a name of small letters, digits and dashes that no built-in method has",
         one_line(definition, SHOWN)
     )]
-    BadName {
-        /// What was typed.
-        definition: String,
-    },
+    BadName { definition: String },
     /// The layout of a user's method is wrong.
     #[error("method '{name}': {cause}")]
-    Layout {
-        /// The method's name.
-        name: String,
-        /// What is wrong, and where.
-        cause: LayoutError,
-    },
+    Layout { name: String, cause: LayoutError },
 }
 
 fn builtin_names() -> String {

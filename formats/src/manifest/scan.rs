@@ -18,70 +18,36 @@ use crate::text::one_line;
 
 /// Why a manifest cannot be read at all.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum ManifestError {
     /// The file cannot be opened or read.
     #[error("{}: {cause}", path.display())]
-    Io {
-        /// The manifest.
-        path: PathBuf,
-        /// What the system said.
-        cause: io::Error,
-    },
+    Io { path: PathBuf, cause: io::Error },
     /// Another kind of file.
     #[error("{}: found a file that does not start with RAYDUMP; expected the manifest of a recording", path.display())]
-    Magic {
-        /// The manifest.
-        path: PathBuf,
-    },
+    Magic { path: PathBuf },
     /// Written by another version of the format.
     #[error("{}: found format version {found}, this program reads versions {OLDEST_VERSION} to {FORMAT_VERSION}; use the program that recorded it", path.display())]
-    Version {
-        /// The manifest.
-        path: PathBuf,
-        /// The version found.
-        found: u32,
-    },
+    Version { path: PathBuf, found: u32 },
     /// Reserved bytes that are not 0.
     #[error("{}: the reserved bytes at offset 12 are {found:#010x}, expected 0: the file is damaged", path.display())]
-    Reserved {
-        /// The manifest.
-        path: PathBuf,
-        /// Their value.
-        found: u32,
-    },
+    Reserved { path: PathBuf, found: u32 },
     /// A record of a kind that this version does not know, although its checksum is right.
     #[error("{}: the record at offset {offset} is of kind {kind}, which format version {FORMAT_VERSION} does not have; use a newer program", path.display())]
-    UnknownRecord {
-        /// The manifest.
-        path: PathBuf,
-        /// Where the record starts.
-        offset: u64,
-        /// The number of its kind.
-        kind: u32,
-    },
+    UnknownRecord { path: PathBuf, offset: u64, kind: u32 },
 }
 
 /// Where the records of a manifest stop making sense, and why.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum Fault {
-    /// The file ends within a record, as when the recorder is killed while it writes one.
+    /// The file ends within a record, as when the recorder is killed while it writes one. Bytes include the
+    /// record's length and checksum.
     #[error("the record at offset {offset} should have {expected} bytes, but the file ends after {found}")]
-    Torn {
-        /// Where the record starts.
-        offset: u64,
-        /// Bytes that are there, length and checksum included.
-        found: u64,
-        /// Bytes that the record says it has.
-        expected: u64,
-    },
+    Torn { offset: u64, found: u64, expected: u64 },
     /// A record that is whole, but damaged or out of place.
     #[error("the record at offset {offset} is damaged: {problem}")]
-    Damaged {
-        /// Where the record starts.
-        offset: u64,
-        /// What was found and expected.
-        problem: String,
-    },
+    Damaged { offset: u64, problem: String },
 }
 
 /// The readable records of a manifest, by kind.

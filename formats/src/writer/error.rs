@@ -7,115 +7,53 @@ use crate::manifest::Place;
 
 /// Why a dump cannot be written.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum WriteError {
     /// The disk, or the user's share of it, is full.
     #[error("no space is left on the disk for {}; what was complete before is kept: make space, then run `inspector recover` on the .partial folder", path.display())]
-    Full {
-        /// The file or folder that did not fit.
-        path: PathBuf,
-    },
+    Full { path: PathBuf },
     /// Any other failure of the system.
     #[error("cannot {action} {}: {cause}", path.display())]
-    Io {
-        /// What was being done.
-        action: &'static str,
-        /// To which file or folder.
-        path: PathBuf,
-        /// What the system said.
-        cause: io::Error,
-    },
+    Io { action: &'static str, path: PathBuf, cause: io::Error },
     /// A path that names no folder.
     #[error("'{}' is not a name for a recording; expected something like NAME.raydump", path.display())]
-    Name {
-        /// The path found.
-        path: PathBuf,
-    },
+    Name { path: PathBuf },
     /// The dump exists.
     #[error("{} exists already; use --force to replace it, or another name", path.display())]
-    Exists {
-        /// The dump.
-        path: PathBuf,
-    },
+    Exists { path: PathBuf },
     /// A killed recording left its folder.
     #[error("{} was left by a recording that did not end; keep it with `inspector recover`, or use --force to remove it", path.display())]
-    LeftOver {
-        /// The `.partial` folder.
-        path: PathBuf,
-    },
+    LeftOver { path: PathBuf },
     /// Another process is writing this dump.
     #[error("{} is being written by another process; use another name", path.display())]
-    Busy {
-        /// The `.partial` folder.
-        path: PathBuf,
-    },
+    Busy { path: PathBuf },
     /// Something that is not a recording has the dump's name.
     #[error("{} is not a recording, so it is not replaced, even by --force; use another name", path.display())]
-    NotARecording {
-        /// The file or folder found.
-        path: PathBuf,
-    },
+    NotARecording { path: PathBuf },
     /// A link has the dump's name.
     #[error("{} is a link, so it is not replaced, even by --force; use the name that it leads to, or another", path.display())]
-    Link {
-        /// The link.
-        path: PathBuf,
-    },
+    Link { path: PathBuf },
     /// A recording in whose folder somebody put a file.
     #[error("{} holds {}, which is no part of the recording, so it is not replaced, even by --force; move that file, or use another name", path.display(), file.display())]
-    ForeignFile {
-        /// The recording.
-        path: PathBuf,
-        /// The file, from the recording's folder.
-        file: PathBuf,
-    },
+    ForeignFile { path: PathBuf, file: PathBuf },
     /// The dump would take the place of what it is made from, or lie in a recording.
     #[error("{} would replace or lie in the recording {}; use another name", path.display(), origin.display())]
-    Source {
-        /// The dump.
-        path: PathBuf,
-        /// What it is made from, or lies in.
-        origin: PathBuf,
-    },
+    Source { path: PathBuf, origin: PathBuf },
     /// An array that cannot look like this.
     #[error("{place} cannot be {found}; expected {expected}")]
-    Shape {
-        /// The array.
-        place: Place,
-        /// Element type and shape found.
-        found: String,
-        /// What is expected there.
-        expected: String,
-    },
+    Shape { place: Place, found: String, expected: String },
     /// More or fewer bytes than the shape takes.
     #[error("{place} was given {found} bytes; expected {expected}")]
-    Count {
-        /// The array.
-        place: Place,
-        /// Bytes given.
-        found: u64,
-        /// Bytes of the shape.
-        expected: u64,
-    },
+    Count { place: Place, found: u64, expected: u64 },
     /// An array that was written before.
     #[error("{place} was written before; an array is written once")]
-    Twice {
-        /// The array.
-        place: Place,
-    },
+    Twice { place: Place },
     /// A record that no reader would take.
     #[error("a record of {bytes} bytes is too long for {}", path.display())]
-    RecordTooLong {
-        /// The manifest.
-        path: PathBuf,
-        /// Its length.
-        bytes: usize,
-    },
+    RecordTooLong { path: PathBuf, bytes: usize },
     /// The manifest could not be written before.
     #[error("{} could not be written before, so nothing can be added", path.display())]
-    Broken {
-        /// The manifest.
-        path: PathBuf,
-    },
+    Broken { path: PathBuf },
 }
 
 /// Turns the system's error into ours, with what was being done to which path.

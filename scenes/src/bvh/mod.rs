@@ -92,60 +92,34 @@ impl Bvh {
 
 /// Why a scene has no hierarchy.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum BvhError {
     /// There is nothing to build it over.
     #[error("the scene \"{}\" has no triangles; a hierarchy needs at least one", shown(scene))]
-    NoTriangles {
-        /// Name of the scene.
-        scene: String,
-    },
+    NoTriangles { scene: String },
     /// Leaf slots are numbered with 28 bits.
     #[error(
         "the scene \"{}\" has {found} triangles, a hierarchy can hold at most {TRIANGLE_LIMIT}; simplify the scene",
         shown(scene)
     )]
-    TooManyTriangles {
-        /// Name of the scene.
-        scene: String,
-        /// How many there are.
-        found: usize,
-    },
+    TooManyTriangles { scene: String, found: usize },
     /// It would not fit into memory.
     #[error(
         "there is no room to build a hierarchy of the {triangles} triangles of \"{}\"; simplify the scene",
         shown(scene)
     )]
-    Memory {
-        /// Name of the scene.
-        scene: String,
-        /// How many it has.
-        triangles: usize,
-        /// How much is missing.
-        source: Shortage,
-    },
-    /// The box tests would overflow; NaN and infinities end up here too.
+    Memory { scene: String, triangles: usize, source: Shortage },
+    /// The box tests would overflow; NaN and infinities end up here too. The first such triangle.
     #[error(
         "triangle {triangle} has the coordinate {value}, expected a number of at most {COORDINATE_LIMIT:e} either way; scale the scene down"
     )]
-    Coordinate {
-        /// Index of the first such triangle.
-        triangle: usize,
-        /// The coordinate.
-        value: f32,
-    },
+    Coordinate { triangle: usize, value: f32 },
     /// The builder made something that cannot be traversed safely: a bug, reported rather than traced.
     #[error(
         "the {kind} built for the scene \"{}\" is unusable: {defect}; please report this scene",
         shown(scene)
     )]
-    Unusable {
-        /// Name of the scene.
-        scene: String,
-        /// Format that was built.
-        kind: BvhKind,
-        /// What is wrong with it.
-        defect: Defect,
-    },
+    Unusable { scene: String, kind: BvhKind, defect: Defect },
 }
 
 /// Builds a hierarchy on the current rayon pool. The result depends on the scene and the kind

@@ -13,47 +13,25 @@ const LEAF_LIMIT: u32 = 15;
 
 /// What is wrong with a hierarchy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what its fields mean")]
 pub enum Defect {
-    /// The leaf slots do not number the scene's triangles.
+    /// The leaf slots do not number the scene's triangles; `slot` is their number if that is wrong.
     #[error(
         "leaf slot {slot} holds triangle {triangle}, which is out of range or in another slot as well ({slots} slots for {triangles} triangles)"
     )]
-    Order {
-        /// First bad slot, or the number of slots if that is wrong.
-        slot: usize,
-        /// What it holds.
-        triangle: u32,
-        /// Leaf slots there are.
-        slots: usize,
-        /// Triangles the scene has.
-        triangles: usize,
-    },
+    Order { slot: usize, triangle: u32, slots: usize, triangles: usize },
     /// A child, or a leaf's range, does not exist.
     #[error("node {node} refers to something that does not exist or cannot be there")]
-    Reference {
-        /// The node that refers to it.
-        node: usize,
-    },
-    /// A node or leaf slot is reached by two ways, or by none.
+    Reference { node: usize },
+    /// A node or leaf slot is reached by two ways, or by none; then `node` is the number of nodes.
     #[error("node {node} or what is in it is reached more than once, or not at all")]
-    Shared {
-        /// The node, or the number of nodes if something is not reached.
-        node: usize,
-    },
+    Shared { node: usize },
     /// The traversal stack would overflow.
     #[error("node {node} is more than {limit} levels below the root")]
-    Depth {
-        /// The node.
-        node: usize,
-        /// Entries of the stack.
-        limit: usize,
-    },
+    Depth { node: usize, limit: usize },
     /// A box does not hold what is below it.
     #[error("the box of node {node} does not hold everything below it")]
-    Box {
-        /// The node.
-        node: usize,
-    },
+    Box { node: usize },
 }
 
 /// Checks that every triangle of the scene is in exactly one leaf, every node but the unused one
