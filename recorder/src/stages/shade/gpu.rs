@@ -9,8 +9,8 @@ use scenes::features::Features;
 use super::bsdf::{DIELECTRIC_F0, MIRROR_ALPHA};
 use super::emitters::{
     EMITTER_DIRECTIONAL, EMITTER_POINT, EMITTER_SKY, EMITTER_SPHERE, EMITTER_SPOT, EMITTER_TRIANGLE,
-    LIGHT_DRAWS, SHORT_OF_TRIANGLE,
 };
+use super::light::{LIGHT_DRAWS, SHORT_OF_TRIANGLE};
 use super::path::ROULETTE_FREE_BOUNCES;
 use super::surface::{OFFSET_OF_POINT, OFFSET_OF_TRIANGLE};
 use crate::device::Module;

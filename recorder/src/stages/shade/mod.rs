@@ -1,13 +1,14 @@
 //! Shade: at each hit, the light that the ray met, one shadow ray to a light sample, and the
 //! path's next ray.
 //!
-//! [`path`] is the arithmetic; [`bsdf`], [`emitters`] and [`surface`] its parts, each with WGSL of the same
-//! name beside it; [`tables`] is the scene as both read it.
+//! [`path`] is the arithmetic; [`bsdf`], [`light`] and [`surface`] its parts, each with WGSL of the same
+//! name beside it; [`tables`] is the scene as both read it, [`emitters`] the lights in it.
 
 pub mod bsdf;
 pub mod cpu;
 pub mod emitters;
 pub mod gpu;
+pub mod light;
 pub mod path;
 pub mod surface;
 pub mod tables;

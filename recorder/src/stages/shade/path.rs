@@ -4,7 +4,7 @@ use formats::ray::{Hit, Ray};
 use glam::Vec3;
 
 use super::bsdf::Surface;
-use super::emitters::{sample_light, sky_radiance};
+use super::light::{sample_light, sky_radiance};
 use super::surface::{HitSurface, hit_surface};
 use super::tables::ShadeTables;
 use crate::stages::compact::cpu::RayState;
