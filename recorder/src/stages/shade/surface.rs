@@ -120,7 +120,7 @@ mod tests {
     use formats::ray::Ray;
 
     use super::*;
-    use crate::stages::trace::triangle::{LeafTriangle, Shear};
+    use crate::stages::trace::triangle::{LeafTriangle, Shear, TriangleRay};
 
     /// No ray that leaves a triangle finds it again, however far away, large, thin or grazing.
     #[test]
@@ -161,7 +161,7 @@ mod tests {
                     direction: normalize3(direction).to_array(),
                     t_max: f32::INFINITY,
                 };
-                again += usize::from(leaf.intersect(&Shear::new(&ray)).is_some_and(|at| at.t >= 0.0));
+                again += usize::from(Shear::new(&ray).intersect(&leaf).is_some_and(|at| at.t >= 0.0));
             }
         }
         assert_eq!(again, 0);
@@ -191,7 +191,7 @@ mod tests {
                     direction: normalize3(direction).to_array(),
                     t_max: f32::INFINITY,
                 };
-                again += usize::from(leaf.intersect(&Shear::new(&ray)).is_some_and(|at| at.t >= 0.0));
+                again += usize::from(Shear::new(&ray).intersect(&leaf).is_some_and(|at| at.t >= 0.0));
             }
         }
         assert_eq!(again, 0);

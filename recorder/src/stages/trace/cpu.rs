@@ -11,11 +11,12 @@ use scenes::features::Features;
 
 use super::cpu_bvh2::BinaryTree;
 use super::cpu_cwbvh::WideTree;
+use super::cpu_query::{Account, Query, Trail};
 use super::hits::{Hits, store};
 use super::mask::Masks;
 use super::moeller_trumbore::PlainRay;
-use super::triangle::{Intersection, LeafTriangle, Shear};
-use super::{BoxTest, Order, Precision, TriangleTest, farthest, reciprocal};
+use super::triangle::{LeafTriangle, Shear, TriangleRay};
+use super::{BoxTest, Order, Precision, TriangleTest};
 use crate::stages::prefetch::prefetch;
 
 /// Rays that a thread takes at once.
@@ -125,7 +126,7 @@ impl CpuTracer {
             Tree::Binary(_) => BinaryTree::NODE_BYTES,
             Tree::Wide(_) => WideTree::NODE_BYTES,
         };
-        let trail = Trail { node_bytes, reads: Vec::new() };
+        let trail = Trail::new(node_bytes);
         match kind {
             Kind::Closest => self.search_with_account::<Trail, Shear, true, false>(ray, trail).1,
             Kind::Shadow => self.search_with_account::<Trail, Shear, true, true>(ray, trail).1,
@@ -165,7 +166,8 @@ impl CpuTracer {
     ) -> (Hit, A) {
         match self.instructions {
             Instructions::Portable => {
-                let mut query = Query::<A, R, PADDED, ANY, MASKS>::new(self, ray, account);
+                let mut query =
+                    Query::<A, R, PADDED, ANY, MASKS>::new(ray, account, &self.triangles, &self.masks);
                 match &self.tree {
                     Tree::Binary(tree) => {
                         tree.traverse::<super::cpu_bvh2::Portable, A, R, PADDED, ANY, MASKS>(&mut query)
@@ -190,95 +192,12 @@ fn search_avx2<A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, 
     ray: &Ray,
     account: A,
 ) -> (Hit, A) {
-    let mut query = Query::<A, R, PADDED, ANY, MASKS>::new(tracer, ray, account);
+    let mut query = Query::<A, R, PADDED, ANY, MASKS>::new(ray, account, &tracer.triangles, &tracer.masks);
     match &tracer.tree {
         Tree::Binary(tree) => tree.traverse::<super::cpu_bvh2::Avx2, A, R, PADDED, ANY, MASKS>(&mut query),
         Tree::Wide(tree) => tree.traverse::<super::cpu_cwbvh::Avx2, A, R, PADDED, ANY, MASKS>(&mut query),
     }
     query.result()
-}
-
-/// A ray as a triangle test takes it.
-pub(super) trait TriangleRay {
-    /// Prepares for a ray.
-    fn new(ray: &Ray) -> Self;
-
-    /// Where the line hits a triangle, if it does; `t` may be anything, also NaN.
-    fn intersect(&self, leaf: &LeafTriangle) -> Option<Intersection>;
-}
-
-impl TriangleRay for Shear {
-    #[inline(always)]
-    fn new(ray: &Ray) -> Self {
-        Self::new(ray)
-    }
-
-    #[inline(always)]
-    fn intersect(&self, leaf: &LeafTriangle) -> Option<Intersection> {
-        leaf.intersect(self)
-    }
-}
-
-impl TriangleRay for PlainRay {
-    #[inline(always)]
-    fn new(ray: &Ray) -> Self {
-        Self::new(ray)
-    }
-
-    #[inline(always)]
-    fn intersect(&self, leaf: &LeafTriangle) -> Option<Intersection> {
-        self.intersect(leaf)
-    }
-}
-
-/// What is kept of a ray's way beside its hit; nothing where rates are measured.
-pub(super) trait Account {
-    /// The children of a node are tested.
-    fn node(&mut self, index: usize);
-    /// The triangle in a leaf slot is tested.
-    fn triangle(&mut self, slot: usize);
-}
-
-impl Account for () {
-    #[inline(always)]
-    fn node(&mut self, _index: usize) {}
-
-    #[inline(always)]
-    fn triangle(&mut self, _slot: usize) {}
-}
-
-impl Account for Work {
-    #[inline(always)]
-    fn node(&mut self, _index: usize) {
-        self.nodes += 1;
-    }
-
-    #[inline(always)]
-    fn triangle(&mut self, _slot: usize) {
-        self.triangles += 1;
-    }
-}
-
-/// What a ray reads on its way.
-#[derive(Clone, Debug, Default)]
-pub struct Trail {
-    node_bytes: usize,
-    /// Address and bytes of each read, in order. Triangles lie far behind all nodes.
-    pub reads: Vec<(u64, u32)>,
-}
-
-/// Where the triangles start in the addresses of a [`Trail`].
-const TRIANGLES_START: u64 = 1 << 40;
-
-impl Account for Trail {
-    fn node(&mut self, index: usize) {
-        self.reads.push(((index * self.node_bytes) as u64, self.node_bytes as u32));
-    }
-
-    fn triangle(&mut self, slot: usize) {
-        let bytes = size_of::<LeafTriangle>();
-        self.reads.push((TRIANGLES_START + (slot * bytes) as u64, bytes as u32));
-    }
 }
 
 /// How many rays ahead a ray is asked for that lies elsewhere: one takes about as long as a miss.
@@ -309,91 +228,5 @@ fn for_each_ray<T: Sync>(
                 trace(&rays[place], &results[place]);
             }
         }),
-    }
-}
-
-/// A ray on its way through a hierarchy, and what it has found.
-///
-/// `R`: triangle test. `PADDED`: see [`BoxTest`]. `ANY`: ends at the first hit. `MASKS`: looks for holes.
-pub(super) struct Query<
-    'a,
-    A: Account,
-    R: TriangleRay,
-    const PADDED: bool,
-    const ANY: bool,
-    const MASKS: bool,
-> {
-    /// Where the ray starts.
-    pub origin: [f32; 3],
-    /// Reciprocals of its direction.
-    pub inverse: [f32; 3],
-    /// Nearest distance that counts.
-    pub t_min: f32,
-    triangle_ray: R,
-    best: Hit,
-    account: A,
-    triangles: &'a [LeafTriangle],
-    masks: &'a Masks,
-}
-
-impl<'a, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const MASKS: bool>
-    Query<'a, A, R, PADDED, ANY, MASKS>
-{
-    #[inline(always)]
-    fn new(tracer: &'a CpuTracer, ray: &Ray, account: A) -> Self {
-        Self {
-            origin: ray.origin,
-            inverse: ray.direction.map(reciprocal),
-            t_min: ray.t_min,
-            triangle_ray: R::new(ray),
-            best: Hit { t: farthest(ray), ..Hit::MISS },
-            account,
-            triangles: &tracer.triangles,
-            masks: &tracer.masks,
-        }
-    }
-
-    /// The factor on far planes and on the nearest hit.
-    #[inline(always)]
-    pub(super) const fn padding(&self) -> f32 {
-        if PADDED { BoxTest::Padded } else { BoxTest::Plain }.padding()
-    }
-
-    /// Boxes beyond this distance need not be entered.
-    #[inline(always)]
-    pub(super) fn limit(&self) -> f32 {
-        self.best.t * self.padding()
-    }
-
-    /// Counts a node whose children are tested.
-    #[inline(always)]
-    pub(super) fn visit(&mut self, index: usize) {
-        self.account.node(index);
-    }
-
-    /// Tests the triangle in a leaf slot; true if the search is over.
-    #[inline(always)]
-    pub(super) fn test(&mut self, slot: usize) -> bool {
-        let leaf = &self.triangles[slot];
-        self.account.triangle(slot);
-        let Some(at) = self.triangle_ray.intersect(leaf) else {
-            return false;
-        };
-        let triangle = leaf.triangle();
-        let is_nearer = at.t < self.best.t || (at.t == self.best.t && triangle < self.best.triangle);
-        if !(at.t >= self.t_min && is_nearer) {
-            return false;
-        }
-        if MASKS && leaf.mask() != 0 && self.masks.is_hole(leaf.mask(), at.u, at.v) {
-            return false;
-        }
-        // No distance is negative here, but it may be a negative zero.
-        self.best = Hit { t: at.t.abs(), triangle, u: at.u, v: at.v };
-        ANY
-    }
-
-    #[inline(always)]
-    fn result(self) -> (Hit, A) {
-        (if self.best.is_hit() { self.best } else { Hit::MISS }, self.account)
     }
 }

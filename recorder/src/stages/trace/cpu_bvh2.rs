@@ -2,7 +2,8 @@
 
 use scenes::bvh::{BVH2_STACK, Bvh2Node};
 
-use super::cpu::{Account, Query, TriangleRay};
+use super::cpu_query::{Account, Query};
+use super::triangle::TriangleRay;
 
 /// Bits of a reference that hold the first leaf slot or node pair; those above hold the number of
 /// triangles, 0 for an inner node.

@@ -3,7 +3,8 @@
 
 use scenes::bvh::{CWBVH_STACK, CwbvhNode};
 
-use super::cpu::{Account, Query, TriangleRay};
+use super::cpu_query::{Account, Query};
+use super::triangle::TriangleRay;
 
 /// The nodes, in 16-byte units so that each lies in two cache lines.
 #[derive(Clone, Debug)]

@@ -38,15 +38,16 @@
 pub mod cpu;
 mod cpu_bvh2;
 mod cpu_cwbvh;
+mod cpu_query;
 mod driver;
 pub mod gpu;
 pub mod hits;
 pub mod mask;
 pub mod moeller_trumbore;
+pub mod triangle;
 
 #[cfg(test)]
 mod tests;
-pub mod triangle;
 
 use formats::ray::Ray;
 use scenes::Scene;

@@ -6,7 +6,7 @@
 use formats::ray::Ray;
 use glam::Vec3;
 
-use super::triangle::{Intersection, LeafTriangle};
+use super::triangle::{Intersection, LeafTriangle, TriangleRay};
 use crate::stages::vector::{cross3, dot3};
 
 /// A ray as it is.
@@ -16,16 +16,14 @@ pub struct PlainRay {
     direction: Vec3,
 }
 
-impl PlainRay {
-    /// Of a ray.
+impl TriangleRay for PlainRay {
     #[inline(always)]
-    pub fn new(ray: &Ray) -> Self {
+    fn new(ray: &Ray) -> Self {
         Self { origin: Vec3::from(ray.origin), direction: Vec3::from(ray.direction) }
     }
 
-    /// Where the line hits a triangle; `t` may be anything.
     #[inline(always)]
-    pub fn intersect(&self, leaf: &LeafTriangle) -> Option<Intersection> {
+    fn intersect(&self, leaf: &LeafTriangle) -> Option<Intersection> {
         let [a, b, c] = leaf.corners();
         let (ab, ac) = (b - a, c - a);
         let across = cross3(self.direction, ac);

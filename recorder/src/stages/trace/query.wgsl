@@ -1,4 +1,4 @@
-// A ray on its way through a hierarchy, and what it has found: the same on threads is `stages::trace::cpu`.
+// A ray on its way through a hierarchy, and what it has found: the same on threads is `stages::trace::cpu_query`.
 
 struct Intersection {
     is_hit: bool,

@@ -9,7 +9,7 @@ use scenes::{Camera, Material, Scene, Texture};
 use super::cpu::CpuTracer;
 use super::hits::Hits;
 use super::mask::Masks;
-use super::triangle::{LeafTriangle, Shear};
+use super::triangle::{LeafTriangle, Shear, TriangleRay};
 use super::{Order, Precision, farthest};
 use crate::oracle::Oracle;
 use crate::stages::compare::cpu::differences as differences_between;
@@ -170,7 +170,7 @@ fn every_triangle(scene: &Scene, ray: &Ray) -> Hit {
     for triangle in 0..scene.triangles.len() as u32 {
         let number = masks.number(triangle);
         let leaf = LeafTriangle::new(&scene.corners(triangle as usize), triangle, number);
-        let Some(at) = leaf.intersect(&shear) else { continue };
+        let Some(at) = shear.intersect(&leaf) else { continue };
         let is_hole = number != 0 && masks.is_hole(number, at.u, at.v);
         let is_nearer = at.t < best.t || (at.t == best.t && triangle < best.triangle);
         if at.t >= ray.t_min && is_nearer && !is_hole {

@@ -32,6 +32,15 @@ use crate::stages::vector::{cross3, dot3};
 /// Bound of the relative error of 8 roundings in a row, `nε / (1 − nε)` with ε = 2⁻²⁴.
 pub const GAMMA_8: f32 = 4.768_374e-7;
 
+/// A ray as a triangle test takes it.
+pub trait TriangleRay {
+    /// Prepares for a ray with a direction that is not zero.
+    fn new(ray: &Ray) -> Self;
+
+    /// Where the line hits a triangle, ahead of its origin or not; `t` may be anything, also NaN.
+    fn intersect(&self, leaf: &LeafTriangle) -> Option<Intersection>;
+}
+
 /// A ray's transformation: which axes are sheared, and by how much.
 #[derive(Clone, Copy, Debug)]
 pub struct Shear {
@@ -48,10 +57,9 @@ pub struct Shear {
     inverse: [f32; 3],
 }
 
-impl Shear {
-    /// The transformation for a ray with a direction that is not zero.
+impl TriangleRay for Shear {
     #[inline(always)]
-    pub fn new(ray: &Ray) -> Self {
+    fn new(ray: &Ray) -> Self {
         let d = ray.direction;
         let size = d.map(f32::abs);
         let z = if size[0] >= size[1] {
@@ -74,6 +82,38 @@ impl Shear {
             line: [Vec3::from(o), Vec3::from(d)],
             inverse: [reciprocal(d[x]), reciprocal(d[y]), reciprocal(d[z])],
         }
+    }
+
+    /// Ahead of the ray's origin; its ends are not looked at.
+    #[inline(always)]
+    fn intersect(&self, leaf: &LeafTriangle) -> Option<Intersection> {
+        // Four lanes at a time; what the last one holds and becomes is of no interest.
+        let [rx, ry, rz] = self.axes.map(|axis| Vec4::from_array(leaf.rows[axis]));
+        let z = rz - Vec4::splat(self.origin[2]);
+        let (moved_x, moved_y) = (rx - Vec4::splat(self.origin[0]), ry - Vec4::splat(self.origin[1]));
+        let (shear_x, shear_y) = (Vec4::splat(self.shear[0]), Vec4::splat(self.shear[1]));
+        let x = moved_x - shear_x * z;
+        let y = moved_y - shear_y * z;
+        // Weight of a corner: the edge function of the two others.
+        let edges = x.zxyw() * y.yzxw() - y.zxyw() * x.yzxw();
+        let corners = 0b111;
+        let is_negative = edges.cmplt(Vec4::ZERO).bitmask() & corners != 0;
+        let is_positive = edges.cmpgt(Vec4::ZERO).bitmask() & corners != 0;
+        if is_negative && is_positive {
+            return None;
+        }
+        let [a, b, c, _] = edges.to_array();
+        let sum = (a + b) + c;
+        if sum == 0.0 {
+            return None;
+        }
+        // Few triangles come this far, so that what follows costs little.
+        let [inverse_x, inverse_y, inverse_z] = self.inverse.map(Vec4::splat);
+        let reached = [inverse_x * moved_x, inverse_y * moved_y, inverse_z * z].map(Vec4::truncate);
+        let t = leaf.distance(&self.line, reached)?;
+        // Quotients of numbers of the same sign: `abs` only removes the sign of a zero, which
+        // depends on the order of an edge's corners.
+        Some(Intersection { t, u: (b / sum).abs(), v: (c / sum).abs() })
     }
 }
 
@@ -111,38 +151,6 @@ impl LeafTriangle {
     #[inline(always)]
     pub fn mask(&self) -> u32 {
         self.rows[1][3].to_bits()
-    }
-
-    /// Where a ray hits the triangle, ahead of its origin; its ends are not looked at.
-    #[inline(always)]
-    pub fn intersect(&self, ray: &Shear) -> Option<Intersection> {
-        // Four lanes at a time; what the last one holds and becomes is of no interest.
-        let [rx, ry, rz] = ray.axes.map(|axis| Vec4::from_array(self.rows[axis]));
-        let z = rz - Vec4::splat(ray.origin[2]);
-        let (moved_x, moved_y) = (rx - Vec4::splat(ray.origin[0]), ry - Vec4::splat(ray.origin[1]));
-        let (shear_x, shear_y) = (Vec4::splat(ray.shear[0]), Vec4::splat(ray.shear[1]));
-        let x = moved_x - shear_x * z;
-        let y = moved_y - shear_y * z;
-        // Weight of a corner: the edge function of the two others.
-        let edges = x.zxyw() * y.yzxw() - y.zxyw() * x.yzxw();
-        let corners = 0b111;
-        let is_negative = edges.cmplt(Vec4::ZERO).bitmask() & corners != 0;
-        let is_positive = edges.cmpgt(Vec4::ZERO).bitmask() & corners != 0;
-        if is_negative && is_positive {
-            return None;
-        }
-        let [a, b, c, _] = edges.to_array();
-        let sum = (a + b) + c;
-        if sum == 0.0 {
-            return None;
-        }
-        // Few triangles come this far, so that what follows costs little.
-        let [inverse_x, inverse_y, inverse_z] = ray.inverse.map(Vec4::splat);
-        let reached = [inverse_x * moved_x, inverse_y * moved_y, inverse_z * z].map(Vec4::truncate);
-        let t = self.distance(&ray.line, reached)?;
-        // Quotients of numbers of the same sign: `abs` only removes the sign of a zero, which
-        // depends on the order of an edge's corners.
-        Some(Intersection { t, u: (b / sum).abs(), v: (c / sum).abs() })
     }
 
     /// Distance along a line to the triangle's plane; `None` if that is not to be believed. `reached` says where
