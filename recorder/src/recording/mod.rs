@@ -4,52 +4,25 @@ mod header;
 mod run;
 mod scene_arrays;
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use formats::manifest::Source;
-use formats::reader::Dump;
-use formats::summary::Summary;
 use formats::unit_space::UnitSpace;
 use formats::writer::DumpWriter;
 use scenes::features::Features;
 use scenes::{Camera, Scene};
 
 pub(crate) use header::header;
+pub use run::Recorded;
 pub(crate) use run::{Rays, Run};
 
 use crate::machine;
-use crate::observer::MeasuredQueue;
 use crate::options::RecordOptions;
 use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::shade::tables::ShadeTables;
 use crate::stages::trace::Precision;
-
-/// A finished recording.
-pub struct Recorded {
-    /// The dump.
-    pub path: PathBuf,
-    /// Scene, adapter and settings in a line each.
-    pub headline: Vec<String>,
-    /// Methods, in order.
-    pub methods: Vec<MethodPlan>,
-    /// Every queue of the measured pass.
-    pub queues: Vec<MeasuredQueue>,
-    /// Things the user should know.
-    pub notices: Vec<String>,
-}
-
-impl Recorded {
-    /// What the dump says, for programs.
-    ///
-    /// # Errors
-    /// If the dump cannot be read back.
-    pub fn summary(&self) -> Result<Summary> {
-        Ok(Summary::new(&self.path, Dump::open(&self.path)?.manifest()))
-    }
-}
 
 /// Records a scene.
 ///

@@ -8,11 +8,12 @@ use anyhow::{Context, Result};
 use formats::folder::partial_of;
 use formats::manifest::{End, Header, ImageDigest, Outcome, Place, Record};
 use formats::reader::Dump;
+use formats::summary::Summary;
 use formats::writer::DumpWriter;
 use scenes::Scene;
 use sha2::{Digest, Sha256};
 
-use super::{Recorded, header, scene_arrays};
+use super::{header, scene_arrays};
 use crate::backends::cpu::CpuBackend;
 use crate::backends::gpu::GpuBackend;
 use crate::backends::{Backend, RecordedRays, picture};
@@ -24,10 +25,34 @@ use crate::measure::{Measured, Subject};
 use crate::observer::{MeasuredQueue, Plan, Recorder};
 use crate::options::RecordOptions;
 use crate::progress::Progress;
-use crate::stages::setup::Setup;
+use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::trace::TraceKernel;
 use crate::stages::trace::cpu::CpuTracer;
 use crate::wavefront;
+
+/// A finished recording.
+pub struct Recorded {
+    /// The dump.
+    pub path: PathBuf,
+    /// Scene, adapter and settings in a line each.
+    pub headline: Vec<String>,
+    /// Methods, in order.
+    pub methods: Vec<MethodPlan>,
+    /// Every queue of the measured pass.
+    pub queues: Vec<MeasuredQueue>,
+    /// Things the user should know.
+    pub notices: Vec<String>,
+}
+
+impl Recorded {
+    /// What the dump says, for programs.
+    ///
+    /// # Errors
+    /// If the dump cannot be read back.
+    pub fn summary(&self) -> Result<Summary> {
+        Ok(Summary::new(&self.path, Dump::open(&self.path)?.manifest()))
+    }
+}
 
 /// Where the rays of a run come from.
 pub(crate) enum Rays<'a> {
