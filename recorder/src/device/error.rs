@@ -29,31 +29,13 @@ pub enum GpuError {
         found: String,
     },
 
-    /// The adapter cannot do something that was asked for.
-    #[error("the adapter {adapter} offers no {feature}; {remedy}")]
-    MissingFeature {
+    /// The adapter lacks something that was asked for or that kernels need.
+    #[error("the adapter {adapter} {lack}")]
+    Unfit {
         /// Name and driver of the adapter.
         adapter: String,
-        /// What it lacks.
-        feature: &'static str,
-        /// What to do instead.
-        remedy: &'static str,
-    },
-
-    /// A limit of the adapter is lower than what a kernel needs.
-    #[error(
-        "the adapter {adapter} allows {allowed} {what}, but {needed} are needed; \
-         use another adapter or --backend cpu"
-    )]
-    TooLow {
-        /// Name and driver of the adapter.
-        adapter: String,
-        /// What is limited.
-        what: &'static str,
-        /// How much of it the adapter allows.
-        allowed: u32,
-        /// How much of it the kernels need.
-        needed: u32,
+        /// What it lacks, as in "offers no …", and what to do instead.
+        lack: String,
     },
 
     /// The driver refused to open the device.
@@ -121,10 +103,7 @@ pub enum GpuError {
     },
 
     /// The adapter computes something wrong that results depend on.
-    #[error(
-        "the adapter {adapter} fails the self-check \"{check}\": {detail}; \
-         update its driver, or use another adapter or --backend cpu"
-    )]
+    #[error("{adapter} fails the self-check '{check}': {detail}; update the driver, or use --backend cpu")]
     SelfCheck {
         /// Name and driver of the adapter.
         adapter: String,

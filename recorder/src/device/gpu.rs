@@ -1,122 +1,11 @@
-//! One adapter, opened: its description, its limits, and its errors as `Err` of the call that ran.
+//! One adapter, opened, and its errors as `Err` of the call that ran.
 
 use std::panic::AssertUnwindSafe;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::ThreadId;
 
-use serde::Serialize;
-
-use super::{GpuError, limits};
-
-/// Which adapter to open.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum AdapterRequest {
-    /// The best hardware GPU; software adapters are passed over.
-    Hardware,
-    /// The best hardware GPU, else a software adapter.
-    Any,
-    /// The first whose name, driver or backend contains this text, in upper or lower case.
-    Named(String),
-}
-
-/// What an adapter is and how much it allows; this goes into the manifest.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct AdapterDescription {
-    /// The card, as the driver calls it.
-    pub name: String,
-    /// Name of the driver.
-    pub driver: String,
-    /// Version of the driver, in its own words.
-    pub driver_info: String,
-    /// `vulkan`, `metal` or `dx12`.
-    pub backend: String,
-    /// `discrete`, `integrated`, `virtual`, `software` or `other`.
-    pub device_type: String,
-    /// Vendor, mostly a PCI id.
-    pub vendor_id: u32,
-    /// Device, mostly a PCI id.
-    pub device_id: u32,
-    /// Fewest threads in a subgroup.
-    pub subgroup_min_size: u32,
-    /// Most threads in a subgroup.
-    pub subgroup_max_size: u32,
-    /// Whether compute shaders may use subgroup operations.
-    pub subgroups: bool,
-    /// Whether the device can say how long a pass took.
-    pub timestamps: bool,
-    /// Whether traversal by the driver (`ray-query`) is offered.
-    pub ray_query: bool,
-    /// The limits that decide what fits.
-    pub limits: AdapterLimits,
-}
-
-/// The limits that decide what fits on an adapter.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct AdapterLimits {
-    /// Bytes of the largest buffer.
-    pub buffer_bytes: u64,
-    /// Bytes of a buffer that one kernel can see through one binding.
-    pub storage_binding_bytes: u64,
-    /// Storage buffers that one kernel can see.
-    pub storage_bindings: u32,
-    /// Bytes of memory that the threads of a workgroup share.
-    pub workgroup_bytes: u32,
-    /// Threads of a workgroup.
-    pub workgroup_threads: u32,
-    /// Workgroups of a dispatch, along each axis.
-    pub workgroups_per_axis: u32,
-}
-
-impl AdapterDescription {
-    /// Describes an adapter without opening it.
-    pub fn of(adapter: &wgpu::Adapter) -> Self {
-        let info = adapter.get_info();
-        let features = adapter.features();
-        let limits = adapter.limits();
-        Self {
-            name: info.name,
-            driver: info.driver,
-            driver_info: info.driver_info,
-            backend: info.backend.to_str().to_owned(),
-            device_type: device_type_name(info.device_type).to_owned(),
-            vendor_id: info.vendor,
-            device_id: info.device,
-            subgroup_min_size: info.subgroup_min_size,
-            subgroup_max_size: info.subgroup_max_size,
-            subgroups: features.contains(wgpu::Features::SUBGROUP),
-            timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
-            ray_query: features.contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY),
-            limits: AdapterLimits {
-                buffer_bytes: limits.max_buffer_size,
-                storage_binding_bytes: limits.max_storage_buffer_binding_size,
-                storage_bindings: limits.max_storage_buffers_per_shader_stage,
-                workgroup_bytes: limits.max_compute_workgroup_storage_size,
-                workgroup_threads: limits.max_compute_invocations_per_workgroup,
-                workgroups_per_axis: limits.max_compute_workgroups_per_dimension,
-            },
-        }
-    }
-
-    /// Name and driver, as error messages give them.
-    pub fn title(&self) -> String {
-        let version = [self.driver.as_str(), self.driver_info.as_str()];
-        let version: Vec<&str> = version.into_iter().filter(|text| !text.is_empty()).collect();
-        format!("{} ({}, {})", self.name, version.join(" "), self.backend)
-    }
-
-    /// Whether the adapter computes on the CPU.
-    pub fn is_software(&self) -> bool {
-        self.device_type == device_type_name(wgpu::DeviceType::Cpu)
-    }
-
-    /// Whether the text occurs in the name, the driver or the backend, in upper or lower case.
-    fn matches(&self, wanted: &str) -> bool {
-        let wanted = wanted.to_lowercase();
-        [&self.name, &self.driver, &self.driver_info, &self.backend]
-            .into_iter()
-            .any(|text| text.to_lowercase().contains(&wanted))
-    }
-}
+use super::adapter::choose;
+use super::{AdapterDescription, AdapterRequest, GpuError, limits};
 
 /// A device that is open, with the queue that work is sent to. Clones are the same device.
 #[derive(Clone, Debug)]
@@ -124,7 +13,6 @@ pub struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     adapter: AdapterDescription,
-    limits: wgpu::Limits,
     faults: Arc<Mutex<Faults>>,
 }
 
@@ -149,16 +37,13 @@ impl Gpu {
     /// As [`Gpu::open`], with traversal by the driver (`ray-query`).
     ///
     /// # Errors
-    /// As [`Gpu::open`], and [`GpuError::MissingFeature`] where the adapter has no ray query.
+    /// As [`Gpu::open`], and [`GpuError::Unfit`] where the adapter has no ray query.
     pub fn open_with_ray_query(request: &AdapterRequest) -> Result<Self, GpuError> {
         let adapter = choose(request)?;
         let description = AdapterDescription::of(&adapter);
         if !description.ray_query {
-            return Err(GpuError::MissingFeature {
-                adapter: description.title(),
-                feature: "ray query",
-                remedy: "use --trace cwbvh or --trace bvh2",
-            });
+            let lack = "offers no ray query; use --trace cwbvh or --trace bvh2".to_owned();
+            return Err(GpuError::Unfit { adapter: description.title(), lack });
         }
         Self::open_adapter(&adapter, wgpu::Features::EXPERIMENTAL_RAY_QUERY)
     }
@@ -167,11 +52,9 @@ impl Gpu {
     pub(crate) fn open_adapter(adapter: &wgpu::Adapter, extra: wgpu::Features) -> Result<Self, GpuError> {
         let description = AdapterDescription::of(adapter);
         if !adapter.features().contains(wgpu::Features::IMMEDIATES) {
-            return Err(GpuError::MissingFeature {
-                adapter: description.title(),
-                feature: "immediate data (push constants)",
-                remedy: "use another adapter or --backend cpu",
-            });
+            let lack =
+                "offers no immediate data (push constants); use another adapter or --backend cpu".to_owned();
+            return Err(GpuError::Unfit { adapter: description.title(), lack });
         }
         let optional = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::SUBGROUP;
         let features = wgpu::Features::IMMEDIATES | extra | (adapter.features() & optional);
@@ -187,7 +70,7 @@ impl Gpu {
         let opening = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("rayscope"),
             required_features: features,
-            required_limits: limits.clone(),
+            required_limits: limits,
             experimental_features: experimental,
             ..Default::default()
         });
@@ -195,7 +78,7 @@ impl Gpu {
             .map_err(|source| GpuError::Open { adapter: description.title(), source })?;
         let faults = Arc::new(Mutex::new(Faults::default()));
         listen(&device, &faults);
-        Ok(Self { device, queue, adapter: description, limits, faults })
+        Ok(Self { device, queue, adapter: description, faults })
     }
 
     /// wgpu's device, for what has no helper here. Follow up with [`Gpu::check`].
@@ -211,11 +94,6 @@ impl Gpu {
     /// What was opened.
     pub fn adapter(&self) -> &AdapterDescription {
         &self.adapter
-    }
-
-    /// All limits of the device: the adapter's own, but for the storage buffers of a kernel.
-    pub fn limits(&self) -> &wgpu::Limits {
-        &self.limits
     }
 
     /// Whether the device was opened with these features.
@@ -304,54 +182,6 @@ impl Gpu {
     }
 }
 
-/// All adapters of this machine, the best first: hardware before software, discrete before
-/// integrated, Vulkan and Metal before DX12.
-pub(crate) fn enumerate() -> Vec<wgpu::Adapter> {
-    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-    descriptor.backends = wgpu::Backends::PRIMARY;
-    // Vulkan's validation layers cost time and are not what debug builds of this program test.
-    descriptor.flags = wgpu::InstanceFlags::empty().with_env();
-    let instance = wgpu::Instance::new(descriptor);
-    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
-    adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
-    adapters
-}
-
-fn rank(info: &wgpu::AdapterInfo) -> (u32, u32) {
-    let by_type = match info.device_type {
-        wgpu::DeviceType::DiscreteGpu => 0,
-        wgpu::DeviceType::IntegratedGpu => 1,
-        wgpu::DeviceType::VirtualGpu => 2,
-        wgpu::DeviceType::Other => 3,
-        wgpu::DeviceType::Cpu => 4,
-    };
-    (by_type, u32::from(info.backend == wgpu::Backend::Dx12))
-}
-
-fn choose(request: &AdapterRequest) -> Result<wgpu::Adapter, GpuError> {
-    let adapters = enumerate();
-    if adapters.is_empty() {
-        return Err(GpuError::NoAdapter);
-    }
-    let described: Vec<_> = adapters.iter().map(AdapterDescription::of).collect();
-    let chosen = described.iter().position(|adapter| match request {
-        AdapterRequest::Hardware => !adapter.is_software(),
-        AdapterRequest::Any => true,
-        AdapterRequest::Named(wanted) => adapter.matches(wanted),
-    });
-    match chosen {
-        Some(index) => Ok(adapters[index].clone()),
-        None => {
-            let titles: Vec<_> = described.iter().map(AdapterDescription::title).collect();
-            let found = titles.join("; ");
-            Err(match request {
-                AdapterRequest::Named(wanted) => GpuError::NoSuchAdapter { wanted: wanted.clone(), found },
-                AdapterRequest::Hardware | AdapterRequest::Any => GpuError::NoHardware { found },
-            })
-        }
-    }
-}
-
 /// Collects what wgpu would otherwise panic about.
 fn listen(device: &wgpu::Device, faults: &Arc<Mutex<Faults>>) {
     let errors = Arc::clone(faults);
@@ -369,46 +199,10 @@ fn lock(faults: &Mutex<Faults>) -> MutexGuard<'_, Faults> {
     faults.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn device_type_name(device_type: wgpu::DeviceType) -> &'static str {
-    match device_type {
-        wgpu::DeviceType::DiscreteGpu => "discrete",
-        wgpu::DeviceType::IntegratedGpu => "integrated",
-        wgpu::DeviceType::VirtualGpu => "virtual",
-        wgpu::DeviceType::Cpu => "software",
-        wgpu::DeviceType::Other => "other",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::{AdapterRequest, Gpu, lock};
     use crate::device::{GpuError, skipped, test_gpu};
-
-    #[test]
-    fn an_adapter_is_found_by_part_of_its_name_in_any_case() {
-        let name = test_gpu().adapter().name.clone();
-        let part = name.chars().take(6).collect::<String>().to_uppercase();
-        let gpu = Gpu::open(&AdapterRequest::Named(part)).unwrap();
-        assert_eq!(gpu.adapter().name, name);
-    }
-
-    #[test]
-    fn an_unknown_adapter_is_refused_with_those_that_there_are() {
-        let error = Gpu::open(&AdapterRequest::Named("abacus".into())).unwrap_err();
-        let text = error.to_string();
-        assert!(text.contains("\"abacus\"") && text.contains(&test_gpu().adapter().name), "{text}");
-    }
-
-    #[test]
-    fn hardware_is_not_software() {
-        match Gpu::open(&AdapterRequest::Hardware) {
-            Ok(gpu) => assert!(!gpu.adapter().is_software()),
-            Err(error) => {
-                assert!(matches!(error, GpuError::NoHardware { .. }), "{error}");
-                skipped("opening a hardware adapter", "there are only software adapters");
-            }
-        }
-    }
 
     #[test]
     fn ray_query_is_opened_where_it_is_offered_and_refused_elsewhere() {
@@ -416,7 +210,7 @@ mod tests {
             Ok(gpu) => assert!(gpu.has(wgpu::Features::EXPERIMENTAL_RAY_QUERY)),
             Err(error) => {
                 assert!(!test_gpu().adapter().ray_query, "{error}");
-                assert!(matches!(error, GpuError::MissingFeature { .. }), "{error}");
+                assert!(matches!(error, GpuError::Unfit { .. }), "{error}");
                 skipped("opening ray queries", "the adapter has none");
             }
         }

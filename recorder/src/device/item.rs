@@ -308,7 +308,7 @@ impl ItemKernel {
         let bound = self.bind(gpu, resources, count)?;
         let mut run = gpu.stage(self.label());
         run.for_items(&[bound], parameters);
-        Ok(run.finish()?.elapsed_ns)
+        run.finish()
     }
 
     /// `stage::name`.

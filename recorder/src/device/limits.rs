@@ -16,7 +16,7 @@ pub const WORKGROUP_BYTES: u32 = 16 << 10;
 /// Refuses an adapter whose limits are lower than what some kernel needs.
 ///
 /// # Errors
-/// [`GpuError::TooLow`] with the first limit that is.
+/// [`GpuError::Unfit`] with the first limit that is.
 pub(super) fn check(adapter: &AdapterDescription, limits: &wgpu::Limits) -> Result<(), GpuError> {
     let needs = [
         ("storage buffers in a kernel", limits.max_storage_buffers_per_shader_stage, STORAGE_BUFFERS),
@@ -28,7 +28,10 @@ pub(super) fn check(adapter: &AdapterDescription, limits: &wgpu::Limits) -> Resu
     match needs.into_iter().find(|&(_, allowed, needed)| allowed < needed) {
         None => Ok(()),
         Some((what, allowed, needed)) => {
-            Err(GpuError::TooLow { adapter: adapter.title(), what, allowed, needed })
+            let lack = format!(
+                "allows {allowed} {what}, but {needed} are needed; use another adapter or --backend cpu"
+            );
+            Err(GpuError::Unfit { adapter: adapter.title(), lack })
         }
     }
 }

@@ -1,14 +1,16 @@
 //! The ground under every GPU stage: one adapter opened, kernels compiled, arrays, timed runs, read-back.
 //!
-//! - [`gpu`]: the adapter that was chosen, and every wgpu error turned into a [`GpuError`]
+//! - [`adapter`]: which adapters there are, which one is chosen, and what it is
+//! - [`gpu`]: one adapter opened, and every wgpu error turned into a [`GpuError`]
 //! - [`limits`]: what the kernels need of an adapter
 //! - [`buffer`]: typed arrays in GPU memory, checked against the adapter's limits
 //! - [`kernel`]: WGSL to pipeline, bindings, grids beyond 65,535 workgroups
 //! - [`item`]: kernels that run once for each item of a queue, and why they need no index checks
 //! - [`run`]: the dispatches of one stage, recorded, submitted and timed as one figure
-//! - [`timing`]: where an elapsed time came from
+//! - `timing`: time that overlapping intervals cover
 //! - [`readback`]: GPU memory to the CPU through a ring of staging buffers
 
+pub mod adapter;
 pub mod buffer;
 pub mod error;
 pub mod gpu;
@@ -17,16 +19,16 @@ pub mod kernel;
 pub mod limits;
 pub mod readback;
 pub mod run;
-pub mod timing;
+mod timing;
 
+pub use adapter::{AdapterDescription, AdapterRequest};
 pub use buffer::DeviceArray;
 pub use error::GpuError;
-pub use gpu::{AdapterDescription, AdapterRequest, Gpu};
+pub use gpu::Gpu;
 pub use item::{ITEMS, ItemKernel, Module, Parameters, WgslType};
 pub use kernel::{Binding, Kernel, KernelSource};
 pub use readback::Readback;
 pub use run::StageRun;
-pub use timing::{Elapsed, TimeSource};
 
 /// The device that the tests of one process share: any adapter, software ones too.
 ///

@@ -7,7 +7,7 @@ use bytemuck::NoUninit;
 use super::item::{BoundKernel, Chunk, ITEMS_PER_SUBMISSION, Parameters, THREADS};
 use super::kernel::grid;
 use super::timing::covered_ticks;
-use super::{DeviceArray, Elapsed, Gpu, GpuError, Kernel, TimeSource};
+use super::{DeviceArray, Gpu, GpuError, Kernel};
 
 /// Most submissions of one run that are timed one by one; wgpu's query sets end at 4096 entries.
 const MOST_TIMED_SUBMISSIONS: usize = 2048;
@@ -138,12 +138,12 @@ impl StageRun<'_> {
         Ok(())
     }
 
-    /// Runs everything, waits for it, and says how long it took: on the GPU's own clock where it
-    /// has one, gaps between the submissions left out.
+    /// Runs everything, waits for it, and returns how many nanoseconds it took: on the GPU's own clock where
+    /// it has one, gaps between the submissions left out, else on the CPU's from submission to completion.
     ///
     /// # Errors
     /// As [`Gpu::check`].
-    pub fn finish(self) -> Result<Elapsed, GpuError> {
+    pub fn finish(self) -> Result<u64, GpuError> {
         let timed =
             self.gpu.has(wgpu::Features::TIMESTAMP_QUERY) && self.submissions.len() <= MOST_TIMED_SUBMISSIONS;
         if timed { self.finish_by_timestamps() } else { self.finish_by_wall_clock() }
@@ -159,7 +159,7 @@ impl StageRun<'_> {
         self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(&self.stage) })
     }
 
-    fn finish_by_wall_clock(self) -> Result<Elapsed, GpuError> {
+    fn finish_by_wall_clock(self) -> Result<u64, GpuError> {
         let gpu = self.gpu;
         let stage = self.stage.clone();
         // What was submitted before must not be counted.
@@ -167,13 +167,13 @@ impl StageRun<'_> {
         let start = Instant::now();
         self.submit()?;
         gpu.wait(&stage, None)?;
-        Ok(Elapsed { elapsed_ns: start.elapsed().as_nanos() as u64, source: TimeSource::WallClock })
+        Ok(start.elapsed().as_nanos() as u64)
     }
 
-    fn finish_by_timestamps(mut self) -> Result<Elapsed, GpuError> {
+    fn finish_by_timestamps(mut self) -> Result<u64, GpuError> {
         self.submissions.retain(|commands| !commands.is_empty());
         if self.submissions.is_empty() {
-            return Ok(Elapsed { elapsed_ns: 0, source: TimeSource::GpuTimestamps });
+            return Ok(0);
         }
         let count = 2 * self.submissions.len() as u32;
         let queries = self.gpu.device().create_query_set(&wgpu::QuerySetDescriptor {
@@ -201,8 +201,7 @@ impl StageRun<'_> {
             super::readback::read_buffer(self.gpu, &self.stage, &resolved, u64::from(count))?;
         let mut intervals: Vec<_> = ticks.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect();
         let period_ns = f64::from(self.gpu.queue().get_timestamp_period());
-        let elapsed_ns = (covered_ticks(&mut intervals) as f64 * period_ns).round() as u64;
-        Ok(Elapsed { elapsed_ns, source: TimeSource::GpuTimestamps })
+        Ok((covered_ticks(&mut intervals) as f64 * period_ns).round() as u64)
     }
 }
 

@@ -1,25 +1,4 @@
-//! How long a stage took, and who says so.
-
-use serde::Serialize;
-
-/// Where an elapsed time came from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum TimeSource {
-    /// The GPU's own clock, at the beginning and the end of its passes.
-    GpuTimestamps,
-    /// The CPU's monotonic clock from submission to completion: the adapter has no timestamps.
-    WallClock,
-}
-
-/// How long a stage took.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Elapsed {
-    /// Nanoseconds.
-    pub elapsed_ns: u64,
-    /// Whose clock.
-    pub source: TimeSource,
-}
+//! Time that overlapping intervals cover.
 
 /// Ticks that at least one of the intervals covers.
 ///

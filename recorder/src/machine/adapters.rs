@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::self_check::{Outcome, SelfCheck};
-use crate::device::gpu::enumerate;
+use crate::device::adapter::enumerate;
 use crate::device::{AdapterDescription, Gpu};
 
 /// An adapter and whether it can be used.

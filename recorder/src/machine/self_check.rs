@@ -68,34 +68,16 @@ pub struct SelfCheck {
     pub flushes_denormals: bool,
 }
 
-/// Why a device is not used.
-#[derive(Debug, thiserror::Error)]
-pub enum SelfCheckError {
-    /// A check that results depend on failed.
-    #[error("{adapter} fails the self-check '{check}': {detail}; update the driver, or use --backend cpu")]
-    Failed {
-        /// Adapter with its driver.
-        adapter: String,
-        /// The check.
-        check: &'static str,
-        /// What was found.
-        detail: String,
-    },
-    /// The checks could not be run.
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-}
-
 impl SelfCheck {
     /// Runs every check; a failed one is an error.
     ///
     /// # Errors
-    /// [`SelfCheckError::Failed`] for the first check that failed, or what the device reports.
-    pub fn run(gpu: &Gpu) -> Result<Self, SelfCheckError> {
+    /// [`GpuError::SelfCheck`] for the first check that failed, or what the device reports.
+    pub fn run(gpu: &Gpu) -> Result<Self, GpuError> {
         let found = Self::look(gpu)?;
         match found.checks.iter().find(|check| check.outcome == Outcome::Failed) {
             None => Ok(found),
-            Some(check) => Err(SelfCheckError::Failed {
+            Some(check) => Err(GpuError::SelfCheck {
                 adapter: gpu.adapter().title(),
                 check: check.name,
                 detail: check.detail.clone(),
@@ -152,8 +134,8 @@ impl Bench<'_> {
         let group = kernel.bind(gpu, 0, &[read.binding(), outputs.binding(), counters.binding()])?;
         let mut run = gpu.stage("self_check");
         run.dispatch(&kernel, &[&group], &(), workgroups);
-        let elapsed = run.finish()?;
-        Ok((gpu.read_vec(&outputs)?, gpu.read_vec(&counters)?, elapsed.elapsed_ns))
+        let elapsed_ns = run.finish()?;
+        Ok((gpu.read_vec(&outputs)?, gpu.read_vec(&counters)?, elapsed_ns))
     }
 
     fn long_loops(&self) -> Result<Check, GpuError> {

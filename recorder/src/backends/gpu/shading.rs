@@ -102,7 +102,7 @@ impl Shading {
         let next = kernels.next.bind(gpu, &[&path[..], &to_next].concat(), rays.count)?;
         let mut run = gpu.stage("shade");
         run.for_items(&[surface, shadow, next], params);
-        let shade_ns = run.finish()?.elapsed_ns;
+        let shade_ns = run.finish()?;
         let id = QueueId { kind: Kind::Shadow, ..rays.id };
         let (shadow, shadow_ns) = self.compact(gpu, kernels, &self.shadow, rays, id)?;
         let id = QueueId { bounce: rays.id.bounce + 1, ..rays.id };
@@ -136,6 +136,6 @@ impl Shading {
         let path = move_paths.bind(gpu, &[&from[..], &path].concat(), rays.count)?;
         let mut run = gpu.stage("compact");
         run.for_items(&[ray, path], ITEMS);
-        Ok((live, scanned.elapsed_ns + run.finish()?.elapsed_ns))
+        Ok((live, scanned.elapsed_ns + run.finish()?))
     }
 }

@@ -91,7 +91,7 @@ impl Scan {
         run.dispatch(&self.sum_tiles, &[&group], &span, tiles);
         run.dispatch(&self.place_tiles, &[&group], &span, 1);
         run.dispatch(&self.place_items, &[&group], &span, tiles);
-        let elapsed_ns = run.finish()?.elapsed_ns;
+        let elapsed_ns = run.finish()?;
         let last = tiles as usize;
         let total = Readback::new(gpu).read_vec(&tile_places, last..last + 1)?[0];
         Ok(Scanned { total, elapsed_ns })

@@ -21,7 +21,7 @@ impl DriverHierarchy {
         positions: &DeviceArray<[f32; 4]>,
         is_opaque: bool,
     ) -> Result<Self> {
-        let limit = gpu.limits().max_blas_primitive_count;
+        let limit = gpu.device().limits().max_blas_primitive_count;
         if scene.triangles.len() as u64 > u64::from(limit) {
             bail!(
                 "{} triangles are more than {} takes for ray queries ({limit}); use --trace cwbvh",
