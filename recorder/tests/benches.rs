@@ -3,41 +3,23 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
 
 use formats::bench_result::{BenchResult, Rows};
 use formats::key::Method;
 use formats::key::method::UNSORTED;
 use recorder::bench::error::{self, Curve, ErrorBench, ImageSize};
 use recorder::bench::skip::{self, SkipBench};
-use recorder::options::{BackendChoice, Keep, KeepPasses, RecordOptions};
-use recorder::stages::trace::TraceKernel;
+use recorder::options::{BackendChoice, DeviceOptions, RecordOptions};
 
 fn run(backend: BackendChoice) -> RecordOptions {
     RecordOptions {
-        scene: String::new(),
-        out: PathBuf::new(),
         width: 32,
         height: 18,
         bounces: 3,
-        passes: 1,
         repeats: 2,
-        seed: 0,
-        camera: None,
         methods: ["aila", "two-point-adaptive"].map(|name| Method::builtin(name).unwrap()).to_vec(),
-        key_bits: 32,
-        two_point_length: 0.25,
-        table_bits: 20,
-        table_method: Method::builtin("aila").unwrap(),
-        backend,
-        adapter: None,
-        trace: TraceKernel::Cwbvh,
-        threads: Some(2),
-        keep: Keep::default(),
-        l2_bytes: 1 << 20,
-        keep_passes: KeepPasses::Measured,
-        russian_roulette: false,
-        force: false,
+        device: DeviceOptions { backend, threads: Some(2), ..DeviceOptions::default() },
+        ..RecordOptions::base().unwrap()
     }
 }
 

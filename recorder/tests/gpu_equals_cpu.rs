@@ -53,11 +53,11 @@ struct Machine {
 fn machine(options: &RecordOptions) -> Machine {
     let scene = scenes::load(&options.scene).unwrap();
     let setup = Arc::new(recording::setup(&scene, &scene.cameras[0], options).unwrap());
-    let kind = options.trace.bvh_kind().unwrap();
+    let kind = options.device.kernel().bvh_kind().unwrap();
     let bvh = scenes::bvh::build(&scene, kind).unwrap();
     let gpu = Gpu::open(&AdapterRequest::Any)
         .unwrap_or_else(|error| panic!("GPU tests need an adapter; tests/run installs one: {error}"));
-    let gpu = GpuBackend::new(gpu, &scene, Some(&bvh), Arc::clone(&setup), options.trace).unwrap();
+    let gpu = GpuBackend::new(gpu, &scene, Some(&bvh), Arc::clone(&setup), options.device.kernel()).unwrap();
     Machine { scene, setup, bvh, gpu }
 }
 
@@ -305,7 +305,8 @@ fn keys_of_odd_rays_are_equal_in_boxes_of_any_extent() {
         let setup = Arc::new(Setup { unit: UnitSpace::from_bounds(min, max), ..setup });
         let bvh = scenes::bvh::build(&scene, BvhKind::Cwbvh).unwrap();
         let gpu = Gpu::open(&AdapterRequest::Any).unwrap();
-        let mut gpu = GpuBackend::new(gpu, &scene, Some(&bvh), Arc::clone(&setup), options.trace).unwrap();
+        let mut gpu =
+            GpuBackend::new(gpu, &scene, Some(&bvh), Arc::clone(&setup), options.device.kernel()).unwrap();
         let rays = upload(&mut gpu, &odd_rays(min, max), None);
         let hits = gpu.trace(&rays, Order::Stored).unwrap();
         let table = LengthTable::new(setup.table_bits);

@@ -6,7 +6,8 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use super::result;
 use crate::clock::Clock;
-use crate::machine::{self, Device, DeviceRequest};
+use crate::machine::{self, Device};
+use crate::options::DeviceOptions;
 use crate::stages::sort::cpu::Permutation;
 use crate::stages::sort::gpu::Sorter;
 use crate::stages::sort::{self, Digits};
@@ -21,7 +22,7 @@ pub struct SortBench {
     /// Timed repeats.
     pub repeats: u32,
     /// Where to run.
-    pub device: DeviceRequest,
+    pub device: DeviceOptions,
 }
 
 /// Sorts random keys.

@@ -29,23 +29,22 @@ use crate::stages::trace::gpu::Tracer;
 /// One sentence on what went wrong with scene or device.
 pub fn run(options: &SkipBench) -> Result<BenchResult> {
     let mut steps = Steps::default();
-    let request = (&options.run).into();
     let mut opened = None;
     for _ in 0..options.run.repeats {
-        opened = Some(steps.timed("device", || machine::open(&request))?);
+        opened = Some(steps.timed("device", || machine::open(&options.run.device))?);
     }
     let device = match opened {
         Some(device) => device,
-        None => machine::open(&request)?,
+        None => machine::open(&options.run.device)?,
     };
-    let mut rows = steps.rows("", 0, options.run.trace);
+    let mut rows = steps.rows("", 0, options.run.device.kernel());
     for name in &options.scenes {
         let mut steps = Steps::default();
         let mut scene = scenes::load(name)?;
         for _ in 0..options.run.repeats {
             scene = start(&device, name, &options.run, &mut steps)?;
         }
-        rows.extend(steps.rows(&scene.name, scene.triangles.len() as u64, options.run.trace));
+        rows.extend(steps.rows(&scene.name, scene.triangles.len() as u64, options.run.device.kernel()));
     }
     Ok(result(&device, Rows::Startup(rows)))
 }
@@ -83,7 +82,7 @@ fn start(device: &Device, name: &str, run: &RecordOptions, steps: &mut Steps) ->
     let camera = choose_camera(&scene, run.camera.as_deref())?;
     let setup = steps.timed("tables", || setup(&scene, &camera, run))?;
     let mut hierarchy = None;
-    if let Some(kind) = run.trace.bvh_kind() {
+    if let Some(kind) = run.device.kernel().bvh_kind() {
         let built = steps.timed("hierarchy, built", || bvh::build(&scene, kind))?;
         drop(built);
         let folder = bvh::default_cache_folder();
@@ -99,7 +98,9 @@ fn start(device: &Device, name: &str, run: &RecordOptions, steps: &mut Steps) ->
             };
             steps.timed("leaves", || drop(cpu.pool.install(|| CpuTracer::new(&scene, bvh))));
         }
-        Device::Gpu(device) => on_gpu(&device.gpu, &scene, &setup, hierarchy.as_ref(), run.trace, steps)?,
+        Device::Gpu(device) => {
+            on_gpu(&device.gpu, &scene, &setup, hierarchy.as_ref(), run.device.kernel(), steps)?
+        }
     }
     Ok(scene)
 }

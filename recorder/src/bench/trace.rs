@@ -12,8 +12,8 @@ use super::backends::{self, Measurement};
 use super::queues::Copied;
 use super::result;
 use crate::backends::{Array, Backend, Queue, collected};
-use crate::machine::{self, DeviceRequest};
-use crate::options::RecordOptions;
+use crate::machine;
+use crate::options::{DeviceOptions, RecordOptions};
 use crate::recording::{choose_camera, setup};
 use crate::stages::setup::Setup;
 use crate::stages::trace::{Order, TraceKernel};
@@ -38,7 +38,7 @@ pub fn run(bench: &TraceBench) -> Result<BenchResult> {
     let mut rows = Vec::new();
     let needs_queries = bench.kernels.contains(&TraceKernel::RayQuery);
     let kernel = if needs_queries { TraceKernel::RayQuery } else { TraceKernel::Cwbvh };
-    let device = machine::open(&DeviceRequest { trace: kernel, ..(&bench.run).into() })?;
+    let device = machine::open(&DeviceOptions { trace: Some(kernel), ..bench.run.device.clone() })?;
     for name in &bench.scenes {
         let scene = scenes::load(name)?;
         let camera = choose_camera(&scene, bench.run.camera.as_deref())?;

@@ -6,7 +6,8 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use formats::reader::Dump;
 
-use super::record::{DeviceArguments, RecordArguments};
+use super::record::RecordArguments;
+use crate::options::DeviceOptions;
 use crate::output::{print, print_json};
 use crate::recording;
 use crate::report;
@@ -34,7 +35,7 @@ pub(super) struct DemoArguments {
     #[arg(long, default_value = ".", value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
-    device: DeviceArguments,
+    device: DeviceOptions,
     /// Print the results as one JSON object on stdout.
     #[arg(long)]
     json: bool,

@@ -4,12 +4,11 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use formats::key::Method;
 use formats::manifest::check::BOUNCES_MAX;
 use formats::ray::Kind;
 
-use super::record::{DeviceArguments, show};
-use crate::options::{Keep, KeepPasses, OptionError, RecordOptions, in_range, parse_methods};
+use super::record::show;
+use crate::options::{DeviceOptions, Keep, OptionError, RecordOptions, in_range, parse_methods};
 use crate::replay::import::{ImportOptions, import};
 
 pub(super) const EXAMPLES: &str = "\
@@ -63,7 +62,7 @@ pub(super) struct ImportArguments {
     #[arg(long, default_value_t = 3)]
     repeats: u32,
     #[command(flatten)]
-    device: DeviceArguments,
+    device: DeviceOptions,
     /// Arrays to keep: rays,hits,keys,permutations,lengths,scene,caches,work, or none.
     #[arg(long, default_value = "rays,hits,keys,permutations,lengths,scene,caches", value_name = "LIST")]
     keep: String,
@@ -84,24 +83,13 @@ impl ImportArguments {
             width: 1,
             height: 1,
             bounces: self.bounce + 1,
-            passes: 1,
             repeats: self.repeats,
-            seed: 0,
-            camera: None,
             methods: parse_methods(&self.methods, &self.own_methods)?,
             key_bits: self.key_bits,
-            two_point_length: 0.25,
-            table_bits: formats::length_table::TABLE_BITS_DEFAULT,
-            table_method: Method::builtin("aila")?,
-            backend: self.device.backend,
-            adapter: self.device.adapter.clone(),
-            trace: self.device.kernel(),
-            threads: self.device.threads,
+            device: self.device.clone(),
             keep: Keep::parse(&self.keep)?,
-            l2_bytes: self.device.l2_kib << 10,
-            keep_passes: KeepPasses::Measured,
-            russian_roulette: false,
             force: self.force,
+            ..RecordOptions::base()?
         };
         run.check()?;
         let kind = match self.kind {

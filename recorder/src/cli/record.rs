@@ -6,12 +6,10 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::{Args, FromArgMatches, ValueEnum};
 
-use crate::cache_model::L2_BYTES;
-use crate::options::{BackendChoice, Keep, KeepPasses, OptionError, RecordOptions, parse_methods};
+use crate::options::{DeviceOptions, Keep, KeepPasses, OptionError, RecordOptions, parse_methods};
 use crate::output::{print, print_json};
 use crate::recording::{self, Recorded};
 use crate::report;
-use crate::stages::trace::TraceKernel;
 use formats::key::Method;
 
 /// Sets of defaults.
@@ -90,7 +88,7 @@ pub(super) struct RecordArguments {
     #[arg(long, default_value = "aila", value_name = "METHOD")]
     table_method: String,
     #[command(flatten)]
-    device: DeviceArguments,
+    device: DeviceOptions,
     /// Arrays to keep: rays,hits,keys,permutations,lengths,scene,image,caches,work, or none.
     #[arg(
         long,
@@ -112,33 +110,6 @@ pub(super) struct RecordArguments {
     json: bool,
 }
 
-/// Where and how to trace.
-#[derive(Clone, Debug, Args)]
-pub(super) struct DeviceArguments {
-    /// Where to run: auto takes a hardware GPU that passes the self-check, else the CPU.
-    #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
-    pub(super) backend: BackendChoice,
-    /// GPU by a part of its name, driver or backend (see `recorder adapters`).
-    #[arg(long, value_name = "TEXT")]
-    pub(super) adapter: Option<String>,
-    /// Trace kernel: cwbvh unless a recording says otherwise.
-    #[arg(long, value_enum)]
-    pub(super) trace: Option<TraceKernel>,
-    /// Second level of the cache model in KiB; its first level has 128.
-    #[arg(long, default_value_t = L2_BYTES >> 10)]
-    pub(super) l2_kib: u64,
-    /// Threads of the CPU backend; all cores if not given.
-    #[arg(long)]
-    pub(super) threads: Option<usize>,
-}
-
-impl DeviceArguments {
-    /// The trace kernel that was asked for, or the default.
-    pub(super) fn kernel(&self) -> TraceKernel {
-        self.trace.unwrap_or(TraceKernel::Cwbvh)
-    }
-}
-
 impl RecordArguments {
     /// As if these words had been typed after `recorder record`.
     pub(super) fn parse_words(words: impl Iterator<Item = OsString>) -> Result<Self, clap::Error> {
@@ -149,7 +120,7 @@ impl RecordArguments {
     }
 
     /// The same on another device.
-    pub(super) fn with_device(self, device: DeviceArguments) -> Self {
+    pub(super) fn with_device(self, device: DeviceOptions) -> Self {
         Self { device, ..self }
     }
 
@@ -170,12 +141,8 @@ impl RecordArguments {
             two_point_length: self.two_point_length,
             table_bits: self.table_bits,
             table_method: Method::builtin(&self.table_method)?,
-            backend: self.device.backend,
-            adapter: self.device.adapter.clone(),
-            trace: self.device.kernel(),
-            threads: self.device.threads,
+            device: self.device.clone(),
             keep: Keep::parse(&self.keep)?,
-            l2_bytes: self.device.l2_kib << 10,
             keep_passes: self.keep_passes,
             russian_roulette: self.russian_roulette,
             force: self.force,

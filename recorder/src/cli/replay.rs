@@ -8,8 +8,8 @@ use formats::key::Method;
 use formats::length_table::TABLE_BITS_DEFAULT;
 use formats::manifest::check::REPEATS_MAX;
 
-use super::record::{DeviceArguments, show};
-use crate::options::{Keep, OptionError, check_table, in_range, parse_methods};
+use super::record::show;
+use crate::options::{DeviceOptions, Keep, OptionError, check_table, in_range, parse_methods};
 use crate::replay::variants::Sweep;
 use crate::replay::{ReplayOptions, replay};
 
@@ -54,7 +54,7 @@ pub(super) struct ReplayArguments {
     #[arg(long)]
     repeats: Option<u32>,
     #[command(flatten)]
-    device: DeviceArguments,
+    device: DeviceOptions,
     /// Arrays to keep: keys,permutations,work,caches, or none.
     #[arg(long, default_value = "keys,permutations,caches", value_name = "LIST")]
     keep: String,
@@ -96,12 +96,8 @@ impl ReplayArguments {
             table_bits: self.table_bits,
             table_method,
             repeats: self.repeats,
-            backend: self.device.backend,
-            adapter: self.device.adapter.clone(),
-            trace: self.device.trace,
-            threads: self.device.threads,
+            device: self.device.clone(),
             keep,
-            l2_bytes: self.device.l2_kib << 10,
             force: self.force,
         })
     }

@@ -13,7 +13,7 @@ use sysinfo::System;
 
 use self::self_check::{SMALLEST_FLUSHED_SCENE, SelfCheck};
 use crate::device::{AdapterRequest, Gpu, GpuError};
-use crate::options::{BackendChoice, RecordOptions};
+use crate::options::{BackendChoice, DeviceOptions, RecordOptions};
 use crate::stages::setup::Setup;
 use crate::stages::trace::TraceKernel;
 
@@ -55,47 +55,23 @@ impl GpuDevice {
     }
 }
 
-/// What is asked of a device.
-#[derive(Clone, Debug)]
-pub struct DeviceRequest {
-    /// Where to run.
-    pub backend: BackendChoice,
-    /// Adapter by part of its name.
-    pub adapter: Option<String>,
-    /// Trace kernel that it must have.
-    pub trace: TraceKernel,
-    /// Threads of the CPU backend; all cores if not given.
-    pub threads: Option<usize>,
-}
-
-impl From<&RecordOptions> for DeviceRequest {
-    fn from(options: &RecordOptions) -> Self {
-        Self {
-            backend: options.backend,
-            adapter: options.adapter.clone(),
-            trace: options.trace,
-            threads: options.threads,
-        }
-    }
-}
-
 /// Opens the device that is asked for.
 ///
 /// # Errors
 /// If there is none, or its self-check fails.
-pub fn open(options: &DeviceRequest) -> Result<Device> {
+pub fn open(options: &DeviceOptions) -> Result<Device> {
     let request = match (&options.adapter, options.backend) {
         (Some(name), _) => AdapterRequest::Named(name.clone()),
         (None, BackendChoice::Gpu) => AdapterRequest::Any,
-        (None, BackendChoice::Auto) if options.trace == TraceKernel::RayQuery => AdapterRequest::Hardware,
+        (None, BackendChoice::Auto) if options.kernel() == TraceKernel::RayQuery => AdapterRequest::Hardware,
         (None, BackendChoice::Auto) => return open_auto(options),
         (None, BackendChoice::Cpu) => return open_cpu(options, None),
     };
-    open_gpu(&request, options.trace)
+    open_gpu(&request, options.kernel())
 }
 
-fn open_auto(options: &DeviceRequest) -> Result<Device> {
-    match open_gpu(&AdapterRequest::Hardware, options.trace) {
+fn open_auto(options: &DeviceOptions) -> Result<Device> {
+    match open_gpu(&AdapterRequest::Hardware, options.kernel()) {
         Ok(device) => Ok(device),
         // No hardware is what auto is for; a card that fails is worth a word.
         Err(error) => {
@@ -114,7 +90,7 @@ fn open_gpu(request: &AdapterRequest, trace: TraceKernel) -> Result<Device> {
     Ok(Device::Gpu(Box::new(GpuDevice { gpu, self_check })))
 }
 
-fn open_cpu(options: &DeviceRequest, passed_over: Option<String>) -> Result<Device> {
+fn open_cpu(options: &DeviceOptions, passed_over: Option<String>) -> Result<Device> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0));
     let pool = builder.build().context("starting the threads of the cpu backend")?;
     Ok(Device::Cpu(CpuDevice { pool, passed_over }))

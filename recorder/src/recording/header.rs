@@ -74,7 +74,7 @@ fn manifest_options(setup: &Setup, options: &RecordOptions, device: &Device) -> 
         table_bits: options.table_bits,
         table_method: options.table_method.name.clone(),
         table_layout: options.table_method.layout.text().to_owned(),
-        trace_kernel: options.trace.name().to_owned(),
+        trace_kernel: options.device.kernel().name().to_owned(),
         threads: device.threads(),
         keep: options.keep.words(),
         keep_passes: if options.keep_passes == crate::options::KeepPasses::All { "all" } else { "measured" }

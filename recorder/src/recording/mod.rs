@@ -33,7 +33,7 @@ pub fn record(options: &RecordOptions) -> Result<Recorded> {
     DumpWriter::check(&options.out, options.force, &[])?;
     let scene = scenes::load(&options.scene)?;
     let camera = choose_camera(&scene, options.camera.as_deref())?;
-    let device = machine::open(&options.into())?;
+    let device = machine::open(&options.device)?;
     let setup = Arc::new(setup(&scene, &camera, options)?);
     device.check_capacity(&setup, &scene, options)?;
     let mut notices = scene.notices.clone();

@@ -85,11 +85,11 @@ impl Run<'_> {
     /// One sentence on what went wrong with the device or the disk.
     pub(crate) fn on(self, device: Device) -> Result<Recorded> {
         // The backend comes first: what does not fit a device is refused before anything is written.
-        let kernel = self.options.trace;
+        let kernel = self.options.device.kernel();
         let bvh = kernel.hierarchy(self.scene)?;
         let setup = Arc::clone(&self.setup);
         let tracer = || bvh.as_ref().map(|bvh| Arc::new(CpuTracer::new(self.scene, bvh)));
-        let model = |tracer| CacheModel { tracer, l2_bytes: self.options.l2_bytes };
+        let model = |tracer| CacheModel { tracer, l2_bytes: self.options.device.l2_kib << 10 };
         let (path, queues, differing) = match device {
             Device::Cpu(cpu) => cpu.pool.install(|| {
                 let tracer = tracer().context("threads trace a hierarchy of their own")?;
@@ -118,8 +118,8 @@ impl Run<'_> {
             measured: self.measured(),
             keep: options.keep,
             keep_passes: options.keep_passes,
-            tolerates_mismatches: options.trace == TraceKernel::RayQuery,
-            counts_work: options.trace != TraceKernel::RayQuery,
+            tolerates_mismatches: options.device.kernel() == TraceKernel::RayQuery,
+            counts_work: options.device.kernel() != TraceKernel::RayQuery,
             cache_model,
             recorded: self.recorded,
         }

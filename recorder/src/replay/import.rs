@@ -54,7 +54,7 @@ pub fn import(options: &ImportOptions) -> Result<Recorded> {
     };
     let scene = scenes::load(&run.scene)?;
     let camera = choose_camera(&scene, run.camera.as_deref())?;
-    let device = machine::open(&(&run).into())?;
+    let device = machine::open(&run.device)?;
     let setup = Arc::new(setup(&scene, &camera, &run)?);
     device.check_capacity(&setup, &scene, &run)?;
     let path_ids: Vec<u32> = (0..rays.len() as u32).collect();

@@ -24,7 +24,7 @@ use formats::writer::DumpWriter;
 use scenes::Camera;
 
 use crate::machine;
-use crate::options::{BackendChoice, Keep, KeepPasses, RecordOptions};
+use crate::options::{DeviceOptions, Keep, KeepPasses, RecordOptions};
 use crate::recording::{Rays, Recorded, Run, header, setup};
 use crate::stages::trace::TraceKernel;
 use queues::RecordedQueue;
@@ -47,18 +47,10 @@ pub struct ReplayOptions {
     pub table_method: Option<Method>,
     /// Timed repeats.
     pub repeats: Option<u32>,
-    /// Where to run.
-    pub backend: BackendChoice,
-    /// Adapter by part of its name.
-    pub adapter: Option<String>,
-    /// Trace kernel.
-    pub trace: Option<TraceKernel>,
-    /// Threads of the CPU backend; all cores if not given.
-    pub threads: Option<usize>,
+    /// Where and how to trace; with what was recorded if it names no kernel.
+    pub device: DeviceOptions,
     /// Arrays to keep: keys, permutations, work, caches.
     pub keep: Keep,
-    /// Bytes of the second level of the cache model.
-    pub l2_bytes: u64,
     /// Whether an existing recording may be replaced.
     pub force: bool,
 }
@@ -95,7 +87,7 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let cannot = || format!("{} cannot be replayed", options.source.display());
     let run_options = run_options(options, recorded, &asked.manifest().methods, &dump.manifest().header)
         .with_context(cannot)?;
-    run_options.check_device()?;
+    run_options.device.check()?;
     // What else was typed was checked before. How many rays there are was settled when they were recorded:
     // imported ones may be more than a picture is wide.
     RecordOptions { width: 1, height: 1, ..run_options.clone() }.check_run().map_err(|error| {
@@ -104,7 +96,7 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let queues = queues::open(dump, !run_options.keep.lengths)?;
     let scene = geometry::scene(dump).with_context(cannot)?;
     let camera = camera(recorded);
-    let device = machine::open(&(&run_options).into())?;
+    let device = machine::open(&run_options.device)?;
     let mut setup = setup(&scene, &camera, &run_options)?;
     setup.light_sites = recorded.lights.clone();
     setup.unit =
@@ -152,7 +144,7 @@ fn run_options(
             ..Method::builtin(&before.table_method)?
         },
     };
-    let trace = match options.trace {
+    let trace = match options.device.trace {
         Some(kernel) => kernel,
         None => TraceKernel::from_str(&before.trace_kernel, false).ok().with_context(|| {
             format!("it names an unknown trace kernel '{}'", one_line(&before.trace_kernel, 80))
@@ -178,12 +170,8 @@ fn run_options(
         two_point_length: options.sweep.lengths.first().copied().unwrap_or(before.two_point_length),
         table_bits,
         table_method,
-        backend: options.backend,
-        adapter: options.adapter.clone(),
-        trace,
-        threads: options.threads,
+        device: DeviceOptions { trace: Some(trace), ..options.device.clone() },
         keep,
-        l2_bytes: options.l2_bytes,
         keep_passes: if before.keep_passes == "all" { KeepPasses::All } else { KeepPasses::Measured },
         russian_roulette: before.russian_roulette,
         force: options.force,

@@ -59,7 +59,8 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<EstimatorRow>> {
         addresses.push(Address { name, layout, encoder });
     }
     let work = Estimator { bench, addresses: &addresses };
-    let Learnt { queues, timed } = backends::measure(bench.device, bench.scene, &setup, &[run.trace], work)?;
+    let Learnt { queues, timed } =
+        backends::measure(bench.device, bench.scene, &setup, &[run.device.kernel()], work)?;
     let costs = costs(bench, &setup, &addresses, &timed)?;
     let mut rows = Vec::new();
     for kind in Kind::ALL {
@@ -182,7 +183,7 @@ fn costs(
     queues: &[Copied],
 ) -> Result<Vec<Cost>> {
     let measure = |setup: &Arc<Setup>, timing: Timing<'_>| {
-        backends::measure(bench.device, bench.scene, setup, &[bench.options.run.trace], timing)
+        backends::measure(bench.device, bench.scene, setup, &[bench.options.run.device.kernel()], timing)
     };
     let repeats = bench.options.run.repeats;
     let mut costs = measure(setup, Timing { queues, repeats, method: FIXED, name: CONSTANT, bits: 0 })?;

@@ -36,7 +36,7 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<KeyBitsRow>> {
     )?;
     let setup = std::sync::Arc::new(setup);
     let work = KeyBits { bench, setup: &setup };
-    backends::measure(bench.device, bench.scene, &setup, &[options.run.trace], work)
+    backends::measure(bench.device, bench.scene, &setup, &[options.run.device.kernel()], work)
 }
 
 struct KeyBits<'a> {

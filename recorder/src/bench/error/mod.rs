@@ -81,7 +81,7 @@ struct Bench<'a> {
 /// # Errors
 /// One sentence on what went wrong with scene or device.
 pub fn run(options: &ErrorBench) -> Result<BenchResult> {
-    let device = machine::open(&(&options.run).into())?;
+    let device = machine::open(&options.run.device)?;
     let mut rows = ErrorRows::default();
     for name in &options.scenes {
         let scene = scenes::load(name)?;

@@ -45,7 +45,7 @@ struct Bench<'a> {
 /// # Errors
 /// One sentence on what went wrong with scene, device or disk.
 pub fn run(options: &SkipBench) -> Result<BenchResult> {
-    let device = machine::open(&(&options.run).into())?;
+    let device = machine::open(&options.run.device)?;
     let mut rows = Vec::new();
     for name in &options.scenes {
         let run = RecordOptions { scene: name.clone(), ..options.run.clone() };

@@ -6,11 +6,10 @@ use formats::bench_result::error::{ErrorRows, EstimatorRow, ImageRow, KeyBitsRow
 use formats::key::method::UNSORTED;
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS};
 
-use super::super::record::DeviceArguments;
-use super::{milliseconds, shared_options, table_of};
+use super::{milliseconds, table_of};
 use crate::bench::error::{Curve, ErrorBench, ImageSize};
 use crate::bench::rate;
-use crate::options::{OptionError, RecordOptions, in_range, parse_methods};
+use crate::options::{DeviceOptions, OptionError, RecordOptions, in_range, parse_methods};
 
 #[derive(Debug, Args)]
 pub(super) struct ErrorArguments {
@@ -64,7 +63,7 @@ pub(super) struct ErrorArguments {
     #[arg(long)]
     camera: Option<String>,
     #[command(flatten)]
-    device: DeviceArguments,
+    device: DeviceOptions,
     /// Print the results as one JSON object on stdout.
     #[arg(long)]
     pub(super) json: bool,
@@ -86,12 +85,8 @@ impl ErrorArguments {
             seed: self.seed,
             camera: self.camera.clone(),
             methods: parse_methods(&self.methods, &[])?,
-            backend: self.device.backend,
-            adapter: self.device.adapter.clone(),
-            trace: self.device.kernel(),
-            threads: self.device.threads,
-            l2_bytes: self.device.l2_kib << 10,
-            ..shared_options()?
+            device: self.device.clone(),
+            ..RecordOptions::base()?
         };
         run.check()?;
         RecordOptions { width: self.image_width, height: self.image_height, ..run.clone() }.check()?;

@@ -3,8 +3,6 @@
 mod error;
 mod skip;
 
-use std::path::PathBuf;
-
 use anyhow::Result;
 use clap::{Args, Subcommand};
 use comfy_table::Table;
@@ -12,16 +10,13 @@ use comfy_table::presets::UTF8_BORDERS_ONLY;
 use formats::bench_result::{BenchResult, Rows};
 
 use crate::output::{print, print_json};
-use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
+use formats::key::{KEY_BITS_MIN, LAYOUT_BITS};
 use formats::metrics::speedup::median;
 
-use super::record::DeviceArguments;
 use crate::bench::rate;
 use crate::bench::sort::{self, SortBench};
 use crate::bench::trace::{self, TraceBench};
-use crate::cache_model::L2_BYTES;
-use crate::machine::DeviceRequest;
-use crate::options::{BackendChoice, Keep, KeepPasses, OptionError, RecordOptions, in_range, parse_methods};
+use crate::options::{DeviceOptions, OptionError, RecordOptions, in_range, parse_methods};
 use crate::stages::trace::TraceKernel;
 use error::ErrorArguments;
 use skip::SkipArguments;
@@ -69,7 +64,7 @@ struct SortArguments {
     #[arg(long, default_value_t = 5)]
     repeats: u32,
     #[command(flatten)]
-    device: DeviceArguments,
+    device: DeviceOptions,
     /// Print the results as one JSON object on stdout.
     #[arg(long)]
     json: bool,
@@ -108,7 +103,7 @@ struct TraceArguments {
     #[arg(long, default_value_t = 32)]
     key_bits: u32,
     #[command(flatten)]
-    device: DeviceArguments,
+    device: DeviceOptions,
     /// Print the results as one JSON object on stdout.
     #[arg(long)]
     json: bool,
@@ -127,12 +122,7 @@ impl SortArguments {
             counts: self.log2_n.iter().map(|&power| 1 << power).collect(),
             key_bits: self.key_bits.clone(),
             repeats: self.repeats,
-            device: DeviceRequest {
-                backend: self.device.backend,
-                adapter: self.device.adapter.clone(),
-                trace: TraceKernel::Cwbvh,
-                threads: self.device.threads,
-            },
+            device: DeviceOptions { trace: None, ..self.device.clone() },
         })
     }
 }
@@ -152,46 +142,14 @@ impl TraceArguments {
             camera: self.camera.clone(),
             methods: parse_methods(&self.methods, &[])?,
             key_bits: self.key_bits,
-            backend: self.device.backend,
-            adapter: self.device.adapter.clone(),
-            trace: self.kernels.first().copied().unwrap_or(TraceKernel::Cwbvh),
-            threads: self.device.threads,
-            ..shared_options()?
+            device: DeviceOptions { trace: self.kernels.first().copied(), ..self.device.clone() },
+            ..RecordOptions::base()?
         };
         run.check()?;
         let mut kernels = self.kernels.clone();
         kernels.dedup();
         Ok(TraceBench { scenes: self.scenes.clone(), kernels, run })
     }
-}
-
-/// What benchmarks have in common; each has its own size, bounces and repeats.
-fn shared_options() -> Result<RecordOptions, OptionError> {
-    Ok(RecordOptions {
-        scene: String::new(),
-        out: PathBuf::new(),
-        width: 640,
-        height: 360,
-        bounces: 4,
-        passes: 1,
-        repeats: 1,
-        seed: 0,
-        camera: None,
-        methods: Vec::new(),
-        key_bits: 32,
-        two_point_length: 0.25,
-        table_bits: formats::length_table::TABLE_BITS_DEFAULT,
-        table_method: Method::builtin("aila")?,
-        backend: BackendChoice::Auto,
-        adapter: None,
-        trace: TraceKernel::Cwbvh,
-        threads: None,
-        keep: Keep::default(),
-        l2_bytes: L2_BYTES,
-        keep_passes: KeepPasses::Measured,
-        russian_roulette: false,
-        force: false,
-    })
 }
 
 pub(super) fn run(arguments: &BenchArguments) -> Result<()> {

@@ -5,10 +5,9 @@ use comfy_table::Table;
 use formats::bench_result::skip::{Cost, SkipRow, StartupRow};
 use formats::metrics::speedup::Speedup;
 
-use super::super::record::DeviceArguments;
-use super::{milliseconds, shared_options, table_of};
+use super::{milliseconds, table_of};
 use crate::bench::skip::SkipBench;
-use crate::options::{OptionError, RecordOptions};
+use crate::options::{DeviceOptions, OptionError, RecordOptions};
 
 #[derive(Debug, Args)]
 pub(super) struct SkipArguments {
@@ -31,7 +30,7 @@ pub(super) struct SkipArguments {
     #[arg(long)]
     camera: Option<String>,
     #[command(flatten)]
-    device: DeviceArguments,
+    device: DeviceOptions,
     /// Print the results as one JSON object on stdout.
     #[arg(long)]
     pub(super) json: bool,
@@ -45,12 +44,8 @@ impl SkipArguments {
             bounces: self.bounces,
             repeats: self.repeats,
             camera: self.camera.clone(),
-            backend: self.device.backend,
-            adapter: self.device.adapter.clone(),
-            trace: self.device.kernel(),
-            threads: self.device.threads,
-            l2_bytes: self.device.l2_kib << 10,
-            ..shared_options()?
+            device: self.device.clone(),
+            ..RecordOptions::base()?
         };
         run.check()?;
         Ok(SkipBench { scenes: self.scenes.clone(), run })

@@ -1,0 +1,75 @@
+//! Where and how rays are traced.
+
+use super::error::{OptionError, in_range};
+use crate::cache_model::L2_BYTES;
+use crate::stages::trace::TraceKernel;
+
+/// Where to run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum BackendChoice {
+    /// A hardware GPU that passes the self-check, else the CPU.
+    Auto,
+    /// A GPU; a software adapter if there is no other.
+    Gpu,
+    /// Native threads.
+    Cpu,
+}
+
+/// Where and how to trace.
+#[derive(Clone, Debug, clap::Args)]
+pub struct DeviceOptions {
+    /// Where to run: auto takes a hardware GPU that passes the self-check, else the CPU.
+    #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
+    pub backend: BackendChoice,
+    /// GPU by a part of its name, driver or backend (see `recorder adapters`).
+    #[arg(long, value_name = "TEXT")]
+    pub adapter: Option<String>,
+    /// Trace kernel: cwbvh unless a recording says otherwise.
+    #[arg(long, value_enum)]
+    pub trace: Option<TraceKernel>,
+    /// Second level of the cache model in KiB; its first level has 128.
+    #[arg(long, default_value_t = L2_BYTES >> 10)]
+    pub l2_kib: u64,
+    /// Threads of the CPU backend; all cores if not given.
+    #[arg(long)]
+    pub threads: Option<usize>,
+}
+
+impl Default for DeviceOptions {
+    fn default() -> Self {
+        Self {
+            backend: BackendChoice::Auto,
+            adapter: None,
+            trace: None,
+            l2_kib: L2_BYTES >> 10,
+            threads: None,
+        }
+    }
+}
+
+impl DeviceOptions {
+    /// The trace kernel that was asked for, or the default.
+    pub fn kernel(&self) -> TraceKernel {
+        self.trace.unwrap_or(TraceKernel::Cwbvh)
+    }
+
+    /// Checks what can be judged without opening a device.
+    ///
+    /// # Errors
+    /// The first option that makes no sense.
+    pub fn check(&self) -> Result<(), OptionError> {
+        in_range("l2-kib", self.l2_kib, 64, 1 << 20)?;
+        if let Some(threads) = self.threads {
+            in_range("threads", threads, 1, 4096)?;
+        }
+        let is_cpu = self.backend == BackendChoice::Cpu;
+        let message = if is_cpu && self.kernel() == TraceKernel::RayQuery {
+            "--trace ray-query needs a GPU that has ray queries; use --backend gpu, or --trace cwbvh or bvh2"
+        } else if is_cpu && self.adapter.is_some() {
+            "--adapter names a GPU, but --backend cpu asks for threads; leave one of them out"
+        } else {
+            return Ok(());
+        };
+        Err(OptionError::Conflict { message: message.to_owned() })
+    }
+}

@@ -1,0 +1,91 @@
+//! Which arrays a recording keeps, and of which passes.
+
+use formats::manifest::check::KEEP_WORDS;
+
+use super::error::OptionError;
+
+/// Passes whose arrays are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum KeepPasses {
+    /// The last one, in which methods are measured.
+    Measured,
+    /// Every one.
+    All,
+}
+
+/// Arrays that are kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Keep {
+    /// Rays, path indices, lights of shadow rays.
+    pub rays: bool,
+    /// Hits and distances.
+    pub hits: bool,
+    /// Keys.
+    pub keys: bool,
+    /// Permutations.
+    pub permutations: bool,
+    /// Length tables.
+    pub lengths: bool,
+    /// Geometry.
+    pub scene: bool,
+    /// The picture.
+    pub image: bool,
+    /// What the cache model says.
+    pub caches: bool,
+    /// Work counters.
+    pub work: bool,
+}
+
+impl Keep {
+    /// The words of `--keep`, in the order in which they are listed.
+    pub const WORDS: [&'static str; 9] = KEEP_WORDS;
+
+    fn flag(&mut self, word: &str) -> Option<&mut bool> {
+        Some(match word {
+            "rays" => &mut self.rays,
+            "hits" => &mut self.hits,
+            "keys" => &mut self.keys,
+            "permutations" => &mut self.permutations,
+            "lengths" => &mut self.lengths,
+            "scene" => &mut self.scene,
+            "image" => &mut self.image,
+            "caches" => &mut self.caches,
+            "work" => &mut self.work,
+            _ => return None,
+        })
+    }
+
+    /// From a comma-separated list; `none` for nothing.
+    ///
+    /// # Errors
+    /// An unknown word.
+    pub fn parse(list: &str) -> Result<Self, OptionError> {
+        let mut keep = Self::default();
+        for word in list.split(',').map(str::trim).filter(|word| *word != "none") {
+            *keep.flag(word).ok_or_else(|| OptionError::Keep { word: word.to_owned() })? = true;
+        }
+        Ok(keep)
+    }
+
+    /// The words for what is kept.
+    pub fn words(&self) -> Vec<String> {
+        let mut copy = *self;
+        Self::WORDS
+            .iter()
+            .filter(|word| copy.flag(word).is_some_and(|flag| *flag))
+            .map(|&word| word.to_owned())
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keep_lists() {
+        assert_eq!(Keep::parse("rays,work").unwrap().words(), ["rays", "work"]);
+        assert_eq!(Keep::parse("none").unwrap(), Keep::default());
+        assert!(Keep::parse("rays,picture").unwrap_err().to_string().contains("'picture'"));
+    }
+}
