@@ -5,6 +5,7 @@ use formats::metrics::quantity::{OrderedRays, Quantity};
 use serde::{Deserialize, Serialize};
 
 use super::numbers::Numbers;
+use super::order::bits_at;
 
 /// What rays are coloured by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -100,8 +101,7 @@ impl ColourBy {
 fn field(rays: &OrderedRays<'_>, positions: &[u32], place: usize) -> f32 {
     match rays.at(place).key() {
         Some(key) if !positions.is_empty() => {
-            let bits = positions.iter().fold(0u64, |bits, &at| bits << 1 | key >> at & 1);
-            ((bits as f64 + 0.5) / 2f64.powi(positions.len() as i32)) as f32
+            ((bits_at(key, positions) as f64 + 0.5) / 2f64.powi(positions.len() as i32)) as f32
         }
         _ => f32::NAN,
     }

@@ -154,6 +154,11 @@ impl Order {
     }
 }
 
+/// The number that these bits of a key make, the highest first.
+pub(super) fn bits_at(key: u64, positions: &[u32]) -> u64 {
+    positions.iter().fold(0, |bits, &at| bits << 1 | key >> at & 1)
+}
+
 fn keys(dump: &Dump, queue: &Queue, method: &str, place: &Place) -> Result<(Keys, KeyLayout), String> {
     if method == UNSORTED {
         return Err("unsorted rays have no key".to_owned());

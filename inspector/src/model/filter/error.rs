@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use formats::metrics::quantity::Quantity;
 
-use super::tree::{Fact, Function};
+use super::tree::{FACTS, FUNCTIONS};
 
 /// What is wrong with a filter, and where.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -35,8 +35,8 @@ impl FilterError {
     /// No quantity has this name; says which was meant.
     pub(super) fn unknown(span: &Range<usize>, name: &str) -> Self {
         let quantities = Quantity::ALL.iter().map(|quantity| quantity.name());
-        let facts = Fact::ALL.iter().map(|fact| fact.name());
-        let functions = Function::ALL.iter().map(|function| function.name());
+        let facts = FACTS.iter().map(|(name, _)| *name);
+        let functions = FUNCTIONS.iter().map(|function| function.name);
         let known: Vec<&str> = quantities.chain(facts).chain(functions).chain(["field"]).collect();
         let hint = match nearest(name, &known) {
             Some(meant) => format!("did you mean '{meant}'?"),

@@ -9,11 +9,10 @@ use rayon::prelude::*;
 
 use super::error::FilterError;
 use super::parse::Expression;
-use super::tree::{Condition, Connective, Fact, Number};
+use super::tree::{BLOCK, Block, Fact, Node};
 use crate::model::numbers::Numbers;
+use crate::model::order::bits_at;
 
-/// Places that each node of the tree is evaluated for at a time.
-const BLOCK: usize = 256;
 /// Blocks that a thread takes at a time.
 const BLOCKS_PER_TASK: usize = 32;
 
@@ -78,9 +77,9 @@ pub fn passing(expression: &Expression, numbers: &Numbers) -> Result<Passing, Fi
         let mut found = Vec::new();
         for first in (first..end).step_by(BLOCK) {
             let places = first..end.min(first + BLOCK);
-            let mut passes = [false; BLOCK];
-            evaluation.conditions(&expression.condition, &places, &mut passes);
-            let passed = places.zip(passes).filter(|(_, passes)| *passes);
+            let mut passes = [0.0; BLOCK];
+            evaluation.values(&expression.condition, &places, &mut passes);
+            let passed = places.zip(passes).filter(|(_, passes)| *passes != 0.0);
             found.extend(passed.map(|(place, _)| place as u32));
         }
         found
@@ -101,25 +100,16 @@ struct Evaluation<'a> {
 impl<'a> Evaluation<'a> {
     fn of(expression: &Expression, numbers: &'a Numbers) -> Result<Self, FilterError> {
         let mut evaluation = Self { numbers, rays: numbers.rays(), fields: BTreeMap::new() };
-        evaluation.check_condition(&expression.condition)?;
+        evaluation.check(&expression.condition)?;
         // With the groups that were found meanwhile.
         evaluation.rays = numbers.rays();
         Ok(evaluation)
     }
 
-    fn check_condition(&mut self, condition: &Condition) -> Result<(), FilterError> {
-        match condition {
-            Condition::Fact(_) => Ok(()),
-            Condition::Compare(_, numbers) => numbers.iter().try_for_each(|number| self.check_number(number)),
-            Condition::Not(inner) => self.check_condition(inner),
-            Condition::Both(_, both) => both.iter().try_for_each(|condition| self.check_condition(condition)),
-        }
-    }
-
-    fn check_number(&mut self, number: &Number) -> Result<(), FilterError> {
-        match number {
-            Number::Literal(_) => Ok(()),
-            Number::Quantity(quantity, span) => match quantity.missing(&self.rays) {
+    fn check(&mut self, node: &Node) -> Result<(), FilterError> {
+        match node {
+            Node::Literal(_) | Node::Fact(_) => Ok(()),
+            Node::Quantity(quantity, span) => match quantity.missing(&self.rays) {
                 Some(reason) => {
                     let message = format!("'{}' is not known here: {reason}", quantity.name());
                     Err(FilterError::new(span, message))
@@ -129,100 +119,70 @@ impl<'a> Evaluation<'a> {
                     Ok(())
                 }
             },
-            Number::Field(coordinate, span) => self.check_field(*coordinate, span),
-            Number::Call(_, inner) => self.check_number(inner),
-            Number::Binary(_, both) => both.iter().try_for_each(|number| self.check_number(number)),
+            Node::Field(coordinate, span) => self.check_field(*coordinate, span),
+            Node::Unary(_, inner) => self.check(inner),
+            Node::Binary(_, both) => both.iter().try_for_each(|node| self.check(node)),
         }
     }
 
     fn check_field(&mut self, coordinate: Coordinate, span: &Range<usize>) -> Result<(), FilterError> {
-        let name = coordinate.name();
-        let unknown = |reason: String| FilterError::new(span, reason);
-        let (_, layout) = self
-            .numbers
-            .order
-            .keys
-            .as_ref()
-            .map_err(|reason| unknown(format!("'field({name})' is not known here: {reason}")))?;
-        let fields = layout.layout.fields(layout.key_bits);
-        let Some(field) = fields.iter().find(|field| field.coordinate == coordinate) else {
+        let (name, order) = (coordinate.name(), &self.numbers.order);
+        let (_, layout) = order.keys.as_ref().map_err(|reason| {
+            FilterError::new(span, format!("'field({name})' is not known here: {reason}"))
+        })?;
+        let positions = order.field_positions(coordinate);
+        if positions.is_empty() {
+            let fields = layout.layout.fields(layout.key_bits);
             let known: Vec<&str> = fields.iter().map(|field| field.coordinate.name()).collect();
-            let method = &self.numbers.order.method;
-            return Err(unknown(format!(
-                "keys of {method} have no field {name}; they have {}",
-                known.join(" ")
-            )));
-        };
-        self.fields.insert(coordinate, field.positions.clone());
+            let (method, known) = (&order.method, known.join(" "));
+            let message = format!("keys of {method} have no field {name}; they have {known}");
+            return Err(FilterError::new(span, message));
+        }
+        self.fields.insert(coordinate, positions);
         Ok(())
     }
 
-    fn conditions(&self, condition: &Condition, places: &Range<usize>, out: &mut [bool; BLOCK]) {
-        match condition {
-            Condition::Fact(fact) => {
-                let queue = &self.numbers.order.queue;
-                for (place, out) in places.clone().zip(out) {
-                    *out = match fact {
-                        Fact::Hit => queue.is_at_surface(self.numbers.order.places.ray(place)),
-                        Fact::Shadow => queue.id.kind == formats::ray::Kind::Shadow,
-                    };
-                }
-            }
-            Condition::Compare(comparison, both) => {
-                let [left, right] = self.two_numbers(both, places);
-                let pairs = left.into_iter().zip(right).zip(out);
-                pairs.for_each(|((left, right), out)| *out = comparison.of(left, right));
-            }
-            Condition::Not(inner) => {
-                self.conditions(inner, places, out);
-                out.iter_mut().for_each(|out| *out = !*out);
-            }
-            Condition::Both(connective, both) => {
-                let [left, right] = &**both;
-                self.conditions(left, places, out);
-                // What is decided for the whole block needs no second look.
-                let decided = *connective == Connective::Or;
-                if out[..places.len()].iter().all(|&out| out == decided) {
-                    return;
-                }
-                let mut second = [false; BLOCK];
-                self.conditions(right, places, &mut second);
-                out.iter_mut().zip(second).for_each(|(out, second)| *out = connective.of(*out, second));
-            }
-        }
-    }
-
-    fn two_numbers(&self, both: &[Number; 2], places: &Range<usize>) -> [[f64; BLOCK]; 2] {
-        let mut found = [[0.0; BLOCK]; 2];
-        both.iter().zip(&mut found).for_each(|(number, out)| self.numbers(number, places, out));
-        found
-    }
-
-    fn numbers(&self, number: &Number, places: &Range<usize>, out: &mut [f64; BLOCK]) {
-        match number {
-            Number::Literal(value) => out.fill(*value),
-            Number::Quantity(quantity, _) => {
+    /// The values of a node at the places of a block.
+    fn values(&self, node: &Node, places: &Range<usize>, out: &mut Block) {
+        match node {
+            Node::Literal(value) => out.fill(*value),
+            Node::Quantity(quantity, _) => {
                 let value = quantity.value();
-                let places = places.clone().zip(out);
-                places.for_each(|(place, out)| *out = value(self.rays.at(place)));
+                fill(out, places, |place| value(self.rays.at(place)));
             }
-            Number::Field(coordinate, _) => {
+            Node::Field(coordinate, _) => {
                 let positions = self.fields.get(coordinate).map_or(&[][..], Vec::as_slice);
-                for (place, out) in places.clone().zip(out) {
-                    let key = self.rays.at(place).key().unwrap_or(0);
-                    let bits = positions.iter().fold(0, |bits, &at| bits << 1 | key >> at & 1);
-                    *out = bits as f64;
+                let key = |place| self.rays.at(place).key().unwrap_or(0);
+                fill(out, places, |place| bits_at(key(place), positions) as f64);
+            }
+            Node::Fact(fact) => {
+                let order = &self.numbers.order;
+                fill(out, places, |place| {
+                    f64::from(match fact {
+                        Fact::Hit => order.queue.is_at_surface(order.places.ray(place)),
+                        Fact::Shadow => order.queue.id.kind == formats::ray::Kind::Shadow,
+                    })
+                });
+            }
+            Node::Unary(function, inner) => {
+                self.values(inner, places, out);
+                out.iter_mut().for_each(|value| *value = (function.of)(*value));
+            }
+            Node::Binary(operator, both) => {
+                let [left, right] = &**both;
+                self.values(left, places, out);
+                // What is decided for the whole block needs no second look.
+                let is_decided = |by: bool| out[..places.len()].iter().all(|&met| (met != 0.0) == by);
+                if !operator.decided_by.is_some_and(is_decided) {
+                    let mut second = [0.0; BLOCK];
+                    self.values(right, places, &mut second);
+                    (operator.apply)(out, &second);
                 }
-            }
-            Number::Call(function, inner) => {
-                self.numbers(inner, places, out);
-                out.iter_mut().for_each(|out| *out = function.of(*out));
-            }
-            Number::Binary(arithmetic, both) => {
-                let [left, right] = self.two_numbers(both, places);
-                let pairs = left.into_iter().zip(right).zip(out);
-                pairs.for_each(|((left, right), out)| *out = arithmetic.of(left, right));
             }
         }
     }
+}
+
+fn fill(out: &mut Block, places: &Range<usize>, value: impl Fn(usize) -> f64) {
+    places.clone().zip(out).for_each(|(place, out)| *out = value(place));
 }

@@ -1,14 +1,14 @@
 //! Filters: which rays are shown, as an expression that is typed, `bounce == 2 && length < 0.1`.
 //!
 //! - `token`, `parse`: from text to a checked tree; [`error`]: what is wrong, where, and what was meant
-//! - [`tree`]: numbers and conditions, kept apart by type
+//! - `tree`: what a filter is made of, and its operators
 //! - [`evaluate`]: the rays of an order that pass
 
 pub mod error;
 pub mod evaluate;
 mod parse;
 mod token;
-pub mod tree;
+mod tree;
 
 use std::sync::Arc;
 

@@ -7,7 +7,9 @@ use formats::metrics::quantity::Quantity;
 
 use super::error::{FilterError, nearest};
 use super::token::{Token, tokens};
-use super::tree::{Arithmetic, Comparison, Condition, Connective, Fact, Function, Number};
+use super::tree::{
+    COMPARISONS, FACTS, FUNCTIONS, Function, Kind, LEVELS, Node, OPERATORS, Operator, PREFIXES,
+};
 
 /// How deep operations may lie inside each other, so that no text can exhaust a stack.
 const DEEPEST: usize = 64;
@@ -16,7 +18,7 @@ const DEEPEST: usize = 64;
 #[derive(Clone, Debug)]
 pub struct Expression {
     text: String,
-    pub(super) condition: Condition,
+    pub(super) condition: Node,
 }
 
 impl PartialEq for Expression {
@@ -43,71 +45,57 @@ impl Expression {
 }
 
 /// The condition of a text.
-fn parse(text: &str) -> Result<Condition, FilterError> {
+fn parse(text: &str) -> Result<Node, FilterError> {
     let mut parser = Parser { tokens: tokens(text)?, at: 0, depth: 0 };
-    let whole = parser.either()?;
+    let whole = parser.level(0)?;
     let (found, span) = parser.next();
     if found != Token::End {
-        return Err(FilterError::expected(
-            &span,
-            &found.described(),
-            "an operator such as && or <, or the end",
-        ));
+        let expected = "an operator such as && or <, or the end";
+        return Err(FilterError::expected(&span, &found.described(), expected));
     }
-    whole.condition("as a filter")
+    whole.as_kind(Kind::Condition, "as a filter")
 }
 
-/// A number or a condition, with its characters and its depth.
+/// A part of the text, with its characters and its depth.
 struct Parsed {
-    value: Value,
+    node: Node,
+    kind: Kind,
     span: Range<usize>,
     depth: usize,
 }
 
-enum Value {
-    Number(Number),
-    Condition(Condition),
-}
-
 impl Parsed {
-    fn number(self, place: &str) -> Result<Number, FilterError> {
-        match self.value {
-            Value::Number(number) => Ok(number),
-            Value::Condition(_) => {
-                Err(FilterError::expected(&self.span, "a condition", &format!("a number {place}")))
-            }
-        }
-    }
-
-    fn condition(self, place: &str) -> Result<Condition, FilterError> {
-        match self.value {
-            Value::Condition(condition) => Ok(condition),
-            Value::Number(_) => Err(FilterError::expected(
-                &self.span,
-                "a number",
-                &format!("a condition {place}, such as length < 0.1"),
-            )),
-        }
+    /// The part, where a value of this kind has its place.
+    fn as_kind(self, wanted: Kind, place: &str) -> Result<Node, FilterError> {
+        let (found, expected) = match wanted {
+            _ if wanted == self.kind => return Ok(self.node),
+            Kind::Number => ("a condition", format!("a number {place}")),
+            Kind::Condition => ("a number", format!("a condition {place}, such as length < 0.1")),
+        };
+        Err(FilterError::expected(&self.span, found, &expected))
     }
 
     /// What this and another one become.
-    fn with(
-        self,
-        other: Self,
-        of: impl FnOnce(Self, Self) -> Result<Value, FilterError>,
-    ) -> Result<Self, FilterError> {
+    fn with(self, operator: &'static Operator, other: Self) -> Result<Self, FilterError> {
         let span = self.span.start..other.span.end;
         let depth = checked(self.depth.max(other.depth) + 1, &span)?;
-        Ok(Self { value: of(self, other)?, span, depth })
+        let place = format!("beside '{}'", operator.sign);
+        let both = [self.as_kind(operator.takes, &place)?, other.as_kind(operator.takes, &place)?];
+        Ok(Self { node: Node::Binary(operator, Box::new(both)), kind: operator.gives, span, depth })
+    }
+
+    /// What a function makes of this one; it starts at `start`.
+    fn under(self, function: &'static Function, start: usize, place: &str) -> Result<Self, FilterError> {
+        let (span, depth) = (start..self.span.end, self.depth + 1);
+        let inner = Box::new(self.as_kind(function.kind, place)?);
+        Ok(Self { node: Node::Unary(function, inner), kind: function.kind, span, depth })
     }
 }
 
 fn checked(depth: usize, span: &Range<usize>) -> Result<usize, FilterError> {
     if depth > DEEPEST {
-        return Err(FilterError::new(
-            span,
-            format!("operations lie more than {DEEPEST} deep inside each other"),
-        ));
+        let message = format!("operations lie more than {DEEPEST} deep inside each other");
+        return Err(FilterError::new(span, message));
     }
     Ok(depth)
 }
@@ -119,91 +107,52 @@ struct Parser {
 }
 
 impl Parser {
-    fn peek(&self) -> &Token {
-        self.tokens.get(self.at).map_or(&Token::End, |(token, _)| token)
+    fn peek(&self) -> &(Token, Range<usize>) {
+        &self.tokens[self.at.min(self.tokens.len() - 1)]
     }
 
     fn next(&mut self) -> (Token, Range<usize>) {
-        let last = self.tokens.len() - 1;
-        let token = self.tokens[self.at.min(last)].clone();
+        let token = self.peek().clone();
         self.at += 1;
         token
     }
 
-    /// The next word if it is one of these signs.
-    fn take(&mut self, signs: &[&'static str]) -> Option<&'static str> {
-        let Token::Sign(sign) = *self.peek() else { return None };
-        signs.contains(&sign).then(|| {
-            self.at += 1;
-            sign
-        })
+    /// The next word if it is a sign that this knows.
+    fn take<T>(&mut self, known: impl FnOnce(&str) -> Option<T>) -> Option<T> {
+        let Token::Sign(sign) = self.peek().0 else { return None };
+        let found = known(sign)?;
+        self.at += 1;
+        Some(found)
     }
 
-    /// One level of operators that are taken from left to right.
-    fn chain(
-        &mut self,
-        signs: &[&'static str],
-        inner: fn(&mut Self) -> Result<Parsed, FilterError>,
-        of: impl Fn(&'static str, Parsed, Parsed) -> Result<Value, FilterError>,
-    ) -> Result<Parsed, FilterError> {
-        let mut left = inner(self)?;
-        while let Some(sign) = self.take(signs) {
-            let right = inner(self)?;
-            left = left.with(right, |left, right| of(sign, left, right))?;
+    /// Operators of a level and those that bind more tightly, from left to right.
+    fn level(&mut self, level: usize) -> Result<Parsed, FilterError> {
+        if level == LEVELS {
+            return self.unary();
+        }
+        let of_level = |sign: &str| OPERATORS.iter().find(|known| (known.sign, known.level) == (sign, level));
+        let mut left = self.level(level + 1)?;
+        while let Some(operator) = self.take(of_level) {
+            let right = self.level(level + 1)?;
+            let (next, span) = self.peek();
+            if level == COMPARISONS && matches!(next, Token::Sign(sign) if of_level(sign).is_some()) {
+                let expected = "&& or ||: write 0 < t && t < 1 for 0 < t < 1";
+                return Err(FilterError::expected(span, &next.described(), expected));
+            }
+            left = left.with(operator, right)?;
         }
         Ok(left)
     }
 
-    fn either(&mut self) -> Result<Parsed, FilterError> {
-        self.chain(&["||"], Self::both, connected)
-    }
-
-    fn both(&mut self) -> Result<Parsed, FilterError> {
-        self.chain(&["&&"], Self::comparison, connected)
-    }
-
-    fn comparison(&mut self) -> Result<Parsed, FilterError> {
-        let signs: Vec<&'static str> = Comparison::ALL.iter().map(|sign| sign.name()).collect();
-        let left = self.sum()?;
-        let Some(sign) = self.take(&signs) else { return Ok(left) };
-        let right = self.sum()?;
-        if let Some(second) = self.take(&signs) {
-            let (_, span) = &self.tokens[self.at - 1];
-            let expected = "&& or ||: write 0 < t && t < 1 for 0 < t < 1";
-            return Err(FilterError::expected(span, &format!("'{second}'"), expected));
-        }
-        left.with(right, |left, right| {
-            let place = format!("beside '{sign}'");
-            let comparison = Comparison::of_name(sign).unwrap_or(Comparison::Equal);
-            let numbers = [left.number(&place)?, right.number(&place)?];
-            Ok(Value::Condition(Condition::Compare(comparison, Box::new(numbers))))
-        })
-    }
-
-    fn sum(&mut self) -> Result<Parsed, FilterError> {
-        self.chain(&["+", "-"], Self::product, calculated)
-    }
-
-    fn product(&mut self) -> Result<Parsed, FilterError> {
-        self.chain(&["*", "/"], Self::unary, calculated)
-    }
-
     /// `-x`, `!c`, or what neither stands before.
     fn unary(&mut self) -> Result<Parsed, FilterError> {
-        let (_, Range { start, .. }) = self.tokens[self.at.min(self.tokens.len() - 1)].clone();
+        let start = self.peek().1.start;
         self.depth = checked(self.depth + 1, &(start..start + 1))?;
-        let parsed = match self.take(&["-", "!"]) {
+        let parsed = match self.take(|sign| PREFIXES.iter().find(|prefix| prefix.name == sign)) {
             None => self.primary()?,
-            Some(sign) => {
-                let inner = self.unary()?;
-                let (span, depth) = (start..inner.span.end, inner.depth + 1);
-                let value = if sign == "-" {
-                    Value::Number(Number::Call(Function::Minus, Box::new(inner.number("after '-'")?)))
-                } else {
-                    let inner = inner.condition("after '!': write !(…)")?;
-                    Value::Condition(Condition::Not(Box::new(inner)))
-                };
-                Parsed { value, span, depth }
+            Some(prefix) => {
+                let place = if prefix.name == "!" { "after '!': write !(…)" } else { "after '-'" };
+                self.unary()?.under(prefix, start, place)?
             }
         };
         self.depth -= 1;
@@ -212,52 +161,47 @@ impl Parser {
 
     fn primary(&mut self) -> Result<Parsed, FilterError> {
         let (token, span) = self.next();
-        let value = match token {
-            Token::Number(value) => Value::Number(Number::Literal(value)),
+        let (node, kind) = match token {
+            Token::Number(value) => (Node::Literal(value), Kind::Number),
             Token::Sign("(") => {
-                let inner = self.either()?;
+                let inner = self.level(0)?;
                 let end = self.close(&span)?;
                 return Ok(Parsed { span: span.start..end, ..inner });
             }
-            Token::Name(name) if self.take(&["("]).is_some() => return self.call(&name, &span),
+            Token::Name(name) if self.take(|sign| (sign == "(").then_some(())).is_some() => {
+                return self.call(&name, &span);
+            }
             Token::Name(name) => named(&name, &span)?,
             found => {
                 let expected = "a number, a name, '(', '-' or '!'";
                 return Err(FilterError::expected(&span, &found.described(), expected));
             }
         };
-        Ok(Parsed { value, span, depth: 1 })
+        Ok(Parsed { node, kind, span, depth: 1 })
     }
 
     /// What follows `name(`.
     fn call(&mut self, name: &str, span: &Range<usize>) -> Result<Parsed, FilterError> {
         if name == "field" {
             let (found, inner) = self.next();
-            let coordinate = coordinate(&found, &inner)?;
+            let node = Node::Field(coordinate(&found, &inner)?, inner);
             let end = self.close(span)?;
-            let value = Value::Number(Number::Field(coordinate, inner));
-            return Ok(Parsed { value, span: span.start..end, depth: 1 });
+            return Ok(Parsed { node, kind: Kind::Number, span: span.start..end, depth: 1 });
         }
-        let Some(function) = Function::of_name(name) else {
+        let Some(function) = FUNCTIONS.iter().find(|function| function.name == name) else {
             let known = ["abs", "log2", "field"];
             let hint = nearest(name, &known).map_or_else(
                 || format!("there are {}", known.join(", ")),
                 |meant| format!("did you mean '{meant}'?"),
             );
-            return Err(FilterError::new(
-                span,
-                format!("found '{}(', which is no function; {hint}", name.escape_debug()),
-            ));
+            let message = format!("found '{}(', which is no function; {hint}", name.escape_debug());
+            return Err(FilterError::new(span, message));
         };
-        let inner = self.either()?;
+        let inner = self.level(0)?;
         let end = self.close(span)?;
-        let depth = checked(inner.depth + 1, span)?;
-        let number = inner.number(&format!("in {name}(…)"))?;
-        Ok(Parsed {
-            value: Value::Number(Number::Call(function, Box::new(number))),
-            span: span.start..end,
-            depth,
-        })
+        checked(inner.depth + 1, span)?;
+        let called = inner.under(function, span.start, &format!("in {name}(…)"))?;
+        Ok(Parsed { span: span.start..end, ..called })
     }
 
     /// The closing bracket of what was opened; where it ends.
@@ -272,23 +216,9 @@ impl Parser {
     }
 }
 
-fn connected(sign: &'static str, left: Parsed, right: Parsed) -> Result<Value, FilterError> {
-    let place = format!("beside '{sign}'");
-    let connective = if sign == "&&" { Connective::And } else { Connective::Or };
-    let conditions = [left.condition(&place)?, right.condition(&place)?];
-    Ok(Value::Condition(Condition::Both(connective, Box::new(conditions))))
-}
-
-fn calculated(sign: &'static str, left: Parsed, right: Parsed) -> Result<Value, FilterError> {
-    let place = format!("beside '{sign}'");
-    let arithmetic = Arithmetic::of_name(sign).unwrap_or(Arithmetic::Plus);
-    let numbers = [left.number(&place)?, right.number(&place)?];
-    Ok(Value::Number(Number::Binary(arithmetic, Box::new(numbers))))
-}
-
-fn named(name: &str, span: &Range<usize>) -> Result<Value, FilterError> {
-    if let Some(fact) = Fact::of_name(name) {
-        return Ok(Value::Condition(Condition::Fact(fact)));
+fn named(name: &str, span: &Range<usize>) -> Result<(Node, Kind), FilterError> {
+    if let Some((_, fact)) = FACTS.iter().find(|(known, _)| *known == name) {
+        return Ok((Node::Fact(*fact), Kind::Condition));
     }
     for (foreign, sign) in [("and", "&&"), ("or", "||"), ("not", "!")] {
         if name == foreign {
@@ -296,18 +226,16 @@ fn named(name: &str, span: &Range<usize>) -> Result<Value, FilterError> {
         }
     }
     let quantity = Quantity::of_name(name).ok_or_else(|| FilterError::unknown(span, name))?;
-    Ok(Value::Number(Number::Quantity(quantity, span.clone())))
+    Ok((Node::Quantity(quantity, span.clone()), Kind::Number))
 }
 
 fn coordinate(found: &Token, span: &Range<usize>) -> Result<Coordinate, FilterError> {
-    let names: Vec<&str> = Coordinate::ALL.iter().map(|coordinate| coordinate.name()).collect();
-    let is_meant = |coordinate: &&Coordinate| *found == Token::Name(coordinate.name().to_owned());
-    let known = || format!("a coordinate of keys: {}", names.join(" "));
-    Coordinate::ALL
-        .iter()
-        .find(is_meant)
-        .copied()
-        .ok_or_else(|| FilterError::expected(span, &found.described(), &known()))
+    let is_meant = |known: &&Coordinate| matches!(found, Token::Name(name) if name == known.name());
+    Coordinate::ALL.iter().find(is_meant).copied().ok_or_else(|| {
+        let names: Vec<&str> = Coordinate::ALL.iter().map(|coordinate| coordinate.name()).collect();
+        let expected = format!("a coordinate of keys: {}", names.join(" "));
+        FilterError::expected(span, &found.described(), &expected)
+    })
 }
 
 #[cfg(test)]

@@ -1,169 +1,126 @@
-//! A filter as a tree of numbers and conditions: what was parsed has the right types.
+//! A filter as a tree, and the operators and functions that it is made of.
 
 use std::ops::Range;
 
 use formats::key::Coordinate;
 use formats::metrics::quantity::Quantity;
 
-/// A number of a ray.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Number {
+/// Places that each node is evaluated for at a time.
+pub(super) const BLOCK: usize = 256;
+
+/// A value for each place of a block. A condition is 1 where it is met, else 0.
+pub(super) type Block = [f64; BLOCK];
+
+/// A part of a filter whose operands have the right kinds.
+#[derive(Clone, Debug)]
+pub(super) enum Node {
     /// The same for all rays.
     Literal(f64),
     /// What the ray has, and where in the text it was asked for.
     Quantity(Quantity, Range<usize>),
     /// The whole number of a coordinate's bits in the key, and where in the text it was asked for.
     Field(Coordinate, Range<usize>),
-    /// A function of a number.
-    Call(Function, Box<Number>),
-    /// Of two numbers.
-    Binary(Arithmetic, Box<[Number; 2]>),
-}
-
-/// What a ray meets or not.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Condition {
-    /// Of the ray itself.
     Fact(Fact),
-    /// How two numbers compare.
-    Compare(Comparison, Box<[Number; 2]>),
-    /// The opposite.
-    Not(Box<Condition>),
-    /// Two conditions together.
-    Both(Connective, Box<[Condition; 2]>),
+    Unary(&'static Function, Box<Node>),
+    Binary(&'static Operator, Box<[Node; 2]>),
 }
 
-macro_rules! words {
-    ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $word:literal,)* }) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum $name { $($(#[$variant_doc])* $variant,)* }
-
-        impl $name {
-            /// All of them.
-            pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
-
-            /// How it is written.
-            pub fn name(self) -> &'static str {
-                match self { $(Self::$variant => $word,)* }
-            }
-
-            /// The one that is written so.
-            pub fn of_name(name: &str) -> Option<Self> {
-                match name { $($word => Some(Self::$variant),)* _ => None }
-            }
-        }
-    };
+/// What a value is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Number,
+    Condition,
 }
 
-words! {
-    /// A condition that has a name.
-    Fact {
-        /// A surface was hit.
-        Hit = "hit",
-        /// It is a shadow ray.
-        Shadow = "shadow",
-    }
+/// A condition that has a name.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Fact {
+    /// A surface was hit.
+    Hit,
+    /// It is a shadow ray.
+    Shadow,
 }
 
-words! {
-    /// A function of one number.
-    Function {
-        /// Absolute value.
-        Absolute = "abs",
-        /// Logarithm to the base 2.
-        Logarithm = "log2",
-        /// The opposite number.
-        Minus = "-",
-    }
+/// The facts by their names.
+pub(super) const FACTS: [(&str, Fact); 2] = [("hit", Fact::Hit), ("shadow", Fact::Shadow)];
+
+/// Makes a value of another one of the same kind.
+#[derive(Debug)]
+pub(super) struct Function {
+    pub(super) name: &'static str,
+    pub(super) kind: Kind,
+    pub(super) of: fn(f64) -> f64,
 }
 
-words! {
-    /// What two numbers become.
-    Arithmetic {
-        /// Sum.
-        Plus = "+",
-        /// Difference.
-        Minus = "-",
-        /// Product.
-        Times = "*",
-        /// Quotient.
-        Over = "/",
-    }
+/// Functions that are called.
+pub(super) static FUNCTIONS: [Function; 2] = [
+    Function { name: "abs", kind: Kind::Number, of: f64::abs },
+    Function { name: "log2", kind: Kind::Number, of: f64::log2 },
+];
+
+/// Signs before a value.
+pub(super) static PREFIXES: [Function; 2] = [
+    Function { name: "-", kind: Kind::Number, of: |value| -value },
+    Function { name: "!", kind: Kind::Condition, of: |met| 1.0 - met },
+];
+
+/// Stands between two values of the same kind.
+#[derive(Debug)]
+pub(super) struct Operator {
+    pub(super) sign: &'static str,
+    /// How tightly it binds: 0 to [`LEVELS`] - 1.
+    pub(super) level: usize,
+    pub(super) takes: Kind,
+    pub(super) gives: Kind,
+    /// Puts the result in place of the left values.
+    pub(super) apply: fn(&mut Block, &Block),
+    /// What of the left condition decides, whatever the right one is.
+    pub(super) decided_by: Option<bool>,
 }
 
-words! {
-    /// How two numbers compare. A number that a ray does not have is equal to nothing.
-    Comparison {
-        /// Less.
-        Less = "<",
-        /// Less or equal.
-        AtMost = "<=",
-        /// More.
-        More = ">",
-        /// More or equal.
-        AtLeast = ">=",
-        /// Equal.
-        Equal = "==",
-        /// Not equal.
-        Unequal = "!=",
-    }
+/// How many levels of binding there are.
+pub(super) const LEVELS: usize = 5;
+/// The level of comparisons, which are not chained.
+pub(super) const COMPARISONS: usize = 2;
+
+/// All operators. A number that a ray does not have, NaN, is equal to nothing.
+#[expect(clippy::float_cmp, reason = "what is asked for is whether they are the same number")]
+pub(super) static OPERATORS: [Operator; 12] = [
+    connective("||", 0, |left, right| each(left, right, f64::max), true),
+    connective("&&", 1, |left, right| each(left, right, f64::min), false),
+    comparison("<", |left, right| each(left, right, |a, b| f64::from(a < b))),
+    comparison("<=", |left, right| each(left, right, |a, b| f64::from(a <= b))),
+    comparison(">", |left, right| each(left, right, |a, b| f64::from(a > b))),
+    comparison(">=", |left, right| each(left, right, |a, b| f64::from(a >= b))),
+    comparison("==", |left, right| each(left, right, |a, b| f64::from(a == b))),
+    comparison("!=", |left, right| each(left, right, |a, b| f64::from(a != b))),
+    arithmetic("+", 3, |left, right| each(left, right, |a, b| a + b)),
+    arithmetic("-", 3, |left, right| each(left, right, |a, b| a - b)),
+    arithmetic("*", 4, |left, right| each(left, right, |a, b| a * b)),
+    arithmetic("/", 4, |left, right| each(left, right, |a, b| a / b)),
+];
+
+/// A loop for each operator, so that none is looked up for each value.
+fn each(left: &mut Block, right: &Block, of: impl Fn(f64, f64) -> f64) {
+    left.iter_mut().zip(right).for_each(|(left, right)| *left = of(*left, *right));
 }
 
-words! {
-    /// What two conditions become.
-    Connective {
-        /// Both are met.
-        And = "&&",
-        /// One of them is met, or both.
-        Or = "||",
-    }
+const fn connective(
+    sign: &'static str,
+    level: usize,
+    apply: fn(&mut Block, &Block),
+    decided_by: bool,
+) -> Operator {
+    let kind = Kind::Condition;
+    Operator { sign, level, takes: kind, gives: kind, apply, decided_by: Some(decided_by) }
 }
 
-impl Function {
-    /// Of a number.
-    pub fn of(self, value: f64) -> f64 {
-        match self {
-            Self::Absolute => value.abs(),
-            Self::Logarithm => value.log2(),
-            Self::Minus => -value,
-        }
-    }
+const fn comparison(sign: &'static str, apply: fn(&mut Block, &Block)) -> Operator {
+    let (takes, gives) = (Kind::Number, Kind::Condition);
+    Operator { sign, level: COMPARISONS, takes, gives, apply, decided_by: None }
 }
 
-impl Arithmetic {
-    /// Of two numbers.
-    pub fn of(self, left: f64, right: f64) -> f64 {
-        match self {
-            Self::Plus => left + right,
-            Self::Minus => left - right,
-            Self::Times => left * right,
-            Self::Over => left / right,
-        }
-    }
-}
-
-impl Comparison {
-    /// Whether two numbers compare so.
-    #[expect(clippy::float_cmp, reason = "what is asked for is whether they are the same number")]
-    pub fn of(self, left: f64, right: f64) -> bool {
-        match self {
-            Self::Less => left < right,
-            Self::AtMost => left <= right,
-            Self::More => left > right,
-            Self::AtLeast => left >= right,
-            Self::Equal => left == right,
-            Self::Unequal => left != right,
-        }
-    }
-}
-
-impl Connective {
-    /// Of two conditions.
-    pub fn of(self, left: bool, right: bool) -> bool {
-        match self {
-            Self::And => left && right,
-            Self::Or => left || right,
-        }
-    }
+const fn arithmetic(sign: &'static str, level: usize, apply: fn(&mut Block, &Block)) -> Operator {
+    let kind = Kind::Number;
+    Operator { sign, level, takes: kind, gives: kind, apply, decided_by: None }
 }
