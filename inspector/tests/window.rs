@@ -267,10 +267,9 @@ fn what_is_read_ahead_is_there_when_it_is_asked_for() {
 fn areas_are_found_after_a_picture_without_them() {
     let folder = tempfile::tempdir().unwrap();
     let mut context = opened(folder.path());
-    let queue = context.awaited_order().unwrap().queue.clone();
+    context.read_ahead();
     context.finish();
-    let (dump, waker) = (context.recordings[0].dump.clone(), context.waker().clone());
-    let methods = ["two-point".to_owned()];
+    let waker = context.waker().clone();
     let drawings = Arc::new(AtomicUsize::new(0));
     let counted = drawings.clone();
     waker.set(move || {
@@ -278,13 +277,13 @@ fn areas_are_found_after_a_picture_without_them() {
     });
     let mut ask = |frame| {
         let before = drawings.load(Relaxed);
-        let of = (&queue, &methods[..]);
-        let found = context.coherences.of(0, &dump, of, GroupWidth::default(), (&waker, frame)).len();
+        let found = context.coherences(frame).unwrap().0.len();
         (found, waker.is_busy() || found > 0, drawings.load(Relaxed) > before)
     };
     assert_eq!(ask(5), (0, false, true), "another picture is asked for");
     assert!(!ask(5).1, "the same picture");
     ask(6);
     waker.wait();
-    assert_eq!(ask(6).0, 1);
+    let (all, ..) = ask(6);
+    assert_eq!(all, context.coherences(6).unwrap().1);
 }

@@ -5,7 +5,6 @@ use formats::manifest::QueueId;
 
 use super::ask::Asking;
 use super::{App, Task};
-use crate::model::Recording;
 
 impl App {
     pub(super) fn take_keys(&mut self, ui: &egui::Ui) {
@@ -56,8 +55,7 @@ impl App {
         let now = methods.iter().position(|method| *method == self.context.selection.method);
         let next = now.and_then(|now| now.checked_add_signed(step)).and_then(|next| methods.get(next));
         if let Some(next) = next.cloned() {
-            self.context.selection.order_by(&next);
-            self.context.select_ray(self.context.selection.ray);
+            self.context.order_by(&next);
         }
     }
 
@@ -66,8 +64,7 @@ impl App {
         let now = self.context.selection.queue;
         let Some(bounce) = now.bounce.checked_add_signed(step) else { return };
         let next = QueueId { bounce, ..now };
-        let exists = |open: &Recording| open.queues().iter().any(|record| record.id == next);
-        if self.context.recording().is_some_and(exists) {
+        if self.context.recording().is_some_and(|open| open.queue(next).is_some()) {
             self.context.go_to(next);
         }
     }

@@ -10,7 +10,7 @@ use super::absent::Absent;
 use super::background::Waker;
 use super::coherences::OrderCoherence;
 use super::context::Context;
-use super::derived::{Derived, Filtered, Rays};
+use super::derived::{Filtered, Rays};
 use super::estimates::Estimates;
 use super::filter::passing;
 use super::groups::Groups;
@@ -58,9 +58,8 @@ impl Context {
         let Some(expression) = self.selection.filter.in_force().cloned() else { return Filtered::All };
         let Some(numbers) = self.numbers(order.clone()) else { return Filtered::All };
         let wanted = ((order.serial, numbers.width), expression.clone());
-        let Derived { waker, passing: known, .. } = &mut self.derived;
-        let found = known.of(wanted, waker, move || passing(&expression, &numbers).map(Arc::new));
-        match found {
+        let find = move || passing(&expression, &numbers).map(Arc::new);
+        match self.derived.passing.of(wanted, &self.derived.waker, find) {
             // Nobody knows which pass where finding it out failed.
             Err(_) => Filtered::Unknown,
             Ok(Ok(passing)) => Filtered::Some(passing.clone()),
@@ -72,12 +71,12 @@ impl Context {
     pub fn groups<'a>(&mut self, order: &'a Arc<Order>) -> Option<&'a Groups> {
         let width = self.selection.group_width;
         if order.known_groups(width).is_none() {
-            let Derived { waker, groups, .. } = &mut self.derived;
-            let order = order.clone();
+            let of = order.clone();
+            let find = move || {
+                of.groups(width);
+            };
             // What it is asked for is in the order once it is known.
-            let _ = groups.of((order.serial, width), waker, move || {
-                order.groups(width);
-            });
+            let _ = self.derived.groups.of((order.serial, width), &self.derived.waker, find);
         }
         order.known_groups(width)
     }
@@ -91,9 +90,8 @@ impl Context {
         let numbers = self.numbers(order.clone())?;
         let expression = passing.as_ref().and(self.selection.filter.in_force().cloned());
         let wanted = ((order.serial, numbers.width), expression, sorting);
-        let Derived { waker, rows, .. } = &mut self.derived;
         let make = move || Arc::new(Rows::of(&numbers, passing.as_deref(), sorting));
-        rows.of(wanted, waker, make).ok().cloned()
+        self.derived.rows.of(wanted, &self.derived.waker, make).ok().cloned()
     }
 
     /// The what-if order of the queue; `None` until it is made.
@@ -105,7 +103,6 @@ impl Context {
         let Some(queue) = Absent::awaited(self.queue())? else { return Ok(None) };
         let recording = self.recording().ok_or("no recording is open")?;
         let (at, dump) = (recording.opening, recording.dump.clone());
-        let Derived { waker, what_if, .. } = &mut self.derived;
         let wanted = (at, queue.id, settings.clone());
         let make = move || {
             let order = settings.order(&dump.manifest().header, queue)?;
@@ -113,7 +110,7 @@ impl Context {
             order.place_of_ray();
             Ok(Arc::new(order))
         };
-        Absent::awaited(what_if.of(wanted, waker, make))?.cloned().transpose()
+        Absent::awaited(self.derived.what_if.of(wanted, &self.derived.waker, make))?.cloned().transpose()
     }
 
     /// How coherent the what-if order is; `None` until it is known.
@@ -123,9 +120,23 @@ impl Context {
     pub fn what_if_coherence(&mut self) -> Result<Option<&OrderCoherence>, String> {
         let Some(order) = self.what_if_order()? else { return Ok(None) };
         let width = self.selection.group_width;
-        let Derived { waker, what_if_coherence, .. } = &mut self.derived;
         let wanted = (order.serial, width);
-        Absent::awaited(what_if_coherence.of(wanted, waker, move || OrderCoherence::of(&order, width)))
+        let find = move || OrderCoherence::of(&order, width);
+        Absent::awaited(self.derived.what_if_coherence.of(wanted, &self.derived.waker, find))
+    }
+
+    /// How coherent the queue's recorded orders are, as far as it is known in this frame, and how many orders
+    /// there are. See [`Coherences::of`](super::coherences::Coherences::of).
+    ///
+    /// # Errors
+    /// Why the queue cannot be shown, or not yet.
+    pub fn coherences(&mut self, frame: u64) -> Result<(&[OrderCoherence], usize), Absent> {
+        let queue = self.queue()?;
+        let (at, width) = (self.selection.recording, self.selection.group_width);
+        let recording = self.recordings.get(at).ok_or("no recording is open")?;
+        let of = (&queue, recording.methods(queue.id));
+        let known = self.coherences.of(at, &recording.dump, of, width, (&self.derived.waker, frame));
+        Ok((known, of.1.len()))
     }
 
     /// Estimated against traced lengths of the queue; `None` until they are known.
@@ -135,9 +146,9 @@ impl Context {
     pub fn estimates(&mut self) -> Result<Option<Arc<Estimates>>, String> {
         let Some(queue) = Absent::awaited(self.queue())? else { return Ok(None) };
         let at = self.recording().ok_or("no recording is open")?.opening;
-        let Derived { waker, estimates, .. } = &mut self.derived;
-        let found = estimates.of((at, queue.id), waker, move || Estimates::of(&queue).map(Arc::new));
-        Absent::awaited(found)?.cloned().transpose()
+        let wanted = (at, queue.id);
+        let make = move || Estimates::of(&queue).map(Arc::new);
+        Absent::awaited(self.derived.estimates.of(wanted, &self.derived.waker, make))?.cloned().transpose()
     }
 
     /// The rays of the queue whose estimate comes from a cell, ascending; `None` until they are known.
@@ -146,13 +157,13 @@ impl Context {
         let recording = self.recording()?;
         let (at, header) = (recording.opening, &recording.dump.manifest().header);
         let encoder = header.cell_encoder()?;
-        let Derived { waker, rays_of_cell, .. } = &mut self.derived;
+        let wanted = (at, self.selection.queue, cell);
         let make = move || {
             let rays = queue.traced.rays().par_iter().enumerate();
             let found = rays.filter(|(_, ray)| encoder.encode(ray, 0.0, 0) == u64::from(cell));
             Arc::new(found.map(|(ray, _)| ray as u32).collect::<Vec<u32>>())
         };
-        rays_of_cell.of((at, self.selection.queue, cell), waker, make).ok().cloned()
+        self.derived.rays_of_cell.of(wanted, &self.derived.waker, make).ok().cloned()
     }
 
     /// The queues of the selected pass in which a path lives, and its ray in each; `None` until they are known.

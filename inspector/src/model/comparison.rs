@@ -2,6 +2,7 @@
 //! their paths.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use formats::traced::Results;
 use rayon::prelude::*;
@@ -75,6 +76,37 @@ pub struct Counts {
     pub keys: Result<usize, String>,
     /// Rays at another place.
     pub places: usize,
+}
+
+/// A comparison with the numbers of its rays.
+pub struct Compared {
+    /// The comparison.
+    pub comparison: Comparison,
+    /// A number for each ray, left and right, if one was wanted.
+    pub values: Option<[Arc<Vec<f32>>; 2]>,
+    /// Size below which nearly all of the right side's numbers are; 0 without numbers.
+    pub nearly_largest: f32,
+    /// Differs from that of all others.
+    pub id: u64,
+}
+
+impl Compared {
+    /// Of a left and a right order, in groups of this width.
+    pub fn of([left, right]: &[Arc<Order>; 2], width: GroupWidth, difference: Option<Difference>) -> Self {
+        static MADE: AtomicU64 = AtomicU64::new(0);
+        let comparison = Comparison::of(left, right, width);
+        let values = difference.map(|difference| comparison.values(difference).map(Arc::new));
+        let nearly_largest = values.as_ref().map_or(0.0, |[_, right]| nearly_largest(right));
+        Self { comparison, values, nearly_largest, id: MADE.fetch_add(1, Ordering::Relaxed) }
+    }
+}
+
+/// The 98th percentile of the sizes of numbers.
+fn nearly_largest(values: &[f32]) -> f32 {
+    let mut sizes: Vec<f32> =
+        values.iter().map(|value| value.abs()).filter(|size| size.is_finite()).collect();
+    let at = sizes.len() * 98 / 100;
+    if sizes.is_empty() { 0.0 } else { *sizes.select_nth_unstable_by(at, f32::total_cmp).1 }
 }
 
 /// Two orders ray by ray.

@@ -49,8 +49,7 @@ pub struct Context {
     pub selection: Selection,
     /// What went wrong and was not dismissed yet.
     pub problems: Vec<Problem>,
-    /// Numbers that are found in the background.
-    pub coherences: Coherences,
+    pub(super) coherences: Coherences,
     /// What the what-if order is made by, once it was asked for.
     pub what_if: Option<what_if::Settings>,
     pub(super) derived: Derived,
@@ -86,9 +85,9 @@ impl Context {
     /// Looks at another recording, at the same queue and order if it has them.
     pub fn select_recording(&mut self, at: usize) {
         let Some(recording) = self.recordings.get(at) else { return };
-        let has_queue = recording.queues().iter().any(|record| record.id == self.selection.queue);
         let is_first = self.recordings.len() == 1;
-        let queue = if has_queue && !is_first { Some(self.selection.queue) } else { recording.first_queue() };
+        let same = recording.queue(self.selection.queue).filter(|_| !is_first).map(|record| record.id);
+        let queue = same.or_else(|| recording.first_queue());
         self.selection.recording = at;
         self.selection.clear();
         if let Some(queue) = queue {
@@ -107,11 +106,11 @@ impl Context {
         let Some(recording) = self.recording() else { return };
         match recording.again() {
             Ok(again) => {
-                let queue = again.first_queue();
-                let has_queue = again.queues().iter().any(|record| record.id == self.selection.queue);
+                let has_queue = again.queue(self.selection.queue).is_some();
+                let queue = again.first_queue().filter(|_| !has_queue);
                 self.recordings[self.selection.recording] = again;
                 self.coherences = Coherences::default();
-                if let Some(queue) = queue.filter(|_| !has_queue) {
+                if let Some(queue) = queue {
                     self.go_to(queue);
                 }
             }
@@ -130,11 +129,8 @@ impl Context {
 
     fn keep_method(&mut self) {
         let Selection { queue, method, .. } = &self.selection;
-        let has_method = method == WHAT_IF
-            || self
-                .recording()
-                .is_some_and(|recording| recording.methods(*queue).iter().any(|known| known == method));
-        if !has_method {
+        let is_measured = |open: &Recording| open.methods(*queue).contains(method);
+        if method != WHAT_IF && !self.recording().is_some_and(is_measured) {
             self.selection.order_by(UNSORTED);
         }
     }
@@ -214,26 +210,18 @@ impl Context {
 
     /// Selects a ray of the queue with its group, or nothing. The group is known when the order is.
     pub fn select_ray(&mut self, ray: Option<usize>) {
-        self.selection.ray = ray.filter(|&ray| ray < self.rays());
+        let rays =
+            self.recording().and_then(|open| open.queue(self.selection.queue)).map_or(0, |queue| queue.rays);
+        self.selection.ray = ray.filter(|&ray| (ray as u64) < rays);
         self.selection.group = None;
         // Finds the group; panels say why if there is no order.
         drop(self.order());
     }
 
-    /// Selects a group of the order.
-    pub fn select_group(&mut self, group: Option<usize>) {
-        let width = self.selection.group_width.rays();
-        let rays = self.rays();
-        self.selection.group = group.filter(|group| *group < rays.div_ceil(width));
-    }
-
-    /// Rays of the selected queue.
-    fn rays(&self) -> usize {
-        let of_queue = |open: &Recording| {
-            let record = open.queues().iter().find(|record| record.id == self.selection.queue)?;
-            usize::try_from(record.rays).ok()
-        };
-        self.recording().and_then(of_queue).unwrap_or(0)
+    /// Looks at another order of the same rays.
+    pub fn order_by(&mut self, method: &str) {
+        self.selection.order_by(method);
+        self.select_ray(self.selection.ray);
     }
 
     /// Selects the group of the selected ray, unless one is selected.

@@ -125,13 +125,8 @@ pub fn counts(comparison: &Comparison) -> Vec<Row> {
 pub fn speedups(queue: QueueId, sides: [(&Recording, &str); 2]) -> Vec<Row> {
     let of = |pick: fn(&OrderAnalysis) -> &Metric<SpeedupLine>| {
         sides.map(|(recording, method)| {
-            let times = recording.times.as_ref();
-            let queues = times.into_iter().flat_map(|times| &times.queues);
-            let mut here = queues.filter(|found| {
-                (found.pass, found.bounce, found.kind) == (queue.pass, queue.bounce, queue.kind)
-            });
-            let order =
-                here.next().and_then(|found| found.orders.iter().find(|order| order.method == method));
+            let times = recording.times_of(queue);
+            let order = times.and_then(|times| times.orders.iter().find(|order| order.method == method));
             let speedup = order.and_then(|order| pick(order).known());
             speedup.map_or("not measured".to_owned(), |speedup| format!("{:.3}x", speedup.ratio))
         })

@@ -14,7 +14,7 @@
 //! - [`what_if`]: another order of the recorded rays, made here
 //! - [`coherences`]: how coherent the orders of a queue are, found in the background
 //! - [`background`]: work on another thread; [`absent`]: why something is not shown; [`derived`], `asked`: what panels ask for that takes such work
-//! - [`comparison`], [`comparisons`], [`differences`]: two orders ray by ray; two recordings as a table of what differs
+//! - [`comparison`], [`differences`]: two orders ray by ray; two recordings as a table of what differs
 //! - [`context`]: all of it together, as panels see it
 
 pub mod absent;
@@ -23,7 +23,6 @@ pub mod background;
 pub mod coherences;
 pub mod colour_by;
 pub mod comparison;
-pub mod comparisons;
 pub mod context;
 pub mod derived;
 pub mod differences;

@@ -11,7 +11,7 @@ use formats::reader::{Dump, ReadError};
 use formats::unit_space::UnitSpace;
 
 use super::image_plane::ImagePlane;
-use crate::analysis::{self, Depth, RecordingAnalysis};
+use crate::analysis::{self, Depth, QueueAnalysis, RecordingAnalysis};
 use crate::shown;
 
 /// An open recording with its times.
@@ -67,10 +67,22 @@ impl Recording {
         &self.queues
     }
 
+    /// What is said of a queue; `None` if there is none.
+    pub fn queue(&self, id: QueueId) -> Option<&QueueRecord> {
+        self.queues.iter().find(|record| record.id == id)
+    }
+
     /// The methods of a queue.
     pub fn methods(&self, queue: QueueId) -> &[String] {
-        let record = self.queues().iter().find(|record| record.id == queue);
-        record.map_or(&[], |record| &record.methods)
+        self.queue(queue).map_or(&[], |record| &record.methods)
+    }
+
+    /// The times of a queue; `None` if it has none.
+    pub fn times_of(&self, queue: QueueId) -> Option<&QueueAnalysis> {
+        let is_of = |found: &&QueueAnalysis| {
+            (found.pass, found.bounce, found.kind) == (queue.pass, queue.bounce, queue.kind)
+        };
+        self.times.as_ref()?.queues.iter().find(is_of)
     }
 
     /// What the manifest says of a method; `None` for `unsorted`.
@@ -80,11 +92,8 @@ impl Recording {
 
     /// Whether another tracer made its rays.
     pub fn is_imported(&self) -> bool {
-        let dumps = [Some(&*self.dump), self.dump.source()];
-        dumps
-            .into_iter()
-            .flatten()
-            .any(|dump| matches!(dump.manifest().header.source, Source::Imported { .. }))
+        let mut dumps = [Some(&*self.dump), self.dump.source()].into_iter().flatten();
+        dumps.any(|dump| matches!(dump.manifest().header.source, Source::Imported { .. }))
     }
 
     /// Where on a picture its paths start.

@@ -4,7 +4,7 @@ use egui_plot::{Line, Plot, PlotPoints};
 use serde::{Deserialize, Serialize};
 
 use super::notes::{found, hint, power_of_ten};
-use super::order_table::{order_table, unsorted_area};
+use super::order_table::order_table;
 use super::worst::WorstGroups;
 use crate::model::Context;
 use crate::model::coherences::OrderCoherence;
@@ -39,16 +39,12 @@ impl Panel for CoherencePanel {
     }
 
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let Some(queue) = found(ui, context.queue()) else { return };
-        let (at, width) = (context.selection.recording, context.selection.group_width);
-        let Some(recording) = context.recordings.get(at) else { return };
-        let methods = recording.methods(queue.id);
-        if methods.is_empty() {
+        let (width, method) = (context.selection.group_width, context.selection.method.clone());
+        let known = context.coherences(ui.ctx().cumulative_frame_nr());
+        let Some((orders, total)) = found(ui, known) else { return };
+        if total == 0 {
             return hint(ui, "no method was measured on these rays; the last pass is the measured one");
         }
-        let (total, waker) = (methods.len(), context.waker().clone());
-        let frame = ui.ctx().cumulative_frame_nr();
-        let orders = context.coherences.of(at, &recording.dump, (&queue, methods), width, (&waker, frame));
         ui.horizontal_wrapped(|ui| {
             ui.label(format!("Capsule areas of groups of {} rays", width.rays())).on_hover_text(
                 "The hull of a sphere around a group's origins and one around its ends, in unit space",
@@ -59,7 +55,7 @@ impl Panel for CoherencePanel {
         });
         let rows = total as f32 + 2.0;
         let table_height = (rows * ROW).min(0.5 * ui.available_height());
-        distribution(ui, orders, &context.selection.method, ui.available_height() - table_height - 12.0);
+        distribution(ui, orders, &method, ui.available_height() - table_height - 12.0);
         ui.horizontal_wrapped(|ui| {
             for (listed, name, about) in [
                 (Listed::Orders, "orders", "The means of every order"),
@@ -74,26 +70,16 @@ impl Panel for CoherencePanel {
         });
         match self.listed {
             Listed::Orders => {
-                let theme = Theme::of(ui.ctx());
-                let rows = orders
-                    .iter()
-                    .enumerate()
-                    .map(|(number, order)| (theme.series(number), order.method.as_str(), Some(order)));
-                egui::ScrollArea::both()
-                    .auto_shrink([false, true])
-                    .show(ui, |ui| order_table(ui, ("means", 18.0), rows, unsorted_area(orders), &[32]));
+                let scrolled = egui::ScrollArea::both().auto_shrink([false, true]);
+                scrolled.show(ui, |ui| order_table(ui, ("means", 18.0), None, orders, &[32]));
             }
             Listed::Groups => self.worst.show(ui, context),
         }
     }
 
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {
-        let queue = context.queue().map_err(|reason| reason.to_string())?;
-        let (at, width) = (context.selection.recording, context.selection.group_width);
-        let recording = context.recordings.get(at).ok_or("no recording is open")?;
-        let (methods, waker) = (recording.methods(queue.id), context.waker().clone());
-        let orders = context.coherences.of(at, &recording.dump, (&queue, methods), width, (&waker, 0));
-        if orders.len() < methods.len() {
+        let (orders, total) = context.coherences(0)?;
+        if orders.len() < total {
             return Err("not all orders are known yet; try again once the panel shows them".to_owned());
         }
         let rows: Vec<Vec<String>> = orders.iter().flat_map(quantities).collect();

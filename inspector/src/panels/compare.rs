@@ -4,13 +4,15 @@ use std::sync::Arc;
 
 use egui::{ComboBox, ScrollArea, Ui};
 use formats::key::method::UNSORTED;
+use formats::manifest::QueueId;
 use serde::{Deserialize, Serialize};
 
 use super::notes::hint;
 use super::space::layers::RayValues;
 use super::space::{SpaceState, SpaceView, ViewSetup};
-use crate::model::comparison::{Difference, LOWEST_DISTANCE};
-use crate::model::comparisons::{Compared, Comparisons, Wanted};
+use crate::analysis::GroupWidth;
+use crate::model::background::Background;
+use crate::model::comparison::{Compared, Difference, LOWEST_DISTANCE};
 use crate::model::differences::{Row, counts, settings, speedups};
 use crate::model::{Context, Order, Selection};
 use crate::panels::data::Data;
@@ -45,11 +47,15 @@ struct State {
     space: SpaceState,
 }
 
+/// What is compared: the openings and methods of both sides, the queue, rays of a group, and what colours stand
+/// for.
+type Wanted = ([(u64, String); 2], QueueId, GroupWidth, Option<Difference>);
+
 /// The panel. Of the two views, the first has the controls and the slider of both.
 pub(super) struct Compare {
     views: [SpaceView; 2],
     choice: Choice,
-    comparisons: Comparisons,
+    comparing: Background<Wanted, Arc<Compared>, 1>,
     compared: Option<Arc<Compared>>,
 }
 
@@ -65,7 +71,7 @@ impl Compare {
         Self {
             views: [SpaceView::new(setup), SpaceView::new(setup)],
             choice,
-            comparisons: Comparisons::default(),
+            comparing: Background::default(),
             compared: None,
         }
     }
@@ -182,18 +188,15 @@ impl Compare {
 
     fn found(&mut self, context: &mut Context) -> Option<Arc<Compared>> {
         let (left, right) = (self.left_order(context)?, context.order().ok()?);
-        let selection = &context.selection;
+        let (selection, difference) = (&context.selection, self.choice.difference);
         let opening = |at: usize| Some(context.recordings.get(at)?.opening);
         let left_opening = opening(self.choice.before_recording.unwrap_or(selection.recording))?;
-        let wanted = Wanted {
-            sides: [
-                (left_opening, selection.queue, left.method.clone()),
-                (opening(selection.recording)?, selection.queue, right.method.clone()),
-            ],
-            width: selection.group_width,
-            difference: self.choice.difference,
-        };
-        self.comparisons.of(&wanted, [&left, &right], context.waker())
+        let sides =
+            [(left_opening, left.method.clone()), (opening(selection.recording)?, right.method.clone())];
+        let (queue, width) = (selection.queue, selection.group_width);
+        let orders = [left, right];
+        let make = move || Arc::new(Compared::of(&orders, width, difference));
+        self.comparing.of((sides, queue, width, difference), context.waker(), make).ok().cloned()
     }
 
     fn comparison_controls(&mut self, ui: &mut Ui) {
@@ -273,8 +276,7 @@ impl Compare {
             choose(ui, "after", &mut after, &methods);
         });
         if after != context.selection.method {
-            context.selection.order_by(&after);
-            context.select_ray(context.selection.ray);
+            context.order_by(&after);
         }
         area(ui, context);
         let room = height - (ui.cursor().top() - ui.min_rect().top());

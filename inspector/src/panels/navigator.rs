@@ -119,8 +119,7 @@ fn orders(ui: &mut egui::Ui, context: &mut Context) {
         let about = about.unwrap_or_else(|| "canonical order: by pixel".to_owned());
         let is_now = context.selection.method == *method;
         if ui.selectable_label(is_now, method).on_hover_text(about).clicked() {
-            context.selection.order_by(method);
-            context.select_ray(context.selection.ray);
+            context.order_by(method);
         }
     }
 }

@@ -1,10 +1,10 @@
 //! How coherent orders are, as a table: a row for each.
 
-use egui::Color32;
 use formats::key::method::UNSORTED;
 
 use super::notes::legend;
 use crate::model::coherences::OrderCoherence;
+use crate::theme::Theme;
 
 const COLUMNS: [(&str, &str); 4] = [
     ("order", "How the rays are sorted"),
@@ -14,21 +14,25 @@ const COLUMNS: [(&str, &str); 4] = [
 ];
 
 /// The mean capsule area of unsorted rays, if it is known.
-pub(super) fn unsorted_area(orders: &[OrderCoherence]) -> Option<f64> {
+fn unsorted_area(orders: &[OrderCoherence]) -> Option<f64> {
     let unsorted = orders.iter().find(|order| order.method == UNSORTED)?;
     // Single rays have capsules without area.
     unsorted.coherence.known().map(|known| known.mean_capsule_area).filter(|&area| area > 0.0)
 }
 
-/// A row for each order, with lane utilisation for these widths; orders are awaited where they are `None`. `gap`
-/// lies between columns, points.
-pub(super) fn order_table<'a>(
+/// A row for each recorded order, with lane utilisation for these widths; before them one for an order that was
+/// made here, by its name, which is awaited if it is `None`. `gap` lies between columns, points.
+pub(super) fn order_table(
     ui: &mut egui::Ui,
     (id, gap): (&str, f32),
-    rows: impl Iterator<Item = (Color32, &'a str, Option<&'a OrderCoherence>)>,
-    unsorted: Option<f64>,
+    made: Option<(&str, Option<&OrderCoherence>)>,
+    recorded: &[OrderCoherence],
     widths: &[usize],
 ) {
+    let (theme, unsorted) = (Theme::of(ui.ctx()), unsorted_area(recorded));
+    let rows = recorded.iter().enumerate();
+    let rows = rows.map(|(number, order)| (theme.series(number), order.method.as_str(), Some(order)));
+    let rows = made.into_iter().map(|(name, order)| (theme.selected_mark(), name, order)).chain(rows);
     let columns = COLUMNS.len() + widths.len();
     egui::Grid::new(id).striped(true).num_columns(columns).spacing([gap, 2.0]).show(ui, |ui| {
         for (name, about) in COLUMNS {

@@ -49,14 +49,12 @@ impl Panel for TimingsPanel {
 /// The times of the selected queue, or why there are none.
 fn measured(context: &Context) -> Result<&QueueAnalysis, String> {
     let recording = context.recording().ok_or("no recording is open")?;
-    let times = recording.times.as_ref();
-    let times =
-        times.ok_or("the recording is not finished: times are shown once it is (F5 reads it again)")?;
-    let queue = context.selection.queue;
-    let is_now = |found: &&QueueAnalysis| {
-        (found.pass, found.bounce, found.kind) == (queue.pass, queue.bounce, queue.kind)
-    };
-    let found = times.queues.iter().find(is_now).filter(|queue| !queue.orders.is_empty());
+    if recording.times.is_none() {
+        return Err(
+            "the recording is not finished: times are shown once it is (F5 reads it again)".to_owned()
+        );
+    }
+    let found = recording.times_of(context.selection.queue).filter(|queue| !queue.orders.is_empty());
     found.ok_or_else(|| "no method was measured on these rays; the last pass is the measured one".to_owned())
 }
 

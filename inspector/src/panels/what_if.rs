@@ -8,7 +8,7 @@ use formats::key::{Coordinate, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError};
 
 use super::filter_box::typed;
 use super::notes::{found, group_widths};
-use super::order_table::{order_table, unsorted_area};
+use super::order_table::order_table;
 use crate::model::Context;
 use crate::model::what_if::{Estimate, Settings, WHAT_IF};
 use crate::panels::panel::Panel;
@@ -24,7 +24,9 @@ impl Panel for WhatIfPanel {
     }
 
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let Some(queue) = found(ui, context.queue()) else { return };
+        if found(ui, context.queue()).is_none() {
+            return;
+        }
         let Some(lights) = context.recording().map(|open| open.dump.manifest().header.lights.len()) else {
             return;
         };
@@ -43,7 +45,7 @@ impl Panel for WhatIfPanel {
             context.what_if = Some(settings);
             if layout.is_ok() {
                 ui.separator();
-                outcome(ui, context, queue.id);
+                outcome(ui, context);
             }
         });
     }
@@ -140,28 +142,16 @@ fn widths(ui: &mut egui::Ui, context: &mut Context) {
     let is_shown = context.selection.method == WHAT_IF;
     let show = ui.selectable_label(is_shown, "show this order");
     if show.on_hover_text("Looks at this order in all panels, like at a recorded one").clicked() {
-        context.selection.order_by(if is_shown { UNSORTED } else { WHAT_IF });
-        context.select_ray(context.selection.ray);
+        context.order_by(if is_shown { UNSORTED } else { WHAT_IF });
     }
 }
 
 /// How coherent the order is, beside the recorded ones.
-fn outcome(ui: &mut egui::Ui, context: &mut Context, queue: formats::manifest::QueueId) {
+fn outcome(ui: &mut egui::Ui, context: &mut Context) {
     let Some(made) = found(ui, context.what_if_coherence().map(Option::<&_>::cloned)) else { return };
-    let (at, width) = (context.selection.recording, context.selection.group_width);
-    let Ok(rays) = context.queue() else { return };
-    let Some(recording) = context.recordings.get(at) else { return };
-    let (methods, waker) = (recording.methods(queue), context.waker().clone());
-    let frame = ui.ctx().cumulative_frame_nr();
-    let recorded = context.coherences.of(at, &recording.dump, (&rays, methods), width, (&waker, frame));
-    let theme = Theme::of(ui.ctx());
-    let rows = recorded
-        .iter()
-        .enumerate()
-        .map(|(number, order)| (theme.series(number), order.method.as_str(), Some(order)));
-    let rows = std::iter::once((theme.selected_mark(), WHAT_IF, made.as_ref())).chain(rows);
-    order_table(ui, ("what-if", 16.0), rows, unsorted_area(recorded), &[8, 32, 64]);
-    if recorded.len() < methods.len() {
-        ui.weak(format!("{} of {} recorded orders so far", recorded.len(), methods.len()));
+    let Ok((recorded, all)) = context.coherences(ui.ctx().cumulative_frame_nr()) else { return };
+    order_table(ui, ("what-if", 16.0), Some((WHAT_IF, made.as_ref())), recorded, &[8, 32, 64]);
+    if recorded.len() < all {
+        ui.weak(format!("{} of {all} recorded orders so far", recorded.len()));
     }
 }

@@ -17,16 +17,6 @@ impl Detail {
         Self { first: places.start, all, shown: all.min(wanted) }
     }
 
-    /// How many places are shown.
-    pub fn shown(&self) -> usize {
-        self.shown
-    }
-
-    /// How many there are.
-    pub fn all(&self) -> usize {
-        self.all
-    }
-
     /// The place in the middle of a part.
     fn place(self, part: usize) -> usize {
         // In 128 bits, so that no number of rays overflows.
@@ -66,7 +56,7 @@ mod tests {
     fn all_are_shown_where_they_fit() {
         let detail = Detail::of(&(3..8), 100);
         assert_eq!(detail.places().collect::<Vec<_>>(), [3, 4, 5, 6, 7]);
-        assert_eq!((detail.shown(), detail.all()), (5, 5));
+        assert_eq!((detail.shown, detail.all), (5, 5));
         assert_eq!(Detail::of(&(4..4), 10).places().len(), 0);
         assert_eq!(Detail::of(&(0..9), 0).places().len(), 0);
     }

@@ -266,7 +266,7 @@ impl SavedSelection {
     pub(crate) fn select(&self, context: &mut Context) -> Result<(), String> {
         let queue = self.queue();
         let recording = context.recording().ok_or("its recording is not open")?;
-        let Some(record) = recording.queues().iter().find(|record| record.id == queue) else {
+        let Some(record) = recording.queue(queue) else {
             let known: Vec<String> = recording.queues().iter().map(|record| record.id.to_string()).collect();
             return Err(format!("{} has no {queue}; it has: {}", recording.label, known.join(", ")));
         };
