@@ -191,7 +191,7 @@ fn the_panel_shows_a_line_for_each_difference_and_the_same_picture_each_time() {
 
 fn layers(context: &mut Context, options: &Options, values: Option<RayValues>) -> Vec<Layer> {
     let mut layers = Layers::default();
-    layers.colour_by(values);
+    layers.ray_values = values;
     shown_by(&mut layers, context, options)
 }
 

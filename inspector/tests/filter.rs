@@ -385,7 +385,7 @@ fn a_filter_links_table_and_space() {
     let Shape::Segments(lines) = drawn[1].geometry.shape() else { panic!("no rays") };
     assert_eq!(lines.iter().map(|line| line[0].position).collect::<Vec<_>>(), origins);
     assert_eq!(
-        (layers.counts(), layers.passing()),
+        (layers.counts(), layers.passing),
         (Some((origins.len(), numbers.order.len())), Some(origins.len()))
     );
 }

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use egui::{ComboBox, ScrollArea, Ui};
+use egui::{ScrollArea, Ui};
 use formats::key::method::UNSORTED;
 use formats::manifest::QueueId;
 use serde::{Deserialize, Serialize};
 
-use super::notes::hint;
+use super::notes::{choose, hint};
 use super::space::layers::RayValues;
 use super::space::{SpaceState, SpaceView, ViewSetup};
 use crate::analysis::GroupWidth;
@@ -204,13 +204,12 @@ impl Compare {
         ui.horizontal_wrapped(|ui| {
             ui.label("Difference");
             let name = choice.difference.map_or("none", Difference::name);
-            ComboBox::from_id_salt("difference").selected_text(name).show_ui(ui, |ui| {
-                ui.selectable_value(&mut choice.difference, None, "none");
-                for difference in Difference::ALL {
-                    ui.selectable_value(&mut choice.difference, Some(difference), difference.name())
-                        .on_hover_text(difference.title());
-                }
+            let differences = Difference::ALL.map(|difference| {
+                (Some(difference), difference.name().to_owned(), Some(difference.title().to_owned()))
             });
+            let none = (None, "none".to_owned(), None);
+            let choices = std::iter::once(none).chain(differences);
+            choose(ui, ("difference", name), &mut choice.difference, choices);
             ui.toggle_value(&mut choice.table, "Table").on_hover_text("What differs between the two sides");
             if choice.table {
                 ui.checkbox(&mut choice.all_rows, "also what is the same");
@@ -223,7 +222,6 @@ impl Compare {
 
     fn left(&mut self, ui: &mut Ui, context: &mut Context, height: f32) {
         let left = self.left_selection(&context.selection);
-        let at = left.recording;
         ui.horizontal_wrapped(|ui| self.choose_left(ui, context));
         // The left picture shows the same selection in another order.
         let selected = std::mem::replace(&mut context.selection, left);
@@ -231,9 +229,8 @@ impl Compare {
         area(ui, context);
         let room = height - (ui.cursor().top() - ui.min_rect().top());
         let ray = context.selection.ray;
-        if let Some((_, camera)) = self.views[0].pose() {
-            self.views[0].set_pose(Some((at, camera)));
-        }
+        let camera = self.views[0].camera;
+        self.views[0].look_from(camera);
         self.views[0].picture(ui, context, egui::vec2(ui.available_width(), room));
         let chosen = context.selection.ray;
         context.selection = selected;
@@ -250,22 +247,18 @@ impl Compare {
         let selected = context.selection.recording;
         let choice = &mut self.choice;
         if context.recordings.len() > 1 {
-            let name =
-                |at: usize| context.recordings.get(at).map_or("", |recording| recording.label.as_str());
             let mut at = choice.before_recording.unwrap_or(selected);
-            ComboBox::from_id_salt("before recording").selected_text(name(at)).show_ui(ui, |ui| {
-                for number in 0..context.recordings.len() {
-                    ui.selectable_value(&mut at, number, name(number));
-                }
-            });
+            let name = context.recordings.get(at).map_or("", |recording| recording.label.as_str());
+            let open = context.recordings.iter().enumerate();
+            let choices = open.map(|(at, recording)| (at, recording.label.clone(), None));
+            choose(ui, ("before recording", name), &mut at, choices);
             choice.before_recording = (at != selected).then_some(at);
         }
         let methods = context.methods_of(choice.before_recording.unwrap_or(selected));
-        choose(ui, "before", &mut choice.before, &methods);
+        choose_method(ui, "before", &mut choice.before, &methods);
     }
 
     fn right(&mut self, ui: &mut Ui, context: &mut Context, height: f32) {
-        let selected = context.selection.recording;
         let Some(recording) = context.recording() else { return };
         let methods = context.methods();
         let mut after = context.selection.method.clone();
@@ -273,18 +266,17 @@ impl Compare {
             if context.recordings.len() > 1 {
                 ui.label(&recording.label);
             }
-            choose(ui, "after", &mut after, &methods);
+            choose_method(ui, "after", &mut after, &methods);
         });
         if after != context.selection.method {
             context.order_by(&after);
         }
         area(ui, context);
         let room = height - (ui.cursor().top() - ui.min_rect().top());
-        let pose = self.views[0].pose().map(|(_, camera)| (selected, camera));
-        self.views[1].set_pose(pose);
-        self.views[1].picture(ui, context, egui::vec2(ui.available_width(), room));
-        let pose = self.views[1].pose().zip(self.views[0].pose());
-        self.views[0].set_pose(pose.map(|((_, camera), (at, _))| (at, camera)));
+        let [left, right] = &mut self.views;
+        right.look_from(left.camera);
+        right.picture(ui, context, egui::vec2(ui.available_width(), room));
+        left.look_from(right.camera);
     }
 
     /// The lines of the table.
@@ -360,12 +352,10 @@ fn shortened(text: &str) -> String {
     }
 }
 
-fn choose(ui: &mut Ui, name: &str, chosen: &mut String, methods: &[String]) {
-    ComboBox::from_id_salt(name).selected_text(chosen.as_str()).show_ui(ui, |ui| {
-        for method in methods {
-            ui.selectable_value(chosen, method.clone(), method);
-        }
-    });
+fn choose_method(ui: &mut Ui, id: &str, chosen: &mut String, methods: &[String]) {
+    let choices = methods.iter().map(|method| (method.clone(), method.clone(), None));
+    let now = chosen.clone();
+    choose(ui, (id, &now), chosen, choices);
 }
 
 /// The mean capsule area of the order that is selected.

@@ -74,6 +74,35 @@ pub(super) fn hint(ui: &mut egui::Ui, text: &str) {
     });
 }
 
+/// A list to choose one of: what each is called, and what it is, if that is to be said. Whether another one was
+/// chosen.
+pub(super) fn choose<T: PartialEq>(
+    ui: &mut egui::Ui,
+    (id, shown): (&str, &str),
+    chosen: &mut T,
+    choices: impl IntoIterator<Item = (T, String, Option<String>)>,
+) -> bool {
+    let mut is_other = false;
+    egui::ComboBox::from_id_salt(id).selected_text(shown).show_ui(ui, |ui| {
+        for (choice, name, about) in choices {
+            let mut response = ui.selectable_value(chosen, choice, name);
+            if let Some(about) = about {
+                response = response.on_hover_text(about);
+            }
+            is_other |= response.changed();
+        }
+    });
+    is_other
+}
+
+/// The names of columns, and what they are.
+pub(super) fn headings<'a>(ui: &mut egui::Ui, columns: impl IntoIterator<Item = (&'a str, &'a str)>) {
+    for (name, about) in columns {
+        ui.strong(name).on_hover_text(about);
+    }
+    ui.end_row();
+}
+
 /// Chooses how many rays a group has.
 pub(super) fn group_widths(ui: &mut egui::Ui, name: &str, context: &mut Context) {
     ui.label(name).on_hover_text("Consecutive rays of the order that a GPU traces together");

@@ -2,7 +2,7 @@
 
 use formats::key::method::UNSORTED;
 
-use super::notes::legend;
+use super::notes::{headings, legend};
 use crate::model::coherences::OrderCoherence;
 use crate::theme::Theme;
 
@@ -35,15 +35,9 @@ pub(super) fn order_table(
     let rows = made.into_iter().map(|(name, order)| (theme.selected_mark(), name, order)).chain(rows);
     let columns = COLUMNS.len() + widths.len();
     egui::Grid::new(id).striped(true).num_columns(columns).spacing([gap, 2.0]).show(ui, |ui| {
-        for (name, about) in COLUMNS {
-            ui.strong(name).on_hover_text(about);
-        }
-        for width in widths {
-            ui.strong(format!("lanes {width}")).on_hover_text(format!(
-                "Share of their time in which {width} lanes work that wait for each other. A model"
-            ));
-        }
-        ui.end_row();
+        let lanes: Vec<(String, String)> = widths.iter().map(lanes_heading).collect();
+        let lanes = lanes.iter().map(|(name, about)| (name.as_str(), about.as_str()));
+        headings(ui, COLUMNS.into_iter().chain(lanes));
         for (colour, name, order) in rows {
             legend(ui, colour, name);
             match order {
@@ -53,6 +47,11 @@ pub(super) fn order_table(
             ui.end_row();
         }
     });
+}
+
+fn lanes_heading(width: &usize) -> (String, String) {
+    let about = format!("Share of their time in which {width} lanes work that wait for each other. A model");
+    (format!("lanes {width}"), about)
 }
 
 fn numbers(ui: &mut egui::Ui, order: &OrderCoherence, unsorted: Option<f64>, widths: &[usize]) {

@@ -27,7 +27,9 @@ impl Panel for Scene {
             return hint(ui, "no recording is open");
         }
         self.view.controls(ui, context);
-        self.view.picture_and_slider(ui, context);
+        let room = ui.available_size() - egui::vec2(0.0, SpaceView::slider_height(ui));
+        self.view.picture(ui, context, room);
+        self.view.slider(ui);
     }
 
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {

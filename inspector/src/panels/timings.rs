@@ -4,7 +4,7 @@ use egui_plot::{AxisHints, Bar, BarChart, Plot, VLine};
 use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 
-use super::notes::{hint, legend};
+use super::notes::{headings, hint, legend};
 use crate::analysis::timing::{STAGES, SpeedupLine, Verdict};
 use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis};
 use crate::model::Context;
@@ -22,6 +22,16 @@ const BAR_ROW: f32 = 19.0;
 
 /// Height of the axis below the bars and the names above them, points.
 const AXIS: f32 = 64.0;
+
+const COLUMNS: [(&str, &str); 3] = [
+    ("method", "How the rays were sorted"),
+    (
+        "trace speedup",
+        "Unsorted trace over trace in this order, with its 95 % interval; ~ is no significant difference, ? too \
+         few samples to tell",
+    ),
+    ("net speedup", "Unsorted trace over all stages that sorting takes; signs as for the trace"),
+];
 
 impl Panel for TimingsPanel {
     fn title(&self) -> &'static str {
@@ -91,25 +101,17 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
     let orders: Vec<&OrderAnalysis> = queue.orders.iter().rev().collect();
     let stacks: Vec<[f64; STAGES.len()]> = orders.iter().map(|order| stack(order)).collect();
     let mut charts: Vec<BarChart> = Vec::new();
-    for (at, stage) in STAGES.into_iter().enumerate() {
-        if stacks.iter().all(|stack| stack[at] == 0.0) {
-            continue;
-        }
-        let colour = theme.series(at + 1);
-        let bars = stacks
-            .iter()
-            .enumerate()
-            .map(|(row, stack)| Bar::new(row as f64, stack[at]).width(0.7).fill(colour));
-        let chart = BarChart::new(stage.name().replace('_', " "), bars.collect()).color(colour).horizontal();
-        charts.push(chart.stack_on(&charts.iter().collect::<Vec<_>>()));
-    }
     let names: Vec<String> = orders.iter().map(|order| order.method.clone()).collect();
-    let break_even = stack_of(queue, UNSORTED).map(|stack| stack.iter().sum::<f64>());
-    let drawn: Vec<usize> =
-        (0..STAGES.len()).filter(|&at| stacks.iter().any(|stack| stack[at] > 0.0)).collect();
+    let unsorted = queue.orders.iter().find(|order| order.method == UNSORTED).map(stack);
+    let break_even = unsorted.map(|stack| stack.iter().sum::<f64>());
     let line = ui.horizontal_wrapped(|ui| {
-        for at in drawn {
-            legend(ui, theme.series(at + 1), &STAGES[at].name().replace('_', " "));
+        for at in (0..STAGES.len()).filter(|&at| stacks.iter().any(|stack| stack[at] > 0.0)) {
+            let (name, colour) = (STAGES[at].name().replace('_', " "), theme.series(at + 1));
+            legend(ui, colour, &name);
+            let bars = stacks.iter().enumerate();
+            let bars = bars.map(|(row, stack)| Bar::new(row as f64, stack[at]).width(0.7).fill(colour));
+            let chart = BarChart::new(name, bars.collect()).color(colour).horizontal();
+            charts.push(chart.stack_on(&charts.iter().collect::<Vec<_>>()));
         }
         ui.label("- - -  break-even: the trace of unsorted rays");
     });
@@ -142,10 +144,6 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
         });
 }
 
-fn stack_of(queue: &QueueAnalysis, method: &str) -> Option<[f64; STAGES.len()]> {
-    queue.orders.iter().find(|order| order.method == method).map(stack)
-}
-
 fn longest_name(ui: &egui::Ui, names: &[String]) -> f32 {
     let longest = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
     longest as f32 * 0.55 * ui.text_style_height(&egui::TextStyle::Body)
@@ -159,18 +157,7 @@ fn name_at(names: &[String], value: f64) -> String {
 fn speedups(ui: &mut egui::Ui, queue: &QueueAnalysis) {
     egui::ScrollArea::both().auto_shrink([false, true]).show(ui, |ui| {
         egui::Grid::new("speedups").striped(true).num_columns(3).spacing([18.0, 2.0]).show(ui, |ui| {
-            for (name, about) in [
-                ("method", "How the rays were sorted"),
-                (
-                    "trace speedup",
-                    "Unsorted trace over trace in this order, with its 95 % interval; ~ is no significant \
-                     difference, ? too few samples to tell",
-                ),
-                ("net speedup", "Unsorted trace over all stages that sorting takes; signs as for the trace"),
-            ] {
-                ui.strong(name).on_hover_text(about);
-            }
-            ui.end_row();
+            headings(ui, COLUMNS);
             for order in queue.orders.iter().filter(|order| order.method != UNSORTED) {
                 ui.label(&order.method);
                 for speedup in [&order.trace_speedup, &order.net_speedup] {

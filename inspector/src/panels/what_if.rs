@@ -1,13 +1,13 @@
 //! What if the recorded rays were sorted by another method, other key bits or another layout: made at once,
 //! and as coherent as the table says. Other panels show it like a recorded order.
 
-use egui::{ComboBox, DragValue, RichText};
+use egui::{DragValue, RichText};
 use formats::key::layout::Field;
 use formats::key::method::UNSORTED;
 use formats::key::{Coordinate, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError};
 
 use super::filter_box::typed;
-use super::notes::{found, group_widths};
+use super::notes::{choose, found, group_widths};
 use super::order_table::order_table;
 use crate::model::Context;
 use crate::model::what_if::{Estimate, Settings, WHAT_IF};
@@ -68,16 +68,15 @@ fn start_from(ui: &mut egui::Ui, context: &Context, settings: &mut Settings) {
     let builtin = Settings::builtin_names().filter(|name| !is_recorded(name));
     let builtin = builtin.filter_map(|name| Some((name.to_owned(), Settings::builtin(name, header)?)));
     let known: Vec<(String, Settings)> = recorded.chain(builtin).collect();
-    let name = known.iter().find(|(_, known)| known == settings).map_or("one's own", |(name, _)| name);
+    let name = known.iter().find(|(_, known)| known == settings);
+    let name = name.map_or("one's own".to_owned(), |(name, _)| name.clone());
     ui.label("Keys of")
         .on_hover_text("A method whose layout, bits and estimate are taken, to be changed below");
-    ComboBox::from_id_salt("keys of").selected_text(name).show_ui(ui, |ui| {
-        for (name, known) in &known {
-            if ui.selectable_label(known == settings, name).on_hover_text(&known.text).clicked() {
-                *settings = known.clone();
-            }
-        }
+    let choices = known.into_iter().map(|(name, known)| {
+        let about = known.text.clone();
+        (known, name, Some(about))
     });
+    choose(ui, ("keys of", &name), settings, choices);
     let range = KEY_BITS_MIN..=LAYOUT_BITS;
     ui.add(DragValue::new(&mut settings.key_bits).range(range).suffix(" bits"))
         .on_hover_text("Bits of a key, 8 to 64: as many of the layout's, from its start");

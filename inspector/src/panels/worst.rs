@@ -1,12 +1,20 @@
 //! The groups of an order with the largest capsules, the worst first.
 
-use super::notes::{found, missing};
+use super::notes::{found, headings, missing};
 use crate::analysis::GroupWidth;
 use crate::model::{Absent, Context};
 use crate::output::count;
 
 /// Groups in the list.
 const LISTED: usize = 100;
+
+const COLUMNS: [(&str, &str); 5] = [
+    ("group", "Number of the group in the order, from 0; a click selects it and its first ray"),
+    ("area", "Area of the group's capsule, unit space"),
+    ("of the mean", "Area over the mean area of the order's groups"),
+    ("spread", "1 - |sum of directions| / n: 0 if all rays are parallel"),
+    ("lanes", "Share of their time in which the group's lanes work. A model"),
+];
 
 /// The list.
 #[derive(Default)]
@@ -30,19 +38,7 @@ impl WorstGroups {
         let mut chosen = None;
         egui::ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
             egui::Grid::new("worst").striped(true).num_columns(5).spacing([18.0, 2.0]).show(ui, |ui| {
-                for (name, about) in [
-                    (
-                        "group",
-                        "Number of the group in the order, from 0; a click selects it and its first ray",
-                    ),
-                    ("area", "Area of the group's capsule, unit space"),
-                    ("of the mean", "Area over the mean area of the order's groups"),
-                    ("spread", "1 - |sum of directions| / n: 0 if all rays are parallel"),
-                    ("lanes", "Share of their time in which the group's lanes work. A model"),
-                ] {
-                    ui.strong(name).on_hover_text(about);
-                }
-                ui.end_row();
+                headings(ui, COLUMNS);
                 for &at in worst {
                     let Some(group) = groups.groups.get(at) else { continue };
                     let is_now = context.selection.group == Some(at);

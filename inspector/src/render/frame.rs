@@ -62,6 +62,14 @@ pub struct Layer {
     pub width: f32,
 }
 
+impl Layer {
+    /// All of a geometry, hidden by surfaces, with lines of no width.
+    pub fn of(geometry: &Geometry, stage: Stage, paint: Paint, opacity: f32) -> Self {
+        let geometry = geometry.clone();
+        Self { geometry, part: None, stage, paint, opacity, hidden_opacity: 0.0, width: 0.0 }
+    }
+}
+
 /// What is cut away: all points with `normal · p > offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {

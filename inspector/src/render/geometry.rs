@@ -84,15 +84,20 @@ impl Shape {
         if matches!(self, Self::Strip(_)) { 1 } else { 2 }
     }
 
+    /// How many triangles, lines, boxes or capsules.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Mesh(surfaces) => surfaces.triangles.len(),
+            // A single point is no line.
+            Self::Strip(points) => points.len().saturating_sub(1),
+            Self::Segments(pairs) | Self::Boxes(pairs) => pairs.len(),
+            Self::Capsules(capsules) => capsules.len(),
+        }
+    }
+
     /// Whether there is nothing to draw.
     pub fn is_empty(&self) -> bool {
-        match self {
-            Self::Mesh(surfaces) => surfaces.triangles.is_empty(),
-            // A single point is no line.
-            Self::Strip(points) => points.len() < 2,
-            Self::Segments(pairs) | Self::Boxes(pairs) => pairs.is_empty(),
-            Self::Capsules(capsules) => capsules.is_empty(),
-        }
+        self.len() == 0
     }
 }
 

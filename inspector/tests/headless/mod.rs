@@ -100,7 +100,7 @@ pub(crate) fn shown_by(layers: &mut Layers, context: &mut Context, options: &Opt
     let window = egui::Context::default();
     loop {
         let shown = layers.show(Theme::of(&window), options, context);
-        if !context.finish() && layers.problem() != Some(&Absent::Awaited) {
+        if !context.finish() && layers.problem != Some(Absent::Awaited) {
             return shown;
         }
     }

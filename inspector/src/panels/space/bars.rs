@@ -20,15 +20,21 @@ const BINS_HEIGHT: f32 = 18.0;
 /// Of the order, each second that it plays.
 const PLAYED_PER_SECOND: f32 = 0.08;
 
-/// Height of what is below the picture.
-pub(super) fn height_below(ui: &Ui) -> f32 {
-    let text = ui.text_style_height(&egui::TextStyle::Body);
-    ui.spacing().interact_size.y + BINS_HEIGHT + BAR + text + 18.0
+impl SpaceView {
+    /// Height of what is below the picture.
+    pub(in crate::panels) fn slider_height(ui: &Ui) -> f32 {
+        let text = ui.text_style_height(&egui::TextStyle::Body);
+        ui.spacing().interact_size.y + BINS_HEIGHT + BAR + text + 18.0
+    }
+
+    /// The slider along the order, and what colours stand for.
+    pub(in crate::panels) fn slider(&mut self, ui: &mut Ui) {
+        slider(ui, &mut self.options);
+        colour_bars(ui, self);
+    }
 }
 
-/// The slider along the order, and what colours stand for.
-pub(super) fn below(ui: &mut Ui, view: &mut SpaceView) {
-    let options = &mut view.options;
+fn slider(ui: &mut Ui, options: &mut Options) {
     ui.horizontal(|ui| {
         let name = if options.is_playing { "Stop" } else { "Play" };
         if ui.button(name).on_hover_text("Moves along the order (space)").clicked() {
@@ -51,7 +57,6 @@ pub(super) fn below(ui: &mut Ui, view: &mut SpaceView) {
         options.until = options.until.min(1.0);
         ui.ctx().request_repaint();
     }
-    colour_bars(ui, view);
 }
 
 /// One of the bars: what it stands for, and the numbers behind it.
@@ -65,12 +70,12 @@ struct Bar<'a> {
 fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
     let SpaceView { options, layers, .. } = view;
     let by = options.colour_by;
-    let has_values =
-        !matches!(by, ColourBy::Quantity(Quantity::Place | Quantity::Bounce)) || layers.title().is_some();
+    let own = layers.ray_values.as_ref();
+    let has_values = !matches!(by, ColourBy::Quantity(Quantity::Place | Quantity::Bounce)) || own.is_some();
     let values = layers.values().filter(|_| has_values);
-    let title = layers.title().map_or_else(|| by.title(), str::to_owned);
+    let title = own.map_or_else(|| by.title(), |values| values.title.to_owned());
     let title = title.as_str();
-    let rays = layers.range().filter(|_| options.shows_rays()).map(|range| Bar { range, title, values });
+    let rays = layers.range.filter(|_| options.shows_rays()).map(|range| Bar { range, title, values });
     let areas = Bar { range: AREAS, title: "capsule area, log10", values: None };
     let areas = options.capsules.then_some(areas);
     let cells =

@@ -1,6 +1,6 @@
 //! The row above the picture, and what is written on it.
 
-use egui::{ComboBox, FontId, Rect, Slider, Ui, vec2};
+use egui::{FontId, Rect, Slider, Ui, vec2};
 use formats::metrics::quantity::Quantity;
 
 use super::super::filter_box::filter_box;
@@ -8,7 +8,7 @@ use super::options::{Axis, CapsuleChoice, MeshMode, Navigation, Options, Side, S
 use super::view::{SpaceView, stand};
 use crate::model::colour_by::ColourBy;
 use crate::model::{Absent, Context};
-use crate::panels::notes::Lacking;
+use crate::panels::notes::{Lacking, choose};
 use crate::render::camera::Camera;
 use crate::render::colour_map::ColourMap;
 use crate::render::geometry::RayEnd;
@@ -17,59 +17,49 @@ use crate::theme::Theme;
 /// Width of the filter, points.
 const FILTER_WIDTH: f32 = 170.0;
 
-/// What is shown.
-pub(super) fn above(ui: &mut Ui, view: &mut SpaceView, context: &mut Context) {
-    ui.horizontal_wrapped(|ui| {
-        let options = &mut view.options;
-        ui.toggle_value(&mut options.curve, "Curve").on_hover_text("A line through the rays in their order");
-        ui.toggle_value(&mut options.rays, "Rays")
-            .on_hover_text("A line from each origin to where the ray ended");
-        ui.toggle_value(&mut options.ends, "Ends").on_hover_text(
-            "Where each ray ended: a disc at a surface, a ring where it hit nothing, a cross at an occluder",
-        );
-        ui.toggle_value(&mut options.capsules, "Capsules")
-            .on_hover_text("The hull of a sphere around a group's origins and one around its ends");
-        ui.toggle_value(&mut options.cells, "Cells").on_hover_text(
-            "Touched cells of the length table where their rays start, coloured by their mean length",
-        );
-        ui.menu_button("Show", |ui| details(ui, options)).response.on_hover_text("How all of it is drawn");
-        colour_choice(ui, options, context);
-        ComboBox::from_id_salt("colour map").selected_text(options.map.name()).show_ui(ui, |ui| {
-            for map in ColourMap::ALL {
-                ui.selectable_value(&mut options.map, map, map.name());
-            }
+impl SpaceView {
+    /// What is shown, to be changed.
+    pub(in crate::panels) fn controls(&mut self, ui: &mut Ui, context: &mut Context) {
+        ui.horizontal_wrapped(|ui| {
+            what_is_shown(ui, &mut self.options);
+            colours(ui, &mut self.options, context);
+            cameras(ui, self, context);
+            filter_box(ui, context, FILTER_WIDTH);
         });
-        cameras(ui, view, context);
-        filter_box(ui, context, FILTER_WIDTH);
-    });
+    }
 }
 
-fn colour_choice(ui: &mut Ui, options: &mut Options, context: &mut Context) {
+fn what_is_shown(ui: &mut Ui, options: &mut Options) {
+    ui.toggle_value(&mut options.curve, "Curve").on_hover_text("A line through the rays in their order");
+    ui.toggle_value(&mut options.rays, "Rays")
+        .on_hover_text("A line from each origin to where the ray ended");
+    ui.toggle_value(&mut options.ends, "Ends").on_hover_text(
+        "Where each ray ended: a disc at a surface, a ring where it hit nothing, a cross at an occluder",
+    );
+    ui.toggle_value(&mut options.capsules, "Capsules")
+        .on_hover_text("The hull of a sphere around a group's origins and one around its ends");
+    ui.toggle_value(&mut options.cells, "Cells").on_hover_text(
+        "Touched cells of the length table where their rays start, coloured by their mean length",
+    );
+    ui.menu_button("Show", |ui| details(ui, options)).response.on_hover_text("How all of it is drawn");
+}
+
+/// What colours stand for, and which ones.
+fn colours(ui: &mut Ui, options: &mut Options, context: &mut Context) {
     let fields = context.order().ok().and_then(|order| {
         let (_, layout) = order.keys.as_ref().ok()?;
-        Some(
-            layout
-                .layout
-                .fields(layout.key_bits)
-                .into_iter()
-                .map(|field| field.coordinate)
-                .collect::<Vec<_>>(),
-        )
+        Some(layout.layout.fields(layout.key_bits))
     });
-    let fields = fields.unwrap_or_default().into_iter().map(ColourBy::Field);
+    let fields = fields.unwrap_or_default().into_iter().map(|field| ColourBy::Field(field.coordinate));
     let choices = Quantity::ALL.iter().map(|&quantity| ColourBy::Quantity(quantity)).chain(fields);
-    ComboBox::from_id_salt("colour by").selected_text(format!("by {}", options.colour_by.name())).show_ui(
-        ui,
-        |ui| {
-            for choice in choices {
-                let label = ui.selectable_label(options.colour_by == choice, choice.name());
-                if label.on_hover_text(choice.title()).clicked() {
-                    // A range of other numbers says nothing of these.
-                    (options.colour_by, options.range) = (choice, None);
-                }
-            }
-        },
-    );
+    let choices = choices.map(|choice| (choice, choice.name(), Some(choice.title())));
+    let now = format!("by {}", options.colour_by.name());
+    if choose(ui, ("colour by", &now), &mut options.colour_by, choices) {
+        // A range of other numbers says nothing of these.
+        options.range = None;
+    }
+    let maps = ColourMap::ALL.map(|map| (map, map.name().to_owned(), None));
+    choose(ui, ("colour map", options.map.name()), &mut options.map, maps);
 }
 
 fn cameras(ui: &mut Ui, view: &mut SpaceView, context: &Context) {
@@ -79,10 +69,10 @@ fn cameras(ui: &mut Ui, view: &mut SpaceView, context: &Context) {
         (StandPoint::Overview, "Overview", "All of the scene, from outside (R)"),
     ] {
         if ui.button(name).on_hover_text(about).clicked() {
-            view.camera = Some((context.selection.recording, stand(point, recording)));
+            view.place(context.selection.recording, stand(point, recording));
         }
     }
-    if let Some((_, camera)) = &mut view.camera {
+    if let Some(camera) = &mut view.camera {
         ui.menu_button("View", |ui| typed(ui, camera)).response.on_hover_text("The camera as numbers");
     }
     let is_flying = view.options.navigation == Navigation::Fly;
@@ -118,7 +108,7 @@ fn typed(ui: &mut Ui, camera: &mut Camera) {
     }
 }
 
-fn choose<T: PartialEq + Copy>(ui: &mut Ui, title: &str, chosen: &mut T, choices: &[(T, &str)]) {
+fn row<T: PartialEq + Copy>(ui: &mut Ui, title: &str, chosen: &mut T, choices: &[(T, &str)]) {
     ui.horizontal(|ui| {
         ui.label(title);
         for (choice, name) in choices {
@@ -134,14 +124,14 @@ fn details(ui: &mut Ui, options: &mut Options) {
         (MeshMode::Wire, "edges"),
         (MeshMode::Hidden, "hidden"),
     ];
-    choose(ui, "Surfaces", &mut options.mesh, &modes);
+    row(ui, "Surfaces", &mut options.mesh, &modes);
     ui.add(Slider::new(&mut options.ghost_opacity, 0.02..=1.0).text("opacity if see-through or edges"));
-    choose(ui, "Cut across", &mut options.clip_axis, &[(Axis::X, "x"), (Axis::Y, "y"), (Axis::Z, "z")]);
+    row(ui, "Cut across", &mut options.clip_axis, &[(Axis::X, "x"), (Axis::Y, "y"), (Axis::Z, "z")]);
     ui.add(Slider::new(&mut options.clip_at, 0.0..=1.0).text("cut at"))
         .on_hover_text("Part of the scene's extent along that axis");
-    choose(ui, "Keep", &mut options.clip_keeps, &[(Side::Below, "below"), (Side::Above, "above")]);
+    row(ui, "Keep", &mut options.clip_keeps, &[(Side::Below, "below"), (Side::Above, "above")]);
     ui.separator();
-    choose(
+    row(
         ui,
         "Curve through",
         &mut options.curve_end,
@@ -157,7 +147,7 @@ fn details(ui: &mut Ui, options: &mut Options) {
         (CapsuleChoice::Worst, "the worst"),
         (CapsuleChoice::Spread, "some"),
     ];
-    choose(ui, "Capsules of", &mut options.capsule_choice, &capsules);
+    row(ui, "Capsules of", &mut options.capsule_choice, &capsules);
     ui.add(Slider::new(&mut options.capsule_count, 1..=2000).logarithmic(true).text("capsules at most"));
     ui.add(Slider::new(&mut options.capsule_opacity, 0.02..=1.0).text("opacity of capsules and cells"));
     ui.add(Slider::new(&mut options.cell_count, 1..=100_000).logarithmic(true).text("cells at most"));

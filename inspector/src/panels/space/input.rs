@@ -21,7 +21,7 @@ const HASTE: f32 = 4.0;
 pub(super) fn take(ui: &Ui, response: &Response, view: &mut SpaceView, context: &mut Context) {
     let Some(recording) = context.recording() else { return };
     let at = context.selection.recording;
-    let mut camera = view.camera(at, recording);
+    let mut camera = view.camera_in(at, recording);
     drag(ui, response, view.options.navigation, &mut camera);
     if response.hovered() {
         let scroll = ui.input(|input| input.smooth_scroll_delta.y);
@@ -31,7 +31,7 @@ pub(super) fn take(ui: &Ui, response: &Response, view: &mut SpaceView, context: 
     if response.hovered() && !ui.ctx().egui_wants_keyboard_input() {
         keys(ui, &mut camera, view, context);
     }
-    view.camera = Some((at, camera));
+    view.place(at, camera);
     if response.clicked()
         && let Some(pointer) = response.interact_pointer_pos()
         && let Ok(order) = context.order()

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use formats::metrics::group::Group;
 use formats::metrics::quantity::Quantity;
 use formats::reader::Dump;
 use rayon::prelude::*;
@@ -20,10 +21,10 @@ use crate::render::cell_box::{cell_box, cells};
 use crate::render::detail::Detail;
 use crate::render::frame::{Layer, Paint, Stage};
 use crate::render::geometry::{
-    CapsuleInstance, Geometry, RayEnd, Shape, Vertex, box_edges, boxes, curve, ends, rays,
+    CapsuleInstance, Geometry, RayEnd, Shape, box_edges, boxes, curve, ends, rays,
 };
 use crate::render::range::{ValueRange, Values};
-use crate::theme::{ShaderColour, Theme};
+use crate::theme::Theme;
 
 /// Rays of a group that are drawn bold.
 const SELECTED_WIDTH: f32 = 3.0;
@@ -49,20 +50,8 @@ struct Wanted {
     capsules: Option<(CapsuleChoice, usize, Option<usize>)>,
 }
 
-/// What the vertices of what is selected depend on.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct WantedSelected {
-    order: Grouped,
-    chosen: (Option<usize>, Option<usize>, Option<u32>),
-}
-
-/// What vertices are made of, besides the order.
-struct Behind {
-    /// The rays that pass the filter; all if `None`.
-    passing: Option<Arc<Passing>>,
-    values: Option<RayValues>,
-    dump: Arc<Dump>,
-}
+/// What the layers of what is selected depend on: the order, a ray, a group and a cell, and colours.
+type WantedSelected = (Grouped, [Option<usize>; 2], Option<u32>, Theme);
 
 /// The vertices of all rays that are shown.
 struct Made {
@@ -70,7 +59,8 @@ struct Made {
     curve: Option<Geometry>,
     rays: Option<Geometry>,
     ends: Option<Geometry>,
-    capsules: Option<Capsules>,
+    /// Capsules, and how many groups there are.
+    capsules: Option<(Geometry, usize)>,
     cells: Option<(Geometry, ValueRange)>,
     values: Values,
 }
@@ -91,24 +81,9 @@ pub struct RayValues {
     pub range: Option<ValueRange>,
 }
 
-/// Capsules, and how many there are.
-struct Capsules {
-    geometry: Geometry,
-    shown: usize,
-    all: usize,
-}
-
 /// Logarithms of areas that colours of capsules stand for, the same in all orders: a capsule around the
 /// whole scene has an area of a few units.
 pub(super) const AREAS: ValueRange = ValueRange { low: -3.0, high: 1.0 };
-
-/// The vertices of what is selected: its lines, its capsule, the box of its cell.
-struct Selected {
-    lines: Geometry,
-    group: Geometry,
-    capsule: Option<Geometry>,
-    cell: Option<Geometry>,
-}
 
 /// The vertices of the last picture.
 #[derive(Default)]
@@ -117,14 +92,17 @@ pub struct Layers {
     /// What the picture is made of: while other rays are being made, those of before, if of the same
     /// order and in the same colours.
     made: Option<(Wanted, Arc<Made>)>,
-    selected: Option<(WantedSelected, Selected)>,
-    problem: Option<Absent>,
+    selected: Option<(WantedSelected, Vec<Layer>)>,
+    /// Why the last picture lacks something, if it does.
+    pub problem: Option<Absent>,
     /// What rays are coloured by in place of what the options say.
-    values_of_rays: Option<RayValues>,
-    range: Option<ValueRange>,
+    pub ray_values: Option<RayValues>,
+    /// Rays that pass the filter; `None` without one.
+    pub passing: Option<usize>,
+    /// What the ends of the colours stand for.
+    pub(super) range: Option<ValueRange>,
     shown: usize,
     all: usize,
-    passing: Option<usize>,
 }
 
 impl Layers {
@@ -133,43 +111,16 @@ impl Layers {
         self.made.as_ref().map(|_| (self.shown, self.all))
     }
 
-    /// Rays that pass the filter; `None` without one.
-    pub fn passing(&self) -> Option<usize> {
-        self.passing
-    }
-
     /// Capsules in the last picture, and all groups of the order; none if it shows no capsules.
     pub(super) fn capsule_counts(&self) -> Option<(usize, usize)> {
-        let (_, made) = self.made.as_ref()?;
-        made.capsules.as_ref().map(|capsules| (capsules.shown, capsules.all))
+        let (capsules, all) = self.made.as_ref()?.1.capsules.as_ref()?;
+        Some((capsules.shape().len(), *all))
     }
 
     /// The range of the numbers that cells are coloured by, and how many cells there are; none if none are shown.
     pub(super) fn cells(&self) -> Option<(ValueRange, usize)> {
-        let (_, made) = self.made.as_ref()?;
-        let (geometry, range) = made.cells.as_ref()?;
-        let Shape::Boxes(boxes) = geometry.shape() else { return None };
-        Some((*range, boxes.len()))
-    }
-
-    /// Why the last picture lacks something, if it does.
-    pub fn problem(&self) -> Option<&Absent> {
-        self.problem.as_ref()
-    }
-
-    /// Colours rays by these numbers, or by what the options say.
-    pub fn colour_by(&mut self, values: Option<RayValues>) {
-        self.values_of_rays = values;
-    }
-
-    /// What the colour bar says, if rays are not coloured by what the options say.
-    pub(super) fn title(&self) -> Option<&'static str> {
-        self.values_of_rays.as_ref().map(|values| values.title)
-    }
-
-    /// What the ends of the colours stand for.
-    pub(super) fn range(&self) -> Option<ValueRange> {
-        self.range
+        let (cells, range) = self.made.as_ref()?.1.cells.as_ref()?;
+        Some((*range, cells.shape().len()))
     }
 
     /// The numbers behind the colours of the rays shown.
@@ -211,24 +162,24 @@ impl Layers {
             ends: options.ends,
             cells: options.cells.then_some(options.cell_count),
             colour_by: options.colour_by,
-            values: self.values_of_rays.as_ref().map(|values| values.id),
+            values: self.ray_values.as_ref().map(|values| values.id),
             capsules: options.capsules.then(|| {
                 let group = selection.group.filter(|_| options.capsule_choice == CapsuleChoice::Selected);
                 (options.capsule_choice, options.capsule_count, group)
             }),
         };
         let Some(numbers) = context.numbers(order.clone()) else { return Vec::new() };
-        let missing = options.colour_by.missing(&numbers).filter(|_| self.values_of_rays.is_none());
+        let missing = options.colour_by.missing(&numbers).filter(|_| self.ray_values.is_none());
         self.problem = missing.map(Absent::from);
         self.make(numbers, key, filtered.passing(), context);
-        let chosen = (selection.ray, selection.group, selection.cell);
         self.passing = filtered.passing().map(|passing| passing.len());
-        let key = WantedSelected { order: of_order, chosen };
+        let selection = &context.selection;
+        let key = (of_order, [selection.ray, selection.group], selection.cell, theme);
         if self.selected.as_ref().is_none_or(|(known, _)| *known != key) {
-            let selected = Selected::of(&order, &key, context);
+            let selected = selected(&order, &key, context);
             self.selected = Some((key, selected));
         }
-        self.layers(theme, options, &order)
+        self.layers(options, &order)
     }
 
     /// Has the vertices of all rays made by another thread.
@@ -237,9 +188,8 @@ impl Layers {
         if self.made.as_ref().is_some_and(|(known, _)| *known == key) {
             return;
         }
-        let behind = Behind { passing, values: self.values_of_rays.clone(), dump: recording.dump.clone() };
-        let wanted = key.clone();
-        let making = move || Arc::new(Made::of(&numbers, &wanted, &behind));
+        let (wanted, values, dump) = (key.clone(), self.ray_values.clone(), recording.dump.clone());
+        let making = move || Arc::new(Made::of(&numbers, &wanted, (passing, values), &dump));
         match self.making.of(key.clone(), context.waker(), making) {
             Ok(made) => self.made = Some((key, made.clone())),
             Err(absent) => {
@@ -250,66 +200,42 @@ impl Layers {
         }
     }
 
-    fn layers(&mut self, theme: Theme, options: &Options, order: &Order) -> Vec<Layer> {
+    fn layers(&mut self, options: &Options, order: &Order) -> Vec<Layer> {
         let (Some((_, made)), Some((_, selected))) = (&self.made, &self.selected) else { return Vec::new() };
-        let values = self.values_of_rays.as_ref();
-        let range = match options.colour_by {
-            _ if values.is_some_and(|values| values.range.is_some()) && options.range.is_none() => {
-                values.and_then(|values| values.range).unwrap_or(AREAS)
-            }
-            ColourBy::Quantity(Quantity::Bounce) if values.is_none() => {
-                ValueRange { low: 0.0, high: BOUNCES_SHOWN }
-            }
-            ColourBy::Quantity(Quantity::Place) if values.is_none() => {
+        let range = match (options.range, &self.ray_values, options.colour_by) {
+            (None, Some(RayValues { range: Some(range), .. }), _) => *range,
+            (_, None, ColourBy::Quantity(Quantity::Bounce)) => ValueRange { low: 0.0, high: BOUNCES_SHOWN },
+            (_, None, ColourBy::Quantity(Quantity::Place)) => {
                 ValueRange { low: 0.0, high: order.len().saturating_sub(1).max(1) as f32 }
             }
-            _ if options.range.is_some() => {
-                let (low, high) = options.range.unwrap_or_default();
-                ValueRange { low, high }
-            }
+            (Some((low, high)), ..) => ValueRange { low, high },
             _ => made.values.percentiles(options.percentiles.0, options.percentiles.1),
         };
         self.range = Some(range);
         let part = made.places.between(&scrubbed(options, order.len()));
-        self.shown = part.len();
-        self.all = order.len();
-        let part = part.start as u32..part.end as u32;
-        let drawing = Drawing { options, part, paint: Paint::Values(options.map, range) };
-        let mut layers = Vec::new();
+        (self.shown, self.all) = (part.len(), order.len());
+        let (start, end) = (part.start as u32, part.end as u32);
+        let lines = |geometry: &Geometry, stage, end, opacity, width| Layer {
+            part: Some(start..end),
+            hidden_opacity: options.hidden_opacity,
+            width,
+            ..Layer::of(geometry, stage, Paint::Values(options.map, range), opacity)
+        };
+        let (thin, arrow) = (options.line_width, ARROW_WIDTH.max(5.0 * options.line_width));
         // A line of the curve goes to the next point, so the last point has none.
-        layers.extend(made.curve.as_ref().map(|curve| drawing.lines(curve, 1, 0.9)));
-        layers.extend(made.rays.as_ref().map(|rays| drawing.lines(rays, 0, 0.7)));
-        let heads = made.rays.as_ref().filter(|_| options.arrows);
-        layers.extend(heads.map(|rays| Layer {
-            stage: Stage::Arrows,
-            width: ARROW_WIDTH.max(5.0 * options.line_width),
-            ..drawing.lines(rays, 0, 1.0)
-        }));
-        layers.extend(made.ends.as_ref().map(|ends| Layer {
-            stage: Stage::Marks,
-            width: MARK_WIDTH,
-            ..drawing.lines(ends, 0, 1.0)
-        }));
-        layers.extend(made.cells.as_ref().map(|(cells, range)| Layer {
-            geometry: cells.clone(),
-            part: None,
-            stage: Stage::Boxes,
-            paint: Paint::Values(options.map, *range),
-            opacity: options.capsule_opacity,
-            hidden_opacity: 0.0,
-            width: 0.0,
-        }));
-        layers.extend(made.capsules.as_ref().map(|capsules| Layer {
-            geometry: capsules.geometry.clone(),
-            part: None,
-            stage: Stage::Capsules,
-            paint: Paint::Values(options.map, AREAS),
-            opacity: options.capsule_opacity,
-            hidden_opacity: 0.0,
-            width: 0.0,
-        }));
-        layers.extend(selected.layers(theme.selected()));
-        layers
+        let last = end.saturating_sub(1).max(start);
+        let curve = made.curve.iter().map(|curve| lines(curve, Stage::Lines, last, 0.9, thin));
+        let rays = made.rays.iter().map(|rays| lines(rays, Stage::Lines, end, 0.7, thin));
+        let heads = made.rays.iter().filter(|_| options.arrows);
+        let heads = heads.map(|rays| lines(rays, Stage::Arrows, end, 1.0, arrow));
+        let ends = made.ends.iter().map(|ends| lines(ends, Stage::Marks, end, 1.0, MARK_WIDTH));
+        let solid = |geometry, stage, range| {
+            Layer::of(geometry, stage, Paint::Values(options.map, range), options.capsule_opacity)
+        };
+        let cells = made.cells.iter().map(|(cells, range)| solid(cells, Stage::Boxes, *range));
+        let capsules = made.capsules.iter().map(|(capsules, _)| solid(capsules, Stage::Capsules, AREAS));
+        let lines = curve.chain(rays).chain(heads).chain(ends);
+        lines.chain(cells).chain(capsules).chain(selected.iter().cloned()).collect()
     }
 }
 
@@ -326,33 +252,17 @@ fn drawn_from(options: &Options, rays: usize) -> Range<usize> {
     if options.window >= 1.0 { 0..rays } else { scrubbed(options, rays) }
 }
 
-/// What layers of lines have in common.
-struct Drawing<'a> {
-    options: &'a Options,
-    part: Range<u32>,
-    paint: Paint,
-}
-
-impl Drawing<'_> {
-    fn lines(&self, geometry: &Geometry, fewer: u32, opacity: f32) -> Layer {
-        let Range { start, end } = self.part.clone();
-        Layer {
-            geometry: geometry.clone(),
-            part: Some(start..end.saturating_sub(fewer).max(start)),
-            stage: Stage::Lines,
-            paint: self.paint,
-            opacity,
-            hidden_opacity: self.options.hidden_opacity,
-            width: self.options.line_width,
-        }
-    }
-}
-
 impl Made {
-    fn of(numbers: &Numbers, key: &Wanted, behind: &Behind) -> Self {
+    /// Of the rays that pass the filter, all if it is `None`, with their colours.
+    fn of(
+        numbers: &Numbers,
+        key: &Wanted,
+        (passing, values): (Option<Arc<Passing>>, Option<RayValues>),
+        dump: &Dump,
+    ) -> Self {
         let (order, width) = (&*numbers.order, key.order.1);
-        let shown = ShownPlaces::of(&key.places, key.detail, behind.passing.clone());
-        let values = match &behind.values {
+        let shown = ShownPlaces::of(&key.places, key.detail, passing);
+        let values = match &values {
             Some(values) => {
                 let value = |place| values.of_ray.get(order.places.ray(place)).copied().unwrap_or(f32::NAN);
                 shown.places().map(value).collect()
@@ -365,76 +275,59 @@ impl Made {
             rays: key.rays.then(|| rays(order, places()).into()),
             ends: key.ends.then(|| ends(order, places()).into()),
             capsules: key.capsules.map(|(choice, most, group)| capsules(order, width, choice, most, group)),
-            cells: key.cells.map(|most| cells(&behind.dump.manifest().header.options, &order.queue, most)),
+            cells: key.cells.map(|most| cells(&dump.manifest().header.options, &order.queue, most)),
             values: Values::of(values.into_par_iter()),
             places: shown,
         }
     }
 }
 
-/// Capsules as the analysis computes them, coloured by the logarithm of their area over all groups.
+/// Capsules as the analysis computes them, coloured by the logarithm of their area over all groups; and how many
+/// groups there are.
 fn capsules(
     order: &Order,
     width: GroupWidth,
     choice: CapsuleChoice,
     most: usize,
     group: Option<usize>,
-) -> Capsules {
+) -> (Geometry, usize) {
     let groups = order.groups(width);
     let chosen: Vec<usize> = match choice {
         CapsuleChoice::Selected => group.into_iter().collect(),
         CapsuleChoice::Worst => groups.worst(most),
         CapsuleChoice::Spread => Detail::of(&(0..groups.groups.len()), most).places().collect(),
     };
-    let value = |area: f64| area.max(1e-12).log10() as f32;
     let found = chosen.into_iter().filter_map(|at| groups.groups.get(at));
-    let capsules: Vec<_> =
-        found.map(|group| CapsuleInstance::of(&group.capsule, value(group.area))).collect();
-    let shown = capsules.len();
-    Capsules { geometry: Shape::Capsules(capsules).into(), shown, all: groups.groups.len() }
+    let value = |area: f64| area.max(1e-12).log10() as f32;
+    let capsule = |group: &Group| CapsuleInstance::of(&group.capsule, value(group.area));
+    (Shape::Capsules(found.map(capsule).collect()).into(), groups.groups.len())
 }
 
-impl Selected {
-    fn of(order: &Order, key: &WantedSelected, context: &Context) -> Self {
-        let (ray, group, cell) = key.chosen;
-        let mut lines: Vec<[Vertex; 2]> = Vec::new();
-        let place = ray.and_then(|ray| order.place_of_ray().get(ray));
-        if let (Some(&place), Some(_)) = (place, ray)
-            && let Shape::Segments(found) = rays(order, std::iter::once((place as usize, 0.0)))
-        {
-            lines.extend(found);
-        }
-        let options = context.recording().map(|recording| &recording.dump.manifest().header.options);
-        let corners = cell.zip(options).and_then(|(cell, options)| cell_box(options, cell).ok());
-        lines.extend(corners.map(|corners| box_edges(corners, 0.0)).unwrap_or_default());
-        let cell = corners.map(|corners| boxes(std::iter::once((corners, 0.0))).into());
-        let width = key.order.1;
-        let places = group.map_or(0..0, |group| order.places_of_group(group, width));
-        let found = group.and_then(|group| order.group(group, width));
-        let capsule =
-            found.map(|group| Shape::Capsules(vec![CapsuleInstance::of(&group.capsule, 0.0)]).into());
-        Self {
-            lines: Shape::Segments(lines).into(),
-            group: rays(order, places.map(|place| (place, 0.0))).into(),
-            capsule,
-            cell,
-        }
-    }
-
-    fn layers(&self, colour: ShaderColour) -> Vec<Layer> {
-        let layer = |geometry: &Geometry, stage, opacity, width| Layer {
-            geometry: geometry.clone(),
-            part: None,
-            stage,
-            paint: Paint::Plain(colour),
-            opacity,
-            hidden_opacity: 0.0,
-            width,
-        };
-        let capsule = self.capsule.as_ref().map(|capsule| layer(capsule, Stage::Capsules, 0.16, 0.0));
-        let group = layer(&self.group, Stage::OnTop, 0.5, 1.0);
-        let lines = layer(&self.lines, Stage::OnTop, 1.0, SELECTED_WIDTH);
-        let cell = self.cell.as_ref().map(|cell| layer(cell, Stage::Boxes, 0.16, 0.0));
-        capsule.into_iter().chain(cell).chain([group, lines]).collect()
-    }
+/// The layers of what is selected: the capsule of a group, the box of a cell, the rays of the group, and bold lines
+/// around the cell and along the ray.
+fn selected(
+    order: &Order,
+    &((_, width), [ray, group], cell, theme): &WantedSelected,
+    context: &Context,
+) -> Vec<Layer> {
+    let ray = ray.and_then(|ray| order.place_of_ray().get(ray)).map(|&place| place as usize);
+    let Shape::Segments(mut lines) = rays(order, ray.into_iter().map(|place| (place, 0.0))) else {
+        return Vec::new();
+    };
+    let options = context.recording().map(|recording| &recording.dump.manifest().header.options);
+    let corners = cell.zip(options).and_then(|(cell, options)| cell_box(options, cell).ok());
+    lines.extend(corners.into_iter().flat_map(|corners| box_edges(corners, 0.0)));
+    let places = group.map_or(0..0, |group| order.places_of_group(group, width));
+    let found = group.and_then(|group| order.group(group, width));
+    let capsules = found.iter().map(|group| CapsuleInstance::of(&group.capsule, 0.0)).collect();
+    let layer = |shape: Shape, stage, opacity, width| {
+        let plain = Paint::Plain(theme.selected());
+        Layer { width, ..Layer::of(&shape.into(), stage, plain, opacity) }
+    };
+    vec![
+        layer(Shape::Capsules(capsules), Stage::Capsules, 0.16, 0.0),
+        layer(boxes(corners.into_iter().map(|corners| (corners, 0.0))), Stage::Boxes, 0.16, 0.0),
+        layer(rays(order, places.map(|place| (place, 0.0))), Stage::OnTop, 0.5, 1.0),
+        layer(Shape::Segments(lines), Stage::OnTop, 1.0, SELECTED_WIDTH),
+    ]
 }

@@ -1,5 +1,6 @@
 //! A view into space: what it shows, from where, and the frame that comes of it.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::{Deserialize, Serialize};
@@ -7,12 +8,14 @@ use serde::{Deserialize, Serialize};
 use super::layers::{Layers, RayValues};
 use super::meshes::{MeshForm, Meshes};
 use super::options::{MeshMode, Options, Side, StandPoint};
+use super::{controls, input};
 use crate::model::{Absent, Context, Recording};
 use crate::output::count;
 use crate::panels::data::Data;
+use crate::panels::filter_box;
 use crate::render::camera::Camera;
 use crate::render::frame::{Cut, Frame, Layer, Paint, Stage};
-use crate::render::geometry::Geometry;
+use crate::render::gpu::FrameCallback;
 use crate::render::gpu::errors::Refusal;
 use crate::theme::Theme;
 
@@ -33,21 +36,22 @@ impl From<wgpu::TextureFormat> for ViewSetup {
 
 /// A view into space.
 pub struct SpaceView {
-    pub(super) view: u64,
-    pub(super) format: wgpu::TextureFormat,
+    view: u64,
+    format: wgpu::TextureFormat,
     /// What is shown, and how.
     pub options: Options,
-    pub(super) camera: Option<(usize, Camera)>,
-    /// Where the camera goes next, in any recording.
-    placed: Option<Camera>,
+    /// Where it is seen from; from the options' stand point if `None`.
+    pub(crate) camera: Option<Camera>,
+    /// The recording that the camera stands in; any if `None`.
+    stands_in: Option<usize>,
     meshes: Meshes,
     /// Why the last picture lacks surfaces.
-    pub(super) mesh_problem: Option<Absent>,
+    mesh_problem: Option<Absent>,
     pub(super) layers: Layers,
     /// The opening of the recording that was last drawn.
     drawn: Option<u64>,
     /// What the GPU could not draw.
-    pub(super) refusal: Refusal,
+    refusal: Refusal,
 }
 
 /// What sessions keep of a view.
@@ -66,7 +70,7 @@ impl SpaceView {
             format: setup.format,
             options: Options::default(),
             camera: None,
-            placed: None,
+            stands_in: None,
             meshes: setup.meshes.clone(),
             mesh_problem: None,
             layers: Layers::default(),
@@ -76,16 +80,22 @@ impl SpaceView {
     }
 
     /// The camera, that of the options if the recording is another one.
-    pub(super) fn camera(&mut self, at: usize, recording: &Recording) -> Camera {
-        match self.camera {
-            Some((known, camera)) if known == at && self.placed.is_none() => camera,
-            _ => {
-                let placed = self.placed.take();
-                let camera = placed.unwrap_or_else(|| stand(self.options.stand_point, recording));
-                self.camera = Some((at, camera));
-                camera
-            }
-        }
+    pub(super) fn camera_in(&mut self, at: usize, recording: &Recording) -> Camera {
+        let stands_here = self.stands_in.is_none_or(|known| known == at);
+        let camera = self.camera.filter(|_| stands_here);
+        let camera = camera.unwrap_or_else(|| stand(self.options.stand_point, recording));
+        self.place(at, camera);
+        camera
+    }
+
+    /// Puts the camera somewhere in a recording.
+    pub(super) fn place(&mut self, at: usize, camera: Camera) {
+        (self.camera, self.stands_in) = (Some(camera), Some(at));
+    }
+
+    /// Looks from there, in any recording.
+    pub(crate) fn look_from(&mut self, camera: Option<Camera>) {
+        (self.camera, self.stands_in) = (camera, None);
     }
 
     /// What is kept of it.
@@ -95,24 +105,18 @@ impl SpaceView {
 
     /// The same, to be kept with more.
     pub(crate) fn kept(&self) -> SpaceState {
-        let camera = self.placed.or(self.camera.map(|(_, camera)| camera));
-        SpaceState { options: self.options.clone(), camera }
+        SpaceState { options: self.options.clone(), camera: self.camera }
     }
 
     /// Shows what was kept.
     pub(crate) fn set_state(&mut self, state: SpaceState) {
         self.options = state.options;
-        self.placed = state.camera;
-    }
-
-    /// Puts the camera somewhere, in any recording.
-    pub fn place(&mut self, camera: Camera) {
-        self.placed = Some(camera);
+        self.look_from(state.camera);
     }
 
     /// Colours rays by these numbers, or by what the options say.
     pub(crate) fn colour_by(&mut self, values: Option<RayValues>) {
-        self.layers.colour_by(values);
+        self.layers.ray_values = values;
     }
 
     /// The rays shown, with the numbers that they are coloured by.
@@ -136,34 +140,18 @@ impl SpaceView {
         Ok(Data::new(&header, rows))
     }
 
-    /// The surfaces of the selected recording, or their edges.
-    fn mesh(&mut self, context: &Context, form: MeshForm) -> Option<Geometry> {
-        match self.meshes.of(context.recording()?, form, context.waker()) {
-            Ok(mesh) => {
-                self.mesh_problem = None;
-                Some(mesh)
-            }
-            Err(absent) => {
-                self.mesh_problem = Some(absent);
-                None
-            }
-        }
-    }
-
     /// The scene's surfaces, as the options show them.
     fn surfaces(&mut self, theme: Theme, context: &Context) -> Option<Layer> {
+        self.mesh_problem = None;
         let (form, stage, opacity, colour) = match self.options.mesh {
-            MeshMode::Hidden => {
-                self.mesh_problem = None;
-                return None;
-            }
+            MeshMode::Hidden => return None,
             MeshMode::Solid => (MeshForm::Surfaces, Stage::Solid, 1.0, theme.mesh()),
             MeshMode::Ghost => (MeshForm::Surfaces, Stage::Ghost, self.options.ghost_opacity, theme.mesh()),
             MeshMode::Wire => (MeshForm::Edges, Stage::Wire, self.options.ghost_opacity, theme.edges()),
         };
-        let geometry = self.mesh(context, form)?;
-        let (part, paint) = (None, Paint::Plain(colour));
-        Some(Layer { geometry, part, stage, paint, opacity, hidden_opacity: 0.0, width: WIRE_WIDTH })
+        let mesh = self.meshes.of(context.recording()?, form, context.waker());
+        let mesh = mesh.map_err(|absent| self.mesh_problem = Some(absent)).ok()?;
+        Some(Layer { width: WIRE_WIDTH, ..Layer::of(&mesh, stage, Paint::Plain(colour), opacity) })
     }
 
     /// Rays in the last picture, and all rays of the queue.
@@ -171,18 +159,8 @@ impl SpaceView {
         self.layers.counts()
     }
 
-    /// Where the camera stands, if it stands anywhere yet.
-    pub(crate) fn pose(&self) -> Option<(usize, Camera)> {
-        self.camera
-    }
-
-    /// Puts the camera where that of another view stands.
-    pub(crate) fn set_pose(&mut self, pose: Option<(usize, Camera)>) {
-        self.camera = pose;
-    }
-
     /// What is shown of what there is, in words.
-    pub(super) fn showing(&self) -> String {
+    fn showing(&self) -> String {
         let of = |(shown, all): (usize, usize), what| {
             format!("{} of {} {what}", count(shown as u64), count(all as u64))
         };
@@ -190,7 +168,7 @@ impl SpaceView {
             self.layers.counts().filter(|_| self.options.shows_rays()).map(|counts| of(counts, "rays"));
         let capsules = self.layers.capsule_counts().map(|counts| of(counts, "capsules"));
         let cells = self.layers.cells().map(|(_, shown)| format!("{} cells", count(shown as u64)));
-        let passing = self.layers.passing().filter(|_| rays.is_some());
+        let passing = self.layers.passing.filter(|_| rays.is_some());
         let passing = passing.map(|rays| format!("{} pass the filter", count(rays as u64)));
         let parts: Vec<String> = rays.into_iter().chain(passing).chain(capsules).chain(cells).collect();
         if parts.is_empty() {
@@ -200,9 +178,29 @@ impl SpaceView {
         }
     }
 
-    pub(super) fn frame(&mut self, theme: Theme, pixels: [u32; 2], context: &mut Context) -> Option<Frame> {
+    /// The picture alone. Pointer and keys move the camera and choose rays.
+    pub(in crate::panels) fn picture(&mut self, ui: &mut egui::Ui, context: &mut Context, size: egui::Vec2) {
+        let size = size.max(egui::vec2(16.0, 16.0));
+        let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click_and_drag());
+        let scale = ui.ctx().pixels_per_point();
+        let pixels = [rect.width(), rect.height()].map(|side| (side * scale).round().max(1.0) as u32);
+        input::take(ui, &response, self, context);
+        if let Some(frame) = self.frame(Theme::of(ui.ctx()), pixels, context) {
+            let refusal = (self.refusal.clone(), context.waker().clone());
+            let (view, format, frame) = (self.view, self.format, Arc::new(frame));
+            let callback = FrameCallback { view, format, frame, refusal };
+            ui.painter().add(callback.shape(rect));
+        }
+        let filter = filter_box::problem(context).map(|error| Absent::from(format!("filter: {error}")));
+        let refused = self.refusal.reason().map(|reason| Absent::from(format!("not all is drawn: {reason}")));
+        let drawn = [self.layers.problem.as_ref(), self.mesh_problem.as_ref()];
+        let problems = drawn.into_iter().chain([filter.as_ref(), refused.as_ref()]).flatten();
+        controls::overlay(ui, rect, &self.showing(), &problems.collect::<Vec<_>>());
+    }
+
+    fn frame(&mut self, theme: Theme, pixels: [u32; 2], context: &mut Context) -> Option<Frame> {
         let at = context.selection.recording;
-        let camera = self.camera(at, context.recording()?);
+        let camera = self.camera_in(at, context.recording()?);
         let mesh = self.surfaces(theme, context);
         let cut = cut(&self.options, context.recording()?.unit().sides);
         let layers = self.layers.show(theme, &self.options, context);
@@ -210,7 +208,7 @@ impl SpaceView {
         // The first picture of a recording is a whole one: a software GPU takes half a second for millions of
         // triangles, and would take it twice.
         let awaits = |problem: Option<&Absent>| problem == Some(&Absent::Awaited);
-        let is_awaited = awaits(self.mesh_problem.as_ref()) || awaits(self.layers.problem());
+        let is_awaited = awaits(self.mesh_problem.as_ref()) || awaits(self.layers.problem.as_ref());
         if is_awaited && self.drawn != Some(recording.opening) {
             return None;
         }
