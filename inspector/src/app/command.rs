@@ -5,7 +5,6 @@ use std::path::Path;
 use super::App;
 use crate::inputs::quoted;
 use crate::panels::views::View;
-use crate::session::SessionError;
 
 impl App {
     /// Saves what the window shows as a session, and gives the command that draws a panel of it, or all of the
@@ -13,7 +12,7 @@ impl App {
     ///
     /// # Errors
     /// If that file cannot be written.
-    pub fn command(&self, panel: &str, file: &Path, window: &egui::Context) -> Result<String, SessionError> {
+    pub fn command(&self, panel: &str, file: &Path, window: &egui::Context) -> anyhow::Result<String> {
         self.session(window).write(file)?;
         let (scale, size) = (window.pixels_per_point(), window.content_rect().size());
         let size = self.places.get(panel).map_or(size, egui::Rect::size);

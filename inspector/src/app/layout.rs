@@ -54,8 +54,3 @@ pub(super) fn of_all_panels(kept: Option<Tree<Pane>>) -> Option<Tree<Pane>> {
 pub(super) fn bring_forward(tree: &mut Tree<Pane>, panel: &str) {
     tree.make_active(|_, tile| matches!(tile, Tile::Pane(name) if name == panel));
 }
-
-/// Place of a panel in [`PANELS`].
-pub(super) fn place(name: &str) -> Option<usize> {
-    PANELS.iter().position(|entry| entry.name == name)
-}

@@ -4,7 +4,7 @@ use egui::{Button, Ui};
 
 use super::ask::Asking;
 use super::{App, Task, layout};
-use crate::panels::{Entry, PANELS};
+use crate::panels::PANELS;
 use crate::theme::Theme;
 
 impl App {
@@ -94,22 +94,17 @@ impl App {
     }
 
     fn window_menu(&mut self, ui: &mut Ui) {
-        for at in 0..PANELS.len() {
-            self.toggle(ui, at);
+        for panel in PANELS {
+            let Some(tile) = self.tree.tiles.find_pane(&panel.name.to_owned()) else { continue };
+            let mut is_visible = self.tree.is_visible(tile);
+            if ui.checkbox(&mut is_visible, panel.title).on_hover_text(panel.about).clicked() {
+                self.tree.set_visible(tile, is_visible);
+            }
         }
         ui.separator();
         if ui.button("Arrange as at first").clicked() {
             self.tree = layout::at_first();
             ui.close();
-        }
-    }
-
-    fn toggle(&mut self, ui: &mut Ui, at: usize) {
-        let Entry { name, about, .. } = PANELS[at];
-        let Some(tile) = self.tree.tiles.find_pane(&name.to_owned()) else { return };
-        let mut is_visible = self.tree.is_visible(tile);
-        if ui.checkbox(&mut is_visible, self.panels[at].title()).on_hover_text(about).clicked() {
-            self.tree.set_visible(tile, is_visible);
         }
     }
 }

@@ -29,7 +29,7 @@ use self::ask::{Asked, Asking, Prompt};
 use self::demo::Demo;
 use self::layout::Pane;
 use self::screenshot::Screenshot;
-use self::tiles::{PanelTiles, Wish};
+use self::tiles::PanelTiles;
 use crate::model::context::Problem;
 use crate::model::history::History;
 use crate::model::{Context, Selection};
@@ -46,7 +46,12 @@ enum Task {
     Refresh,
     Undo,
     Redo,
+    /// Copies the data of a panel.
+    CopyData(&'static str),
 }
+
+/// A panel of each kind, by their names.
+type Panels = BTreeMap<&'static str, Box<dyn Panel>>;
 
 /// Everything in the window.
 pub struct App {
@@ -56,7 +61,7 @@ pub struct App {
     pub recent: Recent,
     /// A recording of the demo, if there is one.
     pub demo: Demo,
-    panels: Vec<Box<dyn Panel>>,
+    panels: Panels,
     tree: Tree<Pane>,
     history: History,
     task: Option<Task>,
@@ -82,7 +87,7 @@ impl App {
             context,
             recent: Recent::default(),
             demo: Demo::with(demo::find_recorder()),
-            panels: PANELS.iter().map(|entry| (entry.make)(&setup)).collect(),
+            panels: panels(&setup),
             tree: layout::at_first(),
             history: History::default(),
             task: None,
@@ -132,19 +137,15 @@ impl App {
 
     /// All that the window shows; light and dark as the window has it.
     pub fn session(&self, window: &egui::Context) -> Session {
-        let states = PANELS.iter().zip(&self.panels).map(|(entry, panel)| (entry.name, panel.state()));
-        let kept = states.filter(|(_, state)| !state.is_null());
-        Session::of(
-            &self.context,
-            window.options(|options| options.theme_preference).into(),
-            Some(self.tree.clone()),
-            kept.map(|(name, state)| (name.to_owned(), state)).collect(),
-        )
+        let states = self.panels.iter().map(|(name, panel)| ((*name).to_owned(), panel.state()));
+        let kept = states.filter(|(_, state)| !state.is_null()).collect();
+        let theme = window.options(|options| options.theme_preference).into();
+        Session::of(&self.context, theme, Some(self.tree.clone()), kept)
     }
 
     /// A panel by its name.
     pub(crate) fn panel(&mut self, name: &str) -> Option<&mut Box<dyn Panel>> {
-        layout::place(name).and_then(|at| self.panels.get_mut(at))
+        self.panels.get_mut(name)
     }
 
     /// Shows what a session says, but light or dark; what is not there any more is a problem.
@@ -166,7 +167,7 @@ impl App {
 
     /// Shows one panel alone.
     pub(crate) fn show_panel(&mut self, name: &str, ui: &mut egui::Ui) {
-        if let Some(panel) = layout::place(name).and_then(|at| self.panels.get_mut(at)) {
+        if let Some(panel) = self.panels.get_mut(name) {
             panel.show(ui, &mut self.context);
         }
     }
@@ -174,7 +175,7 @@ impl App {
     /// Arranges panels as a session has them.
     fn arrange_as(&mut self, session: &Session) {
         self.history.clear();
-        self.panels = PANELS.iter().map(|entry| (entry.make)(&self.setup)).collect();
+        self.panels = panels(&self.setup);
         self.tree = layout::of_all_panels(session.layout.clone()).unwrap_or_else(layout::at_first);
         for (name, state) in &session.panels {
             let restored = match self.panel(name) {
@@ -237,24 +238,9 @@ impl App {
     }
 
     fn tiles(&mut self, ui: &mut egui::Ui) {
-        let mut wish = None;
         self.places.clear();
-        let mut shown = PanelTiles {
-            panels: &mut self.panels,
-            context: &mut self.context,
-            places: &mut self.places,
-            wish: &mut wish,
-        };
-        self.tree.ui(&mut shown, ui);
-        match wish {
-            None => {}
-            Some((panel, Wish::SavePicture)) => {
-                self.task = Some(Task::Ask(Asking::SavePicture(Some(panel))));
-            }
-            Some((panel, Wish::SaveData)) => self.task = Some(Task::Ask(Asking::SaveData(panel))),
-            Some((panel, Wish::CopyData)) => self.copy_data(panel, ui.ctx()),
-            Some((panel, Wish::ShowCommand)) => self.task = Some(Task::Ask(Asking::SaveCommand(panel))),
-        }
+        let Self { panels, context, places, task, .. } = self;
+        self.tree.ui(&mut PanelTiles { panels, context, places, task }, ui);
     }
 
     fn take_dropped(&mut self, ui: &egui::Ui) {
@@ -285,6 +271,7 @@ impl App {
                 let after = self.history.redo();
                 self.select_again(after);
             }
+            Task::CopyData(panel) => self.copy_data(panel, window),
         }
         window.request_repaint();
     }
@@ -328,6 +315,10 @@ impl App {
         self.prompt = None;
         self.answer(asking, asked, ui.ctx());
     }
+}
+
+fn panels(setup: &ViewSetup) -> Panels {
+    PANELS.iter().map(|panel| (panel.name, (panel.make)(setup))).collect()
 }
 
 #[cfg(test)]

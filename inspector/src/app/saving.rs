@@ -4,7 +4,6 @@ use std::path::Path;
 use std::sync::PoisonError;
 
 use super::App;
-use super::layout::place;
 use super::screenshot::{Slot, write};
 use crate::output::sentence;
 use crate::panels::data::Data;
@@ -38,8 +37,7 @@ impl App {
     }
 
     fn data(&mut self, panel: &'static str) -> Option<Data> {
-        let found = place(panel).and_then(|at| self.panels.get_mut(at))?;
-        match found.data(&mut self.context) {
+        match self.panels.get_mut(panel)?.data(&mut self.context) {
             Ok(data) => Some(data),
             Err(why) => {
                 self.problem(format!("there is no data of panel {panel}"), why);

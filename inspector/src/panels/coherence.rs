@@ -34,10 +34,6 @@ pub(super) struct CoherencePanel {
 }
 
 impl Panel for CoherencePanel {
-    fn title(&self) -> &'static str {
-        "Coherence"
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         let (width, method) = (context.selection.group_width, context.selection.method.clone());
         let known = context.coherences(ui.ctx().cumulative_frame_nr());

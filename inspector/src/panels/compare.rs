@@ -78,10 +78,6 @@ impl Compare {
 }
 
 impl Panel for Compare {
-    fn title(&self) -> &'static str {
-        "Compare"
-    }
-
     fn show(&mut self, ui: &mut Ui, context: &mut Context) {
         if context.recording().is_none() {
             return hint(ui, "no recording is open");

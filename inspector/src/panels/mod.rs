@@ -30,9 +30,11 @@ pub(crate) use self::notes::Lacking;
 pub use self::panel::Panel;
 
 /// A panel in the list of all.
-pub struct Entry {
+pub struct PanelKind {
     /// Name in layouts and on the command line.
     pub name: &'static str,
+    /// Name in the window.
+    pub title: &'static str,
     /// What it shows, in a sentence without its full stop.
     pub about: &'static str,
     /// Makes it for a window.
@@ -40,60 +42,76 @@ pub struct Entry {
 }
 
 /// All panels.
-pub const PANELS: &[Entry] = &[
-    Entry {
+pub const PANELS: &[PanelKind] = &[
+    PanelKind {
         name: "navigator",
+        title: "Navigator",
         about: "which recording, pass, bounce, kind and order is looked at",
         make: |_| Box::new(navigator::Navigator),
     },
-    Entry {
+    PanelKind {
         name: "scene",
+        title: "Scene",
         about: "the scene with rays, the curve of their order, capsules and table cells",
         make: |setup| Box::new(scene::Scene::new(setup)),
     },
-    Entry {
+    PanelKind {
         name: "compare",
+        title: "Compare",
         about: "two orders of the same rays side by side, seen from one place",
         make: |setup| Box::new(compare::Compare::new(setup)),
     },
-    Entry {
+    PanelKind {
         name: "order",
+        title: "Order",
         about: "the image plane coloured by each ray's place in the order",
         make: |_| Box::<order::OrderPanel>::default(),
     },
-    Entry {
+    PanelKind {
         name: "table",
+        title: "Length table",
         about: "the length table as a picture: fill, count and mean length of its cells",
         make: |_| Box::<table::TablePanel>::default(),
     },
-    Entry {
+    PanelKind {
         name: "coherence",
+        title: "Coherence",
         about: "capsule areas of each order's groups",
         make: |_| Box::<coherence::CoherencePanel>::default(),
     },
-    Entry {
+    PanelKind {
         name: "what-if",
+        title: "What if",
         about: "the recorded rays in another order: another method, key bits or layout",
         make: |_| Box::<what_if::WhatIfPanel>::default(),
     },
-    Entry {
+    PanelKind {
         name: "timings",
+        title: "Timings",
         about: "the stages of each method against tracing unsorted rays",
         make: |_| Box::new(timings::TimingsPanel),
     },
-    Entry {
+    PanelKind {
         name: "rays",
+        title: "Rays",
         about: "all rays of the queue in the chosen order",
         make: |_| Box::<rays::RaysPanel>::default(),
     },
-    Entry {
+    PanelKind {
         name: "ray",
+        title: "Ray",
         about: "one ray: its key field by field, its group, its path",
         make: |_| Box::<ray::RayPanel>::default(),
     },
-    Entry {
+    PanelKind {
         name: "problems",
+        title: "Problems",
         about: "what went wrong, and what to do",
         make: |_| Box::new(problems::ProblemsPanel),
     },
 ];
+
+/// The panel of a name; `None` if there is none.
+pub(crate) fn of_name(name: &str) -> Option<&'static PanelKind> {
+    PANELS.iter().find(|panel| panel.name == name)
+}

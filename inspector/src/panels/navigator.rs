@@ -15,10 +15,6 @@ use crate::shown;
 pub(super) struct Navigator;
 
 impl Panel for Navigator {
-    fn title(&self) -> &'static str {
-        "Navigator"
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
             recordings(ui, context);

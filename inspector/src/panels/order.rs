@@ -45,10 +45,6 @@ impl Default for OrderPanel {
 }
 
 impl Panel for OrderPanel {
-    fn title(&self) -> &'static str {
-        "Order"
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         let Some(order) = found(ui, context.order()) else { return };
         ui.horizontal_wrapped(|ui| {

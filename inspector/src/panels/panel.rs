@@ -6,9 +6,6 @@ use crate::model::Context;
 
 /// A part of the window.
 pub trait Panel {
-    /// What it is called.
-    fn title(&self) -> &'static str;
-
     /// Draws it and takes what is done to it.
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context);
 

@@ -8,10 +8,6 @@ use crate::theme::Theme;
 pub(super) struct ProblemsPanel;
 
 impl Panel for ProblemsPanel {
-    fn title(&self) -> &'static str {
-        "Problems"
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         if context.problems.is_empty() {
             ui.label("No problems.");

@@ -26,10 +26,6 @@ pub(super) struct RayPanel {
 }
 
 impl Panel for RayPanel {
-    fn title(&self) -> &'static str {
-        "Ray"
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         let Some(order) = found(ui, context.order()) else { return };
         self.step(ui, context, &order);

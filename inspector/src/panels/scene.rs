@@ -18,10 +18,6 @@ impl Scene {
 }
 
 impl Panel for Scene {
-    fn title(&self) -> &'static str {
-        "Scene"
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         if context.recording().is_none() {
             return hint(ui, "no recording is open");

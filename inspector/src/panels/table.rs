@@ -105,10 +105,6 @@ pub(super) struct TablePanel {
 }
 
 impl Panel for TablePanel {
-    fn title(&self) -> &'static str {
-        "Length table"
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         let Some(queue) = found(ui, context.queue()) else { return };
         let Some(cells) = found(ui, queue.cells.as_deref()) else { return };

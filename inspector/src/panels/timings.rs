@@ -34,10 +34,6 @@ const COLUMNS: [(&str, &str); 3] = [
 ];
 
 impl Panel for TimingsPanel {
-    fn title(&self) -> &'static str {
-        "Timings"
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         let queue = match measured(context) {
             Ok(queue) => queue,

@@ -19,10 +19,6 @@ use crate::theme::Theme;
 pub(super) struct WhatIfPanel;
 
 impl Panel for WhatIfPanel {
-    fn title(&self) -> &'static str {
-        "What if"
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         if found(ui, context.queue()).is_none() {
             return;

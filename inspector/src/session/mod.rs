@@ -5,6 +5,7 @@ pub mod setting;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use anyhow::{anyhow, bail};
 use clap::ValueEnum;
 use formats::files::{read_plain, replace};
 use formats::key::method::UNSORTED;
@@ -117,43 +118,6 @@ impl From<&Selection> for SavedSelection {
     }
 }
 
-/// Why a session cannot be opened or saved.
-#[derive(Debug, thiserror::Error)]
-pub enum SessionError {
-    /// A file that cannot be read.
-    #[error("{} cannot be read: {cause}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        cause: std::io::Error,
-    },
-    /// A file that cannot be written.
-    #[error("{} cannot be written: {cause}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        cause: std::io::Error,
-    },
-    /// A file that is not a session.
-    #[error("{} is not a session of the inspector: {cause}; File > Save session writes one", path.display())]
-    Syntax {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong, with line and column.
-        cause: serde_json::Error,
-    },
-    /// A session of another version.
-    #[error("{} is a session of version {found}; this program reads {OLDEST} to {VERSION}", path.display())]
-    Version {
-        /// The file.
-        path: PathBuf,
-        /// Its version.
-        found: u64,
-    },
-}
-
 impl Session {
     /// What a window shows; panels and layout are given by it.
     pub fn of(
@@ -178,15 +142,17 @@ impl Session {
     ///
     /// # Errors
     /// If there is none in that file, or one of another version.
-    pub fn read(path: &Path) -> Result<Self, SessionError> {
-        let owned = || path.to_owned();
-        let bytes = read_plain(path, LARGEST).map_err(|cause| SessionError::Read { path: owned(), cause })?;
-        let syntax = |cause| SessionError::Syntax { path: owned(), cause };
+    pub fn read(path: &Path) -> anyhow::Result<Self> {
+        let name = path.display();
+        let bytes = read_plain(path, LARGEST).map_err(|cause| anyhow!("{name} cannot be read: {cause}"))?;
+        let syntax = |cause: serde_json::Error| {
+            anyhow!("{name} is not a session of the inspector: {cause}; File > Save session writes one")
+        };
         let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(syntax)?;
         // Another version may differ in anything else, so it is read first.
         match value.get("version").and_then(serde_json::Value::as_u64) {
             Some(found) if !(OLDEST..=VERSION).contains(&found) => {
-                return Err(SessionError::Version { path: owned(), found });
+                bail!("{name} is a session of version {found}; this program reads {OLDEST} to {VERSION}");
             }
             _ => {}
         }
@@ -217,11 +183,10 @@ impl Session {
     ///
     /// # Errors
     /// If that file cannot be written.
-    pub fn write(&self, path: &Path) -> Result<(), SessionError> {
-        let text = serde_json::to_string_pretty(self)
-            .map_err(|cause| SessionError::Syntax { path: path.to_owned(), cause })?;
+    pub fn write(&self, path: &Path) -> anyhow::Result<()> {
+        let text = serde_json::to_string_pretty(self)?;
         replace(path, |file| writeln!(file, "{text}"))
-            .map_err(|cause| SessionError::Write { path: path.to_owned(), cause })
+            .map_err(|cause| anyhow!("{} cannot be written: {cause}", path.display()))
     }
 
     /// With these recordings in place of its own; its own if there are none.

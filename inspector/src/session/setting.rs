@@ -1,5 +1,6 @@
 //! One setting of a session, changed by where it stands in the file: `shot --set`.
 
+use anyhow::{anyhow, bail};
 use serde_json::{Map, Value};
 
 use super::Session;
@@ -8,41 +9,6 @@ use crate::model::filter::nearest;
 /// What of the file can be set; what is left of it says which recordings are open and where panels are.
 const SETTABLE: [&str; 3] = ["selection", "what_if", "panels"];
 
-/// Why a setting cannot be changed.
-#[derive(Debug, thiserror::Error)]
-pub enum SettingError {
-    /// No value is given.
-    #[error("found '{found}', expected PATH=VALUE, such as mesh=wire or rays.descending=true")]
-    NoValue {
-        /// What was given.
-        found: String,
-    },
-    /// No setting has this path.
-    #[error("there is no setting '{path}'; {hint}")]
-    Unknown {
-        /// What was given.
-        path: String,
-        /// Which was meant, or which there are.
-        hint: String,
-    },
-    /// More than one setting has this path.
-    #[error("'{path}' may be {}; name more of it", meant.join(" or "))]
-    Ambiguous {
-        /// What was given.
-        path: String,
-        /// Whole paths.
-        meant: Vec<String>,
-    },
-    /// A value that the setting cannot have.
-    #[error("{path}: {cause}")]
-    Value {
-        /// The whole path.
-        path: String,
-        /// What is wrong with it.
-        cause: serde_json::Error,
-    },
-}
-
 impl Session {
     /// Changes one setting, `PATH=VALUE`. The path is where it stands in the file, as in
     /// `panels.scene.options.mesh`; words before the last one may be left out, as in `scene.mesh`, and in
@@ -50,34 +16,30 @@ impl Session {
     ///
     /// # Errors
     /// If there is no such setting, or more than one. Values of panels are checked when they are shown.
-    pub fn set(&mut self, setting: &str, of: &str) -> Result<(), SettingError> {
-        let (path, text) =
-            setting.split_once('=').ok_or_else(|| SettingError::NoValue { found: setting.to_owned() })?;
-        let value_error = |cause| SettingError::Value { path: path.to_owned(), cause };
-        let mut file = serde_json::to_value(&*self).map_err(value_error)?;
+    pub fn set(&mut self, setting: &str, of: &str) -> anyhow::Result<()> {
+        let Some((path, text)) = setting.split_once('=') else {
+            bail!("found '{setting}', expected PATH=VALUE, such as mesh=wire or rays.descending=true");
+        };
+        let mut file = serde_json::to_value(&*self)?;
         let known: Vec<String> = settings(&file);
-        let mut meant: Vec<&String> = known.iter().filter(|known| names(path, known)).collect();
+        let mut meant: Vec<&str> =
+            known.iter().map(String::as_str).filter(|known| names(path, known)).collect();
         if meant.len() > 1 {
             let own = format!("panels.{of}.");
             let of_panel = meant.iter().copied().filter(|known| known.starts_with(&own) || *known == path);
-            meant = Some(of_panel.collect()).filter(|own: &Vec<&String>| own.len() == 1).unwrap_or(meant);
+            meant = Some(of_panel.collect()).filter(|own: &Vec<&str>| own.len() == 1).unwrap_or(meant);
         }
-        let [found] = meant[..] else {
-            return Err(match meant[..] {
-                [] => SettingError::Unknown { path: path.to_owned(), hint: hint(path, &known, of) },
-                _ => SettingError::Ambiguous {
-                    path: path.to_owned(),
-                    meant: meant.into_iter().cloned().collect(),
-                },
-            });
+        let found = match meant[..] {
+            [found] => found,
+            [] => bail!("there is no setting '{path}'; {}", hint(path, &known, of)),
+            _ => bail!("'{path}' may be {}; name more of it", meant.join(" or ")),
         };
         if let Some(place) = file.pointer_mut(&format!("/{}", found.replace('.', "/"))) {
             let value = serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.to_owned()));
             let is_text = place.is_string() && !value.is_null();
             *place = if is_text { Value::String(text.to_owned()) } else { value };
         }
-        *self = serde_json::from_value(file)
-            .map_err(|cause| SettingError::Value { path: found.clone(), cause })?;
+        *self = serde_json::from_value(file).map_err(|cause| anyhow!("{found}: {cause}"))?;
         Ok(())
     }
 }

@@ -104,10 +104,6 @@ struct Done {
 }
 
 impl Panel for RaysPanel {
-    fn title(&self) -> &'static str {
-        "Rays"
-    }
-
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         let Some(order) = found(ui, context.order()) else { return };
         let Some(numbers) = context.numbers(order.clone()) else { return };
