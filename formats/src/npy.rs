@@ -8,10 +8,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::length_table::LengthCell;
 use crate::ray::{Hit, Ray, Work};
-
-mod literal;
-
-use literal::Literal;
+use crate::text::one_line;
 
 /// Data of every array starts at a multiple of this many bytes.
 pub const DATA_ALIGNMENT: usize = 64;
@@ -19,6 +16,8 @@ pub const DATA_ALIGNMENT: usize = 64;
 pub const HEADER_BYTES_MAX: usize = 4096;
 /// Most dimensions of an array.
 pub const DIMENSIONS_MAX: usize = 4;
+/// Most characters of a header that a message shows.
+const SHOWN: usize = 200;
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 
@@ -70,6 +69,14 @@ impl Dtype {
     /// The type with this description, if a dump can hold it.
     pub fn from_descr(descr: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|dtype| dtype.descr() == descr)
+    }
+
+    /// The description as it stands in a header.
+    fn literal(self) -> String {
+        match self.descr() {
+            list if list.starts_with('[') => list.to_owned(),
+            simple => format!("'{simple}'"),
+        }
     }
 
     /// Size of one element in bytes.
@@ -173,14 +180,14 @@ pub enum NpyError {
     /// The header is longer than any header of a dump.
     #[error("the NPY header says it is {found} bytes long; expected at most {HEADER_BYTES_MAX}")]
     TooLong { found: usize },
-    /// The text is not the Python literal that NumPy writes.
-    #[error("the NPY header is not a literal that NumPy writes: {problem} at character {at}")]
-    Literal { problem: &'static str, at: usize },
+    /// The text is not what NumPy writes.
+    #[error("the NPY header is not a dictionary of plain characters, as NumPy writes it")]
+    Text,
     /// A key is missing, or holds something else than it should.
     #[error("the NPY header's '{key}' is missing or wrong; expected {expected}")]
     Entry { key: &'static str, expected: &'static str },
     /// An element type that dumps do not have.
-    #[error("the element type {found} is none that a recording holds")]
+    #[error("the element type {} is none that a recording holds", one_line(found, SHOWN))]
     Dtype { found: String },
 }
 
@@ -191,12 +198,11 @@ pub fn data_bytes(dtype: Dtype, shape: &[u64]) -> Option<u64> {
 
 /// The header that a dump's array of this type and shape starts with, byte for byte.
 pub fn header(dtype: Dtype, shape: &[u64]) -> Vec<u8> {
-    let descr = match dtype.descr() {
-        list if list.starts_with('[') => list.to_owned(),
-        simple => format!("'{simple}'"),
+    let shape = match shape {
+        [one] => format!("({one},)"),
+        _ => format!("({})", shape.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")),
     };
-    let text =
-        format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {}, }}", Literal::tuple_of(shape));
+    let text = format!("{{'descr': {}, 'fortran_order': False, 'shape': {shape}, }}", dtype.literal());
     let prefix = MAGIC.len() + 4;
     let total = (prefix + text.len() + 1).next_multiple_of(DATA_ALIGNMENT);
     let mut bytes = Vec::with_capacity(total);
@@ -235,34 +241,54 @@ pub fn parse_header(bytes: &[u8]) -> Result<NpyHeader, NpyError> {
         return Err(NpyError::TooLong { found: data_offset });
     }
     let text = bytes.get(start..data_offset).ok_or(truncated(data_offset))?;
-    let literal = Literal::parse(text)?;
-    Ok(NpyHeader { dtype: dtype_of(&literal)?, shape: shape_of(&literal)?, data_offset })
+    let (dtype, shape) = parse_dictionary(text)?;
+    Ok(NpyHeader { dtype, shape, data_offset })
 }
 
-fn dtype_of(header: &Literal) -> Result<Dtype, NpyError> {
-    let descr = match header.entry("descr") {
-        Some(Literal::Text(text)) => text.clone(),
-        Some(list @ Literal::List(_)) => list.to_string(),
-        _ => return Err(NpyError::Entry { key: "descr", expected: "a type string or a list of fields" }),
-    };
-    Dtype::from_descr(&descr).ok_or(NpyError::Dtype { found: descr })
-}
-
-fn shape_of(header: &Literal) -> Result<Vec<u64>, NpyError> {
-    match header.entry("fortran_order") {
-        Some(Literal::Boolean(false)) => {}
-        _ => return Err(NpyError::Entry { key: "fortran_order", expected: "False" }),
+/// Element type and shape of a dictionary. No text in one that a dump can hold has blanks, brackets, commas or
+/// colons, so that it can be cut at these.
+fn parse_dictionary(text: &[u8]) -> Result<(Dtype, Vec<u64>), NpyError> {
+    if !text.iter().all(|byte| byte.is_ascii_graphic() || byte.is_ascii_whitespace()) {
+        return Err(NpyError::Text);
     }
-    let wrong = NpyError::Entry { key: "shape", expected: "a tuple of at most 4 lengths" };
-    let Some(Literal::Tuple(items)) = header.entry("shape") else { return Err(wrong) };
-    if items.len() > DIMENSIONS_MAX {
-        return Err(wrong);
-    }
-    let lengths = items.iter().map(|item| match item {
-        Literal::Number(length) => Ok(*length),
-        _ => Err(wrong.clone()),
+    let text = without_blanks(&String::from_utf8_lossy(text)).replace('"', "'");
+    let items = text.strip_prefix('{').and_then(|text| text.strip_suffix('}')).ok_or(NpyError::Text)?;
+    let mut depth = 0;
+    let items = items.split(|character| {
+        depth += i32::from(matches!(character, '(' | '[')) - i32::from(matches!(character, ')' | ']'));
+        character == ',' && depth == 0
     });
-    lengths.collect()
+    let entries: Vec<(&str, &str)> = items.filter_map(|item| item.split_once(':')).collect();
+    let entry = |key: &'static str, expected| {
+        let mut found = entries.iter().filter(|(name, _)| name.trim_matches('\'') == key);
+        match (found.next(), found.next()) {
+            (Some((_, value)), None) => Ok(*value),
+            _ => Err(NpyError::Entry { key, expected }),
+        }
+    };
+    let descr = entry("descr", "a type string or a list of fields")?;
+    let dtype = Dtype::ALL.into_iter().find(|dtype| without_blanks(&dtype.literal()) == descr);
+    let dtype = dtype.ok_or_else(|| NpyError::Dtype { found: descr.trim_matches('\'').to_owned() })?;
+    let expected = "False";
+    if entry("fortran_order", expected)? != expected {
+        return Err(NpyError::Entry { key: "fortran_order", expected });
+    }
+    let expected = "a tuple of at most 4 lengths";
+    let shape = parse_shape(entry("shape", expected)?);
+    Ok((dtype, shape.ok_or(NpyError::Entry { key: "shape", expected })?))
+}
+
+fn without_blanks(text: &str) -> String {
+    text.replace(|character: char| character.is_ascii_whitespace(), "")
+}
+
+/// The lengths in a tuple such as `(3,)`.
+fn parse_shape(tuple: &str) -> Option<Vec<u64>> {
+    let lengths = tuple.strip_prefix('(')?.strip_suffix(')')?;
+    let lengths = lengths.strip_suffix(',').unwrap_or(lengths);
+    let lengths = lengths.split(',').filter(|_| !lengths.is_empty());
+    let shape: Vec<u64> = lengths.map(|length| length.parse().ok()).collect::<Option<_>>()?;
+    (shape.len() <= DIMENSIONS_MAX).then_some(shape)
 }
 
 #[cfg(test)]
@@ -334,7 +360,7 @@ mod tests {
             bytes.extend_from_slice(text.as_bytes());
             bytes
         };
-        let cases: [(Vec<u8>, &str); 10] = [
+        let cases: [(Vec<u8>, &str); 14] = [
             (b"NUMPY".to_vec(), "magic"),
             (b"\x93NUMPY\x07\x00".to_vec(), "version 7.0"),
             (b"\x93NUMPY\x01\x00\x76".to_vec(), "only 9"),
@@ -342,7 +368,11 @@ mod tests {
             (b"\x93NUMPY\x02\x00\xff\xff\xff\xff".to_vec(), "4294967307 bytes long"),
             (wrap("{'descr': '<f4', 'fortran_order': True, 'shape': (3,)}"), "fortran_order"),
             (wrap("{'descr': '>f4', 'fortran_order': False, 'shape': (3,)}"), "type >f4"),
-            (wrap("{'descr': '<f4', 'fortran_order': False, 'shape': (-3,)}"), "literal"),
+            (wrap("{'descr': '<f4', 'fortran_order': False, 'shape': (-3,)}"), "'shape'"),
+            (wrap("{'shape': (3,), 'fortran_order': False, 'shape': (3,)}"), "'descr'"),
+            (wrap("{'descr': '<f4', 'fortran_order': False, 'shape': (3,), 'shape': (3,)}"), "'shape'"),
+            (wrap("('descr': '<f4', 'fortran_order': False, 'shape': (3,))"), "not a dictionary"),
+            (wrap("{'descr': '\u{1b}[2J', 'fortran_order': False, 'shape': (3,)}"), "plain characters"),
             (wrap("{'descr': '<f4', 'fortran_order': False, 'shape': 3}"), "'shape'"),
             (wrap("{'descr': '<f4', 'fortran_order': False, 'shape': (1,1,1,1,1)}"), "'shape'"),
         ];

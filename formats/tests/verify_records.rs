@@ -6,6 +6,7 @@ mod sample;
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 use formats::key::{LightSite, Termination};
 use formats::manifest::scan::scan;
@@ -446,10 +447,10 @@ fn a_time_is_told_once() {
     );
 }
 
-/// As many methods as a manifest may list, each with a time of one queue.
+/// What is looked up for each of many times is not searched for: opening looks at each record once, too.
 #[test]
-fn many_methods_take_seconds() {
-    const COUNT: usize = 60_000;
+fn many_methods_are_verified_as_fast_as_read() {
+    const COUNT: usize = 100_000;
     let folder = sample::folder_in_memory();
     let dump = sample::write(folder.path());
     let manifest = dump.join("manifest.bin");
@@ -458,20 +459,25 @@ fn many_methods_take_seconds() {
         |of: fn(&Record) -> bool| frames.iter().find(|frame| of(&frame.record)).unwrap().record.clone();
     let Record::Method(method) = part(|record| matches!(record, Record::Method(_))) else { unreachable!() };
     let Record::Timing(timing) = part(|record| matches!(record, Record::Timing(_))) else { unreachable!() };
-    let names: Vec<String> = (0..COUNT).map(|number| format!("a-method-of-many-{number}")).collect();
+    let names: Vec<String> = (0..COUNT).map(|number| format!("{number:0>100}")).collect();
     let many = names.iter().flat_map(|name| {
         let method = MethodRecord { name: name.clone(), ..method.clone() };
         let timing = TimingRecord { method: name.clone(), stage: Stage::Sort, ..timing.clone() };
         [Record::Method(method), Record::Timing(timing)]
     });
     let mut records: Vec<Record> = frames.iter().map(|frame| frame.record.clone()).collect();
-    records.iter_mut().filter_map(queue).for_each(|queue| queue.methods.extend(names.clone()));
+    let id = QueueId { pass: timing.pass, bounce: timing.bounce, kind: timing.kind.unwrap() };
+    let of_time = records.iter_mut().filter_map(queue).find(|queue| queue.id == id);
+    of_time.unwrap().methods.extend(names.clone());
     let end = records.pop();
     let records = records.into_iter().chain(many).chain(end);
     let bytes: Vec<u8> = records.flat_map(|record| encode_frame(&record).unwrap()).collect();
     fs::write(&manifest, [&preamble()[..], &bytes].concat()).unwrap();
+    let start = Instant::now();
     let opened = Dump::open(&dump).unwrap();
-    let start = std::time::Instant::now();
+    let opening = start.elapsed();
     assert!(!problems(&verify(&opened)).is_empty());
-    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+    let verifying = start.elapsed() - opening;
+    eprintln!("opened in {opening:?}, verified in {verifying:?}");
+    assert!(verifying < 10 * opening, "opened in {opening:?}, verified in {verifying:?}");
 }
