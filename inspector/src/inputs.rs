@@ -6,7 +6,7 @@ use formats::bench_result::BenchResult;
 use formats::reader::Dump;
 
 use crate::analysis::{Analysis, Depth, Options, analyse};
-use crate::figures::catalogue::{CATALOGUE, Material};
+use crate::figures::catalogue::{CATALOGUE, Findings};
 use crate::figures::model::Figure;
 
 /// Recordings and benchmark results, in the order in which they were named.
@@ -36,12 +36,12 @@ impl Inputs {
 
     /// Every figure that they have the numbers for, those of `names` alone if there are any.
     pub(crate) fn figures(&self, analysis: &Analysis, names: &[String]) -> anyhow::Result<Figures> {
-        let material = Material { analysis, benches: &self.benches };
+        let findings = Findings { analysis, benches: &self.benches };
         let mut made = Figures::default();
         for entry in
             CATALOGUE.iter().filter(|entry| names.is_empty() || names.iter().any(|name| name == entry.name))
         {
-            match (entry.make)(&material) {
+            match entry.make(&findings) {
                 Ok(figure) => made.figures.push(figure),
                 Err(skipped) if names.is_empty() => {
                     made.skipped.push((entry.name.to_owned(), skipped.reason))

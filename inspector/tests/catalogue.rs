@@ -14,8 +14,8 @@ use formats::metrics::speedup::median;
 use formats::ray::Kind;
 use formats::reader::Dump;
 use inspector::analysis::{Analysis, Depth, Options, analyse};
-use inspector::figures::catalogue::{CATALOGUE, Material, Skipped, make_all};
-use inspector::figures::model::{Content, Figure, Panel, Scale, Series};
+use inspector::figures::catalogue::{CATALOGUE, Findings, Made};
+use inspector::figures::model::{Content, Panel, Scale, Series};
 
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
@@ -156,8 +156,8 @@ fn error_rows() -> ErrorRows {
 fn curves_of_run_time_against_error_show_what_was_measured() {
     let analysis = Analysis { group_width: 64, recordings: vec![], summaries: vec![], correlations: vec![] };
     let benches = benches();
-    let material = Material { analysis: &analysis, benches: &benches };
-    let panel = |name: &str, at: usize| figure(&material, name).unwrap().panels.swap_remove(at);
+    let findings = Findings { analysis: &analysis, benches: &benches };
+    let panel = |name: &str, at: usize| figure(&findings, name).unwrap().panels.swap_remove(at);
     let place = |panel: &Panel, label: &str| -> Vec<(f64, f64)> {
         let found = series(panel).iter().find(|series| series.label == label).unwrap();
         found.points.iter().map(|point| (point.x, point.y)).collect()
@@ -181,28 +181,23 @@ fn curves_of_run_time_against_error_show_what_was_measured() {
 }
 
 /// The figure, or why not.
-fn figure(material: &Material<'_>, name: &str) -> Result<Figure, Skipped> {
+fn figure(findings: &Findings<'_>, name: &str) -> Made {
     let entry = CATALOGUE.iter().find(|entry| entry.name == name).unwrap();
-    (entry.make)(material)
+    entry.make(findings)
 }
 
 fn series(panel: &Panel) -> &[Series] {
-    match &panel.content {
-        Content::Lines(series)
-        | Content::Scatter(series)
-        | Content::Bars(series)
-        | Content::Stacks(series) => series,
-        Content::Picture(_) => &[],
-    }
+    panel.content.series()
 }
 
 #[test]
 fn every_figure_is_made_and_sound() {
     let folder = tempfile::tempdir().unwrap();
     let analysis = analysis(folder.path(), Depth::Arrays);
-    let material = Material { analysis: &analysis, benches: &benches() };
+    let findings = Findings { analysis: &analysis, benches: &benches() };
     let mut styles: BTreeMap<String, usize> = BTreeMap::new();
-    for (entry, made) in make_all(&material) {
+    for entry in CATALOGUE {
+        let made = entry.make(&findings);
         // The sample has no variants of one method, so there is nothing to sweep over.
         if ["key-bits", "two-point-length"].contains(&entry.name) {
             assert!(made.unwrap_err().reason.contains("two or more values"), "{}", entry.name);
@@ -245,8 +240,8 @@ fn every_figure_is_made_and_sound() {
 fn a_stack_is_as_high_as_the_total_and_its_line_the_unsorted_trace() {
     let folder = tempfile::tempdir().unwrap();
     let analysis = analysis(folder.path(), Depth::Manifest);
-    let material = Material { analysis: &analysis, benches: &[] };
-    let figure = figure(&material, "overhead").unwrap();
+    let findings = Findings { analysis: &analysis, benches: &[] };
+    let figure = figure(&findings, "overhead").unwrap();
     let shadow = figure.panels.iter().find(|panel| panel.title.contains("shadow")).unwrap();
     let Scale::Categories(methods) = &shadow.x.scale else { panic!("methods") };
     let queues = || analysis.recordings[0].measured().filter(|queue| queue.kind == Kind::Shadow);
@@ -284,13 +279,13 @@ fn variants_of_a_base_make_a_sweep() {
             order.two_point_length = None;
         }
     }
-    let material = Material { analysis: &analysis, benches: &[] };
-    let figure = figure(&material, "key-bits").unwrap();
+    let findings = Findings { analysis: &analysis, benches: &[] };
+    let figure = figure(&findings, "key-bits").unwrap();
     assert_eq!(figure.panels.len(), 4);
     let [line] = series(&figure.panels[0]) else { panic!("one line") };
     assert_eq!(line.label, "aila");
     assert_eq!(line.points.iter().map(|point| point.x).collect::<Vec<_>>(), [16.0, 32.0]);
-    let speedups = self::figure(&material, "trace-speedup").unwrap();
+    let speedups = self::figure(&findings, "trace-speedup").unwrap();
     let labels: Vec<&str> = series(&speedups.panels[0]).iter().map(|series| series.label.as_str()).collect();
     assert!(
         labels.contains(&"aila") && !labels.contains(&"mine"),
@@ -305,9 +300,9 @@ fn replays_do_not_repeat_what_their_source_shows() {
     let folder = tempfile::tempdir().unwrap();
     let mut analysis = analysis(folder.path(), Depth::Arrays);
     let panels = |analysis: &Analysis| {
-        let material = Material { analysis, benches: &[] };
+        let findings = Findings { analysis, benches: &[] };
         ["overhead", "lane-utilisation", "table-fill", "pixel-cost"]
-            .map(|name| figure(&material, name).unwrap().panels.len())
+            .map(|name| figure(&findings, name).unwrap().panels.len())
     };
     let alone = panels(&analysis);
     let mut replay = analysis.recordings[0].clone();
@@ -327,7 +322,7 @@ fn replays_do_not_repeat_what_their_source_shows() {
 fn what_recordings_cannot_give_is_skipped_with_a_reason() {
     let folder = tempfile::tempdir().unwrap();
     let analysis = analysis(folder.path(), Depth::Manifest);
-    let material = Material { analysis: &analysis, benches: &[] };
+    let findings = Findings { analysis: &analysis, benches: &[] };
     for (name, part) in [
         ("capsule-area", "not read"),
         ("lane-utilisation", "not read"),
@@ -338,7 +333,7 @@ fn what_recordings_cannot_give_is_skipped_with_a_reason() {
         ("image-error", "bench error"),
         ("skipped", "bench skip"),
     ] {
-        let skipped = figure(&material, name).unwrap_err();
+        let skipped = figure(&findings, name).unwrap_err();
         assert!(skipped.reason.contains(part), "{name}: {skipped}");
     }
 }

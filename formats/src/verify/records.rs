@@ -1,12 +1,13 @@
 //! Records of queues, timings and caches: of what was recorded, and with numbers that can be.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Check, Subject};
-use crate::key::method::UNSORTED;
+use crate::key::method::{CONTROL, UNSORTED, WITHOUT_KEY};
 use crate::manifest::{
-    CacheRecord, NAME_CHARACTERS, Options, Place, QueueId, QueueRecord, Stage, TimingRecord,
+    CacheRecord, DisturbedRecord, NAME_CHARACTERS, Options, Place, QueueId, QueueRecord, Stage, TimingRecord,
 };
+use crate::ray::Kind;
 use crate::reader::DumpState;
 use crate::text::one_line;
 
@@ -44,6 +45,20 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
             format!("time of {} by {} in pass {pass}, bounce {bounce}", stage.name(), short(method))
         });
     }
+    let timed: BTreeMap<_, _> = manifest.timings.iter().map(|timing| (about(timing), timing.samples_ns.len())).collect();
+    for disturbed in &manifest.disturbed {
+        let &DisturbedRecord { pass, bounce, kind, stage, ref method, ref samples } = disturbed;
+        let count = timed.get(&(pass, bounce, Some(kind), stage, method.as_str()));
+        let last = samples.last().map_or(0, |&last| last as usize);
+        check.require(count.is_some_and(|&count| last < count), || {
+            let found = count.map_or("no such time".to_owned(), |count| format!("a time of {count} samples"));
+            let queue = QueueId { pass, bounce, kind };
+            format!("disturbed samples of {} by {} in {queue}: there is {found}", stage.name(), short(method))
+        });
+    }
+    for way in &manifest.ways {
+        check.find(subject.unknown_method(&way.method), || "the ways of methods".to_owned());
+    }
     for cache in &manifest.caches {
         let &CacheRecord { pass, bounce, kind, ref method, .. } = cache;
         check.find(subject.cache_problem(cache), || {
@@ -51,6 +66,11 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
         });
     }
     check
+}
+
+/// What a timing is about.
+fn about(timing: &TimingRecord) -> (u32, u32, Option<Kind>, Stage, &str) {
+    (timing.pass, timing.bounce, timing.kind, timing.stage, &timing.method)
 }
 
 impl Subject<'_> {
@@ -72,7 +92,7 @@ impl Subject<'_> {
     }
 
     fn unknown_method(&self, method: &str) -> Option<String> {
-        let is_unknown = method != UNSORTED && !self.methods.contains_key(method);
+        let is_unknown = !WITHOUT_KEY.contains(&method) && !self.methods.contains_key(method);
         is_unknown.then(|| format!("there is no record of method {}", one_line(method, NAME_CHARACTERS)))
     }
 
@@ -88,7 +108,9 @@ impl Subject<'_> {
     /// That a queue's record does not name the method, if so.
     fn unmeasured(&self, queue: QueueId, method: &str) -> Option<String> {
         let found = self.queues.get(&queue).filter(|found| found.record.is_some());
-        let is_missing = found.is_some_and(|found| !found.measured.contains(method));
+        // The control is measured wherever a method is, and leaves nothing but times.
+        let name = if method == CONTROL { UNSORTED } else { method };
+        let is_missing = found.is_some_and(|found| !found.measured.contains(name));
         is_missing
             .then(|| format!("the record of {queue} does not name {}", one_line(method, NAME_CHARACTERS)))
     }
@@ -130,6 +152,8 @@ impl Subject<'_> {
             Some(format!("it has {found} kind of queue, expected {expected}"))
         } else if method == UNSORTED && is_of_a_queue && stage != Stage::Trace {
             Some("unsorted rays are traced, and nothing else".to_owned())
+        } else if method == CONTROL && !matches!(stage, Stage::Gather | Stage::Trace | Stage::Scatter) {
+            Some("the control is gathered, traced and scattered, and nothing else".to_owned())
         } else if samples_ns.len() != expected as usize {
             Some(format!("it has {} samples, expected {expected}", samples_ns.len()))
         } else {

@@ -6,7 +6,8 @@ use formats::ray::Kind;
 use serde::Serialize;
 
 use super::summary::distinct;
-use super::{Metric, RecordingAnalysis};
+use super::timing::Time;
+use super::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 
 /// Why there is no coefficient.
 const TOO_FEW: &str = "it takes three orders or more with different capsule areas and trace times";
@@ -23,64 +24,52 @@ pub struct CorrelationLine {
 }
 
 /// One order as a point: how large its capsules are, how long its trace takes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct AreaAndTime<'a> {
     /// Label of the recording.
     pub recording: &'a str,
-    /// Bounce of the queue.
-    pub bounce: u32,
-    /// Kind of its rays.
-    pub kind: Kind,
+    /// The queue.
+    pub queue: &'a QueueAnalysis,
     /// The order.
-    pub method: &'a str,
-    /// The method that it is a variant of; itself if it is none.
-    pub base: &'a str,
+    pub order: &'a OrderAnalysis,
     /// Mean capsule area in unit space.
     pub mean_capsule_area: f64,
-    /// Trace time of a ray: median and quartiles.
-    pub ns_per_ray: f64,
-    /// First and third quartile of it.
-    pub quartiles_ns_per_ray: (f64, f64),
-    /// Samples behind it.
-    pub n: usize,
+    /// How long the trace took.
+    pub trace: &'a Time,
+}
+
+impl<'a> AreaAndTime<'a> {
+    fn of(
+        recording: &'a RecordingAnalysis,
+        queue: &'a QueueAnalysis,
+        order: &'a OrderAnalysis,
+    ) -> Option<Self> {
+        let mean_capsule_area = order.coherence.known()?.mean_capsule_area;
+        let trace = &order.stage(Stage::Trace)?.time;
+        Some(Self { recording: &recording.label, queue, order, mean_capsule_area, trace })
+    }
+
+    /// Median trace time of a ray.
+    pub fn ns_per_ray(&self) -> f64 {
+        self.trace.median_ns / self.queue.rays as f64
+    }
 }
 
 /// Every order of a recording whose capsules and trace time are known, `unsorted` included.
 pub fn points(recording: &RecordingAnalysis) -> Vec<AreaAndTime<'_>> {
-    let orders = recording.measured().flat_map(|queue| queue.orders.iter().map(move |order| (queue, order)));
-    let point = |(queue, order): (&super::QueueAnalysis, &'_ super::OrderAnalysis)| {
-        let trace = &order.stages.iter().find(|stage| stage.stage == Stage::Trace)?.time;
-        let rays = queue.rays as f64;
-        let area = order.coherence.known()?.mean_capsule_area;
-        let (low, high) = trace.quartiles_ns;
-        Some((area, trace.median_ns / rays, (low / rays, high / rays), trace.samples_ns.len()))
-    };
-    orders
-        .filter_map(|(queue, order)| {
-            let (mean_capsule_area, ns_per_ray, quartiles_ns_per_ray, n) = point((queue, order))?;
-            let (recording, method) = (recording.label.as_str(), order.method.as_str());
-            let (bounce, kind) = (queue.bounce, queue.kind);
-            Some(AreaAndTime {
-                recording,
-                bounce,
-                kind,
-                method,
-                base: &order.base,
-                mean_capsule_area,
-                ns_per_ray,
-                quartiles_ns_per_ray,
-                n,
-            })
-        })
-        .collect()
+    let mut points = Vec::new();
+    for queue in recording.measured() {
+        points.extend(queue.orders.iter().filter_map(|order| AreaAndTime::of(recording, queue, order)));
+    }
+    points
 }
 
 /// The correlation of some orders, those of one kind or all.
 pub fn correlation(points: &[AreaAndTime<'_>], kind: Option<Kind>) -> Metric<Correlation> {
     let pairs: Vec<(f64, f64)> = points
         .iter()
-        .filter(|point| kind.is_none_or(|kind| point.kind == kind))
-        .map(|point| (point.mean_capsule_area, point.ns_per_ray))
+        .filter(|point| kind.is_none_or(|kind| point.queue.kind == kind))
+        .map(|point| (point.mean_capsule_area, point.ns_per_ray()))
         .collect();
     Correlation::of(&pairs).ok_or(TOO_FEW).into()
 }

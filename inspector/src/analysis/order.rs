@@ -44,6 +44,13 @@ pub struct OrderAnalysis {
     pub lanes: Metric<Vec<LaneUtilisation>>,
 }
 
+impl OrderAnalysis {
+    /// A stage, if it was timed.
+    pub fn stage(&self, stage: Stage) -> Option<&StageTime> {
+        self.stages.iter().find(|found| found.stage == stage)
+    }
+}
+
 /// Hit ratios of the cache model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CacheHits {

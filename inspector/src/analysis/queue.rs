@@ -45,8 +45,8 @@ impl QueueAnalysis {
         Self { pass, bounce, kind, rays: record.rays, table, estimators, orders }
     }
 
-    /// The canonical order, if it was measured.
-    pub fn unsorted(&self) -> Option<&OrderAnalysis> {
-        self.orders.iter().find(|order| order.method == UNSORTED)
+    /// A method's order, if it was measured.
+    pub fn order(&self, method: &str) -> Option<&OrderAnalysis> {
+        self.orders.iter().find(|order| order.method == method)
     }
 }

@@ -113,40 +113,33 @@ pub fn summaries(recordings: &[RecordingAnalysis]) -> Vec<MethodSummary> {
 }
 
 fn summary(configuration: &str, rays: Rays, method: &str, queues: &[&QueueAnalysis]) -> MethodSummary {
-    let of_queue = |queue: &&&QueueAnalysis| queue.orders.iter().any(|order| order.method == method);
-    let with_method: Vec<&&QueueAnalysis> = queues.iter().filter(of_queue).collect();
-    let orders = || with_method.iter().flat_map(|queue| &queue.orders).filter(|order| order.method == method);
+    let measured = || queues.iter().filter_map(|queue| Some((queue, queue.order(method)?)));
     let speedup = |of: fn(&OrderAnalysis) -> &Metric<SpeedupLine>| {
-        let mean = MeanSpeedup::of(orders().filter_map(|order| of(order).known()));
-        let reason =
-            || orders().find_map(|order| of(order).reason()).unwrap_or("it was not timed").to_owned();
-        Metric::from(mean.ok_or_else(reason))
+        let mean = MeanSpeedup::of(measured().filter_map(|(_, order)| of(order).known()));
+        let reason = measured().find_map(|(_, order)| of(order).reason());
+        mean.ok_or(reason.unwrap_or("it was not timed")).into()
     };
-    let area = |order: &OrderAnalysis| order.coherence.known().map(|coherence| coherence.mean_capsule_area);
-    let area_ratio = |queue: &&&QueueAnalysis| {
-        let own = queue.orders.iter().find(|order| order.method == method)?;
-        Some(area(own)? / area(queue.unsorted()?)?)
+    let area = |order: &OrderAnalysis| Some(order.coherence.known()?.mean_capsule_area);
+    let area_ratio = |(queue, order): (&&QueueAnalysis, &OrderAnalysis)| {
+        Some(area(order)? / area(queue.order(UNSORTED)?)?)
     };
-    let no_area = || {
-        let own = orders().find_map(|order| order.coherence.reason());
-        own.unwrap_or("the capsules of unsorted rays are not known").to_owned()
-    };
+    let no_area = measured().find_map(|(_, order)| order.coherence.reason());
     MethodSummary {
         configuration: configuration.to_owned(),
         rays,
         method: method.to_owned(),
-        queues: with_method.len(),
+        queues: measured().count(),
         trace_speedup: speedup(|order| &order.trace_speedup),
         net_speedup: speedup(|order| &order.net_speedup),
-        capsule_area_ratio: geometric_mean(with_method.iter().filter_map(area_ratio))
-            .ok_or_else(no_area)
+        capsule_area_ratio: geometric_mean(measured().filter_map(area_ratio))
+            .ok_or(no_area.unwrap_or("the capsules of unsorted rays are not known"))
             .into(),
     }
 }
 
 /// Each name once, in the order in which they first come up.
-pub fn distinct<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut found: Vec<&str> = Vec::new();
+pub fn distinct<T: PartialEq>(names: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut found = Vec::new();
     for name in names {
         if !found.contains(&name) {
             found.push(name);

@@ -30,6 +30,19 @@ pub struct Panel {
     pub references: Vec<Reference>,
 }
 
+impl Panel {
+    /// Without lines across.
+    pub fn new(title: impl Into<String>, x: Axis, y: Axis, content: Content) -> Self {
+        Self { title: title.into(), x, y, content, references: Vec::new() }
+    }
+
+    /// With a line across all of it.
+    pub fn with_reference(mut self, label: &str, y: f64) -> Self {
+        self.references.push(Reference { label: label.to_owned(), y, span: None });
+        self
+    }
+}
+
 /// An axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
@@ -37,6 +50,40 @@ pub struct Axis {
     pub label: String,
     /// How numbers become places.
     pub scale: Scale,
+}
+
+impl Axis {
+    fn new(label: &str, scale: Scale) -> Self {
+        Self { label: label.to_owned(), scale }
+    }
+
+    /// Of numbers, near 0 or not.
+    pub fn linear(label: &str) -> Self {
+        Self::new(label, Scale::Linear { from_zero: false })
+    }
+
+    /// Of numbers, with 0.
+    pub fn from_zero(label: &str) -> Self {
+        Self::new(label, Scale::Linear { from_zero: true })
+    }
+
+    /// By powers of `base`.
+    pub fn logarithmic(label: &str, base: u32) -> Self {
+        Self::new(label, Scale::Logarithmic { base })
+    }
+
+    /// Of numbers, marked where they were measured.
+    pub fn marked(label: &str, numbers: impl IntoIterator<Item = f64>) -> Self {
+        let mut numbers: Vec<f64> = numbers.into_iter().collect();
+        numbers.sort_by(f64::total_cmp);
+        numbers.dedup();
+        Self::new(label, Scale::Marked(numbers))
+    }
+
+    /// Of names.
+    pub fn categories(label: &str, names: impl IntoIterator<Item = impl Into<String>>) -> Self {
+        Self::new(label, Scale::Categories(names.into_iter().map(Into::into).collect()))
+    }
 }
 
 /// How numbers become places on an axis.

@@ -1,84 +1,113 @@
-//! What the figures share: axes, styles, settings, and the rule that nothing empty is drawn.
+//! What the figures share: series by method, settings, and the rule that nothing empty is drawn.
 
 use formats::bench_result::BenchResult;
 use formats::key::method::{BUILTIN, UNSORTED};
-use formats::ray::Kind;
+use formats::metrics::speedup::{median, quantile};
 
-use super::{Material, Skipped};
-use crate::analysis::summary::{Rays, distinct};
+use super::{Findings, Made, Skipped};
+use crate::analysis::summary::{MeanSpeedup, Rays, distinct};
+use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
-use crate::figures::model::{Axis, Content, Figure, Panel, Point, Scale, Series};
+use crate::figures::model::{Content, Figure, Panel, Point, Series};
 
-/// An axis of numbers; `from_zero` as in [`Scale::Linear`].
-pub fn linear(label: &str, from_zero: bool) -> Axis {
-    Axis { label: label.to_owned(), scale: Scale::Linear { from_zero } }
-}
-
-/// An axis by powers of `base`.
-pub fn logarithmic(label: &str, base: u32) -> Axis {
-    Axis { label: label.to_owned(), scale: Scale::Logarithmic { base } }
-}
-
-/// An axis of numbers that is marked where they were measured.
-pub fn marked(label: &str, numbers: impl IntoIterator<Item = f64>) -> Axis {
-    let mut numbers: Vec<f64> = numbers.into_iter().collect();
-    numbers.sort_by(f64::total_cmp);
-    numbers.dedup();
-    Axis { label: label.to_owned(), scale: Scale::Marked(numbers) }
-}
-
-/// An axis of names.
-pub fn categories(label: &str, names: impl IntoIterator<Item = impl Into<String>>) -> Axis {
-    let names = names.into_iter().map(Into::into).collect();
-    Axis { label: label.to_owned(), scale: Scale::Categories(names) }
-}
-
-/// A figure of these panels, without what is empty.
+/// A figure of these panels, without what is empty. Its name is that in the catalogue.
 ///
 /// # Errors
 /// If nothing is left: with `reason`.
-pub fn figure(parts: Figure, reason: impl Into<String>) -> Result<Figure, Skipped> {
-    let panels: Vec<Panel> = parts.panels.into_iter().filter_map(without_empty).collect();
-    if panels.is_empty() { Err(Skipped::because(reason)) } else { Ok(Figure { panels, ..parts }) }
+pub fn figure(
+    title: impl Into<String>,
+    caption: impl Into<String>,
+    settings: Vec<String>,
+    panels: impl IntoIterator<Item = Panel>,
+    reason: impl Into<String>,
+) -> Made {
+    let panels: Vec<Panel> = panels.into_iter().filter_map(without_empty).collect();
+    if panels.is_empty() {
+        return Err(Skipped { reason: reason.into() });
+    }
+    Ok(Figure { name: String::new(), title: title.into(), caption: caption.into(), settings, panels })
 }
 
-fn without_empty(panel: Panel) -> Option<Panel> {
-    let kept = |series: Vec<Series>| {
-        let series: Vec<Series> = series
-            .into_iter()
-            .filter(|series| series.points.iter().any(|point| point.y.is_finite()))
-            .collect();
-        (!series.is_empty()).then_some(series)
+fn without_empty(mut panel: Panel) -> Option<Panel> {
+    match &mut panel.content {
+        Content::Lines(all) | Content::Scatter(all) | Content::Bars(all) | Content::Stacks(all) => {
+            all.retain(|series| series.points.iter().any(|point| point.y.is_finite()));
+            (!all.is_empty()).then_some(panel)
+        }
+        Content::Picture(_) => Some(panel),
+    }
+}
+
+/// A panel for each of `kinds` of each recording.
+pub fn each<'a, K: Copy>(
+    kinds: impl IntoIterator<Item = K>,
+    recordings: &[&'a RecordingAnalysis],
+    panel: impl Fn(&'a RecordingAnalysis, K) -> Panel,
+) -> Vec<Panel> {
+    let of_kind = |kind| recordings.iter().map(move |recording| (*recording, kind));
+    kinds.into_iter().flat_map(of_kind).map(|(recording, kind)| panel(recording, kind)).collect()
+}
+
+/// The series of each method of [`methods`].
+pub fn by_method(findings: &Findings<'_>, points: impl Fn(&str) -> Vec<Point>) -> Vec<Series> {
+    let of = |method| of_method(findings, method, points(method));
+    methods(findings).into_iter().map(of).collect()
+}
+
+/// The series of each label that some rows have, in the order in which they come up.
+pub fn by_label<'a, T>(
+    rows: &[&'a T],
+    label: impl Fn(&'a T) -> &'a str,
+    style: impl Fn(&str) -> usize,
+    point: impl Fn(&'a T) -> Option<Point>,
+) -> Vec<Series> {
+    let of = |name: &str| {
+        let own = rows.iter().filter(|row| label(row) == name);
+        Series {
+            label: name.to_owned(),
+            style: style(name),
+            points: own.filter_map(|row| point(row)).collect(),
+        }
     };
-    let content = match panel.content {
-        Content::Lines(series) => Content::Lines(kept(series)?),
-        Content::Scatter(series) => Content::Scatter(kept(series)?),
-        Content::Bars(series) => Content::Bars(kept(series)?),
-        Content::Stacks(series) => Content::Stacks(kept(series)?),
-        Content::Picture(picture) => Content::Picture(picture),
-    };
-    Some(Panel { content, ..panel })
+    distinct(rows.iter().map(|row| label(row))).into_iter().map(of).collect()
+}
+
+/// A series of a method.
+pub fn of_method(findings: &Findings<'_>, method: &str, points: Vec<Point>) -> Series {
+    Series { label: method.to_owned(), style: method_style(findings, method), points }
+}
+
+/// Millions of items a second at `x`, with quartiles; `None` for no samples.
+pub fn rate(x: f64, items: u64, samples_ns: &[u64], name: String) -> Option<Point> {
+    let rate = |ns: f64| items as f64 / ns.max(f64::MIN_POSITIVE) * 1e3;
+    let quartiles = (rate(quantile(samples_ns, 0.75)?), rate(quantile(samples_ns, 0.25)?));
+    let n = samples_ns.len();
+    Some(Point { x, y: rate(median(samples_ns)?), spread: (n > 1).then_some(quartiles), n, name })
+}
+
+/// Geometric mean of speedups at `x`, from the lowest to the highest; `None` for none.
+pub fn mean_speedup<'a>(
+    x: f64,
+    speedups: impl IntoIterator<Item = &'a SpeedupLine>,
+    name: String,
+) -> Option<Point> {
+    let MeanSpeedup { mean, lowest, highest, n, .. } = MeanSpeedup::of(speedups)?;
+    Some(Point { x, y: mean, spread: (n > 1).then_some((lowest, highest)), n, name })
 }
 
 /// The style of a method: the same number in every figure. Users' methods and variants come after the
 /// built-in ones, in the order in which the recordings have them.
-pub fn method_style(material: &Material<'_>, method: &str) -> usize {
-    if method == UNSORTED {
-        return 0;
-    }
-    if let Some(place) = BUILTIN.iter().position(|(name, ..)| *name == method) {
-        return place + 1;
-    }
-    let others = measured_methods(material).into_iter().map(|(name, _)| name);
-    let mut others =
-        others.filter(|name| *name != UNSORTED && !BUILTIN.iter().any(|(builtin, ..)| builtin == name));
-    others.position(|name| name == method).unwrap_or(0) + BUILTIN.len() + 1
+pub fn method_style(findings: &Findings<'_>, method: &str) -> usize {
+    let builtin = [UNSORTED].into_iter().chain(BUILTIN.iter().map(|(name, ..)| *name));
+    let measured = measured_methods(findings).into_iter().map(|(name, _)| name);
+    let place = distinct(builtin.chain(measured)).into_iter().position(|name| name == method);
+    place.unwrap_or(BUILTIN.len() + 1)
 }
 
 /// Every method that was measured, each once, with whether it is a variant of another in all its orders:
 /// `unsorted`, the built-in ones in their order, users', variants.
-fn measured_methods<'a>(material: &Material<'a>) -> Vec<(&'a str, bool)> {
-    let recordings = &material.analysis.recordings;
+fn measured_methods<'a>(findings: &Findings<'a>) -> Vec<(&'a str, bool)> {
+    let recordings = &findings.analysis.recordings;
     let orders = || recordings.iter().flat_map(RecordingAnalysis::measured).flat_map(|queue| &queue.orders);
     let is_variant = |method: &str| {
         orders().filter(|order| order.method == method).all(|order| order.base != order.method)
@@ -94,24 +123,20 @@ fn measured_methods<'a>(material: &Material<'a>) -> Vec<(&'a str, bool)> {
 
 /// The methods of figures that set methods beside each other: `unsorted`, the built-in ones, users'.
 /// Variants, which sweeps show, are among them only if nothing else was measured.
-pub fn methods<'a>(material: &Material<'a>) -> Vec<&'a str> {
-    let measured = measured_methods(material);
-    let is_plain = |(method, is_variant): &&(&str, bool)| !is_variant && *method != UNSORTED;
-    let has_plain = measured.iter().any(|method| is_plain(&method));
-    measured
-        .into_iter()
-        .filter(|(_, is_variant)| !(has_plain && *is_variant))
-        .map(|(method, _)| method)
-        .collect()
+pub fn methods<'a>(findings: &Findings<'a>) -> Vec<&'a str> {
+    let measured = measured_methods(findings);
+    let has_plain = measured.iter().any(|(method, is_variant)| !is_variant && *method != UNSORTED);
+    let shown = measured.into_iter().filter(|(_, is_variant)| !(has_plain && *is_variant));
+    shown.map(|(method, _)| method).collect()
 }
 
 /// The recordings of such figures: those in which one of [`methods`] was measured besides `unsorted`, or
 /// all if there is none.
-pub fn recordings<'a>(material: &Material<'a>) -> Vec<&'a RecordingAnalysis> {
-    let methods = methods(material);
+pub fn recordings<'a>(findings: &Findings<'a>) -> Vec<&'a RecordingAnalysis> {
+    let methods = methods(findings);
     let is_shown =
         |order: &OrderAnalysis| order.method != UNSORTED && methods.contains(&order.method.as_str());
-    let all = || material.analysis.recordings.iter();
+    let all = || findings.analysis.recordings.iter();
     let shown: Vec<&RecordingAnalysis> = all()
         .filter(|recording| recording.measured().any(|queue| queue.orders.iter().any(is_shown)))
         .collect();
@@ -123,37 +148,16 @@ pub fn queues(recording: &RecordingAnalysis, rays: Rays) -> impl Iterator<Item =
     recording.measured().filter(move |queue| Rays::of(queue) == Some(rays))
 }
 
-/// A method's order in a queue.
-pub fn order<'a>(queue: &'a QueueAnalysis, method: &str) -> Option<&'a OrderAnalysis> {
-    queue.orders.iter().find(|order| order.method == method)
-}
-
-/// A series of a method.
-pub fn of_method(material: &Material<'_>, method: &str, points: Vec<Point>) -> Series {
-    Series { label: method.to_owned(), style: method_style(material, method), points }
-}
-
 /// What a panel of one recording is called: the rays, and the recording if there are several.
-pub fn panel_title(material: &Material<'_>, recording: &RecordingAnalysis, rays: &str) -> String {
-    if material.analysis.recordings.len() > 1 {
-        format!("{}: {rays}", recording.label)
-    } else {
-        rays.to_owned()
+pub fn panel_title(findings: &Findings<'_>, recording: &RecordingAnalysis, rays: &str) -> String {
+    match findings.analysis.recordings.len() {
+        0 | 1 => rays.to_owned(),
+        _ => format!("{}: {rays}", recording.label),
     }
 }
 
-/// `closest rays`, `shadow rays`.
-pub fn kind_title(kind: Kind) -> String {
-    format!("{kind} rays")
-}
-
-/// `secondary rays`, `shadow rays`.
-pub fn rays_title(rays: Rays) -> String {
-    format!("{} rays", rays.name())
-}
-
 /// Scene, machine and settings of each recording, a line each.
-pub fn settings(material: &Material<'_>) -> Vec<String> {
+pub fn settings(findings: &Findings<'_>) -> Vec<String> {
     let line = |recording: &RecordingAnalysis| {
         let options = &recording.options;
         let driver = if recording.adapter.driver.is_empty() {
@@ -180,19 +184,14 @@ pub fn settings(material: &Material<'_>) -> Vec<String> {
             recording.time_source
         )
     };
-    material.analysis.recordings.iter().map(line).collect()
+    findings.analysis.recordings.iter().map(line).collect()
 }
 
 /// Machine and settings of each benchmark, a line each.
 pub fn bench_settings<'a>(benches: impl IntoIterator<Item = &'a BenchResult>) -> Vec<String> {
     let line = |bench: &BenchResult| {
-        format!(
-            "{}: {}, version {}, timed by {}",
-            bench.command,
-            machine(bench),
-            bench.program_version,
-            bench.time_source
-        )
+        let BenchResult { command, program_version, time_source, .. } = bench;
+        format!("{command}: {}, version {program_version}, timed by {time_source}", machine(bench))
     };
     benches.into_iter().map(line).collect()
 }
@@ -207,11 +206,11 @@ pub fn machine(bench: &BenchResult) -> String {
 
 /// Why no order of any recording has a number: the first reason that one gives, or `otherwise`.
 pub fn reason<'a, T: 'a>(
-    material: &Material<'a>,
+    findings: &Findings<'a>,
     metric: impl Fn(&'a OrderAnalysis) -> &'a Metric<T>,
     otherwise: &str,
 ) -> String {
-    let queues = material.analysis.recordings.iter().flat_map(RecordingAnalysis::measured);
+    let queues = findings.analysis.recordings.iter().flat_map(RecordingAnalysis::measured);
     let orders = queues.flat_map(|queue| &queue.orders).filter(|order| order.method != UNSORTED);
     let mut reasons = orders.filter_map(|order| metric(order).reason());
     reasons.next().unwrap_or(otherwise).to_owned()

@@ -31,7 +31,7 @@ use crate::analysis::Analysis;
 
 /// What figures are made from.
 #[derive(Clone, Copy, Debug)]
-pub struct Material<'a> {
+pub struct Findings<'a> {
     /// Of the recordings.
     pub analysis: &'a Analysis,
     /// Benchmark results.
@@ -46,58 +46,58 @@ pub struct Skipped {
     pub reason: String,
 }
 
-impl Skipped {
-    /// For this reason.
-    pub fn because(reason: impl Into<String>) -> Self {
-        Self { reason: reason.into() }
-    }
-}
+/// A figure, or why there is none.
+pub type Made = Result<Figure, Skipped>;
 
-/// A figure of the catalogue.
+/// How a figure of the catalogue is made.
 #[derive(Clone, Copy, Debug)]
-pub struct Entry {
+pub struct FigureMaker {
     /// File name without extension, and the word for `--figure`.
     pub name: &'static str,
     /// What it shows, in one line.
     pub description: &'static str,
-    /// Makes it.
-    pub make: fn(&Material<'_>) -> Result<Figure, Skipped>,
+    made: fn(&Findings<'_>) -> Made,
 }
 
-const fn entry(
+const fn maker(
     name: &'static str,
     description: &'static str,
-    make: fn(&Material<'_>) -> Result<Figure, Skipped>,
-) -> Entry {
-    Entry { name, description, make }
+    made: fn(&Findings<'_>) -> Made,
+) -> FigureMaker {
+    FigureMaker { name, description, made }
+}
+
+impl FigureMaker {
+    /// Makes it.
+    ///
+    /// # Errors
+    /// If there is nothing to show: why.
+    pub fn make(&self, findings: &Findings<'_>) -> Made {
+        Ok(Figure { name: self.name.to_owned(), ..(self.made)(findings)? })
+    }
 }
 
 /// Every figure, in the order of a paper.
-pub const CATALOGUE: &[Entry] = &[
-    entry("trace-speedup", "trace speedup per scene and method", speedups::trace),
-    entry("net-speedup", "speedup with all that sorting costs", speedups::net),
-    entry("rays-per-second", "trace rate per bounce and method", rates::rays_per_second),
-    entry("overhead", "time of each stage per method, against break-even", overhead::overhead),
-    entry("capsule-area", "mean capsule area against trace time", capsules::against_time),
-    entry("capsule-area-distribution", "share of rays by their group's capsule area", capsules::distribution),
-    entry("key-bits", "speedup by bits of the key", sweeps::key_bits),
-    entry("two-point-length", "speedup by the length that two-point assumes", sweeps::length),
-    entry("table-fill", "fill of the length table over bounces and passes", tables::fill),
-    entry("estimator-error", "errors of estimated ray lengths over bounces and passes", tables::errors),
-    entry("lane-utilisation", "share of lanes that work, by width (a model)", models::lanes),
-    entry("cache-hit-ratio", "cache lines found in L1 and L2 (a model)", models::caches),
-    entry("bandwidth", "achieved bandwidth per stage", bandwidth::bandwidth),
-    entry("sort-throughput", "keys sorted a second, by number and bits", benches::sort),
-    entry("trace-rate", "rays traced a second, by kernel, rays and order", benches::trace),
-    entry("precision-error", "trace rate against lost and wrong hits, by kernel and test", errors::precision),
-    entry("estimator-cost", "cost of the length table against the error of its estimates", errors::estimator),
-    entry("key-bits-cost", "key and sort time against capsule area and trace time", errors::key_bits),
-    entry("image-error", "noise of the picture against wall time, by method", errors::image),
-    entry("skipped", "what skipping saves, each thing on and off", errors::skipped),
-    entry("pixel-cost", "the picture, and the work behind each pixel", picture::pixel_cost),
+pub const CATALOGUE: &[FigureMaker] = &[
+    maker("trace-speedup", "trace speedup per scene and method", speedups::trace),
+    maker("net-speedup", "speedup with all that sorting costs", speedups::net),
+    maker("rays-per-second", "trace rate per bounce and method", rates::rays_per_second),
+    maker("overhead", "time of each stage per method, against break-even", overhead::overhead),
+    maker("capsule-area", "mean capsule area against trace time", capsules::against_time),
+    maker("capsule-area-distribution", "share of rays by their group's capsule area", capsules::distribution),
+    maker("key-bits", "speedup by bits of the key", sweeps::key_bits),
+    maker("two-point-length", "speedup by the length that two-point assumes", sweeps::length),
+    maker("table-fill", "fill of the length table over bounces and passes", tables::fill),
+    maker("estimator-error", "errors of estimated ray lengths over bounces and passes", tables::errors),
+    maker("lane-utilisation", "share of lanes that work, by width (a model)", models::lanes),
+    maker("cache-hit-ratio", "cache lines found in L1 and L2 (a model)", models::caches),
+    maker("bandwidth", "achieved bandwidth per stage", bandwidth::bandwidth),
+    maker("sort-throughput", "keys sorted a second, by number and bits", benches::sort),
+    maker("trace-rate", "rays traced a second, by kernel, rays and order", benches::trace),
+    maker("precision-error", "trace rate against lost and wrong hits, by kernel and test", errors::precision),
+    maker("estimator-cost", "cost of the length table against the error of its estimates", errors::estimator),
+    maker("key-bits-cost", "key and sort time against capsule area and trace time", errors::key_bits),
+    maker("image-error", "noise of the picture against wall time, by method", errors::image),
+    maker("skipped", "what skipping saves, each thing on and off", errors::skipped),
+    maker("pixel-cost", "the picture, and the work behind each pixel", picture::pixel_cost),
 ];
-
-/// Makes every figure, or says why not.
-pub fn make_all(material: &Material<'_>) -> Vec<(&'static Entry, Result<Figure, Skipped>)> {
-    CATALOGUE.iter().map(|entry| (entry, (entry.make)(material))).collect()
-}

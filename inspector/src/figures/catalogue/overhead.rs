@@ -3,37 +3,28 @@
 use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 
-use super::building::{
-    categories, figure, linear, methods, order, panel_title, queues, rays_title, recordings, settings,
-};
-use super::{Material, Skipped};
+use super::building::{each, figure, methods, panel_title, queues, recordings, settings};
+use super::{Findings, Made};
 use crate::analysis::summary::Rays;
 use crate::analysis::timing::STAGES;
 use crate::analysis::{QueueAnalysis, RecordingAnalysis};
-use crate::figures::model::{Content, Figure, Panel, Point, Reference, Series};
+use crate::figures::model::{Axis, Content, Panel, Point, Series};
 
 /// Time of each stage per method, stacked.
-pub fn overhead(material: &Material<'_>) -> Result<Figure, Skipped> {
-    let mut panels = Vec::new();
-    for rays in Rays::ALL {
-        for recording in recordings(material) {
-            panels.push(panel(material, recording, rays));
-        }
-    }
-    let parts = Figure {
-        name: "overhead".to_owned(),
-        title: "Where the time goes, per method".to_owned(),
-        caption: "Median times of the stages, summed over bounces. Gather, trace and scatter count, or the trace through indices: what the recording chose for the method. A method whose stack stays below the line, the trace of unsorted rays, pays off.".to_owned(),
-        settings: settings(material),
-        panels,
-    };
-    figure(parts, "no stage of any method was timed")
+pub fn overhead(findings: &Findings<'_>) -> Made {
+    figure(
+        "Where the time goes, per method",
+        "Median times of the stages, summed over bounces. Gather, trace and scatter count, or the trace through indices: what the recording chose for the method. A method whose stack stays below the line, the trace of unsorted rays, pays off.",
+        settings(findings),
+        each(Rays::ALL, &recordings(findings), |recording, rays| panel(findings, recording, rays)),
+        "no stage of any method was timed",
+    )
 }
 
-fn panel(material: &Material<'_>, recording: &RecordingAnalysis, rays: Rays) -> Panel {
+fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis, rays: Rays) -> Panel {
     let measured: Vec<&QueueAnalysis> = queues(recording, rays).collect();
-    let has_method = |method: &&str| measured.iter().any(|queue| order(queue, method).is_some());
-    let methods: Vec<&str> = methods(material).into_iter().filter(has_method).collect();
+    let has_method = |method: &&str| measured.iter().any(|queue| queue.order(method).is_some());
+    let methods: Vec<&str> = methods(findings).into_iter().filter(has_method).collect();
     let series = |(style, stage): (usize, Stage)| -> Series {
         let points = methods.iter().enumerate().filter_map(|(place, method)| {
             let (ns, n) = stage_time(&measured, method, stage)?;
@@ -42,30 +33,25 @@ fn panel(material: &Material<'_>, recording: &RecordingAnalysis, rays: Rays) -> 
         });
         Series { label: words(stage).to_owned(), style, points: points.collect() }
     };
-    let unsorted = stage_time(&measured, UNSORTED, Stage::Trace);
-    let reference = unsorted.map(|(ns, _)| Reference {
-        label: "break-even: trace of unsorted rays".to_owned(),
-        y: ns / 1e6,
-        span: None,
-    });
-    Panel {
-        title: panel_title(material, recording, &rays_title(rays)),
-        x: categories("method", methods.iter().copied()),
-        y: linear("time (ms)", true),
-        content: Content::Stacks(STAGES.into_iter().enumerate().map(series).collect()),
-        references: reference.into_iter().collect(),
+    let panel = Panel::new(
+        panel_title(findings, recording, &format!("{} rays", rays.name())),
+        Axis::categories("method", methods.iter().copied()),
+        Axis::from_zero("time (ms)"),
+        Content::Stacks(STAGES.into_iter().enumerate().map(series).collect()),
+    );
+    match stage_time(&measured, UNSORTED, Stage::Trace) {
+        Some((ns, _)) => panel.with_reference("break-even: trace of unsorted rays", ns / 1e6),
+        None => panel,
     }
 }
 
 /// Sum over queues of a stage's median times, and its samples; `None` if it is not part of the way taken.
 fn stage_time(queues: &[&QueueAnalysis], method: &str, stage: Stage) -> Option<(f64, usize)> {
-    let orders = queues.iter().filter_map(|queue| order(queue, method));
+    let orders = queues.iter().filter_map(|queue| queue.order(method));
     let times: Vec<(f64, usize)> = orders
         .filter(|order| order.way.counts(stage))
-        .filter_map(|order| {
-            let time = &order.stages.iter().find(|found| found.stage == stage)?.time;
-            Some((time.median_ns, time.samples_ns.len()))
-        })
+        .filter_map(|order| order.stage(stage))
+        .map(|found| (found.time.median_ns, found.time.samples_ns.len()))
         .collect();
     let ns = times.iter().map(|(ns, _)| ns).sum();
     Some((ns, times.iter().map(|(_, n)| *n).min()?))

@@ -2,11 +2,11 @@
 
 use formats::reader::Dump;
 
-use super::building::{figure, linear, panel_title, settings};
-use super::{Material, Skipped};
+use super::building::{figure, panel_title, settings};
+use super::{Findings, Made};
 use crate::analysis::picture::PixelCost;
 use crate::analysis::{Metric, RecordingAnalysis};
-use crate::figures::model::{ColourBar, Content, Figure, Panel, Picture};
+use crate::figures::model::{Axis, ColourBar, Content, Panel, Picture};
 
 /// Colours of a colour bar.
 const COLOURS: usize = 256;
@@ -14,38 +14,34 @@ const COLOURS: usize = 256;
 const SHOWN_SHARE: f64 = 0.99;
 
 /// The image, and the nodes and triangles behind each of its pixels.
-pub fn pixel_cost(material: &Material<'_>) -> Result<Figure, Skipped> {
+pub fn pixel_cost(findings: &Findings<'_>) -> Made {
     let (mut panels, mut reasons) = (Vec::new(), Vec::new());
     let mut shown: Vec<PixelCost> = Vec::new();
-    for recording in &material.analysis.recordings {
+    for recording in &findings.analysis.recordings {
         let cost = Dump::open(&recording.root).map_or_else(Metric::missing, |dump| PixelCost::of(&dump));
         match cost {
             // A replay has the picture of its source, and often the work.
             Metric::Known(cost) if shown.contains(&cost) => {}
             Metric::Known(cost) => {
-                panels.extend(beside(material, recording, &cost));
+                panels.extend(beside(findings, recording, &cost));
                 shown.push(cost);
             }
             Metric::Missing { missing } => reasons.push(missing),
         }
     }
-    let parts = Figure {
-        name: "pixel-cost".to_owned(),
-        title: "The picture, and the work behind each pixel".to_owned(),
-        caption: "Left the picture (Reinhard's tone map of its luminance), right the hierarchy nodes visited and triangles tested for each pixel, over all bounces and both kinds of rays of one pass. The last colour stands for all that is above it.".to_owned(),
-        settings: settings(material),
+    figure(
+        "The picture, and the work behind each pixel",
+        "Left the picture (Reinhard's tone map of its luminance), right the hierarchy nodes visited and triangles tested for each pixel, over all bounces and both kinds of rays of one pass. The last colour stands for all that is above it.",
+        settings(findings),
         panels,
-    };
-    figure(parts, reasons.into_iter().next().unwrap_or_else(|| "there is no recording".to_owned()))
+        reasons.into_iter().next().unwrap_or_else(|| "there is no recording".to_owned()),
+    )
 }
 
-fn beside(material: &Material<'_>, recording: &RecordingAnalysis, cost: &PixelCost) -> [Panel; 2] {
-    let panel = |title: &str, picture: Picture| Panel {
-        title: panel_title(material, recording, title),
-        x: linear("", true),
-        y: linear("", true),
-        content: Content::Picture(picture),
-        references: Vec::new(),
+fn beside(findings: &Findings<'_>, recording: &RecordingAnalysis, cost: &PixelCost) -> [Panel; 2] {
+    let panel = |title: &str, picture: Picture| {
+        let title = panel_title(findings, recording, title);
+        Panel::new(title, Axis::from_zero(""), Axis::from_zero(""), Content::Picture(picture))
     };
     let PixelCost { width, height, image, work, .. } = cost;
     let (width, height) = (*width, *height);
