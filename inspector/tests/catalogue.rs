@@ -27,6 +27,7 @@ fn analysis(folder: &Path, depth: Depth) -> Analysis {
 
 fn bench(rows: Rows) -> BenchResult {
     BenchResult {
+        instrument: None,
         rayscope_bench: BENCH_VERSION,
         program_version: "0".into(),
         command: "recorder bench".into(),

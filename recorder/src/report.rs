@@ -82,20 +82,23 @@ fn instrument(recorded: &Recorded) -> Option<String> {
         let control = queue.measurements.iter().find(|entry| entry.subject == Subject::Control)?;
         Speedup::of(queue.unsorted(), control.stages.of(Stage::Trace))
     }))?;
-    let intervals = match instrument.median_half_width {
+    Some(instrument_line(&instrument))
+}
+
+/// What an instrument misses by, in a line.
+pub fn instrument_line(instrument: &Instrument) -> String {
+    let Instrument { experiments, hold_one, pooled_bias, median_half_width } = *instrument;
+    let intervals = match median_half_width {
         None => ", without intervals: they need at least 6 repeats".to_owned(),
         Some(half_width) => format!(
-            "; {} of {} intervals hold 1, half of them are narrower than ±{:.1} %",
-            instrument.hold_one,
-            instrument.experiments,
+            "; {hold_one} of {experiments} intervals hold 1, half of them are narrower than ±{:.1} %",
             100.0 * half_width
         ),
     };
-    Some(format!(
-        "instrument: the control (canonical order, gathered) is off by {:+.1} % over {} queues{intervals}",
-        100.0 * instrument.pooled_bias,
-        instrument.experiments
-    ))
+    format!(
+        "instrument: the control (canonical order, gathered) is off by {:+.1} % over {experiments} queues{intervals}",
+        100.0 * pooled_bias
+    )
 }
 
 /// What stood in the way of the measurement, and what would help.

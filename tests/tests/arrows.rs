@@ -31,7 +31,7 @@ const ROOMS: [(&str, &str); 4] = [
     ),
     (
         "recorder",
-        "device stages oracle options machine backends output progress interrupt wavefront measure \
+        "clock device stages oracle options machine backends output progress interrupt wavefront measure \
          capture cache_model comparison observer recording replay bench report cli",
     ),
     (

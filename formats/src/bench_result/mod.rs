@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::files::read_plain;
+use crate::metrics::speedup::{Instrument, Speedup};
 use crate::ray::Kind;
 use crate::text::one_line;
 use error::ErrorRows;
@@ -43,6 +44,9 @@ pub struct BenchResult {
     pub threads: u32,
     /// What the times were taken with.
     pub time_source: String,
+    /// What `bench instrument` comes to over all queues, its fields among these; of no other benchmark.
+    #[serde(flatten)]
+    pub instrument: Option<Instrument>,
     /// What was measured.
     pub rows: Rows,
 }
@@ -61,6 +65,27 @@ pub enum Rows {
     Skip(Vec<SkipRow>),
     /// `bench startup`.
     Startup(Vec<StartupRow>),
+    /// `bench instrument`.
+    Instrument(Vec<InstrumentRow>),
+}
+
+/// One queue traced in orders whose speedups are known, or bound.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct InstrumentRow {
+    /// Name of the scene.
+    pub scene: String,
+    /// The queue.
+    pub pass: u32,
+    /// Its bounce.
+    pub bounce: u32,
+    /// Its kind.
+    pub kind: Kind,
+    /// Its rays.
+    pub rays: u64,
+    /// Trace speedup of canonical order, gathered like any other: 1, but for the instrument's error.
+    pub control: Speedup,
+    /// Trace speedup of a random order, gathered: what canonical order has over none.
+    pub shuffled: Speedup,
 }
 
 /// Sorting n keys with their indices.
@@ -159,6 +184,7 @@ mod tests {
             driver: String::new(),
             threads: 2,
             time_source: "monotonic clock".into(),
+            instrument: None,
             rows: Rows::Sort(vec![SortRow { n: 1024, key_bits: 32, samples_ns: vec![5, 6] }]),
         };
         fs::write(&path, serde_json::to_string(&result).unwrap()).unwrap();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::manifest::{Stage, Way};
 
@@ -13,7 +13,7 @@ const RESAMPLES: usize = 2000;
 pub const INTERVAL_ROUNDS: usize = 6;
 
 /// How many times as fast a method is, and within which interval with 95 % confidence.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Speedup {
     /// Median over rounds of the baseline's time over the method's.
     pub ratio: f64,
@@ -73,7 +73,7 @@ fn median_of(values: &mut [f64]) -> Option<f64> {
 }
 
 /// What an instrument misses by: speedups that should be 1, pooled.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Instrument {
     /// How many there are.
     pub experiments: usize,

@@ -45,7 +45,8 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
             format!("time of {} by {} in pass {pass}, bounce {bounce}", stage.name(), short(method))
         });
     }
-    let timed: BTreeMap<_, _> = manifest.timings.iter().map(|timing| (about(timing), timing.samples_ns.len())).collect();
+    let timed: BTreeMap<_, _> =
+        manifest.timings.iter().map(|timing| (about(timing), timing.samples_ns.len())).collect();
     for disturbed in &manifest.disturbed {
         let &DisturbedRecord { pass, bounce, kind, stage, ref method, ref samples } = disturbed;
         let count = timed.get(&(pass, bounce, Some(kind), stage, method.as_str()));

@@ -4,11 +4,13 @@
 //! - [`trace`]: trace rate per scene, kernel, bounce, kind and order
 //! - [`error`]: run time against error: triangle tests, length tables, key bits, pictures
 //! - [`skip`]: what skipping saves, each thing on and off
+//! - [`instrument`]: what the clock itself misses by
 //! - [`startup`]: what happens before the first ray
 //! - `backends`, `queues`: what they share
 
 mod backends;
 pub mod error;
+pub mod instrument;
 mod queues;
 pub mod skip;
 pub mod sort;
@@ -33,6 +35,7 @@ pub(crate) fn result(device: &Device, rows: Rows) -> BenchResult {
         driver: adapter.driver,
         threads: device.threads(),
         time_source: device.time_source(),
+        instrument: None,
         rows,
     }
 }

@@ -4,6 +4,7 @@
 //! - [`adapters`]: all adapters of this machine with what it found
 
 pub mod adapters;
+mod processors;
 pub mod self_check;
 
 use anyhow::{Context, Result, bail};
@@ -93,6 +94,9 @@ fn open_gpu(request: &AdapterRequest, trace: TraceKernel) -> Result<Device> {
 fn open_cpu(options: &DeviceOptions, passed_over: Option<String>) -> Result<Device> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0));
     let pool = builder.build().context("starting the threads of the cpu backend")?;
+    if options.pin {
+        processors::pin(&pool)?;
+    }
     Ok(Device::Cpu(CpuDevice { pool, passed_over }))
 }
 
@@ -220,7 +224,7 @@ impl Device {
     /// For the manifest.
     pub fn limits(&self) -> Vec<(String, u64)> {
         match self {
-            Self::Cpu(_) => Vec::new(),
+            Self::Cpu(_) => processors::facts(),
             Self::Gpu(device) => {
                 let limits = &device.gpu.adapter().limits;
                 [

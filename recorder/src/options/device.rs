@@ -33,6 +33,9 @@ pub struct DeviceOptions {
     /// Threads of the CPU backend; all cores if not given.
     #[arg(long)]
     pub threads: Option<usize>,
+    /// Tie each of these threads to a processor of its own (Linux).
+    #[arg(long)]
+    pub pin: bool,
 }
 
 impl Default for DeviceOptions {
@@ -43,6 +46,7 @@ impl Default for DeviceOptions {
             trace: None,
             l2_kib: L2_BYTES >> 10,
             threads: None,
+            pin: false,
         }
     }
 }
@@ -63,7 +67,11 @@ impl DeviceOptions {
             in_range("threads", threads, 1, 4096)?;
         }
         let is_cpu = self.backend == BackendChoice::Cpu;
-        let message = if is_cpu && self.kernel() == TraceKernel::RayQuery {
+        let message = if self.pin && !cfg!(target_os = "linux") {
+            "--pin ties threads to processors, which this system is not asked for; leave it out"
+        } else if self.pin && self.backend == BackendChoice::Gpu {
+            "--pin ties the threads of the cpu backend, but --backend gpu asks for a GPU; leave one of them out"
+        } else if is_cpu && self.kernel() == TraceKernel::RayQuery {
             "--trace ray-query needs a GPU that has ray queries; use --backend gpu, or --trace cwbvh or bvh2"
         } else if is_cpu && self.adapter.is_some() {
             "--adapter names a GPU, but --backend cpu asks for threads; leave one of them out"

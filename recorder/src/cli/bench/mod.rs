@@ -1,6 +1,7 @@
 //! `recorder bench`: one file per benchmark with many options.
 
 mod error;
+mod instrument;
 mod skip;
 
 use anyhow::Result;
@@ -19,6 +20,7 @@ use crate::bench::trace::{self, TraceBench};
 use crate::options::{DeviceOptions, OptionError, RecordOptions, in_range, parse_methods};
 use crate::stages::trace::TraceKernel;
 use error::ErrorArguments;
+use instrument::InstrumentArguments;
 use skip::SkipArguments;
 
 pub(super) const EXAMPLES: &str = "\
@@ -30,6 +32,7 @@ Examples:
   recorder bench error builtin:atrium --only image --methods two-point,costa --image-passes 32
   recorder bench skip builtin:cornell builtin:apartment
   recorder bench startup scene.glb --backend gpu
+  recorder bench instrument builtin:atrium --backend cpu --pin --json > instrument.json
   inspector plot sort.json trace.json error.json --out figures/";
 
 #[derive(Debug, Args)]
@@ -48,6 +51,8 @@ enum What {
     Error(Box<ErrorArguments>),
     /// What skipping saves: time, memory and bytes of each thing that is left out, on and off.
     Skip(Box<SkipArguments>),
+    /// What the clock misses by: orders whose speedup is known, on every queue.
+    Instrument(Box<InstrumentArguments>),
     /// What happens before the first ray: reading the scene, hierarchy, upload, pipelines.
     Startup(Box<SkipArguments>),
 }
@@ -158,13 +163,15 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
         What::Trace(arguments) => (trace::run(&arguments.bench()?)?, arguments.json),
         What::Error(arguments) => (crate::bench::error::run(&arguments.bench()?)?, arguments.json),
         What::Skip(arguments) => (crate::bench::skip::run(&arguments.bench()?)?, arguments.json),
+        What::Instrument(arguments) => (crate::bench::instrument::run(&arguments.bench()?)?, arguments.json),
         What::Startup(arguments) => (crate::bench::startup::run(&arguments.bench()?)?, arguments.json),
     };
     if json {
         return print_json(&result);
     }
     print(format_args!("{} ({}), medians and interquartile ranges", result.adapter, result.backend))?;
-    tables(&result).into_iter().try_for_each(print)
+    tables(&result).into_iter().try_for_each(print)?;
+    instrument::verdict(&result).map_or(Ok(()), print)
 }
 
 fn tables(result: &BenchResult) -> Vec<Table> {
@@ -199,6 +206,7 @@ fn tables(result: &BenchResult) -> Vec<Table> {
         }
         Rows::Error(rows) => return error::tables(rows),
         Rows::Skip(rows) => return vec![skip::skip_table(rows)],
+        Rows::Instrument(rows) => return vec![instrument::table(rows)],
         Rows::Startup(rows) => return vec![skip::startup_table(rows)],
     }
     vec![table]

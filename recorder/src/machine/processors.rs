@@ -1,0 +1,47 @@
+//! The processors that threads run on: which there are, how memory reaches them, and threads tied to them.
+
+use anyhow::Result;
+
+/// What of the machine times depend on beside its processor, by name; nothing where the system does not tell.
+///
+/// `smt`: 1 where a core runs several threads. `huge_pages`: 0 never, 1 where a program asks, 2 always.
+pub(super) fn facts() -> Vec<(String, u64)> {
+    let read = |path: &str| std::fs::read_to_string(path).ok();
+    let smt = read("/sys/devices/system/cpu/smt/active").and_then(|text| text.trim().parse().ok());
+    let pages = read("/sys/kernel/mm/transparent_hugepage/enabled");
+    let modes = ["[never]", "[madvise]", "[always]"];
+    let huge_pages = pages.and_then(|text| modes.iter().position(|mode| text.contains(mode)));
+    let facts = [("smt", smt), ("huge_pages", huge_pages.map(|mode| mode as u64))];
+    facts.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
+}
+
+/// Ties each thread of a pool to a processor that this process may use, in turn if there are more threads.
+///
+/// # Errors
+/// What the system says.
+#[cfg(target_os = "linux")]
+pub(super) fn pin(pool: &rayon::ThreadPool) -> Result<()> {
+    use anyhow::Context;
+    use nix::sched::{CpuSet, sched_getaffinity, sched_setaffinity};
+    use nix::unistd::Pid;
+
+    let this_thread = Pid::from_raw(0);
+    let allowed = sched_getaffinity(this_thread).context("asking which processors may be used")?;
+    let processors: Vec<usize> =
+        (0..CpuSet::count()).filter(|&processor| allowed.is_set(processor) == Ok(true)).collect();
+    let tied = pool.broadcast(|thread| {
+        let mut set = CpuSet::new();
+        set.set(processors[thread.index() % processors.len()])?;
+        sched_setaffinity(this_thread, &set)
+    });
+    tied.into_iter().collect::<Result<(), _>>().context("tying threads to processors (--pin)")
+}
+
+/// Other systems are not asked; options refuse `--pin` there.
+///
+/// # Errors
+/// None.
+#[cfg(not(target_os = "linux"))]
+pub(super) fn pin(_: &rayon::ThreadPool) -> Result<()> {
+    Ok(())
+}
