@@ -5,8 +5,8 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::manifest::{
-    Adapter, ArrayRecord, CacheRecord, Check, Features, Manifest, Mismatches, Options, Outcome, QueueRecord,
-    Source, TimingRecord,
+    Adapter, ArrayRecord, CacheRecord, Check, Features, Manifest, Options, Outcome,
+    QueueRecord, Source, TimingRecord,
 };
 use crate::metrics::speedup::{interquartile_range, median};
 use crate::ray::Kind;
@@ -47,13 +47,13 @@ pub struct Summary {
     /// What else was said to the user.
     pub notices: Vec<String>,
     /// The queues, in the order in which they were traced.
-    pub queues: Vec<QueueLine>,
+    pub queues: Vec<QueueRecord>,
     /// The timings.
     pub timings: Vec<TimingLine>,
     /// What the cache model says.
     pub caches: Vec<CacheRecord>,
     /// The arrays.
-    pub arrays: Vec<ArrayLine>,
+    pub arrays: Vec<ArrayRecord>,
 }
 
 /// The scene in a [`Summary`].
@@ -112,23 +112,6 @@ pub struct ImageLine {
     pub sha256: Option<String>,
 }
 
-/// A queue in a [`Summary`].
-#[derive(Clone, Debug, Serialize)]
-pub struct QueueLine {
-    /// Pass, from 0.
-    pub pass: u32,
-    /// Bounce, from 0.
-    pub bounce: u32,
-    /// Kind of its rays.
-    pub kind: Kind,
-    /// Number of rays.
-    pub rays: u64,
-    /// Methods that were measured on it.
-    pub methods: Vec<String>,
-    /// Results that differ from the baseline's, by method.
-    pub mismatches: Vec<Mismatches>,
-}
-
 /// A timing in a [`Summary`].
 #[derive(Clone, Debug, Serialize)]
 pub struct TimingLine {
@@ -148,19 +131,6 @@ pub struct TimingLine {
     pub iqr_ns: Option<f64>,
     /// Number of samples.
     pub samples: usize,
-}
-
-/// An array in a [`Summary`].
-#[derive(Clone, Debug, Serialize)]
-pub struct ArrayLine {
-    /// Path from the dump's folder.
-    pub path: String,
-    /// NumPy's description of the element type.
-    pub dtype: &'static str,
-    /// Lengths of the dimensions.
-    pub shape: Vec<u64>,
-    /// Bytes of data.
-    pub bytes: u64,
 }
 
 impl Summary {
@@ -199,23 +169,10 @@ impl Summary {
             wall_ns: end.map(|end| end.wall_ns).filter(|&wall_ns| wall_ns > 0),
             self_check: header.self_check.clone(),
             notices: header.notices.clone(),
-            queues: manifest.queues.iter().map(QueueLine::from).collect(),
+            queues: manifest.queues.clone(),
             timings: manifest.timings.iter().map(TimingLine::from).collect(),
             caches: manifest.caches.clone(),
-            arrays: manifest.arrays.iter().map(ArrayLine::from).collect(),
-        }
-    }
-}
-
-impl From<&QueueRecord> for QueueLine {
-    fn from(queue: &QueueRecord) -> Self {
-        Self {
-            pass: queue.id.pass,
-            bounce: queue.id.bounce,
-            kind: queue.id.kind,
-            rays: queue.rays,
-            methods: queue.methods.clone(),
-            mismatches: queue.mismatches.clone(),
+            arrays: manifest.arrays.clone(),
         }
     }
 }
@@ -231,17 +188,6 @@ impl From<&TimingRecord> for TimingLine {
             median_ns: median(&timing.samples_ns),
             iqr_ns: interquartile_range(&timing.samples_ns),
             samples: timing.samples_ns.len(),
-        }
-    }
-}
-
-impl From<&ArrayRecord> for ArrayLine {
-    fn from(array: &ArrayRecord) -> Self {
-        Self {
-            path: array.place.to_string(),
-            dtype: array.dtype.descr(),
-            shape: array.shape.clone(),
-            bytes: array.bytes,
         }
     }
 }

@@ -221,9 +221,9 @@ fn queues(summary: &Summary) -> String {
         let differing = sum(queue.mismatches.iter().map(|mismatch| mismatch.rays));
         let methods = queue.methods.len().to_string();
         table.add_row([
-            queue.kind.to_string(),
-            queue.pass.to_string(),
-            queue.bounce.to_string(),
+            queue.id.kind.to_string(),
+            queue.id.pass.to_string(),
+            queue.id.bounce.to_string(),
             count(queue.rays),
             methods,
             count(differing),
@@ -275,16 +275,17 @@ fn sample(timing: &TimingLine) -> String {
 
 /// Arrays of one name together: there are hundreds of files, but few kinds of them.
 fn arrays(summary: &Summary) -> String {
-    let mut kinds: BTreeMap<(&str, &str), (u64, u64)> = BTreeMap::new();
+    let mut kinds: BTreeMap<(String, &str), (u64, u64)> = BTreeMap::new();
     for array in &summary.arrays {
-        let name = array.path.rsplit('/').next().unwrap_or(&array.path);
-        let (files, bytes) = kinds.entry((name, array.dtype)).or_default();
+        let path = array.place.to_string();
+        let name = path.rsplit('/').next().unwrap_or(&path);
+        let (files, bytes) = kinds.entry((name.to_owned(), array.dtype.descr())).or_default();
         *files += 1;
         *bytes = bytes.saturating_add(array.bytes);
     }
     let mut table = table(&["array", "element", "files", "data"], 2);
     for ((name, dtype), (files, bytes)) in kinds {
-        table.add_row([name.to_owned(), element(dtype), count(files), size(bytes)]);
+        table.add_row([name, element(dtype), count(files), size(bytes)]);
     }
     let bytes = sum(summary.arrays.iter().map(|array| array.bytes));
     format!("Arrays: {} files, {}\n{table}", count(summary.arrays.len() as u64), size(bytes))

@@ -1,4 +1,7 @@
 //! From rays to keys: the encoder that layouts drive.
+//!
+//! Many rays are encoded coordinate by coordinate over short blocks, so that the loops have no branches and
+//! processors with vectors use them.
 
 use super::coordinates::{cartesian, from_light, octahedral, quantise};
 use super::layout::{Coordinate, Field, Layout};
@@ -8,48 +11,49 @@ use crate::unit_space::UnitSpace;
 
 /// Bits of a coordinate that one table lookup spreads over the key.
 const CHUNK_BITS: u32 = 8;
+/// Rays of a block.
+const BLOCK: usize = 64;
 
 /// Turns rays into keys of `key_bits` bits, right-aligned, by one layout.
 #[derive(Clone, Debug)]
 pub struct Encoder {
-    pub(super) unit: UnitSpace,
-    pub(super) lights: Vec<LightSite>,
-    pub(super) spreads: Vec<Spread>,
-    pub(super) needs: Needs,
+    unit: UnitSpace,
+    lights: Vec<LightSite>,
+    spreads: Vec<Spread>,
+    needs: Needs,
 }
 
 /// One field's bits, spread to their places by table.
 #[derive(Clone, Debug)]
-pub(super) struct Spread {
-    pub(super) coordinate: Coordinate,
+struct Spread {
+    coordinate: Coordinate,
     /// Shift that brings a quantised coordinate down to the bits that the key uses.
-    pub(super) drop: u32,
+    drop: u32,
     /// One table per chunk of used bits, lowest chunk first.
-    pub(super) tables: Vec<[u64; 1 << CHUNK_BITS]>,
+    tables: Vec<[u64; 1 << CHUNK_BITS]>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Needs {
-    pub(super) end: bool,
-    pub(super) octahedral: bool,
+struct Needs {
+    end: bool,
+    octahedral: bool,
     /// Light coordinates.
-    pub(super) light: bool,
+    light: bool,
     /// Light coordinates or the light itself.
-    pub(super) light_index: bool,
+    light_index: bool,
 }
 
-/// A ray's coordinates as far as the layout needs them.
-struct Values {
-    origin: [f32; 3],
-    end: [u32; 3],
-    octahedral: [f32; 2],
-    from_light: [f32; 3],
+/// What the keys of up to `N` rays are made from.
+struct Block<'a, const N: usize> {
+    rays: &'a [Ray],
+    lights: [u32; N],
+    origin: [[f32; N]; 3],
+    end: [[u32; N]; 3],
+    octahedral: [[f32; N]; 2],
+    from_light: [[f32; N]; 3],
 }
 
 impl Spread {
-    /// Bits that one table spreads.
-    pub(super) const CHUNK_BITS: u32 = CHUNK_BITS;
-
     fn new(field: &Field) -> Self {
         let used = field.positions.len() as u32;
         let chunks = used.div_ceil(CHUNK_BITS);
@@ -67,14 +71,13 @@ impl Spread {
         Self { coordinate: field.coordinate, drop: field.width - used, tables }
     }
 
-    fn apply(&self, quantised: u32) -> u64 {
-        let mut rest = quantised >> self.drop;
-        let mut key = 0;
-        for table in &self.tables {
-            key |= table[(rest & ((1 << CHUNK_BITS) - 1)) as usize];
-            rest >>= CHUNK_BITS;
+    fn add_to<const N: usize>(&self, keys: &mut [u64; N], quantised: &[u32; N]) {
+        for (chunk, table) in self.tables.iter().enumerate() {
+            let shift = self.drop + chunk as u32 * CHUNK_BITS;
+            for (key, quantised) in keys.iter_mut().zip(quantised) {
+                *key |= table[(quantised >> shift) as usize & (table.len() - 1)];
+            }
         }
-        key
     }
 }
 
@@ -104,52 +107,110 @@ impl Encoder {
     /// # Panics
     /// If the layout has light coordinates and `light` is not an index into the lights given.
     pub fn encode(&self, ray: &Ray, length: f32, light: u32) -> u64 {
-        let values = self.values(ray, length, light);
-        self.spreads
-            .iter()
-            .map(|spread| spread.apply(quantised(spread.coordinate, &values, ray, light)))
-            .sum()
+        let [key] = self.keys(std::slice::from_ref(ray), |_| length, |_| light);
+        key
     }
 
-    fn values(&self, ray: &Ray, length: f32, light: u32) -> Values {
-        let origin = self.unit.point(ray.origin);
-        let mut values = Values { origin, end: [0; 3], octahedral: [0.0; 2], from_light: [0.0; 3] };
-        if self.needs.end {
-            let length = termination::bounded_length(&self.unit, ray, origin, length);
-            values.end =
-                [0, 1, 2].map(|axis| termination::end_quantised(origin[axis], length, ray.direction[axis]));
+    /// Keys of many rays: `put(i, key)` for each i in order. `length` and `light` give what
+    /// [`Encoder::encode`] takes for ray i; they are only asked if the layout needs them.
+    ///
+    /// # Panics
+    /// As [`Encoder::encode`].
+    pub fn encode_all(
+        &self,
+        rays: &[Ray],
+        length: impl Fn(usize) -> f32,
+        light: impl Fn(usize) -> u32,
+        mut put: impl FnMut(usize, u64),
+    ) {
+        for (number, rays) in rays.chunks(BLOCK).enumerate() {
+            let first = number * BLOCK;
+            let keys: [u64; BLOCK] = self.keys(rays, |at| length(first + at), |at| light(first + at));
+            keys.iter().take(rays.len()).enumerate().for_each(|(at, &key)| put(first + at, key));
         }
-        if self.needs.octahedral {
-            values.octahedral = octahedral(ray.direction);
+    }
+
+    /// Keys of up to `N` rays.
+    fn keys<const N: usize>(
+        &self,
+        rays: &[Ray],
+        length: impl Fn(usize) -> f32,
+        light: impl Fn(usize) -> u32,
+    ) -> [u64; N] {
+        let block: Block<'_, N> = self.block(rays, length, light);
+        let mut keys = [0; N];
+        for spread in &self.spreads {
+            spread.add_to(&mut keys, &block.quantised(spread.coordinate));
         }
-        if self.needs.light {
-            values.from_light = from_light(&self.lights[light as usize], origin, ray.direction);
+        keys
+    }
+
+    fn block<'a, const N: usize>(
+        &self,
+        rays: &'a [Ray],
+        length: impl Fn(usize) -> f32,
+        light: impl Fn(usize) -> u32,
+    ) -> Block<'a, N> {
+        let mut block = Block {
+            rays,
+            lights: [0; N],
+            origin: [[0.0; N]; 3],
+            end: [[0; N]; 3],
+            octahedral: [[0.0; N]; 2],
+            from_light: [[0.0; N]; 3],
+        };
+        for (at, ray) in rays.iter().enumerate() {
+            let origin = self.unit.point(ray.origin);
+            (0..3).for_each(|axis| block.origin[axis][at] = origin[axis]);
+            if self.needs.end {
+                let length = termination::bounded_length(&self.unit, ray, origin, length(at));
+                let end = |axis: usize| termination::end_quantised(origin[axis], length, ray.direction[axis]);
+                (0..3).for_each(|axis| block.end[axis][at] = end(axis));
+            }
+            if self.needs.octahedral {
+                let [u, v] = octahedral(ray.direction);
+                (block.octahedral[0][at], block.octahedral[1][at]) = (u, v);
+            }
+            if self.needs.light_index {
+                block.lights[at] = light(at);
+            }
+            if self.needs.light {
+                let site = &self.lights[block.lights[at] as usize];
+                let seen = from_light(site, origin, ray.direction);
+                (0..3).for_each(|axis| block.from_light[axis][at] = seen[axis]);
+            }
         }
-        values
+        block
     }
 }
 
-fn quantised(coordinate: Coordinate, values: &Values, ray: &Ray, light: u32) -> u32 {
-    use Coordinate as C;
-    let direction = ray.direction;
-    match coordinate {
-        C::OriginX => quantise(values.origin[0]),
-        C::OriginY => quantise(values.origin[1]),
-        C::OriginZ => quantise(values.origin[2]),
-        C::EndX => values.end[0],
-        C::EndY => values.end[1],
-        C::EndZ => values.end[2],
-        C::DirectionX => quantise(cartesian(direction[0])),
-        C::DirectionY => quantise(cartesian(direction[1])),
-        C::DirectionZ => quantise(cartesian(direction[2])),
-        C::OctahedralU => quantise(values.octahedral[0]),
-        C::OctahedralV => quantise(values.octahedral[1]),
-        C::Azimuth => quantise(angle::azimuth(direction[0], direction[1])),
-        C::Polar => quantise(angle::polar(direction[2])),
-        C::Light => light,
-        C::LightU => quantise(values.from_light[0]),
-        C::LightV => quantise(values.from_light[1]),
-        C::LightR => quantise(values.from_light[2]),
+impl<const N: usize> Block<'_, N> {
+    fn quantised(&self, coordinate: Coordinate) -> [u32; N] {
+        use Coordinate as C;
+        let of_direction = |map: fn([f32; 3]) -> f32| {
+            let mut lane = [0; N];
+            lane.iter_mut().zip(self.rays).for_each(|(value, ray)| *value = quantise(map(ray.direction)));
+            lane
+        };
+        match coordinate {
+            C::OriginX => self.origin[0].map(quantise),
+            C::OriginY => self.origin[1].map(quantise),
+            C::OriginZ => self.origin[2].map(quantise),
+            C::EndX => self.end[0],
+            C::EndY => self.end[1],
+            C::EndZ => self.end[2],
+            C::DirectionX => of_direction(|d| cartesian(d[0])),
+            C::DirectionY => of_direction(|d| cartesian(d[1])),
+            C::DirectionZ => of_direction(|d| cartesian(d[2])),
+            C::OctahedralU => self.octahedral[0].map(quantise),
+            C::OctahedralV => self.octahedral[1].map(quantise),
+            C::Azimuth => of_direction(|d| angle::azimuth(d[0], d[1])),
+            C::Polar => of_direction(|d| angle::polar(d[2])),
+            C::Light => self.lights,
+            C::LightU => self.from_light[0].map(quantise),
+            C::LightV => self.from_light[1].map(quantise),
+            C::LightR => self.from_light[2].map(quantise),
+        }
     }
 }
 
@@ -231,5 +292,43 @@ mod tests {
         let layout = crate::key::LayoutText::parse("(ox oy)*4").unwrap().expand(1).unwrap();
         let ray = Ray { origin: [1.0, 0.0, 0.0], t_min: 0.0, direction: [0.0, 0.0, 1.0], t_max: 1.0 };
         assert_eq!(Encoder::new(&layout, 16, unit, &[]).encode(&ray, 0.0, 0), 0b1010_1010_0000_0000);
+    }
+
+    #[test]
+    fn blocks_have_the_keys_of_single_rays() {
+        let mut generator = fastrand::Rng::with_seed(5);
+        let mut random = || 2.0 * generator.f32() - 1.0;
+        let mut ray = || Ray {
+            origin: [random() * 3.0, random(), random()],
+            t_min: 0.0,
+            direction: [random(), random(), random()],
+            t_max: if random() > 0.0 { f32::INFINITY } else { 0.5 },
+        };
+        let mut rays: Vec<Ray> = (0..1000).map(|_| ray()).collect();
+        // Whatever a file may hold.
+        rays[3].origin = [f32::NAN, f32::INFINITY, -0.0];
+        rays[70].direction = [0.0; 3];
+        let unit = UnitSpace::from_bounds([-1.0; 3], [1.0; 3]);
+        let lights = [
+            LightSite::Placed { centre: [0.5, 0.2, 0.4] },
+            LightSite::directional([0.0, -1.0, 0.0]),
+            LightSite::Environment,
+        ];
+        let light = |at: usize| at as u32 % 3;
+        let length = |at: usize| at as f32 / 700.0;
+        for (name, ..) in BUILTIN {
+            let layout = Method::builtin(name).unwrap().layout.expand(lights.len()).unwrap();
+            for key_bits in [8, 17, 32, 64] {
+                let encoder = Encoder::new(&layout, key_bits, unit, &lights);
+                let mut keys = Vec::new();
+                encoder.encode_all(&rays, length, light, |at, key| {
+                    assert_eq!(at, keys.len());
+                    keys.push(key);
+                });
+                let single =
+                    rays.iter().enumerate().map(|(at, ray)| encoder.encode(ray, length(at), light(at)));
+                assert_eq!(keys, single.collect::<Vec<u64>>(), "{name} at {key_bits} bits");
+            }
+        }
     }
 }

@@ -9,7 +9,6 @@ pub mod angle;
 pub mod coordinates;
 pub mod decode;
 pub mod encode;
-mod encode_block;
 pub mod layout;
 pub mod light_site;
 pub mod method;

@@ -4,12 +4,15 @@
 
 use std::fmt;
 
+use bincode::{Decode, Encode};
+use serde::Serialize;
+
 use crate::key::method::is_method_name;
 use crate::npy::Dtype;
 use crate::ray::Kind;
 
 /// A queue: the live rays of one pass, bounce and kind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, bincode::Encode, bincode::Decode)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Encode, Decode, Serialize)]
 pub struct QueueId {
     /// Pass, from 0.
     pub pass: u32,

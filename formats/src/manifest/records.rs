@@ -4,7 +4,7 @@
 //! change here is a new [`FORMAT_VERSION`](super::FORMAT_VERSION).
 
 use bincode::{Decode, Encode};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::{Place, QueueId};
 use crate::key::LightSite;
@@ -267,24 +267,33 @@ pub struct CacheRecord {
 }
 
 /// An array whose file is complete.
-#[derive(Clone, Debug, PartialEq, Eq, Encode, Decode)]
+#[derive(Clone, Debug, PartialEq, Eq, Encode, Decode, Serialize)]
 pub struct ArrayRecord {
     /// Where it lies.
+    #[serde(rename = "path", serialize_with = "as_text")]
     pub place: Place,
     /// Element type.
+    #[serde(serialize_with = "as_text")]
     pub dtype: Dtype,
     /// Lengths of the dimensions, slowest first.
     pub shape: Vec<u64>,
     /// CRC-32C (Castagnoli) of the data, the NPY header not included.
+    #[serde(skip)]
     pub crc32c: u32,
     /// Bytes of the data, the NPY header not included.
     pub bytes: u64,
 }
 
+/// The path of an array or NumPy's description of its elements, in JSON.
+fn as_text<S: Serializer>(value: &impl std::fmt::Display, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(value)
+}
+
 /// A queue of rays whose arrays are complete.
-#[derive(Clone, Debug, PartialEq, Eq, Encode, Decode)]
+#[derive(Clone, Debug, PartialEq, Eq, Encode, Decode, Serialize)]
 pub struct QueueRecord {
     /// Which queue.
+    #[serde(flatten)]
     pub id: QueueId,
     /// Rays in it.
     pub rays: u64,

@@ -3,8 +3,6 @@
 //! Whether a nearer triangle was missed cannot be seen without tracing; that the point named by a
 //! hit lies on its ray, and within the ray's limits, can.
 
-use std::fmt;
-
 use super::holes::Holes;
 use super::{Check, Subject};
 use crate::manifest::{Place, SceneArray};
@@ -87,36 +85,21 @@ impl Geometry {
     }
 }
 
-/// What is wrong with a hit.
-#[derive(Debug, PartialEq)]
+/// What is wrong with a hit; lengths in world units.
+#[derive(Debug, PartialEq, thiserror::Error)]
 enum Fault {
-    /// A miss is written in one way only.
+    #[error("misses, but not with t = inf and u = v = 0")]
     Miss,
-    /// The triangle does not exist.
+    #[error("hits a triangle that does not exist")]
     Triangle,
-    /// t is outside the ray's limits.
+    #[error("is hit outside its t_min and t_max")]
     Distance,
-    /// The weights are not those of a point in a triangle.
+    #[error("has barycentric weights outside 0 to 1")]
     Weights,
-    /// The point is a hole of the material's mask.
+    #[error("is hit where its material's mask has a hole")]
     Hole,
-    /// The point on the triangle is not the point on the ray; world units.
+    #[error("is hit {apart:e} away from the triangle's point, expected at most {tolerance:e}")]
     Point { apart: f64, tolerance: f64 },
-}
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Miss => f.write_str("misses, but not with t = inf and u = v = 0"),
-            Self::Triangle => f.write_str("hits a triangle that does not exist"),
-            Self::Distance => f.write_str("is hit outside its t_min and t_max"),
-            Self::Weights => f.write_str("has barycentric weights outside 0 to 1"),
-            Self::Hole => f.write_str("is hit where its material's mask has a hole"),
-            Self::Point { apart, tolerance } => {
-                write!(f, "is hit {apart:e} away from the triangle's point, expected at most {tolerance:e}")
-            }
-        }
-    }
 }
 
 type Vector = [f64; 3];

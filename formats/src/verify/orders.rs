@@ -6,6 +6,7 @@ use super::{Check, Findings, Queue, Subject};
 use crate::key::{Coordinate, Encoder, LayoutText, Termination};
 use crate::length_table::LengthTable;
 use crate::manifest::{MethodArray, MethodRecord, Place, QueueArray, QueueId};
+use crate::metrics::order::Keys;
 use crate::npy::Dtype;
 use crate::permutation::{check_bijection, check_order};
 use crate::ray::Ray;
@@ -35,31 +36,10 @@ pub(super) fn check(subject: &Subject<'_>) -> [Check; 2] {
 }
 
 /// The keys of a method as they are stored.
-enum Keys {
-    Narrow(Mapped<u32>),
-    Wide(Mapped<u64>),
-}
-
-impl Keys {
-    fn of(subject: &Subject<'_>, place: &Place) -> Option<Self> {
-        match subject.dump.record(place)?.dtype {
-            Dtype::U8 => subject.array(place).map(Self::Wide),
-            _ => subject.array(place).map(Self::Narrow),
-        }
-    }
-
-    fn len(&self) -> usize {
-        match self {
-            Self::Narrow(keys) => keys.len(),
-            Self::Wide(keys) => keys.len(),
-        }
-    }
-
-    fn at(&self, ray: usize) -> u64 {
-        match self {
-            Self::Narrow(keys) => u64::from(keys[ray]),
-            Self::Wide(keys) => keys[ray],
-        }
+fn stored_keys(subject: &Subject<'_>, place: &Place) -> Option<Keys> {
+    match subject.dump.record(place)?.dtype {
+        Dtype::U8 => subject.array(place).map(Keys::Wide),
+        _ => subject.array(place).map(Keys::Narrow),
     }
 }
 
@@ -67,30 +47,25 @@ fn check_permutation(subject: &Subject<'_>, queue: QueueId, method: &str, check:
     let place = Place::Method(queue, method.to_owned(), MethodArray::Permutation);
     let Some(permutation) = subject.array::<u32>(&place) else { return };
     check.checked += permutation.len() as u64;
-    let bijective = check_bijection(&permutation, permutation.len());
-    let keys = Keys::of(subject, &Place::Method(queue, method.to_owned(), MethodArray::Keys));
-    let ordered = match (&bijective, keys) {
-        (Err(_), _) => return check.problems.add(with_place(&place, bijective)),
-        (Ok(()), Some(keys)) if keys.len() != permutation.len() => return,
-        (Ok(()), Some(Keys::Narrow(keys))) => check_order(&permutation, &keys[..]),
-        (Ok(()), Some(Keys::Wide(keys))) => check_order(&permutation, &keys[..]),
-        (Ok(()), None) => {
-            check.not_checked.push(format!("{place}: its keys were not kept"));
-            return;
+    let checked = check_bijection(&permutation, permutation.len()).and_then(|()| {
+        match stored_keys(subject, &Place::Method(queue, method.to_owned(), MethodArray::Keys)) {
+            // `queues` finds that their lengths differ.
+            Some(keys) if keys.len() != permutation.len() => Ok(()),
+            Some(keys) => check_order(&permutation, |ray| keys.at(ray)),
+            None => {
+                check.not_checked.push(format!("{place}: its keys were not kept"));
+                Ok(())
+            }
         }
-    };
-    if ordered.is_err() {
-        check.problems.add(with_place(&place, ordered));
+    });
+    if let Err(error) = checked {
+        check.problems.add(format!("{place}: {error}"));
     }
-}
-
-fn with_place(place: &Place, result: Result<(), impl std::fmt::Display>) -> String {
-    result.map_or_else(|error| format!("{place}: {error}"), |()| String::new())
 }
 
 fn check_keys(subject: &Subject<'_>, queue: QueueId, name: &str, rays: Option<&[Ray]>, check: &mut Check) {
     let place = Place::Method(queue, name.to_owned(), MethodArray::Keys);
-    let Some(keys) = Keys::of(subject, &place) else { return };
+    let Some(keys) = stored_keys(subject, &place) else { return };
     // That the method has no record, or a wrong one, was found before.
     let Some(method) = subject.methods.get(name) else { return };
     if method_problem(method, subject.dump.manifest().header.lights.len()).is_some() {
