@@ -21,20 +21,21 @@ use formats::bench_result::{BENCH_VERSION, BenchResult, Rows};
 use formats::metrics::speedup::{interquartile_range, median};
 
 use crate::machine::Device;
+use crate::machine::description::Description;
 
 /// What was measured, on which device.
 pub(crate) fn result(device: &Device, rows: Rows) -> BenchResult {
-    let adapter = device.adapter();
+    let device = Description::of(device);
     let command: Vec<String> = std::env::args().skip(1).collect();
     BenchResult {
         rayscope_bench: BENCH_VERSION,
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
         command: format!("recorder {}", command.join(" ")),
-        backend: device.backend().name().to_owned(),
-        adapter: adapter.name,
-        driver: adapter.driver,
-        threads: device.threads(),
-        time_source: device.time_source(),
+        backend: device.backend.name().to_owned(),
+        adapter: device.adapter.name,
+        driver: device.adapter.driver,
+        threads: device.threads,
+        time_source: device.time_source.to_owned(),
         instrument: None,
         rows,
     }

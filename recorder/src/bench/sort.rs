@@ -142,15 +142,8 @@ fn in_turns(
     Ok(sorted)
 }
 
-/// The same keys on every machine (SplitMix64, Steele, Lea & Flood 2014).
+/// The same keys on every machine.
 pub(super) fn random_keys(count: usize) -> Vec<u64> {
-    let mut state = 0u64;
-    let mut next = || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    };
-    (0..count).map(|_| next()).collect()
+    let mut random = fastrand::Rng::with_seed(0);
+    (0..count).map(|_| random.u64(..)).collect()
 }

@@ -1,5 +1,6 @@
 //! `recorder demo`: a first recording without having to know anything.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
@@ -12,22 +13,10 @@ use crate::output::{print, print_json};
 use crate::recording;
 use crate::report;
 
-/// The built-in scene and a size that takes seconds on two cores.
-const DEMO: [&str; 13] = [
-    "builtin:atrium",
-    "--width",
-    "480",
-    "--height",
-    "270",
-    "--bounces",
-    "4",
-    "--passes",
-    "2",
-    "--repeats",
-    "3",
-    "--force",
-    "--out",
-];
+/// The built-in scene.
+const SCENE: &str = "builtin:atrium";
+/// A size that takes seconds on two cores.
+const SIZE: &str = "--width 480 --height 270 --bounces 4 --passes 2 --repeats 3 --force --out";
 
 #[derive(Debug, Args)]
 pub(super) struct DemoArguments {
@@ -46,11 +35,11 @@ pub(super) fn run(arguments: &DemoArguments) -> Result<()> {
         .with_context(|| format!("cannot make the folder {}", arguments.out.display()))?;
     let out = arguments.out.join("demo.raydump");
     // An earlier demo is replaced without a word, and nothing else that has its name.
-    let is_demo = |dump: Dump| dump.manifest().header.scene.name == DEMO[0];
+    let is_demo = |dump: Dump| dump.manifest().header.scene.name == SCENE;
     if Dump::open(&out).is_ok_and(|dump| !is_demo(dump)) {
         bail!("{} holds a recording of something else; choose another folder with --out", out.display());
     }
-    let words = DEMO.iter().map(|&word| word.into()).chain([out.into_os_string()]);
+    let words = [SCENE].into_iter().chain(SIZE.split(' ')).map(OsString::from).chain([out.into_os_string()]);
     let options = RecordArguments::parse_words(words)?.with_device(arguments.device.clone()).options()?;
     let recorded = recording::record(&options)?;
     if arguments.json {

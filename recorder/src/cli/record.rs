@@ -21,19 +21,12 @@ enum Preset {
     Paper,
 }
 
-struct PresetValues {
-    width: u32,
-    height: u32,
-    bounces: u32,
-    passes: u32,
-    repeats: u32,
-}
-
 impl Preset {
-    fn values(self) -> PresetValues {
+    /// Width, height, bounces, passes and repeats.
+    fn values(self) -> [u32; 5] {
         match self {
-            Self::Quick => PresetValues { width: 960, height: 540, bounces: 5, passes: 2, repeats: 7 },
-            Self::Paper => PresetValues { width: 1920, height: 1080, bounces: 8, passes: 4, repeats: 15 },
+            Self::Quick => [960, 540, 5, 2, 7],
+            Self::Paper => [1920, 1080, 8, 4, 15],
         }
     }
 }
@@ -125,15 +118,15 @@ impl RecordArguments {
     }
 
     pub(super) fn options(&self) -> Result<RecordOptions, OptionError> {
-        let preset = self.preset.values();
+        let [width, height, bounces, passes, repeats] = self.preset.values();
         let options = RecordOptions {
             scene: self.scene.clone(),
             out: self.out.clone(),
-            width: self.width.unwrap_or(preset.width),
-            height: self.height.unwrap_or(preset.height),
-            bounces: self.bounces.unwrap_or(preset.bounces),
-            passes: self.passes.unwrap_or(preset.passes),
-            repeats: self.repeats.unwrap_or(preset.repeats),
+            width: self.width.unwrap_or(width),
+            height: self.height.unwrap_or(height),
+            bounces: self.bounces.unwrap_or(bounces),
+            passes: self.passes.unwrap_or(passes),
+            repeats: self.repeats.unwrap_or(repeats),
             seed: self.seed,
             camera: self.camera.clone(),
             methods: parse_methods(&self.methods, &self.own_methods)?,

@@ -108,7 +108,7 @@ pub enum GpuError {
         /// Name and driver of the adapter.
         adapter: String,
         /// Name of the check.
-        check: &'static str,
+        check: String,
         /// What was found and what was expected.
         detail: String,
     },

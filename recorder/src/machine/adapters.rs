@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::self_check::{Outcome, SelfCheck};
+use super::self_check::{FAILED, SelfCheck};
 use crate::device::adapter::enumerate;
 use crate::device::{AdapterDescription, Gpu};
 
@@ -39,7 +39,7 @@ pub fn reports() -> Vec<AdapterReport> {
 impl AdapterReport {
     /// Whether recordings can be made on it.
     pub fn is_usable(&self) -> bool {
-        let passed = |found: &SelfCheck| found.checks.iter().all(|check| check.outcome != Outcome::Failed);
+        let passed = |found: &SelfCheck| found.checks.iter().all(|check| check.outcome != FAILED);
         self.self_check.as_ref().is_some_and(passed)
     }
 }
@@ -69,7 +69,7 @@ impl fmt::Display for AdapterReport {
             writeln!(f, "  {error}")?;
         }
         for check in self.self_check.iter().flat_map(|found| &found.checks) {
-            writeln!(f, "  {:8} {:28} {}", check.outcome.name(), check.name, check.detail)?;
+            writeln!(f, "  {:8} {:28} {}", check.outcome, check.name, check.detail)?;
         }
         Ok(())
     }

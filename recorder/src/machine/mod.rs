@@ -2,13 +2,14 @@
 //!
 //! - [`self_check`]: known answers that an adapter must give
 //! - [`adapters`]: all adapters of this machine with what it found
+//! - [`description`]: a device as manifests and benchmarks describe it
 
 pub mod adapters;
+pub mod description;
 mod processors;
 pub mod self_check;
 
 use anyhow::{Context, Result, bail};
-use formats::manifest::{Adapter, Backend as BackendName, Check};
 use scenes::Scene;
 use sysinfo::System;
 
@@ -142,16 +143,13 @@ impl Device {
                 device.check_extent(scene)?;
                 let limits = &device.gpu.adapter().limits;
                 let limit = limits.storage_binding_bytes.min(limits.buffer_bytes);
+                let (vertices, triangles) = (scene.positions.len() as u64, scene.triangles.len() as u64);
                 let items = [
-                    ("pixels", format!("{size} pixels"), pixels),
-                    ("vertices", format!("{} vertices", scene.positions.len()), scene.positions.len() as u64),
-                    (
-                        "triangles",
-                        format!("{} triangles", scene.triangles.len()),
-                        scene.triangles.len() as u64,
-                    ),
+                    (format!("{size} pixels"), pixels),
+                    (format!("{vertices} vertices"), vertices),
+                    (format!("{triangles} triangles"), triangles),
                 ];
-                for (_, what, count) in items {
+                for (what, count) in items {
                     let needed = count.saturating_mul(GPU_BYTES_PER_ITEM);
                     if needed > limit {
                         bail!(
@@ -181,105 +179,6 @@ impl Device {
                 )]
             }
             Self::Gpu(_) => Vec::new(),
-        }
-    }
-
-    /// For the manifest.
-    pub fn backend(&self) -> BackendName {
-        match self {
-            Self::Cpu(_) => BackendName::Cpu,
-            Self::Gpu(_) => BackendName::Gpu,
-        }
-    }
-
-    /// For the manifest.
-    pub fn adapter(&self) -> Adapter {
-        match self {
-            Self::Cpu(_) => {
-                let name = System::new().ok().and_then(|mut system| {
-                    system.refresh_cpu_all();
-                    system.cpus().first().map(|cpu| cpu.brand().trim().to_owned())
-                });
-                Adapter {
-                    name: name
-                        .filter(|name| !name.is_empty())
-                        .unwrap_or_else(|| std::env::consts::ARCH.to_owned()),
-                    driver: String::new(),
-                    device_type: "cpu".into(),
-                    backend: "threads".into(),
-                }
-            }
-            Self::Gpu(device) => {
-                let adapter = device.gpu.adapter();
-                Adapter {
-                    name: adapter.name.clone(),
-                    driver: format!("{} {}", adapter.driver, adapter.driver_info).trim().to_owned(),
-                    device_type: adapter.device_type.clone(),
-                    backend: adapter.backend.clone(),
-                }
-            }
-        }
-    }
-
-    /// For the manifest.
-    pub fn limits(&self) -> Vec<(String, u64)> {
-        match self {
-            Self::Cpu(_) => processors::facts(),
-            Self::Gpu(device) => {
-                let limits = &device.gpu.adapter().limits;
-                [
-                    ("buffer_bytes", limits.buffer_bytes),
-                    ("storage_binding_bytes", limits.storage_binding_bytes),
-                    ("storage_bindings", limits.storage_bindings.into()),
-                    ("workgroup_bytes", limits.workgroup_bytes.into()),
-                    ("workgroup_threads", limits.workgroup_threads.into()),
-                    ("workgroups_per_axis", limits.workgroups_per_axis.into()),
-                ]
-                .map(|(name, limit)| (name.to_owned(), limit))
-                .to_vec()
-            }
-        }
-    }
-
-    /// For the manifest.
-    pub fn self_check(&self) -> Vec<Check> {
-        match self {
-            Self::Cpu(_) => Vec::new(),
-            Self::Gpu(device) => device
-                .self_check
-                .checks
-                .iter()
-                .map(|check| Check {
-                    name: check.name.to_owned(),
-                    outcome: check.outcome.name().to_owned(),
-                    detail: check.detail.clone(),
-                })
-                .collect(),
-        }
-    }
-
-    /// Whether keys must equal those of IEEE arithmetic.
-    pub fn ieee_arithmetic(&self) -> bool {
-        match self {
-            Self::Cpu(_) => true,
-            Self::Gpu(device) => device.self_check.ieee_division && !device.self_check.contracts,
-        }
-    }
-
-    /// For the manifest.
-    pub fn time_source(&self) -> String {
-        match self {
-            Self::Gpu(device) if device.gpu.adapter().timestamps => "gpu timestamps".to_owned(),
-            Self::Gpu(_) => "monotonic clock around submissions".to_owned(),
-            Self::Cpu(_) => "monotonic clock".to_owned(),
-        }
-    }
-
-    /// Threads of the cpu backend; 0 on a GPU.
-    pub fn threads(&self) -> u32 {
-        match self {
-            Self::Cpu(device) => device.pool.current_num_threads() as u32,
-            Self::Gpu(_) => 0,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What every run asks a device before it trusts it: known answers, in well under a second.
 
+use formats::manifest::Check;
 use serde::Serialize;
 
 use crate::device::{Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource};
@@ -21,39 +22,12 @@ const LOOPS: [u32; 4] = [65_535, 65_536, 70_003, 200_003];
 /// The kernels.
 pub(crate) const WGSL: &str = include_str!("self_check.wgsl");
 
-/// What came out of a check.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Outcome {
-    /// As it must be.
-    Passed,
-    /// Wrong.
-    Failed,
-    /// Allowed, but not as IEEE 754 has it.
-    Differs,
-}
-
-impl Outcome {
-    /// Name in manifests and lists.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Passed => "passed",
-            Self::Failed => "failed",
-            Self::Differs => "differs",
-        }
-    }
-}
-
-/// One thing that was asked.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Check {
-    /// What.
-    pub name: &'static str,
-    /// What came out.
-    pub outcome: Outcome,
-    /// The numbers behind it.
-    pub detail: String,
-}
+/// It is as it must be.
+const PASSED: &str = "passed";
+/// It is wrong.
+pub(super) const FAILED: &str = "failed";
+/// It is allowed, but not as IEEE 754 has it.
+const DIFFERS: &str = "differs";
 
 /// What a device does, and how it rounds.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -75,11 +49,11 @@ impl SelfCheck {
     /// [`GpuError::SelfCheck`] for the first check that failed, or what the device reports.
     pub fn run(gpu: &Gpu) -> Result<Self, GpuError> {
         let found = Self::look(gpu)?;
-        match found.checks.iter().find(|check| check.outcome == Outcome::Failed) {
+        match found.checks.iter().find(|check| check.outcome == FAILED) {
             None => Ok(found),
             Some(check) => Err(GpuError::SelfCheck {
                 adapter: gpu.adapter().title(),
-                check: check.name,
+                check: check.name.clone(),
                 detail: check.detail.clone(),
             }),
         }
@@ -97,7 +71,7 @@ impl SelfCheck {
         }
         checks.push(bench.timestamps()?);
         let rounding = bench.rounding()?;
-        let is_exact = |check: &Check| check.outcome == Outcome::Passed;
+        let is_exact = |check: &Check| check.outcome == PASSED;
         let ieee_division = rounding[..2].iter().all(is_exact);
         let contracts = !is_exact(&rounding[2]);
         let flushes_denormals = !is_exact(&rounding[3]);
@@ -189,7 +163,7 @@ impl Bench<'_> {
         let name = "timestamps";
         if !self.gpu.adapter().timestamps {
             let detail = "the device has none; times are taken around submissions".to_owned();
-            return Ok(Check { name, outcome: Outcome::Differs, detail });
+            return Ok(check(name, DIFFERS, detail));
         }
         let (.., elapsed_ns) = self.run("long_loops", &[200_003; 64], 1)?;
         let mut check = verdict(
@@ -218,12 +192,8 @@ impl Bench<'_> {
         };
         let compare = |name, column, expected: &dyn Fn(&[f32; 4]) -> f32| {
             let wrong = count(column, expected);
-            let outcome = if wrong == 0 { Outcome::Passed } else { Outcome::Differs };
-            Check {
-                name,
-                outcome,
-                detail: format!("{wrong} of {ROUNDING_ROWS} results are not those of IEEE 754"),
-            }
+            let detail = format!("{wrong} of {ROUNDING_ROWS} results are not those of IEEE 754");
+            check(name, if wrong == 0 { PASSED } else { DIFFERS }, detail)
         };
         Ok([
             compare("division", 0, &|[a, b, ..]| a / b),
@@ -238,30 +208,27 @@ impl Bench<'_> {
         let rows = [row; 64];
         let (outputs, ..) = self.run("rounding", bytemuck::cast_slice(&rows), 1)?;
         let is_kept = outputs[3] == (1e-10f32 * 1e-30).to_bits();
-        let outcome = if is_kept { Outcome::Passed } else { Outcome::Differs };
-        let detail = if is_kept {
-            "kept".to_owned()
-        } else {
-            format!("flushed to zero; scenes smaller than {SMALLEST_FLUSHED_SCENE} are refused")
-        };
-        Ok(Check { name: "denormal numbers", outcome, detail })
+        let name = "denormal numbers";
+        if is_kept {
+            return Ok(check(name, PASSED, "kept".to_owned()));
+        }
+        let detail = format!("flushed to zero; scenes smaller than {SMALLEST_FLUSHED_SCENE} are refused");
+        Ok(check(name, DIFFERS, detail))
     }
 }
 
-fn verdict(name: &'static str, fault: Option<String>) -> Check {
-    match fault {
-        None => Check { name, outcome: Outcome::Passed, detail: String::new() },
-        Some(detail) => Check { name, outcome: Outcome::Failed, detail },
-    }
+fn verdict(name: &str, fault: Option<String>) -> Check {
+    check(name, if fault.is_some() { FAILED } else { PASSED }, fault.unwrap_or_default())
 }
 
-/// Pseudo-random words (Numerical Recipes' linear congruential generator, high bits folded in).
-fn numbers(seed: u32) -> impl Iterator<Item = u32> {
-    let mut state = seed.wrapping_mul(0x9e37_79b9);
-    std::iter::repeat_with(move || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        state ^ (state >> 15)
-    })
+fn check(name: &str, outcome: &str, detail: String) -> Check {
+    Check { name: name.to_owned(), outcome: outcome.to_owned(), detail }
+}
+
+/// The same pseudo-random words on every machine.
+fn numbers(seed: u64) -> impl Iterator<Item = u32> {
+    let mut random = fastrand::Rng::with_seed(seed);
+    std::iter::repeat_with(move || random.u32(..))
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use formats::text::one_line;
 use scenes::Scene;
 
 use crate::machine::Device;
+use crate::machine::description::Description;
 use crate::options::RecordOptions;
 use crate::stages::setup::{MethodPlan, Setup};
 
@@ -23,10 +24,11 @@ pub(crate) fn header(
     source: Source,
 ) -> Header {
     let bounds = scene.bounds();
+    let device = Description::of(device);
     let names = |list: Vec<&'static str>| list.into_iter().map(str::to_owned).collect();
     Header {
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
-        options: manifest_options(setup, options, device),
+        options: manifest_options(setup, options, device.threads),
         scene: SceneSummary {
             name: scene.name.clone(),
             content_hash: scenes::hash::content_hash(scene),
@@ -43,22 +45,22 @@ pub(crate) fn header(
             yfov_radians: setup.camera.yfov_radians,
         },
         lights: setup.light_sites.clone(),
-        backend: device.backend(),
-        adapter: device.adapter(),
-        limits: device.limits(),
-        self_check: device.self_check(),
-        ieee_arithmetic: device.ieee_arithmetic(),
+        backend: device.backend,
+        adapter: device.adapter,
+        limits: device.limits,
+        self_check: device.self_check,
+        ieee_arithmetic: device.ieee_arithmetic,
         features: FeatureNames {
             used: names(setup.features.used()),
             skipped: names(setup.features.skipped()),
         },
-        time_source: device.time_source(),
+        time_source: device.time_source.to_owned(),
         notices: notices.to_vec(),
         source,
     }
 }
 
-fn manifest_options(setup: &Setup, options: &RecordOptions, device: &Device) -> Options {
+fn manifest_options(setup: &Setup, options: &RecordOptions, threads: u32) -> Options {
     let names = setup.methods.iter().map(|method| method.name.clone());
     Options {
         width: options.width,
@@ -75,7 +77,7 @@ fn manifest_options(setup: &Setup, options: &RecordOptions, device: &Device) -> 
         table_method: options.table_method.name.clone(),
         table_layout: options.table_method.layout.text().to_owned(),
         trace_kernel: options.device.kernel().name().to_owned(),
-        threads: device.threads(),
+        threads,
         keep: options.keep.words(),
         keep_passes: if options.keep_passes == crate::options::KeepPasses::All { "all" } else { "measured" }
             .to_owned(),

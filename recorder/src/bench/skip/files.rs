@@ -1,6 +1,6 @@
 //! What is not written, and what need not be built again.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
@@ -15,14 +15,14 @@ use crate::recording::record;
 
 /// Recordings of two passes with fewer and more arrays; the hierarchy built and loaded.
 pub(super) fn rows(bench: Bench<'_>) -> Result<Vec<SkipRow>> {
-    let folder = Scratch::new()?;
+    let folder = tempfile::tempdir().context("cannot make a temporary folder")?;
     let nothing = Keep::default();
     let everything = Keep::parse(&Keep::WORDS.join(","))?;
     let [none, measured, all] =
         [(nothing, KeepPasses::Measured), (everything, KeepPasses::Measured), (everything, KeepPasses::All)];
     let mut recordings = Vec::new();
     for (keep, keep_passes) in [none, measured, all] {
-        recordings.push(recording(bench, &folder.0.join("skip.raydump"), keep, keep_passes)?);
+        recordings.push(recording(bench, &folder.path().join("skip.raydump"), keep, keep_passes)?);
     }
     let pair = |what: &str, skipped: usize, done: usize| {
         let [(skipped, one), (done, other)] = [recordings[skipped].clone(), recordings[done].clone()];
@@ -33,26 +33,8 @@ pub(super) fn rows(bench: Bench<'_>) -> Result<Vec<SkipRow>> {
         pair("arrays that nobody asked for", 0, 1),
         pair("arrays of passes that are not measured", 1, 2),
     ];
-    rows.extend(hierarchy(bench, &folder.0.join("bvh"))?);
+    rows.extend(hierarchy(bench, &folder.path().join("bvh"))?);
     Ok(rows)
-}
-
-/// A folder that is removed at the end.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new() -> Result<Self> {
-        let path = std::env::temp_dir().join(format!("rayscope-bench-{}", std::process::id()));
-        std::fs::create_dir_all(&path).with_context(|| format!("cannot make {}", path.display()))?;
-        Ok(Self(path))
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        // What is left in the folder for temporary files does no harm.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
 }
 
 /// Time and bytes of a recording without methods, and the hash of its picture.
