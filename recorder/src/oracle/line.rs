@@ -7,11 +7,15 @@ use super::exact;
 
 /// A ray in double precision.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
-    pub(super) origin: [f64; 3],
-    pub(super) direction: [f64; 3],
-    pub(super) t_min: f64,
-    pub(super) t_max: f64,
+pub struct Line {
+    /// Where it starts.
+    pub origin: [f64; 3],
+    /// Where it leads, of any length.
+    pub direction: [f64; 3],
+    /// The nearest distance that counts, in units of the direction's length.
+    pub t_min: f64,
+    /// The farthest one.
+    pub t_max: f64,
 }
 
 /// A point where a line crosses a triangle.
@@ -55,7 +59,7 @@ impl Line {
     }
 
     /// Length of the direction.
-    pub(super) fn speed(&self) -> f64 {
+    pub fn speed(&self) -> f64 {
         dot(self.direction, self.direction).sqrt()
     }
 
@@ -123,14 +127,17 @@ impl Line {
     }
 }
 
-pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+/// The difference of two vectors.
+pub fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+/// Cross product.
+pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+/// Dot product.
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -6,12 +6,11 @@
 //! edges and corners included, at any scale of the scene and any shape of the triangle. Nothing here is
 //! shared with the tracers but the alpha masks, whose texels are looked up alike.
 //!
-//! [`judge`](mod@judge) holds a tracer's answer against it; [`radiance`] is a path tracer of its own over it.
+//! [`judge`](mod@judge) holds a tracer's answer against it.
 
 mod exact;
 mod judge;
-mod line;
-pub mod radiance;
+pub mod line;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -123,7 +122,8 @@ impl Oracle {
         judge::tolerance(&Line::new(ray), &self.corners[triangle as usize])
     }
 
-    fn closest_on(&self, line: &Line) -> Option<ExactHit> {
+    /// As [`Oracle::closest`], of a line in double precision.
+    pub fn closest_on(&self, line: &Line) -> Option<ExactHit> {
         let mut best: Option<ExactHit> = None;
         self.tree.walk(line, |triangle| {
             if let Some(hit) = self.hit(line, triangle)

@@ -1,4 +1,4 @@
-//! Pictures whose radiance is known: from a formula, or from the oracle's own path tracer.
+//! Pictures whose radiance is known: from a formula, or from a path tracer over the oracle.
 //!
 //! Every pixel of a picture is one sample (a few passes of them), so the mean over the picture has a
 //! confidence interval of its own; it must hold the known value within three standard errors, on every
@@ -8,6 +8,7 @@
 
 mod direct;
 mod furnace;
+mod path_tracer;
 mod picture;
 mod reference;
 mod scene;

@@ -1,8 +1,8 @@
-//! Rooms without a formula, against the oracle's own path tracer.
+//! Rooms without a formula, against a path tracer over the oracle.
 
-use recorder::oracle::radiance::Reference;
 use recorder::stages::random::Random;
 
+use crate::path_tracer::Reference;
 use crate::picture::{Estimate, expect};
 use crate::scene::{SceneOf, cube, glowing, matt, parallelogram, sphere};
 use scenes::{Light, Scene};

@@ -1,79 +1,48 @@
-//! The tracers held against a double-precision oracle and against testing every triangle.
+//! The tracers held against testing every triangle; the oracle judges them in the stress tests.
 
 use std::sync::atomic::AtomicU32;
 
+use fastrand::Rng;
 use formats::ray::{Hit, Kind, Ray};
 use scenes::bvh::{BvhKind, build};
-use scenes::{Camera, Material, Scene, Texture};
+use scenes::{Material, Scene, Texture};
 
 use super::cpu::CpuTracer;
 use super::hits::Hits;
 use super::mask::Masks;
 use super::triangle::{LeafTriangle, Shear, TriangleRay};
 use super::{Order, Precision, farthest};
-use crate::oracle::Oracle;
 use crate::stages::compare::cpu::differences as differences_between;
 use crate::stages::scatter::cpu::scatter;
 use crate::stages::sort::cpu::permutation_of;
 
-struct Random(fastrand::Rng);
+/// Each coordinate in [0, 1).
+fn point(random: &mut Rng) -> [f32; 3] {
+    std::array::from_fn(|_| random.f32())
+}
 
-impl Random {
-    fn new(seed: u64) -> Self {
-        Self(fastrand::Rng::with_seed(seed))
-    }
-
-    /// In [0, 1).
-    fn unit(&mut self) -> f32 {
-        self.0.f32()
-    }
-
-    fn point(&mut self) -> [f32; 3] {
-        std::array::from_fn(|_| self.unit())
-    }
-
-    fn direction(&mut self) -> [f32; 3] {
-        loop {
-            let v = self.point().map(|x| 2.0 * x - 1.0);
-            let squared = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-            if squared > 0.01 && squared < 1.0 {
-                return v.map(|x| x / squared.sqrt());
-            }
+fn direction(random: &mut Rng) -> [f32; 3] {
+    loop {
+        let v = point(random).map(|x| 2.0 * x - 1.0);
+        let squared = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        if squared > 0.01 && squared < 1.0 {
+            return v.map(|x| x / squared.sqrt());
         }
     }
 }
 
 /// A scene of triangles that share no corners.
 fn scene_of(triangles: Vec<[[f32; 3]; 3]>) -> Scene {
-    let vertices = 3 * triangles.len() as u32;
-    Scene {
-        name: "test".into(),
-        triangles: (0..vertices).collect::<Vec<u32>>().chunks(3).map(|v| [v[0], v[1], v[2]]).collect(),
-        triangle_materials: vec![0; triangles.len()],
-        positions: triangles.into_iter().flatten().collect(),
-        normals: Vec::new(),
-        uvs: Vec::new(),
-        materials: vec![Material::default()],
-        textures: Vec::new(),
-        lights: Vec::new(),
-        cameras: vec![Camera {
-            name: "test".into(),
-            eye: [0.0; 3],
-            forward: [0.0, 0.0, -1.0],
-            right: [1.0, 0.0, 0.0],
-            up: [0.0, 1.0, 0.0],
-            yfov_radians: 1.0,
-        }],
-        notices: Vec::new(),
-    }
+    let indices = (0..triangles.len() as u32).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]);
+    Scene::of_geometry("test".into(), triangles.concat(), indices.collect())
 }
 
 fn soup(count: usize, size: f32, seed: u64) -> Scene {
-    let mut random = Random::new(seed);
+    let mut random = Rng::with_seed(seed);
     let mut triangle = || {
-        let centre = random.point();
+        let centre = point(&mut random);
         std::array::from_fn(|_| {
-            let offset = random.point();
+            let offset = point(&mut random);
             [0, 1, 2].map(|axis| centre[axis] + size * (offset[axis] - 0.5))
         })
     };
@@ -105,18 +74,18 @@ fn ray(origin: [f32; 3], direction: [f32; 3]) -> Ray {
 }
 
 fn random_rays(count: usize, seed: u64) -> Vec<Ray> {
-    let mut random = Random::new(seed);
-    (0..count).map(|_| ray(random.point().map(|x| 3.0 * x - 1.0), random.direction())).collect()
+    let mut random = Rng::with_seed(seed);
+    (0..count).map(|_| ray(point(&mut random).map(|x| 3.0 * x - 1.0), direction(&mut random))).collect()
 }
 
 /// Rays that start or run in the planes and along the edges of the unit grid.
 fn aligned_rays(seed: u64) -> Vec<Ray> {
-    let mut random = Random::new(seed);
+    let mut random = Rng::with_seed(seed);
     let mut rays = Vec::new();
     for index in 0..3000 {
         let snap = |x: f32| (x * 8.0).round() / 8.0;
-        let origin = random.point().map(|x| if index % 2 == 0 { snap(x) } else { x });
-        let mut direction = random.direction();
+        let origin = point(&mut random).map(|x| if index % 2 == 0 { snap(x) } else { x });
+        let mut direction = direction(&mut random);
         let zero = if index % 5 < 3 { 0.0 } else { -0.0 };
         direction[index % 3] = zero;
         if index % 4 == 0 {
@@ -253,56 +222,17 @@ fn every_tracer_finds_what_testing_every_triangle_finds() {
     }
 }
 
-#[test]
-fn hits_are_where_the_oracle_says() {
-    let scene = soup(1000, 0.2, 11);
-    let oracle = Oracle::new(&scene);
-    let rays = random_rays(16_000, 12);
-    let mut compared = 0;
-    for (name, tracer) in tracers(&scene) {
-        let hits = closest(&tracer, &rays);
-        let distances = occlusion(&tracer, &rays);
-        for (index, ray) in rays.iter().enumerate() {
-            // Near an edge, single and double precision may differ on whether it is hit.
-            let mut all = oracle.hits(ray);
-            all.sort_by(|a, b| a.t.total_cmp(&b.t));
-            if all.iter().any(|hit| hit.inside < 1e-4) {
-                continue;
-            }
-            let Some(exact) = all.first() else { continue };
-            let hit = &hits[index];
-            if all.len() > 1 && all[1].t - exact.t < 1e-5 {
-                continue;
-            }
-            compared += 1;
-            assert_eq!(hit.triangle, exact.triangle, "{name}, {ray:?}");
-            assert!(
-                (f64::from(hit.t) - exact.t).abs() < 1e-4 * (1.0 + exact.t),
-                "{name}: {hit:?}, exactly {exact:?}"
-            );
-            assert!((f64::from(hit.u) - exact.u).abs() < 1e-3, "{name}: {hit:?}, exactly {exact:?}");
-            assert!((f64::from(hit.v) - exact.v).abs() < 1e-3, "{name}: {hit:?}, exactly {exact:?}");
-            assert!(
-                all.iter().any(|hit| (f64::from(distances[index]) - hit.t).abs() < 1e-4 * (1.0 + hit.t)),
-                "{name}: no surface at {}",
-                distances[index]
-            );
-        }
-    }
-    assert!(compared > 4000, "only {compared} rays could be compared");
-}
-
 /// The variants that precision is measured against are what they are called: Möller and Trumbore's test lets
 /// rays out, the watertight one does not where boxes are padded, and all agree but for few rays.
 #[test]
 fn plain_tests_lose_rays_and_careful_ones_do_not() {
     let scene = sphere(100, 2.0, [0.0; 3]);
-    let mut random = Random::new(23);
+    let mut random = Rng::with_seed(23);
     // From anywhere inside at points on edges.
     let rays: Vec<Ray> = (0..scene.triangles.len())
         .map(|triangle| {
             let [a, b, _] = scene.corners(triangle);
-            let (origin, share) = (random.direction().map(|x| 0.4 * x), random.unit());
+            let (origin, share) = (direction(&mut random).map(|x| 0.4 * x), random.f32());
             let to = [0, 1, 2].map(|axis| a[axis] + (b[axis] - a[axis]) * share - origin[axis]);
             let length = (to[0] * to[0] + to[1] * to[1] + to[2] * to[2]).sqrt();
             ray(origin, to.map(|x| x / length))
@@ -342,23 +272,6 @@ fn rays_through_edges_and_corners_hit() {
 }
 
 #[test]
-fn the_lowest_index_wins_ties() {
-    // The same triangle many times, and others elsewhere so that the copies get apart in the tree.
-    let mut triangles: Vec<[[f32; 3]; 3]> = Vec::new();
-    for index in 0..60 {
-        let x = if index % 3 == 0 { 0.0 } else { index as f32 };
-        triangles.push([[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x, 1.0, 0.0]]);
-    }
-    triangles.reverse();
-    let first = triangles.iter().position(|corners| corners[0][0] == 0.0).unwrap() as u32;
-    let scene = scene_of(triangles);
-    for (name, tracer) in tracers(&scene) {
-        let hit = closest(&tracer, &[ray([0.25, 0.25, 2.0], [0.0, 0.0, -1.0])])[0];
-        assert_eq!((hit.t, hit.triangle), (2.0, first), "{name}");
-    }
-}
-
-#[test]
 fn both_ends_of_a_ray_count() {
     let scene = scene_of(vec![[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]]);
     let (below, above) = (2f32.next_down(), 2f32.next_up());
@@ -373,9 +286,10 @@ fn both_ends_of_a_ray_count() {
     ];
     for (name, tracer) in tracers(&scene) {
         for (t_min, t_max, is_hit) in cases {
-            let ray = Ray { origin: [0.25, 0.25, 2.0], t_min, direction: [0.0, 0.0, -1.0], t_max };
+            let ray = Ray { origin: [0.25, 0.5, 2.0], t_min, direction: [0.0, 0.0, -1.0], t_max };
             let hit = closest(&tracer, &[ray])[0];
             assert_eq!(hit.is_hit(), is_hit, "{name}: {t_min}..={t_max}");
+            assert!(!is_hit || (hit.u, hit.v) == (0.25, 0.5), "{name}: {hit:?}");
             assert_eq!(occlusion(&tracer, &[ray])[0], if is_hit { 2.0 } else { f32::INFINITY }, "{name}");
             assert_eq!(bits(&hit), bits(&every_triangle(&scene, &ray)), "{name}");
         }
@@ -403,9 +317,9 @@ fn the_nearest_hit_beyond_t_min_is_found() {
 /// A soup with two masked materials, one of them without a texture.
 fn masked() -> Scene {
     let mut scene = soup(600, 0.4, 41);
-    let mut random = Random::new(42);
+    let mut random = Rng::with_seed(42);
     scene.uvs =
-        scene.positions.iter().map(|_| [3.0 * random.unit() - 1.0, 3.0 * random.unit() - 1.0]).collect();
+        scene.positions.iter().map(|_| [3.0 * random.f32() - 1.0, 3.0 * random.f32() - 1.0]).collect();
     scene.textures = vec![Texture {
         width: 5,
         height: 3,
@@ -451,9 +365,9 @@ fn holes_are_not_hit() {
 fn threads_and_orders_do_not_change_results() {
     let scene = soup(2000, 0.1, 51);
     let rays = random_rays(5000, 52);
-    let mut random = Random::new(53);
+    let mut random = Rng::with_seed(53);
     let mut permutation: Vec<u32> = (0..rays.len() as u32).collect();
-    permutation.sort_by_cached_key(|_| (random.unit() * 1e6) as u32);
+    permutation.sort_by_cached_key(|_| (random.f32() * 1e6) as u32);
     let gathered: Vec<Ray> = permutation.iter().map(|&place| rays[place as usize]).collect();
     for (name, tracer) in tracers(&scene) {
         let on = |threads: usize| {
@@ -465,20 +379,10 @@ fn threads_and_orders_do_not_change_results() {
         };
         let (hits, distances, works) = on(1);
         assert_eq!((hits.clone(), distances.clone(), works.clone()), on(3), "{name}");
-        assert!(
-            works[0]
-                .iter()
-                .zip(&works[1])
-                .all(|(all, any)| any.nodes <= all.nodes && any.triangles <= all.triangles),
-            "{name}"
-        );
-        assert!(
-            works[0]
-                .iter()
-                .zip(&hits)
-                .all(|(work, hit)| !hit.is_hit() || (work.nodes > 0 && work.triangles > 0)),
-            "{name}"
-        );
+        for ((all, any), hit) in works[0].iter().zip(&works[1]).zip(&hits) {
+            assert!(any.nodes <= all.nodes && any.triangles <= all.triangles, "{name}");
+            assert!(!hit.is_hit() || (all.nodes > 0 && all.triangles > 0), "{name}");
+        }
 
         let of_bytes = |kind, hits: &[u8]| Hits::from_bytes(kind, hits);
         let places = permutation_of(&permutation);

@@ -1,19 +1,18 @@
 //! Radiance of diffuse scenes by the plainest path tracer there is, in f64: directions are drawn by the
 //! cosine, light is what they meet. No light is sampled, nothing is weighted between ways of
 //! sampling, no path ends by chance; so it is noisy, and nothing that could be wrong in a renderer's
-//! sampling is shared with it. For tests of pictures that no formula knows.
+//! sampling is shared with it. For pictures that no formula knows.
 
 use std::f64::consts::{PI, TAU};
 
+use recorder::oracle::line::{Line, cross, dot, minus};
+use recorder::oracle::{ExactHit, Oracle};
 use scenes::{Light, Scene};
-
-use super::line::{Line, cross, dot, minus};
-use super::{ExactHit, Oracle};
 
 /// A path tracer over a scene of diffuse surfaces without textures, lit by emissive triangles, sphere
 /// lights and a sky.
 #[derive(Clone, Debug)]
-pub struct Reference<'a> {
+pub(crate) struct Reference<'a> {
     scene: &'a Scene,
     oracle: Oracle,
 }
@@ -23,14 +22,14 @@ type Color = [f64; 3];
 
 impl<'a> Reference<'a> {
     /// For a scene.
-    pub fn new(scene: &'a Scene) -> Self {
+    pub(crate) fn new(scene: &'a Scene) -> Self {
         Self { scene, oracle: Oracle::new(scene) }
     }
 
     /// One sample of the radiance that arrives at `origin` from `direction` (of any length) after as many
     /// bounces as a recording has: the last of `bounces` surfaces still reflects light that comes to it straight.
     /// `draw` gives numbers in 0..1.
-    pub fn radiance(
+    pub(crate) fn radiance(
         &self,
         origin: [f64; 3],
         direction: [f64; 3],
