@@ -4,12 +4,10 @@
 //! method would address in the largest table; a smaller table's cell is a prefix of it. Errors then come
 //! from tables that are filled in the order in which the path tracer would.
 
-use std::sync::Arc;
-
 use anyhow::Result;
 use formats::bench_result::error::EstimatorRow;
 use formats::key::termination::bounded_length;
-use formats::key::{Encoder, Layout, Method};
+use formats::key::{Encoder, Method};
 use formats::length_table::LengthTable;
 use formats::manifest::QueueId;
 use formats::metrics::estimator::EstimateError;
@@ -20,29 +18,20 @@ use rayon::prelude::*;
 use super::super::backends::{self, Measurement};
 use super::super::queues::{Copied, strata};
 use super::Bench;
-use crate::backends::{Array, Backend, Queue, Table, collected};
+use super::table_costs::{Address, CONSTANT, Cost, FIXED, TABLE_BITS, costs};
+use crate::backends::{Array, Backend, Queue, collected};
 use crate::options::RecordOptions;
-use crate::stages::setup::Setup;
-use crate::stages::trace::Order;
 use crate::stages::trace::hits::Hits;
 use crate::wavefront::{self, Observer};
 
 /// Methods whose keys can address a table: those that need no length and no light.
 pub const TABLE_METHODS: [&str; 5] = ["origin", "reis", "costa", "aila", "octahedron"];
-/// Address bits of the tables.
-pub const TABLE_BITS: [u32; 8] = [10, 12, 14, 16, 18, 20, 22, 24];
 /// Bits of the cells that are kept; smaller tables take the top bits of them.
 const MOST_BITS: u32 = TABLE_BITS[TABLE_BITS.len() - 1];
 /// Passes of learning.
 const PASSES: u32 = 8;
-/// Name of the estimate that `two-point` makes.
-pub const CONSTANT: &str = "constant";
 /// The queue on which costs are measured: rays that left the first surface, and their shadow rays.
 const TIMED_BOUNCE: u32 = 1;
-/// Methods of the run, by number.
-const ADAPTIVE: usize = 0;
-const FIXED: usize = 1;
-
 /// Measures all tables on all rays of a scene.
 pub(super) fn run(bench: Bench<'_>) -> Result<Vec<EstimatorRow>> {
     let methods = ["two-point-adaptive", "two-point"].map(Method::builtin);
@@ -58,7 +47,7 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<EstimatorRow>> {
         let encoder = Encoder::new(&layout, MOST_BITS, unit, &[]);
         addresses.push(Address { name, layout, encoder });
     }
-    let work = Estimator { bench, addresses: &addresses };
+    let work = Learning { bench, addresses: &addresses, learnt: Learnt::default() };
     let Learnt { queues, timed } =
         backends::measure(bench.device, bench.scene, &setup, &[run.device.kernel()], work)?;
     let costs = costs(bench, &setup, &addresses, &timed)?;
@@ -85,13 +74,6 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<EstimatorRow>> {
     Ok(rows)
 }
 
-/// A way to address tables.
-struct Address {
-    name: &'static str,
-    layout: Layout,
-    encoder: Encoder,
-}
-
 /// What is kept of a queue.
 struct Lengths {
     id: QueueId,
@@ -103,43 +85,27 @@ struct Lengths {
     looked_at: Vec<(u32, f32)>,
 }
 
-/// What a table costs on the device.
-struct Cost {
-    kind: Kind,
-    method: &'static str,
-    bits: u32,
-    rays: u64,
-    accumulate_ns: Vec<u64>,
-    key_ns: Vec<u64>,
-}
-
+#[derive(Default)]
 struct Learnt {
     queues: Vec<Lengths>,
     /// The queues on which costs are measured.
     timed: Vec<Copied>,
 }
 
-struct Estimator<'a> {
-    bench: Bench<'a>,
-    addresses: &'a [Address],
-}
-
-impl Measurement for Estimator<'_> {
-    type Output = Learnt;
-
-    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Learnt> {
-        let bounces = self.bench.options.run.bounces;
-        let learnt = Learnt { queues: Vec::new(), timed: Vec::new() };
-        let mut observer = Learning { bench: self.bench, addresses: self.addresses, learnt };
-        wavefront::run(&mut backends[0], PASSES, bounces, &mut observer)?;
-        Ok(observer.learnt)
-    }
-}
-
 struct Learning<'a> {
     bench: Bench<'a>,
     addresses: &'a [Address],
     learnt: Learnt,
+}
+
+impl Measurement for Learning<'_> {
+    type Output = Learnt;
+
+    fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Learnt> {
+        let bounces = self.bench.options.run.bounces;
+        wavefront::run(&mut backends[0], PASSES, bounces, &mut self)?;
+        Ok(self.learnt)
+    }
 }
 
 impl<B: Backend> Observer<B> for Learning<'_> {
@@ -172,71 +138,6 @@ impl Learning<'_> {
             looked_at: strata(rays.len(), self.bench.options.rays).map(longest).collect(),
             traced,
         })
-    }
-}
-
-/// What keys cost without a table, and with tables of every size and address: each on a backend of its own.
-fn costs(
-    bench: Bench<'_>,
-    setup: &Arc<Setup>,
-    addresses: &[Address],
-    queues: &[Copied],
-) -> Result<Vec<Cost>> {
-    let measure = |setup: &Arc<Setup>, timing: Timing<'_>| {
-        backends::measure(bench.device, bench.scene, setup, &[bench.options.run.device.kernel()], timing)
-    };
-    let repeats = bench.options.run.repeats;
-    let mut costs = measure(setup, Timing { queues, repeats, method: FIXED, name: CONSTANT, bits: 0 })?;
-    for Address { name, layout, .. } in addresses {
-        for bits in TABLE_BITS {
-            let addressed = Setup { table_bits: bits, table_layout: layout.clone(), ..Setup::clone(setup) };
-            let timing = Timing { queues, repeats, method: ADAPTIVE, name, bits };
-            costs.extend(measure(&Arc::new(addressed), timing)?);
-        }
-    }
-    Ok(costs)
-}
-
-/// Makes keys of queues by one method, and adds them to the table that it reads, if it does.
-struct Timing<'a> {
-    queues: &'a [Copied],
-    repeats: u32,
-    method: usize,
-    /// Of the table.
-    name: &'static str,
-    bits: u32,
-}
-
-impl Measurement for Timing<'_> {
-    type Output = Vec<Cost>;
-
-    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<Cost>> {
-        let backend = &mut backends[0];
-        let mut costs = Vec::new();
-        for queue in self.queues {
-            let rays = backend.upload(queue.queue(None))?;
-            let hits = backend.trace(&rays, Order::Stored)?;
-            let (mut accumulate_ns, mut key_ns) = (Vec::new(), Vec::new());
-            for _ in 0..=self.repeats {
-                if self.method == ADAPTIVE {
-                    backend.accumulate(&rays, &hits, Table::Scratch)?;
-                    accumulate_ns.push(backend.elapsed_ns());
-                }
-                backend.key(&rays, &hits, self.method)?;
-                key_ns.push(backend.elapsed_ns());
-            }
-            // The first round touches the memory.
-            let timed = |samples_ns: Vec<u64>| samples_ns.into_iter().skip(1).collect();
-            costs.push(Cost {
-                kind: queue.id.kind,
-                method: self.name,
-                bits: self.bits,
-                rays: queue.rays.len() as u64,
-                accumulate_ns: timed(accumulate_ns),
-                key_ns: timed(key_ns),
-            });
-        }
-        Ok(costs)
     }
 }
 

@@ -36,7 +36,9 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<ImageRow>> {
     let setup = bench.setup(&other_seed)?;
     let reference = backends::measure(bench.device, bench.scene, &setup, &kernels, reference)?;
     let setup = bench.setup(&run)?;
-    let work = Pictures { bench, setup: &setup, reference };
+    let clocks = vec![Clock::default(); setup.methods.len()];
+    let work =
+        Pictures { bench, setup: &setup, reference, shared_ns: 0, unsorted_ns: 0, clocks, rows: Vec::new() };
     backends::measure(bench.device, bench.scene, &setup, &kernels, work)
 }
 
@@ -67,26 +69,6 @@ impl Measurement for Reference {
     }
 }
 
-struct Pictures<'a> {
-    bench: Bench<'a>,
-    setup: &'a Setup,
-    reference: Vec<[f32; 3]>,
-}
-
-impl Measurement for Pictures<'_> {
-    type Output = Vec<ImageRow>;
-
-    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<ImageRow>> {
-        let passes = self.bench.options.image.passes;
-        let clocks = vec![Clock::default(); self.setup.methods.len()];
-        let mut observer = Watch { pictures: &self, shared_ns: 0, unsorted_ns: 0, clocks, rows: Vec::new() };
-        let backend = &mut backends[0];
-        wavefront::run(backend, passes, self.bench.options.run.bounces, &mut observer)?;
-        observer.look(backend, passes)?;
-        Ok(observer.rows)
-    }
-}
-
 /// What the queues so far took when traced in the order of a method, nanoseconds.
 #[derive(Clone, Debug, Default)]
 struct Clock {
@@ -94,16 +76,31 @@ struct Clock {
     indirect_ns: u64,
 }
 
-struct Watch<'a> {
-    pictures: &'a Pictures<'a>,
+struct Pictures<'a> {
+    bench: Bench<'a>,
+    setup: &'a Setup,
+    reference: Vec<[f32; 3]>,
     /// Generating and shading, the same for all.
     shared_ns: u64,
     unsorted_ns: u64,
+    /// By method.
     clocks: Vec<Clock>,
     rows: Vec<ImageRow>,
 }
 
-impl<B: Backend> Observer<B> for Watch<'_> {
+impl Measurement for Pictures<'_> {
+    type Output = Vec<ImageRow>;
+
+    fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Vec<ImageRow>> {
+        let passes = self.bench.options.image.passes;
+        let backend = &mut backends[0];
+        wavefront::run(backend, passes, self.bench.options.run.bounces, &mut self)?;
+        self.look(backend, passes)?;
+        Ok(self.rows)
+    }
+}
+
+impl<B: Backend> Observer<B> for Pictures<'_> {
     fn measure(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
         let id = rays.id();
         let is_camera = id.bounce == 0 && id.kind == Kind::Closest;
@@ -115,7 +112,7 @@ impl<B: Backend> Observer<B> for Watch<'_> {
         let count = self.clocks.len();
         for turn in 0..count {
             let method = (turn + id.pass as usize) % count;
-            let plan = &self.pictures.setup.methods[method];
+            let plan = &self.setup.methods[method];
             let clock = &mut self.clocks[method];
             if is_camera || !plan.applies_to(id.kind) {
                 clock.gathered_ns += unsorted_ns;
@@ -133,11 +130,11 @@ impl<B: Backend> Observer<B> for Watch<'_> {
     }
 }
 
-impl Watch<'_> {
+impl Pictures<'_> {
     /// Records what every method has taken after so many passes.
     fn look<B: Backend>(&mut self, backend: &mut B, passes: u32) -> Result<()> {
-        let Pictures { bench, setup, reference } = self.pictures;
-        let relative_mse = relative_mse(&picture(backend, passes)?, reference);
+        let Self { bench, setup, .. } = self;
+        let relative_mse = relative_mse(&picture(backend, passes)?, &self.reference);
         let row = |method: &str, traced_ns: u64| ImageRow {
             scene: bench.scene.name.clone(),
             method: method.to_owned(),

@@ -35,30 +35,24 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<KeyBitsRow>> {
         options.run.two_point_length,
     )?;
     let setup = std::sync::Arc::new(setup);
-    let work = KeyBits { bench, setup: &setup };
+    let work = Orders { bench, setup: &setup, rows: Vec::new() };
     backends::measure(bench.device, bench.scene, &setup, &[options.run.device.kernel()], work)
-}
-
-struct KeyBits<'a> {
-    bench: Bench<'a>,
-    setup: &'a Setup,
-}
-
-impl Measurement for KeyBits<'_> {
-    type Output = Vec<KeyBitsRow>;
-
-    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<KeyBitsRow>> {
-        let run = &self.bench.options.run;
-        let mut observer = Orders { bench: self.bench, setup: self.setup, rows: Vec::new() };
-        wavefront::run(&mut backends[0], run.passes, run.bounces, &mut observer)?;
-        Ok(observer.rows)
-    }
 }
 
 struct Orders<'a> {
     bench: Bench<'a>,
     setup: &'a Setup,
     rows: Vec<KeyBitsRow>,
+}
+
+impl Measurement for Orders<'_> {
+    type Output = Vec<KeyBitsRow>;
+
+    fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Vec<KeyBitsRow>> {
+        let run = &self.bench.options.run;
+        wavefront::run(&mut backends[0], run.passes, run.bounces, &mut self)?;
+        Ok(self.rows)
+    }
 }
 
 impl<B: Backend> Observer<B> for Orders<'_> {

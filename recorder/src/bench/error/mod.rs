@@ -2,6 +2,7 @@
 //!
 //! - [`precision`]: trace rate against lost and wrong hits
 //! - [`estimator`]: cost of the length table against the error of its estimates
+//! - `table_costs`: the costs of that
 //! - [`key_bits`]: key and sort time against capsule area and trace time
 //! - [`image`]: wall time against the noise of the picture
 
@@ -9,6 +10,7 @@ pub mod estimator;
 pub mod image;
 pub mod key_bits;
 pub mod precision;
+mod table_costs;
 
 use std::sync::Arc;
 

@@ -29,8 +29,9 @@ const DRIVER: &str = "driver";
 pub(super) fn run(bench: Bench<'_>) -> Result<Vec<PrecisionRow>> {
     let run = &bench.options.run;
     let setup = bench.setup(run)?;
-    let secondary = Secondary { bench };
-    let rays = measure(bench.device, bench.scene, &setup, &[TraceKernel::Cwbvh], secondary)?;
+    let wanted = (bench.options.rays / (run.bounces.max(2) as usize - 1)).max(1);
+    let sample = Sample { bounces: run.bounces, wanted, rays: Vec::new() };
+    let rays = measure(bench.device, bench.scene, &setup, &[TraceKernel::Cwbvh], sample)?;
     let mut variants = Vec::new();
     for kernel in [TraceKernel::Cwbvh, TraceKernel::Bvh2] {
         variants.extend(Precision::ALL.map(|precision| (kernel, precision)));
@@ -68,25 +69,20 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<PrecisionRow>> {
 }
 
 /// Collects secondary rays, as many of each bounce.
-struct Secondary<'a> {
-    bench: Bench<'a>,
-}
-
-impl Measurement for Secondary<'_> {
-    type Output = Vec<Ray>;
-
-    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<Ray>> {
-        let bounces = self.bench.options.run.bounces;
-        let wanted = self.bench.options.rays / (bounces.max(2) as usize - 1);
-        let mut sample = Sample { wanted: wanted.max(1), rays: Vec::new() };
-        wavefront::run(&mut backends[0], 1, bounces, &mut sample)?;
-        Ok(sample.rays)
-    }
-}
-
 struct Sample {
+    bounces: u32,
+    /// Most rays of a bounce.
     wanted: usize,
     rays: Vec<Ray>,
+}
+
+impl Measurement for Sample {
+    type Output = Vec<Ray>;
+
+    fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Vec<Ray>> {
+        wavefront::run(&mut backends[0], 1, self.bounces, &mut self)?;
+        Ok(self.rays)
+    }
 }
 
 impl<B: Backend> Observer<B> for Sample {
