@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use formats::manifest::{CacheRecord, QueueId};
 use formats::metrics::GROUP_RAYS;
-use formats::ray::{Kind, Ray};
+use formats::ray::Ray;
 use rayon::prelude::*;
 
 use crate::stages::trace::cpu::CpuTracer;
@@ -48,42 +48,47 @@ impl CacheModel {
     ) -> CacheRecord {
         let places = sampled_places(rays.len()).into_iter().flatten();
         let sampled: Vec<Ray> = places.map(|at| rays[place(at)]).collect();
-        let Traffic { groups, rays, accesses, l1_hits, l2_hits } =
-            replay(&self.tracer, &sampled, id.kind, self.l2_bytes);
-        CacheRecord {
+        let mut record = CacheRecord {
             pass: id.pass,
             bounce: id.bounce,
             kind: id.kind,
             method: method.to_owned(),
-            groups,
-            rays,
+            groups: sampled.len().div_ceil(GROUP_RAYS) as u64,
+            rays: sampled.len() as u64,
             line_bytes: LINE_BYTES,
             l1_bytes: L1_BYTES,
             l2_bytes: self.l2_bytes,
-            accesses,
-            l1_hits,
-            l2_hits,
+            accesses: 0,
+            l1_hits: 0,
+            l2_hits: 0,
+        };
+        let mut levels = [Cache::new(L1_BYTES), Cache::new(self.l2_bytes)];
+        for group in sampled.chunks(GROUP_RAYS) {
+            let trails: Vec<_> = group.par_iter().map(|ray| self.tracer.trail(ray, id.kind).reads).collect();
+            let steps = trails.iter().map(Vec::len).max().unwrap_or(0);
+            for step in 0..steps {
+                for &(address, bytes) in trails.iter().filter_map(|trail| trail.get(step)) {
+                    let lines = address / u64::from(LINE_BYTES)
+                        ..=(address + u64::from(bytes) - 1) / u64::from(LINE_BYTES);
+                    lines.for_each(|line| count_read(&mut record, &mut levels, line));
+                }
+            }
         }
+        record
     }
 }
 
-/// What the model says of one order.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Traffic {
-    /// Groups that were sampled.
-    pub groups: u64,
-    /// Rays in them.
-    pub rays: u64,
-    /// Lines that were asked for.
-    pub accesses: u64,
-    /// Of these, found in the first level.
-    pub l1_hits: u64,
-    /// Of those not found there, found in the second level.
-    pub l2_hits: u64,
+fn count_read(record: &mut CacheRecord, [first, second]: &mut [Cache; 2], line: u64) {
+    record.accesses += 1;
+    if first.read(line) {
+        record.l1_hits += 1;
+    } else if second.read(line) {
+        record.l2_hits += 1;
+    }
 }
 
 /// The places of an order that are sampled: ranges of whole groups, ascending and apart.
-pub fn sampled_places(count: usize) -> Vec<std::ops::Range<usize>> {
+fn sampled_places(count: usize) -> Vec<std::ops::Range<usize>> {
     let groups = count.div_ceil(GROUP_RAYS);
     let is_small = groups <= STRETCHES * STRETCH_GROUPS;
     let (stretches, length) = if is_small { (1, groups) } else { (STRETCHES, STRETCH_GROUPS) };
@@ -92,37 +97,6 @@ pub fn sampled_places(count: usize) -> Vec<std::ops::Range<usize>> {
         first * GROUP_RAYS..((first + length) * GROUP_RAYS).min(count)
     };
     (0..stretches).map(stretch).collect()
-}
-
-/// Replays what the rays at sampled places read; `rays` are those of all ranges of [`sampled_places`].
-pub fn replay(tracer: &CpuTracer, rays: &[Ray], kind: Kind, l2_bytes: u64) -> Traffic {
-    let mut levels = [Cache::new(L1_BYTES), Cache::new(l2_bytes)];
-    let mut traffic = Traffic::default();
-    for group in rays.chunks(GROUP_RAYS) {
-        traffic.groups += 1;
-        traffic.rays += group.len() as u64;
-        let trails: Vec<_> = group.par_iter().map(|ray| tracer.trail(ray, kind).reads).collect();
-        let steps = trails.iter().map(Vec::len).max().unwrap_or(0);
-        for step in 0..steps {
-            for &(address, bytes) in trails.iter().filter_map(|trail| trail.get(step)) {
-                let lines = address / u64::from(LINE_BYTES)
-                    ..=(address + u64::from(bytes) - 1) / u64::from(LINE_BYTES);
-                lines.for_each(|line| traffic.read(&mut levels, line));
-            }
-        }
-    }
-    traffic
-}
-
-impl Traffic {
-    fn read(&mut self, [first, second]: &mut [Cache; 2], line: u64) {
-        self.accesses += 1;
-        if first.read(line) {
-            self.l1_hits += 1;
-        } else if second.read(line) {
-            self.l2_hits += 1;
-        }
-    }
 }
 
 /// A set-associative cache; each set holds its lines from the most to the least recently used.
