@@ -11,11 +11,13 @@
 mod exact;
 mod judge;
 pub mod line;
+mod projected;
 #[cfg(test)]
 mod tests;
 mod tree;
 
-pub use judge::{Deviation, Judgement, REACH, Verdict};
+pub use judge::{Deviation, Judgement, Verdict};
+pub use projected::REACH;
 
 use formats::ray::Ray;
 use scenes::Scene;
@@ -45,14 +47,12 @@ pub struct ExactHit {
     pub u: f64,
     /// Barycentric weight of the third corner.
     pub v: f64,
-    /// Smallest of the three barycentric weights, ≥ 0: how far inside the triangle the hit is.
-    pub inside: f64,
 }
 
 impl ExactHit {
     fn new(triangle: u32, crossing: Crossing) -> Self {
-        let Crossing { t, error, weights: [w, u, v] } = crossing;
-        Self { t, error, triangle, u, v, inside: u.min(v).min(w) }
+        let Crossing { t, error, weights: [_, u, v] } = crossing;
+        Self { t, error, triangle, u, v }
     }
 
     /// Whether this is the hit that counts of the two: the nearer one, or of equal distances that with the
@@ -71,55 +71,13 @@ impl Oracle {
         Self { masks: Masks::new(scene), tree: Tree::new(&corners), corners }
     }
 
-    /// Every hit of a ray between its `t_min` and `t_max`, both included, in the order of the triangles.
+    /// The nearest hit between the ray's `t_min` and `t_max`, both included; of equal distances the one with the
+    /// lowest triangle index.
     ///
     /// A triangle that the ray runs along is not hit. Nothing is hit by a ray with a direction of zero or one
     /// that is not finite.
-    pub fn hits(&self, ray: &Ray) -> Vec<ExactHit> {
-        let line = Line::new(ray);
-        let mut hits = Vec::new();
-        self.tree.walk(&line, |triangle| {
-            hits.extend(self.hit(&line, triangle).filter(|hit| line.includes(hit.t)));
-            line.t_max
-        });
-        hits.sort_by_key(|hit| hit.triangle);
-        hits
-    }
-
-    /// The nearest hit; of equal distances the one with the lowest triangle index.
     pub fn closest(&self, ray: &Ray) -> Option<ExactHit> {
         self.closest_on(&Line::new(ray))
-    }
-
-    /// Whether the ray hits anything.
-    pub fn is_occluded(&self, ray: &Ray) -> bool {
-        let line = Line::new(ray);
-        let mut is_occluded = false;
-        self.tree.walk(&line, |triangle| {
-            is_occluded |= self.hit(&line, triangle).is_some_and(|hit| line.includes(hit.t));
-            if is_occluded { f64::NEG_INFINITY } else { line.t_max }
-        });
-        is_occluded
-    }
-
-    /// The nearest hit and every hit that single precision cannot tell from it by its distance, nearest
-    /// first: [`Oracle::tolerance`] of the two together bounds how far they are apart.
-    pub fn tied(&self, ray: &Ray) -> Vec<ExactHit> {
-        let Some(nearest) = self.closest(ray) else { return Vec::new() };
-        let reach = nearest.t + self.tolerance(ray, nearest.triangle);
-        let mut hits = self.hits(ray);
-        hits.retain(|hit| hit.t - self.tolerance(ray, hit.triangle) <= reach);
-        hits.sort_by(|a, b| a.t.total_cmp(&b.t));
-        hits
-    }
-
-    /// How far a distance to a triangle may be off that was computed in single precision, in units of the
-    /// direction's length: see [`judge`](mod@judge) for where it comes from.
-    ///
-    /// # Panics
-    /// If there is no such triangle.
-    pub fn tolerance(&self, ray: &Ray, triangle: u32) -> f64 {
-        judge::tolerance(&Line::new(ray), &self.corners[triangle as usize])
     }
 
     /// As [`Oracle::closest`], of a line in double precision.

@@ -4,12 +4,8 @@ use super::line::{Line, minus};
 
 /// Triangles in a leaf.
 const LEAF: usize = 4;
-/// Intervals in which a split is looked for.
-const BINS: usize = 16;
-/// Levels that are split by cost; below them the halves have equal numbers, so that the stack suffices.
-const LEVELS_BY_COST: usize = 64;
 /// Entries of the stack: one per level, the numbers of triangles being below 2^32.
-const STACK: usize = LEVELS_BY_COST + 32;
+const STACK: usize = 33;
 /// Distances to planes round twice; this is more.
 const MARGIN: f64 = 8.0 * f64::EPSILON;
 
@@ -43,11 +39,6 @@ impl Box3 {
             min: [0, 1, 2].map(|axis| self.min[axis].min(other.min[axis])),
             max: [0, 1, 2].map(|axis| self.max[axis].max(other.max[axis])),
         }
-    }
-
-    fn area(&self) -> f64 {
-        let [x, y, z] = [0, 1, 2].map(|axis| f64::from(self.max[axis]) - f64::from(self.min[axis]));
-        x * y + y * z + z * x
     }
 
     /// Where a line enters it, if it does so before `limit`. The box is widened by `reach` of its largest
@@ -88,20 +79,20 @@ impl Tree {
         }
         let node = Node { bounds: Box3::EMPTY, first: 0, count: 0 };
         tree.nodes.push(node);
-        let mut pending = vec![(0, 0..corners.len(), 0)];
-        while let Some((index, range, level)) = pending.pop() {
+        let mut pending = vec![(0, 0..corners.len())];
+        while let Some((index, range)) = pending.pop() {
             let slots = &mut tree.order[range.clone()];
             let bounds = slots.iter().fold(Box3::EMPTY, |all, &slot| all.union(boxes[slot as usize]));
             if slots.len() <= LEAF {
                 tree.nodes[index] = Node { bounds, first: range.start as u32, count: slots.len() as u32 };
                 continue;
             }
-            let middle = range.start + split(slots, &boxes, level);
+            let middle = range.start + halve(slots, &boxes);
             let first = tree.nodes.len();
             tree.nodes[index] = Node { bounds, first: first as u32, count: 0 };
             tree.nodes.extend([node; 2]);
-            pending.push((first, range.start..middle, level + 1));
-            pending.push((first + 1, middle..range.end, level + 1));
+            pending.push((first, range.start..middle));
+            pending.push((first + 1, middle..range.end));
         }
         tree
     }
@@ -150,65 +141,21 @@ impl Tree {
     }
 }
 
-/// Orders triangles so that those of the first child come first; returns how many, neither none nor all.
-///
-/// Splits the widest axis of the centres where the surface area heuristic says (Wald 2007, "On fast
-/// Construction of SAH-based Bounding Volume Hierarchies"), or in halves where that does not divide.
-fn split(slots: &mut [u32], boxes: &[Box3], level: usize) -> usize {
-    let centre = |slot: u32, axis: usize| {
-        let bounds = &boxes[slot as usize];
-        f64::from(bounds.min[axis]) + f64::from(bounds.max[axis])
+/// Orders triangles so that those of the first child come first: half of them, by the widest axis of the
+/// centres.
+fn halve(slots: &mut [u32], boxes: &[Box3]) -> usize {
+    let centre = |slot: u32| {
+        let Box3 { min, max } = boxes[slot as usize];
+        [0, 1, 2].map(|axis| f64::from(min[axis]) + f64::from(max[axis]))
     };
-    let [x, y, z] = [0, 1, 2].map(|axis| {
-        let fold = |(low, high): (f64, f64), &slot: &u32| {
-            (low.min(centre(slot, axis)), high.max(centre(slot, axis)))
-        };
-        slots.iter().fold((f64::INFINITY, f64::NEG_INFINITY), fold)
-    });
-    let width = |(low, high): (f64, f64)| high - low;
-    let axis = if width(x) >= width(y).max(width(z)) { 0 } else { 1 + usize::from(width(z) > width(y)) };
-    let (low, high) = [x, y, z][axis];
-    if level < LEVELS_BY_COST && high > low {
-        let bin =
-            |slot: u32| ((((centre(slot, axis) - low) / (high - low)) * BINS as f64) as usize).min(BINS - 1);
-        let last = cheapest(slots, boxes, &bin);
-        let middle = partition(slots, |slot| bin(slot) <= last);
-        if middle > 0 && middle < slots.len() {
-            return middle;
-        }
-    }
+    let width = |axis: usize| {
+        let along = || slots.iter().map(|&slot| centre(slot)[axis]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    };
+    let widths = [0, 1, 2].map(width);
+    let axis = (0..3).max_by(|&a, &b| widths[a].total_cmp(&widths[b])).unwrap_or(0);
     let middle = slots.len() / 2;
     slots
-        .select_nth_unstable_by(middle, |&a, &b| centre(a, axis).total_cmp(&centre(b, axis)).then(a.cmp(&b)));
+        .select_nth_unstable_by(middle, |&a, &b| centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.cmp(&b)));
     middle
-}
-
-/// The last bin of the first child.
-fn cheapest(slots: &[u32], boxes: &[Box3], bin: &impl Fn(u32) -> usize) -> usize {
-    let mut bins = [(Box3::EMPTY, 0u32); BINS];
-    for &slot in slots {
-        let (bounds, count) = &mut bins[bin(slot)];
-        *bounds = bounds.union(boxes[slot as usize]);
-        *count += 1;
-    }
-    let side = |bins: &[(Box3, u32)]| {
-        let (bounds, count) = bins
-            .iter()
-            .fold((Box3::EMPTY, 0), |(all, sum), (bounds, count)| (all.union(*bounds), sum + count));
-        if count == 0 { f64::INFINITY } else { bounds.area() * f64::from(count) }
-    };
-    let cost = |last: usize| side(&bins[..=last]) + side(&bins[last + 1..]);
-    (0..BINS - 1).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(0)
-}
-
-/// Moves what is `true` to the front; returns how many.
-fn partition(slots: &mut [u32], is_first: impl Fn(u32) -> bool) -> usize {
-    let mut count = 0;
-    for index in 0..slots.len() {
-        if is_first(slots[index]) {
-            slots.swap(index, count);
-            count += 1;
-        }
-    }
-    count
 }
