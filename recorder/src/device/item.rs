@@ -1,9 +1,8 @@
 //! Kernels that run once for each item of a queue: the prologue that they share, what it promises, and the one
 //! place that vouches for leaving out index checks.
 
-use bytemuck::{NoUninit, Pod, Zeroable};
-
 use super::limits::IMMEDIATE_BYTES;
+use super::parameters::{Chunk, Parameters, WgslType};
 use super::{Binding, Gpu, GpuError, Kernel, KernelSource};
 
 /// Threads of a workgroup.
@@ -12,61 +11,6 @@ pub(super) const THREADS: u32 = 64;
 /// Most items of one submission. A million rays are milliseconds on hardware, and no watchdog waits less than
 /// a second.
 pub const ITEMS_PER_SUBMISSION: u32 = 1 << 20;
-
-/// A type with a WGSL counterpart of the same bytes.
-pub trait WgslType {
-    /// Its name in WGSL.
-    const NAME: &'static str;
-}
-
-macro_rules! wgsl_type {
-    ($($rust:ty = $wgsl:literal),* $(,)?) => {
-        $(impl WgslType for $rust { const NAME: &'static str = $wgsl; })*
-    };
-}
-
-wgsl_type!(
-    u32 = "u32",
-    f32 = "f32",
-    [u32; 2] = "vec2<u32>",
-    [f32; 2] = "vec2<f32>",
-    [f32; 3] = "vec3<f32>",
-    [f32; 4] = "vec4<f32>",
-    [u32; 4] = "vec4<u32>",
-    Chunk = "Chunk",
-);
-
-/// Which items a dispatch is for.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub struct Chunk {
-    /// The first item.
-    pub first: u32,
-    /// How many there are.
-    pub count: u32,
-}
-
-impl Chunk {
-    /// Cuts `0..items` into chunks of at most `largest`; none if there are no items.
-    pub(super) fn split(items: u32, largest: u32) -> impl Iterator<Item = Chunk> {
-        (0..items.div_ceil(largest)).map(move |index| {
-            let first = index * largest;
-            Chunk { first, count: largest.min(items - first) }
-        })
-    }
-}
-
-/// What a kernel is told: a struct of the same bytes in WGSL, with a chunk in its fields `first` and `count`.
-pub trait Parameters: WgslType + NoUninit {
-    /// The same for these items.
-    fn of(self, chunk: Chunk) -> Self;
-}
-
-impl Parameters for Chunk {
-    fn of(self, chunk: Chunk) -> Self {
-        chunk
-    }
-}
 
 /// How long a bound array must be.
 #[derive(Clone, Copy, Debug)]
@@ -317,13 +261,10 @@ impl ItemKernel {
     }
 }
 
-/// Parameters of kernels that are told their items alone.
-pub const ITEMS: Chunk = Chunk { first: 0, count: 0 };
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::test_gpu;
+    use crate::device::{ITEMS, test_gpu};
 
     fn counting() -> ItemKernel {
         let module = Module::new("test::count").items_mut::<u32>("visits");

@@ -6,6 +6,7 @@
 //! - [`buffer`]: typed arrays in GPU memory, checked against the adapter's limits
 //! - [`kernel`]: WGSL to pipeline, bindings, grids beyond 65,535 workgroups
 //! - [`item`]: kernels that run once for each item of a queue, and why they need no index checks
+//! - `parameters`: what kernels are told
 //! - [`run`]: the dispatches of one stage, recorded, submitted and timed as one figure
 //! - `timing`: time that overlapping intervals cover
 //! - [`readback`]: GPU memory to the CPU through a ring of staging buffers
@@ -17,6 +18,7 @@ pub mod gpu;
 pub mod item;
 pub mod kernel;
 pub mod limits;
+mod parameters;
 pub mod readback;
 pub mod run;
 mod timing;
@@ -25,8 +27,9 @@ pub use adapter::{AdapterDescription, AdapterRequest};
 pub use buffer::DeviceArray;
 pub use error::GpuError;
 pub use gpu::Gpu;
-pub use item::{ITEMS, ItemKernel, Module, Parameters, WgslType};
+pub use item::{ItemKernel, Module};
 pub use kernel::{Binding, Kernel, KernelSource};
+pub use parameters::{Chunk, ITEMS, Parameters, WgslType};
 pub use readback::Readback;
 pub use run::StageRun;
 

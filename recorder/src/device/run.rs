@@ -4,10 +4,10 @@ use std::time::Instant;
 
 use bytemuck::NoUninit;
 
-use super::item::{BoundKernel, Chunk, ITEMS_PER_SUBMISSION, Parameters, THREADS};
+use super::item::{BoundKernel, ITEMS_PER_SUBMISSION, THREADS};
 use super::kernel::grid;
 use super::timing::covered_ticks;
-use super::{DeviceArray, Gpu, GpuError, Kernel};
+use super::{Chunk, DeviceArray, Gpu, GpuError, Kernel, Parameters};
 
 /// Most submissions of one run that are timed one by one; wgpu's query sets end at 4096 entries.
 const MOST_TIMED_SUBMISSIONS: usize = 2048;

@@ -2,8 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::device::item::Chunk;
-use crate::device::{Parameters, WgslType};
+use crate::device::{Chunk, Parameters, WgslType};
 
 /// A struct's name, size and field offsets as the CPU lays it out, and its WGSL text.
 #[derive(Clone, Debug)]

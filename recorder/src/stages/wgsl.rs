@@ -1,5 +1,7 @@
 //! Numbers from Rust to WGSL.
 
+use crate::device::kernel::constants_wgsl;
+
 /// A float that WGSL reads back bit for bit.
 ///
 /// # Panics
@@ -8,6 +10,12 @@
 pub fn wgsl_f32(value: f32) -> String {
     assert!(value.is_finite(), "WGSL has no literal for {value}");
     format!("{value:?}f")
+}
+
+/// One constant each.
+pub fn wgsl_constants(floats: &[(&str, f32)], integers: &[(&str, u32)]) -> String {
+    let floats = floats.iter().map(|(name, value)| format!("const {name} = {};\n", wgsl_f32(*value)));
+    floats.collect::<String>() + &constants_wgsl(integers)
 }
 
 /// A constant array of floats.

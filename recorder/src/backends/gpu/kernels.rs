@@ -9,9 +9,9 @@ use rayon::prelude::*;
 use crate::device::{Gpu, ItemKernel, Module};
 use crate::machine::self_check;
 use crate::stages::setup::{MethodPlan, Setup};
-use crate::stages::trace::gpu::TraceVariant;
+use crate::stages::trace::variant::TraceVariant;
 use crate::stages::trace::{Order, Precision, TraceKernel};
-use crate::stages::{accumulate, compact, compare, gather, generate, key, scatter, shade, sort, trace};
+use crate::stages::{accumulate, compact, compare, gather, generate, key, scatter, shade, sort};
 
 /// The kernels that do not trace or sort.
 pub struct Kernels {
@@ -138,7 +138,7 @@ fn every_module() -> Vec<Module> {
                     for precision in Precision::ALL {
                         let (masks, count_work) = (all_features, all_features);
                         let variant = TraceVariant { kernel, kind, order, masks, count_work, precision };
-                        modules.push(trace::gpu::module(&variant));
+                        modules.push(variant.module());
                     }
                 }
             }

@@ -78,7 +78,7 @@ impl Measurement for Timing<'_> {
         let mut costs = Vec::new();
         for queue in self.queues {
             let rays = backend.upload(queue.queue(None))?;
-            let hits = backend.trace(&rays, Order::Canonical)?;
+            let hits = backend.trace(&rays, Order::Stored)?;
             let (mut accumulate_ns, mut key_ns) = (Vec::new(), Vec::new());
             for _ in 0..=self.repeats {
                 if self.method == ADAPTIVE {

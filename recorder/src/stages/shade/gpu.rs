@@ -16,7 +16,7 @@ use super::surface::{OFFSET_OF_POINT, OFFSET_OF_TRIANGLE};
 use crate::device::Module;
 use crate::stages::random;
 use crate::stages::shared::{Emitter, MaterialData, PathState, ShadeParams, SurfaceData};
-use crate::stages::wgsl::wgsl_f32;
+use crate::stages::wgsl::wgsl_constants;
 use formats::ray::Hit;
 
 /// A scene without vertex normals.
@@ -193,9 +193,7 @@ fn constants() -> String {
         ("NO_TRIANGLE", Hit::NONE),
         ("ROULETTE_FREE_BOUNCES", ROULETTE_FREE_BOUNCES),
     ];
-    let floats = floats.map(|(name, value)| format!("const {name} = {};\n", wgsl_f32(value)));
-    let infinity = "var<private> infinity_bits: u32 = 0x7f800000u;\n";
-    format!("{}{}{infinity}", floats.concat(), crate::device::kernel::constants_wgsl(&integers))
+    wgsl_constants(&floats, &integers) + "var<private> infinity_bits: u32 = 0x7f800000u;\n"
 }
 
 #[cfg(test)]

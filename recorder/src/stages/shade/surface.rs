@@ -122,6 +122,13 @@ mod tests {
     use super::*;
     use crate::stages::trace::triangle::{LeafTriangle, Shear, TriangleRay};
 
+    /// Whether a ray meets a triangle.
+    fn finds(leaf: &LeafTriangle, origin: Vec3, direction: Vec3) -> bool {
+        let (origin, direction) = (origin.to_array(), normalize3(direction).to_array());
+        let ray = Ray { origin, t_min: 0.0, direction, t_max: f32::INFINITY };
+        Shear::new(&ray).intersect(leaf).is_some_and(|at| at.t >= 0.0)
+    }
+
     /// No ray that leaves a triangle finds it again, however far away, large, thin or grazing.
     #[test]
     fn rays_do_not_find_the_triangle_that_they_leave() {
@@ -155,13 +162,7 @@ mod tests {
                 let up = dot3(direction, normal);
                 // Mostly grazing.
                 direction += normal * (up.abs() * random().abs().powi(4) - up);
-                let ray = Ray {
-                    origin: origin.to_array(),
-                    t_min: 0.0,
-                    direction: normalize3(direction).to_array(),
-                    t_max: f32::INFINITY,
-                };
-                again += usize::from(Shear::new(&ray).intersect(&leaf).is_some_and(|at| at.t >= 0.0));
+                again += usize::from(finds(&leaf, origin, direction));
             }
         }
         assert_eq!(again, 0);
@@ -185,13 +186,7 @@ mod tests {
                 let point = p + (q - p) * (a * (1.0 - b)) + (r - p) * (a * b);
                 let origin = offset_origin(point, Vec3::Y, Vec3::X * 0.7, Vec3::Z * 0.9);
                 let direction = Vec3::new(random(), random().abs().powi(3), random());
-                let ray = Ray {
-                    origin: origin.to_array(),
-                    t_min: 0.0,
-                    direction: normalize3(direction).to_array(),
-                    t_max: f32::INFINITY,
-                };
-                again += usize::from(Shear::new(&ray).intersect(&leaf).is_some_and(|at| at.t >= 0.0));
+                again += usize::from(finds(&leaf, origin, direction));
             }
         }
         assert_eq!(again, 0);

@@ -1,20 +1,18 @@
-//! Trace on the GPU: kernels composed per hierarchy, kind of ray, order and alpha masks.
+//! Trace on the GPU: a scene's hierarchy, and the kernels that walk it, compiled when they are needed.
 
 use anyhow::{Context, Result, ensure};
 use formats::ray::{Hit, Kind, Ray};
 use scenes::Scene;
-use scenes::bvh::{BVH2_STACK, Bvh, CWBVH_STACK};
+use scenes::bvh::Bvh;
 use scenes::features::Features;
 
 use super::driver::DriverHierarchy;
 use super::mask::Masks;
-use super::triangle::GAMMA_8;
-use super::{Order, Precision, RECIPROCAL_LIMIT, TraceKernel, TriangleTest};
-use crate::device::kernel::constants_wgsl;
-use crate::device::{DeviceArray, Gpu, GpuError, ITEMS, ItemKernel, Module};
+use super::variant::TraceVariant;
+use super::{Order, Precision, TraceKernel};
+use crate::device::{DeviceArray, Gpu, GpuError, ITEMS, ItemKernel};
 use crate::stages::shared::MaskedTriangle;
 use crate::stages::vector::padded;
-use crate::stages::wgsl::wgsl_f32;
 
 /// Rays on the GPU; as many of each half.
 #[derive(Clone, Debug)]
@@ -81,118 +79,6 @@ impl Hits {
             Kind::Shadow => 1,
         }
     }
-}
-
-/// What a trace kernel is specialised on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TraceVariant {
-    /// What walks which hierarchy.
-    pub kernel: TraceKernel,
-    /// Kind of rays.
-    pub kind: Kind,
-    /// Their order.
-    pub order: Order<()>,
-    /// Whether the scene has alpha masks.
-    pub masks: bool,
-    /// Writes counters instead of results.
-    pub count_work: bool,
-    /// How triangles and boxes are tested.
-    pub precision: Precision,
-}
-
-const NO_MASKS: &str = "
-fn is_hole(triangle: u32, u: f32, v: f32) -> bool {
-    return false;
-}
-";
-const CLOSEST_RESULT: &str = "
-fn write_result(place: u32, query: ptr<function, Query>) {
-    let is_hit = (*query).best_triangle != NO_TRIANGLE;
-    let t = select(0x7f800000u, bitcast<u32>((*query).best_t), is_hit);
-    results[place] = vec4(t, (*query).best_triangle, bitcast<u32>((*query).best_u), bitcast<u32>((*query).best_v));
-}
-";
-const SHADOW_RESULT: &str = "
-var<private> infinity_bits: u32 = 0x7f800000u;
-
-fn write_result(place: u32, query: ptr<function, Query>) {
-    results[place] = select(bitcast<f32>(infinity_bits), (*query).best_t, (*query).best_triangle != NO_TRIANGLE);
-}
-";
-const WORK_RESULT: &str = "
-fn write_result(place: u32, query: ptr<function, Query>) {
-    results[place] = (*query).work;
-}
-";
-
-/// The module of a variant. Bindings: origins, directions; the permutation where there is one;
-/// results; leaves (or scene triangles), positions; the masks where there are any; the nodes or the driver's hierarchy.
-pub fn module(variant: &TraceVariant) -> Module {
-    let mut module = Module::new(&format!("trace::{}_{}", variant.kernel.name(), variant.kind))
-        .items::<[f32; 4]>("origins")
-        .items::<[f32; 4]>("directions");
-    if variant.order != Order::Stored {
-        module = module.items::<u32>("permutation");
-    }
-    module = match (variant.count_work, variant.kind) {
-        (true, _) => module.items_mut::<[u32; 2]>("results"),
-        (false, Kind::Closest) => module.items_mut::<[u32; 4]>("results"),
-        (false, Kind::Shadow) => module.items_mut::<f32>("results"),
-    };
-    module = module.table::<[u32; 4]>("leaves").table::<[f32; 4]>("positions");
-    if variant.masks {
-        module = module.table::<u32>("masks");
-    }
-    module = match variant.kernel.bvh_kind() {
-        None => module.driver_hierarchy("hierarchy"),
-        Some(_) => module.table::<[u32; 4]>("nodes"),
-    };
-    let place = match variant.order {
-        Order::Stored => "index",
-        Order::Indirect(()) => "permutation[index]",
-    };
-    let result = match (variant.count_work, variant.kind) {
-        (true, _) => WORK_RESULT,
-        (false, Kind::Closest) => CLOSEST_RESULT,
-        (false, Kind::Shadow) => SHADOW_RESULT,
-    };
-    let masks = if variant.masks {
-        let masked = MaskedTriangle::description();
-        [&masked.wgsl, &masked.wgsl_loader("load_mask", "masks"), include_str!("mask.wgsl")].concat()
-    } else {
-        NO_MASKS.to_owned()
-    };
-    module
-        .text(&constants(variant))
-        .text(&format!("fn place_of(index: u32) -> u32 {{ return {place}; }}\n"))
-        .text(&masks)
-        .text(include_str!("../vector.wgsl"))
-        .text(match variant.precision.triangles {
-            TriangleTest::Watertight => include_str!("triangle.wgsl"),
-            TriangleTest::MoellerTrumbore => include_str!("moeller_trumbore.wgsl"),
-        })
-        .text(include_str!("query.wgsl"))
-        .text(variant.kernel.wgsl())
-        .text(result)
-        .text(include_str!("kernel.wgsl"))
-}
-
-fn constants(variant: &TraceVariant) -> String {
-    let floats = [
-        ("PADDING", variant.precision.boxes.padding()),
-        ("RECIPROCAL_LIMIT", RECIPROCAL_LIMIT),
-        ("RECIPROCAL_THRESHOLD", 1.0 / RECIPROCAL_LIMIT),
-        ("F32_MAX", f32::MAX),
-        ("GAMMA_8", GAMMA_8),
-    ];
-    let floats = floats.map(|(name, value)| format!("const {name} = {};\n", wgsl_f32(value))).concat();
-    let integers = constants_wgsl(&[
-        ("BVH2_STACK", BVH2_STACK as u32),
-        ("CWBVH_STACK", CWBVH_STACK as u32),
-        ("NO_TRIANGLE", Hit::NONE),
-    ]);
-    let any = variant.kind == Kind::Shadow;
-    format!("{floats}{integers}const ANY = {any};\nconst COUNT = {};\n", variant.count_work)
 }
 
 /// A scene's hierarchy on the GPU and the kernels that walk it.
@@ -376,29 +262,8 @@ impl Tracer {
         if let Some((_, kernel)) = self.compiled.iter().find(|(known, _)| *known == variant) {
             return Ok(kernel.clone());
         }
-        let kernel = module(&variant).compile(gpu)?;
+        let kernel = variant.module().compile(gpu)?;
         self.compiled.push((variant, kernel.clone()));
         Ok(kernel)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use clap::ValueEnum;
-
-    use super::*;
-
-    #[test]
-    fn alpha_masks_are_in_the_module_if_and_only_if_the_scene_has_them() {
-        let (kind, order, count_work) = (Kind::Closest, Order::Stored, false);
-        for &kernel in TraceKernel::value_variants() {
-            for masks in [false, true] {
-                let precision = Precision::default();
-                let text = module(&TraceVariant { kernel, kind, order, masks, count_work, precision }).wgsl();
-                for mark in ["masks:", "load_mask", "MaskedTriangle"] {
-                    assert_eq!(text.contains(mark), masks, "{mark} by {}", kernel.name());
-                }
-            }
-        }
     }
 }

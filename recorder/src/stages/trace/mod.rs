@@ -45,6 +45,7 @@ pub mod hits;
 pub mod mask;
 pub mod moeller_trumbore;
 pub mod triangle;
+pub mod variant;
 
 #[cfg(test)]
 mod tests;
