@@ -107,41 +107,25 @@ impl ErrorArguments {
 
 /// One table per curve that was measured.
 pub(super) fn tables(rows: &ErrorRows) -> Vec<Table> {
-    let mut tables = Vec::new();
-    if !rows.precision.is_empty() {
-        tables.push(precision(&rows.precision));
-    }
-    if !rows.estimator.is_empty() {
-        tables.push(estimator(&rows.estimator));
-    }
-    if !rows.key_bits.is_empty() {
-        tables.push(key_bits(&rows.key_bits));
-    }
-    if !rows.image.is_empty() {
-        tables.push(image(&rows.image));
-    }
-    tables
+    let tables = [
+        precision(&rows.precision),
+        estimator(&rows.estimator),
+        key_bits(&rows.key_bits),
+        image(&rows.image),
+    ];
+    tables.into_iter().filter(|table| !table.is_empty()).collect()
 }
 
-fn mega_per_second(items: u64, samples_ns: &[u64]) -> String {
-    rate(items, samples_ns).map_or(String::new(), |(rate, spread)| format!("{rate:.1} ±{spread:.0} %"))
+fn mega_per_second(items: u64, samples_ns: &[u64], digits: usize) -> String {
+    rate(items, samples_ns).map_or(String::new(), |(rate, spread)| format!("{rate:.digits$} ±{spread:.0} %"))
 }
 
 fn precision(rows: &[PrecisionRow]) -> Table {
-    let mut table = table_of(&[
-        "scene",
-        "kernel",
-        "triangle test",
-        "box test",
-        "Mrays/s",
-        "rays",
-        "missed",
-        "false",
-        "wrong triangle",
-        "tied",
-        "t error, relative: median, 99.9 %, max",
-        "ulp: median, 99.9 %, max",
-    ]);
+    let mut table = table_of(
+        "scene | kernel | triangle test | box test | Mrays/s | rays | missed | false | \
+         wrong triangle | tied | t error, relative: median, 99.9 %, max | \
+         ulp: median, 99.9 %, max",
+    );
     for row in rows {
         let (relative, ulp) = (row.errors.relative, row.errors.ulp);
         table.add_row([
@@ -149,8 +133,7 @@ fn precision(rows: &[PrecisionRow]) -> Table {
             row.kernel.clone(),
             row.triangle_test.clone(),
             row.box_test.clone(),
-            rate(row.rays_timed, &row.samples_ns)
-                .map_or(String::new(), |(rate, spread)| format!("{rate:.2} ±{spread:.0} %")),
+            mega_per_second(row.rays_timed, &row.samples_ns, 2),
             row.errors.rays.to_string(),
             row.errors.missed.to_string(),
             row.errors.false_hits.to_string(),
@@ -164,18 +147,10 @@ fn precision(rows: &[PrecisionRow]) -> Table {
 }
 
 fn estimator(rows: &[EstimatorRow]) -> Table {
-    let mut table = table_of(&[
-        "scene",
-        "kind",
-        "table method",
-        "bits",
-        "pass",
-        "cells touched",
-        "mean error",
-        "median error",
-        "accumulate Mrays/s",
-        "key Mrays/s",
-    ]);
+    let mut table = table_of(
+        "scene | kind | table method | bits | pass | cells touched | mean error | \
+         median error | accumulate Mrays/s | key Mrays/s",
+    );
     for row in rows.iter().filter(|row| row.rays_timed > 0 || (row.table_bits == 20 && row.pass < 8)) {
         table.add_row([
             row.scene.clone(),
@@ -186,26 +161,18 @@ fn estimator(rows: &[EstimatorRow]) -> Table {
             row.cells_touched.to_string(),
             format!("{:.4}", row.error.mean_absolute),
             format!("{:.4}", row.error.median_absolute),
-            mega_per_second(row.rays_timed, &row.accumulate_ns),
-            mega_per_second(row.rays_timed, &row.key_ns),
+            mega_per_second(row.rays_timed, &row.accumulate_ns, 1),
+            mega_per_second(row.rays_timed, &row.key_ns, 1),
         ]);
     }
     table
 }
 
 fn key_bits(rows: &[KeyBitsRow]) -> Table {
-    let mut table = table_of(&[
-        "scene",
-        "bounce",
-        "kind",
-        "rays",
-        "method",
-        "bits",
-        "key ms",
-        "sort ms",
-        "capsule area",
-        "trace ms",
-    ]);
+    let mut table = table_of(
+        "scene | bounce | kind | rays | method | bits | key ms | sort ms | capsule area | \
+         trace ms",
+    );
     for row in rows {
         table.add_row([
             row.scene.clone(),
@@ -226,7 +193,7 @@ fn key_bits(rows: &[KeyBitsRow]) -> Table {
 /// The last picture of each scene and method; the ones before are in the JSON.
 fn image(rows: &[ImageRow]) -> Table {
     let mut table =
-        table_of(&["scene", "method", "samples", "wall ms", "relative MSE", "times faster than unsorted"]);
+        table_of("scene | method | samples | wall ms | relative MSE | times faster than unsorted");
     for row in rows {
         let of_scene = || rows.iter().filter(|other| other.scene == row.scene);
         if of_scene().any(|other| other.passes > row.passes) {

@@ -175,21 +175,21 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
 }
 
 fn tables(result: &BenchResult) -> Vec<Table> {
-    let mut table = table_of(&[]);
     let shown = |items, samples: &[u64]| match rate(items, samples) {
         Some((rate, spread)) => [format!("{rate:.2}"), format!("{spread:.0} %")],
         None => [String::new(), String::new()],
     };
     match &result.rows {
         Rows::Sort(rows) => {
-            table.set_header(["keys", "key bits", "Mkeys/s", "spread"]);
+            let mut table = table_of("keys | key bits | Mkeys/s | spread");
             for row in rows {
                 let [rate, spread] = shown(row.n, &row.samples_ns);
                 table.add_row([row.n.to_string(), row.key_bits.to_string(), rate, spread]);
             }
+            vec![table]
         }
         Rows::Trace(rows) => {
-            table.set_header(["scene", "bounce", "kind", "rays", "kernel", "order", "Mrays/s", "spread"]);
+            let mut table = table_of("scene | bounce | kind | rays | kernel | order | Mrays/s | spread");
             for row in rows {
                 let [rate, spread] = shown(row.rays, &row.samples_ns);
                 table.add_row([
@@ -203,19 +203,19 @@ fn tables(result: &BenchResult) -> Vec<Table> {
                     spread,
                 ]);
             }
+            vec![table]
         }
-        Rows::Error(rows) => return error::tables(rows),
-        Rows::Skip(rows) => return vec![skip::skip_table(rows)],
-        Rows::Instrument(rows) => return vec![instrument::table(rows)],
-        Rows::Startup(rows) => return vec![skip::startup_table(rows)],
+        Rows::Error(rows) => error::tables(rows),
+        Rows::Skip(rows) => vec![skip::skip_table(rows)],
+        Rows::Instrument(rows) => vec![instrument::table(rows)],
+        Rows::Startup(rows) => vec![skip::startup_table(rows)],
     }
-    vec![table]
 }
 
-/// An empty table with this header.
-fn table_of(header: &[&str]) -> Table {
+/// An empty table; its header is written as one, `column | column`.
+fn table_of(header: &str) -> Table {
     let mut table = Table::new();
-    table.load_style(UTF8_BORDERS_ONLY).set_header(header);
+    table.load_style(UTF8_BORDERS_ONLY).set_header(header.split(" | "));
     table
 }
 

@@ -53,17 +53,10 @@ impl SkipArguments {
 }
 
 pub(super) fn skip_table(rows: &[SkipRow]) -> Table {
-    let mut table = table_of(&[
-        "scene",
-        "skipped",
-        "time and bytes of",
-        "skipped ms",
-        "done ms",
-        "done / skipped",
-        "skipped bytes",
-        "done bytes",
-        "same",
-    ]);
+    let mut table = table_of(
+        "scene | skipped | time and bytes of | skipped ms | done ms | done / skipped | \
+         skipped bytes | done bytes | same",
+    );
     for row in rows {
         let Cost { samples_ns: done, .. } = &row.done;
         let ratio = Speedup::of(done, &row.skipped.samples_ns).map_or(String::new(), |ratio| {
@@ -90,7 +83,7 @@ fn bytes(bytes: u64) -> String {
 }
 
 pub(super) fn startup_table(rows: &[StartupRow]) -> Table {
-    let mut table = table_of(&["scene", "triangles", "kernel", "step", "ms"]);
+    let mut table = table_of("scene | triangles | kernel | step | ms");
     for row in rows {
         table.add_row([
             row.scene.clone(),
