@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::LazyLock;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 
 use crate::analysis::{Depth, GroupWidth, Options};
-use crate::figures::style::Width;
 use crate::output::{print, say, sentence};
 use crate::session::Session;
 use crate::shot::Shot;
@@ -138,87 +137,16 @@ enum Command {
     Recover(Target),
     /// Draw figures for a paper from recordings and benchmark results.
     #[command(after_help = PLOT_EXAMPLES)]
-    Plot(Plot),
+    Plot(plot::Plot),
     /// Make one page of figures and tables from recordings and benchmark results.
     #[command(after_help = REPORT_EXAMPLES)]
-    Report(Report),
+    Report(plot::Sources),
     /// Draw the window, or one view of it, into a file.
     #[command(after_help = SHOT_EXAMPLES)]
     Shot(Box<Shot>),
     /// Write rays, hits, orders and capsules for other programs.
     #[command(after_help = EXPORT_EXAMPLES)]
-    Export(Export),
-}
-
-/// Figures as files.
-#[derive(Debug, Args)]
-struct Plot {
-    /// Recordings (folders NAME.raydump) and files that `recorder bench --json` printed.
-    #[arg(value_name = "X", required = true)]
-    inputs: Vec<PathBuf>,
-    /// The folder for the files; it is made if it is not there.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
-    /// Only these figures.
-    #[arg(long = "figure", value_name = "NAME", num_args = 1.., value_delimiter = ',')]
-    figures: Vec<String>,
-    /// How wide figures are on paper.
-    #[arg(long, value_enum, default_value_t = FigureWidth::OneColumn)]
-    width: FigureWidth,
-    /// Print one JSON object instead of text.
-    #[arg(long)]
-    json: bool,
-}
-
-/// Figures on one page.
-#[derive(Debug, Args)]
-struct Report {
-    /// Recordings (folders NAME.raydump) and files that `recorder bench --json` printed.
-    #[arg(value_name = "X", required = true)]
-    inputs: Vec<PathBuf>,
-    /// The folder for report.html; it is made if it is not there.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
-    /// Print one JSON object instead of text.
-    #[arg(long)]
-    json: bool,
-}
-
-/// Rays as files.
-#[derive(Debug, Args)]
-struct Export {
-    /// The recording: a folder NAME.raydump, or NAME.raydump.partial.
-    #[arg(value_name = "X.raydump")]
-    dump: PathBuf,
-    /// The folder for the files; it is made if it is not there.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
-    /// What to write.
-    #[arg(long, value_enum)]
-    format: export::Format,
-    #[command(flatten)]
-    choice: export::RayChoice,
-    /// Print one JSON object instead of text.
-    #[arg(long)]
-    json: bool,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum FigureWidth {
-    /// 3.5 in (89 mm).
-    OneColumn,
-    /// 7 in (178 mm).
-    TwoColumn,
-}
-
-impl Plot {
-    fn run(&self) -> anyhow::Result<()> {
-        let width = match self.width {
-            FigureWidth::OneColumn => Width::OneColumn,
-            FigureWidth::TwoColumn => Width::TwoColumn,
-        };
-        plot::plot(&self.inputs, &self.out, &self.figures, width, self.json)
-    }
+    Export(export::Export),
 }
 
 /// What a command looks at.
@@ -276,11 +204,9 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Command::Info(info) => info::run(&info.target.dump, info.target.json, &info.options()),
         Command::Verify(Target { dump, json }) => verify::run(&dump, json),
         Command::Recover(Target { dump, json }) => recover::run(&dump, json),
-        Command::Plot(plot) => plot.run(),
-        Command::Report(Report { inputs, out, json }) => plot::report(&inputs, &out, json),
-        Command::Export(Export { dump, out, format, choice, json }) => {
-            export::run(&dump, &out, format, &choice, json)
-        }
+        Command::Plot(plot) => plot::plot(&plot),
+        Command::Report(sources) => plot::report(&sources),
+        Command::Export(export) => export::run(&export),
         Command::Shot(shot) => shot.run(),
     };
     exit_code(done)

@@ -6,7 +6,7 @@ use formats::bench_result::BenchResult;
 use formats::reader::Dump;
 
 use crate::analysis::{Analysis, Depth, Options, analyse};
-use crate::figures::catalogue::{CATALOGUE, Findings};
+use crate::figures::catalogue::{CATALOGUE, FigureMaker, Findings, Skipped};
 use crate::figures::model::Figure;
 
 /// Recordings and benchmark results, in the order in which they were named.
@@ -34,30 +34,28 @@ impl Inputs {
         Ok(analyse(&self.recordings, &Options { depth: Depth::Arrays, ..Options::default() })?)
     }
 
-    /// Every figure that they have the numbers for, those of `names` alone if there are any.
-    pub(crate) fn figures(&self, analysis: &Analysis, names: &[String]) -> anyhow::Result<Figures> {
+    /// Every figure that they have the numbers for, those of `names` alone if there are any; and those that
+    /// need what is not there.
+    pub(crate) fn figures(
+        &self,
+        analysis: &Analysis,
+        names: &[String],
+    ) -> anyhow::Result<(Vec<Figure>, Vec<Skipped>)> {
         let findings = Findings { analysis, benches: &self.benches };
-        let mut made = Figures::default();
-        for entry in
-            CATALOGUE.iter().filter(|entry| names.is_empty() || names.iter().any(|name| name == entry.name))
-        {
-            match entry.make(&findings) {
-                Ok(figure) => made.figures.push(figure),
-                Err(skipped) if names.is_empty() => {
-                    made.skipped.push((entry.name.to_owned(), skipped.reason))
+        let (mut made, mut left_out) = (Vec::new(), Vec::new());
+        let is_wanted =
+            |maker: &&FigureMaker| names.is_empty() || names.iter().any(|name| name == maker.name);
+        for maker in CATALOGUE.iter().filter(is_wanted) {
+            match maker.make(&findings) {
+                Ok(figure) => made.push(figure),
+                Err(skipped) if names.is_empty() => left_out.push(skipped),
+                Err(Skipped { figure, reason }) => {
+                    anyhow::bail!("there is no figure {figure} of these: {reason}")
                 }
-                Err(skipped) => anyhow::bail!("there is no figure {} of these: {skipped}", entry.name),
             }
         }
-        Ok(made)
+        Ok((made, left_out))
     }
-}
-
-/// Figures, and names of those that need what is not there, each with the reason.
-#[derive(Debug, Default)]
-pub(crate) struct Figures {
-    pub(crate) figures: Vec<Figure>,
-    pub(crate) skipped: Vec<(String, String)>,
 }
 
 /// Whether all of these are names of figures.
@@ -65,10 +63,10 @@ pub(crate) struct Figures {
 /// # Errors
 /// If one is not, with those that there are.
 pub(crate) fn check_names(names: &[String]) -> anyhow::Result<()> {
-    match names.iter().find(|name| CATALOGUE.iter().all(|entry| entry.name != **name)) {
+    match names.iter().find(|name| CATALOGUE.iter().all(|maker| maker.name != **name)) {
         None => Ok(()),
         Some(name) => {
-            let known: Vec<&str> = CATALOGUE.iter().map(|entry| entry.name).collect();
+            let known: Vec<&str> = CATALOGUE.iter().map(|maker| maker.name).collect();
             anyhow::bail!("there is no figure {name}; there are: {}", known.join(", "))
         }
     }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use formats::key::Termination;
 use formats::key::method::{Method, UNSORTED};
 use formats::manifest::{Header, Manifest, Options, Source};
@@ -10,6 +11,7 @@ use serde::Serialize;
 
 use crate::analysis::RecordingAnalysis;
 use crate::analysis::summary::distinct;
+use crate::figures::catalogue::Skipped;
 use crate::figures::files;
 use crate::figures::style::Width;
 use crate::inputs::{Inputs, check_names, quoted, quoted_text};
@@ -23,6 +25,33 @@ const PAGE_NAME: &str = "report.html";
 
 const HOW_TO_HAVE_ARRAYS: &str = "arrays are kept with `recorder record --keep`; those of a replay's source are found if it lies beside the replay";
 
+/// What files are made of, and where they go.
+#[derive(Debug, Args)]
+pub(crate) struct Sources {
+    /// Recordings (folders NAME.raydump) and files that `recorder bench --json` printed.
+    #[arg(value_name = "X", required = true)]
+    inputs: Vec<PathBuf>,
+    /// The folder for the files; it is made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Figures as files.
+#[derive(Debug, Args)]
+pub(crate) struct Plot {
+    #[command(flatten)]
+    sources: Sources,
+    /// Only these figures.
+    #[arg(long = "figure", value_name = "NAME", num_args = 1.., value_delimiter = ',')]
+    figures: Vec<String>,
+    /// How wide figures are on paper.
+    #[arg(long, value_enum, default_value_t = Width::OneColumn)]
+    width: Width,
+}
+
 /// What `--json` prints.
 #[derive(Serialize)]
 struct Made {
@@ -30,51 +59,39 @@ struct Made {
     skipped: Vec<Skipped>,
 }
 
-#[derive(Serialize)]
-struct Skipped {
-    figure: String,
-    reason: String,
-}
-
-/// Writes the files of every figure, or of those of these names.
-pub(crate) fn plot(
-    paths: &[PathBuf],
-    out: &Path,
-    names: &[String],
-    width: Width,
-    json: bool,
-) -> anyhow::Result<()> {
-    check_names(names)?;
-    let inputs = Inputs::open(paths)?;
-    make_folder(out)?;
-    let made = inputs.figures(&inputs.analysis()?, names)?;
+/// Writes the files of every figure, or of those that are named.
+pub(crate) fn plot(Plot { sources, figures, width }: &Plot) -> anyhow::Result<()> {
+    check_names(figures)?;
+    let inputs = Inputs::open(&sources.inputs)?;
+    make_folder(&sources.out)?;
+    let (figures, skipped) = inputs.figures(&inputs.analysis()?, figures)?;
     let mut written = Vec::new();
-    for figure in &made.figures {
+    for figure in &figures {
         say(&figure.name);
-        written.extend(files::write(figure, width, out)?);
+        written.extend(files::write(figure, *width, &sources.out)?);
     }
-    print_made(written, made.skipped, json)
+    print_made(&Made { files: written, skipped }, sources.json)
 }
 
 /// Writes one page with every figure, the summary and how to repeat it.
-pub(crate) fn report(paths: &[PathBuf], out: &Path, json: bool) -> anyhow::Result<()> {
-    let inputs = Inputs::open(paths)?;
-    make_folder(out)?;
+pub(crate) fn report(sources: &Sources) -> anyhow::Result<()> {
+    let inputs = Inputs::open(&sources.inputs)?;
+    make_folder(&sources.out)?;
     let analysis = inputs.analysis()?;
-    let made = inputs.figures(&analysis, &[])?;
-    let skipped = made.skipped.clone();
+    let (figures, skipped) = inputs.figures(&analysis, &[])?;
     let (summary_header, summary) = method_table::summary(&analysis);
-    let page = report::html(&Report {
+    let report = Report {
         title: title(&inputs.recordings),
         facts: inputs.recordings.iter().zip(&analysis.recordings).map(facts).collect(),
         summary_header,
         summary,
-        figures: made.figures,
-        skipped: made.skipped,
-        commands: commands(&inputs, paths, out),
-    })?;
-    let path = files::replace(&out.join(PAGE_NAME), page.as_bytes())?;
-    print_made(vec![path], skipped, json)
+        figures,
+        skipped,
+        commands: commands(&inputs, sources),
+    };
+    let page = report::html(&report)?;
+    let path = files::replace(&sources.out.join(PAGE_NAME), page.as_bytes())?;
+    print_made(&Made { files: vec![path], skipped: report.skipped }, sources.json)
 }
 
 /// The folder for what is written.
@@ -82,24 +99,20 @@ fn make_folder(out: &Path) -> anyhow::Result<()> {
     files::make_folder(out).map_err(|error| anyhow::anyhow!("{error}; name another folder with --out"))
 }
 
-fn print_made(files: Vec<PathBuf>, skipped: Vec<(String, String)>, json: bool) -> anyhow::Result<()> {
-    let skipped: Vec<Skipped> =
-        skipped.into_iter().map(|(figure, reason)| Skipped { figure, reason }).collect();
+fn print_made(made: &Made, json: bool) -> anyhow::Result<()> {
     if json {
-        print_json(&Made { files, skipped })?;
-    } else {
-        let mut lines: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
-        lines.extend(skipped.iter().map(|one| format!("left out: {}: {}", one.figure, one.reason)));
-        // The reasons name an array: both ways to have it.
-        lines.extend(
-            skipped.iter().any(|one| one.reason.contains(".npy")).then(|| HOW_TO_HAVE_ARRAYS.to_owned()),
-        );
-        lines.push(format!("{} written", counted(files.len() as u64, "file", "files")));
-        print(&lines.join("\n"))?;
-        if files.is_empty() {
-            anyhow::bail!("nothing could be drawn of what was given");
-        }
+        return print_json(made);
     }
+    let Made { files, skipped } = made;
+    let mut lines: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+    lines.extend(skipped.iter().map(|one| format!("left out: {}: {}", one.figure, one.reason)));
+    if skipped.iter().any(|one| one.reason.contains(".npy")) {
+        // The reasons name an array: both ways to have it.
+        lines.push(HOW_TO_HAVE_ARRAYS.to_owned());
+    }
+    lines.push(format!("{} written", counted(files.len() as u64, "file", "files")));
+    print(&lines.join("\n"))?;
+    anyhow::ensure!(!files.is_empty(), "nothing could be drawn of what was given");
     Ok(())
 }
 
@@ -128,13 +141,8 @@ fn facts((dump, analysis): (&Dump, &RecordingAnalysis)) -> (String, String) {
 }
 
 fn title(recordings: &[Dump]) -> String {
-    let mut scenes: Vec<String> = Vec::new();
-    for recording in recordings {
-        let name = shown::name(&recording.manifest().header.scene.name);
-        if !scenes.contains(&name) {
-            scenes.push(name);
-        }
-    }
+    let name = |recording: &Dump| shown::name(&recording.manifest().header.scene.name);
+    let scenes = distinct(recordings.iter().map(name));
     if scenes.is_empty() {
         "Ray reordering".to_owned()
     } else {
@@ -143,11 +151,11 @@ fn title(recordings: &[Dump]) -> String {
 }
 
 /// The commands that make the recordings, the measurements and this page.
-fn commands(inputs: &Inputs, paths: &[PathBuf], out: &Path) -> Vec<String> {
+fn commands(inputs: &Inputs, sources: &Sources) -> Vec<String> {
     let mut commands: Vec<String> = inputs.recordings.iter().map(record_command).collect();
     commands.extend(inputs.benches.iter().map(|bench| bench.command.clone()));
-    let inputs: Vec<String> = paths.iter().map(|path| quoted(path)).collect();
-    commands.push(format!("inspector report {} --out {}", inputs.join(" "), quoted(out)));
+    let inputs: Vec<String> = sources.inputs.iter().map(|path| quoted(path)).collect();
+    commands.push(format!("inspector report {} --out {}", inputs.join(" "), quoted(&sources.out)));
     commands
 }
 

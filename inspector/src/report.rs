@@ -1,10 +1,9 @@
 //! One HTML page that says everything about some recordings, and needs nothing beside it.
 
-use std::fmt::Write;
-
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
+use crate::figures::catalogue::Skipped;
 use crate::figures::model::Figure;
 use crate::figures::style::{FONT, FONT_FAMILY, Width};
 use crate::figures::svg::escape;
@@ -23,8 +22,8 @@ pub struct Report {
     pub summary: Vec<Vec<String>>,
     /// The figures.
     pub figures: Vec<Figure>,
-    /// Figures that could not be made, each with the reason.
-    pub skipped: Vec<(String, String)>,
+    /// Figures that could not be made.
+    pub skipped: Vec<Skipped>,
     /// Command lines that make all of this again.
     pub commands: Vec<String>,
 }
@@ -76,7 +75,7 @@ pre { background: var(--soft); border: 1px solid var(--line); padding: .8rem; ov
 /// stay on white, as in print. Numbers are shown where a bar or a point is pointed at.
 ///
 /// # Errors
-/// If a figure contradicts itself.
+/// If a figure cannot be drawn.
 pub fn html(report: &Report) -> Result<String, FigureError> {
     let title = escape(&report.title);
     let mut page = format!(
@@ -87,60 +86,49 @@ pub fn html(report: &Report) -> Result<String, FigureError> {
          </head>\n<body>\n<h1>{title}</h1>\n",
         STANDARD.encode(FONT)
     );
-    page.push_str(&contents(report));
-    page.push_str(&facts(&report.facts));
-    page.push_str(&summary(report));
+    // One figure needs no list of them.
+    let figures = report.figures.iter().enumerate().filter(|_| report.figures.len() > 1);
+    let entries = figures.map(|(at, figure)| {
+        format!("<li><a href=\"#figure-{}\">{}</a></li>\n", at + 1, escape(&figure.title))
+    });
+    section(&mut page, "<nav aria-label=\"Figures\"><ul>\n", entries, "</ul></nav>\n");
+    let rows = report.facts.iter().map(|(name, value)| {
+        format!("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", escape(name), escape(value))
+    });
+    section(&mut page, "<h2>What was recorded</h2>\n<table class=\"facts\">\n", rows, "</table>\n");
+    let cells = |tag: &str, cells: &[String]| -> String {
+        let end = tag.split(' ').next().unwrap_or(tag);
+        cells.iter().map(|cell| format!("<{tag}>{}</{end}>", escape(cell))).collect()
+    };
+    let table = format!(
+        "<h2>Summary</h2>\n<div class=\"wide\"><table>\n<thead><tr>{}</tr></thead>\n<tbody>\n",
+        cells("th scope=\"col\"", &report.summary_header)
+    );
+    let rows = report.summary.iter().map(|row| format!("<tr>{}</tr>\n", cells("td", row)));
+    section(&mut page, &table, rows, "</tbody></table></div>\n");
     if !report.figures.is_empty() {
         page.push_str("<h2 id=\"figures\">Figures</h2>\n");
     }
     for (at, figure) in report.figures.iter().enumerate() {
         page.push_str(&figure_section(at, figure)?);
     }
-    page.push_str(&skipped(&report.skipped));
-    page.push_str(&commands(&report.commands));
+    let items = report.skipped.iter().map(|Skipped { figure, reason }| {
+        format!("<li><b>{}</b>: {}</li>\n", escape(figure), escape(reason))
+    });
+    section(&mut page, "<h2>Figures left out</h2>\n<ul>\n", items, "</ul>\n");
+    let commands: Vec<String> = report.commands.iter().map(|line| escape(line)).collect();
+    let lines = (!commands.is_empty()).then(|| commands.join("\n"));
+    section(&mut page, "<h2>How to repeat it</h2>\n<pre><code>", lines.into_iter(), "</code></pre>\n");
     page.push_str("</body>\n</html>\n");
     Ok(page)
 }
 
-fn contents(report: &Report) -> String {
-    if report.figures.len() < 2 {
-        return String::new();
+/// Adds parts between a start and an end; nothing if there are none.
+fn section(page: &mut String, start: &str, parts: impl Iterator<Item = String>, end: &str) {
+    let parts: String = parts.collect();
+    if !parts.is_empty() {
+        page.extend([start, &parts, end]);
     }
-    let mut list = String::from("<nav aria-label=\"Figures\"><ul>\n");
-    for (at, figure) in report.figures.iter().enumerate() {
-        let _ = writeln!(list, "<li><a href=\"#figure-{}\">{}</a></li>", at + 1, escape(&figure.title));
-    }
-    list.push_str("</ul></nav>\n");
-    list
-}
-
-fn facts(facts: &[(String, String)]) -> String {
-    if facts.is_empty() {
-        return String::new();
-    }
-    let mut table = String::from("<h2>What was recorded</h2>\n<table class=\"facts\">\n");
-    for (name, value) in facts {
-        let _ = writeln!(table, "<tr><th scope=\"row\">{}</th><td>{}</td></tr>", escape(name), escape(value));
-    }
-    table.push_str("</table>\n");
-    table
-}
-
-fn summary(report: &Report) -> String {
-    if report.summary.is_empty() {
-        return String::new();
-    }
-    let mut table = String::from("<h2>Summary</h2>\n<div class=\"wide\"><table>\n<thead><tr>");
-    for name in &report.summary_header {
-        let _ = write!(table, "<th scope=\"col\">{}</th>", escape(name));
-    }
-    table.push_str("</tr></thead>\n<tbody>\n");
-    for row in &report.summary {
-        let cells: String = row.iter().map(|cell| format!("<td>{}</td>", escape(cell))).collect();
-        let _ = writeln!(table, "<tr>{cells}</tr>");
-    }
-    table.push_str("</tbody></table></div>\n");
-    table
 }
 
 fn figure_section(at: usize, figure: &Figure) -> Result<String, FigureError> {
@@ -156,24 +144,4 @@ fn figure_section(at: usize, figure: &Figure) -> Result<String, FigureError> {
         escape(&figure.title),
         escape(&figure.caption),
     ))
-}
-
-fn skipped(skipped: &[(String, String)]) -> String {
-    if skipped.is_empty() {
-        return String::new();
-    }
-    let mut list = String::from("<h2>Figures left out</h2>\n<ul>\n");
-    for (name, reason) in skipped {
-        let _ = writeln!(list, "<li><b>{}</b>: {}</li>", escape(name), escape(reason));
-    }
-    list.push_str("</ul>\n");
-    list
-}
-
-fn commands(commands: &[String]) -> String {
-    if commands.is_empty() {
-        return String::new();
-    }
-    let lines: Vec<String> = commands.iter().map(|line| escape(line)).collect();
-    format!("<h2>How to repeat it</h2>\n<pre><code>{}</code></pre>\n", lines.join("\n"))
 }

@@ -5,6 +5,7 @@
 use std::path::Path;
 use std::process::Command;
 
+use inspector::figures::catalogue::Skipped;
 use inspector::figures::model::{
     Axis, ColourBar, Content, Figure, Panel, Picture, Point, Reference, Scale, Series,
 };
@@ -57,7 +58,7 @@ fn sample() -> Report {
             figure("rates", Content::Lines(vec![series(1)]), Scale::Linear { from_zero: false }),
             figure("table", Content::Picture(picture), Scale::Linear { from_zero: true }),
         ],
-        skipped: vec![("correlation".into(), format!("no capsules {HOSTILE}"))],
+        skipped: vec![Skipped { figure: "correlation".into(), reason: format!("no capsules {HOSTILE}") }],
         commands: vec!["inspector report a.raydump --out page".into(), HOSTILE.into()],
     }
 }

@@ -12,16 +12,14 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use clap::ValueEnum;
+use clap::{Args, ValueEnum};
 use formats::files::replace;
 use formats::reader::Dump;
 use serde::Serialize;
 
 use crate::figures::files::make_folder;
 use crate::output::{print, print_json};
-use rays::Rays;
-
-pub(crate) use rays::RayChoice;
+use rays::{RayChoice, Rays};
 
 /// What files are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -39,16 +37,28 @@ struct Made {
     rays: usize,
 }
 
-/// Writes the files of a format into a folder.
-pub(crate) fn run(
-    path: &Path,
-    out: &Path,
+/// Rays as files.
+#[derive(Debug, Args)]
+pub(crate) struct Export {
+    /// The recording: a folder NAME.raydump, or NAME.raydump.partial.
+    #[arg(value_name = "X.raydump")]
+    dump: PathBuf,
+    /// The folder for the files; it is made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// What to write.
+    #[arg(long, value_enum)]
     format: Format,
-    choice: &RayChoice,
+    #[command(flatten)]
+    choice: RayChoice,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
     json: bool,
-) -> anyhow::Result<()> {
-    let dump = Dump::open(path)?;
-    let rays = Rays::open(&dump, choice)?;
+}
+
+/// Writes the files of a format into a folder.
+pub(crate) fn run(Export { dump, out, format, choice, json }: &Export) -> anyhow::Result<()> {
+    let rays = Rays::open(&Dump::open(dump)?, choice)?;
     make_folder(out)?;
     let stem = stem(&rays, choice);
     let files = match format {
@@ -68,7 +78,7 @@ pub(crate) fn run(
             files
         }
     };
-    if json {
+    if *json {
         return print_json(&Made { files, rays: rays.len() });
     }
     print(&files.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join("\n"))

@@ -3,6 +3,8 @@
 //! Colours are those of Okabe and Ito (2008), which people with any colour vision tell apart. None of
 //! them stands alone: each style has a marker, a dash and a hatch of its own, so that grey print works.
 
+use clap::ValueEnum;
+
 /// Family name of the embedded font.
 pub const FONT_FAMILY: &str = "Liberation Sans";
 /// The embedded font: Liberation Sans 2.1.5, SIL Open Font License 1.1.
@@ -60,12 +62,12 @@ impl Colour {
     }
 }
 
-/// How wide a figure is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How wide a figure is: columns of a two-column page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Width {
-    /// One column of a two-column page: 3.5 in (88.9 mm).
+    /// 3.5 in (89 mm).
     OneColumn,
-    /// Both columns: 7 in (177.8 mm).
+    /// 7 in (178 mm).
     TwoColumn,
 }
 

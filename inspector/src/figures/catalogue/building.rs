@@ -4,7 +4,7 @@ use formats::bench_result::BenchResult;
 use formats::key::method::{BUILTIN, UNSORTED};
 use formats::metrics::speedup::{median, quantile};
 
-use super::{Findings, Made, Skipped};
+use super::{Findings, Made};
 use crate::analysis::summary::{MeanSpeedup, Rays, distinct};
 use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
@@ -23,7 +23,7 @@ pub fn figure(
 ) -> Made {
     let panels: Vec<Panel> = panels.into_iter().filter_map(without_empty).collect();
     if panels.is_empty() {
-        return Err(Skipped { reason: reason.into() });
+        return Err(reason.into());
     }
     Ok(Figure { name: String::new(), title: title.into(), caption: caption.into(), settings, panels })
 }

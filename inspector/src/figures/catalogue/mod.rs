@@ -25,6 +25,7 @@ pub mod sweeps;
 pub mod tables;
 
 use formats::bench_result::BenchResult;
+use serde::Serialize;
 
 use super::model::Figure;
 use crate::analysis::Analysis;
@@ -38,16 +39,17 @@ pub struct Findings<'a> {
     pub benches: &'a [BenchResult],
 }
 
-/// Why a figure is not made: there is nothing to show.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{reason}")]
+/// A figure, or why there is none in a sentence without its full stop.
+pub type Made = Result<Figure, String>;
+
+/// A figure that is not made: there is nothing to show.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Skipped {
+    /// Its name.
+    pub figure: String,
     /// In a sentence without its full stop.
     pub reason: String,
 }
-
-/// A figure, or why there is none.
-pub type Made = Result<Figure, Skipped>;
 
 /// How a figure of the catalogue is made.
 #[derive(Clone, Copy, Debug)]
@@ -72,8 +74,10 @@ impl FigureMaker {
     ///
     /// # Errors
     /// If there is nothing to show: why.
-    pub fn make(&self, findings: &Findings<'_>) -> Made {
-        Ok(Figure { name: self.name.to_owned(), ..(self.made)(findings)? })
+    pub fn make(&self, findings: &Findings<'_>) -> Result<Figure, Skipped> {
+        let name = || self.name.to_owned();
+        let made = (self.made)(findings).map(|figure| Figure { name: name(), ..figure });
+        made.map_err(|reason| Skipped { figure: name(), reason })
     }
 }
 
