@@ -24,6 +24,7 @@ const SCENES: [&str; 7] = [
 ];
 
 pub(super) fn all() -> Vec<Figure> {
+    let decades = |label: &str| Axis::logarithmic(label, 10);
     vec![
         speedups(),
         stages(),
@@ -33,15 +34,15 @@ pub(super) fn all() -> Vec<Figure> {
         photograph(),
         pixel_costs(),
         bandwidths(),
-        hard("tiny-numbers", Scale::Linear { from_zero: false }, &[1e-9, 2.5e-9, 4e-9]),
-        hard("huge-numbers", Scale::Linear { from_zero: true }, &[3.2e12, 7.7e12, 9.9e12]),
-        hard("one-point", Scale::Linear { from_zero: false }, &[42.0]),
-        hard("equal-values", Scale::Logarithmic { base: 10 }, &[5.0, 5.0, 5.0]),
-        hard("short-decade", Scale::Logarithmic { base: 10 }, &[110.0, 140.0, 190.0]),
-        hard("many-decades", Scale::Logarithmic { base: 10 }, &[1e-9, 1.0, 1e9]),
-        bars_of("one-category", "two-point-adaptive bits", 1, 1),
-        bars_of("twenty-categories", "two-point-adaptive bits", 20, 3),
-        bars_of("twenty-short-names", "n =", 20, 1),
+        hard("tiny-numbers", Axis::linear, &[1e-9, 2.5e-9, 4e-9]),
+        hard("huge-numbers", Axis::from_zero, &[3.2e12, 7.7e12, 9.9e12]),
+        hard("one-point", Axis::linear, &[42.0]),
+        hard("equal-values", decades, &[5.0, 5.0, 5.0]),
+        hard("short-decade", decades, &[110.0, 140.0, 190.0]),
+        hard("many-decades", decades, &[1e-9, 1.0, 1e9]),
+        bars_of("one-category", "two-point-adaptive bits", 1, &["series 0"]),
+        bars_of("twenty-categories", "two-point-adaptive bits", 20, &["series 0", "series 1", "series 2"]),
+        bars_of("twenty-short-names", "n =", 20, &["series 0"]),
         distributions(),
         markup(),
     ]
@@ -50,14 +51,6 @@ pub(super) fn all() -> Vec<Figure> {
 pub(super) fn point(x: f64, y: f64, spread: f64) -> Point {
     let spread = (spread > 0.0).then_some((y * (1.0 - spread), y * (1.0 + 1.5 * spread)));
     Point { x, y, spread, n: 10, name: format!("sample at {x}") }
-}
-
-fn axis(label: &str, scale: Scale) -> Axis {
-    Axis { label: label.into(), scale }
-}
-
-fn names(names: &[&str]) -> Scale {
-    Scale::Categories(names.iter().map(|name| (*name).to_owned()).collect())
 }
 
 pub(super) fn figure(name: &str, panels: Vec<Panel>) -> Figure {
@@ -79,165 +72,127 @@ fn noise(seed: usize) -> f64 {
     ((seed as f64 * 12.9898).sin() * 43_758.547).fract().abs()
 }
 
-fn break_even() -> Reference {
-    Reference { label: "break-even".into(), y: 1.0, span: None }
+/// Series in which each number is found by a function of series and category.
+fn named<'a>(
+    labels: &'a [&str],
+    places: usize,
+    point: impl Fn(usize, usize) -> Point + 'a,
+) -> impl Iterator<Item = Series> + 'a {
+    let of =
+        move |(at, label): (usize, &&str)| series(label, at, (0..places).map(|x| point(at, x)).collect());
+    labels.iter().enumerate().map(of)
 }
 
 fn speedups() -> Figure {
-    let panel = |title: &str, seed: usize| Panel {
-        title: title.into(),
-        x: axis("", names(&SCENES)),
-        y: axis("trace speedup over pixel order (×)", Scale::Linear { from_zero: true }),
-        content: Content::Bars(
-            METHODS
-                .iter()
-                .enumerate()
-                .map(|(at, method)| {
-                    let points =
-                        (0..SCENES.len()).map(|x| point(x as f64, 0.8 + noise(at * 7 + x + seed), 0.04));
-                    series(method, at, points.collect())
-                })
-                .collect(),
-        ),
-        references: vec![
-            break_even(),
-            Reference { label: "mean of the paper, RTX 2080 Ti".into(), y: 1.63, span: Some((0.5, 4.5)) },
-        ],
+    let panel = |title: &str, seed: usize| {
+        let value = |at: usize, x: usize| point(x as f64, 0.8 + noise(at * 7 + x + seed), 0.04);
+        let y = Axis::from_zero("trace speedup over pixel order (×)");
+        let bars = Content::Bars(named(&METHODS, SCENES.len(), value).collect());
+        let mut panel =
+            Panel::new(title, Axis::categories("", SCENES), y, bars).with_reference("break-even", 1.0);
+        let label = "mean of the paper, RTX 2080 Ti".into();
+        panel.references.push(Reference { label, y: 1.63, span: Some((0.5, 4.5)) });
+        panel
     };
     figure("speedups", vec![panel("Secondary rays", 0), panel("Shadow rays", 100)])
 }
 
 fn stages() -> Figure {
     let stages = ["key", "sort", "gather", "trace", "accumulate"];
-    let panel = |bounce: usize| Panel {
-        title: format!("Bounce {bounce}"),
-        x: axis("", names(&METHODS)),
-        y: axis("time (ms)", Scale::Linear { from_zero: true }),
-        content: Content::Stacks(
-            stages
-                .iter()
-                .enumerate()
-                .map(|(at, stage)| {
-                    let points = (0..METHODS.len()).map(|x| point(x as f64, noise(at + 9 * x + bounce), 0.1));
-                    series(stage, at, points.collect())
-                })
-                .collect(),
-        ),
-        references: vec![Reference { label: "unsorted trace".into(), y: 1.9, span: None }],
+    let panel = |bounce: usize| {
+        let value = |at: usize, x: usize| point(x as f64, noise(at + 9 * x + bounce), 0.1);
+        let stacks = Content::Stacks(named(&stages, METHODS.len(), value).collect());
+        let (x, y) = (Axis::categories("", METHODS), Axis::from_zero("time (ms)"));
+        Panel::new(format!("Bounce {bounce}"), x, y, stacks).with_reference("unsorted trace", 1.9)
     };
     figure("stages", (1..5).map(panel).collect())
 }
 
 fn sort_rates() -> Figure {
-    let line = |at: usize, name: &str| {
-        let points = (10..25).map(|power| {
-            let n = f64::from(power).exp2();
-            point(n, n / (40.0 + 0.02 * (at + 1) as f64 * n) * 1e3, 0.05)
-        });
-        series(name, at, points.collect())
+    let value = |at: usize, step: usize| {
+        let n = (step as f64 + 10.0).exp2();
+        point(n, n / (40.0 + 0.02 * (at + 1) as f64 * n) * 1e3, 0.05)
     };
-    let panel = Panel {
-        title: String::new(),
-        x: axis("keys", Scale::Logarithmic { base: 2 }),
-        y: axis("rate (Mkeys/s)", Scale::Logarithmic { base: 10 }),
-        content: Content::Lines(vec![
-            line(0, "8 bits"),
-            line(1, "16 bits"),
-            line(2, "32 bits"),
-            line(3, "64 bits"),
-        ]),
-        references: Vec::new(),
-    };
-    figure("sort-rates", vec![panel])
+    let lines = named(&["8 bits", "16 bits", "32 bits", "64 bits"], 15, value).collect();
+    let (x, y) = (Axis::logarithmic("keys", 2), Axis::logarithmic("rate (Mkeys/s)", 10));
+    figure("sort-rates", vec![Panel::new("", x, y, Content::Lines(lines))])
 }
 
 fn correlation() -> Figure {
-    let cloud = |at: usize| {
-        let points = (0..12).map(|sample| {
-            let area = 10f64.powf(noise(at * 31 + sample) * 3.0 - 2.0);
-            point(area, 0.4 + area.sqrt() * (1.0 + noise(sample + 77 * at)), 0.0)
-        });
-        let name = format!("{} with a name that is longer than any legend likes to have it", METHODS[at]);
-        series(&name, at, points.collect())
+    let value = |at: usize, sample: usize| {
+        let area = 10f64.powf(noise(at * 31 + sample) * 3.0 - 2.0);
+        point(area, 0.4 + area.sqrt() * (1.0 + noise(sample + 77 * at)), 0.0)
     };
-    let panel = Panel {
-        title: "Capsule area against trace time, all scenes, bounces and kinds".into(),
-        x: axis("mean capsule area (unit space)", Scale::Logarithmic { base: 10 }),
-        y: axis(
-            "time per ray relative to pixel order, which is the baseline of everything (×)",
-            Scale::Linear { from_zero: true },
-        ),
-        content: Content::Scatter((0..9).map(cloud).collect()),
-        references: vec![break_even()],
-    };
-    figure("correlation", vec![panel])
+    let mut clouds: Vec<Series> = named(&METHODS, 12, value).collect();
+    for cloud in &mut clouds {
+        cloud.label.push_str(" with a name that is longer than any legend likes to have it");
+    }
+    let panel = Panel::new(
+        "Capsule area against trace time, all scenes, bounces and kinds",
+        Axis::logarithmic("mean capsule area (unit space)", 10),
+        Axis::from_zero("time per ray relative to pixel order, which is the baseline of everything (×)"),
+        Content::Scatter(clouds),
+    );
+    figure("correlation", vec![panel.with_reference("break-even", 1.0)])
+}
+
+fn picture((width, height): (u32, u32), colour: impl Fn(u32) -> [u8; 3], bar: Option<ColourBar>) -> Content {
+    Content::Picture(Picture {
+        width,
+        height,
+        rgb: (0..width * height).map(colour).collect(),
+        colour_bar: bar,
+    })
 }
 
 fn tables() -> Figure {
-    let side = 64u32;
     let ramp =
         |at: u32| [(at * 4) as u8, (255.0 * (f64::from(at) / 63.0).sqrt()) as u8, (255 - at * 3) as u8];
-    let picture = |seed: u32| Picture {
-        width: side,
-        height: side,
-        rgb: (0..side * side).map(|cell| ramp((cell * seed / 17 + (cell ^ (cell >> 6))) % 64)).collect(),
-        colour_bar: Some(ColourBar {
-            label: "rays per cell".into(),
-            range: (0.0, 12_500.0),
-            colours: (0..64).map(ramp).collect(),
-        }),
-    };
-    let panel = |seed: u32| Panel {
-        title: format!("Bounce {seed}"),
-        x: axis("cell column", Scale::Linear { from_zero: true }),
-        y: axis("cell row", Scale::Linear { from_zero: true }),
-        content: Content::Picture(picture(seed)),
-        references: Vec::new(),
+    let panel = |seed: u32| {
+        let colours = (0..64).map(ramp).collect();
+        let bar = ColourBar { label: "rays per cell".into(), range: (0.0, 12_500.0), colours };
+        let cell = |cell: u32| ramp((cell * seed / 17 + (cell ^ (cell >> 6))) % 64);
+        let (x, y) = (Axis::from_zero("cell column"), Axis::from_zero("cell row"));
+        Panel::new(format!("Bounce {seed}"), x, y, picture((64, 64), cell, Some(bar)))
     };
     figure("tables", vec![panel(1), panel(2), panel(3)])
+}
+
+/// A panel without ticks.
+fn photo(title: &str, content: Content) -> Panel {
+    Panel::new(title, Axis::from_zero(""), Axis::from_zero(""), content)
 }
 
 /// Pictures beside maps with colour bars, all as high as each other.
 fn pixel_costs() -> Figure {
     let (width, height) = (64, 36);
     let colour = |at: u32| [(at % width * 4) as u8, (at / width * 7) as u8, 90];
-    let picture =
-        |colour_bar| Picture { width, height, rgb: (0..width * height).map(colour).collect(), colour_bar };
     let bar = |highest| ColourBar {
         label: "nodes visited and triangles tested for each pixel".into(),
         range: (0.0, highest),
         colours: (0..64).map(colour).collect(),
     };
-    let panel = |title: String, colour_bar| Panel {
-        title,
-        x: axis("", Scale::Linear { from_zero: true }),
-        y: axis("", Scale::Linear { from_zero: true }),
-        content: Content::Picture(picture(colour_bar)),
-        references: Vec::new(),
+    let pair = |(scene, highest): (&str, f64)| {
+        let of = |bar| picture((width, height), colour, bar);
+        [
+            photo(&format!("{scene}: picture"), of(None)),
+            photo(&format!("{scene}: work per pixel"), of(Some(bar(highest)))),
+        ]
     };
-    let pair = |(at, highest): (usize, f64)| {
-        let (picture, work) = (format!("{}: picture", SCENES[at]), format!("{}: work per pixel", SCENES[at]));
-        [panel(picture, None), panel(work, Some(bar(highest)))]
-    };
-    figure("pixel-costs", [185.0, 2.1e5, 293.0].into_iter().enumerate().flat_map(pair).collect())
+    figure("pixel-costs", SCENES.into_iter().zip([185.0, 2.1e5, 293.0]).flat_map(pair).collect())
 }
 
 /// Bars over three decades; not every series has a bar at every stage, and panels differ in their names.
 fn bandwidths() -> Figure {
     let stages = ["key", "sort", "gather", "trace", "trace through indices", "accumulate"];
     let panel = |stages: &[&str]| {
-        let bars = METHODS.iter().enumerate().map(|(at, method)| {
-            let own = (0..stages.len()).filter(|stage| at > 0 || *stage == 3);
-            let rate = |stage: usize| 10f64.powf(2.0 - stage as f64 + 0.5 * noise(at + 9 * stage));
-            series(method, at, own.map(|stage| point(stage as f64, rate(stage), 0.3)).collect())
-        });
-        Panel {
-            title: format!("{} stages", stages.len()),
-            x: axis("stage", names(stages)),
-            y: axis("bandwidth (GB/s)", Scale::Logarithmic { base: 10 }),
-            content: Content::Bars(bars.collect()),
-            references: Vec::new(),
-        }
+        let rate = |at: usize, stage: usize| 10f64.powf(2.0 - stage as f64 + 0.5 * noise(at + 9 * stage));
+        let value = |at: usize, stage: usize| point(stage as f64, rate(at, stage), 0.3);
+        let mut bars: Vec<Series> = named(&METHODS, stages.len(), value).collect();
+        bars[0].points.retain(|point| point.x == 3.0);
+        let (x, y) =
+            (Axis::categories("stage", stages.iter().copied()), Axis::logarithmic("bandwidth (GB/s)", 10));
+        Panel::new(format!("{} stages", stages.len()), x, y, Content::Bars(bars))
     };
     figure("bandwidths", vec![panel(&stages[..4]), panel(&stages)])
 }
@@ -245,85 +200,43 @@ fn bandwidths() -> Figure {
 fn photograph() -> Figure {
     let (width, height) = (320, 180);
     let colour = |at: u32| [(at % width * 255 / width) as u8, (at / width * 255 / height) as u8, 90];
-    let panel = Panel {
-        title: "Camera nave".into(),
-        x: axis("", Scale::Linear { from_zero: true }),
-        y: axis("", Scale::Linear { from_zero: true }),
-        content: Content::Picture(Picture {
-            width,
-            height,
-            rgb: (0..width * height).map(colour).collect(),
-            colour_bar: None,
-        }),
-        references: Vec::new(),
-    };
-    figure("photograph", vec![panel])
+    figure("photograph", vec![photo("Camera nave", picture((width, height), colour, None))])
 }
 
-fn hard(name: &str, scale: Scale, values: &[f64]) -> Figure {
+fn hard(name: &str, y: fn(&str) -> Axis, values: &[f64]) -> Figure {
     let points = values.iter().enumerate().map(|(at, &y)| point(at as f64, y, 0.02)).collect();
-    let panel = Panel {
-        title: String::new(),
-        x: axis("bounce", Scale::Linear { from_zero: false }),
-        y: axis("value (unit)", scale),
-        content: Content::Lines(vec![series("series", 1, points)]),
-        references: Vec::new(),
-    };
-    figure(name, vec![panel])
+    let lines = Content::Lines(vec![series("series", 1, points)]);
+    figure(name, vec![Panel::new("", Axis::linear("bounce"), y("value (unit)"), lines)])
 }
 
-fn bars_of(name: &str, label: &str, categories: usize, count: usize) -> Figure {
-    let labels: Vec<String> = (0..categories).map(|at| format!("{label} {}", 8 + at)).collect();
-    let bars = (0..count).map(|one| {
-        let points = (0..categories).map(|x| point(x as f64, 1.0 + noise(one * 40 + x), 0.05));
-        series(&format!("series {one}"), one, points.collect())
-    });
-    let panel = Panel {
-        title: String::new(),
-        x: axis("order", Scale::Categories(labels)),
-        y: axis("rate (Mrays/s)", Scale::Linear { from_zero: true }),
-        content: Content::Bars(bars.collect()),
-        references: vec![break_even()],
-    };
-    figure(name, vec![panel])
+fn bars_of(name: &str, label: &str, categories: usize, labels: &[&str]) -> Figure {
+    let value = |one: usize, x: usize| point(x as f64, 1.0 + noise(one * 40 + x), 0.05);
+    let bars = named(labels, categories, value).collect();
+    let x = Axis::categories("order", (0..categories).map(|at| format!("{label} {}", 8 + at)));
+    let panel = Panel::new("", x, Axis::from_zero("rate (Mrays/s)"), Content::Bars(bars));
+    figure(name, vec![panel.with_reference("break-even", 1.0)])
 }
 
 fn distributions() -> Figure {
-    let panel = |at: usize| Panel {
-        title: format!("{}, secondary rays", SCENES[at]),
-        x: axis("capsule area", Scale::Logarithmic { base: 10 }),
-        y: axis("part of all groups", Scale::Linear { from_zero: true }),
-        content: Content::Lines(
-            (0..9)
-                .map(|method| {
-                    let points = (0..=100).map(|step| {
-                        let part = f64::from(step) / 100.0;
-                        let area = 10f64.powf(4.0 * part - 3.0 + 0.2 * method as f64);
-                        point(area, part * part * (3.0 - 2.0 * part), 0.0)
-                    });
-                    series(METHODS[method], method, points.collect())
-                })
-                .collect(),
-        ),
-        references: Vec::new(),
+    let share = |method: usize, percent: usize| {
+        let part = percent as f64 / 100.0;
+        let area = 10f64.powf(4.0 * part - 3.0 + 0.2 * method as f64);
+        point(area, part * part * (3.0 - 2.0 * part), 0.0)
     };
-    figure("distributions", (0..7).map(panel).collect())
+    let panel = |scene: &str| {
+        let lines = Content::Lines(named(&METHODS, 101, share).collect());
+        let (x, y) = (Axis::logarithmic("capsule area", 10), Axis::from_zero("part of all groups"));
+        Panel::new(format!("{scene}, secondary rays"), x, y, lines)
+    };
+    figure("distributions", SCENES.into_iter().map(panel).collect())
 }
 
 /// Names with everything that SVG, HTML, CSV or LaTeX could trip over.
 fn markup() -> Figure {
     let hostile = "a_b & <c>, \"d\" 50 % #1 $x^2$ {~} \\e 2 × 3 ≥ µs";
-    let bars = series(
-        hostile,
-        2,
-        vec![Point { name: hostile.into(), ..point(0.0, 1.5, 0.1) }, point(1.0, 0.7, 0.0)],
-    );
-    let panel = Panel {
-        title: hostile.into(),
-        x: axis(hostile, names(&["R&D <scene>", "50 % #1_a"])),
-        y: axis("ratio (%)", Scale::Linear { from_zero: true }),
-        content: Content::Bars(vec![bars]),
-        references: vec![Reference { label: "a & b_c".into(), y: 1.0, span: None }],
-    };
-    figure("markup", vec![panel])
+    let named = Point { name: hostile.into(), ..point(0.0, 1.5, 0.1) };
+    let bars = Content::Bars(vec![series(hostile, 2, vec![named, point(1.0, 0.7, 0.0)])]);
+    let x = Axis::categories(hostile, ["R&D <scene>", "50 % #1_a"]);
+    let panel = Panel::new(hostile, x, Axis::from_zero("ratio (%)"), bars);
+    figure("markup", vec![panel.with_reference("a & b_c", 1.0)])
 }
