@@ -2,7 +2,7 @@
 //!
 //! - [`cli`]: the command line; `arguments`: words that several commands take
 //! - [`analysis`]: whole recordings by the numbers of `formats::metrics`
-//! - [`figures`]: figures as data, and the catalogue of them
+//! - [`figures`]: figures as data, and the catalogue of them; [`colour_map`]: from numbers to colours
 //! - `info`, `verify`, `recover`: the commands that need no window and no GPU
 //! - `method_table`: analyses as text
 //! - `plot`, `report`, `export`: the commands that make files: [`figures`], one page, rays for other programs
@@ -17,6 +17,7 @@ pub mod analysis;
 pub mod app;
 mod arguments;
 pub mod cli;
+pub mod colour_map;
 mod export;
 pub mod figures;
 mod info;

@@ -36,8 +36,8 @@ const ROOMS: [(&str, &str); 4] = [
     ),
     (
         "inspector",
-        "shown png_file recent arguments output analysis figures method_table inputs report info \
-         verify recover plot theme model export session render panels app shot cli",
+        "shown png_file recent arguments output colour_map analysis figures method_table inputs report \
+         info verify recover plot theme model export session render panels app shot cli",
     ),
 ];
 

@@ -10,6 +10,7 @@ use serde::de::Error as _;
 use super::notes::found;
 use super::picture::{DrawnPicture, Picture};
 use crate::analysis::GroupWidth;
+use crate::colour_map::ColourMap;
 use crate::model::derived::Filtered;
 use crate::model::filter::Expression;
 use crate::model::image_plane::ImagePlane;
@@ -19,7 +20,6 @@ use crate::model::{Context, Order, Recording};
 use crate::output::{count, counted};
 use crate::panels::data::Data;
 use crate::panels::panel::Panel;
-use crate::render::colour_map::ColourMap;
 use crate::theme::Theme;
 
 /// What pixels may be coloured by.

@@ -11,12 +11,12 @@ use serde::{Deserialize, Serialize};
 use super::notes::found;
 use super::picture::Picture;
 use super::table_plots::{EstimatePlot, histograms};
+use crate::colour_map::ColourMap;
 use crate::model::{Context, Queue};
 use crate::output::{count, counted};
 use crate::panels::data::Data;
 use crate::panels::panel::Panel;
 use crate::render::cell_box::{cell_of_pixel, pixel_of_cell};
-use crate::render::colour_map::ColourMap;
 use crate::render::range::Values;
 use crate::theme::Theme;
 

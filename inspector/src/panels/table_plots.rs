@@ -7,10 +7,10 @@ use formats::length_table::{LengthCell, mean_length};
 use formats::manifest::QueueId;
 
 use super::notes::{missing, power_of_ten};
+use crate::colour_map::ColourMap;
 use crate::model::Context;
 use crate::model::estimates::{BINS, Estimates};
 use crate::output::count;
-use crate::render::colour_map::ColourMap;
 use crate::theme::Theme;
 
 /// Steps of logarithms that are marked: every one, and every second and fourth where there is little room.

@@ -5,9 +5,9 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 
 use super::camera::Camera;
-use super::colour_map::ColourMap;
 use super::geometry::Geometry;
 use super::range::ValueRange;
+use crate::colour_map::ColourMap;
 use crate::theme::ShaderColour;
 
 /// How a layer is drawn.

@@ -1,6 +1,6 @@
 //! What is drawn in space: vertex data made on the CPU, and the pipelines that draw it.
 //!
-//! - [`colour_map`], [`range`]: from numbers to colours
+//! - [`range`]: what the ends of a colour bar stand for
 //! - [`detail`]: how many of how many
 //! - [`geometry`]: the vertices of curves, rays, capsules and cells; [`surfaces`]: of the scene
 //! - [`cell_box`]: where a cell of the length table lies
@@ -12,7 +12,6 @@
 
 pub mod camera;
 pub mod cell_box;
-pub mod colour_map;
 pub mod detail;
 pub mod frame;
 pub mod geometry;

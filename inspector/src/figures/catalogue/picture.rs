@@ -6,10 +6,9 @@ use super::building::{figure, panel_title, settings};
 use super::{Findings, Made};
 use crate::analysis::picture::PixelCost;
 use crate::analysis::{Metric, RecordingAnalysis};
+use crate::colour_map::{ColourMap, STEPS};
 use crate::figures::model::{Axis, ColourBar, Content, Panel, Picture};
 
-/// Colours of a colour bar.
-const COLOURS: usize = 256;
 /// Share of the pixels whose work is within the colour bar; the others have its last colour.
 const SHOWN_SHARE: f64 = 0.99;
 
@@ -48,8 +47,9 @@ fn beside(findings: &Findings<'_>, recording: &RecordingAnalysis, cost: &PixelCo
     let photograph =
         Picture { width, height, rgb: image.iter().map(tone_mapped).collect(), colour_bar: None };
     let most = shown_most(work);
-    let colours: Vec<[u8; 3]> = (0..COLOURS).map(|at| viridis(at as f64 / (COLOURS - 1) as f64)).collect();
-    let colour = |&work: &u32| colours[(f64::from(work) / most * (COLOURS - 1) as f64).min(255.0) as usize];
+    let colours = ColourMap::Viridis.colours();
+    let colour =
+        |&work: &u32| colours[((f64::from(work) / most * (STEPS - 1) as f64) as usize).min(STEPS - 1)];
     let map = Picture {
         width,
         height,
@@ -57,7 +57,7 @@ fn beside(findings: &Findings<'_>, recording: &RecordingAnalysis, cost: &PixelCo
         colour_bar: Some(ColourBar {
             label: "nodes + triangles".to_owned(),
             range: (0.0, most),
-            colours: colours.clone(),
+            colours: colours.to_vec(),
         }),
     };
     [panel("picture", photograph), panel("work per pixel", map)]
@@ -84,36 +84,9 @@ fn tone_mapped(linear: &[f32; 3]) -> [u8; 3] {
     })
 }
 
-/// The colour map viridis at 0 to 1, by a polynomial of degree 6 (coefficients: Zucker 2019, public
-/// domain), which is within 0.01 of the table.
-fn viridis(at: f64) -> [u8; 3] {
-    const COEFFICIENTS: [[f64; 3]; 7] = [
-        [0.277_727_327_223_417_9, 0.005_407_344_544_966_578, 0.334_099_805_335_306_1],
-        [0.105_093_043_108_577_4, 1.404_613_529_898_575, 1.384_590_162_594_685],
-        [-0.330_861_828_725_556_3, 0.214_847_559_468_213, 0.095_095_163_028_236_59],
-        [-4.634_230_498_983_486, -5.799_100_973_351_585, -19.332_440_956_279_87],
-        [6.228_269_936_347_081, 14.179_933_366_805_09, 56.690_552_600_681_05],
-        [4.776_384_997_670_288, -13.745_145_377_748_57, -65.353_032_633_372_34],
-        [-5.435_455_855_934_631, 4.645_852_612_178_535, 26.312_435_249_583_2],
-    ];
-    let at = at.clamp(0.0, 1.0);
-    let channel = |k: usize| COEFFICIENTS.iter().rev().fold(0.0, |sum, row| sum * at + row[k]);
-    [0, 1, 2].map(|k| (channel(k).clamp(0.0, 1.0) * 255.0).round() as u8)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Ends and middle of matplotlib's table.
-    #[test]
-    fn viridis_is_that_of_matplotlib() {
-        for (at, expected) in [(0.0, [68, 1, 84]), (0.5, [33, 145, 140]), (1.0, [253, 231, 37])] {
-            for (found, expected) in viridis(at).into_iter().zip(expected) {
-                assert!(found.abs_diff(expected) <= 4, "{at}: {:?}", viridis(at));
-            }
-        }
-    }
 
     #[test]
     fn tone_mapping_keeps_black_and_never_overflows() {

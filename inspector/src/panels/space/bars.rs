@@ -6,8 +6,8 @@ use formats::metrics::quantity::Quantity;
 use super::layers::AREAS;
 use super::options::Options;
 use super::view::SpaceView;
+use crate::colour_map::ColourMap;
 use crate::model::colour_by::ColourBy;
-use crate::render::colour_map::ColourMap;
 use crate::render::range::{ValueRange, Values};
 use crate::theme::Theme;
 

@@ -6,11 +6,11 @@ use formats::metrics::quantity::Quantity;
 use super::super::filter_box::filter_box;
 use super::options::{Axis, CapsuleChoice, MeshMode, Navigation, Options, Side, StandPoint};
 use super::view::{SpaceView, stand};
+use crate::colour_map::ColourMap;
 use crate::model::colour_by::ColourBy;
 use crate::model::{Absent, Context};
 use crate::panels::notes::{Lacking, choose};
 use crate::render::camera::Camera;
-use crate::render::colour_map::ColourMap;
 use crate::render::geometry::RayEnd;
 use crate::theme::Theme;
 

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::colour_map::ColourMap;
 use crate::model::colour_by::ColourBy;
-use crate::render::colour_map::ColourMap;
 use crate::render::geometry::RayEnd;
 
 /// How the scene's surfaces are drawn.

@@ -7,9 +7,9 @@ use wgpu::{
     BindingType, CompareFunction, Device, ShaderStages, TextureFormat, VertexStepMode, vertex_attr_array,
 };
 
-use super::super::colour_map::{ColourMap, STEPS};
 use super::super::frame::LayerUniform;
 use super::shaders;
+use crate::colour_map::{ColourMap, STEPS};
 
 /// Of pictures: sRGB as it is, without conversion.
 pub(super) const PICTURE_FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
