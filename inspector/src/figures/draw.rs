@@ -28,9 +28,8 @@ const GRID_STROKE: f64 = 0.5;
 /// Draws a figure. Ids in the SVG start with `prefix`, so that several can be part of one page.
 ///
 /// # Errors
-/// If the figure contradicts itself: see [`Figure::check`].
+/// If a picture has another number of pixels than its sides say.
 pub fn draw(figure: &Figure, width: Width, prefix: &str) -> Result<String, FigureError> {
-    figure.check()?;
     let layout = Layout::new(figure, width);
     let svg = Rc::new(RefCell::new(Svg::new(layout.size, prefix)));
     let page = Area::from(&svg);

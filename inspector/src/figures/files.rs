@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::model::Figure;
 use super::style::Width;
-use super::{FigureError, caption, csv, draw, pgfplots, raster};
+use super::{FigureError, csv, draw, pgfplots, raster};
 
 /// Makes the folder, and all that lead to it, if it is not there.
 ///
@@ -19,7 +19,7 @@ pub fn make_folder(folder: &Path) -> Result<(), FigureError> {
 /// gives their paths. All are made before the first is written.
 ///
 /// # Errors
-/// If the figure contradicts itself or a file cannot be written; the error names it.
+/// If a file cannot be made or written; the error names it.
 pub fn write(figure: &Figure, width: Width, folder: &Path) -> Result<Vec<PathBuf>, FigureError> {
     let drawing = draw::draw(figure, width, &figure.name)?;
     let name = |extension: &str| format!("{}.{extension}", figure.name);
@@ -27,11 +27,18 @@ pub fn write(figure: &Figure, width: Width, folder: &Path) -> Result<Vec<PathBuf
         (name("pdf"), raster::pdf(&drawing)?),
         (name("png"), raster::png(&drawing)?),
         (name("csv"), csv::write(figure)?),
-        (name("txt"), caption::write(figure).into_bytes()),
+        (name("txt"), caption(figure).into_bytes()),
         (name("svg"), drawing.into_bytes()),
     ];
     files.extend(pgfplots::files(figure, width)?);
     files.into_iter().map(|(name, bytes)| replace(&folder.join(name), &bytes)).collect()
+}
+
+/// Title, caption and settings as plain text, for whoever puts it into a paper.
+fn caption(figure: &Figure) -> String {
+    let mut text = format!("{}\n\n{}\n\n", figure.title, figure.caption);
+    text.extend(figure.settings.iter().flat_map(|line| [line.as_str(), "\n"]));
+    text
 }
 
 /// Writes a file whole or not at all; gives its path.

@@ -1,6 +1,8 @@
 //! Where the panels of a figure go, and how much room their words take, points.
 
-use super::axis::{Mapping, Tick};
+use std::collections::BTreeMap;
+
+use super::axis::Mapping;
 use super::legend::{Legend, entries};
 use super::model::{Content, Figure, Panel, Scale};
 use super::style::{LINE_HEIGHT, TEXT_SIZE, TITLE_SIZE, Width};
@@ -223,7 +225,7 @@ impl<'a> Plot<'a> {
 
 /// Of the labels at the ticks of an upward axis.
 pub(crate) fn widest_label(axis: &Mapping) -> f64 {
-    axis.ticks.iter().map(|tick: &Tick| text::width(&tick.label, TEXT_SIZE)).fold(0.0, f64::max)
+    axis.ticks.iter().map(|tick| text::width(&tick.label, TEXT_SIZE)).fold(0.0, f64::max)
 }
 
 fn colour_bar(panel: &Panel, height: f64) -> Option<(Mapping, String)> {
@@ -244,7 +246,7 @@ fn y_mapping(figure: &Figure, panel: &Panel, height: f64) -> Mapping {
     let mut values: Vec<f64> = Vec::new();
     for alike in figure.panels.iter().filter(|other| other.y == panel.y) {
         values.extend(alike.references.iter().map(|reference| reference.y));
-        values.extend(alike.content.reached());
+        values.extend(reached(&alike.content));
     }
     if matches!(panel.content, Content::Bars(_) | Content::Stacks(_)) {
         match panel.y.scale {
@@ -258,6 +260,27 @@ fn y_mapping(figure: &Figure, panel: &Panel, height: f64) -> Mapping {
         }
     }
     Mapping::new(&panel.y.scale, values, room)
+}
+
+/// Every number that must have a place on the upward axis: values, ends of spreads, tops of stacks.
+fn reached(content: &Content) -> Vec<f64> {
+    let mut reached = Vec::new();
+    let mut tops: BTreeMap<u64, f64> = BTreeMap::new();
+    for point in content.series().iter().flat_map(|series| &series.points) {
+        let below = match content {
+            Content::Stacks(_) if point.y.is_finite() => {
+                let top = tops.entry(point.x.to_bits()).or_insert(0.0);
+                *top += point.y;
+                *top - point.y
+            }
+            _ => 0.0,
+        };
+        reached.push(below + point.y);
+        if let Some((low, high)) = point.spread {
+            reached.extend([below + low, below + high]);
+        }
+    }
+    reached
 }
 
 /// An axis along a picture; without a label it has no ticks either.

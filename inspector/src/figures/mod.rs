@@ -1,19 +1,17 @@
 //! Figures: from numbers to files that a paper can take as they are.
 //!
-//! - [`model`]: a figure as data; `content` asks it things
+//! - [`model`]: a figure as data
 //! - [`catalogue`]: which figures there are
 //! - [`style`]: widths, sizes, colours, markers, dashes and hatches
 //! - [`draw`]: the drawing, each panel a chart of plotters: `svg` is its backend, `axis` its coordinates with
 //!   our ticks, `series` what it shows, of `mark`s. Ours are `layout` (the room for words), `tick_labels`
 //!   (broken, slanted, upright), `legend` and `text` (widths)
 //! - [`raster`]: PNG and PDF from the SVG
-//! - [`csv`], [`pgfplots`], [`caption`]: the numbers, the same figure in LaTeX, the words
-//! - [`files`]: all of them in a folder
+//! - [`csv`], [`pgfplots`]: the numbers, the same figure in LaTeX
+//! - [`files`]: all of them in a folder, with the words
 
 mod axis;
-pub mod caption;
 pub mod catalogue;
-mod content;
 pub mod csv;
 pub mod draw;
 pub mod files;
@@ -36,14 +34,6 @@ use std::path::PathBuf;
 /// Why a figure cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum FigureError {
-    /// The data are not a figure.
-    #[error("figure {figure} cannot be drawn: {what}")]
-    Contradiction {
-        /// Its name.
-        figure: String,
-        /// What contradicts what.
-        what: String,
-    },
     /// It was drawn, but a file format refused it.
     #[error("a figure cannot be converted: {0}")]
     Render(String),

@@ -120,6 +120,16 @@ pub enum Content {
     Picture(Picture),
 }
 
+impl Content {
+    /// Its series; none for a picture.
+    pub fn series(&self) -> &[Series] {
+        match self {
+            Self::Lines(series) | Self::Scatter(series) | Self::Bars(series) | Self::Stacks(series) => series,
+            Self::Picture(_) => &[],
+        }
+    }
+}
+
 /// Numbers that belong together: a method, a stage, a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {

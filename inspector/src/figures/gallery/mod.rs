@@ -252,22 +252,3 @@ fn a_folder_that_cannot_be_written_is_one_sentence() {
     let error = files::write(figure, Width::OneColumn, &folder.path().join("none")).unwrap_err().to_string();
     assert!(error.contains(&figure.name), "{error}");
 }
-
-#[test]
-fn figures_that_contradict_themselves_are_refused() {
-    let good = samples::figure("good", samples::all().swap_remove(0).panels);
-    assert!(good.check().is_ok());
-    let refused = |change: fn(&mut Figure), expected: &str| {
-        let mut figure = good.clone();
-        change(&mut figure);
-        let message = draw::draw(&figure, Width::OneColumn, "x").unwrap_err().to_string();
-        assert!(message.contains(expected), "{message}");
-    };
-    refused(|figure| figure.name = "../up".into(), "its name");
-    refused(|figure| figure.panels.clear(), "no panels");
-    refused(|figure| figure.panels[0].x.scale = super::model::Scale::Categories(vec![]), "0 categories");
-    refused(
-        |figure| figure.panels[0].x.scale = super::model::Scale::Linear { from_zero: true },
-        "do not stand at categories",
-    );
-}
