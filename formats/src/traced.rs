@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use rayon::prelude::*;
+
 use crate::manifest::{Place, QueueArray, QueueId};
 use crate::ray::{Hit, Kind, Ray};
 use crate::reader::{Dump, Mapped, ReadError};
@@ -85,6 +87,11 @@ impl Traced {
     /// What came of them.
     pub fn results(&self) -> &Results {
         &self.results
+    }
+
+    /// Traced lengths of all rays in unit lengths, by all threads.
+    pub fn lengths(&self) -> Vec<f32> {
+        (0..self.rays.len()).into_par_iter().map(|ray| self.length(ray)).collect()
     }
 
     /// Traced length of a ray in unit lengths.

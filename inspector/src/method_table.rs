@@ -16,16 +16,8 @@ pub(crate) fn methods(analysis: &Analysis) -> String {
     header.extend(has_areas.then_some("capsule area"));
     let mut table = table(&header, 2);
     for summary in &analysis.summaries {
-        let mut row = vec![
-            summary.rays.name().to_owned(),
-            summary.method.clone(),
-            summary.queues.to_string(),
-            speedup(&summary.trace_speedup),
-            speedup(&summary.net_speedup),
-        ];
-        let ratio = summary.capsule_area_ratio.known();
-        row.extend(has_areas.then(|| ratio.map_or("–".to_owned(), |ratio| format!("{ratio:.3}×"))));
-        table.add_row(row);
+        let row = [summary.rays.name().to_owned(), summary.method.clone()];
+        table.add_row(row.into_iter().chain(means(summary)).take(header.len()));
     }
     let mut lines = vec![
         "Methods: geometric means over bounces (lowest to highest) against unsorted rays".to_owned(),
@@ -46,16 +38,21 @@ pub(crate) fn summary(analysis: &Analysis) -> (Vec<String>, Vec<Vec<String>>) {
     let row = |summary: &MethodSummary| {
         let mut row = vec![summary.method.clone(), summary.rays.name().to_owned()];
         row.extend(machine(&summary.configuration));
-        let ratio = summary.capsule_area_ratio.known();
-        row.extend([
-            summary.queues.to_string(),
-            speedup(&summary.trace_speedup),
-            speedup(&summary.net_speedup),
-            ratio.map_or("–".to_owned(), |ratio| format!("{ratio:.3}×")),
-        ]);
+        row.extend(means(summary));
         row
     };
     (header, analysis.summaries.iter().map(row).collect())
+}
+
+/// Queues, trace speedup, net speedup, capsule area.
+fn means(summary: &MethodSummary) -> [String; 4] {
+    let ratio = summary.capsule_area_ratio.known();
+    [
+        summary.queues.to_string(),
+        speedup(&summary.trace_speedup),
+        speedup(&summary.net_speedup),
+        ratio.map_or("–".to_owned(), |ratio| format!("{ratio:.3}×")),
+    ]
 }
 
 fn speedup(speedup: &Metric<MeanSpeedup>) -> String {

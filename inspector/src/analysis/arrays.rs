@@ -5,7 +5,6 @@ use formats::ray::Work;
 use formats::reader::{Dump, Mapped};
 use formats::stored_table::StoredTable;
 use formats::traced::Traced;
-use rayon::prelude::*;
 
 use super::options::Depth;
 use super::tables::{Estimators, TableFill};
@@ -13,8 +12,6 @@ use super::{Metric, work};
 
 /// A quarter of the scene's largest extent (KEYS, "Termination point").
 const DEFAULT_TWO_POINT_LENGTH: f32 = 0.25;
-/// Rays that a thread takes at a time.
-const RAYS_PER_TASK: usize = 8192;
 
 /// The length that two-point assumes in this recording; its default where it was not measured or is
 /// swept over, as in a replay.
@@ -54,9 +51,7 @@ impl QueueArrays {
         let traced = || {
             let traced = Traced::open(dump, record.id).map_err(|error| error.to_string())?;
             of_all("rays", traced.rays().len())?;
-            let rays = 0..traced.rays().len();
-            let lengths =
-                rays.into_par_iter().with_min_len(RAYS_PER_TASK).map(|ray| traced.length(ray)).collect();
+            let lengths = traced.lengths();
             Ok((traced, lengths))
         };
         let work = || {

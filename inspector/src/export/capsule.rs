@@ -1,7 +1,7 @@
 //! The surface of a group's capsule as triangles.
 
-use formats::metrics::capsule::Capsule;
-pub(crate) use formats::metrics::capsule::Point;
+use formats::metrics::capsule::{Capsule, Point};
+use glam::DVec3;
 
 /// Corners around the axis of a capsule's mesh.
 pub(crate) const SEGMENTS: usize = 16;
@@ -15,17 +15,17 @@ pub(crate) const TRIANGLES: usize = (2 * RINGS - 1) * SEGMENTS * 2;
 /// The corners of a capsule's surface: rings from the far side of the first sphere, over the cone that
 /// touches both, to the far side of the other.
 pub(crate) fn vertices(capsule: &Capsule) -> impl Iterator<Item = Point> + use<> {
-    let (origins, terminations) =
-        ((capsule.origin_centre, capsule.origin_radius), (capsule.end_centre, capsule.end_radius));
+    let origins = (DVec3::from(capsule.origin_centre), capsule.origin_radius);
+    let terminations = (DVec3::from(capsule.end_centre), capsule.end_radius);
     let ((from, radius_from), (to, radius_to)) = (origins, terminations);
-    let between = sub(to, from);
-    let distance = length(between);
+    let between = to - from;
+    let distance = between.length();
     // One sphere inside the other: the larger one alone.
     let is_nested = distance <= (radius_from - radius_to).abs();
     let larger = if radius_from >= radius_to { origins } else { terminations };
     let ends = if is_nested { [larger, larger] } else { [origins, terminations] };
     let tangent = if is_nested { 0.0 } else { ((radius_from - radius_to) / distance).asin() };
-    let axis = if distance > 0.0 { between.map(|part| part / distance) } else { [0.0, 0.0, 1.0] };
+    let axis = if distance > 0.0 { between / distance } else { DVec3::Z };
     let (right, up) = across(axis);
     let quarter = std::f64::consts::FRAC_PI_2;
     (0..2 * RINGS).flat_map(move |ring| {
@@ -35,9 +35,7 @@ pub(crate) fn vertices(capsule: &Capsule) -> impl Iterator<Item = Point> + use<>
         let (centre, radius) = ends[ring / RINGS];
         (0..SEGMENTS).map(move |segment| {
             let (sine, cosine) = (segment as f64 / SEGMENTS as f64 * std::f64::consts::TAU).sin_cos();
-            [0, 1, 2].map(|at| {
-                centre[at] + radius * (along * axis[at] + around * (cosine * right[at] + sine * up[at]))
-            })
+            (centre + radius * (along * axis + around * (cosine * right + sine * up))).into()
         })
     })
 }
@@ -55,23 +53,11 @@ pub(crate) fn triangles() -> impl Iterator<Item = [u32; 3]> {
 }
 
 /// Two directions at right angles to a unit vector and to each other.
-fn across(axis: Point) -> (Point, Point) {
-    let other = if axis[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-    let right = cross(other, axis);
-    let right = right.map(|part| part / length(right));
-    (right, cross(axis, right))
-}
-
-fn cross(a: Point, b: Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn sub(a: Point, b: Point) -> Point {
-    [0, 1, 2].map(|axis| a[axis] - b[axis])
-}
-
-fn length(a: Point) -> f64 {
-    a.iter().map(|part| part * part).sum::<f64>().sqrt()
+fn across(axis: DVec3) -> (DVec3, DVec3) {
+    let other = if axis.x.abs() < 0.7 { DVec3::X } else { DVec3::Y };
+    let right = other.cross(axis);
+    let right = right / right.length();
+    (right, axis.cross(right))
 }
 
 #[cfg(test)]
@@ -90,12 +76,12 @@ mod tests {
                 end_centre: to,
                 end_radius: radius_b,
             };
-            let corners: Vec<Point> = vertices(&capsule).collect();
+            let corners: Vec<DVec3> = vertices(&capsule).map(DVec3::from).collect();
             assert_eq!((corners.len(), triangles().count()), (VERTICES, TRIANGLES));
             let area: f64 = triangles()
                 .map(|[a, b, c]| {
                     let [a, b, c] = [a, b, c].map(|at| corners[at as usize]);
-                    0.5 * length(cross(sub(b, a), sub(c, a)))
+                    0.5 * (b - a).cross(c - a).length()
                 })
                 .sum();
             let expected = capsule.area();

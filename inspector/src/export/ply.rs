@@ -2,9 +2,9 @@
 
 use std::io::{self, Write};
 
-use formats::metrics::capsule::{Capsule, Segment};
+use formats::metrics::capsule::{Capsule, Point, Segment};
 
-use super::capsule::{self, Point};
+use super::capsule;
 use super::rays::Rays;
 
 /// Each ray as an edge from its origin to where it stops, coloured by its place in the order.

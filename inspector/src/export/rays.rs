@@ -7,11 +7,11 @@ use anyhow::{Context, Error, bail};
 use clap::Args;
 use formats::key::method::UNSORTED;
 use formats::manifest::QueueId;
+use formats::metrics::capsule::Point;
 use formats::ray::{Hit, Kind, Ray};
 use formats::reader::Dump;
 use formats::traced::Results;
 
-use super::capsule::Point;
 use crate::analysis::GroupWidth;
 use crate::arguments;
 use crate::model::filter::{self, Expression};

@@ -2,7 +2,8 @@
 //! pgfplots reads.
 
 use super::FigureError;
-use super::model::{Axis, Content, Figure, Panel, Point, Scale};
+use super::model::{Axis, Content, Figure, Panel, Picture, Point, Scale};
+use crate::analysis::summary::distinct;
 
 /// Columns, before the two whose names carry the axes' labels and units.
 const BEFORE: [&str; 5] = ["curve", "panel", "series", "name", "category"];
@@ -16,10 +17,11 @@ const AFTER: [&str; 3] = ["low", "high", "n"];
 /// Only if memory ends.
 pub fn write(figure: &Figure) -> Result<Vec<u8>, FigureError> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let axes = [
-        format!("x: {}", labels(figure, |panel| &panel.x)),
-        format!("y: {}", labels(figure, |panel| &panel.y)),
-    ];
+    // The labels of all panels, each once.
+    let labels = |axis: fn(&Panel) -> &Axis| {
+        distinct(figure.panels.iter().map(|panel| axis(panel).label.as_str())).join(" | ")
+    };
+    let axes = [format!("x: {}", labels(|panel| &panel.x)), format!("y: {}", labels(|panel| &panel.y))];
     let header = BEFORE.map(str::to_owned).into_iter().chain(axes).chain(AFTER.map(str::to_owned));
     writer.write_record(header).map_err(failed)?;
     let mut curve = 0;
@@ -70,18 +72,6 @@ fn finish(writer: csv::Writer<Vec<u8>>) -> Result<Vec<u8>, FigureError> {
     writer.into_inner().map_err(|cause| FigureError::Render(cause.to_string()))
 }
 
-/// The labels of one axis of all panels, each once.
-fn labels<'a>(figure: &'a Figure, axis: fn(&'a Panel) -> &'a Axis) -> String {
-    let mut labels: Vec<&str> = Vec::new();
-    for panel in &figure.panels {
-        let label = axis(panel).label.as_str();
-        if !labels.contains(&label) {
-            labels.push(label);
-        }
-    }
-    labels.join(" | ")
-}
-
 fn row(curve: &str, panel_title: &str, series: &str, panel: &Panel, point: &Point) -> [String; 10] {
     let category = match &panel.x.scale {
         Scale::Categories(names) => names.get(point.x as usize).map_or("", String::as_str),
@@ -113,15 +103,13 @@ fn references(panel: &Panel) -> impl Iterator<Item = (String, Point)> {
 
 /// What the colours of a picture stand for: x counts them, y is their value.
 fn colours(panel: &Panel) -> Vec<(String, Point)> {
-    let Content::Picture(picture) = &panel.content else { return Vec::new() };
-    let Some(bar) = &picture.colour_bar else { return Vec::new() };
-    let last = bar.colours.len().saturating_sub(1).max(1) as f64;
-    let value = |at: usize| bar.range.0 + (bar.range.1 - bar.range.0) * at as f64 / last;
-    let colours = bar.colours.iter().enumerate().map(|(at, [red, green, blue])| {
-        let name = format!("colour {red} {green} {blue}");
-        (bar.label.clone(), bare_point(at as f64, value(at), &name))
-    });
-    colours.collect()
+    let Content::Picture(Picture { colour_bar: Some(bar), .. }) = &panel.content else { return Vec::new() };
+    let ((low, high), last) = (bar.range, bar.colours.len().saturating_sub(1).max(1) as f64);
+    let colour = |(at, [red, green, blue]): (usize, &[u8; 3])| {
+        let value = low + (high - low) * at as f64 / last;
+        (bar.label.clone(), bare_point(at as f64, value, &format!("colour {red} {green} {blue}")))
+    };
+    bar.colours.iter().enumerate().map(colour).collect()
 }
 
 fn bare_point(x: f64, y: f64, name: &str) -> Point {

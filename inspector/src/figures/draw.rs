@@ -53,7 +53,7 @@ fn part(page: &Area, (left, top): (f64, f64), (width, height): (f64, f64)) -> Ar
     page.clone().shrink((units(left), units(top)), (units(width), units(height)))
 }
 
-fn panel(page: &Area, plot: &Plot, references: &[String]) -> Result<(), FigureError> {
+fn panel(page: &Area, plot: &Plot, references: &[&str]) -> Result<(), FigureError> {
     let Room { left, right, turn } = plot.room;
     let place = (plot.place.0 - left, plot.place.1 - plot.top);
     let size = (left + plot.width + right, plot.top + plot.height + plot.bottom);

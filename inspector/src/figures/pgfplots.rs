@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::FigureError;
 use super::axis::{Mapping, Tick};
 use super::layout::{Layout, Plot};
-use super::legend::{Entry, Sample, entries, reference_labels};
+use super::legend::{LegendEntry, Sample, entries, reference_labels};
 use super::model::{Axis, Content, Figure, Panel, Picture, Point, Scale, Series};
 use super::series::{bar_width, marker_stride, place_in_group};
 use super::style::{Hatch, Marker, REFERENCE_DASHES, Style, Width, style};
@@ -126,7 +126,7 @@ fn styles_of(figure: &Figure) -> std::collections::BTreeSet<usize> {
 }
 
 /// Axis labels, scales, ticks and how bars stand.
-fn axis_options(plot: &Plot, references: &[String]) -> String {
+fn axis_options(plot: &Plot, references: &[&str]) -> String {
     let panel = plot.panel;
     let mut options = vec![
         format!("width={:.1}bp, height={:.1}bp", plot.width, plot.height),
@@ -321,7 +321,7 @@ fn picture_plot(picture: &Picture, file: &str) -> String {
 }
 
 /// Lines across, from edge to edge where they have no span.
-fn reference_lines(plot: &Plot, labels: &[String]) -> String {
+fn reference_lines(plot: &Plot, labels: &[&str]) -> String {
     let panel = plot.panel;
     let (low, high) = plot.x.range;
     let mut tex = String::new();
@@ -358,7 +358,7 @@ fn reference_look(number: usize) -> String {
 const SAMPLE: &str = "(0,0) (12bp,0) (24bp,0)";
 
 /// The legend as a paragraph below all panels, which breaks into lines by itself.
-fn legend(entries: &[Entry], width: Width) -> String {
+fn legend(entries: &[LegendEntry], width: Width) -> String {
     if entries.is_empty() {
         return String::new();
     }
@@ -366,7 +366,7 @@ fn legend(entries: &[Entry], width: Width) -> String {
         "\\node[anchor=north, align=center, text width={:.0}bp] at ([yshift=-4bp]current bounding box.south) {{\n",
         width.points() - 12.0
     );
-    for Entry { sample, label } in entries {
+    for LegendEntry { sample, label } in entries {
         let drawn = match *sample {
             Sample::Line(number) => {
                 let (line, marker) = (line_look(number), marker_look(number));

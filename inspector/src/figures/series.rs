@@ -67,7 +67,7 @@ pub(crate) fn marker_stride(series: &Series) -> usize {
 }
 
 /// Draws what a panel shows into its chart. `reference_labels` give the dashes of lines across.
-pub(crate) fn draw(chart: &mut Chart, plot: &Plot, reference_labels: &[String]) -> Result<(), FigureError> {
+pub(crate) fn draw(chart: &mut Chart, plot: &Plot, reference_labels: &[&str]) -> Result<(), FigureError> {
     match &plot.panel.content {
         Content::Lines(all) => all.iter().try_for_each(|series| lines(chart, plot, series))?,
         Content::Scatter(all) => all.iter().try_for_each(|series| markers(chart, plot, series, 1))?,

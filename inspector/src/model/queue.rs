@@ -12,9 +12,6 @@ use rayon::prelude::*;
 
 use crate::analysis::work::work;
 
-/// Rays that a thread takes at a time.
-const RAYS_PER_TASK: usize = 8192;
-
 /// The rays of a queue, mapped.
 #[derive(Debug)]
 pub struct Queue {
@@ -63,11 +60,9 @@ impl Queue {
             let found = rules.check_count(QueueArray::Work, work.len() as u64, rays as u64);
             found.map(|()| work).map_err(wrong)
         });
-        let lengths =
-            (0..rays).into_par_iter().with_min_len(RAYS_PER_TASK).map(|ray| traced.length(ray)).collect();
         Ok(Self {
             id,
-            lengths,
+            lengths: traced.lengths(),
             path_ids,
             lights,
             work,
