@@ -1,6 +1,5 @@
 // A finished picture, into the window.
 @group(0) @binding(0) var picture: texture_2d<f32>;
-@group(0) @binding(1) var picture_sampler: sampler;
 
 struct CopyPoint {
     @builtin(position) position: vec4<f32>,
@@ -16,15 +15,19 @@ fn copy_vertex(@builtin(vertex_index) corner: u32) -> CopyPoint {
     return point;
 }
 
+fn colour_at(at: vec2<f32>) -> vec3<f32> {
+    return textureLoad(picture, vec2<i32>(at * vec2<f32>(textureDimensions(picture))), 0).rgb;
+}
+
 @fragment
 fn copy_to_gamma(point: CopyPoint) -> @location(0) vec4<f32> {
-    return vec4<f32>(textureSample(picture, picture_sampler, point.at).rgb, 1.0);
+    return vec4<f32>(colour_at(point.at), 1.0);
 }
 
 // Windows whose format makes sRGB of linear colours.
 @fragment
 fn copy_to_linear(point: CopyPoint) -> @location(0) vec4<f32> {
-    let colour = textureSample(picture, picture_sampler, point.at).rgb;
+    let colour = colour_at(point.at);
     let low = colour / 12.92;
     let high = pow((colour + 0.055) / 1.055, vec3<f32>(2.4));
     return vec4<f32>(select(high, low, colour <= vec3<f32>(0.04045)), 1.0);

@@ -8,8 +8,7 @@ use wgpu::{
 };
 
 use super::super::frame::LayerUniform;
-use super::shaders;
-use crate::colour_map::{ColourMap, STEPS};
+use super::shaders::Module;
 
 /// Of pictures: sRGB as it is, without conversion.
 pub(super) const PICTURE_FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
@@ -54,49 +53,36 @@ pub(super) enum Seen {
 /// The pipelines that were used so far, and what they share.
 pub(super) struct Pipelines {
     made: BTreeMap<Way, wgpu::RenderPipeline>,
-    modules: BTreeMap<&'static str, wgpu::ShaderModule>,
+    modules: BTreeMap<Module, wgpu::ShaderModule>,
     pub(super) copy: wgpu::RenderPipeline,
     layer_layout: wgpu::BindGroupLayout,
     points_layout: wgpu::BindGroupLayout,
-    picture_layout: wgpu::BindGroupLayout,
     colour_maps: wgpu::TextureView,
-    sampler: wgpu::Sampler,
 }
 
 /// How a pipeline differs from the others.
 struct Kind {
-    /// Name of its module, which others may share.
-    module: &'static str,
-    shader: fn() -> String,
+    module: Module,
+    /// Of the vertices, and of the pixels.
     entries: [&'static str; 2],
-    vertices: Vertices,
-    depth: (CompareFunction, bool),
-}
-
-/// Where a pipeline's vertices come from.
-enum Vertices {
-    /// Vertex buffers.
-    Buffers(&'static [Option<wgpu::VertexBufferLayout<'static>>]),
-    /// The shader, which reads two points by their number.
-    Points,
+    /// Where vertices come from; where there are none, the shader reads two points by their number.
+    buffers: &'static [Option<wgpu::VertexBufferLayout<'static>>],
+    /// What is drawn, and whether it hides what is behind it; all in one sample to a pixel if `None`.
+    depth: Option<(CompareFunction, bool)>,
 }
 
 impl Pipelines {
     pub(super) fn new(device: &Device, queue: &wgpu::Queue, window: wgpu::TextureFormat) -> Self {
-        let layer_layout = layer_layout(device);
-        let picture_layout = picture_layout(device);
+        let entry = if window.is_srgb() { "copy_to_linear" } else { "copy_to_gamma" };
+        let copy = Kind { module: Module::Copy, entries: ["copy_vertex", entry], buffers: &[], depth: None };
+        let shader = module(device, copy.module);
         Self {
             made: BTreeMap::new(),
             modules: BTreeMap::new(),
-            copy: copy_pipeline(device, &picture_layout, window),
+            copy: pipeline(device, "copy", None, &shader, &copy, window.into()),
             colour_maps: colour_maps(device, queue),
-            sampler: device.create_sampler(&wgpu::SamplerDescriptor {
-                label: Some("copy::sampler"),
-                ..wgpu::SamplerDescriptor::default()
-            }),
             points_layout: points_layout(device),
-            layer_layout,
-            picture_layout,
+            layer_layout: layer_layout(device),
         }
     }
 
@@ -105,13 +91,19 @@ impl Pipelines {
         let Self { made, modules, layer_layout, points_layout, .. } = self;
         made.entry(way).or_insert_with(|| {
             let kind = kind(way);
-            let shader = modules.entry(kind.module);
-            let shader = shader.or_insert_with(|| module(device, kind.module, (kind.shader)()));
-            let layout = match kind.vertices {
-                Vertices::Buffers(_) => pipeline_layout(device, &[layer_layout]),
-                Vertices::Points => pipeline_layout(device, &[layer_layout, points_layout]),
+            let shader = modules.entry(kind.module).or_insert_with(|| module(device, kind.module));
+            let points = Some(&*points_layout).filter(|_| kind.buffers.is_empty());
+            let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: None,
+                bind_group_layouts: &[Some(&*layer_layout), points],
+                immediate_size: 0,
+            });
+            let target = wgpu::ColorTargetState {
+                format: PICTURE_FORMAT,
+                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
             };
-            pipeline(device, &layout, shader, (way, &kind))
+            pipeline(device, &format!("view::{way:?}"), Some(&layout), shader, &kind, target)
         });
     }
 
@@ -157,59 +149,40 @@ impl Pipelines {
     pub(super) fn picture_bindings(&self, device: &Device, picture: &wgpu::TextureView) -> wgpu::BindGroup {
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("copy::picture"),
-            layout: &self.picture_layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(picture) },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&self.sampler) },
-            ],
+            layout: &self.copy.get_bind_group_layout(0),
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(picture),
+            }],
         })
     }
 }
 
 /// How the pipeline of a way differs from the others.
 fn kind(way: Way) -> Kind {
-    match way {
-        Way::Solid | Way::Ghost => Kind {
-            module: "mesh",
-            shader: shaders::mesh,
-            entries: ["mesh_vertex", "mesh_fragment"],
-            vertices: Vertices::Buffers(&CORNERS),
-            depth: (CompareFunction::Less, way == Way::Solid),
-        },
-        Way::Lines(lines, seen) => {
-            let (module, shader, entries): (_, fn() -> String, _) = match lines {
-                Lines::Plain => ("lines", shaders::lines, ["line_vertex", "line_fragment"]),
-                Lines::Edges => ("lines", shaders::lines, ["edge_vertex", "edge_fragment"]),
-                Lines::Arrows => ("arrows", shaders::arrows, ["arrow_vertex", "arrow_fragment"]),
-                Lines::Marks => ("marks", shaders::marks, ["mark_vertex", "mark_fragment"]),
-            };
-            Kind {
-                module,
-                shader,
-                entries,
-                vertices: Vertices::Points,
-                depth: match seen {
-                    Seen::InFront => (CompareFunction::LessEqual, true),
-                    Seen::Behind => (CompareFunction::Greater, false),
-                    Seen::OnTop => (CompareFunction::Always, false),
-                },
-            }
-        }
-        Way::Boxes => Kind {
-            module: "boxes",
-            shader: shaders::boxes,
-            entries: ["box_vertex", "box_fragment"],
-            vertices: Vertices::Points,
-            depth: (CompareFunction::LessEqual, false),
-        },
-        Way::Capsules => Kind {
-            module: "capsules",
-            shader: shaders::capsules,
-            entries: ["capsule_vertex", "capsule_fragment"],
-            vertices: Vertices::Buffers(&CAPSULES),
-            depth: (CompareFunction::Less, false),
-        },
-    }
+    let (module, entries) = match way {
+        Way::Solid | Way::Ghost => (Module::Mesh, ["mesh_vertex", "mesh_fragment"]),
+        Way::Lines(Lines::Plain, _) => (Module::Lines, ["line_vertex", "line_fragment"]),
+        Way::Lines(Lines::Edges, _) => (Module::Lines, ["edge_vertex", "edge_fragment"]),
+        Way::Lines(Lines::Arrows, _) => (Module::Arrows, ["arrow_vertex", "arrow_fragment"]),
+        Way::Lines(Lines::Marks, _) => (Module::Marks, ["mark_vertex", "mark_fragment"]),
+        Way::Boxes => (Module::Boxes, ["box_vertex", "box_fragment"]),
+        Way::Capsules => (Module::Capsules, ["capsule_vertex", "capsule_fragment"]),
+    };
+    let buffers: &[_] = match way {
+        Way::Solid | Way::Ghost => &CORNERS,
+        Way::Lines(..) | Way::Boxes => &[],
+        Way::Capsules => &CAPSULES,
+    };
+    let depth = match way {
+        Way::Solid => (CompareFunction::Less, true),
+        Way::Ghost | Way::Capsules => (CompareFunction::Less, false),
+        Way::Boxes => (CompareFunction::LessEqual, false),
+        Way::Lines(_, Seen::InFront) => (CompareFunction::LessEqual, true),
+        Way::Lines(_, Seen::Behind) => (CompareFunction::Greater, false),
+        Way::Lines(_, Seen::OnTop) => (CompareFunction::Always, false),
+    };
+    Kind { module, entries, buffers, depth: Some(depth) }
 }
 
 /// Corners of triangles.
@@ -233,106 +206,53 @@ const fn of_each(
     Some(wgpu::VertexBufferLayout { array_stride, step_mode, attributes })
 }
 
+/// A pipeline with this layout, or else with that of its shader.
 fn pipeline(
     device: &Device,
-    layout: &wgpu::PipelineLayout,
+    label: &str,
+    layout: Option<&wgpu::PipelineLayout>,
     shader: &wgpu::ShaderModule,
-    (way, kind): (Way, &Kind),
+    &Kind { entries: [vertex, fragment], buffers, depth, .. }: &Kind,
+    target: wgpu::ColorTargetState,
 ) -> wgpu::RenderPipeline {
-    let (depth_compare, depth_write) = kind.depth;
-    let buffers = match kind.vertices {
-        Vertices::Buffers(buffers) => buffers,
-        Vertices::Points => &[],
-    };
+    let compilation_options = wgpu::PipelineCompilationOptions::default();
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(&format!("view::{way:?}")),
-        layout: Some(layout),
+        label: Some(label),
+        layout,
         vertex: wgpu::VertexState {
             module: shader,
-            entry_point: Some(kind.entries[0]),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            entry_point: Some(vertex),
+            compilation_options: compilation_options.clone(),
             buffers,
         },
         primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
+        depth_stencil: depth.map(|(depth_compare, depth_write)| wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
             depth_write_enabled: Some(depth_write),
             depth_compare: Some(depth_compare),
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
         }),
-        multisample: wgpu::MultisampleState { count: SAMPLES, ..wgpu::MultisampleState::default() },
+        multisample: wgpu::MultisampleState {
+            count: depth.map_or(1, |_| SAMPLES),
+            ..wgpu::MultisampleState::default()
+        },
         fragment: Some(wgpu::FragmentState {
             module: shader,
-            entry_point: Some(kind.entries[1]),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: PICTURE_FORMAT,
-                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
+            entry_point: Some(fragment),
+            compilation_options,
+            targets: &[Some(target)],
         }),
         multiview_mask: None,
         cache: None,
     })
 }
 
-fn copy_pipeline(
-    device: &Device,
-    picture_layout: &wgpu::BindGroupLayout,
-    window: wgpu::TextureFormat,
-) -> wgpu::RenderPipeline {
-    let shader = module(device, "copy", shaders::copy());
-    let entry = if window.is_srgb() { "copy_to_linear" } else { "copy_to_gamma" };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("copy"),
-        layout: Some(&pipeline_layout(device, &[picture_layout])),
-        vertex: wgpu::VertexState {
-            module: &shader,
-            entry_point: Some("copy_vertex"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &shader,
-            entry_point: Some(entry),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(window.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
-}
-
-fn module(device: &Device, label: &str, text: String) -> wgpu::ShaderModule {
+fn module(device: &Device, module: Module) -> wgpu::ShaderModule {
     device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(label),
-        source: wgpu::ShaderSource::Wgsl(text.into()),
+        label: Some(&format!("{module:?}")),
+        source: wgpu::ShaderSource::Wgsl(module.text().into()),
     })
-}
-
-fn pipeline_layout(device: &Device, bindings: &[&wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
-    device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: None,
-        bind_group_layouts: &bindings.iter().map(|&layout| Some(layout)).collect::<Vec<_>>(),
-        immediate_size: 0,
-    })
-}
-
-fn texture_entry(binding: u32, visibility: ShaderStages, filterable: bool) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility,
-        ty: BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        },
-        count: None,
-    }
 }
 
 fn layer_layout(device: &Device) -> wgpu::BindGroupLayout {
@@ -346,9 +266,19 @@ fn layer_layout(device: &Device) -> wgpu::BindGroupLayout {
         },
         count: None,
     };
+    let colour_maps = wgpu::BindGroupLayoutEntry {
+        binding: 1,
+        visibility: ShaderStages::VERTEX_FRAGMENT,
+        ty: BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+        count: None,
+    };
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("view::layers"),
-        entries: &[uniform, texture_entry(1, ShaderStages::VERTEX_FRAGMENT, false)],
+        entries: &[uniform, colour_maps],
     })
 }
 
@@ -366,19 +296,6 @@ fn points_layout(device: &Device) -> wgpu::BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("lines::points"),
         entries: &[points],
-    })
-}
-
-fn picture_layout(device: &Device) -> wgpu::BindGroupLayout {
-    let sampler = wgpu::BindGroupLayoutEntry {
-        binding: 1,
-        visibility: ShaderStages::FRAGMENT,
-        ty: BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
-        count: None,
-    };
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("copy::picture"),
-        entries: &[texture_entry(0, ShaderStages::FRAGMENT, true), sampler],
     })
 }
 
