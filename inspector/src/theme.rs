@@ -34,28 +34,23 @@ impl Theme {
         Self { mode: context.theme() }
     }
 
+    fn pick<T>(self, dark: T, light: T) -> T {
+        if self.mode == Mode::Dark { dark } else { light }
+    }
+
     /// Behind everything that is drawn in space.
     pub fn background(self) -> ShaderColour {
-        match self.mode {
-            Mode::Dark => [0.07, 0.075, 0.085, 1.0],
-            Mode::Light => [0.965, 0.965, 0.97, 1.0],
-        }
+        self.pick([0.07, 0.075, 0.085, 1.0], [0.965, 0.965, 0.97, 1.0])
     }
 
     /// The scene's surfaces.
     pub fn mesh(self) -> ShaderColour {
-        match self.mode {
-            Mode::Dark => [0.46, 0.47, 0.50, 1.0],
-            Mode::Light => [0.86, 0.86, 0.88, 1.0],
-        }
+        self.pick([0.46, 0.47, 0.50, 1.0], [0.86, 0.86, 0.88, 1.0])
     }
 
     /// Their edges.
     pub fn edges(self) -> ShaderColour {
-        match self.mode {
-            Mode::Dark => [0.42, 0.44, 0.48, 1.0],
-            Mode::Light => [0.52, 0.53, 0.56, 1.0],
-        }
+        self.pick([0.42, 0.44, 0.48, 1.0], [0.52, 0.53, 0.56, 1.0])
     }
 
     /// What is selected, in space.
@@ -66,42 +61,27 @@ impl Theme {
 
     /// What is selected, in plots and pictures.
     pub fn selected_mark(self) -> Color32 {
-        match self.mode {
-            Mode::Dark => Color32::from_rgb(0xff, 0x4f, 0xd8),
-            Mode::Light => Color32::from_rgb(0xd0, 0x00, 0x9a),
-        }
+        self.pick(Color32::from_rgb(0xff, 0x4f, 0xd8), Color32::from_rgb(0xd0, 0x00, 0x9a))
     }
 
     /// Pixels and cells of which nothing is known.
     pub fn nothing(self) -> Color32 {
-        match self.mode {
-            Mode::Dark => Color32::from_rgb(0x16, 0x17, 0x1a),
-            Mode::Light => Color32::from_rgb(0xee, 0xee, 0xf0),
-        }
+        self.pick(Color32::from_rgb(0x16, 0x17, 0x1a), Color32::from_rgb(0xee, 0xee, 0xf0))
     }
 
     /// Rays that the filter leaves out, where others are shown.
     pub fn left_out(self) -> Color32 {
-        match self.mode {
-            Mode::Dark => Color32::from_rgb(0x3a, 0x3b, 0x3f),
-            Mode::Light => Color32::from_rgb(0xc6, 0xc6, 0xca),
-        }
+        self.pick(Color32::from_rgb(0x3a, 0x3b, 0x3f), Color32::from_rgb(0xc6, 0xc6, 0xca))
     }
 
     /// Lines to compare with, such as break-even.
     pub fn reference(self) -> Color32 {
-        match self.mode {
-            Mode::Dark => Color32::from_rgb(0xd0, 0xd0, 0xd4),
-            Mode::Light => Color32::from_rgb(0x40, 0x40, 0x44),
-        }
+        self.pick(Color32::from_rgb(0xd0, 0xd0, 0xd4), Color32::from_rgb(0x40, 0x40, 0x44))
     }
 
     /// What went wrong.
     pub fn problem(self) -> Color32 {
-        match self.mode {
-            Mode::Dark => Color32::from_rgb(0xff, 0x8a, 0x70),
-            Mode::Light => Color32::from_rgb(0xb0, 0x20, 0x10),
-        }
+        self.pick(Color32::from_rgb(0xff, 0x8a, 0x70), Color32::from_rgb(0xb0, 0x20, 0x10))
     }
 
     /// Text about a series: its colour, darker where it could not be read on a light page.

@@ -188,7 +188,7 @@ fn settings_of_panels_change_their_pictures() {
         assert!(draw(view, settings) != draw(view, before), "{last} changes nothing of {view}");
     }
     for (view, setting, expected) in [
-        ("table", "view=counts", "mean, count, fill, histograms, estimates"),
+        ("table", "view=counts", "`mean`, `count`, `fill`, `histograms`, `estimates`"),
         ("rays-table", "columns=[]", "at least one column"),
         ("rays-table", "sorted_by=lenght", "`length`"),
     ] {

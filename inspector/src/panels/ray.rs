@@ -33,7 +33,7 @@ impl Panel for RayPanel {
             return hint(ui, "choose a ray: click a pixel, a row, a cell or a line in space");
         };
         egui::ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
-            geometry(ui, &order, ray);
+            lines(ui, "geometry", &facts(&order, ray));
             ui.separator();
             key(ui, &order, ray);
             ui.separator();
@@ -115,10 +115,6 @@ fn lines(ui: &mut egui::Ui, name: &'static str, rows: &[(&str, String)]) {
     });
 }
 
-fn geometry(ui: &mut egui::Ui, order: &Order, ray: usize) {
-    lines(ui, "geometry", &facts(order, ray));
-}
-
 /// What there is to say of a ray, without its key.
 fn facts(order: &Order, index: usize) -> Vec<(&'static str, String)> {
     let queue = &order.queue;
@@ -126,9 +122,7 @@ fn facts(order: &Order, index: usize) -> Vec<(&'static str, String)> {
     let vector = |[x, y, z]: [f32; 3]| format!("{x:.4} {y:.4} {z:.4}");
     let place = order.place_of_ray()[index];
     let result = match queue.traced.results() {
-        Results::Hits(hits) if hits[index].is_hit() => {
-            format!("triangle {}", hits[index].triangle)
-        }
+        Results::Hits(hits) if hits[index].is_hit() => format!("triangle {}", hits[index].triangle),
         Results::Hits(_) => "no triangle".to_owned(),
         Results::Distances(distances) if distances[index].is_finite() => {
             format!("occluder at {:.4}", distances[index])

@@ -20,79 +20,26 @@ use crate::render::cell_box::{cell_of_pixel, pixel_of_cell};
 use crate::render::range::Values;
 use crate::theme::Theme;
 
-/// What cells are coloured by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Colouring {
-    /// Whether a ray was added.
-    Fill,
-    /// Rays added, logarithmic.
-    Count,
-    /// Mean length.
+/// What is shown of the table: its cells as a picture, by one of their numbers, or plots of all of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum View {
     #[default]
     Mean,
-}
-
-impl Colouring {
-    const ALL: [(Self, &str, &str); 3] = [
-        (
-            Self::Mean,
-            "mean length",
-            "Mean of the lengths added, over the longest mean; a dummy of 0.25 counts",
-        ),
-        (Self::Count, "count", "Rays added, by powers of two"),
-        (Self::Fill, "fill", "Cells that any ray was added to"),
-    ];
-}
-
-/// What is shown of the table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "&'static str")]
-enum View {
-    /// How many cells have how many rays and which mean length.
+    Count,
+    Fill,
     Histograms,
-    /// Its estimates against traced lengths.
     Estimates,
-    /// Its cells as a picture.
-    Picture(Colouring),
 }
 
-impl View {
-    const ALL: [Self; 5] = [
-        Self::Picture(Colouring::Mean),
-        Self::Picture(Colouring::Count),
-        Self::Picture(Colouring::Fill),
-        Self::Histograms,
-        Self::Estimates,
-    ];
-}
-
-impl From<View> for &'static str {
-    fn from(view: View) -> Self {
-        match view {
-            View::Histograms => "histograms",
-            View::Estimates => "estimates",
-            View::Picture(Colouring::Fill) => "fill",
-            View::Picture(Colouring::Count) => "count",
-            View::Picture(Colouring::Mean) => "mean",
-        }
-    }
-}
-
-impl TryFrom<String> for View {
-    type Error = String;
-
-    fn try_from(name: String) -> Result<Self, String> {
-        let names = Self::ALL.map(<&str>::from);
-        let at = names.iter().position(|known| *known == name);
-        at.map(|at| Self::ALL[at]).ok_or_else(|| format!("'{name}' is none of {}", names.join(", ")))
-    }
-}
-
-impl Default for View {
-    fn default() -> Self {
-        Self::Picture(Colouring::default())
-    }
-}
+/// What can be shown: what it is called, and what it is.
+const VIEWS: [(View, &str, &str); 5] = [
+    (View::Mean, "mean length", "Mean of the lengths added, over the longest mean; a dummy of 0.25 counts"),
+    (View::Count, "count", "Rays added, by powers of two"),
+    (View::Fill, "fill", "Cells that any ray was added to"),
+    (View::Histograms, "histograms", "How many cells have how many rays, and which mean length"),
+    (View::Estimates, "estimates", "Lengths that the table gives for these rays, against traced ones"),
+];
 
 /// The panel.
 #[derive(Default)]
@@ -101,7 +48,7 @@ pub(super) struct TablePanel {
     estimates: EstimatePlot,
     /// The cell whose first ray is to be selected as soon as it is known.
     chosen: Option<u32>,
-    picture: Picture<(u64, QueueId, Colouring, bool, Blocks)>,
+    picture: Picture<(u64, QueueId, View, bool, Blocks)>,
 }
 
 impl Panel for TablePanel {
@@ -113,17 +60,7 @@ impl Panel for TablePanel {
             return;
         };
         ui.horizontal_wrapped(|ui| {
-            let pictures =
-                Colouring::ALL.map(|(colouring, name, about)| (View::Picture(colouring), name, about));
-            let plots = [
-                (View::Histograms, "histograms", "How many cells have how many rays, and which mean length"),
-                (
-                    View::Estimates,
-                    "estimates",
-                    "Lengths that the table gives for these rays, against traced ones",
-                ),
-            ];
-            for (view, name, about) in pictures.into_iter().chain(plots) {
+            for (view, name, about) in VIEWS {
                 ui.selectable_value(&mut self.view, view, name).on_hover_text(about);
             }
             let (touched, all) = (cells.len() as u64, 1u64 << bits);
@@ -132,9 +69,9 @@ impl Panel for TablePanel {
             ui.add(egui::Label::new(egui::RichText::new(fill).weak()).extend());
         });
         match self.view {
-            View::Picture(colouring) => self.cells(ui, context, &queue, (bits, colouring)),
             View::Histograms => histograms(ui, cells),
             View::Estimates => self.estimates.show(ui, context),
+            View::Mean | View::Count | View::Fill => self.cells(ui, context, &queue, bits),
         }
     }
 
@@ -160,23 +97,17 @@ impl Panel for TablePanel {
 
 impl TablePanel {
     /// The cells as a picture, and what is in the one under the pointer or in the selected one.
-    fn cells(
-        &mut self,
-        ui: &mut egui::Ui,
-        context: &mut Context,
-        queue: &Arc<Queue>,
-        (bits, colouring): (u32, Colouring),
-    ) {
+    fn cells(&mut self, ui: &mut egui::Ui, context: &mut Context, queue: &Arc<Queue>, bits: u32) {
         let Ok(cells) = &queue.cells else { return };
         let lines = ui.text_style_height(&egui::TextStyle::Small) + 2.0 * ui.spacing().interact_size.y + 16.0;
         let room = ui.available_size() - egui::vec2(0.0, lines);
         let blocks = Blocks::fitting(bits, room.min_elem() * ui.ctx().pixels_per_point());
         let Some(opening) = context.recording().map(|recording| recording.opening) else { return };
         let theme = Theme::of(ui.ctx());
-        let key = (opening, queue.id, colouring, ui.visuals().dark_mode, blocks);
+        let view = self.view;
+        let key = (opening, queue.id, view, ui.visuals().dark_mode, blocks);
         let of = queue.clone();
-        let make =
-            move || of.cells.as_ref().map_or(Vec::new(), |cells| pixels(cells, blocks, colouring, theme));
+        let make = move || of.cells.as_ref().map_or(Vec::new(), |cells| pixels(cells, blocks, view, theme));
         let picture =
             |ui: &mut egui::Ui| self.picture.show(ui, context.waker(), ("table", key), blocks.size(), make);
         let shown = ui.allocate_ui(room, picture).inner;
@@ -275,13 +206,13 @@ impl Blocks {
 /// Percent of the cells whose means are told apart; longer ones share the last colour.
 const LONGEST_PERCENTILE: f32 = 98.0;
 
-fn pixels(cells: &[LengthCell], blocks: Blocks, colouring: Colouring, theme: Theme) -> Vec<Color32> {
+fn pixels(cells: &[LengthCell], blocks: Blocks, view: View, theme: Theme) -> Vec<Color32> {
     // A damaged cell may count no ray at all.
     let cells = || cells.iter().filter(|cell| cell.count >= 2);
-    let value = |cell: &LengthCell| match colouring {
-        Colouring::Fill => 1.0,
-        Colouring::Count => ((cell.count - 1) as f32).log2(),
-        Colouring::Mean => mean_length(cell.sum, cell.count),
+    let value = |cell: &LengthCell| match view {
+        View::Fill => 1.0,
+        View::Count => ((cell.count - 1) as f32).log2(),
+        _ => mean_length(cell.sum, cell.count),
     };
     let values: Vec<f32> = cells().map(value).collect();
     let sorted = Values::of(values.par_iter().copied());
@@ -297,9 +228,9 @@ fn pixels(cells: &[LengthCell], blocks: Blocks, colouring: Colouring, theme: The
     }
     let all = (1u32 << (2 * blocks.log2_side)) as f32;
     let colour = |(sum, touched): (f32, u32)| {
-        let part = match (touched, colouring) {
+        let part = match (touched, view) {
             (0, _) => return theme.nothing(),
-            (touched, Colouring::Fill) => touched as f32 / all,
+            (touched, View::Fill) => touched as f32 / all,
             (touched, _) => sum / touched as f32 / largest,
         };
         // The first colours of the map are hard to tell from an untouched cell.

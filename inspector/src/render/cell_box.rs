@@ -3,29 +3,29 @@
 use std::collections::BTreeMap;
 
 use formats::key::decode::decode;
-use formats::key::{Coordinate, LayoutText};
+use formats::key::{Coordinate, Layout, LayoutText};
 use formats::length_table::{TABLE_BITS_MAX, TABLE_BITS_MIN};
 use formats::manifest::Options;
-use formats::stored_table::StoredTableError;
 use rayon::prelude::*;
 
 use super::geometry::{Geometry, boxes};
 use super::range::{ValueRange, Values};
 use crate::model::Queue;
 
-/// The corners of a cell's box in unit space; an axis of which the address says nothing spans all of it.
-///
-/// # Errors
-/// If the recording does not say how cells are addressed.
-pub fn cell_box(options: &Options, cell: u32) -> Result<([f32; 3], [f32; 3]), String> {
-    let layout = LayoutText::parse(&options.table_layout).and_then(|text| text.expand(1));
-    let layout = layout.map_err(|error| error.to_string())?;
-    let bits = options.table_bits;
-    if !(TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&bits) {
-        return Err(StoredTableError::Bits { bits }.to_string());
-    }
+/// The lowest and the highest corner of a box, unit space.
+pub type Corners = ([f32; 3], [f32; 3]);
+
+/// How the cells of a recording's length tables are addressed; `None` if it does not say so.
+fn table_layout(options: &Options) -> Option<Layout> {
+    let has_table = (TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&options.table_bits);
+    let text = LayoutText::parse(&options.table_layout).ok().filter(|_| has_table);
+    text?.expand(1).ok()
+}
+
+/// The corners of a cell's box; an axis of which the address says nothing spans all of it.
+fn corners(layout: &Layout, bits: u32, cell: u32) -> Corners {
     let (mut low, mut high) = ([0.0; 3], [1.0; 3]);
-    for field in decode(&layout, bits, u64::from(cell)) {
+    for field in decode(layout, bits, u64::from(cell)) {
         let axis = match field.coordinate {
             Coordinate::OriginX => 0,
             Coordinate::OriginY => 1,
@@ -35,41 +35,38 @@ pub fn cell_box(options: &Options, cell: u32) -> Result<([f32; 3], [f32; 3]), St
         let (from, to) = field.range();
         (low[axis], high[axis]) = (from as f32, to as f32);
     }
-    Ok((low, high))
+    (low, high)
+}
+
+/// The box of a cell; `None` if the recording does not say how cells are addressed.
+pub fn cell_box(options: &Options, cell: u32) -> Option<Corners> {
+    Some(corners(&table_layout(options)?, options.table_bits, cell))
 }
 
 /// The boxes in which the rays of a table's touched cells start, those of most rays first and at most `most`,
 /// with the mean length of their rays; and the range of these. Cells that differ in direction alone share a box.
 pub fn cells(options: &Options, queue: &Queue, most: usize) -> (Geometry, ValueRange) {
-    let layout = LayoutText::parse(&options.table_layout).and_then(|text| text.expand(1));
-    let (Ok(layout), Ok(touched)) = (layout, &queue.cells) else {
+    let (Some(layout), Ok(touched)) = (table_layout(options), &queue.cells) else {
         return (boxes(std::iter::empty()).into(), ValueRange { low: 0.0, high: 1.0 });
     };
-    let mut of_origin: BTreeMap<[(u32, u32); 3], (u64, u64)> = BTreeMap::new();
+    // Corners are not negative, so their bits sort as they do.
+    let mut of_origin: BTreeMap<[[u32; 3]; 2], (u64, u64)> = BTreeMap::new();
     for cell in &**touched {
-        let mut origin = [(0, 0); 3];
-        for field in decode(&layout, options.table_bits, u64::from(cell.cell)) {
-            match field.coordinate {
-                Coordinate::OriginX => origin[0] = (field.bits, field.value),
-                Coordinate::OriginY => origin[1] = (field.bits, field.value),
-                Coordinate::OriginZ => origin[2] = (field.bits, field.value),
-                _ => {}
-            }
-        }
-        let found = of_origin.entry(origin).or_default();
+        let (low, high) = corners(&layout, options.table_bits, cell.cell);
+        let found = of_origin.entry([low, high].map(|corner| corner.map(f32::to_bits))).or_default();
         *found = (found.0 + u64::from(cell.count), found.1.saturating_add(cell.sum));
     }
     let mut found: Vec<_> = of_origin.into_iter().collect();
-    found.sort_by_key(|(origin, (count, _))| (std::cmp::Reverse(*count), *origin));
+    found.sort_by_key(|(_, (count, _))| std::cmp::Reverse(*count));
     found.truncate(most);
-    let side =
-        |(bits, value): (u32, u32), after: u32| (f64::from(value + after) / 2f64.powi(bits as i32)) as f32;
     let mean = |(count, sum): (u64, u64)| (sum as f64 / LENGTH_UNIT / count.max(1) as f64) as f32;
     let values: Vec<f32> = found.iter().map(|(_, sums)| mean(*sums)).collect();
     let range = Values::of(values.into_par_iter()).percentiles(2.0, 98.0);
-    let shape = boxes(found.into_iter().map(|(origin, sums)| {
-        ((origin.map(|along| side(along, 0)), origin.map(|along| side(along, 1))), mean(sums))
-    }));
+    let shape = boxes(
+        found
+            .into_iter()
+            .map(|([low, high], sums)| ((low.map(f32::from_bits), high.map(f32::from_bits)), mean(sums))),
+    );
     (shape.into(), range)
 }
 

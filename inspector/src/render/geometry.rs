@@ -7,6 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use formats::metrics::capsule::{Capsule, Point};
 use formats::ray::Kind;
 
+use super::cell_box::Corners;
 use super::surfaces::Surfaces;
 use crate::model::{Order, Queue};
 
@@ -206,13 +207,13 @@ pub fn ends(order: &Order, places: impl Iterator<Item = (usize, f32)>) -> Shape 
 }
 
 /// Boxes with their values.
-pub fn boxes(found: impl Iterator<Item = (([f32; 3], [f32; 3]), f32)>) -> Shape {
+pub fn boxes(found: impl Iterator<Item = (Corners, f32)>) -> Shape {
     let corner = |position, value| Vertex { position, value };
     Shape::Boxes(found.map(|((low, high), value)| [corner(low, value), corner(high, value)]).collect())
 }
 
 /// The twelve edges of a box.
-pub fn box_edges((low, high): ([f32; 3], [f32; 3]), value: f32) -> Vec<[Vertex; 2]> {
+pub fn box_edges((low, high): Corners, value: f32) -> Vec<[Vertex; 2]> {
     let corner = |at: usize| {
         let along = |axis: usize| if at >> axis & 1 == 1 { high[axis] } else { low[axis] };
         Vertex { position: [along(0), along(1), along(2)], value }

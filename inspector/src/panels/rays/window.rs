@@ -38,26 +38,9 @@ mod tests {
     use super::*;
     use crate::model::rows::{Direction, Rows};
 
+    /// All rays from both ends, and every seventh of them: the last row is the right ray.
     #[test]
     fn a_hundred_million_rows_end_at_the_last_one() {
-        let (all, in_sight) = (100_000_003, 37);
-        let mut window = RowWindow::default();
-        window.scroll(f32::MAX, all, in_sight);
-        assert_eq!(window.first + in_sight, all);
-        window.rest = 0.0;
-        window.scroll(-1.0, all, in_sight);
-        assert_eq!(window.first + in_sight, all - 1);
-        window.reveal(all - 1, all, in_sight);
-        assert_eq!(window.first + in_sight, all);
-        window.reveal(99_999_990, all, in_sight);
-        assert_eq!(window.first + in_sight, all);
-        window.reveal(50_000_001, all, in_sight);
-        assert!((window.first..window.first + in_sight).contains(&50_000_001));
-    }
-
-    /// The same order from its end, and every seventh of its rays: the last row is the right ray.
-    #[test]
-    fn what_is_sorted_and_filtered_ends_at_its_last_row_too() {
         let (rays, in_sight) = (100_000_003usize, 37);
         let listed = Rows::Listed((0..rays as u32).step_by(7).collect());
         for (rows, last) in [
@@ -65,15 +48,21 @@ mod tests {
             (Rows::All(rays, Direction::Descending), 0),
             (listed, (rays - 1) / 7 * 7),
         ] {
+            let all = rows.len();
             let mut window = RowWindow::default();
-            window.scroll(f32::MAX, rows.len(), in_sight);
-            let seen = window.rows(rows.len(), in_sight);
-            assert_eq!((seen.len(), seen.end), (in_sight, rows.len()));
-            assert_eq!(rows.place(seen.end - 1), last);
-            let middle = rows.place(rows.len() / 2 + 3);
-            let row = rows.row_of(middle).unwrap();
-            window.reveal(row, rows.len(), in_sight);
-            assert!(window.rows(rows.len(), in_sight).any(|row| rows.place(row) == middle));
+            window.scroll(f32::MAX, all, in_sight);
+            let seen = window.rows(all, in_sight);
+            assert_eq!((seen.len(), seen.end, rows.place(all - 1)), (in_sight, all, last));
+            window.rest = 0.0;
+            window.scroll(-1.0, all, in_sight);
+            assert_eq!(window.first + in_sight, all - 1);
+            for row in [all - 1, all - 13] {
+                window.reveal(row, all, in_sight);
+                assert_eq!(window.first + in_sight, all);
+            }
+            let middle = rows.place(all / 2 + 3);
+            window.reveal(rows.row_of(middle).unwrap(), all, in_sight);
+            assert!(window.rows(all, in_sight).any(|row| rows.place(row) == middle));
         }
     }
 

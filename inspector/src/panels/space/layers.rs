@@ -315,7 +315,7 @@ fn selected(
         return Vec::new();
     };
     let options = context.recording().map(|recording| &recording.dump.manifest().header.options);
-    let corners = cell.zip(options).and_then(|(cell, options)| cell_box(options, cell).ok());
+    let corners = cell.zip(options).and_then(|(cell, options)| cell_box(options, cell));
     lines.extend(corners.into_iter().flat_map(|corners| box_edges(corners, 0.0)));
     let places = group.map_or(0..0, |group| order.places_of_group(group, width));
     let found = group.and_then(|group| order.group(group, width));

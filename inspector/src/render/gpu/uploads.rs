@@ -175,9 +175,9 @@ const QUAD_CORNERS: u32 = 6;
 
 /// What the GPU has then, and the bytes that went there.
 fn upload(device: &Device, pipelines: &Pipelines, shape: &Shape) -> Result<(Uploaded, u64), String> {
-    let points = |label, points: &[Vertex], lines| {
+    let points = |label, points: &[Vertex]| {
         let points = buffer(device, label, bytemuck::cast_slice(points), BufferUsages::STORAGE)?;
-        let runs = runs(device, pipelines, &points, (lines, shape.points_each()));
+        let runs = runs(device, pipelines, &points, (shape.len(), shape.points_each()));
         Ok((Uploaded::Points(runs), points.size()))
     };
     match shape {
@@ -189,9 +189,9 @@ fn upload(device: &Device, pipelines: &Pipelines, shape: &Shape) -> Result<(Uplo
             let bytes = corners.size() + triangles.size();
             Ok((Uploaded::Mesh { corners, triangles }, bytes))
         }
-        Shape::Strip(strip) => points("strip::points", strip, strip.len() - 1),
-        Shape::Segments(pairs) => points("segments::points", pairs.as_flattened(), pairs.len()),
-        Shape::Boxes(pairs) => points("boxes::corners", pairs.as_flattened(), pairs.len()),
+        Shape::Strip(strip) => points("strip::points", strip),
+        Shape::Segments(pairs) => points("segments::points", pairs.as_flattened()),
+        Shape::Boxes(pairs) => points("boxes::corners", pairs.as_flattened()),
         Shape::Capsules(capsules) => {
             let each = bytemuck::cast_slice(capsules);
             let each = buffer(device, "capsules::each", each, BufferUsages::VERTEX)?;
