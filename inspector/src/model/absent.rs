@@ -59,9 +59,3 @@ impl From<&String> for Absent {
         Self::from(reason.clone())
     }
 }
-
-impl From<&Self> for Absent {
-    fn from(absent: &Self) -> Self {
-        absent.clone()
-    }
-}

@@ -191,7 +191,7 @@ impl Comparison {
             Difference::CapsuleArea => {
                 let area = |order: &Order, ray: usize| {
                     let groups = order.groups(self.width);
-                    groups.groups[groups.of_place(order.place_of_ray()[ray] as usize)].area.max(1e-12)
+                    groups.groups[order.place_of_ray()[ray] as usize / groups.width].area.max(1e-12)
                 };
                 (area(right, rays[1]) / area(left, rays[0])).log2() as f32
             }

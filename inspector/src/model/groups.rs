@@ -39,11 +39,6 @@ impl Groups {
         places_of(group, self.width, self.rays)
     }
 
-    /// The group of a place.
-    pub fn of_place(&self, place: usize) -> usize {
-        place / self.width
-    }
-
     /// Mean capsule area, weighted by rays; 0 for no groups.
     pub fn mean_area(&self) -> f64 {
         self.mean_area

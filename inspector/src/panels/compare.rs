@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use egui::{ScrollArea, Ui};
 use formats::key::method::UNSORTED;
-use formats::manifest::QueueId;
 use serde::{Deserialize, Serialize};
 
 use super::notes::{choose, hint};
@@ -47,9 +46,8 @@ struct State {
     space: SpaceState,
 }
 
-/// What is compared: the openings and methods of both sides, the queue, rays of a group, and what colours stand
-/// for.
-type Wanted = ([(u64, String); 2], QueueId, GroupWidth, Option<Difference>);
+/// What is compared: the serial numbers of both orders, rays of a group, and what colours stand for.
+type Wanted = ([u64; 2], GroupWidth, Option<Difference>);
 
 /// The panel. Of the two views, the first has the controls and the slider of both.
 pub(super) struct Compare {
@@ -183,16 +181,11 @@ impl Compare {
     }
 
     fn found(&mut self, context: &mut Context) -> Option<Arc<Compared>> {
-        let (left, right) = (self.left_order(context)?, context.order().ok()?);
-        let (selection, difference) = (&context.selection, self.choice.difference);
-        let opening = |at: usize| Some(context.recordings.get(at)?.opening);
-        let left_opening = opening(self.choice.before_recording.unwrap_or(selection.recording))?;
-        let sides =
-            [(left_opening, left.method.clone()), (opening(selection.recording)?, right.method.clone())];
-        let (queue, width) = (selection.queue, selection.group_width);
-        let orders = [left, right];
+        let orders = [self.left_order(context)?, context.order().ok()?];
+        let (width, difference) = (context.selection.group_width, self.choice.difference);
+        let wanted = (orders.each_ref().map(|order| order.serial), width, difference);
         let make = move || Arc::new(Compared::of(&orders, width, difference));
-        self.comparing.of((sides, queue, width, difference), context.waker(), make).ok().cloned()
+        self.comparing.of(wanted, context.waker(), make).ok().cloned()
     }
 
     fn comparison_controls(&mut self, ui: &mut Ui) {

@@ -34,17 +34,11 @@ impl Detail {
         self.parts_before(places.start)..self.parts_before(places.end)
     }
 
+    /// The parts whose places are smaller than this.
     fn parts_before(self, place: usize) -> usize {
-        let (mut low, mut high) = (0, self.shown);
-        while low < high {
-            let middle = usize::midpoint(low, high);
-            if self.place(middle) < place {
-                low = middle + 1;
-            } else {
-                high = middle;
-            }
-        }
-        low
+        let place = place.saturating_sub(self.first) as u128;
+        let (all, shown) = (self.all as u128, self.shown as u128);
+        (2 * shown * place).saturating_sub(all).div_ceil(2 * all.max(1)).min(shown) as usize
     }
 }
 

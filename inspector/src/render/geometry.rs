@@ -223,15 +223,6 @@ pub fn box_edges((low, high): Corners, value: f32) -> Vec<[Vertex; 2]> {
     (0..8).flat_map(|at| (0..3).map(move |axis| (at, axis))).filter_map(edge).collect()
 }
 
-/// The box around vertices; `None` for none.
-pub fn bounds<'a>(vertices: impl IntoIterator<Item = &'a Vertex>) -> Option<(glam::Vec3, glam::Vec3)> {
-    let points = vertices.into_iter().map(|vertex| glam::Vec3::from(vertex.position));
-    points.fold(None, |found, point| match found {
-        None => Some((point, point)),
-        Some((low, high)) => Some((low.min(point), high.max(point))),
-    })
-}
-
 /// Corners of a capsule's surface as instances share them: which sphere (0 or 1), how far along its cap
 /// (0 to 1, from the far pole of the first sphere to that of the second), cosine and sine around the axis.
 pub fn capsule_template() -> (Vec<[f32; 4]>, Vec<u32>) {

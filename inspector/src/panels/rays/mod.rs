@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use egui::{Align, Layout};
 use egui_extras::{Column, TableBuilder};
-use formats::metrics::quantity::{OrderedRays, Quantity};
+use formats::metrics::quantity::Quantity;
 use serde::de::Error as _;
 use serde::{Deserialize, Serialize};
 
@@ -133,7 +133,7 @@ impl Panel for RaysPanel {
         self.table(ui, context, (&numbers, &rows), seen.clone(), row_height, &mut done);
         if let Some(range) = done.copied {
             let range = if range.is_empty() { seen } else { range };
-            ui.ctx().copy_text(self.text(&numbers, &rows, range));
+            ui.ctx().copy_text(self.rows(numbers.clone(), rows.clone(), range).text());
         }
         if let Some(by) = done.sorted {
             self.sort(by);
@@ -148,20 +148,13 @@ impl Panel for RaysPanel {
         let order = context.order()?;
         let rows = context.rows(&order, self.sorting).ok_or("its rows are still being sorted")?;
         let numbers = context.numbers(order).ok_or("no recording is open")?;
-        let all = rows.len();
-        let columns: Vec<Quantity> = self.columns.iter().map(|column| column.quantity).collect();
-        let names: Vec<&str> = columns.iter().map(|quantity| quantity.name()).collect();
-        columns.iter().for_each(|&quantity| numbers.prepare(quantity));
-        let row = move |row: usize| {
-            let (rays, place) = (numbers.rays(), rows.place(row));
-            columns.iter().map(|quantity| quantity.text(rays.at(place))).collect()
-        };
-        Ok(Data::new(&names, (0..all).map(row)))
+        let all = 0..rows.len();
+        Ok(self.rows(numbers, rows, all))
     }
 
     fn state(&self) -> serde_json::Value {
         let state = State {
-            columns: self.columns.iter().map(|column| column.quantity).collect(),
+            columns: self.quantities(),
             sorted_by: self.sorting.by,
             descending: self.sorting.direction == Direction::Descending,
         };
@@ -181,6 +174,22 @@ impl Panel for RaysPanel {
 }
 
 impl RaysPanel {
+    fn quantities(&self) -> Vec<Quantity> {
+        self.columns.iter().map(|column| column.quantity).collect()
+    }
+
+    /// Rows with the columns that are shown.
+    fn rows(&self, numbers: Numbers, rows: Arc<Rows>, range: Range<usize>) -> Data {
+        let columns = self.quantities();
+        let names: Vec<&str> = columns.iter().map(|quantity| quantity.name()).collect();
+        columns.iter().for_each(|&quantity| numbers.prepare(quantity));
+        let row = move |row: usize| {
+            let (rays, place) = (numbers.rays(), rows.place(row));
+            columns.iter().map(|quantity| quantity.text(rays.at(place))).collect()
+        };
+        Data::new(&names, range.map(row))
+    }
+
     /// How many rows there are, where the window starts, which columns it has, and what can be copied.
     fn above(&mut self, ui: &mut egui::Ui, order: &Order, rows: &Rows, done: &mut Done) {
         let rays = counted(order.len() as u64, "ray", "rays");
@@ -254,7 +263,9 @@ impl RaysPanel {
         done: &mut Done,
     ) {
         let rays = numbers.rays();
-        let texts: Vec<Vec<String>> = seen.clone().map(|row| self.cells(&rays, rows.place(row))).collect();
+        let cell = |column: &ShownColumn, row| column.quantity.text(rays.at(rows.place(row)));
+        let cells = |row| self.columns.iter().map(|column| cell(column, row)).collect();
+        let texts: Vec<Vec<String>> = seen.clone().map(cells).collect();
         for (at, column) in self.columns.iter_mut().enumerate() {
             let longest = texts.iter().map(|cells| cells[at].chars().count()).max().unwrap_or(0);
             column.characters = column.characters.max(longest);
@@ -313,19 +324,5 @@ impl RaysPanel {
         if response.clicked() {
             done.sorted = Some(quantity);
         }
-    }
-
-    fn cells(&self, rays: &OrderedRays<'_>, place: usize) -> Vec<String> {
-        self.columns.iter().map(|column| column.quantity.text(rays.at(place))).collect()
-    }
-
-    /// Rows as text: a line each, tabs between columns, their names first.
-    fn text(&self, numbers: &Numbers, rows: &Rows, range: Range<usize>) -> String {
-        let names: Vec<String> =
-            self.columns.iter().map(|column| column.quantity.name().to_owned()).collect();
-        let rays = numbers.rays();
-        let cells = range.map(|row| self.cells(&rays, rows.place(row)));
-        let lines: Vec<String> = std::iter::once(names).chain(cells).map(|cells| cells.join("\t")).collect();
-        lines.join("\n") + "\n"
     }
 }

@@ -233,27 +233,32 @@ impl View {
     }
 }
 
-/// The draws of a frame in their order: what hides, what is hidden, what is seen, what is seen through.
+/// In which order stages are drawn, and whether only where surfaces hide them: what hides, what is hidden, what is
+/// seen, what is seen through.
+const DRAWN: [(Stage, bool); 12] = [
+    (Stage::Solid, false),
+    (Stage::Wire, false),
+    (Stage::Lines, true),
+    (Stage::Arrows, true),
+    (Stage::Marks, true),
+    (Stage::Lines, false),
+    (Stage::Arrows, false),
+    (Stage::Marks, false),
+    (Stage::Ghost, false),
+    (Stage::Boxes, false),
+    (Stage::Capsules, false),
+    (Stage::OnTop, false),
+];
+
+/// The draws of a frame in their order.
 fn draws(frame: &Frame) -> Vec<Draw<'_>> {
-    let of = |stage: Stage| frame.layers.iter().filter(move |layer| layer.stage == stage);
-    let plain = |layer: &'_ Layer| layer.opacity;
-    let mut draws = Vec::new();
-    let mut add = |stage: Stage, is_hidden: bool, opacity: &dyn Fn(&Layer) -> f32| {
-        draws.extend(of(stage).map(|layer| Draw { layer, opacity: opacity(layer), is_hidden }));
+    let of_stage = |&(stage, is_hidden): &(Stage, bool)| {
+        let layers = frame.layers.iter().filter(move |layer| layer.stage == stage);
+        layers.map(move |layer| {
+            let opacity = layer.opacity * if is_hidden { layer.hidden_opacity } else { 1.0 };
+            Draw { layer, opacity, is_hidden }
+        })
     };
-    add(Stage::Solid, false, &plain);
-    add(Stage::Wire, false, &plain);
-    for stage in [Stage::Lines, Stage::Arrows, Stage::Marks] {
-        add(stage, true, &|layer| layer.opacity * layer.hidden_opacity);
-    }
-    for stage in [Stage::Lines, Stage::Arrows, Stage::Marks] {
-        add(stage, false, &plain);
-    }
-    add(Stage::Ghost, false, &plain);
-    add(Stage::Boxes, false, &plain);
-    add(Stage::Capsules, false, &plain);
-    add(Stage::OnTop, false, &plain);
-    draws.retain(|draw| draw.opacity > 0.0 && !draw.layer.geometry.shape().is_empty());
-    draws.truncate(DRAWS_MAX);
-    draws
+    let is_seen = |draw: &Draw<'_>| draw.opacity > 0.0 && !draw.layer.geometry.shape().is_empty();
+    DRAWN.iter().flat_map(of_stage).filter(is_seen).take(DRAWS_MAX).collect()
 }
