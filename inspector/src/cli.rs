@@ -228,11 +228,7 @@ fn window(dumps: Vec<PathBuf>, session: Option<&Path>) -> ExitCode {
         |path: &&PathBuf| path.extension().is_none() && path.components().count() == 1 && !path.exists();
     match dumps.iter().find(is_word) {
         None => exit_code(
-            session
-                .map(Session::read)
-                .transpose()
-                .map_err(anyhow::Error::from)
-                .and_then(|session| app::run::run(&dumps, session)),
+            session.map(Session::read).transpose().and_then(|session| app::run::run(&dumps, session)),
         ),
         Some(word) => {
             say(&format!(

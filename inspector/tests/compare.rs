@@ -19,10 +19,10 @@ use inspector::model::comparison::{Comparison, Difference};
 use inspector::model::{Context, Order, differences};
 use inspector::panels::space::cut;
 use inspector::panels::space::layers::{Layers, RayValues};
-use inspector::panels::space::options::{Axis, Options, Side};
+use inspector::panels::space::options::{Axis, Side, SpaceOptions};
 use inspector::render::camera::Camera;
-use inspector::render::frame::{Cut, Frame, Layer, LayerUniform, Paint, Stage};
 use inspector::render::geometry::{Geometry, Mark, Shape};
+use inspector::render::picture::{Cut, Layer, LayerUniform, Paint, SpacePicture, Stage};
 use inspector::render::surfaces::Surfaces;
 
 mod headless;
@@ -189,7 +189,7 @@ fn the_panel_shows_a_line_for_each_difference_and_the_same_picture_each_time() {
     assert!(picture() == picture(), "the picture differs from one time to the next");
 }
 
-fn layers(context: &mut Context, options: &Options, values: Option<RayValues>) -> Vec<Layer> {
+fn layers(context: &mut Context, options: &SpaceOptions, values: Option<RayValues>) -> Vec<Layer> {
     let mut layers = Layers::default();
     layers.ray_values = values;
     shown_by(&mut layers, context, options)
@@ -202,7 +202,8 @@ fn ends_are_marked_by_what_rays_found() {
     for (queue, kinds) in [(QUEUE, [Mark::Hit, Mark::Miss]), (SHADOW, [Mark::Occluded, Mark::Miss])] {
         context.go_to(queue);
         let order = context.awaited_order().unwrap();
-        let options = Options { curve: false, rays: true, ends: true, arrows: true, ..Options::default() };
+        let options =
+            SpaceOptions { curve: false, rays: true, ends: true, arrows: true, ..SpaceOptions::default() };
         let drawn = layers(&mut context, &options, None);
         let of = |stage: Stage| drawn.iter().find(|layer| layer.stage == stage).unwrap();
         let Shape::Segments(marks) = of(Stage::Marks).geometry.shape() else { panic!("no marks") };
@@ -235,9 +236,13 @@ fn the_edges_of_surfaces_are_drawn_once() {
 #[test]
 fn the_clipping_plane_cuts_surfaces_alone() {
     let sides = [1.0, 0.5, 0.25];
-    let options =
-        |clip_axis, clip_at, clip_keeps| Options { clip_axis, clip_at, clip_keeps, ..Options::default() };
-    assert_eq!(cut(&Options::default(), sides), Cut::NONE);
+    let options = |clip_axis, clip_at, clip_keeps| SpaceOptions {
+        clip_axis,
+        clip_at,
+        clip_keeps,
+        ..SpaceOptions::default()
+    };
+    assert_eq!(cut(&SpaceOptions::default(), sides), Cut::NONE);
     assert_eq!(cut(&options(Axis::Z, 0.0, Side::Above), sides), Cut::NONE);
     for (axis, number) in [(Axis::X, 0), (Axis::Y, 1), (Axis::Z, 2)] {
         for side in [Side::Below, Side::Above] {
@@ -263,14 +268,14 @@ fn the_clipping_plane_cuts_surfaces_alone() {
         hidden_opacity: 0.0,
         width: 1.0,
     };
-    let frame = Frame {
+    let picture = SpacePicture {
         camera: Camera::overview(sides),
         pixels: [64, 64],
         background: [0.0; 4],
         cut: cut(&options(Axis::X, 0.5, Side::Below), sides),
         layers: Vec::new(),
     };
-    let plane = |stage| LayerUniform::of(&frame, &layer(stage), 1.0).cut;
+    let plane = |stage| LayerUniform::of(&picture, &layer(stage), 1.0).cut;
     for stage in [Stage::Solid, Stage::Ghost, Stage::Wire] {
         assert_eq!(plane(stage), [1.0, 0.0, 0.0, 0.5]);
     }
@@ -285,7 +290,7 @@ fn cells_are_boxes_in_which_rays_of_earlier_queues_started() {
     let mut context = Context::open(&[sample::write(folder.path())]);
     let order = order(&mut context, 0, "unsorted");
     let touched = order.queue.cells.as_ref().unwrap();
-    let options = Options { cells: true, cell_count: usize::MAX, ..Options::default() };
+    let options = SpaceOptions { cells: true, cell_count: usize::MAX, ..SpaceOptions::default() };
     let drawn = layers(&mut context, &options, None);
     let cells = drawn.iter().find(|layer| layer.stage == Stage::Boxes).unwrap();
     let Shape::Boxes(boxes) = cells.geometry.shape() else { panic!("no boxes") };
@@ -299,7 +304,7 @@ fn cells_are_boxes_in_which_rays_of_earlier_queues_started() {
         (0..3).all(|axis| (low.position[axis]..=high.position[axis]).contains(&eye[axis]))
     };
     assert!(holds(&boxes[0]), "the box of most rays is not the camera's: {:?}", boxes[0]);
-    let few = Options { cell_count: 2, ..options };
+    let few = SpaceOptions { cell_count: 2, ..options };
     let drawn = layers(&mut context, &few, None);
     let cells = drawn.iter().find(|layer| layer.stage == Stage::Boxes).unwrap();
     assert_eq!(cells.geometry.shape(), &Shape::Boxes(boxes[..2].to_vec()));
@@ -312,7 +317,7 @@ fn numbers_of_rays_colour_the_curve_in_any_order() {
     let order = order(&mut context, 0, "two-point");
     let of_ray: Vec<f32> = (0..order.len()).map(|ray| ray as f32 + 0.5).collect();
     let values = RayValues { id: 1, title: "numbers", of_ray: Arc::new(of_ray), range: None };
-    let drawn = layers(&mut context, &Options::default(), Some(values));
+    let drawn = layers(&mut context, &SpaceOptions::default(), Some(values));
     let Shape::Strip(curve) = drawn[0].geometry.shape() else { panic!("no curve") };
     let found: Vec<f32> = curve.iter().map(|vertex| vertex.value).collect();
     assert_eq!(found, (0..order.len()).map(|place| order.places.ray(place) as f32 + 0.5).collect::<Vec<_>>());

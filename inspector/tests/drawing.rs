@@ -12,10 +12,10 @@ use formats::unit_space::UnitSpace;
 use glam::Vec3;
 use inspector::model::background::Waker;
 use inspector::render::camera::Camera;
-use inspector::render::frame::{Cut, Frame, Layer, Paint, Stage};
 use inspector::render::geometry::{Shape, Vertex};
-use inspector::render::gpu::FrameCallback;
+use inspector::render::gpu::PictureCallback;
 use inspector::render::gpu::errors::{Errors, Refusal};
+use inspector::render::picture::{Cut, Layer, Paint, SpacePicture, Stage};
 use inspector::render::surfaces::Surfaces;
 use inspector::theme::Theme;
 
@@ -50,14 +50,15 @@ fn drawn(
         width: 1.0,
     };
     let layers = vec![layer];
-    let frame = Arc::new(Frame { camera, pixels, background: theme.background(), cut: Cut::NONE, layers });
+    let picture =
+        Arc::new(SpacePicture { camera, pixels, background: theme.background(), cut: Cut::NONE, layers });
     let size = egui::Vec2::from(pixels.map(|side| side as f32));
     let refusal = (refusal.clone(), Waker::default());
     let harness = Harness::builder().with_size(size).with_pixels_per_point(1.0).renderer(renderer);
     let mut harness = harness.build_ui(move |ui| {
         let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
-        let (frame, refusal) = (frame.clone(), refusal.clone());
-        let callback = FrameCallback { view: 0, format, frame, refusal };
+        let (picture, refusal) = (picture.clone(), refusal.clone());
+        let callback = PictureCallback { view: 0, format, picture, refusal };
         ui.painter().with_clip_rect(rect).add(callback.shape(rect));
     });
     let image = harness.render().unwrap();

@@ -23,7 +23,7 @@ use inspector::model::numbers::Numbers;
 use inspector::model::rows::{Direction, Rows, Sorting};
 use inspector::model::{Context, Order};
 use inspector::panels::space::layers::Layers;
-use inspector::panels::space::options::Options;
+use inspector::panels::space::options::SpaceOptions;
 use inspector::render::geometry::Shape;
 use inspector::theme::Theme;
 use proptest::prelude::*;
@@ -144,7 +144,7 @@ fn what_takes_groups_finds_them_first() {
         assert!(sorted.len() > 1);
     }
     for colour_by in [Quantity::Area, Quantity::Spread, Quantity::Lanes].map(ColourBy::Quantity) {
-        let options = Options { curve: false, colour_by, ..Options::default() };
+        let options = SpaceOptions { curve: false, colour_by, ..SpaceOptions::default() };
         let mut layers = Layers::default();
         shown_by(&mut layers, &mut fresh(), &options);
         assert!(layers.counts().is_some(), "{colour_by:?}");
@@ -371,7 +371,7 @@ fn a_filter_links_table_and_space() {
     let label = format!("{} of {} rays by two-point", expected.len(), numbers.order.len());
     assert!(harness.query_by_label(&label).is_some(), "{label} is not shown");
     let context = &mut harness.state_mut().context;
-    let options = Options { rays: true, ends: true, ..Options::default() };
+    let options = SpaceOptions { rays: true, ends: true, ..SpaceOptions::default() };
     let mut layers = Layers::default();
     let drawn = shown_by(&mut layers, context, &options);
     let origins: Vec<[f32; 3]> = expected

@@ -13,9 +13,9 @@ use inspector::analysis::GroupWidth;
 use inspector::model::Context;
 use inspector::model::derived::Filtered;
 use inspector::model::what_if::{Estimate, Settings, WHAT_IF};
-use inspector::panels::space::options::Options;
-use inspector::render::frame::Stage;
+use inspector::panels::space::options::SpaceOptions;
 use inspector::render::geometry::Shape;
+use inspector::render::picture::Stage;
 
 mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
@@ -151,7 +151,7 @@ fn a_group_of_the_worst_is_a_capsule_in_space() {
     settle(&mut harness);
     let context = &mut harness.state_mut().context;
     assert_eq!(context.selection.group, Some(second));
-    let drawn = layers(context, &Options::default());
+    let drawn = layers(context, &SpaceOptions::default());
     let capsule = drawn.iter().find(|layer| layer.stage == Stage::Capsules).unwrap();
     let Shape::Capsules(capsules) = capsule.geometry.shape() else { panic!("no capsule") };
     assert_eq!(capsules[0].ends[3], groups.groups[second].capsule.end_radius as f32);

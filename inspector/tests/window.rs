@@ -23,9 +23,9 @@ use inspector::analysis::coherence::coherence;
 use inspector::app::App;
 use inspector::model::Context;
 use inspector::panels::PANELS;
-use inspector::panels::space::options::{CapsuleChoice, Options};
-use inspector::render::frame::Stage;
+use inspector::panels::space::options::{CapsuleChoice, SpaceOptions};
 use inspector::render::geometry::{RayEnd, Shape};
+use inspector::render::picture::Stage;
 
 mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
@@ -96,7 +96,7 @@ fn a_row_that_is_clicked_is_the_ray_in_space() {
     settle(&mut harness);
     let context = &mut harness.state_mut().context;
     assert_eq!((context.selection.ray, context.selection.group), (Some(ray), Some(0)));
-    let layers = layers(context, &Options::default());
+    let layers = layers(context, &SpaceOptions::default());
     let Shape::Segments(lines) = layers.last().unwrap().geometry.shape() else { panic!("no line on top") };
     let segment = order.queue.segment(ray);
     let expected = [segment.origin, segment.end].map(|point| point.map(|along| along as f32));
@@ -115,7 +115,7 @@ fn a_group_that_is_chosen_is_a_capsule_in_space() {
     let worst = groups.groups.iter().map(|group| group.area).fold(0.0, f64::max);
     let group = context.selection.group.unwrap();
     assert_eq!(groups.groups[group].area, worst);
-    let layers = layers(context, &Options::default());
+    let layers = layers(context, &SpaceOptions::default());
     let capsule = layers.iter().find(|layer| layer.stage == Stage::Capsules).unwrap();
     let Shape::Capsules(capsules) = capsule.geometry.shape() else { panic!("no capsule") };
     assert_eq!(capsules[0].origins[3], groups.groups[group].capsule.origin_radius as f32);
@@ -169,7 +169,7 @@ fn vertices_are_those_of_the_analysis() {
     let segments: Vec<Segment> = permutation.iter().map(of).collect();
     let narrow = |point: [f64; 3]| point.map(|along| along as f32);
     for end in [RayEnd::Origin, RayEnd::Termination] {
-        let options = Options { curve_end: end, ..Options::default() };
+        let options = SpaceOptions { curve_end: end, ..SpaceOptions::default() };
         let drawn = layers(&mut context, &options);
         let Shape::Strip(curve) = drawn[0].geometry.shape() else { panic!("no curve") };
         let points: Vec<[f32; 3]> = curve.iter().map(|vertex| vertex.position).collect();
@@ -178,12 +178,12 @@ fn vertices_are_those_of_the_analysis() {
         let places: Vec<f32> = curve.iter().map(|vertex| vertex.value).collect();
         assert_eq!(places, (0..segments.len()).map(|place| place as f32).collect::<Vec<_>>());
     }
-    let options = Options {
+    let options = SpaceOptions {
         curve: false,
         capsules: true,
         capsule_choice: CapsuleChoice::Spread,
         capsule_count: usize::MAX,
-        ..Options::default()
+        ..SpaceOptions::default()
     };
     let drawn = layers(&mut context, &options);
     let Shape::Capsules(capsules) = drawn[0].geometry.shape() else { panic!("no capsules") };

@@ -5,16 +5,16 @@
 //! - [`geometry`]: the vertices of curves, rays, capsules and cells; [`surfaces`]: of the scene
 //! - [`cell_box`]: where a cell of the length table lies
 //! - [`camera`]: from where
-//! - [`frame`]: all of a picture, as data
-//! - [`gpu`]: frames on a GPU, in egui's paint callbacks
+//! - [`picture`]: all of a picture, as data
+//! - [`gpu`]: pictures on a GPU, in egui's paint callbacks
 //!
 //! Everything lies in unit space.
 
 pub mod camera;
 pub mod cell_box;
 pub mod detail;
-pub mod frame;
 pub mod geometry;
 pub mod gpu;
+pub mod picture;
 pub mod range;
 pub mod surfaces;

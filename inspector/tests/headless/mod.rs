@@ -8,9 +8,9 @@ use egui_kittest::wgpu::WgpuTestRenderer;
 use inspector::app::App;
 use inspector::model::{Absent, Context};
 use inspector::panels::space::layers::Layers;
-use inspector::panels::space::options::Options;
+use inspector::panels::space::options::SpaceOptions;
 use inspector::panels::{PANELS, Panel};
-use inspector::render::frame::Layer;
+use inspector::render::picture::Layer;
 use inspector::theme::Theme;
 
 /// Frames in which nothing is made any more: what is seen now stays.
@@ -91,12 +91,12 @@ pub(crate) fn click(harness: &mut Harness<'_, impl Drawn>, at: egui::Pos2) {
 }
 
 /// What space shows of the selection.
-pub(crate) fn layers(context: &mut Context, options: &Options) -> Vec<Layer> {
+pub(crate) fn layers(context: &mut Context, options: &SpaceOptions) -> Vec<Layer> {
     shown_by(&mut Layers::default(), context, options)
 }
 
 /// What these layers show of the selection.
-pub(crate) fn shown_by(layers: &mut Layers, context: &mut Context, options: &Options) -> Vec<Layer> {
+pub(crate) fn shown_by(layers: &mut Layers, context: &mut Context, options: &SpaceOptions) -> Vec<Layer> {
     let window = egui::Context::default();
     loop {
         let shown = layers.show(Theme::of(&window), options, context);

@@ -8,7 +8,7 @@ use formats::metrics::quantity::Quantity;
 use super::error::{FilterError, nearest};
 use super::token::{Token, tokens};
 use super::tree::{
-    COMPARISONS, FACTS, FUNCTIONS, Function, Kind, LEVELS, Node, OPERATORS, Operator, PREFIXES,
+    COMPARISONS, FACTS, FUNCTIONS, Function, LEVELS, Node, OPERATORS, Operator, PREFIXES, ValueKind,
 };
 
 /// How deep operations may lie inside each other, so that no text can exhaust a stack.
@@ -53,24 +53,24 @@ fn parse(text: &str) -> Result<Node, FilterError> {
         let expected = "an operator such as && or <, or the end";
         return Err(FilterError::expected(&span, &found.described(), expected));
     }
-    whole.as_kind(Kind::Condition, "as a filter")
+    whole.of_kind(ValueKind::Condition, "as a filter")
 }
 
 /// A part of the text, with its characters and its depth.
 struct Parsed {
     node: Node,
-    kind: Kind,
+    kind: ValueKind,
     span: Range<usize>,
     depth: usize,
 }
 
 impl Parsed {
     /// The part, where a value of this kind has its place.
-    fn as_kind(self, wanted: Kind, place: &str) -> Result<Node, FilterError> {
+    fn of_kind(self, wanted: ValueKind, place: &str) -> Result<Node, FilterError> {
         let (found, expected) = match wanted {
             _ if wanted == self.kind => return Ok(self.node),
-            Kind::Number => ("a condition", format!("a number {place}")),
-            Kind::Condition => ("a number", format!("a condition {place}, such as length < 0.1")),
+            ValueKind::Number => ("a condition", format!("a number {place}")),
+            ValueKind::Condition => ("a number", format!("a condition {place}, such as length < 0.1")),
         };
         Err(FilterError::expected(&self.span, found, &expected))
     }
@@ -80,14 +80,14 @@ impl Parsed {
         let span = self.span.start..other.span.end;
         let depth = checked(self.depth.max(other.depth) + 1, &span)?;
         let place = format!("beside '{}'", operator.sign);
-        let both = [self.as_kind(operator.takes, &place)?, other.as_kind(operator.takes, &place)?];
+        let both = [self.of_kind(operator.takes, &place)?, other.of_kind(operator.takes, &place)?];
         Ok(Self { node: Node::Binary(operator, Box::new(both)), kind: operator.gives, span, depth })
     }
 
     /// What a function makes of this one; it starts at `start`.
     fn under(self, function: &'static Function, start: usize, place: &str) -> Result<Self, FilterError> {
         let (span, depth) = (start..self.span.end, self.depth + 1);
-        let inner = Box::new(self.as_kind(function.kind, place)?);
+        let inner = Box::new(self.of_kind(function.kind, place)?);
         Ok(Self { node: Node::Unary(function, inner), kind: function.kind, span, depth })
     }
 }
@@ -162,7 +162,7 @@ impl Parser {
     fn primary(&mut self) -> Result<Parsed, FilterError> {
         let (token, span) = self.next();
         let (node, kind) = match token {
-            Token::Number(value) => (Node::Literal(value), Kind::Number),
+            Token::Number(value) => (Node::Literal(value), ValueKind::Number),
             Token::Sign("(") => {
                 let inner = self.level(0)?;
                 let end = self.close(&span)?;
@@ -186,7 +186,7 @@ impl Parser {
             let (found, inner) = self.next();
             let node = Node::Field(coordinate(&found, &inner)?, inner);
             let end = self.close(span)?;
-            return Ok(Parsed { node, kind: Kind::Number, span: span.start..end, depth: 1 });
+            return Ok(Parsed { node, kind: ValueKind::Number, span: span.start..end, depth: 1 });
         }
         let Some(function) = FUNCTIONS.iter().find(|function| function.name == name) else {
             let known = ["abs", "log2", "field"];
@@ -216,9 +216,9 @@ impl Parser {
     }
 }
 
-fn named(name: &str, span: &Range<usize>) -> Result<(Node, Kind), FilterError> {
+fn named(name: &str, span: &Range<usize>) -> Result<(Node, ValueKind), FilterError> {
     if let Some((_, fact)) = FACTS.iter().find(|(known, _)| *known == name) {
-        return Ok((Node::Fact(*fact), Kind::Condition));
+        return Ok((Node::Fact(*fact), ValueKind::Condition));
     }
     for (foreign, sign) in [("and", "&&"), ("or", "||"), ("not", "!")] {
         if name == foreign {
@@ -226,7 +226,7 @@ fn named(name: &str, span: &Range<usize>) -> Result<(Node, Kind), FilterError> {
         }
     }
     let quantity = Quantity::of_name(name).ok_or_else(|| FilterError::unknown(span, name))?;
-    Ok((Node::Quantity(quantity, span.clone()), Kind::Number))
+    Ok((Node::Quantity(quantity, span.clone()), ValueKind::Number))
 }
 
 fn coordinate(found: &Token, span: &Range<usize>) -> Result<Coordinate, FilterError> {

@@ -27,7 +27,7 @@ pub(super) enum Node {
 
 /// What a value is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ValueKind {
     Number,
     Condition,
 }
@@ -48,20 +48,20 @@ pub(super) const FACTS: [(&str, Fact); 2] = [("hit", Fact::Hit), ("shadow", Fact
 #[derive(Debug)]
 pub(super) struct Function {
     pub(super) name: &'static str,
-    pub(super) kind: Kind,
+    pub(super) kind: ValueKind,
     pub(super) of: fn(f64) -> f64,
 }
 
 /// Functions that are called.
 pub(super) static FUNCTIONS: [Function; 2] = [
-    Function { name: "abs", kind: Kind::Number, of: f64::abs },
-    Function { name: "log2", kind: Kind::Number, of: f64::log2 },
+    Function { name: "abs", kind: ValueKind::Number, of: f64::abs },
+    Function { name: "log2", kind: ValueKind::Number, of: f64::log2 },
 ];
 
 /// Signs before a value.
 pub(super) static PREFIXES: [Function; 2] = [
-    Function { name: "-", kind: Kind::Number, of: |value| -value },
-    Function { name: "!", kind: Kind::Condition, of: |met| 1.0 - met },
+    Function { name: "-", kind: ValueKind::Number, of: |value| -value },
+    Function { name: "!", kind: ValueKind::Condition, of: |met| 1.0 - met },
 ];
 
 /// Stands between two values of the same kind.
@@ -70,8 +70,8 @@ pub(super) struct Operator {
     pub(super) sign: &'static str,
     /// How tightly it binds: 0 to [`LEVELS`] - 1.
     pub(super) level: usize,
-    pub(super) takes: Kind,
-    pub(super) gives: Kind,
+    pub(super) takes: ValueKind,
+    pub(super) gives: ValueKind,
     /// Puts the result in place of the left values.
     pub(super) apply: fn(&mut Block, &Block),
     /// What of the left condition decides, whatever the right one is.
@@ -111,16 +111,16 @@ const fn connective(
     apply: fn(&mut Block, &Block),
     decided_by: bool,
 ) -> Operator {
-    let kind = Kind::Condition;
+    let kind = ValueKind::Condition;
     Operator { sign, level, takes: kind, gives: kind, apply, decided_by: Some(decided_by) }
 }
 
 const fn comparison(sign: &'static str, apply: fn(&mut Block, &Block)) -> Operator {
-    let (takes, gives) = (Kind::Number, Kind::Condition);
+    let (takes, gives) = (ValueKind::Number, ValueKind::Condition);
     Operator { sign, level: COMPARISONS, takes, gives, apply, decided_by: None }
 }
 
 const fn arithmetic(sign: &'static str, level: usize, apply: fn(&mut Block, &Block)) -> Operator {
-    let kind = Kind::Number;
+    let kind = ValueKind::Number;
     Operator { sign, level, takes: kind, gives: kind, apply, decided_by: None }
 }

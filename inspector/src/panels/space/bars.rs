@@ -4,7 +4,7 @@ use egui::{Align2, Color32, Id, Rect, Response, Sense, Slider, Ui, pos2, vec2};
 use formats::metrics::quantity::Quantity;
 
 use super::layers::AREAS;
-use super::options::Options;
+use super::options::SpaceOptions;
 use super::view::SpaceView;
 use crate::colour_map::ColourMap;
 use crate::model::colour_by::ColourBy;
@@ -34,7 +34,7 @@ impl SpaceView {
     }
 }
 
-fn slider(ui: &mut Ui, options: &mut Options) {
+fn slider(ui: &mut Ui, options: &mut SpaceOptions) {
     ui.horizontal(|ui| {
         let name = if options.is_playing { "Stop" } else { "Play" };
         if ui.button(name).on_hover_text("Moves along the order (space)").clicked() {
@@ -96,7 +96,7 @@ fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
 }
 
 /// The bar of the rays; its ends can be dragged over the histogram of all values.
-fn ray_bar(ui: &mut Ui, options: &mut Options, width: f32, bar: &Bar<'_>) {
+fn ray_bar(ui: &mut Ui, options: &mut SpaceOptions, width: f32, bar: &Bar<'_>) {
     let Some(all) = bar.values.map(|values| values.percentiles(0.0, 100.0)) else {
         colour_bar(ui, options.map, width, bar, bar.range);
         return;

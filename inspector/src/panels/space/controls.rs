@@ -4,7 +4,7 @@ use egui::{FontId, Rect, Slider, Ui, vec2};
 use formats::metrics::quantity::Quantity;
 
 use super::super::filter_box::filter_box;
-use super::options::{Axis, CapsuleChoice, MeshMode, Navigation, Options, Side, StandPoint};
+use super::options::{Axis, CapsuleChoice, MeshMode, Navigation, Side, SpaceOptions, StandPoint};
 use super::view::{SpaceView, stand};
 use crate::colour_map::ColourMap;
 use crate::model::colour_by::ColourBy;
@@ -29,7 +29,7 @@ impl SpaceView {
     }
 }
 
-fn what_is_shown(ui: &mut Ui, options: &mut Options) {
+fn what_is_shown(ui: &mut Ui, options: &mut SpaceOptions) {
     ui.toggle_value(&mut options.curve, "Curve").on_hover_text("A line through the rays in their order");
     ui.toggle_value(&mut options.rays, "Rays")
         .on_hover_text("A line from each origin to where the ray ended");
@@ -45,7 +45,7 @@ fn what_is_shown(ui: &mut Ui, options: &mut Options) {
 }
 
 /// What colours stand for, and which ones.
-fn colours(ui: &mut Ui, options: &mut Options, context: &mut Context) {
+fn colours(ui: &mut Ui, options: &mut SpaceOptions, context: &mut Context) {
     let fields = context.order().ok().and_then(|order| {
         let (_, layout) = order.keys.as_ref().ok()?;
         Some(layout.layout.fields(layout.key_bits))
@@ -117,7 +117,7 @@ fn row<T: PartialEq + Copy>(ui: &mut Ui, title: &str, chosen: &mut T, choices: &
     });
 }
 
-fn details(ui: &mut Ui, options: &mut Options) {
+fn details(ui: &mut Ui, options: &mut SpaceOptions) {
     let modes = [
         (MeshMode::Solid, "solid"),
         (MeshMode::Ghost, "see-through"),

@@ -8,7 +8,7 @@ use formats::metrics::quantity::Quantity;
 use formats::reader::Dump;
 use rayon::prelude::*;
 
-use super::options::{CapsuleChoice, Options};
+use super::options::{CapsuleChoice, SpaceOptions};
 use super::places::ShownPlaces;
 use crate::analysis::GroupWidth;
 use crate::model::background::Background;
@@ -19,10 +19,10 @@ use crate::model::numbers::Numbers;
 use crate::model::{Absent, Context, Order};
 use crate::render::cell_box::{cell_box, cells};
 use crate::render::detail::Detail;
-use crate::render::frame::{Layer, Paint, Stage};
 use crate::render::geometry::{
     CapsuleInstance, Geometry, RayEnd, Shape, box_edges, boxes, curve, ends, rays,
 };
+use crate::render::picture::{Layer, Paint, Stage};
 use crate::render::range::{ValueRange, Values};
 use crate::theme::Theme;
 
@@ -134,13 +134,13 @@ impl Layers {
     }
 
     /// The places of the rays in the last picture.
-    pub(super) fn shown_places(&self, options: &Options, rays: usize) -> impl Iterator<Item = usize> {
+    pub(super) fn shown_places(&self, options: &SpaceOptions, rays: usize) -> impl Iterator<Item = usize> {
         let shown = scrubbed(options, rays);
         self.places().filter(move |place| shown.contains(place))
     }
 
     /// The layers of a picture.
-    pub fn show(&mut self, theme: Theme, options: &Options, context: &mut Context) -> Vec<Layer> {
+    pub fn show(&mut self, theme: Theme, options: &SpaceOptions, context: &mut Context) -> Vec<Layer> {
         let order = match context.order() {
             Ok(order) => order,
             Err(absent) => {
@@ -200,7 +200,7 @@ impl Layers {
         }
     }
 
-    fn layers(&mut self, options: &Options, order: &Order) -> Vec<Layer> {
+    fn layers(&mut self, options: &SpaceOptions, order: &Order) -> Vec<Layer> {
         let (Some((_, made)), Some((_, selected))) = (&self.made, &self.selected) else { return Vec::new() };
         let range = match (options.range, &self.ray_values, options.colour_by) {
             (None, Some(RayValues { range: Some(range), .. }), _) => *range,
@@ -240,7 +240,7 @@ impl Layers {
 }
 
 /// The places that the scrub slider leaves.
-fn scrubbed(options: &Options, rays: usize) -> Range<usize> {
+fn scrubbed(options: &SpaceOptions, rays: usize) -> Range<usize> {
     let until = (f64::from(options.until) * rays as f64).round();
     let from = (until - f64::from(options.window) * rays as f64).max(0.0).round();
     from as usize..until as usize
@@ -248,7 +248,7 @@ fn scrubbed(options: &Options, rays: usize) -> Range<usize> {
 
 /// The places that detail is spread over: all of them while the slider leaves everything before it, so
 /// that nothing is made anew while it moves; else those that it leaves, which then show more detail.
-fn drawn_from(options: &Options, rays: usize) -> Range<usize> {
+fn drawn_from(options: &SpaceOptions, rays: usize) -> Range<usize> {
     if options.window >= 1.0 { 0..rays } else { scrubbed(options, rays) }
 }
 

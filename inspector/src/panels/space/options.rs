@@ -83,7 +83,7 @@ pub enum Navigation {
 /// What is shown, and how. Sessions and `shot --set` know the fields by these names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Options {
+pub struct SpaceOptions {
     /// The scene's surfaces.
     pub mesh: MeshMode,
     /// Opacity of surfaces that one looks through, 0 to 1.
@@ -146,14 +146,14 @@ pub struct Options {
 /// Rays that are shown unless told otherwise: more of them are a ball in which no order can be seen.
 const DETAIL: usize = 1200;
 
-impl Options {
+impl SpaceOptions {
     /// Whether rays are shown, by themselves or by their curve or ends.
     pub fn shows_rays(&self) -> bool {
         self.curve || self.rays || self.ends
     }
 }
 
-impl Default for Options {
+impl Default for SpaceOptions {
     fn default() -> Self {
         Self {
             mesh: MeshMode::default(),

@@ -1,4 +1,4 @@
-//! A view into space: what it shows, from where, and the frame that comes of it.
+//! A view into space: what it shows, from where, and the picture that comes of it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -7,16 +7,16 @@ use serde::{Deserialize, Serialize};
 
 use super::layers::{Layers, RayValues};
 use super::meshes::{MeshForm, Meshes};
-use super::options::{MeshMode, Options, Side, StandPoint};
+use super::options::{MeshMode, Side, SpaceOptions, StandPoint};
 use super::{controls, input};
 use crate::model::{Absent, Context, Recording};
 use crate::output::count;
 use crate::panels::data::Data;
 use crate::panels::filter_box;
 use crate::render::camera::Camera;
-use crate::render::frame::{Cut, Frame, Layer, Paint, Stage};
-use crate::render::gpu::FrameCallback;
+use crate::render::gpu::PictureCallback;
 use crate::render::gpu::errors::Refusal;
+use crate::render::picture::{Cut, Layer, Paint, SpacePicture, Stage};
 use crate::theme::Theme;
 
 /// What all views of a window are drawn on and with.
@@ -39,7 +39,7 @@ pub struct SpaceView {
     view: u64,
     format: wgpu::TextureFormat,
     /// What is shown, and how.
-    pub options: Options,
+    pub options: SpaceOptions,
     /// Where it is seen from; from the options' stand point if `None`.
     pub(crate) camera: Option<Camera>,
     /// The recording that the camera stands in; any if `None`.
@@ -57,7 +57,7 @@ pub struct SpaceView {
 /// What sessions keep of a view.
 #[derive(Deserialize, Serialize)]
 pub(crate) struct SpaceState {
-    options: Options,
+    options: SpaceOptions,
     camera: Option<Camera>,
 }
 
@@ -68,7 +68,7 @@ impl SpaceView {
         Self {
             view: NEXT.fetch_add(1, Ordering::Relaxed),
             format: setup.format,
-            options: Options::default(),
+            options: SpaceOptions::default(),
             camera: None,
             stands_in: None,
             meshes: setup.meshes.clone(),
@@ -185,10 +185,10 @@ impl SpaceView {
         let scale = ui.ctx().pixels_per_point();
         let pixels = [rect.width(), rect.height()].map(|side| (side * scale).round().max(1.0) as u32);
         input::take(ui, &response, self, context);
-        if let Some(frame) = self.frame(Theme::of(ui.ctx()), pixels, context) {
+        if let Some(picture) = self.space_picture(Theme::of(ui.ctx()), pixels, context) {
             let refusal = (self.refusal.clone(), context.waker().clone());
-            let (view, format, frame) = (self.view, self.format, Arc::new(frame));
-            let callback = FrameCallback { view, format, frame, refusal };
+            let (view, format, picture) = (self.view, self.format, Arc::new(picture));
+            let callback = PictureCallback { view, format, picture, refusal };
             ui.painter().add(callback.shape(rect));
         }
         let filter = filter_box::problem(context).map(|error| Absent::from(format!("filter: {error}")));
@@ -198,7 +198,12 @@ impl SpaceView {
         controls::overlay(ui, rect, &self.showing(), &problems.collect::<Vec<_>>());
     }
 
-    fn frame(&mut self, theme: Theme, pixels: [u32; 2], context: &mut Context) -> Option<Frame> {
+    fn space_picture(
+        &mut self,
+        theme: Theme,
+        pixels: [u32; 2],
+        context: &mut Context,
+    ) -> Option<SpacePicture> {
         let at = context.selection.recording;
         let camera = self.camera_in(at, context.recording()?);
         let mesh = self.surfaces(theme, context);
@@ -213,7 +218,7 @@ impl SpaceView {
             return None;
         }
         self.drawn = Some(recording.opening);
-        Some(Frame {
+        Some(SpacePicture {
             camera,
             pixels,
             background: theme.background(),
@@ -227,7 +232,7 @@ impl SpaceView {
 const WIRE_WIDTH: f32 = 1.0;
 
 /// The clipping plane in unit space.
-pub fn cut(options: &Options, sides: [f32; 3]) -> Cut {
+pub fn cut(options: &SpaceOptions, sides: [f32; 3]) -> Cut {
     let axis = options.clip_axis as usize;
     let direction = match options.clip_keeps {
         Side::Below if options.clip_at >= 1.0 => return Cut::NONE,

@@ -1,5 +1,5 @@
-//! Frames on a GPU: drawn into a picture of their own, with depth and smooth edges, then copied into the
-//! window by a paint callback of egui. A frame equal to the last one is only copied.
+//! Pictures in space on a GPU: drawn with depth and smooth edges into a texture, then copied into the
+//! window by a paint callback of egui. A picture equal to the last one is only copied.
 //!
 //! - [`shaders`]: the modules, composed of the WGSL files
 //! - `pipelines`: one for each way of drawing, made when it is first used
@@ -24,35 +24,35 @@ use self::errors::Refusal;
 use self::pipelines::{Lines, Pipelines, Seen, Way};
 use self::target::Target;
 use self::uploads::Uploads;
-use super::frame::{Frame, Layer, LayerUniform, Stage};
 use super::geometry::Shape;
+use super::picture::{Layer, LayerUniform, SpacePicture, Stage};
 use crate::model::background::Waker;
 
-/// Layers that a frame may have, each drawn up to twice.
+/// Layers that a picture may have, each drawn up to twice.
 const DRAWS_MAX: usize = 32;
 /// Bytes from one layer's uniform to the next: what every adapter allows.
 const UNIFORM_STRIDE: u64 = 256;
 
-/// A frame as a paint callback.
-pub struct FrameCallback {
+/// A picture as a paint callback.
+pub struct PictureCallback {
     /// Which view it is of; each keeps its picture.
     pub view: u64,
     /// Format of the window.
     pub format: wgpu::TextureFormat,
     /// What is seen.
-    pub frame: Arc<Frame>,
+    pub picture: Arc<SpacePicture>,
     /// Where the view reads what of it could not be drawn, and who draws the window again then.
     pub refusal: (Refusal, Waker),
 }
 
-impl FrameCallback {
+impl PictureCallback {
     /// The shape that paints it into a rectangle of the window.
     pub fn shape(self, rect: egui::Rect) -> egui::Shape {
         egui::Shape::Callback(egui_wgpu::Callback::new_paint_callback(rect, self))
     }
 }
 
-/// What is kept on the GPU between frames.
+/// What is kept on the GPU between pictures.
 struct Resources {
     pipelines: Pipelines,
     uploads: Uploads,
@@ -63,7 +63,7 @@ struct View {
     target: Target,
     uniforms: wgpu::Buffer,
     layers: wgpu::BindGroup,
-    drawn: Option<Arc<Frame>>,
+    drawn: Option<Arc<SpacePicture>>,
     counts: DrawCounts,
 }
 
@@ -134,7 +134,7 @@ impl Draw<'_> {
     }
 }
 
-impl CallbackTrait for FrameCallback {
+impl CallbackTrait for PictureCallback {
     fn prepare(
         &self,
         device: &wgpu::Device,
@@ -149,16 +149,17 @@ impl CallbackTrait for FrameCallback {
             views: BTreeMap::new(),
         });
         let Resources { pipelines, uploads, views } = resources;
-        let view = views.entry(self.view).or_insert_with(|| View::new(device, pipelines, self.frame.pixels));
-        if view.target.pixels() != self.frame.pixels {
-            view.target = Target::new(device, pipelines, self.frame.pixels);
+        let view =
+            views.entry(self.view).or_insert_with(|| View::new(device, pipelines, self.picture.pixels));
+        if view.target.pixels() != self.picture.pixels {
+            view.target = Target::new(device, pipelines, self.picture.pixels);
             view.drawn = None;
         }
-        if view.drawn.as_ref().is_some_and(|drawn| **drawn == *self.frame) {
+        if view.drawn.as_ref().is_some_and(|drawn| **drawn == *self.picture) {
             return Vec::new();
         }
         let (mut uploaded, mut refused) = (0, None);
-        for layer in &self.frame.layers {
+        for layer in &self.picture.layers {
             match uploads.add(device, pipelines, &layer.geometry) {
                 Ok(bytes) => uploaded += bytes,
                 Err(reason) => refused = Some(reason),
@@ -166,13 +167,14 @@ impl CallbackTrait for FrameCallback {
         }
         let (refusal, waker) = &self.refusal;
         refusal.set(refused, waker);
-        let draws = draws(&self.frame);
+        let draws = draws(&self.picture);
         draws.iter().for_each(|draw| pipelines.make(device, draw.way()));
-        view.counts = view.draw(queue, encoder, (pipelines, uploads), &self.frame, &draws);
+        view.counts = view.draw(queue, encoder, (pipelines, uploads), &self.picture, &draws);
         view.counts.uploaded_bytes += uploaded;
-        view.drawn = Some(self.frame.clone());
+        view.drawn = Some(self.picture.clone());
         let used = views.values().filter_map(|view| view.drawn.as_ref());
-        uploads.keep(used.flat_map(|frame| frame.layers.iter().map(|layer| layer.geometry.id())).collect());
+        uploads
+            .keep(used.flat_map(|picture| picture.layers.iter().map(|layer| layer.geometry.id())).collect());
         Vec::new()
     }
 
@@ -211,21 +213,21 @@ impl View {
         queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         (pipelines, uploads): (&Pipelines, &Uploads),
-        frame: &Frame,
+        picture: &SpacePicture,
         draws: &[Draw<'_>],
     ) -> DrawCounts {
         let mut counts = DrawCounts::default();
         let mut bytes = vec![0u8; UNIFORM_STRIDE as usize * draws.len()];
         for (draw, bytes) in draws.iter().zip(bytes.chunks_mut(UNIFORM_STRIDE as usize)) {
-            let uniform = LayerUniform::of(frame, draw.layer, draw.opacity);
+            let uniform = LayerUniform::of(picture, draw.layer, draw.opacity);
             bytes[..size_of::<LayerUniform>()].copy_from_slice(bytemuck::bytes_of(&uniform));
         }
         queue.write_buffer(&self.uniforms, 0, &bytes);
         counts.uploaded_bytes = bytes.len() as u64;
-        let mut pass = self.target.pass(encoder, frame.background);
+        let mut pass = self.target.pass(encoder, picture.background);
         for (at, draw) in draws.iter().enumerate() {
             pass.set_bind_group(0, &self.layers, &[at as u32 * UNIFORM_STRIDE as u32]);
-            let (calls, vertices) = uploads.draw(&mut pass, pipelines, (draw.layer, draw.way()), frame);
+            let (calls, vertices) = uploads.draw(&mut pass, pipelines, (draw.layer, draw.way()), picture);
             counts.draw_calls += calls;
             counts.vertices += vertices;
         }
@@ -250,10 +252,10 @@ const DRAWN: [(Stage, bool); 12] = [
     (Stage::OnTop, false),
 ];
 
-/// The draws of a frame in their order.
-fn draws(frame: &Frame) -> Vec<Draw<'_>> {
+/// The draws of a picture in their order.
+fn draws(picture: &SpacePicture) -> Vec<Draw<'_>> {
     let of_stage = |&(stage, is_hidden): &(Stage, bool)| {
-        let layers = frame.layers.iter().filter(move |layer| layer.stage == stage);
+        let layers = picture.layers.iter().filter(move |layer| layer.stage == stage);
         layers.map(move |layer| {
             let opacity = layer.opacity * if is_hidden { layer.hidden_opacity } else { 1.0 };
             Draw { layer, opacity, is_hidden }

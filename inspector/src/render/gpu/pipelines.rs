@@ -7,8 +7,10 @@ use wgpu::{
     BindingType, CompareFunction, Device, ShaderStages, TextureFormat, VertexStepMode, vertex_attr_array,
 };
 
-use super::super::frame::LayerUniform;
+
+use super::super::picture::LayerUniform;
 use super::shaders::Module;
+use crate::colour_map::{ColourMap, STEPS};
 
 /// Of pictures: sRGB as it is, without conversion.
 pub(super) const PICTURE_FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
@@ -61,7 +63,7 @@ pub(super) struct Pipelines {
 }
 
 /// How a pipeline differs from the others.
-struct Kind {
+struct PipelineParts {
     module: Module,
     /// Of the vertices, and of the pixels.
     entries: [&'static str; 2],
@@ -74,7 +76,12 @@ struct Kind {
 impl Pipelines {
     pub(super) fn new(device: &Device, queue: &wgpu::Queue, window: wgpu::TextureFormat) -> Self {
         let entry = if window.is_srgb() { "copy_to_linear" } else { "copy_to_gamma" };
-        let copy = Kind { module: Module::Copy, entries: ["copy_vertex", entry], buffers: &[], depth: None };
+        let copy = PipelineParts {
+            module: Module::Copy,
+            entries: ["copy_vertex", entry],
+            buffers: &[],
+            depth: None,
+        };
         let shader = module(device, copy.module);
         Self {
             made: BTreeMap::new(),
@@ -90,9 +97,9 @@ impl Pipelines {
     pub(super) fn make(&mut self, device: &Device, way: Way) {
         let Self { made, modules, layer_layout, points_layout, .. } = self;
         made.entry(way).or_insert_with(|| {
-            let kind = kind(way);
-            let shader = modules.entry(kind.module).or_insert_with(|| module(device, kind.module));
-            let points = Some(&*points_layout).filter(|_| kind.buffers.is_empty());
+            let parts = parts(way);
+            let shader = modules.entry(parts.module).or_insert_with(|| module(device, parts.module));
+            let points = Some(&*points_layout).filter(|_| parts.buffers.is_empty());
             let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: None,
                 bind_group_layouts: &[Some(&*layer_layout), points],
@@ -103,7 +110,7 @@ impl Pipelines {
                 blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
                 write_mask: wgpu::ColorWrites::ALL,
             };
-            pipeline(device, &format!("view::{way:?}"), Some(&layout), shader, &kind, target)
+            pipeline(device, &format!("view::{way:?}"), Some(&layout), shader, &parts, target)
         });
     }
 
@@ -159,7 +166,7 @@ impl Pipelines {
 }
 
 /// How the pipeline of a way differs from the others.
-fn kind(way: Way) -> Kind {
+fn parts(way: Way) -> PipelineParts {
     let (module, entries) = match way {
         Way::Solid | Way::Ghost => (Module::Mesh, ["mesh_vertex", "mesh_fragment"]),
         Way::Lines(Lines::Plain, _) => (Module::Lines, ["line_vertex", "line_fragment"]),
@@ -182,7 +189,7 @@ fn kind(way: Way) -> Kind {
         Way::Lines(_, Seen::Behind) => (CompareFunction::Greater, false),
         Way::Lines(_, Seen::OnTop) => (CompareFunction::Always, false),
     };
-    Kind { module, entries, buffers, depth: Some(depth) }
+    PipelineParts { module, entries, buffers, depth: Some(depth) }
 }
 
 /// Corners of triangles.
@@ -212,7 +219,7 @@ fn pipeline(
     label: &str,
     layout: Option<&wgpu::PipelineLayout>,
     shader: &wgpu::ShaderModule,
-    &Kind { entries: [vertex, fragment], buffers, depth, .. }: &Kind,
+    &PipelineParts { entries: [vertex, fragment], buffers, depth, .. }: &PipelineParts,
     target: wgpu::ColorTargetState,
 ) -> wgpu::RenderPipeline {
     let compilation_options = wgpu::PipelineCompilationOptions::default();

@@ -51,7 +51,7 @@ mod tests {
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
     use super::*;
-    use crate::render::frame::LayerUniform;
+    use crate::render::picture::LayerUniform;
 
     #[test]
     fn every_module_is_valid() {

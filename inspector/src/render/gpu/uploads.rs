@@ -8,8 +8,8 @@ use std::ops::Range;
 use wgpu::util::DeviceExt;
 use wgpu::{BufferUsages, Device, ErrorFilter};
 
-use super::super::frame::{Frame, Layer};
 use super::super::geometry::{Geometry, Shape, Vertex, capsule_template};
+use super::super::picture::{Layer, SpacePicture};
 use super::super::surfaces::Surfaces;
 use super::pipelines::{Lines, POINT_BYTES, Pipelines, Way};
 
@@ -110,13 +110,13 @@ impl Uploads {
         self.uploaded.retain(|id, _| used.contains(id));
     }
 
-    /// Draws a layer of a frame; how many draws and vertices that are.
+    /// Draws a layer of a picture; how many draws and vertices that are.
     pub(super) fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         pipelines: &Pipelines,
         (layer, way): (&Layer, Way),
-        frame: &Frame,
+        picture: &SpacePicture,
     ) -> (u64, u64) {
         let Some(uploaded) = self.uploaded.get(&layer.geometry.id()) else { return (0, 0) };
         let Some(pipeline) = pipelines.get(way) else { return (0, 0) };
@@ -129,7 +129,7 @@ impl Uploads {
             (Uploaded::Mesh { corners, triangles }, Shape::Mesh(surfaces)) => {
                 pass.set_vertex_buffer(0, corners.slice(..));
                 pass.set_index_buffer(triangles.slice(..), wgpu::IndexFormat::Uint32);
-                let drawn = surfaces.in_sight(&frame.camera, frame.pixels);
+                let drawn = surfaces.in_sight(&picture.camera, picture.pixels);
                 drawn.fold((0, 0), |(calls, vertices), (triangles, grid)| {
                     // The shader knows the grid as the number of the instance.
                     pass.draw_indexed(3 * triangles.start..3 * triangles.end, 0, grid..grid + 1);

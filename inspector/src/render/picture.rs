@@ -1,4 +1,4 @@
-//! All of a picture in space, as data: from where, what, how. Two equal frames are the same picture.
+//! All of a picture in space, as data: from where, what, how. Two equal ones look the same.
 
 use std::ops::Range;
 
@@ -86,7 +86,7 @@ impl Cut {
 
 /// All of a picture.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
+pub struct SpacePicture {
     /// From where.
     pub camera: Camera,
     /// Pixels across and down, at least 1.
@@ -128,22 +128,22 @@ pub struct LayerUniform {
 }
 
 impl LayerUniform {
-    /// Of a layer of a frame, drawn with this opacity.
-    pub fn of(frame: &Frame, layer: &Layer, opacity: f32) -> Self {
-        let [width, height] = frame.pixels.map(|pixels| pixels as f32);
+    /// Of a layer of a picture, drawn with this opacity.
+    pub fn of(picture: &SpacePicture, layer: &Layer, opacity: f32) -> Self {
+        let [width, height] = picture.pixels.map(|pixels| pixels as f32);
         let (plain, map, range) = match layer.paint {
             Paint::Plain(colour) => (colour, 0, ValueRange { low: 0.0, high: 1.0 }),
             Paint::Values(map, range) => ([0.0; 4], map.row() as u32, range),
         };
         // Rays and what is computed of them are never cut: they are what one looks for inside.
         let cut = match layer.stage {
-            Stage::Solid | Stage::Ghost | Stage::Wire => frame.cut,
+            Stage::Solid | Stage::Ghost | Stage::Wire => picture.cut,
             _ => Cut::NONE,
         };
         let [x, y, z] = cut.normal;
         Self {
-            clip_from_unit: frame.camera.clip_from_unit(width / height).to_cols_array_2d(),
-            eye: frame.camera.eye().extend(1.0).to_array(),
+            clip_from_unit: picture.camera.clip_from_unit(width / height).to_cols_array_2d(),
+            eye: picture.camera.eye().extend(1.0).to_array(),
             plain,
             cut: [x, y, z, cut.offset],
             viewport: [width, height],
