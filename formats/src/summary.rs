@@ -5,8 +5,8 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::manifest::{
-    Adapter, ArrayRecord, CacheRecord, Check, Features, Manifest, Options, Outcome,
-    QueueRecord, Source, TimingRecord,
+    Adapter, ArrayRecord, CacheRecord, Check, Features, Manifest, Options, Outcome, QueueRecord, Source,
+    TimingRecord,
 };
 use crate::metrics::speedup::{interquartile_range, median};
 use crate::ray::Kind;

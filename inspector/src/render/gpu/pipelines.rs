@@ -7,7 +7,6 @@ use wgpu::{
     BindingType, CompareFunction, Device, ShaderStages, TextureFormat, VertexStepMode, vertex_attr_array,
 };
 
-
 use super::super::picture::LayerUniform;
 use super::shaders::Module;
 use crate::colour_map::{ColourMap, STEPS};

@@ -67,7 +67,8 @@ pub(super) fn verdict(result: &BenchResult) -> Option<String> {
 
 /// A line for the queues of each bounce and kind.
 pub(super) fn table(rows: &[InstrumentRow]) -> Table {
-    let mut table = table_of("scene | bounce | kind | queues | rays | control | from | to | hold 1 | shuffled");
+    let mut table =
+        table_of("scene | bounce | kind | queues | rays | control | from | to | hold 1 | shuffled");
     let mut groups: BTreeMap<(&str, u32, Kind), Vec<&InstrumentRow>> = BTreeMap::new();
     for row in rows {
         groups.entry((&row.scene, row.bounce, row.kind)).or_default().push(row);
