@@ -18,18 +18,21 @@ const BLOCK_BYTES: usize = 1 << 20;
 /// How the data of an array gets into memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Access {
-    /// Mapped, which takes no time and no memory; whoever cuts the file ends this process.
+    /// Loaded, which takes no time and no memory; whoever cuts the file ends this process.
     Map,
     /// Copied: a file that is cut meanwhile is an error.
     Read,
 }
 
-/// The data of an array as bytes.
+/// The data of an array in memory, as values.
 #[derive(Debug)]
-pub struct MappedBytes(Owner);
+pub struct Loaded<T> {
+    data: Data,
+    element: PhantomData<fn() -> T>,
+}
 
 #[derive(Debug)]
-enum Owner {
+enum Data {
     Map {
         map: Mmap,
         data_offset: usize,
@@ -41,39 +44,17 @@ enum Owner {
     },
 }
 
-impl Deref for MappedBytes {
-    type Target = [u8];
-
-    #[inline]
-    fn deref(&self) -> &[u8] {
-        match &self.0 {
-            Owner::Map { map, data_offset } => &map[*data_offset..],
-            Owner::Copy { words, bytes } => &bytemuck::cast_slice(words)[..*bytes],
-        }
-    }
-}
-
-/// The data of an array as values.
-#[derive(Debug)]
-pub struct Mapped<T> {
-    bytes: MappedBytes,
-    element: PhantomData<fn() -> T>,
-}
-
-impl<T: Element> Mapped<T> {
-    /// The bytes as values; they must be those of an array of `T`.
-    pub(crate) fn new(bytes: MappedBytes) -> Self {
-        Self { bytes, element: PhantomData }
-    }
-}
-
-impl<T: Element> Deref for Mapped<T> {
+impl<T: Element> Deref for Loaded<T> {
     type Target = [T];
 
     #[inline]
     fn deref(&self) -> &[T] {
+        let bytes = match &self.data {
+            Data::Map { map, data_offset } => &map[*data_offset..],
+            Data::Copy { words, bytes } => &bytemuck::cast_slice(words)[..*bytes],
+        };
         // Maps start at a page and data at a multiple of 64 bytes, copies at a word: the cast cannot fail.
-        bytemuck::cast_slice(&self.bytes)
+        bytemuck::cast_slice(bytes)
     }
 }
 
@@ -106,16 +87,17 @@ impl Opened {
     }
 }
 
-/// The data of an array in memory.
-pub(crate) fn load(root: &Path, record: &ArrayRecord, access: Access) -> Result<MappedBytes, ReadError> {
+/// The data of an array in memory, whose bytes must be those of values of type `T`.
+pub(crate) fn load<T>(root: &Path, record: &ArrayRecord, access: Access) -> Result<Loaded<T>, ReadError> {
     let opened = open(root, record)?;
-    match access {
-        Access::Map => map(opened, record),
-        Access::Read => read(opened, record),
-    }
+    let data = match access {
+        Access::Map => map(opened, record)?,
+        Access::Read => read(opened, record)?,
+    };
+    Ok(Loaded { data, element: PhantomData })
 }
 
-fn map(opened: Opened, record: &ArrayRecord) -> Result<MappedBytes, ReadError> {
+fn map(opened: Opened, record: &ArrayRecord) -> Result<Data, ReadError> {
     // SAFETY: the map is read-only, and the file's length was just compared with the record's. Dumps are
     // not changed once they have their name; whoever cuts a file that is mapped ends this process by a
     // signal, and whoever writes to it changes plain numbers that are valid whatever their bits.
@@ -127,10 +109,10 @@ fn map(opened: Opened, record: &ArrayRecord) -> Result<MappedBytes, ReadError> {
     if map.len().checked_sub(data_offset).map(|data| data as u64) != Some(record.bytes) {
         return Err(opened.length_error(map.len() as u64, record));
     }
-    Ok(MappedBytes(Owner::Map { map, data_offset }))
+    Ok(Data::Map { map, data_offset })
 }
 
-fn read(mut opened: Opened, record: &ArrayRecord) -> Result<MappedBytes, ReadError> {
+fn read(mut opened: Opened, record: &ArrayRecord) -> Result<Data, ReadError> {
     // A file of holes can be as long as it likes.
     let bytes = usize::try_from(record.bytes).ok();
     let words = bytes.and_then(|bytes| bytemuck::try_zeroed_vec::<u64>(bytes.div_ceil(8)).ok());
@@ -139,7 +121,7 @@ fn read(mut opened: Opened, record: &ArrayRecord) -> Result<MappedBytes, ReadErr
         return Err(opened.io_error(io::Error::new(io::ErrorKind::OutOfMemory, problem)));
     };
     match opened.file.read_exact(&mut bytemuck::cast_slice_mut(&mut words)[..bytes]) {
-        Ok(()) => Ok(MappedBytes(Owner::Copy { words, bytes })),
+        Ok(()) => Ok(Data::Copy { words, bytes }),
         Err(cause) => Err(opened.read_error(cause, record)),
     }
 }

@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::length_table::LengthCell;
 use crate::ray::{Hit, Ray, Work};
-use crate::text::one_line;
+use crate::text::shown;
 
 /// Data of every array starts at a multiple of this many bytes.
 pub const DATA_ALIGNMENT: usize = 64;
@@ -16,8 +16,6 @@ pub const DATA_ALIGNMENT: usize = 64;
 pub const HEADER_BYTES_MAX: usize = 4096;
 /// Most dimensions of an array.
 pub const DIMENSIONS_MAX: usize = 4;
-/// Most characters of a header that a message shows.
-const SHOWN: usize = 200;
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 
@@ -187,7 +185,7 @@ pub enum NpyError {
     #[error("the NPY header's '{key}' is missing or wrong; expected {expected}")]
     Entry { key: &'static str, expected: &'static str },
     /// An element type that dumps do not have.
-    #[error("the element type {} is none that a recording holds", one_line(found, SHOWN))]
+    #[error("the element type {} is none that a recording holds", shown(found))]
     Dtype { found: String },
 }
 

@@ -54,7 +54,7 @@ pub struct Work {
     pub triangles: u32,
 }
 
-/// What a queue's rays ask for.
+/// What a queue's rays ask for; in manifests the number of the variant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {

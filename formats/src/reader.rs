@@ -7,14 +7,12 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use crate::array_file::{self, Access, described};
-use crate::manifest::{
-    self, ArrayRecord, Fault, Manifest, NAME_CHARACTERS, Outcome, Place, QueueArray, Source,
-};
+use crate::manifest::{self, ArrayRecord, Fault, Manifest, Outcome, Place, QueueArray, Source};
 use crate::npy::Element;
-use crate::text::one_line;
+use crate::text::shown;
 use crate::{folder, manifest::scan::scan};
 
-pub use crate::array_file::{Mapped, MappedBytes};
+pub use crate::array_file::Loaded;
 pub use crate::read_error::ReadError;
 
 #[cfg(target_endian = "big")]
@@ -158,7 +156,7 @@ impl Dump {
     ///
     /// # Errors
     /// As [`Dump::array`], and if the checksum is another.
-    pub fn checked_array<T: Element>(&self, place: &Place) -> Result<Mapped<T>, ReadError> {
+    pub fn checked_array<T: Element>(&self, place: &Place) -> Result<Loaded<T>, ReadError> {
         let array = self.array(place)?;
         let owner = if self.record(place).is_some() { Some(self) } else { self.source_of(place) };
         if let Some((owner, record)) = owner.and_then(|owner| Some((owner, owner.record(place)?))) {
@@ -176,7 +174,7 @@ impl Dump {
     ///
     /// # Errors
     /// If the dump does not have it, or its file is not what the manifest says.
-    pub fn array<T: Element>(&self, place: &Place) -> Result<Mapped<T>, ReadError> {
+    pub fn array<T: Element>(&self, place: &Place) -> Result<Loaded<T>, ReadError> {
         let Some(record) = self.record(place) else {
             return match self.source_of(place) {
                 Some(source) => source.array(place),
@@ -191,19 +189,18 @@ impl Dump {
                 expected: format!("{} in columns of {}", T::DTYPE, T::COLUMNS),
             });
         }
-        array_file::load(&self.root, record, self.access).map(Mapped::new)
+        array_file::load(&self.root, record, self.access)
     }
 
     fn missing(&self, place: &Place) -> ReadError {
         let hint = match &self.manifest.header.source {
-            Source::Replayed { name, .. } if self.source.is_some() => format!(
-                "; it is a replay of {}, whose array is made in another way",
-                one_line(name, NAME_CHARACTERS)
-            ),
-            Source::Replayed { name, .. } => format!(
-                "; it is a replay of {}, which is not in the same folder, or is another recording by now",
-                one_line(name, NAME_CHARACTERS)
-            ),
+            Source::Replayed { name, .. } => {
+                let why = match self.source {
+                    Some(_) => "whose array is made in another way",
+                    None => "which is not in the same folder, or is another recording by now",
+                };
+                format!("; it is a replay of {}, {why}", shown(name))
+            }
             Source::Traced | Source::Imported { .. } => {
                 let (word, kept) = (place.kept_with(), &self.manifest.header.options.keep);
                 if kept.iter().any(|kept| kept == word) {
@@ -221,7 +218,7 @@ impl Dump {
     ///
     /// # Errors
     /// If its file is not what the record says.
-    pub fn bytes(&self, record: &ArrayRecord) -> Result<MappedBytes, ReadError> {
+    pub fn bytes(&self, record: &ArrayRecord) -> Result<Loaded<u8>, ReadError> {
         array_file::load(&self.root, record, self.access)
     }
 }

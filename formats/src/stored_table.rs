@@ -2,10 +2,10 @@
 
 use crate::key::Encoder;
 use crate::length_table::{LengthCell, LengthTable, LengthTableError, TABLE_BITS_MAX, TABLE_BITS_MIN};
-use crate::manifest::{Header, NAME_CHARACTERS, Place, QueueArray, QueueId};
+use crate::manifest::{Header, Place, QueueArray, QueueId};
 use crate::ray::Ray;
-use crate::reader::{Dump, Mapped, ReadError};
-use crate::text::one_line;
+use crate::reader::{Dump, Loaded, ReadError};
+use crate::text::shown;
 
 /// Why a queue has no usable length table.
 #[derive(Debug, thiserror::Error)]
@@ -18,10 +18,7 @@ pub enum StoredTableError {
     #[error("{bits} address bits, expected {TABLE_BITS_MIN} to {TABLE_BITS_MAX}")]
     Bits { bits: u32 },
     /// The header does not say how a ray finds its cell.
-    #[error(
-        "'{}' is no layout by which a ray finds its cell in the length table",
-        one_line(layout, NAME_CHARACTERS)
-    )]
+    #[error("'{}' is no layout by which a ray finds its cell in the length table", shown(layout))]
     Layout { layout: String },
     /// The cells are not a table.
     #[error(transparent)]
@@ -55,7 +52,7 @@ impl StoredTable {
     /// If it was not kept, cannot be read, or is damaged.
     pub fn open(dump: &Dump, queue: QueueId) -> Result<Self, StoredTableError> {
         let header = &dump.manifest().header;
-        let cells: Mapped<LengthCell> = dump.array(&Place::Queue(queue, QueueArray::Lengths))?;
+        let cells: Loaded<LengthCell> = dump.array(&Place::Queue(queue, QueueArray::Lengths))?;
         let table = from_cells(header, &cells)?;
         let layout = || StoredTableError::Layout { layout: header.options.table_layout.clone() };
         Ok(Self { encoder: header.cell_encoder().ok_or_else(layout)?, table, touched: cells.len() })

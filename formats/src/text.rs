@@ -36,6 +36,11 @@ pub fn printable_json(json: &str) -> Cow<'_, str> {
     Cow::Owned(json.chars().map(escaped).collect())
 }
 
+/// A name from a file as messages show it: on one line, not endless.
+pub(crate) fn shown(name: &str) -> String {
+    one_line(name, 100)
+}
+
 /// A name from a file on one line, at most `characters` long; a longer one ends in `…`.
 pub fn one_line(name: &str, characters: usize) -> String {
     let escaped = |character: char| match character {

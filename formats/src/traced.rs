@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::manifest::{Place, QueueArray, QueueId};
 use crate::ray::{Hit, Kind, Ray};
-use crate::reader::{Dump, Mapped, ReadError};
+use crate::reader::{Dump, Loaded, ReadError};
 use crate::unit_space::UnitSpace;
 
 /// Why a queue has no traced lengths.
@@ -28,7 +28,7 @@ pub enum TracedError {
 #[derive(Debug)]
 pub struct Traced {
     unit: UnitSpace,
-    rays: Mapped<Ray>,
+    rays: Loaded<Ray>,
     results: Results,
 }
 
@@ -36,9 +36,9 @@ pub struct Traced {
 #[derive(Debug)]
 pub enum Results {
     /// Of closest rays.
-    Hits(Mapped<Hit>),
+    Hits(Loaded<Hit>),
     /// Of shadow rays: world units to the occluder, `+inf` for none.
-    Distances(Mapped<f32>),
+    Distances(Loaded<f32>),
 }
 
 impl Results {
@@ -58,7 +58,7 @@ impl Traced {
     pub fn open(dump: &Dump, queue: QueueId) -> Result<Self, TracedError> {
         let place = |array| Place::Queue(queue, array);
         let scene = &dump.manifest().header.scene;
-        let rays: Mapped<Ray> = dump.array(&place(QueueArray::Rays))?;
+        let rays: Loaded<Ray> = dump.array(&place(QueueArray::Rays))?;
         let results = match queue.kind {
             Kind::Closest => Results::Hits(dump.array(&place(QueueArray::Hits))?),
             Kind::Shadow => Results::Distances(dump.array(&place(QueueArray::Distances))?),

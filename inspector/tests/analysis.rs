@@ -9,7 +9,7 @@ use formats::manifest::{End, MethodArray, Outcome, Place, QueueArray, QueueRecor
 use formats::metrics::capsule::{Capsule, Segment};
 use formats::metrics::speedup::median;
 use formats::ray::{Kind, Ray, Work};
-use formats::reader::{Dump, Mapped};
+use formats::reader::{Dump, Loaded};
 use formats::traced::Traced;
 use formats::writer::DumpWriter;
 use inspector::analysis::timing::Verdict;
@@ -36,7 +36,7 @@ fn order(dump: &Dump, place: impl Fn(MethodArray) -> Place, method: &str, rays: 
     if method == "unsorted" {
         return (0..rays).collect();
     }
-    let permutation: Mapped<u32> = dump.array(&place(MethodArray::Permutation)).unwrap();
+    let permutation: Loaded<u32> = dump.array(&place(MethodArray::Permutation)).unwrap();
     permutation.iter().map(|&ray| ray as usize).collect()
 }
 
@@ -50,8 +50,8 @@ fn coherence_and_lanes_are_those_of_brute_force() {
         let mut compared = 0;
         for (queue, record) in recording.queues.iter().zip(&dump.manifest().queues) {
             let traced = Traced::open(&dump, record.id).unwrap();
-            let rays: Mapped<Ray> = dump.array(&Place::Queue(record.id, QueueArray::Rays)).unwrap();
-            let work: Mapped<Work> = dump.array(&Place::Queue(record.id, QueueArray::Work)).unwrap();
+            let rays: Loaded<Ray> = dump.array(&Place::Queue(record.id, QueueArray::Rays)).unwrap();
+            let work: Loaded<Work> = dump.array(&Place::Queue(record.id, QueueArray::Work)).unwrap();
             for found in &queue.orders {
                 let place = |array| Place::Method(record.id, found.method.clone(), array);
                 let order = order(&dump, place, &found.method, rays.len());
@@ -154,7 +154,7 @@ fn a_replay_is_analysed_with_the_arrays_of_its_source() {
         let mut writer = DumpWriter::create(&folder.path().join(kernel), header, false).unwrap();
         writer.record(&Record::Method(source.manifest().methods[0].clone())).unwrap();
         let place = Place::Method(record.id, "aila".into(), MethodArray::Permutation);
-        let permutation: Mapped<u32> = source.array(&place).unwrap();
+        let permutation: Loaded<u32> = source.array(&place).unwrap();
         writer.whole_array(&place, &[record.rays], &permutation[..]).unwrap();
         let methods = vec!["unsorted".to_owned(), "aila".to_owned()];
         let mismatches = Vec::new();

@@ -15,7 +15,7 @@ use formats::manifest::{MethodArray, Place, QueueId};
 use formats::metrics::capsule::{Capsule, Segment};
 use formats::metrics::order::Places;
 use formats::ray::Kind;
-use formats::reader::{Dump, Mapped};
+use formats::reader::{Dump, Loaded};
 use formats::traced::Traced;
 use formats::writer::DumpWriter;
 use inspector::analysis::GroupWidth;
@@ -161,7 +161,7 @@ fn vertices_are_those_of_the_analysis() {
     let dump = Dump::open(context.recording().unwrap().dump.root()).unwrap();
     let traced = Traced::open(&dump, QUEUE).unwrap();
     let place = Place::Method(QUEUE, "two-point".to_owned(), MethodArray::Permutation);
-    let permutation: Mapped<u32> = dump.array(&place).unwrap();
+    let permutation: Loaded<u32> = dump.array(&place).unwrap();
     let of = |&ray: &u32| {
         let ray = ray as usize;
         Segment::of(traced.unit(), &traced.rays()[ray], traced.length(ray))

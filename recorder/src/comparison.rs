@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use formats::manifest::{Place, QueueArray, QueueId};
 use formats::ray::{Hit, Kind};
-use formats::reader::{Dump, Mapped};
+use formats::reader::{Dump, Loaded};
 
 use crate::backends::{Array, Backend};
 
@@ -34,13 +34,13 @@ pub(crate) fn compare<B: Backend>(
         return Ok(difference);
     }
     if is_shadow {
-        let stored: Mapped<f32> = dump.array(&place)?;
+        let stored: Loaded<f32> = dump.array(&place)?;
         compare_each(backend, hits, &stored, |found: &f32, stored| {
             difference.rays += u64::from(found.is_finite() != stored.is_finite());
             difference.in_bits |= found.to_bits() != stored.to_bits();
         })?;
     } else {
-        let stored: Mapped<Hit> = dump.array(&place)?;
+        let stored: Loaded<Hit> = dump.array(&place)?;
         compare_each(backend, hits, &stored, |found: &Hit, stored| {
             difference.rays += u64::from(bytemuck::bytes_of(found) != bytemuck::bytes_of(stored));
         })?;

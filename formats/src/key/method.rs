@@ -11,7 +11,7 @@ use crate::text::one_line;
 /// Most characters of what was asked for that a message shows.
 const SHOWN: usize = 200;
 
-/// Where a method's estimate of a ray's length comes from.
+/// Where a method's estimate of a ray's length comes from; in manifests the number of the variant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Termination {
@@ -26,6 +26,8 @@ pub enum Termination {
 }
 
 impl Termination {
+    pub(crate) const ALL: [Self; 4] = [Self::Unused, Self::Fixed, Self::Adaptive, Self::Real];
+
     /// Whether this is a source of lengths exactly where the layout has a termination point.
     pub fn fits(self, layout: &Layout) -> bool {
         (self != Self::Unused) == layout.uses(Coordinate::needs_length)

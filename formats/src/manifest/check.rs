@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use super::{Backend, CameraPose, Header, NAME_CHARACTERS, SceneSummary};
+use super::{Backend, CameraPose, Header, SceneSummary};
 use crate::key::method::UNSORTED;
 use crate::key::{Encoder, KEY_BITS_MIN, LAYOUT_BITS, LayoutText, LightSite, Method};
 use crate::length_table::{LONGEST_SUMMED, TABLE_BITS_MAX, TABLE_BITS_MIN};
-use crate::text::one_line;
+use crate::text::shown;
 use crate::unit_space::UnitSpace;
 
 /// Most bounces of a recording.
@@ -27,19 +27,32 @@ pub const KEEP_WORDS: [&str; 9] =
 /// How far the length of a camera's vector may be from 1.
 const UNIT_TOLERANCE: f64 = 1e-4;
 
+/// What is wrong, a sentence each.
+#[derive(Default)]
+struct Problems(Vec<String>);
+
+impl Problems {
+    fn require(&mut self, is_right: bool, problem: impl FnOnce() -> String) {
+        if !is_right {
+            self.0.push(problem());
+        }
+    }
+}
+
 impl Header {
     /// What is wrong with the header by itself, a sentence each; empty for whatever a recorder wrote.
     pub fn problems(&self) -> Vec<String> {
-        let mut problems = Vec::new();
+        let mut problems = Problems::default();
         self.check_options(&mut problems);
+        self.check_table(&mut problems);
+        self.check_machine(&mut problems);
         check_scene(&self.scene, &mut problems);
         check_camera(&self.camera, &mut problems);
         for (index, light) in self.lights.iter().enumerate() {
-            if !is_finite(light) {
-                problems.push(format!("light {index} is {light:?}, expected finite numbers"));
-            }
+            problems
+                .require(is_finite(light), || format!("light {index} is {light:?}, expected finite numbers"));
         }
-        problems
+        problems.0
     }
 
     /// What gives a ray's cell in the length tables, if the header says so.
@@ -54,12 +67,12 @@ impl Header {
         fits.then(|| Encoder::new(&layout, options.table_bits, unit, &[]))
     }
 
-    fn check_options(&self, problems: &mut Vec<String>) {
+    fn check_options(&self, problems: &mut Problems) {
         let options = &self.options;
-        if options.width == 0 || options.height == 0 {
-            let (width, height) = (options.width, options.height);
-            problems.push(format!("the picture has {width} × {height} pixels, expected at least 1 × 1"));
-        }
+        let (width, height, length) = (options.width, options.height, options.two_point_length);
+        problems.require(width > 0 && height > 0, || {
+            format!("the picture has {width} × {height} pixels, expected at least 1 × 1")
+        });
         for (what, found, least, most) in [
             ("bounces", options.bounces, 1, BOUNCES_MAX),
             ("passes", options.passes, 1, PASSES_MAX),
@@ -67,91 +80,94 @@ impl Header {
             ("key bits", options.key_bits, KEY_BITS_MIN, LAYOUT_BITS),
             ("table bits", options.table_bits, TABLE_BITS_MIN, TABLE_BITS_MAX),
         ] {
-            if !(least..=most).contains(&found) {
-                problems.push(format!("it has {found} {what}, expected {least} to {most}"));
-            }
+            problems.require((least..=most).contains(&found), || {
+                format!("it has {found} {what}, expected {least} to {most}")
+            });
         }
-        let words = [
+        problems.require((0.0..=LONGEST_SUMMED).contains(&length), || {
+            format!("the length of two-point is {length}, expected 0 to {LONGEST_SUMMED}")
+        });
+        for (what, found, known) in [
             ("trace kernel", &options.trace_kernel, TRACE_KERNELS),
             ("kept passes", &options.keep_passes, KEPT_PASSES),
-        ];
-        for (what, found, known) in words {
-            if !known.contains(&found.as_str()) {
-                let found = one_line(found, NAME_CHARACTERS);
-                problems.push(format!("its {what} are '{found}', expected one of {}", known.join(", ")));
-            }
+        ] {
+            problems.require(known.contains(&found.as_str()), || {
+                format!("its {what} are '{}', expected one of {}", shown(found), known.join(", "))
+            });
         }
         if let Some(word) = options.keep.iter().find(|word| !KEEP_WORDS.contains(&word.as_str())) {
-            let (found, known) = (one_line(word, NAME_CHARACTERS), KEEP_WORDS.join(", "));
-            problems.push(format!("it kept '{found}', expected some of {known}"));
-        }
-        let table_method = Method::builtin(&options.table_method).map(|method| method.can_address_table());
-        if table_method != Ok(true) {
-            let found = one_line(&options.table_method, NAME_CHARACTERS);
-            problems.push(format!(
-                "its tables are addressed by '{found}', expected a built-in method that needs no length and no light"
-            ));
+            let known = KEEP_WORDS.join(", ");
+            problems.0.push(format!("it kept '{}', expected some of {known}", shown(word)));
         }
         for (what, words) in [("kept arrays", &options.keep), ("methods", &options.methods)] {
             let mut seen = BTreeSet::new();
             if let Some(twice) = words.iter().find(|word| !seen.insert(*word)) {
-                let word = one_line(twice, NAME_CHARACTERS);
-                problems.push(format!("its {what} name '{word}' twice"));
+                problems.0.push(format!("its {what} name '{}' twice", shown(twice)));
             }
         }
-        if !options.methods.iter().any(|method| method == UNSORTED) {
-            problems.push(format!("its methods lack {UNSORTED}, which is always measured"));
-        }
-        if self.backend == Backend::Gpu && options.threads != 0 {
-            problems.push(format!("it has {} threads of the cpu backend, but ran on a gpu", options.threads));
-        }
-        if self.backend == Backend::Cpu && (options.threads == 0 || options.trace_kernel == "ray-query") {
-            problems.push(format!(
-                "it ran on {} threads by {}, expected some threads and a kernel of the cpu backend",
-                options.threads,
-                one_line(&options.trace_kernel, NAME_CHARACTERS)
-            ));
-        }
-        let length = options.two_point_length;
-        if !(0.0..=LONGEST_SUMMED).contains(&length) {
-            problems.push(format!("the length of two-point is {length}, expected 0 to {LONGEST_SUMMED}"));
-        }
+        problems.require(options.methods.iter().any(|method| method == UNSORTED), || {
+            format!("its methods lack {UNSORTED}, which is always measured")
+        });
+    }
+
+    fn check_table(&self, problems: &mut Problems) {
+        let options = &self.options;
+        let method = Method::builtin(&options.table_method);
+        problems.require(method.is_ok_and(|method| method.can_address_table()), || {
+            format!(
+                "its tables are addressed by '{}', expected a built-in method that needs no length and no light",
+                shown(&options.table_method)
+            )
+        });
         let has_bits = (TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&options.table_bits);
-        if has_bits && self.cell_encoder().is_none() {
-            problems.push(format!(
+        problems.require(!has_bits || self.cell_encoder().is_some(), || {
+            format!(
                 "the table's layout '{}' is none that gives every ray a cell",
-                one_line(&options.table_layout, NAME_CHARACTERS)
-            ));
+                shown(&options.table_layout)
+            )
+        });
+    }
+
+    fn check_machine(&self, problems: &mut Problems) {
+        let (threads, kernel) = (self.options.threads, &self.options.trace_kernel);
+        match self.backend {
+            Backend::Gpu => problems.require(threads == 0, || {
+                format!("it has {threads} threads of the cpu backend, but ran on a gpu")
+            }),
+            Backend::Cpu => problems.require(threads > 0 && kernel != "ray-query", || {
+                format!(
+                    "it ran on {threads} threads by {}, expected some threads and a kernel of the cpu backend",
+                    shown(kernel)
+                )
+            }),
         }
     }
 }
 
-fn check_scene(scene: &SceneSummary, problems: &mut Vec<String>) {
+fn check_scene(scene: &SceneSummary, problems: &mut Problems) {
     let mut corners = scene.bounds_min.into_iter().zip(scene.bounds_max);
-    if !corners.all(|(low, high)| low <= high && (high - low).is_finite()) {
-        problems.push(format!(
+    problems.require(corners.all(|(low, high)| low <= high && (high - low).is_finite()), || {
+        format!(
             "the scene's box goes from {:?} to {:?}, expected finite corners, the lowest first",
             scene.bounds_min, scene.bounds_max
-        ));
-    }
+        )
+    });
 }
 
-fn check_camera(camera: &CameraPose, problems: &mut Vec<String>) {
-    if !camera.eye.iter().all(|along| along.is_finite()) {
-        problems.push(format!("the camera's eye is {:?}, expected finite numbers", camera.eye));
-    }
+fn check_camera(camera: &CameraPose, problems: &mut Problems) {
+    problems.require(camera.eye.iter().all(|along| along.is_finite()), || {
+        format!("the camera's eye is {:?}, expected finite numbers", camera.eye)
+    });
     for (name, vector) in [("forward", camera.forward), ("right", camera.right), ("up", camera.up)] {
         let squared: f64 = vector.iter().map(|&along| f64::from(along) * f64::from(along)).sum();
         // NaN is in no range.
-        if !(-UNIT_TOLERANCE..=UNIT_TOLERANCE).contains(&(squared.sqrt() - 1.0)) {
-            problems.push(format!("the camera's {name} is {vector:?}, expected a unit vector"));
-        }
+        let is_unit = (-UNIT_TOLERANCE..=UNIT_TOLERANCE).contains(&(squared.sqrt() - 1.0));
+        problems.require(is_unit, || format!("the camera's {name} is {vector:?}, expected a unit vector"));
     }
     let yfov = camera.yfov_radians;
-    if !(yfov > 0.0 && yfov < std::f32::consts::PI) {
-        problems
-            .push(format!("the camera's field of view is {yfov} radians, expected more than 0, less than π"));
-    }
+    problems.require(yfov > 0.0 && yfov < std::f32::consts::PI, || {
+        format!("the camera's field of view is {yfov} radians, expected more than 0, less than π")
+    });
 }
 
 fn is_finite(light: &LightSite) -> bool {

@@ -6,11 +6,11 @@ use bincode::enc::Encoder;
 use bincode::error::{DecodeError, EncodeError};
 use bincode::{BorrowDecode, Decode, Encode};
 
-use super::{FORMAT_VERSION, FRAME_BYTES, NAME_CHARACTERS, Place, RECORD_BYTES_MAX, Record};
+use super::{FORMAT_VERSION, FRAME_BYTES, Place, RECORD_BYTES_MAX, Record};
 use crate::key::{LightSite, Termination};
 use crate::npy::Dtype;
 use crate::ray::Kind;
-use crate::text::one_line;
+use crate::text::shown;
 
 /// Kinds of records that this version knows: the number of variants of [`Record`].
 pub(super) const RECORD_KINDS: u32 = 9;
@@ -105,44 +105,22 @@ macro_rules! encode_as {
 }
 
 encode_as!(Place as String, Place::to_string, |path| {
-    Place::parse(&path)
-        .ok_or_else(|| format!("'{}' is not the path of an array", one_line(&path, NAME_CHARACTERS)))
+    Place::parse(&path).ok_or_else(|| format!("'{}' is not the path of an array", shown(&path)))
 });
 
 encode_as!(Dtype as String, |dtype| dtype.descr().to_owned(), |descr| {
-    Dtype::from_descr(&descr)
-        .ok_or_else(|| format!("unknown element type '{}'", one_line(&descr, NAME_CHARACTERS)))
+    Dtype::from_descr(&descr).ok_or_else(|| format!("unknown element type '{}'", shown(&descr)))
 });
 
-encode_as!(
-    Kind as u32,
-    |kind| match kind {
-        Kind::Closest => 0,
-        Kind::Shadow => 1,
-    },
-    |number| match number {
-        0 => Ok(Kind::Closest),
-        1 => Ok(Kind::Shadow),
-        _ => Err(format!("unknown kind of queue {number}")),
-    }
-);
+encode_as!(Kind as u32, |kind| *kind as u32, |number| {
+    let known = Kind::ALL.into_iter().find(|&kind| kind as u32 == number);
+    known.ok_or_else(|| format!("unknown kind of queue {number}"))
+});
 
-encode_as!(
-    Termination as u32,
-    |termination| match termination {
-        Termination::Unused => 0,
-        Termination::Fixed => 1,
-        Termination::Adaptive => 2,
-        Termination::Real => 3,
-    },
-    |number| match number {
-        0 => Ok(Termination::Unused),
-        1 => Ok(Termination::Fixed),
-        2 => Ok(Termination::Adaptive),
-        3 => Ok(Termination::Real),
-        _ => Err(format!("unknown length estimate {number}")),
-    }
-);
+encode_as!(Termination as u32, |termination| *termination as u32, |number| {
+    let known = Termination::ALL.into_iter().find(|&termination| termination as u32 == number);
+    known.ok_or_else(|| format!("unknown length estimate {number}"))
+});
 
 /// [`LightSite`] on the wire.
 #[derive(Encode, Decode)]

@@ -37,8 +37,6 @@ pub const PREAMBLE_BYTES: usize = 16;
 pub const FRAME_BYTES: usize = 8;
 /// Longest record that is read or written; no header, however many lights there are, comes near it.
 pub const RECORD_BYTES_MAX: usize = 64 << 20;
-/// Most characters of a text of a manifest that a message shows.
-pub(crate) const NAME_CHARACTERS: usize = 100;
 
 /// The first [`PREAMBLE_BYTES`] bytes of a manifest.
 pub fn preamble() -> [u8; PREAMBLE_BYTES] {

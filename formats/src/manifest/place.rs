@@ -129,14 +129,14 @@ impl QueueArray {
         }
     }
 
-    fn dtype(self) -> Dtype {
+    fn dtypes(self) -> &'static [Dtype] {
         match self {
-            Self::Rays => Dtype::Ray,
-            Self::PathIds | Self::Lights => Dtype::U4,
-            Self::Hits => Dtype::Hit,
-            Self::Distances => Dtype::F4,
-            Self::Work => Dtype::Work,
-            Self::Lengths | Self::FinalLengths => Dtype::Cell,
+            Self::Rays => &[Dtype::Ray],
+            Self::PathIds | Self::Lights => &[Dtype::U4],
+            Self::Hits => &[Dtype::Hit],
+            Self::Distances => &[Dtype::F4],
+            Self::Work => &[Dtype::Work],
+            Self::Lengths | Self::FinalLengths => &[Dtype::Cell],
         }
     }
 }
@@ -189,8 +189,9 @@ impl Place {
             ["image"] => Self::Image,
             ["scene", name] => Self::Scene(parse_scene_array(name)?),
             [pass, bounce, kind, name] => {
-                let array = QueueArray::ALL.into_iter().find(|array| array.name() == name)?;
-                Self::Queue(parse_queue(pass, bounce, kind)?, array)
+                let queue = parse_queue(pass, bounce, kind)?;
+                let is_meant = |array: &QueueArray| array.name() == name && array.applies_to(queue.kind);
+                Self::Queue(queue, QueueArray::ALL.into_iter().find(is_meant)?)
             }
             [pass, bounce, kind, method, name] => {
                 let array = MethodArray::ALL.into_iter().find(|array| array.name() == name)?;
@@ -200,25 +201,18 @@ impl Place {
             _ => return None,
         };
         // Only one spelling of each place, so that no two records can mean one file.
-        (place.to_string() == path && place.applies()).then_some(place)
+        (place.to_string() == path).then_some(place)
     }
 
     /// The element types that an array here may have.
-    pub fn dtypes(&self) -> &'static [Dtype] {
+    fn dtypes(&self) -> &'static [Dtype] {
         match self {
             Self::Image => &[Dtype::F4],
             Self::Scene(SceneArray::Positions | SceneArray::Uvs) => &[Dtype::F4],
             Self::Scene(SceneArray::Triangles | SceneArray::Materials) => &[Dtype::U4],
             Self::Scene(SceneArray::Masks) => &[Dtype::Mask],
             Self::Scene(SceneArray::Mask(_)) => &[Dtype::U1],
-            Self::Queue(_, array) => match array.dtype() {
-                Dtype::Ray => &[Dtype::Ray],
-                Dtype::Hit => &[Dtype::Hit],
-                Dtype::Work => &[Dtype::Work],
-                Dtype::Cell => &[Dtype::Cell],
-                Dtype::F4 => &[Dtype::F4],
-                _ => &[Dtype::U4],
-            },
+            Self::Queue(_, array) => array.dtypes(),
             Self::Method(_, _, MethodArray::Keys) => &[Dtype::U4, Dtype::U8],
             Self::Method(_, _, MethodArray::Permutation) => &[Dtype::U4],
         }
@@ -257,14 +251,6 @@ impl Place {
             Self::Scene(SceneArray::Uvs) => &[None, Some(2)],
             Self::Scene(SceneArray::Mask(_)) => &[None, None],
             _ => &[None],
-        }
-    }
-
-    /// Whether the queue's kind has such an array.
-    fn applies(&self) -> bool {
-        match self {
-            Self::Queue(queue, array) => array.applies_to(queue.kind),
-            _ => true,
         }
     }
 }

@@ -9,12 +9,11 @@ use super::check::REPEATS_MAX;
 use super::codec::{self, RECORD_KINDS};
 use super::{
     ArrayRecord, CacheRecord, DisturbedRecord, End, FORMAT_VERSION, FRAME_BYTES, Header, MAGIC, MethodRecord,
-    NAME_CHARACTERS, OLDEST_VERSION, PREAMBLE_BYTES, QueueId, QueueRecord, RECORD_BYTES_MAX, Record,
-    TimingRecord, WayRecord,
+    OLDEST_VERSION, PREAMBLE_BYTES, QueueId, QueueRecord, RECORD_BYTES_MAX, Record, TimingRecord, WayRecord,
 };
 use crate::key::method::is_method_name;
 use crate::npy;
-use crate::text::one_line;
+use crate::text::{one_line, shown};
 
 /// Why a manifest cannot be read at all.
 #[derive(Debug, thiserror::Error)]
@@ -347,7 +346,7 @@ impl Order {
             Record::Header(_) => return Ok(()),
         };
         if self.names.contains(&name) {
-            return Err(format!("it describes {} a second time", one_line(&name, 2 * NAME_CHARACTERS)));
+            return Err(format!("it describes {} a second time", one_line(&name, 200)));
         }
         self.names.insert(name);
         Ok(())
@@ -357,10 +356,9 @@ impl Order {
 /// That each name can be a method's.
 fn check_names<'a>(names: impl IntoIterator<Item = &'a String>) -> Result<(), String> {
     match names.into_iter().find(|name| !is_method_name(name)) {
-        Some(name) => Err(format!(
-            "'{}' is not the name of a method: small letters, digits and dashes",
-            one_line(name, NAME_CHARACTERS)
-        )),
+        Some(name) => {
+            Err(format!("'{}' is not the name of a method: small letters, digits and dashes", shown(name)))
+        }
         None => Ok(()),
     }
 }
@@ -368,7 +366,7 @@ fn check_names<'a>(names: impl IntoIterator<Item = &'a String>) -> Result<(), St
 fn check_distinct<'a>(names: impl IntoIterator<Item = &'a String>) -> Result<(), String> {
     let mut known = BTreeSet::new();
     match names.into_iter().find(|name| !known.insert(*name)) {
-        Some(name) => Err(format!("it names {} twice", one_line(name, NAME_CHARACTERS))),
+        Some(name) => Err(format!("it names {} twice", shown(name))),
         None => Ok(()),
     }
 }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::permutation::check_bijection;
-use crate::reader::Mapped;
+use crate::reader::Loaded;
 
 /// Places that a thread takes at a time: a multiple of every group width and of every lane width.
 const CHUNK: usize = 8192;
@@ -14,7 +14,7 @@ pub enum Places {
     /// Canonical order of this many rays.
     Canonical(usize),
     /// A method's order.
-    Sorted(Mapped<u32>),
+    Sorted(Loaded<u32>),
     /// An order that was not recorded.
     Made(Vec<u32>),
 }
@@ -24,7 +24,7 @@ impl Places {
     ///
     /// # Errors
     /// If it does not hold each ray once.
-    pub fn sorted(permutation: Mapped<u32>, rays: usize) -> Result<Self, String> {
+    pub fn sorted(permutation: Loaded<u32>, rays: usize) -> Result<Self, String> {
         check_bijection(&permutation, rays)
             .map_err(|error| format!("{error}; `inspector verify` says what is wrong"))?;
         Ok(Self::Sorted(permutation))
@@ -80,9 +80,9 @@ pub enum Keys {
     /// Not recorded, of any number of bits.
     Made(Vec<u64>),
     /// Of up to 32 bits.
-    Narrow(Mapped<u32>),
+    Narrow(Loaded<u32>),
     /// Of more.
-    Wide(Mapped<u64>),
+    Wide(Loaded<u64>),
 }
 
 impl Keys {

@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 
 use super::{Check, Subject};
-use crate::manifest::{ArrayRecord, NAME_CHARACTERS, Place};
+use crate::manifest::{ArrayRecord, Place};
 use crate::reader::{Dump, DumpState};
 use crate::recover::{damage, strays};
-use crate::text::one_line;
+use crate::text::shown;
 
 /// Notes what is wrong with the files of arrays, before any of them is read for what it means: of a replay,
 /// also with those that it reads of its source.
@@ -46,7 +46,7 @@ pub(super) fn check(subject: Subject<'_>) -> Check {
     match strays(dump.root(), &known) {
         Ok(strays) => {
             for stray in strays {
-                let stray = one_line(&stray.to_string_lossy(), NAME_CHARACTERS);
+                let stray = shown(&stray.to_string_lossy());
                 check.problems.add(format!("{stray}: no record names this file"));
             }
         }

@@ -7,7 +7,7 @@ use super::holes::Holes;
 use super::{Check, Subject};
 use crate::manifest::{Place, SceneArray};
 use crate::ray::{Hit, Ray};
-use crate::reader::Mapped;
+use crate::reader::Loaded;
 use crate::traced::Results;
 
 /// How many roundings of single precision a point may be off, for a well-shaped triangle.
@@ -58,8 +58,8 @@ pub(super) fn check(subject: &Subject<'_>) -> [Check; 2] {
 /// The scene's triangles and their holes.
 struct Geometry {
     holes: Option<Holes>,
-    positions: Mapped<[f32; 3]>,
-    triangles: Mapped<[u32; 3]>,
+    positions: Loaded<[f32; 3]>,
+    triangles: Loaded<[u32; 3]>,
 }
 
 impl Geometry {

@@ -5,18 +5,18 @@ use std::collections::BTreeMap;
 use super::Subject;
 use crate::manifest::{Place, SceneArray};
 use crate::npy::MaterialMask;
-use crate::reader::Mapped;
+use crate::reader::Loaded;
 
 /// How far a texture coordinate may be off by rounding, relative to the larger of it and 1.
 const TOLERANCE: f32 = 1e-5;
 
 /// The alpha masks of a scene.
 pub(super) struct Holes {
-    materials: Mapped<u32>,
-    masks: Mapped<MaterialMask>,
-    uvs: Option<Mapped<[f32; 2]>>,
+    materials: Loaded<u32>,
+    masks: Loaded<MaterialMask>,
+    uvs: Option<Loaded<[f32; 2]>>,
     /// Alpha bytes of a texture, row by row, with its width and height.
-    textures: BTreeMap<u32, (Mapped<u8>, [usize; 2])>,
+    textures: BTreeMap<u32, (Loaded<u8>, [usize; 2])>,
 }
 
 impl Holes {

@@ -6,12 +6,11 @@ use super::{Check, Subject};
 use crate::key::method::UNSORTED;
 use crate::manifest::check::PASSES_MAX;
 use crate::manifest::{
-    CacheRecord, Manifest, MethodArray, NAME_CHARACTERS, Place, QueueArray, QueueId, QueueRecord, SceneArray,
-    Source, TimingRecord,
+    CacheRecord, Manifest, MethodArray, Place, QueueArray, QueueId, QueueRecord, SceneArray, Source,
+    TimingRecord,
 };
-use crate::ray::Kind;
 use crate::reader::DumpState;
-use crate::text::one_line;
+use crate::text::shown;
 
 pub(super) fn check(subject: &Subject<'_>) -> Check {
     let mut check = Check::new("kept");
@@ -51,14 +50,12 @@ fn promised(manifest: &Manifest) -> impl Iterator<Item = Place> + '_ {
 }
 
 fn promised_of<'a>(manifest: &'a Manifest, queue: &'a QueueRecord) -> impl Iterator<Item = Place> + 'a {
-    let of_kind = match queue.id.kind {
-        Kind::Closest => &[QueueArray::Hits][..],
-        Kind::Shadow => &[QueueArray::Distances, QueueArray::Lights],
-    };
-    let of_queue = [QueueArray::Rays, QueueArray::PathIds, QueueArray::Lengths]
-        .into_iter()
-        .chain(of_kind.iter().copied())
-        .chain(is_counted(manifest).then_some(QueueArray::Work));
+    let of_queue = QueueArray::ALL.into_iter().filter(|array| match array {
+        // Of the last queue of its kind alone.
+        QueueArray::FinalLengths => false,
+        QueueArray::Work => is_counted(manifest),
+        _ => array.applies_to(queue.id.kind),
+    });
     let of_methods = queue.methods.iter().filter(|method| *method != UNSORTED).flat_map(|method| {
         let place = |array| Place::Method(queue.id, method.clone(), array);
         [place(MethodArray::Keys), place(MethodArray::Permutation)]
@@ -91,7 +88,7 @@ fn check_lengths(manifest: &Manifest, check: &mut Check) {
     for method in &manifest.methods {
         let found = method.two_point_length;
         check.require(found == expected, || {
-            let name = one_line(&method.name, NAME_CHARACTERS);
+            let name = shown(&method.name);
             format!("method {name} assumes a length of {found}, the header says {expected}")
         });
     }
@@ -110,7 +107,7 @@ fn check_orders(manifest: &Manifest, keeps_caches: bool, check: &mut Check) {
     let (times, caches): (BTreeSet<_>, BTreeSet<_>) = (times.collect(), caches.collect());
     for QueueRecord { id, methods, .. } in &manifest.queues {
         for method in methods {
-            let (order, name) = ((*id, method.as_str()), || one_line(method, NAME_CHARACTERS));
+            let (order, name) = ((*id, method.as_str()), || shown(method));
             check.require(times.contains(&order), || format!("there are no times of {} in {id}", name()));
             let is_modelled = !keeps_caches || caches.contains(&order);
             check.require(is_modelled, || format!("there are no caches of {} in {id}", name()));

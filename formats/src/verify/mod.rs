@@ -32,7 +32,7 @@ use crate::key::Encoder;
 use crate::length_table::{LengthCell, LengthTable};
 use crate::manifest::{MethodRecord, Place, QueueArray, QueueId, QueueRecord};
 use crate::npy::Element;
-use crate::reader::{Dump, Mapped, ReadError};
+use crate::reader::{Dump, Loaded, ReadError};
 use crate::stored_table::{self, StoredTableError};
 use crate::traced::{Traced, TracedError};
 use crate::unit_space::UnitSpace;
@@ -99,7 +99,7 @@ impl<'a> Subject<'a> {
     }
 
     /// An array, if the dump or its source has it; what is wrong with its file is noted.
-    fn array<T: Element>(&self, place: &Place) -> Option<Mapped<T>> {
+    fn array<T: Element>(&self, place: &Place) -> Option<Loaded<T>> {
         let array = self.dump.array(place);
         array.map_err(|error| self.note_error(place, &error)).ok()
     }
@@ -110,7 +110,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    fn queue_array<T: Element>(&self, queue: QueueId, array: QueueArray) -> Option<Mapped<T>> {
+    fn queue_array<T: Element>(&self, queue: QueueId, array: QueueArray) -> Option<Loaded<T>> {
         self.array(&Place::Queue(queue, array))
     }
 

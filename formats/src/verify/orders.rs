@@ -10,7 +10,7 @@ use crate::metrics::order::Keys;
 use crate::npy::Dtype;
 use crate::permutation::{check_bijection, check_order};
 use crate::ray::Ray;
-use crate::reader::Mapped;
+use crate::reader::Loaded;
 use crate::traced::Traced;
 
 pub(super) fn check(subject: &Subject<'_>) -> [Check; 2] {
@@ -109,7 +109,7 @@ pub(super) fn tolerated<'a>(subject: &Subject<'_>, check: &'a mut Check) -> &'a 
 struct Recomputed<'a> {
     encoder: Encoder,
     rays: &'a [Ray],
-    lights: Option<Mapped<u32>>,
+    lights: Option<Loaded<u32>>,
     light_count: u32,
     length: Length,
 }

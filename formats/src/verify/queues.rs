@@ -2,8 +2,8 @@
 
 use super::{Check, Queue, Subject};
 use crate::manifest::{Place, QueueArray, QueueId};
+use crate::npy::Element;
 use crate::queue_check::QueueRules;
-use crate::ray::Ray;
 use crate::reader::DumpState;
 
 pub(super) fn check(subject: &Subject<'_>) -> Vec<Check> {
@@ -13,9 +13,9 @@ pub(super) fn check(subject: &Subject<'_>) -> Vec<Check> {
     let mut lights = Check::new("lights");
     for &queue in subject.queues.keys() {
         check_structure(subject, queue, &mut structure);
-        check_rays(subject, queue, &mut rays);
-        check_path_ids(subject, queue, &mut path_ids);
-        check_lights(subject, queue, &mut lights);
+        check_entries(subject, queue, QueueArray::Rays, QueueRules::ray_fault, &mut rays);
+        check_entries(subject, queue, QueueArray::PathIds, QueueRules::path_id_fault, &mut path_ids);
+        check_entries(subject, queue, QueueArray::Lights, QueueRules::light_fault, &mut lights);
     }
     vec![structure, rays, path_ids, lights]
 }
@@ -46,34 +46,22 @@ fn check_structure(subject: &Subject<'_>, queue: QueueId, check: &mut Check) {
     }
 }
 
-fn check_rays(subject: &Subject<'_>, queue: QueueId, check: &mut Check) {
-    let Some(rays) = subject.queue_array::<Ray>(queue, QueueArray::Rays) else {
-        check.not_checked.push(format!("{queue}: rays were not kept"));
+/// Checks the entries of an array by what is wrong with one of them, if the array was kept.
+fn check_entries<T: Element>(
+    subject: &Subject<'_>,
+    queue: QueueId,
+    array: QueueArray,
+    fault: impl Fn(&QueueRules, &[T], usize) -> Option<String> + Sync,
+    check: &mut Check,
+) {
+    let Some(entries) = subject.queue_array::<T>(queue, array) else {
+        if array == QueueArray::Rays {
+            check.not_checked.push(format!("{queue}: rays were not kept"));
+        }
         return;
     };
     let rules = QueueRules::new(queue, &subject.dump.manifest().header);
-    check_entries(queue, QueueArray::Rays, rays.len(), |at| rules.ray_fault(&rays, at), check);
-}
-
-fn check_path_ids(subject: &Subject<'_>, queue: QueueId, check: &mut Check) {
-    let Some(ids) = subject.queue_array::<u32>(queue, QueueArray::PathIds) else { return };
-    let rules = QueueRules::new(queue, &subject.dump.manifest().header);
-    check_entries(queue, QueueArray::PathIds, ids.len(), |at| rules.path_id_fault(&ids, at), check);
-}
-
-fn check_lights(subject: &Subject<'_>, queue: QueueId, check: &mut Check) {
-    let Some(lights) = subject.queue_array::<u32>(queue, QueueArray::Lights) else { return };
-    let rules = QueueRules::new(queue, &subject.dump.manifest().header);
-    check_entries(queue, QueueArray::Lights, lights.len(), |at| rules.light_fault(&lights, at), check);
-}
-
-fn check_entries(
-    queue: QueueId,
-    array: QueueArray,
-    entries: usize,
-    fault: impl Fn(usize) -> Option<String> + Sync,
-    check: &mut Check,
-) {
+    let fault = |at| fault(&rules, &entries, at);
     let describe = |at| format!("{queue}/{}.npy: {}", array.name(), fault(at).unwrap_or_default());
-    check.each(entries, |at| fault(at).is_none(), describe);
+    check.each(entries.len(), |at| fault(at).is_none(), describe);
 }

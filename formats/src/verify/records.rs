@@ -5,11 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::{Check, Subject};
 use crate::key::method::{CONTROL, UNSORTED, WITHOUT_KEY};
 use crate::manifest::{
-    CacheRecord, DisturbedRecord, NAME_CHARACTERS, Options, Place, QueueId, QueueRecord, Stage, TimingRecord,
+    CacheRecord, DisturbedRecord, Options, Place, QueueId, QueueRecord, Stage, TimingRecord,
 };
 use crate::ray::Kind;
 use crate::reader::DumpState;
-use crate::text::one_line;
+use crate::text::shown;
 
 /// Rays of a group whose caches are modelled.
 const GROUP_RAYS: u64 = 64;
@@ -17,7 +17,6 @@ const GROUP_RAYS: u64 = 64;
 pub(super) fn check(subject: &Subject<'_>) -> Check {
     let manifest = subject.dump.manifest();
     let options = &manifest.header.options;
-    let short = |name: &str| one_line(name, NAME_CHARACTERS);
     let mut check = Check::new("records");
     for queue in subject.queues.keys() {
         check.find(subject.outside(queue.pass, queue.bounce), || queue.to_string());
@@ -29,7 +28,7 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
     let named: BTreeSet<&str> = options.methods.iter().map(String::as_str).collect();
     for method in &manifest.methods {
         check.require(named.contains(method.name.as_str()), || {
-            format!("method {} is not among the header's", short(&method.name))
+            format!("method {} is not among the header's", shown(&method.name))
         });
     }
     for queue in &manifest.queues {
@@ -42,7 +41,7 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
     for timing in &manifest.timings {
         let TimingRecord { pass, bounce, stage, method, .. } = timing;
         check.find(subject.timing_problem(timing), || {
-            format!("time of {} by {} in pass {pass}, bounce {bounce}", stage.name(), short(method))
+            format!("time of {} by {} in pass {pass}, bounce {bounce}", stage.name(), shown(method))
         });
     }
     let timed: BTreeMap<_, _> =
@@ -54,7 +53,7 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
         check.require(count.is_some_and(|&count| last < count), || {
             let found = count.map_or("no such time".to_owned(), |count| format!("a time of {count} samples"));
             let queue = QueueId { pass, bounce, kind };
-            format!("disturbed samples of {} by {} in {queue}: there is {found}", stage.name(), short(method))
+            format!("disturbed samples of {} by {} in {queue}: there is {found}", stage.name(), shown(method))
         });
     }
     for way in &manifest.ways {
@@ -63,7 +62,7 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
     for cache in &manifest.caches {
         let &CacheRecord { pass, bounce, kind, ref method, .. } = cache;
         check.find(subject.cache_problem(cache), || {
-            format!("caches of {} in {}", short(method), QueueId { pass, bounce, kind })
+            format!("caches of {} in {}", shown(method), QueueId { pass, bounce, kind })
         });
     }
     check
@@ -94,7 +93,7 @@ impl Subject<'_> {
 
     fn unknown_method(&self, method: &str) -> Option<String> {
         let is_unknown = !WITHOUT_KEY.contains(&method) && !self.methods.contains_key(method);
-        is_unknown.then(|| format!("there is no record of method {}", one_line(method, NAME_CHARACTERS)))
+        is_unknown.then(|| format!("there is no record of method {}", shown(method)))
     }
 
     fn record_of(&self, queue: QueueId) -> Option<&QueueRecord> {
@@ -112,8 +111,7 @@ impl Subject<'_> {
         // The control is measured wherever a method is, and leaves nothing but times.
         let name = if method == CONTROL { UNSORTED } else { method };
         let is_missing = found.is_some_and(|found| !found.measured.contains(name));
-        is_missing
-            .then(|| format!("the record of {queue} does not name {}", one_line(method, NAME_CHARACTERS)))
+        is_missing.then(|| format!("the record of {queue} does not name {}", shown(method)))
     }
 
     fn queue_problem(&self, queue: &QueueRecord) -> Option<String> {
@@ -125,7 +123,7 @@ impl Subject<'_> {
         }
         let unknown = queue.methods.iter().find_map(|method| self.unknown_method(method));
         let wrong = queue.mismatches.iter().find_map(|mismatches| {
-            let method = one_line(&mismatches.method, NAME_CHARACTERS);
+            let method = shown(&mismatches.method);
             if !measured.contains(mismatches.method.as_str()) {
                 return Some(format!("results of {method} are said to differ, but it was not measured"));
             }

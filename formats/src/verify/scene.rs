@@ -8,11 +8,11 @@ use super::{Check, Subject};
 use crate::key::method::UNSORTED;
 use crate::key::{KEY_BITS_MIN, LAYOUT_BITS, LayoutText};
 use crate::length_table::LONGEST_SUMMED;
-use crate::manifest::{Header, MethodRecord, NAME_CHARACTERS, Outcome, Place, SceneArray, Source};
+use crate::manifest::{Header, MethodRecord, Outcome, Place, SceneArray, Source};
 use crate::npy::MaterialMask;
 use crate::reader::DumpState;
 use crate::summary::hexadecimal;
-use crate::text::one_line;
+use crate::text::shown;
 
 pub(super) fn check(subject: &Subject<'_>) -> [Check; 3] {
     [check_header(subject), check_scene(subject), check_image(subject)]
@@ -25,7 +25,7 @@ fn check_header(subject: &Subject<'_>) -> Check {
     manifest.header.problems().into_iter().for_each(|problem| check.problems.add(problem));
     if let Source::Replayed { name, .. } = &manifest.header.source {
         check.require(subject.dump.source().is_some(), || {
-            let name = one_line(name, NAME_CHARACTERS);
+            let name = shown(name);
             format!(
                 "it is a replay of {name}, which is not in the same folder, or is another recording by now; put that recording beside it to check both"
             )
@@ -39,7 +39,7 @@ fn check_header(subject: &Subject<'_>) -> Check {
     }
     for method in &manifest.methods {
         let problem = method_problem(method, manifest.header.lights.len());
-        check.find(problem, || format!("method {}", one_line(&method.name, NAME_CHARACTERS)));
+        check.find(problem, || format!("method {}", shown(&method.name)));
     }
     check
 }
@@ -76,7 +76,7 @@ pub(super) fn method_problem(method: &MethodRecord, lights: usize) -> Option<Str
         Err(error) => return Some(error.message),
     };
     let names = layout.bits().iter().map(|coordinate| coordinate.name());
-    let text = one_line(&method.text, NAME_CHARACTERS);
+    let text = shown(&method.text);
     if !names.eq(method.layout.iter().map(String::as_str)) {
         return Some(format!("its bits are not those of '{text}' for {lights} lights"));
     }
@@ -99,20 +99,14 @@ fn check_scene(subject: &Subject<'_>) -> Check {
     let is_inside = |point: &[f32; 3]| {
         (0..3).all(|axis| point[axis] >= scene.bounds_min[axis] && point[axis] <= scene.bounds_max[axis])
     };
-    check.require(scene.vertices == positions.len() as u64, || {
-        format!(
-            "scene/positions.npy has {1} vertices, the header counts {0}",
-            scene.vertices,
-            positions.len()
-        )
-    });
-    check.require(scene.triangles == triangles.len() as u64, || {
-        format!(
-            "scene/triangles.npy has {1} triangles, the header counts {0}",
-            scene.triangles,
-            triangles.len()
-        )
-    });
+    for (array, things, found, counted) in [
+        ("positions", "vertices", positions.len(), scene.vertices),
+        ("triangles", "triangles", triangles.len(), scene.triangles),
+    ] {
+        check.require(found as u64 == counted, || {
+            format!("scene/{array}.npy has {found} {things}, the header counts {counted}")
+        });
+    }
     let in_range =
         |triangle: usize| triangles[triangle].iter().all(|&index| (index as usize) < positions.len());
     check.each(triangles.len(), in_range, |triangle| {

@@ -2,7 +2,7 @@
 
 use formats::manifest::{QueueId, QueueRecord};
 use formats::ray::Work;
-use formats::reader::{Dump, Mapped};
+use formats::reader::{Dump, Loaded};
 use formats::stored_table::StoredTable;
 use formats::traced::Traced;
 
@@ -25,7 +25,7 @@ fn constant_length(dump: &Dump) -> f32 {
 pub(super) struct QueueArrays {
     /// The rays with their results, and the traced length of each.
     pub(super) traced: Result<(Traced, Vec<f32>), String>,
-    pub(super) work: Result<Mapped<Work>, String>,
+    pub(super) work: Result<Loaded<Work>, String>,
     is_read: bool,
 }
 

@@ -2,7 +2,7 @@
 
 use formats::manifest::{Place, QueueArray, QueueId};
 use formats::metrics::lanes::work_of;
-use formats::reader::{Dump, Mapped};
+use formats::reader::{Dump, Loaded};
 
 use super::{Metric, work};
 
@@ -32,7 +32,7 @@ impl PixelCost {
         let options = &manifest.header.options;
         let (width, height) = (options.width, options.height);
         let pixels = u64::from(width) * u64::from(height);
-        let image: Mapped<[f32; 3]> = dump.array(&Place::Image).map_err(|error| error.to_string())?;
+        let image: Loaded<[f32; 3]> = dump.array(&Place::Image).map_err(|error| error.to_string())?;
         if image.len() as u64 != pixels {
             return Err(format!("the image has {} pixels, expected {width}×{height}", image.len()));
         }
@@ -51,7 +51,7 @@ impl PixelCost {
 fn add(dump: &Dump, queue: QueueId, cost: &mut [u32]) -> Result<(), String> {
     let text = |error: formats::reader::ReadError| error.to_string();
     let work = work::work(dump, queue)?;
-    let paths: Mapped<u32> = dump.array(&Place::Queue(queue, QueueArray::PathIds)).map_err(text)?;
+    let paths: Loaded<u32> = dump.array(&Place::Queue(queue, QueueArray::PathIds)).map_err(text)?;
     for (work, &path) in work.iter().zip(&*paths) {
         let pixels = cost.len();
         let pixel = cost.get_mut(path as usize);

@@ -2,14 +2,14 @@
 
 use formats::manifest::{Place, QueueArray, QueueId};
 use formats::ray::Work;
-use formats::reader::{Dump, Mapped};
+use formats::reader::{Dump, Loaded};
 
 /// Maps the work of a queue. A replay takes that of its source only if both ran the same kernel on the
 /// same backend, since another kernel visits other nodes.
 ///
 /// # Errors
 /// Why there is none.
-pub fn work(dump: &Dump, queue: QueueId) -> Result<Mapped<Work>, String> {
+pub fn work(dump: &Dump, queue: QueueId) -> Result<Loaded<Work>, String> {
     let place = Place::Queue(queue, QueueArray::Work);
     let kernel = |dump: &Dump| {
         let header = &dump.manifest().header;

@@ -5,7 +5,7 @@ use formats::manifest::{Place, QueueArray, QueueId};
 use formats::metrics::capsule::Segment;
 use formats::queue_check::{QueueFault, QueueRays, QueueRules};
 use formats::ray::{Kind, Work};
-use formats::reader::{Dump, Mapped};
+use formats::reader::{Dump, Loaded};
 use formats::stored_table::{StoredTable, StoredTableError};
 use formats::traced::{Results, Traced};
 use rayon::prelude::*;
@@ -22,13 +22,13 @@ pub struct Queue {
     /// Traced length of each ray, unit lengths.
     pub lengths: Vec<f32>,
     /// Pixel of each ray, ascending.
-    pub path_ids: Mapped<u32>,
+    pub path_ids: Loaded<u32>,
     /// Index of each shadow ray's light.
-    pub lights: Option<Mapped<u32>>,
+    pub lights: Option<Loaded<u32>>,
     /// Nodes visited and triangles tested, or why they are not known.
-    pub work: Result<Mapped<Work>, String>,
+    pub work: Result<Loaded<Work>, String>,
     /// Touched cells of the length table that the methods read, or why they are not known.
-    pub cells: Result<Mapped<LengthCell>, String>,
+    pub cells: Result<Loaded<LengthCell>, String>,
     /// The same as a table that rays find their cell in.
     pub table: Result<StoredTable, String>,
 }
@@ -43,7 +43,7 @@ impl Queue {
         let place = |array| Place::Queue(id, array);
         let traced = Traced::open(dump, id).map_err(|error| error.to_string())?;
         let rays = traced.rays().len();
-        let path_ids: Mapped<u32> = dump.array(&place(QueueArray::PathIds)).map_err(text)?;
+        let path_ids: Loaded<u32> = dump.array(&place(QueueArray::PathIds)).map_err(text)?;
         let lights = match id.kind {
             Kind::Closest => None,
             Kind::Shadow => Some(dump.array::<u32>(&place(QueueArray::Lights)).map_err(text)?),
@@ -108,12 +108,12 @@ impl Queue {
 }
 
 /// Touched cells, all of which a table of as many address bits as the header says has.
-fn cells(dump: &Dump, place: &Place) -> Result<Mapped<LengthCell>, String> {
+fn cells(dump: &Dump, place: &Place) -> Result<Loaded<LengthCell>, String> {
     let bits = dump.manifest().header.options.table_bits;
     if !(TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&bits) {
         return Err(StoredTableError::Bits { bits }.to_string());
     }
-    let cells: Mapped<LengthCell> = dump.array(place).map_err(|error| error.to_string())?;
+    let cells: Loaded<LengthCell> = dump.array(place).map_err(|error| error.to_string())?;
     match cells.par_iter().find_first(|cell| cell.cell >> bits != 0) {
         None => Ok(cells),
         Some(LengthCell { cell, .. }) => Err(format!(

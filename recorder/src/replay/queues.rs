@@ -6,7 +6,7 @@ use formats::manifest::{Place, QueueArray, QueueId, QueueRecord};
 use formats::npy::Element;
 use formats::queue_check::{QueueRays, QueueRules};
 use formats::ray::{Hit, Kind, Ray};
-use formats::reader::{Dump, Mapped};
+use formats::reader::{Dump, Loaded};
 use formats::stored_table;
 
 use crate::backends::RecordedRays;
@@ -14,11 +14,11 @@ use crate::backends::RecordedRays;
 /// A queue of a recording that was found fit for kernels.
 pub struct RecordedQueue {
     id: QueueId,
-    rays: Mapped<Ray>,
-    path_ids: Mapped<u32>,
-    lights: Option<Mapped<u32>>,
+    rays: Loaded<Ray>,
+    path_ids: Loaded<u32>,
+    lights: Option<Loaded<u32>>,
     /// The length table that its methods read, unless tables are made anew.
-    cells: Option<Mapped<LengthCell>>,
+    cells: Option<Loaded<LengthCell>>,
 }
 
 impl RecordedQueue {
@@ -77,7 +77,7 @@ pub fn open(dump: &Dump, is_same_table: bool) -> Result<Vec<RecordedQueue>> {
 
 const NEEDED: &str = "a replay needs the rays and length tables of a recording; record with --keep rays,hits,lengths,scene and more";
 
-fn array<T: Element>(dump: &Dump, id: QueueId, array: QueueArray) -> Result<Mapped<T>> {
+fn array<T: Element>(dump: &Dump, id: QueueId, array: QueueArray) -> Result<Loaded<T>> {
     let place = Place::Queue(id, array);
     // A file that is there and damaged says so itself.
     if dump.has(&place) { Ok(dump.checked_array(&place)?) } else { dump.array(&place).context(NEEDED) }

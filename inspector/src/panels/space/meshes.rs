@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use formats::manifest::{Place, SceneArray};
-use formats::reader::{Dump, Mapped};
+use formats::reader::{Dump, Loaded};
 use formats::unit_space::UnitSpace;
 use rayon::prelude::*;
 
@@ -52,8 +52,8 @@ impl Meshes {
 
 fn read(dump: &Dump, unit: &UnitSpace, form: MeshForm) -> Result<Geometry, String> {
     let text = |error: formats::reader::ReadError| error.to_string();
-    let positions: Mapped<[f32; 3]> = dump.array(&Place::Scene(SceneArray::Positions)).map_err(text)?;
-    let triangles: Mapped<[u32; 3]> = dump.array(&Place::Scene(SceneArray::Triangles)).map_err(text)?;
+    let positions: Loaded<[f32; 3]> = dump.array(&Place::Scene(SceneArray::Positions)).map_err(text)?;
+    let triangles: Loaded<[u32; 3]> = dump.array(&Place::Scene(SceneArray::Triangles)).map_err(text)?;
     check(&positions, &triangles)?;
     let surfaces = Surfaces::new(unit, &positions, &triangles);
     Ok(match form {
