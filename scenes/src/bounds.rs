@@ -30,6 +30,15 @@ impl Bounds {
         }
     }
 
+    /// The smallest box around two.
+    #[must_use]
+    pub fn union(&self, other: &Self) -> Self {
+        Self {
+            min: [0, 1, 2].map(|axis| self.min[axis].min(other.min[axis])),
+            max: [0, 1, 2].map(|axis| self.max[axis].max(other.max[axis])),
+        }
+    }
+
     /// Extent along each axis.
     pub fn extent(&self) -> [f32; 3] {
         [0, 1, 2].map(|axis| self.max[axis] - self.min[axis])

@@ -1,5 +1,6 @@
 //! The content hash: what a scene is, in 32 bytes.
 
+use bytemuck::NoUninit;
 use sha2::{Digest, Sha256};
 
 use crate::{Light, Material, Scene, Texture};
@@ -7,27 +8,27 @@ use crate::{Light, Material, Scene, Texture};
 /// Changes whenever the bytes that are hashed change their meaning.
 const DOMAIN: &[u8] = b"rayscope scene 1";
 
+#[cfg(target_endian = "big")]
+compile_error!("numbers are hashed as they lie in memory, which must be little-endian");
+
 /// SHA-256 over all that a recording depends on: geometry, materials, textures and lights, each
-/// array preceded by its length. Names, cameras and notices do not count. All numbers are hashed in
-/// little-endian order, so every machine gets the same.
+/// array preceded by its length. Names, cameras and notices do not count.
 pub fn content_hash(scene: &Scene) -> [u8; 32] {
     let mut hasher = Hasher(Sha256::new());
     hasher.0.update(DOMAIN);
-    hasher.rows(&scene.positions, f32::to_le_bytes);
-    hasher.rows(&scene.normals, f32::to_le_bytes);
-    hasher.rows(&scene.uvs, f32::to_le_bytes);
-    hasher.rows(&scene.triangles, u32::to_le_bytes);
-    hasher.length(scene.triangle_materials.len());
-    hasher.words(&scene.triangle_materials, u32::to_le_bytes);
+    hasher.array(&scene.positions);
+    hasher.array(&scene.normals);
+    hasher.array(&scene.uvs);
+    hasher.array(&scene.triangles);
+    hasher.array(&scene.triangle_materials);
     hasher.length(scene.materials.len());
     for material in &scene.materials {
         hasher.material(material);
     }
     hasher.length(scene.textures.len());
     for Texture { width, height, rgba } in &scene.textures {
-        hasher.words(&[*width, *height], u32::to_le_bytes);
-        hasher.length(rgba.len());
-        hasher.0.update(rgba.as_flattened());
+        hasher.values(&[*width, *height]);
+        hasher.array(rgba);
     }
     hasher.length(scene.lights.len());
     for light in &scene.lights {
@@ -43,32 +44,14 @@ impl Hasher {
         self.0.update((length as u64).to_le_bytes());
     }
 
-    /// An array of rows, with its length.
-    fn rows<T: Copy, const N: usize>(&mut self, rows: &[[T; N]], bytes: fn(T) -> [u8; 4]) {
-        self.length(rows.len());
-        self.words(rows.as_flattened(), bytes);
+    fn values<T: NoUninit>(&mut self, values: &[T]) {
+        self.0.update(bytemuck::cast_slice::<T, u8>(values));
     }
 
-    fn words<T: Copy>(&mut self, words: &[T], bytes: fn(T) -> [u8; 4]) {
-        /// Words are turned into bytes in pieces that stay in the cache.
-        const WORDS_AT_A_TIME: usize = 4096;
-
-        let mut buffer = [[0; 4]; WORDS_AT_A_TIME];
-        for words in words.chunks(WORDS_AT_A_TIME) {
-            for (bytes_of_word, &word) in buffer.iter_mut().zip(words) {
-                *bytes_of_word = bytes(word);
-            }
-            self.0.update(buffer[..words.len()].as_flattened());
-        }
-    }
-
-    fn floats(&mut self, floats: &[f32]) {
-        self.words(floats, f32::to_le_bytes);
-    }
-
-    /// A number that says which variant follows.
-    fn tag(&mut self, tag: u8) {
-        self.0.update([tag]);
+    /// Values with their number before them.
+    fn array<T: NoUninit>(&mut self, values: &[T]) {
+        self.length(values.len());
+        self.values(values);
     }
 
     fn material(&mut self, material: &Material) {
@@ -82,48 +65,44 @@ impl Hasher {
             alpha_cutoff,
             alpha,
         } = material;
-        self.floats(base_color);
-        self.tag(u8::from(base_color_texture.is_some()));
-        self.words(&[base_color_texture.unwrap_or(0)], u32::to_le_bytes);
-        self.floats(&[*metallic, *roughness, *alpha]);
-        self.floats(emission);
-        self.tag(u8::from(alpha_cutoff.is_some()));
-        self.floats(&[alpha_cutoff.unwrap_or(0.0)]);
+        self.values(base_color);
+        self.values(&[u8::from(base_color_texture.is_some())]);
+        self.values(&[base_color_texture.unwrap_or(0)]);
+        self.values(&[*metallic, *roughness, *alpha]);
+        self.values(emission);
+        self.values(&[u8::from(alpha_cutoff.is_some())]);
+        self.values(&[alpha_cutoff.unwrap_or(0.0)]);
     }
 
+    /// A number that says which kind of light follows, and the light.
     fn light(&mut self, light: &Light) {
         match light {
             Light::Sphere { position, radius, intensity } => {
-                self.tag(0);
-                self.floats(position);
-                self.floats(&[*radius]);
-                self.floats(intensity);
+                self.values(&[0_u8]);
+                self.values(position);
+                self.values(&[*radius]);
+                self.values(intensity);
             }
             Light::Point { position, intensity } => {
-                self.tag(1);
-                self.floats(position);
-                self.floats(intensity);
+                self.values(&[1_u8]);
+                self.values(&[*position, *intensity]);
             }
             Light::Spot { position, direction, intensity, inner_cone_cos, outer_cone_cos } => {
-                self.tag(2);
-                self.floats(position);
-                self.floats(direction);
-                self.floats(intensity);
-                self.floats(&[*inner_cone_cos, *outer_cone_cos]);
+                self.values(&[2_u8]);
+                self.values(&[*position, *direction, *intensity]);
+                self.values(&[*inner_cone_cos, *outer_cone_cos]);
             }
             Light::Directional { direction, irradiance } => {
-                self.tag(3);
-                self.floats(direction);
-                self.floats(irradiance);
+                self.values(&[3_u8]);
+                self.values(&[*direction, *irradiance]);
             }
             Light::Emissive { first_triangle, triangle_count } => {
-                self.tag(4);
-                self.words(&[*first_triangle, *triangle_count], u32::to_le_bytes);
+                self.values(&[4_u8]);
+                self.values(&[*first_triangle, *triangle_count]);
             }
             Light::Environment(crate::Environment { zenith, nadir }) => {
-                self.tag(5);
-                self.floats(zenith);
-                self.floats(nadir);
+                self.values(&[5_u8]);
+                self.values(&[*zenith, *nadir]);
             }
         }
     }

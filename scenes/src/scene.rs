@@ -43,15 +43,10 @@ impl Scene {
         Self {
             name,
             positions,
-            normals: Vec::new(),
-            uvs: Vec::new(),
             triangle_materials: vec![0; triangles.len()],
             triangles,
             materials: vec![Material::default()],
-            textures: Vec::new(),
-            lights: Vec::new(),
-            cameras: Vec::new(),
-            notices: Vec::new(),
+            ..Self::default()
         }
     }
 

@@ -2,10 +2,7 @@
 
 use obvhs::bvh2::Bvh2;
 
-use super::{
-    Bvh, Bvh2Node,
-    boxes::{Boxes, union},
-};
+use super::{Bvh, Bvh2Node, boxes::Boxes};
 use crate::bounds::Bounds;
 
 /// Lays the tree out so that a node's first child and what is below it follow the pair that it is
@@ -43,21 +40,15 @@ fn fit_boxes(nodes: &mut [Bvh2Node], order: &[u32], boxes: &Boxes) {
         let node = nodes[index];
         let first = node.first as usize;
         let bounds = if node.count > 0 {
-            let triangles = &order[first..first + node.count as usize];
-            triangles
-                .iter()
-                .fold(Bounds::EMPTY, |all, &triangle| union(&all, &boxes.padded[triangle as usize]))
+            boxes.around(&order[first..first + node.count as usize])
         } else if index == 1 {
             continue; // The unused node.
         } else {
-            union(&bounds_of(&nodes[first]), &bounds_of(&nodes[first + 1]))
+            let [a, b] =
+                [first, first + 1].map(|child| Bounds { min: nodes[child].min, max: nodes[child].max });
+            a.union(&b)
         };
         nodes[index].min = bounds.min;
         nodes[index].max = bounds.max;
     }
-}
-
-/// A node's box.
-pub(super) fn bounds_of(node: &Bvh2Node) -> Bounds {
-    Bounds { min: node.min, max: node.max }
 }

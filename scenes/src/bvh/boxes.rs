@@ -39,6 +39,14 @@ pub(super) struct Boxes {
     pub magnitude: f64,
 }
 
+impl Boxes {
+    /// The box around some triangles, padded.
+    pub(super) fn around(&self, triangles: &[u32]) -> Bounds {
+        let boxes = triangles.iter().map(|&triangle| &self.padded[triangle as usize]);
+        boxes.fold(Bounds::EMPTY, |all, one| all.union(one))
+    }
+}
+
 /// Checks a scene's triangles and finds their boxes.
 pub(super) fn padded(scene: &Scene) -> Result<Boxes, BvhError> {
     let count = scene.triangles.len();
@@ -70,14 +78,9 @@ pub(super) fn padded(scene: &Scene) -> Result<Boxes, BvhError> {
     Ok(Boxes { padded, magnitude })
 }
 
-/// Exact bounds of a triangle.
-pub(super) fn exact_box(corners: &[[f32; 3]; 3]) -> Bounds {
-    Bounds::of(corners)
-}
-
 /// Bounds of a triangle, moved outward by the padding and then to the next f32 beyond.
 fn padded_box(corners: &[[f32; 3]; 3], magnitude: f64) -> Bounds {
-    let exact = exact_box(corners);
+    let exact = Bounds::of(corners);
     let extent = [0, 1, 2].map(|axis| f64::from(exact.max[axis]) - f64::from(exact.min[axis]));
     let pad = extent.into_iter().fold(0.0, f64::max) * PAD_OF_EXTENT + magnitude * PAD_OF_MAGNITUDE;
     Bounds {
@@ -95,12 +98,4 @@ pub(super) fn f32_below(value: f64) -> f32 {
 /// The smallest f32 that is greater than `value`, which must be well inside the range of f32.
 pub(super) fn f32_above(value: f64) -> f32 {
     -f32_below(-value)
-}
-
-/// The smallest box around two.
-pub(super) fn union(a: &Bounds, b: &Bounds) -> Bounds {
-    Bounds {
-        min: [0, 1, 2].map(|axis| a.min[axis].min(b.min[axis])),
-        max: [0, 1, 2].map(|axis| a.max[axis].max(b.max[axis])),
-    }
 }

@@ -1,32 +1,11 @@
 //! Hierarchies over many shapes of scenes, held against what traversal relies on.
 
 use super::*;
-use crate::{Camera, Material};
 
 /// A scene of triangles that share no corners.
 pub(super) fn scene_of(triangles: &[[[f32; 3]; 3]]) -> Scene {
-    Scene {
-        name: "test".into(),
-        positions: triangles.iter().flatten().copied().collect(),
-        normals: Vec::new(),
-        uvs: Vec::new(),
-        triangles: (0..triangles.len() as u32)
-            .map(|index| [0, 1, 2].map(|corner| 3 * index + corner))
-            .collect(),
-        triangle_materials: vec![0; triangles.len()],
-        materials: vec![Material::default()],
-        textures: Vec::new(),
-        lights: Vec::new(),
-        cameras: vec![Camera {
-            name: "test".into(),
-            eye: [0.0; 3],
-            forward: [0.0, 0.0, -1.0],
-            right: [1.0, 0.0, 0.0],
-            up: [0.0, 1.0, 0.0],
-            yfov_radians: 1.0,
-        }],
-        notices: Vec::new(),
-    }
+    let corners = (0..triangles.len() as u32).map(|index| [0, 1, 2].map(|corner| 3 * index + corner));
+    Scene::of_geometry("test".into(), triangles.as_flattened().to_vec(), corners.collect())
 }
 
 /// Small triangles anywhere in the unit cube.

@@ -90,7 +90,7 @@ pub(super) fn find(boxes: &Boxes, kind: BvhKind) -> Bvh2 {
 /// one pair per pass where all costs are equal or grow along the curve (a heap or a row of equal boxes, a
 /// mesh scaled to a point), which would take quadratic time and make a list of the tree.
 fn in_unit_cube(boxes: &[Bounds]) -> Vec<Aabb> {
-    let scene = boxes.par_iter().copied().reduce(|| Bounds::EMPTY, |a, b| super::boxes::union(&a, &b));
+    let scene = boxes.par_iter().copied().reduce(|| Bounds::EMPTY, |a, b| a.union(&b));
     let min = scene.min.map(f64::from);
     let extent = [0, 1, 2].map(|axis| f64::from(scene.max[axis]) - min[axis]);
     // Padded boxes are never empty, so neither is the scene's.

@@ -1,11 +1,9 @@
 //! What traversal relies on, checked after building and after loading: kernels then need no
 //! bounds checks of their own.
 
-use super::{
-    BVH2_STACK, Bvh, Bvh2Node, CWBVH_STACK, CwbvhNode,
-    boxes::{exact_box, union},
-    node::Child,
-};
+use std::ops::Range;
+
+use super::{BVH2_STACK, Bvh, Bvh2Node, CWBVH_STACK, CwbvhNode, node::Child};
 use crate::{Scene, bounds::Bounds};
 
 /// Most triangles in a leaf of a [`Bvh2Node`]; a stack entry keeps the count in four bits.
@@ -42,23 +40,28 @@ pub enum Defect {
 /// The first [`Defect`] found.
 pub fn validate(bvh: &Bvh, scene: &Scene) -> Result<(), Defect> {
     check_order(bvh.order(), scene.triangles.len())?;
-    let bounds = |slot: u32| exact_box(&scene.corners(bvh.order()[slot as usize] as usize));
-    let below = match bvh {
+    let around = |slots: Range<u32>| {
+        let corners = slots.map(|slot| scene.corners(bvh.order()[slot as usize] as usize));
+        corners.fold(Bounds::EMPTY, |all, corners| all.union(&Bounds::of(&corners)))
+    };
+    let nodes = match bvh {
         Bvh::Bvh2 { nodes, order } => {
             let tree = |index: usize| bvh2_children(&nodes[index]);
-            check_tree(nodes.len(), order.len(), BVH2_STACK, Some(1), tree)?
+            check_tree(nodes.len(), order.len(), BVH2_STACK, Some(1), tree)?;
+            nodes.len()
         }
         Bvh::Cwbvh { nodes, order } => {
             let tree = |index: usize| cwbvh_children(&nodes[index]);
-            check_tree(nodes.len(), order.len(), CWBVH_STACK, None, tree)?
+            check_tree(nodes.len(), order.len(), CWBVH_STACK, None, tree)?;
+            nodes.len()
         }
     };
     // From the back, so that what is below a node has been seen before the node.
-    let mut exact = vec![Bounds::EMPTY; below.nodes];
-    for index in (0..below.nodes).rev() {
+    let mut exact = vec![Bounds::EMPTY; nodes];
+    for index in (0..nodes).rev() {
         let holds_all = match bvh {
-            Bvh::Bvh2 { nodes, .. } => check_bvh2_box(index, nodes, &mut exact, bounds),
-            Bvh::Cwbvh { nodes, .. } => check_cwbvh_boxes(index, nodes, &mut exact, bounds),
+            Bvh::Bvh2 { nodes, .. } => check_bvh2_box(index, nodes, &mut exact, around),
+            Bvh::Cwbvh { nodes, .. } => check_cwbvh_boxes(index, nodes, &mut exact, around),
         };
         if !holds_all {
             return Err(Defect::Box { node: index });
@@ -100,20 +103,15 @@ fn cwbvh_children(node: &CwbvhNode) -> Children {
     std::array::from_fn(|slot| node.child(slot))
 }
 
-/// What [`check_tree`] found to be true.
-struct Tree {
-    /// Number of nodes, all children after their parents.
-    nodes: usize,
-}
-
-/// Walks the tree from its root: every reference in range, everything reached once.
+/// Walks the tree from its root: every reference in range, everything reached once, children after their
+/// parents.
 fn check_tree(
     nodes: usize,
     slots: usize,
     limit: usize,
     unused: Option<usize>,
     children: impl Fn(usize) -> Children,
-) -> Result<Tree, Defect> {
+) -> Result<(), Defect> {
     if nodes == 0 {
         return Err(Defect::Reference { node: 0 });
     }
@@ -160,7 +158,7 @@ fn check_tree(
     if seen_slots < slots || is_node_seen.contains(&false) {
         return Err(Defect::Shared { node: nodes });
     }
-    Ok(Tree { nodes })
+    Ok(())
 }
 
 /// Whether `outer` holds `inner` with room to spare on every side.
@@ -174,16 +172,16 @@ fn check_bvh2_box(
     index: usize,
     nodes: &[Bvh2Node],
     exact: &mut [Bounds],
-    bounds: impl Fn(u32) -> Bounds,
+    around: impl Fn(Range<u32>) -> Bounds,
 ) -> bool {
     let node = &nodes[index];
     if index == 1 {
         return true; // The unused node.
     }
     exact[index] = if node.count > 0 {
-        (node.first..node.first + node.count).fold(Bounds::EMPTY, |all, slot| union(&all, &bounds(slot)))
+        around(node.first..node.first + node.count)
     } else {
-        union(&exact[node.first as usize], &exact[node.first as usize + 1])
+        exact[node.first as usize].union(&exact[node.first as usize + 1])
     };
     holds([node.min.map(f64::from), node.max.map(f64::from)], &exact[index])
 }
@@ -192,16 +190,14 @@ fn check_cwbvh_boxes(
     index: usize,
     nodes: &[CwbvhNode],
     exact: &mut [Bounds],
-    bounds: impl Fn(u32) -> Bounds,
+    around: impl Fn(Range<u32>) -> Bounds,
 ) -> bool {
     let node = &nodes[index];
     let mut all = Bounds::EMPTY;
     for slot in 0..8 {
         let below = match node.child(slot) {
             Child::Inner(child) => exact[child as usize],
-            Child::Leaf { first, count } => {
-                (first..first + count).fold(Bounds::EMPTY, |all, slot| union(&all, &bounds(slot)))
-            }
+            Child::Leaf { first, count } => around(first..first + count),
             Child::Empty | Child::Broken => continue,
         };
         let plane = |axis: usize, side: usize| {
@@ -211,7 +207,7 @@ fn check_cwbvh_boxes(
         if !holds([[0, 1, 2].map(|axis| plane(axis, 0)), [0, 1, 2].map(|axis| plane(axis, 1))], &below) {
             return false;
         }
-        all = union(&all, &below);
+        all = all.union(&below);
     }
     exact[index] = all;
     true

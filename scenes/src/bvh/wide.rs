@@ -12,7 +12,7 @@ use obvhs::{bvh2::Bvh2, cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh};
 
 use super::{
     Bvh, CwbvhNode,
-    boxes::{Boxes, f32_below, union},
+    boxes::{Boxes, f32_below},
     node::Child,
     topology::PARAMETERS,
 };
@@ -42,12 +42,10 @@ pub(super) fn flatten(tree: Bvh2, boxes: &Boxes) -> Bvh {
     for index in (0..nodes.len()).rev() {
         let children: [Bounds; 8] = std::array::from_fn(|slot| match nodes[index].child(slot) {
             Child::Inner(child) => bounds[child as usize],
-            Child::Leaf { first, count } => order[first as usize..(first + count) as usize]
-                .iter()
-                .fold(Bounds::EMPTY, |all, &triangle| union(&all, &boxes.padded[triangle as usize])),
+            Child::Leaf { first, count } => boxes.around(&order[first as usize..(first + count) as usize]),
             Child::Empty | Child::Broken => Bounds::EMPTY,
         });
-        bounds[index] = children.iter().fold(Bounds::EMPTY, |all, child| union(&all, child));
+        bounds[index] = children.iter().fold(Bounds::EMPTY, |all, child| all.union(child));
         quantise(&mut nodes[index], &children, &bounds[index], smallest_exponent);
     }
     Bvh::Cwbvh { nodes, order }

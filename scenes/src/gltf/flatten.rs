@@ -12,14 +12,12 @@ use super::materials;
 use super::nodes::{self, PlacedNode};
 use super::notices::Notices;
 use super::primitive::{self, LIMIT, LocalMesh};
-use crate::bvh::{HIERARCHY_BYTES_PER_TRIANGLE, TRIANGLE_LIMIT};
+use crate::bvh::{BYTES_PER_TRIANGLE, TRIANGLE_LIMIT};
 use crate::memory;
-
-/// What a triangle takes at least, in bytes: three indices, a material, and its share of the hierarchy.
-const BYTES_PER_TRIANGLE: u64 = 16 + HIERARCHY_BYTES_PER_TRIANGLE;
 
 /// The triangles of the whole scene. `normals` are as in [`crate::Scene`]; `uvs` end with the last
 /// vertex that has any.
+#[derive(Default)]
 pub(super) struct Flat {
     pub(super) positions: Vec<[f32; 3]>,
     pub(super) normals: Vec<[f32; 3]>,
@@ -206,15 +204,7 @@ impl Placement {
 
 impl Flat {
     fn new(materials: usize) -> Self {
-        Self {
-            positions: Vec::new(),
-            normals: Vec::new(),
-            uvs: Vec::new(),
-            triangles: Vec::new(),
-            triangle_materials: Vec::new(),
-            ranges: Vec::new(),
-            material_is_used: vec![false; materials + 1],
-        }
+        Self { material_is_used: vec![false; materials + 1], ..Self::default() }
     }
 
     /// Makes room for all primitives: at most `limit` vertices and as many triangles, in `free` bytes.
