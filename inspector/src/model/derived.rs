@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use formats::manifest::{Place, QueueArray, QueueId};
-use formats::reader::Mapped;
+use formats::reader::Loaded;
 use rayon::prelude::*;
 
 use super::absent::Absent;
@@ -233,7 +233,7 @@ impl Context {
         let make = move || {
             let ray = |queue: QueueId| {
                 // A queue whose paths were not kept says nothing of any.
-                let paths: Mapped<u32> = dump.array(&Place::Queue(queue, QueueArray::PathIds)).ok()?;
+                let paths: Loaded<u32> = dump.array(&Place::Queue(queue, QueueArray::PathIds)).ok()?;
                 Some((queue, paths.binary_search(&path).ok()?))
             };
             queues.into_iter().filter_map(ray).collect()
