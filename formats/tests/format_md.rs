@@ -11,7 +11,7 @@ use std::process::Command;
 use formats::manifest::{ArrayRecord, Record};
 use formats::reader::Dump;
 
-const READER_LINES_MAX: usize = 65;
+const READER_LINES_MAX: usize = 70;
 
 fn format_md() -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../FORMAT.md")).unwrap()

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "this is test code, although not in test functions")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -36,14 +37,23 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Runs a verb; after the second time it must be as steady as its timed section.
-fn watched<T>(backend: &mut CpuBackend, time: u32, verb: &str, run: impl FnOnce(&mut CpuBackend) -> T) -> T {
+/// Allocations and page faults of each verb: the fewest of all runs but the first two, since the system may take
+/// pages back at any time, while a section that allocates does so in every run.
+type Fewest = BTreeMap<String, [u64; 2]>;
+
+/// Runs a verb, whose preparation must be as steady as its timed section.
+fn watched<T>(
+    backend: &mut CpuBackend,
+    (run, fewest): (u32, &mut Fewest),
+    verb: &str,
+    work: impl FnOnce(&mut CpuBackend) -> T,
+) -> T {
     let before = ALLOCATIONS.load(Relaxed);
-    let value = run(backend);
+    let value = work(backend);
     let allocations = ALLOCATIONS.load(Relaxed) - before;
-    if time >= 2 {
-        assert_eq!(allocations, 0, "allocations of {verb}, run {time}");
-        assert_eq!(backend.sample().page_faults, 0, "page faults of {verb}, run {time}");
+    if run >= 2 {
+        let least = fewest.entry(verb.to_owned()).or_insert([u64::MAX; 2]);
+        *least = [least[0].min(allocations), least[1].min(backend.sample().page_faults)];
     }
     value
 }
@@ -68,50 +78,70 @@ fn no_timed_section_allocates_or_touches_memory_first() {
         let setup = Arc::new(recording::setup(&scene, &scene.cameras[0], &options).unwrap());
         let mut backend = CpuBackend::new(Arc::clone(&setup), Arc::new(CpuTracer::new(&scene, &bvh)));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-        pool.install(|| (0..4).for_each(|time| pass(&mut backend, &setup.methods, time)));
+        let mut fewest = Fewest::new();
+        pool.install(|| (0..5).for_each(|run| pass(&mut backend, &setup.methods, (run, &mut fewest))));
+        assert!(fewest.len() > 9 * 6, "{fewest:?}");
+        for (verb, least) in fewest {
+            assert_eq!(least, [0, 0], "allocations and page faults of {verb}");
+        }
     }
 }
 
 /// The verbs of a pass with two bounces, each as often as [`watched`] needs it: the same rays every time.
-fn pass(backend: &mut CpuBackend, methods: &[MethodPlan], time: u32) {
-    let mut rays = watched(backend, time, "generate", |backend| backend.generate(0).unwrap());
+fn pass(backend: &mut CpuBackend, methods: &[MethodPlan], (run, fewest): (u32, &mut Fewest)) {
+    let mut rays = watched(backend, (run, &mut *fewest), "generate", |backend| backend.generate(0).unwrap());
     for _ in 0..2 {
-        let hits = watched(backend, time, "trace", |backend| backend.trace(&rays, Order::Stored).unwrap());
-        orders(backend, methods, (&rays, &hits), time);
-        let shaded = watched(backend, time, "shade", |backend| backend.shade(&rays, &hits).unwrap());
+        let hits = watched(backend, (run, &mut *fewest), "trace", |backend| {
+            backend.trace(&rays, Order::Stored).unwrap()
+        });
+        orders(backend, methods, (&rays, &hits), (run, fewest));
+        let shaded =
+            watched(backend, (run, &mut *fewest), "shade", |backend| backend.shade(&rays, &hits).unwrap());
         let shadow = &shaded.shadow;
         assert!(!shadow.is_empty());
-        let occlusion = watched(backend, time, "trace of shadow rays", |backend| {
+        let occlusion = watched(backend, (run, &mut *fewest), "trace of shadow rays", |backend| {
             backend.trace(shadow, Order::Stored).unwrap()
         });
-        orders(backend, methods, (shadow, &occlusion), time);
-        watched(backend, time, "add_light", |backend| backend.add_light(shadow, &occlusion).unwrap());
+        orders(backend, methods, (shadow, &occlusion), (run, fewest));
+        watched(backend, (run, &mut *fewest), "add_light", |backend| {
+            backend.add_light(shadow, &occlusion).unwrap()
+        });
         rays = shaded.next;
     }
 }
 
 type Queued<'a> = (&'a <CpuBackend as Backend>::Rays, &'a <CpuBackend as Backend>::Hits);
 
-fn orders(backend: &mut CpuBackend, methods: &[MethodPlan], (rays, hits): Queued<'_>, time: u32) {
+fn orders(
+    backend: &mut CpuBackend,
+    methods: &[MethodPlan],
+    (rays, hits): Queued<'_>,
+    (run, fewest): (u32, &mut Fewest),
+) {
     for (number, method) in methods.iter().enumerate().filter(|(_, method)| method.applies_to(rays.id().kind))
     {
-        let name = |verb: &str| format!("{verb} for {}", method.name);
-        let keys = watched(backend, time, &name("key"), |backend| backend.key(rays, hits, number).unwrap());
-        let order = watched(backend, time, &name("sort"), |backend| backend.sort(&keys).unwrap());
-        let gathered =
-            watched(backend, time, &name("gather"), |backend| backend.gather(rays, &order).unwrap());
-        let found = watched(backend, time, &name("trace"), |backend| {
+        let name = |verb: &str| format!("{verb} of {} rays for {}", rays.id().kind, method.name);
+        let keys = watched(backend, (run, &mut *fewest), &name("key"), |backend| {
+            backend.key(rays, hits, number).unwrap()
+        });
+        let order =
+            watched(backend, (run, &mut *fewest), &name("sort"), |backend| backend.sort(&keys).unwrap());
+        let gathered = watched(backend, (run, &mut *fewest), &name("gather"), |backend| {
+            backend.gather(rays, &order).unwrap()
+        });
+        let found = watched(backend, (run, &mut *fewest), &name("trace"), |backend| {
             backend.trace(&gathered, Order::Stored).unwrap()
         });
-        let home =
-            watched(backend, time, &name("scatter"), |backend| backend.scatter(&found, &order).unwrap());
+        let home = watched(backend, (run, &mut *fewest), &name("scatter"), |backend| {
+            backend.scatter(&found, &order).unwrap()
+        });
         assert_eq!(backend.differences(hits, &home).unwrap(), 0, "{}", name("home"));
-        let found = watched(backend, time, &name("trace through indices"), |backend| {
+        let found = watched(backend, (run, &mut *fewest), &name("trace through indices"), |backend| {
             backend.trace(rays, Order::Indirect(&order)).unwrap()
         });
         assert_eq!(backend.differences(hits, &found).unwrap(), 0, "{}", name("indices"));
     }
-    watched(backend, time, "accumulate", |backend| {
+    watched(backend, (run, &mut *fewest), "accumulate", |backend| {
         backend.accumulate(rays, hits, Table::Scratch).unwrap();
     });
 }

@@ -12,8 +12,10 @@ use crate::npy::Dtype;
 use crate::ray::Kind;
 use crate::text::shown;
 
-/// Kinds of records that this version knows: the number of variants of [`Record`].
-pub(super) const RECORD_KINDS: u32 = 9;
+/// Kinds of records that a version of the format knows: the first variants of [`Record`].
+pub(super) fn record_kinds(version: u32) -> u32 {
+    if version < 3 { 7 } else { 9 }
+}
 
 /// Most records are shorter than this. What the decoded values may take, lists with false lengths
 /// included, is bounded by the length of the record: a short one cannot ask for much memory.

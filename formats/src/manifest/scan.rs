@@ -6,7 +6,7 @@ use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use super::check::REPEATS_MAX;
-use super::codec::{self, RECORD_KINDS};
+use super::codec;
 use super::{
     ArrayRecord, CacheRecord, DisturbedRecord, End, FORMAT_VERSION, FRAME_BYTES, Header, MAGIC, MethodRecord,
     OLDEST_VERSION, PREAMBLE_BYTES, QueueId, QueueRecord, RECORD_BYTES_MAX, Record, TimingRecord, WayRecord,
@@ -221,7 +221,7 @@ impl<'a, R: Read> Records<'a, R> {
             return Ok(Next::Damaged(Fault::Damaged { offset, problem }));
         }
         if let Some(kind) = payload.first_chunk().map(|kind| u32::from_le_bytes(*kind))
-            && kind >= RECORD_KINDS
+            && kind >= codec::record_kinds(self.version)
         {
             return Err(ManifestError::UnknownRecord { path: self.path.to_owned(), offset, kind });
         }
