@@ -21,18 +21,14 @@ pub struct Camera {
 
 /// Why a camera cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum CameraError {
-    /// A place or direction that is NaN or infinite.
     #[error("its eye or its direction is not finite")]
     NotFinite,
-    /// The eye is where it should look.
     #[error("its eye and its target are the same point, or its forward axis has no length")]
     NoForward,
-    /// Up is where it looks, or nothing.
     #[error("its up vector has no length or lies along the view direction")]
     NoUp,
-    /// A field of view that no pinhole has.
     #[error("its vertical field of view is {degrees}°, expected more than 0° and less than 180°")]
     FieldOfView { degrees: f32 },
 }

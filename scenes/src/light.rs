@@ -1,5 +1,7 @@
 //! Lights: what shadow rays are sent to.
 
+use serde::Deserialize;
+
 use crate::bounds::Bounds;
 
 /// One light. Radiometric values are linear RGB.
@@ -53,7 +55,8 @@ pub enum Light {
 }
 
 /// A sky: radiance mixed linearly by the height of the direction, `y` up.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Environment {
     /// Radiance straight up, W/(sr·m²), linear RGB.
     pub zenith: [f32; 3],

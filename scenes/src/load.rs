@@ -19,27 +19,22 @@ const BUILTIN_PREFIX: &str = "builtin:";
 
 /// Why there is no scene.
 #[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum LoadError {
     /// No such file, one that may not be read, or a folder or device.
     #[error("cannot read {}", shown_path(path))]
     Read { path: PathBuf, source: io::Error },
-    /// A file of no bytes.
     #[error("{} is empty, expected a glTF or GLB file", shown_path(path))]
     Empty { path: PathBuf },
-    /// A file of another format.
     #[error(
         "{} is not a scene, expected a name that ends in .gltf or .glb, or builtin:NAME",
         shown_path(path)
     )]
     UnknownFormat { path: PathBuf },
-    /// Something wrong inside the file.
     #[error("cannot load {}", shown_path(path))]
     Gltf { path: PathBuf, source: GltfError },
-    /// Something wrong inside the sidecar.
     #[error("cannot use the sidecar {}", shown_path(path))]
     Sidecar { path: PathBuf, source: SidecarError },
-    /// No camera in the file, and none can be made.
     #[error(
         "{} has no camera and none can be made for it; give it one in {}",
         shown_path(path),
@@ -49,7 +44,6 @@ pub enum LoadError {
     /// No such built-in scene, or not of this size.
     #[error(transparent)]
     Builtin(#[from] BuiltinError),
-    /// A built-in scene with something odd behind its name.
     #[error(
         "\"{}\" is not a parameter of a built-in scene, expected triangles=N, as in builtin:atrium?triangles=100000",
         shown(parameter)

@@ -44,18 +44,15 @@ pub struct Sidecar {
 /// Why a sidecar was refused. Each message is the rest of a sentence that names the file. Lines,
 /// cameras and lights are counted from 1.
 #[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum SidecarError {
-    /// It cannot be read.
     #[error("it cannot be read")]
     Read { source: io::Error },
     /// It is not TOML, or has keys or values that a sidecar does not have.
     #[error("line {line}: {}", shown(message))]
     Line { line: usize, message: String },
-    /// A camera that cannot be.
     #[error("camera {number} (\"{}\")", shown(name))]
     Camera { number: usize, name: String, source: CameraError },
-    /// A light or sky that cannot be.
     #[error("{what} has {field} {found}, expected {expected}")]
     Light { what: String, field: &'static str, found: String, expected: &'static str },
 }
@@ -67,7 +64,7 @@ struct Entries {
     camera: Vec<CameraEntry>,
     #[serde(default)]
     light: Vec<LightEntry>,
-    environment: Option<EnvironmentEntry>,
+    environment: Option<Environment>,
 }
 
 #[derive(Deserialize)]
@@ -86,13 +83,6 @@ struct LightEntry {
     position: [f32; 3],
     radius: f32,
     intensity: [f32; 3],
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct EnvironmentEntry {
-    zenith: [f32; 3],
-    nadir: [f32; 3],
 }
 
 /// Where the sidecar of a scene file is, should it have one.
@@ -133,7 +123,7 @@ pub fn parse(text: &str) -> Result<Sidecar, SidecarError> {
     Ok(Sidecar {
         cameras: cameras.collect::<Result<_, _>>()?,
         lights: lights.collect::<Result<_, _>>()?,
-        environment: entries.environment.as_ref().map(sky).transpose()?,
+        environment: entries.environment.map(checked_sky).transpose()?,
     })
 }
 
@@ -155,15 +145,14 @@ fn sphere(number: usize, entry: &LightEntry) -> Result<Light, SidecarError> {
     Ok(Light::Sphere { position, radius, intensity })
 }
 
-fn sky(entry: &EnvironmentEntry) -> Result<Environment, SidecarError> {
-    let &EnvironmentEntry { zenith, nadir } = entry;
-    for (field, radiance) in [("zenith", zenith), ("nadir", nadir)] {
+fn checked_sky(sky: Environment) -> Result<Environment, SidecarError> {
+    for (field, radiance) in [("zenith", sky.zenith), ("nadir", sky.nadir)] {
         if !radiance.iter().all(|channel| channel.is_finite() && *channel >= 0.0) {
             let (what, found) = ("the environment".into(), format!("{radiance:?}"));
             return Err(SidecarError::Light { what, field, found, expected: "finite numbers of at least 0" });
         }
     }
-    Ok(Environment { zenith, nadir })
+    Ok(sky)
 }
 
 const LIGHT: &str = "finite numbers of at least 0, one of them above";

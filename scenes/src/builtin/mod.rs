@@ -41,17 +41,14 @@ pub struct BuiltinInfo {
 
 /// Why a built-in scene was not built.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum BuiltinError {
-    /// There is no such scene.
     #[error("there is no built-in scene \"{}\"; there are: {known}", shown(name))]
     UnknownName { name: String, known: String },
-    /// It cannot have as many triangles as were asked for, or none.
     #[error(
         "builtin:{name} cannot have {asked} triangles, expected {least} to {most}; ask for another count"
     )]
     TriangleCount { name: &'static str, asked: u64, least: u64, most: u64 },
-    /// The scene would not fit into memory.
     #[error("builtin:{name} with {asked} triangles: {source}; ask for fewer")]
     Memory { name: &'static str, asked: u64, source: Shortage },
 }

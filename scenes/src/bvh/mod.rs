@@ -92,9 +92,8 @@ impl Bvh {
 
 /// Why a scene has no hierarchy.
 #[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum BvhError {
-    /// There is nothing to build it over.
     #[error("the scene \"{}\" has no triangles; a hierarchy needs at least one", shown(scene))]
     NoTriangles { scene: String },
     /// Leaf slots are numbered with 28 bits.
@@ -103,7 +102,6 @@ pub enum BvhError {
         shown(scene)
     )]
     TooManyTriangles { scene: String, found: usize },
-    /// It would not fit into memory.
     #[error(
         "there is no room to build a hierarchy of the {triangles} triangles of \"{}\"; simplify the scene",
         shown(scene)

@@ -11,23 +11,20 @@ const LEAF_LIMIT: u32 = 15;
 
 /// What is wrong with a hierarchy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum Defect {
     /// The leaf slots do not number the scene's triangles; `slot` is their number if that is wrong.
     #[error(
         "leaf slot {slot} holds triangle {triangle}, which is out of range or in another slot as well ({slots} slots for {triangles} triangles)"
     )]
     Order { slot: usize, triangle: u32, slots: usize, triangles: usize },
-    /// A child, or a leaf's range, does not exist.
     #[error("node {node} refers to something that does not exist or cannot be there")]
     Reference { node: usize },
     /// A node or leaf slot is reached by two ways, or by none; then `node` is the number of nodes.
     #[error("node {node} or what is in it is reached more than once, or not at all")]
     Shared { node: usize },
-    /// The traversal stack would overflow.
     #[error("node {node} is more than {limit} levels below the root")]
     Depth { node: usize, limit: usize },
-    /// A box does not hold what is below it.
     #[error("the box of node {node} does not hold everything below it")]
     Box { node: usize },
 }

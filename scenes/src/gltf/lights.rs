@@ -45,7 +45,7 @@ fn convert(
     placed: &PlacedNode,
     description: &dyn Fn() -> String,
 ) -> Result<Light, GltfError> {
-    let refuse = |field, found, expected| GltfError::Light { light: description(), field, found, expected };
+    let refuse = |field, found, expected| GltfError::Value { what: description(), field, found, expected };
     let intensity = json.color.map(|channel| channel * json.intensity);
     if !intensity.iter().all(|channel| channel.is_finite() && *channel >= 0.0) {
         let found = format!("{:?} times {}", json.color, json.intensity);

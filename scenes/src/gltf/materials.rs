@@ -147,13 +147,11 @@ fn note_what_is_ignored(document: &Document, json: &JsonMaterial, notices: &mut 
 
 /// A material without its textures (glTF 2.0 §3.9 and `KHR_materials_emissive_strength`).
 fn convert(index: usize, json: &JsonMaterial) -> Result<Material, GltfError> {
+    let refuse = |field, found, expected| {
+        Err(GltfError::Value { what: describe(index, json), field, found, expected })
+    };
     let Checked::Valid(alpha_mode) = json.alpha_mode else {
-        return Err(GltfError::Material {
-            material: describe(index, json),
-            field: "an alpha mode",
-            found: "that glTF does not have".into(),
-            expected: "OPAQUE, MASK or BLEND",
-        });
+        return refuse("an alpha mode", "that glTF does not have".into(), "OPAQUE, MASK or BLEND");
     };
     let factors = &json.pbr_metallic_roughness;
     let [red, green, blue, alpha] = factors.base_color_factor.0.map(|factor| factor.clamp(0.0, 1.0));
@@ -161,12 +159,7 @@ fn convert(index: usize, json: &JsonMaterial) -> Result<Material, GltfError> {
     let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
     let emission = json.emissive_factor.0.map(|factor| factor * strength);
     if !emission.iter().all(|channel| channel.is_finite() && *channel >= 0.0) {
-        return Err(GltfError::Material {
-            material: describe(index, json),
-            field: "the emission",
-            found: format!("{emission:?}"),
-            expected: "finite numbers of at least 0",
-        });
+        return refuse("the emission", format!("{emission:?}"), "finite numbers of at least 0");
     }
     let cutoff = json.alpha_cutoff.unwrap_or_default().0;
     Ok(Material {
