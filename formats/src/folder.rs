@@ -92,13 +92,13 @@ pub(crate) enum Foreign {
 #[derive(Debug, Default)]
 pub(crate) struct Contents {
     /// Paths from the folder.
-    files: Vec<PathBuf>,
+    pub(crate) files: Vec<PathBuf>,
     /// Likewise, each after the one that it lies in.
-    folders: Vec<PathBuf>,
+    pub(crate) folders: Vec<PathBuf>,
 }
 
 impl Contents {
-    fn of(root: &Path) -> io::Result<Self> {
+    pub(crate) fn of(root: &Path) -> io::Result<Self> {
         let mut contents = Self::default();
         let mut open = vec![PathBuf::new()];
         while let Some(folder) = open.pop() {

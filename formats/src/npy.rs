@@ -136,19 +136,14 @@ macro_rules! elements {
 
 elements!(f32 => F4, u32 => U4, u64 => U8, u8 => U1, Ray => Ray, Hit => Hit, Work => Work, LengthCell => Cell, MaterialMask => Mask);
 
-impl Element for [f32; 2] {
+impl<const N: usize> Element for [f32; N] {
     const DTYPE: Dtype = Dtype::F4;
-    const COLUMNS: u64 = 2;
+    const COLUMNS: u64 = N as u64;
 }
 
-impl Element for [f32; 3] {
-    const DTYPE: Dtype = Dtype::F4;
-    const COLUMNS: u64 = 3;
-}
-
-impl Element for [u32; 3] {
+impl<const N: usize> Element for [u32; N] {
     const DTYPE: Dtype = Dtype::U4;
-    const COLUMNS: u64 = 3;
+    const COLUMNS: u64 = N as u64;
 }
 
 /// What an NPY header says.
@@ -164,27 +159,20 @@ pub struct NpyHeader {
 
 /// Why bytes are not an NPY header that a dump can hold.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum NpyError {
-    /// The first six bytes are not NumPy's.
     #[error("the file does not start with NumPy's magic bytes")]
     Magic,
-    /// A version other than 1.0, 2.0 and 3.0.
     #[error("NPY version {major}.{minor} is unknown; expected 1.0, 2.0 or 3.0")]
     Version { major: u8, minor: u8 },
-    /// The header ends before its own length says.
     #[error("the NPY header says it is {expected} bytes long, but only {found} were found")]
     Truncated { found: usize, expected: usize },
-    /// The header is longer than any header of a dump.
     #[error("the NPY header says it is {found} bytes long; expected at most {HEADER_BYTES_MAX}")]
     TooLong { found: usize },
-    /// The text is not what NumPy writes.
     #[error("the NPY header is not a dictionary of plain characters, as NumPy writes it")]
     Text,
-    /// A key is missing, or holds something else than it should.
     #[error("the NPY header's '{key}' is missing or wrong; expected {expected}")]
     Entry { key: &'static str, expected: &'static str },
-    /// An element type that dumps do not have.
     #[error("the element type {} is none that a recording holds", shown(found))]
     Dtype { found: String },
 }

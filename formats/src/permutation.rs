@@ -2,21 +2,16 @@
 
 /// What is wrong with a permutation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum PermutationError {
-    /// As many places as rays.
     #[error("the permutation has {found} places, expected {expected}")]
     Length { found: usize, expected: usize },
-    /// An index at or past the number of rays.
     #[error("place {place} holds ray {ray}, but there are only {rays} rays")]
     OutOfRange { place: usize, ray: u32, rays: usize },
-    /// A ray that stands at two places.
     #[error("ray {ray} stands at place {place} and at an earlier one")]
     Repeated { place: usize, ray: u32 },
-    /// A key smaller than the one before it.
     #[error("the key at place {place} is smaller than the one before it")]
     Descending { place: usize },
-    /// Equal keys out of canonical order.
     #[error("place {place} breaks a tie against canonical order")]
     Unstable { place: usize },
 }

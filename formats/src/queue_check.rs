@@ -24,9 +24,8 @@ pub struct QueueRays<'a> {
 
 /// What is wrong with a queue.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum QueueFault {
-    /// An array that has another length than the queue has rays.
     #[error("{queue}/{}.npy has {found} entries, but the queue has {expected} rays", array.name())]
     Count { queue: QueueId, array: QueueArray, found: u64, expected: u64 },
     /// An entry that nothing can be traced or looked up with.

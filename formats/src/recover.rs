@@ -15,37 +15,32 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use crate::array_file;
-use crate::folder::{self, NEW_MANIFEST};
+use crate::folder::{self, Contents, NEW_MANIFEST};
 use crate::key::method::WITHOUT_KEY;
 use crate::manifest::scan::salvage;
 use crate::manifest::{self, ArrayRecord, End, Fault, ManifestError, Outcome, Place, Record, encode_frame};
 
 /// Why nothing could be recovered.
 #[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum RecoverError {
-    /// There is no such folder.
     #[error("there is no recording {}, and no .partial folder of that name", path.display())]
     Missing { path: PathBuf },
     /// The manifest has no header, or nothing after it was complete.
     #[error("nothing was complete yet in {}, so there is nothing to recover", path.display())]
     Nothing { path: PathBuf },
-    /// Nothing of what the manifest names is whole.
     #[error("nothing is whole in {}, so there is nothing to recover: {first}", path.display())]
     Damaged { path: PathBuf, first: String },
     /// Something else in the place of the manifest, such as a link that may lead out of the folder.
     #[error("{} is not a plain file, so that it is not written to", path.display())]
     NotPlain { path: PathBuf },
-    /// The recorder has not ended.
     #[error("{} is being written by another process; wait until it ends", path.display())]
     Busy { path: PathBuf },
-    /// The name that the dump would get is taken.
     #[error("{} exists already; rename {} to another NAME.raydump.partial first", dump.display(), partial.display())]
     Exists { dump: PathBuf, partial: PathBuf },
     /// The manifest is not one of this version.
     #[error(transparent)]
     Manifest(#[from] ManifestError),
-    /// The system refused something.
     #[error("cannot {action} {}: {cause}; nothing is lost, so run recover again when that is mended", path.display())]
     Io { action: &'static str, path: PathBuf, cause: io::Error },
 }
@@ -357,39 +352,24 @@ impl Leftover {
     }
 }
 
-/// Paths from the root, with `/`, of everything but folders that is no manifest and not in `known`.
+/// Paths from the root of everything but folders that is no manifest and not in `known`, whose paths have `/`.
 pub(crate) fn strays(root: &Path, known: &BTreeSet<String>) -> io::Result<Vec<PathBuf>> {
-    let mut found = Vec::new();
-    let mut folders = vec![(root.to_owned(), String::new())];
-    while let Some((folder, prefix)) = folders.pop() {
-        for entry in fs::read_dir(&folder)? {
-            let entry = entry?;
-            let name = entry.file_name();
-            let relative = format!("{prefix}{}", name.to_string_lossy());
-            if entry.file_type()?.is_dir() {
-                folders.push((entry.path(), format!("{relative}/")));
-            } else if relative != manifest::FILE_NAME
-                && (name.to_str().is_none() || !known.contains(&relative))
-            {
-                found.push(folder.strip_prefix(root).unwrap_or(Path::new("")).join(name));
-            }
-        }
-    }
-    found.sort();
-    Ok(found)
+    let mut files = Contents::of(root)?.files;
+    files.retain(|file| {
+        let name = file.to_str().map(|name| name.replace(std::path::MAIN_SEPARATOR, "/"));
+        !name.is_some_and(|name| name == manifest::FILE_NAME || known.contains(&name))
+    });
+    files.sort();
+    Ok(files)
 }
 
-fn remove_empty_folders(folder: &Path) -> io::Result<bool> {
-    let mut is_empty = true;
-    for entry in fs::read_dir(folder)? {
-        let entry = entry?;
-        let is_gone = entry.file_type()?.is_dir() && remove_empty_folders(&entry.path())?;
-        if is_gone {
-            fs::remove_dir(entry.path())?;
+fn remove_empty_folders(root: &Path) -> io::Result<()> {
+    for folder in Contents::of(root)?.folders.iter().rev().map(|folder| root.join(folder)) {
+        if fs::read_dir(&folder)?.next().is_none() {
+            fs::remove_dir(&folder)?;
         }
-        is_empty &= is_gone;
     }
-    Ok(is_empty)
+    Ok(())
 }
 
 fn sync(file: &File) -> io::Result<()> {

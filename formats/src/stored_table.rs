@@ -9,18 +9,15 @@ use crate::text::shown;
 
 /// Why a queue has no usable length table.
 #[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum StoredTableError {
     /// It was not kept or cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// More or fewer cells than any table has.
     #[error("{bits} address bits, expected {TABLE_BITS_MIN} to {TABLE_BITS_MAX}")]
     Bits { bits: u32 },
-    /// The header does not say how a ray finds its cell.
     #[error("'{}' is no layout by which a ray finds its cell in the length table", shown(layout))]
     Layout { layout: String },
-    /// The cells are not a table.
     #[error(transparent)]
     Table(#[from] LengthTableError),
 }

@@ -10,30 +10,24 @@ fn is_unsafe(character: char) -> bool {
     steers || turns
 }
 
-/// The text with every character that steers a terminal or turns the direction of text written as
-/// `\u{1b}`. Line feeds and tabs stay: names that must keep to a line take [`one_line`].
-pub fn printable(text: &str) -> Cow<'_, str> {
+fn with_escapes(text: &str, escape: fn(char) -> String) -> Cow<'_, str> {
     if !text.contains(is_unsafe) {
         return Cow::Borrowed(text);
     }
-    let escaped = |character: char| match is_unsafe(character) {
-        true => character.escape_unicode().to_string(),
-        false => character.to_string(),
-    };
+    let escaped = |character| if is_unsafe(character) { escape(character) } else { character.to_string() };
     Cow::Owned(text.chars().map(escaped).collect())
+}
+
+/// The text with every character that steers a terminal or turns the direction of text written as
+/// `\u{1b}`. Line feeds and tabs stay: names that must keep to a line take [`one_line`].
+pub fn printable(text: &str) -> Cow<'_, str> {
+    with_escapes(text, |character| character.escape_unicode().to_string())
 }
 
 /// JSON with the same characters escaped in JSON's own way, so that it stays JSON.
 pub fn printable_json(json: &str) -> Cow<'_, str> {
-    if !json.contains(is_unsafe) {
-        return Cow::Borrowed(json);
-    }
-    let escaped = |character: char| match is_unsafe(character) {
-        // All of them lie below 2^16, where one escape is enough.
-        true => format!("\\u{:04x}", u32::from(character)),
-        false => character.to_string(),
-    };
-    Cow::Owned(json.chars().map(escaped).collect())
+    // All of them lie below 2^16, where one escape is enough.
+    with_escapes(json, |character| format!("\\u{:04x}", u32::from(character)))
 }
 
 /// A name from a file as messages show it: on one line, not endless.

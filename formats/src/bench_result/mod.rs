@@ -122,15 +122,12 @@ pub struct TraceRow {
 
 /// Why a file is no benchmark result.
 #[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum BenchError {
-    /// It cannot be read.
     #[error("cannot read {}: {cause}", path.display())]
     Io { path: PathBuf, cause: std::io::Error },
-    /// It is something else.
     #[error("{} is not what `recorder bench --json` prints: {cause}", path.display())]
     Json { path: PathBuf, cause: serde_json::Error },
-    /// Another version.
     #[error("{} is a benchmark result of version {found}, this program reads version {BENCH_VERSION}; use the program that made it", path.display())]
     Version { path: PathBuf, found: u32 },
 }

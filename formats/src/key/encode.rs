@@ -232,6 +232,12 @@ mod tests {
         }
     }
 
+    /// One of each kind.
+    fn lights() -> [LightSite; 3] {
+        let placed = LightSite::Placed { centre: [0.5, 0.2, 0.4] };
+        [placed, LightSite::directional([0.0, -1.0, 0.0]), LightSite::Environment]
+    }
+
     /// Bit by bit in f64 and u128, straight from KEYS, sharing no code with the encoder.
     fn slow_origin_bits(unit: &UnitSpace, ray: &Ray, key_bits: u32) -> u64 {
         let mut key = 0u64;
@@ -264,11 +270,7 @@ mod tests {
     #[test]
     fn short_keys_are_prefixes_of_long_ones() {
         let unit = UnitSpace::from_bounds([-1.0, 0.0, 7.0], [3.0, 2.0, 10.0]);
-        let lights = [
-            LightSite::Placed { centre: [0.5, 0.2, 0.4] },
-            LightSite::directional([0.0, -1.0, 0.0]),
-            LightSite::Environment,
-        ];
+        let lights = lights();
         for (name, ..) in BUILTIN {
             let layout = Method::builtin(name).unwrap().layout.expand(lights.len()).unwrap();
             let long = Encoder::new(&layout, 64, unit, &lights);
@@ -309,11 +311,7 @@ mod tests {
         rays[3].origin = [f32::NAN, f32::INFINITY, -0.0];
         rays[70].direction = [0.0; 3];
         let unit = UnitSpace::from_bounds([-1.0; 3], [1.0; 3]);
-        let lights = [
-            LightSite::Placed { centre: [0.5, 0.2, 0.4] },
-            LightSite::directional([0.0, -1.0, 0.0]),
-            LightSite::Environment,
-        ];
+        let lights = lights();
         let light = |at: usize| at as u32 % 3;
         let length = |at: usize| at as f32 / 700.0;
         for (name, ..) in BUILTIN {

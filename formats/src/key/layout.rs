@@ -253,11 +253,9 @@ impl Parser<'_> {
                 ')' => return Err(self.error("')' has no '(' before it", self.at, 1)),
                 c if c.is_alphabetic() => items.push(self.name()?),
                 c => {
-                    return Err(self.error(
-                        &format!("found '{}', expected a coordinate's name or '('", c.escape_debug()),
-                        self.at,
-                        1,
-                    ));
+                    let problem =
+                        format!("found '{}', expected a coordinate's name or '('", c.escape_debug());
+                    return Err(self.error(&problem, self.at, 1));
                 }
             }
         }
@@ -300,20 +298,12 @@ impl Parser<'_> {
         }
         let name: String = self.characters[start..self.at].iter().collect();
         let length = self.at - start;
-        Coordinate::from_name(&name).map(|coordinate| Item::Name(coordinate, start, length)).ok_or_else(
-            || {
-                let known: Vec<_> = Coordinate::ALL.iter().map(|coordinate| coordinate.name()).collect();
-                self.error(
-                    &format!(
-                        "unknown coordinate '{}'; there are {}",
-                        one_line(&name, SHOWN),
-                        known.join(" ")
-                    ),
-                    start,
-                    length,
-                )
-            },
-        )
+        let coordinate = Coordinate::from_name(&name).ok_or_else(|| {
+            let known: Vec<_> = Coordinate::ALL.iter().map(|coordinate| coordinate.name()).collect();
+            let (name, known) = (one_line(&name, SHOWN), known.join(" "));
+            self.error(&format!("unknown coordinate '{name}'; there are {known}"), start, length)
+        })?;
+        Ok(Item::Name(coordinate, start, length))
     }
 
     fn error(&self, message: &str, start: usize, length: usize) -> LayoutError {

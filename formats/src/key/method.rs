@@ -81,18 +81,15 @@ pub const BUILTIN: &[(&str, &str, Termination)] = &[
 
 /// Why a method cannot be had.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum MethodError {
-    /// No built-in method has this name.
     #[error("there is no method '{}'; there are unsorted, {known}, and your own as 'name=layout'", one_line(name, SHOWN), known = builtin_names())]
     Unknown { name: String },
-    /// A user's method without a usable name.
     #[error(
         "'{}' is not a method: write 'name=layout' with a name of small letters, digits and dashes that no built-in method has",
         one_line(definition, SHOWN)
     )]
     BadName { definition: String },
-    /// The layout of a user's method is wrong.
     #[error("method '{name}': {cause}")]
     Layout { name: String, cause: LayoutError },
 }

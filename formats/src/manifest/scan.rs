@@ -17,18 +17,15 @@ use crate::text::{one_line, shown};
 
 /// Why a manifest cannot be read at all.
 #[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum ManifestError {
     /// The file cannot be opened or read.
     #[error("{}: {cause}", path.display())]
     Io { path: PathBuf, cause: io::Error },
-    /// Another kind of file.
     #[error("{}: found a file that does not start with RAYDUMP; expected the manifest of a recording", path.display())]
     Magic { path: PathBuf },
-    /// Written by another version of the format.
     #[error("{}: found format version {found}, this program reads versions {OLDEST_VERSION} to {FORMAT_VERSION}; use the program that recorded it", path.display())]
     Version { path: PathBuf, found: u32 },
-    /// Reserved bytes that are not 0.
     #[error("{}: the reserved bytes at offset 12 are {found:#010x}, expected 0: the file is damaged", path.display())]
     Reserved { path: PathBuf, found: u32 },
     /// A record of a kind that this version does not know, although its checksum is right.
@@ -38,7 +35,7 @@ pub enum ManifestError {
 
 /// Where the records of a manifest stop making sense, and why.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum Fault {
     /// The file ends within a record, as when the recorder is killed while it writes one. Bytes include the
     /// record's length and checksum.
@@ -85,23 +82,14 @@ pub struct Frame {
     pub record: Record,
 }
 
-/// What a manifest file holds: whole records, and the first fault after them, if there is one.
-#[derive(Clone, Debug, PartialEq)]
+/// What a manifest file holds.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scan {
     /// Version of the format; 0 of a file that ends before it says so.
     pub version: u32,
-    /// The records before the fault, in order.
-    pub frames: Vec<Frame>,
-    /// Why there are no more of them, unless the file simply ends.
-    pub fault: Option<Fault>,
-}
-
-/// What is left of a damaged manifest.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Salvage {
     /// The records that can be read, in order.
     pub frames: Vec<Frame>,
-    /// What is wrong with each record that was passed over, since whole ones follow it.
+    /// What is wrong with each record that was passed over, since whole ones follow it: [`salvage`] does so.
     pub passed_over: Vec<Fault>,
     /// Why nothing more can be read, unless the file simply ends.
     pub fault: Option<Fault>,
@@ -123,15 +111,16 @@ pub fn scan(path: &Path) -> Result<Scan, ManifestError> {
 /// If it cannot be read, or is not a manifest of this version.
 pub fn scan_bytes(reader: impl Read, bytes: u64, path: &Path) -> Result<Scan, ManifestError> {
     let mut records = Records::new(reader, bytes, path);
-    let mut frames = Vec::new();
-    let fault = loop {
-        match records.next()? {
-            Next::Record(frame) => frames.push(frame),
-            Next::Damaged(fault) | Next::Broken(fault) => break Some(fault),
-            Next::End => break None,
+    let mut scan = Scan::default();
+    loop {
+        let next = records.next()?;
+        scan.version = records.version;
+        match next {
+            Next::Record(frame) => scan.frames.push(frame),
+            Next::Damaged(fault) | Next::Broken(fault) => return Ok(Scan { fault: Some(fault), ..scan }),
+            Next::End => return Ok(scan),
         }
-    };
-    Ok(Scan { version: records.version, frames, fault })
+    }
 }
 
 /// Reads what can be read of the manifest at `path`: a damaged record is passed over if its length leads
@@ -139,12 +128,13 @@ pub fn scan_bytes(reader: impl Read, bytes: u64, path: &Path) -> Result<Scan, Ma
 ///
 /// # Errors
 /// As [`scan`].
-pub fn salvage(path: &Path) -> Result<Salvage, ManifestError> {
+pub fn salvage(path: &Path) -> Result<Scan, ManifestError> {
     let (reader, bytes) = open(path)?;
     let mut records = Records::new(reader, bytes, path);
-    let mut salvage = Salvage { frames: Vec::new(), passed_over: Vec::new(), fault: None };
+    let mut salvage = Scan::default();
     loop {
         let next = records.next()?;
+        salvage.version = records.version;
         // Without its header no record has a meaning, and the end record has none after it.
         let may_go_on = !salvage.frames.is_empty() && !records.order.has_ended;
         match next {

@@ -102,28 +102,11 @@ pub(super) fn findings(
     is_right: impl Fn(usize) -> bool + Sync,
     describe: impl Fn(usize) -> String,
 ) -> Findings {
-    let (count, first) = (0..items)
-        .into_par_iter()
-        .with_min_len(ITEMS_PER_TASK)
-        .filter(|&item| !is_right(item))
-        .fold(
-            || (0, Vec::new()),
-            |(count, mut first), item| {
-                if first.len() < SHOWN {
-                    first.push(item);
-                }
-                (count + 1, first)
-            },
-        )
-        .reduce(
-            || (0, Vec::new()),
-            |(count, mut first), (more, others)| {
-                first.extend(others);
-                first.truncate(SHOWN);
-                (count + more, first)
-            },
-        );
-    Findings { count, first: first.into_iter().map(describe).collect() }
+    let all = (0..items).into_par_iter().with_min_len(ITEMS_PER_TASK);
+    let count = all.filter(|&item| !is_right(item)).count();
+    // Once more, as far as the first few: what is right throughout is looked at once.
+    let first = (0..items).filter(|&item| !is_right(item)).take(count.min(SHOWN));
+    Findings { count: count as u64, first: first.map(describe).collect() }
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crate::manifest::Place;
 
 /// Why a dump cannot be written.
 #[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "each message says what its fields mean")]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum WriteError {
     /// The disk, or the user's share of it, is full.
     #[error("no space is left on the disk for {}; what was complete before is kept: make space, then run `inspector recover` on the .partial folder", path.display())]
@@ -15,43 +15,31 @@ pub enum WriteError {
     /// Any other failure of the system.
     #[error("cannot {action} {}: {cause}", path.display())]
     Io { action: &'static str, path: PathBuf, cause: io::Error },
-    /// A path that names no folder.
     #[error("'{}' is not a name for a recording; expected something like NAME.raydump", path.display())]
     Name { path: PathBuf },
-    /// The dump exists.
     #[error("{} exists already; use --force to replace it, or another name", path.display())]
     Exists { path: PathBuf },
-    /// A killed recording left its folder.
     #[error("{} was left by a recording that did not end; keep it with `inspector recover`, or use --force to remove it", path.display())]
     LeftOver { path: PathBuf },
-    /// Another process is writing this dump.
     #[error("{} is being written by another process; use another name", path.display())]
     Busy { path: PathBuf },
-    /// Something that is not a recording has the dump's name.
     #[error("{} is not a recording, so it is not replaced, even by --force; use another name", path.display())]
     NotARecording { path: PathBuf },
-    /// A link has the dump's name.
     #[error("{} is a link, so it is not replaced, even by --force; use the name that it leads to, or another", path.display())]
     Link { path: PathBuf },
-    /// A recording in whose folder somebody put a file.
     #[error("{} holds {}, which is no part of the recording, so it is not replaced, even by --force; move that file, or use another name", path.display(), file.display())]
     ForeignFile { path: PathBuf, file: PathBuf },
-    /// The dump would take the place of what it is made from, or lie in a recording.
     #[error("{} would replace or lie in the recording {}; use another name", path.display(), origin.display())]
     Source { path: PathBuf, origin: PathBuf },
-    /// An array that cannot look like this.
     #[error("{place} cannot be {found}; expected {expected}")]
     Shape { place: Place, found: String, expected: String },
-    /// More or fewer bytes than the shape takes.
     #[error("{place} was given {found} bytes; expected {expected}")]
     Count { place: Place, found: u64, expected: u64 },
-    /// An array that was written before.
     #[error("{place} was written before; an array is written once")]
     Twice { place: Place },
     /// A record that no reader would take.
     #[error("a record of {bytes} bytes is too long for {}", path.display())]
     RecordTooLong { path: PathBuf, bytes: usize },
-    /// The manifest could not be written before.
     #[error("{} could not be written before, so nothing can be added", path.display())]
     Broken { path: PathBuf },
 }
