@@ -450,7 +450,7 @@ fn a_time_is_told_once() {
 /// What is looked up for each of many times is not searched for: opening looks at each record once, too.
 #[test]
 fn many_methods_are_verified_as_fast_as_read() {
-    const COUNT: usize = 100_000;
+    const COUNT: usize = 60_000;
     let folder = sample::folder_in_memory();
     let dump = sample::write(folder.path());
     let manifest = dump.join("manifest.bin");
@@ -479,5 +479,5 @@ fn many_methods_are_verified_as_fast_as_read() {
     assert!(!problems(&verify(&opened)).is_empty());
     let verifying = start.elapsed() - opening;
     eprintln!("opened in {opening:?}, verified in {verifying:?}");
-    assert!(verifying < 10 * opening, "opened in {opening:?}, verified in {verifying:?}");
+    assert!(verifying < 5 * opening, "opened in {opening:?}, verified in {verifying:?}");
 }
