@@ -10,7 +10,7 @@ use super::tables::ShadeTables;
 use crate::stages::compact::cpu::RayState;
 use crate::stages::random::Random;
 use crate::stages::shared::ShadeParams;
-use crate::stages::vector::{basis, dot3, luminance};
+use crate::stages::vector::{basis, dot3, luminance, normalize3};
 
 /// Bounces before Russian roulette starts.
 pub const ROULETTE_FREE_BOUNCES: u32 = 2;
@@ -53,17 +53,21 @@ pub fn shade_path<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>
     }
     let surface = hit_surface::<TEXTURES, NORMALS>(tables, direction, hit.triangle, hit.u, hit.v);
     outcome.emitted = emitted(tables, ray, hit, state, &surface);
-    let reflection = Surface::new(surface.base_color, surface.material.metallic, surface.material.roughness);
     let frame = Frame::new(surface.shading_normal);
-    let out = frame.to_local(-direction);
+    let vertex = Vertex {
+        params,
+        reflection: Surface::new(surface.base_color, surface.material.metallic, surface.material.roughness),
+        surface,
+        out: frame.to_local(-direction),
+        frame,
+        throughput,
+    };
     let mut random = Random::new(params.seed, pixel, params.pass_index, params.bounce + 1);
     if !tables.emitters.is_empty() {
-        outcome.shadow =
-            shadow_ray::<GLOSSY>(tables, params, &surface, &reflection, &frame, out, throughput, &mut random);
+        outcome.shadow = vertex.shadow_ray::<GLOSSY>(tables, &mut random);
     }
     if params.is_last == 0 {
-        outcome.next =
-            next_ray::<GLOSSY>(params, &surface, &reflection, &frame, out, throughput, &mut random);
+        outcome.next = vertex.next_ray::<GLOSSY>(&mut random);
     }
     outcome
 }
@@ -105,71 +109,67 @@ impl Frame {
     }
 }
 
-#[expect(clippy::too_many_arguments, reason = "one path's state, kept in registers")]
-fn shadow_ray<const GLOSSY: bool>(
-    tables: &ShadeTables,
-    params: &ShadeParams,
-    surface: &HitSurface,
-    reflection: &Surface,
-    frame: &Frame,
+/// A path at a surface, as both of its rays leave it.
+struct Vertex<'a> {
+    params: &'a ShadeParams,
+    surface: HitSurface,
+    reflection: Surface,
+    frame: Frame,
+    /// Where the path came from, in the local frame.
     out: Vec3,
     throughput: Vec3,
-    random: &mut Random,
-) -> Option<(Ray, RayState)> {
-    let origin = surface.origin;
-    let light = sample_light(tables, origin, random)?;
-    if dot3(light.direction, surface.geometric_normal) <= 0.0 || light.t_max <= 0.0 {
-        return None;
-    }
-    let (value, density) = reflection.evaluate::<GLOSSY>(out, frame.to_local(light.direction));
-    // After the last bounce no ray is left that could find the light by reflection.
-    let weight = if light.density > 0.0 && params.is_last == 0 {
-        power_heuristic(light.density, density)
-    } else {
-        1.0
-    };
-    let color = throughput * value * light.weight * weight;
-    let brightness = luminance(color);
-    if !(brightness > 0.0 && brightness < f32::MAX) {
-        return None;
-    }
-    let ray = Ray {
-        origin: origin.to_array(),
-        t_min: 0.0,
-        direction: light.direction.to_array(),
-        t_max: light.t_max,
-    };
-    Some((ray, RayState { color: color.to_array(), light: light.light, density: 0.0 }))
 }
 
-fn next_ray<const GLOSSY: bool>(
-    params: &ShadeParams,
-    surface: &HitSurface,
-    reflection: &Surface,
-    frame: &Frame,
-    out: Vec3,
-    throughput: Vec3,
-    random: &mut Random,
-) -> Option<(Ray, RayState)> {
-    let sample = reflection.sample::<GLOSSY>(out, random)?;
-    let direction = crate::stages::vector::normalize3(frame.to_world(sample.direction));
-    if dot3(direction, surface.geometric_normal) <= 0.0 {
-        return None;
-    }
-    let mut color = throughput * sample.weight;
-    if params.roulette != 0 && params.bounce >= ROULETTE_FREE_BOUNCES {
-        let survival = color.x.max(color.y).max(color.z).clamp(0.05, 1.0);
-        if random.draw() >= survival {
+impl Vertex<'_> {
+    fn shadow_ray<const GLOSSY: bool>(
+        &self,
+        tables: &ShadeTables,
+        random: &mut Random,
+    ) -> Option<(Ray, RayState)> {
+        let light = sample_light(tables, self.surface.origin, random)?;
+        if dot3(light.direction, self.surface.geometric_normal) <= 0.0 || light.t_max <= 0.0 {
             return None;
         }
-        color *= 1.0 / survival;
+        let incident = self.frame.to_local(light.direction);
+        let (value, density) = self.reflection.evaluate::<GLOSSY>(self.out, incident);
+        // After the last bounce no ray is left that could find the light by reflection.
+        let weight = if light.density > 0.0 && self.params.is_last == 0 {
+            power_heuristic(light.density, density)
+        } else {
+            1.0
+        };
+        let state =
+            RayState { light: light.light, ..state(self.throughput * value * light.weight * weight)? };
+        Some((self.ray(light.direction, light.t_max), state))
     }
+
+    fn next_ray<const GLOSSY: bool>(&self, random: &mut Random) -> Option<(Ray, RayState)> {
+        let sample = self.reflection.sample::<GLOSSY>(self.out, random)?;
+        let direction = normalize3(self.frame.to_world(sample.direction));
+        if dot3(direction, self.surface.geometric_normal) <= 0.0 {
+            return None;
+        }
+        let mut color = self.throughput * sample.weight;
+        if self.params.roulette != 0 && self.params.bounce >= ROULETTE_FREE_BOUNCES {
+            let survival = color.x.max(color.y).max(color.z).clamp(0.05, 1.0);
+            if random.draw() >= survival {
+                return None;
+            }
+            color *= 1.0 / survival;
+        }
+        let state = RayState { density: sample.density, ..state(color)? };
+        Some((self.ray(direction, f32::INFINITY), state))
+    }
+
+    fn ray(&self, direction: Vec3, t_max: f32) -> Ray {
+        let (origin, direction) = (self.surface.origin.to_array(), direction.to_array());
+        Ray { origin, t_min: 0.0, direction, t_max }
+    }
+}
+
+/// A ray that carries this colour; none for what brings nothing or is out of range.
+fn state(color: Vec3) -> Option<RayState> {
     let brightness = luminance(color);
-    if !(brightness > 0.0 && brightness < f32::MAX) {
-        return None;
-    }
-    let origin = surface.origin;
-    let ray =
-        Ray { origin: origin.to_array(), t_min: 0.0, direction: direction.to_array(), t_max: f32::INFINITY };
-    Some((ray, RayState { color: color.to_array(), density: sample.density, light: 0 }))
+    (brightness > 0.0 && brightness < f32::MAX)
+        .then(|| RayState { color: color.to_array(), ..RayState::default() })
 }
