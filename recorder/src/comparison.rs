@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use formats::manifest::{Place, QueueArray, QueueId};
 use formats::ray::{Hit, Kind};
-use formats::reader::{Dump, Loaded};
+use formats::reader::Dump;
 
 use crate::backends::{Array, Backend};
 
@@ -27,40 +27,40 @@ pub(crate) fn compare<B: Backend>(
     id: QueueId,
     hits: &B::Hits,
 ) -> Result<Difference> {
-    let is_shadow = id.kind == Kind::Shadow;
-    let place = Place::Queue(id, if is_shadow { QueueArray::Distances } else { QueueArray::Hits });
-    let mut difference = Difference::default();
+    let results = match id.kind {
+        Kind::Closest => QueueArray::Hits,
+        Kind::Shadow => QueueArray::Distances,
+    };
+    let place = Place::Queue(id, results);
     if !dump.has(&place) {
-        return Ok(difference);
+        return Ok(Difference::default());
     }
-    if is_shadow {
-        let stored: Loaded<f32> = dump.array(&place)?;
-        compare_each(backend, hits, &stored, |found: &f32, stored| {
-            difference.rays += u64::from(found.is_finite() != stored.is_finite());
-            difference.in_bits |= found.to_bits() != stored.to_bits();
-        })?;
-    } else {
-        let stored: Loaded<Hit> = dump.array(&place)?;
-        compare_each(backend, hits, &stored, |found: &Hit, stored| {
-            difference.rays += u64::from(bytemuck::bytes_of(found) != bytemuck::bytes_of(stored));
-        })?;
-        difference.in_bits = difference.rays > 0;
+    match id.kind {
+        Kind::Closest => compare_each::<B, Hit>(backend, hits, &dump.array(&place)?, |_, _| true),
+        Kind::Shadow => compare_each::<B, f32>(backend, hits, &dump.array(&place)?, |found, stored| {
+            found.is_finite() != stored.is_finite()
+        }),
     }
-    Ok(difference)
 }
 
-fn compare_each<B: Backend, T: bytemuck::AnyBitPattern>(
+/// Compares bits, and counts those rays of which other bits are another answer.
+fn compare_each<B: Backend, T: bytemuck::Pod>(
     backend: &mut B,
     hits: &B::Hits,
     stored: &[T],
-    mut compare: impl FnMut(&T, &T),
-) -> Result<()> {
+    is_other_answer: impl Fn(&T, &T) -> bool,
+) -> Result<Difference> {
     let mut stored = stored.iter();
+    let mut difference = Difference::default();
     backend.read(Array::Hits(hits), &mut |bytes| {
         for found in bytes.chunks_exact(size_of::<T>()) {
             let stored = stored.next().context("more hits than were recorded")?;
-            compare(&bytemuck::pod_read_unaligned(found), stored);
+            if found != bytemuck::bytes_of(stored) {
+                difference.in_bits = true;
+                difference.rays += u64::from(is_other_answer(&bytemuck::pod_read_unaligned(found), stored));
+            }
         }
         Ok(())
-    })
+    })?;
+    Ok(difference)
 }

@@ -126,11 +126,7 @@ impl Gpu {
             Some(wgpu::Error::OutOfMemory { .. }) => {
                 Err(GpuError::OutOfMemory { adapter: self.adapter.title(), running: running.to_owned() })
             }
-            Some(error) => Err(GpuError::Refused {
-                adapter: self.adapter.title(),
-                running: running.to_owned(),
-                description: error.to_string(),
-            }),
+            Some(error) => Err(self.refused(running, error)),
         }
     }
 
@@ -156,11 +152,13 @@ impl Gpu {
         let wait = wgpu::PollType::Wait { submission_index: submission, timeout: None };
         let waited = self.poll(wait);
         self.check(running)?;
-        waited.map_err(|description| GpuError::Refused {
-            adapter: self.adapter.title(),
-            running: running.to_owned(),
-            description,
-        })
+        waited.map_err(|description| self.refused(running, description))
+    }
+
+    /// A call that wgpu refused, in its words.
+    pub(super) fn refused(&self, running: &str, description: impl ToString) -> GpuError {
+        let description = description.to_string();
+        GpuError::Refused { adapter: self.adapter.title(), running: running.to_owned(), description }
     }
 
     /// Takes the errors that calls on this thread have raised.

@@ -145,20 +145,12 @@ impl<'gpu> Readback<'gpu> {
         take: &mut impl FnMut(&[u8]) -> Result<(), E>,
     ) -> Result<(), E> {
         self.gpu.wait(running, Some(piece.submission))?;
-        let refused = |description: String| GpuError::Refused {
-            adapter: self.gpu.adapter().title(),
-            running: running.to_owned(),
-            description,
-        };
-        match piece.mapped.recv() {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(refused(error.to_string()).into()),
-            Err(error) => return Err(refused(error.to_string()).into()),
-        }
+        let gpu = self.gpu;
+        let mapped = piece.mapped.recv().map_err(|error| gpu.refused(running, error))?;
+        mapped.map_err(|error| gpu.refused(running, error))?;
         {
-            let view =
-                piece.staging.get_mapped_range(0..piece.bytes).map_err(|error| refused(error.to_string()))?;
-            take(&view)?;
+            let view = piece.staging.get_mapped_range(0..piece.bytes);
+            take(&view.map_err(|error| gpu.refused(running, error))?)?;
         }
         piece.staging.unmap();
         self.free.push(piece.staging);

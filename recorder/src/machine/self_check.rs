@@ -64,13 +64,9 @@ impl SelfCheck {
     /// # Errors
     /// What the device reports.
     pub fn look(gpu: &Gpu) -> Result<Self, GpuError> {
-        let bench = Bench { gpu };
-        let mut checks = vec![bench.long_loops()?, bench.barriers()?, bench.atomics()?];
-        for bits in [32, 64] {
-            checks.push(bench.sort(bits)?);
-        }
-        checks.push(bench.timestamps()?);
-        let rounding = bench.rounding()?;
+        let mut checks = vec![long_loops(gpu)?, barriers(gpu)?, atomics(gpu)?];
+        checks.extend([sort(gpu, 32)?, sort(gpu, 64)?, timestamps(gpu)?]);
+        let rounding = rounding(gpu)?;
         let is_exact = |check: &Check| check.outcome == PASSED;
         let ieee_division = rounding[..2].iter().all(is_exact);
         let contracts = !is_exact(&rounding[2]);
@@ -80,141 +76,132 @@ impl SelfCheck {
     }
 }
 
-struct Bench<'a> {
-    gpu: &'a Gpu,
+/// Runs one kernel over `inputs`; returns its outputs and counters.
+fn run(
+    gpu: &Gpu,
+    entry_point: &str,
+    inputs: &[u32],
+    workgroups: u32,
+) -> Result<(Vec<u32>, Vec<u32>, u64), GpuError> {
+    let source = KernelSource {
+        label: &format!("self_check::{entry_point}"),
+        wgsl: WGSL,
+        entry_point,
+        groups: &[&[Binding::Read, Binding::ReadWrite, Binding::ReadWrite]],
+        immediate_bytes: 0,
+    };
+    // SAFETY: threads index below the number of inputs, and every loop counts up to a bound.
+    let kernel = unsafe { Kernel::trusted(gpu, &source)? };
+    let read: DeviceArray<u32> = gpu.array_of("self_check::inputs", inputs)?;
+    let outputs = gpu.array("self_check::outputs", inputs.len())?;
+    let counters = gpu.array("self_check::counters", 4)?;
+    let group = kernel.bind(gpu, 0, &[read.binding(), outputs.binding(), counters.binding()])?;
+    let mut run = gpu.stage("self_check");
+    run.dispatch(&kernel, &[&group], &(), workgroups);
+    let elapsed_ns = run.finish()?;
+    Ok((gpu.read_vec(&outputs)?, gpu.read_vec(&counters)?, elapsed_ns))
 }
 
-impl Bench<'_> {
-    /// Runs one kernel over `inputs`; returns its outputs and counters.
-    fn run(
-        &self,
-        entry_point: &str,
-        inputs: &[u32],
-        workgroups: u32,
-    ) -> Result<(Vec<u32>, Vec<u32>, u64), GpuError> {
-        let gpu = self.gpu;
-        let source = KernelSource {
-            label: &format!("self_check::{entry_point}"),
-            wgsl: WGSL,
-            entry_point,
-            groups: &[&[Binding::Read, Binding::ReadWrite, Binding::ReadWrite]],
-            immediate_bytes: 0,
-        };
-        // SAFETY: threads index below the number of inputs, and every loop counts up to a bound.
-        let kernel = unsafe { Kernel::trusted(gpu, &source)? };
-        let read: DeviceArray<u32> = gpu.array_of("self_check::inputs", inputs)?;
-        let outputs = gpu.array("self_check::outputs", inputs.len())?;
-        let counters = gpu.array("self_check::counters", 4)?;
-        let group = kernel.bind(gpu, 0, &[read.binding(), outputs.binding(), counters.binding()])?;
-        let mut run = gpu.stage("self_check");
-        run.dispatch(&kernel, &[&group], &(), workgroups);
-        let elapsed_ns = run.finish()?;
-        Ok((gpu.read_vec(&outputs)?, gpu.read_vec(&counters)?, elapsed_ns))
-    }
+fn long_loops(gpu: &Gpu) -> Result<Check, GpuError> {
+    let inputs: Vec<u32> = LOOPS.iter().copied().cycle().take(64).collect();
+    let (outputs, ..) = run(gpu, "long_loops", &inputs, 1)?;
+    let wrong = outputs.iter().zip(&inputs).find(|(found, expected)| found != expected);
+    Ok(verdict(
+        "long loops",
+        wrong.map(|(found, expected)| format!("a loop of {expected} rounds ended after {found}")),
+    ))
+}
 
-    fn long_loops(&self) -> Result<Check, GpuError> {
-        let inputs: Vec<u32> = LOOPS.iter().copied().cycle().take(64).collect();
-        let (outputs, ..) = self.run("long_loops", &inputs, 1)?;
-        let wrong = outputs.iter().zip(&inputs).find(|(found, expected)| found != expected);
-        Ok(verdict(
-            "long loops",
-            wrong.map(|(found, expected)| format!("a loop of {expected} rounds ended after {found}")),
-        ))
-    }
+fn barriers(gpu: &Gpu) -> Result<Check, GpuError> {
+    let inputs: Vec<u32> = numbers(1).take(64).map(|number| number >> 8).collect();
+    let expected: u32 = inputs.iter().sum();
+    let (outputs, ..) = run(gpu, "barriers", &inputs, 1)?;
+    let wrong = outputs.iter().find(|&&sum| sum != expected);
+    Ok(verdict(
+        "workgroup barriers",
+        wrong.map(|sum| format!("a sum over 64 threads is {sum}, expected {expected}")),
+    ))
+}
 
-    fn barriers(&self) -> Result<Check, GpuError> {
-        let inputs: Vec<u32> = numbers(1).take(64).map(|number| number >> 8).collect();
-        let expected: u32 = inputs.iter().sum();
-        let (outputs, ..) = self.run("barriers", &inputs, 1)?;
-        let wrong = outputs.iter().find(|&&sum| sum != expected);
-        Ok(verdict(
-            "workgroup barriers",
-            wrong.map(|sum| format!("a sum over 64 threads is {sum}, expected {expected}")),
-        ))
-    }
+fn atomics(gpu: &Gpu) -> Result<Check, GpuError> {
+    let inputs: Vec<u32> = numbers(2).take(ADDERS as usize).collect();
+    let expected: u64 = inputs.iter().map(|&number| u64::from(number)).sum();
+    let (_, counters, _) = run(gpu, "atomics", &inputs, ADDERS / 64)?;
+    let sum = u64::from(counters[1]) << 32 | u64::from(counters[0]);
+    let wrong = (sum != expected || counters[2] != ADDERS).then(|| {
+        format!("{ADDERS} threads added up to {sum} in {} additions, expected {expected}", counters[2])
+    });
+    Ok(verdict("atomics", wrong))
+}
 
-    fn atomics(&self) -> Result<Check, GpuError> {
-        let inputs: Vec<u32> = numbers(2).take(ADDERS as usize).collect();
-        let expected: u64 = inputs.iter().map(|&number| u64::from(number)).sum();
-        let (_, counters, _) = self.run("atomics", &inputs, ADDERS / 64)?;
-        let sum = u64::from(counters[1]) << 32 | u64::from(counters[0]);
-        let wrong = (sum != expected || counters[2] != ADDERS).then(|| {
-            format!("{ADDERS} threads added up to {sum} in {} additions, expected {expected}", counters[2])
-        });
-        Ok(verdict("atomics", wrong))
-    }
+fn sort(gpu: &Gpu, bits: u32) -> Result<Check, GpuError> {
+    let (low, high) = (numbers(3), numbers(4));
+    let key = |(low, high)| if bits > 32 { u64::from(high) << 32 | u64::from(low) } else { u64::from(low) };
+    let keys: Vec<u64> = low.zip(high).map(key).take(SORT_KEYS as usize).collect();
+    let mut expected: Vec<u32> = (0..SORT_KEYS).collect();
+    expected.sort_by_key(|&index| keys[index as usize]);
+    let sorted = Sorter::new(gpu)?.sorted(gpu, &Keys::upload(gpu, &keys, bits)?)?;
+    let found = gpu.read_vec(&sorted)?;
+    let wrong = found.iter().zip(&expected).position(|(found, expected)| found != expected);
+    let name = if bits > 32 { "sort of 64-bit keys" } else { "sort of 32-bit keys" };
+    Ok(verdict(name, wrong.map(|place| format!("place {place} of {SORT_KEYS} holds the wrong key"))))
+}
 
-    fn sort(&self, bits: u32) -> Result<Check, GpuError> {
-        let gpu = self.gpu;
-        let (low, high) = (numbers(3), numbers(4));
-        let key =
-            |(low, high)| if bits > 32 { u64::from(high) << 32 | u64::from(low) } else { u64::from(low) };
-        let keys: Vec<u64> = low.zip(high).map(key).take(SORT_KEYS as usize).collect();
-        let mut expected: Vec<u32> = (0..SORT_KEYS).collect();
-        expected.sort_by_key(|&index| keys[index as usize]);
-        let sorted = Sorter::new(gpu)?.sorted(gpu, &Keys::upload(gpu, &keys, bits)?)?;
-        let found = gpu.read_vec(&sorted)?;
-        let wrong = found.iter().zip(&expected).position(|(found, expected)| found != expected);
-        let name = if bits > 32 { "sort of 64-bit keys" } else { "sort of 32-bit keys" };
-        Ok(verdict(name, wrong.map(|place| format!("place {place} of {SORT_KEYS} holds the wrong key"))))
+fn timestamps(gpu: &Gpu) -> Result<Check, GpuError> {
+    let name = "timestamps";
+    if !gpu.adapter().timestamps {
+        let detail = "the device has none; times are taken around submissions".to_owned();
+        return Ok(check(name, DIFFERS, detail));
     }
+    let (.., elapsed_ns) = run(gpu, "long_loops", &[200_003; 64], 1)?;
+    let mut check = verdict(
+        name,
+        (elapsed_ns == 0).then(|| "two of them around a loop of 200,003 rounds are equal".to_owned()),
+    );
+    if elapsed_ns > 0 {
+        check.detail = format!("{elapsed_ns} ns for a loop of 200,003 rounds");
+    }
+    Ok(check)
+}
 
-    fn timestamps(&self) -> Result<Check, GpuError> {
-        let name = "timestamps";
-        if !self.gpu.adapter().timestamps {
-            let detail = "the device has none; times are taken around submissions".to_owned();
-            return Ok(check(name, DIFFERS, detail));
-        }
-        let (.., elapsed_ns) = self.run("long_loops", &[200_003; 64], 1)?;
-        let mut check = verdict(
-            name,
-            (elapsed_ns == 0).then(|| "two of them around a loop of 200,003 rounds are equal".to_owned()),
-        );
-        if elapsed_ns > 0 {
-            check.detail = format!("{elapsed_ns} ns for a loop of 200,003 rounds");
-        }
-        Ok(check)
-    }
+/// Division, square root, contraction, denormal numbers.
+fn rounding(gpu: &Gpu) -> Result<[Check; 4], GpuError> {
+    let mut random = numbers(5);
+    let mut float = || {
+        let number = random.next().unwrap_or_default();
+        // Within a few powers of two of 1, where every mantissa occurs.
+        f32::from_bits(0x3e00_0000 + (number >> 6))
+    };
+    let rows: Vec<[f32; 4]> = (0..ROUNDING_ROWS).map(|_| std::array::from_fn(|_| float())).collect();
+    let (outputs, ..) = run(gpu, "rounding", bytemuck::cast_slice(&rows), ROUNDING_ROWS / 64)?;
+    let count = |column: usize, expected: &dyn Fn(&[f32; 4]) -> f32| {
+        let found = outputs.chunks_exact(4).map(|row| row[column]);
+        found.zip(&rows).filter(|(found, row)| *found != expected(row).to_bits()).count()
+    };
+    let compare = |name, column, expected: &dyn Fn(&[f32; 4]) -> f32| {
+        let wrong = count(column, expected);
+        let detail = format!("{wrong} of {ROUNDING_ROWS} results are not those of IEEE 754");
+        check(name, if wrong == 0 { PASSED } else { DIFFERS }, detail)
+    };
+    Ok([
+        compare("division", 0, &|[a, b, ..]| a / b),
+        compare("square root", 1, &|[a, ..]| a.sqrt()),
+        compare("no contraction of a·b − c·d", 2, &|[a, b, c, d]| a * b - c * d),
+        denormals(gpu)?,
+    ])
+}
 
-    /// Division, square root, contraction, denormal numbers.
-    fn rounding(&self) -> Result<[Check; 4], GpuError> {
-        let mut random = numbers(5);
-        let mut float = || {
-            let number = random.next().unwrap_or_default();
-            // Within a few powers of two of 1, where every mantissa occurs.
-            f32::from_bits(0x3e00_0000 + (number >> 6))
-        };
-        let rows: Vec<[f32; 4]> = (0..ROUNDING_ROWS).map(|_| std::array::from_fn(|_| float())).collect();
-        let (outputs, ..) = self.run("rounding", bytemuck::cast_slice(&rows), ROUNDING_ROWS / 64)?;
-        let count = |column: usize, expected: &dyn Fn(&[f32; 4]) -> f32| {
-            let found = outputs.chunks_exact(4).map(|row| row[column]);
-            found.zip(&rows).filter(|(found, row)| *found != expected(row).to_bits()).count()
-        };
-        let compare = |name, column, expected: &dyn Fn(&[f32; 4]) -> f32| {
-            let wrong = count(column, expected);
-            let detail = format!("{wrong} of {ROUNDING_ROWS} results are not those of IEEE 754");
-            check(name, if wrong == 0 { PASSED } else { DIFFERS }, detail)
-        };
-        Ok([
-            compare("division", 0, &|[a, b, ..]| a / b),
-            compare("square root", 1, &|[a, ..]| a.sqrt()),
-            compare("no contraction of a·b − c·d", 2, &|[a, b, c, d]| a * b - c * d),
-            self.denormals()?,
-        ])
+fn denormals(gpu: &Gpu) -> Result<Check, GpuError> {
+    let row = [1e-10f32, 1.0, 1.0, 1.0];
+    let rows = [row; 64];
+    let (outputs, ..) = run(gpu, "rounding", bytemuck::cast_slice(&rows), 1)?;
+    let is_kept = outputs[3] == (1e-10f32 * 1e-30).to_bits();
+    let name = "denormal numbers";
+    if is_kept {
+        return Ok(check(name, PASSED, "kept".to_owned()));
     }
-
-    fn denormals(&self) -> Result<Check, GpuError> {
-        let row = [1e-10f32, 1.0, 1.0, 1.0];
-        let rows = [row; 64];
-        let (outputs, ..) = self.run("rounding", bytemuck::cast_slice(&rows), 1)?;
-        let is_kept = outputs[3] == (1e-10f32 * 1e-30).to_bits();
-        let name = "denormal numbers";
-        if is_kept {
-            return Ok(check(name, PASSED, "kept".to_owned()));
-        }
-        let detail = format!("flushed to zero; scenes smaller than {SMALLEST_FLUSHED_SCENE} are refused");
-        Ok(check(name, DIFFERS, detail))
-    }
+    let detail = format!("flushed to zero; scenes smaller than {SMALLEST_FLUSHED_SCENE} are refused");
+    Ok(check(name, DIFFERS, detail))
 }
 
 fn verdict(name: &str, fault: Option<String>) -> Check {

@@ -74,6 +74,7 @@ fn mask_bytes(masks: &Masks) -> u64 {
 }
 
 /// What one backend took, a sample per repeat, and what it painted.
+#[derive(Clone, Default)]
 struct Side {
     trace_ns: Vec<u64>,
     shade_ns: Vec<u64>,
@@ -90,8 +91,8 @@ impl Measurement for Sides<'_> {
     /// One pass on each backend in turn.
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<Side>> {
         let run = self.bench.run;
-        let mut stages = vec![Stages::default(); backends.len()];
         let count = backends.len();
+        let mut sides = vec![Side::default(); count];
         for repeat in 0..=run.repeats as usize {
             for turn in 0..count {
                 let at = (turn + repeat) % count;
@@ -99,23 +100,16 @@ impl Measurement for Sides<'_> {
                 wavefront::run(&mut backends[at], 1, run.bounces, &mut pass)?;
                 // The first pass compiles and touches memory.
                 if repeat > 0 {
-                    stages[at].trace_ns.push(pass.trace_ns);
-                    stages[at].shade_ns.push(pass.shade_ns);
+                    sides[at].trace_ns.push(pass.trace_ns);
+                    sides[at].shade_ns.push(pass.shade_ns);
                 }
             }
         }
-        let side = |(mut backend, stages): (B, Stages)| {
-            let image = picture(&mut backend, run.repeats + 1)?;
-            Ok(Side { trace_ns: stages.trace_ns, shade_ns: stages.shade_ns, image })
-        };
-        backends.into_iter().zip(stages).map(side).collect()
+        for (side, backend) in sides.iter_mut().zip(&mut backends) {
+            side.image = picture(backend, run.repeats + 1)?;
+        }
+        Ok(sides)
     }
-}
-
-#[derive(Clone, Default)]
-struct Stages {
-    trace_ns: Vec<u64>,
-    shade_ns: Vec<u64>,
 }
 
 /// Adds up the stages of one pass.
