@@ -31,8 +31,8 @@ const ROOMS: [(&str, &str); 4] = [
     ),
     (
         "recorder",
-        "clock device stages oracle options machine backends output progress interrupt wavefront measure \
-         capture cache_model comparison observer recording replay bench report cli",
+        "clock device stages oracle cache_model options machine backends output progress interrupt wavefront \
+         measure capture comparison observer recording replay bench report cli",
     ),
     (
         "inspector",
