@@ -32,36 +32,28 @@ const UNAVAILABLE: &str = "The system shows no file dialog (on Linux it takes xd
     or zenity). Type the path:";
 
 impl Asking {
-    fn title(&self) -> &'static str {
+    /// The title of the question, and the name of the file that is proposed.
+    fn words(&self) -> (&'static str, String) {
         match self {
-            Self::OpenRecording => "Open NAME.raydump",
-            Self::OpenSession => "Open session",
-            Self::SaveSession => "Save session",
-            Self::SaveCommand(_) => "Save the session that the command draws",
-            Self::SavePicture(_) => "Save picture",
-            Self::SaveData(_) => "Save data",
-        }
-    }
-
-    fn file_name(&self) -> String {
-        match self {
-            Self::OpenRecording | Self::OpenSession => String::new(),
-            Self::SaveSession => "session.json".to_owned(),
-            Self::SaveCommand(panel) => format!("{panel}.json"),
-            Self::SavePicture(panel) => format!("{}.png", panel.unwrap_or("window")),
-            Self::SaveData(panel) => format!("{panel}.csv"),
+            Self::OpenRecording => ("Open NAME.raydump", String::new()),
+            Self::OpenSession => ("Open session", String::new()),
+            Self::SaveSession => ("Save session", "session.json".to_owned()),
+            Self::SaveCommand(panel) => ("Save the session that the command draws", format!("{panel}.json")),
+            Self::SavePicture(panel) => ("Save picture", format!("{}.png", panel.unwrap_or("window"))),
+            Self::SaveData(panel) => ("Save data", format!("{panel}.csv")),
         }
     }
 
     /// Asks by the system's dialog.
     pub(super) fn by_dialog(&self) -> Asked {
-        let dialog = rfd::FileDialog::new().set_title(self.title());
+        let (title, file_name) = self.words();
+        let dialog = rfd::FileDialog::new().set_title(title);
         let start = Instant::now();
         let chosen = match self {
             Self::OpenRecording => dialog.pick_folder(),
             Self::OpenSession => dialog.add_filter("session", &["json"]).pick_file(),
             Self::SaveSession | Self::SaveCommand(_) | Self::SavePicture(_) | Self::SaveData(_) => {
-                dialog.set_file_name(self.file_name()).save_file()
+                dialog.set_file_name(file_name).save_file()
             }
         };
         match chosen {
@@ -83,14 +75,14 @@ pub(super) struct Prompt {
 impl Prompt {
     pub(super) fn new(asking: Asking) -> Self {
         let folder = std::env::current_dir().unwrap_or_default();
-        let path = folder.join(asking.file_name()).display().to_string();
+        let path = folder.join(asking.words().1).display().to_string();
         Self { asking, path, is_shown: false }
     }
 
     /// The path once it is typed; the prompt is over then, and when it is closed.
     pub(super) fn show(&mut self, ui: &egui::Ui) -> Option<Asked> {
         let (mut is_open, mut asked) = (true, None);
-        egui::Window::new(self.asking.title())
+        egui::Window::new(self.asking.words().0)
             .open(&mut is_open)
             .collapsible(false)
             .resizable(false)

@@ -119,12 +119,9 @@ impl App {
 
     /// Opens one more recording; what goes wrong is shown.
     pub fn open(&mut self, path: &Path) {
-        let (problems, opened) = (self.context.problems.len(), self.context.recordings.len());
-        self.context.add(path);
-        if self.context.recordings.len() > opened {
+        if self.context.add(path) {
             self.recent.note(path);
-        }
-        if self.context.problems.len() > problems {
+        } else {
             layout::bring_forward(&mut self.tree, "problems");
         }
     }

@@ -34,7 +34,9 @@ impl eframe::App for App {
 /// If there is no screen, or nothing that can draw on it.
 pub fn run(paths: &[PathBuf], session: Option<Session>) -> anyhow::Result<()> {
     let mut context = session.as_ref().map_or_else(Context::default, Session::open);
-    paths.iter().for_each(|path| context.add(path));
+    for path in paths {
+        context.add(path);
+    }
     // What is shown first is read while the window is made.
     context.read_ahead();
     let viewport = egui::ViewportBuilder::default()

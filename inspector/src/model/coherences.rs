@@ -12,6 +12,7 @@ use rayon::ThreadPoolBuilder;
 use super::background::Waker;
 use super::order::Order;
 use super::queue::Queue;
+use super::recording::Recording;
 use crate::analysis::coherence::{Coherence, LaneUtilisation, coherence, lanes};
 use crate::analysis::{GroupWidth, Metric};
 
@@ -26,8 +27,8 @@ pub struct OrderCoherence {
     pub lanes: Metric<Vec<LaneUtilisation>>,
 }
 
-/// Which numbers: recording, queue and width of a group.
-type Wanted = (usize, QueueId, usize);
+/// Which numbers: opening of a recording, queue and width of a group.
+type Wanted = (u64, QueueId, usize);
 
 /// What is known so far.
 #[derive(Debug, Default)]
@@ -44,14 +45,13 @@ impl Coherences {
     /// on the same processors.
     pub fn of(
         &mut self,
-        recording: usize,
-        dump: &Arc<Dump>,
-        (queue, methods): (&Arc<Queue>, &[String]),
+        recording: &Recording,
+        queue: &Arc<Queue>,
         width: GroupWidth,
         (waker, frame): (&Waker, u64),
     ) -> &[OrderCoherence] {
         self.receive();
-        let wanted = (recording, queue.id, width.rays());
+        let wanted = (recording.opening, queue.id, width.rays());
         let is_due = self.running.is_none() && !self.known.contains_key(&wanted) && !waker.is_busy();
         let asked = self.next.filter(|(next, _)| *next == wanted);
         if is_due && asked.is_none() {
@@ -61,7 +61,8 @@ impl Coherences {
             self.next = None;
             self.known.insert(wanted, Vec::new());
             let (sender, receiver) = channel();
-            let (dump, queue, methods) = (dump.clone(), queue.clone(), methods.to_vec());
+            let (dump, queue) = (recording.dump.clone(), queue.clone());
+            let methods = recording.methods(queue.id).to_vec();
             let (waker, working) = (waker.clone(), waker.start());
             thread::spawn(move || {
                 // Threads of its own: what a window waits for does not stand in line behind all rays of an order.

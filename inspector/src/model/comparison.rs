@@ -32,29 +32,23 @@ pub enum Difference {
 }
 
 impl Difference {
-    /// All of them.
-    pub const ALL: [Self; 5] = [Self::Displacement, Self::CapsuleArea, Self::Hit, Self::Distance, Self::Key];
+    /// All of them: name in lists and sessions, and what the colour bar says.
+    pub const ALL: [(Self, &'static str, &'static str); 5] = [
+        (Self::Displacement, "displacement", "places from left to right, part of all"),
+        (Self::CapsuleArea, "capsule-area", "capsule area of the group, right over left, log2"),
+        (Self::Hit, "hit", "1 where another surface was hit"),
+        (Self::Distance, "distance", "relative difference of the hit's distance, log10"),
+        (Self::Key, "key", "1 where the key is another"),
+    ];
 
     /// Name in lists and sessions.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Displacement => "displacement",
-            Self::CapsuleArea => "capsule-area",
-            Self::Hit => "hit",
-            Self::Distance => "distance",
-            Self::Key => "key",
-        }
+        Self::ALL[self as usize].1
     }
 
     /// What the colour bar says.
     pub fn title(self) -> &'static str {
-        match self {
-            Self::Displacement => "places from left to right, part of all",
-            Self::CapsuleArea => "capsule area of the group, right over left, log2",
-            Self::Hit => "1 where another surface was hit",
-            Self::Distance => "relative difference of the hit's distance, log10",
-            Self::Key => "1 where the key is another",
-        }
+        Self::ALL[self as usize].2
     }
 }
 

@@ -8,7 +8,6 @@ use formats::manifest::QueueId;
 
 use super::absent::Absent;
 use super::background::Background;
-use super::coherences::Coherences;
 use super::derived::Derived;
 use super::order::Order;
 use super::queue::Queue;
@@ -49,7 +48,6 @@ pub struct Context {
     pub selection: Selection,
     /// What went wrong and was not dismissed yet.
     pub problems: Vec<Problem>,
-    pub(super) coherences: Coherences,
     /// What the what-if order is made by, once it was asked for.
     pub what_if: Option<what_if::Settings>,
     pub(super) derived: Derived,
@@ -68,17 +66,19 @@ impl Context {
         context
     }
 
-    /// Opens one more recording and selects it; a problem if it cannot be read.
-    pub fn add(&mut self, path: &Path) {
+    /// Opens one more recording and selects it; whether it can be read: a problem if not.
+    pub fn add(&mut self, path: &Path) -> bool {
         match Recording::open(path) {
             Ok(recording) => {
                 self.recordings.push(recording);
                 self.select_recording(self.recordings.len() - 1);
+                true
             }
-            Err(error) => self.problems.push(Problem {
-                what: format!("{} cannot be opened", path.display()),
-                why: error.to_string(),
-            }),
+            Err(error) => {
+                let what = format!("{} cannot be opened", path.display());
+                self.problems.push(Problem { what, why: error.to_string() });
+                false
+            }
         }
     }
 
@@ -109,7 +109,6 @@ impl Context {
                 let has_queue = again.queue(self.selection.queue).is_some();
                 let queue = again.first_queue().filter(|_| !has_queue);
                 self.recordings[self.selection.recording] = again;
-                self.coherences = Coherences::default();
                 if let Some(queue) = queue {
                     self.go_to(queue);
                 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::absent::Absent;
 use super::background::{Background, Waker};
-use super::coherences::OrderCoherence;
+use super::coherences::{Coherences, OrderCoherence};
 use super::context::Context;
 use super::estimates::Estimates;
 use super::filter::{Expression, FilterError, Passing, passing};
@@ -32,14 +32,15 @@ type WantedRows = (Grouped, Option<Arc<Expression>>, Sorting);
 #[derive(Debug, Default)]
 pub struct Derived {
     pub(super) waker: Waker,
-    pub(super) groups: Background<Grouped, ()>,
-    pub(super) passing: Background<(Grouped, Arc<Expression>), Result<Arc<Passing>, FilterError>>,
-    pub(super) rows: Background<WantedRows, Arc<Rows>>,
-    pub(super) what_if: Background<(u64, QueueId, Settings), Result<Arc<Order>, String>>,
-    pub(super) what_if_coherence: Background<Grouped, OrderCoherence>,
-    pub(super) estimates: Background<(u64, QueueId), Result<Arc<Estimates>, String>>,
-    pub(super) paths: Background<(u64, u32, u32), Rays>,
-    pub(super) rays_of_cell: Background<(u64, QueueId, u32), Arc<Vec<u32>>>,
+    coherences: Coherences,
+    groups: Background<Grouped, ()>,
+    passing: Background<(Grouped, Arc<Expression>), Result<Arc<Passing>, FilterError>>,
+    rows: Background<WantedRows, Arc<Rows>>,
+    what_if: Background<(u64, QueueId, Settings), Result<Arc<Order>, String>>,
+    what_if_coherence: Background<Grouped, OrderCoherence>,
+    estimates: Background<(u64, QueueId), Result<Arc<Estimates>, String>>,
+    paths: Background<(u64, u32, u32), Rays>,
+    rays_of_cell: Background<(u64, QueueId, u32), Arc<Vec<u32>>>,
 }
 
 /// Which rays of the order pass the filter.
@@ -189,11 +190,10 @@ impl Context {
     /// Why the queue cannot be shown, or not yet.
     pub fn coherences(&mut self, frame: u64) -> Result<(&[OrderCoherence], usize), Absent> {
         let queue = self.queue()?;
-        let (at, width) = (self.selection.recording, self.selection.group_width);
-        let recording = self.recordings.get(at).ok_or("no recording is open")?;
-        let of = (&queue, recording.methods(queue.id));
-        let known = self.coherences.of(at, &recording.dump, of, width, (&self.derived.waker, frame));
-        Ok((known, of.1.len()))
+        let recording = self.recordings.get(self.selection.recording).ok_or("no recording is open")?;
+        let Derived { waker, coherences, .. } = &mut self.derived;
+        let known = coherences.of(recording, &queue, self.selection.group_width, (waker, frame));
+        Ok((known, recording.methods(queue.id).len()))
     }
 
     /// Estimated against traced lengths of the queue; `None` until they are known.

@@ -49,24 +49,20 @@ impl Estimates {
             let part = (f64::from(length).max(1e-30).log10() - low) / (LONGEST - low);
             ((part * BINS as f64).max(0.0) as usize).min(BINS - 1)
         };
-        let of_task = |(task, lengths): (usize, &[f32])| {
-            let mut counts = Counts { pairs: vec![0; BINS * BINS], within: 0, untouched: 0 };
-            let rays = &queue.traced.rays()[task * RAYS_PER_TASK..];
-            for (&length, ray) in lengths.iter().zip(rays) {
-                let estimate = table.mean(ray);
-                counts.pairs[bin(estimate) * BINS + bin(length)] += 1;
-                counts.within += u64::from((0.5..=2.0).contains(&(estimate / length)));
-                counts.untouched += u64::from(estimate.to_bits() == dummy.to_bits());
-            }
+        let none = || Counts { pairs: vec![0; BINS * BINS], within: 0, untouched: 0 };
+        let add = |mut counts: Counts, (&length, ray): (&f32, _)| {
+            let estimate = table.mean(ray);
+            counts.pairs[bin(estimate) * BINS + bin(length)] += 1;
+            counts.within += u64::from((0.5..=2.0).contains(&(estimate / length)));
+            counts.untouched += u64::from(estimate.to_bits() == dummy.to_bits());
             counts
         };
         let sum = |mut a: Counts, b: Counts| {
             a.pairs.iter_mut().zip(b.pairs).for_each(|(a, b)| *a += b);
             Counts { within: a.within + b.within, untouched: a.untouched + b.untouched, ..a }
         };
-        let tasks = queue.lengths.par_chunks(RAYS_PER_TASK).enumerate();
-        let none = || Counts { pairs: vec![0; BINS * BINS], within: 0, untouched: 0 };
-        let counts = tasks.map(of_task).reduce(none, sum);
+        let rays = queue.lengths.par_iter().zip(queue.traced.rays()).with_min_len(RAYS_PER_TASK);
+        let counts = rays.fold(none, add).reduce(none, sum);
         let share = |rays: u64| rays as f64 / queue.len().max(1) as f64;
         Ok(Self {
             low,

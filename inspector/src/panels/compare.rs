@@ -193,9 +193,8 @@ impl Compare {
         ui.horizontal_wrapped(|ui| {
             ui.label("Difference");
             let name = choice.difference.map_or("none", Difference::name);
-            let differences = Difference::ALL.map(|difference| {
-                (Some(difference), difference.name().to_owned(), Some(difference.title().to_owned()))
-            });
+            let differences = Difference::ALL
+                .map(|(difference, name, title)| (Some(difference), name.to_owned(), Some(title.to_owned())));
             let none = (None, "none".to_owned(), None);
             let choices = std::iter::once(none).chain(differences);
             choose(ui, ("difference", name), &mut choice.difference, choices);

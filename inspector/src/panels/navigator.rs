@@ -64,19 +64,17 @@ fn facts(ui: &mut egui::Ui, context: &Context) {
 
 fn queue(ui: &mut egui::Ui, context: &mut Context) {
     let Some(recording) = context.recording() else { return };
-    let queues: Vec<(QueueId, u64)> =
-        recording.queues().iter().map(|record| (record.id, record.rays)).collect();
+    let ids = || recording.queues().iter().map(|record| record.id);
     let now = context.selection.queue;
-    let passes: BTreeSet<u32> = queues.iter().map(|(id, _)| id.pass).collect();
-    let bounces: BTreeSet<u32> = queues.iter().map(|(id, _)| id.bounce).collect();
+    let passes: BTreeSet<u32> = ids().map(|id| id.pass).collect();
+    let bounces: BTreeSet<u32> = ids().map(|id| id.bounce).collect();
     let mut next = now;
-    let has = |wanted: QueueId| queues.iter().any(|(id, _)| *id == wanted);
     let mut row = |name: &str, choices: Vec<(String, QueueId)>| {
         ui.horizontal_wrapped(|ui| {
             ui.label(name);
             for (text, choice) in choices {
                 let button = egui::Button::selectable(choice == now, text);
-                if ui.add_enabled(has(choice), button).clicked() {
+                if ui.add_enabled(recording.queue(choice).is_some(), button).clicked() {
                     next = choice;
                 }
             }
@@ -91,8 +89,7 @@ fn queue(ui: &mut egui::Ui, context: &mut Context) {
         "Kind",
         Kind::ALL.into_iter().map(|kind| (kind.name().to_owned(), QueueId { kind, ..now })).collect(),
     );
-    let rays = queues.iter().find(|(id, _)| *id == now).map_or(0, |(_, rays)| *rays);
-    ui.label(counted(rays, "ray", "rays"));
+    ui.label(counted(recording.queue(now).map_or(0, |record| record.rays), "ray", "rays"));
     if next != now {
         context.go_to(next);
     }

@@ -33,7 +33,7 @@ impl Panel for Scene {
     }
 
     fn state(&self) -> serde_json::Value {
-        self.view.state()
+        serde_json::to_value(self.view.kept()).unwrap_or_default()
     }
 
     fn set_state(&mut self, state: serde_json::Value) -> Result<(), serde_json::Error> {

@@ -23,7 +23,7 @@ use crate::theme::Theme;
 /// What is shown of the table: its cells as a picture, by one of their numbers, or plots of all of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum View {
+enum TableView {
     #[default]
     Mean,
     Count,
@@ -33,22 +33,26 @@ enum View {
 }
 
 /// What can be shown: what it is called, and what it is.
-const VIEWS: [(View, &str, &str); 5] = [
-    (View::Mean, "mean length", "Mean of the lengths added, over the longest mean; a dummy of 0.25 counts"),
-    (View::Count, "count", "Rays added, by powers of two"),
-    (View::Fill, "fill", "Cells that any ray was added to"),
-    (View::Histograms, "histograms", "How many cells have how many rays, and which mean length"),
-    (View::Estimates, "estimates", "Lengths that the table gives for these rays, against traced ones"),
+const VIEWS: [(TableView, &str, &str); 5] = [
+    (
+        TableView::Mean,
+        "mean length",
+        "Mean of the lengths added, over the longest mean; a dummy of 0.25 counts",
+    ),
+    (TableView::Count, "count", "Rays added, by powers of two"),
+    (TableView::Fill, "fill", "Cells that any ray was added to"),
+    (TableView::Histograms, "histograms", "How many cells have how many rays, and which mean length"),
+    (TableView::Estimates, "estimates", "Lengths that the table gives for these rays, against traced ones"),
 ];
 
 /// The panel.
 #[derive(Default)]
 pub(super) struct TablePanel {
-    view: View,
+    view: TableView,
     estimates: EstimatePlot,
     /// The cell whose first ray is to be selected as soon as it is known.
     chosen: Option<u32>,
-    picture: Picture<(u64, QueueId, View, bool, Blocks)>,
+    picture: Picture<(u64, QueueId, TableView, bool, Blocks)>,
 }
 
 impl Panel for TablePanel {
@@ -69,9 +73,9 @@ impl Panel for TablePanel {
             ui.add(egui::Label::new(egui::RichText::new(fill).weak()).extend());
         });
         match self.view {
-            View::Histograms => histograms(ui, cells),
-            View::Estimates => self.estimates.show(ui, context),
-            View::Mean | View::Count | View::Fill => self.cells(ui, context, &queue, bits),
+            TableView::Histograms => histograms(ui, cells),
+            TableView::Estimates => self.estimates.show(ui, context),
+            TableView::Mean | TableView::Count | TableView::Fill => self.cells(ui, context, &queue, bits),
         }
     }
 
@@ -206,12 +210,12 @@ impl Blocks {
 /// Percent of the cells whose means are told apart; longer ones share the last colour.
 const LONGEST_PERCENTILE: f32 = 98.0;
 
-fn pixels(cells: &[LengthCell], blocks: Blocks, view: View, theme: Theme) -> Vec<Color32> {
+fn pixels(cells: &[LengthCell], blocks: Blocks, view: TableView, theme: Theme) -> Vec<Color32> {
     // A damaged cell may count no ray at all.
     let cells = || cells.iter().filter(|cell| cell.count >= 2);
     let value = |cell: &LengthCell| match view {
-        View::Fill => 1.0,
-        View::Count => ((cell.count - 1) as f32).log2(),
+        TableView::Fill => 1.0,
+        TableView::Count => ((cell.count - 1) as f32).log2(),
         _ => mean_length(cell.sum, cell.count),
     };
     let values: Vec<f32> = cells().map(value).collect();
@@ -230,7 +234,7 @@ fn pixels(cells: &[LengthCell], blocks: Blocks, view: View, theme: Theme) -> Vec
     let colour = |(sum, touched): (f32, u32)| {
         let part = match (touched, view) {
             (0, _) => return theme.nothing(),
-            (touched, View::Fill) => touched as f32 / all,
+            (touched, TableView::Fill) => touched as f32 / all,
             (touched, _) => sum / touched as f32 / largest,
         };
         // The first colours of the map are hard to tell from an untouched cell.

@@ -25,10 +25,7 @@ pub(super) fn histograms(ui: &mut egui::Ui, cells: &[LengthCell]) {
     let theme = Theme::of(ui.ctx());
     let (counts, means) = (count_bars(cells), mean_bars(cells));
     let height = 0.5 * (ui.available_height() - ui.spacing().item_spacing.y);
-    let bars = |bars: Vec<(f64, f64, f64)>| {
-        let bar = |(at, high, width)| Bar::new(at, high).width(width);
-        BarChart::new("cells", bars.into_iter().map(bar).collect()).color(theme.series(1))
-    };
+    let chart = |bars| BarChart::new("cells", bars).color(theme.series(1));
     let plot = |name: &'static str, label: &'static str| {
         Plot::new(name)
             .height(height)
@@ -41,23 +38,23 @@ pub(super) fn histograms(ui: &mut egui::Ui, cells: &[LengthCell]) {
     plot("rays of a cell", "rays added to a cell, by powers of two")
         .x_axis_formatter(|mark, _| power_of_two(mark.value))
         .x_grid_spacer(uniform_grid_spacer(|_| DECADES))
-        .show(ui, |plot| plot.bar_chart(bars(counts)));
+        .show(ui, |plot| plot.bar_chart(chart(counts)));
     plot("mean of a cell", "mean length of a cell, unit lengths")
-        .show(ui, |plot| plot.bar_chart(bars(means)));
+        .show(ui, |plot| plot.bar_chart(chart(means)));
 }
 
-/// Place, height and width of a bar for each power of two of rays added.
-fn count_bars(cells: &[LengthCell]) -> Vec<(f64, f64, f64)> {
+/// A bar for each power of two of rays added.
+fn count_bars(cells: &[LengthCell]) -> Vec<Bar> {
     let mut bars = [0u32; 32];
     // One of them is the dummy.
     cells.iter().for_each(|cell| bars[cell.count.saturating_sub(1).max(1).ilog2() as usize] += 1);
     let last = bars.iter().rposition(|&high| high > 0).unwrap_or(0);
-    let bar = |(at, high): (usize, &u32)| (at as f64 + 0.5, f64::from(*high), 0.94);
+    let bar = |(at, high): (usize, &u32)| Bar::new(at as f64 + 0.5, f64::from(*high)).width(0.94);
     bars[..=last].iter().enumerate().map(bar).collect()
 }
 
-/// Place, height and width of a bar for each of some equal ranges of mean lengths.
-fn mean_bars(cells: &[LengthCell]) -> Vec<(f64, f64, f64)> {
+/// A bar for each of some equal ranges of mean lengths.
+fn mean_bars(cells: &[LengthCell]) -> Vec<Bar> {
     let means: Vec<f64> =
         cells.iter().map(|cell| f64::from(mean_length(cell.sum, cell.count.max(1)))).collect();
     let longest = means.iter().copied().fold(0.05, f64::max);
@@ -65,7 +62,8 @@ fn mean_bars(cells: &[LengthCell]) -> Vec<(f64, f64, f64)> {
     let bin = |mean: f64| ((mean / longest * BARS as f64) as usize).min(BARS - 1);
     means.into_iter().for_each(|mean| bars[bin(mean)] += 1);
     let width = longest / BARS as f64;
-    let bar = |(at, high): (usize, &u32)| ((at as f64 + 0.5) * width, f64::from(*high), 0.94 * width);
+    let bar =
+        |(at, high): (usize, &u32)| Bar::new((at as f64 + 0.5) * width, f64::from(*high)).width(0.94 * width);
     bars.iter().enumerate().map(bar).collect()
 }
 
@@ -167,11 +165,10 @@ mod tests {
             sum: (mean * f64::from(1u32 << 24)) as u64 * u64::from(count),
         };
         let cells = [cell(2, 0.1), cell(3, 0.1), cell(5, 0.5), cell(1000, 1.5)];
-        let heights =
-            |bars: Vec<(f64, f64, f64)>| bars.iter().map(|(_, high, _)| *high).collect::<Vec<f64>>();
+        let heights = |bars: Vec<Bar>| bars.iter().map(|bar| bar.value).collect::<Vec<f64>>();
         assert_eq!(heights(count_bars(&cells)), [1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
-        let means = mean_bars(&cells);
-        assert_eq!(heights(means.clone()).iter().sum::<f64>(), 4.0);
-        assert_eq!((means[3].1, means[BARS - 1].1), (2.0, 1.0));
+        let means = heights(mean_bars(&cells));
+        assert_eq!(means.iter().sum::<f64>(), 4.0);
+        assert_eq!((means[3], means[BARS - 1]), (2.0, 1.0));
     }
 }

@@ -47,15 +47,13 @@ impl Values {
         let end = self.0.partition_point(|value| range.part(*value) <= 1.0);
         let within = &self.0[first..end.max(first)];
         let mut before = 0;
-        let mut count = |at: usize| {
-            let is_last = at + 1 == bins;
-            let until =
-                if is_last { within.len() } else { within.partition_point(|&value| bin(value) <= at) };
-            let count = (until - before) as u32;
-            before = until;
-            count
+        let count = |at: usize| {
+            // The last one has the high end too.
+            let is_before = |&value: &f32| at + 1 == bins || bin(value) <= at;
+            let first = std::mem::replace(&mut before, within.partition_point(is_before));
+            (before - first) as u32
         };
-        (0..bins).map(&mut count).collect()
+        (0..bins).map(count).collect()
     }
 }
 

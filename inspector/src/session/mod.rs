@@ -201,15 +201,15 @@ impl Session {
     /// Opens its recordings and selects what was selected. What is not there any more is a problem.
     pub fn open(&self) -> Context {
         let mut context = Context::default();
-        let mut places = Vec::new();
-        for path in &self.recordings {
-            let before = context.recordings.len();
-            context.add(path);
-            places.push((context.recordings.len() > before).then_some(before));
+        let mut selected = None;
+        for (number, path) in self.recordings.iter().enumerate() {
+            if context.add(path) && number == self.selection.recording {
+                selected = Some(context.recordings.len() - 1);
+            }
         }
         context.what_if.clone_from(&self.what_if);
-        let Some(Some(at)) = places.get(self.selection.recording) else { return context };
-        context.select_recording(*at);
+        let Some(at) = selected else { return context };
+        context.select_recording(at);
         if let Err(why) = self.selection.select(&mut context) {
             let what = "not all that the session had selected can be selected".to_owned();
             context.problems.push(crate::model::context::Problem { what, why });

@@ -88,26 +88,23 @@ impl Settings {
         }
     }
 
+    /// Those of a layout, with the key bits and the length of a recording.
+    fn with(text: &str, estimate: Estimate, header: &Header) -> Self {
+        let key_bits = header.options.key_bits.clamp(KEY_BITS_MIN, LAYOUT_BITS);
+        Self { text: text.to_owned(), key_bits, estimate, length: header.options.two_point_length }
+    }
+
     /// Those of a method that is built in, with the key bits and the length of a recording.
     pub fn builtin(name: &str, header: &Header) -> Option<Self> {
         let method = Method::builtin(name).ok()?;
-        Some(Self {
-            text: method.layout.text().to_owned(),
-            key_bits: header.options.key_bits.clamp(KEY_BITS_MIN, LAYOUT_BITS),
-            estimate: Estimate::of(method.termination),
-            length: header.options.two_point_length,
-        })
+        Some(Self::with(method.layout.text(), Estimate::of(method.termination), header))
     }
 
     /// Those of a method that is built in, or of a layout with the same length for all rays; key bits and
     /// length are those of a recording.
     pub fn named(name_or_layout: &str, header: &Header) -> Self {
-        Self::builtin(name_or_layout, header).unwrap_or_else(|| Self {
-            text: name_or_layout.to_owned(),
-            key_bits: header.options.key_bits.clamp(KEY_BITS_MIN, LAYOUT_BITS),
-            estimate: Estimate::Fixed,
-            length: header.options.two_point_length,
-        })
+        let builtin = Self::builtin(name_or_layout, header);
+        builtin.unwrap_or_else(|| Self::with(name_or_layout, Estimate::Fixed, header))
     }
 
     /// Names of the methods that are built in.

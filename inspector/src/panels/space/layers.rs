@@ -229,11 +229,12 @@ impl Layers {
         let heads = made.rays.iter().filter(|_| options.arrows);
         let heads = heads.map(|rays| lines(rays, Stage::Arrows, end, 1.0, arrow));
         let ends = made.ends.iter().map(|ends| lines(ends, Stage::Marks, end, 1.0, MARK_WIDTH));
-        let solid = |geometry, stage, range| {
+        let translucent = |geometry, stage, range| {
             Layer::of(geometry, stage, Paint::Values(options.map, range), options.capsule_opacity)
         };
-        let cells = made.cells.iter().map(|(cells, range)| solid(cells, Stage::Boxes, *range));
-        let capsules = made.capsules.iter().map(|(capsules, _)| solid(capsules, Stage::Capsules, AREAS));
+        let cells = made.cells.iter().map(|(cells, range)| translucent(cells, Stage::Boxes, *range));
+        let capsules =
+            made.capsules.iter().map(|(capsules, _)| translucent(capsules, Stage::Capsules, AREAS));
         let lines = curve.chain(rays).chain(heads).chain(ends);
         lines.chain(cells).chain(capsules).chain(selected.iter().cloned()).collect()
     }

@@ -99,11 +99,6 @@ impl SpaceView {
     }
 
     /// What is kept of it.
-    pub(crate) fn state(&self) -> serde_json::Value {
-        serde_json::to_value(self.kept()).unwrap_or_default()
-    }
-
-    /// The same, to be kept with more.
     pub(crate) fn kept(&self) -> SpaceState {
         SpaceState { options: self.options.clone(), camera: self.camera }
     }

@@ -56,10 +56,10 @@ impl PictureCallback {
 struct Resources {
     pipelines: Pipelines,
     uploads: Uploads,
-    views: BTreeMap<u64, View>,
+    views: BTreeMap<u64, DrawnView>,
 }
 
-struct View {
+struct DrawnView {
     target: Target,
     uniforms: wgpu::Buffer,
     layers: wgpu::BindGroup,
@@ -82,7 +82,7 @@ impl DrawCounts {
     /// Of all views.
     pub fn of(resources: &CallbackResources) -> Self {
         let views = resources.get::<Resources>().into_iter().flat_map(|resources| resources.views.values());
-        views.fold(Self::default(), |sum, View { counts, .. }| Self {
+        views.fold(Self::default(), |sum, DrawnView { counts, .. }| Self {
             draw_calls: sum.draw_calls + counts.draw_calls,
             vertices: sum.vertices + counts.vertices,
             uploaded_bytes: sum.uploaded_bytes + counts.uploaded_bytes,
@@ -150,8 +150,8 @@ impl CallbackTrait for PictureCallback {
         });
         let Resources { pipelines, uploads, views } = resources;
         let view =
-            views.entry(self.view).or_insert_with(|| View::new(device, pipelines, self.picture.pixels));
-        if view.target.pixels() != self.picture.pixels {
+            views.entry(self.view).or_insert_with(|| DrawnView::new(device, pipelines, self.picture.pixels));
+        if view.target.pixels != self.picture.pixels {
             view.target = Target::new(device, pipelines, self.picture.pixels);
             view.drawn = None;
         }
@@ -190,12 +190,12 @@ impl CallbackTrait for PictureCallback {
         let (left, top) = (port.left_px as f32, port.top_px as f32);
         pass.set_viewport(left, top, port.width_px as f32, port.height_px as f32, 0.0, 1.0);
         pass.set_pipeline(&resources.pipelines.copy);
-        pass.set_bind_group(0, view.target.picture(), &[]);
+        pass.set_bind_group(0, &view.target.picture, &[]);
         pass.draw(0..3, 0..1);
     }
 }
 
-impl View {
+impl DrawnView {
     fn new(device: &wgpu::Device, pipelines: &Pipelines, pixels: [u32; 2]) -> Self {
         let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("view::uniforms"),

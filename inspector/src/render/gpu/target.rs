@@ -6,11 +6,12 @@ use super::pipelines::{DEPTH_FORMAT, PICTURE_FORMAT, Pipelines, SAMPLES};
 use crate::theme::ShaderColour;
 
 pub(super) struct Target {
-    pixels: [u32; 2],
+    pub(super) pixels: [u32; 2],
     samples: wgpu::TextureView,
     depth: wgpu::TextureView,
     resolved: wgpu::TextureView,
-    picture: wgpu::BindGroup,
+    /// Of the pipeline that copies it.
+    pub(super) picture: wgpu::BindGroup,
 }
 
 impl Target {
@@ -37,14 +38,6 @@ impl Target {
             picture: pipelines.picture_bindings(device, &resolved),
             resolved,
         }
-    }
-
-    pub(super) fn pixels(&self) -> [u32; 2] {
-        self.pixels
-    }
-
-    pub(super) fn picture(&self) -> &wgpu::BindGroup {
-        &self.picture
     }
 
     /// Starts to draw on the background.
