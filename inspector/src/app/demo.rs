@@ -27,7 +27,6 @@ pub fn find_recorder() -> Option<PathBuf> {
 
 /// A recording of the demo.
 pub struct Demo {
-    /// The program, if there is one.
     program: Option<PathBuf>,
     /// The folder that demo.raydump is put into.
     pub(super) folder: String,
@@ -108,7 +107,6 @@ impl Demo {
         Some(format!("{seconds} s: recorded up to {}", last.id))
     }
 
-    /// Ends it.
     pub(super) fn cancel(&mut self) {
         if let Some(mut running) = self.running.take() {
             // It may have ended by itself just now; then there is nothing to end.

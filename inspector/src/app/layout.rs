@@ -50,7 +50,6 @@ pub(super) fn of_all_panels(kept: Option<Tree<Pane>>) -> Option<Tree<Pane>> {
     kept.filter(|tree| PANELS.iter().all(|entry| tree.tiles.find_pane(&entry.name.to_owned()).is_some()))
 }
 
-/// Brings a panel to the front of its tabs.
 pub(super) fn bring_forward(tree: &mut Tree<Pane>, panel: &str) {
     tree.make_active(|_, tile| matches!(tile, Tile::Pane(name) if name == panel));
 }

@@ -26,7 +26,6 @@ enum Listed {
     Groups,
 }
 
-/// The panel.
 #[derive(Default)]
 pub(super) struct CoherencePanel {
     listed: Listed,

@@ -151,7 +151,6 @@ impl Compare {
         Selection { recording, method: self.choice.before.clone(), ray, group: None, ..selection.clone() }
     }
 
-    /// The order on the left.
     fn left_order(&self, context: &mut Context) -> Option<Arc<Order>> {
         let left = self.left_selection(&context.selection);
         let selected = std::mem::replace(&mut context.selection, left);
@@ -267,7 +266,6 @@ impl Compare {
         left.look_from(right.camera);
     }
 
-    /// The lines of the table.
     fn rows(&self, context: &Context, compared: Option<&Arc<Compared>>) -> Vec<Row> {
         let selection = &context.selection;
         let left = context.recordings.get(self.choice.before_recording.unwrap_or(selection.recording));

@@ -32,7 +32,6 @@ const COLOURS: [(Quantity, &str); 3] = [
 /// What the picture depends on: the order, the filter and whether it is known yet, and the colours.
 type Wanted = (u64, Option<(Arc<Expression>, GroupWidth, bool)>, Quantity, bool);
 
-/// The panel.
 pub(super) struct OrderPanel {
     colouring: Quantity,
     picture: Picture<Wanted>,

@@ -30,7 +30,6 @@ pub(super) struct DrawnPicture {
 }
 
 impl DrawnPicture {
-    /// The rectangle of a pixel on the screen.
     pub(super) fn rect_of(&self, [column, row]: [u32; 2]) -> Rect {
         let step = self.rect.size() / vec2(self.size[0] as f32, self.size[1] as f32);
         Rect::from_min_size(self.rect.min + vec2(column as f32, row as f32) * step, step)

@@ -18,7 +18,6 @@ use crate::theme::Theme;
 /// Width of the longest name of a line, points.
 const NAMES: f32 = 100.0;
 
-/// The panel.
 #[derive(Default)]
 pub(super) struct RayPanel {
     /// The order and width whose worst group is looked for.

@@ -6,7 +6,6 @@ use crate::model::Context;
 use crate::panels::data::Data;
 use crate::panels::panel::Panel;
 
-/// The panel.
 pub(super) struct Scene {
     view: SpaceView,
 }

@@ -45,7 +45,6 @@ const VIEWS: [(TableView, &str, &str); 5] = [
     (TableView::Estimates, "estimates", "Lengths that the table gives for these rays, against traced ones"),
 ];
 
-/// The panel.
 #[derive(Default)]
 pub(super) struct TablePanel {
     view: TableView,

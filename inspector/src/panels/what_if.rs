@@ -14,7 +14,6 @@ use crate::model::what_if::{Estimate, Settings, WHAT_IF};
 use crate::panels::panel::Panel;
 use crate::theme::Theme;
 
-/// The panel.
 #[derive(Default)]
 pub(super) struct WhatIfPanel;
 

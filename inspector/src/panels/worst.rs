@@ -16,7 +16,6 @@ const COLUMNS: [(&str, &str); 5] = [
     ("lanes", "Share of their time in which the group's lanes work. A model"),
 ];
 
-/// The list.
 #[derive(Default)]
 pub(super) struct WorstGroups {
     /// Of which order and width, and the groups.

@@ -62,7 +62,6 @@ struct Memory {
 }
 
 impl Shot {
-    /// Draws a picture into a file.
     pub(crate) fn run(&self) -> anyhow::Result<()> {
         let (measured, lacking) = self.draw()?;
         if self.json {

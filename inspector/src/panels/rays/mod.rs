@@ -28,7 +28,6 @@ const GAP: f32 = 14.0;
 /// Room for the bar that scrolls sideways, points.
 const BAR: f32 = 10.0;
 
-/// The panel.
 pub(super) struct RaysPanel {
     window: RowWindow,
     sorting: Sorting,
@@ -37,7 +36,6 @@ pub(super) struct RaysPanel {
     seen: Option<(usize, *const Rows)>,
 }
 
-/// A column that is shown.
 struct ShownColumn {
     quantity: Quantity,
     /// Most characters that were seen in it: columns grow, but never jump back and forth.
@@ -95,7 +93,6 @@ struct State {
     descending: bool,
 }
 
-/// What was done to the table.
 #[derive(Default)]
 struct Done {
     clicked: Option<usize>,

@@ -15,7 +15,6 @@ use crate::theme::Theme;
 const BAR: f32 = 12.0;
 /// Parts of the histogram above it.
 const BINS: usize = 96;
-/// Height of the histogram.
 const BINS_HEIGHT: f32 = 18.0;
 /// Of the order, each second that it plays.
 const PLAYED_PER_SECOND: f32 = 0.08;

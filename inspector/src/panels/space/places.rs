@@ -6,7 +6,6 @@ use std::sync::Arc;
 use crate::model::filter::Passing;
 use crate::render::detail::Detail;
 
-/// Places that are shown.
 pub(super) struct ShownPlaces {
     detail: Detail,
     /// Those that `detail` picks from; all if `None`.

@@ -103,7 +103,6 @@ impl SpaceView {
         SpaceState { options: self.options.clone(), camera: self.camera }
     }
 
-    /// Shows what was kept.
     pub(crate) fn set_state(&mut self, state: SpaceState) {
         self.options = state.options;
         self.look_from(state.camera);
