@@ -19,7 +19,7 @@ use serde::Serialize;
 
 use crate::figures::files::make_folder;
 use crate::output::{print, print_json};
-use rays::{RayChoice, Rays};
+use rays::{ChosenRays, RayChoice};
 
 /// What files are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -58,7 +58,7 @@ pub(crate) struct Export {
 
 /// Writes the files of a format into a folder.
 pub(crate) fn run(Export { dump, out, format, choice, json }: &Export) -> anyhow::Result<()> {
-    let rays = Rays::open(&Dump::open(dump)?, choice)?;
+    let rays = ChosenRays::open(&Dump::open(dump)?, choice)?;
     make_folder(out)?;
     let stem = stem(&rays, choice);
     let files = match format {
@@ -85,8 +85,8 @@ pub(crate) fn run(Export { dump, out, format, choice, json }: &Export) -> anyhow
 }
 
 /// Names of the files up to what each holds.
-fn stem(rays: &Rays, choice: &RayChoice) -> String {
-    let id = rays.id();
+fn stem(rays: &ChosenRays, choice: &RayChoice) -> String {
+    let id = rays.queue().id;
     let group = choice.group.map_or(String::new(), |group| format!("-group-{group}"));
     let filtered = if choice.filter.is_some() { "-filtered" } else { "" };
     format!("pass-{:03}-bounce-{:02}-{}-{}{group}{filtered}", id.pass, id.bounce, id.kind, rays.method())

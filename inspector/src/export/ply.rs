@@ -5,10 +5,10 @@ use std::io::{self, Write};
 use formats::metrics::capsule::{Capsule, Point, Segment};
 
 use super::capsule;
-use super::rays::Rays;
+use super::rays::ChosenRays;
 
 /// Each ray as an edge from its origin to where it stops, coloured by its place in the order.
-pub(crate) fn rays(rays: &Rays, output: &mut dyn Write) -> io::Result<()> {
+pub(crate) fn rays(rays: &ChosenRays, output: &mut dyn Write) -> io::Result<()> {
     let count = rays.len();
     header(output, 2 * count, &[("edge", count, EDGE)])?;
     for ray in rays.iter() {
@@ -20,14 +20,14 @@ pub(crate) fn rays(rays: &Rays, output: &mut dyn Write) -> io::Result<()> {
 }
 
 /// Where rays end at surfaces, coloured by place in the order.
-pub(crate) fn hits(rays: &Rays, output: &mut dyn Write) -> io::Result<()> {
-    let hits = || rays.iter().filter(|ray| ray.end.is_at_surface());
+pub(crate) fn hits(rays: &ChosenRays, output: &mut dyn Write) -> io::Result<()> {
+    let hits = || rays.iter().filter(|ray| rays.queue().is_at_surface(ray.index));
     header(output, hits().count(), &[])?;
     hits().try_for_each(|ray| vertex(output, ray.termination, colour(ray.place, rays)))
 }
 
 /// The way through the origins that an order takes.
-pub(crate) fn curve(rays: &Rays, output: &mut dyn Write) -> io::Result<()> {
+pub(crate) fn curve(rays: &ChosenRays, output: &mut dyn Write) -> io::Result<()> {
     let count = rays.len();
     header(output, count, &[("edge", count.saturating_sub(1), EDGE)])?;
     for ray in rays.iter() {
@@ -37,7 +37,7 @@ pub(crate) fn curve(rays: &Rays, output: &mut dyn Write) -> io::Result<()> {
 }
 
 /// The capsule of each group of an order.
-pub(crate) fn capsules(rays: &Rays, group_width: usize, output: &mut dyn Write) -> io::Result<()> {
+pub(crate) fn capsules(rays: &ChosenRays, group_width: usize, output: &mut dyn Write) -> io::Result<()> {
     let groups = rays.len().div_ceil(group_width);
     header(output, groups * capsule::VERTICES, &[("face", groups * capsule::TRIANGLES, FACE)])?;
     let mut group: Vec<Segment> = Vec::with_capacity(group_width);
@@ -93,7 +93,7 @@ fn edge(output: &mut dyn Write, from: u32, to: u32) -> io::Result<()> {
 }
 
 /// Dark blue for the first of an order over green to yellow for the last (viridis, five of its colours).
-fn colour(place: usize, rays: &Rays) -> [u8; 3] {
+fn colour(place: usize, rays: &ChosenRays) -> [u8; 3] {
     const STOPS: [[f64; 3]; 5] = [
         [68.0, 1.0, 84.0],
         [59.0, 82.0, 139.0],

@@ -8,9 +8,8 @@ use clap::Args;
 use formats::key::method::UNSORTED;
 use formats::manifest::QueueId;
 use formats::metrics::capsule::Point;
-use formats::ray::{Hit, Kind, Ray};
+use formats::ray::{Kind, Ray};
 use formats::reader::Dump;
-use formats::traced::Results;
 
 use crate::analysis::GroupWidth;
 use crate::arguments;
@@ -83,16 +82,10 @@ fn source_of(dump: &Dump) -> &Dump {
 }
 
 /// Rays of a queue in an order.
-pub(crate) struct Rays {
+pub(crate) struct ChosenRays {
     order: Arc<Order>,
-    places: Chosen,
-}
-
-/// Places of an order, ascending.
-enum Chosen {
-    Range(Range<usize>),
-    /// Those that pass a filter.
-    Listed(Vec<u32>),
+    /// Places of the order, ascending.
+    places: Vec<u32>,
 }
 
 /// One ray with its end.
@@ -102,35 +95,12 @@ pub(crate) struct RayAtPlace {
     pub(crate) place: usize,
     /// Canonical index.
     pub(crate) index: usize,
-    pub(crate) path_id: u32,
     pub(crate) ray: Ray,
-    pub(crate) end: End,
     /// Where it stops, world units: at its hit, its light, or where it leaves the scene.
     pub(crate) termination: Point,
 }
 
-/// How a ray ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum End {
-    Closest(Hit),
-    /// Distance to the occluder, `+inf` if the light is seen, and which light.
-    Shadow {
-        distance: f32,
-        light: u32,
-    },
-}
-
-impl End {
-    /// Whether it ends at a surface.
-    pub(crate) fn is_at_surface(&self) -> bool {
-        match self {
-            Self::Closest(hit) => hit.is_hit(),
-            Self::Shadow { distance, .. } => distance.is_finite(),
-        }
-    }
-}
-
-impl Rays {
+impl ChosenRays {
     /// Opens what a choice names.
     pub(crate) fn open(dump: &Dump, choice: &RayChoice) -> anyhow::Result<Self> {
         let queue = Queue::open(dump, choice.queue(dump)?).map_err(Error::msg)?;
@@ -140,16 +110,16 @@ impl Rays {
         let places = match &choice.filter {
             Some(filter) => {
                 let numbers = Numbers::of(order.clone(), &dump.manifest().header, choice.group_width);
-                Chosen::Listed(passing(&numbers, filter, &places)?)
+                passing(&numbers, filter, &places)?
             }
-            None => Chosen::Range(places),
+            None => places.map(|place| place as u32).collect(),
         };
         Ok(Self { order, places })
     }
 
     /// The queue that they are of.
-    pub(crate) fn id(&self) -> QueueId {
-        self.order.queue.id
+    pub(crate) fn queue(&self) -> &Queue {
+        &self.order.queue
     }
 
     /// What they are ordered by.
@@ -159,10 +129,7 @@ impl Rays {
 
     /// How many there are.
     pub(crate) fn len(&self) -> usize {
-        match &self.places {
-            Chosen::Range(places) => places.len(),
-            Chosen::Listed(places) => places.len(),
-        }
+        self.places.len()
     }
 
     /// How far along the order a place is, 0 to 1.
@@ -172,29 +139,18 @@ impl Rays {
 
     /// All of them in their order.
     pub(crate) fn iter(&self) -> impl Iterator<Item = RayAtPlace> + '_ {
-        let place = |at: usize| match &self.places {
-            Chosen::Range(places) => places.start + at,
-            Chosen::Listed(places) => places[at] as usize,
-        };
-        (0..self.len()).map(move |at| self.at(place(at)))
+        self.places.iter().map(|&place| self.at(place as usize))
     }
 
     fn at(&self, place: usize) -> RayAtPlace {
         let (queue, index) = (&self.order.queue, self.order.places.ray(place));
         let ray = queue.traced.rays()[index];
-        let end = match queue.traced.results() {
-            Results::Hits(hits) => End::Closest(hits[index]),
-            Results::Distances(distances) => {
-                let light = queue.lights.as_ref().map_or(0, |lights| lights[index]);
-                End::Shadow { distance: distances[index], light }
-            }
-        };
         let length = f64::from(queue.lengths[index]) / f64::from(queue.traced.unit().scale);
         // A ray without a direction never leaves.
         let length = if length.is_finite() { length } else { 0.0 };
         let termination =
             [0, 1, 2].map(|axis| f64::from(ray.origin[axis]) + length * f64::from(ray.direction[axis]));
-        RayAtPlace { place, index, path_id: queue.path_ids[index], ray, end, termination }
+        RayAtPlace { place, index, ray, termination }
     }
 }
 
