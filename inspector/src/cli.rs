@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::analysis::{Depth, GroupWidth, Options};
+use crate::analysis::{AnalysisOptions, Depth, GroupWidth};
 use crate::output::{print, say, sentence};
 use crate::session::Session;
 use crate::shot::Shot;
@@ -177,8 +177,8 @@ struct InfoTarget {
 }
 
 impl InfoTarget {
-    fn options(&self) -> Options {
-        Options {
+    fn options(&self) -> AnalysisOptions {
+        AnalysisOptions {
             group_width: self.group_width,
             threads: self.threads.map(usize::from),
             depth: if self.metrics { Depth::Arrays } else { Depth::Manifest },

@@ -8,7 +8,7 @@ use formats::reader::{Dump, DumpState};
 use formats::summary::{Summary, TimingLine};
 use serde::Serialize;
 
-use crate::analysis::{Analysis, Depth, Options, analyse};
+use crate::analysis::{Analysis, AnalysisOptions, Depth, analyse};
 use crate::method_table;
 use crate::output::{count, counted, print, print_json, size, table, time};
 use crate::shown;
@@ -56,7 +56,7 @@ impl SourceIs {
     }
 }
 
-pub(crate) fn run(path: &Path, json: bool, options: &Options) -> anyhow::Result<()> {
+pub(crate) fn run(path: &Path, json: bool, options: &AnalysisOptions) -> anyhow::Result<()> {
     let dump = Dump::open(path)?;
     let summary = Summary::new(path, dump.manifest());
     let source_is = SourceIs::of(&dump);

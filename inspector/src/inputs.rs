@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use formats::bench_result::BenchResult;
 use formats::reader::Dump;
 
-use crate::analysis::{Analysis, Depth, Options, analyse};
+use crate::analysis::{Analysis, AnalysisOptions, Depth, analyse};
 use crate::figures::catalogue::{CATALOGUE, FigureMaker, Findings, Skipped};
 use crate::figures::model::Figure;
 
@@ -31,7 +31,10 @@ impl Inputs {
 
     /// The numbers of all recordings, arrays included.
     pub(crate) fn analysis(&self) -> anyhow::Result<Analysis> {
-        Ok(analyse(&self.recordings, &Options { depth: Depth::Arrays, ..Options::default() })?)
+        Ok(analyse(
+            &self.recordings,
+            &AnalysisOptions { depth: Depth::Arrays, ..AnalysisOptions::default() },
+        )?)
     }
 
     /// Every figure that they have the numbers for, those of `names` alone if there are any; and those that

@@ -2,7 +2,7 @@
 
 use formats::metrics::correlation::Correlation;
 
-use crate::analysis::summary::{MeanSpeedup, Rays, distinct};
+use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
 use crate::analysis::{Analysis, CorrelationLine, MethodSummary, Metric, OrderAnalysis, QueueAnalysis};
 use crate::output::{counted, table};
 
@@ -23,7 +23,7 @@ pub(crate) fn methods(analysis: &Analysis) -> String {
         "Methods: geometric means over bounces (lowest to highest) against unsorted rays".to_owned(),
         table.to_string(),
     ];
-    lines.extend(Rays::ALL.into_iter().filter_map(|rays| significance(&analysis.summaries, rays)));
+    lines.extend(RayClass::ALL.into_iter().filter_map(|rays| significance(&analysis.summaries, rays)));
     lines.join("\n")
 }
 
@@ -66,7 +66,7 @@ fn speedup(speedup: &Metric<MeanSpeedup>) -> String {
 }
 
 /// How many of the net speedups mean anything.
-fn significance(summaries: &[MethodSummary], rays: Rays) -> Option<String> {
+fn significance(summaries: &[MethodSummary], rays: RayClass) -> Option<String> {
     let known = || {
         summaries
             .iter()

@@ -13,13 +13,13 @@ use formats::reader::{Dump, Loaded};
 use formats::traced::Traced;
 use formats::writer::DumpWriter;
 use inspector::analysis::timing::Verdict;
-use inspector::analysis::{Analysis, Depth, GroupWidth, Options, analyse};
+use inspector::analysis::{Analysis, AnalysisOptions, Depth, GroupWidth, analyse};
 
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
 
 fn analysed(dumps: &[Dump], group_width: GroupWidth, threads: usize) -> Analysis {
-    let options = Options { group_width, threads: Some(threads), depth: Depth::Arrays };
+    let options = AnalysisOptions { group_width, threads: Some(threads), depth: Depth::Arrays };
     analyse(dumps, &options).unwrap()
 }
 
@@ -96,7 +96,7 @@ fn results_do_not_depend_on_threads() {
 fn speedups_rates_and_bandwidths_follow_from_the_samples() {
     let folder = tempfile::tempdir().unwrap();
     let dump = Dump::open(&sample::write(folder.path())).unwrap();
-    let analysis = analyse(std::slice::from_ref(&dump), &Options::default()).unwrap();
+    let analysis = analyse(std::slice::from_ref(&dump), &AnalysisOptions::default()).unwrap();
     let queue = analysis.recordings[0].measured().find(|queue| queue.bounce == 1).unwrap();
     let samples = |method: &str, stage: Stage| {
         let of = |timing: &&formats::manifest::TimingRecord| {
@@ -206,7 +206,8 @@ fn an_unfinished_recording_is_refused_with_a_remedy() {
     let manifest = partial.join("manifest.bin");
     let bytes = std::fs::read(&manifest).unwrap();
     std::fs::write(&manifest, &bytes[..bytes.len() - 1]).unwrap();
-    let message = analyse(&[Dump::open(&partial).unwrap()], &Options::default()).unwrap_err().to_string();
+    let message =
+        analyse(&[Dump::open(&partial).unwrap()], &AnalysisOptions::default()).unwrap_err().to_string();
     assert!(message.contains("not finished") && message.contains("inspector recover"), "{message}");
 }
 

@@ -13,7 +13,7 @@ use formats::metrics::estimator::EstimateError;
 use formats::metrics::speedup::median;
 use formats::ray::Kind;
 use formats::reader::Dump;
-use inspector::analysis::{Analysis, Depth, Options, analyse};
+use inspector::analysis::{Analysis, AnalysisOptions, Depth, analyse};
 use inspector::figures::catalogue::{CATALOGUE, Findings, Skipped};
 use inspector::figures::model::{Content, Figure, Panel, Scale, Series};
 
@@ -22,7 +22,7 @@ mod sample;
 
 fn analysis(folder: &Path, depth: Depth) -> Analysis {
     let dump = Dump::open(&sample::write(folder)).unwrap();
-    analyse(&[dump], &Options { depth, ..Options::default() }).unwrap()
+    analyse(&[dump], &AnalysisOptions { depth, ..AnalysisOptions::default() }).unwrap()
 }
 
 fn bench(rows: Rows) -> BenchResult {

@@ -37,7 +37,7 @@ use serde::Serialize;
 
 pub use correlations::CorrelationLine;
 pub use metric::Metric;
-pub use options::{Depth, GroupWidth, Options};
+pub use options::{AnalysisOptions, Depth, GroupWidth};
 pub use order::OrderAnalysis;
 pub use queue::QueueAnalysis;
 pub use recording::RecordingAnalysis;
@@ -83,7 +83,7 @@ pub enum AnalysisError {
 /// # Errors
 /// If a recording is not finished, or the threads cannot be had. Arrays that were not kept or cannot be
 /// read are no error: what needs them says so.
-pub fn analyse(dumps: &[Dump], options: &Options) -> Result<Analysis, AnalysisError> {
+pub fn analyse(dumps: &[Dump], options: &AnalysisOptions) -> Result<Analysis, AnalysisError> {
     if let Some(dump) = dumps.iter().find(|dump| dump.state() == DumpState::Partial) {
         return Err(AnalysisError::Unfinished { path: dump.root().to_owned() });
     }
@@ -93,7 +93,7 @@ pub fn analyse(dumps: &[Dump], options: &Options) -> Result<Analysis, AnalysisEr
     Ok(pool.install(|| analyse_finished(dumps, options)))
 }
 
-fn analyse_finished(dumps: &[Dump], options: &Options) -> Analysis {
+fn analyse_finished(dumps: &[Dump], options: &AnalysisOptions) -> Analysis {
     let labels = labels::labels(dumps);
     let recordings: Vec<RecordingAnalysis> =
         dumps.iter().zip(labels).map(|(dump, label)| RecordingAnalysis::of(dump, label, options)).collect();

@@ -40,7 +40,7 @@ pub enum Depth {
 
 /// How recordings are analysed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Options {
+pub struct AnalysisOptions {
     /// Rays of a group.
     pub group_width: GroupWidth,
     /// Threads; as many as there are processors if `None`.

@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::Metric;
 use super::arrays::QueueArrays;
 use super::coherence::{Coherence, LaneUtilisation, coherence, lanes};
-use super::options::{Depth, Options};
+use super::options::{AnalysisOptions, Depth};
 use super::timing::{Samples, SpeedupLine, StageTime, Time, stages};
 use crate::shown;
 
@@ -85,7 +85,7 @@ pub(super) struct QueueContext<'a> {
     pub(super) rays: u64,
     pub(super) samples: &'a Samples<'a>,
     pub(super) arrays: &'a QueueArrays,
-    pub(super) options: &'a Options,
+    pub(super) options: &'a AnalysisOptions,
 }
 
 impl<'a> QueueContext<'a> {

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::Metric;
 use super::arrays::QueueArrays;
-use super::options::Options;
+use super::options::AnalysisOptions;
 use super::order::{OrderAnalysis, QueueContext};
 use super::tables::{Estimators, TableFill};
 use super::timing::Samples;
@@ -33,7 +33,12 @@ pub struct QueueAnalysis {
 }
 
 impl QueueAnalysis {
-    pub(super) fn of(dump: &Dump, record: &QueueRecord, samples: &Samples<'_>, options: &Options) -> Self {
+    pub(super) fn of(
+        dump: &Dump,
+        record: &QueueRecord,
+        samples: &Samples<'_>,
+        options: &AnalysisOptions,
+    ) -> Self {
         let queue = record.id;
         let arrays = QueueArrays::open(dump, record, options.depth);
         let (table, estimators) = arrays.table(dump, queue);

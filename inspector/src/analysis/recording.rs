@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use formats::manifest::{Adapter, Options as RecordingOptions};
+use formats::manifest::{Adapter, Options};
 use formats::reader::Dump;
 use formats::summary::hexadecimal;
 use serde::Serialize;
 
 use super::labels;
-use super::options::Options;
+use super::options::AnalysisOptions;
 use super::queue::QueueAnalysis;
 use super::timing::Samples;
 use crate::shown;
@@ -32,7 +32,7 @@ pub struct RecordingAnalysis {
     pub adapter: Adapter,
     /// What was asked for.
     #[serde(skip)]
-    pub options: RecordingOptions,
+    pub options: Options,
     /// What the times were taken with.
     pub time_source: String,
     /// Its queues, in the order in which they were traced.
@@ -40,7 +40,7 @@ pub struct RecordingAnalysis {
 }
 
 impl RecordingAnalysis {
-    pub(super) fn of(dump: &Dump, label: String, options: &Options) -> Self {
+    pub(super) fn of(dump: &Dump, label: String, options: &AnalysisOptions) -> Self {
         let manifest = dump.manifest();
         let header = shown::header(&manifest.header);
         let samples = Samples::of(manifest);

@@ -11,14 +11,14 @@ use super::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 /// The rays that a mean is taken over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Rays {
+pub enum RayClass {
     /// Closest rays of bounces ≥ 1.
     Secondary,
     /// Shadow rays of all bounces.
     Shadow,
 }
 
-impl Rays {
+impl RayClass {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Secondary, Self::Shadow];
 
@@ -46,7 +46,7 @@ pub struct MethodSummary {
     /// Backend, adapter, kernel and threads: times of different ones have no common mean.
     pub configuration: String,
     /// The rays.
-    pub rays: Rays,
+    pub rays: RayClass,
     /// The method.
     pub method: String,
     /// Queues in which it was measured.
@@ -98,10 +98,10 @@ pub fn summaries(recordings: &[RecordingAnalysis]) -> Vec<MethodSummary> {
     let mut summaries = Vec::new();
     for configuration in distinct(recordings.iter().map(|recording| recording.configuration.as_str())) {
         let same = || recordings.iter().filter(|recording| recording.configuration == configuration);
-        for rays in Rays::ALL {
+        for rays in RayClass::ALL {
             let queues: Vec<&QueueAnalysis> = same()
                 .flat_map(RecordingAnalysis::measured)
-                .filter(|queue| Rays::of(queue) == Some(rays))
+                .filter(|queue| RayClass::of(queue) == Some(rays))
                 .collect();
             let methods = queues.iter().flat_map(|queue| &queue.orders).map(|order| order.method.as_str());
             for method in distinct(methods.filter(|method| *method != UNSORTED)) {
@@ -112,7 +112,7 @@ pub fn summaries(recordings: &[RecordingAnalysis]) -> Vec<MethodSummary> {
     summaries
 }
 
-fn summary(configuration: &str, rays: Rays, method: &str, queues: &[&QueueAnalysis]) -> MethodSummary {
+fn summary(configuration: &str, rays: RayClass, method: &str, queues: &[&QueueAnalysis]) -> MethodSummary {
     let measured = || queues.iter().filter_map(|queue| Some((queue, queue.order(method)?)));
     let speedup = |of: fn(&OrderAnalysis) -> &Metric<SpeedupLine>| {
         let mean = MeanSpeedup::of(measured().filter_map(|(_, order)| of(order).known()));

@@ -11,13 +11,13 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::FigureError;
 use super::axis::Mapping;
-use super::layout::{COLOUR_BAR_GAP, COLOUR_BAR_WIDTH, Layout, Plot, Room, TICK_GAP, widest_label};
+use super::layout::{COLOUR_BAR_GAP, COLOUR_BAR_WIDTH, Layout, Margins, Plot, TICK_GAP, widest_label};
 use super::legend::reference_labels;
 use super::mark;
 use super::model::{ColourBar, Content, Figure, Scale};
 use super::series::{self, Chart};
 use super::style::{AXIS_STROKE, Colour, GRID_COLOUR, TEXT_SIZE, TITLE_SIZE, Width};
-use super::svg::{Area, Svg, stroke, units, words};
+use super::svg::{Area, Svg, stroke, text_style, units};
 use super::text;
 use super::tick_labels::Direction;
 
@@ -54,11 +54,11 @@ fn part(page: &Area, (left, top): (f64, f64), (width, height): (f64, f64)) -> Ar
 }
 
 fn panel(page: &Area, plot: &Plot, references: &[&str]) -> Result<(), FigureError> {
-    let Room { left, right, turn } = plot.room;
+    let Margins { left, right, turn } = plot.margins;
     let place = (plot.place.0 - left, plot.place.1 - plot.top);
     let size = (left + plot.width + right, plot.top + plot.height + plot.bottom);
     let cell = part(page, place, size);
-    cell.titled(&plot.title, words(TITLE_SIZE))?;
+    cell.titled(&plot.title, text_style(TITLE_SIZE))?;
     let mut chart = ChartBuilder::on(&cell)
         .margin_top(units(plot.top))
         .margin_right(units(right))
@@ -72,7 +72,7 @@ fn panel(page: &Area, plot: &Plot, references: &[&str]) -> Result<(), FigureErro
     mesh.axis_style(axis)
         .bold_line_style(stroke(GRID_COLOUR, GRID_STROKE))
         .light_line_style(stroke(LIGHT_GRID_COLOUR, GRID_STROKE))
-        .label_style(words(TEXT_SIZE))
+        .label_style(text_style(TEXT_SIZE))
         .x_label_formatter(&below)
         .x_desc(&plot.x_label)
         .y_desc(&plot.y_label)
@@ -92,12 +92,12 @@ fn panel(page: &Area, plot: &Plot, references: &[&str]) -> Result<(), FigureErro
 
 /// Labels below the axis that plotters, which turns by right angles about the middle, cannot draw.
 fn turned_labels(page: &Area, chart: &Chart, plot: &Plot) -> Result<(), FigureError> {
-    let gap = if plot.room.turn == Direction::Slanted { TICK_GAP + 0.25 * TEXT_SIZE } else { TICK_GAP };
+    let gap = if plot.margins.turn == Direction::Slanted { TICK_GAP + 0.25 * TEXT_SIZE } else { TICK_GAP };
     for tick in plot.x.labelled() {
         let (x, y) = chart.backend_coord(&(tick.value, plot.y.range.0));
         let place = (x, y + units(gap));
         let anchor = Pos::new(HPos::Right, VPos::Center);
-        page.draw(&mark::words(&tick.label, place, anchor, -plot.room.turn.degrees()))?;
+        page.draw(&mark::words(&tick.label, place, anchor, -plot.margins.turn.degrees()))?;
     }
     Ok(())
 }
@@ -121,7 +121,7 @@ fn colour_bar(page: &Area, plot: &Plot, bar: &ColourBar) -> Result<(), FigureErr
     let mut mesh = chart.configure_mesh();
     mesh.disable_mesh()
         .axis_style(axis)
-        .label_style(words(TEXT_SIZE))
+        .label_style(text_style(TEXT_SIZE))
         .set_all_tick_mark_size(units(0.5 * TICK_GAP));
     mesh.draw()?;
     chart.plotting_area().draw(&Rectangle::new([(0.0, low), (1.0, high)], axis))?;

@@ -50,7 +50,7 @@ pub(crate) struct Layout<'a> {
 
 /// What is left beside a plot area for words, and how those below it are turned.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Room {
+pub(crate) struct Margins {
     pub(crate) left: f64,
     /// With a colour bar, if there is one.
     pub(crate) right: f64,
@@ -67,7 +67,7 @@ pub(crate) struct Plot<'a> {
     /// Of the plot area.
     pub(crate) height: f64,
     /// Beside the plot area.
-    pub(crate) room: Room,
+    pub(crate) margins: Margins,
     /// For words above it.
     pub(crate) top: f64,
     /// For words below it.
@@ -93,7 +93,7 @@ impl<'a> Layout<'a> {
             let largest = |part: fn(&Plot) -> f64| row.iter().map(part).fold(0.0, f64::max);
             let (top, bottom) = (largest(|plot| plot.top), largest(|plot| plot.height + plot.bottom));
             for (at, plot) in row.iter_mut().enumerate() {
-                plot.place = (PAGE_EDGE + at as f64 * (cell + GAP) + plot.room.left, below + GAP + top);
+                plot.place = (PAGE_EDGE + at as f64 * (cell + GAP) + plot.margins.left, below + GAP + top);
             }
             below += GAP + top + bottom;
         }
@@ -138,27 +138,27 @@ fn is_picture(panel: &Panel) -> bool {
 /// All panels. Those below each other begin in one line, those beside each other are as wide as each
 /// other, and words are turned alike.
 fn measure(figure: &Figure, columns: usize, cell: f64) -> Vec<Plot<'_>> {
-    let mut rooms = vec![Room { left: 0.0, right: EDGE, turn: Direction::Level }; figure.panels.len()];
+    let mut all = vec![Margins { left: 0.0, right: EDGE, turn: Direction::Level }; figure.panels.len()];
     let mut plots = Vec::new();
     for _ in 0..ROUNDS {
-        let panels = figure.panels.iter().zip(&rooms);
-        let measured = panels.map(|(panel, &room)| Plot::measure(figure, panel, cell, room));
-        let needed: Vec<Room>;
+        let panels = figure.panels.iter().zip(&all);
+        let measured = panels.map(|(panel, &margins)| Plot::measure(figure, panel, cell, margins));
+        let needed: Vec<Margins>;
         (plots, needed) = measured.unzip();
-        let settled = rooms.clone();
+        let settled = all.clone();
         let left = needed.iter().map(|needed| needed.left).fold(0.0, f64::max);
         let turn = needed.iter().map(|needed| needed.turn).fold(Direction::Level, Direction::max);
-        for (at, room) in rooms.iter_mut().enumerate() {
+        for (at, margins) in all.iter_mut().enumerate() {
             let row = needed.iter().skip(at - at % columns).take(columns);
-            room.right = row.map(|needed| needed.right).fold(room.right, f64::max);
+            margins.right = row.map(|needed| needed.right).fold(margins.right, f64::max);
             // How words may be turned depends on what is left of them, which is settled first.
-            if left > room.left {
-                room.left = left;
+            if left > margins.left {
+                margins.left = left;
             } else {
-                room.turn = room.turn.max(turn);
+                margins.turn = margins.turn.max(turn);
             }
         }
-        if rooms == settled {
+        if all == settled {
             break;
         }
     }
@@ -168,8 +168,8 @@ fn measure(figure: &Figure, columns: usize, cell: f64) -> Vec<Plot<'_>> {
 impl<'a> Plot<'a> {
     /// Measures a panel with this room for words; gives the room that its own need. Panels of `figure`
     /// that have the same axis share its range.
-    fn measure(figure: &'a Figure, panel: &'a Panel, cell: f64, room: Room) -> (Self, Room) {
-        let mut width = (cell - room.left - room.right).max(20.0);
+    fn measure(figure: &'a Figure, panel: &'a Panel, cell: f64, margins: Margins) -> (Self, Margins) {
+        let mut width = (cell - margins.left - margins.right).max(20.0);
         let mut height = (0.62 * cell).clamp(90.0, 180.0);
         if let Content::Picture(picture) = &panel.content {
             // A picture keeps its sides.
@@ -179,8 +179,8 @@ impl<'a> Plot<'a> {
         }
         let y = y_mapping(figure, panel, height);
         let y_label = text::wrap(&panel.y.label, TEXT_SIZE, height + 20.0);
-        let (x, turn) = x_mapping(figure, panel, width, room);
-        let x_label = text::wrap_evenly(&panel.x.label, TEXT_SIZE, width + room.left.min(room.right));
+        let (x, turn) = x_mapping(figure, panel, width, margins);
+        let x_label = text::wrap_evenly(&panel.x.label, TEXT_SIZE, width + margins.left.min(margins.right));
         let title = text::wrap_evenly(&panel.title, TITLE_SIZE, cell - EDGE);
         let colour_bar = colour_bar(panel, height);
         let bar_room = colour_bar.as_ref().map_or(0.0, |(mapping, label)| {
@@ -192,7 +192,7 @@ impl<'a> Plot<'a> {
         // The last label may reach over the end of the axis.
         let overhang = if turn == Direction::Level { tick_labels::overhang(&x, width) } else { 0.0 };
         let words = tick_labels::height(&x, turn) + text::height(&x_label, TEXT_SIZE);
-        let needed = Room {
+        let needed = Margins {
             left: widest_label(&y) + text::height(&y_label, TEXT_SIZE) + TICK_GAP + 3.0,
             right: (EDGE + bar_room).max(overhang + 1.0),
             turn,
@@ -204,7 +204,7 @@ impl<'a> Plot<'a> {
             place,
             width,
             height,
-            room,
+            margins,
             top,
             bottom,
             x,
@@ -292,7 +292,7 @@ fn pixels(label: &str, count: u32, room: usize) -> Mapping {
     mapping
 }
 
-fn x_mapping(figure: &Figure, panel: &Panel, width: f64, room: Room) -> (Mapping, Direction) {
+fn x_mapping(figure: &Figure, panel: &Panel, width: f64, margins: Margins) -> (Mapping, Direction) {
     let values = || {
         let alike = figure.panels.iter().filter(|other| other.x == panel.x);
         alike.flat_map(|other| other.content.series()).flat_map(|series| &series.points).map(|point| point.x)
@@ -303,7 +303,7 @@ fn x_mapping(figure: &Figure, panel: &Panel, width: f64, room: Room) -> (Mapping
     };
     if let Scale::Categories(_) = &panel.x.scale {
         let mut mapping = with_labels(0);
-        let turn = tick_labels::fit_categories(&mut mapping, width, room.left, room.turn);
+        let turn = tick_labels::fit_categories(&mut mapping, width, margins.left, margins.turn);
         return (mapping, turn);
     }
     let most = ((width / 24.0) as usize).clamp(2, 12);

@@ -2,7 +2,7 @@
 
 use super::model::{Content, Figure, Series};
 use super::style::{LINE_HEIGHT, TEXT_SIZE};
-use super::svg::{Area, units, words};
+use super::svg::{Area, text_style, units};
 use super::{FigureError, mark, text};
 use crate::analysis::summary::distinct;
 
@@ -130,6 +130,6 @@ fn draw_entry(page: &Area, entry: &LegendEntry, left: f64, top: f64) -> Result<(
         Sample::Reference(number) => page.draw(&mark::reference(ends, number))?,
     }
     let place = at(SAMPLE_WIDTH + SAMPLE_GAP, -0.5 * TEXT_SIZE * LINE_HEIGHT);
-    page.draw_text(&entry.label, &words(TEXT_SIZE), place)?;
+    page.draw_text(&entry.label, &text_style(TEXT_SIZE), place)?;
     Ok(())
 }

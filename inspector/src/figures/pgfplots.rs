@@ -111,7 +111,7 @@ fn tex(figure: &Figure, width: Width, layout: &Layout) -> String {
 fn group_start(layout: &Layout) -> String {
     let (columns, rows) = (layout.columns, layout.plots.len().div_ceil(layout.columns));
     let largest = |part: fn(&Plot) -> f64| layout.plots.iter().map(part).fold(0.0, f64::max);
-    let beside = largest(|plot| plot.room.left) + largest(|plot| plot.room.right) + 4.0;
+    let beside = largest(|plot| plot.margins.left) + largest(|plot| plot.margins.right) + 4.0;
     let above = largest(|plot| plot.top) + largest(|plot| plot.bottom) + 12.0;
     format!(
         "\\begin{{tikzpicture}}\n\\begin{{groupplot}}[\n  group style={{group size={columns} by {rows}, \
@@ -145,7 +145,7 @@ fn axis_options(plot: &Plot, references: &[&str]) -> String {
         Content::Stacks(_) => options.push(format!("ybar stacked, bar width={:.2}bp", bar_width(plot))),
         _ => {}
     }
-    let turned = match plot.room.turn.degrees() {
+    let turned = match plot.margins.turn.degrees() {
         0 => "align=center".to_owned(),
         90 => "rotate=90, anchor=east".to_owned(),
         degrees => format!("rotate={degrees}, anchor=north east, inner sep=1pt"),

@@ -47,7 +47,7 @@ pub(crate) fn stroke(colour: Colour, width: f64) -> ShapeStyle {
 }
 
 /// Black text of this many points.
-pub(crate) fn words(size: f64) -> TextStyle<'static> {
+pub(crate) fn text_style(size: f64) -> TextStyle<'static> {
     FontDesc::new(FontFamily::Name(FONT_FAMILY), size * UNITS_PER_POINT, FontStyle::Normal).into()
 }
 
@@ -348,7 +348,7 @@ mod tests {
     #[test]
     fn plotters_is_told_the_size_of_text_in_our_font() {
         let svg = Svg::new((10.0, 20.0), "");
-        let (width, height) = svg.estimate_text_size("00\n0", &words(10.0)).unwrap();
+        let (width, height) = svg.estimate_text_size("00\n0", &text_style(10.0)).unwrap();
         assert_eq!((width, height), (178, 384), "digits are 0.556 wide, lines 1.2 high");
     }
 }

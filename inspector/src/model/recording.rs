@@ -37,7 +37,8 @@ impl Recording {
     /// If there is none, or its manifest is damaged.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let dump = Dump::open_mapped(path)?;
-        let options = analysis::Options { depth: Depth::Manifest, ..analysis::Options::default() };
+        let options =
+            analysis::AnalysisOptions { depth: Depth::Manifest, ..analysis::AnalysisOptions::default() };
         let analysis = analysis::analyse(std::slice::from_ref(&dump), &options).ok();
         let times = analysis.and_then(|analysis| analysis.recordings.into_iter().next());
         let name = dump.root().file_stem();

@@ -3,10 +3,10 @@
 use formats::manifest::Stage;
 
 use super::building::{by_method, figure, range, recordings, settings};
-use super::overhead::words;
+use super::overhead::stage_name;
 use super::{Findings, Made};
 use crate::analysis::RecordingAnalysis;
-use crate::analysis::summary::Rays;
+use crate::analysis::summary::RayClass;
 use crate::analysis::timing::STAGES;
 use crate::figures::model::{Axis, Content, Panel, Point};
 
@@ -28,7 +28,7 @@ fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis) -> Panel {
     };
     Panel::new(
         if findings.analysis.recordings.len() > 1 { recording.label.as_str() } else { "" },
-        Axis::categories("stage", STAGES.map(words)),
+        Axis::categories("stage", STAGES.map(stage_name)),
         Axis::logarithmic("bandwidth (GB/s)", 10),
         Content::Bars(by_method(findings, points)),
     )
@@ -37,7 +37,7 @@ fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis) -> Panel {
 fn point(recording: &RecordingAnalysis, method: &str, stage: Stage, place: usize) -> Option<Point> {
     let (mut bytes, mut ns, mut n) = (0.0, 0.0, 0);
     let mut each = Vec::new();
-    for queue in recording.measured().filter(|queue| Rays::of(queue).is_some()) {
+    for queue in recording.measured().filter(|queue| RayClass::of(queue).is_some()) {
         let Some(found) = queue.order(method).and_then(|order| order.stage(stage)) else { continue };
         let Some(bytes_per_ray) = found.bytes_per_ray else { continue };
         bytes += bytes_per_ray as f64 * queue.rays as f64;
@@ -45,7 +45,7 @@ fn point(recording: &RecordingAnalysis, method: &str, stage: Stage, place: usize
         n += found.time.samples_ns.len();
         each.extend(found.bytes_per_second.map(|rate| rate / 1e9));
     }
-    let name = format!("{}, {method}, {}", recording.label, words(stage));
+    let name = format!("{}, {method}, {}", recording.label, stage_name(stage));
     // Bytes a nanosecond are gigabytes a second.
     (ns > 0.0).then(|| Point { x: place as f64, y: bytes / ns, spread: range(&each), n, name })
 }

@@ -5,7 +5,7 @@ use formats::key::method::{BUILTIN, UNSORTED};
 use formats::metrics::speedup::{median, quantile};
 
 use super::{Findings, Made};
-use crate::analysis::summary::{MeanSpeedup, Rays, distinct};
+use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
 use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Content, Figure, Panel, Point, Series};
@@ -144,8 +144,8 @@ pub fn recordings<'a>(findings: &Findings<'a>) -> Vec<&'a RecordingAnalysis> {
 }
 
 /// The measured queues of a recording with these rays.
-pub fn queues(recording: &RecordingAnalysis, rays: Rays) -> impl Iterator<Item = &QueueAnalysis> {
-    recording.measured().filter(move |queue| Rays::of(queue) == Some(rays))
+pub fn queues(recording: &RecordingAnalysis, rays: RayClass) -> impl Iterator<Item = &QueueAnalysis> {
+    recording.measured().filter(move |queue| RayClass::of(queue) == Some(rays))
 }
 
 /// What a panel of one recording is called: the rays, and the recording if there are several.

@@ -5,7 +5,7 @@ use formats::metrics::lanes::WIDTHS;
 use super::building::{by_method, each, figure, panel_title, queues, range, reason, recordings, settings};
 use super::{Findings, Made};
 use crate::analysis::order::CacheHits;
-use crate::analysis::summary::Rays;
+use crate::analysis::summary::RayClass;
 use crate::analysis::{OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Panel, Point};
 
@@ -48,7 +48,7 @@ pub fn caches(findings: &Findings<'_>) -> Made {
 }
 
 fn panels(findings: &Findings<'_>, shares: Shares, x: &Axis, y: &str) -> Vec<Panel> {
-    each(Rays::ALL, &recordings(findings), |recording, rays| {
+    each(RayClass::ALL, &recordings(findings), |recording, rays| {
         Panel::new(
             panel_title(findings, recording, &format!("{} rays", rays.name())),
             x.clone(),
@@ -58,7 +58,7 @@ fn panels(findings: &Findings<'_>, shares: Shares, x: &Axis, y: &str) -> Vec<Pan
     })
 }
 
-fn points(recording: &RecordingAnalysis, rays: Rays, method: &str, shares: Shares) -> Vec<Point> {
+fn points(recording: &RecordingAnalysis, rays: RayClass, method: &str, shares: Shares) -> Vec<Point> {
     let of_queues: Vec<Vec<(f64, f64)>> =
         queues(recording, rays).filter_map(|queue| Some(shares(queue, queue.order(method)?))).collect();
     let places = of_queues.iter().map(Vec::len).max().unwrap_or(0);

@@ -5,7 +5,7 @@ use formats::manifest::Stage;
 
 use super::building::{each, figure, methods, panel_title, queues, recordings, settings};
 use super::{Findings, Made};
-use crate::analysis::summary::Rays;
+use crate::analysis::summary::RayClass;
 use crate::analysis::timing::STAGES;
 use crate::analysis::{QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Panel, Point, Series};
@@ -16,22 +16,22 @@ pub fn overhead(findings: &Findings<'_>) -> Made {
         "Where the time goes, per method",
         "Median times of the stages, summed over bounces. Gather, trace and scatter count, or the trace through indices: what the recording chose for the method. A method whose stack stays below the line, the trace of unsorted rays, pays off.",
         settings(findings),
-        each(Rays::ALL, &recordings(findings), |recording, rays| panel(findings, recording, rays)),
+        each(RayClass::ALL, &recordings(findings), |recording, rays| panel(findings, recording, rays)),
         "no stage of any method was timed",
     )
 }
 
-fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis, rays: Rays) -> Panel {
+fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis, rays: RayClass) -> Panel {
     let measured: Vec<&QueueAnalysis> = queues(recording, rays).collect();
     let has_method = |method: &&str| measured.iter().any(|queue| queue.order(method).is_some());
     let methods: Vec<&str> = methods(findings).into_iter().filter(has_method).collect();
     let series = |(style, stage): (usize, Stage)| -> Series {
         let points = methods.iter().enumerate().filter_map(|(place, method)| {
             let (ns, n) = stage_time(&measured, method, stage)?;
-            let name = format!("{}, {}, {method}, {}", recording.label, rays.name(), words(stage));
+            let name = format!("{}, {}, {method}, {}", recording.label, rays.name(), stage_name(stage));
             Some(Point { x: place as f64, y: ns / 1e6, spread: None, n, name })
         });
-        Series { label: words(stage).to_owned(), style, points: points.collect() }
+        Series { label: stage_name(stage).to_owned(), style, points: points.collect() }
     };
     let panel = Panel::new(
         panel_title(findings, recording, &format!("{} rays", rays.name())),
@@ -58,7 +58,7 @@ fn stage_time(queues: &[&QueueAnalysis], method: &str, stage: Stage) -> Option<(
 }
 
 /// What a stage is called in legends.
-pub fn words(stage: Stage) -> &'static str {
+pub fn stage_name(stage: Stage) -> &'static str {
     match stage {
         Stage::TraceIndirect => "trace through indices",
         other => other.name(),

@@ -2,7 +2,7 @@
 
 use super::building::{by_method, figure, mean_speedup, queues, reason, recordings, settings};
 use super::{Findings, Made};
-use crate::analysis::summary::{Rays, distinct};
+use crate::analysis::summary::{RayClass, distinct};
 use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{Metric, OrderAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Panel, Point};
@@ -45,7 +45,7 @@ fn speedups(findings: &Findings<'_>, speedup: Speedup, words: &Words) -> Made {
     for configuration in &configurations {
         let same = recordings.iter().filter(|recording| recording.configuration == *configuration);
         let same: Vec<&RecordingAnalysis> = same.copied().collect();
-        for rays in Rays::ALL {
+        for rays in RayClass::ALL {
             let mut title = format!("{} rays", rays.name());
             if configurations.len() > 1 {
                 title = format!("{title}, {configuration}");
@@ -65,7 +65,7 @@ fn speedups(findings: &Findings<'_>, speedup: Speedup, words: &Words) -> Made {
 fn panel(
     findings: &Findings<'_>,
     recordings: &[&RecordingAnalysis],
-    rays: Rays,
+    rays: RayClass,
     speedup: Speedup,
     words: &Words,
     title: String,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::building::{figure, mean_speedup, method_style, queues, settings};
 use super::{Findings, Made};
-use crate::analysis::summary::{Rays, distinct};
+use crate::analysis::summary::{RayClass, distinct};
 use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{Metric, OrderAnalysis};
 use crate::figures::model::{Axis, Content, Panel, Series};
@@ -46,7 +46,7 @@ type Line<'a> = (&'a str, &'a str, &'a str, &'a str, Option<u64>);
 
 impl Sweep {
     fn figure(&self, findings: &Findings<'_>, title: &str, caption: &str) -> Made {
-        let panels = Rays::ALL.into_iter().flat_map(|rays| {
+        let panels = RayClass::ALL.into_iter().flat_map(|rays| {
             [
                 self.panel(findings, rays, "trace speedup", |order| &order.trace_speedup),
                 self.panel(findings, rays, "net speedup", |order| &order.net_speedup),
@@ -65,7 +65,7 @@ impl Sweep {
     fn panel(
         &self,
         findings: &Findings<'_>,
-        rays: Rays,
+        rays: RayClass,
         axis: &str,
         speedup: fn(&OrderAnalysis) -> &Metric<SpeedupLine>,
     ) -> Panel {

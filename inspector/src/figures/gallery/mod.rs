@@ -77,7 +77,7 @@ fn gallery_pictures_are_in_pairs_and_words_at_one_angle() {
     let mut seen = 0;
     for (name, figure, width, _) in drawn() {
         let layout = Layout::new(&figure, width);
-        let turns: Vec<i32> = layout.plots.iter().map(|plot| plot.room.turn.degrees()).collect();
+        let turns: Vec<i32> = layout.plots.iter().map(|plot| plot.margins.turn.degrees()).collect();
         assert!(turns.iter().all(|turn| *turn == turns[0]), "{name}: labels at {turns:?} degrees");
         // Slanted words are read more easily than upright ones.
         assert!(figure.name != "speedups" || turns[0] == 45, "{name}: labels at {turns:?} degrees");
