@@ -28,7 +28,7 @@ fn figure(name: &str, content: Content, scale: Scale) -> Figure {
             x: Axis { label: "bounce".into(), scale },
             y: Axis { label: "time (ms)".into(), scale: Scale::Linear { from_zero: true } },
             content,
-            references: vec![Reference { label: "break-even".into(), y: 1.0, span: None }],
+            reference: Some(Reference { label: "break-even".into(), y: 1.0 }),
         }],
     }
 }

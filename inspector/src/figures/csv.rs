@@ -93,11 +93,11 @@ fn row(curve: &str, panel_title: &str, series: &str, panel: &Panel, point: &Poin
     ]
 }
 
-/// Both ends of each line across a panel.
+/// Both ends of the line across a panel.
 fn references(panel: &Panel) -> impl Iterator<Item = (String, Point)> {
-    panel.references.iter().flat_map(|reference| {
-        let (from, to) = reference.span.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-        [from, to].map(|x| (reference.label.clone(), bare_point(x, reference.y, "reference line")))
+    panel.reference.iter().flat_map(|line| {
+        let end = |x| (line.label.clone(), bare_point(x, line.y, "reference line"));
+        [end(f64::NEG_INFINITY), end(f64::INFINITY)]
     })
 }
 
@@ -112,6 +112,7 @@ fn colours(panel: &Panel) -> Vec<(String, Point)> {
     bar.colours.iter().enumerate().map(colour).collect()
 }
 
-fn bare_point(x: f64, y: f64, name: &str) -> Point {
+/// A number of which nothing else is known.
+pub(crate) fn bare_point(x: f64, y: f64, name: &str) -> Point {
     Point { x, y, spread: None, n: 0, name: name.to_owned() }
 }

@@ -12,7 +12,6 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::FigureError;
 use super::axis::Mapping;
 use super::layout::{COLOUR_BAR_GAP, COLOUR_BAR_WIDTH, Layout, Margins, Plot, TICK_GAP, widest_label};
-use super::legend::reference_labels;
 use super::mark;
 use super::model::{ColourBar, Content, Figure, Scale};
 use super::series::{self, Chart};
@@ -34,9 +33,8 @@ pub fn draw(figure: &Figure, width: Width, prefix: &str) -> Result<String, Figur
     let svg = Rc::new(RefCell::new(Svg::new(layout.size, prefix)));
     let page = Area::from(&svg);
     page.fill(&WHITE)?;
-    let references = reference_labels(figure);
     for plot in &layout.plots {
-        panel(&page, plot, &references)?;
+        panel(&page, plot)?;
         if let Content::Picture(picture) = &plot.panel.content
             && let Some(bar) = &picture.colour_bar
         {
@@ -53,7 +51,7 @@ fn part(page: &Area, (left, top): (f64, f64), (width, height): (f64, f64)) -> Ar
     page.clone().shrink((units(left), units(top)), (units(width), units(height)))
 }
 
-fn panel(page: &Area, plot: &Plot, references: &[&str]) -> Result<(), FigureError> {
+fn panel(page: &Area, plot: &Plot) -> Result<(), FigureError> {
     let Margins { left, right, turn } = plot.margins;
     let place = (plot.place.0 - left, plot.place.1 - plot.top);
     let size = (left + plot.width + right, plot.top + plot.height + plot.bottom);
@@ -84,7 +82,7 @@ fn panel(page: &Area, plot: &Plot, references: &[&str]) -> Result<(), FigureErro
         mesh.disable_mesh();
     }
     mesh.draw()?;
-    series::draw(&mut chart, plot, references)?;
+    series::draw(&mut chart, plot)?;
     let (x, y) = (plot.x.range, plot.y.range);
     chart.plotting_area().draw(&Rectangle::new([(x.0, y.0), (x.1, y.1)], axis))?;
     if is_level { Ok(()) } else { turned_labels(page, &chart, plot) }

@@ -245,7 +245,7 @@ fn y_mapping(figure: &Figure, panel: &Panel, height: f64) -> Mapping {
     }
     let mut values: Vec<f64> = Vec::new();
     for alike in figure.panels.iter().filter(|other| other.y == panel.y) {
-        values.extend(alike.references.iter().map(|reference| reference.y));
+        values.extend(alike.reference.iter().map(|reference| reference.y));
         values.extend(reached(&alike.content));
     }
     if matches!(panel.content, Content::Bars(_) | Content::Stacks(_)) {

@@ -21,8 +21,8 @@ pub(crate) enum Sample {
     Marker(usize),
     /// A bar of this style.
     Bar(usize),
-    /// A line across a panel with this dash.
-    Reference(usize),
+    /// A line across a panel.
+    Reference,
 }
 
 /// One thing that a figure shows.
@@ -43,16 +43,10 @@ pub(crate) fn entries(figure: &Figure) -> Vec<LegendEntry> {
         let entry = move |one: &Series| LegendEntry { sample: sample(one.style), label: one.label.clone() };
         panel.content.series().iter().map(entry)
     });
-    let references = reference_labels(figure).into_iter().enumerate();
-    let references = references
-        .map(|(number, label)| LegendEntry { sample: Sample::Reference(number), label: label.into() });
+    let references = figure.panels.iter().flat_map(|panel| &panel.reference);
+    let references =
+        references.map(|one| LegendEntry { sample: Sample::Reference, label: one.label.clone() });
     distinct(series.chain(references).filter(|entry| !entry.label.is_empty()))
-}
-
-/// The labels of the lines across panels, each once; its place decides the dash.
-pub(crate) fn reference_labels(figure: &Figure) -> Vec<&str> {
-    let references = figure.panels.iter().flat_map(|panel| &panel.references);
-    distinct(references.map(|reference| reference.label.as_str()))
 }
 
 /// A legend that has been laid out.
@@ -127,7 +121,7 @@ fn draw_entry(page: &Area, entry: &LegendEntry, left: f64, top: f64) -> Result<(
             let corners = [at(3.0, -4.0), at(SAMPLE_WIDTH - 2.0, 4.0)];
             page.draw(&mark::bar(corners, number, no_tooltip))?;
         }
-        Sample::Reference(number) => page.draw(&mark::reference(ends, number))?,
+        Sample::Reference => page.draw(&mark::reference(ends))?,
     }
     let place = at(SAMPLE_WIDTH + SAMPLE_GAP, -0.5 * TEXT_SIZE * LINE_HEIGHT);
     page.draw_text(&entry.label, &text_style(TEXT_SIZE), place)?;

@@ -5,7 +5,7 @@ use plotters::style::text_anchor::Pos;
 use plotters_backend::BackendCoord;
 
 use super::style::{
-    Colour, LINE_STROKE, MARKER_RADIUS, Marker, REFERENCE_COLOUR, REFERENCE_DASHES, Style, TEXT_SIZE, style,
+    Colour, LINE_STROKE, MARKER_RADIUS, Marker, REFERENCE_COLOUR, REFERENCE_DASH, Style, TEXT_SIZE, style,
 };
 use super::svg::{Drawn, Paint, Svg, UNITS_PER_POINT, units};
 
@@ -55,10 +55,9 @@ pub(crate) fn line<C>(points: Vec<C>, number: usize) -> Mark<'static, C> {
     Mark::new(points, move |svg, at| svg.path(at, false, paint))
 }
 
-/// The line across a panel with this number.
-pub(crate) fn reference<C>(ends: [C; 2], number: usize) -> Mark<'static, C> {
-    let dash = REFERENCE_DASHES[number % REFERENCE_DASHES.len()];
-    let paint = Paint { dash, ..Paint::line(REFERENCE_COLOUR, REFERENCE_STROKE) };
+/// The line across a panel.
+pub(crate) fn reference<C>(ends: [C; 2]) -> Mark<'static, C> {
+    let paint = Paint { dash: REFERENCE_DASH, ..Paint::line(REFERENCE_COLOUR, REFERENCE_STROKE) };
     Mark::new(ends, move |svg, at| svg.path(at, false, paint))
 }
 

@@ -26,20 +26,19 @@ pub struct Panel {
     pub y: Axis,
     /// What is drawn.
     pub content: Content,
-    /// Lines across it, such as break-even.
-    pub references: Vec<Reference>,
+    /// A line across it, such as break-even.
+    pub reference: Option<Reference>,
 }
 
 impl Panel {
-    /// Without lines across.
+    /// Without a line across.
     pub fn new(title: impl Into<String>, x: Axis, y: Axis, content: Content) -> Self {
-        Self { title: title.into(), x, y, content, references: Vec::new() }
+        Self { title: title.into(), x, y, content, reference: None }
     }
 
-    /// With a line across all of it.
-    pub fn with_reference(mut self, label: &str, y: f64) -> Self {
-        self.references.push(Reference { label: label.to_owned(), y, span: None });
-        self
+    /// With a line across.
+    pub fn with_reference(self, label: &str, y: f64) -> Self {
+        Self { reference: Some(Reference { label: label.to_owned(), y }), ..self }
     }
 }
 
@@ -163,8 +162,6 @@ pub struct Reference {
     pub label: String,
     /// Where it cuts the upward axis.
     pub y: f64,
-    /// The stretch of the axis to the right that it covers; all of it without one.
-    pub span: Option<(f64, f64)>,
 }
 
 /// A picture with its colour bar.

@@ -5,10 +5,10 @@ use std::fmt::Write;
 use super::FigureError;
 use super::axis::{Mapping, Tick};
 use super::layout::{Layout, Plot};
-use super::legend::{LegendEntry, Sample, entries, reference_labels};
+use super::legend::{LegendEntry, Sample, entries};
 use super::model::{Axis, Content, Figure, Panel, Picture, Point, Scale, Series};
 use super::series::{bar_width, marker_stride, place_in_group};
-use super::style::{Hatch, Marker, REFERENCE_DASHES, Style, Width, style};
+use super::style::{Hatch, Marker, REFERENCE_DASH, Style, Width, style};
 use super::{csv, raster};
 
 /// What every file starts with.
@@ -59,13 +59,7 @@ fn columns(plot: &Plot, content: &Content) -> Vec<Vec<Point>> {
         (Content::Stacks(_), Scale::Categories(names)) => {
             let of_category = |x: usize| {
                 let point = series.points.iter().find(|point| point.x == x as f64 && point.y.is_finite());
-                point.cloned().unwrap_or(Point {
-                    x: x as f64,
-                    y: 0.0,
-                    spread: None,
-                    n: 0,
-                    name: String::new(),
-                })
+                point.cloned().unwrap_or(csv::bare_point(x as f64, 0.0, ""))
             };
             (0..names.len()).map(of_category).collect()
         }
@@ -85,10 +79,9 @@ fn tex(figure: &Figure, width: Width, layout: &Layout) -> String {
     }
     tex.push_str("\\begin{document}\n\\footnotesize\n");
     tex.push_str(&group_start(layout));
-    let references = reference_labels(figure);
     for (at, plot) in layout.plots.iter().enumerate() {
         let panel = plot.panel;
-        let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(plot, &references));
+        let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(plot));
         if let Content::Picture(picture) = &panel.content {
             tex.push_str(&picture_plot(picture, &panel_file(figure, at, "png")));
         }
@@ -126,7 +119,7 @@ fn styles_of(figure: &Figure) -> std::collections::BTreeSet<usize> {
 }
 
 /// Axis labels, scales, ticks and how bars stand.
-fn axis_options(plot: &Plot, references: &[&str]) -> String {
+fn axis_options(plot: &Plot) -> String {
     let panel = plot.panel;
     let mut options = vec![
         format!("width={:.1}bp, height={:.1}bp", plot.width, plot.height),
@@ -156,9 +149,9 @@ fn axis_options(plot: &Plot, references: &[&str]) -> String {
     if let Content::Picture(picture) = &panel.content {
         options.push(picture_options(plot, picture));
     }
-    if !panel.references.is_empty() {
-        // Stacks are drawn at the very end of an axis, so that lines across come after it.
-        options.push(format!("after end axis/.append code={{{}}}", reference_lines(plot, references)));
+    if let Some(line) = &panel.reference {
+        // Stacks are drawn at the very end of an axis, so that a line across comes after it.
+        options.push(format!("after end axis/.append code={{{}}}", reference_line(panel, line.y)));
     }
     options.join(", ")
 }
@@ -320,27 +313,10 @@ fn picture_plot(picture: &Picture, file: &str) -> String {
     format!("\\addplot graphics[xmin=0, xmax={width}, ymin={height}, ymax=0]{{{file}}};\n")
 }
 
-/// Lines across, from edge to edge where they have no span.
-fn reference_lines(plot: &Plot, labels: &[&str]) -> String {
-    let panel = plot.panel;
-    let (low, high) = plot.x.range;
-    let mut tex = String::new();
-    for reference in &panel.references {
-        let number = labels.iter().position(|label| *label == reference.label).unwrap_or(0);
-        let y = reference.y;
-        let (from, to) = match reference.span {
-            Some((from, to)) => (
-                format!("axis cs:{},{y}", from.clamp(low, high)),
-                format!("axis cs:{},{y}", to.clamp(low, high)),
-            ),
-            None => (
-                format!("{{rel axis cs:0,0}}|-{{axis cs:{},{y}}}", inside(panel)),
-                format!("{{rel axis cs:1,0}}|-{{axis cs:{},{y}}}", inside(panel)),
-            ),
-        };
-        let _ = write!(tex, "\\draw[{}] ({from}) -- ({to});", reference_look(number));
-    }
-    tex
+/// A line across, from edge to edge.
+fn reference_line(panel: &Panel, y: f64) -> String {
+    let end = |side: u8| format!("{{rel axis cs:{side},0}}|-{{axis cs:{},{y}}}", inside(panel));
+    format!("\\draw[{}] ({}) -- ({});", reference_look(), end(0), end(1))
 }
 
 /// A number that the axis to the right has a place for.
@@ -349,9 +325,8 @@ fn inside(panel: &Panel) -> f64 {
     points.map(|point| point.x).find(|x| x.is_finite() && *x > 0.0).unwrap_or(1.0)
 }
 
-fn reference_look(number: usize) -> String {
-    let dash = dash_pattern(REFERENCE_DASHES[number % REFERENCE_DASHES.len()]);
-    format!("black!62, line width=0.9bp, {dash}")
+fn reference_look() -> String {
+    format!("black!62, line width=0.9bp, {}", dash_pattern(REFERENCE_DASH))
 }
 
 /// Where a line in the legend runs.
@@ -376,7 +351,7 @@ fn legend(entries: &[LegendEntry], width: Width) -> String {
                 format!("\\path plot[{}, mark indices={{2}}] coordinates {{{SAMPLE}}};", marker_look(number))
             }
             Sample::Bar(number) => format!("\\path[{}] (0,-4bp) rectangle (15bp,4bp);", bar_look(number)),
-            Sample::Reference(number) => format!("\\draw[{}] (0,0) -- (24bp,0);", reference_look(number)),
+            Sample::Reference => format!("\\draw[{}] (0,0) -- (24bp,0);", reference_look()),
         };
         let _ = writeln!(tex, "\\mbox{{\\tikz[baseline=-0.6ex]{{{drawn}}} {}}}\\quad", escape(label));
     }

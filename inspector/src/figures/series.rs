@@ -66,8 +66,8 @@ pub(crate) fn marker_stride(series: &Series) -> usize {
     if series.points.len() > MOST_MARKERS { series.points.len().div_ceil(12) } else { 1 }
 }
 
-/// Draws what a panel shows into its chart. `reference_labels` give the dashes of lines across.
-pub(crate) fn draw(chart: &mut Chart, plot: &Plot, reference_labels: &[&str]) -> Result<(), FigureError> {
+/// Draws what a panel shows into its chart.
+pub(crate) fn draw(chart: &mut Chart, plot: &Plot) -> Result<(), FigureError> {
     match &plot.panel.content {
         Content::Lines(all) => all.iter().try_for_each(|series| lines(chart, plot, series))?,
         Content::Scatter(all) => all.iter().try_for_each(|series| markers(chart, plot, series, 1))?,
@@ -75,10 +75,9 @@ pub(crate) fn draw(chart: &mut Chart, plot: &Plot, reference_labels: &[&str]) ->
         Content::Stacks(all) => stacks(chart, plot, all)?,
         Content::Picture(shown) => picture(chart, plot, shown)?,
     }
-    for line in &plot.panel.references {
-        let (from, to) = line.span.unwrap_or(plot.x.range);
-        let number = reference_labels.iter().position(|label| *label == line.label).unwrap_or(0);
-        chart.draw_series(once(reference([(from, line.y), (to, line.y)], number)))?;
+    if let Some(line) = &plot.panel.reference {
+        let (from, to) = plot.x.range;
+        chart.draw_series(once(reference([(from, line.y), (to, line.y)])))?;
     }
     Ok(())
 }

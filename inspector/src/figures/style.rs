@@ -172,9 +172,8 @@ const HATCHES: [Hatch; 8] = [
     Hatch::Upright,
     Hatch::Grid,
 ];
-/// Dashes of the lines across a panel, in the order of their labels.
-pub(crate) const REFERENCE_DASHES: [&[f64]; 4] =
-    [&[3.0, 2.0], &[1.0, 1.5], &[6.0, 2.0, 1.0, 2.0], &[9.0, 3.0]];
+/// Dash of the line across a panel.
+pub(crate) const REFERENCE_DASH: &[f64] = &[3.0, 2.0];
 
 /// The style of this number: the same in every figure. The first 9 differ in colour and in marker;
 /// later ones repeat colours with other markers.

@@ -169,7 +169,7 @@ fn gallery_csv_holds_every_number() {
             assert_eq!((number(5), number(6), spread), (Some(point.x), Some(point.y), point.spread));
             assert_eq!(row[9].parse(), Ok(point.n));
         }
-        for reference in figure.panels.iter().flat_map(|panel| &panel.references) {
+        for reference in figure.panels.iter().flat_map(|panel| &panel.reference) {
             let is_it =
                 |row: &::csv::StringRecord| row[2] == reference.label && row[6].parse() == Ok(reference.y);
             assert!(rows.iter().any(is_it), "{}: {}", figure.name, reference.label);

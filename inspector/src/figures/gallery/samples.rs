@@ -88,11 +88,7 @@ fn speedups() -> Figure {
         let value = |at: usize, x: usize| point(x as f64, 0.8 + noise(at * 7 + x + seed), 0.04);
         let y = Axis::from_zero("trace speedup over pixel order (×)");
         let bars = Content::Bars(named(&METHODS, SCENES.len(), value).collect());
-        let mut panel =
-            Panel::new(title, Axis::categories("", SCENES), y, bars).with_reference("break-even", 1.0);
-        let label = "mean of the paper, RTX 2080 Ti".into();
-        panel.references.push(Reference { label, y: 1.63, span: Some((0.5, 4.5)) });
-        panel
+        Panel::new(title, Axis::categories("", SCENES), y, bars).with_reference("break-even", 1.0)
     };
     figure("speedups", vec![panel("Secondary rays", 0), panel("Shadow rays", 100)])
 }
