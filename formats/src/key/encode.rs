@@ -185,13 +185,15 @@ impl Encoder {
 }
 
 impl<const N: usize> Block<'_, N> {
+    /// A coordinate that depends on the direction alone.
+    fn of_direction(&self, map: impl Fn([f32; 3]) -> f32) -> [u32; N] {
+        let mut lane = [0; N];
+        lane.iter_mut().zip(self.rays).for_each(|(value, ray)| *value = quantise(map(ray.direction)));
+        lane
+    }
+
     fn quantised(&self, coordinate: Coordinate) -> [u32; N] {
         use Coordinate as C;
-        let of_direction = |map: fn([f32; 3]) -> f32| {
-            let mut lane = [0; N];
-            lane.iter_mut().zip(self.rays).for_each(|(value, ray)| *value = quantise(map(ray.direction)));
-            lane
-        };
         match coordinate {
             C::OriginX => self.origin[0].map(quantise),
             C::OriginY => self.origin[1].map(quantise),
@@ -199,13 +201,13 @@ impl<const N: usize> Block<'_, N> {
             C::EndX => self.end[0],
             C::EndY => self.end[1],
             C::EndZ => self.end[2],
-            C::DirectionX => of_direction(|d| cartesian(d[0])),
-            C::DirectionY => of_direction(|d| cartesian(d[1])),
-            C::DirectionZ => of_direction(|d| cartesian(d[2])),
+            C::DirectionX => self.of_direction(|d| cartesian(d[0])),
+            C::DirectionY => self.of_direction(|d| cartesian(d[1])),
+            C::DirectionZ => self.of_direction(|d| cartesian(d[2])),
             C::OctahedralU => self.octahedral[0].map(quantise),
             C::OctahedralV => self.octahedral[1].map(quantise),
-            C::Azimuth => of_direction(|d| angle::azimuth(d[0], d[1])),
-            C::Polar => of_direction(|d| angle::polar(d[2])),
+            C::Azimuth => self.of_direction(|d| angle::azimuth(d[0], d[1])),
+            C::Polar => self.of_direction(|d| angle::polar(d[2])),
             C::Light => self.lights,
             C::LightU => self.from_light[0].map(quantise),
             C::LightV => self.from_light[1].map(quantise),
