@@ -20,7 +20,7 @@ pub(crate) fn header(
     setup: &Setup,
     options: &RecordOptions,
     device: &Device,
-    notices: &[String],
+    notices: Vec<String>,
     source: Source,
 ) -> Header {
     let bounds = scene.bounds();
@@ -55,7 +55,7 @@ pub(crate) fn header(
             skipped: names(setup.features.skipped()),
         },
         time_source: device.time_source.to_owned(),
-        notices: notices.to_vec(),
+        notices,
         source,
     }
 }

@@ -16,7 +16,7 @@ use scenes::{Camera, Scene};
 
 pub(crate) use header::header;
 pub use run::Recorded;
-pub(crate) use run::{Rays, Run};
+pub(crate) use run::{RaySource, Run};
 
 use crate::machine;
 use crate::options::RecordOptions;
@@ -38,9 +38,9 @@ pub fn record(options: &RecordOptions) -> Result<Recorded> {
     device.check_capacity(&setup, &scene, options)?;
     let mut notices = scene.notices.clone();
     notices.extend(device.notices());
-    let header = header(&scene, &setup, options, &device, &notices, Source::Traced);
-    let rays = Rays::Paths;
-    Run { scene: &scene, setup, options, header, rays, recorded: None, notices, start }.on(device)
+    let header = header(&scene, &setup, options, &device, notices, Source::Traced);
+    let rays = RaySource::Paths;
+    Run { scene: &scene, setup, options, header, rays, recorded: None, start }.on(device)
 }
 
 /// The camera of this name, or the first.

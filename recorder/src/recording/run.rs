@@ -55,7 +55,7 @@ impl Recorded {
 }
 
 /// Where the rays of a run come from.
-pub(crate) enum Rays<'a> {
+pub(crate) enum RaySource<'a> {
     /// Paths from the camera.
     Paths,
     /// Queues that were recorded or imported.
@@ -68,10 +68,9 @@ pub(crate) struct Run<'a> {
     pub(crate) setup: Arc<Setup>,
     pub(crate) options: &'a RecordOptions,
     pub(crate) header: Header,
-    pub(crate) rays: Rays<'a>,
+    pub(crate) rays: RaySource<'a>,
     /// The recording whose queues these are, if they are.
     pub(crate) recorded: Option<&'a Dump>,
-    pub(crate) notices: Vec<String>,
     pub(crate) start: Instant,
 }
 
@@ -103,7 +102,7 @@ impl Run<'_> {
             }
         };
         let headline = header::headline(&self.header, &self.setup);
-        let mut notices = self.notices;
+        let mut notices = self.header.notices;
         if differing > 0 {
             notices.push(format!("{differing} rays found something else than in the recording"));
         }
@@ -148,15 +147,15 @@ impl Run<'_> {
         let progress = self.progress();
         let mut recorder = Recorder::new(&plan, &mut capture, &progress);
         match &self.rays {
-            Rays::Paths => wavefront::run(backend, options.passes, options.bounces, &mut recorder)?,
-            Rays::Recorded(queues) => wavefront::run_recorded(backend, queues, &mut recorder)?,
+            RaySource::Paths => wavefront::run(backend, options.passes, options.bounces, &mut recorder)?,
+            RaySource::Recorded(queues) => wavefront::run_recorded(backend, queues, &mut recorder)?,
         }
         recorder.finish(backend)?;
         let Recorder { measured, differing, .. } = recorder;
         progress.finish();
         let image = match self.rays {
-            Rays::Paths => Some(self.write_image(backend, &mut capture)?),
-            Rays::Recorded(_) => None,
+            RaySource::Paths => Some(self.write_image(backend, &mut capture)?),
+            RaySource::Recorded(_) => None,
         };
         let wall_ns = self.start.elapsed().as_nanos() as u64;
         let path = capture.finish(End { outcome: Outcome::Complete, image, wall_ns })?;
@@ -170,8 +169,8 @@ impl Run<'_> {
         // Two rounds come before those that count; the control and the baseline are traced once in each.
         let traces = (2 + repeats) * 2 * (1 + self.setup.methods.len() as u64);
         let passes = match &self.rays {
-            Rays::Paths => self.options.passes,
-            Rays::Recorded(_) => 1,
+            RaySource::Paths => self.options.passes,
+            RaySource::Recorded(_) => 1,
         };
         Progress::new(passes, self.options.bounces, pixels, traces)
     }

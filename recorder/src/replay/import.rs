@@ -17,7 +17,7 @@ use sha2::{Digest, Sha256};
 use crate::backends::RecordedRays;
 use crate::machine;
 use crate::options::RecordOptions;
-use crate::recording::{Rays, Recorded, Run, choose_camera, header, setup};
+use crate::recording::{RaySource, Recorded, Run, choose_camera, header, setup};
 
 /// Directions whose length differs from 1 by less than this are taken as they are.
 const UNIT_TOLERANCE: f64 = 1e-6;
@@ -72,7 +72,7 @@ pub fn import(options: &ImportOptions) -> Result<Recorded> {
     let mut notices = scene.notices.clone();
     notices.extend(device.notices());
     let name = options.rays.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let header = header(&scene, &setup, &run, &device, &notices, Source::Imported { name, sha256 });
+    let header = header(&scene, &setup, &run, &device, notices, Source::Imported { name, sha256 });
     let queue = RecordedRays {
         id: QueueId { pass: 0, bounce: options.bounce, kind: options.kind },
         rays: &rays,
@@ -80,8 +80,8 @@ pub fn import(options: &ImportOptions) -> Result<Recorded> {
         lights: &lights,
         lengths: None,
     };
-    let rays = Rays::Recorded(vec![queue]);
-    Run { scene: &scene, setup, options: &run, header, rays, recorded: None, notices, start }.on(device)
+    let rays = RaySource::Recorded(vec![queue]);
+    Run { scene: &scene, setup, options: &run, header, rays, recorded: None, start }.on(device)
 }
 
 /// The rays of a file, and its SHA-256.

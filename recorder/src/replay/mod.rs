@@ -25,7 +25,7 @@ use scenes::Camera;
 
 use crate::machine;
 use crate::options::{DeviceOptions, Keep, KeepPasses, RecordOptions};
-use crate::recording::{Rays, Recorded, Run, header, setup};
+use crate::recording::{RaySource, Recorded, Run, header, setup};
 use crate::stages::trace::TraceKernel;
 use queues::RecordedQueue;
 use variants::Sweep;
@@ -118,11 +118,11 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
         scene: recorded.scene.clone(),
         camera: recorded.camera,
         features: recorded.features.clone(),
-        ..header(&scene, &setup, &run_options, &device, &notices, source)
+        ..header(&scene, &setup, &run_options, &device, notices, source)
     };
-    let rays = Rays::Recorded(queues.iter().map(RecordedQueue::rays).collect());
+    let rays = RaySource::Recorded(queues.iter().map(RecordedQueue::rays).collect());
     let options = &run_options;
-    Run { scene: &scene, setup, options, header, rays, recorded: Some(dump), notices, start }.on(device)
+    Run { scene: &scene, setup, options, header, rays, recorded: Some(dump), start }.on(device)
 }
 
 /// The options of a run over what was recorded in `source`, by default those of `recorded`.

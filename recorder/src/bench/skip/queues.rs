@@ -23,7 +23,7 @@ const DIFFERING: u64 = 0xff00_ff00;
 
 /// What is skipped in every scene, on its paths.
 pub(super) fn rows(bench: Bench<'_>) -> Result<Vec<SkipRow>> {
-    let work = Paths { bench };
+    let work = OverPaths { bench };
     let mut rows =
         backends::measure(bench.device, bench.scene, bench.setup, &[bench.run.device.kernel()], work)?;
     let random = random_keys(KEYS);
@@ -48,11 +48,11 @@ fn sorts(bench: Bench<'_>, keys: &[u64]) -> Result<(Cost, Cost, bool)> {
     Ok((cost(std::mem::take(&mut samples[0].samples_ns)), all, is_same))
 }
 
-struct Paths<'a> {
+struct OverPaths<'a> {
     bench: Bench<'a>,
 }
 
-impl Measurement for Paths<'_> {
+impl Measurement for OverPaths<'_> {
     type Output = Vec<SkipRow>;
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<SkipRow>> {
@@ -72,7 +72,7 @@ fn no_rays(bounce: u32, kind: Kind, lengths: Option<&[LengthCell]>) -> RecordedR
     RecordedRays { id: QueueId { pass: 0, bounce, kind }, rays: &[], path_ids: &[], lights: &[], lengths }
 }
 
-impl Paths<'_> {
+impl OverPaths<'_> {
     /// The verbs of a bounce to which no ray has come, which the loop does not run.
     fn empty_bounce<B: Backend>(&self, backend: &mut B) -> Result<SkipRow> {
         let mut row = self.bench.row("a bounce without live rays", "all stages of the bounce", "picture");

@@ -6,7 +6,7 @@ fn fresnel(f0: vec3<f32>, cosine: f32) -> vec3<f32> {
     return f0 + (vec3(1.0) - f0) * (m2 * m2 * m);
 }
 
-fn specular_probability(surface: Surface, cos_out: f32) -> f32 {
+fn specular_probability(surface: Bsdf, cos_out: f32) -> f32 {
     let specular = luminance(fresnel(surface.f0, cos_out));
     let diffuse = luminance(surface.diffuse);
     return specular / max(specular + diffuse, 1e-8);
@@ -33,7 +33,7 @@ fn visible_normal(alpha: f32, out_direction: vec3<f32>, a: f32, b: f32) -> vec3<
     return normalize3(vec3(cap.x * alpha, cap.y * alpha, max(cap.z, 1e-6)));
 }
 
-fn bsdf_evaluate(surface: Surface, out_direction: vec3<f32>, incident: vec3<f32>) -> BsdfValue {
+fn bsdf_evaluate(surface: Bsdf, out_direction: vec3<f32>, incident: vec3<f32>) -> BsdfValue {
     let matt = diffuse_evaluate(surface, out_direction, incident);
     if !surface.is_glossy || matt.density <= 0.0 {
         return matt;
@@ -59,7 +59,7 @@ fn bsdf_evaluate(surface: Surface, out_direction: vec3<f32>, incident: vec3<f32>
     );
 }
 
-fn bsdf_sample(surface: Surface, out_direction: vec3<f32>, random: ptr<function, u32>) -> BsdfSample {
+fn bsdf_sample(surface: Bsdf, out_direction: vec3<f32>, random: ptr<function, u32>) -> BsdfSample {
     let choice = random_next(random);
     let a = random_next(random);
     let b = random_next(random);

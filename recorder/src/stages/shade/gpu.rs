@@ -34,11 +34,11 @@ fn texture_factor(triangle: vec4<u32>, material: MaterialData, u: f32, v: f32) -
 
 /// A scene whose surfaces are all diffuse.
 const MATT: &str = "
-fn bsdf_evaluate(surface: Surface, out_direction: vec3<f32>, incident: vec3<f32>) -> BsdfValue {
+fn bsdf_evaluate(surface: Bsdf, out_direction: vec3<f32>, incident: vec3<f32>) -> BsdfValue {
     return diffuse_evaluate(surface, out_direction, incident);
 }
 
-fn bsdf_sample(surface: Surface, out_direction: vec3<f32>, random: ptr<function, u32>) -> BsdfSample {
+fn bsdf_sample(surface: Bsdf, out_direction: vec3<f32>, random: ptr<function, u32>) -> BsdfSample {
     let choice = random_next(random);
     let a = random_next(random);
     let b = random_next(random);

@@ -3,7 +3,7 @@
 use formats::ray::{Hit, Ray};
 use glam::Vec3;
 
-use super::bsdf::Surface;
+use super::bsdf::Bsdf;
 use super::light::{sample_light, sky_radiance};
 use super::surface::{HitSurface, hit_surface};
 use super::tables::ShadeTables;
@@ -53,10 +53,10 @@ pub fn shade_path<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>
     }
     let surface = hit_surface::<TEXTURES, NORMALS>(tables, direction, hit.triangle, hit.u, hit.v);
     outcome.emitted = emitted(tables, ray, hit, state, &surface);
-    let frame = Frame::new(surface.shading_normal);
+    let frame = ShadingFrame::new(surface.shading_normal);
     let vertex = Vertex {
         params,
-        reflection: Surface::new(surface.base_color, surface.material.metallic, surface.material.roughness),
+        bsdf: Bsdf::new(surface.base_color, surface.material.metallic, surface.material.roughness),
         surface,
         out: frame.to_local(-direction),
         frame,
@@ -88,13 +88,13 @@ fn emitted(tables: &ShadeTables, ray: &Ray, hit: &Hit, state: &RayState, surface
     Vec3::from(state.color) * radiance * emission_weight(state.density, light_density)
 }
 
-struct Frame {
+struct ShadingFrame {
     tangent: Vec3,
     bitangent: Vec3,
     normal: Vec3,
 }
 
-impl Frame {
+impl ShadingFrame {
     fn new(normal: Vec3) -> Self {
         let (tangent, bitangent) = basis(normal);
         Self { tangent, bitangent, normal }
@@ -113,8 +113,8 @@ impl Frame {
 struct Vertex<'a> {
     params: &'a ShadeParams,
     surface: HitSurface,
-    reflection: Surface,
-    frame: Frame,
+    bsdf: Bsdf,
+    frame: ShadingFrame,
     /// Where the path came from, in the local frame.
     out: Vec3,
     throughput: Vec3,
@@ -131,7 +131,7 @@ impl Vertex<'_> {
             return None;
         }
         let incident = self.frame.to_local(light.direction);
-        let (value, density) = self.reflection.evaluate::<GLOSSY>(self.out, incident);
+        let (value, density) = self.bsdf.evaluate::<GLOSSY>(self.out, incident);
         // After the last bounce no ray is left that could find the light by reflection.
         let weight = if light.density > 0.0 && self.params.is_last == 0 {
             power_heuristic(light.density, density)
@@ -144,7 +144,7 @@ impl Vertex<'_> {
     }
 
     fn next_ray<const GLOSSY: bool>(&self, random: &mut Random) -> Option<(Ray, RayState)> {
-        let sample = self.reflection.sample::<GLOSSY>(self.out, random)?;
+        let sample = self.bsdf.sample::<GLOSSY>(self.out, random)?;
         let direction = normalize3(self.frame.to_world(sample.direction));
         if dot3(direction, self.surface.geometric_normal) <= 0.0 {
             return None;

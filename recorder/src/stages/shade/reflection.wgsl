@@ -21,7 +21,7 @@ fn random_at(index: u32) -> u32 {
 
 // How a surface reflects, and its frame, in which directions are local.
 struct Reflection {
-    surface: Surface,
+    surface: Bsdf,
     frame: Basis,
     normal: vec3<f32>,
     // Back along the ray that met it, local.
