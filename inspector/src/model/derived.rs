@@ -1,26 +1,20 @@
-//! What panels ask of the context that takes work: it is made on other threads and kept.
+//! What panels ask for that takes work: it is made on other threads and kept.
 
 use std::sync::Arc;
 
-use formats::manifest::{Place, QueueArray, QueueId};
-use formats::reader::Loaded;
-use rayon::prelude::*;
+use formats::manifest::QueueId;
 
-use super::absent::Absent;
 use super::background::{Background, Waker};
 use super::coherences::{Coherences, OrderCoherence};
-use super::context::Context;
 use super::estimates::Estimates;
-use super::filter::{Expression, FilterError, Passing, passing};
-use super::groups::Groups;
-use super::numbers::Numbers;
+use super::filter::{Expression, FilterError, Passing};
 use super::order::Order;
 use super::rows::{Rows, Sorting};
 use super::what_if::Settings;
 use crate::analysis::GroupWidth;
 
 /// A ray in each of some queues.
-type Rays = Arc<[(QueueId, usize)]>;
+pub(super) type Rays = Arc<[(QueueId, usize)]>;
 
 /// Serial number of an order, and rays of a group.
 pub(crate) type Grouped = (u64, GroupWidth);
@@ -32,15 +26,15 @@ type WantedRows = (Grouped, Option<Arc<Expression>>, Sorting);
 #[derive(Debug, Default)]
 pub struct Derived {
     pub(super) waker: Waker,
-    coherences: Coherences,
-    groups: Background<Grouped, ()>,
-    passing: Background<(Grouped, Arc<Expression>), Result<Arc<Passing>, FilterError>>,
-    rows: Background<WantedRows, Arc<Rows>>,
-    what_if: Background<(u64, QueueId, Settings), Result<Arc<Order>, String>>,
-    what_if_coherence: Background<Grouped, OrderCoherence>,
-    estimates: Background<(u64, QueueId), Result<Arc<Estimates>, String>>,
-    paths: Background<(u64, u32, u32), Rays>,
-    rays_of_cell: Background<(u64, QueueId, u32), Arc<Vec<u32>>>,
+    pub(super) coherences: Coherences,
+    pub(super) groups: Background<Grouped, ()>,
+    pub(super) passing: Background<(Grouped, Arc<Expression>), Result<Arc<Passing>, FilterError>>,
+    pub(super) rows: Background<WantedRows, Arc<Rows>>,
+    pub(super) what_if: Background<(u64, QueueId, Settings), Result<Arc<Order>, String>>,
+    pub(super) what_if_coherence: Background<Grouped, OrderCoherence>,
+    pub(super) estimates: Background<(u64, QueueId), Result<Arc<Estimates>, String>>,
+    pub(super) paths: Background<(u64, u32, u32), Rays>,
+    pub(super) rays_of_cell: Background<(u64, QueueId, u32), Arc<Vec<u32>>>,
 }
 
 /// Which rays of the order pass the filter.
@@ -73,171 +67,5 @@ impl Filtered {
             Self::Unknown => false,
             Self::Some(passing) => passing.contains(place),
         }
-    }
-}
-
-impl Context {
-    /// Has a window drawn again when there is more to show.
-    pub fn wake_with(&self, wake: impl Fn() + Send + Sync + 'static) {
-        self.derived.waker.set(wake);
-    }
-
-    /// Who has the window drawn again, for what panels make on other threads.
-    pub fn waker(&self) -> &Waker {
-        &self.derived.waker
-    }
-
-    /// Waits for everything that is being made; whether anything was.
-    pub fn finish(&mut self) -> bool {
-        self.derived.waker.wait()
-    }
-
-    /// The orders of the queue that can be shown: recorded ones, and the one made here.
-    pub fn methods(&self) -> Vec<String> {
-        self.methods_of(self.selection.recording)
-    }
-
-    /// The orders of the same queue of any of the open recordings that can be shown.
-    pub fn methods_of(&self, recording: usize) -> Vec<String> {
-        let recording = self.recordings.get(recording);
-        let recorded = recording.map_or(&[][..], |open| open.methods(self.selection.queue));
-        let made = self.what_if.as_ref().map(|_| super::what_if::WHAT_IF.to_owned());
-        recorded.iter().cloned().chain(made).collect()
-    }
-
-    /// The numbers of the rays of an order of the selected recording.
-    pub fn numbers(&self, order: Arc<Order>) -> Option<Numbers> {
-        let header = &self.recording()?.dump.manifest().header;
-        Some(Numbers::of(order, header, self.selection.group_width))
-    }
-
-    /// Which rays of an order pass the filter.
-    pub fn filtered(&mut self, order: &Arc<Order>) -> Filtered {
-        let Some(expression) = self.selection.filter.in_force().cloned() else { return Filtered::All };
-        let Some(numbers) = self.numbers(order.clone()) else { return Filtered::All };
-        let wanted = ((order.serial, numbers.width), expression.clone());
-        let find = move || passing(&expression, &numbers).map(Arc::new);
-        match self.derived.passing.of(wanted, &self.derived.waker, find) {
-            // Nobody knows which pass where finding it out failed.
-            Err(_) => Filtered::Unknown,
-            Ok(Ok(passing)) => Filtered::Some(passing.clone()),
-            Ok(Err(error)) => Filtered::Refused(error.clone()),
-        }
-    }
-
-    /// The groups of an order; `None` until they are known.
-    pub fn groups<'a>(&mut self, order: &'a Arc<Order>) -> Option<&'a Groups> {
-        let width = self.selection.group_width;
-        if order.known_groups(width).is_none() {
-            let of = order.clone();
-            let find = move || {
-                of.groups(width);
-            };
-            // What it is asked for is in the order once it is known.
-            let _ = self.derived.groups.of((order.serial, width), &self.derived.waker, find);
-        }
-        order.known_groups(width)
-    }
-
-    /// The rows of an order's rays that pass the filter; `None` until they are known.
-    pub fn rows(&mut self, order: &Arc<Order>, sorting: Sorting) -> Option<Arc<Rows>> {
-        let passing = match self.filtered(order) {
-            Filtered::Unknown => return None,
-            filtered => filtered.passing(),
-        };
-        let numbers = self.numbers(order.clone())?;
-        let expression = passing.as_ref().and(self.selection.filter.in_force().cloned());
-        let wanted = ((order.serial, numbers.width), expression, sorting);
-        let make = move || Arc::new(Rows::of(&numbers, passing.as_deref(), sorting));
-        self.derived.rows.of(wanted, &self.derived.waker, make).ok().cloned()
-    }
-
-    /// The what-if order of the queue; `None` until it is made.
-    ///
-    /// # Errors
-    /// Why there is none.
-    pub fn what_if_order(&mut self) -> Result<Option<Arc<Order>>, String> {
-        let settings = self.what_if.clone().ok_or("no what-if order was asked for; its panel makes one")?;
-        let Some(queue) = Absent::awaited(self.queue())? else { return Ok(None) };
-        let recording = self.recording().ok_or("no recording is open")?;
-        let (at, dump) = (recording.opening, recording.dump.clone());
-        let wanted = (at, queue.id, settings.clone());
-        let make = move || {
-            let order = settings.order(&dump.manifest().header, queue)?;
-            // Panels ask for it, and should not make the window wait.
-            order.place_of_ray();
-            Ok(Arc::new(order))
-        };
-        Absent::awaited(self.derived.what_if.of(wanted, &self.derived.waker, make))?.cloned().transpose()
-    }
-
-    /// How coherent the what-if order is; `None` until it is known.
-    ///
-    /// # Errors
-    /// Why there is no such order.
-    pub fn what_if_coherence(&mut self) -> Result<Option<&OrderCoherence>, String> {
-        let Some(order) = self.what_if_order()? else { return Ok(None) };
-        let width = self.selection.group_width;
-        let wanted = (order.serial, width);
-        let find = move || OrderCoherence::of(&order, width);
-        Absent::awaited(self.derived.what_if_coherence.of(wanted, &self.derived.waker, find))
-    }
-
-    /// How coherent the queue's recorded orders are, as far as it is known in this frame, and how many orders
-    /// there are. See [`Coherences::of`](super::coherences::Coherences::of).
-    ///
-    /// # Errors
-    /// Why the queue cannot be shown, or not yet.
-    pub fn coherences(&mut self, frame: u64) -> Result<(&[OrderCoherence], usize), Absent> {
-        let queue = self.queue()?;
-        let recording = self.recordings.get(self.selection.recording).ok_or("no recording is open")?;
-        let Derived { waker, coherences, .. } = &mut self.derived;
-        let known = coherences.of(recording, &queue, self.selection.group_width, (waker, frame));
-        Ok((known, recording.methods(queue.id).len()))
-    }
-
-    /// Estimated against traced lengths of the queue; `None` until they are known.
-    ///
-    /// # Errors
-    /// Why they cannot be.
-    pub fn estimates(&mut self) -> Result<Option<Arc<Estimates>>, String> {
-        let Some(queue) = Absent::awaited(self.queue())? else { return Ok(None) };
-        let at = self.recording().ok_or("no recording is open")?.opening;
-        let wanted = (at, queue.id);
-        let make = move || Estimates::of(&queue).map(Arc::new);
-        Absent::awaited(self.derived.estimates.of(wanted, &self.derived.waker, make))?.cloned().transpose()
-    }
-
-    /// The rays of the queue whose estimate comes from a cell, ascending; `None` until they are known.
-    pub fn rays_of_cell(&mut self, cell: u32) -> Option<Arc<Vec<u32>>> {
-        let queue = self.queue().ok()?;
-        let recording = self.recording()?;
-        let (at, header) = (recording.opening, &recording.dump.manifest().header);
-        let encoder = header.cell_encoder()?;
-        let wanted = (at, self.selection.queue, cell);
-        let make = move || {
-            let rays = queue.traced.rays().par_iter().enumerate();
-            let found = rays.filter(|(_, ray)| encoder.encode(ray, 0.0, 0) == u64::from(cell));
-            Arc::new(found.map(|(ray, _)| ray as u32).collect::<Vec<u32>>())
-        };
-        self.derived.rays_of_cell.of(wanted, &self.derived.waker, make).ok().cloned()
-    }
-
-    /// The queues of the selected pass in which a path lives, and its ray in each; `None` until they are known.
-    pub fn path(&mut self, path: u32) -> Option<Rays> {
-        let recording = self.recording()?;
-        let (dump, pass) = (recording.dump.clone(), self.selection.queue.pass);
-        let wanted = (recording.opening, pass, path);
-        let queues = recording.queues().iter().map(|record| record.id);
-        let queues: Vec<QueueId> = queues.filter(|queue| queue.pass == pass).collect();
-        let make = move || {
-            let ray = |queue: QueueId| {
-                // A queue whose paths were not kept says nothing of any.
-                let paths: Loaded<u32> = dump.array(&Place::Queue(queue, QueueArray::PathIds)).ok()?;
-                Some((queue, paths.binary_search(&path).ok()?))
-            };
-            queues.into_iter().filter_map(ray).collect()
-        };
-        self.derived.paths.of(wanted, &self.derived.waker, make).ok().cloned()
     }
 }

@@ -13,11 +13,12 @@
 //!   the lengths that were traced
 //! - [`what_if`]: another order of the recorded rays, made here
 //! - [`coherences`]: how coherent the orders of a queue are, found in the background
-//! - [`background`]: work on another thread; [`absent`]: why something is not shown; [`derived`]: what panels ask for that takes such work
+//! - [`background`]: work on another thread; [`absent`]: why something is not shown; [`derived`], `asked`: what panels ask for that takes such work
 //! - [`comparison`], [`differences`]: two orders ray by ray; two recordings as a table of what differs
 //! - [`context`]: all of it together, as panels see it
 
 pub mod absent;
+mod asked;
 pub mod background;
 pub mod coherences;
 pub mod colour_by;

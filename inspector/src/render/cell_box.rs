@@ -8,12 +8,9 @@ use formats::length_table::{TABLE_BITS_MAX, TABLE_BITS_MIN};
 use formats::manifest::Options;
 use rayon::prelude::*;
 
-use super::geometry::{Geometry, boxes};
+use super::geometry::{Corners, Geometry, boxes};
 use super::range::{ValueRange, Values};
 use crate::model::Queue;
-
-/// The lowest and the highest corner of a box, unit space.
-pub type Corners = ([f32; 3], [f32; 3]);
 
 /// How the cells of a recording's length tables are addressed; `None` if it does not say so.
 fn table_layout(options: &Options) -> Option<Layout> {

@@ -7,7 +7,6 @@ use bytemuck::{Pod, Zeroable};
 use formats::metrics::capsule::{Capsule, Point};
 use formats::ray::Kind;
 
-use super::cell_box::Corners;
 use super::surfaces::Surfaces;
 use crate::model::{Order, Queue};
 
@@ -205,6 +204,9 @@ pub fn ends(order: &Order, places: impl Iterator<Item = (usize, f32)>) -> Shape 
     };
     Shape::Segments(places.map(of).collect())
 }
+
+/// The lowest and the highest corner of a box, unit space.
+pub type Corners = ([f32; 3], [f32; 3]);
 
 /// Boxes with their values.
 pub fn boxes(found: impl Iterator<Item = (Corners, f32)>) -> Shape {

@@ -1,6 +1,5 @@
 //! A view into space: what it shows, from where, and the picture that comes of it.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::{Deserialize, Serialize};
@@ -8,13 +7,10 @@ use serde::{Deserialize, Serialize};
 use super::layers::{Layers, RayValues};
 use super::meshes::{MeshForm, Meshes};
 use super::options::{MeshMode, Side, SpaceOptions, StandPoint};
-use super::{controls, input};
 use crate::model::{Absent, Context, Recording};
 use crate::output::count;
 use crate::panels::data::Data;
-use crate::panels::filter_box;
 use crate::render::camera::Camera;
-use crate::render::gpu::PictureCallback;
 use crate::render::gpu::errors::Refusal;
 use crate::render::picture::{Cut, Layer, Paint, SpacePicture, Stage};
 use crate::theme::Theme;
@@ -36,8 +32,8 @@ impl From<wgpu::TextureFormat> for ViewSetup {
 
 /// A view into space.
 pub struct SpaceView {
-    view: u64,
-    format: wgpu::TextureFormat,
+    pub(super) view: u64,
+    pub(super) format: wgpu::TextureFormat,
     /// What is shown, and how.
     pub options: SpaceOptions,
     /// Where it is seen from; from the options' stand point if `None`.
@@ -46,12 +42,12 @@ pub struct SpaceView {
     stands_in: Option<usize>,
     meshes: Meshes,
     /// Why the last picture lacks surfaces.
-    mesh_problem: Option<Absent>,
+    pub(super) mesh_problem: Option<Absent>,
     pub(super) layers: Layers,
     /// The opening of the recording that was last drawn.
     drawn: Option<u64>,
     /// What the GPU could not draw.
-    refusal: Refusal,
+    pub(super) refusal: Refusal,
 }
 
 /// What sessions keep of a view.
@@ -154,7 +150,7 @@ impl SpaceView {
     }
 
     /// What is shown of what there is, in words.
-    fn showing(&self) -> String {
+    pub(super) fn showing(&self) -> String {
         let of = |(shown, all): (usize, usize), what| {
             format!("{} of {} {what}", count(shown as u64), count(all as u64))
         };
@@ -172,27 +168,7 @@ impl SpaceView {
         }
     }
 
-    /// The picture alone. Pointer and keys move the camera and choose rays.
-    pub(in crate::panels) fn picture(&mut self, ui: &mut egui::Ui, context: &mut Context, size: egui::Vec2) {
-        let size = size.max(egui::vec2(16.0, 16.0));
-        let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click_and_drag());
-        let scale = ui.ctx().pixels_per_point();
-        let pixels = [rect.width(), rect.height()].map(|side| (side * scale).round().max(1.0) as u32);
-        input::take(ui, &response, self, context);
-        if let Some(picture) = self.space_picture(Theme::of(ui.ctx()), pixels, context) {
-            let refusal = (self.refusal.clone(), context.waker().clone());
-            let (view, format, picture) = (self.view, self.format, Arc::new(picture));
-            let callback = PictureCallback { view, format, picture, refusal };
-            ui.painter().add(callback.shape(rect));
-        }
-        let filter = filter_box::problem(context).map(|error| Absent::from(format!("filter: {error}")));
-        let refused = self.refusal.reason().map(|reason| Absent::from(format!("not all is drawn: {reason}")));
-        let drawn = [self.layers.problem.as_ref(), self.mesh_problem.as_ref()];
-        let problems = drawn.into_iter().chain([filter.as_ref(), refused.as_ref()]).flatten();
-        controls::overlay(ui, rect, &self.showing(), &problems.collect::<Vec<_>>());
-    }
-
-    fn space_picture(
+    pub(super) fn space_picture(
         &mut self,
         theme: Theme,
         pixels: [u32; 2],
