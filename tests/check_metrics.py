@@ -121,28 +121,28 @@ def ranks(values):
     return [(values < value).sum() + ((values == value).sum() + 1) / 2 for value in values]
 
 
-def totals(samples):
-    """What tracing in an order takes, per repeat: by gathered rays or through indices, by medians."""
-    gathered = np.median(samples["gather"]) + np.median(samples["trace"])
-    indirect = samples.get("trace_indirect")
-    if indirect is not None and np.median(indirect) < gathered:
-        traced = np.array(indirect)
-    else:
-        traced = np.array(samples["gather"]) + samples["trace"]
-    return traced + samples["key"] + samples["sort"] + np.array(samples.get("accumulate", 0))
+def samples_of(order):
+    """The times of an order's stages, a sample per round."""
+    return {stage["stage"]: np.array(stage["samples_ns"]) for stage in order["stages"]}
+
+
+def totals(samples, way):
+    """What tracing in an order takes, per round: gathered, traced and scattered, or through indices."""
+    stages = {"gathered": ("gather", "trace", "scatter"), "indices": ("trace_indirect",)}[way]
+    return sum(samples[stage] for stage in ("key", "sort", "accumulate", *stages) if stage in samples)
 
 
 def check_speedups(compare, where, order, unsorted, medians):
-    """Against the medians that the manifest's own timings have."""
-    samples = {stage["stage"]: stage["samples_ns"] for stage in order["stages"]}
+    """Against the samples of the same rounds, and the medians that the manifest's own timings have."""
+    samples = samples_of(order)
     for stage, values in samples.items():
         compare("median", f"{stage} of {where}", medians[(*where, stage)], np.median(values))
-    baseline = medians[(*unsorted, "trace")]
     if order["method"] in ("unsorted", "two-point-real"):
         assert "missing" in order["trace_speedup"] and "missing" in order["net_speedup"], where
         return
-    compare("trace speedup", where, order["trace_speedup"]["ratio"], baseline / medians[(*where, "trace")])
-    compare("net speedup", where, order["net_speedup"]["ratio"], baseline / np.median(totals(samples)))
+    baseline, net = samples_of(unsorted)["trace"], totals(samples, order["way"])
+    compare("trace speedup", where, order["trace_speedup"]["ratio"], np.median(baseline / samples["trace"]))
+    compare("net speedup", where, order["net_speedup"]["ratio"], np.median(baseline / net))
     for speedup in (order["trace_speedup"], order["net_speedup"]):
         if speedup["interval"] is not None:
             low, high = speedup["interval"]
@@ -202,6 +202,7 @@ def main(folder, metrics_file):
         if not queue_line["orders"]:
             continue
         place = queue_line["pass"], queue_line["bounce"], queue_line["kind"]
+        unsorted = next(order for order in queue_line["orders"] if order["method"] == "unsorted")
         queue = Queue(Path(folder) / "pass-{:03}/bounce-{:02}/{}".format(*place), low, scale, sides)
         for order_line in queue_line["orders"]:
             method = order_line["method"]
@@ -213,7 +214,7 @@ def main(folder, metrics_file):
             for line, width in zip(order_line["lanes"], WIDTHS, strict=True):
                 assert line["width"] == width
                 compare("lane utilisation", where, line["utilisation"], lanes(queue, order, width))
-            check_speedups(compare, where, order_line, (*place, "unsorted"), medians)
+            check_speedups(compare, where, order_line, unsorted, medians)
             points.append((place[2], area, medians[(*where, "trace")] / queue.count))
     check_summaries(compare, recording, metrics["summaries"])
     check_correlations(compare, points, metrics["correlations"])

@@ -11,8 +11,8 @@ use std::time::Instant;
 use formats::key::{LightSite, Termination};
 use formats::manifest::scan::scan;
 use formats::manifest::{
-    CacheRecord, End, Header, MethodRecord, Mismatches, Outcome, Place, QueueArray, QueueId, QueueRecord,
-    Record, Source, Stage, TimingRecord, encode_frame, preamble,
+    CacheRecord, DisturbedRecord, End, Header, MethodRecord, Mismatches, Outcome, Place, QueueArray, QueueId,
+    QueueRecord, Record, Source, Stage, TimingRecord, WayRecord, encode_frame, preamble,
 };
 use formats::ray::Kind;
 use formats::reader::Dump;
@@ -64,6 +64,16 @@ fn baseline(record: &mut Record) -> Option<&mut TimingRecord> {
         timing.method == "unsorted" && (timing.bounce, timing.kind) == (1, Some(Kind::Shadow))
     };
     timing(record).filter(is_meant)
+}
+
+/// The record of one queue's unsorted rays, since one is told once.
+fn disturbed(record: &mut Record) -> Option<&mut DisturbedRecord> {
+    let Record::Disturbed(disturbed) = record else { return None };
+    ((disturbed.bounce, disturbed.kind) == (1, Kind::Shadow)).then_some(disturbed)
+}
+
+fn way(record: &mut Record) -> Option<&mut WayRecord> {
+    if let Record::Way(way) = record { Some(way) } else { None }
 }
 
 fn cache(record: &mut Record) -> Option<&mut CacheRecord> {
@@ -171,8 +181,8 @@ fn times_of_what_was_not_measured_are_found() {
             |timing| timing.method.insert(0, 'n'),
             "time of trace by nunsorted in pass 1, bounce 0: there is no record of method nunsorted",
         ),
-        (|timing| timing.samples_ns.clear(), "it has 0 samples, expected 3"),
-        (|timing| timing.samples_ns.push(1), "it has 4 samples, expected 3"),
+        (|timing| timing.samples_ns.clear(), "it has 0 samples, expected 7"),
+        (|timing| timing.samples_ns.push(1), "it has 8 samples, expected 7"),
     ];
     assert_found(timing, cases);
     // Of one queue, since a time is told once.
@@ -182,6 +192,19 @@ fn times_of_what_was_not_measured_are_found() {
         (|timing| timing.stage = Stage::TraceIndirect, "unsorted rays are traced, and nothing else"),
     ];
     assert_found(baseline, cases);
+}
+
+#[test]
+fn disturbed_samples_and_ways_are_of_what_was_timed() {
+    let cases: &[Case<DisturbedRecord>] = &[
+        (|disturbed| disturbed.samples = vec![7], "there is a time of 7 samples"),
+        (|disturbed| disturbed.stage = Stage::Scatter, "there is no such time"),
+        (|disturbed| disturbed.method.push('x'), "there is no such time"),
+    ];
+    assert_found(disturbed, cases);
+    let cases: &[Case<WayRecord>] =
+        &[(|way| way.method.push('x'), "the ways of methods: there is no record of method ailax")];
+    assert_found(way, cases);
 }
 
 #[test]

@@ -256,7 +256,7 @@ fn a_stack_is_as_high_as_the_total_and_its_line_the_unsorted_trace() {
                 let found = order.stages.iter().find(|found| found.stage == stage);
                 found.map_or(0.0, |found| median(&found.time.samples_ns).unwrap())
             };
-            let gathered = of(Stage::Gather) + of(Stage::Trace);
+            let gathered = of(Stage::Gather) + of(Stage::Trace) + of(Stage::Scatter);
             let indirect = of(Stage::TraceIndirect);
             let traced = if indirect > 0.0 && indirect < gathered { indirect } else { gathered };
             of(Stage::Key) + of(Stage::Sort) + traced + of(Stage::Accumulate)
