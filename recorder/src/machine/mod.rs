@@ -101,9 +101,10 @@ fn open_cpu(options: &DeviceOptions, passed_over: Option<String>) -> Result<Devi
     Ok(Device::Cpu(CpuDevice { pool, passed_over }))
 }
 
-/// Bytes of CPU memory that a run needs per pixel: two queues of closest and one of shadow rays
-/// with state and results, a sorted copy, keys, sort buffers, the film.
-const CPU_BYTES_PER_PIXEL: u64 = 3 * 56 + 2 * 16 + 32 + 4 * 16 + 12;
+/// Bytes of CPU memory that a run needs per pixel: queues of three bounces and two of shadow rays with state,
+/// the two that shading leaves before they are compacted, a sorted copy; results of both kinds for the loop, a
+/// method and its way home; keys, permutations, pairs of the sort, the film.
+const CPU_BYTES_PER_PIXEL: u64 = 5 * 56 + 2 * 56 + 32 + 4 * (16 + 4) + 8 + 4 * 4 + 2 * 8 + 12;
 /// Bytes of CPU memory that a scene needs per triangle: its arrays twice, leaf triangles, nodes.
 const CPU_BYTES_PER_TRIANGLE: u64 = 2 * 64 + 48 + 80;
 /// Bytes of CPU memory of a cell of the length tables: two tables, and two to time adding to them.

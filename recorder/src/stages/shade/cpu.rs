@@ -97,7 +97,7 @@ impl Shader {
         let [next_counts, shadow_counts] = &mut self.counts;
         let left = next.parts().chunks(CHUNK).zip(shadow.parts().chunks(CHUNK));
         let counts = next_counts.par_iter_mut().zip(shadow_counts.par_iter_mut());
-        left.zip(counts).enumerate().for_each(|(chunk, ((mut next, mut shadow), counts))| {
+        left.zip(counts).enumerate().with_max_len(1).for_each(|(chunk, ((mut next, mut shadow), counts))| {
             let (mut next_count, mut shadow_count) = (0, 0);
             let first = chunk * CHUNK;
             for index in first..paths.ids.len().min(first + CHUNK) {

@@ -244,8 +244,9 @@ impl Blocks {
             *counts = count_digits(self.range(block), shift_in_pair, read);
         });
         counts_to_places(counts);
-        counts.par_iter_mut().enumerate().for_each(|(block, places)| {
-            scatter_block(self.range(block), shift_in_pair, places, read, write);
+        // Each thread counts in a copy of its own, which no other one's stores can be in the way of.
+        counts.par_iter().enumerate().for_each(|(block, places)| {
+            scatter_block(self.range(block), shift_in_pair, *places, read, write);
         });
     }
 }
@@ -261,7 +262,7 @@ fn count_digits(range: Range<usize>, shift: u32, read: impl Fn(usize) -> u64) ->
 fn scatter_block(
     range: Range<usize>,
     shift: u32,
-    places: &mut Counts,
+    mut places: Counts,
     read: impl Fn(usize) -> u64,
     write: impl Fn(usize, u64),
 ) {

@@ -254,7 +254,7 @@ impl Sorter {
             run.dispatch(&self.scan, &[&group], &pass, BINS as u32);
             run.dispatch(&self.scatter, &[&group], &pass, workgroups);
         }
-        Ok(run.finish()?)
+        run.finish()
     }
 
     /// The stable order of keys, in an array of its own.

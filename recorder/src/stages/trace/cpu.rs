@@ -19,7 +19,8 @@ use super::triangle::{LeafTriangle, Shear, TriangleRay};
 use super::{BoxTest, Order, Precision, TriangleTest};
 use crate::stages::prefetch::prefetch;
 
-/// Rays that a thread takes at once.
+/// Rays that a thread takes at once, and no more: in a sorted order whole stretches cost many times as much as
+/// others, and what a thread has begun no other one can take over.
 const CHUNK: usize = 256;
 
 /// Traces rays through a hierarchy on the threads of the current rayon pool.
@@ -214,11 +215,12 @@ fn for_each_ray<T: Sync>(
     assert_eq!(rays.len(), results.len(), "one result per ray");
     match order {
         Order::Stored => {
-            rays.par_chunks(CHUNK).zip(results.par_chunks(CHUNK)).for_each(|(rays, results)| {
+            let chunks = rays.par_chunks(CHUNK).zip(results.par_chunks(CHUNK)).with_max_len(1);
+            chunks.for_each(|(rays, results)| {
                 rays.iter().zip(results).for_each(|(ray, result)| trace(ray, result));
             });
         }
-        Order::Indirect(permutation) => permutation.par_chunks(CHUNK).for_each(|places| {
+        Order::Indirect(permutation) => permutation.par_chunks(CHUNK).with_max_len(1).for_each(|places| {
             for (at, place) in places.iter().enumerate() {
                 if let Some(ahead) = places.get(at + RAYS_AHEAD) {
                     prefetch(&rays[ahead.load(Relaxed) as usize]);
