@@ -30,7 +30,8 @@ impl Clock {
         Self { machine: machine::Counters::open(), last: Sample::default() }
     }
 
-    /// A clock for what runs on a device of its own.
+    /// A clock for what runs on a device of its own. Software adapters count as such: their threads stand in
+    /// each other's way, and the system cannot tell those from others.
     pub fn of_device() -> Self {
         Self { machine: machine::Counters::none(), last: Sample::default() }
     }

@@ -137,8 +137,7 @@ impl GpuBackend {
             hits: [Pool::default(), Pool::default()],
             keys: Pool::default(),
             permutations: Pool::default(),
-            // A software adapter shares the processor with everything else.
-            clock: if gpu.adapter().is_software() { Clock::of_processor() } else { Clock::of_device() },
+            clock: Clock::of_device(),
             tables,
             setup,
             gpu,

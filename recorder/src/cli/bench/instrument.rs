@@ -79,7 +79,8 @@ pub(super) fn table(rows: &[InstrumentRow]) -> Table {
         };
         let ratios = || rows.iter().map(|row| row.control.ratio);
         let rays: u64 = rows.iter().map(|row| row.rays).sum();
-        let holds = rows.iter().filter(|row| !row.control.is_significant()).count();
+        let holds_one = |&(low, high): &(f64, f64)| (low..=high).contains(&1.0);
+        let holds = rows.iter().filter_map(|row| row.control.interval).filter(holds_one).count();
         table.add_row([
             scene.to_owned(),
             bounce.to_string(),
