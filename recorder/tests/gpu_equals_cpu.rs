@@ -43,6 +43,11 @@ fn traced(tracer: &CpuTracer, kind: Kind, rays: &[Ray]) -> Vec<u8> {
     hits.bytes(0..rays.len())
 }
 
+/// The kernel that both backends have.
+fn kernel(options: &RecordOptions) -> TraceKernel {
+    options.device.trace.unwrap_or(TraceKernel::Cwbvh)
+}
+
 struct Machine {
     scene: Scene,
     setup: Arc<Setup>,
@@ -53,11 +58,11 @@ struct Machine {
 fn machine(options: &RecordOptions) -> Machine {
     let scene = scenes::load(&options.scene).unwrap();
     let setup = Arc::new(recording::setup(&scene, &scene.cameras[0], options).unwrap());
-    let kind = options.device.kernel().bvh_kind().unwrap();
+    let kind = kernel(options).bvh_kind().unwrap();
     let bvh = scenes::bvh::build(&scene, kind).unwrap();
     let gpu = Gpu::open(&AdapterRequest::Any)
         .unwrap_or_else(|error| panic!("GPU tests need an adapter; tests/run installs one: {error}"));
-    let gpu = GpuBackend::new(gpu, &scene, Some(&bvh), Arc::clone(&setup), options.device.kernel()).unwrap();
+    let gpu = GpuBackend::new(gpu, &scene, Some(&bvh), Arc::clone(&setup), kernel(options)).unwrap();
     Machine { scene, setup, bvh, gpu }
 }
 
@@ -306,7 +311,7 @@ fn keys_of_odd_rays_are_equal_in_boxes_of_any_extent() {
         let bvh = scenes::bvh::build(&scene, BvhKind::Cwbvh).unwrap();
         let gpu = Gpu::open(&AdapterRequest::Any).unwrap();
         let mut gpu =
-            GpuBackend::new(gpu, &scene, Some(&bvh), Arc::clone(&setup), options.device.kernel()).unwrap();
+            GpuBackend::new(gpu, &scene, Some(&bvh), Arc::clone(&setup), TraceKernel::Cwbvh).unwrap();
         let rays = upload(&mut gpu, &odd_rays(min, max), None);
         let hits = gpu.trace(&rays, Order::Stored).unwrap();
         let table = LengthTable::new(setup.table_bits);

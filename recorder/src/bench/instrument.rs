@@ -41,7 +41,7 @@ pub fn run(bench: &InstrumentBench) -> Result<BenchResult> {
         let setup = Arc::new(setup(&scene, &camera, &bench.run)?);
         device.check_capacity(&setup, &scene, &bench.run)?;
         let paths = OverPaths { bench, scene: &scene };
-        rows.extend(backends::measure(&device, &scene, &setup, &[bench.run.device.kernel()], paths)?);
+        rows.extend(backends::measure(&device, &scene, &setup, &[device.kernel(&bench.run.device)], paths)?);
     }
     let instrument = Instrument::of(rows.iter().map(|row| row.control));
     Ok(BenchResult { instrument, ..result(&device, Rows::Instrument(rows)) })

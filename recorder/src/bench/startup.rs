@@ -37,14 +37,18 @@ pub fn run(options: &SkipBench) -> Result<BenchResult> {
         Some(device) => device,
         None => machine::open(&options.run.device)?,
     };
-    let mut rows = steps.rows("", 0, options.run.device.kernel());
+    let mut rows = steps.rows("", 0, device.kernel(&options.run.device));
     for name in &options.scenes {
         let mut steps = Steps::default();
         let mut scene = scenes::load(name)?;
         for _ in 0..options.run.repeats {
             scene = start(&device, name, &options.run, &mut steps)?;
         }
-        rows.extend(steps.rows(&scene.name, scene.triangles.len() as u64, options.run.device.kernel()));
+        rows.extend(steps.rows(
+            &scene.name,
+            scene.triangles.len() as u64,
+            device.kernel(&options.run.device),
+        ));
     }
     Ok(result(&device, Rows::Startup(rows)))
 }
@@ -82,7 +86,8 @@ fn start(device: &Device, name: &str, run: &RecordOptions, steps: &mut Steps) ->
     let camera = choose_camera(&scene, run.camera.as_deref())?;
     let setup = steps.timed("tables", || setup(&scene, &camera, run))?;
     let mut hierarchy = None;
-    if let Some(kind) = run.device.kernel().bvh_kind() {
+    let kernel = device.kernel(&run.device);
+    if let Some(kind) = kernel.bvh_kind() {
         let built = steps.timed("hierarchy, built", || bvh::build(&scene, kind))?;
         drop(built);
         let folder = bvh::default_cache_folder();
@@ -98,9 +103,7 @@ fn start(device: &Device, name: &str, run: &RecordOptions, steps: &mut Steps) ->
             };
             steps.timed("leaves", || drop(cpu.pool.install(|| CpuTracer::new(&scene, bvh))));
         }
-        Device::Gpu(device) => {
-            on_gpu(&device.gpu, &scene, &setup, hierarchy.as_ref(), run.device.kernel(), steps)?
-        }
+        Device::Gpu(device) => on_gpu(&device.gpu, &scene, &setup, hierarchy.as_ref(), kernel, steps)?,
     }
     Ok(scene)
 }

@@ -37,8 +37,10 @@ pub struct TraceBench {
 pub fn run(bench: &TraceBench) -> Result<BenchResult> {
     let mut rows = Vec::new();
     let needs_queries = bench.kernels.contains(&TraceKernel::RayQuery);
-    let kernel = if needs_queries { TraceKernel::RayQuery } else { TraceKernel::Cwbvh };
-    let device = machine::open(&DeviceOptions { trace: Some(kernel), ..bench.run.device.clone() })?;
+    let kernel = needs_queries.then_some(TraceKernel::RayQuery);
+    let device = machine::open(&DeviceOptions { trace: kernel, ..bench.run.device.clone() })?;
+    let kernels = if bench.kernels.is_empty() { device.kernels() } else { bench.kernels.clone() };
+    let bench = &TraceBench { kernels, ..bench.clone() };
     for name in &bench.scenes {
         let scene = scenes::load(name)?;
         let camera = choose_camera(&scene, bench.run.camera.as_deref())?;

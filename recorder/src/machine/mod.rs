@@ -65,15 +65,18 @@ pub fn open(options: &DeviceOptions) -> Result<Device> {
     let request = match (&options.adapter, options.backend) {
         (Some(name), _) => AdapterRequest::Named(name.clone()),
         (None, BackendChoice::Gpu) => AdapterRequest::Any,
-        (None, BackendChoice::Auto) if options.kernel() == TraceKernel::RayQuery => AdapterRequest::Hardware,
-        (None, BackendChoice::Auto) => return open_auto(options),
+        (None, BackendChoice::Auto) => match options.trace {
+            Some(TraceKernel::RayQuery) => AdapterRequest::Hardware,
+            Some(TraceKernel::Wide) => return open_cpu(options, None),
+            _ => return open_auto(options),
+        },
         (None, BackendChoice::Cpu) => return open_cpu(options, None),
     };
-    open_gpu(&request, options.kernel())
+    open_gpu(&request, options.trace)
 }
 
 fn open_auto(options: &DeviceOptions) -> Result<Device> {
-    match open_gpu(&AdapterRequest::Hardware, options.kernel()) {
+    match open_gpu(&AdapterRequest::Hardware, options.trace) {
         Ok(device) => Ok(device),
         // No hardware is what auto is for; a card that fails is worth a word.
         Err(error) => {
@@ -85,9 +88,11 @@ fn open_auto(options: &DeviceOptions) -> Result<Device> {
     }
 }
 
-fn open_gpu(request: &AdapterRequest, trace: TraceKernel) -> Result<Device> {
-    let gpu =
-        if trace == TraceKernel::RayQuery { Gpu::open_with_ray_query(request)? } else { Gpu::open(request)? };
+fn open_gpu(request: &AdapterRequest, trace: Option<TraceKernel>) -> Result<Device> {
+    let gpu = match trace {
+        Some(TraceKernel::RayQuery) => Gpu::open_with_ray_query(request)?,
+        _ => Gpu::open(request)?,
+    };
     let self_check = SelfCheck::run(&gpu)?;
     Ok(Device::Gpu(Box::new(GpuDevice { gpu, self_check })))
 }
@@ -113,6 +118,19 @@ const CPU_BYTES_PER_CELL: u64 = 4 * 12;
 const GPU_BYTES_PER_ITEM: u64 = 16;
 
 impl Device {
+    /// The trace kernels of our own that run here, the fastest first.
+    pub fn kernels(&self) -> Vec<TraceKernel> {
+        match self {
+            Self::Cpu(_) => vec![TraceKernel::Wide, TraceKernel::Cwbvh, TraceKernel::Bvh2],
+            Self::Gpu(_) => vec![TraceKernel::Cwbvh, TraceKernel::Bvh2],
+        }
+    }
+
+    /// The trace kernel that was asked for, or the one that is fastest here.
+    pub fn kernel(&self, options: &DeviceOptions) -> TraceKernel {
+        options.trace.unwrap_or_else(|| self.kernels()[0])
+    }
+
     /// Refuses what cannot fit, before anything runs.
     ///
     /// # Errors

@@ -24,7 +24,7 @@ pub struct DeviceOptions {
     /// GPU by a part of its name, driver or backend (see `recorder adapters`).
     #[arg(long, value_name = "TEXT")]
     pub adapter: Option<String>,
-    /// Trace kernel: cwbvh unless a recording says otherwise.
+    /// Trace kernel: wide on threads and cwbvh on GPUs, unless a recording says otherwise.
     #[arg(long, value_enum)]
     pub trace: Option<TraceKernel>,
     /// Second level of the cache model in KiB; its first level has 128.
@@ -52,11 +52,6 @@ impl Default for DeviceOptions {
 }
 
 impl DeviceOptions {
-    /// The trace kernel that was asked for, or the default.
-    pub fn kernel(&self) -> TraceKernel {
-        self.trace.unwrap_or(TraceKernel::Cwbvh)
-    }
-
     /// Checks what can be judged without opening a device.
     ///
     /// # Errors
@@ -71,8 +66,10 @@ impl DeviceOptions {
             "--pin ties threads to processors, which this system is not asked for; leave it out"
         } else if self.pin && self.backend == BackendChoice::Gpu {
             "--pin ties the threads of the cpu backend, but --backend gpu asks for a GPU; leave one of them out"
-        } else if is_cpu && self.kernel() == TraceKernel::RayQuery {
-            "--trace ray-query needs a GPU that has ray queries; use --backend gpu, or --trace cwbvh or bvh2"
+        } else if is_cpu && self.trace == Some(TraceKernel::RayQuery) {
+            "--trace ray-query needs a GPU that has ray queries; use --backend gpu, or --trace wide, cwbvh or bvh2"
+        } else if self.backend == BackendChoice::Gpu && self.trace == Some(TraceKernel::Wide) {
+            "--trace wide is for threads; use --backend cpu, or --trace cwbvh or bvh2"
         } else if is_cpu && self.adapter.is_some() {
             "--adapter names a GPU, but --backend cpu asks for threads; leave one of them out"
         } else {

@@ -10,6 +10,7 @@ use crate::machine::Device;
 use crate::machine::description::Description;
 use crate::options::RecordOptions;
 use crate::stages::setup::{MethodPlan, Setup};
+use crate::stages::trace::TraceKernel;
 
 /// Most characters of a name that the closing table shows.
 const NAME_CHARACTERS: usize = 120;
@@ -24,11 +25,12 @@ pub(crate) fn header(
     source: Source,
 ) -> Header {
     let bounds = scene.bounds();
+    let kernel = device.kernel(&options.device);
     let device = Description::of(device);
     let names = |list: Vec<&'static str>| list.into_iter().map(str::to_owned).collect();
     Header {
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
-        options: manifest_options(setup, options, device.threads),
+        options: manifest_options(setup, options, kernel, device.threads),
         scene: SceneSummary {
             name: scene.name.clone(),
             content_hash: scenes::hash::content_hash(scene),
@@ -60,7 +62,7 @@ pub(crate) fn header(
     }
 }
 
-fn manifest_options(setup: &Setup, options: &RecordOptions, threads: u32) -> Options {
+fn manifest_options(setup: &Setup, options: &RecordOptions, kernel: TraceKernel, threads: u32) -> Options {
     let names = setup.methods.iter().map(|method| method.name.clone());
     Options {
         width: options.width,
@@ -76,7 +78,7 @@ fn manifest_options(setup: &Setup, options: &RecordOptions, threads: u32) -> Opt
         table_bits: options.table_bits,
         table_method: options.table_method.name.clone(),
         table_layout: options.table_method.layout.text().to_owned(),
-        trace_kernel: options.device.kernel().name().to_owned(),
+        trace_kernel: kernel.name().to_owned(),
         threads,
         keep: options.keep.words(),
         keep_passes: if options.keep_passes == crate::options::KeepPasses::All { "all" } else { "measured" }

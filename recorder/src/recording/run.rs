@@ -84,7 +84,7 @@ impl Run<'_> {
     /// One sentence on what went wrong with the device or the disk.
     pub(crate) fn on(self, device: Device) -> Result<Recorded> {
         // The backend comes first: what does not fit a device is refused before anything is written.
-        let kernel = self.options.device.kernel();
+        let kernel = device.kernel(&self.options.device);
         let bvh = kernel.hierarchy(self.scene)?;
         let setup = Arc::clone(&self.setup);
         let tracer = || bvh.as_ref().map(|bvh| Arc::new(CpuTracer::new(self.scene, bvh)));
@@ -117,8 +117,8 @@ impl Run<'_> {
             measured: self.measured(),
             keep: options.keep,
             keep_passes: options.keep_passes,
-            tolerates_mismatches: options.device.kernel() == TraceKernel::RayQuery,
-            counts_work: options.device.kernel() != TraceKernel::RayQuery,
+            tolerates_mismatches: options.device.trace == Some(TraceKernel::RayQuery),
+            counts_work: options.device.trace != Some(TraceKernel::RayQuery),
             cache_model,
             recorded: self.recorded,
         }

@@ -144,12 +144,12 @@ fn run_options(
             ..Method::builtin(&before.table_method)?
         },
     };
-    let trace = match options.device.trace {
-        Some(kernel) => kernel,
-        None => TraceKernel::from_str(&before.trace_kernel, false).ok().with_context(|| {
-            format!("it names an unknown trace kernel '{}'", one_line(&before.trace_kernel, 80))
-        })?,
-    };
+    let recorded_kernel = TraceKernel::from_str(&before.trace_kernel, false).ok().with_context(|| {
+        format!("it names an unknown trace kernel '{}'", one_line(&before.trace_kernel, 80))
+    })?;
+    // `wide` is what threads take by themselves, and GPUs do not have.
+    let recorded_kernel = Some(recorded_kernel).filter(|&kernel| kernel != TraceKernel::Wide);
+    let trace = options.device.trace.or(recorded_kernel);
     let mut keep = options.keep;
     let table_bits = options.table_bits.unwrap_or(before.table_bits);
     // Tables of other addresses are made anew, and belong to what differs.
@@ -170,7 +170,7 @@ fn run_options(
         two_point_length: options.sweep.lengths.first().copied().unwrap_or(before.two_point_length),
         table_bits,
         table_method,
-        device: DeviceOptions { trace: Some(trace), ..options.device.clone() },
+        device: DeviceOptions { trace, ..options.device.clone() },
         keep,
         keep_passes: if before.keep_passes == "all" { KeepPasses::All } else { KeepPasses::Measured },
         russian_roulette: before.russian_roulette,

@@ -9,6 +9,7 @@ pub mod compare;
 pub mod gather;
 pub mod generate;
 pub mod key;
+pub mod pages;
 pub mod prefetch;
 pub mod random;
 pub mod scatter;

@@ -8,14 +8,27 @@ pub const AHEAD: usize = 16;
 /// Asks for the cache line in which a value begins.
 #[inline(always)]
 pub fn prefetch<T>(value: &T) {
+    prefetch_line(std::ptr::from_ref(value).cast());
+}
+
+/// Asks for all cache lines of a value.
+#[inline(always)]
+pub fn prefetch_whole<T>(value: &T) {
+    let start: *const u8 = std::ptr::from_ref(value).cast();
+    (0..size_of::<T>()).step_by(64).for_each(|at| prefetch_line(start.wrapping_add(at)));
+}
+
+#[inline(always)]
+fn prefetch_line(address: *const u8) {
     #[cfg(target_arch = "x86_64")]
-    // SAFETY: a prefetch changes nothing that a program can see, and every x86-64 processor has it.
+    // SAFETY: a prefetch changes nothing that a program can see, whatever the address, and every x86-64 processor
+    // has it.
     unsafe {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast());
+        _mm_prefetch::<_MM_HINT_T0>(address.cast());
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = value;
+    let _ = address;
 }
 
 /// Asks for a cell of a length table.

@@ -21,7 +21,7 @@ use std::{
 use bytemuck::{Pod, Zeroable};
 use sha2::{Digest, Sha256};
 
-use super::{Bvh, Bvh2Node, BvhError, BvhKind, CwbvhNode, build, topology, validate};
+use super::{Bvh, Bvh2Node, BvhError, BvhKind, CwbvhNode, WideNode, build, topology, validate};
 use crate::{Scene, files};
 
 /// Raised with every change to the file's layout, the node formats or the way trees are built.
@@ -125,6 +125,7 @@ fn load(path: &Path, content: &[u8; 32], kind: BvhKind, scene: &Scene) -> Option
     let node_size = match kind {
         BvhKind::Bvh2 => size_of::<Bvh2Node>(),
         BvhKind::Cwbvh => size_of::<CwbvhNode>(),
+        BvhKind::Wide => size_of::<WideNode>(),
     } as u64;
     // Nothing is allocated before the file's length agrees with what it claims to hold.
     let expected = nodes
@@ -141,6 +142,10 @@ fn load(path: &Path, content: &[u8; 32], kind: BvhKind, scene: &Scene) -> Option
             order: read_array(&mut file, slots, &mut checksum)?,
         },
         BvhKind::Cwbvh => Bvh::Cwbvh {
+            nodes: read_array(&mut file, nodes, &mut checksum)?,
+            order: read_array(&mut file, slots, &mut checksum)?,
+        },
+        BvhKind::Wide => Bvh::Wide {
             nodes: read_array(&mut file, nodes, &mut checksum)?,
             order: read_array(&mut file, slots, &mut checksum)?,
         },
@@ -166,6 +171,7 @@ fn keep(path: &Path, content: &[u8; 32], bvh: &Bvh) -> io::Result<()> {
     let nodes = match bvh {
         Bvh::Bvh2 { nodes, .. } => nodes.len(),
         Bvh::Cwbvh { nodes, .. } => nodes.len(),
+        Bvh::Wide { nodes, .. } => nodes.len(),
     };
     let order: &[u8] = bytemuck::cast_slice(bvh.order());
     let header = Header {

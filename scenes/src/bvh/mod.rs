@@ -1,16 +1,17 @@
 //! Bounding volume hierarchies over world-space triangles: built by obvhs, boxes made conservative
 //! here, checked before anyone traverses them, cached on disk.
 //!
-//! - [`node`]: the two node formats, as they lie in memory, in the cache and on the GPU
+//! - [`node`]: the node formats, as they lie in memory, in the cache and on the GPU
 //! - [`topology`]: which triangles lie below which node (obvhs: PLOC, reinsertion, collapsing)
 //! - [`boxes`]: exact and padded bounds of triangles
-//! - [`binary`], [`wide`]: from topology to nodes
+//! - [`binary`], [`compressed`], [`wide`]: from topology to nodes
 //! - [`validate`]: what traversal relies on
 //! - [`cache`]: hierarchies on disk, by content hash
 
 mod binary;
 mod boxes;
 mod cache;
+mod compressed;
 mod node;
 #[cfg(test)]
 mod tests;
@@ -20,7 +21,7 @@ mod wide;
 
 pub use boxes::{COORDINATE_LIMIT, TRIANGLE_LIMIT};
 pub use cache::{Source, default_cache_folder, load_or_build};
-pub use node::{Bvh2Node, CwbvhNode};
+pub use node::{Bvh2Node, CwbvhNode, WideNode};
 pub use topology::BvhKind;
 pub use validate::{Defect, validate};
 
@@ -41,6 +42,12 @@ pub const BVH2_STACK: usize = 64;
 
 /// Entries that the stack of a [`CwbvhNode`] traversal needs; see [`BVH2_STACK`].
 pub const CWBVH_STACK: usize = 32;
+
+/// Most levels of [`WideNode`]s below the root.
+pub const WIDE_LEVELS: usize = 32;
+
+/// Most triangles in a leaf below a [`WideNode`].
+pub const WIDE_LEAF: u32 = 8;
 
 /// A hierarchy that is ready to be traversed.
 ///
@@ -63,29 +70,38 @@ pub enum Bvh {
         /// Scene triangle per leaf slot.
         order: Vec<u32>,
     },
+    /// Up to eight children per node, with boxes in f32.
+    Wide {
+        /// The root is node 0.
+        nodes: Vec<WideNode>,
+        /// Scene triangle per leaf slot.
+        order: Vec<u32>,
+    },
 }
 
 impl Bvh {
-    /// Which of the two formats it is.
+    /// Which of the formats it is.
     pub fn kind(&self) -> BvhKind {
         match self {
             Self::Bvh2 { .. } => BvhKind::Bvh2,
             Self::Cwbvh { .. } => BvhKind::Cwbvh,
+            Self::Wide { .. } => BvhKind::Wide,
         }
     }
 
     /// Scene triangle per leaf slot.
     pub fn order(&self) -> &[u32] {
         match self {
-            Self::Bvh2 { order, .. } | Self::Cwbvh { order, .. } => order,
+            Self::Bvh2 { order, .. } | Self::Cwbvh { order, .. } | Self::Wide { order, .. } => order,
         }
     }
 
-    /// The nodes as bytes, in the layout of [`Bvh2Node`] or [`CwbvhNode`].
+    /// The nodes as bytes, in the layout of [`Bvh2Node`], [`CwbvhNode`] or [`WideNode`].
     pub fn node_bytes(&self) -> &[u8] {
         match self {
             Self::Bvh2 { nodes, .. } => bytemuck::cast_slice(nodes),
             Self::Cwbvh { nodes, .. } => bytemuck::cast_slice(nodes),
+            Self::Wide { nodes, .. } => bytemuck::cast_slice(nodes),
         }
     }
 }
@@ -133,7 +149,8 @@ pub fn build(scene: &Scene, kind: BvhKind) -> Result<Bvh, BvhError> {
     let topology = topology::find(&boxes, kind);
     let bvh = match kind {
         BvhKind::Bvh2 => binary::flatten(&topology, &boxes),
-        BvhKind::Cwbvh => wide::flatten(topology, &boxes),
+        BvhKind::Cwbvh => compressed::flatten(topology, &boxes),
+        BvhKind::Wide => wide::flatten(&topology, &boxes),
     };
     match validate(&bvh, scene) {
         Ok(()) => Ok(bvh),

@@ -1,6 +1,9 @@
-//! The two node formats, byte for byte as they lie in memory, in the cache and in GPU buffers.
+//! The node formats, byte for byte as they lie in memory, in the cache and in GPU buffers.
 
 use bytemuck::{Pod, Zeroable};
+
+use super::WIDE_LEAF;
+use crate::bounds::Bounds;
 
 /// A node with two children, or a leaf; 32 bytes.
 #[repr(C)]
@@ -57,7 +60,60 @@ pub struct CwbvhNode {
     pub child_max_z: [u8; 8],
 }
 
-/// What a slot of a [`CwbvhNode`] holds.
+/// A node with up to eight children and their boxes in f32, 224 bytes.
+///
+/// Children come first to last without a gap, the one with the largest box first; an empty slot's box is
+/// inside out, so that no ray enters it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct WideNode {
+    /// Per axis the low and then the high planes of the eight boxes, world units, strictly outside of what is
+    /// in them.
+    pub planes: [[[f32; 8]; 2]; 3],
+    /// The children: see [`WideNode::leaf`].
+    pub children: [u32; 8],
+}
+
+impl WideNode {
+    /// Bits of a child that hold an inner node's index or a leaf's first slot; those above hold the number
+    /// of a leaf's triangles, 0 for an inner node.
+    pub const FIRST_BITS: u32 = 28;
+
+    /// No children.
+    pub(super) const EMPTY: Self =
+        Self { planes: [[[f32::INFINITY; 8], [f32::NEG_INFINITY; 8]]; 3], children: [0; 8] };
+
+    /// Number of triangles of a child, 0 for an inner node, and its first leaf slot or its index.
+    #[inline(always)]
+    pub fn leaf(child: u32) -> (u32, u32) {
+        (child >> Self::FIRST_BITS, child & ((1 << Self::FIRST_BITS) - 1))
+    }
+
+    /// Whether there is a child in a slot, 0 to 7.
+    pub fn is_empty(&self, slot: usize) -> bool {
+        self.planes[0][0][slot] == f32::INFINITY
+    }
+
+    /// The box of the child in a slot, 0 to 7.
+    pub(super) fn bounds(&self, slot: usize) -> Bounds {
+        let side = |side: usize| [0, 1, 2].map(|axis| self.planes[axis][side][slot]);
+        Bounds { min: side(0), max: side(1) }
+    }
+
+    /// Decodes a slot, 0 to 7.
+    pub(super) fn child(&self, slot: usize) -> Child {
+        if self.is_empty(slot) {
+            return Child::Empty;
+        }
+        match Self::leaf(self.children[slot]) {
+            (0, index) => Child::Inner(index),
+            (count, first) if count <= WIDE_LEAF => Child::Leaf { first, count },
+            _ => Child::Broken,
+        }
+    }
+}
+
+/// What a slot of a [`CwbvhNode`] or a [`WideNode`] holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Child {
     /// Nothing.
@@ -68,7 +124,7 @@ pub(super) enum Child {
     Leaf {
         /// First leaf slot.
         first: u32,
-        /// 1 to 3.
+        /// 1 to 3, of a [`WideNode`] to [`WIDE_LEAF`].
         count: u32,
     },
     /// Bytes that mean nothing.

@@ -143,7 +143,7 @@ fn defects_of_bvh2_are_found() {
     let nodes_of = |change: fn(&mut Vec<Bvh2Node>)| {
         verdict(BvhKind::Bvh2, |bvh| match bvh {
             Bvh::Bvh2 { nodes, .. } => change(nodes),
-            Bvh::Cwbvh { .. } => unreachable!(),
+            Bvh::Cwbvh { .. } | Bvh::Wide { .. } => unreachable!(),
         })
     };
     assert_eq!(nodes_of(|_| {}), Ok(()));
@@ -159,7 +159,7 @@ fn defects_of_bvh2_are_found() {
     assert!(matches!(
         verdict(BvhKind::Bvh2, |bvh| match bvh {
             Bvh::Bvh2 { order, .. } => order[3] = order[4],
-            Bvh::Cwbvh { .. } => unreachable!(),
+            Bvh::Cwbvh { .. } | Bvh::Wide { .. } => unreachable!(),
         }),
         Err(Defect::Order { slot: 4, .. })
     ));
@@ -170,7 +170,7 @@ fn defects_of_cwbvh_are_found() {
     let nodes_of = |change: fn(&mut Vec<CwbvhNode>)| {
         verdict(BvhKind::Cwbvh, |bvh| match bvh {
             Bvh::Cwbvh { nodes, .. } => change(nodes),
-            Bvh::Bvh2 { .. } => unreachable!(),
+            Bvh::Bvh2 { .. } | Bvh::Wide { .. } => unreachable!(),
         })
     };
     assert_eq!(nodes_of(|_| {}), Ok(()));
@@ -183,4 +183,33 @@ fn defects_of_cwbvh_are_found() {
     assert!(matches!(nodes_of(|nodes| nodes[0].imask = 0), Err(Defect::Reference { .. })));
     assert!(matches!(nodes_of(|nodes| nodes[1].p[0] += 0.5), Err(Defect::Box { node: 1 })));
     assert!(matches!(nodes_of(|nodes| nodes[1].e[2] -= 1), Err(Defect::Box { node: 1 })));
+}
+
+#[test]
+fn defects_of_wide_are_found() {
+    let nodes_of = |change: fn(&mut Vec<WideNode>)| {
+        verdict(BvhKind::Wide, |bvh| match bvh {
+            Bvh::Wide { nodes, .. } => change(nodes),
+            Bvh::Bvh2 { .. } | Bvh::Cwbvh { .. } => unreachable!(),
+        })
+    };
+    let leaf = |count: u32, first: u32| count << WideNode::FIRST_BITS | first;
+    assert_eq!(nodes_of(|_| {}), Ok(()));
+    assert!(matches!(nodes_of(|nodes| nodes[0].children[0] = 4000), Err(Defect::Reference { node: 0 })));
+    assert!(matches!(nodes_of(|nodes| nodes[0].children[0] = 0), Err(Defect::Reference { node: 0 })));
+    assert!(matches!(
+        nodes_of(|nodes| nodes[0].children[0] = nodes[0].children[1]),
+        Err(Defect::Shared { .. })
+    ));
+    let too_many = verdict(BvhKind::Wide, |bvh| match bvh {
+        Bvh::Wide { nodes, .. } => nodes[0].children[0] = leaf(WIDE_LEAF + 1, 0),
+        Bvh::Bvh2 { .. } | Bvh::Cwbvh { .. } => unreachable!(),
+    });
+    assert!(matches!(too_many, Err(Defect::Reference { node: 0 })));
+    assert!(matches!(
+        nodes_of(|nodes| nodes[1].planes[2][1][0] = nodes[1].planes[2][0][0]),
+        Err(Defect::Box { node: 1 })
+    ));
+    assert!(matches!(nodes_of(|nodes| nodes[1].planes[0][0][0] = f32::NAN), Err(Defect::Box { node: 1 })));
+    assert!(matches!(nodes_of(|nodes| nodes[0].planes[0][0][1] = f32::INFINITY), Err(Defect::Shared { .. })));
 }

@@ -13,7 +13,7 @@ use obvhs::{
 };
 use rayon::prelude::*;
 
-use super::{BVH2_STACK, CWBVH_STACK, boxes::Boxes};
+use super::{BVH2_STACK, CWBVH_STACK, WIDE_LEVELS, boxes::Boxes};
 use crate::bounds::Bounds;
 
 /// The format of a hierarchy.
@@ -23,17 +23,20 @@ pub enum BvhKind {
     Bvh2,
     /// Up to eight children per node, boxes quantised to 8 bits.
     Cwbvh,
+    /// Up to eight children per node, boxes in f32.
+    Wide,
 }
 
 impl BvhKind {
     /// All formats.
-    pub const ALL: [Self; 2] = [Self::Bvh2, Self::Cwbvh];
+    pub const ALL: [Self; 3] = [Self::Bvh2, Self::Cwbvh, Self::Wide];
 
     /// Name on the command line and in file names.
     pub fn name(self) -> &'static str {
         match self {
             Self::Bvh2 => "bvh2",
             Self::Cwbvh => "cwbvh",
+            Self::Wide => "wide",
         }
     }
 }
@@ -54,8 +57,7 @@ const NUDGE_STEPS: [u32; 3] = [0xd1b5_4a33, 0xabc9_8389, 0x8cb9_2ba7];
 /// How many nodes a batch of reinsertions may look at, as a multiple of all nodes.
 const SEARCH_BUDGET: f32 = 64.0;
 
-/// Builds the tree. For [`BvhKind::Cwbvh`] every leaf has one triangle (the converter merges them);
-/// no leaf is deeper below the root than the kind's traversal stack has entries.
+/// Builds the tree. For wide nodes every leaf has one triangle (what groups them merges them, too); no leaf is deeper below the root than the kind's traversal stack has entries.
 pub(super) fn find(boxes: &Boxes, kind: BvhKind) -> Bvh2 {
     let unit = in_unit_cube(&boxes.padded);
     let count = unit.len();
@@ -78,6 +80,7 @@ pub(super) fn find(boxes: &Boxes, kind: BvhKind) -> Bvh2 {
         }
         // A wide node is never deeper than the binary node that it was made from.
         BvhKind::Cwbvh => limit_depth(&mut tree, CWBVH_STACK),
+        BvhKind::Wide => limit_depth(&mut tree, WIDE_LEVELS),
     }
     tree
 }

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::{BVH2_STACK, Bvh, Bvh2Node, CWBVH_STACK, CwbvhNode, node::Child};
+use super::{BVH2_STACK, Bvh, Bvh2Node, CWBVH_STACK, CwbvhNode, WIDE_LEVELS, WideNode, node::Child};
 use crate::{Scene, bounds::Bounds};
 
 /// Most triangles in a leaf of a [`Bvh2Node`]; a stack entry keeps the count in four bits.
@@ -52,13 +52,25 @@ pub fn validate(bvh: &Bvh, scene: &Scene) -> Result<(), Defect> {
             check_tree(nodes.len(), order.len(), CWBVH_STACK, None, tree)?;
             nodes.len()
         }
+        Bvh::Wide { nodes, order } => {
+            let tree = |index: usize| wide_children(&nodes[index]);
+            check_tree(nodes.len(), order.len(), WIDE_LEVELS, None, tree)?;
+            nodes.len()
+        }
     };
     // From the back, so that what is below a node has been seen before the node.
     let mut exact = vec![Bounds::EMPTY; nodes];
     for index in (0..nodes).rev() {
         let holds_all = match bvh {
             Bvh::Bvh2 { nodes, .. } => check_bvh2_box(index, nodes, &mut exact, around),
-            Bvh::Cwbvh { nodes, .. } => check_cwbvh_boxes(index, nodes, &mut exact, around),
+            Bvh::Cwbvh { nodes, .. } => {
+                let node = &nodes[index];
+                check_boxes(index, |slot| node.child(slot), |slot| cwbvh_box(node, slot), &mut exact, around)
+            }
+            Bvh::Wide { nodes, .. } => {
+                let node = &nodes[index];
+                check_boxes(index, |slot| node.child(slot), |slot| wide_box(node, slot), &mut exact, around)
+            }
         };
         if !holds_all {
             return Err(Defect::Box { node: index });
@@ -97,6 +109,10 @@ fn bvh2_children(node: &Bvh2Node) -> Children {
 }
 
 fn cwbvh_children(node: &CwbvhNode) -> Children {
+    std::array::from_fn(|slot| node.child(slot))
+}
+
+fn wide_children(node: &WideNode) -> Children {
     std::array::from_fn(|slot| node.child(slot))
 }
 
@@ -159,7 +175,7 @@ fn check_tree(
 }
 
 /// Whether `outer` holds `inner` with room to spare on every side.
-fn holds(outer: [[f64; 3]; 2], inner: &Bounds) -> bool {
+fn holds(outer: Corners, inner: &Bounds) -> bool {
     (0..3).all(|axis| {
         outer[0][axis] < f64::from(inner.min[axis]) && f64::from(inner.max[axis]) < outer[1][axis]
     })
@@ -183,25 +199,38 @@ fn check_bvh2_box(
     holds([node.min.map(f64::from), node.max.map(f64::from)], &exact[index])
 }
 
-fn check_cwbvh_boxes(
+/// The corners of a child's box.
+type Corners = [[f64; 3]; 2];
+
+fn cwbvh_box(node: &CwbvhNode, slot: usize) -> Corners {
+    let plane = |axis: usize, side: usize| {
+        let step = f64::from(f32::from_bits(u32::from(node.e[axis]) << 23));
+        f64::from(node.p[axis]) + f64::from(node.planes()[axis][side][slot]) * step
+    };
+    [0, 1].map(|side| [0, 1, 2].map(|axis| plane(axis, side)))
+}
+
+fn wide_box(node: &WideNode, slot: usize) -> Corners {
+    let bounds = node.bounds(slot);
+    [bounds.min.map(f64::from), bounds.max.map(f64::from)]
+}
+
+/// Checks the boxes of a node's children.
+fn check_boxes(
     index: usize,
-    nodes: &[CwbvhNode],
+    child: impl Fn(usize) -> Child,
+    corners: impl Fn(usize) -> Corners,
     exact: &mut [Bounds],
     around: impl Fn(Range<u32>) -> Bounds,
 ) -> bool {
-    let node = &nodes[index];
     let mut all = Bounds::EMPTY;
     for slot in 0..8 {
-        let below = match node.child(slot) {
+        let below = match child(slot) {
             Child::Inner(child) => exact[child as usize],
             Child::Leaf { first, count } => around(first..first + count),
             Child::Empty | Child::Broken => continue,
         };
-        let plane = |axis: usize, side: usize| {
-            let step = f64::from(f32::from_bits(u32::from(node.e[axis]) << 23));
-            f64::from(node.p[axis]) + f64::from(node.planes()[axis][side][slot]) * step
-        };
-        if !holds([[0, 1, 2].map(|axis| plane(axis, 0)), [0, 1, 2].map(|axis| plane(axis, 1))], &below) {
+        if !holds(corners(slot), &below) {
             return false;
         }
         all = all.union(&below);

@@ -132,7 +132,7 @@ fn every_module() -> Vec<Module> {
         for key_bits in [32, 64] {
             modules.extend(self::modules(&Setup::made_up(all_features, key_bits)));
         }
-        for &kernel in TraceKernel::value_variants() {
+        for &kernel in TraceKernel::value_variants().iter().filter(|kernel| kernel.is_for_gpus()) {
             for kind in Kind::ALL {
                 for order in [Order::Stored, Order::Indirect(())] {
                     for precision in Precision::ALL {

@@ -49,7 +49,7 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<EstimatorRow>> {
     }
     let work = Learning { bench, addresses: &addresses, learnt: Learnt::default() };
     let Learnt { queues, timed } =
-        backends::measure(bench.device, bench.scene, &setup, &[run.device.kernel()], work)?;
+        backends::measure(bench.device, bench.scene, &setup, &[bench.device.kernel(&run.device)], work)?;
     let costs = costs(bench, &setup, &addresses, &timed)?;
     let mut rows = Vec::new();
     for kind in Kind::ALL {

@@ -31,7 +31,7 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<ImageRow>> {
     // What must be traced before it is sorted cannot win time.
     run.methods.retain(|method| method.termination != Termination::Real);
     let other_seed = RecordOptions { seed: !run.seed, methods: Vec::new(), ..run.clone() };
-    let kernels = [run.device.kernel()];
+    let kernels = [bench.device.kernel(&run.device)];
     let reference = Reference { passes: size.reference_passes, bounces: run.bounces };
     let setup = bench.setup(&other_seed)?;
     let reference = backends::measure(bench.device, bench.scene, &setup, &kernels, reference)?;

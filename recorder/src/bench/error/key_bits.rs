@@ -36,7 +36,7 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<KeyBitsRow>> {
     )?;
     let setup = std::sync::Arc::new(setup);
     let work = Orders { bench, setup: &setup, rows: Vec::new() };
-    backends::measure(bench.device, bench.scene, &setup, &[options.run.device.kernel()], work)
+    backends::measure(bench.device, bench.scene, &setup, &[bench.device.kernel(&options.run.device)], work)
 }
 
 struct Orders<'a> {

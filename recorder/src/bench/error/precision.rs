@@ -33,7 +33,7 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<PrecisionRow>> {
     let sample = Sample { bounces: run.bounces, wanted, rays: Vec::new() };
     let rays = measure(bench.device, bench.scene, &setup, &[TraceKernel::Cwbvh], sample)?;
     let mut variants = Vec::new();
-    for kernel in [TraceKernel::Cwbvh, TraceKernel::Bvh2] {
+    for kernel in bench.device.kernels() {
         variants.extend(Precision::ALL.map(|precision| (kernel, precision)));
     }
     if let Device::Gpu(device) = bench.device

@@ -46,7 +46,13 @@ pub(super) fn costs(
     queues: &[Copied],
 ) -> Result<Vec<Cost>> {
     let measure = |setup: &Arc<Setup>, timing: Timing<'_>| {
-        backends::measure(bench.device, bench.scene, setup, &[bench.options.run.device.kernel()], timing)
+        backends::measure(
+            bench.device,
+            bench.scene,
+            setup,
+            &[bench.device.kernel(&bench.options.run.device)],
+            timing,
+        )
     };
     let repeats = bench.options.run.repeats;
     let mut costs = measure(setup, Timing { queues, repeats, method: FIXED, name: CONSTANT, bits: 0 })?;

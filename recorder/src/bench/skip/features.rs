@@ -40,7 +40,7 @@ pub(super) fn rows(bench: Bench<'_>) -> Result<Vec<SkipRow>> {
 fn compare(bench: Bench<'_>, what: &str, features: Features, stages: &[&str]) -> Result<Vec<SkipRow>> {
     let tables = ShadeTables::clone(&bench.setup.tables).for_features(&features);
     let with = Setup { features, tables: Arc::new(tables), ..Setup::clone(bench.setup) };
-    let kernel = bench.run.device.kernel();
+    let kernel = bench.device.kernel(&bench.run.device);
     let configurations =
         [Arc::clone(bench.setup), Arc::new(with)].map(|setup| Configuration { setup, kernel });
     let sides = measure_all(bench.device, bench.scene, &configurations, Sides { bench })?;

@@ -79,7 +79,7 @@ fn folder_bytes(folder: &Path) -> Result<u64> {
 
 /// The hierarchy from the cache, and built.
 fn hierarchy(bench: Bench<'_>, cache: &Path) -> Result<Option<SkipRow>> {
-    let Some(kind) = bench.run.device.kernel().bvh_kind() else { return Ok(None) };
+    let Some(kind) = bench.device.kernel(&bench.run.device).bvh_kind() else { return Ok(None) };
     let mut row = bench.row("a hierarchy that was built before", "start", "hierarchy");
     let (kept, _) = bvh::load_or_build(bench.scene, kind, Some(cache))?;
     for _ in 0..bench.run.repeats {

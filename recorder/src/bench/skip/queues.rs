@@ -24,8 +24,13 @@ const DIFFERING: u64 = 0xff00_ff00;
 /// What is skipped in every scene, on its paths.
 pub(super) fn rows(bench: Bench<'_>) -> Result<Vec<SkipRow>> {
     let work = OverPaths { bench };
-    let mut rows =
-        backends::measure(bench.device, bench.scene, bench.setup, &[bench.run.device.kernel()], work)?;
+    let mut rows = backends::measure(
+        bench.device,
+        bench.scene,
+        bench.setup,
+        &[bench.device.kernel(&bench.run.device)],
+        work,
+    )?;
     let random = random_keys(KEYS);
     let constant_digits: Vec<u64> = random.iter().map(|key| (key >> 32) & DIFFERING).collect();
     let (skipped, done, is_same) = sorts(bench, &constant_digits)?;

@@ -80,8 +80,8 @@ struct TraceArguments {
     /// .gltf or .glb files, or builtin:NAME.
     #[arg(default_value = "builtin:atrium")]
     scenes: Vec<String>,
-    /// Trace kernels to compare.
-    #[arg(long, value_delimiter = ',', default_value = "cwbvh,bvh2")]
+    /// Trace kernels to compare; all that the device has if not given.
+    #[arg(long, value_delimiter = ',')]
     kernels: Vec<TraceKernel>,
     /// Orders to compare beside unsorted, `all` or a list of methods.
     #[arg(long, default_value = "two-point", value_name = "LIST")]

@@ -1,7 +1,7 @@
 //! Trace on threads: the same arithmetic as the WGSL kernels, with AVX2 for the box tests where
 //! the processor has it.
 
-use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use formats::ray::{Hit, Kind, Ray, Work};
 use rayon::prelude::*;
@@ -10,8 +10,9 @@ use scenes::bvh::Bvh;
 use scenes::features::Features;
 
 use super::cpu_bvh2::BinaryTree;
-use super::cpu_cwbvh::WideTree;
-use super::cpu_query::{Account, Query, Trail};
+use super::cpu_cwbvh::CompressedTree;
+use super::cpu_query::{Account, Query, Trail, Tree};
+use super::cpu_wide::WideTree;
 use super::hits::{Hits, store};
 use super::mask::Masks;
 use super::moeller_trumbore::PlainRay;
@@ -26,16 +27,16 @@ const CHUNK: usize = 256;
 /// Traces rays through a hierarchy on the threads of the current rayon pool.
 #[derive(Clone, Debug)]
 pub struct CpuTracer {
-    tree: Tree,
-    triangles: Vec<LeafTriangle>,
+    tree: AnyTree,
     masks: Masks,
     instructions: Instructions,
     precision: Precision,
 }
 
 #[derive(Clone, Debug)]
-enum Tree {
+enum AnyTree {
     Binary(BinaryTree),
+    Compressed(CompressedTree),
     Wide(WideTree),
 }
 
@@ -74,13 +75,14 @@ impl CpuTracer {
         let leaf = |&triangle: &u32| {
             LeafTriangle::new(&scene.corners(triangle as usize), triangle, masks.number(triangle))
         };
-        let triangles = bvh.order().par_iter().map(leaf).collect();
+        let triangles: Vec<_> = bvh.order().par_iter().map(leaf).collect();
         let tree = match bvh {
-            Bvh::Bvh2 { nodes, .. } => Tree::Binary(BinaryTree::new(nodes)),
-            Bvh::Cwbvh { nodes, .. } => Tree::Wide(WideTree::new(nodes)),
+            Bvh::Bvh2 { nodes, .. } => AnyTree::Binary(BinaryTree::new(nodes, triangles)),
+            Bvh::Cwbvh { nodes, .. } => AnyTree::Compressed(CompressedTree::new(nodes, triangles)),
+            Bvh::Wide { nodes, .. } => AnyTree::Wide(WideTree::new(nodes, &triangles)),
         };
         let instructions = Instructions::best();
-        Self { tree, triangles, masks, instructions, precision: Precision::default() }
+        Self { tree, masks, instructions, precision: Precision::default() }
     }
 
     /// The same with other tests of triangles and boxes for the nearest hit; shadow rays, work and trails stay
@@ -104,131 +106,208 @@ impl CpuTracer {
     pub fn trace(&self, rays: &[Ray], order: Order<&[AtomicU32]>, hits: &Hits) {
         match hits {
             Hits::Closest(hits) => {
-                for_each_ray(rays, order, hits, |ray, hit| store(hit, self.nearest(ray)));
+                let keep = |place: &[AtomicU64; 2], hit, ()| store(place, hit);
+                for_each_part(rays, order, hits, |part| self.nearest(part, keep));
             }
-            Hits::Shadow(distances) => for_each_ray(rays, order, distances, |ray, distance| {
-                distance.store(self.search::<Shear, true, true>(ray).t.to_bits(), Relaxed);
-            }),
+            Hits::Shadow(distances) => {
+                let keep = |place: &AtomicU32, hit: Hit, ()| place.store(hit.t.to_bits(), Relaxed);
+                for_each_part(rays, order, distances, |part| {
+                    self.search::<_, Shear, _, true, true>(part, &(), keep)
+                });
+            }
         }
     }
 
     /// What tracing each ray takes.
     pub fn work(&self, rays: &[Ray], kind: Kind) -> Vec<Work> {
-        let work = |ray: &Ray| match kind {
-            Kind::Closest => self.search_with_account::<Work, Shear, true, false>(ray, Work::default()).1,
-            Kind::Shadow => self.search_with_account::<Work, Shear, true, true>(ray, Work::default()).1,
-        };
-        rays.par_iter().with_min_len(CHUNK).map(work).collect()
+        rays.par_chunks(CHUNK).flat_map_iter(|rays| self.accounts(rays, kind, &Work::default())).collect()
     }
 
     /// What tracing a ray reads, step by step.
     pub fn trail(&self, ray: &Ray, kind: Kind) -> Trail {
-        let node_bytes = match &self.tree {
-            Tree::Binary(_) => BinaryTree::NODE_BYTES,
-            Tree::Wide(_) => WideTree::NODE_BYTES,
-        };
-        let trail = Trail::new(node_bytes);
-        match kind {
-            Kind::Closest => self.search_with_account::<Trail, Shear, true, false>(ray, trail).1,
-            Kind::Shadow => self.search_with_account::<Trail, Shear, true, true>(ray, trail).1,
-        }
+        let trail = Trail::new(match &self.tree {
+            AnyTree::Binary(_) => BinaryTree::BYTES,
+            AnyTree::Compressed(_) => CompressedTree::BYTES,
+            AnyTree::Wide(_) => WideTree::BYTES,
+        });
+        self.accounts(std::slice::from_ref(ray), kind, &trail).pop().unwrap_or(trail)
     }
 
-    fn nearest(&self, ray: &Ray) -> Hit {
+    /// What is kept of each ray's way beside its hit.
+    fn accounts<A: Account>(&self, rays: &[Ray], kind: Kind, account: &A) -> Vec<A> {
+        let mut accounts = Vec::with_capacity(rays.len());
+        let part = Part { rays, order: Order::Stored, results: &vec![(); rays.len()] };
+        let keep = |(): &(), _, account| accounts.push(account);
+        match kind {
+            Kind::Closest => self.search::<_, Shear, _, true, false>(part, account, keep),
+            Kind::Shadow => self.search::<_, Shear, _, true, true>(part, account, keep),
+        }
+        accounts
+    }
+
+    fn nearest<T>(&self, part: Part<'_, T>, keep: impl FnMut(&T, Hit, ())) {
         let Precision { triangles, boxes } = self.precision;
         match (triangles, boxes) {
-            (TriangleTest::Watertight, BoxTest::Padded) => self.search::<Shear, true, false>(ray),
-            (TriangleTest::Watertight, BoxTest::Plain) => self.search::<Shear, false, false>(ray),
-            (TriangleTest::MoellerTrumbore, BoxTest::Padded) => self.search::<PlainRay, true, false>(ray),
-            (TriangleTest::MoellerTrumbore, BoxTest::Plain) => self.search::<PlainRay, false, false>(ray),
+            (TriangleTest::Watertight, BoxTest::Padded) => {
+                self.search::<_, Shear, _, true, false>(part, &(), keep)
+            }
+            (TriangleTest::Watertight, BoxTest::Plain) => {
+                self.search::<_, Shear, _, false, false>(part, &(), keep)
+            }
+            (TriangleTest::MoellerTrumbore, BoxTest::Padded) => {
+                self.search::<_, PlainRay, _, true, false>(part, &(), keep);
+            }
+            (TriangleTest::MoellerTrumbore, BoxTest::Plain) => {
+                self.search::<_, PlainRay, _, false, false>(part, &(), keep);
+            }
         }
     }
 
-    fn search<R: TriangleRay, const PADDED: bool, const ANY: bool>(&self, ray: &Ray) -> Hit {
-        self.search_with_account::<(), R, PADDED, ANY>(ray, ()).0
-    }
-
-    fn search_with_account<A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool>(
+    /// Traces some rays; `keep` takes the place of a ray's result, its hit and its account.
+    fn search<A: Account, R: TriangleRay, T, const PADDED: bool, const ANY: bool>(
         &self,
-        ray: &Ray,
-        account: A,
-    ) -> (Hit, A) {
-        if self.masks.is_empty() {
-            self.search_with::<A, R, PADDED, ANY, false>(ray, account)
-        } else {
-            self.search_with::<A, R, PADDED, ANY, true>(ray, account)
+        part: Part<'_, T>,
+        account: &A,
+        keep: impl FnMut(&T, Hit, A),
+    ) {
+        match &self.tree {
+            AnyTree::Binary(tree) => self.search_in::<_, A, R, T, PADDED, ANY>(tree, part, account, keep),
+            AnyTree::Compressed(tree) => self.search_in::<_, A, R, T, PADDED, ANY>(tree, part, account, keep),
+            AnyTree::Wide(tree) => self.search_in::<_, A, R, T, PADDED, ANY>(tree, part, account, keep),
         }
     }
 
-    fn search_with<A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const MASKS: bool>(
+    fn search_in<H: Tree, A: Account, R: TriangleRay, T, const PADDED: bool, const ANY: bool>(
         &self,
-        ray: &Ray,
-        account: A,
-    ) -> (Hit, A) {
-        match self.instructions {
-            Instructions::Portable => {
-                let mut query =
-                    Query::<A, R, PADDED, ANY, MASKS>::new(ray, account, &self.triangles, &self.masks);
-                match &self.tree {
-                    Tree::Binary(tree) => {
-                        tree.traverse::<super::cpu_bvh2::Portable, A, R, PADDED, ANY, MASKS>(&mut query)
-                    }
-                    Tree::Wide(tree) => {
-                        tree.traverse::<super::cpu_cwbvh::Portable, A, R, PADDED, ANY, MASKS>(&mut query)
-                    }
-                }
-                query.result()
+        tree: &H,
+        part: Part<'_, T>,
+        account: &A,
+        keep: impl FnMut(&T, Hit, A),
+    ) {
+        let masks = &self.masks;
+        match (self.instructions, masks.is_empty()) {
+            (Instructions::Portable, true) => {
+                search_part::<H, A, R, T, PADDED, ANY, false, false>(tree, masks, part, account, keep);
+            }
+            (Instructions::Portable, false) => {
+                search_part::<H, A, R, T, PADDED, ANY, true, false>(tree, masks, part, account, keep);
             }
             #[cfg(target_arch = "x86_64")]
             // SAFETY: this variant is made where the processor has these instructions.
-            Instructions::Avx2 => unsafe { search_avx2::<A, R, PADDED, ANY, MASKS>(self, ray, account) },
+            (Instructions::Avx2, true) => unsafe {
+                search_avx2::<H, A, R, T, PADDED, ANY, false>(tree, masks, part, account, keep);
+            },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            (Instructions::Avx2, false) => unsafe {
+                search_avx2::<H, A, R, T, PADDED, ANY, true>(tree, masks, part, account, keep);
+            },
         }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn search_avx2<A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const MASKS: bool>(
-    tracer: &CpuTracer,
-    ray: &Ray,
-    account: A,
-) -> (Hit, A) {
-    let mut query = Query::<A, R, PADDED, ANY, MASKS>::new(ray, account, &tracer.triangles, &tracer.masks);
-    match &tracer.tree {
-        Tree::Binary(tree) => tree.traverse::<super::cpu_bvh2::Avx2, A, R, PADDED, ANY, MASKS>(&mut query),
-        Tree::Wide(tree) => tree.traverse::<super::cpu_cwbvh::Avx2, A, R, PADDED, ANY, MASKS>(&mut query),
+fn search_avx2<
+    H: Tree,
+    A: Account,
+    R: TriangleRay,
+    T,
+    const PADDED: bool,
+    const ANY: bool,
+    const MASKS: bool,
+>(
+    tree: &H,
+    masks: &Masks,
+    part: Part<'_, T>,
+    account: &A,
+    keep: impl FnMut(&T, Hit, A),
+) {
+    search_part::<H, A, R, T, PADDED, ANY, MASKS, true>(tree, masks, part, account, keep);
+}
+
+#[inline(always)]
+fn search_part<
+    H: Tree,
+    A: Account,
+    R: TriangleRay,
+    T,
+    const PADDED: bool,
+    const ANY: bool,
+    const MASKS: bool,
+    const AVX2: bool,
+>(
+    tree: &H,
+    masks: &Masks,
+    part: Part<'_, T>,
+    account: &A,
+    mut keep: impl FnMut(&T, Hit, A),
+) {
+    let mut stack = H::stack();
+    for at in 0..part.len() {
+        let (ray, place) = part.get(at);
+        let mut query = Query::<A, R, PADDED, ANY, MASKS>::new(ray, account.clone(), masks);
+        tree.traverse::<A, R, PADDED, ANY, MASKS, AVX2>(&mut query, &mut stack);
+        let (hit, account) = query.result();
+        keep(place, hit, account);
     }
-    query.result()
 }
 
 /// How many rays ahead a ray is asked for that lies elsewhere: one takes about as long as a miss.
 const RAYS_AHEAD: usize = 2;
 
-/// Calls `trace` for each ray of an order with the place of its result. What lies elsewhere is asked for ahead:
-/// the ray, and the result's place before its ray is traced.
-fn for_each_ray<T: Sync>(
+/// Rays that one thread traces one after the other, and the places of their results.
+struct Part<'a, T> {
+    /// All of a queue where the order is indirect, so are the results.
+    rays: &'a [Ray],
+    order: Order<&'a [AtomicU32]>,
+    results: &'a [T],
+}
+
+impl<'a, T> Part<'a, T> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        match self.order {
+            Order::Stored => self.rays.len(),
+            Order::Indirect(places) => places.len(),
+        }
+    }
+
+    /// The ray at a place of the order, and the place of its result. What lies elsewhere is asked for ahead: the
+    /// ray, and the result's place before its ray is traced.
+    #[inline(always)]
+    fn get(&self, at: usize) -> (&'a Ray, &'a T) {
+        let place = match self.order {
+            Order::Stored => at,
+            Order::Indirect(places) => {
+                if let Some(ahead) = places.get(at + RAYS_AHEAD) {
+                    prefetch(&self.rays[ahead.load(Relaxed) as usize]);
+                }
+                let place = places[at].load(Relaxed) as usize;
+                prefetch(&self.results[place]);
+                place
+            }
+        };
+        (&self.rays[place], &self.results[place])
+    }
+}
+
+/// Calls `trace` for each part of a queue, on all threads.
+fn for_each_part<T: Sync>(
     rays: &[Ray],
     order: Order<&[AtomicU32]>,
     results: &[T],
-    trace: impl Fn(&Ray, &T) + Sync,
+    trace: impl Fn(Part<'_, T>) + Sync,
 ) {
     assert_eq!(rays.len(), results.len(), "one result per ray");
     match order {
         Order::Stored => {
-            let chunks = rays.par_chunks(CHUNK).zip(results.par_chunks(CHUNK)).with_max_len(1);
-            chunks.for_each(|(rays, results)| {
-                rays.iter().zip(results).for_each(|(ray, result)| trace(ray, result));
-            });
+            let parts = rays.par_chunks(CHUNK).zip(results.par_chunks(CHUNK)).with_max_len(1);
+            parts.for_each(|(rays, results)| trace(Part { rays, order, results }));
         }
-        Order::Indirect(permutation) => permutation.par_chunks(CHUNK).with_max_len(1).for_each(|places| {
-            for (at, place) in places.iter().enumerate() {
-                if let Some(ahead) = places.get(at + RAYS_AHEAD) {
-                    prefetch(&rays[ahead.load(Relaxed) as usize]);
-                }
-                let place = place.load(Relaxed) as usize;
-                prefetch(&results[place]);
-                trace(&rays[place], &results[place]);
-            }
-        }),
+        Order::Indirect(permutation) => permutation
+            .par_chunks(CHUNK)
+            .with_max_len(1)
+            .for_each(|places| trace(Part { rays, order: Order::Indirect(places), results })),
     }
 }

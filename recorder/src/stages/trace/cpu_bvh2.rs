@@ -2,18 +2,20 @@
 
 use scenes::bvh::{BVH2_STACK, Bvh2Node};
 
-use super::cpu_query::{Account, Query};
-use super::triangle::TriangleRay;
+use super::cpu_query::{Account, Query, Tree};
+use super::triangle::{LeafTriangle, TriangleRay};
+use crate::stages::pages::on_huge_pages;
 
 /// Bits of a reference that hold the first leaf slot or node pair; those above hold the number of
 /// triangles, 0 for an inner node.
 const FIRST_BITS: u32 = 28;
 
-/// The nodes in pairs.
+/// The nodes in pairs, and the triangles by leaf slots.
 #[derive(Clone, Debug)]
 pub(super) struct BinaryTree {
     root: u32,
     pairs: Vec<Pair>,
+    triangles: Vec<LeafTriangle>,
 }
 
 /// Two siblings in one cache line, axis by axis, so that one vector holds the planes of both.
@@ -45,22 +47,15 @@ fn reference(node: &Bvh2Node) -> u32 {
     }
 }
 
-/// What waits on the stack: a reference and the distance of its box.
-type Waiting = (u32, f32);
-
 impl BinaryTree {
-    /// Bytes that visiting a node reads.
-    pub(super) const NODE_BYTES: usize = size_of::<Pair>();
-
     /// From nodes as they come from the builder.
-    pub(super) fn new(nodes: &[Bvh2Node]) -> Self {
+    pub(super) fn new(nodes: &[Bvh2Node], triangles: Vec<LeafTriangle>) -> Self {
         let pairs = nodes[1..].get(1..).unwrap_or_default().chunks_exact(2);
-        Self { root: reference(&nodes[0]), pairs: pairs.map(Pair::new).collect() }
+        Self { root: reference(&nodes[0]), pairs: on_huge_pages(pairs.map(Pair::new)), triangles }
     }
 
-    /// Finds what the query asks for.
     #[inline(always)]
-    pub(super) fn traverse<
+    fn walk<
         T: PairTest,
         A: Account,
         R: TriangleRay,
@@ -70,9 +65,9 @@ impl BinaryTree {
     >(
         &self,
         query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
+        stack: &mut <Self as Tree>::Stack,
     ) {
         let test = T::new(query.origin, query.inverse, query.t_min);
-        let mut stack: [Waiting; BVH2_STACK] = [(0, 0.0); BVH2_STACK];
         let mut waiting = 0;
         let mut current = self.root;
         loop {
@@ -96,8 +91,13 @@ impl BinaryTree {
                     current = if is_hit == 0b10 { second } else { first };
                     continue;
                 }
-            } else if (first..first + count).any(|slot| query.test(slot)) {
-                return;
+            } else {
+                for slot in first..first + count {
+                    query.visit_leaf(slot, || 1);
+                    if query.test(&self.triangles[slot]) {
+                        return;
+                    }
+                }
             }
             loop {
                 if waiting == 0 {
@@ -111,6 +111,36 @@ impl BinaryTree {
                 }
             }
         }
+    }
+}
+
+impl Tree for BinaryTree {
+    const BYTES: [usize; 2] = [size_of::<Pair>(), size_of::<LeafTriangle>()];
+
+    type Stack = [(u32, f32); BVH2_STACK];
+
+    fn stack() -> Self::Stack {
+        [Default::default(); BVH2_STACK]
+    }
+
+    #[inline(always)]
+    fn traverse<
+        A: Account,
+        R: TriangleRay,
+        const PADDED: bool,
+        const ANY: bool,
+        const MASKS: bool,
+        const AVX2: bool,
+    >(
+        &self,
+        query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
+        stack: &mut Self::Stack,
+    ) {
+        #[cfg(target_arch = "x86_64")]
+        if AVX2 {
+            return self.walk::<Avx2, A, R, PADDED, ANY, MASKS>(query, stack);
+        }
+        self.walk::<Portable, A, R, PADDED, ANY, MASKS>(query, stack);
     }
 }
 

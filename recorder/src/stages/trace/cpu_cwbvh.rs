@@ -3,14 +3,19 @@
 
 use scenes::bvh::{CWBVH_STACK, CwbvhNode};
 
-use super::cpu_query::{Account, Query};
-use super::triangle::TriangleRay;
+use super::cpu_query::{Account, Query, Tree};
+use super::triangle::{LeafTriangle, TriangleRay};
+use crate::stages::pages::on_huge_pages;
 
-/// The nodes, in 16-byte units so that each lies in two cache lines.
+/// The nodes, and the triangles by leaf slots.
 #[derive(Clone, Debug)]
-pub(super) struct WideTree(Vec<Node>);
+pub(super) struct CompressedTree {
+    nodes: Vec<Node>,
+    triangles: Vec<LeafTriangle>,
+}
 
-/// [`CwbvhNode`] with its eight-byte fields as integers, low byte first.
+/// [`CwbvhNode`] with its eight-byte fields as integers, low byte first, in 16-byte units so that each lies in two
+/// cache lines.
 #[repr(C, align(16))]
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 pub(super) struct Node {
@@ -24,23 +29,15 @@ pub(super) struct Node {
     planes: [[[u8; 8]; 2]; 3],
 }
 
-/// Inner children that wait: the index of the first one, and in the top byte which of them, the
-/// next one highest; in the low byte which slots have inner children.
-type Waiting = (u32, u32);
-
-impl WideTree {
-    /// Bytes that visiting a node reads.
-    pub(super) const NODE_BYTES: usize = size_of::<Node>();
-
+impl CompressedTree {
     /// From nodes as they come from the builder.
-    pub(super) fn new(nodes: &[CwbvhNode]) -> Self {
-        Self(nodes.iter().map(|&node| bytemuck::cast(node)).collect())
+    pub(super) fn new(nodes: &[CwbvhNode], triangles: Vec<LeafTriangle>) -> Self {
+        Self { nodes: on_huge_pages(nodes.iter().map(|&node| bytemuck::cast(node))), triangles }
     }
 
-    /// Finds what the query asks for.
     #[inline(always)]
-    pub(super) fn traverse<
-        T: WideTest,
+    fn walk<
+        T: CompressedTest,
         A: Account,
         R: TriangleRay,
         const PADDED: bool,
@@ -49,23 +46,27 @@ impl WideTree {
     >(
         &self,
         query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
+        stack: &mut <Self as Tree>::Stack,
     ) {
         let test = T::new(query.origin, query.inverse, query.t_min);
         let is_positive = query.inverse.map(|inverse| u32::from(inverse > 0.0));
         let octant = is_positive[0] << 2 | is_positive[1] << 1 | is_positive[2];
-        let mut stack: [Waiting; CWBVH_STACK] = [(0, 0); CWBVH_STACK];
+        // What waits: the index of a first inner child, and in the top byte which of them, the next one highest; in
+        // the low byte which slots have inner children.
         let mut waiting = 0;
         let mut current = 0;
         loop {
             query.visit(current as usize);
-            let node = &self.0[current as usize];
+            let node = &self.nodes[current as usize];
             let hits = test.test(node, query.limit(), query.padding());
             let imask = u32::from(node.imask);
             let mut triangles = triangles(node, hits & !imask);
             while triangles != 0 {
                 let offset = triangles.ilog2();
                 triangles ^= 1 << offset;
-                if query.test((node.triangle_base + offset) as usize) {
+                let slot = (node.triangle_base + offset) as usize;
+                query.visit_leaf(slot, || 1);
+                if query.test(&self.triangles[slot]) {
                     return;
                 }
             }
@@ -88,6 +89,36 @@ impl WideTree {
             let below = group.1 & 0xff & ((1 << slot) - 1);
             current = group.0 + below.count_ones();
         }
+    }
+}
+
+impl Tree for CompressedTree {
+    const BYTES: [usize; 2] = [size_of::<Node>(), size_of::<LeafTriangle>()];
+
+    type Stack = [(u32, u32); CWBVH_STACK];
+
+    fn stack() -> Self::Stack {
+        [Default::default(); CWBVH_STACK]
+    }
+
+    #[inline(always)]
+    fn traverse<
+        A: Account,
+        R: TriangleRay,
+        const PADDED: bool,
+        const ANY: bool,
+        const MASKS: bool,
+        const AVX2: bool,
+    >(
+        &self,
+        query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
+        stack: &mut Self::Stack,
+    ) {
+        #[cfg(target_arch = "x86_64")]
+        if AVX2 {
+            return self.walk::<Avx2, A, R, PADDED, ANY, MASKS>(query, stack);
+        }
+        self.walk::<Portable, A, R, PADDED, ANY, MASKS>(query, stack);
     }
 }
 
@@ -119,7 +150,7 @@ fn in_order(mut slots: u32, octant: u32) -> u32 {
 }
 
 /// A way to test the eight boxes of a node.
-pub(super) trait WideTest {
+pub(super) trait CompressedTest {
     /// Prepares for a ray.
     fn new(origin: [f32; 3], inverse: [f32; 3], t_min: f32) -> Self;
 
@@ -135,7 +166,7 @@ pub(super) struct Portable {
     t_min: f32,
 }
 
-impl WideTest for Portable {
+impl CompressedTest for Portable {
     fn new(origin: [f32; 3], inverse: [f32; 3], t_min: f32) -> Self {
         Self { origin, inverse, t_min }
     }
@@ -165,7 +196,7 @@ pub(super) use avx2::Avx2;
 mod avx2 {
     use std::arch::x86_64::*;
 
-    use super::{Node, WideTest};
+    use super::{CompressedTest, Node};
 
     /// Eight boxes at once; made and used by functions with AVX2 alone.
     pub(in super::super) struct Avx2 {
@@ -178,7 +209,7 @@ mod avx2 {
         is_negative: [usize; 3],
     }
 
-    impl WideTest for Avx2 {
+    impl CompressedTest for Avx2 {
         #[inline(always)]
         fn new(origin: [f32; 3], inverse: [f32; 3], t_min: f32) -> Self {
             // SAFETY: the caller has AVX2, by this type's contract.

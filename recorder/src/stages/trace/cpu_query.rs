@@ -3,15 +3,15 @@
 use formats::ray::{Hit, Ray, Work};
 
 use super::mask::Masks;
-use super::triangle::{LeafTriangle, TriangleRay};
+use super::triangle::{LeafTriangle, TriangleBlock, TriangleRay};
 use super::{BoxTest, farthest, reciprocal};
 
 /// What is kept of a ray's way beside its hit; nothing where rates are measured.
-pub(super) trait Account {
+pub(super) trait Account: Clone {
     /// The children of a node are tested.
     fn node(&mut self, index: usize);
-    /// The triangle in a leaf slot is tested.
-    fn triangle(&mut self, slot: usize);
+    /// Triangles that lie together at a place among the leaves are tested.
+    fn leaf(&mut self, place: usize, triangles: impl Fn() -> u32);
 }
 
 impl Account for () {
@@ -19,7 +19,7 @@ impl Account for () {
     fn node(&mut self, _index: usize) {}
 
     #[inline(always)]
-    fn triangle(&mut self, _slot: usize) {}
+    fn leaf(&mut self, _place: usize, _triangles: impl Fn() -> u32) {}
 }
 
 impl Account for Work {
@@ -29,8 +29,8 @@ impl Account for Work {
     }
 
     #[inline(always)]
-    fn triangle(&mut self, _slot: usize) {
-        self.triangles += 1;
+    fn leaf(&mut self, _place: usize, triangles: impl Fn() -> u32) {
+        self.triangles += triangles();
     }
 }
 
@@ -38,6 +38,7 @@ impl Account for Work {
 #[derive(Clone, Debug)]
 pub struct Trail {
     node_bytes: usize,
+    leaf_bytes: usize,
     /// Address and bytes of each read, in order. Triangles lie far behind all nodes.
     pub reads: Vec<(u64, u32)>,
 }
@@ -46,9 +47,9 @@ pub struct Trail {
 const TRIANGLES_START: u64 = 1 << 40;
 
 impl Trail {
-    /// Of a ray that has read nothing yet.
-    pub(super) fn new(node_bytes: usize) -> Self {
-        Self { node_bytes, reads: Vec::new() }
+    /// Of a ray that has read nothing yet, of nodes and leaves of so many bytes.
+    pub(super) fn new([node_bytes, leaf_bytes]: [usize; 2]) -> Self {
+        Self { node_bytes, leaf_bytes, reads: Vec::new() }
     }
 }
 
@@ -57,9 +58,8 @@ impl Account for Trail {
         self.reads.push(((index * self.node_bytes) as u64, self.node_bytes as u32));
     }
 
-    fn triangle(&mut self, slot: usize) {
-        let bytes = size_of::<LeafTriangle>();
-        self.reads.push((TRIANGLES_START + (slot * bytes) as u64, bytes as u32));
+    fn leaf(&mut self, place: usize, _triangles: impl Fn() -> u32) {
+        self.reads.push((TRIANGLES_START + (place * self.leaf_bytes) as u64, self.leaf_bytes as u32));
     }
 }
 
@@ -83,7 +83,6 @@ pub(super) struct Query<
     triangle_ray: R,
     best: Hit,
     account: A,
-    triangles: &'a [LeafTriangle],
     masks: &'a Masks,
 }
 
@@ -91,15 +90,15 @@ impl<'a, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const 
     Query<'a, A, R, PADDED, ANY, MASKS>
 {
     #[inline(always)]
-    pub(super) fn new(ray: &Ray, account: A, triangles: &'a [LeafTriangle], masks: &'a Masks) -> Self {
+    pub(super) fn new(ray: &Ray, account: A, masks: &'a Masks) -> Self {
+        let inverse = ray.direction.map(reciprocal);
         Self {
             origin: ray.origin,
-            inverse: ray.direction.map(reciprocal),
+            inverse,
             t_min: ray.t_min,
-            triangle_ray: R::new(ray),
+            triangle_ray: R::new(ray, inverse),
             best: Hit { t: farthest(ray), ..Hit::MISS },
             account,
-            triangles,
             masks,
         }
     }
@@ -122,11 +121,27 @@ impl<'a, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const 
         self.account.node(index);
     }
 
-    /// Tests the triangle in a leaf slot; true if the search is over.
+    /// Bit `lane` set for each triangle of a block that may be hit.
     #[inline(always)]
-    pub(super) fn test(&mut self, slot: usize) -> bool {
-        let leaf = &self.triangles[slot];
-        self.account.triangle(slot);
+    pub(super) fn candidates(&self, block: &TriangleBlock) -> u32 {
+        self.triangle_ray.candidates(block, self.best.t)
+    }
+
+    /// Counts triangles that lie together at a place among the leaves.
+    #[inline(always)]
+    pub(super) fn visit_leaf(&mut self, place: usize, triangles: impl Fn() -> u32) {
+        self.account.leaf(place, triangles);
+    }
+
+    /// Where the holes of triangles are.
+    #[inline(always)]
+    pub(super) fn masks(&self) -> &'a Masks {
+        self.masks
+    }
+
+    /// Tests a triangle; true if the search is over.
+    #[inline(always)]
+    pub(super) fn test(&mut self, leaf: &LeafTriangle) -> bool {
         let Some(at) = self.triangle_ray.intersect(leaf) else {
             return false;
         };
@@ -147,4 +162,30 @@ impl<'a, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const 
     pub(super) fn result(self) -> (Hit, A) {
         (if self.best.is_hit() { self.best } else { Hit::MISS }, self.account)
     }
+}
+
+/// A hierarchy with its triangles.
+pub(super) trait Tree: Sync {
+    /// Bytes that visiting a node reads, and what lies together in a leaf.
+    const BYTES: [usize; 2];
+
+    /// What waits to be visited: room for as much as the hierarchy's depth makes possible.
+    type Stack;
+
+    /// A stack; what it holds matters to none.
+    fn stack() -> Self::Stack;
+
+    /// Finds what the query asks for. `AVX2`: the caller has these instructions; the results are the same.
+    fn traverse<
+        A: Account,
+        R: TriangleRay,
+        const PADDED: bool,
+        const ANY: bool,
+        const MASKS: bool,
+        const AVX2: bool,
+    >(
+        &self,
+        query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
+        stack: &mut Self::Stack,
+    );
 }

@@ -147,6 +147,11 @@ impl Tracer {
         kernel: TraceKernel,
         features: &Features,
     ) -> Result<Self> {
+        ensure!(
+            kernel.is_for_gpus(),
+            "trace kernel {} is for threads; use --backend cpu, or --trace cwbvh or bvh2",
+            kernel.name()
+        );
         let positions = gpu.array_of("trace::positions", &padded(&scene.positions))?;
         let leaf = |triangle: u32| {
             let [a, b, c] = scene.triangles[triangle as usize];

@@ -1,8 +1,8 @@
 //! Trace: the nearest hit of each ray of a queue, or for shadow rays any hit.
 //!
-//! Two hierarchies ([`scenes::bvh`]) and two backends follow the same arithmetic in the same
-//! order, so that on devices with IEEE division that do not contract `a·b + c` results and work
-//! counters are equal bit for bit. A ray's result depends on that ray alone.
+//! Three hierarchies ([`scenes::bvh`]) and two backends follow the same arithmetic, so that on devices with IEEE
+//! division that do not contract `a·b + c` nearest hits are equal bit for bit, and with the same hierarchy what
+//! blocks a shadow ray and the work counters are, too. A ray's result depends on that ray alone.
 //!
 //! **Ray.** Per axis the reciprocal `i = 1/d` if |d| > 2^-80, else 2^80 with the sign bit of `d`:
 //! with coordinates up to [`scenes::bvh::COORDINATE_LIMIT`] no product of a box test overflows, and
@@ -18,9 +18,12 @@
 //! planes, by powers of two and therefore exactly: `(q − (o − p)/step)·(i·step)`.
 //!
 //! **Order.** Binary: the nearer child first, the first at equal distance; the other one waits on
-//! the stack with its distance and is dropped if a nearer hit has been found meanwhile. Wide: the
+//! the stack with its distance and is dropped if a nearer hit has been found meanwhile. Compressed: the
 //! triangles of a node first, the last slot first, then the inner children in descending order of
-//! `slot ^ octant`.
+//! `slot ^ octant`. Wide, on threads alone: eight boxes in f32 at a time, the nearest child first, the others
+//! wait and are dropped as in the binary one; triangles in blocks of four, of which those whose signs allow a
+//! hit are tested by themselves. Shadow rays visit the smallest box first: it is the one that hits most likely
+//! fill.
 //!
 //! **Triangles.** Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection", without
 //! culling: see [`triangle`]. `t_min <= t <= t_max` counts as a hit, both ends included, if t is
@@ -39,6 +42,7 @@ pub mod cpu;
 mod cpu_bvh2;
 mod cpu_cwbvh;
 mod cpu_query;
+mod cpu_wide;
 mod driver;
 pub mod gpu;
 pub mod hits;
@@ -130,11 +134,8 @@ impl BoxTest {
 
 /// The reciprocal of a component of a direction, as box tests use it.
 pub fn reciprocal(direction: f32) -> f32 {
-    if direction.abs() > 1.0 / RECIPROCAL_LIMIT {
-        1.0 / direction
-    } else {
-        RECIPROCAL_LIMIT.copysign(direction)
-    }
+    let quotient = 1.0 / direction;
+    if direction.abs() > 1.0 / RECIPROCAL_LIMIT { quotient } else { RECIPROCAL_LIMIT.copysign(direction) }
 }
 
 /// The farthest `t` that counts: `t_max`, but finite.
@@ -164,6 +165,8 @@ impl<P> Order<P> {
 /// What walks which hierarchy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum TraceKernel {
+    /// Eight-wide hierarchy with boxes in f32, on threads.
+    Wide,
     /// Eight-wide compressed hierarchy (Ylitie et al. 2017).
     Cwbvh,
     /// Binary hierarchy.
@@ -174,11 +177,12 @@ pub enum TraceKernel {
 
 impl TraceKernel {
     /// Name on the command line and in recordings, the hierarchy that it walks, and how it does so on the GPU.
-    fn row(self) -> (&'static str, Option<BvhKind>, &'static str) {
+    fn row(self) -> (&'static str, Option<BvhKind>, Option<&'static str>) {
         match self {
-            Self::Cwbvh => ("cwbvh", Some(BvhKind::Cwbvh), include_str!("cwbvh.wgsl")),
-            Self::Bvh2 => ("bvh2", Some(BvhKind::Bvh2), include_str!("bvh2.wgsl")),
-            Self::RayQuery => ("ray-query", None, include_str!("ray_query.wgsl")),
+            Self::Wide => ("wide", Some(BvhKind::Wide), None),
+            Self::Cwbvh => ("cwbvh", Some(BvhKind::Cwbvh), Some(include_str!("cwbvh.wgsl"))),
+            Self::Bvh2 => ("bvh2", Some(BvhKind::Bvh2), Some(include_str!("bvh2.wgsl"))),
+            Self::RayQuery => ("ray-query", None, Some(include_str!("ray_query.wgsl"))),
         }
     }
 
@@ -192,8 +196,13 @@ impl TraceKernel {
         self.row().1
     }
 
-    /// `fn traverse(query: ptr<function, Query>)` over the hierarchy.
-    pub(super) fn wgsl(self) -> &'static str {
+    /// Whether GPUs have it.
+    pub fn is_for_gpus(self) -> bool {
+        self.wgsl().is_some()
+    }
+
+    /// `fn traverse(query: ptr<function, Query>)` over the hierarchy, where it is for GPUs.
+    pub(super) fn wgsl(self) -> Option<&'static str> {
         self.row().2
     }
 

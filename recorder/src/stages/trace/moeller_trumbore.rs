@@ -6,7 +6,7 @@
 use formats::ray::Ray;
 use glam::Vec3;
 
-use super::triangle::{Intersection, LeafTriangle, TriangleRay};
+use super::triangle::{Intersection, LeafTriangle, TriangleBlock, TriangleRay};
 use crate::stages::vector::{cross3, dot3};
 
 /// A ray as it is.
@@ -18,7 +18,7 @@ pub struct PlainRay {
 
 impl TriangleRay for PlainRay {
     #[inline(always)]
-    fn new(ray: &Ray) -> Self {
+    fn new(ray: &Ray, _inverse: [f32; 3]) -> Self {
         Self { origin: Vec3::from(ray.origin), direction: Vec3::from(ray.direction) }
     }
 
@@ -38,5 +38,10 @@ impl TriangleRay for PlainRay {
         let v = dot3(self.direction, along) * inverse;
         let is_inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
         is_inside.then(|| Intersection { t: dot3(ac, along) * inverse, u, v })
+    }
+
+    #[inline(always)]
+    fn candidates(&self, block: &TriangleBlock, _farthest: f32) -> u32 {
+        (1 << block.count()) - 1
     }
 }

@@ -23,10 +23,10 @@
 //! that leaves a small triangle finds a large one that lies in the same plane, at a distance that is
 //! nothing but rounding: in a room in millimetres some percent of all shadow rays did.
 
-use formats::ray::Ray;
+use formats::ray::{Hit, Ray};
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
-use super::reciprocal;
+use super::mask::Masks;
 use crate::stages::vector::{cross3, dot3};
 
 /// Bound of the relative error of 8 roundings in a row, `nε / (1 − nε)` with ε = 2⁻²⁴.
@@ -34,11 +34,15 @@ pub const GAMMA_8: f32 = 4.768_374e-7;
 
 /// A ray as a triangle test takes it.
 pub trait TriangleRay {
-    /// Prepares for a ray with a direction that is not zero.
-    fn new(ray: &Ray) -> Self;
+    /// Prepares for a ray with a direction that is not zero, given its reciprocals.
+    fn new(ray: &Ray, inverse: [f32; 3]) -> Self;
 
     /// Where the line hits a triangle, ahead of its origin or not; `t` may be anything, also NaN.
     fn intersect(&self, leaf: &LeafTriangle) -> Option<Intersection>;
+
+    /// Bit `lane` set for each triangle of a block that may be hit at `farthest` or nearer: all that are, and few
+    /// others.
+    fn candidates(&self, block: &TriangleBlock, farthest: f32) -> u32;
 }
 
 /// A ray's transformation: which axes are sheared, and by how much.
@@ -59,7 +63,7 @@ pub struct Shear {
 
 impl TriangleRay for Shear {
     #[inline(always)]
-    fn new(ray: &Ray) -> Self {
+    fn new(ray: &Ray, inverse: [f32; 3]) -> Self {
         let d = ray.direction;
         let size = d.map(f32::abs);
         let z = if size[0] >= size[1] {
@@ -80,7 +84,7 @@ impl TriangleRay for Shear {
             shear,
             origin: [o[x], o[y], o[z]],
             line: [Vec3::from(o), Vec3::from(d)],
-            inverse: [reciprocal(d[x]), reciprocal(d[y]), reciprocal(d[z])],
+            inverse: [inverse[x], inverse[y], inverse[z]],
         }
     }
 
@@ -114,6 +118,27 @@ impl TriangleRay for Shear {
         // Quotients of numbers of the same sign: `abs` only removes the sign of a zero, which
         // depends on the order of an edge's corners.
         Some(Intersection { t, u: (b / sum).abs(), v: (c / sum).abs() })
+    }
+
+    /// By the arithmetic of [`Shear::intersect`]: the signs of the edge functions, and the depth of the nearest
+    /// corner, which no hit is in front of.
+    #[inline(always)]
+    fn candidates(&self, block: &TriangleBlock, farthest: f32) -> u32 {
+        let [rows_x, rows_y, rows_z] = self.axes.map(|axis| &block.rows[axis]);
+        let [origin_x, origin_y, origin_z] = self.origin.map(Vec4::splat);
+        let [shear_x, shear_y, inverse_z] = [self.shear[0], self.shear[1], self.inverse[2]].map(Vec4::splat);
+        let [z_a, z_b, z_c] = [0, 1, 2].map(|corner| rows_z[corner] - origin_z);
+        let sheared = |corner: usize, z: Vec4| {
+            (rows_x[corner] - origin_x - shear_x * z, rows_y[corner] - origin_y - shear_y * z)
+        };
+        let [(x_a, y_a), (x_b, y_b), (x_c, y_c)] = [sheared(0, z_a), sheared(1, z_b), sheared(2, z_c)];
+        let a = x_c * y_b - y_c * x_b;
+        let b = x_a * y_c - y_a * x_c;
+        let c = x_b * y_a - y_b * x_a;
+        let is_inside = a.min(b).min(c).cmpge(Vec4::ZERO) | a.max(b).max(c).cmple(Vec4::ZERO);
+        let has_area = ((a + b) + c).cmpne(Vec4::ZERO);
+        let ahead = (inverse_z * z_a).min(inverse_z * z_b).min(inverse_z * z_c);
+        (is_inside & has_area & ahead.cmple(Vec4::splat(farthest))).bitmask()
     }
 }
 
@@ -185,6 +210,52 @@ impl LeafTriangle {
         let t = if quotient < farthest { quotient } else { farthest };
         let t = if t > nearest { t } else { nearest };
         (is_ahead && t >= 0.0).then_some(t)
+    }
+}
+
+/// One to four triangles side by side; 160 bytes.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug)]
+pub struct TriangleBlock {
+    /// Per axis and corner that coordinate of all triangles; zeros where there is none.
+    rows: [[Vec4; 3]; 3],
+    /// Indices in the scene; [`Hit::NONE`] where there is none.
+    triangles: [u32; 4],
+}
+
+impl TriangleBlock {
+    /// How many triangles it has room for.
+    pub const TRIANGLES: usize = 4;
+
+    /// None.
+    pub const EMPTY: Self = Self { rows: [[Vec4::ZERO; 3]; 3], triangles: [Hit::NONE; 4] };
+
+    /// From one to four.
+    pub fn new(leaves: &[LeafTriangle]) -> Self {
+        let mut block = Self::EMPTY;
+        for (lane, leaf) in leaves.iter().enumerate() {
+            for (rows, row) in block.rows.iter_mut().zip(&leaf.rows) {
+                rows.iter_mut().zip(row).for_each(|(rows, &value)| rows[lane] = value);
+            }
+            block.triangles[lane] = leaf.triangle();
+        }
+        block
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> u32 {
+        self.triangles.iter().take_while(|&&triangle| triangle != Hit::NONE).count() as u32
+    }
+
+    /// One of them, 0 to 3, with its mask.
+    #[inline(always)]
+    pub fn triangle(&self, lane: usize, masks: &Masks) -> LeafTriangle {
+        let row = |axis: usize, extra: u32| {
+            let [a, b, c] = self.rows[axis].map(|row| row.to_array()[lane]);
+            [a, b, c, f32::from_bits(extra)]
+        };
+        let triangle = self.triangles[lane];
+        LeafTriangle { rows: [row(0, triangle), row(1, masks.number(triangle)), row(2, 0)] }
     }
 }
 

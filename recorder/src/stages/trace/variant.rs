@@ -92,7 +92,7 @@ impl TraceVariant {
                 TriangleTest::MoellerTrumbore => include_str!("moeller_trumbore.wgsl"),
             })
             .text(include_str!("query.wgsl"))
-            .text(self.kernel.wgsl())
+            .text(self.kernel.wgsl().unwrap_or_default())
             .text(include_str!("kernel.wgsl"))
     }
 
@@ -123,7 +123,7 @@ mod tests {
     #[test]
     fn alpha_masks_are_in_the_module_if_and_only_if_the_scene_has_them() {
         let (kind, order, count_work) = (Kind::Closest, Order::Stored, false);
-        for &kernel in TraceKernel::value_variants() {
+        for &kernel in TraceKernel::value_variants().iter().filter(|kernel| kernel.is_for_gpus()) {
             for masks in [false, true] {
                 let precision = Precision::default();
                 let text = TraceVariant { kernel, kind, order, masks, count_work, precision }.module().wgsl();

@@ -1,0 +1,340 @@
+//! Traversal of the wide hierarchy on a thread: eight boxes in f32 and four triangles at a time, the children by
+//! distance.
+
+use scenes::bvh::{WIDE_LEVELS, WideNode};
+
+use super::cpu_query::{Account, Query, Tree};
+use super::triangle::{LeafTriangle, TriangleBlock, TriangleRay};
+use crate::stages::pages::{on_huge_pages, room_on_huge_pages};
+use crate::stages::prefetch::prefetch_whole;
+
+/// The nodes, with blocks of triangles in place of leaf slots.
+#[derive(Clone, Debug)]
+pub(super) struct WideTree {
+    nodes: Vec<Node>,
+    blocks: Vec<TriangleBlock>,
+}
+
+/// [`WideNode`]; a leaf's children count blocks and name the first one.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    planes: [[[f32; 8]; 2]; 3],
+    children: [u32; 8],
+}
+
+/// Each level leaves at most seven children that wait; the last one pushes up to eight.
+const STACK: usize = (7 * (WIDE_LEVELS + 1) + 8).next_power_of_two();
+
+impl WideTree {
+    /// From nodes as they come from the builder.
+    pub(super) fn new(nodes: &[WideNode], triangles: &[LeafTriangle]) -> Self {
+        let blocks_of = |&child: &u32| (WideNode::leaf(child).0 as usize).div_ceil(TriangleBlock::TRIANGLES);
+        let children = nodes.iter().flat_map(|node| &node.children);
+        let mut blocks = room_on_huge_pages(children.map(blocks_of).sum());
+        let mut packed = |child: u32| {
+            let (count, first) = WideNode::leaf(child);
+            if count == 0 {
+                return child;
+            }
+            let first_block = blocks.len() as u32;
+            let leaf = &triangles[first as usize..(first + count) as usize];
+            blocks.extend(leaf.chunks(TriangleBlock::TRIANGLES).map(TriangleBlock::new));
+            (blocks.len() as u32 - first_block) << WideNode::FIRST_BITS | first_block
+        };
+        let pack = |node: &WideNode| Node { planes: node.planes, children: node.children.map(&mut packed) };
+        let nodes = on_huge_pages(nodes.iter().map(pack));
+        Self { nodes, blocks }
+    }
+
+    /// Asks for a child ahead of its visit.
+    #[inline(always)]
+    fn ask(&self, child: u32) {
+        match WideNode::leaf(child) {
+            (0, index) => prefetch_whole(&self.nodes[index as usize]),
+            (_, first) => prefetch_whole(&self.blocks[first as usize]),
+        }
+    }
+
+    #[inline(always)]
+    fn walk<
+        T: WideTest,
+        A: Account,
+        R: TriangleRay,
+        const PADDED: bool,
+        const ANY: bool,
+        const MASKS: bool,
+    >(
+        &self,
+        query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
+        stack: &mut <Self as Tree>::Stack,
+    ) {
+        let test = T::new(query.origin, query.inverse, query.t_min);
+        let mut waiting = Waiting { stack, count: 0 };
+        let mut current = 0;
+        loop {
+            let (count, first) = WideNode::leaf(current);
+            let first = first as usize;
+            if count == 0 {
+                query.visit(first);
+                let node = &self.nodes[first];
+                let (near, hits) = test.test(node, query.limit(), query.padding());
+                if hits != 0 {
+                    let ask = |child| self.ask(child);
+                    current = if ANY {
+                        waiting.smallest_of(node, hits, ask)
+                    } else {
+                        waiting.nearest_of(node, &near, hits, ask)
+                    };
+                    continue;
+                }
+            } else {
+                for place in first..first + count as usize {
+                    let block = &self.blocks[place];
+                    query.visit_leaf(place, || block.count());
+                    let mut lanes = query.candidates(block);
+                    while lanes != 0 {
+                        let lane = lanes.trailing_zeros() as usize % TriangleBlock::TRIANGLES;
+                        lanes &= lanes - 1;
+                        if query.test(&block.triangle(lane, query.masks())) {
+                            return;
+                        }
+                    }
+                }
+            }
+            match waiting.pop(query.limit()) {
+                Some(child) => current = child,
+                None => return,
+            }
+        }
+    }
+}
+
+impl Tree for WideTree {
+    const BYTES: [usize; 2] = [size_of::<Node>(), size_of::<TriangleBlock>()];
+
+    type Stack = [u64; STACK];
+
+    fn stack() -> Self::Stack {
+        [0; STACK]
+    }
+
+    #[inline(always)]
+    fn traverse<
+        A: Account,
+        R: TriangleRay,
+        const PADDED: bool,
+        const ANY: bool,
+        const MASKS: bool,
+        const AVX2: bool,
+    >(
+        &self,
+        query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
+        stack: &mut Self::Stack,
+    ) {
+        #[cfg(target_arch = "x86_64")]
+        if AVX2 {
+            return self.walk::<Avx2, A, R, PADDED, ANY, MASKS>(query, stack);
+        }
+        self.walk::<Portable, A, R, PADDED, ANY, MASKS>(query, stack);
+    }
+}
+
+/// Children that wait: the bits of where the ray enters each in the upper half, so that integers are in the order
+/// of distances, the child in the lower half.
+struct Waiting<'a> {
+    stack: &'a mut [u64; STACK],
+    count: usize,
+}
+
+impl Waiting<'_> {
+    /// The nearest of the children that are hit, one at least; the others wait, the next one on top.
+    #[inline(always)]
+    fn nearest_of(&mut self, node: &Node, near: &[f32; 8], mut hits: u32, ask: impl Fn(u32)) -> u32 {
+        let mut next = || {
+            let slot = hits.trailing_zeros() as usize % 8;
+            hits &= hits.wrapping_sub(1);
+            let child = node.children[slot];
+            ask(child);
+            (u64::from(near[slot].to_bits()) << 32 | u64::from(child), hits == 0)
+        };
+        let (first, is_last) = next();
+        if is_last {
+            return first as u32;
+        }
+        let (second, is_last) = next();
+        let (first, second) = (first.min(second), first.max(second));
+        if is_last {
+            self.push(second);
+            return first as u32;
+        }
+        let (third, is_last) = next();
+        let (second, third) = (second.min(third), second.max(third));
+        let (first, second) = (first.min(second), first.max(second));
+        self.push(third);
+        self.push(second);
+        if is_last {
+            return first as u32;
+        }
+        let start = self.count - 2;
+        self.push(first);
+        loop {
+            let (entry, is_last) = next();
+            self.insert(start, entry);
+            if is_last {
+                break;
+            }
+        }
+        self.count -= 1;
+        self.stack[self.count % STACK] as u32
+    }
+
+    /// The smallest of the children that are hit, one at least, of which a ray that enters one most likely hits
+    /// something in it; the others wait in that order.
+    #[inline(always)]
+    fn smallest_of(&mut self, node: &Node, mut hits: u32, ask: impl Fn(u32)) -> u32 {
+        loop {
+            let child = node.children[hits.trailing_zeros() as usize % 8];
+            ask(child);
+            hits &= hits - 1;
+            if hits == 0 {
+                return child;
+            }
+            self.push(u64::from(child));
+        }
+    }
+
+    /// Adds what waits to what lies sorted from a place on, the nearest last.
+    #[inline(always)]
+    fn insert(&mut self, start: usize, entry: u64) {
+        let mut place = self.count;
+        while place > start && self.stack[(place - 1) % STACK] < entry {
+            self.stack[place % STACK] = self.stack[(place - 1) % STACK];
+            place -= 1;
+        }
+        self.stack[place % STACK] = entry;
+        self.count += 1;
+    }
+
+    /// The depth was checked when the tree was built; the mask only saves a check.
+    #[inline(always)]
+    fn push(&mut self, entry: u64) {
+        self.stack[self.count % STACK] = entry;
+        self.count += 1;
+    }
+
+    /// The next child that is not beyond `limit`.
+    #[inline(always)]
+    fn pop(&mut self, limit: f32) -> Option<u32> {
+        while self.count > 0 {
+            self.count -= 1;
+            let entry = self.stack[self.count % STACK];
+            if f32::from_bits((entry >> 32) as u32) <= limit {
+                return Some(entry as u32);
+            }
+        }
+        None
+    }
+}
+
+/// A way to test the eight boxes of a node.
+pub(super) trait WideTest {
+    /// Prepares for a ray.
+    fn new(origin: [f32; 3], inverse: [f32; 3], t_min: f32) -> Self;
+
+    /// Where the ray enters each child's box, and bit `slot` set if it does before `limit`; `padding` scales where
+    /// it leaves.
+    fn test(&self, node: &Node, limit: f32, padding: f32) -> ([f32; 8], u32);
+}
+
+/// One box after the other.
+pub(super) struct Portable {
+    origin: [f32; 3],
+    inverse: [f32; 3],
+    t_min: f32,
+}
+
+impl WideTest for Portable {
+    fn new(origin: [f32; 3], inverse: [f32; 3], t_min: f32) -> Self {
+        Self { origin, inverse, t_min: t_min + 0.0 }
+    }
+
+    fn test(&self, node: &Node, limit: f32, padding: f32) -> ([f32; 8], u32) {
+        let (mut near, mut far) = ([f32::NEG_INFINITY; 8], [f32::INFINITY; 8]);
+        for axis in 0..3 {
+            let is_negative = usize::from(self.inverse[axis] < 0.0);
+            let distance = |plane: f32| (plane - self.origin[axis]) * self.inverse[axis];
+            for slot in 0..8 {
+                near[slot] = near[slot].max(distance(node.planes[axis][is_negative][slot]));
+                far[slot] = far[slot].min(distance(node.planes[axis][1 - is_negative][slot]));
+            }
+        }
+        // The same zero as the instruction gives, which takes its second operand.
+        let near = near.map(|near| if near > self.t_min { near } else { self.t_min });
+        let is_hit = |slot: usize| near[slot] <= (far[slot] * padding).min(limit);
+        (near, (0..8).fold(0, |hits, slot| hits | u32::from(is_hit(slot)) << slot))
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+pub(super) use avx2::Avx2;
+
+#[cfg(target_arch = "x86_64")]
+mod avx2 {
+    use std::arch::x86_64::*;
+
+    use super::{Node, WideTest};
+
+    /// Eight boxes at once; made and used by functions with AVX2 alone.
+    pub(in super::super) struct Avx2 {
+        origin: [__m256; 3],
+        inverse: [__m256; 3],
+        t_min: __m256,
+        /// Per axis 0 if the low planes are the near ones, else 1.
+        is_negative: [usize; 3],
+    }
+
+    impl WideTest for Avx2 {
+        #[inline(always)]
+        fn new(origin: [f32; 3], inverse: [f32; 3], t_min: f32) -> Self {
+            // SAFETY: the caller has AVX2, by this type's contract.
+            unsafe { prepare(origin, inverse, t_min) }
+        }
+
+        #[inline(always)]
+        fn test(&self, node: &Node, limit: f32, padding: f32) -> ([f32; 8], u32) {
+            // SAFETY: the caller has AVX2, by this type's contract.
+            unsafe { test(self, node, limit, padding) }
+        }
+    }
+
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn prepare([ox, oy, oz]: [f32; 3], [ix, iy, iz]: [f32; 3], t_min: f32) -> Avx2 {
+        Avx2 {
+            origin: [_mm256_set1_ps(ox), _mm256_set1_ps(oy), _mm256_set1_ps(oz)],
+            inverse: [_mm256_set1_ps(ix), _mm256_set1_ps(iy), _mm256_set1_ps(iz)],
+            t_min: _mm256_set1_ps(t_min + 0.0),
+            is_negative: [ix, iy, iz].map(|inverse| usize::from(inverse < 0.0)),
+        }
+    }
+
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn test(ray: &Avx2, node: &Node, limit: f32, padding: f32) -> ([f32; 8], u32) {
+        let slab = |axis: usize| {
+            let is_negative = ray.is_negative[axis] & 1;
+            let distance = |planes: [f32; 8]| {
+                let planes: __m256 = bytemuck::cast(planes);
+                _mm256_mul_ps(_mm256_sub_ps(planes, ray.origin[axis]), ray.inverse[axis])
+            };
+            (distance(node.planes[axis][is_negative]), distance(node.planes[axis][1 - is_negative]))
+        };
+        let (x, y, z) = (slab(0), slab(1), slab(2));
+        let near = _mm256_max_ps(_mm256_max_ps(_mm256_max_ps(x.0, y.0), z.0), ray.t_min);
+        let far = _mm256_min_ps(_mm256_min_ps(x.1, y.1), z.1);
+        let far = _mm256_min_ps(_mm256_mul_ps(far, _mm256_set1_ps(padding)), _mm256_set1_ps(limit));
+        let hits = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32;
+        (bytemuck::cast(near), hits)
+    }
+}
