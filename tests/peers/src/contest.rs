@@ -113,3 +113,41 @@ fn samples(turns: usize, rounds: usize, mut run: impl FnMut(usize, &mut Clock)) 
     }
     samples
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    fn rows(contestants: [(&str, Side, u64); 3]) -> Vec<Row> {
+        let contest = Contest {
+            subject: "scene",
+            task: "rays".to_owned(),
+            items: 1000,
+            contestants: contestants.iter().map(|(name, side, _)| ((*name).to_owned(), *side)).collect(),
+            differing: vec![0, 1, 2],
+        };
+        contest.rows(6, |at, clock| {
+            clock.time(|| std::thread::sleep(Duration::from_millis(contestants[at].2)));
+        })
+    }
+
+    #[test]
+    fn what_takes_a_third_of_the_time_is_three_times_as_fast_and_a_control_is_as_fast_as_itself() {
+        let rows = rows([("ours", Side::Ours, 4), ("first", Side::Peer, 12), ("second", Side::Peer, 2)]);
+        let names: Vec<(&str, Side)> = rows.iter().map(|row| (row.name.as_str(), row.side)).collect();
+        let peer = Side::Peer;
+        assert_eq!(
+            names,
+            [("ours", Side::Ours), ("first", peer), ("second", peer), ("first", Side::Control)]
+        );
+        let over = |row: usize, peer: &str| rows[row].over[peer].ratio;
+        assert!((1.5..6.0).contains(&over(0, "first")), "{rows:?}");
+        assert!((0.2..0.9).contains(&over(0, "second")), "{rows:?}");
+        assert!((0.5..2.0).contains(&over(3, "first")), "{rows:?}");
+        assert!(rows[1].over.is_empty() && rows.iter().all(|row| row.samples_ns.len() == 6));
+        assert_eq!(rows.iter().map(|row| row.differing).collect::<Vec<_>>(), [0, 1, 2, 1]);
+        assert!((50.0..90.0).contains(&(rows[1].rate * 1e3)), "1000 items in 12 ms: {} a µs", rows[1].rate);
+    }
+}

@@ -304,3 +304,26 @@ impl RayHit {
         self.far < 0.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::mem::offset_of;
+
+    use super::*;
+
+    /// Offsets in `rtcore_ray.h` of 3 and 4.
+    #[test]
+    fn rays_are_laid_out_as_embree_reads_them() {
+        assert_eq!((size_of::<RayHit>(), align_of::<RayHit>()), (96, 16));
+        assert_eq!(
+            (offset_of!(RayHit, near), offset_of!(RayHit, time), offset_of!(RayHit, far)),
+            (12, 28, 32)
+        );
+        assert_eq!(
+            (offset_of!(RayHit, normal), offset_of!(RayHit, u), offset_of!(RayHit, triangle)),
+            (48, 60, 68)
+        );
+        assert_eq!((offset_of!(RayHit, geometry), offset_of!(RayHit, instance)), (72, 76));
+        assert_eq!(size_of::<Context3>(), 24);
+    }
+}

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use rayon::prelude::*;
+use rdst::tuner::{Algorithm, Tuner, TuningParams};
 use rdst::{RadixKey, RadixSort as _};
 use recorder::stages::sort::cpu::{Keys, Permutation, Sorter};
 use voracious_radix_sort::{RadixSort as _, Radixable};
@@ -55,26 +56,35 @@ impl Radixable<u64> for Pair<u64> {
 /// Sorts pairs in place on the threads of the current pool, or as many of its own.
 type PairSort<K> = fn(&mut [Pair<K>]);
 
-/// Sorts so many random keys of 32 and 64 bits.
+/// Sorts so many random keys of 64 bits, and the higher 32 of each.
 pub fn compare(count: usize, is_wanted: &dyn Fn(&str) -> bool, rounds: usize) -> Vec<Row> {
     let mut random = fastrand::Rng::with_seed(0);
     let keys: Vec<u64> = (0..count).map(|_| random.u64(..)).collect();
+    compare_on(&keys, is_wanted, rounds)
+}
+
+fn compare_on(keys: &[u64], is_wanted: &dyn Fn(&str) -> bool, rounds: usize) -> Vec<Row> {
     let narrow: Vec<u64> = keys.iter().map(|key| key >> 32).collect();
     let pair = |(key, index): (&u64, u32)| Pair { key: *key as u32, index };
     let narrow_pairs: Vec<Pair<u32>> = narrow.iter().zip(0..).map(pair).collect();
     let wide_pairs: Vec<Pair<u64>> = keys.iter().zip(0..).map(|(&key, index)| Pair { key, index }).collect();
     let mut rows = sort(Keys::of(&narrow, u32::BITS), &narrow_pairs, is_wanted, rounds);
-    rows.extend(sort(Keys::of(&keys, u64::BITS), &wide_pairs, is_wanted, rounds));
+    rows.extend(sort(Keys::of(keys, u64::BITS), &wide_pairs, is_wanted, rounds));
     rows
 }
 
 /// Those of other people, by crate or function.
-fn peers<K>() -> [(&'static str, PairSort<K>); 3]
+fn peers<K>() -> [(&'static str, PairSort<K>); 4]
 where
     K: voracious_radix_sort::RadixKey + Ord + Copy + Send,
     Pair<K>: RadixKey + Radixable<K> + Send + Sync,
 {
-    [("rdst", by_rdst), ("voracious", by_voracious), ("sort_unstable", by_comparison)]
+    [
+        ("rdst", by_rdst),
+        ("rdst, stable", by_stable_rdst),
+        ("voracious", by_voracious),
+        ("sort_unstable", by_comparison),
+    ]
 }
 
 fn by_rdst<K>(pairs: &mut [Pair<K>])
@@ -85,6 +95,24 @@ where
     match rayon::current_num_threads() {
         1 => sort.with_single_threaded_tuner().with_parallel(false).sort(),
         _ => sort.sort(),
+    }
+}
+
+/// rdst kept from its sorts that are not stable.
+fn by_stable_rdst<K>(pairs: &mut [Pair<K>])
+where
+    Pair<K>: RadixKey + Copy + Send + Sync,
+{
+    let is_parallel = rayon::current_num_threads() > 1;
+    pairs.radix_sort_builder().with_tuner(&StableTuner).with_parallel(is_parallel).sort();
+}
+
+/// Least significant digit first, whatever rdst would choose.
+struct StableTuner;
+
+impl Tuner for StableTuner {
+    fn pick_algorithm(&self, _: &TuningParams, _: &[usize]) -> Algorithm {
+        if rayon::current_num_threads() > 1 { Algorithm::MtLsb } else { Algorithm::Lsb }
     }
 }
 
@@ -138,4 +166,26 @@ where
             clock.time(|| (sorts[peer].1)(&mut sorted));
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Few values, so that there are equal keys; on one thread the crates are asked for stable sorts.
+    #[test]
+    fn stable_sorts_come_to_our_order() {
+        let mut random = fastrand::Rng::with_seed(1);
+        let keys: Vec<u64> = (0..30_000).map(|_| random.u64(..100) << 32 | 7).collect();
+        for threads in [1, 2] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let rows = pool.install(|| compare_on(&keys, &|_| true, 1));
+            assert_eq!(rows.len(), 2 * 6, "ours, four others and the control, keys of 32 and 64 bits");
+            let is_stable =
+                |name: &str| threads == 1 || ["ours", "rdst, stable", "sort_unstable"].contains(&name);
+            let wrong: Vec<&Row> =
+                rows.iter().filter(|row| is_stable(&row.name) && row.differing > 0).collect();
+            assert!(wrong.is_empty(), "{threads} threads: {wrong:?}");
+        }
+    }
 }

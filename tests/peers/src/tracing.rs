@@ -122,3 +122,35 @@ fn in_chunks<T: Sync>(rays: &[Ray], places: &[T], trace: impl Fn(&Ray, &T) + Syn
         }
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hits_differ_from_misses_and_nearest_hits_from_those_elsewhere() {
+        let none = f32::INFINITY;
+        assert!(differ(Kind::Closest, 1.0, none) && differ(Kind::Shadow, none, 0.0));
+        assert!(!differ(Kind::Closest, none, none) && !differ(Kind::Shadow, 0.0, 5.0));
+        assert!(differ(Kind::Closest, 1.0, 1.01) && !differ(Kind::Closest, 1.0, 1.0001));
+    }
+
+    /// More rays than a multiple of a chunk, on more threads than one.
+    #[test]
+    fn every_ray_is_traced_to_its_own_place() {
+        let ray = |at: usize| Ray { origin: [at as f32; 3], t_min: 0.0, direction: [0.0; 3], t_max: 1.0 };
+        let rays: Vec<Ray> = (0..3 * CHUNK + 7).map(ray).collect();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+        for kind in Kind::ALL {
+            let hits = Hits::new(kind, rays.len());
+            let nearest = |ray: &Ray| Hit { t: ray.origin[0], triangle: 0, u: 0.0, v: 0.0 };
+            pool.install(|| for_each_ray(&rays, &hits, nearest, |ray| ray.origin[0] as usize % 2 == 1));
+            let expected = |at: usize| match (kind, at % 2) {
+                (Kind::Closest, _) => at as f32,
+                (Kind::Shadow, 0) => f32::INFINITY,
+                (Kind::Shadow, _) => 0.0,
+            };
+            assert!((0..rays.len()).all(|at| hits.distance(at) == expected(at)), "{kind}");
+        }
+    }
+}
