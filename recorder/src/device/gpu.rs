@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::ThreadId;
 
 use super::adapter::choose;
+use super::timing::Timestamps;
 use super::{AdapterDescription, AdapterRequest, GpuError, limits};
 
 /// A device that is open, with the queue that work is sent to. Clones are the same device.
@@ -14,6 +15,8 @@ pub struct Gpu {
     queue: wgpu::Queue,
     adapter: AdapterDescription,
     faults: Arc<Mutex<Faults>>,
+    /// Those that no run holds.
+    timestamps: Arc<Mutex<Vec<Timestamps>>>,
 }
 
 /// What wgpu reported outside of any return value, until the call that caused it picks it up.
@@ -78,7 +81,7 @@ impl Gpu {
             .map_err(|source| GpuError::Open { adapter: description.title(), source })?;
         let faults = Arc::new(Mutex::new(Faults::default()));
         listen(&device, &faults);
-        Ok(Self { device, queue, adapter: description, faults })
+        Ok(Self { device, queue, adapter: description, faults, timestamps: Arc::default() })
     }
 
     /// wgpu's device, for what has no helper here. Follow up with [`Gpu::check`].
@@ -155,6 +158,17 @@ impl Gpu {
         waited.map_err(|description| self.refused(running, description))
     }
 
+    /// Timestamps for a run, to be kept after it.
+    pub(super) fn take_timestamps(&self) -> Result<Timestamps, GpuError> {
+        let free = lock(&self.timestamps).pop();
+        free.map_or_else(|| Timestamps::new(self), Ok)
+    }
+
+    /// Keeps timestamps for the next run.
+    pub(super) fn keep_timestamps(&self, timestamps: Timestamps) {
+        lock(&self.timestamps).push(timestamps);
+    }
+
     /// A call that wgpu refused, in its words.
     pub(super) fn refused(&self, running: &str, description: impl ToString) -> GpuError {
         let description = description.to_string();
@@ -192,9 +206,9 @@ fn listen(device: &wgpu::Device, faults: &Arc<Mutex<Faults>>) {
     });
 }
 
-/// The lock, also after a panic elsewhere: faults are only ever added or taken whole.
-fn lock(faults: &Mutex<Faults>) -> MutexGuard<'_, Faults> {
-    faults.lock().unwrap_or_else(PoisonError::into_inner)
+/// The lock, also after a panic elsewhere: what is in there is only ever added or taken whole.
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

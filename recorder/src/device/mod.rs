@@ -8,7 +8,7 @@
 //! - [`item`]: kernels that run once for each item of a queue, and why they need no index checks
 //! - `parameters`: what kernels are told
 //! - [`run`]: the dispatches of one stage, recorded, submitted and timed as one figure
-//! - `timing`: time that overlapping intervals cover
+//! - `timing`: the device's own clock
 //! - [`readback`]: GPU memory to the CPU through a ring of staging buffers
 
 pub mod adapter;

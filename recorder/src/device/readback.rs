@@ -24,7 +24,7 @@ pub struct Readback<'gpu> {
 }
 
 /// A piece on its way.
-struct InFlight {
+pub(super) struct InFlight {
     staging: wgpu::Buffer,
     bytes: u64,
     submission: wgpu::SubmissionIndex,
@@ -107,7 +107,7 @@ impl<'gpu> Readback<'gpu> {
             let Some(next) = in_flight.pop_front() else {
                 return Ok(());
             };
-            self.receive(running, next, take)?;
+            self.free.push(next.receive(self.gpu, running, take)?);
         }
     }
 
@@ -128,33 +128,44 @@ impl<'gpu> Readback<'gpu> {
         let mut encoder = gpu.device().create_command_encoder(&label);
         encoder.copy_buffer_to_buffer(source, offset, &staging, 0, bytes);
         let submission = gpu.submit(running, encoder.finish())?;
+        InFlight::of(gpu, running, staging, bytes, submission)
+    }
+}
+
+impl InFlight {
+    /// The first `bytes` of a staging buffer that a submission fills.
+    pub(super) fn of(
+        gpu: &Gpu,
+        running: &str,
+        staging: wgpu::Buffer,
+        bytes: u64,
+        submission: wgpu::SubmissionIndex,
+    ) -> Result<Self, GpuError> {
         let (sender, mapped) = mpsc::channel();
         staging.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
             // The receiver is gone only when the read was given up.
             let _ = sender.send(result);
         });
         gpu.check(running)?;
-        Ok(InFlight { staging, bytes, submission, mapped })
+        Ok(Self { staging, bytes, submission, mapped })
     }
 
-    /// Waits for a piece, hands it over, and keeps its buffer for the next one.
-    fn receive<E: From<GpuError>>(
-        &mut self,
+    /// Waits for the piece and hands it over; returns its buffer, for the next one.
+    pub(super) fn receive<E: From<GpuError>>(
+        self,
+        gpu: &Gpu,
         running: &str,
-        piece: InFlight,
         take: &mut impl FnMut(&[u8]) -> Result<(), E>,
-    ) -> Result<(), E> {
-        self.gpu.wait(running, Some(piece.submission))?;
-        let gpu = self.gpu;
-        let mapped = piece.mapped.recv().map_err(|error| gpu.refused(running, error))?;
+    ) -> Result<wgpu::Buffer, E> {
+        gpu.wait(running, Some(self.submission))?;
+        let mapped = self.mapped.recv().map_err(|error| gpu.refused(running, error))?;
         mapped.map_err(|error| gpu.refused(running, error))?;
         {
-            let view = piece.staging.get_mapped_range(0..piece.bytes);
+            let view = self.staging.get_mapped_range(0..self.bytes);
             take(&view.map_err(|error| gpu.refused(running, error))?)?;
         }
-        piece.staging.unmap();
-        self.free.push(piece.staging);
-        Ok(())
+        self.staging.unmap();
+        Ok(self.staging)
     }
 }
 
@@ -168,24 +179,8 @@ impl Gpu {
     }
 }
 
-/// The first `len` elements of a buffer that is not a [`DeviceArray`].
-pub(super) fn read_buffer<T: Pod>(
-    gpu: &Gpu,
-    running: &str,
-    buffer: &wgpu::Buffer,
-    len: u64,
-) -> Result<Vec<T>, GpuError> {
-    let mut bytes = Vec::new();
-    let mut take = |piece: &[u8]| {
-        bytes.extend_from_slice(piece);
-        Ok::<(), GpuError>(())
-    };
-    let range = 0..len * size_of::<T>() as u64;
-    Readback::new(gpu).stream(running, buffer, range, &mut take)?;
-    Ok(bytemuck::pod_collect_to_vec(&bytes))
-}
-
-fn make_staging(gpu: &Gpu, bytes: u64) -> Result<wgpu::Buffer, GpuError> {
+/// A buffer that copies are read from.
+pub(super) fn make_staging(gpu: &Gpu, bytes: u64) -> Result<wgpu::Buffer, GpuError> {
     let staging = gpu.device().create_buffer(&wgpu::BufferDescriptor {
         label: Some("readback::staging"),
         size: bytes,

@@ -6,14 +6,8 @@ use bytemuck::NoUninit;
 
 use super::item::{BoundKernel, ITEMS_PER_SUBMISSION, THREADS};
 use super::kernel::grid;
-use super::timing::covered_ticks;
+use super::timing::{MOST_TIMED_SUBMISSIONS, Timestamps};
 use super::{Chunk, DeviceArray, Gpu, GpuError, Kernel, Parameters};
-
-/// Most submissions of one run that are timed one by one; wgpu's query sets end at 4096 entries.
-const MOST_TIMED_SUBMISSIONS: usize = 2048;
-
-/// Bytes of one timestamp.
-const TIMESTAMP_BYTES: u64 = 8;
 
 /// The dispatches of one stage, in order. Each sees what those before it have written.
 #[derive(Debug)]
@@ -130,23 +124,36 @@ impl StageRun<'_> {
     /// # Errors
     /// As [`Gpu::check`]; what goes wrong on the device itself appears in a later call.
     pub fn submit(self) -> Result<(), GpuError> {
-        for commands in &self.submissions {
-            let mut encoder = self.encoder();
-            encode(&mut encoder, &self.stage, commands, None);
-            self.gpu.submit(&self.stage, encoder.finish())?;
-        }
-        Ok(())
+        self.encoded(None)
+            .into_iter()
+            .try_for_each(|commands| self.gpu.submit(&self.stage, commands).map(drop))
     }
 
     /// Runs everything, waits for it, and returns how many nanoseconds it took: on the GPU's own clock where
     /// it has one, gaps between the submissions left out, else on the CPU's from submission to completion.
+    /// While the time is taken nothing is made or encoded.
     ///
     /// # Errors
     /// As [`Gpu::check`].
-    pub fn finish(self) -> Result<u64, GpuError> {
-        let timed =
-            self.gpu.has(wgpu::Features::TIMESTAMP_QUERY) && self.submissions.len() <= MOST_TIMED_SUBMISSIONS;
-        if timed { self.finish_by_timestamps() } else { self.finish_by_wall_clock() }
+    pub fn finish(mut self) -> Result<u64, GpuError> {
+        self.submissions.retain(|commands| !commands.is_empty());
+        let count = self.submissions.len();
+        if count == 0 {
+            return Ok(0);
+        }
+        if count > MOST_TIMED_SUBMISSIONS || !self.gpu.has(wgpu::Features::TIMESTAMP_QUERY) {
+            return self.finish_by_wall_clock();
+        }
+        let (gpu, stage) = (self.gpu, &self.stage);
+        let timestamps = gpu.take_timestamps()?;
+        let mut last = None;
+        for commands in self.encoded(Some(&timestamps)) {
+            last = Some(gpu.submit(stage, commands)?);
+        }
+        let Some(last) = last else { return Ok(0) };
+        let elapsed_ns = timestamps.elapsed_ns(gpu, stage, count, last)?;
+        gpu.keep_timestamps(timestamps);
+        Ok(elapsed_ns)
     }
 
     fn push(&mut self, command: Command) {
@@ -155,53 +162,33 @@ impl StageRun<'_> {
         }
     }
 
-    fn encoder(&self) -> wgpu::CommandEncoder {
-        self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(&self.stage) })
+    /// Everything, as it is submitted.
+    fn encoded(&self, timestamps: Option<&Timestamps>) -> Vec<wgpu::CommandBuffer> {
+        let label = wgpu::CommandEncoderDescriptor { label: Some(&self.stage) };
+        let count = self.submissions.len();
+        let encoded = |(index, commands): (usize, &Vec<Command>)| {
+            let mut encoder = self.gpu.device().create_command_encoder(&label);
+            let queries = timestamps.map(|timestamps| (&timestamps.queries, 2 * index as u32));
+            encode(&mut encoder, &self.stage, commands, queries);
+            if let Some(timestamps) = timestamps.filter(|_| index + 1 == count) {
+                timestamps.resolve(&mut encoder, count);
+            }
+            encoder.finish()
+        };
+        self.submissions.iter().enumerate().map(encoded).collect()
     }
 
     fn finish_by_wall_clock(self) -> Result<u64, GpuError> {
-        let gpu = self.gpu;
-        let stage = self.stage.clone();
+        let (gpu, stage) = (self.gpu, &self.stage);
+        let encoded = self.encoded(None);
         // What was submitted before must not be counted.
-        gpu.wait(&stage, None)?;
+        gpu.wait(stage, None)?;
         let start = Instant::now();
-        self.submit()?;
-        gpu.wait(&stage, None)?;
+        for commands in encoded {
+            gpu.submit(stage, commands)?;
+        }
+        gpu.wait(stage, None)?;
         Ok(start.elapsed().as_nanos() as u64)
-    }
-
-    fn finish_by_timestamps(mut self) -> Result<u64, GpuError> {
-        self.submissions.retain(|commands| !commands.is_empty());
-        if self.submissions.is_empty() {
-            return Ok(0);
-        }
-        let count = 2 * self.submissions.len() as u32;
-        let queries = self.gpu.device().create_query_set(&wgpu::QuerySetDescriptor {
-            label: Some(&self.stage),
-            ty: wgpu::QueryType::Timestamp,
-            count,
-        });
-        let resolved = self.gpu.device().create_buffer(&wgpu::BufferDescriptor {
-            label: Some("timing::resolved"),
-            size: u64::from(count) * TIMESTAMP_BYTES,
-            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        self.gpu.check("making timestamp queries")?;
-        let last = self.submissions.len() - 1;
-        for (index, commands) in self.submissions.iter().enumerate() {
-            let mut encoder = self.encoder();
-            encode(&mut encoder, &self.stage, commands, Some((&queries, 2 * index as u32)));
-            if index == last {
-                encoder.resolve_query_set(&queries, 0..count, &resolved, 0);
-            }
-            self.gpu.submit(&self.stage, encoder.finish())?;
-        }
-        let ticks: Vec<u64> =
-            super::readback::read_buffer(self.gpu, &self.stage, &resolved, u64::from(count))?;
-        let mut intervals: Vec<_> = ticks.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect();
-        let period_ns = f64::from(self.gpu.queue().get_timestamp_period());
-        Ok((covered_ticks(&mut intervals) as f64 * period_ns).round() as u64)
     }
 }
 
