@@ -78,6 +78,21 @@ fn skip_row((what, of): (&str, &str)) -> SkipRow {
     }
 }
 
+/// A picture of the curve over time.
+fn image(method: &str, passes: u32, wall_ns: u64, relative_mse: f64) -> ImageRow {
+    ImageRow {
+        scene: "box".to_owned(),
+        method: method.into(),
+        width: 16,
+        height: 9,
+        passes,
+        wall_ns,
+        speedup: None,
+        relative_mse,
+        reference_passes: 64,
+    }
+}
+
 /// Every curve, two points each.
 fn error_rows() -> ErrorRows {
     let scene = || "box".to_owned();
@@ -121,16 +136,6 @@ fn error_rows() -> ErrorRows {
         sort_ns: key_ns.clone(),
         key_ns,
         trace_ns: vec![2_000_000, 3_000_000, 4_000_000],
-    };
-    let image = |method: &str, passes, wall_ns, relative_mse| ImageRow {
-        scene: scene(),
-        method: method.into(),
-        width: 16,
-        height: 9,
-        passes,
-        wall_ns,
-        relative_mse,
-        reference_passes: 64,
     };
     ErrorRows {
         precision: vec![precision("watertight", 0, 900), precision("moeller-trumbore", 3, 800)],

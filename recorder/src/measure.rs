@@ -66,8 +66,8 @@ pub struct Measurement {
     pub disturbed: BTreeMap<Stage, Vec<u32>>,
     /// Most results of any of its traces that differed from those of canonical order.
     pub mismatches: u64,
-    /// The round that decides which way counts.
-    pub deciding: StageSamples,
+    /// Nanoseconds of the round that decides which way counts, by each way.
+    pub deciding_ns: [u64; 2],
 }
 
 /// What measuring one queue gave: an entry for each order that applies, canonical order first.
@@ -108,7 +108,7 @@ impl<B: Backend> Queued<'_, B> {
                 Subject::Control => Some(backend.upload_permutation(&(0..count).collect::<Vec<_>>())?),
                 Subject::Shuffled => {
                     let mut indices: Vec<u32> = (0..count).collect();
-                    rng(measured.seed, id).shuffle(&mut indices);
+                    Rng::with_seed(seed_of(measured.seed, id)).shuffle(&mut indices);
                     Some(backend.upload_permutation(&indices)?)
                 }
                 Subject::Method(number) if !self.methods[number].applies_to(id.kind) => continue,
@@ -140,21 +140,15 @@ impl<B: Backend> Queued<'_, B> {
         measured: &Measured,
         orders: &Orders<B::Permutation>,
     ) -> Result<QueueMeasurement> {
-        let mut rng = rng(!measured.seed, self.rays.id());
-        let mut places: Vec<usize> = (0..orders.subjects.len()).collect();
-        let mut deciding = empty(orders);
-        for &at in &places {
-            self.sample(backend, &orders.subjects[at], &mut deciding[at], 0)?;
-        }
-        let mut entries = empty(orders);
-        for round in 0..measured.repeats {
-            rng.shuffle(&mut places);
-            for &at in &places {
-                self.sample(backend, &orders.subjects[at], &mut entries[at], round)?;
-            }
-        }
+        let (mut deciding, mut entries) = (empty(orders), empty(orders));
+        let seed = seed_of(!measured.seed, self.rays.id());
+        in_rounds(entries.len(), measured.repeats, seed, |at, round| {
+            let entries = if round.is_some() { &mut entries } else { &mut deciding };
+            self.sample(backend, &orders.subjects[at], &mut entries[at], round.unwrap_or(0))
+        })?;
         for (entry, deciding) in entries.iter_mut().zip(deciding) {
-            entry.deciding = deciding.stages;
+            let sum = |way: Way| way.stages().iter().flat_map(|&stage| deciding.stages.of(stage)).sum();
+            entry.deciding_ns = [Way::Gathered, Way::Indices].map(sum);
         }
         Ok(entries)
     }
@@ -216,12 +210,6 @@ impl Measurement {
             self.disturbed.entry(stage).or_default().push(round);
         }
     }
-
-    /// Nanoseconds of the deciding round by each way.
-    pub fn ways_ns(&self) -> [u64; 2] {
-        [Way::Gathered, Way::Indices]
-            .map(|way| way.stages().iter().map(|&stage| self.deciding.of(stage).iter().sum::<u64>()).sum())
-    }
 }
 
 /// Entries without samples.
@@ -231,15 +219,54 @@ fn empty<P>(orders: &Orders<P>) -> QueueMeasurement {
         stages: StageSamples::default(),
         disturbed: BTreeMap::new(),
         mismatches: 0,
-        deciding: StageSamples::default(),
+        deciding_ns: [0; 2],
     };
     orders.subjects.iter().map(entry).collect()
 }
 
-/// Random numbers that depend on the queue.
-fn rng(seed: u64, id: QueueId) -> Rng {
+/// A seed that depends on the queue.
+pub fn seed_of(seed: u64, id: QueueId) -> u64 {
     let queue = (u64::from(id.pass) << 32 | u64::from(id.bounce)) << 1 | id.kind as u64;
-    Rng::with_seed(seed ^ queue.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+    seed ^ queue.wrapping_mul(0x9e37_79b9_7f4a_7c15)
+}
+
+/// Lets each of `count` take its turn once a round, in an order drawn for the round: first in a round without
+/// a number, whose samples no figure takes, then in `repeats` that count.
+///
+/// # Errors
+/// The first of any turn.
+pub fn in_rounds(
+    count: usize,
+    repeats: u32,
+    seed: u64,
+    mut turn: impl FnMut(usize, Option<u32>) -> Result<()>,
+) -> Result<()> {
+    let mut rng = Rng::with_seed(seed);
+    let mut places: Vec<usize> = (0..count).collect();
+    for round in [None].into_iter().chain((0..repeats).map(Some)) {
+        rng.shuffle(&mut places);
+        places.iter().try_for_each(|&at| turn(at, round))?;
+    }
+    Ok(())
+}
+
+/// What each of `count` gave in the rounds that count: see [`in_rounds`].
+///
+/// # Errors
+/// The first of any turn.
+pub fn sampled<T>(
+    count: usize,
+    repeats: u32,
+    seed: u64,
+    mut sample: impl FnMut(usize) -> Result<T>,
+) -> Result<Vec<Vec<T>>> {
+    let mut samples: Vec<Vec<T>> = (0..count).map(|_| Vec::new()).collect();
+    in_rounds(count, repeats, seed, |at, round| {
+        let sample = sample(at)?;
+        samples[at].extend(round.map(|_| sample));
+        Ok(())
+    })?;
+    Ok(samples)
 }
 
 /// Whether a speedup may be quoted: the real length is only known once the ray was traced.
@@ -250,4 +277,29 @@ pub fn has_speedup(method: &MethodPlan) -> bool {
 /// Name of a queue for messages.
 pub fn queue_name(bounce: u32, kind: Kind) -> String {
     format!("bounce {bounce}, {kind} rays")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_takes_its_turn_once_a_round_and_nothing_always_follows_the_same() {
+        let mut turns = Vec::new();
+        in_rounds(3, 40, 7, |at, round| {
+            turns.push((round, at));
+            Ok(())
+        })
+        .unwrap();
+        let mut orders = std::collections::BTreeSet::new();
+        for (number, round) in turns.chunks(3).enumerate() {
+            assert!(round.iter().all(|turn| turn.0 == (number as u32).checked_sub(1)), "{round:?}");
+            let order: Vec<usize> = round.iter().map(|turn| turn.1).collect();
+            assert_eq!(order.iter().sum::<usize>(), 3, "each of 0, 1 and 2: {order:?}");
+            orders.insert(order);
+        }
+        assert_eq!((turns.len(), orders.len()), (3 * 41, 6), "{orders:?}");
+        let samples = sampled(2, 3, 0, |at| Ok(at + 5)).unwrap();
+        assert_eq!(samples, [[5; 3], [6; 3]], "the first round does not count");
+    }
 }

@@ -130,7 +130,8 @@ fn milliseconds(samples_ns: &[u64]) -> String {
     median(samples_ns).map_or(String::new(), |median| format!("{:.2}", median / 1e6))
 }
 
-fn speedup(speedup: Option<Speedup>) -> String {
+/// Its ratio and interval; nothing where there is none.
+pub fn speedup(speedup: Option<Speedup>) -> String {
     match speedup {
         None => String::new(),
         Some(Speedup { ratio, interval: None }) => format!("{ratio:.2}"),

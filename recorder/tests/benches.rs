@@ -39,7 +39,7 @@ fn errors_are_those_of_what_was_measured() {
             curves: vec![Curve::Precision, Curve::KeyBits, Curve::Image],
             rays: 500,
             key_bits: vec![8, 32],
-            image: ImageSize { width: 16, height: 9, passes: 4, reference_passes: 32 },
+            image: ImageSize { width: 16, height: 9, passes: 6, reference_passes: 32 },
             run: run(backend),
         };
         let result = error::run(&bench).unwrap();
@@ -69,6 +69,11 @@ fn errors_are_those_of_what_was_measured() {
         assert_eq!(noise("aila", 4), noise(UNSORTED, 4), "pictures do not depend on the order");
         for pair in rows.image.windows(4).filter(|rows| rows[0].method == rows[3].method) {
             assert!(pair[3].wall_ns > pair[0].wall_ns, "time goes on: {pair:?}");
+        }
+        for row in &rows.image {
+            assert_eq!(row.speedup.is_some(), row.method != UNSORTED, "{row:?}");
+            let interval = row.speedup.and_then(|speedup| speedup.interval);
+            assert_eq!(interval.is_some(), row.method != UNSORTED && row.passes >= 6, "a pass is a round");
         }
     }
 }

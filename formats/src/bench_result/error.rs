@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::metrics::estimator::EstimateError;
+use crate::metrics::speedup::Speedup;
 use crate::ray::Kind;
 
 /// The four curves; one that was not asked for has no rows.
@@ -152,8 +153,11 @@ pub struct ImageRow {
     pub height: u32,
     /// Samples per pixel.
     pub passes: u32,
-    /// Wall time of all of them, keys, sorts and gathers included, nanoseconds.
+    /// Time of all of them, keys, sorts, gathers and scatters included, nanoseconds on the device's clock.
     pub wall_ns: u64,
+    /// Over `unsorted`, by passes; of `unsorted` and of results before this field there is none.
+    #[serde(default)]
+    pub speedup: Option<Speedup>,
     /// Mean squared error of the picture, relative to the reference.
     pub relative_mse: f64,
     /// Samples per pixel of the reference, which has another seed.

@@ -202,6 +202,7 @@ mod tests {
             height: 3,
             passes: 2,
             wall_ns: 9,
+            speedup: Some(Speedup { ratio: 1.5, interval: Some((1.25, 2.0)) }),
             relative_mse: 0.125,
             reference_passes: 64,
         };

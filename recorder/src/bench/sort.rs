@@ -7,6 +7,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use super::result;
 use crate::clock::Clock;
 use crate::machine::{self, Device};
+use crate::measure::{in_rounds, sampled};
 use crate::options::DeviceOptions;
 use crate::stages::sort::cpu::Permutation;
 use crate::stages::sort::gpu::Sorter;
@@ -33,8 +34,16 @@ pub fn run(bench: &SortBench) -> Result<BenchResult> {
     let device = machine::open(&bench.device)?;
     let rows = match &device {
         Device::Cpu(cpu) => cpu.pool.install(|| {
-            let (mut sorter, mut order) = (sort::cpu::Sorter::default(), Permutation::new());
-            measure(bench, |keys, bits| Ok(on_threads(&mut sorter, &mut order, keys, bits)))
+            let mut sorter = sort::cpu::Sorter::default();
+            let (mut clock, mut order) = (Clock::of_processor(), Permutation::new());
+            measure(bench, |keys, bits| {
+                Ok(on_threads(
+                    &mut clock,
+                    &mut sorter,
+                    &mut order,
+                    &sort::cpu::Keys::of(&cut(keys, bits), bits),
+                ))
+            })
         })?,
         Device::Gpu(gpu) => {
             let mut sorter = Sorter::new(&gpu.gpu)?;
@@ -49,32 +58,26 @@ pub fn run(bench: &SortBench) -> Result<BenchResult> {
     Ok(result(&device, Rows::Sort(rows)))
 }
 
-/// Every n and width once per repeat, after a warm-up. Keys of one n are made once.
+/// Every n, and of each every width in rounds. Keys of one n are made once.
 fn measure(bench: &SortBench, mut sort_ns: impl FnMut(&[u64], u32) -> Result<u64>) -> Result<Vec<SortRow>> {
     let mut rows = Vec::new();
     for &n in &bench.counts {
-        let keys = random_keys(n as usize);
-        let first = rows.len();
-        for &key_bits in &bench.key_bits {
-            sort_ns(&keys, key_bits)?;
-            rows.push(SortRow { n, key_bits, samples_ns: Vec::new() });
-        }
-        for repeat in 0..bench.repeats as usize {
-            let count = bench.key_bits.len();
-            for turn in 0..count {
-                let row = &mut rows[first + (turn + repeat) % count];
-                row.samples_ns.push(sort_ns(&keys, row.key_bits)?);
-            }
-        }
+        let (keys, widths) = (random_keys(n as usize), &bench.key_bits);
+        let samples = sampled(widths.len(), bench.repeats, n, |at| sort_ns(&keys, widths[at]))?;
+        let row = |(&key_bits, samples_ns)| SortRow { n, key_bits, samples_ns };
+        rows.extend(widths.iter().zip(samples).map(row));
     }
     Ok(rows)
 }
 
-fn on_threads(sorter: &mut sort::cpu::Sorter, order: &mut Permutation, keys: &[u64], bits: u32) -> u64 {
-    let keys = sort::cpu::Keys::of(&cut(keys, bits), bits);
-    let mut clock = Clock::of_processor();
-    sorter.make_room(&keys, order);
-    clock.time(|| sorter.sort(&keys, order));
+fn on_threads(
+    clock: &mut Clock,
+    sorter: &mut sort::cpu::Sorter,
+    order: &mut Permutation,
+    keys: &sort::cpu::Keys,
+) -> u64 {
+    sorter.make_room(keys, order);
+    clock.time(|| sorter.sort(keys, order));
     clock.last().elapsed_ns
 }
 
@@ -90,7 +93,7 @@ pub(super) struct SortedBy {
     pub(super) order: Vec<u32>,
 }
 
-/// Sorts keys of 32 bits by each choice of digits, in turns, after a warm-up.
+/// Sorts keys of 32 bits by each choice of digits, in rounds.
 ///
 /// # Errors
 /// If the keys do not fit the device.
@@ -105,11 +108,9 @@ pub(super) fn sorted_by(
             let keys = sort::cpu::Keys::of(keys, u32::BITS);
             let mut sorters: Vec<_> = choices.iter().map(|&digits| sort::cpu::Sorter::by(digits)).collect();
             let (mut clock, mut order) = (Clock::of_processor(), Permutation::new());
-            in_turns(choices.len(), repeats, |at| {
-                sorters[at].make_room(&keys, &mut order);
-                clock.time(|| sorters[at].sort(&keys, &mut order));
-                let order = order.iter().map(|place| place.load(Relaxed)).collect();
-                Ok((clock.last().elapsed_ns, order))
+            sorted_in_rounds(choices.len(), repeats, |at| {
+                let elapsed_ns = on_threads(&mut clock, &mut sorters[at], &mut order, &keys);
+                Ok((elapsed_ns, order.iter().map(|place| place.load(Relaxed)).collect()))
             })
         }),
         Device::Gpu(device) => {
@@ -118,7 +119,7 @@ pub(super) fn sorted_by(
             let sorters = choices.iter().map(|&digits| Ok(Sorter::new(gpu)?.by(digits)));
             let mut sorters: Vec<Sorter> = sorters.collect::<Result<_>>()?;
             let order = gpu.array("sort::permutation", keys.count)?;
-            in_turns(choices.len(), repeats, |at| {
+            sorted_in_rounds(choices.len(), repeats, |at| {
                 let elapsed_ns = sorters[at].sort(gpu, &keys, &order)?;
                 Ok((elapsed_ns, gpu.read_vec(&order)?))
             })
@@ -126,19 +127,18 @@ pub(super) fn sorted_by(
     }
 }
 
-fn in_turns(
+fn sorted_in_rounds(
     choices: usize,
     repeats: u32,
     mut sort: impl FnMut(usize) -> Result<(u64, Vec<u32>)>,
 ) -> Result<Vec<SortedBy>> {
     let mut sorted = vec![SortedBy::default(); choices];
-    for repeat in 0..=repeats {
-        for (at, sorted) in sorted.iter_mut().enumerate() {
-            let (elapsed_ns, order) = sort(at)?;
-            sorted.samples_ns.extend((repeat > 0).then_some(elapsed_ns));
-            sorted.order = order;
-        }
-    }
+    in_rounds(choices, repeats, 0, |at, round| {
+        let (elapsed_ns, order) = sort(at)?;
+        sorted[at].samples_ns.extend(round.map(|_| elapsed_ns));
+        sorted[at].order = order;
+        Ok(())
+    })?;
     Ok(sorted)
 }
 

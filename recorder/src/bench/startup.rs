@@ -1,7 +1,5 @@
 //! What happens before the first ray: reading a scene, its hierarchy, copies for the device, pipelines.
 
-use std::time::Instant;
-
 use anyhow::Result;
 use formats::bench_result::skip::StartupRow;
 use formats::bench_result::{BenchResult, Rows};
@@ -12,6 +10,7 @@ use super::result;
 use super::skip::SkipBench;
 use crate::backends::gpu::kernels::Kernels;
 use crate::backends::gpu::scene::SceneArrays;
+use crate::clock::Clock;
 use crate::device::Gpu;
 use crate::machine::{self, Device};
 use crate::options::RecordOptions;
@@ -28,7 +27,7 @@ use crate::stages::trace::gpu::Tracer;
 /// # Errors
 /// One sentence on what went wrong with scene or device.
 pub fn run(options: &SkipBench) -> Result<BenchResult> {
-    let mut steps = Steps::default();
+    let mut steps = Steps::new();
     let mut opened = None;
     for _ in 0..options.run.repeats {
         opened = Some(steps.timed("device", || machine::open(&options.run.device))?);
@@ -39,7 +38,7 @@ pub fn run(options: &SkipBench) -> Result<BenchResult> {
     };
     let mut rows = steps.rows("", 0, device.kernel(&options.run.device));
     for name in &options.scenes {
-        let mut steps = Steps::default();
+        let mut steps = Steps::new();
         let mut scene = scenes::load(name)?;
         for _ in 0..options.run.repeats {
             scene = start(&device, name, &options.run, &mut steps)?;
@@ -54,17 +53,22 @@ pub fn run(options: &SkipBench) -> Result<BenchResult> {
 }
 
 /// Samples by step, in the order in which steps were first taken.
-#[derive(Default)]
-struct Steps(Vec<(&'static str, Vec<u64>)>);
+struct Steps {
+    clock: Clock,
+    samples_ns: Vec<(&'static str, Vec<u64>)>,
+}
 
 impl Steps {
+    fn new() -> Self {
+        Self { clock: Clock::of_processor(), samples_ns: Vec::new() }
+    }
+
     fn timed<T>(&mut self, step: &'static str, work: impl FnOnce() -> T) -> T {
-        let start = Instant::now();
-        let value = work();
-        let elapsed_ns = start.elapsed().as_nanos() as u64;
-        match self.0.iter_mut().find(|(known, _)| *known == step) {
+        let value = self.clock.time(work);
+        let elapsed_ns = self.clock.last().elapsed_ns;
+        match self.samples_ns.iter_mut().find(|(known, _)| *known == step) {
             Some((_, samples_ns)) => samples_ns.push(elapsed_ns),
-            None => self.0.push((step, vec![elapsed_ns])),
+            None => self.samples_ns.push((step, vec![elapsed_ns])),
         }
         value
     }
@@ -77,7 +81,7 @@ impl Steps {
             step: step.to_owned(),
             samples_ns,
         };
-        self.0.into_iter().map(row).collect()
+        self.samples_ns.into_iter().map(row).collect()
     }
 }
 

@@ -1,4 +1,4 @@
-//! Trace rate per scene, kernel, bounce, kind and order, all of them on the same rays, interleaved.
+//! Trace rate per scene, kernel, bounce, kind and order, all of them on the same rays, in rounds.
 
 use std::sync::Arc;
 
@@ -13,6 +13,7 @@ use super::queues::Copied;
 use super::result;
 use crate::backends::{Array, Backend, Queue, collected};
 use crate::machine;
+use crate::measure::{sampled, seed_of};
 use crate::options::{DeviceOptions, RecordOptions};
 use crate::recording::{choose_camera, setup};
 use crate::stages::setup::Setup;
@@ -100,16 +101,20 @@ impl<B: Backend> Observer<B> for KernelsAndOrders<'_, B> {
             kernels.push(prepare(other, &queue, &hits, &methods)?);
             queues.push(queue);
         }
-        let mut samples = vec![vec![Vec::new(); methods.len() + 1]; kernels.len()];
-        for _ in 0..self.bench.run.repeats {
-            sample(backend, rays, &kernels[0], &mut samples[0])?;
-            for (at, other) in self.others.iter_mut().enumerate() {
-                sample(other, &queues[at], &kernels[at + 1], &mut samples[at + 1])?;
+        let (width, run) = (methods.len() + 1, &self.bench.run);
+        let seed = seed_of(run.seed, id);
+        let mut samples = sampled(kernels.len() * width, run.repeats, seed, |at| {
+            let (kernel, order) = (at / width, at % width);
+            let permutation = order.checked_sub(1).map(|method| &kernels[kernel][method]);
+            match kernel.checked_sub(1) {
+                None => sample(backend, rays, permutation),
+                Some(other) => sample(&mut self.others[other], &queues[other], permutation),
             }
-        }
-        for (kernel, samples) in self.bench.kernels.iter().zip(samples) {
+        })?
+        .into_iter();
+        for kernel in &self.bench.kernels {
             let names = methods.iter().map(|&method| self.setup.methods[method].name.as_str());
-            for (order, samples_ns) in [UNSORTED].into_iter().chain(names).zip(samples) {
+            for (order, samples_ns) in [UNSORTED].into_iter().chain(names).zip(&mut samples) {
                 self.rows.push(TraceRow {
                     scene: self.scene.name.clone(),
                     triangles: self.scene.triangles.len() as u64,
@@ -140,19 +145,9 @@ fn prepare<B: Backend>(
     methods.iter().map(&mut order).collect()
 }
 
-/// One sample per order, the canonical one first.
-fn sample<B: Backend>(
-    backend: &mut B,
-    rays: &B::Rays,
-    orders: &[B::Permutation],
-    samples: &mut [Vec<u64>],
-) -> Result<()> {
-    backend.trace(rays, Order::Stored)?;
-    samples[0].push(backend.elapsed_ns());
-    for (order, samples) in orders.iter().zip(&mut samples[1..]) {
-        let gathered = backend.gather(rays, order)?;
-        backend.trace(&gathered, Order::Stored)?;
-        samples.push(backend.elapsed_ns());
-    }
-    Ok(())
+/// Nanoseconds of a trace in canonical order, or of rays gathered by a permutation.
+fn sample<B: Backend>(backend: &mut B, rays: &B::Rays, permutation: Option<&B::Permutation>) -> Result<u64> {
+    let gathered = permutation.map(|permutation| backend.gather(rays, permutation)).transpose()?;
+    backend.trace(gathered.as_ref().unwrap_or(rays), Order::Stored)?;
+    Ok(backend.elapsed_ns())
 }

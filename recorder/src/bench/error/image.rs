@@ -1,24 +1,24 @@
-//! Pictures: wall time, overhead included, against noise.
+//! Pictures: the time of all stages against noise.
 //!
 //! Hits do not depend on the order in which rays are traced, so after as many passes every method has the
-//! same picture, and what sorting buys is time. Each queue is therefore traced once in the order of every
-//! method, in turns, and what a renderer that keeps to one method would have waited for is added up.
-
-use std::time::Instant;
+//! same picture, and what sorting buys is time. Each queue is therefore measured in the order of every method
+//! as a recording measures it, and what a renderer that keeps to one method would have taken is added up. A
+//! pass is a round: the speedup is the median over passes.
 
 use anyhow::Result;
 use formats::bench_result::error::ImageRow;
 use formats::key::Termination;
 use formats::key::method::UNSORTED;
-use formats::manifest::Stage;
+use formats::manifest::{Stage, Way};
+use formats::metrics::speedup::Speedup;
 use formats::ray::Kind;
 
 use super::super::backends::{self, Measurement};
 use super::Bench;
-use crate::backends::{Backend, Queue, Table, picture};
+use crate::backends::{Backend, Queue, picture};
+use crate::measure::{Measured, Queued, Subject};
 use crate::options::RecordOptions;
-use crate::stages::setup::{MethodPlan, Setup};
-use crate::stages::trace::Order;
+use crate::stages::setup::Setup;
 use crate::wavefront::{self, Observer};
 
 /// Keeps dark pixels from deciding: a part of the reference's mean square.
@@ -36,9 +36,18 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<ImageRow>> {
     let setup = bench.setup(&other_seed)?;
     let reference = backends::measure(bench.device, bench.scene, &setup, &kernels, reference)?;
     let setup = bench.setup(&run)?;
-    let clocks = vec![Clock::default(); setup.methods.len()];
-    let work =
-        Pictures { bench, setup: &setup, reference, shared_ns: 0, unsorted_ns: 0, clocks, rows: Vec::new() };
+    let passes = || vec![0; size.passes as usize];
+    let sorted = || Sorted { ways_ns: [passes(), passes()], deciding_ns: [0; 2] };
+    let work = Pictures {
+        bench,
+        setup: &setup,
+        seed: run.seed,
+        reference,
+        shared_ns: passes(),
+        unsorted_ns: passes(),
+        methods: setup.methods.iter().map(|_| sorted()).collect(),
+        noise: Vec::new(),
+    };
     backends::measure(bench.device, bench.scene, &setup, &kernels, work)
 }
 
@@ -69,23 +78,27 @@ impl Measurement for Reference {
     }
 }
 
-/// What the queues so far took when traced in the order of a method, nanoseconds.
-#[derive(Clone, Debug, Default)]
-struct Clock {
-    gathered_ns: u64,
-    indirect_ns: u64,
+/// What passes took when traced in the order of a method, nanoseconds each, by [`WAYS`].
+struct Sorted {
+    ways_ns: [Vec<u64>; 2],
+    /// The same over all passes, in the rounds that decide and no figure takes.
+    deciding_ns: [u64; 2],
 }
+
+const WAYS: [Way; 2] = [Way::Gathered, Way::Indices];
 
 struct Pictures<'a> {
     bench: Bench<'a>,
     setup: &'a Setup,
+    seed: u64,
     reference: Vec<[f32; 3]>,
-    /// Generating and shading, the same for all.
-    shared_ns: u64,
-    unsorted_ns: u64,
-    /// By method.
-    clocks: Vec<Clock>,
-    rows: Vec<ImageRow>,
+    /// Generating and shading of each pass, the same for all.
+    shared_ns: Vec<u64>,
+    /// Traces in canonical order of each pass.
+    unsorted_ns: Vec<u64>,
+    methods: Vec<Sorted>,
+    /// Relative mean squared error after each pass.
+    noise: Vec<f64>,
 }
 
 impl Measurement for Pictures<'_> {
@@ -95,8 +108,8 @@ impl Measurement for Pictures<'_> {
         let passes = self.bench.options.image.passes;
         let backend = &mut backends[0];
         wavefront::run(backend, passes, self.bench.options.run.bounces, &mut self)?;
-        self.look(backend, passes)?;
-        Ok(self.rows)
+        self.look(backend)?;
+        Ok(self.rows())
     }
 }
 
@@ -105,85 +118,75 @@ impl<B: Backend> Observer<B> for Pictures<'_> {
         let id = rays.id();
         let is_camera = id.bounce == 0 && id.kind == Kind::Closest;
         if is_camera && id.pass > 0 {
-            self.look(backend, id.pass)?;
+            self.look(backend)?;
         }
-        let unsorted_ns = waited(|| backend.trace(rays, Order::Stored).map(drop))?;
-        self.unsorted_ns += unsorted_ns;
-        let count = self.clocks.len();
-        for turn in 0..count {
-            let method = (turn + id.pass as usize) % count;
-            let plan = &self.setup.methods[method];
-            let clock = &mut self.clocks[method];
-            if is_camera || !plan.applies_to(id.kind) {
-                clock.gathered_ns += unsorted_ns;
-                clock.indirect_ns += unsorted_ns;
-            } else {
-                sorted(backend, rays, hits, method, plan, clock)?;
+        let sorted = (0..self.setup.methods.len()).filter(|_| !is_camera).map(Subject::Method);
+        let orders = [Subject::Unsorted].into_iter().chain(sorted).collect();
+        let measured = Measured { orders, repeats: 1, seed: self.seed };
+        let queue = Queued { rays, hits, methods: &self.setup.methods };
+        let orders = queue.warm_up(backend, &measured, |_, _, _, _| Ok(()))?;
+        let found = queue.measure(backend, &measured, &orders)?;
+        let trace_ns = found.first().map_or(0, |unsorted| unsorted.stages.of(Stage::Trace).iter().sum());
+        let pass = id.pass as usize;
+        self.unsorted_ns[pass] += trace_ns;
+        for (number, method) in self.methods.iter_mut().enumerate() {
+            let sorted = found.iter().find(|entry| entry.subject == Subject::Method(number));
+            for (at, way) in WAYS.into_iter().enumerate() {
+                // What is not sorted is traced in canonical order.
+                let ns = sorted.map_or(trace_ns, |entry| entry.stages.totals(way).iter().sum());
+                method.ways_ns[at][pass] += ns;
+                method.deciding_ns[at] += sorted.map_or(0, |entry| entry.deciding_ns[at]);
             }
         }
         Ok(())
     }
 
-    fn ran(&mut self, backend: &B, _: Stage, _: &B::Rays) -> Result<()> {
-        self.shared_ns += backend.elapsed_ns();
+    fn ran(&mut self, backend: &B, _: Stage, rays: &B::Rays) -> Result<()> {
+        self.shared_ns[rays.id().pass as usize] += backend.elapsed_ns();
         Ok(())
     }
 }
 
 impl Pictures<'_> {
-    /// Records what every method has taken after so many passes.
-    fn look<B: Backend>(&mut self, backend: &mut B, passes: u32) -> Result<()> {
-        let Self { bench, setup, .. } = self;
-        let relative_mse = relative_mse(&picture(backend, passes)?, &self.reference);
-        let row = |method: &str, traced_ns: u64| ImageRow {
-            scene: bench.scene.name.clone(),
-            method: method.to_owned(),
-            width: setup.width,
-            height: setup.height,
-            passes,
-            wall_ns: self.shared_ns + traced_ns,
-            relative_mse,
-            reference_passes: bench.options.image.reference_passes,
-        };
-        self.rows.push(row(UNSORTED, self.unsorted_ns));
-        for (plan, clock) in setup.methods.iter().zip(&self.clocks) {
-            // A renderer settles on one way to trace.
-            self.rows.push(row(&plan.name, clock.gathered_ns.min(clock.indirect_ns)));
-        }
+    /// Keeps the noise after one pass more.
+    fn look<B: Backend>(&mut self, backend: &mut B) -> Result<()> {
+        let passes = self.noise.len() as u32 + 1;
+        self.noise.push(relative_mse(&picture(backend, passes)?, &self.reference));
         Ok(())
     }
-}
 
-fn sorted<B: Backend>(
-    backend: &mut B,
-    rays: &B::Rays,
-    hits: &B::Hits,
-    method: usize,
-    plan: &MethodPlan,
-    clock: &mut Clock,
-) -> Result<()> {
-    let start = Instant::now();
-    let keys = backend.key(rays, hits, method)?;
-    let order = backend.sort(&keys)?;
-    let mut before_ns = start.elapsed().as_nanos() as u64;
-    if plan.termination == Termination::Adaptive {
-        before_ns += waited(|| backend.accumulate(rays, hits, Table::Scratch))?;
+    /// What every method has taken after so many passes; a renderer settles on one way to trace.
+    fn rows(&self) -> Vec<ImageRow> {
+        let whole = |traced_ns: &[u64]| -> Vec<u64> {
+            self.shared_ns.iter().zip(traced_ns).map(|(&shared, &traced)| shared + traced).collect()
+        };
+        let unsorted = whole(&self.unsorted_ns);
+        let sorted = |Sorted { ways_ns, deciding_ns: [gathered, indices] }: &Sorted| {
+            whole(&ways_ns[usize::from(indices < gathered)])
+        };
+        let sorted: Vec<Vec<u64>> = self.methods.iter().map(sorted).collect();
+        let mut rows = Vec::new();
+        for (passes, &relative_mse) in (1..).zip(&self.noise) {
+            let row = |method: &str, wall_ns: &[u64], speedup| ImageRow {
+                scene: self.bench.scene.name.clone(),
+                method: method.to_owned(),
+                width: self.setup.width,
+                height: self.setup.height,
+                passes: passes as u32,
+                wall_ns: wall_ns.iter().sum(),
+                speedup,
+                relative_mse,
+                reference_passes: self.bench.options.image.reference_passes,
+            };
+            let unsorted = &unsorted[..passes];
+            rows.push(row(UNSORTED, unsorted, None));
+            for (plan, sorted) in self.setup.methods.iter().zip(&sorted) {
+                let sorted = &sorted[..passes];
+                rows.push(row(&plan.name, sorted, Speedup::of(unsorted, sorted)));
+            }
+        }
+        rows
     }
-    clock.gathered_ns += before_ns
-        + waited(|| {
-            let gathered = backend.gather(rays, &order)?;
-            let found = backend.trace(&gathered, Order::Stored)?;
-            backend.scatter(&found, &order).map(drop)
-        })?;
-    clock.indirect_ns += before_ns + waited(|| backend.trace(rays, Order::Indirect(&order)).map(drop))?;
-    Ok(())
-}
-
-/// Nanoseconds on the wall that something takes.
-fn waited(work: impl FnOnce() -> Result<()>) -> Result<u64> {
-    let start = Instant::now();
-    work()?;
-    Ok(start.elapsed().as_nanos() as u64)
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use super::super::backends::{self, Measurement};
 use super::Bench;
 use super::estimator::traced_lengths;
 use crate::backends::{Array, Backend, Queue, collected};
+use crate::measure::{in_rounds, seed_of};
 use crate::replay::variants::Sweep;
 use crate::stages::setup::Setup;
 use crate::stages::trace::Order;
@@ -96,20 +97,24 @@ impl<B: Backend> Observer<B> for Orders<'_> {
             applicable.push(number);
             self.rows.push(row(&plan.base, plan.key_bits, area(&permutation)));
         }
-        let rows = &mut self.rows[first..];
-        for repeat in 0..run.repeats as usize {
-            backend.trace(rays, Order::Stored)?;
-            rows[0].trace_ns.push(backend.elapsed_ns());
-            for turn in 0..applicable.len() {
-                let at = (turn + repeat) % applicable.len();
-                sample(backend, rays, hits, applicable[at], &mut rows[at + 1])?;
+        let (rows, mut not_timed) = (&mut self.rows[first..], row(UNSORTED, 0, 0.0));
+        in_rounds(rows.len(), run.repeats, seed_of(run.seed, id), |at, round| {
+            let row = if round.is_some() { &mut rows[at] } else { &mut not_timed };
+            match at.checked_sub(1) {
+                None => sample(backend, rays, row),
+                Some(method) => sorted_sample(backend, rays, hits, applicable[method], row),
             }
-        }
-        Ok(())
+        })
     }
 }
 
-fn sample<B: Backend>(
+fn sample<B: Backend>(backend: &mut B, rays: &B::Rays, row: &mut KeyBitsRow) -> Result<()> {
+    backend.trace(rays, Order::Stored)?;
+    row.trace_ns.push(backend.elapsed_ns());
+    Ok(())
+}
+
+fn sorted_sample<B: Backend>(
     backend: &mut B,
     rays: &B::Rays,
     hits: &B::Hits,
@@ -121,9 +126,7 @@ fn sample<B: Backend>(
     let order = backend.sort(&keys)?;
     row.sort_ns.push(backend.elapsed_ns());
     let gathered = backend.gather(rays, &order)?;
-    backend.trace(&gathered, Order::Stored)?;
-    row.trace_ns.push(backend.elapsed_ns());
-    Ok(())
+    sample(backend, &gathered, row)
 }
 
 /// Mean capsule area of an order, weighted by rays, unit space; 0 for no rays.

@@ -17,6 +17,7 @@ use super::super::queues::strata;
 use super::Bench;
 use crate::backends::{Array, Backend, Queue, RecordedRays, collected};
 use crate::machine::Device;
+use crate::measure::sampled;
 use crate::oracle::{ExactHit, Oracle, Verdict};
 use crate::stages::setup::Setup;
 use crate::stages::trace::{Order, Precision, TraceKernel};
@@ -96,7 +97,7 @@ impl<B: Backend> Observer<B> for Sample {
     }
 }
 
-/// Traces the same rays with every backend, in turns.
+/// Traces the same rays with every backend, in rounds.
 struct Tracing<'a> {
     rays: &'a [Ray],
     repeats: u32,
@@ -120,24 +121,20 @@ impl Measurement for Tracing<'_> {
             lights: &[],
             lengths: None,
         };
-        let mut traced = Vec::new();
+        let mut found = Vec::new();
         let mut queues = Vec::new();
         for backend in &mut backends {
             let rays = backend.upload(queue)?;
             let hits = backend.trace(&rays, Order::Stored)?;
-            let hits = collected(backend, Array::Hits(&hits))?;
-            traced.push(Traced { hits, samples_ns: Vec::new() });
+            found.push(collected(backend, Array::Hits(&hits))?);
             queues.push(rays);
         }
-        let count = backends.len();
-        for repeat in 0..self.repeats as usize {
-            for turn in 0..count {
-                let at = (turn + repeat) % count;
-                backends[at].trace(&queues[at], Order::Stored)?;
-                traced[at].samples_ns.push(backends[at].elapsed_ns());
-            }
-        }
-        Ok(traced)
+        let samples = sampled(backends.len(), self.repeats, 0, |at| {
+            backends[at].trace(&queues[at], Order::Stored)?;
+            Ok(backends[at].elapsed_ns())
+        })?;
+        let traced = |(hits, samples_ns)| Traced { hits, samples_ns };
+        Ok(found.into_iter().zip(samples).map(traced).collect())
     }
 }
 

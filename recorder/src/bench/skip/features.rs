@@ -11,6 +11,7 @@ use super::super::backends::{Configuration, Measurement, measure_all};
 use super::Bench;
 use crate::backends::{Backend, picture};
 use crate::machine::Device;
+use crate::measure::sampled;
 use crate::stages::setup::Setup;
 use crate::stages::shade::cpu::SPECIALISED;
 use crate::stages::shade::tables::ShadeTables;
@@ -74,7 +75,6 @@ fn mask_bytes(masks: &Masks) -> u64 {
 }
 
 /// What one backend took, a sample per repeat, and what it painted.
-#[derive(Clone, Default)]
 struct Side {
     trace_ns: Vec<u64>,
     shade_ns: Vec<u64>,
@@ -88,27 +88,20 @@ struct Sides<'a> {
 impl Measurement for Sides<'_> {
     type Output = Vec<Side>;
 
-    /// One pass on each backend in turn.
+    /// Passes on each backend, in rounds.
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<Side>> {
         let run = self.bench.run;
-        let count = backends.len();
-        let mut sides = vec![Side::default(); count];
-        for repeat in 0..=run.repeats as usize {
-            for turn in 0..count {
-                let at = (turn + repeat) % count;
-                let mut pass = Pass::default();
-                wavefront::run(&mut backends[at], 1, run.bounces, &mut pass)?;
-                // The first pass compiles and touches memory.
-                if repeat > 0 {
-                    sides[at].trace_ns.push(pass.trace_ns);
-                    sides[at].shade_ns.push(pass.shade_ns);
-                }
-            }
-        }
-        for (side, backend) in sides.iter_mut().zip(&mut backends) {
-            side.image = picture(backend, run.repeats + 1)?;
-        }
-        Ok(sides)
+        let passes = sampled(backends.len(), run.repeats, run.seed, |at| {
+            let mut pass = Pass::default();
+            wavefront::run(&mut backends[at], 1, run.bounces, &mut pass)?;
+            Ok(pass)
+        })?;
+        let side = |(passes, backend): (Vec<Pass>, &mut B)| {
+            let (trace_ns, shade_ns) = passes.iter().map(|pass| (pass.trace_ns, pass.shade_ns)).unzip();
+            // One pass more: that of the round which does not count.
+            Ok(Side { trace_ns, shade_ns, image: picture(backend, run.repeats + 1)? })
+        };
+        passes.into_iter().zip(&mut backends).map(side).collect()
     }
 }
 

@@ -1,7 +1,6 @@
 //! What is not written, and what need not be built again.
 
 use std::path::Path;
-use std::time::Instant;
 
 use anyhow::{Context, Result};
 use formats::bench_result::skip::{Cost, SkipRow};
@@ -9,7 +8,9 @@ use formats::reader::Dump;
 use scenes::bvh::{self, Source};
 
 use super::Bench;
+use crate::clock::Clock;
 use crate::machine::Device;
+use crate::measure::sampled;
 use crate::options::{Keep, KeepPasses, RecordOptions};
 use crate::recording::record;
 
@@ -20,14 +21,15 @@ pub(super) fn rows(bench: Bench<'_>) -> Result<Vec<SkipRow>> {
     let everything = Keep::parse(&Keep::WORDS.join(","))?;
     let [none, measured, all] =
         [(nothing, KeepPasses::Measured), (everything, KeepPasses::Measured), (everything, KeepPasses::All)];
-    let mut recordings = Vec::new();
-    for (keep, keep_passes) in [none, measured, all] {
-        recordings.push(recording(bench, &folder.path().join("skip.raydump"), keep, keep_passes)?);
-    }
+    let kept = [none, measured, all];
+    let out = folder.path().join("skip.raydump");
+    let recordings =
+        sampled(kept.len(), bench.run.repeats, bench.run.seed, |at| recording(bench, &out, kept[at]))?;
     let pair = |what: &str, skipped: usize, done: usize| {
-        let [(skipped, one), (done, other)] = [recordings[skipped].clone(), recordings[done].clone()];
+        let (skipped, done) = (&recordings[skipped], &recordings[done]);
         let row = bench.row(what, "a recording of two passes", "picture");
-        SkipRow { skipped, done, is_same: one == other, ..row }
+        let is_same = skipped.iter().zip(done).all(|(one, other)| one.picture == other.picture);
+        SkipRow { skipped: cost(skipped), done: cost(done), is_same, ..row }
     };
     let mut rows = vec![
         pair("arrays that nobody asked for", 0, 1),
@@ -37,13 +39,20 @@ pub(super) fn rows(bench: Bench<'_>) -> Result<Vec<SkipRow>> {
     Ok(rows)
 }
 
-/// Time and bytes of a recording without methods, and the hash of its picture.
-fn recording(
-    bench: Bench<'_>,
-    out: &Path,
-    keep: Keep,
-    keep_passes: KeepPasses,
-) -> Result<(Cost, Option<[u8; 32]>)> {
+/// A recording without methods.
+struct Recording {
+    wall_ns: u64,
+    bytes: u64,
+    /// Hash of its picture.
+    picture: Option<[u8; 32]>,
+}
+
+fn cost(recordings: &[Recording]) -> Cost {
+    let samples_ns = recordings.iter().map(|recording| recording.wall_ns).collect();
+    Cost { samples_ns, bytes: recordings.last().map_or(0, |recording| recording.bytes) }
+}
+
+fn recording(bench: Bench<'_>, out: &Path, (keep, keep_passes): (Keep, KeepPasses)) -> Result<Recording> {
     let options = RecordOptions {
         out: out.to_owned(),
         passes: 2,
@@ -54,17 +63,11 @@ fn recording(
         force: true,
         ..bench.run.clone()
     };
-    let mut cost = Cost::default();
-    let mut digest = None;
-    for _ in 0..bench.run.repeats {
-        let recorded = record(&options)?;
-        let end = Dump::open(&recorded.path)?.manifest().end;
-        let end = end.context("the recording that was just made has no end")?;
-        cost.samples_ns.push(end.wall_ns);
-        cost.bytes = folder_bytes(&recorded.path)?;
-        digest = end.image.map(|image| image.sha256);
-    }
-    Ok((cost, digest))
+    let recorded = record(&options)?;
+    let end = Dump::open(&recorded.path)?.manifest().end;
+    let end = end.context("the recording that was just made has no end")?;
+    let picture = end.image.map(|image| image.sha256);
+    Ok(Recording { wall_ns: end.wall_ns, bytes: folder_bytes(&recorded.path)?, picture })
 }
 
 fn folder_bytes(folder: &Path) -> Result<u64> {
@@ -82,15 +85,20 @@ fn hierarchy(bench: Bench<'_>, cache: &Path) -> Result<Option<SkipRow>> {
     let Some(kind) = bench.device.kernel(&bench.run.device).bvh_kind() else { return Ok(None) };
     let mut row = bench.row("a hierarchy that was built before", "start", "hierarchy");
     let (kept, _) = bvh::load_or_build(bench.scene, kind, Some(cache))?;
-    for _ in 0..bench.run.repeats {
-        let start = Instant::now();
-        let (loaded, source) = bvh::load_or_build(bench.scene, kind, Some(cache))?;
-        row.skipped.samples_ns.push(start.elapsed().as_nanos() as u64);
-        let start = Instant::now();
-        let built = on_threads_of(bench.device, || bvh::build(bench.scene, kind))?;
-        row.done.samples_ns.push(start.elapsed().as_nanos() as u64);
-        row.is_same &= source == Source::Cached && loaded == built && built == kept;
-    }
+    let mut clock = Clock::of_processor();
+    let mut samples = sampled(2, bench.run.repeats, bench.run.seed, |at| {
+        let is_loaded = at == 0;
+        let (found, was_cached) = if is_loaded {
+            let (loaded, source) = clock.time(|| bvh::load_or_build(bench.scene, kind, Some(cache)))?;
+            (loaded, source == Source::Cached)
+        } else {
+            (clock.time(|| on_threads_of(bench.device, || bvh::build(bench.scene, kind)))?, false)
+        };
+        row.is_same &= found == kept && was_cached == is_loaded;
+        Ok(clock.last().elapsed_ns)
+    })?;
+    row.done.samples_ns = samples.pop().unwrap_or_default();
+    row.skipped.samples_ns = samples.pop().unwrap_or_default();
     row.skipped.bytes = folder_bytes(cache)?;
     Ok(Some(row))
 }

@@ -3,13 +3,13 @@
 use clap::{Args, ValueEnum};
 use comfy_table::Table;
 use formats::bench_result::error::{ErrorRows, EstimatorRow, ImageRow, KeyBitsRow, PrecisionRow};
-use formats::key::method::UNSORTED;
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS};
 
 use super::{milliseconds, table_of};
 use crate::bench::error::{Curve, ErrorBench, ImageSize};
 use crate::bench::rate;
 use crate::options::{DeviceOptions, OptionError, RecordOptions, in_range, parse_methods};
+use crate::report::speedup;
 
 #[derive(Debug, Args)]
 pub(super) struct ErrorArguments {
@@ -192,22 +192,19 @@ fn key_bits(rows: &[KeyBitsRow]) -> Table {
 
 /// The last picture of each scene and method; the ones before are in the JSON.
 fn image(rows: &[ImageRow]) -> Table {
-    let mut table =
-        table_of("scene | method | samples | wall ms | relative MSE | times faster than unsorted");
+    let mut table = table_of("scene | method | samples | ms | relative MSE | times faster than unsorted");
     for row in rows {
         let of_scene = || rows.iter().filter(|other| other.scene == row.scene);
         if of_scene().any(|other| other.passes > row.passes) {
             continue;
         }
-        let unsorted = of_scene().find(|other| other.passes == row.passes && other.method == UNSORTED);
-        let ratio = unsorted.map(|other| other.wall_ns as f64 / row.wall_ns.max(1) as f64);
         table.add_row([
             row.scene.clone(),
             row.method.clone(),
             row.passes.to_string(),
             format!("{:.1}", row.wall_ns as f64 / 1e6),
             format!("{:.5}", row.relative_mse),
-            ratio.map_or(String::new(), |ratio| format!("{ratio:.2}")),
+            speedup(row.speedup),
         ]);
     }
     table

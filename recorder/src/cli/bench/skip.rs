@@ -8,6 +8,7 @@ use formats::metrics::speedup::Speedup;
 use super::{milliseconds, table_of};
 use crate::bench::skip::SkipBench;
 use crate::options::{DeviceOptions, OptionError, RecordOptions};
+use crate::report::speedup;
 
 #[derive(Debug, Args)]
 pub(super) struct SkipArguments {
@@ -24,7 +25,7 @@ pub(super) struct SkipArguments {
     #[arg(long, default_value_t = 4)]
     bounces: u32,
     /// Timed repeats.
-    #[arg(long, default_value_t = 5)]
+    #[arg(long, default_value_t = 7)]
     repeats: u32,
     /// Camera by name; each scene's first if not given.
     #[arg(long)]
@@ -59,17 +60,13 @@ pub(super) fn skip_table(rows: &[SkipRow]) -> Table {
     );
     for row in rows {
         let Cost { samples_ns: done, .. } = &row.done;
-        let ratio = Speedup::of(done, &row.skipped.samples_ns).map_or(String::new(), |ratio| {
-            let mark = if ratio.is_significant() { "" } else { "≈ " };
-            format!("{mark}{:.2}", ratio.ratio)
-        });
         table.add_row([
             row.scene.clone(),
             row.what.clone(),
             row.of.clone(),
             milliseconds(&row.skipped.samples_ns),
             milliseconds(done),
-            ratio,
+            speedup(Speedup::of(done, &row.skipped.samples_ns)),
             bytes(row.skipped.bytes),
             bytes(row.done.bytes),
             format!("{}{}", row.same, if row.is_same { "" } else { ": DIFFERS" }),
