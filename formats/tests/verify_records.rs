@@ -192,6 +192,14 @@ fn times_of_what_was_not_measured_are_found() {
         (|timing| timing.stage = Stage::TraceIndirect, "unsorted rays are traced, and nothing else"),
     ];
     assert_found(baseline, cases);
+    let shuffle: fn(&mut Record) = |record| match record {
+        Record::Queue(queue) => queue.methods.push("shuffled".into()),
+        Record::Timing(timing) if (timing.method.as_str(), timing.stage) == ("aila", Stage::Key) => {
+            timing.method = "shuffled".into();
+        }
+        _ => {}
+    };
+    assert_found(|record| Some(record), &[(shuffle, "a random order has no key, and nothing to sort")]);
 }
 
 #[test]

@@ -89,8 +89,8 @@ pub struct Orders<P> {
 }
 
 impl<B: Backend> Queued<'_, B> {
-    /// Runs everything once, so that no timed section is the first to compile or to touch memory; hands the
-    /// number of each method, its keys and its permutation to `ordered`.
+    /// Runs everything once, so that no timed section is the first to compile or to touch memory; hands each
+    /// order's keys, where it has any, and its permutation to `ordered`.
     ///
     /// # Errors
     /// Any of the backend or of `ordered`.
@@ -98,7 +98,7 @@ impl<B: Backend> Queued<'_, B> {
         &self,
         backend: &mut B,
         measured: &Measured,
-        mut ordered: impl FnMut(&mut B, usize, &B::Keys, &B::Permutation) -> Result<()>,
+        mut ordered: impl FnMut(&mut B, Subject, Option<&B::Keys>, &B::Permutation) -> Result<()>,
     ) -> Result<Orders<B::Permutation>> {
         let (id, count) = (self.rays.id(), self.rays.len() as u32);
         let mut subjects = Vec::new();
@@ -109,13 +109,15 @@ impl<B: Backend> Queued<'_, B> {
                 Subject::Shuffled => {
                     let mut indices: Vec<u32> = (0..count).collect();
                     Rng::with_seed(seed_of(measured.seed, id)).shuffle(&mut indices);
-                    Some(backend.upload_permutation(&indices)?)
+                    let permutation = backend.upload_permutation(&indices)?;
+                    ordered(backend, subject, None, &permutation)?;
+                    Some(permutation)
                 }
                 Subject::Method(number) if !self.methods[number].applies_to(id.kind) => continue,
                 Subject::Method(number) => {
                     let keys = backend.key(self.rays, self.hits, number)?;
                     let permutation = backend.sort(&keys)?;
-                    ordered(backend, number, &keys, &permutation)?;
+                    ordered(backend, subject, Some(&keys), &permutation)?;
                     None
                 }
             };

@@ -95,9 +95,10 @@ impl<'a> Recorder<'a> {
     /// # Errors
     /// What the backend or the disk reports.
     pub fn finish<B: Backend>(&mut self, backend: &mut B) -> Result<()> {
-        for (number, method) in self.plan.methods.iter().enumerate() {
-            if let Some(way) = chosen_way(&self.measured, Subject::Method(number)) {
-                self.capture.record(Record::Way(WayRecord { method: method.name.clone(), way }))?;
+        for &subject in &self.plan.measured.orders {
+            if let Some(way) = chosen_way(&self.measured, subject) {
+                let method = subject.name(&self.plan.methods).to_owned();
+                self.capture.record(Record::Way(WayRecord { method, way }))?;
             }
         }
         if !self.plan.keep.lengths {
@@ -195,7 +196,8 @@ impl<'a> Recorder<'a> {
     }
 
     fn queue_record(&self, id: QueueId, rays: usize, measurements: &[Measurement]) -> QueueRecord {
-        let of_method = |entry: &&Measurement| matches!(entry.subject, Subject::Method(_));
+        let of_method =
+            |entry: &&Measurement| matches!(entry.subject, Subject::Method(_) | Subject::Shuffled);
         let name = |entry: &Measurement| entry.subject.name(&self.plan.methods).to_owned();
         let methods = measurements.iter().filter(of_method);
         let baseline = (!measurements.is_empty()).then(|| UNSORTED.to_owned());
@@ -248,8 +250,8 @@ impl Recorder<'_> {
         let (plan, id) = (self.plan, rays.id());
         let copied = self.model_baseline(backend, rays)?;
         let queue = Queued { rays, hits, methods: &plan.methods };
-        let orders = queue.warm_up(backend, &plan.measured, |backend, method, keys, permutation| {
-            self.keep_order(backend, rays, &copied, &plan.methods[method], (keys, permutation))
+        let orders = queue.warm_up(backend, &plan.measured, |backend, subject, keys, permutation| {
+            self.keep_order(backend, rays, &copied, subject, (keys, permutation))
         })?;
         self.capture.drain()?;
         let measurements = queue.measure(backend, &plan.measured, &orders)?;
@@ -266,13 +268,14 @@ impl Recorder<'_> {
         backend: &mut B,
         rays: &B::Rays,
         copied: &[Ray],
-        method: &MethodPlan,
-        (keys, permutation): (&B::Keys, &B::Permutation),
+        subject: Subject,
+        (keys, permutation): (Option<&B::Keys>, &B::Permutation),
     ) -> Result<()> {
-        let at = |array| Place::Method(rays.id(), method.name.clone(), array);
+        let name = subject.name(&self.plan.methods);
+        let at = |array| Place::Method(rays.id(), name.to_owned(), array);
         let shape = [rays.len() as u64];
-        if self.plan.keep.keys {
-            let dtype = if method.key_bits <= 32 { Dtype::U4 } else { Dtype::U8 };
+        if let (Subject::Method(number), Some(keys)) = (subject, keys.filter(|_| self.plan.keep.keys)) {
+            let dtype = if self.plan.methods[number].key_bits <= 32 { Dtype::U4 } else { Dtype::U8 };
             self.capture
                 .array(at(MethodArray::Keys), dtype, &shape, |sink| backend.read(Array::Keys(keys), sink))?;
         }
@@ -283,9 +286,8 @@ impl Recorder<'_> {
         }
         if let Some(model) = &self.plan.cache_model {
             let places: Vec<u32> = collected(backend, Array::Permutation(permutation))?;
-            self.capture.record(Record::Cache(
-                model.record(rays.id(), &method.name, copied, |at| places[at] as usize),
-            ))?;
+            self.capture
+                .record(Record::Cache(model.record(rays.id(), name, copied, |at| places[at] as usize)))?;
         }
         Ok(())
     }

@@ -68,11 +68,11 @@ fn speedups(queue: &MeasuredQueue, entry: &Measurement, recorded: &Recorded) -> 
         Subject::Method(number) if !has_speedup(&recorded.methods[number]) => {
             ["(traced first)".to_owned(), String::new()]
         }
-        Subject::Method(_) => {
+        Subject::Method(_) | Subject::Shuffled => {
             let way = chosen_way(&recorded.queues, entry.subject).unwrap_or(Way::Gathered);
             [trace(), speedup(Speedup::of(unsorted, &entry.stages.totals(way)))]
         }
-        Subject::Control | Subject::Shuffled => [trace(), String::new()],
+        Subject::Control => [trace(), String::new()],
     }
 }
 

@@ -58,6 +58,34 @@ fn the_same_settings_give_the_same_orders_on_the_gpu() {
     the_same_settings_give_the_same_orders("gpu");
 }
 
+/// It has a permutation and times, but no key, and depends on nothing but the seed.
+#[test]
+fn a_random_order_is_measured_where_it_is_named() {
+    let folder = recorded("builtin:cornell", "--backend cpu --methods aila,shuffled --repeats 1");
+    let of_shuffled = |name: &str| -> Vec<(String, Vec<u8>)> {
+        orders(folder.path(), name).into_iter().filter(|(path, _)| path.contains("/shuffled/")).collect()
+    };
+    let first = of_shuffled("first.raydump");
+    let is_permutation = |(path, _): &(String, Vec<u8>)| path.ends_with("/shuffled/permutation.npy");
+    assert!(first.len() > 3 && first.iter().all(is_permutation), "{}", first.len());
+    for (path, bytes) in &first {
+        let last =
+            bytes[bytes.len() - 64..].chunks_exact(4).map(|ray| u32::from_le_bytes(ray.try_into().unwrap()));
+        assert!(!last.is_sorted(), "{path}");
+    }
+    for (line, others) in [("", "aila"), ("--methods shuffled --keep permutations", "control")] {
+        let line = format!("replay first.raydump --out again.raydump --backend cpu --force {line}");
+        let table = Program::Recorder.run(folder.path(), &line).succeeded().stdout;
+        assert!(table.contains("shuffled") && table.contains(others), "{table}");
+        assert!(first == of_shuffled("again.raydump"), "another order in {line}");
+        for name in ["first", "again"] {
+            Program::Inspector.run(folder.path(), &format!("verify {name}.raydump")).succeeded();
+        }
+    }
+    let info = Program::Inspector.run(folder.path(), "info again.raydump").succeeded().stdout;
+    assert!(info.contains("unsorted, shuffled"), "{info}");
+}
+
 #[test]
 fn alpha_masks_are_replayed() {
     let folder = tempdir().unwrap();

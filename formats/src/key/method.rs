@@ -58,11 +58,12 @@ pub const UNSORTED: &str = "unsorted";
 /// instrument's error. It has times alone.
 pub const CONTROL: &str = "control";
 
-/// The orders that need no key.
-pub const WITHOUT_KEY: [&str; 2] = [UNSORTED, CONTROL];
-
-/// A random order, which benchmarks measure: what canonical order already has over none at all.
+/// A random order, drawn from the seed: what canonical order already has over none at all. It has a permutation
+/// and no key.
 pub const SHUFFLED: &str = "shuffled";
+
+/// The orders that need no key.
+pub const WITHOUT_KEY: [&str; 3] = [UNSORTED, CONTROL, SHUFFLED];
 
 const TWO_POINT: &str = "(ox oy oz ex ey ez)*10 ox oy oz ex";
 
@@ -119,9 +120,7 @@ impl Method {
         let bad_name = || MethodError::BadName { definition: definition.to_owned() };
         let (name, layout) = definition.split_once('=').ok_or_else(bad_name)?;
         let name = name.trim();
-        let taken = WITHOUT_KEY.contains(&name)
-            || name == SHUFFLED
-            || BUILTIN.iter().any(|(known, ..)| *known == name);
+        let taken = WITHOUT_KEY.contains(&name) || BUILTIN.iter().any(|(known, ..)| *known == name);
         if !is_method_name(name) || taken {
             return Err(bad_name());
         }

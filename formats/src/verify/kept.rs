@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::{Check, Subject};
-use crate::key::method::UNSORTED;
+use crate::key::method::{SHUFFLED, UNSORTED};
 use crate::manifest::check::PASSES_MAX;
 use crate::manifest::{
     CacheRecord, Manifest, MethodArray, Place, QueueArray, QueueId, QueueRecord, SceneArray, Source,
@@ -57,8 +57,9 @@ fn promised_of<'a>(manifest: &'a Manifest, queue: &'a QueueRecord) -> impl Itera
         _ => array.applies_to(queue.id.kind),
     });
     let of_methods = queue.methods.iter().filter(|method| *method != UNSORTED).flat_map(|method| {
-        let place = |array| Place::Method(queue.id, method.clone(), array);
-        [place(MethodArray::Keys), place(MethodArray::Permutation)]
+        let has_key = move |array: &MethodArray| *array != MethodArray::Keys || method != SHUFFLED;
+        let arrays = MethodArray::ALL.into_iter().filter(has_key);
+        arrays.map(|array| Place::Method(queue.id, method.clone(), array))
     });
     of_queue.map(|array| Place::Queue(queue.id, array)).chain(of_methods)
 }

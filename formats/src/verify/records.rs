@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Check, Subject};
-use crate::key::method::{CONTROL, UNSORTED, WITHOUT_KEY};
+use crate::key::method::{CONTROL, SHUFFLED, UNSORTED, WITHOUT_KEY};
 use crate::manifest::{
     CacheRecord, DisturbedRecord, Options, Place, QueueId, QueueRecord, Stage, TimingRecord,
 };
@@ -153,6 +153,8 @@ impl Subject<'_> {
             Some("unsorted rays are traced, and nothing else".to_owned())
         } else if method == CONTROL && !matches!(stage, Stage::Gather | Stage::Trace | Stage::Scatter) {
             Some("the control is gathered, traced and scattered, and nothing else".to_owned())
+        } else if method == SHUFFLED && matches!(stage, Stage::Key | Stage::Sort | Stage::Accumulate) {
+            Some("a random order has no key, and nothing to sort".to_owned())
         } else if samples_ns.len() != expected as usize {
             Some(format!("it has {} samples, expected {expected}", samples_ns.len()))
         } else {

@@ -9,7 +9,7 @@ use formats::length_table::TABLE_BITS_DEFAULT;
 use formats::manifest::check::REPEATS_MAX;
 
 use super::record::show;
-use crate::options::{DeviceOptions, Keep, OptionError, check_table, in_range, parse_methods};
+use crate::options::{DeviceOptions, Keep, OptionError, check_table, in_range, parse_orders};
 use crate::replay::variants::Sweep;
 use crate::replay::{ReplayOptions, replay};
 
@@ -32,7 +32,7 @@ pub(super) struct ReplayArguments {
     /// Folder of the new recording; `.raydump` is added if missing.
     #[arg(long, value_name = "Y.raydump")]
     out: PathBuf,
-    /// Methods to compare, `all` or a list such as aila,two-point.
+    /// Methods to compare, `all` or a list such as aila,two-point; shuffled is a random order.
     #[arg(long, value_name = "LIST")]
     methods: Option<String>,
     /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10'; may be repeated.
@@ -91,7 +91,7 @@ impl ReplayArguments {
         Ok(ReplayOptions {
             source: self.source.clone(),
             out: self.out.clone(),
-            methods: wants_methods.then(|| parse_methods(list, &self.own_methods)).transpose()?,
+            orders: wants_methods.then(|| parse_orders(list, &self.own_methods)).transpose()?,
             sweep: Sweep::parse(self.key_bits.as_deref(), self.two_point_length.as_deref())?,
             table_bits: self.table_bits,
             table_method,

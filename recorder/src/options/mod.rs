@@ -10,7 +10,7 @@ pub use keep::{Keep, KeepPasses};
 
 use std::path::PathBuf;
 
-use formats::key::method::{BUILTIN, UNSORTED};
+use formats::key::method::{BUILTIN, SHUFFLED, UNSORTED};
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
 use formats::length_table::{TABLE_BITS_DEFAULT, TABLE_BITS_MAX, TABLE_BITS_MIN};
 use formats::manifest::check::{BOUNCES_MAX, PASSES_MAX, REPEATS_MAX};
@@ -38,6 +38,8 @@ pub struct RecordOptions {
     pub camera: Option<String>,
     /// Methods to measure beside the baseline.
     pub methods: Vec<Method>,
+    /// Whether a random order is measured, too.
+    pub shuffled: bool,
     /// Width of keys.
     pub key_bits: u32,
     /// Length of the plain two-point method, unit lengths.
@@ -82,6 +84,15 @@ pub fn parse_methods(list: &str, own: &[String]) -> Result<Vec<Method>, OptionEr
     Ok(methods)
 }
 
+/// The same, and whether a random order is among them.
+///
+/// # Errors
+/// As [`parse_methods`].
+pub fn parse_orders(list: &str, own: &[String]) -> Result<(Vec<Method>, bool), OptionError> {
+    let (shuffled, named): (Vec<&str>, Vec<&str>) = list.split(',').partition(|name| name.trim() == SHUFFLED);
+    Ok((parse_methods(&named.join(","), own)?, !shuffled.is_empty()))
+}
+
 impl RecordOptions {
     /// One pass over no scene yet, with no methods and nothing kept.
     ///
@@ -99,6 +110,7 @@ impl RecordOptions {
             seed: 0,
             camera: None,
             methods: Vec::new(),
+            shuffled: false,
             key_bits: 32,
             two_point_length: 0.25,
             table_bits: TABLE_BITS_DEFAULT,
@@ -171,6 +183,8 @@ mod tests {
         assert_eq!(names("all", &[]).len(), BUILTIN.len());
         assert_eq!(names("unsorted", &[]), Vec::<String>::new());
         assert_eq!(names("aila, costa", &["mine=(ox oy oz)*4"]), ["aila", "costa", "mine"]);
+        let (methods, shuffled) = parse_orders("aila, shuffled", &[]).unwrap();
+        assert!(methods.len() == 1 && shuffled && !parse_orders("all", &[]).unwrap().1);
         assert!(matches!(parse_methods("aila,aila", &[]), Err(OptionError::MethodTwice { .. })));
         assert!(matches!(parse_methods("nope", &[]), Err(OptionError::Method(MethodError::Unknown { .. }))));
     }

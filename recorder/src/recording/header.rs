@@ -1,5 +1,6 @@
 //! What the manifest says about a run before its first array.
 
+use formats::key::method::{SHUFFLED, UNSORTED};
 use formats::manifest::{
     Backend, CameraPose, Features as FeatureNames, Header, MethodRecord, Options, SceneSummary, Source,
 };
@@ -63,6 +64,7 @@ pub(crate) fn header(
 }
 
 fn manifest_options(setup: &Setup, options: &RecordOptions, kernel: TraceKernel, threads: u32) -> Options {
+    let without_key = [Some(UNSORTED), options.shuffled.then_some(SHUFFLED)].into_iter().flatten();
     let names = setup.methods.iter().map(|method| method.name.clone());
     Options {
         width: options.width,
@@ -72,7 +74,7 @@ fn manifest_options(setup: &Setup, options: &RecordOptions, kernel: TraceKernel,
         repeats: options.repeats,
         seed: options.seed,
         camera: setup.camera.name.clone(),
-        methods: [formats::key::method::UNSORTED.to_owned()].into_iter().chain(names).collect(),
+        methods: without_key.map(str::to_owned).chain(names).collect(),
         key_bits: options.key_bits,
         two_point_length: options.two_point_length,
         table_bits: options.table_bits,

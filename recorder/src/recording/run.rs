@@ -124,11 +124,14 @@ impl Run<'_> {
         }
     }
 
-    /// The baseline and all methods, and the control where there is any.
+    /// The baseline and all that is compared with it, and the control where there is any.
     fn measured(&self) -> Measured {
         let methods = (0..self.setup.methods.len()).map(Subject::Method);
-        let control = (!self.setup.methods.is_empty()).then_some(Subject::Control);
-        let orders = [Subject::Unsorted].into_iter().chain(control).chain(methods).collect();
+        let compared = self.options.shuffled.then_some(Subject::Shuffled).into_iter().chain(methods);
+        let mut orders: Vec<Subject> = compared.collect();
+        let baseline =
+            if orders.is_empty() { &[Subject::Unsorted][..] } else { &[Subject::Unsorted, Subject::Control] };
+        orders.splice(..0, baseline.iter().copied());
         Measured { orders, repeats: self.options.repeats, seed: self.options.seed }
     }
 

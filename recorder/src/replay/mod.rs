@@ -16,6 +16,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
+use formats::key::method::SHUFFLED;
 use formats::key::{LayoutText, Method};
 use formats::manifest::{Header, MethodRecord, Source};
 use formats::reader::{Dump, DumpState};
@@ -37,8 +38,8 @@ pub struct ReplayOptions {
     pub source: PathBuf,
     /// Where the new one goes.
     pub out: PathBuf,
-    /// Methods to measure.
-    pub methods: Option<Vec<Method>>,
+    /// Methods to measure, and whether a random order is.
+    pub orders: Option<(Vec<Method>, bool)>,
     /// Key bits and lengths.
     pub sweep: Sweep,
     /// Address bits of the length tables.
@@ -133,9 +134,9 @@ fn run_options(
     source: &Header,
 ) -> Result<RecordOptions> {
     let before = &recorded.options;
-    let methods = match &options.methods {
-        Some(methods) => methods.clone(),
-        None => recorded_methods(methods)?,
+    let (methods, shuffled) = match &options.orders {
+        Some(orders) => orders.clone(),
+        None => (recorded_methods(methods)?, before.methods.iter().any(|name| name == SHUFFLED)),
     };
     let table_method = match &options.table_method {
         Some(method) => method.clone(),
@@ -166,6 +167,7 @@ fn run_options(
         seed: before.seed,
         camera: Some(before.camera.clone()),
         methods,
+        shuffled,
         key_bits: options.sweep.key_bits.first().copied().unwrap_or(before.key_bits),
         two_point_length: options.sweep.lengths.first().copied().unwrap_or(before.two_point_length),
         table_bits,
