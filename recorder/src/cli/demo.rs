@@ -16,7 +16,7 @@ use crate::report;
 /// The built-in scene.
 const SCENE: &str = "builtin:atrium";
 /// A size that takes seconds on two cores.
-const SIZE: &str = "--width 480 --height 270 --bounces 4 --passes 2 --repeats 3 --force --out";
+const SIZE: &str = "--width 400 --height 225 --bounces 4 --passes 2 --repeats 7 --force --out";
 
 #[derive(Debug, Args)]
 pub(super) struct DemoArguments {
