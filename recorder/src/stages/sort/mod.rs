@@ -1,15 +1,16 @@
-//! Stable radix sort of (key, canonical index), least significant digit first, 8 bits a pass.
+//! Stable radix sort of (key, canonical index).
 //!
 //! Keys of up to 32 bits are one word, longer ones two, so that no 64-bit integers are needed on
-//! the GPU. A first look at the keys finds the bits that differ at all; passes whose digit is the
-//! same in every key are skipped. What comes out is the permutation alone: `permutation[i]` is the
-//! canonical index of the key at place i.
+//! the GPU. A first look at the keys finds the bits that differ at all; no other digit gets a
+//! pass. What comes out is the permutation alone: `permutation[i]` is the canonical index of the
+//! key at place i.
 //!
-//! Both sorts carry pairs of one 32-bit word and the index. For two words they sort by the low
-//! word, fetch the high words in that order, and go on: fewer bytes than carrying both all the way.
+//! Both sorts move pairs of one 32-bit word and the index. A second word is fetched for the order
+//! that the first one gave: fewer bytes than carrying both all the way.
 //!
-//! - [`gpu`]: reduce, then scan (Merrill and Grimshaw 2011), without waiting between workgroups
-//! - [`cpu`]: the same passes on threads
+//! - [`gpu`]: lowest digit first, 8 bits a pass; reduce, then scan (Merrill and Grimshaw 2011),
+//!   without waiting between workgroups
+//! - [`cpu`]: highest digit first, until what shares it fits a core's own cache
 
 pub mod cpu;
 pub mod gpu;

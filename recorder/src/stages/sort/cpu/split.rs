@@ -1,0 +1,111 @@
+//! One pass of all threads: pairs with the same digit end up side by side, in the order in which they were.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::local::Worker;
+
+/// Fewest pairs that are worth a thread of their own.
+pub(super) const SMALLEST_BLOCK: usize = 1 << 14;
+/// Most bits of a digit: so many stretches grow at once, each in a page of its own.
+const MOST_BITS: u32 = 8;
+/// Fewest bits of a digit, where more are left: threads take stretches in turns.
+const FEWEST_BITS: u32 = 4;
+/// How long a stretch should be, for what follows.
+const GOOD_LENGTH: usize = 1 << 13;
+const BINS: usize = 1 << MOST_BITS;
+
+/// How often each digit occurs in a block, then where its next pair goes.
+pub(super) type Places = [u32; BINS];
+
+/// Bits of a pair's word.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Digit {
+    shift: u32,
+    bits: u32,
+}
+
+impl Digit {
+    /// The highest bits that vary, as many as cut `count` pairs into stretches of a good length, or all that
+    /// are left.
+    pub(super) fn highest(varying: u32, count: usize) -> Self {
+        let top = u32::BITS - varying.leading_zeros();
+        let left = top.saturating_sub(varying.trailing_zeros());
+        let wanted = (count / GOOD_LENGTH).max(1).ilog2() + 1;
+        let bits = if left <= MOST_BITS { left } else { wanted.clamp(FEWEST_BITS, MOST_BITS) };
+        Self { shift: top - bits, bits }
+    }
+
+    /// The bits that are lower.
+    pub(super) fn below(self) -> u32 {
+        (1 << self.shift) - 1
+    }
+
+    fn of(self, pair: u64) -> usize {
+        (pair >> (u32::BITS + self.shift)) as usize & ((1 << self.bits) - 1) & (BINS - 1)
+    }
+}
+
+/// Where the stretch of each digit is.
+pub(super) struct Stretches {
+    /// And at the end, where the last one ends.
+    starts: [u32; BINS + 1],
+    number: usize,
+}
+
+impl Stretches {
+    /// That of a digit, as long as there are more.
+    pub(super) fn range(&self, digit: usize) -> Option<Range<usize>> {
+        (digit < self.number).then(|| self.starts[digit] as usize..self.starts[digit + 1] as usize)
+    }
+
+    pub(super) fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
+        (0..).map_while(|digit| self.range(digit))
+    }
+}
+
+/// Hands each pair that `read` gives for a range to `write`, with its place in that range.
+pub(super) fn split<P: Iterator<Item = u64>>(
+    workers: &mut [Worker],
+    range: Range<usize>,
+    digit: Digit,
+    read: impl Fn(Range<usize>) -> P + Copy + Send + Sync,
+    write: impl Fn(usize, u64) + Copy + Send + Sync,
+) -> Stretches {
+    let blocks = workers.len().min(range.len() / SMALLEST_BLOCK).max(1);
+    let block = range.len().div_ceil(blocks);
+    let block = |number: usize| {
+        let first = range.start + number * block;
+        first..range.end.min(first + block)
+    };
+    let workers = &mut workers[..blocks];
+    workers.par_iter_mut().enumerate().for_each(|(number, worker)| {
+        count(read(block(number)), digit, &mut worker.places);
+    });
+    let mut starts = [range.end as u32; BINS + 1];
+    let mut place = range.start as u32;
+    for (value, start) in starts.iter_mut().enumerate().take(1 << digit.bits) {
+        *start = place;
+        for worker in &mut *workers {
+            place += std::mem::replace(&mut worker.places[value], place);
+        }
+    }
+    workers.par_iter_mut().enumerate().for_each(|(number, worker)| {
+        scatter(read(block(number)), digit, &mut worker.places, write);
+    });
+    Stretches { starts, number: 1 << digit.bits }
+}
+
+fn count(pairs: impl Iterator<Item = u64>, digit: Digit, counts: &mut Places) {
+    counts.fill(0);
+    pairs.for_each(|pair| counts[digit.of(pair)] += 1);
+}
+
+fn scatter(pairs: impl Iterator<Item = u64>, digit: Digit, places: &mut Places, write: impl Fn(usize, u64)) {
+    pairs.for_each(|pair| {
+        let place = &mut places[digit.of(pair)];
+        write(*place as usize, pair);
+        *place += 1;
+    });
+}
