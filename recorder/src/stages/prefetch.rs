@@ -11,6 +11,12 @@ pub fn prefetch<T>(value: &T) {
     prefetch_line(std::ptr::from_ref(value).cast());
 }
 
+/// The same for a value by its index. There need not be such a value.
+#[inline(always)]
+pub fn prefetch_at<T>(values: &[T], index: usize) {
+    prefetch_line(values.as_ptr().wrapping_add(index).cast());
+}
+
 /// Asks for all cache lines of a value.
 #[inline(always)]
 pub fn prefetch_whole<T>(value: &T) {

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use super::split::Places;
 use super::{pair, put, put_index, stored};
-use crate::stages::prefetch::prefetch;
+use crate::stages::prefetch::prefetch_at;
 
 /// Most pairs: twice as many fit the cache.
 pub(super) const MOST: usize = 1 << 16;
@@ -57,14 +57,18 @@ impl Worker {
         permutation: &[AtomicU32],
     ) {
         let Self { by_digits, words, .. } = self;
+        assert_eq!(spare.len(), permutation.len(), "room for all pairs");
+        // SAFETY: `by_digits` gives places of `spare`, and the permutation is as long.
+        let write = |place, pair| unsafe { put_index(permutation, place, pair) };
         let Some(rest) = rest else {
-            by_digits.sort(pairs, varying, spare, |place, pair| put_index(permutation, place, pair));
+            by_digits.sort(pairs, varying, spare, permutation, write);
             return;
         };
         let words = &words[..permutation.len()];
-        by_digits.sort(pairs, varying, spare, |place, pair| {
-            put_index(permutation, place, pair);
-            put_index(words, place, pair >> u32::BITS);
+        by_digits.sort(pairs, varying, spare, permutation, |place, pair| {
+            write(place, pair);
+            // SAFETY: the same, and there are as many words.
+            unsafe { put_index(words, place, pair >> u32::BITS) };
         });
         let mut start = 0;
         for equal in words.chunk_by(|a, b| a.load(Relaxed) == b.load(Relaxed)) {
@@ -76,8 +80,9 @@ impl Worker {
                     let index = index.load(Relaxed);
                     spare.store(pair(rest(index as usize), index as usize), Relaxed);
                 }
-                by_digits
-                    .sort(stored(spare), u32::MAX, spare, |place, pair| put_index(permutation, place, pair));
+                by_digits.sort(stored(spare), u32::MAX, spare, permutation, |place, pair| {
+                    permutation[place].store(pair as u32, Relaxed);
+                });
             }
         }
     }
@@ -97,12 +102,17 @@ impl Default for LowestFirst {
 }
 
 impl LowestFirst {
-    /// Hands each pair to `write`, with its place. There are as many as `spare` is long.
+    /// Hands each pair to `write`, with its place, which writes to the permutation. There are as many as `spare`
+    /// is long.
+    ///
+    /// # Panics
+    /// If there are not. Each run over `pairs` must give the same, or places are wrong.
     fn sort(
         &mut self,
         pairs: impl Iterator<Item = u64> + Clone,
         varying: u32,
         spare: &[AtomicU64],
+        permutation: &[AtomicU32],
         write: impl Fn(usize, u64) + Copy,
     ) {
         let count = spare.len();
@@ -114,21 +124,22 @@ impl LowestFirst {
         let passes = Passes::of(varying, count);
         match passes.number {
             0 => {}
-            1 => passes.count::<1>(counts, pairs.clone(), spare),
-            2 => passes.count::<2>(counts, pairs.clone(), spare),
-            3 => passes.count::<3>(counts, pairs.clone(), spare),
-            _ => passes.count::<4>(counts, pairs.clone(), spare),
+            1 => passes.count::<1>(counts, pairs.clone(), spare, permutation),
+            2 => passes.count::<2>(counts, pairs.clone(), spare, permutation),
+            3 => passes.count::<3>(counts, pairs.clone(), spare, permutation),
+            _ => passes.count::<4>(counts, pairs.clone(), spare, permutation),
         }
         let mut differing = [0; MOST_DIGITS];
         let differing = passes.to_places(counts, pairs.clone().next().unwrap_or(0), count, &mut differing);
         let Some((&last, before)) = differing.split_last() else {
-            pairs.enumerate().for_each(|(place, pair)| write(place, pair));
+            pairs.take(count).enumerate().for_each(|(place, pair)| write(place, pair));
             return;
         };
         let (mut from, mut to) = (spare, &own[..count]);
         for (pass, &number) in before.iter().enumerate() {
             let target = to;
-            let write = move |place, pair| put(target, place, pair);
+            // SAFETY: places were counted from these pairs, and are as many as there are in `spare` and here.
+            let write = move |place, pair| unsafe { put(target, place, pair) };
             match pass {
                 0 => passes.scatter(counts, number, pairs.clone(), write),
                 _ => passes.scatter(counts, number, stored(from), write),
@@ -173,19 +184,21 @@ impl Passes {
         (1 << self.width) - 1
     }
 
-    /// Counts all digits at once.
+    /// Counts all digits at once, and asks for what is read and written next.
     fn count<const NUMBER: usize>(
         self,
         counts: &mut [Counts; MOST_DIGITS],
         pairs: impl Iterator<Item = u64>,
         spare: &[AtomicU64],
+        permutation: &[AtomicU32],
     ) {
         let Some(counts) = counts.first_chunk_mut::<NUMBER>() else {
             unreachable!("a word has no more digits")
         };
         counts.iter_mut().for_each(|counts| counts[..=self.mask()].fill(0));
         pairs.enumerate().for_each(|(place, pair)| {
-            spare.get(place + AHEAD).into_iter().for_each(prefetch);
+            prefetch_at(spare, place + AHEAD);
+            prefetch_at(permutation, place);
             let mut bits = pair >> self.shift;
             for counts in &mut *counts {
                 counts[bits as usize & self.mask() & (BINS - 1)] += 1;
@@ -205,9 +218,9 @@ impl Passes {
         let mut number = 0;
         for (digit, counts) in (0..self.number).zip(counts) {
             if counts[self.value(first, digit)] as usize != count {
-                counts[..=self.mask()]
-                    .iter_mut()
-                    .fold(0, |place, count| place + std::mem::replace(count, place));
+                let counts = counts[..=self.mask()].iter_mut();
+                let end = counts.fold(0, |place, count| place + std::mem::replace(count, place));
+                assert_eq!(end as usize, count, "a place for each pair");
                 differing[number] = digit;
                 number += 1;
             }

@@ -14,6 +14,8 @@ const MOST_BITS: u32 = 8;
 const FEWEST_BITS: u32 = 4;
 /// How long a stretch should be, for what follows.
 const GOOD_LENGTH: usize = 1 << 13;
+/// How many places ahead in a stretch to ask for memory: what is written next there is in another line.
+pub(super) const AHEAD: usize = 64 / size_of::<u64>();
 const BINS: usize = 1 << MOST_BITS;
 
 /// How often each digit occurs in a block, then where its next pair goes.
@@ -66,6 +68,9 @@ impl Stretches {
 }
 
 /// Hands each pair that `read` gives for a range to `write`, with its place in that range.
+///
+/// # Panics
+/// If there are not as many as the range is long. `read` must give the same pairs twice, or places are wrong.
 pub(super) fn split<P: Iterator<Item = u64>>(
     workers: &mut [Worker],
     range: Range<usize>,
@@ -91,6 +96,7 @@ pub(super) fn split<P: Iterator<Item = u64>>(
             place += std::mem::replace(&mut worker.places[value], place);
         }
     }
+    assert_eq!(place as usize, range.end, "a place for each pair");
     workers.par_iter_mut().enumerate().for_each(|(number, worker)| {
         scatter(read(block(number)), digit, &mut worker.places, write);
     });
