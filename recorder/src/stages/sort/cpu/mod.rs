@@ -174,10 +174,10 @@ impl<R: Fn(usize) -> u32 + Copy + Send + Sync> Sort<'_, R> {
         varying: u32,
     ) {
         let all = 0..self.permutation.len();
-        let is_short =
-            all.len() < 2 * split::SMALLEST_BLOCK || workers.len() == 1 && all.len() <= local::MOST;
+        // A split is a pass more, which two threads hardly win back.
+        let most = if workers.len() <= 2 { local::MOST } else { 2 * split::SMALLEST_BLOCK };
         match workers {
-            [worker, ..] if is_short => {
+            [worker, ..] if all.len() <= most => {
                 worker.sort(pairs(all), varying, self.rest, self.pairs[0], self.permutation)
             }
             _ => self.long(workers, all, 0, pairs, varying),
