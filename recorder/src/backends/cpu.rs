@@ -15,6 +15,7 @@ use crate::backends::{Array, Backend, Queue, RecordedRays, Shaded, Sink, Table};
 use crate::clock::{Clock, Sample};
 use crate::stages::compact::cpu::{Paths, RayState};
 use crate::stages::key::cpu::{Lengths, encode};
+use crate::stages::pages::make_room;
 use crate::stages::setup::Setup;
 use crate::stages::shade::cpu::{Film, Shader, add_light, dark_film, light_of};
 use crate::stages::sort::cpu::{Keys, Permutation, Sorter, Words, permutation_of};
@@ -218,7 +219,7 @@ impl Backend for CpuBackend {
 
     fn gather(&mut self, rays: &CpuRays, permutation: &Arc<Permutation>) -> Result<CpuRays> {
         let (paths, ()) = self.gathered.filled(|paths| {
-            paths.rays.resize(rays.len(), bytemuck::Zeroable::zeroed());
+            make_room(&mut paths.rays, rays.len());
             self.clock.time(|| gather::cpu::gather(rays.rays(), permutation, &mut paths.rays));
         });
         Ok(CpuRays { id: rays.id, paths })

@@ -1,6 +1,8 @@
 //! Memory on huge pages, for large arrays that are read in no order: beside the caches such reads miss the
 //! translation of addresses, which covers 512 times as much with pages of 2 MiB.
 
+use bytemuck::Zeroable;
+
 /// Bytes of a huge page.
 const HUGE_PAGE: usize = 2 << 20;
 
@@ -17,6 +19,14 @@ pub fn room_on_huge_pages<T>(capacity: usize) -> Vec<T> {
     let room = Vec::with_capacity(capacity);
     ask_for_huge_pages(&room);
     room
+}
+
+/// Makes and touches room for so many items of any value, likewise.
+pub fn make_room<T: Zeroable>(items: &mut Vec<T>, count: usize) {
+    if items.capacity() < count {
+        *items = room_on_huge_pages(count);
+    }
+    items.resize_with(count, T::zeroed);
 }
 
 /// Must be called before the memory is touched.

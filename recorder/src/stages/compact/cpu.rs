@@ -1,6 +1,6 @@
 //! Compact on threads: what the tasks of shading leave moves together, in canonical order.
 
-use bytemuck::Zeroable;
+use crate::stages::pages::make_room;
 use formats::ray::Ray;
 use rayon::prelude::*;
 
@@ -29,7 +29,7 @@ pub struct Paths {
 impl Paths {
     /// Makes and touches room for so many, of any value.
     pub fn make_room(&mut self, count: usize) {
-        self.rays.resize(count, Ray::zeroed());
+        make_room(&mut self.rays, count);
         self.ids.resize(count, 0);
         self.states.resize(count, RayState::default());
     }

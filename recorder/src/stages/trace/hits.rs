@@ -6,6 +6,8 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 use formats::ray::{Hit, Kind, Ray};
 use formats::unit_space::UnitSpace;
 
+use crate::stages::pages::make_room;
+
 /// Results of a queue at canonical places.
 #[derive(Debug)]
 pub enum Hits {
@@ -33,8 +35,8 @@ impl Hits {
     /// Makes and touches room for so many results of any value.
     pub fn make_room(&mut self, kind: Kind, count: usize) {
         match (&mut *self, kind) {
-            (Self::Closest(places), Kind::Closest) => places.resize_with(count, Default::default),
-            (Self::Shadow(places), Kind::Shadow) => places.resize_with(count, Default::default),
+            (Self::Closest(places), Kind::Closest) => make_room(places, count),
+            (Self::Shadow(places), Kind::Shadow) => make_room(places, count),
             _ => *self = Self::new(kind, count),
         }
     }

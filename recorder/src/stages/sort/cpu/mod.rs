@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
 use rayon::prelude::*;
 
 use super::Digits;
+use crate::stages::pages::make_room;
 use crate::stages::prefetch::prefetch_at;
 pub use keys::{Keys, Words};
 
@@ -56,11 +57,9 @@ impl Sorter {
     pub fn make_room(&mut self, keys: &Keys, permutation: &mut Permutation) {
         let count = keys.len();
         assert!(u32::try_from(count).is_ok(), "{count} keys are more than 32-bit indices can name");
-        permutation.resize_with(count, AtomicU32::default);
+        make_room(permutation, count);
         self.workers.resize_with(rayon::current_num_threads(), Worker::default);
-        self.pairs.iter_mut().filter(|pairs| pairs.len() < count).for_each(|pairs| {
-            pairs.resize_with(count, AtomicU64::default);
-        });
+        self.pairs.iter_mut().filter(|pairs| pairs.len() < count).for_each(|pairs| make_room(pairs, count));
     }
 
     /// Writes the permutation that sorts keys stably; [`Sorter::make_room`] comes first.
