@@ -210,8 +210,8 @@ fn bits_panel(
 pub fn image(findings: &Findings<'_>) -> Made {
     curve(
         findings,
-        "Noise of the picture against wall time",
-        "Mean squared error relative to a converged picture with another seed, after each pass, against the wall time of all passes so far when every queue but the camera's is traced in the order of a method, keys, sorts and gathers included. After as many passes all methods have the same picture, so that a curve further to the left is a faster renderer.",
+        "Noise of the picture against the time of all stages",
+        "Mean squared error relative to a converged picture with another seed, after each pass, against the time of all stages of all passes so far when every queue but the camera's is traced in the order of a method, keys, sorts and gathers included. After as many passes all methods have the same picture, so that a curve further to the left is a faster renderer.",
         |rows| &rows.image,
         |row| &row.scene,
         |rows, title| vec![image_panel(findings, rows, title)],
@@ -230,7 +230,7 @@ fn image_panel(findings: &Findings<'_>, rows: &[&ImageRow], title: &str) -> Pane
     };
     Panel::new(
         title,
-        Axis::logarithmic("wall time (s)", 10),
+        Axis::logarithmic("time of all stages (s)", 10),
         Axis::logarithmic("relative MSE", 10),
         Content::Lines(by_label(rows, |row| &row.method, |method| method_style(findings, method), point)),
     )

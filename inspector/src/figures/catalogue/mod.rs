@@ -101,7 +101,7 @@ pub const CATALOGUE: &[FigureMaker] = &[
     maker("precision-error", "trace rate against lost and wrong hits, by kernel and test", errors::precision),
     maker("estimator-cost", "cost of the length table against the error of its estimates", errors::estimator),
     maker("key-bits-cost", "key and sort time against capsule area and trace time", errors::key_bits),
-    maker("image-error", "noise of the picture against wall time, by method", errors::image),
+    maker("image-error", "noise of the picture against the time of all stages, by method", errors::image),
     maker("skipped", "what skipping saves, each thing on and off", errors::skipped),
     maker("pixel-cost", "the picture, and the work behind each pixel", picture::pixel_cost),
 ];

@@ -4,7 +4,7 @@
 //! - [`estimator`]: cost of the length table against the error of its estimates
 //! - `table_costs`: the costs of that
 //! - [`key_bits`]: key and sort time against capsule area and trace time
-//! - [`image`]: wall time against the noise of the picture
+//! - [`image`]: the time of all stages against the noise of the picture
 
 pub mod estimator;
 pub mod image;
@@ -50,7 +50,7 @@ pub struct ErrorBench {
     pub rays: usize,
     /// Key bits of the curve over them.
     pub key_bits: Vec<u32>,
-    /// Pictures of the curve over wall time.
+    /// Pictures of the curve over time.
     pub image: ImageSize,
     /// Size of the run that makes the rays, methods, device; what is to be kept is of no interest.
     pub run: RecordOptions,

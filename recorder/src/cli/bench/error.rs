@@ -22,7 +22,7 @@ pub(super) struct ErrorArguments {
     /// Most rays of a queue whose errors are looked at, spread evenly over it; for precision, of all of them.
     #[arg(long, default_value_t = 100_000)]
     rays: usize,
-    /// Methods of the curves over key bits and wall time, `all` or a list.
+    /// Methods of the curves over key bits and over time, `all` or a list.
     #[arg(
         long,
         default_value = "origin,aila,octahedron,two-point,two-point-adaptive,light-octahedron",
@@ -41,7 +41,7 @@ pub(super) struct ErrorArguments {
     /// Bounces to trace.
     #[arg(long, default_value_t = 4)]
     bounces: u32,
-    /// Width of the pictures of the curve over wall time, pixels.
+    /// Width of the pictures of the curve over time, pixels.
     #[arg(long, default_value_t = 160)]
     image_width: u32,
     /// Height of these pictures, pixels.

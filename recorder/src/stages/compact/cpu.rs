@@ -1,8 +1,9 @@
 //! Compact on threads: what the tasks of shading leave moves together, in canonical order.
 
-use crate::stages::pages::make_room;
 use formats::ray::Ray;
 use rayon::prelude::*;
+
+use crate::stages::pages::make_room;
 
 /// What a ray carries beside itself.
 #[derive(Clone, Copy, Debug, Default)]
