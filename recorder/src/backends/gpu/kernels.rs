@@ -10,7 +10,7 @@ use crate::device::{Gpu, ItemKernel, Module};
 use crate::machine::self_check;
 use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::trace::variant::TraceVariant;
-use crate::stages::trace::{Order, Precision, TraceKernel};
+use crate::stages::trace::{LeafForm, Order, Precision, TraceKernel};
 use crate::stages::{accumulate, compact, compare, gather, generate, key, scatter, shade, sort};
 
 /// The kernels that do not trace or sort.
@@ -137,8 +137,16 @@ fn every_module() -> Vec<Module> {
                 for order in [Order::Stored, Order::Indirect(())] {
                     for precision in Precision::ALL {
                         let (masks, count_work) = (all_features, all_features);
-                        let variant = TraceVariant { kernel, kind, order, masks, count_work, precision };
-                        modules.push(variant.module());
+                        let variant = |leaves| TraceVariant {
+                            kernel,
+                            kind,
+                            order,
+                            leaves,
+                            masks,
+                            count_work,
+                            precision,
+                        };
+                        modules.extend(LeafForm::ALL.map(|leaves| variant(leaves).module()));
                     }
                 }
             }

@@ -3,6 +3,7 @@
 use anyhow::{Result, bail};
 use scenes::Scene;
 
+use super::leaves::position_array;
 use crate::device::{DeviceArray, Gpu};
 
 /// A hierarchy of one instance of all triangles, in scene order.
@@ -15,12 +16,7 @@ impl DriverHierarchy {
     ///
     /// # Errors
     /// If there are more triangles than the driver takes, or it refuses them.
-    pub(super) fn new(
-        gpu: &Gpu,
-        scene: &Scene,
-        positions: &DeviceArray<[f32; 4]>,
-        is_opaque: bool,
-    ) -> Result<Self> {
+    pub(super) fn new(gpu: &Gpu, scene: &Scene, is_opaque: bool) -> Result<Self> {
         let limit = gpu.device().limits().max_blas_primitive_count;
         if scene.triangles.len() as u64 > u64::from(limit) {
             bail!(
@@ -29,6 +25,7 @@ impl DriverHierarchy {
                 gpu.adapter().title()
             );
         }
+        let positions = position_array(gpu, scene)?;
         let indices: DeviceArray<u32> =
             gpu.array_of("trace::indices", bytemuck::cast_slice(&scene.triangles))?;
         let size = wgpu::BlasTriangleGeometrySizeDescriptor {

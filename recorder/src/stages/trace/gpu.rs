@@ -7,12 +7,12 @@ use scenes::bvh::Bvh;
 use scenes::features::Features;
 
 use super::driver::DriverHierarchy;
+use super::leaves::Leaves;
 use super::mask::Masks;
 use super::variant::TraceVariant;
 use super::{Order, Precision, TraceKernel};
 use crate::device::{DeviceArray, Gpu, GpuError, ITEMS, ItemKernel};
 use crate::stages::shared::MaskedTriangle;
-use crate::stages::vector::padded;
 
 /// Rays on the GPU; as many of each half.
 #[derive(Clone, Debug)]
@@ -84,8 +84,7 @@ impl Hits {
 /// A scene's hierarchy on the GPU and the kernels that walk it.
 pub struct Tracer {
     kernel: TraceKernel,
-    leaves: DeviceArray<[u32; 4]>,
-    positions: DeviceArray<[f32; 4]>,
+    leaves: Leaves,
     masks: Option<DeviceArray<u32>>,
     hierarchy: Hierarchy,
     precision: Precision,
@@ -147,35 +146,41 @@ impl Tracer {
         kernel: TraceKernel,
         features: &Features,
     ) -> Result<Self> {
+        let limits = &gpu.adapter().limits;
+        let limit_bytes = limits.storage_binding_bytes.min(limits.buffer_bytes);
+        Self::with_leaves_within(limit_bytes, gpu, scene, bvh, kernel, features)
+    }
+
+    /// As [`Tracer::new`]; leaves hold their corners if that takes `limit_bytes` or less.
+    fn with_leaves_within(
+        limit_bytes: u64,
+        gpu: &Gpu,
+        scene: &Scene,
+        bvh: Option<&Bvh>,
+        kernel: TraceKernel,
+        features: &Features,
+    ) -> Result<Self> {
         ensure!(
             kernel.is_for_gpus(),
             "trace kernel {} is for threads; use --backend cpu, or --trace cwbvh or bvh2",
             kernel.name()
         );
-        let positions = gpu.array_of("trace::positions", &padded(&scene.positions))?;
-        let leaf = |triangle: u32| {
-            let [a, b, c] = scene.triangles[triangle as usize];
-            [a, b, c, triangle]
-        };
         let masks = Masks::for_features(scene, features);
-        let (leaves, hierarchy): (Vec<_>, _) = match (bvh, kernel.bvh_kind()) {
-            (None, None) => {
-                let leaves = (0..scene.triangles.len() as u32).map(leaf).collect();
-                (leaves, Hierarchy::Driver(DriverHierarchy::new(gpu, scene, &positions, masks.is_empty())?))
-            }
+        let leaves = |triangles: &[u32]| Leaves::new(gpu, scene, triangles, limit_bytes);
+        let (leaves, hierarchy) = match (bvh, kernel.bvh_kind()) {
+            (None, None) => (
+                leaves(&(0..scene.triangles.len() as u32).collect::<Vec<_>>())?,
+                Hierarchy::Driver(DriverHierarchy::new(gpu, scene, masks.is_empty())?),
+            ),
             (bvh, _) => {
                 let bvh = bvh.with_context(|| format!("trace kernel {} needs a hierarchy", kernel.name()))?;
                 let nodes: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(bvh.node_bytes());
-                (
-                    bvh.order().iter().map(|&triangle| leaf(triangle)).collect(),
-                    Hierarchy::Nodes(gpu.array_of("trace::nodes", &nodes)?),
-                )
+                (leaves(bvh.order())?, Hierarchy::Nodes(gpu.array_of("trace::nodes", &nodes)?))
             }
         };
         Ok(Self {
             kernel,
-            leaves: gpu.array_of("trace::leaves", &leaves)?,
-            positions,
+            leaves,
             masks: mask_array(gpu, &masks)?,
             hierarchy,
             precision: Precision::default(),
@@ -234,7 +239,8 @@ impl Tracer {
         if let Order::Indirect(permutation) = order {
             resources.push(permutation.binding());
         }
-        resources.extend([results.binding(), self.leaves.binding(), self.positions.binding()]);
+        resources.push(results.binding());
+        resources.extend(self.leaves.bindings());
         resources.extend(self.masks.as_ref().map(DeviceArray::binding));
         resources.push(match &self.hierarchy {
             Hierarchy::Nodes(nodes) => nodes.binding(),
@@ -260,6 +266,7 @@ impl Tracer {
             kernel: self.kernel,
             kind,
             order,
+            leaves: self.leaves.form(),
             masks: self.masks.is_some(),
             count_work,
             precision: if kind == Kind::Closest { self.precision } else { Precision::default() },
@@ -270,5 +277,56 @@ impl Tracer {
         let kernel = variant.module().compile(gpu)?;
         self.compiled.push((variant, kernel.clone()));
         Ok(kernel)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::test_gpu;
+    use crate::stages::trace::cpu::CpuTracer;
+    use crate::stages::trace::{LeafForm, hits};
+
+    /// Rays in all directions from around the middle of a scene.
+    fn rays(scene: &Scene) -> Vec<Ray> {
+        let mut random = fastrand::Rng::with_seed(61);
+        let (bounds, mut draw) = (scene.bounds(), || [0; 3].map(|_| 2.0 * random.f32() - 1.0));
+        let mut ray = |_| {
+            let (offset, direction) = (draw(), draw());
+            let origin =
+                [0, 1, 2].map(|axis| bounds.centre()[axis] + 0.4 * offset[axis] * bounds.extent()[axis]);
+            Ray { origin, t_min: 0.0, direction, t_max: f32::INFINITY }
+        };
+        (0..4000).map(&mut ray).collect()
+    }
+
+    #[test]
+    fn leaves_of_either_form_find_what_threads_find() {
+        let scene = scenes::load("builtin:city?triangles=5000").unwrap();
+        let (gpu, rays, features) = (test_gpu(), rays(&scene), Features::of(&scene));
+        let uploaded = RayArrays::upload(gpu, "test", &rays).unwrap();
+        for kernel in [TraceKernel::Cwbvh, TraceKernel::Bvh2] {
+            let bvh = scenes::bvh::build(&scene, kernel.bvh_kind().unwrap()).unwrap();
+            let threads = CpuTracer::new(&scene, &bvh);
+            for (limit_bytes, form) in [(u64::MAX, LeafForm::Gathered), (0, LeafForm::Indexed)] {
+                let mut tracer =
+                    Tracer::with_leaves_within(limit_bytes, gpu, &scene, Some(&bvh), kernel, &features)
+                        .unwrap();
+                assert_eq!(tracer.leaves.form(), form);
+                for kind in Kind::ALL {
+                    let expected = hits::Hits::new(kind, rays.len());
+                    threads.trace(&rays, Order::Stored, &expected);
+                    let found = Hits::new(gpu, "test::hits", kind, rays.len()).unwrap();
+                    tracer.trace(gpu, &uploaded, Order::Stored, &found).unwrap();
+                    let words = gpu.read_vec(&found.words).unwrap();
+                    assert_eq!(
+                        bytemuck::cast_slice::<u32, u8>(&words),
+                        expected.bytes(0..rays.len()),
+                        "{kind} rays by {} with {form:?} leaves",
+                        kernel.name()
+                    );
+                }
+            }
+        }
     }
 }

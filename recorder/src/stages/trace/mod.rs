@@ -46,6 +46,7 @@ mod cpu_wide;
 mod driver;
 pub mod gpu;
 pub mod hits;
+mod leaves;
 pub mod mask;
 pub mod moeller_trumbore;
 pub mod triangle;
@@ -57,6 +58,8 @@ mod tests;
 use formats::ray::Ray;
 use scenes::Scene;
 use scenes::bvh::{Bvh, BvhError, BvhKind};
+
+pub use self::leaves::LeafForm;
 
 /// Factor on far planes and on the nearest hit: 1 + 2^-19, which is 32 roundings. Box and triangle
 /// tests add up to about 20 where division is exact, 28 where a GPU divides to 2.5 ulp.

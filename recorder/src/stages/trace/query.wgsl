@@ -61,7 +61,7 @@ fn query_test(query: ptr<function, Query>, slot: u32) -> bool {
     if COUNT {
         (*query).work.y += 1u;
     }
-    let leaf = leaves[slot];
-    let at = intersect((*query).triangle_ray, positions[leaf.x].xyz, positions[leaf.y].xyz, positions[leaf.z].xyz);
-    return query_offer(query, at, leaf.w);
+    let leaf = leaf_at(slot);
+    let at = intersect((*query).triangle_ray, leaf.a, leaf.b, leaf.c);
+    return query_offer(query, at, leaf.triangle);
 }

@@ -9,8 +9,8 @@ const FORCE_NO_OPAQUE = 2u;
 const TERMINATE_ON_FIRST_HIT = 4u;
 
 fn scene_intersection(query: ptr<function, Query>, triangle: u32) -> Intersection {
-    let corners = leaves[triangle];
-    return intersect((*query).triangle_ray, positions[corners.x].xyz, positions[corners.y].xyz, positions[corners.z].xyz);
+    let leaf = leaf_at(triangle);
+    return intersect((*query).triangle_ray, leaf.a, leaf.b, leaf.c);
 }
 
 fn is_accepted(query: ptr<function, Query>, at: Intersection) -> bool {

@@ -4,7 +4,7 @@ use formats::ray::{Hit, Kind};
 use scenes::bvh::{BVH2_STACK, CWBVH_STACK};
 
 use super::triangle::GAMMA_8;
-use super::{Order, Precision, RECIPROCAL_LIMIT, TraceKernel, TriangleTest};
+use super::{LeafForm, Order, Precision, RECIPROCAL_LIMIT, TraceKernel, TriangleTest};
 use crate::device::Module;
 use crate::stages::shared::MaskedTriangle;
 use crate::stages::wgsl::wgsl_constants;
@@ -18,6 +18,8 @@ pub struct TraceVariant {
     pub kind: Kind,
     /// Their order.
     pub order: Order<()>,
+    /// What leaves hold.
+    pub leaves: LeafForm,
     /// Whether the scene has alpha masks.
     pub masks: bool,
     /// Writes counters instead of results.
@@ -53,7 +55,7 @@ fn write_result(place: u32, query: ptr<function, Query>) {
 
 impl TraceVariant {
     /// The module. Bindings: origins, directions; the permutation where there is one;
-    /// results; leaves (or scene triangles), positions; the masks where there are any; the nodes or the driver's hierarchy.
+    /// results; leaves (or scene triangles), positions where those do not hold them; the masks where there are any; the nodes or the driver's hierarchy.
     pub fn module(&self) -> Module {
         let place = match self.order {
             Order::Stored => "index",
@@ -71,7 +73,7 @@ impl TraceVariant {
             (false, Kind::Closest) => module.items_mut::<[u32; 4]>("results").text(CLOSEST_RESULT),
             (false, Kind::Shadow) => module.items_mut::<f32>("results").text(SHADOW_RESULT),
         };
-        module = module.table::<[u32; 4]>("leaves").table::<[f32; 4]>("positions");
+        module = self.leaves.declare(module);
         module = if self.masks {
             let masked = MaskedTriangle::description();
             let loader = masked.wgsl_loader("load_mask", "masks");
@@ -122,11 +124,12 @@ mod tests {
 
     #[test]
     fn alpha_masks_are_in_the_module_if_and_only_if_the_scene_has_them() {
-        let (kind, order, count_work) = (Kind::Closest, Order::Stored, false);
+        let (kind, order, leaves, count_work) = (Kind::Closest, Order::Stored, LeafForm::Gathered, false);
         for &kernel in TraceKernel::value_variants().iter().filter(|kernel| kernel.is_for_gpus()) {
             for masks in [false, true] {
                 let precision = Precision::default();
-                let text = TraceVariant { kernel, kind, order, masks, count_work, precision }.module().wgsl();
+                let variant = TraceVariant { kernel, kind, order, leaves, masks, count_work, precision };
+                let text = variant.module().wgsl();
                 for mark in ["masks:", "load_mask", "MaskedTriangle"] {
                     assert_eq!(text.contains(mark), masks, "{mark} by {}", kernel.name());
                 }
