@@ -17,6 +17,7 @@ pub struct Gpu {
     faults: Arc<Mutex<Faults>>,
     /// Those that no run holds.
     timestamps: Arc<Mutex<Vec<Timestamps>>>,
+    rounds_as_written: bool,
 }
 
 /// What wgpu reported outside of any return value, until the call that caused it picks it up.
@@ -81,7 +82,14 @@ impl Gpu {
             .map_err(|source| GpuError::Open { adapter: description.title(), source })?;
         let faults = Arc::new(Mutex::new(Faults::default()));
         listen(&device, &faults);
-        Ok(Self { device, queue, adapter: description, faults, timestamps: Arc::default() })
+        Ok(Self {
+            device,
+            queue,
+            adapter: description,
+            faults,
+            timestamps: Arc::default(),
+            rounds_as_written: false,
+        })
     }
 
     /// wgpu's device, for what has no helper here. Follow up with [`Gpu::check`].
@@ -97,6 +105,18 @@ impl Gpu {
     /// What was opened.
     pub fn adapter(&self) -> &AdapterDescription {
         &self.adapter
+    }
+
+    /// The same device, known to round both products of a·b − c·d: kernels leave out what guards against a
+    /// device that contracts it.
+    #[must_use]
+    pub fn rounding_as_written(self) -> Self {
+        Self { rounds_as_written: true, ..self }
+    }
+
+    /// Whether both products of a·b − c·d are known to be rounded.
+    pub fn rounds_as_written(&self) -> bool {
+        self.rounds_as_written
     }
 
     /// Whether the device was opened with these features.

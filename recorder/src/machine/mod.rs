@@ -94,6 +94,7 @@ fn open_gpu(request: &AdapterRequest, trace: Option<TraceKernel>) -> Result<Devi
         _ => Gpu::open(request)?,
     };
     let self_check = SelfCheck::run(&gpu)?;
+    let gpu = if self_check.contracts { gpu } else { gpu.rounding_as_written() };
     Ok(Device::Gpu(Box::new(GpuDevice { gpu, self_check })))
 }
 

@@ -10,7 +10,7 @@ use crate::device::{Gpu, ItemKernel, Module};
 use crate::machine::self_check;
 use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::trace::variant::TraceVariant;
-use crate::stages::trace::{LeafForm, Order, Precision, TraceKernel};
+use crate::stages::trace::{EdgeForm, LeafForm, Order, Precision, TraceKernel};
 use crate::stages::{accumulate, compact, compare, gather, generate, key, scatter, shade, sort};
 
 /// The kernels that do not trace or sort.
@@ -127,6 +127,7 @@ pub fn all_shader_sources() -> Vec<(String, String)> {
 
 /// Modules for made-up runs that between them need every line of WGSL.
 fn every_module() -> Vec<Module> {
+    let forms = [(LeafForm::Gathered, EdgeForm::Plain), (LeafForm::Indexed, EdgeForm::Canonical)];
     let mut modules = Vec::new();
     for all_features in [false, true] {
         for key_bits in [32, 64] {
@@ -137,16 +138,19 @@ fn every_module() -> Vec<Module> {
                 for order in [Order::Stored, Order::Indirect(())] {
                     for precision in Precision::ALL {
                         let (masks, count_work) = (all_features, all_features);
-                        let variant = |leaves| TraceVariant {
-                            kernel,
-                            kind,
-                            order,
-                            leaves,
-                            masks,
-                            count_work,
-                            precision,
-                        };
-                        modules.extend(LeafForm::ALL.map(|leaves| variant(leaves).module()));
+                        for (leaves, edges) in forms {
+                            let variant = TraceVariant {
+                                kernel,
+                                kind,
+                                order,
+                                leaves,
+                                edges,
+                                masks,
+                                count_work,
+                                precision,
+                            };
+                            modules.push(variant.module());
+                        }
                     }
                 }
             }

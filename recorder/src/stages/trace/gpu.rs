@@ -10,7 +10,7 @@ use super::driver::DriverHierarchy;
 use super::leaves::Leaves;
 use super::mask::Masks;
 use super::variant::TraceVariant;
-use super::{Order, Precision, TraceKernel};
+use super::{EdgeForm, Order, Precision, TraceKernel};
 use crate::device::{DeviceArray, Gpu, GpuError, ITEMS, ItemKernel};
 use crate::stages::shared::MaskedTriangle;
 
@@ -267,6 +267,7 @@ impl Tracer {
             kind,
             order,
             leaves: self.leaves.form(),
+            edges: EdgeForm::of(gpu),
             masks: self.masks.is_some(),
             count_work,
             precision: if kind == Kind::Closest { self.precision } else { Precision::default() },
@@ -301,14 +302,20 @@ mod tests {
     }
 
     #[test]
-    fn leaves_of_either_form_find_what_threads_find() {
+    fn leaves_and_edges_of_either_form_find_what_threads_find() {
         let scene = scenes::load("builtin:city?triangles=5000").unwrap();
-        let (gpu, rays, features) = (test_gpu(), rays(&scene), Features::of(&scene));
-        let uploaded = RayArrays::upload(gpu, "test", &rays).unwrap();
+        let (guarded, rays, features) = (test_gpu(), rays(&scene), Features::of(&scene));
+        let plain = &guarded.clone().rounding_as_written();
+        let uploaded = RayArrays::upload(guarded, "test", &rays).unwrap();
         for kernel in [TraceKernel::Cwbvh, TraceKernel::Bvh2] {
             let bvh = scenes::bvh::build(&scene, kernel.bvh_kind().unwrap()).unwrap();
             let threads = CpuTracer::new(&scene, &bvh);
-            for (limit_bytes, form) in [(u64::MAX, LeafForm::Gathered), (0, LeafForm::Indexed)] {
+            for (gpu, limit_bytes, form) in [
+                (guarded, u64::MAX, LeafForm::Gathered),
+                (guarded, 0, LeafForm::Indexed),
+                (plain, u64::MAX, LeafForm::Gathered),
+                (plain, 0, LeafForm::Indexed),
+            ] {
                 let mut tracer =
                     Tracer::with_leaves_within(limit_bytes, gpu, &scene, Some(&bvh), kernel, &features)
                         .unwrap();
@@ -322,8 +329,9 @@ mod tests {
                     assert_eq!(
                         bytemuck::cast_slice::<u32, u8>(&words),
                         expected.bytes(0..rays.len()),
-                        "{kind} rays by {} with {form:?} leaves",
-                        kernel.name()
+                        "{kind} rays by {} with {form:?} leaves and {:?} edges",
+                        kernel.name(),
+                        EdgeForm::of(gpu)
                     );
                 }
             }

@@ -41,9 +41,6 @@ struct Leaf {
 ";
 
 impl LeafForm {
-    /// Both, the faster one first.
-    pub const ALL: [Self; 2] = [Self::Gathered, Self::Indexed];
-
     /// The faster one that fits into a binding of `limit_bytes`.
     fn that_fits(slots: usize, limit_bytes: u64) -> Self {
         let gathered_bytes = (slots * Self::Gathered.words_each() * size_of::<Words>()) as u64;

@@ -59,6 +59,8 @@ use formats::ray::Ray;
 use scenes::Scene;
 use scenes::bvh::{Bvh, BvhError, BvhKind};
 
+use crate::device::Gpu;
+
 pub use self::leaves::LeafForm;
 
 /// Factor on far planes and on the nearest hit: 1 + 2^-19, which is 32 roundings. Box and triangle
@@ -67,6 +69,23 @@ pub const PADDING: f32 = 1.0 + 1.0 / (1 << 19) as f32;
 
 /// Largest reciprocal of a direction: 2^80.
 pub const RECIPROCAL_LIMIT: f32 = (1u128 << 80) as f32;
+
+/// How the edge functions p.x·q.y − p.y·q.x of a triangle are evaluated on the GPU.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EdgeForm {
+    /// In an order of the two corners that does not depend on which triangle asks, so that a device that
+    /// contracts rounds alike on both sides of an edge.
+    Canonical,
+    /// In the order in which they come, as on threads: the same bits for less where nothing is contracted.
+    Plain,
+}
+
+impl EdgeForm {
+    /// The cheaper one with which a device is watertight.
+    fn of(gpu: &Gpu) -> Self {
+        if gpu.rounds_as_written() { Self::Plain } else { Self::Canonical }
+    }
+}
 
 /// How triangles are tested.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -42,16 +42,6 @@ fn sheared(shear: TriangleRay, p: vec3<f32>) -> vec2<f32> {
     return vec2(p.x - shear.factors.x * p.z, p.y - shear.factors.y * p.z);
 }
 
-// p.x·q.y − p.y·q.x in an order of the two that does not depend on which triangle asks, so that a
-// device that contracts rounds alike on both sides of an edge.
-fn edge(p: vec2<f32>, q: vec2<f32>) -> f32 {
-    let is_swapped = p.x > q.x || (p.x == q.x && p.y > q.y);
-    let a = select(p, q, is_swapped);
-    let b = select(q, p, is_swapped);
-    let area = a.x * b.y - a.y * b.x;
-    return select(area, -area, is_swapped);
-}
-
 fn least(v: vec3<f32>) -> f32 {
     return min(min(v.x, v.y), v.z);
 }
