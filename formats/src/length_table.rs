@@ -87,6 +87,12 @@ impl LengthTable {
         Self { bits, sums: bytemuck::zeroed_vec(cells), counts: bytemuck::zeroed_vec(cells) }
     }
 
+    /// Forgets all but the dummy rays, in the same memory.
+    pub fn clear(&mut self) {
+        self.sums.iter_mut().for_each(|sum| *sum.get_mut() = 0);
+        self.counts.iter_mut().for_each(|count| *count.get_mut() = 0);
+    }
+
     /// The table whose touched cells are `cells`, as [`LengthTable::touched`] gave them.
     ///
     /// # Errors

@@ -115,7 +115,7 @@ impl<B: Backend> Queued<'_, B> {
                 }
                 Subject::Method(number) if !self.methods[number].applies_to(id.kind) => continue,
                 Subject::Method(number) => {
-                    let keys = backend.key(self.rays, self.hits, number)?;
+                    let keys = backend.key(self.rays, Some(self.hits), number)?;
                     let permutation = backend.sort(&keys)?;
                     ordered(backend, subject, Some(&keys), &permutation)?;
                     None
@@ -173,7 +173,7 @@ impl<B: Backend> Queued<'_, B> {
         let permutation = match (subject, permutation) {
             (_, Some(permutation)) => permutation,
             (Subject::Method(number), None) => {
-                let keys = backend.key(rays, hits, *number)?;
+                let keys = backend.key(rays, Some(hits), *number)?;
                 entry.keep(backend, Stage::Key, round);
                 sorted = backend.sort(&keys)?;
                 entry.keep(backend, Stage::Sort, round);

@@ -139,7 +139,7 @@ impl<B: Backend> Watched<B> {
         let kind = rays.id().kind;
         for (number, method) in methods.iter().enumerate().filter(|(_, method)| method.applies_to(kind)) {
             let name = |verb: &str| format!("{verb} of {kind} rays for {}", method.name);
-            let keys = self.verb(&name("key"), |backend| backend.key(rays, hits, number).unwrap());
+            let keys = self.verb(&name("key"), |backend| backend.key(rays, Some(hits), number).unwrap());
             let order = self.verb(&name("sort"), |backend| backend.sort(&keys).unwrap());
             let gathered = self.verb(&name("gather"), |backend| backend.gather(rays, &order).unwrap());
             let found = self.verb(&name("trace"), |backend| backend.trace(&gathered, Order::Stored).unwrap());

@@ -117,7 +117,7 @@ fn compare_orders(
                 encoder.encode(ray, length, copied.lights[index])
             })
             .collect();
-        let keys = gpu.key(rays, hits, number).unwrap();
+        let keys = gpu.key(rays, Some(hits), number).unwrap();
         let found: Vec<u64> = if method.key_bits <= 32 {
             read::<u32>(gpu, Array::Keys(&keys)).into_iter().map(u64::from).collect()
         } else {

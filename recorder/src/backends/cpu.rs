@@ -4,13 +4,14 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use anyhow::{Result, ensure};
-use formats::key::Encoder;
+use formats::key::{Encoder, Termination};
 use formats::length_table::LengthTable;
 use formats::manifest::QueueId;
 use formats::permutation::check_bijection;
 use formats::ray::{Kind, Ray};
 
 use super::pool::Pool;
+use super::{gathered, untraced};
 use crate::backends::{Array, Backend, Queue, RecordedRays, Shaded, Sink, Table};
 use crate::clock::{Clock, Sample};
 use crate::stages::compact::cpu::{Paths, RayState};
@@ -109,6 +110,12 @@ impl Backend for CpuBackend {
         self.clock.last()
     }
 
+    fn restart(&mut self) -> Result<()> {
+        self.film.iter_mut().flatten().for_each(|channel| *channel.get_mut() = 0);
+        self.tables[Table::Learnt as usize].iter_mut().for_each(LengthTable::clear);
+        Ok(())
+    }
+
     fn generate(&mut self, pass: u32) -> Result<CpuRays> {
         let params = generate::params(&self.setup, pass);
         let (paths, ()) = self.paths[Kind::Closest as usize].filled(|paths| {
@@ -191,10 +198,12 @@ impl Backend for CpuBackend {
         Ok(())
     }
 
-    fn key(&mut self, rays: &CpuRays, hits: &Arc<Hits>, method: usize) -> Result<Arc<Keys>> {
+    fn key(&mut self, rays: &CpuRays, hits: Option<&Arc<Hits>>, method: usize) -> Result<Arc<Keys>> {
         let Self { setup, cells, tables, encoders, clock, .. } = self;
         let plan = &setup.methods[method];
-        let real = |index: usize| hits.length(&setup.unit, &rays.rays()[index], index);
+        ensure!(hits.is_some() || plan.termination != Termination::Real, untraced(rays.id, &plan.name));
+        let real =
+            |index: usize| hits.map_or(0.0, |hits| hits.length(&setup.unit, &rays.rays()[index], index));
         let table = &tables[Table::Learnt as usize][rays.id.kind as usize];
         let lengths = Lengths::of(plan.termination, plan.two_point_length, table, cells, &real);
         // States are not touched where they say nothing.
@@ -223,6 +232,16 @@ impl Backend for CpuBackend {
             self.clock.time(|| gather::cpu::gather(rays.rays(), permutation, &mut paths.rays));
         });
         Ok(CpuRays { id: rays.id, paths })
+    }
+
+    fn reorder(&mut self, rays: &CpuRays, permutation: &Arc<Permutation>) -> Result<CpuRays> {
+        let id = rays.id;
+        ensure!(rays.paths.ids.len() == rays.len(), gathered(id));
+        let (paths, ()) = self.paths[id.kind as usize].filled(|paths| {
+            paths.make_room(rays.len());
+            self.clock.time(|| gather::cpu::gather_paths(&rays.paths, permutation, paths));
+        });
+        Ok(CpuRays { id, paths })
     }
 
     fn differences(&mut self, hits: &Arc<Hits>, others: &Arc<Hits>) -> Result<u64> {

@@ -14,7 +14,7 @@ use crate::clock::Sample;
 use crate::stages::setup::Setup;
 use crate::stages::trace::Order;
 
-/// A queue: the live rays of one pass, bounce and kind, in canonical order.
+/// A queue: the live rays of one pass, bounce and kind, in canonical order unless a verb says otherwise.
 pub trait Queue {
     /// Which one it is.
     fn id(&self) -> QueueId;
@@ -135,6 +135,16 @@ pub fn picture<B: Backend>(backend: &mut B, passes: u32) -> Result<Vec<[f32; 3]>
     Ok(film.into_iter().map(|pixel| pixel.map(|light| light * scale)).collect())
 }
 
+/// Why the keys of a queue cannot be made.
+fn untraced(id: QueueId, method: &str) -> String {
+    format!("{id} was to be keyed by '{method}' before it was traced, but that needs the length of each ray")
+}
+
+/// Why a queue has no paths.
+fn gathered(id: QueueId) -> String {
+    format!("the rays of {id} were gathered, and only those of a whole queue carry paths")
+}
+
 /// A device that runs the stages. Queues and everything made of them are opaque, and live in memory that is
 /// used again once they are dropped: what a verb writes while it is timed was touched before.
 pub trait Backend {
@@ -156,6 +166,8 @@ pub trait Backend {
         self.sample().elapsed_ns
     }
 
+    /// Begins a picture: a dark film, length tables that nothing was added to.
+    fn restart(&mut self) -> Result<()>;
     /// Camera rays of a pass.
     fn generate(&mut self, pass: u32) -> Result<Self::Rays>;
     /// A queue of recorded rays. What paths carry beside their rays is not recorded: shading it is dark.
@@ -171,14 +183,18 @@ pub trait Backend {
     /// Adds the light of shadow rays that arrived to the film.
     fn add_light(&mut self, rays: &Self::Rays, hits: &Self::Hits) -> Result<()>;
 
-    /// Keys of a queue by method number, the query of the length table included.
-    fn key(&mut self, rays: &Self::Rays, hits: &Self::Hits, method: usize) -> Result<Self::Keys>;
+    /// Keys of a queue by method number, the query of the length table included. Only methods of real lengths
+    /// need hits.
+    fn key(&mut self, rays: &Self::Rays, hits: Option<&Self::Hits>, method: usize) -> Result<Self::Keys>;
     /// Sorts keys, stably.
     fn sort(&mut self, keys: &Self::Keys) -> Result<Self::Permutation>;
     /// Brings what gathered rays found home to canonical places.
     fn scatter(&mut self, hits: &Self::Hits, permutation: &Self::Permutation) -> Result<Self::Hits>;
     /// Copies rays into an order.
     fn gather(&mut self, rays: &Self::Rays, permutation: &Self::Permutation) -> Result<Self::Rays>;
+    /// Copies rays into an order with all that their paths carry: a queue that shading goes on with, and leaves
+    /// others in the order of.
+    fn reorder(&mut self, rays: &Self::Rays, permutation: &Self::Permutation) -> Result<Self::Rays>;
     /// Counts results that differ: all of a hit's fields, for shadow rays the occlusion.
     fn differences(&mut self, hits: &Self::Hits, others: &Self::Hits) -> Result<u64>;
 

@@ -139,7 +139,7 @@ fn prepare<B: Backend>(
     methods: &[usize],
 ) -> Result<Vec<B::Permutation>> {
     let mut order = |&method: &usize| {
-        let keys = backend.key(rays, hits, method)?;
+        let keys = backend.key(rays, Some(hits), method)?;
         backend.sort(&keys)
     };
     methods.iter().map(&mut order).collect()

@@ -22,7 +22,8 @@ pub struct Kernels {
     /// Of rays, of their paths.
     pub(super) compact: [ItemKernel; 2],
     pub(super) add_light: ItemKernel,
-    pub(super) gather: ItemKernel,
+    /// Of rays, then of what their paths carry.
+    pub(super) gather: [ItemKernel; 2],
     /// By kind.
     pub(super) accumulate: [ItemKernel; 2],
     /// By method and kind; `None` where the method does not apply.
@@ -59,7 +60,8 @@ pub fn modules(setup: &Setup) -> Vec<Module> {
         compact::queue::ray_module(),
         compact::queue::path_module(),
         shade::gpu::add_light_module(),
-        gather::gpu::module(),
+        gather::gpu::ray_module(),
+        gather::gpu::path_module(),
     ];
     for kind in Kind::ALL {
         modules.push(accumulate::gpu::module(kind, &setup.unit, &setup.table_layout, setup.table_bits));
@@ -82,7 +84,7 @@ impl Kernels {
         let mut compiled = compiled.collect::<Result<Vec<_>, _>>()?.into_iter();
         let mut next = || compiled.next().context("there are fewer kernels than modules");
         let (generate, surface, shadow, next_ray) = (next()?, next()?, next()?, next()?);
-        let (compact, add_light, gather) = ([next()?, next()?], next()?, next()?);
+        let (compact, add_light, gather) = ([next()?, next()?], next()?, [next()?, next()?]);
         let mut key = vec![[None, None]; setup.methods.len()];
         let mut of_kind = |kind: Kind| -> Result<[ItemKernel; 3]> {
             let shared = [next()?, next()?, next()?];

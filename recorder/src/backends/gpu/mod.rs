@@ -25,6 +25,7 @@ use self::kernels::Kernels;
 use self::shading::Shading;
 use self::table::GpuTable;
 use super::pool::{Lent, Pool};
+use super::{gathered, untraced};
 use crate::backends::{Array, Backend, Queue, RecordedRays, Shaded, Sink, Table};
 use crate::clock::{Clock, Sample};
 use crate::device::{DeviceArray, Gpu, GpuError, ITEMS, Readback};
@@ -53,6 +54,7 @@ pub struct GpuBackend {
     scratch_tables: Option<[GpuTable; 2]>,
     counter: DeviceArray<u32>,
     gathered: Pool<RayArrays>,
+    gathered_paths: Pool<PathArrays>,
     /// By kind.
     hits: [Pool<Hits>; 2],
     keys: Pool<Keys>,
@@ -66,7 +68,7 @@ pub struct GpuRays {
     count: usize,
     rays: Arc<RayArrays>,
     /// None where rays were gathered.
-    paths: Option<PathArrays>,
+    paths: Option<Arc<PathArrays>>,
 }
 
 /// What the rays of a queue carry.
@@ -91,21 +93,23 @@ impl Queue for GpuRays {
     }
 }
 
+impl PathArrays {
+    /// Room for so many.
+    fn new(gpu: &Gpu, count: usize) -> Result<Self, GpuError> {
+        Ok(Self { ids: gpu.array("queue::path_ids", count)?, states: gpu.array("queue::states", count)? })
+    }
+}
+
 impl GpuRays {
     /// Room for a queue.
     fn new(gpu: &Gpu, id: QueueId, count: usize) -> Result<Self, GpuError> {
-        let paths = PathArrays {
-            ids: gpu.array("queue::path_ids", count)?,
-            states: gpu.array("queue::states", count)?,
-        };
-        Ok(Self { id, count, rays: Arc::new(RayArrays::new(gpu, "queue", count)?), paths: Some(paths) })
+        let paths = Some(Arc::new(PathArrays::new(gpu, count)?));
+        Ok(Self { id, count, rays: Arc::new(RayArrays::new(gpu, "queue", count)?), paths })
     }
 
     /// What the rays carry.
     fn paths(&self) -> Result<&PathArrays> {
-        self.paths.as_ref().with_context(|| {
-            format!("the rays of {} were gathered, and only those of a whole queue carry paths", self.id)
-        })
+        self.paths.as_deref().with_context(|| gathered(self.id))
     }
 }
 
@@ -134,6 +138,7 @@ impl GpuBackend {
             scratch_tables: None,
             counter: gpu.array("compare::counter", 1)?,
             gathered: Pool::default(),
+            gathered_paths: Pool::default(),
             hits: [Pool::default(), Pool::default()],
             keys: Pool::default(),
             permutations: Pool::default(),
@@ -192,6 +197,14 @@ impl Backend for GpuBackend {
         self.clock.last()
     }
 
+    fn restart(&mut self) -> Result<()> {
+        let bits = self.setup.table_bits;
+        self.tables = [GpuTable::new(&self.gpu, bits)?, GpuTable::new(&self.gpu, bits)?];
+        let mut run = self.gpu.stage("film");
+        run.clear(&self.film);
+        Ok(run.submit()?)
+    }
+
     fn upload(&mut self, queue: RecordedRays<'_>) -> Result<GpuRays> {
         queue.check(&self.setup)?;
         if let Some(cells) = queue.lengths {
@@ -201,7 +214,7 @@ impl Backend for GpuBackend {
         let light = |at: usize| queue.lights.get(at).copied().unwrap_or(0);
         let states: Vec<[u32; 4]> = (0..queue.rays.len()).map(|at| [0, 0, 0, light(at)]).collect();
         let ids = self.gpu.array_of("queue::path_ids", queue.path_ids)?;
-        let paths = PathArrays { ids, states: self.gpu.array_of("queue::states", &states)? };
+        let paths = Arc::new(PathArrays { ids, states: self.gpu.array_of("queue::states", &states)? });
         let rays = Arc::new(RayArrays::upload(&self.gpu, "queue", queue.rays)?);
         Ok(GpuRays { id: queue.id, count: queue.rays.len(), rays, paths: Some(paths) })
     }
@@ -277,7 +290,7 @@ impl Backend for GpuBackend {
         Ok(())
     }
 
-    fn key(&mut self, rays: &GpuRays, hits: &Lent<Hits>, method: usize) -> Result<Lent<Keys>> {
+    fn key(&mut self, rays: &GpuRays, hits: Option<&Lent<Hits>>, method: usize) -> Result<Lent<Keys>> {
         let plan = &self.setup.methods[method];
         let kernel = self.kernels.key[method][rays.id.kind as usize].as_ref();
         let kernel = kernel
@@ -288,7 +301,7 @@ impl Backend for GpuBackend {
             resources.extend(self.tables[rays.id.kind as usize].bindings());
         }
         if inputs.results {
-            resources.push(hits.words.binding());
+            resources.push(hits.with_context(|| untraced(rays.id, &plan.name))?.words.binding());
         }
         if inputs.lights {
             resources.extend([rays.paths()?.states.binding(), self.light_sites.binding()]);
@@ -319,8 +332,31 @@ impl Backend for GpuBackend {
         let [origins, directions] = rays.rays.bindings();
         let [to_origins, to_directions] = gathered.bindings();
         let resources = [permutation.permutation.binding(), origins, directions, to_origins, to_directions];
-        self.clock.keep(|| self.kernels.gather.run(&self.gpu, &resources, rays.count, ITEMS))?;
+        self.clock.keep(|| self.kernels.gather[0].run(&self.gpu, &resources, rays.count, ITEMS))?;
         Ok(GpuRays { id: rays.id, count: rays.count, rays: gathered, paths: None })
+    }
+
+    fn reorder(&mut self, rays: &GpuRays, permutation: &GpuPermutation) -> Result<GpuRays> {
+        let (pixels, paths, gpu) = (self.pixels(), rays.paths()?, &self.gpu);
+        let to_rays = self.gathered.get(|| RayArrays::new(gpu, "gather", pixels))?;
+        let to_paths = self.gathered_paths.get(|| PathArrays::new(gpu, pixels))?;
+        let [origins, directions] = rays.rays.bindings();
+        let [to_origins, to_directions] = to_rays.bindings();
+        let order = || permutation.permutation.binding();
+        let ray = [order(), origins, directions, to_origins, to_directions];
+        let path = [
+            order(),
+            paths.ids.binding(),
+            paths.states.binding(),
+            to_paths.ids.binding(),
+            to_paths.states.binding(),
+        ];
+        let [gather_rays, gather_paths] = &self.kernels.gather;
+        let bound = [gather_rays.bind(gpu, &ray, rays.count)?, gather_paths.bind(gpu, &path, rays.count)?];
+        let mut run = gpu.stage("gather");
+        run.for_items(&bound, ITEMS);
+        self.clock.keep(|| run.finish())?;
+        Ok(GpuRays { id: rays.id, count: rays.count, rays: to_rays, paths: Some(to_paths) })
     }
 
     fn differences(&mut self, hits: &Lent<Hits>, others: &Lent<Hits>) -> Result<u64> {

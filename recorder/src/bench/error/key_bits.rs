@@ -91,7 +91,7 @@ impl<B: Backend> Observer<B> for Orders<'_> {
             if !plan.applies_to(id.kind) {
                 continue;
             }
-            let keys = backend.key(rays, hits, number)?;
+            let keys = backend.key(rays, Some(hits), number)?;
             let order = backend.sort(&keys)?;
             let permutation: Vec<u32> = collected(backend, Array::Permutation(&order))?;
             applicable.push(number);
@@ -121,7 +121,7 @@ fn sorted_sample<B: Backend>(
     method: usize,
     row: &mut KeyBitsRow,
 ) -> Result<()> {
-    let keys = backend.key(rays, hits, method)?;
+    let keys = backend.key(rays, Some(hits), method)?;
     row.key_ns.push(backend.elapsed_ns());
     let order = backend.sort(&keys)?;
     row.sort_ns.push(backend.elapsed_ns());

@@ -91,7 +91,7 @@ impl Measurement for Timing<'_> {
                     backend.accumulate(&rays, &hits, Table::Scratch)?;
                     accumulate_ns.push(backend.elapsed_ns());
                 }
-                backend.key(&rays, &hits, self.method)?;
+                backend.key(&rays, Some(&hits), self.method)?;
                 key_ns.push(backend.elapsed_ns());
             }
             // The first round touches the memory.

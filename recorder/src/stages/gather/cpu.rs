@@ -5,9 +5,10 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use formats::ray::Ray;
 use rayon::prelude::*;
 
+use crate::stages::compact::cpu::Paths;
 use crate::stages::prefetch::{AHEAD, prefetch};
 
-/// Rays that one task copies.
+/// Rays or paths that one task copies.
 const CHUNK: usize = 1 << 12;
 
 /// `gathered[i] = rays[permutation[i]]`.
@@ -24,6 +25,29 @@ pub fn gather(rays: &[Ray], permutation: &[AtomicU32], gathered: &mut [Ray]) {
                 prefetch(ray(at + AHEAD));
             }
             *gathered = *ray(at);
+        }
+    });
+}
+
+/// The same with all that paths carry.
+///
+/// # Panics
+/// If there are not as many places as paths.
+pub fn gather_paths(paths: &Paths, permutation: &[AtomicU32], gathered: &mut Paths) {
+    let counts = [paths.ids.len(), gathered.ids.len()];
+    assert!(counts == [permutation.len(); 2], "a place for each path");
+    let chunks = permutation.par_chunks(CHUNK).zip(gathered.parts().chunks(CHUNK));
+    chunks.for_each(|(places, mut gathered)| {
+        let index = |at: usize| places[at].load(Relaxed) as usize;
+        for at in 0..places.len() {
+            if at + AHEAD < places.len() {
+                let ahead = index(at + AHEAD);
+                prefetch(&paths.rays[ahead]);
+                prefetch(&paths.ids[ahead]);
+                prefetch(&paths.states[ahead]);
+            }
+            let from = index(at);
+            gathered.put(at, paths.ids[from], (paths.rays[from], paths.states[from]));
         }
     });
 }
