@@ -1,4 +1,4 @@
-//! Benchmarks of errors and of what is skipped, small, on both backends: what they say must hold.
+//! Benchmarks of errors, of frames and of what is skipped, small, on both backends: what they say must hold.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -6,8 +6,9 @@ use std::collections::BTreeSet;
 
 use formats::bench_result::{BenchResult, Rows};
 use formats::key::Method;
-use formats::key::method::UNSORTED;
+use formats::key::method::{CONTROL, UNSORTED};
 use recorder::bench::error::{self, Curve, ErrorBench, ImageSize};
+use recorder::bench::render::{self, RenderBench};
 use recorder::bench::skip::{self, SkipBench};
 use recorder::options::{BackendChoice, DeviceOptions, RecordOptions};
 
@@ -102,6 +103,30 @@ fn a_table_learns_what_a_constant_cannot() {
     assert!(last.cells_touched > first.cells_touched && last.cells_touched <= 1 << 12);
     assert_eq!((last.key_ns.len(), last.accumulate_ns.len()), (2, 2));
     assert!(first.key_ns.is_empty(), "costs are those of the last pass");
+}
+
+#[test]
+fn frames_are_measured_end_to_end() {
+    for backend in [BackendChoice::Cpu, BackendChoice::Gpu] {
+        let methods = ["aila", "two-point-real", "two-point-adaptive"];
+        let methods = methods.map(|name| Method::builtin(name).unwrap()).to_vec();
+        let run = RecordOptions { methods, repeats: 6, passes: 2, ..run(backend) };
+        let bench = RenderBench { scenes: vec!["builtin:cornell".into()], run };
+        let result = render::run(&bench).unwrap();
+        assert_eq!(format!("{:.9?}", through_json(&result)), format!("{result:.9?}"));
+        assert_eq!(result.instrument.as_ref().map(|instrument| instrument.experiments), Some(1));
+        let Rows::Render(rows) = &result.rows else { panic!("frames") };
+        let orders: Vec<&str> = rows.iter().map(|row| row.method.as_str()).collect();
+        assert_eq!(orders, [UNSORTED, CONTROL, "aila", "two-point-adaptive"], "nothing that is traced first");
+        for row in rows {
+            let is_sorted = row.method != UNSORTED;
+            assert_eq!(row.speedup.and_then(|speedup| speedup.interval).is_some(), is_sorted, "{row:?}");
+            assert_eq!([row.frame_ns.len(), row.trace_ns.len(), row.reorder_ns.len()], [6; 3], "{row:?}");
+            assert!(row.trace_ns.iter().chain(&row.frame_ns).all(|&ns| ns > 0), "{row:?}");
+            assert!(row.reorder_ns.iter().all(|&ns| (ns > 0) == is_sorted), "{row:?}");
+            assert!(row.shade_ns().all(|ns| ns > 0), "{row:?}");
+        }
+    }
 }
 
 #[test]

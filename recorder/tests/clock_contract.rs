@@ -142,6 +142,7 @@ impl<B: Backend> Watched<B> {
             let keys = self.verb(&name("key"), |backend| backend.key(rays, Some(hits), number).unwrap());
             let order = self.verb(&name("sort"), |backend| backend.sort(&keys).unwrap());
             let gathered = self.verb(&name("gather"), |backend| backend.gather(rays, &order).unwrap());
+            self.verb(&name("reorder"), |backend| backend.reorder(rays, &order).map(drop).unwrap());
             let found = self.verb(&name("trace"), |backend| backend.trace(&gathered, Order::Stored).unwrap());
             let home = self.verb(&name("scatter"), |backend| backend.scatter(&found, &order).unwrap());
             assert_eq!(self.backend.differences(hits, &home).unwrap(), 0, "{}", name("home"));

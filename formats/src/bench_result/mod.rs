@@ -44,7 +44,8 @@ pub struct BenchResult {
     pub threads: u32,
     /// What the times were taken with.
     pub time_source: String,
-    /// What `bench instrument` comes to over all queues, its fields among these; of no other benchmark.
+    /// What `bench instrument` comes to over all queues, or the control of `bench render` over all scenes, its
+    /// fields among these; of no other benchmark.
     #[serde(flatten)]
     pub instrument: Option<Instrument>,
     /// What was measured.
@@ -67,6 +68,8 @@ pub enum Rows {
     Startup(Vec<StartupRow>),
     /// `bench instrument`.
     Instrument(Vec<InstrumentRow>),
+    /// `bench render`.
+    Render(Vec<RenderRow>),
 }
 
 /// One queue traced in orders whose speedups are known, or bound.
@@ -86,6 +89,39 @@ pub struct InstrumentRow {
     pub control: Speedup,
     /// Trace speedup of a random order, gathered: what canonical order has over none.
     pub shuffled: Speedup,
+}
+
+/// Frames of a scene as a renderer makes them that keeps to one order.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RenderRow {
+    /// Name of the scene.
+    pub scene: String,
+    /// The order: a method, `unsorted`, or the control, which moves paths from canonical order to itself.
+    pub method: String,
+    /// Width of the picture in pixels.
+    pub width: u32,
+    /// Height of the picture in pixels.
+    pub height: u32,
+    /// Samples per pixel of a frame.
+    pub passes: u32,
+    /// Bounces of each.
+    pub bounces: u32,
+    /// The time of all stages, a sample per frame, nanoseconds.
+    pub frame_ns: Vec<u64>,
+    /// That of tracing.
+    pub trace_ns: Vec<u64>,
+    /// That of keys, sorting, moving paths and learning lengths.
+    pub reorder_ns: Vec<u64>,
+    /// Of frames over unsorted ones, end to end; of all but these.
+    pub speedup: Option<Speedup>,
+}
+
+impl RenderRow {
+    /// What is left of each frame: generating and shading rays, and adding light.
+    pub fn shade_ns(&self) -> impl Iterator<Item = u64> {
+        let parts = self.frame_ns.iter().zip(&self.trace_ns).zip(&self.reorder_ns);
+        parts.map(|((&frame, &trace), &reorder)| frame.saturating_sub(trace.saturating_add(reorder)))
+    }
 }
 
 /// Sorting n keys with their indices.

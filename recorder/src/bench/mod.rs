@@ -5,6 +5,7 @@
 //! - [`error`]: run time against error: triangle tests, length tables, key bits, pictures
 //! - [`skip`]: what skipping saves, each thing on and off
 //! - [`instrument`]: what the clock itself misses by
+//! - [`render`]: frames as a renderer makes them that keeps to one order
 //! - [`startup`]: what happens before the first ray
 //! - `backends`, `queues`: what they share
 
@@ -12,6 +13,7 @@ mod backends;
 pub mod error;
 pub mod instrument;
 mod queues;
+pub mod render;
 pub mod skip;
 pub mod sort;
 pub mod startup;

@@ -2,6 +2,7 @@
 
 mod error;
 mod instrument;
+mod render;
 mod skip;
 
 use anyhow::Result;
@@ -21,6 +22,7 @@ use crate::options::{DeviceOptions, OptionError, RecordOptions, in_range, parse_
 use crate::stages::trace::TraceKernel;
 use error::ErrorArguments;
 use instrument::InstrumentArguments;
+use render::RenderArguments;
 use skip::SkipArguments;
 
 pub(super) const EXAMPLES: &str = "\
@@ -31,6 +33,7 @@ Examples:
   recorder bench error sponza.glb --json > error.json
   recorder bench error builtin:atrium --only image --methods two-point,costa --image-passes 32
   recorder bench skip builtin:cornell builtin:apartment
+  recorder bench render builtin:atrium sponza.glb --methods aila,two-point
   recorder bench startup scene.glb --backend gpu
   recorder bench instrument builtin:atrium --backend cpu --pin --json > instrument.json
   inspector plot sort.json trace.json error.json --out figures/";
@@ -53,6 +56,8 @@ enum What {
     Skip(Box<SkipArguments>),
     /// What the clock misses by: orders whose speedup is known, on every queue.
     Instrument(Box<InstrumentArguments>),
+    /// Frames as a renderer makes them that keeps to one order: what sorting costs and buys from end to end.
+    Render(Box<RenderArguments>),
     /// What happens before the first ray: reading the scene, hierarchy, upload, pipelines.
     Startup(Box<SkipArguments>),
 }
@@ -164,6 +169,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
         What::Error(arguments) => (crate::bench::error::run(&arguments.bench()?)?, arguments.json),
         What::Skip(arguments) => (crate::bench::skip::run(&arguments.bench()?)?, arguments.json),
         What::Instrument(arguments) => (crate::bench::instrument::run(&arguments.bench()?)?, arguments.json),
+        What::Render(arguments) => (crate::bench::render::run(&arguments.bench()?)?, arguments.json),
         What::Startup(arguments) => (crate::bench::startup::run(&arguments.bench()?)?, arguments.json),
     };
     if json {
@@ -208,6 +214,7 @@ fn tables(result: &BenchResult) -> Vec<Table> {
         Rows::Error(rows) => error::tables(rows),
         Rows::Skip(rows) => vec![skip::skip_table(rows)],
         Rows::Instrument(rows) => vec![instrument::table(rows)],
+        Rows::Render(rows) => vec![render::table(rows)],
         Rows::Startup(rows) => vec![skip::startup_table(rows)],
     }
 }

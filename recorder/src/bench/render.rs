@@ -1,0 +1,288 @@
+//! Frames as a renderer makes them: it keeps to one order, and never asks what another would have taken.
+//!
+//! Camera rays are traced as they are generated. Every later queue is keyed, sorted and moved with all that its
+//! paths carry, and stays so: shading leaves the next queues in the order of their parents, which are sorted
+//! again. Nothing is brought home, since a path owns its pixel and its random numbers; so all orders give the
+//! same picture, which is checked after every frame. Lengths are learnt where a method reads them.
+
+use std::sync::Arc;
+
+use anyhow::{Context, Result, bail, ensure};
+use formats::bench_result::{BenchResult, RenderRow, Rows};
+use formats::key::Termination;
+use formats::key::method::UNSORTED;
+use formats::metrics::speedup::{Instrument, Speedup};
+use formats::ray::Kind;
+use scenes::Scene;
+
+use super::backends::{self, Measurement};
+use super::result;
+use crate::backends::{Backend, Queue, Table, picture};
+use crate::machine;
+use crate::measure::{Subject, sampled};
+use crate::options::RecordOptions;
+use crate::recording::{choose_camera, setup};
+use crate::stages::setup::Setup;
+use crate::stages::trace::{Order, TraceKernel};
+
+/// What to measure.
+#[derive(Clone, Debug)]
+pub struct RenderBench {
+    /// Scenes, files or built-in names.
+    pub scenes: Vec<String>,
+    /// Size of the run, methods, device; what is to be kept is of no interest. A frame has all passes.
+    pub run: RecordOptions,
+}
+
+/// Renders every scene in canonical order, in that of every method, and through a control.
+///
+/// # Errors
+/// One sentence on what went wrong with scene or device, or if a picture depends on the order.
+pub fn run(bench: &RenderBench) -> Result<BenchResult> {
+    let device = machine::open(&bench.run.device)?;
+    let mut run = bench.run.clone();
+    // What must be traced before it is sorted is no order to trace in.
+    run.methods.retain(|method| method.termination != Termination::Real);
+    let (mut rows, mut controls) = (Vec::new(), Vec::new());
+    for name in &bench.scenes {
+        let scene = scenes::load(name)?;
+        let camera = choose_camera(&scene, run.camera.as_deref())?;
+        let setup = Arc::new(setup(&scene, &camera, &run)?);
+        device.check_capacity(&setup, &scene, &run)?;
+        eprintln!("{}", scene.name);
+        let frames = Frames { run: &run, scene: &scene, setup: &setup };
+        let (of_scene, control) =
+            backends::measure(&device, &scene, &setup, &[device.kernel(&run.device)], frames)?;
+        rows.extend(of_scene);
+        controls.push(control);
+    }
+    let instrument = Instrument::of(controls);
+    Ok(BenchResult { instrument, ..result(&device, Rows::Render(rows)) })
+}
+
+/// Where the time of a frame went, nanoseconds.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spent {
+    /// Tracing.
+    trace: u64,
+    /// Keys, sorting, moving paths and learning lengths.
+    reorder: u64,
+    /// Generating and shading rays, and adding light.
+    shade: u64,
+}
+
+impl Spent {
+    fn total(&self) -> u64 {
+        self.trace + self.reorder + self.shade
+    }
+}
+
+struct Frames<'a> {
+    run: &'a RecordOptions,
+    scene: &'a Scene,
+    setup: &'a Setup,
+}
+
+impl Measurement for Frames<'_> {
+    type Output = (Vec<RenderRow>, Speedup);
+
+    /// Rows, and what the control's frames but for moving paths come to, which must be 1.
+    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Self::Output> {
+        let backend = backends.first_mut().context("there is no backend")?;
+        let Self { run, setup, .. } = self;
+        let methods = (0..setup.methods.len()).map(Subject::Method);
+        let orders: Vec<Subject> = [Subject::Unsorted, Subject::Control].into_iter().chain(methods).collect();
+        let mut expected = None;
+        let frames = sampled(orders.len(), run.repeats, run.seed, |at| {
+            let mut frame = Frame { backend, setup, order: orders[at], spent: Spent::default() };
+            frame.render(run)?;
+            let spent = frame.spent;
+            let found = picture(backend, run.passes)?;
+            let expected = expected.get_or_insert_with(|| found.clone());
+            if run.device.trace != Some(TraceKernel::RayQuery) {
+                check_same(expected, &found, orders[at].name(&setup.methods))?;
+            }
+            Ok(spent)
+        })?;
+        let of = |at: usize, part: fn(&Spent) -> u64| frames[at].iter().map(part).collect::<Vec<_>>();
+        let unsorted = of(0, Spent::total);
+        let row = |(at, order): (usize, &Subject)| RenderRow {
+            scene: self.scene.name.clone(),
+            method: order.name(&setup.methods).to_owned(),
+            width: setup.width,
+            height: setup.height,
+            passes: run.passes,
+            bounces: run.bounces,
+            frame_ns: of(at, Spent::total),
+            trace_ns: of(at, |spent| spent.trace),
+            reorder_ns: of(at, |spent| spent.reorder),
+            speedup: (at > 0).then(|| Speedup::of(&unsorted, &of(at, Spent::total))).flatten(),
+        };
+        let control = Speedup::of(&unsorted, &of(1, |spent| spent.trace + spent.shade));
+        let rows = orders.iter().enumerate().map(row).collect();
+        Ok((rows, control.context("no frame was measured")?))
+    }
+}
+
+/// A frame in one order.
+struct Frame<'a, B> {
+    backend: &'a mut B,
+    setup: &'a Setup,
+    order: Subject,
+    spent: Spent,
+}
+
+impl<B: Backend> Frame<'_, B> {
+    /// The loop of a renderer.
+    fn render(&mut self, run: &RecordOptions) -> Result<()> {
+        self.backend.restart()?;
+        for pass in 0..run.passes {
+            let mut rays = self.backend.generate(pass)?;
+            self.spent.shade += self.backend.elapsed_ns();
+            for _ in 0..run.bounces {
+                if rays.is_empty() {
+                    break;
+                }
+                let hits = self.trace(&rays)?;
+                let shaded = self.backend.shade(&rays, &hits)?;
+                self.spent.shade += self.backend.elapsed_ns();
+                if !shaded.shadow.is_empty() {
+                    let shadow = self.ordered(shaded.shadow)?;
+                    let occlusion = self.trace(&shadow)?;
+                    self.backend.add_light(&shadow, &occlusion)?;
+                    self.spent.shade += self.backend.elapsed_ns();
+                }
+                rays = self.ordered(shaded.next)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A queue in the order in which it is traced and goes on.
+    fn ordered(&mut self, rays: B::Rays) -> Result<B::Rays> {
+        if rays.is_empty() {
+            return Ok(rays);
+        }
+        let permutation = match self.order {
+            Subject::Unsorted => return Ok(rays),
+            Subject::Method(method) if !self.setup.methods[method].applies_to(rays.id().kind) => {
+                return Ok(rays);
+            }
+            Subject::Control => {
+                self.backend.upload_permutation(&(0..rays.len() as u32).collect::<Vec<_>>())?
+            }
+            Subject::Shuffled => bail!("a renderer has no reason to trace in a random order"),
+            Subject::Method(method) => {
+                let keys = self.backend.key(&rays, None, method)?;
+                self.spent.reorder += self.backend.elapsed_ns();
+                let permutation = self.backend.sort(&keys)?;
+                self.spent.reorder += self.backend.elapsed_ns();
+                permutation
+            }
+        };
+        let ordered = self.backend.reorder(&rays, &permutation)?;
+        self.spent.reorder += self.backend.elapsed_ns();
+        Ok(ordered)
+    }
+
+    fn trace(&mut self, rays: &B::Rays) -> Result<B::Hits> {
+        let hits = self.backend.trace(rays, Order::Stored)?;
+        self.spent.trace += self.backend.elapsed_ns();
+        if self.learns(rays.id().kind) {
+            self.backend.accumulate(rays, &hits, Table::Learnt)?;
+            self.spent.reorder += self.backend.elapsed_ns();
+        }
+        Ok(hits)
+    }
+
+    /// Whether the method reads the length table of a kind.
+    fn learns(&self, kind: Kind) -> bool {
+        let Subject::Method(method) = self.order else { return false };
+        let method = &self.setup.methods[method];
+        method.termination == Termination::Adaptive && method.applies_to(kind)
+    }
+}
+
+/// Refuses a picture that is not equal to the first one, bit for bit.
+fn check_same(expected: &[[f32; 3]], found: &[[f32; 3]], order: &str) -> Result<()> {
+    let bits = |pixel: &[f32; 3]| pixel.map(f32::to_bits);
+    let differing =
+        expected.iter().zip(found).filter(|(expected, found)| bits(expected) != bits(found)).count();
+    ensure!(
+        differing == 0 && expected.len() == found.len(),
+        "{differing} of {} pixels differ between frames of the same picture, seen first in the order of '{order}'; \
+         a path must depend on itself alone ('{UNSORTED}' is the order of pixels), so this is a fault of the driver \
+         or of this program: please report it",
+        expected.len()
+    );
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use formats::key::Method;
+    use formats::length_table::LengthCell;
+
+    use super::*;
+    use crate::backends::{Array, collected};
+    use crate::options::{BackendChoice, DeviceOptions};
+    use crate::wavefront;
+
+    struct AgainstTheLoop<'a> {
+        run: &'a RecordOptions,
+        setup: &'a Setup,
+    }
+
+    impl Measurement for AgainstTheLoop<'_> {
+        type Output = ();
+
+        fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<()> {
+            let (backend, Self { run, setup }) = (&mut backends[0], self);
+            let lengths = |backend: &mut B| -> [Vec<LengthCell>; 2] {
+                Kind::ALL.map(|kind| collected(backend, Array::Lengths(kind)).unwrap())
+            };
+            wavefront::run(backend, run.passes, run.bounces, &mut ()).unwrap();
+            let (loops_picture, loops_lengths) = (picture(backend, run.passes).unwrap(), lengths(backend));
+            assert!(loops_picture.iter().flatten().any(|&light| light > 0.0));
+            let methods = (0..setup.methods.len()).map(Subject::Method);
+            for order in [Subject::Unsorted, Subject::Control].into_iter().chain(methods) {
+                let mut frame = Frame { backend, setup, order, spent: Spent::default() };
+                frame.render(run).unwrap();
+                let (spent, learns) = (frame.spent, Kind::ALL.map(|kind| frame.learns(kind)));
+                let name = order.name(&setup.methods);
+                check_same(&loops_picture, &picture(backend, run.passes).unwrap(), name).unwrap();
+                assert_eq!(spent.reorder > 0, order != Subject::Unsorted, "{name}");
+                for ((learns, found), expected) in
+                    learns.into_iter().zip(lengths(backend)).zip(&loops_lengths)
+                {
+                    assert_eq!(found, if learns { &expected[..] } else { &[] }, "{name}");
+                }
+            }
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn frames_in_any_order_are_the_picture_of_the_loop() {
+        for backend in [BackendChoice::Cpu, BackendChoice::Gpu] {
+            let methods = ["origin", "aila", "two-point-adaptive", "light-octahedron"];
+            let run = RecordOptions {
+                width: 97,
+                height: 61,
+                bounces: 4,
+                passes: 2,
+                methods: methods.map(|name| Method::builtin(name).unwrap()).to_vec(),
+                device: DeviceOptions { backend, threads: Some(2), ..DeviceOptions::default() },
+                ..RecordOptions::base().unwrap()
+            };
+            let device = machine::open(&run.device).unwrap();
+            for name in ["builtin:cornell", "builtin:atrium", "builtin:apartment"] {
+                let scene = scenes::load(name).unwrap();
+                let camera = choose_camera(&scene, None).unwrap();
+                let setup = Arc::new(setup(&scene, &camera, &run).unwrap());
+                let work = AgainstTheLoop { run: &run, setup: &setup };
+                backends::measure(&device, &scene, &setup, &[device.kernel(&run.device)], work).unwrap();
+            }
+        }
+    }
+}
