@@ -55,7 +55,7 @@ fn a_second_driver_records_the_same_bits() {
     let found = adapter(|command| on_driver(command, &manifest));
     let first = adapter(|_| ());
     assert_ne!(found["driver"], first["driver"], "the second driver is the first");
-    let threads = record(folder.path(), "threads", "--backend cpu", |_| ());
+    let threads = record(folder.path(), "threads", "--backend cpu --trace cwbvh", |_| ());
     let second = record(folder.path(), "second", "--backend gpu", |command| on_driver(command, &manifest));
     // What a hierarchy costs is counted alike on both backends; nothing else may differ either.
     assert_same(&threads, &second, &format!("threads and {}", found["name"]));
@@ -69,7 +69,7 @@ fn subgroups_of_every_width_record_the_same_bits() {
         return skipped("subgroups of 4, 8 and 16", &format!("{name} has a width of its own"));
     }
     let folder = tempdir().unwrap();
-    let expected = record(folder.path(), "threads", "--backend cpu", |_| ());
+    let expected = record(folder.path(), "threads", "--backend cpu --trace cwbvh", |_| ());
     for lanes in [4, 8, 16] {
         let bits = (32 * lanes).to_string();
         let widen = |command: &mut Command| {

@@ -310,8 +310,8 @@ fn benchmarks_are_read_by_figures() {
     save("trace.json", &format!("bench trace builtin:cornell {size} --backend cpu --json"));
     let trace: Value =
         serde_json::from_str(&fs::read_to_string(folder.path().join("trace.json")).unwrap()).unwrap();
-    // Two bounces, two kinds, two kernels, two orders.
-    assert_eq!(trace["rows"]["rows"].as_array().unwrap().len(), 16, "{trace}");
+    // Two bounces, two kinds, three kernels, two orders.
+    assert_eq!(trace["rows"]["rows"].as_array().unwrap().len(), 24, "{trace}");
     Program::Inspector.run(folder.path(), "plot sort.json gpu.json trace.json --out figures").succeeded();
     for name in ["sort-throughput", "trace-rate"] {
         assert!(folder.path().join(format!("figures/{name}.svg")).exists(), "{name}");

@@ -68,7 +68,8 @@ pub(crate) fn gpu() -> &'static Gpu {
 /// Every kernel on every backend that has it.
 pub(crate) fn kernels() -> Vec<(Backend, TraceKernel)> {
     let own = [TraceKernel::Cwbvh, TraceKernel::Bvh2];
-    let mut all: Vec<_> = own.map(|kernel| (Backend::Cpu, kernel)).to_vec();
+    let mut all = vec![(Backend::Cpu, TraceKernel::Wide)];
+    all.extend(own.map(|kernel| (Backend::Cpu, kernel)));
     all.extend(own.map(|kernel| (Backend::Gpu, kernel)));
     if gpu().adapter().ray_query {
         all.push((Backend::Gpu, TraceKernel::RayQuery));
