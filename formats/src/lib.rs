@@ -3,6 +3,7 @@
 //! - [`ray`], [`unit_space`]: the values that everything else is made of
 //! - [`key`]: layouts as data, from ray to key and back
 //! - [`length_table`], [`permutation`], [`metrics`]: what is derived from rays and keys
+//! - [`auto`]: which order a queue gets
 //! - [`npy`], [`manifest`], [`folder`], [`writer`], [`reader`], [`verify`], [`recover`]: the files
 //! - [`traced`], [`stored_table`]: what a dump's rays came to, and what was expected of them
 //! - [`queue_check`]: whether recorded rays can be traced
@@ -11,6 +12,7 @@
 //! - [`files`], [`text`]: whole files read and replaced with care; names from files on a terminal
 
 mod array_file;
+pub mod auto;
 pub mod bench_result;
 pub mod files;
 pub mod folder;

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::array_file;
 use crate::folder::{self, Contents, NEW_MANIFEST};
-use crate::key::method::WITHOUT_KEY;
+use crate::key::method::WITHOUT_LAYOUT;
 use crate::manifest::scan::salvage;
 use crate::manifest::{self, ArrayRecord, End, Fault, ManifestError, Outcome, Place, Record, encode_frame};
 
@@ -215,7 +215,7 @@ fn leave_out_lost_methods(records: &mut Vec<Record>, left_out: &mut Vec<String>)
         Record::Method(method) => Some(method.name.clone()),
         _ => None,
     });
-    let names: BTreeSet<String> = names.chain(WITHOUT_KEY.map(str::to_owned)).collect();
+    let names: BTreeSet<String> = names.chain(WITHOUT_LAYOUT.map(str::to_owned)).collect();
     records.retain_mut(|record| match record {
         Record::Array(array) => match &array.place {
             Place::Method(_, method, _) if !names.contains(method) => {

@@ -5,8 +5,8 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::manifest::{
-    Adapter, ArrayRecord, CacheRecord, Check, Features, Manifest, Options, Outcome, QueueRecord, Source,
-    TimingRecord,
+    Adapter, ArrayRecord, CacheRecord, CalibrationRecord, Check, DecisionRecord, Features, Manifest, Options,
+    Outcome, QueueRecord, Source, TimingRecord,
 };
 use crate::metrics::speedup::{interquartile_range, median};
 use crate::ray::Kind;
@@ -52,6 +52,10 @@ pub struct Summary {
     pub timings: Vec<TimingLine>,
     /// What the cache model says.
     pub caches: Vec<CacheRecord>,
+    /// What orders were worth before the recording.
+    pub calibration: Vec<CalibrationRecord>,
+    /// Which order `auto` gave each queue.
+    pub decisions: Vec<DecisionRecord>,
     /// The arrays.
     pub arrays: Vec<ArrayRecord>,
 }
@@ -172,6 +176,8 @@ impl Summary {
             queues: manifest.queues.clone(),
             timings: manifest.timings.iter().map(TimingLine::from).collect(),
             caches: manifest.caches.clone(),
+            calibration: manifest.calibration.clone(),
+            decisions: manifest.decisions.clone(),
             arrays: manifest.arrays.clone(),
         }
     }

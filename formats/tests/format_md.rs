@@ -119,6 +119,8 @@ fn kind_and_name(record: &Record) -> String {
         Record::Cache(cache) => format!("cache {}", cache.rays),
         Record::Disturbed(disturbed) => format!("disturbed {}", disturbed.method),
         Record::Way(way) => format!("way {}", way.method),
+        Record::Calibration(calibration) => format!("calibration {}", calibration.rays),
+        Record::Decision(_) => "decision".to_owned(),
     }
 }
 

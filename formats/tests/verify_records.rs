@@ -11,8 +11,9 @@ use std::time::Instant;
 use formats::key::{LightSite, Termination};
 use formats::manifest::scan::scan;
 use formats::manifest::{
-    CacheRecord, DisturbedRecord, End, Header, MethodRecord, Mismatches, Outcome, Place, QueueArray, QueueId,
-    QueueRecord, Record, Source, Stage, TimingRecord, WayRecord, encode_frame, preamble,
+    CacheRecord, CalibrationRecord, DecisionRecord, DisturbedRecord, End, Header, MethodRecord, Mismatches,
+    Outcome, Place, QueueArray, QueueId, QueueRecord, Record, Source, Stage, TimingRecord, WayRecord,
+    encode_frame, preamble,
 };
 use formats::ray::Kind;
 use formats::reader::Dump;
@@ -74,6 +75,14 @@ fn disturbed(record: &mut Record) -> Option<&mut DisturbedRecord> {
 
 fn way(record: &mut Record) -> Option<&mut WayRecord> {
     if let Record::Way(way) = record { Some(way) } else { None }
+}
+
+fn decision(record: &mut Record) -> Option<&mut DecisionRecord> {
+    if let Record::Decision(decision) = record { Some(decision) } else { None }
+}
+
+fn calibration(record: &mut Record) -> Option<&mut CalibrationRecord> {
+    if let Record::Calibration(calibration) = record { Some(calibration) } else { None }
 }
 
 fn cache(record: &mut Record) -> Option<&mut CacheRecord> {
@@ -476,6 +485,32 @@ fn a_time_is_told_once() {
             && error.contains("a second time"),
         "{error}"
     );
+}
+
+#[test]
+fn what_auto_chose_follows_from_its_calibration() {
+    let cases: &[Case<DecisionRecord>] = &[
+        (|decision| decision.area *= 2.0, "closest: its sample has area"),
+        (|decision| decision.choice = None, "None was chosen, by the calibration it is Some(Choice"),
+        (
+            |decision| decision.queue.bounce = 7,
+            "there is no record of what auto chose for pass-001/bounce-01/closest",
+        ),
+    ];
+    assert_found(decision, cases);
+    let cases: &[Case<CalibrationRecord>] = &[
+        (|calibration| calibration.candidates[0].net_low = 0.99, "by the calibration it is None"),
+        (|calibration| calibration.candidates[0].choice.key_bits = 7, "7 bits, expected 8 to 64"),
+        (|calibration| calibration.candidates[0].choice.method = "nope".into(), "there is no method 'nope'"),
+    ];
+    assert_found(calibration, cases);
+    // Both records say something else than what the rays were sorted by.
+    let other: fn(&mut Record) = |record| match record {
+        Record::Decision(DecisionRecord { choice: Some(choice), .. }) => choice.method = "origin".into(),
+        Record::Calibration(calibration) => calibration.candidates[0].choice.method = "origin".into(),
+        _ => {}
+    };
+    assert_found(|record| Some(record), &[(other, "auto/permutation.npy: ")]);
 }
 
 /// What is looked up for each of many times is not searched for: opening looks at each record once, too.

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use formats::manifest::{Header, Source};
+use formats::manifest::{DecisionRecord, Header, Source};
 use formats::reader::{Dump, DumpState};
 use formats::summary::{Summary, TimingLine};
+use formats::text::one_line;
 use serde::Serialize;
 
 use crate::analysis::{Analysis, AnalysisOptions, Depth, analyse};
@@ -100,6 +101,10 @@ fn facts(summary: &Summary, shown: &Header, source_is: Option<SourceIs>) -> Stri
     lines.extend(source_line(shown, source_is).map(|line| ("source", line)));
     lines.extend(scene_lines(summary, shown));
     lines.push(("backend", backend_line(shown)));
+    for DecisionRecord { queue, choice, .. } in &summary.decisions {
+        let chosen = choice.as_ref().map_or("left alone".to_owned(), ToString::to_string);
+        lines.push(("auto", format!("{queue}: {}", one_line(&chosen, 200))));
+    }
     lines.push((
         "options",
         format!(

@@ -103,6 +103,8 @@ fn manifest() -> Manifest {
         caches: Vec::new(),
         disturbed: Vec::new(),
         ways: Vec::new(),
+        calibration: Vec::new(),
+        decisions: Vec::new(),
         end: Some(End {
             outcome: Outcome::Complete,
             image: Some(ImageDigest { width: 4, height: 2, sha256: [0xab; 32] }),

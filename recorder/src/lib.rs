@@ -7,9 +7,11 @@
 //! recorded before, [`bench`] measures single stages, [`cli`] is what is typed. [`oracle`] stands apart: the
 //! exact answers.
 
+pub mod auto;
 pub mod backends;
 pub mod bench;
 pub mod cache_model;
+pub mod calibrate;
 pub mod capture;
 pub mod cli;
 pub mod clock;

@@ -7,17 +7,21 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use fastrand::Rng;
 use formats::key::Termination;
-use formats::key::method::{CONTROL, SHUFFLED, UNSORTED};
+use formats::key::method::{AUTO, CONTROL, SHUFFLED, UNSORTED};
 use formats::manifest::{QueueId, Stage, Way};
 use formats::metrics::speedup::StageSamples;
 use formats::ray::Kind;
 
+use crate::auto::Auto;
 use crate::backends::{Backend, Queue, Table};
+use crate::clock::Sample;
 use crate::stages::setup::MethodPlan;
 use crate::stages::trace::Order;
+
+const NOTHING_CHOOSES: &str = "nothing chooses an order";
 
 /// What is measured on every queue.
 #[derive(Clone, Debug)]
@@ -39,6 +43,8 @@ pub enum Subject {
     Control,
     /// A random order.
     Shuffled,
+    /// The order that is chosen for the queue.
+    Auto,
     /// The order of a method, by its number.
     Method(usize),
 }
@@ -50,6 +56,7 @@ impl Subject {
             Self::Unsorted => UNSORTED,
             Self::Control => CONTROL,
             Self::Shuffled => SHUFFLED,
+            Self::Auto => AUTO,
             Self::Method(number) => &methods[number].name,
         }
     }
@@ -66,7 +73,7 @@ pub struct Measurement {
     pub disturbed: BTreeMap<Stage, Vec<u32>>,
     /// Most results of any of its traces that differed from those of canonical order.
     pub mismatches: u64,
-    /// Nanoseconds of the round that decides which way counts, by each way.
+    /// Nanoseconds of the round that decides which way counts, in all by each way; 0 for one not taken.
     pub deciding_ns: [u64; 2],
 }
 
@@ -81,11 +88,20 @@ pub struct Queued<'a, B: Backend> {
     pub hits: &'a B::Hits,
     /// The methods of the run.
     pub methods: &'a [MethodPlan],
+    /// What chooses an order, where one is to be chosen.
+    pub auto: Option<&'a Auto>,
 }
 
 /// The orders of a queue, with those that need no key.
 pub struct Orders<P> {
     subjects: Vec<(Subject, Option<P>)>,
+}
+
+impl<P> Orders<P> {
+    /// Leaves out those that do not count any more.
+    pub fn retain(&mut self, mut counts: impl FnMut(Subject) -> bool) {
+        self.subjects.retain(|(subject, _)| counts(*subject));
+    }
 }
 
 impl<B: Backend> Queued<'_, B> {
@@ -112,6 +128,18 @@ impl<B: Backend> Queued<'_, B> {
                     let permutation = backend.upload_permutation(&indices)?;
                     ordered(backend, subject, None, &permutation)?;
                     Some(permutation)
+                }
+                Subject::Auto => {
+                    let auto = self.auto.context(NOTHING_CHOOSES)?;
+                    let permutation = match auto.decide(backend, self.rays)?.0.order {
+                        None => backend.upload_permutation(&(0..count).collect::<Vec<_>>())?,
+                        Some((number, _)) => {
+                            let keys = backend.key(self.rays, Some(self.hits), number)?;
+                            backend.sort(&keys)?
+                        }
+                    };
+                    ordered(backend, subject, None, &permutation)?;
+                    None
                 }
                 Subject::Method(number) if !self.methods[number].applies_to(id.kind) => continue,
                 Subject::Method(number) => {
@@ -149,7 +177,8 @@ impl<B: Backend> Queued<'_, B> {
             self.sample(backend, &orders.subjects[at], &mut entries[at], round.unwrap_or(0))
         })?;
         for (entry, deciding) in entries.iter_mut().zip(deciding) {
-            let sum = |way: Way| way.stages().iter().flat_map(|&stage| deciding.stages.of(stage)).sum();
+            let is_taken = |way: Way| way.stages().iter().any(|&stage| !deciding.stages.of(stage).is_empty());
+            let sum = |way: Way| if is_taken(way) { deciding.stages.totals(way).iter().sum() } else { 0 };
             entry.deciding_ns = [Way::Gathered, Way::Indices].map(sum);
         }
         Ok(entries)
@@ -163,37 +192,55 @@ impl<B: Backend> Queued<'_, B> {
         entry: &mut Measurement,
         round: u32,
     ) -> Result<()> {
-        let Self { rays, hits, methods } = *self;
+        let Self { rays, hits, methods, .. } = *self;
         if *subject == Subject::Unsorted {
             backend.trace(rays, Order::Stored)?;
             entry.keep(backend, Stage::Trace, round);
             return Ok(());
         }
+        let (mut method, mut ways) = (None, &[Way::Gathered, Way::Indices][..]);
+        match subject {
+            Subject::Method(number) => method = Some(*number),
+            Subject::Control => ways = &[Way::Gathered],
+            Subject::Auto => {
+                let (decision, taken) = self.auto.context(NOTHING_CHOOSES)?.decide(backend, rays)?;
+                entry.add(taken, Stage::Decide, round);
+                let Some((number, way)) = decision.order else {
+                    backend.trace(rays, Order::Stored)?;
+                    entry.keep(backend, Stage::Trace, round);
+                    return Ok(());
+                };
+                method = Some(number);
+                ways = if way == Way::Gathered { &[Way::Gathered] } else { &[Way::Indices] };
+            }
+            Subject::Unsorted | Subject::Shuffled => {}
+        }
         let sorted;
-        let permutation = match (subject, permutation) {
-            (_, Some(permutation)) => permutation,
-            (Subject::Method(number), None) => {
-                let keys = backend.key(rays, Some(hits), *number)?;
+        let permutation = match (method, permutation) {
+            (Some(number), _) => {
+                let keys = backend.key(rays, Some(hits), number)?;
                 entry.keep(backend, Stage::Key, round);
                 sorted = backend.sort(&keys)?;
                 entry.keep(backend, Stage::Sort, round);
                 &sorted
             }
-            (_, None) => bail!("an order without keys has no permutation"),
+            (None, Some(permutation)) => permutation,
+            (None, None) => bail!("an order without keys has no permutation"),
         };
-        let gathered = backend.gather(rays, permutation)?;
-        entry.keep(backend, Stage::Gather, round);
-        let found = backend.trace(&gathered, Order::Stored)?;
-        entry.keep(backend, Stage::Trace, round);
-        let found = backend.scatter(&found, permutation)?;
-        entry.keep(backend, Stage::Scatter, round);
-        entry.mismatches = entry.mismatches.max(backend.differences(hits, &found)?);
-        if *subject == Subject::Control {
-            return Ok(());
+        if ways.contains(&Way::Gathered) {
+            let gathered = backend.gather(rays, permutation)?;
+            entry.keep(backend, Stage::Gather, round);
+            let found = backend.trace(&gathered, Order::Stored)?;
+            entry.keep(backend, Stage::Trace, round);
+            let found = backend.scatter(&found, permutation)?;
+            entry.keep(backend, Stage::Scatter, round);
+            entry.mismatches = entry.mismatches.max(backend.differences(hits, &found)?);
         }
-        let found = backend.trace(rays, Order::Indirect(permutation))?;
-        entry.keep(backend, Stage::TraceIndirect, round);
-        entry.mismatches = entry.mismatches.max(backend.differences(hits, &found)?);
+        if ways.contains(&Way::Indices) {
+            let found = backend.trace(rays, Order::Indirect(permutation))?;
+            entry.keep(backend, Stage::TraceIndirect, round);
+            entry.mismatches = entry.mismatches.max(backend.differences(hits, &found)?);
+        }
         if let Subject::Method(number) = subject
             && methods[*number].termination == Termination::Adaptive
         {
@@ -206,7 +253,10 @@ impl<B: Backend> Queued<'_, B> {
 
 impl Measurement {
     fn keep<B: Backend>(&mut self, backend: &B, stage: Stage, round: u32) {
-        let sample = backend.sample();
+        self.add(backend.sample(), stage, round);
+    }
+
+    fn add(&mut self, sample: Sample, stage: Stage, round: u32) {
         self.stages.of_mut(stage).push(sample.elapsed_ns);
         if sample.is_disturbed {
             self.disturbed.entry(stage).or_default().push(round);

@@ -4,13 +4,14 @@ use anyhow::{Result, bail};
 use formats::key::method::UNSORTED;
 use formats::length_table::LengthCell;
 use formats::manifest::{
-    DisturbedRecord, MethodArray, Mismatches, Place, QueueArray, QueueId, QueueRecord, Record, Stage,
-    TimingRecord, Way, WayRecord,
+    DecisionRecord, DisturbedRecord, MethodArray, Mismatches, Place, QueueArray, QueueId, QueueRecord,
+    Record, Stage, TimingRecord, Way, WayRecord,
 };
 use formats::npy::Dtype;
 use formats::ray::{Kind, Ray};
 use formats::reader::Dump;
 
+use crate::auto::{Auto, Decision};
 use crate::backends::{Array, Backend, Queue, collected};
 use crate::cache_model::CacheModel;
 use crate::capture::Capture;
@@ -39,6 +40,8 @@ pub struct Plan<'a> {
     pub counts_work: bool,
     /// Says what caches would make of each order, if that is kept.
     pub cache_model: Option<CacheModel>,
+    /// What chooses orders for `auto`.
+    pub auto: Option<Auto>,
     /// The recording whose queues these are: only what is found otherwise is kept once more.
     pub recorded: Option<&'a Dump>,
 }
@@ -78,6 +81,8 @@ pub struct Recorder<'a> {
     progress: &'a Progress,
     /// Every queue of the measured pass.
     pub measured: Vec<MeasuredQueue>,
+    /// Which order `auto` gave each of them.
+    pub decisions: Vec<DecisionRecord>,
     /// Rays that did not find what was recorded.
     pub differing: u64,
     /// The last queue of each kind whose arrays are kept.
@@ -87,7 +92,15 @@ pub struct Recorder<'a> {
 impl<'a> Recorder<'a> {
     /// An observer that writes through `capture`.
     pub fn new(plan: &'a Plan<'a>, capture: &'a mut Capture, progress: &'a Progress) -> Self {
-        Self { plan, capture, progress, measured: Vec::new(), differing: 0, last_kept: [None; 2] }
+        Self {
+            plan,
+            capture,
+            progress,
+            measured: Vec::new(),
+            decisions: Vec::new(),
+            differing: 0,
+            last_kept: [None; 2],
+        }
     }
 
     /// Writes which way of tracing counts for each method, and the tables' last state. Call once after the loop.
@@ -196,8 +209,9 @@ impl<'a> Recorder<'a> {
     }
 
     fn queue_record(&self, id: QueueId, rays: usize, measurements: &[Measurement]) -> QueueRecord {
-        let of_method =
-            |entry: &&Measurement| matches!(entry.subject, Subject::Method(_) | Subject::Shuffled);
+        let of_method = |entry: &&Measurement| {
+            matches!(entry.subject, Subject::Method(_) | Subject::Shuffled | Subject::Auto)
+        };
         let name = |entry: &Measurement| entry.subject.name(&self.plan.methods).to_owned();
         let methods = measurements.iter().filter(of_method);
         let baseline = (!measurements.is_empty()).then(|| UNSORTED.to_owned());
@@ -249,7 +263,8 @@ impl Recorder<'_> {
     ) -> Result<QueueMeasurement> {
         let (plan, id) = (self.plan, rays.id());
         let copied = self.model_baseline(backend, rays)?;
-        let queue = Queued { rays, hits, methods: &plan.methods };
+        let queue = Queued { rays, hits, methods: &plan.methods, auto: plan.auto.as_ref() };
+        self.write_decision(backend, rays)?;
         let orders = queue.warm_up(backend, &plan.measured, |backend, subject, keys, permutation| {
             self.keep_order(backend, rays, &copied, subject, (keys, permutation))
         })?;
@@ -259,6 +274,15 @@ impl Recorder<'_> {
         self.check_mismatches(id, &measurements)?;
         self.write_timings(id, &measurements)?;
         Ok(measurements)
+    }
+
+    /// Writes which order `auto` gives the queue.
+    fn write_decision<B: Backend>(&mut self, backend: &mut B, rays: &B::Rays) -> Result<()> {
+        let Some(auto) = &self.plan.auto else { return Ok(()) };
+        let Decision { area, choice, .. } = auto.decide(backend, rays)?.0;
+        let decision = DecisionRecord { queue: rays.id(), area, choice };
+        self.decisions.push(decision.clone());
+        self.capture.record(Record::Decision(decision))
     }
 
     /// Writes keys and permutation, and what caches make of the order; `copied` are the queue's rays, empty

@@ -2,16 +2,17 @@
 
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
-use formats::manifest::{Stage, Way};
+use formats::manifest::{DecisionRecord, Stage, Way};
 use formats::metrics::speedup::{Instrument, Speedup, median};
 
 use crate::bench::rate;
-use crate::measure::{Measurement, Subject, has_speedup};
+use crate::measure::{Measurement, Subject, has_speedup, queue_name};
 use crate::observer::{MeasuredQueue, chosen_way};
 use crate::recording::Recorded;
 
 /// The stages of the table, in the order in which they run.
-const STAGES: [(Stage, &str); 7] = [
+const STAGES: [(Stage, &str); 8] = [
+    (Stage::Decide, "decide"),
     (Stage::Key, "key"),
     (Stage::Sort, "sort"),
     (Stage::Gather, "gather"),
@@ -30,7 +31,10 @@ pub fn text(recorded: &Recorded) -> String {
                  intervals over rounds; ≈ marks no significant difference. The net speedup counts gather, trace \
                  and scatter, or the trace through indices (*).";
     let lines = recorded.headline.iter().cloned().chain(notices);
-    let lines = lines.chain([about.to_owned(), table(recorded).to_string()]).chain(mismatches(recorded));
+    let lines = lines
+        .chain([about.to_owned(), table(recorded).to_string()])
+        .chain(decisions(recorded))
+        .chain(mismatches(recorded));
     let lines = lines.chain(instrument(recorded)).chain(disturbances(recorded));
     lines.chain([format!("recording: {}", recorded.path.display())]).collect::<Vec<_>>().join("\n")
 }
@@ -68,12 +72,22 @@ fn speedups(queue: &MeasuredQueue, entry: &Measurement, recorded: &Recorded) -> 
         Subject::Method(number) if !has_speedup(&recorded.methods[number]) => {
             ["(traced first)".to_owned(), String::new()]
         }
-        Subject::Method(_) | Subject::Shuffled => {
-            let way = chosen_way(&recorded.queues, entry.subject).unwrap_or(Way::Gathered);
+        Subject::Method(_) | Subject::Shuffled | Subject::Auto => {
+            let way =
+                chosen_way(&recorded.queues, entry.subject).unwrap_or_else(|| entry.stages.shorter_way());
             [trace(), speedup(Speedup::of(unsorted, &entry.stages.totals(way)))]
         }
         Subject::Control => [trace(), String::new()],
     }
+}
+
+/// What `auto` chose, queue by queue.
+fn decisions(recorded: &Recorded) -> Vec<String> {
+    let line = |decision: &DecisionRecord| {
+        let chosen = decision.choice.as_ref().map_or("left alone".to_owned(), ToString::to_string);
+        format!("auto     {}: {chosen}", queue_name(decision.queue.bounce, decision.queue.kind))
+    };
+    recorded.decisions.iter().map(line).collect()
 }
 
 /// How far the control is from 1, which it must measure: the error of everything above.

@@ -1,5 +1,7 @@
 //! The loop: a path tracer in verbs, written once for any backend (DESIGN §2).
 
+use std::ops::Range;
+
 use anyhow::Result;
 use formats::manifest::Stage;
 
@@ -16,17 +18,17 @@ pub trait Observer<B: Backend> {
     }
 }
 
-/// Traces paths from the camera: `passes` samples per pixel of up to `bounces` bounces.
+/// Traces paths from the camera: a sample per pixel for each of `passes`, of up to `bounces` bounces.
 ///
 /// # Errors
 /// Any of the backend or the observer.
 pub fn run<B: Backend>(
     backend: &mut B,
-    passes: u32,
+    passes: Range<u32>,
     bounces: u32,
     observer: &mut impl Observer<B>,
 ) -> Result<()> {
-    for pass in 0..passes {
+    for pass in passes {
         let mut rays = backend.generate(pass)?;
         observer.ran(backend, Stage::Generate, &rays)?;
         for _ in 0..bounces {

@@ -21,7 +21,7 @@ const ROOMS: [(&str, &str); 4] = [
     (
         "formats",
         "length_table permutation ray text npy unit_space key manifest folder queue_check read_error \
-         array_file files writer reader recover stored_table traced metrics bench_result summary \
+         array_file files writer reader recover stored_table traced metrics auto bench_result summary \
          verify",
     ),
     (
@@ -31,8 +31,8 @@ const ROOMS: [(&str, &str); 4] = [
     ),
     (
         "recorder",
-        "clock device stages oracle cache_model options machine backends output progress interrupt wavefront \
-         measure capture comparison observer recording replay bench report cli",
+        "clock device stages oracle cache_model options machine backends output progress interrupt auto wavefront \
+         measure calibrate capture comparison observer recording replay bench report cli",
     ),
     (
         "inspector",

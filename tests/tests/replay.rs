@@ -7,6 +7,7 @@ use std::path::Path;
 use std::process::Command;
 
 use formats::manifest::{Outcome, Record, Source};
+use formats::reader::Dump;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 use tests::crafted::{copy, edit_manifest, edit_records};
@@ -84,6 +85,43 @@ fn a_random_order_is_measured_where_it_is_named() {
     }
     let info = Program::Inspector.run(folder.path(), "info again.raydump").succeeded().stdout;
     assert!(info.contains("unsorted, shuffled"), "{info}");
+}
+
+/// On the machine that it was made on, a calibration is taken over, and gives the same orders; elsewhere, here by
+/// another kernel, there is another one.
+#[test]
+fn what_auto_chooses_is_repeated_with_its_calibration() {
+    for (backend, kernels) in [("cpu", ["wide", "bvh2"]), ("gpu", ["cwbvh", "bvh2"])] {
+        let folder = recorded("builtin:cornell", &format!("--backend {backend} --methods auto --repeats 2"));
+        let records = |name: &str| {
+            let dump = Dump::open(&folder.path().join(name)).unwrap();
+            (dump.manifest().calibration.clone(), dump.manifest().decisions.clone())
+        };
+        let (calibration, decisions) = records("first.raydump");
+        assert!(
+            calibration.iter().all(|queue| queue.candidates.len() >= 3 && queue.area > 0.0),
+            "{calibration:?}"
+        );
+        assert!(decisions.len() > 3 && decisions.len() == calibration.len(), "{decisions:?}");
+        for kernel in kernels {
+            let line = format!(
+                "replay first.raydump --out again.raydump --backend {backend} --trace {kernel} --force"
+            );
+            let table = Program::Recorder.run(folder.path(), &line).succeeded().stdout;
+            assert!(table.contains("auto     bounce 1, shadow rays: "), "{table}");
+            let again = records("again.raydump");
+            assert_eq!(again.1.len(), decisions.len());
+            if kernel == kernels[0] {
+                assert_eq!(again, (calibration.clone(), decisions.clone()));
+                assert!(orders(folder.path(), "first.raydump") == orders(folder.path(), "again.raydump"));
+            } else {
+                assert_ne!(again.0, calibration, "measured anew");
+            }
+            for name in ["first", "again"] {
+                Program::Inspector.run(folder.path(), &format!("verify {name}.raydump")).succeeded();
+            }
+        }
+    }
 }
 
 #[test]

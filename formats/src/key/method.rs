@@ -62,8 +62,12 @@ pub const CONTROL: &str = "control";
 /// and no key.
 pub const SHUFFLED: &str = "shuffled";
 
-/// The orders that need no key.
-pub const WITHOUT_KEY: [&str; 3] = [UNSORTED, CONTROL, SHUFFLED];
+/// The order that [`crate::auto`] chooses, queue by queue. It has a permutation; its keys are those of the method
+/// that was chosen.
+pub const AUTO: &str = "auto";
+
+/// The orders that have no layout of their own, and so no record of a method.
+pub const WITHOUT_LAYOUT: [&str; 4] = [UNSORTED, CONTROL, SHUFFLED, AUTO];
 
 const TWO_POINT: &str = "(ox oy oz ex ey ez)*10 ox oy oz ex";
 
@@ -120,7 +124,7 @@ impl Method {
         let bad_name = || MethodError::BadName { definition: definition.to_owned() };
         let (name, layout) = definition.split_once('=').ok_or_else(bad_name)?;
         let name = name.trim();
-        let taken = WITHOUT_KEY.contains(&name) || BUILTIN.iter().any(|(known, ..)| *known == name);
+        let taken = WITHOUT_LAYOUT.contains(&name) || BUILTIN.iter().any(|(known, ..)| *known == name);
         if !is_method_name(name) || taken {
             return Err(bad_name());
         }

@@ -14,7 +14,11 @@ use crate::text::shown;
 
 /// Kinds of records that a version of the format knows: the first variants of [`Record`].
 pub(super) fn record_kinds(version: u32) -> u32 {
-    if version < 3 { 7 } else { 9 }
+    match version {
+        ..3 => 7,
+        3 => 9,
+        _ => 11,
+    }
 }
 
 /// Most records are shorter than this. What the decoded values may take, lists with false lengths

@@ -17,9 +17,9 @@ pub mod scan;
 pub use codec::encode_frame;
 pub use place::{MethodArray, Place, QueueArray, QueueId, SceneArray};
 pub use records::{
-    Adapter, ArrayRecord, Backend, CacheRecord, CameraPose, Check, DisturbedRecord, End, Features, Header,
-    ImageDigest, MethodRecord, Mismatches, Options, Outcome, QueueRecord, Record, SceneSummary, Source,
-    Stage, TimingRecord, Way, WayRecord,
+    Adapter, ArrayRecord, Backend, CacheRecord, CalibrationRecord, CameraPose, Candidate, Check, Choice,
+    DecisionRecord, DisturbedRecord, End, Features, Header, ImageDigest, MethodRecord, Mismatches, Options,
+    Outcome, QueueRecord, Record, SceneSummary, Source, Stage, TimingRecord, Way, WayRecord,
 };
 pub use scan::{Fault, Manifest, ManifestError};
 
@@ -28,7 +28,7 @@ pub const FILE_NAME: &str = "manifest.bin";
 /// The first bytes of a manifest.
 pub const MAGIC: [u8; 8] = *b"RAYDUMP\0";
 /// Version of the format, of which FORMAT.md speaks. A new kind of record or array is a new version.
-pub const FORMAT_VERSION: u32 = 3;
+pub const FORMAT_VERSION: u32 = 4;
 /// The oldest version that is read: it lacks some kinds of records, and nothing means something else in it.
 pub const OLDEST_VERSION: u32 = 2;
 /// Magic, version and four reserved bytes that are 0.

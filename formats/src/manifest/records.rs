@@ -3,6 +3,8 @@
 //! The order of fields and variants is the order of the bytes: FORMAT.md documents both, and any
 //! change here is a new [`FORMAT_VERSION`](super::FORMAT_VERSION).
 
+use std::fmt;
+
 use bincode::{Decode, Encode};
 use serde::{Serialize, Serializer};
 
@@ -32,6 +34,10 @@ pub enum Record {
     Disturbed(DisturbedRecord),
     /// How a method's rays are traced in its totals.
     Way(WayRecord),
+    /// What orders were worth on one queue before the recording.
+    Calibration(CalibrationRecord),
+    /// Which order `auto` gave a queue.
+    Decision(DecisionRecord),
 }
 
 /// What is recorded, on which machine and how.
@@ -355,6 +361,67 @@ pub struct WayRecord {
     pub way: Way,
 }
 
+/// What orders were worth on one queue of the calibration, from times that are not in the recording.
+#[derive(Clone, Debug, PartialEq, Encode, Decode, Serialize)]
+pub struct CalibrationRecord {
+    /// Bounce of the queue.
+    pub bounce: u32,
+    /// Its kind.
+    pub kind: Kind,
+    /// Rays in it.
+    pub rays: u64,
+    /// Mean capsule area of its sample, unit space: see [`sampled_area`](crate::auto::sampled_area).
+    pub area: f64,
+    /// What was tried.
+    pub candidates: Vec<Candidate>,
+}
+
+/// An order that `auto` may choose, and what it was worth.
+#[derive(Clone, Debug, PartialEq, Encode, Decode, Serialize)]
+pub struct Candidate {
+    /// The order.
+    #[serde(flatten)]
+    pub choice: Choice,
+    /// Net speedup: the trace of canonical order over all that this order took, deciding not included; median
+    /// over rounds.
+    pub net: f64,
+    /// Lower end of its 95 % interval.
+    pub net_low: f64,
+}
+
+/// A method, the bits of its key, and how its rays are traced.
+#[derive(Clone, Debug, PartialEq, Eq, Encode, Decode, Serialize)]
+pub struct Choice {
+    /// Name of a built-in method.
+    pub method: String,
+    /// Bits of its keys, 8 to 64.
+    pub key_bits: u32,
+    /// How its rays are traced.
+    pub way: Way,
+}
+
+impl fmt::Display for Choice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let way = match self.way {
+            Way::Gathered => "gathered",
+            Way::Indices => "through indices",
+        };
+        write!(f, "{}, {} bits, {way}", self.method, self.key_bits)
+    }
+}
+
+/// Which order `auto` gave a queue.
+#[derive(Clone, Debug, PartialEq, Encode, Decode, Serialize)]
+pub struct DecisionRecord {
+    /// The queue.
+    #[serde(flatten)]
+    pub queue: QueueId,
+    /// Mean capsule area of its sample, unit space.
+    pub area: f64,
+    /// What was chosen; `None` to leave the queue alone.
+    pub choice: Option<Choice>,
+}
+
 /// How sorted rays are traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Encode, Decode, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -407,6 +474,8 @@ pub enum Stage {
     Shade,
     /// Bringing the results of gathered rays home to canonical places.
     Scatter,
+    /// Choosing an order: looking at a sample of the rays.
+    Decide,
 }
 
 impl Stage {
@@ -422,6 +491,7 @@ impl Stage {
             Self::Generate => "generate",
             Self::Shade => "shade",
             Self::Scatter => "scatter",
+            Self::Decide => "decide",
         }
     }
 }

@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use super::check::REPEATS_MAX;
 use super::codec;
 use super::{
-    ArrayRecord, CacheRecord, DisturbedRecord, End, FORMAT_VERSION, FRAME_BYTES, Header, MAGIC, MethodRecord,
-    OLDEST_VERSION, PREAMBLE_BYTES, QueueId, QueueRecord, RECORD_BYTES_MAX, Record, TimingRecord, WayRecord,
+    ArrayRecord, CacheRecord, CalibrationRecord, DecisionRecord, DisturbedRecord, End, FORMAT_VERSION,
+    FRAME_BYTES, Header, MAGIC, MethodRecord, OLDEST_VERSION, PREAMBLE_BYTES, QueueId, QueueRecord,
+    RECORD_BYTES_MAX, Record, TimingRecord, WayRecord,
 };
 use crate::key::method::is_method_name;
 use crate::npy;
@@ -67,6 +68,10 @@ pub struct Manifest {
     pub disturbed: Vec<DisturbedRecord>,
     /// How each method's rays are traced in its totals; none in recordings that do not say.
     pub ways: Vec<WayRecord>,
+    /// What orders were worth before the recording, queue by queue.
+    pub calibration: Vec<CalibrationRecord>,
+    /// Which order `auto` gave each queue.
+    pub decisions: Vec<DecisionRecord>,
     /// How the recording ended; `None` if it did not.
     pub end: Option<End>,
 }
@@ -325,6 +330,14 @@ impl Order {
                 )
             }
             Record::Way(WayRecord { method, .. }) => format!("the way of {method}"),
+            Record::Calibration(CalibrationRecord { bounce, kind, candidates, .. }) => {
+                check_names(candidates.iter().map(|candidate| &candidate.choice.method))?;
+                format!("the calibration of bounce {bounce}, {kind} rays,")
+            }
+            Record::Decision(DecisionRecord { queue, choice, .. }) => {
+                check_names(choice.iter().map(|choice| &choice.method))?;
+                format!("the order of {queue}")
+            }
             Record::Timing(timing) if timing.samples_ns.len() > REPEATS_MAX as usize => {
                 let found = timing.samples_ns.len();
                 return Err(format!("it has {found} samples of a time, expected at most {REPEATS_MAX}"));
@@ -390,6 +403,8 @@ impl Manifest {
             caches: Vec::new(),
             disturbed: Vec::new(),
             ways: Vec::new(),
+            calibration: Vec::new(),
+            decisions: Vec::new(),
             end: None,
         };
         for frame in frames {
@@ -402,6 +417,8 @@ impl Manifest {
                 Record::Cache(cache) => manifest.caches.push(cache),
                 Record::Disturbed(disturbed) => manifest.disturbed.push(disturbed),
                 Record::Way(way) => manifest.ways.push(way),
+                Record::Calibration(calibration) => manifest.calibration.push(calibration),
+                Record::Decision(decision) => manifest.decisions.push(decision),
                 Record::End(end) => manifest.end = Some(end),
             }
         }

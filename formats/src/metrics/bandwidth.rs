@@ -74,7 +74,7 @@ impl Traffic {
             (Stage::TraceIndirect, Some(_)) => Some(INDEX + RAY + result),
             (Stage::Accumulate, _) => Some(RAY + result + CELL),
             (Stage::Key | Stage::Sort | Stage::Gather | Stage::Scatter | Stage::TraceIndirect, None)
-            | (Stage::Generate | Stage::Shade, _) => None,
+            | (Stage::Generate | Stage::Shade | Stage::Decide, _) => None,
         }
     }
 }

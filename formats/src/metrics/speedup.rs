@@ -164,9 +164,10 @@ impl StageSamples {
         self.0.iter().map(|(&stage, samples)| (stage, samples.as_slice()))
     }
 
-    /// `key + sort + (gather + trace + scatter, or trace through indices) + accumulate` per round.
+    /// `decide + key + sort + (gather + trace + scatter, or trace through indices) + accumulate` per round, of
+    /// those that the order has.
     pub fn totals(&self, way: Way) -> Vec<u64> {
-        let stages = [Stage::Key, Stage::Sort, Stage::Accumulate].iter().chain(way.stages());
+        let stages = [Stage::Decide, Stage::Key, Stage::Sort, Stage::Accumulate].iter().chain(way.stages());
         let stages: Vec<&[u64]> = stages.map(|&stage| self.of(stage)).collect();
         let rounds = stages.iter().map(|samples| samples.len()).max().unwrap_or(0);
         // A file may say that a stage took any time.

@@ -4,6 +4,7 @@
 //! - `files`: checksums, lengths, headers, files that no record names
 //! - `scene`: the header's own numbers, the scene's arrays, the picture
 //! - `records`: queues, timings and cache records of what was recorded
+//! - `decisions`: what `auto` chose
 //! - `kept`: that what the header says was kept is there
 //! - `queues`: arrays that belong together, rays, path indices, lights
 //! - `hits`: hits and distances against their rays and triangles
@@ -12,6 +13,7 @@
 //!
 //! Memory: the arrays of one queue at a time, beside the scene.
 
+mod decisions;
 mod files;
 mod hits;
 mod holes;
@@ -44,6 +46,7 @@ pub fn verify(dump: &Dump) -> Report {
     let mut checks: Vec<Check> = scene::check(&subject).into();
     checks.insert(1, records::check(&subject));
     checks.insert(2, kept::check(&subject));
+    checks.extend((!dump.manifest().decisions.is_empty()).then(|| decisions::check(&subject)));
     checks.extend(queues::check(&subject));
     checks.extend(hits::check(&subject));
     checks.extend(orders::check(&subject));

@@ -3,7 +3,8 @@
 use super::report::findings;
 use super::scene::method_problem;
 use super::{Check, Findings, Queue, Subject};
-use crate::key::method::SHUFFLED;
+use crate::auto;
+use crate::key::method::{AUTO, SHUFFLED};
 use crate::key::{Coordinate, Encoder, LayoutText, Termination};
 use crate::length_table::LengthTable;
 use crate::manifest::{MethodArray, MethodRecord, Place, QueueArray, QueueId};
@@ -18,16 +19,16 @@ pub(super) fn check(subject: &Subject<'_>) -> [Check; 2] {
     let mut keys_check = Check::new("keys");
     let mut permutations_check = Check::new("permutations");
     for (&queue, Queue { places, .. }) in &subject.queues {
-        let has_keys = places.iter().any(|place| matches!(place, Place::Method(_, _, MethodArray::Keys)));
+        let has_orders = places.iter().any(|place| matches!(place, Place::Method(..)));
         // Once for all methods.
-        let rays = has_keys.then(|| subject.queue_array::<Ray>(queue, QueueArray::Rays)).flatten();
+        let rays = has_orders.then(|| subject.queue_array::<Ray>(queue, QueueArray::Rays)).flatten();
         for place in places {
             match place {
                 Place::Method(_, method, MethodArray::Keys) => {
                     check_keys(subject, queue, method, rays.as_deref(), &mut keys_check);
                 }
                 Place::Method(_, method, MethodArray::Permutation) => {
-                    check_permutation(subject, queue, method, &mut permutations_check);
+                    check_permutation(subject, queue, method, rays.as_deref(), &mut permutations_check);
                 }
                 _ => {}
             }
@@ -44,7 +45,13 @@ fn stored_keys(subject: &Subject<'_>, place: &Place) -> Option<Keys> {
     }
 }
 
-fn check_permutation(subject: &Subject<'_>, queue: QueueId, method: &str, check: &mut Check) {
+fn check_permutation(
+    subject: &Subject<'_>,
+    queue: QueueId,
+    method: &str,
+    rays: Option<&[Ray]>,
+    check: &mut Check,
+) {
     let place = Place::Method(queue, method.to_owned(), MethodArray::Permutation);
     let Some(permutation) = subject.array::<u32>(&place) else { return };
     check.checked += permutation.len() as u64;
@@ -53,6 +60,15 @@ fn check_permutation(subject: &Subject<'_>, queue: QueueId, method: &str, check:
             // `queues` finds that their lengths differ.
             Some(keys) if keys.len() != permutation.len() => Ok(()),
             Some(keys) => check_order(&permutation, |ray| keys.at(ray)),
+            None if method == AUTO => match chosen_keys(subject, queue, rays) {
+                Ok(None) => check_order(&permutation, |_| 0),
+                Ok(Some(keys)) if keys.rays.len() != permutation.len() => Ok(()),
+                Ok(Some(keys)) => check_order(&permutation, |ray| keys.key(ray).unwrap_or(0)),
+                Err(reason) => {
+                    check.not_checked.push(format!("{place}: {reason}"));
+                    Ok(())
+                }
+            },
             None => {
                 let reason = || format!("{place}: its keys were not kept");
                 check.not_checked.extend((method != SHUFFLED).then(reason));
@@ -63,6 +79,21 @@ fn check_permutation(subject: &Subject<'_>, queue: QueueId, method: &str, check:
     if let Err(error) = checked {
         check.problems.add(format!("{place}: {error}"));
     }
+}
+
+/// The keys that `auto` sorted a queue by, none if it left the queue alone; the error says what is not there.
+fn chosen_keys<'a>(
+    subject: &Subject<'_>,
+    queue: QueueId,
+    rays: Option<&'a [Ray]>,
+) -> Result<Option<Recomputed<'a>>, String> {
+    let manifest = subject.dump.manifest();
+    let decision = manifest.decisions.iter().find(|decision| decision.queue == queue);
+    let Some(choice) = &decision.ok_or("there is no record of what was chosen")?.choice else {
+        return Ok(None);
+    };
+    let method = auto::method_record(choice, &manifest.header)?;
+    Recomputed::new(subject, queue, &method, rays).map(Some)
 }
 
 fn check_keys(subject: &Subject<'_>, queue: QueueId, name: &str, rays: Option<&[Ray]>, check: &mut Check) {

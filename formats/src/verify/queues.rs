@@ -1,7 +1,7 @@
 //! Arrays that belong together, and those that speak for themselves: rays, path indices, lights.
 
 use super::{Check, Queue, Subject};
-use crate::key::method::SHUFFLED;
+use crate::key::method::{AUTO, SHUFFLED};
 use crate::manifest::{MethodArray, Place, QueueArray, QueueId};
 use crate::npy::Element;
 use crate::queue_check::QueueRules;
@@ -31,8 +31,9 @@ fn check_structure(subject: &Subject<'_>, queue: QueueId, check: &mut Check) {
     let per_ray = places.iter().filter_map(|place| match place {
         Place::Queue(_, array) if array.is_per_ray() => Some((place, array.name())),
         Place::Method(_, method, array) => {
-            let is_random = method == SHUFFLED && *array == MethodArray::Permutation;
-            check.require(is_random || subject.methods.contains_key(method.as_str()), || {
+            let has_no_keys =
+                [AUTO, SHUFFLED].contains(&method.as_str()) && *array == MethodArray::Permutation;
+            check.require(has_no_keys || subject.methods.contains_key(method.as_str()), || {
                 format!("{place}: there is no record of this method")
             });
             Some((place, array.name()))

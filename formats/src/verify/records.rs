@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Check, Subject};
-use crate::key::method::{CONTROL, SHUFFLED, UNSORTED, WITHOUT_KEY};
+use crate::key::method::{AUTO, CONTROL, SHUFFLED, UNSORTED, WITHOUT_LAYOUT};
 use crate::manifest::{
     CacheRecord, DisturbedRecord, Options, Place, QueueId, QueueRecord, Stage, TimingRecord,
 };
@@ -92,15 +92,15 @@ impl Subject<'_> {
     }
 
     fn unknown_method(&self, method: &str) -> Option<String> {
-        let is_unknown = !WITHOUT_KEY.contains(&method) && !self.methods.contains_key(method);
+        let is_unknown = !WITHOUT_LAYOUT.contains(&method) && !self.methods.contains_key(method);
         is_unknown.then(|| format!("there is no record of method {}", shown(method)))
     }
 
-    fn record_of(&self, queue: QueueId) -> Option<&QueueRecord> {
+    pub(super) fn record_of(&self, queue: QueueId) -> Option<&QueueRecord> {
         self.queues.get(&queue)?.record
     }
 
-    fn unknown_queue(&self, queue: QueueId) -> Option<String> {
+    pub(super) fn unknown_queue(&self, queue: QueueId) -> Option<String> {
         let is_unknown = self.has_all_records() && self.record_of(queue).is_none();
         is_unknown.then(|| format!("there is no record of queue {queue}"))
     }
@@ -155,6 +155,8 @@ impl Subject<'_> {
             Some("the control is gathered, traced and scattered, and nothing else".to_owned())
         } else if method == SHUFFLED && matches!(stage, Stage::Key | Stage::Sort | Stage::Accumulate) {
             Some("a random order has no key, and nothing to sort".to_owned())
+        } else if (stage == Stage::Decide) && method != AUTO {
+            Some("only auto decides anything".to_owned())
         } else if samples_ns.len() != expected as usize {
             Some(format!("it has {} samples, expected {expected}", samples_ns.len()))
         } else {

@@ -4,13 +4,16 @@
 
 use std::path::{Path, PathBuf};
 
+use formats::auto::{sample, sampled_area};
+use formats::key::method::AUTO;
 use formats::key::{Encoder, LightSite, Method, Termination};
 use formats::length_table::LengthTable;
 use formats::manifest::scan::scan;
 use formats::manifest::{
-    Adapter, Backend, CacheRecord, CameraPose, Check, DisturbedRecord, End, Features, Header, ImageDigest,
-    MethodArray, MethodRecord, Mismatches, Options, Outcome, Place, QueueArray, QueueId, QueueRecord, Record,
-    SceneArray, SceneSummary, Source, Stage, TimingRecord, Way, WayRecord,
+    Adapter, Backend, CacheRecord, CalibrationRecord, CameraPose, Candidate, Check, Choice, DecisionRecord,
+    DisturbedRecord, End, Features, Header, ImageDigest, MethodArray, MethodRecord, Mismatches, Options,
+    Outcome, Place, QueueArray, QueueId, QueueRecord, Record, SceneArray, SceneSummary, Source, Stage,
+    TimingRecord, Way, WayRecord,
 };
 use formats::npy::{Dtype, MaterialMask};
 use formats::ray::{Hit, Kind, Ray, Work};
@@ -176,8 +179,16 @@ fn shadow_queue(pass: u32, bounce: u32, points: &[(u32, [f32; 3])]) -> Queue {
 }
 
 pub(crate) fn header() -> Header {
-    let names =
-        ["unsorted", "aila", "two-point", "two-point-adaptive", "two-point-real", "light-octahedron", "mine"];
+    let names = [
+        "unsorted",
+        "aila",
+        "two-point",
+        "two-point-adaptive",
+        "two-point-real",
+        "light-octahedron",
+        "mine",
+        "auto",
+    ];
     Header {
         program_version: "0.1.0".into(),
         options: Options {
@@ -368,6 +379,39 @@ fn write_timings(writer: &mut DumpWriter, id: QueueId, method: &str, number: u64
     Ok(())
 }
 
+/// The queue that `auto` gives an order: that of the first method.
+const AUTO_QUEUE: QueueId = QueueId { pass: PASSES - 1, bounce: 1, kind: Kind::Closest };
+
+fn write_auto(writer: &mut DumpWriter, queue: &Queue) -> Result<(), WriteError> {
+    let (method, key_bits) = methods().remove(0);
+    let encoder = Encoder::new(&method.layout.expand(lights().len()).unwrap(), key_bits, unit(), &lights());
+    let mut permutation: Vec<u32> = (0..queue.rays.len() as u32).collect();
+    permutation.sort_by_key(|&ray| encoder.encode(&queue.rays[ray as usize], 0.0, 0));
+    let place = Place::Method(queue.id, AUTO.to_owned(), MethodArray::Permutation);
+    writer.whole_array(&place, &[permutation.len() as u64], &permutation)?;
+    let sampled: Vec<Ray> = sample(queue.rays.len()).flat_map(|range| &queue.rays[range]).copied().collect();
+    let (rays, area) = (queue.rays.len() as u64, sampled_area(&unit(), &sampled));
+    let choice = Choice { method: method.name, key_bits, way: Way::Indices };
+    let candidates = vec![Candidate { choice: choice.clone(), net: 1.25, net_low: 1.2 }];
+    let QueueId { pass, bounce, kind } = queue.id;
+    writer.record(&Record::Calibration(CalibrationRecord { bounce, kind, rays, area, candidates }))?;
+    writer.record(&Record::Decision(DecisionRecord { queue: queue.id, area, choice: Some(choice) }))?;
+    for (stage, ns) in
+        [(Stage::Decide, 10), (Stage::Key, 400), (Stage::Sort, 500), (Stage::TraceIndirect, 11_000)]
+    {
+        let (method, samples_ns) = (AUTO.to_owned(), vec![ns; 7]);
+        writer.record(&Record::Timing(TimingRecord {
+            pass,
+            bounce,
+            kind: Some(kind),
+            method,
+            stage,
+            samples_ns,
+        }))?;
+    }
+    Ok(())
+}
+
 fn write_measured(
     writer: &mut DumpWriter,
     queue: &Queue,
@@ -387,6 +431,10 @@ fn write_measured(
             write_timings(writer, queue.id, &method.name, measured.len() as u64)?;
             measured.push(method.name.clone());
         }
+    }
+    if queue.id == AUTO_QUEUE {
+        write_auto(writer, queue)?;
+        measured.push(AUTO.to_owned());
     }
     let cells = Encoder::new(&table_layout(), table.bits(), unit(), &[]);
     for (i, ray) in queue.rays.iter().enumerate() {

@@ -123,7 +123,8 @@ impl<'a> Samples<'a> {
 }
 
 /// The stages of an order, in the order in which they run.
-pub const STAGES: [Stage; 7] = [
+pub const STAGES: [Stage; 8] = [
+    Stage::Decide,
     Stage::Key,
     Stage::Sort,
     Stage::Gather,

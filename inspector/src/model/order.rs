@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
-use formats::key::method::{UNSORTED, WITHOUT_KEY};
+use formats::key::method::{UNSORTED, WITHOUT_LAYOUT};
 use formats::key::{Coordinate, KEY_BITS_MIN, LAYOUT_BITS, Layout};
 use formats::manifest::{MethodArray, MethodRecord, Place};
 use formats::metrics::group::Group;
@@ -160,8 +160,8 @@ pub(super) fn bits_at(key: u64, positions: &[u32]) -> u64 {
 }
 
 fn keys(dump: &Dump, queue: &Queue, method: &str, place: &Place) -> Result<(Keys, KeyLayout), String> {
-    if WITHOUT_KEY.contains(&method) {
-        return Err(format!("{method} rays have no key"));
+    if WITHOUT_LAYOUT.contains(&method) {
+        return Err(format!("{method} rays have no key of their own"));
     }
     let record = dump.manifest().methods.iter().find(|record| record.name == method);
     let record = record.ok_or_else(|| format!("the manifest says nothing of {method}"))?;

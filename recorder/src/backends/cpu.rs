@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use anyhow::{Result, ensure};
+use formats::auto::sample;
 use formats::key::{Encoder, Termination};
 use formats::length_table::LengthTable;
 use formats::manifest::QueueId;
@@ -252,6 +253,10 @@ impl Backend for CpuBackend {
         let mut whole = |bytes: &[u8]| bytes.chunks(SINK_BYTES).try_for_each(&mut *sink);
         match array {
             Array::Rays(rays) => whole(bytemuck::cast_slice(rays.rays())),
+            Array::Sample(rays) => {
+                let mut groups = sample(rays.len()).map(|range| &rays.rays()[range]);
+                groups.try_for_each(|group| whole(bytemuck::cast_slice(group)))
+            }
             Array::PathIds(rays) => whole(bytemuck::cast_slice(&rays.paths.ids)),
             Array::Lights(rays) => rays.paths.states.chunks(SINK_ITEMS).try_for_each(|states| {
                 let lights: Vec<u32> = states.iter().map(|state| state.light).collect();

@@ -94,6 +94,8 @@ pub type Sink<'a> = dyn FnMut(&[u8]) -> Result<()> + 'a;
 pub enum Array<'a, B: Backend + ?Sized> {
     /// The rays, [`Ray`] each.
     Rays(&'a B::Rays),
+    /// Those of its sample, [`formats::auto::sample`].
+    Sample(&'a B::Rays),
     /// Path index of each ray, u32.
     PathIds(&'a B::Rays),
     /// Light index of each shadow ray, u32.

@@ -59,7 +59,7 @@ impl Measurement for OverPaths<'_> {
         let backend = backends.first_mut().context("there is no backend")?;
         let run = &self.bench.run;
         let mut counted = Counted(0);
-        wavefront::run(backend, 1, run.bounces, &mut counted)?;
+        wavefront::run(backend, 0..1, run.bounces, &mut counted)?;
         let passes = self.bench.experiments.div_ceil(counted.0.max(1));
         let mut experiments = Experiments {
             scene: self.scene,
@@ -70,7 +70,7 @@ impl Measurement for OverPaths<'_> {
             },
             rows: Vec::new(),
         };
-        wavefront::run(backend, passes, run.bounces, &mut experiments)?;
+        wavefront::run(backend, 0..passes, run.bounces, &mut experiments)?;
         Ok(experiments.rows)
     }
 }
@@ -93,7 +93,7 @@ struct Experiments<'a> {
 
 impl<B: Backend> Observer<B> for Experiments<'_> {
     fn measure(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
-        let queue = Queued { rays, hits, methods: &[] };
+        let queue = Queued { rays, hits, methods: &[], auto: None };
         let orders = queue.warm_up(backend, &self.measured, |_, _, _, _| Ok(()))?;
         let found = queue.measure(backend, &self.measured, &orders)?;
         let (id, count) = (rays.id(), rays.len() as u64);

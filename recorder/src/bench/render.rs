@@ -17,13 +17,16 @@ use scenes::Scene;
 
 use super::backends::{self, Measurement};
 use super::result;
+use crate::auto::Auto;
 use crate::backends::{Backend, Queue, Table, picture};
+use crate::calibrate::calibrate;
 use crate::machine;
 use crate::measure::{Subject, sampled};
 use crate::options::RecordOptions;
 use crate::recording::{choose_camera, setup};
 use crate::stages::setup::Setup;
 use crate::stages::trace::{Order, TraceKernel};
+use crate::wavefront;
 
 /// What to measure.
 #[derive(Clone, Debug)]
@@ -90,11 +93,20 @@ impl Measurement for Frames<'_> {
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Self::Output> {
         let backend = backends.first_mut().context("there is no backend")?;
         let Self { run, setup, .. } = self;
-        let methods = (0..setup.methods.len()).map(Subject::Method);
-        let orders: Vec<Subject> = [Subject::Unsorted, Subject::Control].into_iter().chain(methods).collect();
+        let methods = (0..setup.named().len()).map(Subject::Method);
+        let chosen = run.auto.then_some(Subject::Auto).into_iter();
+        let orders: Vec<Subject> =
+            [Subject::Unsorted, Subject::Control].into_iter().chain(chosen).chain(methods).collect();
+        let auto = match run.auto {
+            false => None,
+            true => Some(calibrate(backend, setup, run.bounces, |backend, calibrator| {
+                wavefront::run(backend, run.passes..run.passes + 1, run.bounces, calibrator)
+            })?),
+        };
         let mut expected = None;
         let frames = sampled(orders.len(), run.repeats, run.seed, |at| {
-            let mut frame = Frame { backend, setup, order: orders[at], spent: Spent::default() };
+            let mut frame =
+                Frame { backend, setup, order: orders[at], auto: auto.as_ref(), spent: Spent::default() };
             frame.render(run)?;
             let spent = frame.spent;
             let found = picture(backend, run.passes)?;
@@ -129,6 +141,7 @@ struct Frame<'a, B> {
     backend: &'a mut B,
     setup: &'a Setup,
     order: Subject,
+    auto: Option<&'a Auto>,
     spent: Spent,
 }
 
@@ -163,16 +176,23 @@ impl<B: Backend> Frame<'_, B> {
         if rays.is_empty() {
             return Ok(rays);
         }
-        let permutation = match self.order {
+        let method = match self.order {
             Subject::Unsorted => return Ok(rays),
-            Subject::Method(method) if !self.setup.methods[method].applies_to(rays.id().kind) => {
-                return Ok(rays);
-            }
-            Subject::Control => {
-                self.backend.upload_permutation(&(0..rays.len() as u32).collect::<Vec<_>>())?
-            }
             Subject::Shuffled => bail!("a renderer has no reason to trace in a random order"),
-            Subject::Method(method) => {
+            Subject::Control => None,
+            Subject::Method(method) => Some(method),
+            Subject::Auto => {
+                let auto = self.auto.context("nothing chooses an order")?;
+                let (decision, taken) = auto.decide(self.backend, &rays)?;
+                self.spent.reorder += taken.elapsed_ns;
+                let Some((method, _)) = decision.order else { return Ok(rays) };
+                Some(method)
+            }
+        };
+        let permutation = match method {
+            None => self.backend.upload_permutation(&(0..rays.len() as u32).collect::<Vec<_>>())?,
+            Some(method) if !self.setup.methods[method].applies_to(rays.id().kind) => return Ok(rays),
+            Some(method) => {
                 let keys = self.backend.key(&rays, None, method)?;
                 self.spent.reorder += self.backend.elapsed_ns();
                 let permutation = self.backend.sort(&keys)?;
@@ -226,7 +246,6 @@ mod tests {
     use super::*;
     use crate::backends::{Array, collected};
     use crate::options::{BackendChoice, DeviceOptions};
-    use crate::wavefront;
 
     struct AgainstTheLoop<'a> {
         run: &'a RecordOptions,
@@ -241,12 +260,12 @@ mod tests {
             let lengths = |backend: &mut B| -> [Vec<LengthCell>; 2] {
                 Kind::ALL.map(|kind| collected(backend, Array::Lengths(kind)).unwrap())
             };
-            wavefront::run(backend, run.passes, run.bounces, &mut ()).unwrap();
+            wavefront::run(backend, 0..run.passes, run.bounces, &mut ()).unwrap();
             let (loops_picture, loops_lengths) = (picture(backend, run.passes).unwrap(), lengths(backend));
             assert!(loops_picture.iter().flatten().any(|&light| light > 0.0));
-            let methods = (0..setup.methods.len()).map(Subject::Method);
+            let methods = (0..setup.named().len()).map(Subject::Method);
             for order in [Subject::Unsorted, Subject::Control].into_iter().chain(methods) {
-                let mut frame = Frame { backend, setup, order, spent: Spent::default() };
+                let mut frame = Frame { backend, setup, order, auto: None, spent: Spent::default() };
                 frame.render(run).unwrap();
                 let (spent, learns) = (frame.spent, Kind::ALL.map(|kind| frame.learns(kind)));
                 let name = order.name(&setup.methods);

@@ -67,7 +67,7 @@ impl Measurement for OverPaths<'_> {
         let Self { bench, scene, setup } = self;
         let mut first = backends.remove(0);
         let mut observer = KernelsAndOrders { bench, scene, setup, others: backends, rows: Vec::new() };
-        wavefront::run(&mut first, bench.run.passes, bench.run.bounces, &mut observer)?;
+        wavefront::run(&mut first, 0..bench.run.passes, bench.run.bounces, &mut observer)?;
         Ok(observer.rows)
     }
 }

@@ -8,7 +8,7 @@ use formats::manifest::check::BOUNCES_MAX;
 use formats::ray::Kind;
 
 use super::record::show;
-use crate::options::{DeviceOptions, Keep, OptionError, RecordOptions, in_range, parse_orders};
+use crate::options::{AskedOrders, DeviceOptions, Keep, OptionError, RecordOptions, in_range, parse_orders};
 use crate::replay::import::{ImportOptions, import};
 
 pub(super) const EXAMPLES: &str = "\
@@ -77,7 +77,7 @@ pub(super) struct ImportArguments {
 impl ImportArguments {
     fn options(&self) -> Result<ImportOptions, OptionError> {
         in_range("bounce", self.bounce, 0, BOUNCES_MAX - 1)?;
-        let (methods, shuffled) = parse_orders(&self.methods, &self.own_methods)?;
+        let AskedOrders { methods, shuffled, auto } = parse_orders(&self.methods, &self.own_methods)?;
         let run = RecordOptions {
             scene: self.scene.clone(),
             out: self.out.clone(),
@@ -87,6 +87,7 @@ impl ImportArguments {
             repeats: self.repeats,
             methods,
             shuffled,
+            auto,
             key_bits: self.key_bits,
             device: self.device.clone(),
             keep: Keep::parse(&self.keep)?,

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::{Args, FromArgMatches, ValueEnum};
 
-use crate::options::{DeviceOptions, Keep, KeepPasses, OptionError, RecordOptions, parse_orders};
+use crate::options::{
+    AskedOrders, DeviceOptions, Keep, KeepPasses, OptionError, RecordOptions, parse_orders,
+};
 use crate::output::{print, print_json};
 use crate::recording::{self, Recorded};
 use crate::report;
@@ -62,8 +64,8 @@ pub(super) struct RecordArguments {
     /// Camera by name; the scene's first if not given.
     #[arg(long)]
     camera: Option<String>,
-    /// Methods to compare, `all` or a list such as aila,two-point; unsorted is always measured, shuffled
-    /// (a random order) if it is named.
+    /// Methods to compare, `all` or a list such as aila,two-point,auto; auto is what a calibration finds best for
+    /// each queue; unsorted is always measured, shuffled (a random order) if it is named.
     #[arg(long, default_value = "all", value_name = "LIST")]
     methods: String,
     /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10'; may be repeated.
@@ -120,7 +122,7 @@ impl RecordArguments {
 
     pub(super) fn options(&self) -> Result<RecordOptions, OptionError> {
         let [width, height, bounces, passes, repeats] = self.preset.values();
-        let (methods, shuffled) = parse_orders(&self.methods, &self.own_methods)?;
+        let AskedOrders { methods, shuffled, auto } = parse_orders(&self.methods, &self.own_methods)?;
         let options = RecordOptions {
             scene: self.scene.clone(),
             out: self.out.clone(),
@@ -133,6 +135,7 @@ impl RecordArguments {
             camera: self.camera.clone(),
             methods,
             shuffled,
+            auto,
             key_bits: self.key_bits,
             two_point_length: self.two_point_length,
             table_bits: self.table_bits,

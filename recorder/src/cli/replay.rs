@@ -32,7 +32,8 @@ pub(super) struct ReplayArguments {
     /// Folder of the new recording; `.raydump` is added if missing.
     #[arg(long, value_name = "Y.raydump")]
     out: PathBuf,
-    /// Methods to compare, `all` or a list such as aila,two-point; shuffled is a random order.
+    /// Methods to compare, `all` or a list such as aila,two-point,auto; auto chooses by the recording's calibration
+    /// if that is of this device and kernel, else by a new one; shuffled is a random order.
     #[arg(long, value_name = "LIST")]
     methods: Option<String>,
     /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10'; may be repeated.

@@ -90,6 +90,57 @@ impl<'gpu> Readback<'gpu> {
         Ok(elements)
     }
 
+    /// The elements in several ranges of two arrays, side by side: all of it in one copy.
+    ///
+    /// # Errors
+    /// Those of the device.
+    ///
+    /// # Panics
+    /// As [`Readback::read_chunks`].
+    pub fn read_pairs<T: Pod>(
+        &mut self,
+        [first, second]: [&DeviceArray<T>; 2],
+        ranges: &[Range<usize>],
+    ) -> Result<Vec<[T; 2]>, GpuError> {
+        let count: usize = ranges.iter().map(Range::len).sum();
+        if count == 0 {
+            return Ok(Vec::new());
+        }
+        let (gpu, size) = (self.gpu, size_of::<T>());
+        let running = format!("reading a sample of {}", first.label());
+        let staging = make_staging(gpu, (2 * count * size) as u64)?;
+        let label = wgpu::CommandEncoderDescriptor { label: Some("readback::sample") };
+        let mut encoder = gpu.device().create_command_encoder(&label);
+        let mut at = 0;
+        for array in [first, second] {
+            for range in ranges {
+                assert!(
+                    range.end <= array.len(),
+                    "{range:?} of {} elements of {}",
+                    array.len(),
+                    array.label()
+                );
+                let bytes = (range.len() * size) as u64;
+                encoder.copy_buffer_to_buffer(
+                    array.buffer(),
+                    (range.start * size) as u64,
+                    &staging,
+                    at,
+                    bytes,
+                );
+                at += bytes;
+            }
+        }
+        let submission = gpu.submit(&running, encoder.finish())?;
+        let mut pairs = vec![[T::zeroed(); 2]; count];
+        InFlight::of(gpu, &running, staging, at, submission)?.receive(gpu, &running, &mut |bytes| {
+            let elements = bytes.chunks_exact(size).map(bytemuck::pod_read_unaligned::<T>);
+            elements.enumerate().for_each(|(at, element)| pairs[at % count][at / count] = element);
+            Ok::<(), GpuError>(())
+        })?;
+        Ok(pairs)
+    }
+
     fn stream<E: From<GpuError>>(
         &mut self,
         running: &str,

@@ -10,7 +10,7 @@ pub use keep::{Keep, KeepPasses};
 
 use std::path::PathBuf;
 
-use formats::key::method::{BUILTIN, SHUFFLED, UNSORTED};
+use formats::key::method::{AUTO, BUILTIN, SHUFFLED, UNSORTED};
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
 use formats::length_table::{TABLE_BITS_DEFAULT, TABLE_BITS_MAX, TABLE_BITS_MIN};
 use formats::manifest::check::{BOUNCES_MAX, PASSES_MAX, REPEATS_MAX};
@@ -40,6 +40,8 @@ pub struct RecordOptions {
     pub methods: Vec<Method>,
     /// Whether a random order is measured, too.
     pub shuffled: bool,
+    /// Whether the order that `auto` chooses is.
+    pub auto: bool,
     /// Width of keys.
     pub key_bits: u32,
     /// Length of the plain two-point method, unit lengths.
@@ -84,13 +86,29 @@ pub fn parse_methods(list: &str, own: &[String]) -> Result<Vec<Method>, OptionEr
     Ok(methods)
 }
 
-/// The same, and whether a random order is among them.
+/// The orders of `--methods` and of every `--method`.
+#[derive(Clone, Debug)]
+pub struct AskedOrders {
+    /// Those with a layout.
+    pub methods: Vec<Method>,
+    /// Whether a random order is among them.
+    pub shuffled: bool,
+    /// Whether the order that `auto` chooses is; `all` has it.
+    pub auto: bool,
+}
+
+/// As [`parse_methods`], with the orders that have no layout of their own.
 ///
 /// # Errors
 /// As [`parse_methods`].
-pub fn parse_orders(list: &str, own: &[String]) -> Result<(Vec<Method>, bool), OptionError> {
-    let (shuffled, named): (Vec<&str>, Vec<&str>) = list.split(',').partition(|name| name.trim() == SHUFFLED);
-    Ok((parse_methods(&named.join(","), own)?, !shuffled.is_empty()))
+pub fn parse_orders(list: &str, own: &[String]) -> Result<AskedOrders, OptionError> {
+    let names = || list.split(',').map(str::trim);
+    let named: Vec<&str> = names().filter(|name| ![AUTO, SHUFFLED].contains(name)).collect();
+    Ok(AskedOrders {
+        methods: parse_methods(&named.join(","), own)?,
+        shuffled: names().any(|name| name == SHUFFLED),
+        auto: names().any(|name| name == AUTO || name == "all"),
+    })
 }
 
 impl RecordOptions {
@@ -111,6 +129,7 @@ impl RecordOptions {
             camera: None,
             methods: Vec::new(),
             shuffled: false,
+            auto: false,
             key_bits: 32,
             two_point_length: 0.25,
             table_bits: TABLE_BITS_DEFAULT,
@@ -183,8 +202,13 @@ mod tests {
         assert_eq!(names("all", &[]).len(), BUILTIN.len());
         assert_eq!(names("unsorted", &[]), Vec::<String>::new());
         assert_eq!(names("aila, costa", &["mine=(ox oy oz)*4"]), ["aila", "costa", "mine"]);
-        let (methods, shuffled) = parse_orders("aila, shuffled", &[]).unwrap();
-        assert!(methods.len() == 1 && shuffled && !parse_orders("all", &[]).unwrap().1);
+        let asked = |list| {
+            let AskedOrders { methods, shuffled, auto } = parse_orders(list, &[]).unwrap();
+            (methods.len(), shuffled, auto)
+        };
+        assert_eq!(asked("aila, shuffled"), (1, true, false));
+        assert_eq!(asked("all"), (BUILTIN.len(), false, true));
+        assert_eq!(asked("auto,aila"), (1, false, true));
         assert!(matches!(parse_methods("aila,aila", &[]), Err(OptionError::MethodTwice { .. })));
         assert!(matches!(parse_methods("nope", &[]), Err(OptionError::Method(MethodError::Unknown { .. }))));
     }

@@ -1,6 +1,6 @@
 //! What the manifest says about a run before its first array.
 
-use formats::key::method::{SHUFFLED, UNSORTED};
+use formats::key::method::{AUTO, SHUFFLED, UNSORTED};
 use formats::manifest::{
     Backend, CameraPose, Features as FeatureNames, Header, MethodRecord, Options, SceneSummary, Source,
 };
@@ -64,8 +64,10 @@ pub(crate) fn header(
 }
 
 fn manifest_options(setup: &Setup, options: &RecordOptions, kernel: TraceKernel, threads: u32) -> Options {
-    let without_key = [Some(UNSORTED), options.shuffled.then_some(SHUFFLED)].into_iter().flatten();
-    let names = setup.methods.iter().map(|method| method.name.clone());
+    let without_layout = [Some(UNSORTED), options.shuffled.then_some(SHUFFLED), options.auto.then_some(AUTO)]
+        .into_iter()
+        .flatten();
+    let names = setup.named().iter().map(|method| method.name.clone());
     Options {
         width: options.width,
         height: options.height,
@@ -74,7 +76,7 @@ fn manifest_options(setup: &Setup, options: &RecordOptions, kernel: TraceKernel,
         repeats: options.repeats,
         seed: options.seed,
         camera: setup.camera.name.clone(),
-        methods: without_key.map(str::to_owned).chain(names).collect(),
+        methods: without_layout.map(str::to_owned).chain(names).collect(),
         key_bits: options.key_bits,
         two_point_length: options.two_point_length,
         table_bits: options.table_bits,

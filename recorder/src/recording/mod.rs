@@ -18,6 +18,7 @@ pub(crate) use header::header;
 pub use run::Recorded;
 pub(crate) use run::{RaySource, Run};
 
+use crate::auto::candidates;
 use crate::machine;
 use crate::options::RecordOptions;
 use crate::stages::setup::{MethodPlan, Setup};
@@ -40,7 +41,8 @@ pub fn record(options: &RecordOptions) -> Result<Recorded> {
     notices.extend(device.notices());
     let header = header(&scene, &setup, options, &device, notices, Source::Traced);
     let rays = RaySource::Paths;
-    Run { scene: &scene, setup, options, header, rays, recorded: None, start }.on(device)
+    Run { scene: &scene, setup, options, header, rays, recorded: None, calibration: Vec::new(), start }
+        .on(device)
 }
 
 /// The camera of this name, or the first.
@@ -78,7 +80,7 @@ pub fn setup(scene: &Scene, camera: &Camera, options: &RecordOptions) -> Result<
     let unit = UnitSpace::from_bounds(bounds.min, bounds.max);
     let lights = scene.lights.len();
     let plan = |method| MethodPlan::new(method, lights, options.key_bits, options.two_point_length);
-    Ok(Setup {
+    let setup = Setup {
         tables: Arc::new(ShadeTables::new(scene)),
         features: Features::of(scene),
         light_sites: Setup::light_sites(scene, &unit),
@@ -90,8 +92,14 @@ pub fn setup(scene: &Scene, camera: &Camera, options: &RecordOptions) -> Result<
         seed: options.seed,
         roulette: options.russian_roulette,
         methods: options.methods.iter().map(plan).collect::<Result<_, _>>()?,
+        candidates: 0,
         table_bits: options.table_bits,
         table_layout: options.table_method.layout.expand(lights)?,
         precision: Precision::default(),
+    };
+    Ok(if options.auto {
+        setup.with_candidates(candidates(&[], lights, options.two_point_length)?)
+    } else {
+        setup
     })
 }

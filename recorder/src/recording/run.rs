@@ -6,7 +6,9 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use formats::folder::partial_of;
-use formats::manifest::{End, Header, ImageDigest, Outcome, Place, Record};
+use formats::manifest::{
+    CalibrationRecord, DecisionRecord, End, Header, ImageDigest, Outcome, Place, Record,
+};
 use formats::reader::Dump;
 use formats::summary::Summary;
 use formats::writer::DumpWriter;
@@ -14,10 +16,12 @@ use scenes::Scene;
 use sha2::{Digest, Sha256};
 
 use super::{header, scene_arrays};
+use crate::auto::Auto;
 use crate::backends::cpu::CpuBackend;
 use crate::backends::gpu::GpuBackend;
 use crate::backends::{Backend, RecordedRays, picture};
 use crate::cache_model::CacheModel;
+use crate::calibrate::calibrate;
 use crate::capture::Capture;
 use crate::interrupt;
 use crate::machine::Device;
@@ -40,6 +44,8 @@ pub struct Recorded {
     pub methods: Vec<MethodPlan>,
     /// Every queue of the measured pass.
     pub queues: Vec<MeasuredQueue>,
+    /// Which order `auto` gave each of them.
+    pub decisions: Vec<DecisionRecord>,
     /// Things the user should know.
     pub notices: Vec<String>,
 }
@@ -71,11 +77,13 @@ pub(crate) struct Run<'a> {
     pub(crate) rays: RaySource<'a>,
     /// The recording whose queues these are, if they are.
     pub(crate) recorded: Option<&'a Dump>,
+    /// What `auto` chooses by; made before the run if there is nothing.
+    pub(crate) calibration: Vec<CalibrationRecord>,
     pub(crate) start: Instant,
 }
 
-/// What a run left: the dump, what was measured, and rays that did not find what was recorded.
-type Outcomes = (PathBuf, Vec<MeasuredQueue>, u64);
+/// What a run left: the dump, what was measured, what was chosen, and rays that did not find what was recorded.
+type Outcomes = (PathBuf, Vec<MeasuredQueue>, Vec<DecisionRecord>, u64);
 
 impl Run<'_> {
     /// Runs on a device.
@@ -89,7 +97,7 @@ impl Run<'_> {
         let setup = Arc::clone(&self.setup);
         let tracer = || bvh.as_ref().map(|bvh| Arc::new(CpuTracer::new(self.scene, bvh)));
         let model = |tracer| CacheModel { tracer, l2_bytes: self.options.device.l2_kib << 10 };
-        let (path, queues, differing) = match device {
+        let (path, queues, decisions, differing) = match device {
             Device::Cpu(cpu) => cpu.pool.install(|| {
                 let tracer = tracer().context("threads trace a hierarchy of their own")?;
                 let model = self.options.keep.caches.then(|| model(Arc::clone(&tracer)));
@@ -106,7 +114,7 @@ impl Run<'_> {
         if differing > 0 {
             notices.push(format!("{differing} rays found something else than in the recording"));
         }
-        Ok(Recorded { path, headline, methods: self.setup.methods.clone(), queues, notices })
+        Ok(Recorded { path, headline, methods: self.setup.methods.clone(), queues, decisions, notices })
     }
 
     fn plan(&self, cache_model: Option<CacheModel>) -> Plan<'_> {
@@ -120,14 +128,17 @@ impl Run<'_> {
             tolerates_mismatches: options.device.trace == Some(TraceKernel::RayQuery),
             counts_work: options.device.trace != Some(TraceKernel::RayQuery),
             cache_model,
+            auto: None,
             recorded: self.recorded,
         }
     }
 
     /// The baseline and all that is compared with it, and the control where there is any.
     fn measured(&self) -> Measured {
-        let methods = (0..self.setup.methods.len()).map(Subject::Method);
-        let compared = self.options.shuffled.then_some(Subject::Shuffled).into_iter().chain(methods);
+        let methods = (0..self.setup.named().len()).map(Subject::Method);
+        let unnamed =
+            [self.options.shuffled.then_some(Subject::Shuffled), self.options.auto.then_some(Subject::Auto)];
+        let compared = unnamed.into_iter().flatten().chain(methods);
         let mut orders: Vec<Subject> = compared.collect();
         let baseline =
             if orders.is_empty() { &[Subject::Unsorted][..] } else { &[Subject::Unsorted, Subject::Control] };
@@ -137,24 +148,30 @@ impl Run<'_> {
 
     fn with<B: Backend>(&self, backend: &mut B, cache_model: Option<CacheModel>) -> Result<Outcomes> {
         let options = self.options;
-        let plan = self.plan(cache_model);
+        let mut plan = self.plan(cache_model);
+        if options.auto {
+            plan.auto = Some(self.calibrated(backend)?);
+        }
         let writer = DumpWriter::create(&options.out, self.header.clone(), options.force)?;
         interrupt::leaves(Some(partial_of(writer.target())));
         let mut capture = Capture::start(writer)?;
         if options.keep.scene {
             scene_arrays::write(&mut capture, self.scene)?;
         }
-        for method in &self.setup.methods {
+        for method in self.setup.named() {
             capture.record(Record::Method(header::method_record(method)))?;
+        }
+        for calibration in plan.auto.iter().flat_map(|auto| &auto.calibration) {
+            capture.record(Record::Calibration(calibration.clone()))?;
         }
         let progress = self.progress();
         let mut recorder = Recorder::new(&plan, &mut capture, &progress);
         match &self.rays {
-            RaySource::Paths => wavefront::run(backend, options.passes, options.bounces, &mut recorder)?,
+            RaySource::Paths => wavefront::run(backend, 0..options.passes, options.bounces, &mut recorder)?,
             RaySource::Recorded(queues) => wavefront::run_recorded(backend, queues, &mut recorder)?,
         }
         recorder.finish(backend)?;
-        let Recorder { measured, differing, .. } = recorder;
+        let Recorder { measured, decisions, differing, .. } = recorder;
         progress.finish();
         let image = match self.rays {
             RaySource::Paths => Some(self.write_image(backend, &mut capture)?),
@@ -163,14 +180,27 @@ impl Run<'_> {
         let wall_ns = self.start.elapsed().as_nanos() as u64;
         let path = capture.finish(End { outcome: Outcome::Complete, image, wall_ns })?;
         interrupt::leaves(None);
-        Ok((path, measured, differing))
+        Ok((path, measured, decisions, differing))
+    }
+
+    /// What `auto` chooses by: measured on the pass after the last one, whose rays are not recorded, or on the
+    /// recorded queues; then the run begins anew.
+    fn calibrated<B: Backend>(&self, backend: &mut B) -> Result<Auto> {
+        if !self.calibration.is_empty() {
+            return Ok(Auto::new(&self.setup, self.calibration.clone()));
+        }
+        let (pass, bounces) = (self.options.passes, self.options.bounces);
+        calibrate(backend, &self.setup, bounces, |backend, calibrator| match &self.rays {
+            RaySource::Paths => wavefront::run(backend, pass..pass + 1, bounces, calibrator),
+            RaySource::Recorded(queues) => wavefront::run_recorded(backend, queues, calibrator),
+        })
     }
 
     fn progress(&self) -> Progress {
         let pixels = u64::from(self.setup.width) * u64::from(self.setup.height);
         let repeats = u64::from(self.options.repeats);
         // Two rounds come before those that count; the control and the baseline are traced once in each.
-        let traces = (2 + repeats) * 2 * (1 + self.setup.methods.len() as u64);
+        let traces = (2 + repeats) * 2 * (1 + self.setup.named().len() as u64);
         let passes = match &self.rays {
             RaySource::Paths => self.options.passes,
             RaySource::Recorded(_) => 1,

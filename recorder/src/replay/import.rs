@@ -81,7 +81,8 @@ pub fn import(options: &ImportOptions) -> Result<Recorded> {
         lengths: None,
     };
     let rays = RaySource::Recorded(vec![queue]);
-    Run { scene: &scene, setup, options: &run, header, rays, recorded: None, start }.on(device)
+    Run { scene: &scene, setup, options: &run, header, rays, recorded: None, calibration: Vec::new(), start }
+        .on(device)
 }
 
 /// The rays of a file, and its SHA-256.

@@ -16,16 +16,18 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
-use formats::key::method::SHUFFLED;
+use formats::key::method::{AUTO, SHUFFLED};
 use formats::key::{LayoutText, Method};
-use formats::manifest::{Header, MethodRecord, Source};
+use formats::manifest::{CalibrationRecord, Header, Manifest, MethodRecord, Source};
 use formats::reader::{Dump, DumpState};
 use formats::text::one_line;
 use formats::writer::DumpWriter;
 use scenes::Camera;
 
-use crate::machine;
-use crate::options::{DeviceOptions, Keep, KeepPasses, RecordOptions};
+use crate::auto::candidates;
+use crate::machine::description::Description;
+use crate::machine::{self, Device};
+use crate::options::{AskedOrders, DeviceOptions, Keep, KeepPasses, RecordOptions};
 use crate::recording::{RaySource, Recorded, Run, header, setup};
 use crate::stages::trace::TraceKernel;
 use queues::RecordedQueue;
@@ -38,8 +40,8 @@ pub struct ReplayOptions {
     pub source: PathBuf,
     /// Where the new one goes.
     pub out: PathBuf,
-    /// Methods to measure, and whether a random order is.
-    pub orders: Option<(Vec<Method>, bool)>,
+    /// What to measure.
+    pub orders: Option<AskedOrders>,
     /// Key bits and lengths.
     pub sweep: Sweep,
     /// Address bits of the length tables.
@@ -109,6 +111,12 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
         recorded.options.key_bits,
         fixed_length,
     )?;
+    setup.candidates = 0;
+    let calibration = calibration(asked.manifest(), &device, &run_options);
+    if run_options.auto {
+        let (lights, length) = (setup.light_sites.len(), run_options.two_point_length);
+        setup = setup.with_candidates(candidates(calibration, lights, length)?);
+    }
     let setup = Arc::new(setup);
     device.check_capacity(&setup, &scene, &run_options)?;
     let mut notices: Vec<String> = device.notices();
@@ -123,7 +131,23 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     };
     let rays = RaySource::Recorded(queues.iter().map(RecordedQueue::rays).collect());
     let options = &run_options;
-    Run { scene: &scene, setup, options, header, rays, recorded: Some(dump), start }.on(device)
+    let calibration = calibration.to_vec();
+    Run { scene: &scene, setup, options, header, rays, recorded: Some(dump), calibration, start }.on(device)
+}
+
+/// What a recording knows about orders, if it was made as this run is: on the same device, by the same kernel.
+fn calibration<'a>(
+    recorded: &'a Manifest,
+    device: &Device,
+    options: &RecordOptions,
+) -> &'a [CalibrationRecord] {
+    let (header, kernel) = (&recorded.header, device.kernel(&options.device));
+    let description = Description::of(device);
+    let is_same = header.adapter == description.adapter
+        && header.options.threads == description.threads
+        && header.options.trace_kernel == kernel.name()
+        && header.options.two_point_length == options.two_point_length;
+    if is_same { &recorded.calibration } else { &[] }
 }
 
 /// The options of a run over what was recorded in `source`, by default those of `recorded`.
@@ -134,9 +158,10 @@ fn run_options(
     source: &Header,
 ) -> Result<RecordOptions> {
     let before = &recorded.options;
-    let (methods, shuffled) = match &options.orders {
+    let has = |name: &str| before.methods.iter().any(|method| method == name);
+    let AskedOrders { methods, shuffled, auto } = match &options.orders {
         Some(orders) => orders.clone(),
-        None => (recorded_methods(methods)?, before.methods.iter().any(|name| name == SHUFFLED)),
+        None => AskedOrders { methods: recorded_methods(methods)?, shuffled: has(SHUFFLED), auto: has(AUTO) },
     };
     let table_method = match &options.table_method {
         Some(method) => method.clone(),
@@ -168,6 +193,7 @@ fn run_options(
         camera: Some(before.camera.clone()),
         methods,
         shuffled,
+        auto,
         key_bits: options.sweep.key_bits.first().copied().unwrap_or(before.key_bits),
         two_point_length: options.sweep.lengths.first().copied().unwrap_or(before.two_point_length),
         table_bits,

@@ -85,8 +85,10 @@ pub struct Setup {
     pub seed: u64,
     /// Whether dark paths end by chance.
     pub roulette: bool,
-    /// Methods to measure, in order.
+    /// Methods to measure, in order, and after them those that only `auto` may choose.
     pub methods: Vec<MethodPlan>,
+    /// How many those are at the end.
+    pub candidates: usize,
     /// Address bits of the length tables.
     pub table_bits: u32,
     /// Layout whose top bits address them.
@@ -138,11 +140,30 @@ impl Setup {
             seed: 0,
             roulette: all_features,
             methods: methods.collect(),
+            candidates: 0,
             table_bits: 20,
             table_layout: Layout::from_bits(table_layout).unwrap_or_default(),
             precision: Precision::default(),
             light_sites,
         }
+    }
+
+    /// The methods that were asked for.
+    pub fn named(&self) -> &[MethodPlan] {
+        &self.methods[..self.methods.len() - self.candidates]
+    }
+
+    /// Those that only `auto` may choose.
+    pub fn candidates(&self) -> &[MethodPlan] {
+        &self.methods[self.named().len()..]
+    }
+
+    /// The same with such methods.
+    #[must_use]
+    pub fn with_candidates(mut self, candidates: Vec<MethodPlan>) -> Self {
+        self.candidates = candidates.len();
+        self.methods.extend(candidates);
+        self
     }
 
     /// The seed as kernels take it, low word first.

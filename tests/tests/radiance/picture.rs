@@ -45,7 +45,7 @@ fn setup(scene: &Scene, bounces: u32, roulette: bool) -> Setup {
 }
 
 fn green(mut backend: impl Backend, bounces: u32) -> Vec<f64> {
-    wavefront::run(&mut backend, PASSES, bounces, &mut ()).unwrap();
+    wavefront::run(&mut backend, 0..PASSES, bounces, &mut ()).unwrap();
     let image = picture(&mut backend, PASSES).unwrap();
     assert!(image.iter().flatten().all(|value| value.is_finite() && *value >= 0.0), "a pixel is no radiance");
     image.into_iter().map(|[_, green, _]| f64::from(green)).collect()

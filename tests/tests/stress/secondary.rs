@@ -53,7 +53,7 @@ fn secondary_rays(scene: &Scene, count: usize) -> Vec<Ray> {
     let (mut found, mut passes) = (Secondary(Vec::new()), 0);
     while found.0.len() < count && passes < 16 {
         passes += 1;
-        wavefront::run(&mut backend, 1, BOUNCES, &mut found).unwrap();
+        wavefront::run(&mut backend, 0..1, BOUNCES, &mut found).unwrap();
     }
     let Secondary(rays) = found;
     let wanted = count.min(rays.len());

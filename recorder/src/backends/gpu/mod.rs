@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, ensure};
 use bytemuck::Pod;
+use formats::auto::sample;
 use formats::length_table::LengthTable;
 use formats::manifest::QueueId;
 use formats::permutation::check_bijection;
@@ -374,6 +375,10 @@ impl Backend for GpuBackend {
         match array {
             Array::Rays(GpuRays { rays, count, .. }) => {
                 self.read_halves([&rays.origins, &rays.directions], *count, sink)
+            }
+            Array::Sample(GpuRays { rays, count, .. }) => {
+                let halves = [&rays.origins, &rays.directions];
+                sink(bytemuck::cast_slice(&readback.read_pairs(halves, &sample(*count).collect::<Vec<_>>())?))
             }
             Array::PathIds(rays) => readback.read_chunks(&rays.paths()?.ids, 0..rays.count, sink),
             Array::Lights(rays) => readback.read_chunks(&rays.paths()?.states, 0..rays.count, |bytes| {

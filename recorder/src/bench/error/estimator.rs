@@ -103,7 +103,7 @@ impl Measurement for Learning<'_> {
 
     fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Learnt> {
         let bounces = self.bench.options.run.bounces;
-        wavefront::run(&mut backends[0], PASSES, bounces, &mut self)?;
+        wavefront::run(&mut backends[0], 0..PASSES, bounces, &mut self)?;
         Ok(self.learnt)
     }
 }

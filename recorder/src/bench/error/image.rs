@@ -73,7 +73,7 @@ impl Measurement for Reference {
     type Output = Vec<[f32; 3]>;
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<[f32; 3]>> {
-        wavefront::run(&mut backends[0], self.passes, self.bounces, &mut ())?;
+        wavefront::run(&mut backends[0], 0..self.passes, self.bounces, &mut ())?;
         picture(&mut backends[0], self.passes)
     }
 }
@@ -107,7 +107,7 @@ impl Measurement for Pictures<'_> {
     fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Vec<ImageRow>> {
         let passes = self.bench.options.image.passes;
         let backend = &mut backends[0];
-        wavefront::run(backend, passes, self.bench.options.run.bounces, &mut self)?;
+        wavefront::run(backend, 0..passes, self.bench.options.run.bounces, &mut self)?;
         self.look(backend)?;
         Ok(self.rows())
     }
@@ -123,7 +123,7 @@ impl<B: Backend> Observer<B> for Pictures<'_> {
         let sorted = (0..self.setup.methods.len()).filter(|_| !is_camera).map(Subject::Method);
         let orders = [Subject::Unsorted].into_iter().chain(sorted).collect();
         let measured = Measured { orders, repeats: 1, seed: self.seed };
-        let queue = Queued { rays, hits, methods: &self.setup.methods };
+        let queue = Queued { rays, hits, methods: &self.setup.methods, auto: None };
         let orders = queue.warm_up(backend, &measured, |_, _, _, _| Ok(()))?;
         let found = queue.measure(backend, &measured, &orders)?;
         let trace_ns = found.first().map_or(0, |unsorted| unsorted.stages.of(Stage::Trace).iter().sum());

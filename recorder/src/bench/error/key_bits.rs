@@ -51,7 +51,7 @@ impl Measurement for Orders<'_> {
 
     fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Vec<KeyBitsRow>> {
         let run = &self.bench.options.run;
-        wavefront::run(&mut backends[0], run.passes, run.bounces, &mut self)?;
+        wavefront::run(&mut backends[0], 0..run.passes, run.bounces, &mut self)?;
         Ok(self.rows)
     }
 }

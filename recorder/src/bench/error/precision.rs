@@ -81,7 +81,7 @@ impl Measurement for Sample {
     type Output = Vec<Ray>;
 
     fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Vec<Ray>> {
-        wavefront::run(&mut backends[0], 1, self.bounces, &mut self)?;
+        wavefront::run(&mut backends[0], 0..1, self.bounces, &mut self)?;
         Ok(self.rays)
     }
 }

@@ -93,7 +93,7 @@ impl Measurement for Sides<'_> {
         let run = self.bench.run;
         let passes = sampled(backends.len(), run.repeats, run.seed, |at| {
             let mut pass = Pass::default();
-            wavefront::run(&mut backends[at], 1, run.bounces, &mut pass)?;
+            wavefront::run(&mut backends[at], 0..1, run.bounces, &mut pass)?;
             Ok(pass)
         })?;
         let side = |(passes, backend): (Vec<Pass>, &mut B)| {

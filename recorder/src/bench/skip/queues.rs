@@ -62,7 +62,7 @@ impl Measurement for OverPaths<'_> {
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<SkipRow>> {
         let backend = &mut backends[0];
-        wavefront::run(backend, 1, self.bench.run.bounces, &mut ())?;
+        wavefront::run(backend, 0..1, self.bench.run.bounces, &mut ())?;
         let bounce = self.empty_bounce(backend)?;
         let mut rows = vec![bounce];
         for kind in Kind::ALL {

@@ -8,7 +8,7 @@ use formats::metrics::speedup::{Speedup, median};
 
 use super::{milliseconds, table_of};
 use crate::bench::render::RenderBench;
-use crate::options::{DeviceOptions, OptionError, RecordOptions, parse_methods};
+use crate::options::{AskedOrders, DeviceOptions, OptionError, RecordOptions, parse_orders};
 use crate::report::speedup;
 
 #[derive(Debug, Args)]
@@ -20,7 +20,7 @@ pub(super) struct RenderArguments {
     /// before it is traced are left out.
     #[arg(
         long,
-        default_value = "origin,aila,octahedron,two-point,two-point-adaptive,light-octahedron",
+        default_value = "origin,aila,octahedron,two-point,two-point-adaptive,light-octahedron,auto",
         value_name = "LIST"
     )]
     methods: String,
@@ -57,6 +57,12 @@ pub(super) struct RenderArguments {
 
 impl RenderArguments {
     pub(super) fn bench(&self) -> Result<RenderBench, OptionError> {
+        let AskedOrders { methods, shuffled, auto } = parse_orders(&self.methods, &[])?;
+        if shuffled {
+            let message =
+                "a renderer has no reason to trace in a random order; leave out shuffled".to_owned();
+            return Err(OptionError::Conflict { message });
+        }
         let run = RecordOptions {
             width: self.width,
             height: self.height,
@@ -65,7 +71,8 @@ impl RenderArguments {
             repeats: self.repeats,
             seed: self.seed,
             camera: self.camera.clone(),
-            methods: parse_methods(&self.methods, &[])?,
+            methods,
+            auto,
             key_bits: self.key_bits,
             device: self.device.clone(),
             ..RecordOptions::base()?

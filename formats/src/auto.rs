@@ -1,0 +1,141 @@
+//! The method `auto`: which order a queue gets.
+//!
+//! A calibration says what each candidate was worth on queues of known length and coherence. A queue gets the
+//! best one of the calibrated queue that it is most like, or none if no interval lay wholly above 1. Everything is
+//! a function of the rays and the calibration, so that a recording with its calibration can be repeated.
+
+use std::ops::Range;
+
+use crate::key::termination::bounded_length;
+use crate::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
+use crate::manifest::{CalibrationRecord, Candidate, Choice, Header, MethodRecord};
+use crate::metrics::GROUP_RAYS;
+use crate::metrics::capsule::{Capsule, Segment};
+use crate::ray::{Kind, Ray};
+use crate::unit_space::UnitSpace;
+
+/// Groups that are looked at: enough that their mean settles within a tenth, few enough to cost nothing.
+const GROUPS: usize = 32;
+
+/// How long a ray is thought to be, in unit lengths, before it is traced: as `two-point` does.
+const LENGTH: f32 = 0.25;
+
+/// Where the sample of a queue lies: whole groups, evenly over its canonical order.
+pub fn sample(rays: usize) -> impl Iterator<Item = Range<usize>> {
+    let groups = (rays / GROUP_RAYS).min(GROUPS);
+    (0..groups).map(move |group| {
+        let first = group * (rays / GROUP_RAYS) / groups * GROUP_RAYS;
+        first..first + GROUP_RAYS
+    })
+}
+
+/// Mean capsule area of the sampled rays, group after group, each ray as long as it is thought to be before it is
+/// traced; unit space. 0 for no rays.
+pub fn sampled_area(unit: &UnitSpace, rays: &[Ray]) -> f64 {
+    let segment = |ray: &Ray| {
+        let length = bounded_length(unit, ray, unit.point(ray.origin), LENGTH);
+        Segment::of(unit, ray, length)
+    };
+    let mut segments = [Segment::default(); GROUP_RAYS];
+    let areas = rays.chunks_exact(GROUP_RAYS).map(|group| {
+        segments.iter_mut().zip(group).for_each(|(kept, ray)| *kept = segment(ray));
+        Capsule::around(&segments).map_or(0.0, |capsule| capsule.area())
+    });
+    areas.sum::<f64>() / (rays.len() / GROUP_RAYS).max(1) as f64
+}
+
+/// The order of a queue; `None` to leave it alone.
+pub fn decide(calibration: &[CalibrationRecord], kind: Kind, rays: u64, area: f64) -> Option<&Candidate> {
+    let apart = |a: f64, b: f64| (a.max(f64::MIN_POSITIVE) / b.max(f64::MIN_POSITIVE)).ln().abs();
+    let unlike = |other: &CalibrationRecord| apart(rays as f64, other.rays as f64) + apart(area, other.area);
+    let nearest = calibration
+        .iter()
+        .filter(|other| other.kind == kind)
+        .min_by(|a, b| unlike(a).total_cmp(&unlike(b)))?;
+    // What may as well have cost something is left alone.
+    let candidates = nearest.candidates.iter().filter(|candidate| candidate.net_low > 1.0);
+    candidates.reduce(|best, other| if other.net > best.net { other } else { best })
+}
+
+/// The method that was chosen, as a recording with this header has it.
+///
+/// # Errors
+/// If it is none that is built in, or its keys have bits that none has.
+pub fn method_record(choice: &Choice, header: &Header) -> Result<MethodRecord, String> {
+    let Choice { method, key_bits, .. } = choice;
+    let built_in = Method::builtin(method).map_err(|error| error.to_string())?;
+    if !(KEY_BITS_MIN..=LAYOUT_BITS).contains(key_bits) {
+        return Err(format!("{key_bits} bits, expected {KEY_BITS_MIN} to {LAYOUT_BITS}"));
+    }
+    let layout = built_in.layout.expand(header.lights.len()).map_err(|error| error.message)?;
+    Ok(MethodRecord {
+        name: built_in.name.clone(),
+        text: built_in.layout.text().to_owned(),
+        layout: layout.bits().iter().map(|coordinate| coordinate.name().to_owned()).collect(),
+        termination: built_in.termination,
+        key_bits: *key_bits,
+        base: built_in.name,
+        two_point_length: header.options.two_point_length,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::manifest::Way;
+
+    fn calibrated(kind: Kind, rays: u64, area: f64, nets: &[(&str, f64)]) -> CalibrationRecord {
+        let candidate = |&(method, net): &(&str, f64)| Candidate {
+            choice: Choice { method: method.to_owned(), key_bits: 16, way: Way::Gathered },
+            net,
+            net_low: net - 0.04,
+        };
+        CalibrationRecord { bounce: 1, kind, rays, area, candidates: nets.iter().map(candidate).collect() }
+    }
+
+    #[test]
+    fn a_queue_gets_what_was_best_for_the_one_it_is_most_like() {
+        let calibration = [
+            calibrated(Kind::Closest, 500_000, 0.01, &[("aila", 0.97), ("costa", 1.01)]),
+            calibrated(Kind::Closest, 300_000, 1.0, &[("aila", 1.10), ("costa", 1.25)]),
+            calibrated(Kind::Closest, 1_000, 1.0, &[("aila", 1.06), ("costa", 0.9)]),
+            calibrated(Kind::Shadow, 500_000, 0.01, &[("octahedron", 1.4)]),
+        ];
+        let chosen = |kind, rays, area| {
+            decide(&calibration, kind, rays, area).map(|candidate| candidate.choice.method.as_str())
+        };
+        assert_eq!(chosen(Kind::Closest, 500_000, 0.02), None, "none is surely worth its cost");
+        assert_eq!(chosen(Kind::Closest, 400_000, 0.5), Some("costa"));
+        assert_eq!(chosen(Kind::Closest, 2_000, 0.5), Some("aila"));
+        assert_eq!(chosen(Kind::Shadow, 1, 0.0), Some("octahedron"));
+        assert_eq!(decide(&[], Kind::Shadow, 500_000, 1.0), None);
+    }
+
+    #[test]
+    fn the_sample_is_whole_groups_over_all_of_the_queue() {
+        for rays in [0, 63, 64, 1_000, 2_048, 100_000] {
+            let ranges: Vec<Range<usize>> = sample(rays).collect();
+            assert_eq!(ranges.len(), (rays / GROUP_RAYS).min(GROUPS), "{rays} rays");
+            assert!(ranges.iter().all(|range| range.len() == GROUP_RAYS && range.end <= rays));
+            assert!(ranges.is_sorted_by(|a, b| a.end <= b.start));
+        }
+        assert!(sample(100_000).last().is_some_and(|range| range.start > 95_000));
+    }
+
+    #[test]
+    fn rays_that_part_have_the_larger_area() {
+        let unit = UnitSpace::from_bounds([0.0; 3], [1.0; 3]);
+        let rays = |apart: f32| -> Vec<Ray> {
+            let ray = |at: usize| {
+                let [x, y] = [(at % 8) as f32 - 3.5, (at / 8 % 8) as f32 - 3.5].map(|part| part * apart);
+                let length = (x * x + y * y + 1.0).sqrt();
+                let direction = [x / length, y / length, 1.0 / length];
+                Ray { origin: [0.5, 0.5, 0.1], t_min: 0.0, direction, t_max: f32::INFINITY }
+            };
+            (0..2 * GROUP_RAYS).map(ray).collect()
+        };
+        let [close, apart] = [0.01, 0.3].map(|apart| sampled_area(&unit, &rays(apart)));
+        assert!(apart > 10.0 * close && close > 0.0, "{close} {apart}");
+        assert_eq!(sampled_area(&unit, &[]), 0.0);
+    }
+}

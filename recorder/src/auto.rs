@@ -1,0 +1,117 @@
+//! The method `auto` on a machine: its candidates, and what it chooses for a queue.
+
+use anyhow::{Context, Result};
+use formats::auto::{decide, sample, sampled_area};
+use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
+use formats::manifest::{CalibrationRecord, Choice, Way};
+use formats::ray::Ray;
+use formats::unit_space::UnitSpace;
+
+use crate::backends::{Array, Backend, Queue};
+use crate::clock::{Clock, Sample};
+use crate::options::in_range;
+use crate::stages::setup::{MethodPlan, Setup};
+
+/// What a calibration tries: bits at the knee of each method, beyond which keys cost more than they gain
+/// (docs/measurements/auto.md).
+const CANDIDATES: &[(&str, u32)] = &[
+    ("aila", 24),
+    ("octahedron", 16),
+    ("octahedron", 24),
+    ("two-point", 24),
+    ("costa", 16),
+    ("light-octahedron", 16),
+];
+
+/// Chooses orders by a calibration.
+#[derive(Clone, Debug)]
+pub struct Auto {
+    /// What was measured before.
+    pub calibration: Vec<CalibrationRecord>,
+    unit: UnitSpace,
+    /// Number of the first candidate among the methods of the run.
+    first: usize,
+    candidates: Vec<(String, u32)>,
+}
+
+/// What was chosen for a queue.
+pub struct Decision {
+    /// Mean capsule area of its sample, unit space.
+    pub area: f64,
+    /// What was chosen.
+    pub choice: Option<Choice>,
+    /// Number of that method, and the way.
+    pub order: Option<(usize, Way)>,
+}
+
+/// The candidates of a run: those of a calibration that there is, or all.
+///
+/// # Errors
+/// If a calibration names a method or bits that there are not.
+pub fn candidates(calibration: &[CalibrationRecord], lights: usize, length: f32) -> Result<Vec<MethodPlan>> {
+    let mut wanted: Vec<(&str, u32)> = Vec::new();
+    for candidate in calibration.iter().flat_map(|queue| &queue.candidates) {
+        let candidate = (candidate.choice.method.as_str(), candidate.choice.key_bits);
+        if !wanted.contains(&candidate) {
+            wanted.push(candidate);
+        }
+    }
+    let wanted = if calibration.is_empty() { CANDIDATES } else { &wanted };
+    let plan = |&(name, bits): &(&str, u32)| {
+        in_range("key-bits", bits, KEY_BITS_MIN, LAYOUT_BITS)?;
+        Ok(MethodPlan::new(&Method::builtin(name)?, lights, bits, length)?)
+    };
+    wanted.iter().map(plan).collect()
+}
+
+/// Room for the sample of a queue, touched before a clock starts.
+pub fn room(rays: usize) -> Vec<Ray> {
+    let nothing = Ray { origin: [0.0; 3], t_min: 0.0, direction: [0.0; 3], t_max: 0.0 };
+    vec![nothing; sample(rays).map(|range| range.len()).sum()]
+}
+
+impl Auto {
+    /// For a run whose methods end with the candidates.
+    pub fn new(setup: &Setup, calibration: Vec<CalibrationRecord>) -> Self {
+        let candidates = setup.candidates().iter().map(|plan| (plan.name.clone(), plan.key_bits)).collect();
+        Self { calibration, unit: setup.unit, first: setup.named().len(), candidates }
+    }
+
+    /// Looks at the sample of a queue and chooses, timed on the processor's clock.
+    ///
+    /// # Errors
+    /// Any of the backend.
+    pub fn decide<B: Backend>(&self, backend: &mut B, rays: &B::Rays) -> Result<(Decision, Sample)> {
+        let mut sampled = room(rays.len());
+        let mut clock = Clock::of_processor();
+        let decision = clock.time(|| {
+            let area = self.area(backend, rays, &mut sampled)?;
+            let choice = decide(&self.calibration, rays.id().kind, rays.len() as u64, area);
+            let choice = choice.map(|candidate| candidate.choice.clone());
+            let order = choice.as_ref().map(|choice| self.order(choice)).transpose()?;
+            anyhow::Ok(Decision { area, choice, order })
+        })?;
+        Ok((decision, clock.last()))
+    }
+
+    /// Mean capsule area of the sample of a queue.
+    ///
+    /// # Errors
+    /// Any of the backend.
+    pub fn area<B: Backend>(&self, backend: &mut B, rays: &B::Rays, sampled: &mut [Ray]) -> Result<f64> {
+        let mut at = 0;
+        let bytes: &mut [u8] = bytemuck::cast_slice_mut(sampled);
+        backend.read(Array::Sample(rays), &mut |piece| {
+            bytes[at..at + piece.len()].copy_from_slice(piece);
+            at += piece.len();
+            Ok(())
+        })?;
+        Ok(sampled_area(&self.unit, sampled))
+    }
+
+    fn order(&self, choice: &Choice) -> Result<(usize, Way)> {
+        let is_it = |(name, bits): &(String, u32)| *name == choice.method && *bits == choice.key_bits;
+        let at = self.candidates.iter().position(is_it).context("a calibration names other orders")?;
+        Ok((self.first + at, choice.way))
+    }
+}
