@@ -27,27 +27,27 @@ impl UnitSpace {
     }
 
     /// A world-space point in unit space.
+    #[inline(always)]
     pub fn point(&self, world: [f32; 3]) -> [f32; 3] {
         [0, 1, 2].map(|axis| (world[axis] - self.min[axis]) * self.scale)
     }
 
     /// How far a ray from `origin` (unit space) runs before it leaves the bounding box, in unit
     /// lengths; 0 if it never meets the box, `+inf` for a zero direction inside it.
+    #[inline(always)]
     pub fn exit(&self, origin: [f32; 3], direction: [f32; 3]) -> f32 {
         let mut nearest_far = f32::INFINITY;
         let mut farthest_near = 0.0f32;
+        // Without branches, so that many rays are computed at once.
         for axis in 0..3 {
             let (o, d) = (origin[axis], direction[axis]);
-            if d == 0.0 {
-                if o < 0.0 || o > self.sides[axis] {
-                    return 0.0;
-                }
-            } else {
-                let to_min = (0.0 - o) / d;
-                let to_max = (self.sides[axis] - o) / d;
-                nearest_far = nearest_far.min(to_min.max(to_max));
-                farthest_near = farthest_near.max(to_min.min(to_max));
-            }
+            let to_min = (0.0 - o) / d;
+            let to_max = (self.sides[axis] - o) / d;
+            let is_outside = (o < 0.0) | (o > self.sides[axis]);
+            let beside = if is_outside { f32::NEG_INFINITY } else { f32::INFINITY };
+            let is_parallel = d == 0.0;
+            nearest_far = nearest_far.min(if is_parallel { beside } else { to_min.max(to_max) });
+            farthest_near = farthest_near.max(if is_parallel { 0.0 } else { to_min.min(to_max) });
         }
         if nearest_far < farthest_near { 0.0 } else { nearest_far }
     }

@@ -31,12 +31,10 @@ pub const ARCCOSINE: [f32; 8] = [
 ];
 
 /// Azimuth `atan2(y, x)/2π + 0.5` in [0, 1]; 0.5 at x = y = 0. Error ≤ 2⁻²⁰.
+#[inline(always)]
 pub fn azimuth(x: f32, y: f32) -> f32 {
     let (ax, ay) = (x.abs(), y.abs());
     let larger = ax.max(ay);
-    if larger == 0.0 {
-        return 0.5;
-    }
     let z = ax.min(ay) / larger;
     let z2 = z * z;
     let mut sum = ARCTANGENT[7];
@@ -53,10 +51,11 @@ pub fn azimuth(x: f32, y: f32) -> f32 {
     if y < 0.0 {
         angle = -angle;
     }
-    angle * (0.5 * FRAC_1_PI) + 0.5
+    if larger == 0.0 { 0.5 } else { angle * (0.5 * FRAC_1_PI) + 0.5 }
 }
 
 /// Polar angle `acos(z)/π` in [0, 1]; z is clamped to [−1, 1]. Error ≤ 2⁻²⁰.
+#[inline(always)]
 pub fn polar(z: f32) -> f32 {
     let a = z.abs().min(1.0);
     let mut sum = ARCCOSINE[7];

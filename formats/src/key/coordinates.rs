@@ -7,28 +7,32 @@ pub const INVERSE_SQRT_3: f32 = 0.577_350_26;
 
 /// Quantises to 22 bits: equal cells, NaN and negatives to 0, overflow to the last cell (KEYS).
 /// A coordinate of n < 22 bits is the top n of these.
+#[inline(always)]
 pub fn quantise(value: f32) -> u32 {
     const LAST: f32 = ((1 << COORDINATE_BITS) - 1) as f32;
-    if value > 0.0 { (value * (1u32 << COORDINATE_BITS) as f32).min(LAST) as u32 } else { 0 }
+    let scaled = (value * (1u32 << COORDINATE_BITS) as f32).max(0.0).min(LAST);
+    // SAFETY: from 0 to LAST, which an i32 holds; NaN became 0.
+    unsafe { scaled.to_int_unchecked::<i32>() as u32 }
 }
 
 /// Cartesian map of a unit vector's coordinate: (x + 1)/2.
+#[inline(always)]
 pub fn cartesian(x: f32) -> f32 {
     (x + 1.0) * 0.5
 }
 
 /// Octahedral map of a direction of any length to [0, 1]²; (0.5, 0.5) for a zero vector.
+#[inline(always)]
 pub fn octahedral(d: [f32; 3]) -> [f32; 2] {
     let sum = d[0].abs() + d[1].abs() + d[2].abs();
-    if sum == 0.0 {
-        return [0.5; 2];
-    }
-    let mut p = [d[0] / sum, d[1] / sum];
-    if d[2] < 0.0 {
-        let sign = |x: f32| if x > 0.0 { 1.0 } else { -1.0 };
-        p = [(1.0 - p[1].abs()) * sign(d[0]), (1.0 - p[0].abs()) * sign(d[1])];
-    }
-    p.map(cartesian)
+    let upper = [d[0] / sum, d[1] / sum];
+    let sign = |x: f32| if x > 0.0 { 1.0 } else { -1.0 };
+    let lower = [(1.0 - upper[1].abs()) * sign(d[0]), (1.0 - upper[0].abs()) * sign(d[1])];
+    let select = |upper: f32, lower: f32| {
+        let p = cartesian(if d[2] < 0.0 { lower } else { upper });
+        if sum == 0.0 { 0.5 } else { p }
+    };
+    [select(upper[0], lower[0]), select(upper[1], lower[1])]
 }
 
 /// Coordinates of a shadow ray seen from its light: (u, v, r), each in [0, 1].
@@ -36,11 +40,7 @@ pub fn octahedral(d: [f32; 3]) -> [f32; 2] {
 /// `origin` in unit space. See KEYS, light-octahedron.
 pub fn from_light(site: &LightSite, origin: [f32; 3], direction: [f32; 3]) -> [f32; 3] {
     match site {
-        LightSite::Placed { centre } => {
-            let d = [0, 1, 2].map(|axis| origin[axis] - centre[axis]);
-            let [u, v] = octahedral(d);
-            [u, v, dot(d, d).sqrt() * INVERSE_SQRT_3]
-        }
+        LightSite::Placed { centre } => seen_from(*centre, origin),
         LightSite::Directional { direction, tangent, bitangent } => {
             [tangent, bitangent, direction].map(|axis| cartesian(dot(origin, *axis) * INVERSE_SQRT_3))
         }
@@ -51,6 +51,15 @@ pub fn from_light(site: &LightSite, origin: [f32; 3], direction: [f32; 3]) -> [f
     }
 }
 
+/// [`from_light`] of a light with a place.
+#[inline(always)]
+pub(super) fn seen_from(centre: [f32; 3], origin: [f32; 3]) -> [f32; 3] {
+    let d = [origin[0] - centre[0], origin[1] - centre[1], origin[2] - centre[2]];
+    let [u, v] = octahedral(d);
+    [u, v, dot(d, d).sqrt() * INVERSE_SQRT_3]
+}
+
+#[inline(always)]
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

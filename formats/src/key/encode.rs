@@ -1,16 +1,15 @@
 //! From rays to keys: the encoder that layouts drive.
 //!
-//! Many rays are encoded coordinate by coordinate over short blocks, so that the loops have no branches and
-//! processors with vectors use them.
+//! Many rays are encoded coordinate by coordinate over short blocks. Where the processor has AVX2, the same code is
+//! compiled for it, with a way of its own to spread bits.
 
-use super::coordinates::{cartesian, from_light, octahedral, quantise};
-use super::layout::{Coordinate, Field, Layout};
-use super::{LightSite, angle, termination};
+use super::block::{Block, Needs};
+use super::layout::Layout;
+use super::spread::Spread;
+use super::{Coordinate, LightSite};
 use crate::ray::Ray;
 use crate::unit_space::UnitSpace;
 
-/// Bits of a coordinate that one table lookup spreads over the key.
-const CHUNK_BITS: u32 = 8;
 /// Rays of a block.
 const BLOCK: usize = 64;
 
@@ -19,66 +18,8 @@ const BLOCK: usize = 64;
 pub struct Encoder {
     unit: UnitSpace,
     lights: Vec<LightSite>,
-    spreads: Vec<Spread>,
+    spreads: Vec<(Coordinate, Spread)>,
     needs: Needs,
-}
-
-/// One field's bits, spread to their places by table.
-#[derive(Clone, Debug)]
-struct Spread {
-    coordinate: Coordinate,
-    /// Shift that brings a quantised coordinate down to the bits that the key uses.
-    drop: u32,
-    /// One table per chunk of used bits, lowest chunk first.
-    tables: Vec<[u64; 1 << CHUNK_BITS]>,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-struct Needs {
-    end: bool,
-    octahedral: bool,
-    /// Light coordinates.
-    light: bool,
-    /// Light coordinates or the light itself.
-    light_index: bool,
-}
-
-/// What the keys of up to `N` rays are made from.
-struct Block<'a, const N: usize> {
-    rays: &'a [Ray],
-    lights: [u32; N],
-    origin: [[f32; N]; 3],
-    end: [[u32; N]; 3],
-    octahedral: [[f32; N]; 2],
-    from_light: [[f32; N]; 3],
-}
-
-impl Spread {
-    fn new(field: &Field) -> Self {
-        let used = field.positions.len() as u32;
-        let chunks = used.div_ceil(CHUNK_BITS);
-        let tables = (0..chunks)
-            .map(|chunk| {
-                std::array::from_fn(|value| {
-                    (0..CHUNK_BITS)
-                        .filter(|bit| value >> bit & 1 == 1)
-                        .filter_map(|bit| (used - 1).checked_sub(chunk * CHUNK_BITS + bit))
-                        .map(|mention| 1u64 << field.positions[mention as usize])
-                        .sum()
-                })
-            })
-            .collect();
-        Self { coordinate: field.coordinate, drop: field.width - used, tables }
-    }
-
-    fn add_to<const N: usize>(&self, keys: &mut [u64; N], quantised: &[u32; N]) {
-        for (chunk, table) in self.tables.iter().enumerate() {
-            let shift = self.drop + chunk as u32 * CHUNK_BITS;
-            for (key, quantised) in keys.iter_mut().zip(quantised) {
-                *key |= table[(quantised >> shift) as usize & (table.len() - 1)];
-            }
-        }
-    }
 }
 
 impl Encoder {
@@ -87,18 +28,9 @@ impl Encoder {
     /// `lights` are the scene's, by index; only layouts with light coordinates look at them.
     pub fn new(layout: &Layout, key_bits: u32, unit: UnitSpace, lights: &[LightSite]) -> Self {
         let fields = layout.fields(key_bits);
-        let uses = |predicate: fn(Coordinate) -> bool| fields.iter().any(|field| predicate(field.coordinate));
-        let needs = Needs {
-            end: uses(Coordinate::needs_length),
-            octahedral: uses(|coordinate| {
-                matches!(coordinate, Coordinate::OctahedralU | Coordinate::OctahedralV)
-            }),
-            light: uses(|coordinate| {
-                matches!(coordinate, Coordinate::LightU | Coordinate::LightV | Coordinate::LightR)
-            }),
-            light_index: uses(Coordinate::needs_light),
-        };
-        Self { unit, lights: lights.to_vec(), spreads: fields.iter().map(Spread::new).collect(), needs }
+        let needs = Needs::of(fields.iter().map(|field| field.coordinate));
+        let spreads = fields.iter().map(|field| (field.coordinate, Spread::new(field))).collect();
+        Self { unit, lights: lights.to_vec(), spreads, needs }
     }
 
     /// The key of a ray. `length` is the estimate in unit lengths, `light` the index of a shadow
@@ -107,7 +39,9 @@ impl Encoder {
     /// # Panics
     /// If the layout has light coordinates and `light` is not an index into the lights given.
     pub fn encode(&self, ray: &Ray, length: f32, light: u32) -> u64 {
-        let [key] = self.keys(std::slice::from_ref(ray), |_| length, |_| light);
+        let mut block = Block::<1>::empty();
+        self.fill(&mut block, std::slice::from_ref(ray), |_| length, |_| light);
+        let [key] = self.keys(&block);
         key
     }
 
@@ -121,98 +55,85 @@ impl Encoder {
         rays: &[Ray],
         length: impl Fn(usize) -> f32,
         light: impl Fn(usize) -> u32,
-        mut put: impl FnMut(usize, u64),
+        put: impl FnMut(usize, u64),
     ) {
-        for (number, rays) in rays.chunks(BLOCK).enumerate() {
-            let first = number * BLOCK;
-            let keys: [u64; BLOCK] = self.keys(rays, |at| length(first + at), |at| light(first + at));
-            keys.iter().take(rays.len()).enumerate().for_each(|(at, &key)| put(first + at, key));
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has AVX2.
+            return unsafe { self.encode_all_avx2(rays, length, light, put) };
         }
+        self.encode_all_portably(rays, length, light, put);
     }
 
-    /// Keys of up to `N` rays.
-    fn keys<const N: usize>(
+    fn encode_all_portably(
         &self,
         rays: &[Ray],
         length: impl Fn(usize) -> f32,
         light: impl Fn(usize) -> u32,
-    ) -> [u64; N] {
-        let block: Block<'_, N> = self.block(rays, length, light);
-        let mut keys = [0; N];
-        for spread in &self.spreads {
-            spread.add_to(&mut keys, &block.quantised(spread.coordinate));
+        mut put: impl FnMut(usize, u64),
+    ) {
+        let mut block = Block::<BLOCK>::empty();
+        for (number, rays) in rays.chunks(BLOCK).enumerate() {
+            let first = number * BLOCK;
+            self.fill(&mut block, rays, |at| length(first + at), |at| light(first + at));
+            let keys = self.keys(&block);
+            keys.iter().take(rays.len()).enumerate().for_each(|(at, &key)| put(first + at, key));
         }
-        keys
     }
 
-    fn block<'a, const N: usize>(
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn encode_all_avx2(
         &self,
-        rays: &'a [Ray],
+        rays: &[Ray],
         length: impl Fn(usize) -> f32,
         light: impl Fn(usize) -> u32,
-    ) -> Block<'a, N> {
-        let mut block = Block {
-            rays,
-            lights: [0; N],
-            origin: [[0.0; N]; 3],
-            end: [[0; N]; 3],
-            octahedral: [[0.0; N]; 2],
-            from_light: [[0.0; N]; 3],
-        };
-        for (at, ray) in rays.iter().enumerate() {
-            let origin = self.unit.point(ray.origin);
-            (0..3).for_each(|axis| block.origin[axis][at] = origin[axis]);
-            if self.needs.end {
-                let length = termination::bounded_length(&self.unit, ray, origin, length(at));
-                let end = |axis: usize| termination::end_quantised(origin[axis], length, ray.direction[axis]);
-                (0..3).for_each(|axis| block.end[axis][at] = end(axis));
+        mut put: impl FnMut(usize, u64),
+    ) {
+        let mut block = Block::<BLOCK>::empty();
+        for (number, rays) in rays.chunks(BLOCK).enumerate() {
+            let first = number * BLOCK;
+            self.fill(&mut block, rays, |at| length(first + at), |at| light(first + at));
+            let mut words = [[0; BLOCK]; 2];
+            for (coordinate, spread) in &self.spreads {
+                spread.add_to_words(&mut words, &block.quantised(*coordinate));
             }
-            if self.needs.octahedral {
-                let [u, v] = octahedral(ray.direction);
-                (block.octahedral[0][at], block.octahedral[1][at]) = (u, v);
-            }
-            if self.needs.light_index {
-                block.lights[at] = light(at);
-            }
-            if self.needs.light {
-                let site = &self.lights[block.lights[at] as usize];
-                let seen = from_light(site, origin, ray.direction);
-                (0..3).for_each(|axis| block.from_light[axis][at] = seen[axis]);
-            }
+            let [low, high] = words;
+            let keys = low.iter().zip(&high).map(|(&low, &high)| u64::from(high) << 32 | u64::from(low));
+            keys.take(rays.len()).enumerate().for_each(|(at, key)| put(first + at, key));
         }
-        block
-    }
-}
-
-impl<const N: usize> Block<'_, N> {
-    /// A coordinate that depends on the direction alone.
-    fn of_direction(&self, map: impl Fn([f32; 3]) -> f32) -> [u32; N] {
-        let mut lane = [0; N];
-        lane.iter_mut().zip(self.rays).for_each(|(value, ray)| *value = quantise(map(ray.direction)));
-        lane
     }
 
-    fn quantised(&self, coordinate: Coordinate) -> [u32; N] {
-        use Coordinate as C;
-        match coordinate {
-            C::OriginX => self.origin[0].map(quantise),
-            C::OriginY => self.origin[1].map(quantise),
-            C::OriginZ => self.origin[2].map(quantise),
-            C::EndX => self.end[0],
-            C::EndY => self.end[1],
-            C::EndZ => self.end[2],
-            C::DirectionX => self.of_direction(|d| cartesian(d[0])),
-            C::DirectionY => self.of_direction(|d| cartesian(d[1])),
-            C::DirectionZ => self.of_direction(|d| cartesian(d[2])),
-            C::OctahedralU => self.octahedral[0].map(quantise),
-            C::OctahedralV => self.octahedral[1].map(quantise),
-            C::Azimuth => self.of_direction(|d| angle::azimuth(d[0], d[1])),
-            C::Polar => self.of_direction(|d| angle::polar(d[2])),
-            C::Light => self.lights,
-            C::LightU => self.from_light[0].map(quantise),
-            C::LightV => self.from_light[1].map(quantise),
-            C::LightR => self.from_light[2].map(quantise),
+    /// What the keys of up to `N` rays are made from.
+    #[inline(always)]
+    fn fill<const N: usize>(
+        &self,
+        block: &mut Block<N>,
+        rays: &[Ray],
+        length: impl Fn(usize) -> f32,
+        light: impl Fn(usize) -> u32,
+    ) {
+        block.load(&self.unit, rays);
+        if self.needs.end {
+            block.find_ends(&self.unit, rays, length);
         }
+        if self.needs.octahedral {
+            block.find_octahedral();
+        }
+        if self.needs.light {
+            block.find_lights(light);
+        }
+        if self.needs.from_light {
+            block.find_from_light(&self.lights);
+        }
+    }
+
+    fn keys<const N: usize>(&self, block: &Block<N>) -> [u64; N] {
+        let mut keys = [0; N];
+        for (coordinate, spread) in &self.spreads {
+            spread.add_to(&mut keys, &block.quantised(*coordinate));
+        }
+        keys
     }
 }
 
@@ -298,8 +219,8 @@ mod tests {
         assert_eq!(Encoder::new(&layout, 16, unit, &[]).encode(&ray, 0.0, 0), 0b1010_1010_0000_0000);
     }
 
-    #[test]
-    fn blocks_have_the_keys_of_single_rays() {
+    /// Rays of all kinds, those included that only files have.
+    fn random_rays() -> Vec<Ray> {
         let mut generator = fastrand::Rng::with_seed(5);
         let mut random = || 2.0 * generator.f32() - 1.0;
         let mut ray = || Ray {
@@ -308,26 +229,40 @@ mod tests {
             direction: [random(), random(), random()],
             t_max: if random() > 0.0 { f32::INFINITY } else { 0.5 },
         };
-        let mut rays: Vec<Ray> = (0..1000).map(|_| ray()).collect();
-        // Whatever a file may hold.
-        rays[3].origin = [f32::NAN, f32::INFINITY, -0.0];
-        rays[70].direction = [0.0; 3];
+        let mut rays: Vec<Ray> = (0..4000).map(|_| ray()).collect();
+        let odd = [0.0, -0.0, 1.0, -1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e-40, -3e38];
+        for ray in &mut rays[1000..] {
+            for value in ray.origin.iter_mut().chain(&mut ray.direction).chain([&mut ray.t_max]) {
+                if generator.u32(0..4) == 0 {
+                    *value = odd[generator.usize(0..odd.len())];
+                }
+            }
+        }
+        rays
+    }
+
+    #[test]
+    fn blocks_have_the_keys_of_single_rays() {
+        let rays = random_rays();
         let unit = UnitSpace::from_bounds([-1.0; 3], [1.0; 3]);
         let lights = lights();
         let light = |at: usize| at as u32 % 3;
-        let length = |at: usize| at as f32 / 700.0;
+        let length = |at: usize| at as f32 / 2000.0;
         for (name, ..) in BUILTIN {
             let layout = Method::builtin(name).unwrap().layout.expand(lights.len()).unwrap();
-            for key_bits in [8, 17, 32, 64] {
+            for key_bits in [8, 17, 32, 33, 64] {
                 let encoder = Encoder::new(&layout, key_bits, unit, &lights);
-                let mut keys = Vec::new();
+                let (mut keys, mut portably) = (Vec::new(), Vec::new());
                 encoder.encode_all(&rays, length, light, |at, key| {
                     assert_eq!(at, keys.len());
                     keys.push(key);
                 });
-                let single =
-                    rays.iter().enumerate().map(|(at, ray)| encoder.encode(ray, length(at), light(at)));
-                assert_eq!(keys, single.collect::<Vec<u64>>(), "{name} at {key_bits} bits");
+                encoder.encode_all_portably(&rays, length, light, |_, key| portably.push(key));
+                let single = rays.iter().enumerate();
+                let single = single.map(|(at, ray)| encoder.encode(ray, length(at), light(at)));
+                let single: Vec<u64> = single.collect();
+                assert_eq!(keys, single, "{name} at {key_bits} bits");
+                assert_eq!(portably, single, "{name} at {key_bits} bits, portably");
             }
         }
     }

@@ -3,15 +3,17 @@
 //! - [`layout`]: a key's bits as data, in words that users can type
 //! - [`method`]: the paper's methods and those beyond it, each a layout and a length estimate
 //! - [`coordinates`], [`angle`], [`termination`]: the numbers that the bits are taken from
-//! - [`encode`], [`decode`]: from ray to key and back to fields
+//! - [`encode`], [`decode`]: from ray to key and back to fields; `block` and `spread` are the parts of the encoder
 
 pub mod angle;
+mod block;
 pub mod coordinates;
 pub mod decode;
 pub mod encode;
 pub mod layout;
 pub mod light_site;
 pub mod method;
+mod spread;
 pub mod termination;
 
 pub use encode::Encoder;

@@ -14,6 +14,7 @@ pub const STEP_BITS: u32 = 15;
 /// `L`: the estimate `length` (unit space), cut by the ray's own end and the scene's box.
 ///
 /// `origin` is the ray's origin in unit space.
+#[inline(always)]
 pub fn bounded_length(unit: &UnitSpace, ray: &Ray, origin: [f32; 3], length: f32) -> f32 {
     let exit = unit.exit(origin, ray.direction);
     length.min(ray.t_max * unit.scale).min(exit).clamp(0.0, LONGEST)
@@ -24,6 +25,7 @@ pub fn bounded_length(unit: &UnitSpace, ray: &Ray, origin: [f32; 3], length: f32
 /// Exact on every device once `length` is known: both conversions truncate, the product of
 /// 57,344 and 32,768 fits an i32, the shift is arithmetic. Directions that are no unit vectors, which
 /// only files have, wrap around as the integers of WGSL do.
+#[inline(always)]
 pub fn end_quantised(origin: f32, length: f32, direction: f32) -> u32 {
     const ONE: f32 = (1u32 << STEP_BITS) as f32;
     let product = ((length * ONE) as i32).wrapping_mul((direction * ONE) as i32);
