@@ -32,14 +32,37 @@ pub struct LengthCell {
 /// Sums and counts of ray lengths per cell; 2^bits cells.
 ///
 /// Adding is order-independent, so any number of threads gives the same table.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct LengthTable {
     bits: u32,
-    /// Without the dummies, so that an untouched cell is 0: the system gives such memory only when it
-    /// is written to, and a large table of few cells costs next to nothing.
-    sums: Vec<AtomicU64>,
-    /// Likewise.
-    counts: Vec<AtomicU32>,
+    cells: Vec<TableCell>,
+}
+
+/// A cell in memory, 16 bytes, so that asking it or adding to it touches one cache line.
+///
+/// Without its dummy, so that an untouched cell is 0: the system gives such memory only when it is written to, and
+/// a large table of few cells costs next to nothing.
+#[repr(C, align(16))]
+#[derive(Debug, Zeroable)]
+pub struct TableCell {
+    sum: AtomicU64,
+    count: AtomicU32,
+}
+
+impl TableCell {
+    /// Sum and count, the dummy ray included. As many additions as would wrap a count are refused before a
+    /// recording starts; one that a file claims must not end us.
+    fn with_dummy(&self) -> (u64, u32) {
+        let count = self.count.load(Ordering::Relaxed).saturating_add(1);
+        (self.sum.load(Ordering::Relaxed) + DUMMY_SUM, count)
+    }
+}
+
+impl Clone for TableCell {
+    fn clone(&self) -> Self {
+        let count = AtomicU32::new(self.count.load(Ordering::Relaxed));
+        Self { sum: AtomicU64::new(self.sum.load(Ordering::Relaxed)), count }
+    }
 }
 
 /// Why stored cells are not a table.
@@ -68,12 +91,6 @@ fn sums_of(count: u32) -> (u64, u64) {
     (DUMMY_SUM, DUMMY_SUM + rays * u64::from(fixed_point(LONGEST_SUMMED)))
 }
 
-/// Sum and count of a cell, its dummy ray included. As many additions as would wrap a count are refused
-/// before a recording starts; one that a file claims must not end us.
-fn with_dummy(sum: &AtomicU64, count: &AtomicU32) -> (u64, u32) {
-    (sum.load(Ordering::Relaxed) + DUMMY_SUM, count.load(Ordering::Relaxed).saturating_add(1))
-}
-
 /// Mean length in unit space from a cell's sum and count, exact on every device.
 pub fn mean_length(sum: u64, count: u32) -> f32 {
     let mean = (sum / u64::from(count)) as u32;
@@ -83,14 +100,12 @@ pub fn mean_length(sum: u64, count: u32) -> f32 {
 impl LengthTable {
     /// A table of 2^`bits` cells, each with its dummy ray. `bits` from 8 to 24.
     pub fn new(bits: u32) -> Self {
-        let cells = 1usize << bits;
-        Self { bits, sums: bytemuck::zeroed_vec(cells), counts: bytemuck::zeroed_vec(cells) }
+        Self { bits, cells: bytemuck::zeroed_vec(1 << bits) }
     }
 
     /// Forgets all but the dummy rays, in the same memory.
     pub fn clear(&mut self) {
-        self.sums.iter_mut().for_each(|sum| *sum.get_mut() = 0);
-        self.counts.iter_mut().for_each(|count| *count.get_mut() = 0);
+        self.cells.iter_mut().for_each(|cell| *cell = TableCell::zeroed());
     }
 
     /// The table whose touched cells are `cells`, as [`LengthTable::touched`] gave them.
@@ -111,8 +126,9 @@ impl LengthTable {
             if !(least..=most).contains(&sum) {
                 return Err(LengthTableError::Sum { cell, sum, count, least, most });
             }
-            table.sums[cell as usize].store(sum - DUMMY_SUM, Ordering::Relaxed);
-            table.counts[cell as usize].store(count - 1, Ordering::Relaxed);
+            let stored = &table.cells[cell as usize];
+            stored.sum.store(sum - DUMMY_SUM, Ordering::Relaxed);
+            stored.count.store(count - 1, Ordering::Relaxed);
             next = u64::from(cell) + 1;
         }
         Ok(table)
@@ -120,7 +136,7 @@ impl LengthTable {
 
     /// Sum and count of every cell, in order.
     pub fn cells(&self) -> impl Iterator<Item = (u64, u32)> {
-        self.sums.iter().zip(&self.counts).map(|(sum, count)| with_dummy(sum, count))
+        self.cells.iter().map(TableCell::with_dummy)
     }
 
     /// Address bits.
@@ -128,41 +144,35 @@ impl LengthTable {
         self.bits
     }
 
-    /// Where a cell lies: its sum and its count, the dummy left out.
-    pub fn cell(&self, cell: u32) -> (&AtomicU64, &AtomicU32) {
-        (&self.sums[cell as usize], &self.counts[cell as usize])
+    /// Where a cell lies.
+    pub fn cell(&self, cell: u32) -> &TableCell {
+        &self.cells[cell as usize]
     }
 
     /// Mean length of a cell in unit space.
     pub fn mean(&self, cell: u32) -> f32 {
-        let (sum, count) = with_dummy(&self.sums[cell as usize], &self.counts[cell as usize]);
+        let (sum, count) = self.cell(cell).with_dummy();
         mean_length(sum, count)
     }
 
     /// Adds a ray of traced `length` (unit lengths, ≥ 0) to a cell.
     pub fn add(&self, cell: u32, length: f32) {
-        self.sums[cell as usize].fetch_add(u64::from(fixed_point(length)), Ordering::Relaxed);
-        self.counts[cell as usize].fetch_add(1, Ordering::Relaxed);
+        let cell = self.cell(cell);
+        cell.sum.fetch_add(u64::from(fixed_point(length)), Ordering::Relaxed);
+        cell.count.fetch_add(1, Ordering::Relaxed);
     }
 
     /// The cells with a count of 2 or more, ascending: what a dump stores.
     pub fn touched(&self) -> Vec<LengthCell> {
-        let cells = self.counts.iter().zip(&self.sums).zip(0u32..);
-        cells
-            .filter(|((count, _), _)| count.load(Ordering::Relaxed) > 0)
-            .map(|((count, sum), cell)| {
-                let (sum, count) = with_dummy(sum, count);
+        self.cells
+            .iter()
+            .zip(0..)
+            .filter(|(stored, _)| stored.count.load(Ordering::Relaxed) > 0)
+            .map(|(stored, cell)| {
+                let (sum, count) = stored.with_dummy();
                 LengthCell { cell, count, sum }
             })
             .collect()
-    }
-}
-
-impl Clone for LengthTable {
-    fn clone(&self) -> Self {
-        let sums = self.sums.iter().map(|sum| AtomicU64::new(sum.load(Ordering::Relaxed)));
-        let counts = self.counts.iter().map(|count| AtomicU32::new(count.load(Ordering::Relaxed)));
-        Self { bits: self.bits, sums: sums.collect(), counts: counts.collect() }
     }
 }
 

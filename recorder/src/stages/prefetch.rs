@@ -40,7 +40,5 @@ fn prefetch_line(address: *const u8) {
 /// Asks for a cell of a length table.
 #[inline(always)]
 pub fn prefetch_cell(table: &LengthTable, cell: u32) {
-    let (sum, count) = table.cell(cell);
-    prefetch(sum);
-    prefetch(count);
+    prefetch(table.cell(cell));
 }
