@@ -17,7 +17,7 @@ pub const PASSES_MAX: u32 = 999;
 pub const REPEATS_MAX: u32 = 10_000;
 
 /// The trace kernels of this version.
-const TRACE_KERNELS: &[&str] = &["wide", "cwbvh", "bvh2", "ray-query"];
+const TRACE_KERNELS: &[&str] = &["wide", "cwbvh", "bvh2", "lanes", "packet", "ray-query"];
 /// Which passes may be kept.
 const KEPT_PASSES: &[&str] = &["measured", "all"];
 /// The words of `--keep`, in the order in which they are listed.

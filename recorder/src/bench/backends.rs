@@ -62,8 +62,8 @@ pub(super) fn measure_all<M: Measurement + Send>(
             let backend = |Configuration { setup, kernel }: &Configuration| {
                 let bvh =
                     kernel.hierarchy(scene)?.context("threads have no ray queries; use --backend gpu")?;
-                let tracer =
-                    CpuTracer::for_features(scene, &bvh, &setup.features).with_precision(setup.precision);
+                let tracer = CpuTracer::for_features(scene, &bvh, &setup.features);
+                let tracer = tracer.with_kernel(*kernel).with_precision(setup.precision);
                 Ok(CpuBackend::new(Arc::clone(setup), Arc::new(tracer)))
             };
             measurement.run(configurations.iter().map(backend).collect::<Result<_>>()?)

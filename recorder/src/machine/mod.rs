@@ -67,7 +67,7 @@ pub fn open(options: &DeviceOptions) -> Result<Device> {
         (None, BackendChoice::Gpu) => AdapterRequest::Any,
         (None, BackendChoice::Auto) => match options.trace {
             Some(TraceKernel::RayQuery) => AdapterRequest::Hardware,
-            Some(TraceKernel::Wide) => return open_cpu(options, None),
+            Some(kernel) if !kernel.is_for_gpus() => return open_cpu(options, None),
             _ => return open_auto(options),
         },
         (None, BackendChoice::Cpu) => return open_cpu(options, None),
@@ -119,7 +119,7 @@ const CPU_BYTES_PER_CELL: u64 = 4 * 12;
 const GPU_BYTES_PER_ITEM: u64 = 16;
 
 impl Device {
-    /// The trace kernels of our own that run here, the fastest first.
+    /// The trace kernels of our own that trace rays one by one here, the fastest first.
     pub fn kernels(&self) -> Vec<TraceKernel> {
         match self {
             Self::Cpu(_) => vec![TraceKernel::Wide, TraceKernel::Cwbvh, TraceKernel::Bvh2],

@@ -52,6 +52,11 @@ impl Default for DeviceOptions {
 }
 
 impl DeviceOptions {
+    /// Whether threads will not do.
+    pub fn asks_for_gpu(&self) -> bool {
+        self.backend == BackendChoice::Gpu || self.adapter.is_some()
+    }
+
     /// Checks what can be judged without opening a device.
     ///
     /// # Errors
@@ -62,14 +67,19 @@ impl DeviceOptions {
             in_range("threads", threads, 1, 4096)?;
         }
         let is_cpu = self.backend == BackendChoice::Cpu;
+        let for_threads = self.trace.filter(|kernel| !kernel.is_for_gpus());
         let message = if self.pin && !cfg!(target_os = "linux") {
             "--pin ties threads to processors, which this system is not asked for; leave it out"
         } else if self.pin && self.backend == BackendChoice::Gpu {
             "--pin ties the threads of the cpu backend, but --backend gpu asks for a GPU; leave one of them out"
         } else if is_cpu && self.trace == Some(TraceKernel::RayQuery) {
-            "--trace ray-query needs a GPU that has ray queries; use --backend gpu, or --trace wide, cwbvh or bvh2"
-        } else if self.backend == BackendChoice::Gpu && self.trace == Some(TraceKernel::Wide) {
-            "--trace wide is for threads; use --backend cpu, or --trace cwbvh or bvh2"
+            "--trace ray-query needs a GPU that has ray queries; use --backend gpu, or --trace wide, cwbvh, bvh2, lanes or packet"
+        } else if let Some(kernel) = for_threads.filter(|_| self.asks_for_gpu()) {
+            let message = format!(
+                "--trace {} is for threads; use --backend cpu without --adapter, or --trace cwbvh or bvh2",
+                kernel.name()
+            );
+            return Err(OptionError::Conflict { message });
         } else if is_cpu && self.adapter.is_some() {
             "--adapter names a GPU, but --backend cpu asks for threads; leave one of them out"
         } else {

@@ -95,7 +95,7 @@ impl Run<'_> {
         let kernel = device.kernel(&self.options.device);
         let bvh = kernel.hierarchy(self.scene)?;
         let setup = Arc::clone(&self.setup);
-        let tracer = || bvh.as_ref().map(|bvh| Arc::new(CpuTracer::new(self.scene, bvh)));
+        let tracer = || bvh.as_ref().map(|bvh| Arc::new(CpuTracer::new(self.scene, bvh).with_kernel(kernel)));
         let model = |tracer| CacheModel { tracer, l2_bytes: self.options.device.l2_kib << 10 };
         let (path, queues, decisions, differing) = match device {
             Device::Cpu(cpu) => cpu.pool.install(|| {

@@ -173,8 +173,10 @@ fn run_options(
     let recorded_kernel = TraceKernel::from_str(&before.trace_kernel, false).ok().with_context(|| {
         format!("it names an unknown trace kernel '{}'", one_line(&before.trace_kernel, 80))
     })?;
-    // `wide` is what threads take by themselves, and GPUs do not have.
-    let recorded_kernel = Some(recorded_kernel).filter(|&kernel| kernel != TraceKernel::Wide);
+    // `wide` is what threads take by themselves, and GPUs have no kernel for threads.
+    let is_missing = |kernel: TraceKernel| options.device.asks_for_gpu() && !kernel.is_for_gpus();
+    let recorded_kernel =
+        Some(recorded_kernel).filter(|&kernel| kernel != TraceKernel::Wide && !is_missing(kernel));
     let trace = options.device.trace.or(recorded_kernel);
     let mut keep = options.keep;
     let table_bits = options.table_bits.unwrap_or(before.table_bits);

@@ -68,7 +68,8 @@ pub(crate) fn gpu() -> &'static Gpu {
 /// Every kernel on every backend that has it.
 pub(crate) fn kernels() -> Vec<(Backend, TraceKernel)> {
     let own = [TraceKernel::Cwbvh, TraceKernel::Bvh2];
-    let mut all = vec![(Backend::Cpu, TraceKernel::Wide)];
+    let for_threads = [TraceKernel::Wide, TraceKernel::Lanes, TraceKernel::Packet];
+    let mut all: Vec<_> = for_threads.map(|kernel| (Backend::Cpu, kernel)).into();
     all.extend(own.map(|kernel| (Backend::Cpu, kernel)));
     all.extend(own.map(|kernel| (Backend::Gpu, kernel)));
     if gpu().adapter().ray_query {
@@ -96,7 +97,7 @@ pub(crate) fn trace(backend: Backend, kernel: TraceKernel, scene: &Scene, rays: 
     let kinds = Kind::ALL;
     let [hits, distances]: [Vec<u8>; 2] = match backend {
         Backend::Cpu => {
-            let tracer = CpuTracer::new(scene, &bvh.unwrap());
+            let tracer = CpuTracer::new(scene, &bvh.unwrap()).with_kernel(kernel);
             kinds.map(|kind| {
                 let hits = cpu_hits::Hits::new(kind, rays.len());
                 tracer.trace(rays, Order::Stored, &hits);

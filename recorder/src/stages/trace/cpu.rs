@@ -3,6 +3,7 @@
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
+use formats::metrics::lanes::LaneUse;
 use formats::ray::{Hit, Kind, Ray, Work};
 use rayon::prelude::*;
 use scenes::Scene;
@@ -11,18 +12,16 @@ use scenes::features::Features;
 
 use super::cpu_bvh2::BinaryTree;
 use super::cpu_cwbvh::CompressedTree;
-use super::cpu_query::{Account, Query, Trail, Tree};
+use super::cpu_lanes::LaneTree;
+use super::cpu_packet::PacketTree;
+use super::cpu_part::{CHUNK, Part, for_each_part};
+use super::cpu_query::{Account, Searcher, Steps, Trail, Tree};
 use super::cpu_wide::WideTree;
 use super::hits::{Hits, store};
 use super::mask::Masks;
 use super::moeller_trumbore::PlainRay;
 use super::triangle::{LeafTriangle, Shear, TriangleRay};
-use super::{BoxTest, Order, Precision, TriangleTest};
-use crate::stages::prefetch::prefetch;
-
-/// Rays that a thread takes at once, and no more: in a sorted order whole stretches cost many times as much as
-/// others, and what a thread has begun no other one can take over.
-const CHUNK: usize = 256;
+use super::{BoxTest, Order, Precision, TraceKernel, TriangleTest};
 
 /// Traces rays through a hierarchy on the threads of the current rayon pool.
 #[derive(Clone, Debug)]
@@ -38,6 +37,8 @@ enum AnyTree {
     Binary(BinaryTree),
     Compressed(CompressedTree),
     Wide(WideTree),
+    Lanes(LaneTree),
+    Packet(PacketTree),
 }
 
 /// Which instructions the box tests use; the results are the same.
@@ -92,6 +93,17 @@ impl CpuTracer {
         Self { precision, ..self }
     }
 
+    /// The same, with rays traced together where the kernel, which walks the same hierarchy, does so.
+    #[must_use]
+    pub fn with_kernel(self, kernel: TraceKernel) -> Self {
+        let tree = match (self.tree, kernel) {
+            (AnyTree::Binary(tree), TraceKernel::Lanes) => AnyTree::Lanes(LaneTree(tree)),
+            (AnyTree::Binary(tree), TraceKernel::Packet) => AnyTree::Packet(PacketTree(tree)),
+            (tree, _) => tree,
+        };
+        Self { tree, ..self }
+    }
+
     /// The same tracer without special instructions: results are the same.
     #[cfg(test)]
     pub(super) fn portable(mut self) -> Self {
@@ -120,13 +132,39 @@ impl CpuTracer {
 
     /// What tracing each ray takes.
     pub fn work(&self, rays: &[Ray], kind: Kind) -> Vec<Work> {
-        rays.par_chunks(CHUNK).flat_map_iter(|rays| self.accounts(rays, kind, &Work::default())).collect()
+        // A packet's ray is counted by itself.
+        let together = if matches!(self.tree, AnyTree::Packet(_)) { 1 } else { CHUNK };
+        rays.par_chunks(together).flat_map_iter(|rays| self.accounts(rays, kind, &Work::default())).collect()
+    }
+
+    /// How many lanes work of those that a kernel keeps busy with these rays, as they lie: in each step those whose
+    /// rays take part in it. `None` for kernels that trace rays one by one.
+    pub fn lane_use(&self, rays: &[Ray], kind: Kind) -> Option<LaneUse> {
+        let width = match self.tree {
+            AnyTree::Lanes(_) => LaneTree::WIDTH,
+            AnyTree::Packet(_) => PacketTree::WIDTH,
+            AnyTree::Binary(_) | AnyTree::Compressed(_) | AnyTree::Wide(_) => return None,
+        };
+        let of_chunk = |rays: &[Ray]| {
+            let steps = self.accounts(rays, kind, &Steps::default()).into_iter();
+            let add = |all: LaneUse, steps: Steps| LaneUse {
+                work: all.work + steps.own,
+                capacity: all.capacity + width as u64 * steps.together,
+                ..all
+            };
+            steps.fold(LaneUse::new(width), add)
+        };
+        let add = |mut all: LaneUse, part: LaneUse| {
+            all.merge(&part);
+            all
+        };
+        Some(rays.par_chunks(CHUNK).map(of_chunk).reduce(|| LaneUse::new(width), add))
     }
 
     /// What tracing a ray reads, step by step.
     pub fn trail(&self, ray: &Ray, kind: Kind) -> Trail {
         let trail = Trail::new(match &self.tree {
-            AnyTree::Binary(_) => BinaryTree::BYTES,
+            AnyTree::Binary(_) | AnyTree::Lanes(_) | AnyTree::Packet(_) => BinaryTree::BYTES,
             AnyTree::Compressed(_) => CompressedTree::BYTES,
             AnyTree::Wide(_) => WideTree::BYTES,
         });
@@ -174,10 +212,12 @@ impl CpuTracer {
             AnyTree::Binary(tree) => self.search_in::<_, A, R, T, PADDED, ANY>(tree, part, account, keep),
             AnyTree::Compressed(tree) => self.search_in::<_, A, R, T, PADDED, ANY>(tree, part, account, keep),
             AnyTree::Wide(tree) => self.search_in::<_, A, R, T, PADDED, ANY>(tree, part, account, keep),
+            AnyTree::Lanes(tree) => self.search_in::<_, A, R, T, PADDED, ANY>(tree, part, account, keep),
+            AnyTree::Packet(tree) => self.search_in::<_, A, R, T, PADDED, ANY>(tree, part, account, keep),
         }
     }
 
-    fn search_in<H: Tree, A: Account, R: TriangleRay, T, const PADDED: bool, const ANY: bool>(
+    fn search_in<H: Searcher, A: Account, R: TriangleRay, T, const PADDED: bool, const ANY: bool>(
         &self,
         tree: &H,
         part: Part<'_, T>,
@@ -187,10 +227,10 @@ impl CpuTracer {
         let masks = &self.masks;
         match (self.instructions, masks.is_empty()) {
             (Instructions::Portable, true) => {
-                search_part::<H, A, R, T, PADDED, ANY, false, false>(tree, masks, part, account, keep);
+                tree.search::<A, R, T, PADDED, ANY, false, false>(masks, part, account, keep);
             }
             (Instructions::Portable, false) => {
-                search_part::<H, A, R, T, PADDED, ANY, true, false>(tree, masks, part, account, keep);
+                tree.search::<A, R, T, PADDED, ANY, true, false>(masks, part, account, keep);
             }
             #[cfg(target_arch = "x86_64")]
             // SAFETY: this variant is made where the processor has these instructions.
@@ -209,7 +249,7 @@ impl CpuTracer {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
 fn search_avx2<
-    H: Tree,
+    H: Searcher,
     A: Account,
     R: TriangleRay,
     T,
@@ -223,91 +263,5 @@ fn search_avx2<
     account: &A,
     keep: impl FnMut(&T, Hit, A),
 ) {
-    search_part::<H, A, R, T, PADDED, ANY, MASKS, true>(tree, masks, part, account, keep);
-}
-
-#[inline(always)]
-fn search_part<
-    H: Tree,
-    A: Account,
-    R: TriangleRay,
-    T,
-    const PADDED: bool,
-    const ANY: bool,
-    const MASKS: bool,
-    const AVX2: bool,
->(
-    tree: &H,
-    masks: &Masks,
-    part: Part<'_, T>,
-    account: &A,
-    mut keep: impl FnMut(&T, Hit, A),
-) {
-    let mut stack = H::stack();
-    for at in 0..part.len() {
-        let (ray, place) = part.get(at);
-        let mut query = Query::<A, R, PADDED, ANY, MASKS>::new(ray, account.clone(), masks);
-        tree.traverse::<A, R, PADDED, ANY, MASKS, AVX2>(&mut query, &mut stack);
-        let (hit, account) = query.result();
-        keep(place, hit, account);
-    }
-}
-
-/// How many rays ahead a ray is asked for that lies elsewhere: one takes about as long as a miss.
-const RAYS_AHEAD: usize = 2;
-
-/// Rays that one thread traces one after the other, and the places of their results.
-struct Part<'a, T> {
-    /// All of a queue where the order is indirect, so are the results.
-    rays: &'a [Ray],
-    order: Order<&'a [AtomicU32]>,
-    results: &'a [T],
-}
-
-impl<'a, T> Part<'a, T> {
-    #[inline(always)]
-    fn len(&self) -> usize {
-        match self.order {
-            Order::Stored => self.rays.len(),
-            Order::Indirect(places) => places.len(),
-        }
-    }
-
-    /// The ray at a place of the order, and the place of its result. What lies elsewhere is asked for ahead: the
-    /// ray, and the result's place before its ray is traced.
-    #[inline(always)]
-    fn get(&self, at: usize) -> (&'a Ray, &'a T) {
-        let place = match self.order {
-            Order::Stored => at,
-            Order::Indirect(places) => {
-                if let Some(ahead) = places.get(at + RAYS_AHEAD) {
-                    prefetch(&self.rays[ahead.load(Relaxed) as usize]);
-                }
-                let place = places[at].load(Relaxed) as usize;
-                prefetch(&self.results[place]);
-                place
-            }
-        };
-        (&self.rays[place], &self.results[place])
-    }
-}
-
-/// Calls `trace` for each part of a queue, on all threads.
-fn for_each_part<T: Sync>(
-    rays: &[Ray],
-    order: Order<&[AtomicU32]>,
-    results: &[T],
-    trace: impl Fn(Part<'_, T>) + Sync,
-) {
-    assert_eq!(rays.len(), results.len(), "one result per ray");
-    match order {
-        Order::Stored => {
-            let parts = rays.par_chunks(CHUNK).zip(results.par_chunks(CHUNK)).with_max_len(1);
-            parts.for_each(|(rays, results)| trace(Part { rays, order, results }));
-        }
-        Order::Indirect(permutation) => permutation
-            .par_chunks(CHUNK)
-            .with_max_len(1)
-            .for_each(|places| trace(Part { rays, order: Order::Indirect(places), results })),
-    }
+    tree.search::<A, R, T, PADDED, ANY, MASKS, true>(masks, part, account, keep);
 }

@@ -23,9 +23,11 @@ pub(super) struct BinaryTree {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
     /// Per axis: lower plane of the first box and of the second, upper plane of the first and of the second.
-    planes: [[f32; 4]; 3],
-    references: [u32; 2],
-    unused: [u32; 2],
+    pub(super) planes: [[f32; 4]; 3],
+    pub(super) references: [u32; 2],
+    /// 1 if the second box has the smaller surface, else 0.
+    second_is_smaller: u32,
+    unused: u32,
 }
 
 impl Pair {
@@ -35,9 +37,22 @@ impl Pair {
         Self {
             planes: [planes(0), planes(1), planes(2)],
             references: [reference(first), reference(second)],
-            unused: [0; 2],
+            second_is_smaller: u32::from(half_area(second) < half_area(first)),
+            unused: 0,
         }
     }
+
+    /// Whether the second box has the smaller surface.
+    #[inline(always)]
+    pub(super) fn is_second_smaller(&self) -> bool {
+        self.second_is_smaller != 0
+    }
+}
+
+/// Half of the surface of a node's box.
+fn half_area(node: &Bvh2Node) -> f32 {
+    let [x, y, z] = [0, 1, 2].map(|axis| node.max[axis] - node.min[axis]);
+    x * y + y * z + z * x
 }
 
 fn reference(node: &Bvh2Node) -> u32 {
@@ -52,6 +67,37 @@ impl BinaryTree {
     pub(super) fn new(nodes: &[Bvh2Node], triangles: Vec<LeafTriangle>) -> Self {
         let pairs = nodes[1..].get(1..).unwrap_or_default().chunks_exact(2);
         Self { root: reference(&nodes[0]), pairs: on_huge_pages(pairs.map(Pair::new)), triangles }
+    }
+
+    /// Where rays start.
+    #[inline(always)]
+    pub(super) fn root(&self) -> u32 {
+        self.root
+    }
+
+    /// The children of a node.
+    #[inline(always)]
+    pub(super) fn pair(&self, place: usize) -> &Pair {
+        &self.pairs[place]
+    }
+
+    /// The triangle in a leaf slot.
+    #[inline(always)]
+    pub(super) fn triangle(&self, slot: usize) -> &LeafTriangle {
+        &self.triangles[slot]
+    }
+
+    /// Number of triangles of a reference, 0 for an inner node, and its first leaf slot or node pair.
+    #[inline(always)]
+    pub(super) fn leaf(reference: u32) -> (usize, usize) {
+        ((reference >> FIRST_BITS) as usize, (reference & ((1 << FIRST_BITS) - 1)) as usize)
+    }
+
+    /// A leaf without its first triangle, if there are more.
+    #[inline(always)]
+    pub(super) fn rest(leaf: u32) -> Option<u32> {
+        let rest = leaf - (1 << FIRST_BITS) + 1;
+        (rest >> FIRST_BITS > 0).then_some(rest)
     }
 
     #[inline(always)]
@@ -71,8 +117,7 @@ impl BinaryTree {
         let mut waiting = 0;
         let mut current = self.root;
         loop {
-            let first = (current & ((1 << FIRST_BITS) - 1)) as usize;
-            let count = (current >> FIRST_BITS) as usize;
+            let (count, first) = Self::leaf(current);
             if count == 0 {
                 query.visit(first);
                 let pair = &self.pairs[first];

@@ -2,6 +2,7 @@
 
 use formats::ray::{Hit, Ray, Work};
 
+use super::cpu_part::Part;
 use super::mask::Masks;
 use super::triangle::{LeafTriangle, TriangleBlock, TriangleRay};
 use super::{BoxTest, farthest, reciprocal};
@@ -12,6 +13,9 @@ pub(super) trait Account: Clone {
     fn node(&mut self, index: usize);
     /// Triangles that lie together at a place among the leaves are tested.
     fn leaf(&mut self, place: usize, triangles: impl Fn() -> u32);
+    /// All rays that are traced together do a step, those that wait, too; one of them counts it.
+    #[inline(always)]
+    fn step(&mut self) {}
 }
 
 impl Account for () {
@@ -31,6 +35,30 @@ impl Account for Work {
     #[inline(always)]
     fn leaf(&mut self, _place: usize, triangles: impl Fn() -> u32) {
         self.triangles += triangles();
+    }
+}
+
+/// What a ray does by itself, and the steps of its group that it counts for all.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Steps {
+    pub(super) own: u64,
+    pub(super) together: u64,
+}
+
+impl Account for Steps {
+    #[inline(always)]
+    fn node(&mut self, _index: usize) {
+        self.own += 1;
+    }
+
+    #[inline(always)]
+    fn leaf(&mut self, _place: usize, triangles: impl Fn() -> u32) {
+        self.own += u64::from(triangles());
+    }
+
+    #[inline(always)]
+    fn step(&mut self) {
+        self.together += 1;
     }
 }
 
@@ -115,6 +143,18 @@ impl<'a, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const 
         self.best.t * self.padding()
     }
 
+    /// Counts a step of all rays that are traced together with this one.
+    #[inline(always)]
+    pub(super) fn step(&mut self) {
+        self.account.step();
+    }
+
+    /// As triangle tests take the ray.
+    #[inline(always)]
+    pub(super) fn triangle_ray(&self) -> &R {
+        &self.triangle_ray
+    }
+
     /// Counts a node whose children are tested.
     #[inline(always)]
     pub(super) fn visit(&mut self, index: usize) {
@@ -188,4 +228,53 @@ pub(super) trait Tree: Sync {
         query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
         stack: &mut Self::Stack,
     );
+}
+
+/// Traces the rays of a part: each by itself through a [`Tree`], or several at once.
+pub(super) trait Searcher: Sync {
+    /// Finds what each ray asks for; `keep` takes the place of its result, its hit and its account. `AVX2`: as in
+    /// [`Tree::traverse`].
+    fn search<
+        A: Account,
+        R: TriangleRay,
+        T,
+        const PADDED: bool,
+        const ANY: bool,
+        const MASKS: bool,
+        const AVX2: bool,
+    >(
+        &self,
+        masks: &Masks,
+        part: Part<'_, T>,
+        account: &A,
+        keep: impl FnMut(&T, Hit, A),
+    );
+}
+
+impl<H: Tree> Searcher for H {
+    #[inline(always)]
+    fn search<
+        A: Account,
+        R: TriangleRay,
+        T,
+        const PADDED: bool,
+        const ANY: bool,
+        const MASKS: bool,
+        const AVX2: bool,
+    >(
+        &self,
+        masks: &Masks,
+        part: Part<'_, T>,
+        account: &A,
+        mut keep: impl FnMut(&T, Hit, A),
+    ) {
+        let mut stack = H::stack();
+        for at in 0..part.len() {
+            let (ray, place) = part.get(at);
+            let mut query = Query::<A, R, PADDED, ANY, MASKS>::new(ray, account.clone(), masks);
+            self.traverse::<A, R, PADDED, ANY, MASKS, AVX2>(&mut query, &mut stack);
+            let (hit, account) = query.result();
+            keep(place, hit, account);
+        }
+    }
 }

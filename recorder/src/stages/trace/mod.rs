@@ -2,7 +2,8 @@
 //!
 //! Three hierarchies ([`scenes::bvh`]) and two backends follow the same arithmetic, so that on devices with IEEE
 //! division that do not contract `a·b + c` nearest hits are equal bit for bit, and with the same hierarchy what
-//! blocks a shadow ray and the work counters are, too. A ray's result depends on that ray alone.
+//! blocks a shadow ray and the work counters are, too, but for `packet`, which has an order of its own. A ray's
+//! result depends on that ray alone, also where others are traced with it.
 //!
 //! **Ray.** Per axis the reciprocal `i = 1/d` if |d| > 2^-80, else 2^80 with the sign bit of `d`:
 //! with coordinates up to [`scenes::bvh::COORDINATE_LIMIT`] no product of a box test overflows, and
@@ -23,7 +24,8 @@
 //! `slot ^ octant`. Wide, on threads alone: eight boxes in f32 at a time, the nearest child first, the others
 //! wait and are dropped as in the binary one; triangles in blocks of four, of which those whose signs allow a
 //! hit are tested by themselves. Shadow rays visit the smallest box first: it is the one that hits most likely
-//! fill.
+//! fill. On threads alone, too, several rays together over the binary one: `lanes` keeps each ray's own order;
+//! `packet` goes where most rays are nearer, and with shadow rays to the smaller box.
 //!
 //! **Triangles.** Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection", without
 //! culling: see [`triangle`]. `t_min <= t <= t_max` counts as a hit, both ends included, if t is
@@ -41,7 +43,12 @@
 pub mod cpu;
 mod cpu_bvh2;
 mod cpu_cwbvh;
+mod cpu_group;
+mod cpu_lanes;
+mod cpu_packet;
+mod cpu_part;
 mod cpu_query;
+mod cpu_vector;
 mod cpu_wide;
 mod driver;
 pub mod gpu;
@@ -193,6 +200,10 @@ pub enum TraceKernel {
     Cwbvh,
     /// Binary hierarchy.
     Bvh2,
+    /// Eight rays in lockstep over the binary hierarchy, as a GPU's subgroup traces them, on threads.
+    Lanes,
+    /// Sixteen rays that share one traversal of the binary hierarchy, on threads.
+    Packet,
     /// The driver's own, on GPUs that offer ray queries.
     RayQuery,
 }
@@ -204,6 +215,8 @@ impl TraceKernel {
             Self::Wide => ("wide", Some(BvhKind::Wide), None),
             Self::Cwbvh => ("cwbvh", Some(BvhKind::Cwbvh), Some(include_str!("cwbvh.wgsl"))),
             Self::Bvh2 => ("bvh2", Some(BvhKind::Bvh2), Some(include_str!("bvh2.wgsl"))),
+            Self::Lanes => ("lanes", Some(BvhKind::Bvh2), None),
+            Self::Packet => ("packet", Some(BvhKind::Bvh2), None),
             Self::RayQuery => ("ray-query", None, Some(include_str!("ray_query.wgsl"))),
         }
     }

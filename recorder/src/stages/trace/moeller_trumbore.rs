@@ -6,7 +6,8 @@
 use formats::ray::Ray;
 use glam::Vec3;
 
-use super::triangle::{Intersection, LeafTriangle, TriangleBlock, TriangleRay};
+use super::cpu_vector::Vector;
+use super::triangle::{Intersection, LeafTriangle, TriangleBlock, TriangleLanes, TriangleRay};
 use crate::stages::vector::{cross3, dot3};
 
 /// A ray as it is.
@@ -17,6 +18,8 @@ pub struct PlainRay {
 }
 
 impl TriangleRay for PlainRay {
+    type Lanes<V: Vector> = AnyTriangle;
+
     #[inline(always)]
     fn new(ray: &Ray, _inverse: [f32; 3]) -> Self {
         Self { origin: Vec3::from(ray.origin), direction: Vec3::from(ray.direction) }
@@ -43,5 +46,23 @@ impl TriangleRay for PlainRay {
     #[inline(always)]
     fn candidates(&self, block: &TriangleBlock, _farthest: f32) -> u32 {
         (1 << block.count()) - 1
+    }
+}
+
+/// Any ray may hit any triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct AnyTriangle;
+
+impl<V: Vector> TriangleLanes<V, PlainRay> for AnyTriangle {
+    fn new(_rays: [&PlainRay; 8]) -> Self {
+        Self
+    }
+
+    fn axes(&self) -> &[[u32; 8]; 3] {
+        &[[0; 8], [1; 8], [2; 8]]
+    }
+
+    fn candidates(&self, _corners: [[V; 3]; 3], _farthest: V) -> u32 {
+        u32::MAX
     }
 }

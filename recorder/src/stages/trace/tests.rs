@@ -2,16 +2,17 @@
 
 use std::sync::atomic::AtomicU32;
 
+use clap::ValueEnum;
 use fastrand::Rng;
 use formats::ray::{Hit, Kind, Ray, Work};
-use scenes::bvh::{BvhKind, build};
+use scenes::bvh::build;
 use scenes::{Material, Scene, Texture};
 
 use super::cpu::CpuTracer;
 use super::hits::Hits;
 use super::mask::Masks;
 use super::triangle::{LeafTriangle, Shear, TriangleRay};
-use super::{Order, Precision, farthest};
+use super::{Order, Precision, TraceKernel, farthest};
 use crate::stages::compare::cpu::differences as differences_between;
 use crate::stages::scatter::cpu::scatter;
 use crate::stages::sort::cpu::permutation_of;
@@ -123,10 +124,12 @@ fn walls() -> Scene {
 
 fn tracers(scene: &Scene) -> Vec<(String, CpuTracer)> {
     let mut tracers = Vec::new();
-    for kind in BvhKind::ALL {
-        let tracer = CpuTracer::new(scene, &build(scene, kind).unwrap());
-        tracers.push((format!("{kind}, portable"), tracer.clone().portable()));
-        tracers.push((format!("{kind}, best instructions"), tracer));
+    for &kernel in TraceKernel::value_variants() {
+        let Some(kind) = kernel.bvh_kind() else { continue };
+        let tracer = CpuTracer::new(scene, &build(scene, kind).unwrap()).with_kernel(kernel);
+        let name = kernel.name();
+        tracers.push((format!("{name}, portable"), tracer.clone().portable()));
+        tracers.push((format!("{name}, best instructions"), tracer));
     }
     tracers
 }
@@ -431,6 +434,36 @@ fn work_is_the_same_whatever_the_instructions() {
                 pair[0].0,
                 pair[1].0
             );
+        }
+    }
+}
+
+/// Results are those of each ray by itself, and the lanes do what `bvh2` does ray by ray.
+#[test]
+fn neighbours_do_not_change_results() {
+    for scene in [soup(2000, 0.1, 71), masked()] {
+        let rays = random_rays(300, 72);
+        let all = tracers(&scene);
+        let of = |kernel: TraceKernel| {
+            let named = |(name, _): &&(String, CpuTracer)| name.starts_with(kernel.name());
+            all.iter().filter(named).map(|(_, tracer)| tracer).collect::<Vec<_>>()
+        };
+        for (name, tracer) in &all {
+            let (hits, distances) = (closest(tracer, &rays), occlusion(tracer, &rays));
+            let works = Kind::ALL.map(|kind| tracer.work(&rays, kind));
+            for (index, ray) in rays.iter().enumerate() {
+                let alone = std::slice::from_ref(ray);
+                assert_eq!(bits(&closest(tracer, alone)[0]), bits(&hits[index]), "{name}, ray {index}");
+                assert_eq!(occlusion(tracer, alone)[0], distances[index], "{name}, shadow ray {index}");
+                let work = Kind::ALL.map(|kind| tracer.work(alone, kind)[0]);
+                assert_eq!(work, [works[0][index], works[1][index]], "{name}, work of ray {index}");
+            }
+        }
+        for (alone, lanes) in of(TraceKernel::Bvh2).into_iter().zip(of(TraceKernel::Lanes)) {
+            assert_eq!(occlusion(alone, &rays), occlusion(lanes, &rays));
+            for kind in Kind::ALL {
+                assert_eq!(alone.work(&rays, kind), lanes.work(&rays, kind));
+            }
         }
     }
 }

@@ -26,6 +26,7 @@
 use formats::ray::{Hit, Ray};
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
+use super::cpu_vector::Vector;
 use super::mask::Masks;
 use crate::stages::vector::{cross3, dot3};
 
@@ -33,7 +34,10 @@ use crate::stages::vector::{cross3, dot3};
 pub const GAMMA_8: f32 = 4.768_374e-7;
 
 /// A ray as a triangle test takes it.
-pub trait TriangleRay {
+pub trait TriangleRay: Sized {
+    /// Eight rays side by side.
+    type Lanes<V: Vector>: TriangleLanes<V, Self>;
+
     /// Prepares for a ray with a direction that is not zero, given its reciprocals.
     fn new(ray: &Ray, inverse: [f32; 3]) -> Self;
 
@@ -43,6 +47,19 @@ pub trait TriangleRay {
     /// Bit `lane` set for each triangle of a block that may be hit at `farthest` or nearer: all that are, and few
     /// others.
     fn candidates(&self, block: &TriangleBlock, farthest: f32) -> u32;
+}
+
+/// Rays side by side, each with a triangle of its own.
+pub trait TriangleLanes<V: Vector, R> {
+    /// Of eight rays.
+    fn new(rays: [&R; 8]) -> Self;
+
+    /// Which axis of a ray's triangle is its first, second and third; a lane per ray.
+    fn axes(&self) -> &[[u32; 8]; 3];
+
+    /// Bit `lane` set for each ray that may hit its triangle at `farthest` or nearer: all that do, and few others.
+    /// The corners have their coordinates in the order of [`TriangleLanes::axes`].
+    fn candidates(&self, corners: [[V; 3]; 3], farthest: V) -> u32;
 }
 
 /// A ray's transformation: which axes are sheared, and by how much.
@@ -62,6 +79,8 @@ pub struct Shear {
 }
 
 impl TriangleRay for Shear {
+    type Lanes<V: Vector> = ShearLanes<V>;
+
     #[inline(always)]
     fn new(ray: &Ray, inverse: [f32; 3]) -> Self {
         let d = ray.direction;
@@ -142,6 +161,62 @@ impl TriangleRay for Shear {
     }
 }
 
+/// The transformations of eight rays.
+#[derive(Clone, Copy, Debug)]
+pub struct ShearLanes<V> {
+    axes: [[u32; 8]; 3],
+    origin: [V; 3],
+    shear: [V; 2],
+    inverse_z: V,
+}
+
+impl<V: Vector> TriangleLanes<V, Shear> for ShearLanes<V> {
+    #[inline(always)]
+    fn new(rays: [&Shear; 8]) -> Self {
+        let [x, y, z] = [0, 1, 2].map(|axis| rays.map(|ray| ray.origin[axis]));
+        let [shear_x, shear_y] = [0, 1].map(|axis| rays.map(|ray| ray.shear[axis]));
+        Self {
+            axes: [0, 1, 2].map(|axis| rays.map(|ray| ray.axes[axis] as u32)),
+            origin: [V::load(&x), V::load(&y), V::load(&z)],
+            shear: [V::load(&shear_x), V::load(&shear_y)],
+            inverse_z: V::load(&rays.map(|ray| ray.inverse[2])),
+        }
+    }
+
+    #[inline(always)]
+    fn axes(&self) -> &[[u32; 8]; 3] {
+        &self.axes
+    }
+
+    /// As [`Shear::candidates`].
+    #[inline(always)]
+    fn candidates(&self, corners: [[V; 3]; 3], farthest: V) -> u32 {
+        let [a, b, c] = corners;
+        let ([x_a, y_a, z_a], [x_b, y_b, z_b], [x_c, y_c, z_c]) =
+            (self.sheared(a), self.sheared(b), self.sheared(c));
+        let a = x_c.mul(y_b).sub(y_c.mul(x_b));
+        let b = x_a.mul(y_c).sub(y_a.mul(x_c));
+        let c = x_b.mul(y_a).sub(y_b.mul(x_a));
+        let zero = V::splat(0.0);
+        let is_inside = zero.le(a.min(b).min(c)) | a.max(b).max(c).le(zero);
+        let sum = a.add(b).add(c);
+        let has_no_area = sum.le(zero) & zero.le(sum);
+        let ahead = self.inverse_z.mul(z_a).min(self.inverse_z.mul(z_b)).min(self.inverse_z.mul(z_c));
+        is_inside & !has_no_area & ahead.le(farthest)
+    }
+}
+
+impl<V: Vector> ShearLanes<V> {
+    /// A corner beside the ray, and how far along its third axis.
+    #[inline(always)]
+    fn sheared(&self, [x, y, z]: [V; 3]) -> [V; 3] {
+        let z = z.sub(self.origin[2]);
+        let x = x.sub(self.origin[0]).sub(self.shear[0].mul(z));
+        let y = y.sub(self.origin[1]).sub(self.shear[1].mul(z));
+        [x, y, z]
+    }
+}
+
 /// A triangle as leaves hold it: one row per axis with that coordinate of the three corners, so
 /// that a permutation of axes is a choice of rows; 48 bytes.
 #[repr(C, align(16))]
@@ -157,6 +232,12 @@ impl LeafTriangle {
             [corners[0][axis], corners[1][axis], corners[2][axis], f32::from_bits(extra)]
         };
         Self { rows: [row(0, triangle), row(1, mask), row(2, 0)] }
+    }
+
+    /// That coordinate of its corners, and something else.
+    #[inline(always)]
+    pub(super) fn row(&self, axis: usize) -> &[f32; 4] {
+        &self.rows[axis]
     }
 
     /// Its corners.

@@ -1,0 +1,105 @@
+//! Rays that a thread traces together: their queries, and what tests one box or triangle for each of eight.
+
+use formats::ray::Hit;
+
+use super::cpu_part::Part;
+use super::cpu_query::{Account, Query};
+use super::cpu_vector::Vector;
+use super::mask::Masks;
+use super::triangle::TriangleRay;
+
+/// Up to `W` neighbours of an order, and the places of their results. Where there are fewer, the last one stands
+/// in for the others, which never work.
+pub(super) struct Group<'a, Q, T, const W: usize> {
+    pub queries: [Q; W],
+    places: [&'a T; W],
+    count: usize,
+}
+
+impl<
+    'a,
+    T,
+    A: Account,
+    R: TriangleRay,
+    const PADDED: bool,
+    const ANY: bool,
+    const MASKS: bool,
+    const W: usize,
+> Group<'a, Query<'a, A, R, PADDED, ANY, MASKS>, T, W>
+{
+    /// From a place of a part on, which is in it.
+    #[inline(always)]
+    pub(super) fn new(part: &Part<'a, T>, first: usize, account: &A, masks: &'a Masks) -> Self {
+        let count = W.min(part.len() - first);
+        let found: [_; W] = std::array::from_fn(|lane| part.get(first + lane.min(count - 1)));
+        Self {
+            queries: found.map(|(ray, _)| Query::new(ray, account.clone(), masks)),
+            places: found.map(|(_, place)| place),
+            count,
+        }
+    }
+
+    /// Bit `lane` set for each ray.
+    #[inline(always)]
+    pub(super) fn working(&self) -> u32 {
+        (1 << self.count) - 1
+    }
+
+    /// Hands over what the rays found.
+    #[inline(always)]
+    pub(super) fn keep(self, mut keep: impl FnMut(&T, Hit, A)) {
+        for (query, place) in self.queries.into_iter().zip(self.places).take(self.count) {
+            let (hit, account) = query.result();
+            keep(place, hit, account);
+        }
+    }
+}
+
+/// What boxes are tested with, of eight rays.
+pub(super) struct BoxLanes<V> {
+    origin: [V; 3],
+    inverse: [V; 3],
+    t_min: V,
+}
+
+impl<V: Vector> BoxLanes<V> {
+    /// Of eight rays.
+    #[inline(always)]
+    pub(super) fn new<A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const MASKS: bool>(
+        rays: [&Query<'_, A, R, PADDED, ANY, MASKS>; 8],
+    ) -> Self {
+        let [ox, oy, oz] = [0, 1, 2].map(|axis| rays.map(|ray| ray.origin[axis]));
+        let [ix, iy, iz] = [0, 1, 2].map(|axis| rays.map(|ray| ray.inverse[axis]));
+        Self {
+            origin: [V::load(&ox), V::load(&oy), V::load(&oz)],
+            inverse: [V::load(&ix), V::load(&iy), V::load(&iz)],
+            t_min: V::load(&rays.map(|ray| ray.t_min)),
+        }
+    }
+
+    /// Where each ray enters its box, low and high planes by axis, and bit `lane` set if it does before `limit`;
+    /// `padding` scales where it leaves.
+    #[inline(always)]
+    pub(super) fn enter(&self, planes: [[V; 2]; 3], limit: V, padding: f32) -> (V, u32) {
+        let (mut near, mut far) = (self.t_min, V::splat(f32::INFINITY));
+        for (axis, [low, high]) in planes.into_iter().enumerate() {
+            let low = low.sub(self.origin[axis]).mul(self.inverse[axis]);
+            let high = high.sub(self.origin[axis]).mul(self.inverse[axis]);
+            near = near.max(low.min(high));
+            far = far.min(low.max(high));
+        }
+        (near, near.le(far.mul(V::splat(padding)).min(limit)))
+    }
+}
+
+/// The lanes whose bits are set.
+#[inline(always)]
+pub(super) fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (bits != 0).then(|| {
+            let lane = bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            lane
+        })
+    })
+}
