@@ -51,6 +51,7 @@ fn benches() -> [BenchResult; 4] {
         order: order.into(),
         rays: 1000,
         samples_ns: vec![ns, ns + 10, ns + 20],
+        lanes: None,
     };
     [
         bench(Rows::Sort(vec![sort(2048, 32, 900), sort(1024, 32, 500), sort(1024, 64, 800)])),

@@ -142,7 +142,7 @@ pub struct TraceRow {
     pub scene: String,
     /// Its triangles.
     pub triangles: u64,
-    /// Trace kernel: `cwbvh`, `bvh2` or `ray-query`.
+    /// Trace kernel.
     pub kernel: String,
     /// Bounce of the rays.
     pub bounce: u32,
@@ -154,6 +154,20 @@ pub struct TraceRow {
     pub rays: u64,
     /// One sample per repeat, nanoseconds.
     pub samples_ns: Vec<u64>,
+    /// How busy lanes were, of kernels that trace several rays at once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lanes: Option<LaneRow>,
+}
+
+/// How many of a group's lanes work, in (0, 1]: measured, and by the model.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LaneRow {
+    /// Lanes of a group.
+    pub width: u64,
+    /// Work of all rays over what the steps of their groups had room for.
+    pub measured: f64,
+    /// What [`crate::metrics::lanes::LaneUse`] says of each ray's own work.
+    pub model: f64,
 }
 
 /// Why a file is no benchmark result.

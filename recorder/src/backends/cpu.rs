@@ -8,6 +8,7 @@ use formats::auto::sample;
 use formats::key::{Encoder, Termination};
 use formats::length_table::LengthTable;
 use formats::manifest::QueueId;
+use formats::metrics::lanes::LaneUse;
 use formats::permutation::check_bijection;
 use formats::ray::{Kind, Ray};
 
@@ -263,6 +264,12 @@ impl Backend for CpuBackend {
                 sink(bytemuck::cast_slice(&lights))
             }),
             Array::Work(rays) => whole(bytemuck::cast_slice(&self.tracer.work(rays.rays(), rays.id.kind))),
+            Array::LaneUse(rays) => match self.tracer.lane_use(rays.rays(), rays.id.kind) {
+                Some(LaneUse { width, work, capacity }) => {
+                    whole(bytemuck::bytes_of(&[width as u64, work, capacity]))
+                }
+                None => Ok(()),
+            },
             Array::Hits(hits) => (0..hits.len())
                 .step_by(SINK_ITEMS)
                 .try_for_each(|first| sink(&hits.bytes(first..hits.len().min(first + SINK_ITEMS)))),

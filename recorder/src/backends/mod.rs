@@ -102,6 +102,9 @@ pub enum Array<'a, B: Backend + ?Sized> {
     Lights(&'a B::Rays),
     /// Work of tracing each ray, [`formats::ray::Work`] each, from an untimed run.
     Work(&'a B::Rays),
+    /// Lanes of a group, work of all rays as they lie and what its steps had room for, u64 each, from an untimed
+    /// run; nothing by kernels that trace rays one by one.
+    LaneUse(&'a B::Rays),
     /// [`formats::ray::Hit`] of each closest ray, f32 distance of each shadow ray.
     Hits(&'a B::Hits),
     /// Keys in canonical order, u32 up to 32 bits, else u64.

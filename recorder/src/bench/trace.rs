@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use formats::bench_result::{BenchResult, Rows, TraceRow};
+use formats::bench_result::{BenchResult, LaneRow, Rows, TraceRow};
 use formats::key::method::UNSORTED;
 use formats::length_table::LengthCell;
+use formats::metrics::lanes::{LaneUse, work_of};
+use formats::ray::Work;
 use scenes::Scene;
 
 use super::backends::{self, Measurement};
@@ -112,9 +114,20 @@ impl<B: Backend> Observer<B> for KernelsAndOrders<'_, B> {
             }
         })?
         .into_iter();
+        let mut lanes = Vec::new();
+        for (kernel, permutations) in kernels.iter().enumerate() {
+            for permutation in [None].into_iter().chain(permutations.iter().map(Some)) {
+                lanes.push(match kernel.checked_sub(1) {
+                    None => lane_row(backend, rays, permutation)?,
+                    Some(other) => lane_row(&mut self.others[other], &queues[other], permutation)?,
+                });
+            }
+        }
+        let mut lanes = lanes.into_iter();
         for kernel in &self.bench.kernels {
             let names = methods.iter().map(|&method| self.setup.methods[method].name.as_str());
-            for (order, samples_ns) in [UNSORTED].into_iter().chain(names).zip(&mut samples) {
+            let found = (&mut samples).zip(&mut lanes);
+            for (order, (samples_ns, lanes)) in [UNSORTED].into_iter().chain(names).zip(found) {
                 self.rows.push(TraceRow {
                     scene: self.scene.name.clone(),
                     triangles: self.scene.triangles.len() as u64,
@@ -124,6 +137,7 @@ impl<B: Backend> Observer<B> for KernelsAndOrders<'_, B> {
                     order: order.to_owned(),
                     rays: rays.len() as u64,
                     samples_ns,
+                    lanes,
                 });
             }
         }
@@ -150,4 +164,22 @@ fn sample<B: Backend>(backend: &mut B, rays: &B::Rays, permutation: Option<&B::P
     let gathered = permutation.map(|permutation| backend.gather(rays, permutation)).transpose()?;
     backend.trace(gathered.as_ref().unwrap_or(rays), Order::Stored)?;
     Ok(backend.elapsed_ns())
+}
+
+/// How busy the lanes of a kernel are with rays in an order, if it traces several at once.
+fn lane_row<B: Backend>(
+    backend: &mut B,
+    rays: &B::Rays,
+    permutation: Option<&B::Permutation>,
+) -> Result<Option<LaneRow>> {
+    let gathered = permutation.map(|permutation| backend.gather(rays, permutation)).transpose()?;
+    let rays = gathered.as_ref().unwrap_or(rays);
+    let found: Vec<[u64; 3]> = collected(backend, Array::LaneUse(rays))?;
+    let Some(&[width, work, capacity]) = found.first() else { return Ok(None) };
+    let measured = LaneUse { width: width as usize, work, capacity };
+    let works: Vec<Work> = collected(backend, Array::Work(rays))?;
+    let mut model = LaneUse::new(width as usize);
+    model.add(&works.iter().map(work_of).collect::<Vec<_>>());
+    let shares = measured.utilisation().zip(model.utilisation());
+    Ok(shares.map(|(measured, model)| LaneRow { width, measured, model }))
 }

@@ -390,6 +390,7 @@ impl Backend for GpuBackend {
                 let work = self.tracer.work(&self.gpu, rays.id.kind, &rays.rays, rays.count)?;
                 readback.read_chunks(&work, 0..rays.count, sink)
             }
+            Array::LaneUse(_) => Ok(()),
             Array::Hits(hits) => {
                 readback.read_chunks(&hits.words, 0..hits.count * Hits::words_each(hits.kind), sink)
             }

@@ -85,7 +85,7 @@ struct TraceArguments {
     /// .gltf or .glb files, or builtin:NAME.
     #[arg(default_value = "builtin:atrium")]
     scenes: Vec<String>,
-    /// Trace kernels to compare; all that the device has if not given.
+    /// Trace kernels to compare; those of the device that trace rays one by one if not given.
     #[arg(long, value_delimiter = ',')]
     kernels: Vec<TraceKernel>,
     /// Orders to compare beside unsorted, `all` or a list of methods.
@@ -195,9 +195,15 @@ fn tables(result: &BenchResult) -> Vec<Table> {
             vec![table]
         }
         Rows::Trace(rows) => {
-            let mut table = table_of("scene | bounce | kind | rays | kernel | order | Mrays/s | spread");
+            let header = "scene | bounce | kind | rays | kernel | order | Mrays/s | spread | lanes busy | by the model";
+            let mut table = table_of(header);
             for row in rows {
                 let [rate, spread] = shown(row.rays, &row.samples_ns);
+                let share = |share: f64| format!("{:.0} %", 100.0 * share);
+                let [measured, model] = match row.lanes {
+                    Some(lanes) => [share(lanes.measured), share(lanes.model)],
+                    None => [String::new(), String::new()],
+                };
                 table.add_row([
                     row.scene.clone(),
                     row.bounce.to_string(),
@@ -207,6 +213,8 @@ fn tables(result: &BenchResult) -> Vec<Table> {
                     row.order.clone(),
                     rate,
                     spread,
+                    measured,
+                    model,
                 ]);
             }
             vec![table]
