@@ -13,7 +13,7 @@ use formats::metrics::estimator::EstimateError;
 use formats::metrics::speedup::median;
 use formats::ray::Kind;
 use formats::reader::Dump;
-use inspector::analysis::{Analysis, AnalysisOptions, Depth, analyse};
+use inspector::analysis::{Analysis, AnalysisOptions, Depth, Metric, analyse};
 use inspector::figures::catalogue::{CATALOGUE, Findings, Skipped};
 use inspector::figures::model::{Content, Figure, Panel, Scale, Series};
 
@@ -210,6 +210,11 @@ fn every_figure_is_made_and_sound() {
             assert!(made.unwrap_err().reason.contains("two or more values"), "{}", entry.name);
             continue;
         }
+        // Nor of one kernel.
+        if entry.name == "kernel-speedup" {
+            assert!(made.unwrap_err().reason.contains("two or more trace kernels"));
+            continue;
+        }
         let figure = made.unwrap_or_else(|skipped| panic!("{skipped:?}"));
         assert_eq!(figure.name, entry.name);
         assert!(!figure.caption.is_empty() && !figure.settings.is_empty() && !figure.panels.is_empty());
@@ -241,6 +246,33 @@ fn every_figure_is_made_and_sound() {
         }
     }
     assert_eq!(styles.len(), 6, "methods that have a style: {styles:?}");
+}
+
+#[test]
+fn speedups_by_kernel_are_those_of_its_recordings() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut analysis = analysis(folder.path(), Depth::Manifest);
+    let first = analysis.recordings[0].clone();
+    let mut other = first.clone();
+    other.options.trace_kernel = "lanes".into();
+    let doubled = |order: &mut inspector::analysis::OrderAnalysis| {
+        if let Metric::Known(line) = &mut order.trace_speedup {
+            line.ratio *= 2.0;
+        }
+    };
+    other.queues.iter_mut().flat_map(|queue| &mut queue.orders).for_each(doubled);
+    analysis.recordings = vec![first, other];
+    let made = figure(&Findings { analysis: &analysis, benches: &[] }, "kernel-speedup").unwrap();
+    assert_eq!(made.panels.len(), 2, "secondary and shadow rays");
+    for (panel, paper) in made.panels.iter().zip([1.41, 2.21]) {
+        assert_eq!(panel.reference.as_ref().unwrap().y, paper);
+        let Scale::Categories(kernels) = &panel.x.scale else { panic!("kernels along the axis") };
+        assert_eq!(kernels, &["bvh2", "lanes"]);
+        for series in series(panel) {
+            let [bvh2, lanes] = &series.points[..] else { panic!("{series:?}") };
+            assert!((lanes.y / bvh2.y - 2.0).abs() < 1e-9, "{series:?}");
+        }
+    }
 }
 
 #[test]

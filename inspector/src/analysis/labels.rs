@@ -22,7 +22,7 @@ pub fn labels(dumps: &[Dump]) -> Vec<String> {
     let facts = |dump: &Dump| {
         let header = shown::header(&dump.manifest().header);
         let folder = shown::name(&folder(dump));
-        Facts { scene: scene_name(&header), details: details(&header, &folder), folder }
+        Facts { scene: scene_name(&header.scene.name).to_owned(), details: details(&header, &folder), folder }
     };
     distinct(&dumps.iter().map(facts).collect::<Vec<_>>())
 }
@@ -42,12 +42,11 @@ fn threads(threads: u32) -> String {
     if threads == 1 { "1 thread".to_owned() } else { format!("{threads} threads") }
 }
 
-fn scene_name(header: &Header) -> String {
-    // A file is known by its name without folder and extension, a built-in scene by its name.
-    let name = header.scene.name.rsplit(['/', '\\']).next().unwrap_or(&header.scene.name);
-    let name = name.trim_start_matches("builtin:");
+/// A file is known by its name without folder and extension, a built-in scene by its name.
+pub fn scene_name(scene: &str) -> &str {
+    let name = scene.rsplit(['/', '\\']).next().unwrap_or(scene).trim_start_matches("builtin:");
     let stem = [".gltf", ".glb"].iter().find_map(|extension| name.strip_suffix(extension));
-    stem.unwrap_or(name).to_owned()
+    stem.unwrap_or(name)
 }
 
 /// What may tell recordings of one scene apart, the most telling first.

@@ -1,6 +1,6 @@
 //! Every figure that recordings and benchmark results can give, one file per family.
 //!
-//! - [`speedups`]: trace speedup, net speedup
+//! - [`speedups`]: trace speedup, the same by kernel, net speedup
 //! - [`rates`], [`overhead`], [`bandwidth`]: rays a second, what each stage takes, bytes a second
 //! - [`capsules`]: capsule area against trace time, its distribution
 //! - [`sweeps`]: key bits, assumed length
@@ -84,6 +84,7 @@ impl FigureMaker {
 /// Every figure, in the order of a paper.
 pub const CATALOGUE: &[FigureMaker] = &[
     maker("trace-speedup", "trace speedup per scene and method", speedups::trace),
+    maker("kernel-speedup", "trace speedup per kernel and method, beside the paper's", speedups::kernels),
     maker("net-speedup", "speedup with all that sorting costs", speedups::net),
     maker("rays-per-second", "trace rate per bounce and method", rates::rays_per_second),
     maker("overhead", "time of each stage per method, against break-even", overhead::overhead),
