@@ -1,4 +1,4 @@
-//! Benchmarks of errors, of frames and of what is skipped, small, on both backends: what they say must hold.
+//! Benchmarks of errors, of frames, of capture and of what is skipped, small, on both backends: what they say must hold.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -7,10 +7,11 @@ use std::collections::BTreeSet;
 use formats::bench_result::{BenchResult, Rows};
 use formats::key::Method;
 use formats::key::method::{CONTROL, UNSORTED};
+use recorder::bench::capture::{self, CaptureBench};
 use recorder::bench::error::{self, Curve, ErrorBench, ImageSize};
 use recorder::bench::render::{self, RenderBench};
 use recorder::bench::skip::{self, SkipBench};
-use recorder::options::{BackendChoice, DeviceOptions, RecordOptions};
+use recorder::options::{BackendChoice, DeviceOptions, Keep, RecordOptions};
 
 fn run(backend: BackendChoice) -> RecordOptions {
     RecordOptions {
@@ -126,6 +127,33 @@ fn frames_are_measured_end_to_end() {
             assert!(row.reorder_ns.iter().all(|&ns| (ns > 0) == is_sorted), "{row:?}");
             assert!(row.shade_ns().all(|ns| ns > 0), "{row:?}");
         }
+    }
+}
+
+#[test]
+fn what_is_kept_is_written_in_turns_with_nothing_and_leaves_nothing_behind() {
+    for backend in [BackendChoice::Cpu, BackendChoice::Gpu] {
+        let folder = tempfile::tempdir().unwrap();
+        let run = RecordOptions {
+            repeats: 6,
+            keep: Keep::parse("rays,hits,keys,permutations,lengths,scene,image").unwrap(),
+            ..run(backend)
+        };
+        let scenes = vec!["builtin:cornell".into()];
+        let result = capture::run(&CaptureBench { scenes, folder: folder.path().into(), run }).unwrap();
+        assert_eq!(format!("{:.9?}", through_json(&result)), format!("{result:.9?}"));
+        assert_eq!(result.instrument.as_ref().map(|instrument| instrument.experiments), Some(1));
+        let Rows::Capture(rows) = &result.rows else { panic!("captured bytes") };
+        let [row] = &rows[..] else { panic!("one scene") };
+        assert_eq!([row.nothing_ns.len(), row.everything_ns.len(), row.alone_ns.len()], [6; 3], "{row:?}");
+        assert!(row.cost.interval.is_some() && row.control.interval.is_some(), "{row:?}");
+        // Of each ray at least itself, its path, and a key and a permutation of each method.
+        assert!(row.rays > 32 * 18 && row.bytes > row.rays * (32 + 4 + 2 * 8), "{row:?}");
+        let times = |samples: &[u64]| formats::metrics::speedup::median(samples).unwrap();
+        let larger = times(&row.nothing_ns).max(times(&row.alone_ns));
+        let ratio = times(&row.everything_ns) / larger;
+        assert!((0.2..5.0).contains(&(row.cost.ratio / ratio)), "over the larger of the two: {row:?}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left");
     }
 }
 

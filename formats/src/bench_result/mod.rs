@@ -44,7 +44,7 @@ pub struct BenchResult {
     pub threads: u32,
     /// What the times were taken with.
     pub time_source: String,
-    /// What `bench instrument` comes to over all queues, or the control of `bench render` over all scenes, its
+    /// What `bench instrument` comes to over all queues, or the control of `bench render` and `bench capture` over all scenes, its
     /// fields among these; of no other benchmark.
     #[serde(flatten)]
     pub instrument: Option<Instrument>,
@@ -70,6 +70,8 @@ pub enum Rows {
     Instrument(Vec<InstrumentRow>),
     /// `bench render`.
     Render(Vec<RenderRow>),
+    /// `bench capture`.
+    Capture(Vec<CaptureRow>),
 }
 
 /// One queue traced in orders whose speedups are known, or bound.
@@ -122,6 +124,35 @@ impl RenderRow {
         let parts = self.frame_ns.iter().zip(&self.trace_ns).zip(&self.reorder_ns);
         parts.map(|((&frame, &trace), &reorder)| frame.saturating_sub(trace.saturating_add(reorder)))
     }
+}
+
+/// Recordings of a scene with nothing and with everything kept, and the same bytes written by themselves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CaptureRow {
+    /// Name of the scene.
+    pub scene: String,
+    /// Width of the picture in pixels.
+    pub width: u32,
+    /// Height of the picture in pixels.
+    pub height: u32,
+    /// Bounces of each pass.
+    pub bounces: u32,
+    /// Methods measured, whose keys and permutations are kept.
+    pub methods: Vec<String>,
+    /// Rays of the pass that is kept.
+    pub rays: u64,
+    /// Bytes of the files of a recording with everything kept.
+    pub bytes: u64,
+    /// A recording with nothing kept, from the first ray to its name; a sample per round, nanoseconds.
+    pub nothing_ns: Vec<u64>,
+    /// The same with everything kept.
+    pub everything_ns: Vec<u64>,
+    /// As many bytes written to one file of the same folder and synced, nothing else running.
+    pub alone_ns: Vec<u64>,
+    /// Time with everything kept over that of the larger of the two others, by rounds.
+    pub cost: Speedup,
+    /// Time with nothing kept over that of a second turn with nothing kept: 1, but for the clock's error.
+    pub control: Speedup,
 }
 
 /// Sorting n keys with their indices.

@@ -6,10 +6,12 @@
 //! - [`skip`]: what skipping saves, each thing on and off
 //! - [`instrument`]: what the clock itself misses by
 //! - [`render`]: frames as a renderer makes them that keeps to one order
+//! - [`capture`]: what keeping everything costs beside tracing and beside the disk
 //! - [`startup`]: what happens before the first ray
 //! - `backends`, `queues`: what they share
 
 mod backends;
+pub mod capture;
 pub mod error;
 pub mod instrument;
 mod queues;
@@ -19,6 +21,9 @@ pub mod sort;
 pub mod startup;
 pub mod trace;
 
+use std::path::Path;
+
+use anyhow::Result;
 use formats::bench_result::{BENCH_VERSION, BenchResult, Rows};
 use formats::metrics::speedup::{interquartile_range, median};
 
@@ -48,4 +53,15 @@ pub(crate) fn rate(items: u64, samples_ns: &[u64]) -> Option<(f64, f64)> {
     let median_ns = median(samples_ns)?;
     let spread = interquartile_range(samples_ns)? / median_ns.max(1.0) * 100.0;
     Some((items as f64 / median_ns.max(1.0) * 1e3, spread))
+}
+
+/// Bytes of all files in a folder.
+fn folder_bytes(folder: &Path) -> Result<u64> {
+    let mut bytes = 0;
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let metadata = entry.metadata()?;
+        bytes += if metadata.is_dir() { folder_bytes(&entry.path())? } else { metadata.len() };
+    }
+    Ok(bytes)
 }

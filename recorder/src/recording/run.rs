@@ -83,7 +83,7 @@ pub(crate) struct Run<'a> {
 }
 
 /// What a run left: the dump, what was measured, what was chosen, and rays that did not find what was recorded.
-type Outcomes = (PathBuf, Vec<MeasuredQueue>, Vec<DecisionRecord>, u64);
+pub(crate) type Outcomes = (PathBuf, Vec<MeasuredQueue>, Vec<DecisionRecord>, u64);
 
 impl Run<'_> {
     /// Runs on a device.
@@ -146,7 +146,15 @@ impl Run<'_> {
         Measured { orders, repeats: self.options.repeats, seed: self.options.seed }
     }
 
-    fn with<B: Backend>(&self, backend: &mut B, cache_model: Option<CacheModel>) -> Result<Outcomes> {
+    /// Runs on a backend that begins a picture.
+    ///
+    /// # Errors
+    /// As [`Run::on`].
+    pub(crate) fn with<B: Backend>(
+        &self,
+        backend: &mut B,
+        cache_model: Option<CacheModel>,
+    ) -> Result<Outcomes> {
         let options = self.options;
         let mut plan = self.plan(cache_model);
         if options.auto {

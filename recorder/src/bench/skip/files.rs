@@ -7,6 +7,7 @@ use formats::bench_result::skip::{Cost, SkipRow};
 use formats::reader::Dump;
 use scenes::bvh::{self, Source};
 
+use super::super::folder_bytes;
 use super::Bench;
 use crate::clock::Clock;
 use crate::machine::Device;
@@ -68,16 +69,6 @@ fn recording(bench: Bench<'_>, out: &Path, (keep, keep_passes): (Keep, KeepPasse
     let end = end.context("the recording that was just made has no end")?;
     let picture = end.image.map(|image| image.sha256);
     Ok(Recording { wall_ns: end.wall_ns, bytes: folder_bytes(&recorded.path)?, picture })
-}
-
-fn folder_bytes(folder: &Path) -> Result<u64> {
-    let mut bytes = 0;
-    for entry in std::fs::read_dir(folder)? {
-        let entry = entry?;
-        let metadata = entry.metadata()?;
-        bytes += if metadata.is_dir() { folder_bytes(&entry.path())? } else { metadata.len() };
-    }
-    Ok(bytes)
 }
 
 /// The hierarchy from the cache, and built.

@@ -1,5 +1,6 @@
 //! `recorder bench`: one file per benchmark with many options.
 
+mod capture;
 mod error;
 mod instrument;
 mod render;
@@ -20,6 +21,7 @@ use crate::bench::sort::{self, SortBench};
 use crate::bench::trace::{self, TraceBench};
 use crate::options::{DeviceOptions, OptionError, RecordOptions, in_range, parse_methods};
 use crate::stages::trace::TraceKernel;
+use capture::CaptureArguments;
 use error::ErrorArguments;
 use instrument::InstrumentArguments;
 use render::RenderArguments;
@@ -34,6 +36,7 @@ Examples:
   recorder bench error builtin:atrium --only image --methods two-point,costa --image-passes 32
   recorder bench skip builtin:cornell builtin:apartment
   recorder bench render builtin:atrium sponza.glb --methods aila,two-point
+  recorder bench capture scene.glb --folder /data/recordings
   recorder bench startup scene.glb --backend gpu
   recorder bench instrument builtin:atrium --backend cpu --pin --json > instrument.json
   inspector plot sort.json trace.json error.json --out figures/";
@@ -58,6 +61,8 @@ enum What {
     Instrument(Box<InstrumentArguments>),
     /// Frames as a renderer makes them that keeps to one order: what sorting costs and buys from end to end.
     Render(Box<RenderArguments>),
+    /// What keeping everything costs, beside tracing alone and beside writing the same bytes alone.
+    Capture(Box<CaptureArguments>),
     /// What happens before the first ray: reading the scene, hierarchy, upload, pipelines.
     Startup(Box<SkipArguments>),
 }
@@ -170,6 +175,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
         What::Skip(arguments) => (crate::bench::skip::run(&arguments.bench()?)?, arguments.json),
         What::Instrument(arguments) => (crate::bench::instrument::run(&arguments.bench()?)?, arguments.json),
         What::Render(arguments) => (crate::bench::render::run(&arguments.bench()?)?, arguments.json),
+        What::Capture(arguments) => (crate::bench::capture::run(&arguments.bench()?)?, arguments.json),
         What::Startup(arguments) => (crate::bench::startup::run(&arguments.bench()?)?, arguments.json),
     };
     if json {
@@ -223,6 +229,7 @@ fn tables(result: &BenchResult) -> Vec<Table> {
         Rows::Skip(rows) => vec![skip::skip_table(rows)],
         Rows::Instrument(rows) => vec![instrument::table(rows)],
         Rows::Render(rows) => vec![render::table(rows)],
+        Rows::Capture(rows) => vec![capture::table(rows)],
         Rows::Startup(rows) => vec![skip::startup_table(rows)],
     }
 }

@@ -1,0 +1,161 @@
+//! What keeping everything costs: recordings with all arrays and with none, and the same bytes written alone.
+//!
+//! Tracing and writing overlap, so a recording can take no less than the longer of the two; what it takes beyond
+//! that is the cost of capture. What comes before the first ray is the same for all and is not timed.
+
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use formats::bench_result::{BenchResult, CaptureRow, Rows};
+use formats::manifest::Source;
+use formats::metrics::speedup::{Instrument, Speedup, median};
+use scenes::Scene;
+
+use super::backends::{self, Measurement};
+use super::{folder_bytes, result};
+use crate::backends::Backend;
+use crate::clock::Clock;
+use crate::machine::{self, Device};
+use crate::measure::sampled;
+use crate::options::{Keep, RecordOptions};
+use crate::recording::{RaySource, Run, choose_camera, header, setup};
+use crate::stages::setup::Setup;
+
+/// Bytes handed to the system at a time when bytes are written alone: those of a buffer of a recording.
+const PIECE_BYTES: usize = 4 << 20;
+
+/// What to measure.
+#[derive(Clone, Debug)]
+pub struct CaptureBench {
+    /// Scenes, files or built-in names.
+    pub scenes: Vec<String>,
+    /// Where recordings and bytes are written, in a folder that is removed at the end.
+    pub folder: PathBuf,
+    /// Size of the run, methods, device, what is kept where everything is.
+    pub run: RecordOptions,
+}
+
+/// Records each scene with and without its arrays, in rounds.
+///
+/// # Errors
+/// One sentence on what went wrong with scene, device or disk.
+pub fn run(bench: &CaptureBench) -> Result<BenchResult> {
+    let device = machine::open(&bench.run.device)?;
+    let folder = tempfile::Builder::new().prefix("bench-capture-").tempdir_in(&bench.folder);
+    let folder = folder.with_context(|| format!("cannot make a folder in {}", bench.folder.display()))?;
+    let (mut rows, mut controls) = (Vec::new(), Vec::new());
+    for name in &bench.scenes {
+        let out = folder.path().join("capture.raydump");
+        let options = RecordOptions { scene: name.clone(), out, ..bench.run.clone() };
+        let scene = scenes::load(name)?;
+        let camera = choose_camera(&scene, options.camera.as_deref())?;
+        let setup = Arc::new(setup(&scene, &camera, &options)?);
+        device.check_capacity(&setup, &scene, &options)?;
+        eprintln!("{}", scene.name);
+        let turns = Turns { device: &device, scene: &scene, setup: &setup, options: &options };
+        let row = backends::measure(&device, &scene, &setup, &[device.kernel(&options.device)], turns)?;
+        controls.push(row.control);
+        rows.push(row);
+    }
+    Ok(BenchResult { instrument: Instrument::of(controls), ..result(&device, Rows::Capture(rows)) })
+}
+
+/// What takes a turn in each round.
+#[derive(Clone, Copy)]
+enum Turn {
+    Nothing,
+    /// Nothing kept once more: what its time differs by is the clock's error.
+    Control,
+    Everything,
+    /// The bytes of a recording, alone.
+    Alone,
+}
+
+const TURNS: [Turn; 4] = [Turn::Nothing, Turn::Control, Turn::Everything, Turn::Alone];
+
+struct Turns<'a> {
+    device: &'a Device,
+    scene: &'a Scene,
+    setup: &'a Arc<Setup>,
+    options: &'a RecordOptions,
+}
+
+impl Measurement for Turns<'_> {
+    type Output = CaptureRow;
+
+    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<CaptureRow> {
+        let backend = backends.first_mut().context("there is no backend")?;
+        let Self { setup, options, .. } = self;
+        let mut clock = Clock::of_processor();
+        // The first recording says how many bytes there are.
+        let (rays, bytes) = self.record(backend, &mut clock, options.keep)?;
+        let alone = options.out.with_extension("bytes");
+        let samples = sampled(TURNS.len(), options.repeats, options.seed, |at| {
+            match TURNS[at] {
+                Turn::Nothing | Turn::Control => drop(self.record(backend, &mut clock, Keep::default())?),
+                Turn::Everything => drop(self.record(backend, &mut clock, options.keep)?),
+                Turn::Alone => write_alone(&alone, bytes, &mut clock)?,
+            }
+            Ok(clock.last().elapsed_ns)
+        })?;
+        let [nothing_ns, control_ns, everything_ns, alone_ns] =
+            <[Vec<u64>; 4]>::try_from(samples).ok().context("a turn has no samples")?;
+        let larger = if median(&alone_ns) > median(&nothing_ns) { &alone_ns } else { &nothing_ns };
+        Ok(CaptureRow {
+            scene: self.scene.name.clone(),
+            width: setup.width,
+            height: setup.height,
+            bounces: setup.bounces,
+            methods: setup.methods.iter().map(|method| method.name.clone()).collect(),
+            rays,
+            bytes,
+            cost: Speedup::of(&everything_ns, larger).context("nothing was measured")?,
+            control: Speedup::of(&nothing_ns, &control_ns).context("nothing was measured")?,
+            nothing_ns,
+            everything_ns,
+            alone_ns,
+        })
+    }
+}
+
+impl Turns<'_> {
+    /// Rays of a recording and the bytes of its files, which are removed again; only the recording is timed.
+    fn record<B: Backend>(&self, backend: &mut B, clock: &mut Clock, keep: Keep) -> Result<(u64, u64)> {
+        let Self { device, scene, setup, .. } = *self;
+        // The fewest rounds of measuring, beside which nothing is written.
+        let options = &RecordOptions { keep, repeats: 1, ..self.options.clone() };
+        let header = header(scene, setup, options, device, Vec::new(), Source::Traced);
+        // Of no interest here: the time that the recording itself will say.
+        let start = Instant::now();
+        let (setup, rays) = (Arc::clone(setup), RaySource::Paths);
+        let run = Run { scene, setup, options, header, rays, recorded: None, start };
+        backend.restart()?;
+        let (path, queues, _) = clock.time(|| run.with(backend, None))?;
+        let bytes = folder_bytes(&path)?;
+        fs::remove_dir_all(&path).with_context(|| format!("cannot remove {}", path.display()))?;
+        Ok((queues.iter().map(|queue| queue.rays as u64).sum(), bytes))
+    }
+}
+
+/// Writes so many bytes to a file, brings them to the disk and removes it; the removal is not timed.
+fn write_alone(path: &Path, bytes: u64, clock: &mut Clock) -> Result<()> {
+    let mut piece = vec![0; PIECE_BYTES];
+    // Zeros are what some disks do not write.
+    fastrand::Rng::with_seed(0).fill(&mut piece);
+    let write = || {
+        let mut file = File::create(path)?;
+        let mut left = bytes;
+        while left > 0 {
+            let part = &piece[..left.min(PIECE_BYTES as u64) as usize];
+            file.write_all(part)?;
+            left -= part.len() as u64;
+        }
+        file.sync_all()
+    };
+    clock.time(write).with_context(|| format!("cannot write {}", path.display()))?;
+    fs::remove_file(path).with_context(|| format!("cannot remove {}", path.display()))
+}
