@@ -132,9 +132,9 @@ impl Turns<'_> {
         // Of no interest here: the time that the recording itself will say.
         let start = Instant::now();
         let (setup, rays) = (Arc::clone(setup), RaySource::Paths);
-        let run = Run { scene, setup, options, header, rays, recorded: None, start };
+        let run = Run { scene, setup, options, header, rays, recorded: None, calibration: Vec::new(), start };
         backend.restart()?;
-        let (path, queues, _) = clock.time(|| run.with(backend, None))?;
+        let (path, queues, ..) = clock.time(|| run.with(backend, None))?;
         let bytes = folder_bytes(&path)?;
         fs::remove_dir_all(&path).with_context(|| format!("cannot remove {}", path.display()))?;
         Ok((queues.iter().map(|queue| queue.rays as u64).sum(), bytes))
