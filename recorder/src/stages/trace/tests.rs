@@ -4,8 +4,9 @@ use std::sync::atomic::AtomicU32;
 
 use clap::ValueEnum;
 use fastrand::Rng;
+use formats::metrics::lanes::{LaneUse, work_of};
 use formats::ray::{Hit, Kind, Ray, Work};
-use scenes::bvh::build;
+use scenes::bvh::{BvhKind, build};
 use scenes::{Material, Scene, Texture};
 
 use super::cpu::CpuTracer;
@@ -466,4 +467,28 @@ fn neighbours_do_not_change_results() {
             }
         }
     }
+}
+
+#[test]
+fn lanes_are_all_busy_with_equal_rays_and_one_is_with_one_ray() {
+    let scene = soup(2000, 0.1, 81);
+    let rays = random_rays(1000, 82);
+    let bvh = build(&scene, BvhKind::Bvh2).unwrap();
+    for (kernel, width) in [(TraceKernel::Lanes, 8), (TraceKernel::Packet, 16)] {
+        let tracer = CpuTracer::new(&scene, &bvh).with_kernel(kernel);
+        for kind in Kind::ALL {
+            let busy = |rays: &[Ray]| tracer.lane_use(rays, kind).unwrap().utilisation().unwrap();
+            assert_eq!(busy(&rays[..1]), 1.0 / f64::from(width), "{kernel:?}, {kind}");
+            assert_eq!(busy(&[rays[0]; 64]), 1.0, "{kernel:?}, {kind}");
+            assert!(busy(&rays) < 0.9, "{kernel:?}, {kind}");
+        }
+    }
+    // Lanes wait for others to do something else, which the model knows nothing of.
+    let tracer = CpuTracer::new(&scene, &bvh).with_kernel(TraceKernel::Lanes);
+    let measured = tracer.lane_use(&rays, Kind::Closest).unwrap();
+    let mut model = LaneUse::new(8);
+    model.add(&tracer.work(&rays, Kind::Closest).iter().map(work_of).collect::<Vec<_>>());
+    assert_eq!(measured.work, model.work);
+    assert!(measured.capacity > model.capacity, "{measured:?}, {model:?}");
+    assert_eq!(CpuTracer::new(&scene, &bvh).lane_use(&rays, Kind::Closest), None);
 }
