@@ -101,7 +101,7 @@ pub fn kernels(findings: &Findings<'_>) -> Made {
     for scene in &scenes {
         let same = recordings.iter().filter(|recording| recording.scene == *scene);
         let same: Vec<&RecordingAnalysis> = same.copied().collect();
-        if distinct(same.iter().map(|recording| kernel(recording))).len() < 2 {
+        if distinct(same.iter().map(kernel)).len() < 2 {
             continue;
         }
         for rays in RayClass::ALL {

@@ -189,10 +189,10 @@ impl<'a, 'm, V: Vector, A: Account, R: TriangleRay, const PADDED: bool, const AN
             for (planes, both) in planes.iter_mut().zip(&pair.planes) {
                 *planes = [V::splat(both[child]), V::splat(both[child + 2])];
             }
-            for half in 0..2 {
+            for (half, near) in near.iter_mut().enumerate() {
                 let limit = V::load(&self.limit[half]);
                 let (entered, hits) = self.boxes[half].enter(planes, limit, padding);
-                near[half] = entered;
+                *near = entered;
                 *enter |= hits << (8 * half);
             }
             *enter &= rays;
