@@ -7,8 +7,10 @@ use std::collections::BTreeSet;
 use formats::bench_result::{BenchResult, Rows};
 use formats::key::Method;
 use formats::key::method::{CONTROL, UNSORTED};
+use formats::metrics::speedup::{Speedup, median};
 use recorder::bench::capture::{self, CaptureBench};
 use recorder::bench::error::{self, Curve, ErrorBench, ImageSize};
+use recorder::bench::growth::{self, GrowthBench, Size};
 use recorder::bench::render::{self, RenderBench};
 use recorder::bench::skip::{self, SkipBench};
 use recorder::options::{BackendChoice, DeviceOptions, Keep, RecordOptions};
@@ -149,11 +151,56 @@ fn what_is_kept_is_written_in_turns_with_nothing_and_leaves_nothing_behind() {
         assert!(row.cost.interval.is_some() && row.control.interval.is_some(), "{row:?}");
         // Of each ray at least itself, its path, and a key and a permutation of each method.
         assert!(row.rays > 32 * 18 && row.bytes > row.rays * (32 + 4 + 2 * 8), "{row:?}");
-        let times = |samples: &[u64]| formats::metrics::speedup::median(samples).unwrap();
-        let larger = times(&row.nothing_ns).max(times(&row.alone_ns));
-        let ratio = times(&row.everything_ns) / larger;
-        assert!((0.2..5.0).contains(&(row.cost.ratio / ratio)), "over the larger of the two: {row:?}");
+        let larger =
+            if median(&row.nothing_ns) < median(&row.alone_ns) { &row.alone_ns } else { &row.nothing_ns };
+        assert_eq!(Some(row.cost), Speedup::of(&row.everything_ns, larger), "over the larger of the two");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left");
+    }
+}
+
+#[test]
+fn costs_are_measured_over_each_size_and_have_exponents() {
+    for backend in [BackendChoice::Cpu, BackendChoice::Gpu] {
+        let bench = GrowthBench {
+            only: Size::ALL.to_vec(),
+            scene: "builtin:cornell".into(),
+            triangles: vec![100, 400, 1600],
+            pictures: vec![[16, 9], [32, 18], [64, 36]],
+            bounces: vec![1, 2, 3],
+            lights: vec![1, 10, 100],
+            run: run(backend),
+        };
+        let result = growth::run(&bench).unwrap();
+        assert_eq!(through_json(&result), result);
+        let Rows::Growth(rows) = &result.rows else { panic!("growth") };
+        let stages = ["generate", "trace", "shade", "key", "sort", "gather", "accumulate"];
+        for against in ["triangles", "rays", "bounces", "lights", "threads"] {
+            let points = if against == "threads" { 2 } else { 3 };
+            for cost in stages.into_iter().chain(["memory to trace"]) {
+                let found = rows.iter().find(|row| row.against == against && row.cost == cost);
+                if (against, backend) == ("threads", BackendChoice::Gpu) {
+                    assert!(found.is_none(), "{found:?}");
+                    continue;
+                }
+                let row = found.unwrap();
+                assert_eq!(row.points.len(), points, "{row:?}");
+                assert!(row.points.is_sorted_by(|one, other| one.n < other.n), "{row:?}");
+                let samples = if row.unit == "ns" { 2 } else { 1 };
+                assert!(row.points.iter().all(|point| point.samples.len() == samples), "{row:?}");
+                assert!(row.unit == "bytes" || row.verdict().is_some(), "{row:?}");
+            }
+        }
+        let built = rows.iter().find(|row| row.cost == "hierarchy").unwrap();
+        assert!(built.points[0].n.abs_diff(100) < 10 && built.points[2].n.abs_diff(1600) < 80, "{built:?}");
+        let rays: Vec<u64> = rows
+            .iter()
+            .find(|row| row.against == "rays")
+            .unwrap()
+            .points
+            .iter()
+            .map(|point| point.n)
+            .collect();
+        assert!(rays[0] > 16 * 9 && rays[1].abs_diff(4 * rays[0]) < rays[0], "{rays:?}");
     }
 }
 

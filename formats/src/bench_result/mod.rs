@@ -1,9 +1,11 @@
 //! What `recorder bench --json` prints and `inspector plot` reads.
 //!
 //! - [`error`]: run time against error, four curves
+//! - [`growth`]: how costs grow with sizes
 //! - [`skip`]: what skipping saves, and what comes before the first ray
 
 pub mod error;
+pub mod growth;
 pub mod skip;
 
 use std::path::{Path, PathBuf};
@@ -15,6 +17,7 @@ use crate::metrics::speedup::{Instrument, Speedup};
 use crate::ray::Kind;
 use crate::text::one_line;
 use error::ErrorRows;
+use growth::GrowthRow;
 use skip::{SkipRow, StartupRow};
 
 /// Version of this object.
@@ -72,6 +75,8 @@ pub enum Rows {
     Render(Vec<RenderRow>),
     /// `bench capture`.
     Capture(Vec<CaptureRow>),
+    /// `bench growth`.
+    Growth(Vec<GrowthRow>),
 }
 
 /// One queue traced in orders whose speedups are known, or bound.

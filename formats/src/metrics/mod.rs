@@ -5,13 +5,14 @@
 //! - [`quantity`]: the numbers that a ray or its group has, by name: one entry each
 //! - [`estimator`]: how far estimated ray lengths are from traced ones
 //! - [`speedup`], [`bandwidth`]: what times say
-//! - [`correlation`]: how two numbers go together
+//! - [`correlation`]: how two numbers go together; [`growth`]: how costs grow
 
 pub mod bandwidth;
 pub mod capsule;
 pub mod correlation;
 pub mod estimator;
 pub mod group;
+pub mod growth;
 pub mod lanes;
 pub mod order;
 pub mod quantity;

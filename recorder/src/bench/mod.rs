@@ -7,12 +7,14 @@
 //! - [`instrument`]: what the clock itself misses by
 //! - [`render`]: frames as a renderer makes them that keeps to one order
 //! - [`capture`]: what keeping everything costs beside tracing and beside the disk
+//! - [`growth`]: how time and memory grow with sizes
 //! - [`startup`]: what happens before the first ray
 //! - `backends`, `queues`: what they share
 
 mod backends;
 pub mod capture;
 pub mod error;
+pub mod growth;
 pub mod instrument;
 mod queues;
 pub mod render;

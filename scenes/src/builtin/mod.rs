@@ -53,17 +53,19 @@ pub enum BuiltinError {
     Memory { name: &'static str, asked: u64, source: Shortage },
 }
 
-const RECIPES: [Recipe; 6] =
+static RECIPES: [Recipe; 6] =
     [cornell::RECIPE, atrium::RECIPE, apartment::RECIPE, city::RECIPE, hairball::RECIPE, terrain::RECIPE];
 
 /// All built-in scenes.
 pub fn list() -> [BuiltinInfo; RECIPES.len()] {
-    RECIPES.map(|Recipe { name, description, triangles: [least, default, most], .. }| BuiltinInfo {
-        name,
-        description,
-        default_triangles: default,
-        least_triangles: least,
-        most_triangles: most,
+    RECIPES.each_ref().map(|&Recipe { name, description, triangles: [least, default, most], .. }| {
+        BuiltinInfo {
+            name,
+            description,
+            default_triangles: default,
+            least_triangles: least,
+            most_triangles: most,
+        }
     })
 }
 
@@ -74,8 +76,33 @@ pub fn list() -> [BuiltinInfo; RECIPES.len()] {
 /// If no scene has this name, or if `triangles` is 0 or more than the scene's `most_triangles`,
 /// which keeps every index in 32 bits.
 pub fn build(name: &str, triangles: Option<u64>) -> Result<Scene, BuiltinError> {
+    let (recipe, asked) = recipe_for(name, triangles)?;
+    let (name, least) = (recipe.name, recipe.triangles[0]);
+    let mut canvas = Canvas::new(detail_for(recipe, asked.max(least)), Some((recipe.setting)()));
+    (recipe.draw)(&mut canvas);
+    let mut scene = Scene { name: name.into(), ..canvas.scene.unwrap_or_default() };
+    finish(&mut scene);
+    if asked < least {
+        scene.notices.push(format!(
+            "builtin:{name} cannot do with {asked} triangles and has {}, about its fewest",
+            scene.triangles.len()
+        ));
+    }
+    Ok(scene)
+}
+
+/// Refuses what [`build`] would refuse, without building it.
+///
+/// # Errors
+/// As [`build`].
+pub fn check(name: &str, triangles: u64) -> Result<(), BuiltinError> {
+    recipe_for(name, Some(triangles)).map(drop)
+}
+
+/// The recipe of a name, and how many triangles are asked of it.
+fn recipe_for(name: &str, triangles: Option<u64>) -> Result<(&'static Recipe, u64), BuiltinError> {
     let Some(recipe) = RECIPES.iter().find(|recipe| recipe.name == name) else {
-        let known = RECIPES.map(|recipe| recipe.name).join(", ");
+        let known = RECIPES.each_ref().map(|recipe| recipe.name).join(", ");
         return Err(BuiltinError::UnknownName { name: name.into(), known });
     };
     let (name, [least, default, most]) = (recipe.name, recipe.triangles);
@@ -88,17 +115,7 @@ pub fn build(name: &str, triangles: Option<u64>) -> Result<Scene, BuiltinError> 
         asked,
         source,
     })?;
-    let mut canvas = Canvas::new(detail_for(recipe, asked.max(least)), Some((recipe.setting)()));
-    (recipe.draw)(&mut canvas);
-    let mut scene = Scene { name: name.into(), ..canvas.scene.unwrap_or_default() };
-    finish(&mut scene);
-    if asked < least {
-        scene.notices.push(format!(
-            "builtin:{name} cannot do with {asked} triangles and has {}, about its fewest",
-            scene.triangles.len()
-        ));
-    }
-    Ok(scene)
+    Ok((recipe, asked))
 }
 
 /// The level of detail at which a scene has as close to `wanted` triangles as can be found.

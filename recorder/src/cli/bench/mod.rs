@@ -2,6 +2,7 @@
 
 mod capture;
 mod error;
+mod growth;
 mod instrument;
 mod render;
 mod skip;
@@ -23,6 +24,7 @@ use crate::options::{DeviceOptions, OptionError, RecordOptions, in_range, parse_
 use crate::stages::trace::TraceKernel;
 use capture::CaptureArguments;
 use error::ErrorArguments;
+use growth::GrowthArguments;
 use instrument::InstrumentArguments;
 use render::RenderArguments;
 use skip::SkipArguments;
@@ -37,6 +39,7 @@ Examples:
   recorder bench skip builtin:cornell builtin:apartment
   recorder bench render builtin:atrium sponza.glb --methods aila,two-point
   recorder bench capture scene.glb --folder /data/recordings
+  recorder bench growth --only triangles --triangles 1000,10000,100000 --json > growth.json
   recorder bench startup scene.glb --backend gpu
   recorder bench instrument builtin:atrium --backend cpu --pin --json > instrument.json
   inspector plot sort.json trace.json error.json --out figures/";
@@ -63,6 +66,8 @@ enum What {
     Render(Box<RenderArguments>),
     /// What keeping everything costs, beside tracing alone and beside writing the same bytes alone.
     Capture(Box<CaptureArguments>),
+    /// How time and memory grow with triangles, rays, bounces, lights and threads, as exponents.
+    Growth(Box<GrowthArguments>),
     /// What happens before the first ray: reading the scene, hierarchy, upload, pipelines.
     Startup(Box<SkipArguments>),
 }
@@ -176,6 +181,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
         What::Instrument(arguments) => (crate::bench::instrument::run(&arguments.bench()?)?, arguments.json),
         What::Render(arguments) => (crate::bench::render::run(&arguments.bench()?)?, arguments.json),
         What::Capture(arguments) => (crate::bench::capture::run(&arguments.bench()?)?, arguments.json),
+        What::Growth(arguments) => (crate::bench::growth::run(&arguments.bench()?)?, arguments.json),
         What::Startup(arguments) => (crate::bench::startup::run(&arguments.bench()?)?, arguments.json),
     };
     if json {
@@ -230,6 +236,7 @@ fn tables(result: &BenchResult) -> Vec<Table> {
         Rows::Instrument(rows) => vec![instrument::table(rows)],
         Rows::Render(rows) => vec![render::table(rows)],
         Rows::Capture(rows) => vec![capture::table(rows)],
+        Rows::Growth(rows) => vec![growth::table(rows)],
         Rows::Startup(rows) => vec![skip::startup_table(rows)],
     }
 }
