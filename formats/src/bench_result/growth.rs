@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use crate::metrics::growth::Exponent;
-use crate::metrics::speedup::median;
 
 /// How one cost grows with one size, all else being equal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,19 +40,18 @@ pub enum Verdict {
 }
 
 impl GrowthRow {
-    /// Size and median cost of each point.
-    pub fn medians(&self) -> Vec<(f64, f64)> {
-        let of = |point: &GrowthPoint| Some((point.n as f64, median(&point.samples)?));
+    /// Size and least sample of each point: what else a machine does only adds to a cost, the more the longer
+    /// it takes, which medians would show as growth.
+    pub fn least(&self) -> Vec<(f64, f64)> {
+        let of = |point: &GrowthPoint| Some((point.n as f64, *point.samples.iter().min()? as f64));
         self.points.iter().filter_map(of).collect()
     }
 
     /// Its exponent over all points, and what n·log n comes to over the same; `None` with fewer than two.
     pub fn exponents(&self) -> Option<(Exponent, f64)> {
-        let medians = self.medians();
-        Some((
-            Exponent::of(medians.clone())?,
-            Exponent::of_n_log_n(medians.into_iter().map(|point| point.0))?,
-        ))
+        let points = self.least();
+        let n_log_n = Exponent::of_n_log_n(points.iter().map(|point| point.0))?;
+        Some((Exponent::of(points)?, n_log_n))
     }
 
     /// Whether it grows worse than n·log n.

@@ -70,13 +70,13 @@ pub(super) fn table(rows: &[GrowthRow]) -> Table {
          n log n | growth",
     );
     for row in rows {
-        let medians = row.medians();
+        let points = row.least();
         let (Some(&first), Some(&last), Some((exponent, n_log_n))) =
-            (medians.first(), medians.last(), row.exponents())
+            (points.first(), points.last(), row.exponents())
         else {
             continue;
         };
-        let step = Exponent::of(medians.iter().rev().take(2).copied());
+        let step = Exponent::of(points.iter().rev().take(2).copied());
         let shown = |cost: f64| match row.unit.as_str() {
             "bytes" => format!("{:.0} MB", cost / 1e6),
             _ => format!("{:.2} ms", cost / 1e6),

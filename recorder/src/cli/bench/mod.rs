@@ -187,7 +187,11 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
     if json {
         return print_json(&result);
     }
-    print(format_args!("{} ({}), medians and interquartile ranges", result.adapter, result.backend))?;
+    let shown = match &result.rows {
+        Rows::Growth(_) => "least samples, exponents with 95 % intervals",
+        _ => "medians and interquartile ranges",
+    };
+    print(format_args!("{} ({}), {shown}", result.adapter, result.backend))?;
     tables(&result).into_iter().try_for_each(print)?;
     instrument::verdict(&result).map_or(Ok(()), print)
 }
