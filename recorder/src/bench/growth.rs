@@ -214,7 +214,7 @@ impl Measurement for Passes<'_> {
         let mut took = Took { stages_ns: BTreeMap::new(), rays: 0 };
         for round in 0..=self.run.repeats {
             let mut pass = Pass::default();
-            wavefront::run(backend, 1, self.run.bounces, &mut pass)?;
+            wavefront::run(backend, 0..1, self.run.bounces, &mut pass)?;
             took.rays = pass.rays;
             if round > 0 {
                 for (stage, ns) in pass.stages_ns {
