@@ -25,7 +25,7 @@ use super::{Bvh, Bvh2Node, BvhError, BvhKind, CwbvhNode, WideNode, build, topolo
 use crate::{Scene, files};
 
 /// Raised with every change to the file's layout, the node formats or the way trees are built.
-const FORMAT_VERSION: u8 = 2;
+const FORMAT_VERSION: u8 = 3;
 
 const MAGIC: [u8; 8] = [b'R', b'S', b'C', b'P', b'B', b'V', b'H', FORMAT_VERSION];
 

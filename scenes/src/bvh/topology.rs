@@ -54,6 +54,10 @@ pub(super) const PARAMETERS: BvhBuildParams = BvhBuildParams::medium_build();
 /// unit cube (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
 const NUDGE_STEPS: [u32; 3] = [0xd1b5_4a33, 0xabc9_8389, 0x8cb9_2ba7];
 
+/// Nodes that the first batch of reinsertions takes for wide nodes, as a part of all, and the most of them unless
+/// [`PARAMETERS`] asks for more: a better tree is worth some build time where that is short.
+const WIDE_BATCH: (f32, f32) = (0.5, 200_000.0);
+
 /// How many nodes a batch of reinsertions may look at, as a multiple of all nodes.
 const SEARCH_BUDGET: f32 = 64.0;
 
@@ -70,7 +74,8 @@ pub(super) fn find(boxes: &Boxes, kind: BvhKind) -> Bvh2 {
         PARAMETERS.search_depth_threshold,
     );
     drop(unit);
-    reinsert(&mut tree, PARAMETERS.reinsertion_batch_ratio);
+    let ratio = batch_ratio(tree.nodes.len(), kind);
+    reinsert(&mut tree, ratio);
     match kind {
         BvhKind::Bvh2 => {
             collapse(&mut tree, PARAMETERS.max_prims_per_leaf, PARAMETERS.collapse_traversal_cost);
@@ -83,6 +88,15 @@ pub(super) fn find(boxes: &Boxes, kind: BvhKind) -> Bvh2 {
         BvhKind::Wide => limit_depth(&mut tree, WIDE_LEVELS),
     }
     tree
+}
+
+/// The part of all nodes that the first batch of reinsertions takes.
+fn batch_ratio(nodes: usize, kind: BvhKind) -> f32 {
+    let ratio = PARAMETERS.reinsertion_batch_ratio;
+    match kind {
+        BvhKind::Bvh2 | BvhKind::Cwbvh => ratio,
+        BvhKind::Wide => (WIDE_BATCH.1 / nodes as f32).clamp(ratio, WIDE_BATCH.0),
+    }
 }
 
 /// The boxes moved and scaled so that the scene fills the unit cube along its largest extent,

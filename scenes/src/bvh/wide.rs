@@ -126,7 +126,8 @@ impl<'a> Plan<'a> {
         self.is_leaf[node as usize]
     }
 
-    /// The children of a wide node that begins at a node of the binary tree, the largest first.
+    /// The children of a wide node that begins at a node of the binary tree, the costliest first: rays that look for
+    /// any hit take them from the last one on, so that a hit that is cheap to find spares the rest.
     fn children(&self, root: u32) -> Vec<u32> {
         let mut found = Vec::with_capacity(SLOTS);
         let mut pending = vec![(root, SLOTS)];
@@ -145,8 +146,10 @@ impl<'a> Plan<'a> {
                 pending.extend([(first, taken), (first + 1, slots - taken)]);
             }
         }
-        let area = |node: &u32| self.tree.nodes[*node as usize].aabb().half_area();
-        found.sort_by(|a, b| area(b).total_cmp(&area(a)));
+        // What a ray that enters a child is expected to cost.
+        let cost =
+            |&node: &u32| self.costs[node as usize][0] / self.tree.nodes[node as usize].aabb().half_area();
+        found.sort_by(|a, b| cost(b).total_cmp(&cost(a)));
         found
     }
 }

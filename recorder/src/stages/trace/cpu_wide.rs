@@ -82,7 +82,7 @@ impl WideTree {
                 if hits != 0 {
                     let ask = |child| self.ask(child);
                     current = if ANY {
-                        waiting.smallest_of(node, hits, ask)
+                        waiting.cheapest_of(node, hits, ask)
                     } else {
                         waiting.nearest_of(node, &near, hits, ask)
                     };
@@ -189,10 +189,10 @@ impl Waiting<'_> {
         self.stack[self.count % STACK] as u32
     }
 
-    /// The smallest of the children that are hit, one at least, of which a ray that enters one most likely hits
-    /// something in it; the others wait in that order.
+    /// The last of the children that are hit, one at least, which is the cheapest to search by the order in which the
+    /// builder puts them; the others wait in that order.
     #[inline(always)]
-    fn smallest_of(&mut self, node: &Node, mut hits: u32, ask: impl Fn(u32)) -> u32 {
+    fn cheapest_of(&mut self, node: &Node, mut hits: u32, ask: impl Fn(u32)) -> u32 {
         loop {
             let child = node.children[hits.trailing_zeros() as usize % 8];
             ask(child);

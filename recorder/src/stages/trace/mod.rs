@@ -23,9 +23,9 @@
 //! triangles of a node first, the last slot first, then the inner children in descending order of
 //! `slot ^ octant`. Wide, on threads alone: eight boxes in f32 at a time, the nearest child first, the others
 //! wait and are dropped as in the binary one; triangles in blocks of four, of which those whose signs allow a
-//! hit are tested by themselves. Shadow rays visit the smallest box first: it is the one that hits most likely
-//! fill. On threads alone, too, several rays together over the binary one: `lanes` keeps each ray's own order;
-//! `packet` goes where most rays are nearer, and with shadow rays to the smaller box.
+//! hit are tested by themselves. Shadow rays visit first what is expected to cost least. On threads alone, too, several
+//! rays together over the binary one: `lanes` keeps each ray's own order; `packet` goes where most rays are nearer, and
+//! with shadow rays to the smaller box.
 //!
 //! **Triangles.** Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection", without
 //! culling: see [`triangle`]. `t_min <= t <= t_max` counts as a hit, both ends included, if t is
