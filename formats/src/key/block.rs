@@ -121,6 +121,7 @@ impl<const N: usize> Block<N> {
 
     /// Maps origins to where their lights see them: all as if their lights had a place, then those again whose
     /// lights have none.
+    #[expect(clippy::needless_range_loop, reason = "a lane of several arrays at once")]
     #[inline(always)]
     pub(super) fn find_from_light(&mut self, sites: &[LightSite]) {
         let mut centres = [[0.0; N]; 3];

@@ -7,6 +7,7 @@ pub const INVERSE_SQRT_3: f32 = 0.577_350_26;
 
 /// Quantises to 22 bits: equal cells, NaN and negatives to 0, overflow to the last cell (KEYS).
 /// A coordinate of n < 22 bits is the top n of these.
+#[expect(clippy::manual_clamp, reason = "a clamp keeps NaN")]
 #[inline(always)]
 pub fn quantise(value: f32) -> u32 {
     const LAST: f32 = ((1 << COORDINATE_BITS) - 1) as f32;

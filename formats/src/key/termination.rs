@@ -34,6 +34,7 @@ pub fn end_quantised(origin: f32, length: f32, direction: f32) -> u32 {
 }
 
 /// `value as i32`, which compilers turn into vector instructions less well.
+#[expect(clippy::manual_range_contains, reason = "both comparisons, without a branch")]
 #[inline(always)]
 fn truncated(value: f32) -> i32 {
     const BEYOND: f32 = 2_147_483_648.0;
