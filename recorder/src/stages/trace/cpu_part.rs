@@ -3,56 +3,54 @@
 use std::sync::atomic::AtomicU32;
 use std::sync::atomic::Ordering::Relaxed;
 
+use bytemuck::Zeroable;
 use formats::ray::Ray;
 use rayon::prelude::*;
 
 use super::Order;
+use crate::stages::gather::cpu::gather_part;
 use crate::stages::prefetch::prefetch;
 
 /// Rays that a thread takes at once, and no more: in a sorted order whole stretches cost many times as much as
 /// others, and what a thread has begun no other one can take over.
 pub(super) const CHUNK: usize = 256;
 
-/// How many rays ahead a ray is asked for that lies elsewhere: one takes about as long as a miss.
-const RAYS_AHEAD: usize = 2;
+/// How many rays ahead the place of a result is asked for.
+const RESULTS_AHEAD: usize = 2;
 
 /// Rays that one thread traces one after the other, and the places of their results.
 pub(super) struct Part<'a, T> {
-    /// All of a queue where the order is indirect, so are the results.
     pub rays: &'a [Ray],
+    /// Where the results of the rays lie: as the rays do, or each at its index.
     pub order: Order<&'a [AtomicU32]>,
+    /// All of a queue's where the order is indirect.
     pub results: &'a [T],
 }
 
 impl<'a, T> Part<'a, T> {
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
-        match self.order {
-            Order::Stored => self.rays.len(),
-            Order::Indirect(places) => places.len(),
-        }
+        self.rays.len()
     }
 
-    /// The ray at a place of the order, and the place of its result. What lies elsewhere is asked for ahead: the
-    /// ray, and the result's place before its ray is traced.
+    /// A ray and the place of its result, which is asked for ahead where it lies elsewhere.
     #[inline(always)]
     pub(super) fn get(&self, at: usize) -> (&'a Ray, &'a T) {
-        let place = match self.order {
-            Order::Stored => at,
+        let result = match self.order {
+            Order::Stored => &self.results[at],
             Order::Indirect(places) => {
-                if let Some(ahead) = places.get(at + RAYS_AHEAD) {
-                    prefetch(&self.rays[ahead.load(Relaxed) as usize]);
+                if let Some(ahead) = places.get(at + RESULTS_AHEAD) {
+                    prefetch(&self.results[ahead.load(Relaxed) as usize]);
                 }
-                let place = places[at].load(Relaxed) as usize;
-                prefetch(&self.results[place]);
-                place
+                &self.results[places[at].load(Relaxed) as usize]
             }
         };
-        (&self.rays[place], &self.results[place])
+        (&self.rays[at], result)
     }
 }
 
-/// Calls `trace` for each part of a queue, on all threads.
+/// Calls `trace` for each part of a queue, on all threads. Rays that lie elsewhere are brought into the cache of
+/// the thread part by part: asked for long ahead, which tracing one after the other cannot do.
 pub(super) fn for_each_part<T: Sync>(
     rays: &[Ray],
     order: Order<&[AtomicU32]>,
@@ -65,9 +63,13 @@ pub(super) fn for_each_part<T: Sync>(
             let parts = rays.par_chunks(CHUNK).zip(results.par_chunks(CHUNK)).with_max_len(1);
             parts.for_each(|(rays, results)| trace(Part { rays, order, results }));
         }
-        Order::Indirect(permutation) => permutation
-            .par_chunks(CHUNK)
-            .with_max_len(1)
-            .for_each(|places| trace(Part { rays, order: Order::Indirect(places), results })),
+        Order::Indirect(permutation) => {
+            permutation.par_chunks(CHUNK).with_max_len(1).for_each(|places| {
+                let mut gathered = [Ray::zeroed(); CHUNK];
+                gather_part(rays, places, &mut gathered);
+                let rays = &gathered[..places.len()];
+                trace(Part { rays, order: Order::Indirect(places), results });
+            });
+        }
     }
 }
