@@ -245,7 +245,7 @@ fn every_figure_is_made_and_sound() {
             }
         }
     }
-    assert_eq!(styles.len(), 6, "methods that have a style: {styles:?}");
+    assert_eq!(styles.len(), 7, "methods that have a style: {styles:?}");
 }
 
 #[test]

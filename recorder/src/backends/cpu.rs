@@ -49,7 +49,8 @@ pub struct CpuBackend {
     gathered: Pool<Paths>,
     /// By kind.
     hits: [Pool<Hits>; 2],
-    keys: Pool<Keys>,
+    /// Of up to 32 bits, and wider ones.
+    keys: [Pool<Keys>; 2],
     permutations: Pool<Permutation>,
     clock: Clock,
 }
@@ -93,7 +94,7 @@ impl CpuBackend {
             paths: [Pool::default(), Pool::default()],
             gathered: Pool::default(),
             hits: [Pool::default(), Pool::default()],
-            keys: Pool::default(),
+            keys: [Pool::default(), Pool::default()],
             permutations: Pool::default(),
             clock: Clock::of_processor(),
             tracer,
@@ -213,7 +214,7 @@ impl Backend for CpuBackend {
             Kind::Closest => 0,
             Kind::Shadow => rays.paths.states[index].light,
         };
-        let (filled, ()) = self.keys.filled(|keys| {
+        let (filled, ()) = self.keys[usize::from(plan.key_bits > 32)].filled(|keys| {
             keys.make_room(rays.len(), plan.key_bits);
             clock.time(|| encode(&encoders[method], rays.rays(), &lengths, light, keys));
         });

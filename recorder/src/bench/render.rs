@@ -99,9 +99,7 @@ impl Measurement for Frames<'_> {
             [Subject::Unsorted, Subject::Control].into_iter().chain(chosen).chain(methods).collect();
         let auto = match run.auto {
             false => None,
-            true => Some(calibrate(backend, setup, run.bounces, |backend, calibrator| {
-                wavefront::run(backend, run.passes..run.passes + 1, run.bounces, calibrator)
-            })?),
+            true => Some(calibrated(backend, setup, run)?),
         };
         let mut expected = None;
         let frames = sampled(orders.len(), run.repeats, run.seed, |at| {
@@ -134,6 +132,14 @@ impl Measurement for Frames<'_> {
         let rows = orders.iter().enumerate().map(row).collect();
         Ok((rows, control.context("no frame was measured")?))
     }
+}
+
+/// What `auto` chooses by: orders measured on the pass after those of a frame.
+fn calibrated<B: Backend>(backend: &mut B, setup: &Setup, run: &RecordOptions) -> Result<Auto> {
+    let pass = run.passes;
+    calibrate(backend, setup, run.bounces, |backend, calibrator| {
+        wavefront::run(backend, pass..pass + 1, run.bounces, calibrator)
+    })
 }
 
 /// A frame in one order.
@@ -264,8 +270,9 @@ mod tests {
             let (loops_picture, loops_lengths) = (picture(backend, run.passes).unwrap(), lengths(backend));
             assert!(loops_picture.iter().flatten().any(|&light| light > 0.0));
             let methods = (0..setup.named().len()).map(Subject::Method);
-            for order in [Subject::Unsorted, Subject::Control].into_iter().chain(methods) {
-                let mut frame = Frame { backend, setup, order, auto: None, spent: Spent::default() };
+            let auto = calibrated(backend, setup, run).unwrap();
+            for order in [Subject::Unsorted, Subject::Control, Subject::Auto].into_iter().chain(methods) {
+                let mut frame = Frame { backend, setup, order, auto: Some(&auto), spent: Spent::default() };
                 frame.render(run).unwrap();
                 let (spent, learns) = (frame.spent, Kind::ALL.map(|kind| frame.learns(kind)));
                 let name = order.name(&setup.methods);
@@ -291,6 +298,7 @@ mod tests {
                 bounces: 4,
                 passes: 2,
                 methods: methods.map(|name| Method::builtin(name).unwrap()).to_vec(),
+                auto: true,
                 device: DeviceOptions { backend, threads: Some(2), ..DeviceOptions::default() },
                 ..RecordOptions::base().unwrap()
             };
