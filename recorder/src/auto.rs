@@ -15,6 +15,7 @@ use crate::stages::setup::{MethodPlan, Setup};
 /// What a calibration tries: bits at the knee of each method, beyond which keys cost more than they gain
 /// (docs/measurements/auto.md).
 const CANDIDATES: &[(&str, u32)] = &[
+    ("origin", 16),
     ("aila", 24),
     ("octahedron", 16),
     ("octahedron", 24),

@@ -18,7 +18,7 @@ const ROUNDS: u32 = 7;
 /// How often a ray is traced: once in the warm-up and once more by all, then in each round, twice by each.
 const TRACES: u64 = 2 * (2 * CANDIDATES + (1 + ROUNDS as u64) * FINALISTS as u64);
 /// About as many candidates as there are for a queue.
-const CANDIDATES: u64 = 6;
+const CANDIDATES: u64 = 7;
 
 /// Measures the candidates on every queue.
 pub struct Calibrator<'a> {
