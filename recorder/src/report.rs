@@ -66,7 +66,7 @@ fn table(recorded: &Recorded) -> Table {
 
 fn speedups(queue: &MeasuredQueue, entry: &Measurement, recorded: &Recorded) -> [String; 2] {
     let unsorted = queue.unsorted();
-    let trace = || speedup(Speedup::of(unsorted, entry.stages.of(Stage::Trace)));
+    let trace = || speedup(Speedup::of(unsorted, entry.stages.traced()));
     match entry.subject {
         Subject::Unsorted => [String::new(), String::new()],
         Subject::Method(number) if !has_speedup(&recorded.methods[number]) => {

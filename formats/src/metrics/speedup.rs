@@ -159,6 +159,14 @@ impl StageSamples {
         self.0.entry(stage).or_default()
     }
 
+    /// The samples of the trace: of rays as they lie or, where they were traced through indices alone, of that.
+    pub fn traced(&self) -> &[u64] {
+        match self.of(Stage::Trace) {
+            [] => self.of(Stage::TraceIndirect),
+            found => found,
+        }
+    }
+
     /// All stages that have samples.
     pub fn iter(&self) -> impl Iterator<Item = (Stage, &[u64])> {
         self.0.iter().map(|(&stage, samples)| (stage, samples.as_slice()))
@@ -259,6 +267,10 @@ mod tests {
         assert_eq!(stages.totals(Way::Gathered), [19, 20]);
         assert_eq!(stages.totals(Way::Indices), [15, 23]);
         assert_eq!(stages.shorter_way(), Way::Indices);
+        assert_eq!(stages.traced(), [10, 11]);
+        stages.of_mut(Stage::Trace).clear();
+        assert_eq!(stages.traced(), [12, 20]);
+        stages.of_mut(Stage::Trace).extend([10, 11]);
         stages.of_mut(Stage::Accumulate).extend([1, u64::MAX]);
         assert_eq!(stages.totals(Way::Gathered), [20, u64::MAX]);
     }

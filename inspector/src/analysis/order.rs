@@ -5,6 +5,7 @@ use formats::key::method::UNSORTED;
 use formats::manifest::{CacheRecord, Manifest, MethodArray, MethodRecord, Place, QueueId, Stage, Way};
 use formats::metrics::bandwidth::{KeyTraffic, Traffic};
 use formats::metrics::order::Places;
+use formats::metrics::speedup::StageSamples;
 use formats::reader::Dump;
 use serde::Serialize;
 
@@ -115,7 +116,7 @@ impl<'a> QueueContext<'a> {
             stages: own.map_or(Vec::new(), |own| stages(own, &traffic, self.rays)),
             way,
             total: Time::of(&totals, self.rays),
-            trace_speedup: self.speedup(method, record, own.map_or(&[], |own| own.of(Stage::Trace))),
+            trace_speedup: self.speedup(method, record, own.map_or(&[], StageSamples::traced)),
             net_speedup: self.speedup(method, record, &totals),
             caches: self.caches(method),
             coherence: self.coherence(&places),
