@@ -12,8 +12,7 @@ use crate::clock::{Clock, Sample};
 use crate::options::in_range;
 use crate::stages::setup::{MethodPlan, Setup};
 
-/// What a calibration tries: bits at the knee of each method, beyond which keys cost more than they gain
-/// (docs/measurements/auto.md).
+/// What a calibration tries: methods with fewer bits than the usual 32, which cost less to sort.
 const CANDIDATES: &[(&str, u32)] = &[
     ("origin", 16),
     ("aila", 24),
