@@ -44,6 +44,18 @@ pub fn sampled_area(unit: &UnitSpace, rays: &[Ray]) -> f64 {
     areas.sum::<f64>() / (rays.len() / GROUP_RAYS).max(1) as f64
 }
 
+/// Whether an order of any queue of this kind was surely worth its cost: else there is nothing to choose, and no
+/// sample is taken.
+pub fn is_worth_a_look(calibration: &[CalibrationRecord], kind: Kind) -> bool {
+    let of_kind = calibration.iter().filter(|queue| queue.kind == kind);
+    of_kind.flat_map(|queue| &queue.candidates).any(is_sure)
+}
+
+/// What may as well have cost something is left alone.
+fn is_sure(candidate: &Candidate) -> bool {
+    candidate.net_low > 1.0
+}
+
 /// The order of a queue; `None` to leave it alone.
 pub fn decide(calibration: &[CalibrationRecord], kind: Kind, rays: u64, area: f64) -> Option<&Candidate> {
     let apart = |a: f64, b: f64| (a.max(f64::MIN_POSITIVE) / b.max(f64::MIN_POSITIVE)).ln().abs();
@@ -52,8 +64,7 @@ pub fn decide(calibration: &[CalibrationRecord], kind: Kind, rays: u64, area: f6
         .iter()
         .filter(|other| other.kind == kind)
         .min_by(|a, b| unlike(a).total_cmp(&unlike(b)))?;
-    // What may as well have cost something is left alone.
-    let candidates = nearest.candidates.iter().filter(|candidate| candidate.net_low > 1.0);
+    let candidates = nearest.candidates.iter().filter(|candidate| is_sure(candidate));
     candidates.reduce(|best, other| if other.net > best.net { other } else { best })
 }
 
@@ -109,6 +120,9 @@ mod tests {
         assert_eq!(chosen(Kind::Closest, 2_000, 0.5), Some("aila"));
         assert_eq!(chosen(Kind::Shadow, 1, 0.0), Some("octahedron"));
         assert_eq!(decide(&[], Kind::Shadow, 500_000, 1.0), None);
+        assert!(is_worth_a_look(&calibration[..2], Kind::Closest));
+        assert!(!is_worth_a_look(&calibration[..1], Kind::Closest), "no interval lies above 1");
+        assert!(!is_worth_a_look(&calibration[..2], Kind::Shadow), "none was calibrated");
     }
 
     #[test]

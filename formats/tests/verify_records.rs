@@ -491,6 +491,7 @@ fn a_time_is_told_once() {
 fn what_auto_chose_follows_from_its_calibration() {
     let cases: &[Case<DecisionRecord>] = &[
         (|decision| decision.area *= 2.0, "closest: its sample has area"),
+        (|decision| decision.area = 0.0, "closest: its sample has area 0, expected"),
         (|decision| decision.choice = None, "None was chosen, by the calibration it is Some(Choice"),
         (
             |decision| decision.queue.bounce = 7,

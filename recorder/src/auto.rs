@@ -1,7 +1,7 @@
 //! The method `auto` on a machine: its candidates, and what it chooses for a queue.
 
 use anyhow::{Context, Result};
-use formats::auto::{decide, sample, sampled_area};
+use formats::auto::{decide, is_worth_a_look, sample, sampled_area};
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
 use formats::manifest::{CalibrationRecord, Choice, Way};
 use formats::ray::Ray;
@@ -36,7 +36,7 @@ pub struct Auto {
 
 /// What was chosen for a queue.
 pub struct Decision {
-    /// Mean capsule area of its sample, unit space.
+    /// Mean capsule area of its sample, unit space; 0 where none was taken.
     pub area: f64,
     /// What was chosen.
     pub choice: Option<Choice>,
@@ -77,7 +77,7 @@ impl Auto {
         Self { calibration, unit: setup.unit, first: setup.named().len(), candidates }
     }
 
-    /// Looks at the sample of a queue and chooses, timed on the processor's clock.
+    /// Looks at the sample of a queue, if there is anything to choose, and chooses, timed on the processor's clock.
     ///
     /// # Errors
     /// Any of the backend.
@@ -85,8 +85,12 @@ impl Auto {
         let mut sampled = room(rays.len());
         let mut clock = Clock::of_processor();
         let decision = clock.time(|| {
-            let area = self.area(backend, rays, &mut sampled)?;
-            let choice = decide(&self.calibration, rays.id().kind, rays.len() as u64, area);
+            let kind = rays.id().kind;
+            let area = match is_worth_a_look(&self.calibration, kind) {
+                true => self.area(backend, rays, &mut sampled)?,
+                false => 0.0,
+            };
+            let choice = decide(&self.calibration, kind, rays.len() as u64, area);
             let choice = choice.map(|candidate| candidate.choice.clone());
             let order = choice.as_ref().map(|choice| self.order(choice)).transpose()?;
             anyhow::Ok(Decision { area, choice, order })

@@ -416,7 +416,7 @@ pub struct DecisionRecord {
     /// The queue.
     #[serde(flatten)]
     pub queue: QueueId,
-    /// Mean capsule area of its sample, unit space.
+    /// Mean capsule area of its sample, unit space; 0 where none was taken, since there was nothing to choose.
     pub area: f64,
     /// What was chosen; `None` to leave the queue alone.
     pub choice: Option<Choice>,
