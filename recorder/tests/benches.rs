@@ -120,7 +120,15 @@ fn frames_are_measured_end_to_end() {
         assert_eq!(result.instrument.as_ref().map(|instrument| instrument.experiments), Some(1));
         let Rows::Render(rows) = &result.rows else { panic!("frames") };
         let orders: Vec<&str> = rows.iter().map(|row| row.method.as_str()).collect();
-        assert_eq!(orders, [UNSORTED, CONTROL, "aila", "two-point-adaptive"], "nothing that is traced first");
+        let hits = ["hits by material", "hits by triangle", "hits by place"];
+        let expected = [&[UNSORTED, CONTROL, "aila", "two-point-adaptive"][..], &hits].concat();
+        assert_eq!(orders, expected, "no rays by what is known once they are traced");
+        let materials = |method: &str| {
+            let row = rows.iter().find(|row| row.method == method).unwrap();
+            row.coherence.unwrap().materials
+        };
+        assert!(materials(hits[0]) < materials(hits[1]) && materials(hits[1]) < materials(UNSORTED));
+        assert_eq!(materials(UNSORTED), materials(CONTROL));
         for row in rows {
             let is_sorted = row.method != UNSORTED;
             assert_eq!(row.speedup.and_then(|speedup| speedup.interval).is_some(), is_sorted, "{row:?}");

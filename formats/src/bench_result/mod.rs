@@ -103,7 +103,8 @@ pub struct InstrumentRow {
 pub struct RenderRow {
     /// Name of the scene.
     pub scene: String,
-    /// The order: a method, `unsorted`, or the control, which moves paths from canonical order to itself.
+    /// The order: a method, `unsorted`, the control, which moves paths from canonical order to itself, or what hits
+    /// are sorted by before they are shaded.
     pub method: String,
     /// Width of the picture in pixels.
     pub width: u32,
@@ -121,6 +122,21 @@ pub struct RenderRow {
     pub reorder_ns: Vec<u64>,
     /// Of frames over unsorted ones, end to end; of all but these.
     pub speedup: Option<Speedup>,
+    /// Of shading alone, likewise.
+    #[serde(default)]
+    pub shade_speedup: Option<Speedup>,
+    /// What neighbours have in common when they are shaded; not in results of before.
+    #[serde(default)]
+    pub coherence: Option<ShadeCoherence>,
+}
+
+/// What 32 neighbours shade together, means over all closest rays of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ShadeCoherence {
+    /// Distinct materials, rays that hit nothing as one more.
+    pub materials: f64,
+    /// Distinct ways that shading takes: nothing hit, or a material with or without a texture, gloss and light.
+    pub branches: f64,
 }
 
 impl RenderRow {

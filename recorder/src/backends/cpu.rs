@@ -148,6 +148,10 @@ impl Backend for CpuBackend {
         Ok(Arc::new(permutation_of(indices)))
     }
 
+    fn upload_keys(&mut self, keys: &[u64], bits: u32) -> Result<Arc<Keys>> {
+        Ok(Arc::new(Keys::of(keys, bits)))
+    }
+
     fn trace(&mut self, rays: &CpuRays, order: Order<&Arc<Permutation>>) -> Result<Arc<Hits>> {
         let kind = rays.id.kind;
         let (filled, ()) = self.hits[kind as usize].filled(|hits| {

@@ -179,6 +179,8 @@ pub trait Backend {
     fn upload(&mut self, queue: RecordedRays<'_>) -> Result<Self::Rays>;
     /// An order that no key has: the canonical index of the ray at each place, each once.
     fn upload_permutation(&mut self, indices: &[u32]) -> Result<Self::Permutation>;
+    /// Keys that were made elsewhere, of so many bits, 1 to 64.
+    fn upload_keys(&mut self, keys: &[u64], bits: u32) -> Result<Self::Keys>;
     /// Traces rays; results lie as the rays do.
     fn trace(&mut self, rays: &Self::Rays, order: Order<&Self::Permutation>) -> Result<Self::Hits>;
     /// Adds traced lengths to a table of the queue's kind.

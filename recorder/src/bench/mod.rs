@@ -15,6 +15,7 @@ mod backends;
 pub mod capture;
 pub mod error;
 pub mod growth;
+mod hit_orders;
 pub mod instrument;
 mod queues;
 pub mod render;

@@ -1,4 +1,5 @@
-//! Frames as a renderer makes them: it keeps to one order, and never asks what another would have taken.
+//! Frames as a renderer makes them: it keeps to one order, of rays before they are traced or of hits before they are
+//! shaded, and never asks what another would have taken.
 //!
 //! Camera rays are traced as they are generated. Every later queue is keyed, sorted and moved with all that its
 //! paths carry, and stays so: shading leaves the next queues in the order of their parents, which are sorted
@@ -16,15 +17,16 @@ use formats::ray::Kind;
 use scenes::Scene;
 
 use super::backends::{self, Measurement};
+use super::hit_orders::{HitOrder, Tally};
 use super::result;
 use crate::auto::Auto;
-use crate::backends::{Backend, Queue, Table, picture};
+use crate::backends::{Array, Backend, Queue, Table, collected, picture};
 use crate::calibrate::calibrate;
 use crate::machine;
 use crate::measure::{Subject, sampled};
 use crate::options::RecordOptions;
 use crate::recording::{choose_camera, setup};
-use crate::stages::setup::Setup;
+use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::trace::{Order, TraceKernel};
 use crate::wavefront;
 
@@ -37,7 +39,8 @@ pub struct RenderBench {
     pub run: RecordOptions,
 }
 
-/// Renders every scene in canonical order, in that of every method, and through a control.
+/// Renders every scene in canonical order, in that of every method, with hits in several orders, and through a
+/// control.
 ///
 /// # Errors
 /// One sentence on what went wrong with scene or device, or if a picture depends on the order.
@@ -46,6 +49,7 @@ pub fn run(bench: &RenderBench) -> Result<BenchResult> {
     let mut run = bench.run.clone();
     // What must be traced before it is sorted is no order to trace in.
     run.methods.retain(|method| method.termination != Termination::Real);
+    run.methods.push(HitOrder::place_method()?);
     let (mut rows, mut controls) = (Vec::new(), Vec::new());
     for name in &bench.scenes {
         let scene = scenes::load(name)?;
@@ -93,18 +97,18 @@ impl Measurement for Frames<'_> {
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Self::Output> {
         let backend = backends.first_mut().context("there is no backend")?;
         let Self { run, setup, .. } = self;
-        let methods = (0..setup.named().len()).map(Subject::Method);
+        let methods = traced_after(setup).map(Subject::Method);
         let chosen = run.auto.then_some(Subject::Auto).into_iter();
-        let orders: Vec<Subject> =
-            [Subject::Unsorted, Subject::Control].into_iter().chain(chosen).chain(methods).collect();
+        let subjects = [Subject::Unsorted, Subject::Control].into_iter().chain(chosen).chain(methods);
+        let orders: Vec<FrameOrder> =
+            subjects.map(FrameOrder::Rays).chain(HitOrder::ALL.map(FrameOrder::Hits)).collect();
         let auto = match run.auto {
             false => None,
             true => Some(calibrated(backend, setup, run)?),
         };
         let mut expected = None;
         let frames = sampled(orders.len(), run.repeats, run.seed, |at| {
-            let mut frame =
-                Frame { backend, setup, order: orders[at], auto: auto.as_ref(), spent: Spent::default() };
+            let mut frame = Frame::new(backend, setup, orders[at], auto.as_ref());
             frame.render(run)?;
             let spent = frame.spent;
             let found = picture(backend, run.passes)?;
@@ -115,8 +119,17 @@ impl Measurement for Frames<'_> {
             Ok(spent)
         })?;
         let of = |at: usize, part: fn(&Spent) -> u64| frames[at].iter().map(part).collect::<Vec<_>>();
-        let unsorted = of(0, Spent::total);
-        let row = |(at, order): (usize, &Subject)| RenderRow {
+        let mut tallies = Vec::with_capacity(orders.len());
+        for &order in &orders {
+            let mut frame = Frame::new(backend, setup, order, auto.as_ref());
+            frame.tally = Some(Tally::default());
+            frame.render(run)?;
+            tallies.push(frame.tally);
+        }
+        let over_unsorted = |at: usize, part: fn(&Spent) -> u64| {
+            (at > 0).then(|| Speedup::of(&of(0, part), &of(at, part))).flatten()
+        };
+        let row = |(at, order): (usize, &FrameOrder)| RenderRow {
             scene: self.scene.name.clone(),
             method: order.name(&setup.methods).to_owned(),
             width: setup.width,
@@ -126,12 +139,19 @@ impl Measurement for Frames<'_> {
             frame_ns: of(at, Spent::total),
             trace_ns: of(at, |spent| spent.trace),
             reorder_ns: of(at, |spent| spent.reorder),
-            speedup: (at > 0).then(|| Speedup::of(&unsorted, &of(at, Spent::total))).flatten(),
+            speedup: over_unsorted(at, Spent::total),
+            shade_speedup: over_unsorted(at, |spent| spent.shade),
+            coherence: tallies[at].and_then(|tally| tally.coherence()),
         };
-        let control = Speedup::of(&unsorted, &of(1, |spent| spent.trace + spent.shade));
+        let control = Speedup::of(&of(0, Spent::total), &of(1, |spent| spent.trace + spent.shade));
         let rows = orders.iter().enumerate().map(row).collect();
         Ok((rows, control.context("no frame was measured")?))
     }
+}
+
+/// Numbers of the methods whose keys need no hits.
+fn traced_after(setup: &Setup) -> impl Iterator<Item = usize> {
+    (0..setup.named().len()).filter(|&number| setup.methods[number].termination != Termination::Real)
 }
 
 /// What `auto` chooses by: orders measured on the pass after those of a frame.
@@ -142,16 +162,40 @@ fn calibrated<B: Backend>(backend: &mut B, setup: &Setup, run: &RecordOptions) -
     })
 }
 
+/// What a frame sorts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum FrameOrder {
+    /// Rays before they are traced; nothing where they stay unsorted.
+    Rays(Subject),
+    /// Hits before they are shaded.
+    Hits(HitOrder),
+}
+
+impl FrameOrder {
+    fn name(self, methods: &[MethodPlan]) -> &str {
+        match self {
+            Self::Rays(subject) => subject.name(methods),
+            Self::Hits(order) => order.name(),
+        }
+    }
+}
+
 /// A frame in one order.
 struct Frame<'a, B> {
     backend: &'a mut B,
     setup: &'a Setup,
-    order: Subject,
+    order: FrameOrder,
     auto: Option<&'a Auto>,
     spent: Spent,
+    /// What neighbours have in common, where that is counted.
+    tally: Option<Tally>,
 }
 
-impl<B: Backend> Frame<'_, B> {
+impl<'a, B: Backend> Frame<'a, B> {
+    fn new(backend: &'a mut B, setup: &'a Setup, order: FrameOrder, auto: Option<&'a Auto>) -> Self {
+        Self { backend, setup, order, auto, spent: Spent::default(), tally: None }
+    }
+
     /// The loop of a renderer.
     fn render(&mut self, run: &RecordOptions) -> Result<()> {
         self.backend.restart()?;
@@ -162,7 +206,13 @@ impl<B: Backend> Frame<'_, B> {
                 if rays.is_empty() {
                     break;
                 }
-                let hits = self.trace(&rays)?;
+                let mut hits = self.trace(&rays)?;
+                if let FrameOrder::Hits(order) = self.order {
+                    (rays, hits) = self.sorted_hits(order, &rays, &hits)?;
+                }
+                if let Some(tally) = &mut self.tally {
+                    tally.add(self.backend, self.setup, &rays, &hits)?;
+                }
                 let shaded = self.backend.shade(&rays, &hits)?;
                 self.spent.shade += self.backend.elapsed_ns();
                 if !shaded.shadow.is_empty() {
@@ -182,7 +232,8 @@ impl<B: Backend> Frame<'_, B> {
         if rays.is_empty() {
             return Ok(rays);
         }
-        let method = match self.order {
+        let FrameOrder::Rays(order) = self.order else { return Ok(rays) };
+        let method = match order {
             Subject::Unsorted => return Ok(rays),
             Subject::Shuffled => bail!("a renderer has no reason to trace in a random order"),
             Subject::Control => None,
@@ -211,6 +262,23 @@ impl<B: Backend> Frame<'_, B> {
         Ok(ordered)
     }
 
+    /// Paths and their hits in an order of hits.
+    fn sorted_hits(&mut self, order: HitOrder, rays: &B::Rays, hits: &B::Hits) -> Result<(B::Rays, B::Hits)> {
+        let (keys, key_ns) = order.keys(self.backend, self.setup, rays, hits)?;
+        let permutation = self.backend.sort(&keys)?;
+        self.spent.reorder += key_ns + self.backend.elapsed_ns();
+        let sorted = self.backend.reorder(rays, &permutation)?;
+        self.spent.reorder += self.backend.elapsed_ns();
+        // Scattering by the inverse of a permutation is gathering by it.
+        let indices: Vec<u32> = collected(self.backend, Array::Permutation(&permutation))?;
+        let mut inverse = vec![0; indices.len()];
+        (0..).zip(&indices).for_each(|(place, &index)| inverse[index as usize] = place);
+        let inverse = self.backend.upload_permutation(&inverse)?;
+        let hits = self.backend.scatter(hits, &inverse)?;
+        self.spent.reorder += self.backend.elapsed_ns();
+        Ok((sorted, hits))
+    }
+
     fn trace(&mut self, rays: &B::Rays) -> Result<B::Hits> {
         let hits = self.backend.trace(rays, Order::Stored)?;
         self.spent.trace += self.backend.elapsed_ns();
@@ -223,7 +291,7 @@ impl<B: Backend> Frame<'_, B> {
 
     /// Whether the method reads the length table of a kind.
     fn learns(&self, kind: Kind) -> bool {
-        let Subject::Method(method) = self.order else { return false };
+        let FrameOrder::Rays(Subject::Method(method)) = self.order else { return false };
         let method = &self.setup.methods[method];
         method.termination == Termination::Adaptive && method.applies_to(kind)
     }
@@ -250,7 +318,6 @@ mod tests {
     use formats::length_table::LengthCell;
 
     use super::*;
-    use crate::backends::{Array, collected};
     use crate::options::{BackendChoice, DeviceOptions};
 
     struct AgainstTheLoop<'a> {
@@ -269,15 +336,17 @@ mod tests {
             wavefront::run(backend, 0..run.passes, run.bounces, &mut ()).unwrap();
             let (loops_picture, loops_lengths) = (picture(backend, run.passes).unwrap(), lengths(backend));
             assert!(loops_picture.iter().flatten().any(|&light| light > 0.0));
-            let methods = (0..setup.named().len()).map(Subject::Method);
+            let methods = traced_after(setup).map(Subject::Method);
             let auto = calibrated(backend, setup, run).unwrap();
-            for order in [Subject::Unsorted, Subject::Control, Subject::Auto].into_iter().chain(methods) {
-                let mut frame = Frame { backend, setup, order, auto: Some(&auto), spent: Spent::default() };
+            let subjects = [Subject::Unsorted, Subject::Control, Subject::Auto].into_iter().chain(methods);
+            let orders = subjects.map(FrameOrder::Rays).chain(HitOrder::ALL.map(FrameOrder::Hits));
+            for order in orders {
+                let mut frame = Frame::new(backend, setup, order, Some(&auto));
                 frame.render(run).unwrap();
                 let (spent, learns) = (frame.spent, Kind::ALL.map(|kind| frame.learns(kind)));
                 let name = order.name(&setup.methods);
                 check_same(&loops_picture, &picture(backend, run.passes).unwrap(), name).unwrap();
-                assert_eq!(spent.reorder > 0, order != Subject::Unsorted, "{name}");
+                assert_eq!(spent.reorder > 0, order != FrameOrder::Rays(Subject::Unsorted), "{name}");
                 for ((learns, found), expected) in
                     learns.into_iter().zip(lengths(backend)).zip(&loops_lengths)
                 {
@@ -292,12 +361,13 @@ mod tests {
     fn frames_in_any_order_are_the_picture_of_the_loop() {
         for backend in [BackendChoice::Cpu, BackendChoice::Gpu] {
             let methods = ["origin", "aila", "two-point-adaptive", "light-octahedron"];
+            let methods = methods.map(|name| Method::builtin(name).unwrap()).into_iter();
             let run = RecordOptions {
                 width: 97,
                 height: 61,
                 bounces: 4,
                 passes: 2,
-                methods: methods.map(|name| Method::builtin(name).unwrap()).to_vec(),
+                methods: methods.chain(HitOrder::place_method()).collect(),
                 auto: true,
                 device: DeviceOptions { backend, threads: Some(2), ..DeviceOptions::default() },
                 ..RecordOptions::base().unwrap()

@@ -237,6 +237,11 @@ impl Backend for GpuBackend {
         Ok(GpuPermutation { permutation, count: indices.len() })
     }
 
+    fn upload_keys(&mut self, keys: &[u64], bits: u32) -> Result<Lent<Keys>> {
+        let keys = Keys::upload(&self.gpu, keys, bits)?;
+        Ok(Lent::new(Arc::new(keys), Keys::clone))
+    }
+
     fn trace(&mut self, rays: &GpuRays, order: Order<&GpuPermutation>) -> Result<Lent<Hits>> {
         let hits = self.results(rays.id.kind, rays.count)?;
         let order = order.map(|permutation| &*permutation.permutation);

@@ -84,7 +84,8 @@ impl RenderArguments {
 
 pub(super) fn table(rows: &[RenderRow]) -> Table {
     let mut table = table_of(
-        "scene | method | frame ms | tracing | reordering | shading | times faster than unsorted | sorting",
+        "scene | order | frame ms | tracing | reordering | shading | faster than unsorted | sorting | \
+         shading alone | materials, branches of 32",
     );
     for row in rows {
         let share = |part_ns: Option<f64>| match (part_ns, median(&row.frame_ns)) {
@@ -101,6 +102,8 @@ pub(super) fn table(rows: &[RenderRow]) -> Table {
             share(median(&shading)),
             speedup(row.speedup),
             row.speedup.filter(|_| row.method != CONTROL).map_or("", verdict).to_owned(),
+            speedup(row.shade_speedup),
+            row.coherence.map_or(String::new(), |of| format!("{:.1}, {:.1}", of.materials, of.branches)),
         ]);
     }
     table
