@@ -12,7 +12,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use formats::key::decode::decode;
 use formats::length_table::mean_length;
-use formats::manifest::QueueId;
+use formats::manifest::{Place, QueueId, SceneArray};
 use formats::metrics::quantity::Quantity;
 use formats::ray::Kind;
 use formats::traced::Results;
@@ -164,6 +164,24 @@ fn lights_belong_to_shadow_rays() {
     let error = passing(&expression, &numbers).unwrap_err();
     assert_eq!((error.start, error.length), (7, 8));
     assert!(error.message.contains("shadow rays have no triangle"), "{error}");
+}
+
+#[test]
+fn materials_are_those_of_the_triangles_hit() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path(), QUEUE, "aila");
+    let place = Place::Scene(SceneArray::Materials);
+    let materials = context.recording().unwrap().dump.array::<u32>(&place).unwrap();
+    let numbers = numbers(&mut context);
+    let Results::Hits(hits) = numbers.order.queue.traced.results() else { panic!("closest rays") };
+    let mut found = 0;
+    for material in 0..materials.iter().max().unwrap() + 1 {
+        let is_it = |ray: usize| hits[ray].is_hit() && materials[hits[ray].triangle as usize] == material;
+        let expected = kept(&numbers.order, |_, ray| is_it(ray));
+        assert_eq!(places(&format!("material == {material}"), &numbers), expected);
+        found += usize::from(!expected.is_empty());
+    }
+    assert!(found > 1, "{found} materials were hit");
 }
 
 /// The rays of a cell: the mean that the stored cell has is the estimate of those rays.

@@ -28,6 +28,8 @@ pub struct OrderedRays<'a> {
     pub path_ids: &'a [u32],
     /// Lights of shadow rays.
     pub lights: Option<&'a [u32]>,
+    /// The material of each triangle of the scene, or why it is not known.
+    pub materials: Result<&'a [u32], &'a str>,
     /// Work of each ray, or why it is not known.
     pub work: Result<&'a [Work], &'a str>,
     /// The length table that the methods read, or why it is not known.
@@ -83,6 +85,7 @@ enum Needs {
     Groups,
     GroupsAndWork,
     Triangles,
+    Materials,
     Lights,
 }
 
@@ -211,6 +214,8 @@ quantities! {
             .needs(Needs::Table);
     Triangle = "triangle", "Index of the triangle that was hit":
         whole("triangle that was hit", |at| at.triangle()).needs(Needs::Triangles);
+    Material = "material", "Index of the material that was hit: what sorting hits before shading brings together":
+        whole("material that was hit", |at| at.material()).scale(Scale::Repeats(7)).needs(Needs::Materials);
     Light = "light", "Index of the light that a shadow ray goes to":
         whole("light", |at| at.of.lights.map_or(f64::NAN, |lights| f64::from(lights[at.index])))
             .needs(Needs::Lights);
@@ -261,6 +266,12 @@ impl RayAt<'_> {
             Results::Hits(hits) if hits[self.index].is_hit() => f64::from(hits[self.index].triangle),
             _ => f64::NAN,
         }
+    }
+
+    fn material(self) -> f64 {
+        let material = |triangle: f64| self.of.materials.ok()?.get(triangle as usize).copied();
+        let triangle = Some(self.triangle()).filter(|triangle| triangle.is_finite());
+        triangle.and_then(material).map_or(f64::NAN, f64::from)
     }
 
     fn is_at_surface(&self) -> bool {
@@ -330,6 +341,8 @@ impl Quantity {
                 rays.cells.is_none().then_some("the recording does not say how cells are addressed")
             }
             Needs::Triangles => (!is_closest).then_some("shadow rays have no triangle"),
+            Needs::Materials if !is_closest => Some("shadow rays have no material"),
+            Needs::Materials => rays.materials.err(),
             Needs::Lights => is_closest.then_some("only shadow rays have a light"),
         }
     }
@@ -376,7 +389,9 @@ impl Quantity {
                 let [column, row] = [Self::Column, Self::Row].map(|along| (along.value())(at));
                 format!("{column},{row}")
             }
-            (Self::Triangle, _) if value.is_nan() && self.missing(at.of).is_none() => "none".to_owned(),
+            (Self::Triangle | Self::Material, _) if value.is_nan() && self.missing(at.of).is_none() => {
+                "none".to_owned()
+            }
             _ if value.is_nan() => "-".to_owned(),
             (Self::Cell, _) => format!("{:05x}", value as u64),
             _ if self.definition().form == Form::Whole => value.to_string(),

@@ -45,6 +45,7 @@ impl Numbers {
             lengths: &queue.lengths,
             path_ids: &queue.path_ids,
             lights: queue.lights.as_deref(),
+            materials: queue.materials.as_deref().map_err(String::as_str),
             work: queue.work.as_deref().map_err(String::as_str),
             table: queue.table.as_ref().map_err(String::as_str),
             cells: self.cells.as_ref(),

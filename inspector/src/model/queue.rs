@@ -1,7 +1,7 @@
 //! The rays of a queue with all that the recording keeps of them, in canonical order.
 
 use formats::length_table::{LengthCell, TABLE_BITS_MAX, TABLE_BITS_MIN};
-use formats::manifest::{Place, QueueArray, QueueId};
+use formats::manifest::{Place, QueueArray, QueueId, SceneArray};
 use formats::metrics::capsule::Segment;
 use formats::queue_check::{QueueFault, QueueRays, QueueRules};
 use formats::ray::{Kind, Work};
@@ -25,6 +25,8 @@ pub struct Queue {
     pub path_ids: Loaded<u32>,
     /// Index of each shadow ray's light.
     pub lights: Option<Loaded<u32>>,
+    /// The material of each triangle of the scene, or why it is not known.
+    pub materials: Result<Loaded<u32>, String>,
     /// Nodes visited and triangles tested, or why they are not known.
     pub work: Result<Loaded<Work>, String>,
     /// Touched cells of the length table that the methods read, or why they are not known.
@@ -65,6 +67,7 @@ impl Queue {
             lengths: traced.lengths(),
             path_ids,
             lights,
+            materials: dump.array(&Place::Scene(SceneArray::Materials)).map_err(text),
             work,
             cells: cells(dump, &place(QueueArray::Lengths)),
             table: StoredTable::open(dump, id).map_err(|error| error.to_string()),
