@@ -36,6 +36,8 @@ pub struct RecordOptions {
     pub seed: u64,
     /// Camera by name; the scene's first if not given.
     pub camera: Option<String>,
+    /// Radius that point lights are given, world units; none if not given.
+    pub light_radius: Option<f32>,
     /// Methods to measure beside the baseline.
     pub methods: Vec<Method>,
     /// Whether a random order is measured, too.
@@ -127,6 +129,7 @@ impl RecordOptions {
             repeats: 1,
             seed: 0,
             camera: None,
+            light_radius: None,
             methods: Vec::new(),
             shuffled: false,
             auto: false,
@@ -163,6 +166,7 @@ impl RecordOptions {
         in_range("repeats", self.repeats, 1, REPEATS_MAX)?;
         in_range("key-bits", self.key_bits, KEY_BITS_MIN, LAYOUT_BITS)?;
         in_range("two-point-length", self.two_point_length, 0.0, 2.0)?;
+        self.light_radius.map(|radius| in_range("light-radius", radius, 1e-9, 1e9)).transpose()?;
         check_table(self.table_bits, &self.table_method)?;
         let additions =
             u64::from(self.width) * u64::from(self.height) * u64::from(self.bounces) * u64::from(self.passes);

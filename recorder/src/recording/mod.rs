@@ -32,7 +32,10 @@ use crate::stages::trace::Precision;
 pub fn record(options: &RecordOptions) -> Result<Recorded> {
     let start = Instant::now();
     DumpWriter::check(&options.out, options.force, &[])?;
-    let scene = scenes::load(&options.scene)?;
+    let mut scene = scenes::load(&options.scene)?;
+    if let Some(radius) = options.light_radius {
+        scene.give_points_a_radius(radius);
+    }
     let camera = choose_camera(&scene, options.camera.as_deref())?;
     let device = machine::open(&options.device)?;
     let setup = Arc::new(setup(&scene, &camera, options)?);

@@ -192,6 +192,7 @@ fn run_options(
         passes: before.passes,
         repeats: options.repeats.unwrap_or(before.repeats),
         seed: before.seed,
+        light_radius: None,
         camera: Some(before.camera.clone()),
         methods,
         shuffled,

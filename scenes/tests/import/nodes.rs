@@ -155,6 +155,11 @@ fn punctual_lights() {
         ]
     );
     assert_eq!(scene.notices[0], "lights without intensity are left out (1)");
+    let (mut round, sharp) = (scene.clone(), scene);
+    round.give_points_a_radius(0.05);
+    let sphere = Light::Sphere { position: [0.0; 3], radius: 0.05, intensity: [8.0, 4.0, 0.0] };
+    assert_eq!((&round.lights[0], &round.lights[1..]), (&sphere, &sharp.lights[1..]));
+    assert!(round.notices.contains(&"point lights were given a radius of 0.05 (1 of 4)".to_owned()));
 }
 
 #[test]
