@@ -37,6 +37,7 @@ fn sample() -> Report {
     let series = |style: usize| Series {
         label: format!("series {style} {HOSTILE}"),
         style,
+        is_part: false,
         points: vec![point(0.0, 1.5), point(1.0, 0.7)],
     };
     let names = Scale::Categories(vec!["camera".into(), HOSTILE.into()]);

@@ -1,5 +1,7 @@
-//! How capsule area and trace time go together, over scenes, bounces, kinds and methods.
+//! How capsule area and trace time go together, over scenes, bounces, kinds and methods: both over those of the same
+//! queue unsorted, since queues differ in both for reasons of their own.
 
+use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 use formats::metrics::correlation::Correlation;
 use formats::ray::Kind;
@@ -19,7 +21,7 @@ pub struct CorrelationLine {
     pub of: String,
     /// Kind of the rays; `null` for both together.
     pub kind: Option<Kind>,
-    /// Of mean capsule area with trace time per ray.
+    /// Of mean capsule area with trace time, both over those of the queue unsorted.
     pub correlation: Metric<Correlation>,
 }
 
@@ -32,8 +34,10 @@ pub struct AreaAndTime<'a> {
     pub queue: &'a QueueAnalysis,
     /// The order.
     pub order: &'a OrderAnalysis,
-    /// Mean capsule area in unit space.
-    pub mean_capsule_area: f64,
+    /// Mean capsule area over that of the queue unsorted.
+    pub area: f64,
+    /// Median trace time over that of the queue unsorted.
+    pub time: f64,
     /// How long the trace took.
     pub trace: &'a Time,
 }
@@ -44,22 +48,21 @@ impl<'a> AreaAndTime<'a> {
         queue: &'a QueueAnalysis,
         order: &'a OrderAnalysis,
     ) -> Option<Self> {
-        let mean_capsule_area = order.coherence.known()?.mean_capsule_area;
-        let trace = &order.stage(Stage::Trace)?.time;
-        Some(Self { recording: &recording.label, queue, order, mean_capsule_area, trace })
-    }
-
-    /// Median trace time of a ray.
-    pub fn ns_per_ray(&self) -> f64 {
-        self.trace.median_ns / self.queue.rays as f64
+        let of = |order: &'a OrderAnalysis| {
+            Some((order.coherence.known()?.mean_capsule_area, &order.stage(Stage::Trace)?.time))
+        };
+        let ((unsorted_area, unsorted), (area, trace)) = (of(queue.order(UNSORTED)?)?, of(order)?);
+        let (area, time) = (area / unsorted_area, trace.median_ns / unsorted.median_ns);
+        Some(Self { recording: &recording.label, queue, order, area, time, trace })
     }
 }
 
-/// Every order of a recording whose capsules and trace time are known, `unsorted` included.
+/// Every order of a recording whose capsules and trace time are known, `unsorted` included, variants of methods not.
 pub fn points(recording: &RecordingAnalysis) -> Vec<AreaAndTime<'_>> {
     let mut points = Vec::new();
     for queue in recording.measured() {
-        points.extend(queue.orders.iter().filter_map(|order| AreaAndTime::of(recording, queue, order)));
+        let orders = queue.orders.iter().filter(|order| order.base == order.method);
+        points.extend(orders.filter_map(|order| AreaAndTime::of(recording, queue, order)));
     }
     points
 }
@@ -69,7 +72,7 @@ pub fn correlation(points: &[AreaAndTime<'_>], kind: Option<Kind>) -> Metric<Cor
     let pairs: Vec<(f64, f64)> = points
         .iter()
         .filter(|point| kind.is_none_or(|kind| point.queue.kind == kind))
-        .map(|point| (point.mean_capsule_area, point.ns_per_ray()))
+        .map(|point| (point.area, point.time))
         .collect();
     Correlation::of(&pairs).ok_or(TOO_FEW).into()
 }

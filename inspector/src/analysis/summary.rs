@@ -1,4 +1,4 @@
-//! Per machine, rays and method: means over scenes and bounces.
+//! Totals over the bounces of a recording; per machine, rays and method: means over recordings.
 
 use formats::key::method::UNSORTED;
 use formats::metrics::speedup::geometric_mean;
@@ -40,6 +40,67 @@ impl RayClass {
     }
 }
 
+/// What a speedup counts of the time in another order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counted {
+    /// The trace alone.
+    Trace,
+    /// All that tracing in that order takes.
+    Everything,
+}
+
+impl Counted {
+    /// Of one queue.
+    pub fn speedup(self, order: &OrderAnalysis) -> &Metric<SpeedupLine> {
+        match self {
+            Self::Trace => &order.trace_speedup,
+            Self::Everything => &order.net_speedup,
+        }
+    }
+
+    fn samples(self, order: &OrderAnalysis) -> Option<&[u64]> {
+        let time = match self {
+            Self::Trace => &order.traced()?.time,
+            Self::Everything => order.total.as_ref()?,
+        };
+        Some(&time.samples_ns)
+    }
+}
+
+/// Speedup of a method over all queues of a recording with these rays: times of unsorted rays over those in its
+/// order, both summed over queues round by round, so that a queue weighs as much as it takes.
+///
+/// Missing where the method has no speedup in any of these queues; then it says why.
+pub fn total_speedup(
+    recording: &RecordingAnalysis,
+    rays: RayClass,
+    method: &str,
+    counted: Counted,
+) -> Metric<SpeedupLine> {
+    let queues = || recording.measured().filter(|queue| RayClass::of(queue) == Some(rays));
+    let orders = || queues().filter_map(|queue| Some((queue.order(UNSORTED)?, queue.order(method)?)));
+    let (mut baseline, mut sorted): (Vec<u64>, Vec<u64>) = Default::default();
+    for (unsorted, order) in orders().filter(|(_, order)| counted.speedup(order).known().is_some()) {
+        let pair = Counted::Trace.samples(unsorted).zip(counted.samples(order));
+        let (of_unsorted, of_order) = pair.unwrap_or_default();
+        add(&mut baseline, of_unsorted);
+        add(&mut sorted, of_order);
+    }
+    let reason =
+        || orders().find_map(|(_, order)| counted.speedup(order).reason()).unwrap_or("it was not measured");
+    SpeedupLine::of(&baseline, &sorted).ok_or_else(reason).into()
+}
+
+/// Adds times round by round; where some have fewer rounds, the others are left out.
+fn add(sums: &mut Vec<u64>, times: &[u64]) {
+    if sums.is_empty() {
+        sums.extend(times);
+    } else {
+        sums.truncate(times.len());
+        sums.iter_mut().zip(times).for_each(|(sum, &time)| *sum = sum.saturating_add(time));
+    }
+}
+
 /// One method on one machine, over scenes and bounces.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MethodSummary {
@@ -59,7 +120,7 @@ pub struct MethodSummary {
     pub capsule_area_ratio: Metric<f64>,
 }
 
-/// Speedups of one method over scenes and bounces.
+/// Speedups of one method over recordings, each the total of all bounces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct MeanSpeedup {
     /// Geometric mean.
@@ -68,16 +129,16 @@ pub struct MeanSpeedup {
     pub lowest: f64,
     /// Largest.
     pub highest: f64,
-    /// Queues.
+    /// Recordings.
     pub n: usize,
-    /// Queues that are faster, by their interval.
+    /// Recordings that are faster, by their interval.
     pub faster: usize,
-    /// Queues that are slower, by their interval.
+    /// Recordings that are slower, by their interval.
     pub slower: usize,
 }
 
 impl MeanSpeedup {
-    /// Of the speedups of some queues; `None` for none.
+    /// Of some speedups; `None` for none.
     pub fn of<'a>(speedups: impl IntoIterator<Item = &'a SpeedupLine>) -> Option<Self> {
         let speedups: Vec<&SpeedupLine> = speedups.into_iter().collect();
         let ratios = || speedups.iter().map(|speedup| speedup.ratio);
@@ -105,18 +166,26 @@ pub fn summaries(recordings: &[RecordingAnalysis]) -> Vec<MethodSummary> {
                 .collect();
             let methods = queues.iter().flat_map(|queue| &queue.orders).map(|order| order.method.as_str());
             for method in distinct(methods.filter(|method| *method != UNSORTED)) {
-                summaries.push(summary(configuration, rays, method, &queues));
+                summaries.push(summary(configuration, rays, method, &same().collect::<Vec<_>>(), &queues));
             }
         }
     }
     summaries
 }
 
-fn summary(configuration: &str, rays: RayClass, method: &str, queues: &[&QueueAnalysis]) -> MethodSummary {
+fn summary(
+    configuration: &str,
+    rays: RayClass,
+    method: &str,
+    recordings: &[&RecordingAnalysis],
+    queues: &[&QueueAnalysis],
+) -> MethodSummary {
     let measured = || queues.iter().filter_map(|queue| Some((queue, queue.order(method)?)));
-    let speedup = |of: fn(&OrderAnalysis) -> &Metric<SpeedupLine>| {
-        let mean = MeanSpeedup::of(measured().filter_map(|(_, order)| of(order).known()));
-        let reason = measured().find_map(|(_, order)| of(order).reason());
+    let speedup = |counted: Counted| -> Metric<MeanSpeedup> {
+        let totals: Vec<Metric<SpeedupLine>> =
+            recordings.iter().map(|recording| total_speedup(recording, rays, method, counted)).collect();
+        let reason = measured().find_map(|(_, order)| counted.speedup(order).reason());
+        let mean = MeanSpeedup::of(totals.iter().filter_map(Metric::known));
         mean.ok_or(reason.unwrap_or("it was not timed")).into()
     };
     let area = |order: &OrderAnalysis| Some(order.coherence.known()?.mean_capsule_area);
@@ -129,8 +198,8 @@ fn summary(configuration: &str, rays: RayClass, method: &str, queues: &[&QueueAn
         rays,
         method: method.to_owned(),
         queues: measured().count(),
-        trace_speedup: speedup(|order| &order.trace_speedup),
-        net_speedup: speedup(|order| &order.net_speedup),
+        trace_speedup: speedup(Counted::Trace),
+        net_speedup: speedup(Counted::Everything),
         capsule_area_ratio: geometric_mean(measured().filter_map(area_ratio))
             .ok_or(no_area.unwrap_or("the capsules of unsorted rays are not known"))
             .into(),

@@ -33,7 +33,7 @@ impl Mapping {
     /// has no place for, such as infinities and logarithms of 0, do not count.
     pub(crate) fn new(scale: &Scale, values: impl IntoIterator<Item = f64>, room: usize) -> Self {
         let room = room.max(2);
-        let is_logarithmic = matches!(scale, Scale::Logarithmic { .. });
+        let is_logarithmic = matches!(scale, Scale::Logarithmic { .. } | Scale::Ratio);
         let mut are_whole = true;
         let (low, high) = values
             .into_iter()
@@ -46,6 +46,7 @@ impl Mapping {
             Scale::Linear { from_zero } => linear(low, high, *from_zero, room, least_step),
             Scale::Logarithmic { base: 10 } if low <= high && high / low < 20.0 => decade(low, high),
             Scale::Logarithmic { base } => powers(low, high, f64::from((*base).max(2)), room),
+            Scale::Ratio => ratios(low, high, room),
             Scale::Marked(marks) => marked(marks, low, high),
             Scale::Categories(names) => categories(names),
         }
@@ -120,6 +121,42 @@ fn categories(names: &[String]) -> Mapping {
         .map(|(at, name)| Tick { value: at as f64, label: name.clone() })
         .collect::<Vec<_>>();
     Mapping { range: (-0.5, names.len().max(1) as f64 - 0.5), ticks, is_logarithmic: false }
+}
+
+/// Steps between the marks of an axis of ratios, from the finest.
+const RATIO_STEPS: [&[f64]; 5] = [
+    &[1.0, 1.05, 1.1, 1.15, 1.2, 1.25, 1.3, 1.35, 1.4, 1.45, 1.5, 1.6, 1.7, 1.8, 1.9],
+    &[1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9],
+    &[1.0, 1.2, 1.4, 1.6, 1.8],
+    &[1.0, 1.5],
+    &[1.0],
+];
+
+/// An axis around all ratios and 1, with marks at plain ones: those above 1, and below 1 the same of a half, a
+/// quarter and so on.
+fn ratios(low: f64, high: f64, room: usize) -> Mapping {
+    let (low, high) = if low <= high { (low.min(1.0), high.max(1.0)) } else { (1.0, 1.0) };
+    let padding = ((high / low).powf(PADDING)).max(1.02);
+    let range = (low / padding, high * padding);
+    let (first, last) = (range.0.log2().floor() as i32, range.1.log2().floor() as i32);
+    let of_steps = |steps: &&[f64], stride: i32| -> Vec<Tick> {
+        let octaves = (first..=last).filter(|octave| octave.rem_euclid(stride) == 0);
+        let values = octaves.flat_map(|octave| steps.iter().map(move |step| step * 2f64.powi(octave)));
+        let shown = values.filter(|value| (range.0..=range.1).contains(value));
+        shown.map(|value| Tick { value, label: ratio_label(value) }).collect()
+    };
+    let fine = RATIO_STEPS.iter().map(|steps| of_steps(steps, 1));
+    let coarse = (2..=64).map(|stride| of_steps(&RATIO_STEPS[4], stride));
+    let ticks = fine.chain(coarse).find(|ticks| ticks.len() <= room).unwrap_or_default();
+    Mapping { range, ticks, is_logarithmic: true }
+}
+
+fn ratio_label(value: f64) -> String {
+    match value {
+        0.5 => "½×".to_owned(),
+        0.25 => "¼×".to_owned(),
+        _ => format!("{}×", number(value)),
+    }
 }
 
 /// An axis around all values, with ticks at these alone.

@@ -76,7 +76,11 @@ fn panel(page: &Area, plot: &Plot) -> Result<(), FigureError> {
         .y_desc(&plot.y_label)
         .set_all_tick_mark_size(units(0.5 * TICK_GAP));
     if matches!(plot.panel.x.scale, Scale::Categories(_)) {
-        mesh.disable_x_mesh();
+        if plot.panel.content.is_in_rows() {
+            mesh.disable_y_mesh()
+        } else {
+            mesh.disable_x_mesh()
+        };
     }
     if matches!(plot.panel.content, Content::Picture(_)) {
         mesh.disable_mesh();

@@ -25,6 +25,10 @@ const EDGE: f64 = 5.0;
 const TALLEST_PICTURE: f64 = 300.0;
 /// The least that a bar needs to be told from its neighbours.
 const NARROWEST_BAR: f64 = 2.3;
+/// Width that rows need, their names included.
+const LEAST_OF_ROWS: f64 = 125.0;
+/// Height of a row of dots and of stacks.
+const ROW: f64 = 11.0;
 /// Between two tick labels of an upward axis, at least.
 const Y_TICK_ROOM: f64 = 17.0;
 /// Where a logarithmic axis of bars starts at the latest, in lowest values.
@@ -123,6 +127,9 @@ fn columns(figure: &Figure, width: Width) -> usize {
 /// How much room a panel needs for its bars and the words beside them.
 fn least_width(panel: &Panel) -> f64 {
     let Scale::Categories(names) = &panel.x.scale else { return 110.0 };
+    if panel.content.is_in_rows() {
+        return LEAST_OF_ROWS;
+    }
     let bars = match &panel.content {
         Content::Bars(series) => names.len() * (series.len() + 1),
         _ => 2 * names.len(),
@@ -177,10 +184,19 @@ impl<'a> Plot<'a> {
             height = (aspect * width).min(1.3 * cell).min(TALLEST_PICTURE);
             width = height / aspect;
         }
-        let y = y_mapping(figure, panel, height);
-        let y_label = text::wrap(&panel.y.label, TEXT_SIZE, height + 20.0);
-        let (x, turn) = x_mapping(figure, panel, width, margins);
-        let x_label = text::wrap_evenly(&panel.x.label, TEXT_SIZE, width + margins.left.min(margins.right));
+        let is_in_rows = panel.content.is_in_rows();
+        let (across, upwards) = if is_in_rows { (&panel.y, &panel.x) } else { (&panel.x, &panel.y) };
+        let (x, y, turn) = if is_in_rows {
+            // The first row is the topmost one.
+            let y = Mapping::new(&panel.x.scale, [], 0).reversed();
+            height = ROW * (y.range.0 - y.range.1);
+            (numbers_of_rows(figure, panel, width), y, Direction::Level)
+        } else {
+            let (x, turn) = x_mapping(figure, panel, width, margins);
+            (x, y_mapping(figure, panel, height), turn)
+        };
+        let y_label = text::wrap(&upwards.label, TEXT_SIZE, height + 20.0);
+        let x_label = text::wrap_evenly(&across.label, TEXT_SIZE, width + margins.left.min(margins.right));
         let title = text::wrap_evenly(&panel.title, TITLE_SIZE, cell - EDGE);
         let colour_bar = colour_bar(panel, height);
         let bar_room = colour_bar.as_ref().map_or(0.0, |(mapping, label)| {
@@ -217,9 +233,9 @@ impl<'a> Plot<'a> {
         (plot, needed)
     }
 
-    /// Width of a category.
+    /// Room of a category: its width, or its height where categories are rows.
     pub(crate) fn slot(&self) -> f64 {
-        self.width / (self.x.range.1 - self.x.range.0)
+        if self.panel.content.is_in_rows() { ROW } else { self.width / (self.x.range.1 - self.x.range.0) }
     }
 }
 
@@ -243,12 +259,8 @@ fn y_mapping(figure: &Figure, panel: &Panel, height: f64) -> Mapping {
     if let Content::Picture(picture) = &panel.content {
         return pixels(&panel.y.label, picture.height, room).reversed();
     }
-    let mut values: Vec<f64> = Vec::new();
-    for alike in figure.panels.iter().filter(|other| other.y == panel.y) {
-        values.extend(alike.reference.iter().map(|reference| reference.y));
-        values.extend(reached(&alike.content));
-    }
-    if matches!(panel.content, Content::Bars(_) | Content::Stacks(_)) {
+    let mut values = values_of(figure, panel);
+    if matches!(panel.content, Content::Bars(_)) {
         match panel.y.scale {
             Scale::Logarithmic { .. } => {
                 // So that the lowest bar has a height.
@@ -262,7 +274,30 @@ fn y_mapping(figure: &Figure, panel: &Panel, height: f64) -> Mapping {
     Mapping::new(&panel.y.scale, values, room)
 }
 
-/// Every number that must have a place on the upward axis: values, ends of spreads, tops of stacks.
+/// Every number of the panels that share the axis of numbers with this one.
+fn values_of(figure: &Figure, panel: &Panel) -> Vec<f64> {
+    let mut values: Vec<f64> = Vec::new();
+    for alike in figure.panels.iter().filter(|other| other.y == panel.y) {
+        values.extend(alike.reference.iter().map(|reference| reference.y));
+        values.extend(reached(&alike.content));
+    }
+    values
+}
+
+/// The axis below rows, with as many labels as have their place beside each other.
+fn numbers_of_rows(figure: &Figure, panel: &Panel, width: f64) -> Mapping {
+    let values = values_of(figure, panel);
+    let with_labels = |most| {
+        let mut mapping = Mapping::new(&panel.y.scale, values.iter().copied(), most);
+        let are_some_left_out = tick_labels::thin_out(&mut mapping, width);
+        (mapping, are_some_left_out)
+    };
+    let most = ((width / 20.0) as usize).clamp(2, 12);
+    let fitting = (2..=most).rev().map(with_labels).find(|(_, are_some_left_out)| !are_some_left_out);
+    fitting.unwrap_or_else(|| with_labels(2)).0
+}
+
+/// Every number that must have a place on the axis of numbers: values, ends of spreads, tops of stacks.
 fn reached(content: &Content) -> Vec<f64> {
     let mut reached = Vec::new();
     let mut tops: BTreeMap<u64, f64> = BTreeMap::new();

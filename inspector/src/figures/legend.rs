@@ -34,7 +34,9 @@ pub(crate) struct LegendEntry {
 
 /// Everything that a figure shows, each once, in the order in which it appears: series first.
 pub(crate) fn entries(figure: &Figure) -> Vec<LegendEntry> {
-    let series = figure.panels.iter().flat_map(|panel| {
+    // The names of dots are those of their rows.
+    let named = figure.panels.iter().filter(|panel| !matches!(panel.content, Content::Dots(_)));
+    let series = named.flat_map(|panel| {
         let sample = match &panel.content {
             Content::Lines(_) => Sample::Line,
             Content::Scatter(_) => Sample::Marker,

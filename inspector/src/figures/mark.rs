@@ -13,6 +13,10 @@ use super::svg::{Drawn, Paint, Svg, UNITS_PER_POINT, units};
 const OUTLINE_STROKE: f64 = 0.4;
 /// Width of lines across a panel, points.
 const REFERENCE_STROKE: f64 = 0.9;
+/// Half the width of the dot of a part, points.
+const PART_RADIUS: f64 = 1.1;
+/// Width of the spread of a number in a row, points.
+const EXTENT_STROKE: f64 = 2.2;
 /// Shortest half of a spread that is drawn, units: of a shorter one only its end would be seen.
 const SHORTEST_WHISKER: u32 = 3;
 
@@ -95,6 +99,21 @@ pub(crate) fn whisker(
             svg.path(&[(x - cap, y), (x + cap, y)], false, paint);
         }
     })
+}
+
+/// A small dot of a style, for a part of what a marker stands for.
+pub(crate) fn dot<C>(place: C, number: usize, tooltip: String) -> Mark<'static, C> {
+    let Style { colour, .. } = style(number);
+    Mark::new([place], move |svg, at| {
+        let paint = Paint { fill: Some(colour), tooltip: &tooltip, ..Paint::line(Colour::WHITE, 0.2) };
+        svg.circle(at[0], units(PART_RADIUS) as u32, paint);
+    })
+}
+
+/// A spread along its row, from end to end.
+pub(crate) fn extent<C>(ends: [C; 2], number: usize) -> Mark<'static, C> {
+    let paint = Paint::line(style(number).colour.ink(), EXTENT_STROKE);
+    Mark::new(ends, move |svg, at| svg.path(at, false, paint))
 }
 
 /// Draws the marker of a style.

@@ -79,6 +79,11 @@ impl Axis {
         Self::new(label, Scale::Marked(numbers))
     }
 
+    /// Of ratios, 1 among them.
+    pub fn ratios(label: &str) -> Self {
+        Self::new(label, Scale::Ratio)
+    }
+
     /// Of names.
     pub fn categories(label: &str, names: impl IntoIterator<Item = impl Into<String>>) -> Self {
         Self::new(label, Scale::Categories(names.into_iter().map(Into::into).collect()))
@@ -100,6 +105,8 @@ pub enum Scale {
     },
     /// Evenly, marked at these numbers, which are those measured.
     Marked(Vec<f64>),
+    /// Evenly by ratio, around 1, marked at plain ratios: ½×, 1×, 1.2×.
+    Ratio,
     /// Names at 0, 1, 2, …: coordinates are places in this list.
     Categories(Vec<String>),
 }
@@ -113,17 +120,28 @@ pub enum Content {
     Scatter(Vec<Series>),
     /// Bars beside each other at each category, one per series.
     Bars(Vec<Series>),
-    /// Bars on top of each other at each category, one per series.
+    /// Markers in rows, one row a category, numbers to the right; series that are parts of others are small.
+    Dots(Vec<Series>),
+    /// Bars that follow each other in rows, one row a category, numbers to the right.
     Stacks(Vec<Series>),
     /// A picture.
     Picture(Picture),
 }
 
 impl Content {
+    /// Whether categories are rows, and numbers go to the right.
+    pub fn is_in_rows(&self) -> bool {
+        matches!(self, Self::Dots(_) | Self::Stacks(_))
+    }
+
     /// Its series; none for a picture.
     pub fn series(&self) -> &[Series] {
         match self {
-            Self::Lines(series) | Self::Scatter(series) | Self::Bars(series) | Self::Stacks(series) => series,
+            Self::Lines(series)
+            | Self::Scatter(series)
+            | Self::Bars(series)
+            | Self::Dots(series)
+            | Self::Stacks(series) => series,
             Self::Picture(_) => &[],
         }
     }
@@ -138,6 +156,8 @@ pub struct Series {
     pub style: usize,
     /// Its points.
     pub points: Vec<Point>,
+    /// Whether its numbers are parts of another's, such as bounces of a frame.
+    pub is_part: bool,
 }
 
 /// A number and how sure it is.

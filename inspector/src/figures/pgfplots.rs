@@ -89,8 +89,8 @@ fn tex(figure: &Figure, width: Width, layout: &Layout) -> String {
             let look = series_look(&panel.content, series);
             let _ = writeln!(
                 tex,
-                "\\addplot[{look}] table[col sep=comma, x=x{number}, y=y{number}, \
-                 y error minus=below{number}, y error plus=above{number}]{{{}}};",
+                "\\addplot[{look}] table[col sep=comma, {}]{{{}}};",
+                columns_of(&panel.content, number),
                 panel_file(figure, at, "csv")
             );
         }
@@ -127,15 +127,20 @@ fn axis_options(plot: &Plot) -> String {
         format!("xlabel={{{}}}", lines(&plot.x_label)),
         format!("ylabel={{{}}}", lines(&plot.y_label)),
     ];
-    options.extend(scale_options('x', &panel.x, &plot.x));
-    options.extend(scale_options('y', &panel.y, &plot.y));
+    let is_in_rows = panel.content.is_in_rows();
+    let (across, upwards) = if is_in_rows { (&panel.y, &panel.x) } else { (&panel.x, &panel.y) };
+    options.extend(scale_options('x', across, &plot.x));
+    options.extend(scale_options('y', upwards, &plot.y));
+    if is_in_rows {
+        options.push("y dir=reverse".to_owned());
+    }
     if matches!(panel.y.scale, Scale::Logarithmic { .. }) {
         // Bars stand on the lower end of the axis.
         options.push("log origin y=infty".to_owned());
     }
     match &panel.content {
         Content::Bars(_) => options.push(format!("bar width={:.2}bp", bar_width(plot))),
-        Content::Stacks(_) => options.push(format!("ybar stacked, bar width={:.2}bp", bar_width(plot))),
+        Content::Stacks(_) => options.push(format!("xbar stacked, bar width={:.2}bp", bar_width(plot))),
         _ => {}
     }
     let turned = match plot.margins.turn.degrees() {
@@ -143,7 +148,7 @@ fn axis_options(plot: &Plot) -> String {
         90 => "rotate=90, anchor=east".to_owned(),
         degrees => format!("rotate={degrees}, anchor=north east, inner sep=1pt"),
     };
-    if matches!(panel.x.scale, Scale::Categories(_)) {
+    if matches!(panel.x.scale, Scale::Categories(_)) && !is_in_rows {
         options.push(format!("x tick label style={{{turned}}}"));
     }
     if let Content::Picture(picture) = &panel.content {
@@ -161,8 +166,10 @@ fn scale_options(axis: char, shown: &Axis, mapping: &Mapping) -> Vec<String> {
     if !matches!(shown.scale, Scale::Categories(_)) {
         options.push(format!("{axis}majorgrids"));
     }
-    if let Scale::Logarithmic { base } = &shown.scale {
-        options.push(format!("{axis}mode=log, log basis {axis}={base}"));
+    match &shown.scale {
+        Scale::Logarithmic { base } => options.push(format!("{axis}mode=log, log basis {axis}={base}")),
+        Scale::Ratio => options.push(format!("{axis}mode=log")),
+        _ => {}
     }
     let between = values(mapping.ticks.iter().filter(|tick| tick.label.is_empty()));
     // pgfplots refuses marks between powers of another base than 10.
@@ -206,6 +213,15 @@ fn tick_label(label: &str) -> String {
     format!("\\ensuremath{{{power}}}")
 }
 
+/// Which columns of its table a series is drawn from.
+fn columns_of(content: &Content, number: usize) -> String {
+    let (across, upwards) = if content.is_in_rows() { ('y', 'x') } else { ('x', 'y') };
+    let of = if content.is_in_rows() { 'x' } else { 'y' };
+    format!(
+        "x={across}{number}, y={upwards}{number}, {of} error minus=below{number}, {of} error plus=above{number}"
+    )
+}
+
 /// How a series is drawn, with error bars where spreads are known.
 fn series_look(content: &Content, series: &Series) -> String {
     let number = series.style;
@@ -217,11 +233,21 @@ fn series_look(content: &Content, series: &Series) -> String {
             (format!("{line}, {marker}, mark repeat={stride}, mark phase={phase}"), format!("line{number}"))
         }
         Content::Scatter(_) => (format!("only marks, {}", marker_look(number)), format!("line{number}")),
+        Content::Dots(_) if series.is_part => {
+            (format!("only marks, mark=*, mark size=1.1bp, style{number}"), format!("line{number}"))
+        }
+        Content::Dots(_) => (format!("only marks, {}", marker_look(number)), format!("line{number}")),
         Content::Bars(_) => (format!("ybar, bar shift=0pt, {}", bar_look(number)), "black".to_owned()),
         Content::Stacks(_) | Content::Picture(_) => (bar_look(number), "black".to_owned()),
     };
     if series.points.iter().all(|point| point.spread.is_none()) {
         return look;
+    }
+    if content.is_in_rows() {
+        let bar = format!("{ink}, solid, line width=2.2bp");
+        return format!(
+            "{look}, error bars/.cd, x dir=both, x explicit, error mark=none, error bar style={{{bar}}}"
+        );
     }
     format!("{look}, error bars/.cd, y dir=both, y explicit, error bar style={{{ink}, solid}}")
 }
@@ -315,7 +341,13 @@ fn picture_plot(picture: &Picture, file: &str) -> String {
 
 /// A line across, from edge to edge.
 fn reference_line(panel: &Panel, y: f64) -> String {
-    let end = |side: u8| format!("{{rel axis cs:{side},0}}|-{{axis cs:{},{y}}}", inside(panel));
+    let end = |side: u8| {
+        if panel.content.is_in_rows() {
+            format!("{{axis cs:{y},0}}|-{{rel axis cs:0,{side}}}")
+        } else {
+            format!("{{rel axis cs:{side},0}}|-{{axis cs:{},{y}}}", inside(panel))
+        }
+    };
     format!("\\draw[{}] ({}) -- ({});", reference_look(), end(0), end(1))
 }
 

@@ -10,7 +10,7 @@ use plotters::coord::cartesian::Cartesian2d;
 
 use super::axis::{Mapping, number};
 use super::layout::Plot;
-use super::mark::{Mark, bar, line, marker, reference, whisker};
+use super::mark::{Mark, bar, dot, extent, line, marker, reference, whisker};
 use super::model::{Content, Picture, Point, Series};
 use super::style::{Colour, style};
 use super::svg::Svg;
@@ -28,9 +28,8 @@ const STACK_WIDTH: f64 = 0.7;
 /// Widest bar and widest stack, points.
 const WIDEST_BAR: f64 = 24.0;
 const WIDEST_STACK: f64 = 36.0;
-/// Width of the lines of spreads and of those around them, points.
+/// Width of the lines of spreads, points.
 const WHISKER_STROKE: f64 = 0.7;
-const WHISKER_EDGE: f64 = 1.8;
 /// Half the width of the end of a spread, points.
 const CAP: f64 = 1.65;
 
@@ -72,12 +71,17 @@ pub(crate) fn draw(chart: &mut Chart, plot: &Plot) -> Result<(), FigureError> {
         Content::Lines(all) => all.iter().try_for_each(|series| lines(chart, plot, series))?,
         Content::Scatter(all) => all.iter().try_for_each(|series| markers(chart, plot, series, 1))?,
         Content::Bars(all) => bars(chart, plot, all)?,
+        Content::Dots(all) => dots(chart, plot, all)?,
         Content::Stacks(all) => stacks(chart, plot, all)?,
         Content::Picture(shown) => picture(chart, plot, shown)?,
     }
     if let Some(line) = &plot.panel.reference {
-        let (from, to) = plot.x.range;
-        chart.draw_series(once(reference([(from, line.y), (to, line.y)])))?;
+        let ends = if plot.panel.content.is_in_rows() {
+            [(line.y, plot.y.range.0), (line.y, plot.y.range.1)]
+        } else {
+            [(plot.x.range.0, line.y), (plot.x.range.1, line.y)]
+        };
+        chart.draw_series(once(reference(ends)))?;
     }
     Ok(())
 }
@@ -100,7 +104,7 @@ fn lines(chart: &mut Chart, plot: &Plot, series: &Series) -> Result<(), FigureEr
 fn markers(chart: &mut Chart, plot: &Plot, series: &Series, stride: usize) -> Result<(), FigureError> {
     let ink = style(series.style).colour.ink();
     for (at, point) in series.points.iter().enumerate().filter(|(_, point)| has_place(plot, point)) {
-        spread(chart, point.x, (point, 0.0), (WHISKER_STROKE, CAP), [ink; 2])?;
+        spread(chart, point.x, point, CAP, [ink; 2])?;
         // Markers of several long lines are not above each other.
         if (at + stride / 2 + series.style).is_multiple_of(stride) {
             chart.draw_series(once(marker((point.x, point.y), series.style, tooltip(series, point))))?;
@@ -120,7 +124,7 @@ fn bars(chart: &mut Chart, plot: &Plot, all: &[Series]) -> Result<(), FigureErro
             let centre = point.x + place_in_group(all, at, point.x) * width;
             let corners = [(centre - 0.5 * width, plot.y.base()), (centre + 0.5 * width, point.y)];
             chart.draw_series(once(bar(corners, series.style, tooltip(series, point))))?;
-            spread(chart, centre, (point, 0.0), (WHISKER_STROKE, cap), colours)?;
+            spread(chart, centre, point, cap, colours)?;
         }
     }
     Ok(())
@@ -128,40 +132,50 @@ fn bars(chart: &mut Chart, plot: &Plot, all: &[Series]) -> Result<(), FigureErro
 
 fn stacks(chart: &mut Chart, plot: &Plot, all: &[Series]) -> Result<(), FigureError> {
     let half = 0.5 * bar_width(plot) / plot.slot();
-    let mut tops: BTreeMap<u64, f64> = BTreeMap::new();
-    let mut spreads = Vec::new();
+    let mut ends: BTreeMap<u64, f64> = BTreeMap::new();
     for series in all {
         for point in series.points.iter().filter(|point| point.y.is_finite()) {
-            let top = tops.entry(point.x.to_bits()).or_insert(0.0);
-            let below = *top;
-            *top += point.y;
-            let start = if below == 0.0 { plot.y.base() } else { below };
-            let corners = [(point.x - half, start), (point.x + half, *top)];
+            let end = ends.entry(point.x.to_bits()).or_insert(0.0);
+            let before = *end;
+            *end += point.y;
+            let start = if before == 0.0 { plot.x.base() } else { before };
+            let corners = [(start, point.x - half), (*end, point.x + half)];
             chart.draw_series(once(bar(corners, series.style, tooltip(series, point))))?;
-            spreads.push((point, below));
-        }
-    }
-    // Above all bars, since the next bar starts where a spread is centred; with a white edge, so that they
-    // are seen on dark bars.
-    for (point, below) in spreads {
-        for (colour, width) in [(Colour::WHITE, WHISKER_EDGE), (Colour::BLACK, WHISKER_STROKE)] {
-            let cap = CAP + 0.5 * (width - WHISKER_STROKE);
-            spread(chart, point.x, (point, below), (width, cap), [colour; 2])?;
         }
     }
     Ok(())
 }
 
-/// Draws both halves of the spread of a number that stands on others: downwards and upwards.
+/// Spreads, then the parts of numbers, then the numbers.
+fn dots(chart: &mut Chart, plot: &Plot, all: &[Series]) -> Result<(), FigureError> {
+    let shown = |is_part: bool| {
+        let series = all.iter().filter(move |series| series.is_part == is_part);
+        let points = series.flat_map(|series| series.points.iter().map(move |point| (series, point)));
+        points.filter(|(_, point)| plot.x.place(point.y).is_some())
+    };
+    for (series, point) in shown(false) {
+        let ends = point.spread.map(|(low, high)| [(low, point.x), (high, point.x)]);
+        chart.draw_series(ends.map(|ends| extent(ends, series.style)))?;
+    }
+    for (series, point) in shown(true) {
+        chart.draw_series(once(dot((point.y, point.x), series.style, tooltip(series, point))))?;
+    }
+    for (series, point) in shown(false) {
+        chart.draw_series(once(marker((point.y, point.x), series.style, tooltip(series, point))))?;
+    }
+    Ok(())
+}
+
+/// Draws both halves of the spread of a number: downwards and upwards.
 fn spread(
     chart: &mut Chart,
     x: f64,
-    (point, below): (&Point, f64),
-    (width, cap): (f64, f64),
+    point: &Point,
+    cap: f64,
     colours: [Colour; 2],
 ) -> Result<(), FigureError> {
     let ends = point.spread.into_iter().flat_map(|(low, high)| [low, high]).zip(colours);
-    let half = |(end, colour)| whisker([(x, below + point.y), (x, below + end)], colour, width, cap);
+    let half = |(end, colour)| whisker([(x, point.y), (x, end)], colour, WHISKER_STROKE, cap);
     chart.draw_series(ends.map(half))?;
     Ok(())
 }

@@ -172,12 +172,28 @@ const HATCHES: [Hatch; 8] = [
     Hatch::Upright,
     Hatch::Grid,
 ];
+/// The first of the styles of stages, which no method has: tracing is pale, what sorting adds to it is not.
+pub const STAGE_STYLES: usize = 1000;
+const STAGE_COLOURS: [Colour; 8] = [
+    Colour([0x25, 0x25, 0x25]), // decide
+    Colour([0x54, 0x27, 0x8f]), // key
+    Colour([0x80, 0x7d, 0xba]), // sort
+    Colour([0xbc, 0xbd, 0xdc]), // gather
+    Colour([0xdf, 0xe5, 0xea]), // trace
+    Colour([0x9a, 0xa5, 0xae]), // scatter
+    Colour([0xc7, 0xd0, 0xd8]), // trace through indices
+    Colour([0x3d, 0x4a, 0x54]), // accumulate
+];
 /// Dash of the line across a panel.
 pub(crate) const REFERENCE_DASH: &[f64] = &[3.0, 2.0];
 
 /// The style of this number: the same in every figure. The first 9 differ in colour and in marker;
-/// later ones repeat colours with other markers.
+/// later ones repeat colours with other markers; stages have those from [`STAGE_STYLES`] on.
 pub fn style(number: usize) -> Style {
+    if let Some(stage) = number.checked_sub(STAGE_STYLES) {
+        let colour = STAGE_COLOURS[stage % STAGE_COLOURS.len()];
+        return Style { colour, marker: Marker::Square, dash: &[], hatch: Hatch::Solid };
+    }
     let round = number / COLOURS.len();
     Style {
         colour: COLOURS[number % COLOURS.len()],

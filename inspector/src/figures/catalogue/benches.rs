@@ -34,7 +34,7 @@ fn sort_panel(rows: &[SortRow], title: String) -> Panel {
             rate(row.n as f64, row.n, &row.samples_ns, format!("{} keys of {key_bits} bits", row.n))
         };
         let points = own.into_iter().filter_map(point).collect();
-        Series { label: format!("{key_bits} bits"), style, points }
+        Series { label: format!("{key_bits} bits"), style, points, is_part: false }
     });
     let y = Axis::from_zero("throughput (Mkeys/s)");
     Panel::new(title, Axis::logarithmic("keys", 2), y, Content::Lines(series.collect()))
@@ -84,7 +84,7 @@ fn trace_panel(findings: &Findings<'_>, rows: &[&TraceRow], title: String) -> Pa
             rate(place as f64, row.rays, &row.samples_ns, name)
         });
         let label = if kernels.len() > 1 { format!("{order}, {kernel}") } else { order.to_owned() };
-        Series { label, style, points: points.collect() }
+        Series { label, style, points: points.collect(), is_part: false }
     };
     let of_kernel = |(at, kernel): (usize, &&str)| -> Vec<Series> {
         let first = STYLES_OF_KERNELS[at % STYLES_OF_KERNELS.len()];

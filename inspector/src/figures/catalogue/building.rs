@@ -30,7 +30,11 @@ pub fn figure(
 
 fn without_empty(mut panel: Panel) -> Option<Panel> {
     match &mut panel.content {
-        Content::Lines(all) | Content::Scatter(all) | Content::Bars(all) | Content::Stacks(all) => {
+        Content::Lines(all)
+        | Content::Scatter(all)
+        | Content::Bars(all)
+        | Content::Dots(all)
+        | Content::Stacks(all) => {
             all.retain(|series| series.points.iter().any(|point| point.y.is_finite()));
             (!all.is_empty()).then_some(panel)
         }
@@ -67,6 +71,7 @@ pub fn by_label<'a, T>(
             label: name.to_owned(),
             style: style(name),
             points: own.filter_map(|row| point(row)).collect(),
+            is_part: false,
         }
     };
     distinct(rows.iter().map(|row| label(row))).into_iter().map(of).collect()
@@ -74,7 +79,7 @@ pub fn by_label<'a, T>(
 
 /// A series of a method.
 pub fn of_method(findings: &Findings<'_>, method: &str, points: Vec<Point>) -> Series {
-    Series { label: method.to_owned(), style: method_style(findings, method), points }
+    Series { label: method.to_owned(), style: method_style(findings, method), points, is_part: false }
 }
 
 /// Millions of items a second at `x`, with quartiles; `None` for no samples.

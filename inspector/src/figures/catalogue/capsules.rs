@@ -1,5 +1,6 @@
 //! Capsule area against trace time, and its distribution.
 
+use formats::key::method::UNSORTED;
 use formats::metrics::correlation::Correlation;
 use formats::ray::Kind;
 
@@ -8,39 +9,20 @@ use super::building::{
 };
 use super::{Findings, Made};
 use crate::analysis::correlations::{AreaAndTime, correlation, points};
-use crate::analysis::summary::distinct;
-use crate::analysis::{Metric, RecordingAnalysis};
+use crate::analysis::{Metric, QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Panel, Point};
 
-/// Mean capsule area of each order against the time that its trace takes.
+/// Mean capsule area of each order against the time that its trace takes, both over those of unsorted rays.
 pub fn against_time(findings: &Findings<'_>) -> Made {
-    let recordings = &findings.analysis.recordings;
-    let configurations = distinct(recordings.iter().map(|recording| recording.configuration.as_str()));
     let (mut panels, mut found) = (Vec::new(), Vec::new());
-    for configuration in &configurations {
-        let same = recordings.iter().filter(|recording| recording.configuration == *configuration);
-        let points: Vec<AreaAndTime<'_>> = same.flat_map(points).collect();
-        for kind in Kind::ALL {
-            let mut title = format!("{kind} rays");
-            if configurations.len() > 1 {
-                title = format!("{title}, {configuration}");
-            }
-            title = format!("{title}: {}", coefficients(&correlation(&points, Some(kind))));
-            found.push(title.clone());
-            panels.push(scatter(findings, &points, kind, title));
-        }
-    }
-    if recordings.len() > 1 {
-        for line in &findings.analysis.correlations {
-            let of_recording = recordings.iter().any(|recording| recording.label == line.of);
-            let kind = line.kind.filter(|_| of_recording && line.correlation.known().is_some());
-            found.extend(
-                kind.map(|kind| format!("{}, {kind} rays: {}", line.of, coefficients(&line.correlation))),
-            );
-        }
+    for recording in recordings(findings) {
+        let points = points(recording);
+        let coefficients = coefficients(&correlation(&points, None));
+        found.push(format!("{}: {coefficients}", recording.label));
+        panels.push(scatter(findings, &points, panel_title(findings, recording, &coefficients)));
     }
     let caption = format!(
-        "Each marker is one order of one queue (scene, bounce, method): the mean area of the capsules around groups of {} rays, weighted by rays, in unit space, against the median trace time of a ray. Correlation: {}.",
+        "Each marker is one order of one queue (bounce, kind, method): the mean area of the capsules around groups of {} rays, weighted by rays, against its trace time, both over those of the same queue unsorted. Left of 1: more coherent; below 1: faster. Correlation: {}.",
         findings.analysis.group_width,
         found.join("; ")
     );
@@ -57,27 +39,22 @@ fn coefficients(correlation: &Metric<Correlation>) -> String {
     }
 }
 
-fn scatter(findings: &Findings<'_>, points: &[AreaAndTime<'_>], kind: Kind, title: String) -> Panel {
+fn scatter(findings: &Findings<'_>, points: &[AreaAndTime<'_>], title: String) -> Panel {
     let point = |at: &AreaAndTime<'_>| {
-        let ((low, high), rays) = (at.trace.quartiles_ns, at.queue.rays as f64);
+        let QueueAnalysis { bounce, kind, .. } = at.queue;
+        let name = format!("{}, bounce {bounce}, {kind}, {}", at.recording, at.order.method);
         let n = at.trace.samples_ns.len();
-        (at.queue.kind == kind).then(|| Point {
-            x: at.mean_capsule_area,
-            y: at.ns_per_ray(),
-            spread: (n > 1).then_some((low / rays, high / rays)),
-            n,
-            name: format!("{}, bounce {}, {kind}, {}", at.recording, at.queue.bounce, at.order.method),
-        })
+        (at.order.method != UNSORTED).then_some(Point { x: at.area, y: at.time, spread: None, n, name })
     };
     let all: Vec<&AreaAndTime<'_>> = points.iter().collect();
-    // Variants go by the method that they are variants of.
     let series = by_label(&all, |at| &at.order.base, |base| method_style(findings, base), point);
     Panel::new(
         title,
-        Axis::logarithmic("mean capsule area (unit space)", 10),
-        Axis::from_zero("trace time per ray (ns)"),
+        Axis::logarithmic("capsule area (unsorted = 1)", 10),
+        Axis::ratios("trace time (unsorted = 1)"),
         Content::Scatter(series),
     )
+    .with_reference("unsorted", 1.0)
 }
 
 /// Which share of the rays is in capsules of at most some area: bounce 1, or the first that there is.

@@ -75,7 +75,7 @@ fn precision_panel(rows: &[&PrecisionRow], title: &str) -> Panel {
         let name = format!("{}, {label}: {wrong} of {} rays", row.scene, errors.rays);
         let per_million = wrong as f64 / errors.rays.max(1) as f64 * 1e6;
         let point = rate(per_million, row.rays_timed, &row.samples_ns, name);
-        Series { label, style, points: point.into_iter().collect() }
+        Series { label, style, points: point.into_iter().collect(), is_part: false }
     };
     Panel::new(
         title,

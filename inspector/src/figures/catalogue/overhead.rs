@@ -3,46 +3,48 @@
 use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 
-use super::building::{each, figure, methods, panel_title, queues, recordings, settings};
+use super::building::{figure, methods, panel_title, queues, recordings, settings};
 use super::{Findings, Made};
 use crate::analysis::summary::RayClass;
 use crate::analysis::timing::STAGES;
 use crate::analysis::{QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Panel, Point, Series};
+use crate::figures::style::STAGE_STYLES;
 
-/// Time of each stage per method, stacked.
+/// Time of each stage per method, one after the other, over the trace of unsorted rays.
 pub fn overhead(findings: &Findings<'_>) -> Made {
     figure(
         "Where the time goes, per method",
-        "Median times of the stages, summed over bounces. Gather, trace and scatter count, or the trace through indices: what the recording chose for the method. A method whose stack stays below the line, the trace of unsorted rays, pays off.",
+        "Median times of the stages, summed over bounces, as multiples of the trace of unsorted rays: a row that ends left of the line pays off. Gather, trace and scatter count, or the trace through indices: what the recording chose for the method.",
         settings(findings),
-        each(RayClass::ALL, &recordings(findings), |recording, rays| panel(findings, recording, rays)),
+        recordings(findings)
+            .into_iter()
+            .flat_map(|recording| RayClass::ALL.map(|rays| panel(findings, recording, rays))),
         "no stage of any method was timed",
     )
 }
 
 fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis, rays: RayClass) -> Panel {
     let measured: Vec<&QueueAnalysis> = queues(recording, rays).collect();
+    let unsorted = stage_time(&measured, UNSORTED, Stage::Trace).map_or(f64::NAN, |(ns, _)| ns);
     let has_method = |method: &&str| measured.iter().any(|queue| queue.order(method).is_some());
     let methods: Vec<&str> = methods(findings).into_iter().filter(has_method).collect();
-    let series = |(style, stage): (usize, Stage)| -> Series {
+    let series = |(at, stage): (usize, Stage)| -> Series {
         let points = methods.iter().enumerate().filter_map(|(place, method)| {
             let (ns, n) = stage_time(&measured, method, stage)?;
             let name = format!("{}, {}, {method}, {}", recording.label, rays.name(), stage_name(stage));
-            Some(Point { x: place as f64, y: ns / 1e6, spread: None, n, name })
+            Some(Point { x: place as f64, y: ns / unsorted, spread: None, n, name })
         });
-        Series { label: stage_name(stage).to_owned(), style, points: points.collect() }
+        let style = STAGE_STYLES + at;
+        Series { label: stage_name(stage).to_owned(), style, points: points.collect(), is_part: false }
     };
-    let panel = Panel::new(
+    Panel::new(
         panel_title(findings, recording, &format!("{} rays", rays.name())),
-        Axis::categories("method", methods.iter().copied()),
-        Axis::from_zero("time (ms)"),
+        Axis::categories("", methods.iter().copied()),
+        Axis::from_zero("time (unsorted trace = 1)"),
         Content::Stacks(STAGES.into_iter().enumerate().map(series).collect()),
-    );
-    match stage_time(&measured, UNSORTED, Stage::Trace) {
-        Some((ns, _)) => panel.with_reference("break-even: trace of unsorted rays", ns / 1e6),
-        None => panel,
-    }
+    )
+    .with_reference("break-even: trace of unsorted rays", 1.0)
 }
 
 /// Sum over queues of a stage's median times, and its samples; `None` if it is not part of the way taken.

@@ -1,35 +1,37 @@
-//! Trace and net speedup per scene and method, trace speedup per kernel and method.
+//! Trace and net speedup per scene and method, trace speedup per kernel and method: the whole frame, and its bounces.
 
-use super::building::{by_method, figure, mean_speedup, queues, reason, recordings, settings};
+use formats::key::method::UNSORTED;
+
+use super::building::{figure, methods, of_method, queues, reason, recordings, settings};
 use super::{Findings, Made};
 use crate::analysis::labels::scene_name;
-use crate::analysis::summary::{RayClass, distinct};
-use crate::analysis::timing::SpeedupLine;
-use crate::analysis::{Metric, OrderAnalysis, RecordingAnalysis};
-use crate::figures::model::{Axis, Content, Panel, Point};
+use crate::analysis::summary::{Counted, MeanSpeedup, RayClass, distinct, total_speedup};
+use crate::analysis::{QueueAnalysis, RecordingAnalysis};
+use crate::figures::model::{Axis, Content, Panel, Point, Series};
 
-type Speedup = fn(&OrderAnalysis) -> &Metric<SpeedupLine>;
+/// How to read such a figure.
+const READING: &str = "Each marker is the whole frame: times of unsorted rays over those in the order, both summed over all bounces, round by round; the thick line is the 95 % interval of that ratio, by bootstrap over rounds. Small dots are the bounces by themselves";
 
 /// Unsorted trace over sorted trace.
 pub fn trace(findings: &Findings<'_>) -> Made {
     let words = Words {
-        title: "Trace speedup",
-        axis: "trace speedup (×)",
+        title: "Trace speedup per scene and method",
+        axis: "trace speedup",
         reference: "unsorted",
         what: "Trace time of unsorted rays over that of sorted rays, without the cost of sorting",
     };
-    speedups(findings, |order| &order.trace_speedup, &words)
+    speedups(findings, Counted::Trace, &words)
 }
 
 /// Unsorted trace over everything that sorting takes.
 pub fn net(findings: &Findings<'_>) -> Made {
     let words = Words {
-        title: "Net speedup",
-        axis: "net speedup (×)",
+        title: "Net speedup per scene and method",
+        axis: "net speedup",
         reference: "break-even",
-        what: "Trace time of unsorted rays over all that tracing in another order takes: keys, sort, gather and trace or trace through indices, and accumulate",
+        what: "Trace time of unsorted rays over all that tracing in another order takes: keys, sort, gather, trace and scatter or trace through indices, accumulate, and deciding where auto does",
     };
-    speedups(findings, |order| &order.net_speedup, &words)
+    speedups(findings, Counted::Everything, &words)
 }
 
 struct Words {
@@ -39,115 +41,154 @@ struct Words {
     what: &'static str,
 }
 
-fn speedups(findings: &Findings<'_>, speedup: Speedup, words: &Words) -> Made {
+fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
     let recordings = recordings(findings);
     let configurations = distinct(recordings.iter().map(|recording| recording.configuration.as_str()));
     let mut panels = Vec::new();
     for configuration in &configurations {
         let same = recordings.iter().filter(|recording| recording.configuration == *configuration);
         let same: Vec<&RecordingAnalysis> = same.copied().collect();
-        for rays in RayClass::ALL {
-            let mut title = format!("{} rays", rays.name());
-            if configurations.len() > 1 {
-                title = format!("{title}, {configuration}");
+        let title = |of: &str, rays: RayClass| {
+            let machine = if configurations.len() > 1 { format!(", {configuration}") } else { String::new() };
+            format!("{of}{} rays{machine}", rays.name())
+        };
+        let axes = || Axis::ratios(words.axis);
+        if same.len() > 1 {
+            for rays in RayClass::ALL {
+                let series = means(findings, &same, rays, counted);
+                panels.push(rows(findings, title("All scenes: ", rays), axes(), series));
             }
-            panels.push(panel(findings, &same, rays, speedup, words, title));
+        }
+        for recording in &same {
+            let of = if same.len() > 1 { format!("{}: ", recording.label) } else { String::new() };
+            for rays in RayClass::ALL {
+                let series = totals(findings, recording, rays, counted);
+                panels.push(rows(findings, title(&of, rays), axes(), series));
+            }
         }
     }
+    let panels = panels.into_iter().map(|panel| panel.with_reference(words.reference, 1.0));
+    let over_scenes = "\"All scenes\": geometric means over scenes, small dots the scenes.";
     let caption = format!(
-        "{}. Geometric means over bounces; whiskers reach from the lowest to the highest bounce. Secondary rays are closest rays of bounces ≥ 1. None is given for two-point-real, which must trace the rays before it can sort them.",
+        "{}. {READING}. {over_scenes} Secondary rays are closest rays of bounces ≥ 1. None is given for two-point-real, which must trace the rays before it can sort them.",
         words.what
     );
-    let title = format!("{} per scene and method", words.title);
-    let reason = reason(findings, speedup, "no method was measured on secondary or shadow rays");
-    figure(title, caption, settings(findings), panels, reason)
+    let reason = reason(
+        findings,
+        move |order| counted.speedup(order),
+        "no method was measured on secondary or shadow rays",
+    );
+    figure(words.title, caption, settings(findings), panels, reason)
 }
 
-fn panel(
+/// A panel with a row for each method that has a number.
+fn rows(findings: &Findings<'_>, title: String, axis: Axis, series: Vec<Series>) -> Panel {
+    let has_number =
+        |method: &&str| series.iter().any(|series| series.label == **method && !series.points.is_empty());
+    let shown: Vec<&str> = methods(findings).into_iter().filter(has_number).collect();
+    let mut series = series;
+    for series in &mut series {
+        let row = shown.iter().position(|method| *method == series.label).unwrap_or(0);
+        series.points.iter_mut().for_each(|point| point.x = row as f64);
+    }
+    Panel::new(title, Axis::categories("", shown), axis, Content::Dots(series))
+}
+
+/// The totals of a recording and the speedups of its bounces, a series each for each method.
+fn totals(
+    findings: &Findings<'_>,
+    recording: &RecordingAnalysis,
+    rays: RayClass,
+    counted: Counted,
+) -> Vec<Series> {
+    let name = |what: &str, method: &str| format!("{}, {}, {what}, {method}", recording.label, rays.name());
+    let total = |method: &str| {
+        let metric = total_speedup(recording, rays, method, counted);
+        let line = metric.known()?;
+        let point = number(line.ratio, line.interval, line.n, name("all bounces", method));
+        Some(of_method(findings, method, vec![point]))
+    };
+    let bounces = |method: &str| {
+        let bounce = |queue: &QueueAnalysis| {
+            let line = counted.speedup(queue.order(method)?).known()?;
+            let what = format!("bounce {}", queue.bounce);
+            Some(number(line.ratio, line.interval, line.n, name(&what, method)))
+        };
+        let points = queues(recording, rays).filter_map(bounce).collect();
+        Series { is_part: true, ..of_method(findings, method, points) }
+    };
+    let sorted: Vec<&str> = methods(findings).into_iter().filter(|method| *method != UNSORTED).collect();
+    sorted
+        .iter()
+        .filter_map(|method| total(method))
+        .chain(sorted.iter().map(|method| bounces(method)))
+        .collect()
+}
+
+/// Geometric means of the totals of several recordings, and those totals.
+fn means(
     findings: &Findings<'_>,
     recordings: &[&RecordingAnalysis],
     rays: RayClass,
-    speedup: Speedup,
-    words: &Words,
-    title: String,
-) -> Panel {
-    // Each recording, then all of them.
-    let mut shown: Vec<(&str, &[&RecordingAnalysis])> = recordings
-        .iter()
-        .map(|recording| (recording.label.as_str(), std::slice::from_ref(recording)))
-        .collect();
-    shown.extend((recordings.len() > 1).then_some(("all", recordings)));
-    let point = |place: usize, method: &str| -> Option<Point> {
-        let (label, recordings) = shown[place];
-        let queues = recordings.iter().flat_map(|recording| queues(recording, rays));
-        let lines = queues.filter_map(|queue| speedup(queue.order(method)?).known());
-        mean_speedup(place as f64, lines, format!("{label}, {}, {method}", rays.name()))
+    counted: Counted,
+) -> Vec<Series> {
+    let of = |method: &str| -> Option<[Series; 2]> {
+        let totals = recordings.iter().filter_map(|recording| {
+            Some((recording, *total_speedup(recording, rays, method, counted).known()?))
+        });
+        let totals: Vec<_> = totals.collect();
+        let mean = MeanSpeedup::of(totals.iter().map(|(_, line)| line))?;
+        let name = |of: &str| format!("{of}, {}, all bounces, {method}", rays.name());
+        let scenes = totals.iter();
+        let scenes =
+            scenes.map(|(recording, line)| number(line.ratio, line.interval, line.n, name(&recording.label)));
+        let parts = Series { is_part: true, ..of_method(findings, method, scenes.collect()) };
+        let point = number(mean.mean, None, mean.n, name("all scenes"));
+        Some([of_method(findings, method, vec![point]), parts])
     };
-    let points = |method: &str| (0..shown.len()).filter_map(|place| point(place, method)).collect();
-    Panel::new(
-        title,
-        Axis::categories("scene", shown.iter().map(|(label, _)| *label)),
-        Axis::from_zero(words.axis),
-        Content::Bars(by_method(findings, points)),
-    )
-    .with_reference(words.reference, 1.0)
+    let sorted = methods(findings).into_iter().filter(|method| *method != UNSORTED);
+    sorted.filter_map(of).flatten().collect()
 }
 
-/// Trace speedup by kernel: a panel per scene and kind of rays, of scenes that several kernels traced.
+/// A number whose row is found later.
+fn number(y: f64, spread: Option<(f64, f64)>, n: usize, name: String) -> Point {
+    Point { x: 0.0, y, spread, n, name }
+}
+
+/// Trace speedup by kernel: a panel per kernel, scene and kind of rays, of scenes that several kernels traced.
 pub fn kernels(findings: &Findings<'_>) -> Made {
     let recordings = recordings(findings);
     let mut panels = Vec::new();
     let scenes = distinct(recordings.iter().map(|recording| recording.scene.as_str()));
     for scene in &scenes {
-        let same = recordings.iter().filter(|recording| recording.scene == *scene);
-        let same: Vec<&RecordingAnalysis> = same.copied().collect();
-        if distinct(same.iter().map(kernel)).len() < 2 {
+        let same: Vec<&&RecordingAnalysis> =
+            recordings.iter().filter(|recording| recording.scene == *scene).collect();
+        let kernels = distinct(same.iter().map(|recording| recording.options.trace_kernel.as_str()));
+        if kernels.len() < 2 {
             continue;
         }
-        for rays in RayClass::ALL {
-            let mut title = format!("{} rays", rays.name());
-            if scenes.len() > 1 {
-                title = format!("{}: {title}", scene_name(scene));
+        for recording in same {
+            for rays in RayClass::ALL {
+                let of = if scenes.len() > 1 { format!("{}, ", scene_name(scene)) } else { String::new() };
+                let title = format!("{of}{}: {} rays", recording.options.trace_kernel, rays.name());
+                let (label, paper) = match rays {
+                    RayClass::Secondary => ("Meister et al. 2020, secondary rays: 1.41×", 1.41),
+                    RayClass::Shadow => ("Meister et al. 2020, shadow rays: 2.21×", 2.21),
+                };
+                let series = totals(findings, recording, rays, Counted::Trace);
+                let panel = rows(findings, title, Axis::ratios("trace speedup"), series);
+                panels.push(panel.with_reference(label, paper));
             }
-            panels.push(kernel_panel(findings, &same, rays, title));
         }
     }
+    let caption = format!(
+        "Trace time of unsorted rays over that of sorted rays, without the cost of sorting, by trace kernel. {READING}. The dashed line is what Meister et al. 2020, \"On Ray Reordering Techniques for Faster GPU Ray Tracing\", give as the mean of their software kernel (CUDA, RTX 2080 Ti, scenes of their own)."
+    );
     figure(
         "Trace speedup per kernel and method",
-        "Trace time of unsorted rays over that of sorted rays, without the cost of sorting, by trace kernel. Geometric means over bounces; whiskers reach from the lowest to the highest bounce. The line is what Meister et al. 2020, \"On Ray Reordering Techniques for Faster GPU Ray Tracing\", give as the mean of their software kernel (CUDA, RTX 2080 Ti, scenes of their own).",
+        caption,
         settings(findings),
         panels,
         "it takes two or more trace kernels on one scene: replay a recording with another --trace",
     )
-}
-
-fn kernel<'a>(recording: &&'a RecordingAnalysis) -> &'a str {
-    &recording.options.trace_kernel
-}
-
-fn kernel_panel(
-    findings: &Findings<'_>,
-    recordings: &[&RecordingAnalysis],
-    rays: RayClass,
-    title: String,
-) -> Panel {
-    let kernels = distinct(recordings.iter().map(kernel));
-    let point = |place: usize, method: &str| -> Option<Point> {
-        let own = recordings.iter().filter(|recording| kernel(recording) == kernels[place]);
-        let queues = own.flat_map(|recording| queues(recording, rays));
-        let lines = queues.filter_map(|queue| queue.order(method)?.trace_speedup.known());
-        mean_speedup(place as f64, lines, format!("{}, {}, {method}", kernels[place], rays.name()))
-    };
-    let points = |method: &str| (0..kernels.len()).filter_map(|place| point(place, method)).collect();
-    let (label, paper) = match rays {
-        RayClass::Secondary => ("Meister et al. 2020, secondary rays: 1.41×", 1.41),
-        RayClass::Shadow => ("Meister et al. 2020, shadow rays: 2.21×", 2.21),
-    };
-    Panel::new(
-        title,
-        Axis::categories("kernel", kernels.iter().copied()),
-        Axis::from_zero("trace speedup (×)"),
-        Content::Bars(by_method(findings, points)),
-    )
-    .with_reference(label, paper)
 }

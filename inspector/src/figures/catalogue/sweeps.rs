@@ -95,7 +95,7 @@ impl Sweep {
                 mean_speedup(f64::from_bits(varied), lines.iter().copied(), name)
             });
             let points = points.collect();
-            Series { style: method_style(findings, base), points, label: label.join(", ") }
+            Series { style: method_style(findings, base), points, label: label.join(", "), is_part: false }
         });
         Panel::new(
             format!("{} rays: {axis}", rays.name()),

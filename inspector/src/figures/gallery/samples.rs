@@ -64,7 +64,7 @@ pub(super) fn figure(name: &str, panels: Vec<Panel>) -> Figure {
 }
 
 fn series(label: &str, style: usize, points: Vec<Point>) -> Series {
-    Series { label: label.into(), style, points }
+    Series { label: label.into(), style, points, is_part: false }
 }
 
 /// A number between 0 and 1 that looks random.
