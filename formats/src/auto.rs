@@ -82,7 +82,7 @@ pub fn method_record(choice: &Choice, header: &Header) -> Result<MethodRecord, S
     Ok(MethodRecord {
         name: built_in.name.clone(),
         text: built_in.layout.text().to_owned(),
-        layout: layout.bits().iter().map(|coordinate| coordinate.name().to_owned()).collect(),
+        layout: layout.names(),
         termination: built_in.termination,
         key_bits: *key_bits,
         base: built_in.name,

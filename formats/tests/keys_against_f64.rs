@@ -8,7 +8,7 @@ mod oracle;
 use formats::key::{Encoder, LightSite, Method};
 use formats::ray::Ray;
 use formats::unit_space::UnitSpace;
-use oracle::{Bounds, coordinate, error_bits};
+use oracle::{Bounds, coordinate, error_bits, hilbert_digits};
 
 const MIN: [f32; 3] = [-3.0, 10.0, 0.5];
 const MAX: [f32; 3] = [5.0, 14.0, 2.5];
@@ -68,6 +68,16 @@ fn bits_of(method: &str, lights: usize) -> Vec<&'static str> {
             repeat(&["lu", "lv", "lr"], 14);
             repeat(&["ox", "oy", "oz"], 2);
         }
+        "paraboloid" => {
+            repeat(&["ox", "oy", "oz"], 4);
+            repeat(&["ox", "oy", "oz", "pu", "pv"], 10);
+            repeat(&["ox", "oy"], 1);
+        }
+        "grid-spherical" => {
+            repeat(&["ox", "oy", "oz"], 5);
+            repeat(&["theta"], 4);
+            repeat(&["phi"], 3);
+        }
         _ => {
             repeat(&["ox", "oy", "oz", "ex", "ey", "ez"], 10);
             repeat(&["ox", "oy", "oz", "ex"], 1);
@@ -77,27 +87,40 @@ fn bits_of(method: &str, lights: usize) -> Vec<&'static str> {
     bits
 }
 
-/// The key, or `None` if some coordinate lies so close to the border of its cell that rounding in
-/// f32 may put it on the other side.
+/// A bit of a coordinate, the highest being level 1; `None` if the coordinate lies so close to the border of its cell
+/// that rounding in f32 may put it on the other side.
+fn coordinate_bit(name: &str, level: i32, ray: &Ray, light: u32) -> Option<bool> {
+    let value = coordinate(name, &Bounds { min: MIN, max: MAX }, ray, LENGTH, &lights()[light as usize]);
+    let scaled = value.clamp(0.0, 1.0) * 2f64.powi(level);
+    let is_far = (scaled - scaled.round()).abs() >= 2f64.powi(level - error_bits(name));
+    is_far.then_some(scaled.floor() as u64 & 1 == 1)
+}
+
+/// The key, or `None` as of [`coordinate_bit`].
 fn oracle_key(bits: &[&'static str], key_bits: usize, ray: &Ray, light: u32) -> Option<u64> {
     let index_bits = bits.iter().filter(|name| **name == "light").count();
     let mut key = 0u64;
-    for (place, name) in bits.iter().take(key_bits).enumerate() {
-        let level = bits[..place].iter().filter(|other| *other == name).count() as i32 + 1;
-        let bit = if *name == "light" {
-            u64::from(light) >> (index_bits as i32 - level) & 1
-        } else {
-            let site = &lights()[light as usize];
-            let value = coordinate(name, &Bounds { min: MIN, max: MAX }, ray, LENGTH, site);
-            let scaled = value.clamp(0.0, 1.0) * 2f64.powi(level);
-            if (scaled - scaled.round()).abs() < 2f64.powi(level - error_bits(name)) {
-                return None;
-            }
-            scaled.floor() as u64 & 1
+    for place in 0..key_bits {
+        let Some(name) = bits.get(place) else {
+            key <<= 1;
+            continue;
         };
-        key = key << 1 | bit;
+        let level = bits[..place].iter().filter(|other| *other == name).count() as i32 + 1;
+        let bit = match *name {
+            "light" => light >> (index_bits as i32 - level) & 1 == 1,
+            name => coordinate_bit(name, level, ray, light)?,
+        };
+        key = key << 1 | u64::from(bit);
     }
     Some(key)
+}
+
+/// The key along a Hilbert curve, likewise.
+fn hilbert_key(axes: &[&str], key_bits: usize, ray: &Ray) -> Option<u64> {
+    let level =
+        |level: i32| axes.iter().map(|axis| coordinate_bit(axis, level, ray, 0)).collect::<Option<Vec<_>>>();
+    let levels = (1..=key_bits.div_ceil(axes.len()) as i32).map(level).collect::<Option<Vec<_>>>()?;
+    Some(hilbert_digits(&levels)[..key_bits].iter().fold(0, |key, &bit| key << 1 | u64::from(bit)))
 }
 
 fn rays() -> impl Iterator<Item = Ray> {
@@ -130,6 +153,8 @@ fn every_method_puts_every_bit_where_keys_says() {
         "two-point-adaptive",
         "two-point-real",
         "light-octahedron",
+        "paraboloid",
+        "grid-spherical",
     ];
     for name in methods {
         let layout = Method::builtin(name).unwrap().layout.expand(lights.len()).unwrap();
@@ -154,11 +179,45 @@ fn every_method_puts_every_bit_where_keys_says() {
 }
 
 #[test]
+fn curves_and_exclusive_ors_are_what_keys_says() {
+    let unit = UnitSpace::from_bounds(MIN, MAX);
+    let (origin, end) = (["ox", "oy", "oz"], ["ex", "ey", "ez"]);
+    let morton = |axes: &[&'static str], key_bits, ray: &Ray| oracle_key(&axes.repeat(22), key_bits, ray, 0);
+    for (name, expected) in [
+        (
+            "hilbert-origin",
+            &(|key_bits, ray: &Ray| hilbert_key(&origin, key_bits, ray)) as &dyn Fn(usize, &Ray) -> _,
+        ),
+        ("hilbert-two-point", &|key_bits, ray| hilbert_key(&[origin, end].concat(), key_bits, ray)),
+        ("two-point-xor", &|key_bits, ray| {
+            Some(morton(&origin, key_bits, ray)? ^ morton(&end, key_bits, ray)?)
+        }),
+    ] {
+        let layout = Method::builtin(name).unwrap().layout.expand(1).unwrap();
+        for key_bits in [8, 12, 16, 24, 32] {
+            let encoder = Encoder::new(&layout, key_bits, unit, &[]);
+            let known = rays().filter_map(|ray| Some((ray, expected(key_bits as usize, &ray)?)));
+            let compared = known
+                .map(|(ray, expected): (Ray, u64)| {
+                    let found = encoder.encode(&ray, LENGTH as f32, 0);
+                    assert_eq!(found, expected, "{name} at {key_bits} bits: {found:b} for {ray:?}");
+                })
+                .count();
+            assert!(compared > 200, "{name} at {key_bits} bits: only {compared} rays were far from a border");
+        }
+    }
+}
+
+#[test]
 fn layouts_name_the_same_bits() {
-    for name in ["origin", "reis", "costa", "aila", "octahedron", "two-point", "light-octahedron"] {
+    let others = ["paraboloid", "grid-spherical"];
+    for name in ["origin", "reis", "costa", "aila", "octahedron", "two-point", "light-octahedron"]
+        .into_iter()
+        .chain(others)
+    {
         for lights in [1, 5, 64] {
             let layout = Method::builtin(name).unwrap().layout.expand(lights).unwrap();
-            let names: Vec<_> = layout.bits().iter().map(|coordinate| coordinate.name()).collect();
+            let names = layout.names();
             let expected = bits_of(name, lights);
             assert_eq!(names[..expected.len()], expected[..], "{name} with {lights} lights");
         }

@@ -79,7 +79,7 @@ fn names_mean_what_the_recording_holds() {
     let (keys, layout) = order.keys.as_ref().unwrap();
     let ex = |ray: usize| {
         let fields = decode(&layout.layout, layout.key_bits, keys.at(ray));
-        fields.iter().find(|field| field.coordinate.name() == "ex").unwrap().value
+        fields.iter().find(|field| field.bit.to_string() == "ex").unwrap().value
     };
     let groups = order.groups(GroupWidth::default());
     let group = |place: usize| &groups.groups[place / 64];

@@ -10,9 +10,10 @@ use egui_kittest::kittest::Queryable;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 use inspector::analysis::GroupWidth;
-use inspector::model::Context;
 use inspector::model::derived::Filtered;
+use inspector::model::key::{ReadKey, field_text};
 use inspector::model::what_if::{Estimate, Settings, WHAT_IF};
+use inspector::model::{Context, Order};
 use inspector::panels::space::options::SpaceOptions;
 use inspector::render::geometry::Shape;
 use inspector::render::picture::Stage;
@@ -69,6 +70,51 @@ fn recorded_settings_give_recorded_keys_and_places() {
         }
     }
     assert!(compared > 1000, "{compared} keys are too few");
+}
+
+/// Keys of the words for curves, exclusive or and lengths, read back field by field.
+#[test]
+fn curves_and_lengths_are_typed_and_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let header = context.recording().unwrap().dump.manifest().header.clone();
+    let mut made = |text: &str| {
+        let mut settings = Settings::named(text, &header);
+        settings.key_bits = 32;
+        context.what_if = Some(settings);
+        context.selection.order_by(WHAT_IF);
+        loop {
+            match context.what_if_order().unwrap() {
+                Some(order) => break order,
+                None => assert!(context.finish()),
+            };
+        }
+    };
+    let keys = |order: &Order| {
+        let (keys, _) = order.keys.as_ref().unwrap();
+        (0..order.len()).map(|ray| keys.at(ray)).collect::<Vec<_>>()
+    };
+    let learnt = made("two-point-adaptive");
+    assert_eq!(keys(&learnt), keys(&made("(ox oy oz ex ey ez)*10 ox oy oz ex @adaptive")));
+    let origin = made("origin");
+    let curve = made("hilbert(ox oy oz)*");
+    let words = |order: &Order, ray: usize| {
+        let key = ReadKey::of(order, ray).unwrap();
+        (key.fields.iter().map(field_text).collect::<Vec<_>>(), key)
+    };
+    for ray in 0..origin.len() {
+        let ((_, morton), (_, hilbert)) = (words(&origin, ray), words(&curve, ray));
+        for (morton, hilbert) in morton.fields.iter().zip(&hilbert.fields) {
+            assert_eq!(morton.value >> (morton.bits - 10), hilbert.value >> (hilbert.bits - 10));
+        }
+        assert!(hilbert.bits.iter().all(|bit| hilbert.field_of(bit) == Some(0)));
+    }
+    let mixed = made("two-point-xor");
+    let (text, key) = words(&mixed, 3);
+    assert_eq!(text[0].split_at(8).0, "ox ^ ex ");
+    assert_eq!(key.fields.len(), 3);
+    assert!(mixed.readable_fields().is_empty());
+    assert_eq!(curve.readable_fields().len(), 3);
 }
 
 #[test]

@@ -26,6 +26,16 @@ use recorder::stages::trace::{Order, Precision, TraceKernel};
 use scenes::Scene;
 use scenes::bvh::{Bvh, BvhKind};
 
+/// Every built-in method, and layouts of one's own that no row has.
+const METHODS: [&str; 6] = [
+    "--methods",
+    "all,paraboloid,hilbert-origin,hilbert-two-point,two-point-xor,grid-spherical",
+    "--method",
+    "learnt-curve=u*3 hilbert(ez oy pu dx)*7 v @adaptive",
+    "--method",
+    "traced-xor=ox*5 ((oy oz)*6 ^ hilbert(theta phi ex)*4) ez*9 @real",
+];
+
 fn options(scene: &str, extra: &[&str]) -> RecordOptions {
     let words = [scene, "--out", "unused", "--width", "96", "--height", "64", "--bounces", "4"];
     parse_record(words.iter().chain(extra).map(|&word| word.into())).unwrap()
@@ -177,7 +187,8 @@ fn compare_run(options: &RecordOptions) -> usize {
 
 #[test]
 fn keys_permutations_and_tables_are_equal_at_16_bits() {
-    assert!(compare_run(&options("builtin:cornell", &["--key-bits", "16"])) > 300_000);
+    let extra = [METHODS.as_slice(), &["--key-bits", "16"]].concat();
+    assert!(compare_run(&options("builtin:cornell", &extra)) > 300_000);
 }
 
 #[test]
@@ -188,7 +199,8 @@ fn keys_permutations_and_tables_are_equal_at_32_bits() {
 
 #[test]
 fn keys_permutations_and_tables_are_equal_at_64_bits() {
-    let extra = ["--key-bits", "64", "--table-method", "octahedron", "--two-point-length", "0.4"];
+    let table = ["--table-method", "hilbert-origin", "--two-point-length", "0.4", "--key-bits", "64"];
+    let extra = [METHODS, table].concat();
     assert!(compare_run(&options("builtin:terrain?triangles=20000", &extra)) > 100_000);
 }
 
@@ -304,7 +316,8 @@ fn keys_of_odd_rays_are_equal_in_boxes_of_any_extent() {
         ([0.0; 3], [0.0; 3]),
     ];
     for (min, max) in boxes {
-        let options = options("builtin:cornell", &["--key-bits", "64"]);
+        let extra = [METHODS.as_slice(), &["--key-bits", "64"]].concat();
+        let options = options("builtin:cornell", &extra);
         let scene = scenes::load(&options.scene).unwrap();
         let setup = recording::setup(&scene, &scene.cameras[0], &options).unwrap();
         let setup = Arc::new(Setup { unit: UnitSpace::from_bounds(min, max), ..setup });

@@ -3,16 +3,20 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::collections::BTreeMap;
+use std::fs;
+use std::process::Command;
 
 use formats::key::LightSite;
 use formats::length_table::LengthCell;
 use formats::manifest::{MethodArray, Place, QueueArray, QueueId, QueueRecord};
 use formats::ray::{Hit, Kind, Ray};
 use formats::reader::Dump;
+use serde_json::json;
 use tempfile::tempdir;
 use tests::keys::{Facts, Space, applies, layout, mean_length, summed};
-use tests::programs::Program;
+use tests::programs::{Program, finish};
 use tests::recordings::record;
+use tests::sources::root;
 
 const TABLE_BITS: usize = 20;
 
@@ -153,6 +157,44 @@ fn check(scene: &str, options: &str, key_bits: u32) {
     }
     // Three bounces of both kinds with eight methods each, light-octahedron for shadow rays alone.
     assert!(checked >= 3 * (8 + 9), "only {checked} orders were checked");
+}
+
+/// Rows of others, which `all` does not stand for, against NumPy.
+fn check_others(scene: &str, options: &str, key_bits: u32) {
+    let folder = tempdir().unwrap();
+    let methods = "paraboloid,hilbert-origin,hilbert-two-point,two-point-xor,grid-spherical";
+    record(
+        folder.path(),
+        "others",
+        scene,
+        &format!("--repeats 1 --key-bits {key_bits} --methods {methods} {options}"),
+    );
+    Program::Inspector.run(folder.path(), "verify others.raydump").succeeded();
+    let dump = Dump::open(&folder.path().join("others.raydump")).unwrap();
+    let header = &dump.manifest().header;
+    let (min, max) = (header.scene.bounds_min, header.scene.bounds_max);
+    let facts = json!({ "min": min, "max": max, "length": 0.25, "key_bits": key_bits });
+    let file = folder.path().join("facts.json");
+    fs::write(&file, facts.to_string()).unwrap();
+    let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
+    let mut command = Command::new(python);
+    command.arg(root().join("tests/check_keys.py")).arg(dump.root()).arg(file);
+    let compared = finish(&mut command).succeeded().json();
+    for method in methods.split(',') {
+        assert!(compared[method].as_u64().unwrap() > 5000, "{method}: {compared}");
+    }
+}
+
+#[test]
+fn rows_of_others_on_threads() {
+    check_others("builtin:atrium?triangles=4000", "--backend cpu", 32);
+    check_others("builtin:terrain?triangles=4000", "--backend cpu", 64);
+}
+
+#[test]
+fn rows_of_others_on_the_gpu() {
+    check_others("builtin:atrium?triangles=4000", "--backend gpu", 32);
+    check_others("builtin:terrain?triangles=4000", "--backend gpu", 64);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! A few rays coordinate by coordinate: what their keys are made from, in loops without branches, which processors
 //! with vectors run several rays at a time.
 
-use super::coordinates::{cartesian, from_light, octahedral, quantise, seen_from};
+use super::coordinates::{cartesian, from_light, octahedral, paraboloid, quantise, seen_from};
 use super::{Coordinate, LightSite, angle, termination};
 use crate::ray::Ray;
 use crate::unit_space::UnitSpace;
@@ -163,6 +163,8 @@ impl<const N: usize> Block<N> {
             C::DirectionZ => self.quantised_direction(2),
             C::OctahedralU => self.octahedral[0],
             C::OctahedralV => self.octahedral[1],
+            C::ParaboloidU => lanes(|at| quantise(paraboloid(self.direction(at))[0])),
+            C::ParaboloidV => lanes(|at| quantise(paraboloid(self.direction(at))[1])),
             C::Azimuth => lanes(|at| quantise(angle::azimuth(self.direction[0][at], self.direction[1][at]))),
             C::Polar => lanes(|at| quantise(angle::polar(self.direction[2][at]))),
             C::Light => self.lights,

@@ -36,6 +36,14 @@ pub fn octahedral(d: [f32; 3]) -> [f32; 2] {
     [select(upper[0], lower[0]), select(upper[1], lower[1])]
 }
 
+/// Paraboloid map of a unit vector to [0, 1]²: directions with z < 0 in the left half, the others in the right one.
+#[inline(always)]
+pub fn paraboloid(d: [f32; 3]) -> [f32; 2] {
+    let k = d[2].abs() + 1.0;
+    let half = if d[2] < 0.0 { 0.25 } else { 0.75 };
+    [d[0] / k * 0.25 + half, d[1] / k * 0.5 + 0.5]
+}
+
 /// Coordinates of a shadow ray seen from its light: (u, v, r), each in [0, 1].
 ///
 /// `origin` in unit space. See KEYS, light-octahedron.
@@ -95,6 +103,15 @@ mod tests {
         assert_eq!(octahedral([0.0, -2.0, 0.0]), [0.5, 0.0]);
         assert_eq!(octahedral([1.0, 1.0, -2.0]), [0.875, 0.875]);
         assert_eq!(octahedral([0.0, 0.0, -1.0]), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn paraboloids_lie_side_by_side() {
+        assert_eq!(paraboloid([0.0, 0.0, 1.0]), [0.75, 0.5]);
+        assert_eq!(paraboloid([0.0, 0.0, -1.0]), [0.25, 0.5]);
+        assert_eq!(paraboloid([1.0, 0.0, 0.0]), [1.0, 0.5]);
+        assert_eq!(paraboloid([0.0, -1.0, 0.0]), [0.75, 0.0]);
+        assert_eq!(paraboloid([-0.8, 0.0, -0.6]), [0.125, 0.5]);
     }
 
     #[test]

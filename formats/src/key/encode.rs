@@ -4,9 +4,9 @@
 //! compiled for it, with a way of its own to spread bits.
 
 use super::block::{Block, Needs};
-use super::layout::Layout;
+use super::layout::{CURVE_AXES, Layout, Share, Source};
 use super::spread::Spread;
-use super::{Coordinate, LightSite};
+use super::{COORDINATE_BITS, LightSite, hilbert};
 use crate::ray::Ray;
 use crate::unit_space::UnitSpace;
 
@@ -18,8 +18,39 @@ const BLOCK: usize = 64;
 pub struct Encoder {
     unit: UnitSpace,
     lights: Vec<LightSite>,
-    spreads: Vec<(Coordinate, Spread)>,
+    parts: Vec<Part>,
     needs: Needs,
+}
+
+/// What one source adds to a key.
+#[derive(Clone, Debug)]
+struct Part {
+    source: Source,
+    width: u32,
+    /// One for each axis.
+    spreads: Vec<Spread>,
+}
+
+impl Part {
+    fn new(share: &Share) -> Self {
+        let spreads = share.positions.iter().map(|positions| Spread::new(share.width, positions));
+        Self { source: share.source, width: share.width, spreads: spreads.collect() }
+    }
+
+    /// Hands the numbers that each axis spreads to `add`.
+    #[inline(always)]
+    fn each<const N: usize>(&self, block: &Block<N>, mut add: impl FnMut(&Spread, &[u32; N])) {
+        if let ([axis], [spread]) = (self.source.axes(), self.spreads.as_slice()) {
+            return add(spread, &block.quantised(*axis));
+        }
+        let mut words = [[0; N]; CURVE_AXES];
+        let words = &mut words[..self.spreads.len()];
+        for (word, &axis) in words.iter_mut().zip(self.source.axes()) {
+            *word = block.quantised(axis).map(|number| number >> (COORDINATE_BITS - self.width));
+        }
+        hilbert::to_curve(words, self.width);
+        self.spreads.iter().zip(words.iter()).for_each(|(spread, word)| add(spread, word));
+    }
 }
 
 impl Encoder {
@@ -27,10 +58,9 @@ impl Encoder {
     ///
     /// `lights` are the scene's, by index; only layouts with light coordinates look at them.
     pub fn new(layout: &Layout, key_bits: u32, unit: UnitSpace, lights: &[LightSite]) -> Self {
-        let fields = layout.fields(key_bits);
-        let needs = Needs::of(fields.iter().map(|field| field.coordinate));
-        let spreads = fields.iter().map(|field| (field.coordinate, Spread::new(field))).collect();
-        Self { unit, lights: lights.to_vec(), spreads, needs }
+        let shares = layout.shares(key_bits);
+        let needs = Needs::of(shares.iter().flat_map(|share| share.source.axes().iter().copied()));
+        Self { unit, lights: lights.to_vec(), parts: shares.iter().map(Part::new).collect(), needs }
     }
 
     /// The key of a ray. `length` is the estimate in unit lengths, `light` the index of a shadow
@@ -95,8 +125,8 @@ impl Encoder {
             let first = number * BLOCK;
             self.fill(&mut block, rays, |at| length(first + at), |at| light(first + at));
             let mut words = [[0; BLOCK]; 2];
-            for (coordinate, spread) in &self.spreads {
-                spread.add_to_words(&mut words, &block.quantised(*coordinate));
+            for part in &self.parts {
+                part.each(&block, |spread, numbers| spread.add_to_words(&mut words, numbers));
             }
             let [low, high] = words;
             let keys = low.iter().zip(&high).map(|(&low, &high)| u64::from(high) << 32 | u64::from(low));
@@ -130,8 +160,8 @@ impl Encoder {
 
     fn keys<const N: usize>(&self, block: &Block<N>) -> [u64; N] {
         let mut keys = [0; N];
-        for (coordinate, spread) in &self.spreads {
-            spread.add_to(&mut keys, &block.quantised(*coordinate));
+        for part in &self.parts {
+            part.each(block, |spread, numbers| spread.add_to(&mut keys, numbers));
         }
         keys
     }

@@ -1,18 +1,10 @@
-//! A key's bits as data: which coordinate each of the 64 bits comes from.
-//!
-//! Text form, as in KEYS and on the command line: names separated by blanks, `(…)*n` repeats a
-//! group n times, `(…)*` repeats it to the end. `light` stands for as many bits as the number of
-//! lights needs. Each mention of a name takes that coordinate's next lower bit.
+//! A key's bits as data: what each of the 64 bits comes from.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{COORDINATE_BITS, LAYOUT_BITS};
-use crate::text::one_line;
-
-/// Most characters of a text that a message shows.
-const SHOWN: usize = 200;
+use super::COORDINATE_BITS;
 
 macro_rules! coordinates {
     ($($(#[doc = $doc:literal])* $variant:ident = $name:literal $(| $alias:literal)?,)*) => {
@@ -29,7 +21,7 @@ macro_rules! coordinates {
                 match self { $(Self::$variant => $name,)* }
             }
 
-            fn from_name(name: &str) -> Option<Self> {
+            pub(super) fn from_name(name: &str) -> Option<Self> {
                 match name { $($name $(| $alias)? => Some(Self::$variant),)* _ => None }
             }
         }
@@ -59,6 +51,10 @@ coordinates! {
     OctahedralU = "u",
     /// Direction, octahedral, second coordinate.
     OctahedralV = "v",
+    /// Direction, paraboloid, first coordinate.
+    ParaboloidU = "pu",
+    /// Direction, paraboloid, second coordinate.
+    ParaboloidV = "pv",
     /// Direction, spherical: azimuth.
     Azimuth = "theta" | "θ",
     /// Direction, spherical: polar angle.
@@ -85,342 +81,167 @@ impl Coordinate {
     }
 }
 
-/// What is wrong with a layout's text, and where.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub struct LayoutError {
-    /// What was found and what was expected.
-    pub message: String,
-    /// The whole text.
-    pub text: String,
-    /// First character at fault, counted in characters.
-    pub start: usize,
-    /// How many characters are at fault, ≥ 1.
-    pub length: usize,
+/// Most coordinates that a Hilbert curve can go through.
+pub const CURVE_AXES: usize = 6;
+
+/// What bits are taken from, highest first: a coordinate, or the place along the Hilbert curve through several.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Source {
+    axes: [Coordinate; CURVE_AXES],
+    count: usize,
 }
 
-impl fmt::Display for LayoutError {
+impl Source {
+    /// A coordinate itself.
+    pub fn coordinate(coordinate: Coordinate) -> Self {
+        Self { axes: [coordinate; CURVE_AXES], count: 1 }
+    }
+
+    /// The Hilbert curve through 2 to [`CURVE_AXES`] coordinates; `None` for fewer or more.
+    pub fn curve(coordinates: &[Coordinate]) -> Option<Self> {
+        let count = coordinates.len();
+        let axes = || std::array::from_fn(|axis| coordinates[axis % count]);
+        (2..=CURVE_AXES).contains(&count).then(|| Self { axes: axes(), count })
+    }
+
+    /// The coordinates, of which the curve's lowest bits change the last one first.
+    pub fn axes(&self) -> &[Coordinate] {
+        &self.axes[..self.count]
+    }
+}
+
+impl fmt::Display for Source {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Of a text that fills the screen, the part at fault.
-        let skipped = self.start.saturating_sub(SHOWN / 2);
-        let blanks = " ".repeat(self.start - skipped);
-        let marks = "^".repeat(self.length.min(SHOWN / 2));
-        let shown = self.text.chars().skip(skipped).take(SHOWN);
-        // As many places as characters, and nothing that a terminal obeys.
-        let text: String = shown.map(|c| if c.is_control() { ' ' } else { c }).collect();
-        write!(f, "{}\n  {text}\n  {blanks}{marks}", self.message)
+        let names: Vec<&str> = self.axes().iter().map(|axis| axis.name()).collect();
+        match names.as_slice() {
+            [name] => f.write_str(name),
+            names => write!(f, "hilbert({})", names.join(" ")),
+        }
     }
 }
 
+/// A bit of a key: the next lower bit of its source, or the exclusive or of several.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Item {
-    Name(Coordinate, usize, usize),
-    Group(Vec<Item>, Option<usize>),
-}
+pub struct Bit(pub(super) Vec<Source>);
 
-/// A parsed layout text; becomes a [`Layout`] once the number of lights is known.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LayoutText {
-    text: String,
-    items: Vec<Item>,
-}
-
-impl LayoutText {
-    /// Parses a text such as `(ox oy oz)*4 (u v ex ey ez)*10`.
-    ///
-    /// # Errors
-    /// Unknown words, unbalanced brackets, bad counts, no bit at all, a coordinate with more than
-    /// 22 bits, more than 64 bits (without `light`, where the tail is cut), `light` more than once;
-    /// each with its place.
-    pub fn parse(text: &str) -> Result<Self, LayoutError> {
-        let characters: Vec<char> = text.chars().collect();
-        let mut parser = Parser { text, characters: &characters, at: 0 };
-        let items = parser.items(0)?;
-        let parsed = Self { text: text.to_owned(), items };
-        // One light is the case with the fewest index bits, so it shows every other fault; two show
-        // an index that is mentioned twice.
-        parsed.expand(1)?;
-        parsed.expand(2)?;
-        Ok(parsed)
+impl Bit {
+    /// What it comes from; several where a layout says `^`.
+    pub fn sources(&self) -> &[Source] {
+        &self.0
     }
 
-    /// The text as it was typed.
-    pub fn text(&self) -> &str {
-        &self.text
-    }
-
-    /// The layout for a scene with this many lights (at least 1).
-    ///
-    /// # Errors
-    /// None beyond those that [`LayoutText::parse`] already reported, up to 2^22 lights.
-    pub fn expand(&self, lights: usize) -> Result<Layout, LayoutError> {
-        let mut bits = Vec::new();
-        let light_bits = light_index_bits(lights);
-        self.append(&self.items, light_bits, &mut bits)?;
-        if bits.is_empty() {
-            return Err(self.error(
-                "a layout needs at least one coordinate",
-                0,
-                self.text.chars().count().max(1),
-            ));
+    /// The coordinate that it is of, if it can be read back from the key.
+    pub fn coordinate(&self) -> Option<Coordinate> {
+        match self.sources() {
+            [source] if source.count == 1 => Some(source.axes[0]),
+            _ => None,
         }
-        let cuts_tail = bits.iter().any(|(coordinate, ..)| *coordinate == Coordinate::Light);
-        if bits.len() > LAYOUT_BITS as usize && !cuts_tail {
-            let (_, start, length) = bits[LAYOUT_BITS as usize];
-            return Err(self.error("this word makes the layout longer than 64 bits", start, length));
-        }
-        bits.truncate(LAYOUT_BITS as usize);
-        let mut counts = std::collections::BTreeMap::new();
-        for &(coordinate, start, length) in &bits {
-            let count = counts.entry(coordinate).or_insert(0);
-            *count += 1;
-            if coordinate == Coordinate::Light && *count > light_bits {
-                let message = "'light' is the whole index already, so it can be mentioned only once";
-                return Err(self.error(message, start, length));
-            }
-            if *count > COORDINATE_BITS {
-                let message = format!(
-                    "'{}' is mentioned more than {COORDINATE_BITS} times, and a coordinate has no more bits than that",
-                    coordinate.name()
-                );
-                return Err(self.error(&message, start, length));
-            }
-        }
-        Ok(Layout { bits: bits.into_iter().map(|(coordinate, ..)| coordinate).collect(), light_bits })
-    }
-
-    fn append(
-        &self,
-        items: &[Item],
-        light_bits: u32,
-        bits: &mut Vec<(Coordinate, usize, usize)>,
-    ) -> Result<(), LayoutError> {
-        // One bit past the limit is enough to see that it was passed.
-        let full = |bits: &Vec<_>| bits.len() > LAYOUT_BITS as usize;
-        for item in items {
-            match item {
-                Item::Name(Coordinate::Light, start, length) => {
-                    bits.extend((0..light_bits).map(|_| (Coordinate::Light, *start, *length)));
-                }
-                Item::Name(coordinate, start, length) => bits.push((*coordinate, *start, *length)),
-                Item::Group(group, Some(times)) => {
-                    for _ in 0..*times {
-                        if full(bits) {
-                            break;
-                        }
-                        self.append(group, light_bits, bits)?;
-                    }
-                }
-                Item::Group(group, None) => {
-                    let mut before = usize::MAX;
-                    while bits.len() < LAYOUT_BITS as usize && bits.len() != before {
-                        before = bits.len();
-                        self.append(group, light_bits, bits)?;
-                    }
-                    bits.truncate(LAYOUT_BITS as usize);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn error(&self, message: &str, start: usize, length: usize) -> LayoutError {
-        LayoutError { message: message.to_owned(), text: self.text.clone(), start, length }
     }
 }
 
-/// ⌈log2 lights⌉, the bits that a light's index takes.
-pub fn light_index_bits(lights: usize) -> u32 {
-    usize::BITS - lights.max(1).saturating_sub(1).leading_zeros()
-}
-
-struct Parser<'a> {
-    text: &'a str,
-    characters: &'a [char],
-    at: usize,
-}
-
-impl Parser<'_> {
-    fn items(&mut self, depth: usize) -> Result<Vec<Item>, LayoutError> {
-        let mut items = Vec::new();
-        while let Some(&character) = self.characters.get(self.at) {
-            match character {
-                c if c.is_whitespace() => self.at += 1,
-                '(' if depth >= 8 => {
-                    return Err(self.error("brackets are nested more than 8 deep", self.at, 1));
-                }
-                '(' => items.push(self.group(depth)?),
-                ')' if depth > 0 => return Ok(items),
-                ')' => return Err(self.error("')' has no '(' before it", self.at, 1)),
-                c if c.is_alphabetic() => items.push(self.name()?),
-                c => {
-                    let problem =
-                        format!("found '{}', expected a coordinate's name or '('", c.escape_debug());
-                    return Err(self.error(&problem, self.at, 1));
-                }
-            }
-        }
-        Ok(items)
-    }
-
-    fn group(&mut self, depth: usize) -> Result<Item, LayoutError> {
-        let open = self.at;
-        self.at += 1;
-        let items = self.items(depth + 1)?;
-        if self.characters.get(self.at) != Some(&')') {
-            return Err(self.error("'(' has no ')' after it", open, 1));
-        }
-        self.at += 1;
-        if items.is_empty() {
-            return Err(self.error("the group is empty", open, self.at - open));
-        }
-        if !matches!(self.characters.get(self.at), Some('*' | '×')) {
-            return Ok(Item::Group(items, Some(1)));
-        }
-        self.at += 1;
-        let start = self.at;
-        while self.characters.get(self.at).is_some_and(char::is_ascii_digit) {
-            self.at += 1;
-        }
-        if start == self.at {
-            return Ok(Item::Group(items, None));
-        }
-        let digits: String = self.characters[start..self.at].iter().collect();
-        match digits.parse() {
-            Ok(times @ 1..=64) => Ok(Item::Group(items, Some(times))),
-            _ => Err(self.error("a group can be repeated 1 to 64 times", start, self.at - start)),
-        }
-    }
-
-    fn name(&mut self) -> Result<Item, LayoutError> {
-        let start = self.at;
-        while self.characters.get(self.at).is_some_and(|c| c.is_alphanumeric()) {
-            self.at += 1;
-        }
-        let name: String = self.characters[start..self.at].iter().collect();
-        let length = self.at - start;
-        let coordinate = Coordinate::from_name(&name).ok_or_else(|| {
-            let known: Vec<_> = Coordinate::ALL.iter().map(|coordinate| coordinate.name()).collect();
-            let (name, known) = (one_line(&name, SHOWN), known.join(" "));
-            self.error(&format!("unknown coordinate '{name}'; there are {known}"), start, length)
-        })?;
-        Ok(Item::Name(coordinate, start, length))
-    }
-
-    fn error(&self, message: &str, start: usize, length: usize) -> LayoutError {
-        LayoutError { message: message.to_owned(), text: self.text.to_owned(), start, length }
+impl From<Coordinate> for Bit {
+    fn from(coordinate: Coordinate) -> Self {
+        Self(vec![Source::coordinate(coordinate)])
     }
 }
 
-/// Which coordinate each bit of a key comes from, most significant bit first; 1 to 64 bits.
+impl fmt::Display for Bit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<String> = self.0.iter().map(Source::to_string).collect();
+        f.write_str(&names.join(" ^ "))
+    }
+}
+
+/// What each bit of a key comes from, most significant bit first; 1 to 64 bits.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Layout {
-    bits: Vec<Coordinate>,
-    light_bits: u32,
+    pub(super) bits: Vec<Bit>,
+    pub(super) light_bits: u32,
 }
 
-/// One coordinate's share of a key.
+/// The bits of a key that come from the same.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Field {
-    /// Which coordinate.
-    pub coordinate: Coordinate,
-    /// Width to which the coordinate is quantised: 22, or the light index's own width.
-    pub width: u32,
-    /// Positions in the k-bit key (0 = least significant) of the coordinate's bits, highest bit first.
+    /// What each of them is.
+    pub bit: Bit,
+    /// Their positions in the k-bit key (0 = least significant), highest bit first.
     pub positions: Vec<u32>,
 }
 
+/// One source's share of a key.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Share {
+    /// The source.
+    pub source: Source,
+    /// Bits of each coordinate that positions are counted in: 22, the light index's own, or of a curve as many
+    /// as the key has levels of it.
+    pub width: u32,
+    /// For each axis of the source, positions in the k-bit key (0 = least significant) of its bits, highest bit
+    /// first. Shares of one position are combined by exclusive or.
+    pub positions: Vec<Vec<u32>>,
+}
+
 impl Layout {
-    /// From coordinates as a manifest lists them; `None` if no layout has so many bits, in all or of one
-    /// coordinate.
-    pub fn from_bits(bits: Vec<Coordinate>) -> Option<Self> {
-        let count = |wanted| bits.iter().filter(|&&coordinate| coordinate == wanted).count() as u32;
-        let fits = bits.len() <= LAYOUT_BITS as usize
-            && Coordinate::ALL.iter().all(|&coordinate| count(coordinate) <= COORDINATE_BITS);
-        let light_bits = count(Coordinate::Light);
-        fits.then_some(Self { bits, light_bits })
+    /// What each bit comes from, most significant bit first.
+    pub fn bits(&self) -> &[Bit] {
+        &self.bits
     }
 
-    /// The coordinates, most significant bit first.
-    pub fn bits(&self) -> &[Coordinate] {
-        &self.bits
+    /// The same as manifests have it.
+    pub fn names(&self) -> Vec<String> {
+        self.bits.iter().map(Bit::to_string).collect()
     }
 
     /// Whether any bit comes from a coordinate for which `predicate` holds.
     pub fn uses(&self, predicate: impl Fn(Coordinate) -> bool) -> bool {
-        self.bits.iter().any(|&coordinate| predicate(coordinate))
+        let sources = self.bits.iter().flat_map(Bit::sources);
+        sources.flat_map(Source::axes).any(|&coordinate| predicate(coordinate))
     }
 
     /// The fields of the layout's k-bit prefix, in order of first mention. Bits past the end of a
     /// layout shorter than `key_bits` are 0.
     pub fn fields(&self, key_bits: u32) -> Vec<Field> {
         let mut fields: Vec<Field> = Vec::new();
-        for (place, &coordinate) in self.bits.iter().take(key_bits as usize).enumerate() {
-            let position = key_bits - 1 - place as u32;
-            match fields.iter_mut().find(|field| field.coordinate == coordinate) {
+        for (bit, position) in self.bits.iter().zip((0..key_bits).rev()) {
+            match fields.iter_mut().find(|field| field.bit == *bit) {
                 Some(field) => field.positions.push(position),
-                None => fields.push(Field {
-                    coordinate,
-                    width: if coordinate == Coordinate::Light { self.light_bits } else { COORDINATE_BITS },
-                    positions: vec![position],
-                }),
+                None => fields.push(Field { bit: bit.clone(), positions: vec![position] }),
             }
         }
         fields
     }
+
+    /// The shares of the sources in the layout's k-bit prefix, in order of first mention.
+    pub fn shares(&self, key_bits: u32) -> Vec<Share> {
+        let mut shares: Vec<(Source, Vec<u32>)> = Vec::new();
+        for (bit, position) in self.bits.iter().zip((0..key_bits).rev()) {
+            for &source in bit.sources() {
+                match shares.iter_mut().find(|(known, _)| *known == source) {
+                    Some((_, positions)) => positions.push(position),
+                    None => shares.push((source, vec![position])),
+                }
+            }
+        }
+        let share = |(source, positions): (Source, Vec<u32>)| {
+            let width = match source.axes() {
+                [Coordinate::Light] => self.light_bits,
+                [_] => COORDINATE_BITS,
+                axes => positions.len().div_ceil(axes.len()) as u32,
+            };
+            Share { source, width, positions: by_axis(&positions, source.count) }
+        };
+        shares.into_iter().map(share).collect()
+    }
+}
+
+/// The positions of a source's bits, for each of its axes.
+pub(super) fn by_axis(positions: &[u32], axes: usize) -> Vec<Vec<u32>> {
+    (0..axes).map(|axis| positions.iter().copied().skip(axis).step_by(axes).collect()).collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-
-    fn bits(text: &str, lights: usize) -> Vec<&'static str> {
-        let layout = LayoutText::parse(text).unwrap().expand(lights).unwrap();
-        layout.bits().iter().map(|coordinate| coordinate.name()).collect()
-    }
-
-    #[test]
-    fn groups_repeat_and_fill() {
-        assert_eq!(bits("(ox oy)*2 u", 1), ["ox", "oy", "ox", "oy", "u"]);
-        assert_eq!(bits("(ox (oy u)*2)", 1), ["ox", "oy", "u", "oy", "u"]);
-        assert_eq!(bits("(θ φ)×2 (ox oy oz)*", 1).len(), 64);
-        assert_eq!(bits("(ox oy oz)*4 (u v ex ey ez)*10", 1).len(), 62);
-    }
-
-    #[test]
-    fn light_takes_as_many_bits_as_the_lights_need() {
-        for (lights, expected) in [(0, 0), (1, 0), (2, 1), (3, 2), (4, 2), (5, 3), (1024, 10), (1025, 11)] {
-            assert_eq!(light_index_bits(lights), expected, "{lights} lights");
-        }
-        assert_eq!(bits("light (lu lv)*2", 3), ["light", "light", "lu", "lv", "lu", "lv"]);
-    }
-
-    #[test]
-    fn errors_point_at_the_fault() {
-        for (text, start, length, part) in [
-            ("(ox oq)*4", 4, 2, "unknown coordinate 'oq'"),
-            ("(ox oy", 0, 1, "no ')'"),
-            ("ox) oy", 2, 1, "no '('"),
-            ("(ox oy)*0", 8, 1, "1 to 64"),
-            ("(ox oy)*99", 8, 2, "1 to 64"),
-            ("ox + oy", 3, 1, "found '+'"),
-            ("() ox", 0, 2, "empty"),
-            ("(ox)*23", 1, 2, "more than 22"),
-            ("(ox oy oz u)*16 v", 16, 1, "longer than 64"),
-            ("", 0, 1, "at least one"),
-            ("light ox light", 9, 5, "only once"),
-            ("ox \u{1b}", 3, 1, "found '\\u{1b}'"),
-        ] {
-            let error = LayoutText::parse(text).unwrap_err();
-            assert!(error.message.contains(part), "{text}: {error}");
-            assert_eq!((error.start, error.length), (start, length), "{text}: {error}");
-        }
-    }
-
-    #[test]
-    fn nested_repeats_cannot_blow_up() {
-        let text = "(((((ox oy oz)*64)*64)*64)*64)*64";
-        assert!(LayoutText::parse(text).is_err());
-    }
+    use crate::key::LayoutText;
 
     #[test]
     fn fields_place_the_first_mention_highest() {
@@ -430,5 +251,18 @@ mod tests {
         assert_eq!(fields[1].positions, [6, 4, 2, 0]);
         // A key wider than its layout keeps the layout at the top.
         assert_eq!(layout.fields(16)[0].positions, [15, 13, 11, 9]);
+    }
+
+    #[test]
+    fn shares_of_a_curve_and_of_both_sides_of_an_exclusive_or() {
+        let layout = LayoutText::parse("hilbert(ox oy)*2 (u ^ ex)").unwrap().expand(1).unwrap();
+        let fields: Vec<_> =
+            layout.fields(5).iter().map(|field| (field.bit.to_string(), field.positions.clone())).collect();
+        assert_eq!(fields, [("hilbert(ox oy)".to_owned(), vec![4, 3, 2, 1]), ("u ^ ex".to_owned(), vec![0])]);
+        let shares = layout.shares(5);
+        assert_eq!((shares[0].width, &shares[0].positions), (2, &vec![vec![4, 2], vec![3, 1]]));
+        assert_eq!((&shares[1].positions, &shares[2].positions), (&vec![vec![0]], &vec![vec![0]]));
+        // A level that the key ends in.
+        assert_eq!((layout.shares(3)[0].width, &layout.shares(3)[0].positions[1]), (2, &vec![1]));
     }
 }

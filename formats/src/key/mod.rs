@@ -1,8 +1,9 @@
 //! Sorting keys: what goes into them, in which order, and how to read them back.
 //!
-//! - [`layout`]: a key's bits as data, in words that users can type
+//! - [`layout`]: a key's bits as data; [`layout_text`]: the words for them that users type
 //! - [`method`]: the paper's methods and those beyond it, each a layout and a length estimate
 //! - [`coordinates`], [`angle`], [`termination`]: the numbers that the bits are taken from
+//! - [`hilbert`]: from coordinates to the place along a curve, and back
 //! - [`encode`], [`decode`]: from ray to key and back to fields; `block` and `spread` are the parts of the encoder
 
 pub mod angle;
@@ -10,14 +11,17 @@ mod block;
 pub mod coordinates;
 pub mod decode;
 pub mod encode;
+pub mod hilbert;
 pub mod layout;
+pub mod layout_text;
 pub mod light_site;
 pub mod method;
 mod spread;
 pub mod termination;
 
 pub use encode::Encoder;
-pub use layout::{Coordinate, Layout, LayoutError, LayoutText};
+pub use layout::{Bit, Coordinate, Layout, Source};
+pub use layout_text::{LayoutError, LayoutText};
 pub use light_site::LightSite;
 pub use method::{Method, MethodError, Termination};
 

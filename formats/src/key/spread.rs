@@ -1,11 +1,9 @@
 //! From a quantised coordinate to its bits' places in a key, by tables.
 
-use super::layout::Field;
-
 /// Bits of a coordinate that one table lookup spreads over the key.
 const CHUNK_BITS: u32 = 8;
 
-/// One field's bits, spread to their places.
+/// The bits of one axis of a source, spread to their places.
 #[derive(Clone, Debug)]
 pub(super) struct Spread {
     /// Shift that brings a quantised coordinate down to the bits that the key uses.
@@ -18,29 +16,30 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    pub(super) fn new(field: &Field) -> Self {
-        let used = field.positions.len() as u32;
-        let drop = field.width - used;
+    /// Of numbers of `width` bits, whose highest ones go to `positions`, highest first.
+    pub(super) fn new(width: u32, positions: &[u32]) -> Self {
+        let used = positions.len() as u32;
+        let drop = width - used;
         let tables = (0..used.div_ceil(CHUNK_BITS))
             .map(|chunk| {
-                std::array::from_fn(|value| spread_digit(field, chunk * CHUNK_BITS, CHUNK_BITS, value))
+                std::array::from_fn(|value| spread_digit(positions, chunk * CHUNK_BITS, CHUNK_BITS, value))
             })
             .collect();
         Self {
             drop,
             tables,
             #[cfg(target_arch = "x86_64")]
-            digits: avx2::digits(field, drop),
+            digits: avx2::digits(positions, drop),
         }
     }
 
-    /// Adds the field's bits to keys.
+    /// Adds the bits to keys, by exclusive or.
     #[inline(always)]
     pub(super) fn add_to<const N: usize>(&self, keys: &mut [u64; N], quantised: &[u32; N]) {
         for (chunk, table) in self.tables.iter().enumerate() {
             let shift = self.drop + chunk as u32 * CHUNK_BITS;
             for (key, quantised) in keys.iter_mut().zip(quantised) {
-                *key |= table[(quantised >> shift) as usize & (table.len() - 1)];
+                *key ^= table[(quantised >> shift) as usize & (table.len() - 1)];
             }
         }
     }
@@ -54,14 +53,13 @@ impl Spread {
     }
 }
 
-/// Where the bits of a number go that are those of a field from `first` on, `bits` of them, counted from its lowest
-/// used one.
-fn spread_digit(field: &Field, first: u32, bits: u32, number: usize) -> u64 {
-    let used = field.positions.len() as u32;
+/// Where the bits of a number go that are those from `first` on, `bits` of them, counted from the lowest used one.
+fn spread_digit(positions: &[u32], first: u32, bits: u32, number: usize) -> u64 {
+    let used = positions.len() as u32;
     (0..bits)
         .filter(|bit| number >> bit & 1 == 1)
         .filter_map(|bit| (used - 1).checked_sub(first + bit))
-        .map(|mention| 1u64 << field.positions[mention as usize])
+        .map(|mention| 1u64 << positions[mention as usize])
         .sum()
 }
 
@@ -69,7 +67,7 @@ fn spread_digit(field: &Field, first: u32, bits: u32, number: usize) -> u64 {
 mod avx2 {
     use std::arch::x86_64::*;
 
-    use super::{Field, spread_digit};
+    use super::spread_digit;
 
     /// Bits of a coordinate that choose one of a register's eight numbers.
     const DIGIT_BITS: u32 = 3;
@@ -84,13 +82,13 @@ mod avx2 {
         table: [u32; 1 << DIGIT_BITS],
     }
 
-    pub(super) fn digits(field: &Field, drop: u32) -> Vec<Digit> {
-        let used = field.positions.len() as u32;
+    pub(super) fn digits(positions: &[u32], drop: u32) -> Vec<Digit> {
+        let used = positions.len() as u32;
         let digit = |(first, word): (u32, usize)| Digit {
             shift: drop + first,
             word,
             table: std::array::from_fn(|number| {
-                (spread_digit(field, first, DIGIT_BITS, number) >> (32 * word)) as u32
+                (spread_digit(positions, first, DIGIT_BITS, number) >> (32 * word)) as u32
             }),
         };
         let firsts = (0..used).step_by(DIGIT_BITS as usize);
@@ -109,7 +107,7 @@ mod avx2 {
                 // The permutation looks at the lowest three bits of each number.
                 let digit = _mm256_srl_epi32(bytemuck::cast(quantised), shift);
                 let bits = _mm256_permutevar8x32_epi32(table, digit);
-                *word = bytemuck::cast(_mm256_or_si256(bytemuck::cast(*word), bits));
+                *word = bytemuck::cast(_mm256_xor_si256(bytemuck::cast(*word), bits));
             }
         }
     }

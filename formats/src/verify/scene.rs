@@ -71,16 +71,17 @@ pub(super) fn method_problem(method: &MethodRecord, lights: usize) -> Option<Str
     if method.base == UNSORTED {
         return Some(format!("it is a variant of {UNSORTED}, which has no key"));
     }
-    let layout = match LayoutText::parse(&method.text).and_then(|text| text.expand(lights)) {
-        Ok(layout) => layout,
+    let parsed = LayoutText::parse(&method.text).and_then(|text| Ok((text.length(), text.expand(lights)?)));
+    let (length, layout) = match parsed {
+        Ok(parsed) => parsed,
         Err(error) => return Some(error.message),
     };
-    let names = layout.bits().iter().map(|coordinate| coordinate.name());
     let text = shown(&method.text);
-    if !names.eq(method.layout.iter().map(String::as_str)) {
+    if layout.names() != method.layout {
         return Some(format!("its bits are not those of '{text}' for {lights} lights"));
     }
-    (!method.termination.fits(&layout)).then(|| {
+    let is_said = length.is_none_or(|length| length == method.termination);
+    (!method.termination.fits(&layout) || !is_said).then(|| {
         let found = method.termination;
         format!("its length is {found:?}, which does not fit '{text}'; only ex, ey and ez need one")
     })

@@ -74,6 +74,31 @@ fn seen(o: [f64; 3], d: [f64; 3], light: &LightSite) -> [f64; 3] {
     }
 }
 
+/// The bits of the place along a Hilbert curve, a digit per level, from coordinates' bits by level: the curve of a
+/// cell is that of the cell above, seen with axes exchanged and mirrored.
+pub(crate) fn hilbert_digits(levels: &[Vec<bool>]) -> Vec<bool> {
+    let axes = levels.first().map_or(0, Vec::len);
+    let mut view: Vec<(usize, bool)> = (0..axes).map(|axis| (axis, false)).collect();
+    let (mut digits, mut is_reversed) = (Vec::new(), false);
+    for level in levels {
+        let seen: Vec<bool> = view.iter().map(|&(axis, is_mirrored)| level[axis] != is_mirrored).collect();
+        let mut gray = false;
+        for &bit in &seen {
+            gray ^= bit;
+            digits.push(gray ^ is_reversed);
+        }
+        is_reversed ^= gray;
+        for (axis, &bit) in seen.iter().enumerate() {
+            if bit {
+                view[0].1 ^= true;
+            } else {
+                view.swap(0, axis);
+            }
+        }
+    }
+    digits
+}
+
 /// The value of a coordinate, in [0, 1] where it is in range. `length` is the estimate, unit lengths.
 pub(crate) fn coordinate(name: &str, bounds: &Bounds, ray: &Ray, length: f64, light: &LightSite) -> f64 {
     let o = bounds.point(ray.origin);
@@ -92,6 +117,8 @@ pub(crate) fn coordinate(name: &str, bounds: &Bounds, ray: &Ray, length: f64, li
         "dz" => (d[2] + 1.0) / 2.0,
         "u" => octahedral(d)[0],
         "v" => octahedral(d)[1],
+        "pu" => d[0] / (d[2].abs() + 1.0) / 4.0 + if d[2] < 0.0 { 0.25 } else { 0.75 },
+        "pv" => d[1] / (d[2].abs() + 1.0) / 2.0 + 0.5,
         "theta" if d[0] == 0.0 && d[1] == 0.0 => 0.5,
         "theta" => d[1].atan2(d[0]) / (2.0 * std::f64::consts::PI) + 0.5,
         "phi" => d[2].clamp(-1.0, 1.0).acos() / std::f64::consts::PI,

@@ -1,7 +1,7 @@
 //! Keys by any layout: what is decoded is what was encoded, and what KEYS says of every ray.
 
-use formats::key::decode::decode;
-use formats::key::layout::light_index_bits;
+use formats::key::decode::{DecodedField, decode};
+use formats::key::layout_text::light_index_bits;
 use formats::key::{Coordinate, Encoder, LAYOUT_BITS, Layout, LayoutText, LightSite};
 use formats::ray::Ray;
 use formats::unit_space::UnitSpace;
@@ -13,6 +13,26 @@ use crate::oracle::{Bounds, coordinate, error_bits};
 /// Bits of the finest coordinate.
 const FINEST: u32 = 22;
 const LENGTH: f32 = 0.25;
+
+/// What texts of layouts are made of.
+const SIGNS: [&str; 16] = [
+    "(",
+    ")",
+    ")*3",
+    ")*",
+    "*2",
+    " ^ ",
+    "^",
+    " @real",
+    "@",
+    " ox",
+    " oy ",
+    " ex",
+    " ey ",
+    " u",
+    " light ",
+    " hilbert(",
+];
 
 fn lights() -> Vec<LightSite> {
     vec![
@@ -160,8 +180,8 @@ proptest! {
         prop_assert_eq!(LayoutText::parse(&text).is_ok(), spelled_out(&words, 1).is_some(), "{}", text);
         if let Ok(parsed) = LayoutText::parse(&text) {
             let layout = parsed.expand(lights).unwrap();
-            let found: Vec<_> = layout.bits().iter().map(|coordinate| coordinate.name()).collect();
-            prop_assert_eq!(Some(found), spelled_out(&words, lights), "{}", text);
+            let expected = spelled_out(&words, lights).unwrap();
+            prop_assert_eq!(layout.names(), expected, "{}", text);
         }
     }
 
@@ -174,15 +194,16 @@ proptest! {
     ) {
         let fields = decode(&layout, key_bits, key(&layout, key_bits, &bounds, &ray, light));
         for field in fields {
-            let name = field.coordinate.name();
+            let name = field.bit.coordinate().unwrap().name();
             if let Some(expected) = exact(name, &bounds, &ray, light) {
                 let width = if name == "light" { light_index_bits(lights().len()) } else { FINEST };
-                prop_assert_eq!(field.value, expected >> (width - field.bits), "{} of {:?}", name, ray);
+                let expected = u64::from(expected >> (width - field.bits));
+                prop_assert_eq!(field.value, expected, "{} of {:?}", name, ray);
             }
             if name != "light" {
                 let site = &lights()[light as usize];
                 let truth = coordinate(name, &bounds, &ray, LENGTH.into(), site).clamp(0.0, 1.0);
-                let (low, high) = field.range();
+                let (low, high) = field.range().unwrap();
                 let error = error_of(name, &bounds, &ray, light);
                 let is_there = low - error <= truth && truth <= high + error;
                 prop_assert!(is_there, "{} is {}, found in {:?} by {:?}", name, truth, field, ray);
@@ -198,12 +219,69 @@ proptest! {
         light in 0u32..3,
     ) {
         for field in decode(&layout, key_bits, key(&layout, key_bits, &bounds, &ray, light)) {
-            let name = field.coordinate.name();
+            let name = field.bit.coordinate().unwrap().name();
             if let Some(expected) = exact(name, &bounds, &ray, light) {
                 let width = if name == "light" { light_index_bits(lights().len()) } else { FINEST };
-                prop_assert_eq!(field.value, expected >> (width - field.bits), "{} of {:?}", name, ray);
+                let expected = u64::from(expected >> (width - field.bits));
+                prop_assert_eq!(field.value, expected, "{} of {:?}", name, ray);
             }
         }
+    }
+
+    #[test]
+    fn keys_along_a_curve_have_the_coordinates_of_keys_in_turn(
+        axes in prop::sample::subsequence(Coordinate::ALL.to_vec(), 2..=6),
+        key_bits in 8..=LAYOUT_BITS,
+        (bounds, ray) in bounds().prop_flat_map(|bounds| (Just(bounds), odd_ray(bounds))),
+    ) {
+        let names: Vec<&str> = axes.iter().map(|axis| axis.name()).filter(|name| *name != "light").collect();
+        prop_assume!(names.len() > 1);
+        let layout = |text: String| LayoutText::parse(&text).unwrap().expand(1).unwrap();
+        let decoded = |layout: Layout| decode(&layout, key_bits, key(&layout, key_bits, &bounds, &ray, 1));
+        let (names, times) = (names.join(" "), FINEST.min(LAYOUT_BITS / names.len() as u32));
+        let curve = decoded(layout(format!("hilbert({names})*{times}")));
+        let in_turn = decoded(layout(format!("({names})*{times}")));
+        let known = |fields: &[DecodedField]| fields.iter().map(|field| field.bits).sum::<u32>();
+        prop_assert_eq!(known(&curve), known(&in_turn));
+        for field in curve {
+            let same = in_turn.iter().find(|other| other.bit == field.bit).unwrap();
+            let bits = same.bits.min(field.bits);
+            prop_assert_eq!(field.value >> (field.bits - bits), same.value >> (same.bits - bits), "{}", field.bit);
+        }
+    }
+
+    #[test]
+    fn every_text_is_a_layout_or_says_where_it_is_none(
+        signs in prop::collection::vec(prop::sample::select(&SIGNS[..]), 0..20),
+    ) {
+        let text = signs.concat();
+        let parsed = match LayoutText::parse(&text) {
+            Ok(parsed) => parsed,
+            Err(error) => {
+                let characters = text.chars().count().max(1);
+                prop_assert!(error.length > 0 && error.start + error.length <= characters, "{error:?}");
+                return Ok(());
+            }
+        };
+        for lights in [1, 3, 300] {
+            // With more lights than one, a coordinate may get more bits than it has.
+            let Ok(layout) = parsed.expand(lights) else { continue };
+            let read: u32 = decode(&layout, LAYOUT_BITS, u64::MAX).iter().map(|field| field.bits).sum();
+            prop_assert_eq!(read as usize, layout.bits().len(), "{}", text);
+        }
+    }
+
+    #[test]
+    fn both_sides_of_an_exclusive_or_are_in_the_key(
+        key_bits in 8..=44u32,
+        (bounds, ray) in bounds().prop_flat_map(|bounds| (Just(bounds), odd_ray(bounds))),
+    ) {
+        let key = |text: &str| {
+            let layout = LayoutText::parse(text).unwrap().expand(1).unwrap();
+            key(&layout, key_bits, &bounds, &ray, 1)
+        };
+        let [left, right] = ["(ox oy)*22", "hilbert(u ex)*22"];
+        prop_assert_eq!(key(&format!("{left} ^ {right}")), key(left) ^ key(right));
     }
 
     #[test]

@@ -478,7 +478,7 @@ pub(crate) fn write_all(writer: &mut DumpWriter) -> Result<End, WriteError> {
         writer.record(&Record::Method(MethodRecord {
             name: method.name.clone(),
             text: method.layout.text().to_owned(),
-            layout: layout.bits().iter().map(|bit| bit.name().to_owned()).collect(),
+            layout: layout.names(),
             termination: method.termination,
             key_bits,
             base: method.name.clone(),

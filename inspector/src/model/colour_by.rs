@@ -1,11 +1,11 @@
 //! What rays are coloured by: any of their numbers, or what their keys say of one coordinate.
 
 use formats::key::Coordinate;
+use formats::key::decode::FieldReader;
 use formats::metrics::quantity::{OrderedRays, Quantity};
 use serde::{Deserialize, Serialize};
 
 use super::numbers::Numbers;
-use super::order::bits_at;
 
 /// What rays are coloured by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -80,9 +80,9 @@ impl ColourBy {
                 places.map(|place| quantity.coloured(value(rays.at(place)), &rays)).collect()
             }
             Self::Field(coordinate) => {
-                let positions = numbers.order.field_positions(coordinate);
+                let reader = numbers.order.field_reader(coordinate);
                 let rays = numbers.rays();
-                places.map(|place| field(&rays, &positions, place)).collect()
+                places.map(|place| field(&rays, reader.as_ref(), place)).collect()
             }
         }
     }
@@ -98,10 +98,10 @@ impl ColourBy {
 }
 
 /// The middle of the range that a key's bits leave of a coordinate; NaN if it has none of them.
-fn field(rays: &OrderedRays<'_>, positions: &[u32], place: usize) -> f32 {
-    match rays.at(place).key() {
-        Some(key) if !positions.is_empty() => {
-            ((bits_at(key, positions) as f64 + 0.5) / 2f64.powi(positions.len() as i32)) as f32
+fn field(rays: &OrderedRays<'_>, reader: Option<&FieldReader>, place: usize) -> f32 {
+    match (rays.at(place).key(), reader) {
+        (Some(key), Some(reader)) => {
+            ((reader.value(key) as f64 + 0.5) / 2f64.powi(reader.bits() as i32)) as f32
         }
         _ => f32::NAN,
     }

@@ -4,8 +4,9 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
+use formats::key::decode::{FieldReader, decode};
 use formats::key::method::{UNSORTED, WITHOUT_LAYOUT};
-use formats::key::{Coordinate, KEY_BITS_MIN, LAYOUT_BITS, Layout};
+use formats::key::{Coordinate, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutText};
 use formats::manifest::{MethodArray, MethodRecord, Place};
 use formats::metrics::group::Group;
 use formats::metrics::order::{Keys, Places};
@@ -19,7 +20,7 @@ use crate::analysis::GroupWidth;
 /// How a method's keys are made.
 #[derive(Clone, Debug)]
 pub struct KeyLayout {
-    /// The coordinate of each bit.
+    /// What each bit comes from.
     pub layout: Layout,
     /// Bits of a key.
     pub key_bits: u32,
@@ -28,15 +29,14 @@ pub struct KeyLayout {
 }
 
 impl KeyLayout {
-    fn of(record: &MethodRecord) -> Option<Self> {
+    fn of(record: &MethodRecord, lights: usize) -> Option<Self> {
         // A key may have more bits than its layout: the rest is 0.
         if !(KEY_BITS_MIN..=LAYOUT_BITS).contains(&record.key_bits) {
             return None;
         }
-        let coordinate =
-            |name: &String| Coordinate::ALL.iter().copied().find(|coordinate| coordinate.name() == name);
-        let bits = record.layout.iter().map(coordinate).collect::<Option<Vec<_>>>()?;
-        Some(Self { layout: Layout::from_bits(bits)?, key_bits: record.key_bits, text: record.text.clone() })
+        let layout = LayoutText::parse(&record.text).and_then(|text| text.expand(lights)).ok()?;
+        let is_recorded = layout.names() == record.layout;
+        is_recorded.then(|| Self { layout, key_bits: record.key_bits, text: record.text.clone() })
     }
 }
 
@@ -120,11 +120,18 @@ impl Order {
         })
     }
 
-    /// Positions in the keys of a coordinate's bits, the highest first; none if keys have none of them.
-    pub fn field_positions(&self, coordinate: Coordinate) -> Vec<u32> {
-        let fields = self.keys.as_ref().map(|(_, layout)| layout.layout.fields(layout.key_bits));
-        let mut fields = fields.unwrap_or_default().into_iter();
-        fields.find(|field| field.coordinate == coordinate).map_or(Vec::new(), |field| field.positions)
+    /// What reads a coordinate out of the keys; `None` if they do not hold it.
+    pub fn field_reader(&self, coordinate: Coordinate) -> Option<FieldReader> {
+        let (_, layout) = self.keys.as_ref().ok()?;
+        FieldReader::new(&layout.layout, layout.key_bits, coordinate)
+    }
+
+    /// The coordinates that can be read out of the keys, in the layout's order.
+    pub fn readable_fields(&self) -> Vec<Coordinate> {
+        let Ok((_, layout)) = &self.keys else { return Vec::new() };
+        let fields = decode(&layout.layout, layout.key_bits, 0);
+        let coordinates = fields.iter().filter_map(|field| field.bit.coordinate());
+        coordinates.filter(|&coordinate| self.field_reader(coordinate).is_some()).collect()
     }
 
     /// The groups of this width; `None` until they are found.
@@ -154,19 +161,15 @@ impl Order {
     }
 }
 
-/// The number that these bits of a key make, the highest first.
-pub(super) fn bits_at(key: u64, positions: &[u32]) -> u64 {
-    positions.iter().fold(0, |bits, &at| bits << 1 | key >> at & 1)
-}
-
 fn keys(dump: &Dump, queue: &Queue, method: &str, place: &Place) -> Result<(Keys, KeyLayout), String> {
     if WITHOUT_LAYOUT.contains(&method) {
         return Err(format!("{method} rays have no key of their own"));
     }
     let record = dump.manifest().methods.iter().find(|record| record.name == method);
     let record = record.ok_or_else(|| format!("the manifest says nothing of {method}"))?;
+    let lights = dump.manifest().header.lights.len();
     let layout =
-        KeyLayout::of(record).ok_or_else(|| format!("{method} has no layout of at most {LAYOUT_BITS} bits and keys of {KEY_BITS_MIN} to {LAYOUT_BITS}: {}", record.text))?;
+        KeyLayout::of(record, lights).ok_or_else(|| format!("{method} has no layout of at most {LAYOUT_BITS} bits and keys of {KEY_BITS_MIN} to {LAYOUT_BITS}: {}", record.text))?;
     let keys = if layout.key_bits > 32 {
         dump.array(place).map(Keys::Wide)
     } else {

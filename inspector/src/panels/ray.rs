@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use egui::RichText;
+use formats::key::decode::DecodedField;
 use formats::traced::Results;
 
 use super::notes::{found, hint};
@@ -48,10 +49,10 @@ impl Panel for RayPanel {
         let facts = facts(&order, ray).into_iter().map(|(name, value)| vec![name.to_owned(), value]);
         let key = ReadKey::of(&order, ray).ok();
         let bits = key.as_ref().map(|key| vec!["key".to_owned(), key.hexadecimal()]);
-        let fields = key.into_iter().flat_map(|key| key.fields).map(|field| {
-            let (low, high) = field.range();
-            vec![field.coordinate.name().to_owned(), format!("{low} to {high}")]
-        });
+        let fields = key
+            .into_iter()
+            .flat_map(|key| key.fields)
+            .map(|field| vec![field.bit.to_string(), range_text(&field, None)]);
         let rows: Vec<Vec<String>> = facts.chain(bits).chain(fields).collect();
         Ok(Data::new(&["what", "value"], rows.into_iter()))
     }
@@ -155,25 +156,22 @@ fn key(ui: &mut egui::Ui, order: &Order, ray: usize) {
         }
     };
     let theme = Theme::of(ui.ctx());
-    let number =
-        |name: &str| key.fields.iter().position(|field| field.coordinate.name() == name).unwrap_or(0);
     ui.label(format!("Key {}, {} bits", key.hexadecimal(), key.key_bits))
         .on_hover_text("Each bit with the colour of the coordinate that it comes from");
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 0.0;
-        for (at, name) in key.bits.iter().enumerate() {
+        for (at, bit) in key.bits.iter().enumerate() {
             let digit = if key.bit(at) { "1" } else { "0" };
-            let text = RichText::new(digit).monospace().color(theme.series_text(number(name)));
-            ui.label(text).on_hover_text(*name);
+            let colour = theme.series_text(key.field_of(bit).unwrap_or(0));
+            ui.label(RichText::new(digit).monospace().color(colour)).on_hover_text(bit.to_string());
         }
     });
     egui::Grid::new("fields").striped(true).num_columns(4).spacing([14.0, 2.0]).show(ui, |ui| {
         for (number, field) in key.fields.iter().enumerate() {
-            let (low, high) = field.range();
-            ui.label(RichText::new(field.coordinate.name()).monospace().color(theme.series_text(number)));
+            ui.label(RichText::new(field.bit.to_string()).monospace().color(theme.series_text(number)));
             ui.monospace(format!("{:0bits$b}", field.value, bits = field.bits as usize));
             ui.monospace(format!("{} bits", field.bits));
-            ui.monospace(format!("{low:.5} to {high:.5}"));
+            ui.monospace(range_text(field, Some(5)));
             ui.end_row();
         }
     });
@@ -220,5 +218,14 @@ fn path(ui: &mut egui::Ui, context: &mut Context, order: &Order, ray: usize) {
     if let Some((queue, ray)) = next {
         context.go_to(queue);
         context.select_ray(Some(ray));
+    }
+}
+
+/// The range of a field, with so many decimals or all.
+fn range_text(field: &DecodedField, decimals: Option<usize>) -> String {
+    match (field.range(), decimals) {
+        (Some((low, high)), Some(decimals)) => format!("{low:.decimals$} to {high:.decimals$}"),
+        (Some((low, high)), None) => format!("{low} to {high}"),
+        (None, _) => "hidden by ^".to_owned(),
     }
 }

@@ -4,7 +4,7 @@
 use egui::{DragValue, RichText};
 use formats::key::layout::Field;
 use formats::key::method::UNSORTED;
-use formats::key::{Coordinate, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError};
+use formats::key::{Bit, Coordinate, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError};
 
 use super::filter_box::typed;
 use super::notes::{choose, found, group_widths};
@@ -83,7 +83,8 @@ fn edit(ui: &mut egui::Ui, settings: &mut Settings, lights: usize) -> Result<Lay
     let width = (ui.available_width() - 8.0).clamp(120.0, 560.0);
     typed(ui, ("layout", "(ox oy oz ex ey ez)*10"), &mut settings.text, fault, width).on_hover_text(
         "Where each bit comes from, the first one counts most: o origin, e estimated end, d direction, u v \
-         octahedral direction, theta phi spherical direction; (…)*4 repeats",
+         octahedral direction, pu pv paraboloid direction, theta phi spherical direction; (…)*4 repeats, \
+         hilbert(ox oy oz)*10 goes along a curve, ^ is exclusive or, @adaptive at the end says where the length is from",
     );
     let layout = settings.layout(lights);
     match &layout {
@@ -101,30 +102,35 @@ fn edit(ui: &mut egui::Ui, settings: &mut Settings, lights: usize) -> Result<Lay
 
 fn estimate(ui: &mut egui::Ui, settings: &mut Settings) {
     ui.label("Length from").on_hover_text("Where the length is taken from that e is estimated with");
-    for (estimate, name, about) in Estimate::ALL {
-        ui.selectable_value(&mut settings.estimate, estimate, name).on_hover_text(about);
+    let said = settings.said_estimate();
+    if let Some(said) = said {
+        ui.label(said.name()).on_hover_text("The layout ends with it");
+    } else {
+        for (estimate, name, about) in Estimate::ALL {
+            ui.selectable_value(&mut settings.estimate, estimate, name).on_hover_text(about);
+        }
     }
-    if settings.estimate == Estimate::Fixed {
+    if said.unwrap_or(settings.estimate) == Estimate::Fixed {
         ui.add(DragValue::new(&mut settings.length).range(0.0..=1.75).speed(0.005))
             .on_hover_text("The length of all rays; the scene's largest side is 1");
     }
 }
 
-/// The coordinate of each bit that the key has.
+/// What each bit that the key has comes from.
 fn bits(ui: &mut egui::Ui, layout: &Layout, key_bits: u32) {
     let theme = Theme::of(ui.ctx());
     let fields = layout.fields(key_bits);
-    let number = |coordinate: Coordinate| fields.iter().position(|field| field.coordinate == coordinate);
+    let number = |bit: &Bit| fields.iter().position(|field| field.bit == *bit);
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
-        for &coordinate in layout.bits().iter().take(key_bits as usize) {
-            let text = RichText::new(coordinate.name()).monospace().small();
-            ui.label(text.color(theme.series_text(number(coordinate).unwrap_or(0))));
+        for bit in layout.bits().iter().take(key_bits as usize) {
+            let text = RichText::new(bit.to_string()).monospace().small();
+            ui.label(text.color(theme.series_text(number(bit).unwrap_or(0))));
         }
     })
     .response
-    .on_hover_text("The coordinate of each bit, most significant bit first");
-    let share = |field: &Field| format!("{} of {}", field.positions.len(), field.coordinate.name());
+    .on_hover_text("What each bit comes from, most significant bit first");
+    let share = |field: &Field| format!("{} of {}", field.positions.len(), field.bit);
     let shares: Vec<String> = fields.iter().map(share).collect();
     let unused = (key_bits as usize).saturating_sub(layout.bits().len());
     let unused = if unused > 0 { format!(", {unused} always 0") } else { String::new() };

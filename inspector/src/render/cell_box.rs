@@ -23,13 +23,13 @@ fn table_layout(options: &Options) -> Option<Layout> {
 fn corners(layout: &Layout, bits: u32, cell: u32) -> Corners {
     let (mut low, mut high) = ([0.0; 3], [1.0; 3]);
     for field in decode(layout, bits, u64::from(cell)) {
-        let axis = match field.coordinate {
-            Coordinate::OriginX => 0,
-            Coordinate::OriginY => 1,
-            Coordinate::OriginZ => 2,
+        let axis = match field.bit.coordinate() {
+            Some(Coordinate::OriginX) => 0,
+            Some(Coordinate::OriginY) => 1,
+            Some(Coordinate::OriginZ) => 2,
             _ => continue,
         };
-        let (from, to) = field.range();
+        let Some((from, to)) = field.range() else { continue };
         (low[axis], high[axis]) = (from as f32, to as f32);
     }
     (low, high)

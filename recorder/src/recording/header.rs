@@ -95,7 +95,7 @@ pub(super) fn method_record(plan: &MethodPlan) -> MethodRecord {
     MethodRecord {
         name: plan.name.clone(),
         text: plan.text.clone(),
-        layout: plan.layout.bits().iter().map(|coordinate| coordinate.name().to_owned()).collect(),
+        layout: plan.layout.names(),
         termination: plan.termination,
         key_bits: plan.key_bits,
         base: plan.base.clone(),

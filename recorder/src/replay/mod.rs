@@ -219,7 +219,11 @@ fn recorded_methods(records: &[MethodRecord]) -> Result<Vec<Method>> {
         let built_in = Method::builtin(&record.base).ok();
         methods.push(match built_in.filter(|method| method.layout.text() == record.text) {
             Some(method) => method,
-            None => Method::from_user(&format!("{}={}", record.base, record.text))?,
+            None => Method {
+                name: record.base.clone(),
+                layout: LayoutText::parse(&record.text)?,
+                termination: record.termination,
+            },
         });
     }
     Ok(methods)

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use formats::key::method::BUILTIN;
-use formats::key::{Coordinate, Layout, LayoutError, LightSite, Method, Termination};
+use formats::key::{Layout, LayoutError, LayoutText, LightSite, Method, Termination};
 use formats::ray::Kind;
 use formats::unit_space::UnitSpace;
 use scenes::features::Features;
@@ -121,7 +121,7 @@ impl Setup {
             let method = Method::builtin(name).ok()?;
             MethodPlan::new(&method, light_sites.len(), key_bits, 0.25).ok()
         });
-        let table_layout = vec![Coordinate::OriginX, Coordinate::DirectionX];
+        let table_layout = LayoutText::parse("ox dx").and_then(|text| text.expand(1));
         Self {
             tables: Arc::default(),
             features: features.fold(Features::default(), |all, (_, feature)| all.union(feature)),
@@ -142,7 +142,7 @@ impl Setup {
             methods: methods.collect(),
             candidates: 0,
             table_bits: 20,
-            table_layout: Layout::from_bits(table_layout).unwrap_or_default(),
+            table_layout: table_layout.unwrap_or_default(),
             precision: Precision::default(),
             light_sites,
         }

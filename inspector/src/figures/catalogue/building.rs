@@ -1,7 +1,7 @@
 //! What the figures share: series by method, settings, and the rule that nothing empty is drawn.
 
 use formats::bench_result::BenchResult;
-use formats::key::method::{BUILTIN, UNSORTED};
+use formats::key::method::{BUILTIN, IN_ALL, UNSORTED};
 use formats::metrics::speedup::{median, quantile};
 
 use super::{Findings, Made};
@@ -100,13 +100,13 @@ pub fn mean_speedup<'a>(
     Some(Point { x, y: mean, spread: (n > 1).then_some((lowest, highest)), n, name })
 }
 
-/// The style of a method: the same number in every figure. Users' methods and variants come after the
-/// built-in ones, in the order in which the recordings have them.
+/// The style of a method: the same number in every figure. Other methods and variants come after those of
+/// `all`, in the order in which the recordings have them.
 pub fn method_style(findings: &Findings<'_>, method: &str) -> usize {
-    let builtin = [UNSORTED].into_iter().chain(BUILTIN.iter().map(|(name, ..)| *name));
+    let builtin = [UNSORTED].into_iter().chain(BUILTIN[..IN_ALL].iter().map(|(name, ..)| *name));
     let measured = measured_methods(findings).into_iter().map(|(name, _)| name);
     let place = distinct(builtin.chain(measured)).into_iter().position(|name| name == method);
-    place.unwrap_or(BUILTIN.len() + 1)
+    place.unwrap_or(IN_ALL + 1)
 }
 
 /// Every method that was measured, each once, with whether it is a variant of another in all its orders:

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use formats::key::Coordinate;
+use formats::key::decode::FieldReader;
 use formats::metrics::quantity::OrderedRays;
 use rayon::prelude::*;
 
@@ -11,7 +12,6 @@ use super::error::FilterError;
 use super::parse::Expression;
 use super::tree::{BLOCK, Block, Fact, Node};
 use crate::model::numbers::Numbers;
-use crate::model::order::bits_at;
 
 /// Blocks that a thread takes at a time.
 const BLOCKS_PER_TASK: usize = 32;
@@ -93,8 +93,8 @@ pub fn passing(expression: &Expression, numbers: &Numbers) -> Result<Passing, Fi
 struct Evaluation<'a> {
     numbers: &'a Numbers,
     rays: OrderedRays<'a>,
-    /// Positions in the key of each coordinate that is asked for, highest bit first.
-    fields: BTreeMap<Coordinate, Vec<u32>>,
+    /// What reads each coordinate that is asked for out of a key.
+    fields: BTreeMap<Coordinate, FieldReader>,
 }
 
 impl<'a> Evaluation<'a> {
@@ -127,18 +127,16 @@ impl<'a> Evaluation<'a> {
 
     fn check_field(&mut self, coordinate: Coordinate, span: &Range<usize>) -> Result<(), FilterError> {
         let (name, order) = (coordinate.name(), &self.numbers.order);
-        let (_, layout) = order.keys.as_ref().map_err(|reason| {
+        order.keys.as_ref().map_err(|reason| {
             FilterError::new(span, format!("'field({name})' is not known here: {reason}"))
         })?;
-        let positions = order.field_positions(coordinate);
-        if positions.is_empty() {
-            let fields = layout.layout.fields(layout.key_bits);
-            let known: Vec<&str> = fields.iter().map(|field| field.coordinate.name()).collect();
-            let (method, known) = (&order.method, known.join(" "));
-            let message = format!("keys of {method} have no field {name}; they have {known}");
+        let Some(reader) = order.field_reader(coordinate) else {
+            let known: Vec<&str> = order.readable_fields().into_iter().map(Coordinate::name).collect();
+            let known = if known.is_empty() { "none that can be read".to_owned() } else { known.join(" ") };
+            let message = format!("keys of {} have no field {name}; they have {known}", order.method);
             return Err(FilterError::new(span, message));
-        }
-        self.fields.insert(coordinate, positions);
+        };
+        self.fields.insert(coordinate, reader);
         Ok(())
     }
 
@@ -151,9 +149,9 @@ impl<'a> Evaluation<'a> {
                 fill(out, places, |place| value(self.rays.at(place)));
             }
             Node::Field(coordinate, _) => {
-                let positions = self.fields.get(coordinate).map_or(&[][..], Vec::as_slice);
+                let reader = self.fields.get(coordinate);
                 let key = |place| self.rays.at(place).key().unwrap_or(0);
-                fill(out, places, |place| bits_at(key(place), positions) as f64);
+                fill(out, places, |place| reader.map_or(0.0, |reader| reader.value(key(place)) as f64));
             }
             Node::Fact(fact) => {
                 let order = &self.numbers.order;

@@ -32,7 +32,7 @@ pub struct Settings {
     pub text: String,
     /// Bits of a key, 8 to 64.
     pub key_bits: u32,
-    /// Where the estimate of a ray's length comes from, if the layout needs one.
+    /// Where the estimate of a ray's length comes from, if the layout needs one and does not say it.
     pub estimate: Estimate,
     /// The estimate if it is one for all rays, unit lengths.
     pub length: f32,
@@ -120,6 +120,11 @@ impl Settings {
         LayoutText::parse(&self.text)?.expand(lights)
     }
 
+    /// Where the text says that the estimate comes from, if it does.
+    pub fn said_estimate(&self) -> Option<Estimate> {
+        LayoutText::parse(&self.text).ok()?.length().map(Estimate::of)
+    }
+
     /// The keys of a queue's rays, in canonical order, and how they are made.
     ///
     /// # Errors
@@ -136,12 +141,13 @@ impl Settings {
         } else {
             None
         };
-        let table = match (layout.uses(Coordinate::needs_length), self.estimate) {
+        let estimate = self.said_estimate().unwrap_or(self.estimate);
+        let table = match (layout.uses(Coordinate::needs_length), estimate) {
             (true, Estimate::Table) => Some(queue.table.as_ref().map_err(String::clone)?),
             _ => None,
         };
         let rays = queue.traced.rays();
-        let length = |ray: usize| match self.estimate {
+        let length = |ray: usize| match estimate {
             Estimate::Fixed => self.length,
             Estimate::Table => table.map_or(self.length, |table| table.mean(&rays[ray])),
             Estimate::Traced => queue.lengths[ray],

@@ -46,11 +46,8 @@ fn what_is_shown(ui: &mut Ui, options: &mut SpaceOptions) {
 
 /// What colours stand for, and which ones.
 fn colours(ui: &mut Ui, options: &mut SpaceOptions, context: &mut Context) {
-    let fields = context.order().ok().and_then(|order| {
-        let (_, layout) = order.keys.as_ref().ok()?;
-        Some(layout.layout.fields(layout.key_bits))
-    });
-    let fields = fields.unwrap_or_default().into_iter().map(|field| ColourBy::Field(field.coordinate));
+    let fields = context.order().map_or(Vec::new(), |order| order.readable_fields());
+    let fields = fields.into_iter().map(ColourBy::Field);
     let choices = Quantity::ALL.iter().map(|&quantity| ColourBy::Quantity(quantity)).chain(fields);
     let choices = choices.map(|choice| (choice, choice.name(), Some(choice.title())));
     let now = format!("by {}", options.colour_by.name());

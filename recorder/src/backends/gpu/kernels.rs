@@ -163,7 +163,7 @@ fn every_module() -> Vec<Module> {
 
 #[cfg(test)]
 mod tests {
-    use formats::key::{Coordinate, Layout, Termination};
+    use formats::key::{LayoutText, Termination};
     use scenes::features::Features;
 
     use super::*;
@@ -212,8 +212,7 @@ mod tests {
         }
         let setup = Setup::made_up(true, 64);
         for termination in [Termination::Fixed, Termination::Adaptive, Termination::Real] {
-            let lit = Layout::from_bits([Coordinate::Light, Coordinate::EndX, Coordinate::LightU].repeat(21))
-                .unwrap();
+            let lit = LayoutText::parse("light ex lu").unwrap().expand(3).unwrap();
             let method = MethodPlan { layout: lit, termination, ..setup.methods[0].clone() };
             modules.extend(Kind::ALL.map(|kind| key::gpu::module(&setup, &method, kind)));
         }

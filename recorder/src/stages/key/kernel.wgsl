@@ -38,6 +38,11 @@ fn octahedral(d: vec3<f32>) -> vec2<f32> {
     return vec2(cartesian(p.x), cartesian(p.y));
 }
 
+fn paraboloid(d: vec3<f32>) -> vec2<f32> {
+    let k = abs(d.z) + 1.0;
+    return vec2(d.x / k * 0.25 + select(0.75, 0.25, d.z < 0.0), d.y / k * 0.5 + 0.5);
+}
+
 fn azimuth(x: f32, y: f32) -> f32 {
     let ax = abs(x);
     let ay = abs(y);
@@ -107,6 +112,27 @@ fn bounded_length(ray: UnitRay, length: f32) -> f32 {
 fn end_quantised(origin: f32, length: f32, direction: f32) -> u32 {
     let step = (i32(length * STEP_ONE) * i32(direction * STEP_ONE)) >> STEP_SHIFT;
     return u32(clamp(i32(quantise(origin)) + step, 0, i32(QUANTISE_LAST)));
+}
+
+// Steps of `formats::key::hilbert`, by the same names.
+fn mirrored(first: u32, level: u32) -> u32 {
+    return first ^ (((1u << level) - 1u) & (0u - ((first >> level) & 1u)));
+}
+
+fn turned(first: u32, other: u32, level: u32) -> vec2<u32> {
+    let below = (1u << level) - 1u;
+    let is_set = 0u - ((other >> level) & 1u);
+    let exchanged = (first ^ other) & below & ~is_set;
+    return vec2(first ^ exchanged ^ (below & is_set), other ^ exchanged);
+}
+
+fn parity_above(word: u32) -> u32 {
+    var parity = word >> 1u;
+    parity ^= parity >> 1u;
+    parity ^= parity >> 2u;
+    parity ^= parity >> 4u;
+    parity ^= parity >> 8u;
+    return parity ^ (parity >> 16u);
 }
 
 fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use formats::key::coordinates::INVERSE_SQRT_3;
-use formats::key::layout::{Coordinate, Field};
+use formats::key::layout::{Coordinate, Share};
 use formats::key::{COORDINATE_BITS, Layout, LightSite, Termination, angle, termination};
 use formats::length_table::{LENGTH_FRACTION_BITS, LONGEST_SUMMED};
 use formats::unit_space::UnitSpace;
@@ -47,8 +47,9 @@ pub fn constants(unit: &UnitSpace) -> String {
 /// `fn NAME(ray: UnitRay, length: f32, light: u32) -> vec2<u32>`: the k-bit prefix of a layout,
 /// low word first.
 pub fn encode_function(name: &str, layout: &Layout, key_bits: u32, lights: &[LightSite]) -> String {
-    let fields = layout.fields(key_bits);
-    let uses = |list: &[Coordinate]| fields.iter().any(|field| list.contains(&field.coordinate));
+    let shares = layout.shares(key_bits);
+    let axes: Vec<Coordinate> = shares.iter().flat_map(|share| share.source.axes().to_vec()).collect();
+    let uses = |list: &[Coordinate]| axes.iter().any(|axis| list.contains(axis));
     let mut text = String::new();
     if uses(&[Coordinate::LightU, Coordinate::LightV, Coordinate::LightR]) {
         text.push_str(&from_light_function(lights));
@@ -60,13 +61,24 @@ pub fn encode_function(name: &str, layout: &Layout, key_bits: u32, lights: &[Lig
     if uses(&[Coordinate::OctahedralU, Coordinate::OctahedralV]) {
         text.push_str("    let square = octahedral(ray.direction);\n");
     }
+    if uses(&[Coordinate::ParaboloidU, Coordinate::ParaboloidV]) {
+        text.push_str("    let halves = paraboloid(ray.direction);\n");
+    }
     if uses(&[Coordinate::LightU, Coordinate::LightV, Coordinate::LightR]) {
         text.push_str("    let seen = from_light(light, ray);\n");
     }
     text.push_str("    var low = 0u;\n    var high = 0u;\n");
-    for (number, field) in fields.iter().enumerate() {
-        let _ = writeln!(text, "    let c{number} = {};", quantised(field.coordinate));
-        spread(&mut text, number, field);
+    for (number, share) in shares.iter().enumerate() {
+        let name = |axis: usize| format!("c{number}_{axis}");
+        for (axis, &coordinate) in share.source.axes().iter().enumerate() {
+            let _ = writeln!(text, "    var {} = {};", name(axis), quantised(coordinate));
+        }
+        if share.positions.len() > 1 {
+            to_curve(&mut text, name, share);
+        }
+        for (axis, positions) in share.positions.iter().enumerate() {
+            spread(&mut text, &name(axis), share.width, positions);
+        }
     }
     text.push_str("    return vec2(low, high);\n}\n");
     text
@@ -86,6 +98,8 @@ fn quantised(coordinate: Coordinate) -> &'static str {
         C::DirectionZ => "quantise(cartesian(ray.direction.z))",
         C::OctahedralU => "quantise(square.x)",
         C::OctahedralV => "quantise(square.y)",
+        C::ParaboloidU => "quantise(halves.x)",
+        C::ParaboloidV => "quantise(halves.y)",
         C::Azimuth => "quantise(azimuth(ray.direction.x, ray.direction.y))",
         C::Polar => "quantise(polar(ray.direction.z))",
         C::Light => "light",
@@ -95,13 +109,34 @@ fn quantised(coordinate: Coordinate) -> &'static str {
     }
 }
 
-/// Adds a field's bits to the words. Neighbouring bits that keep their distance move together.
-fn spread(text: &mut String, number: usize, field: &Field) {
-    let bits = field
-        .positions
-        .iter()
-        .enumerate()
-        .map(|(mention, &position)| (field.width - 1 - mention as u32, position));
+/// Turns the coordinates of a curve into the words of the place along it, as `formats::key::hilbert` does.
+fn to_curve(text: &mut String, name: impl Fn(usize) -> String, share: &Share) {
+    let (first, axes) = (name(0), share.positions.len());
+    for axis in 0..axes {
+        let _ = writeln!(text, "    {} >>= {}u;", name(axis), COORDINATE_BITS - share.width);
+    }
+    let _ = writeln!(text, "    for (var level = {}u; level > 0u; level--) {{", share.width - 1);
+    let _ = writeln!(text, "        {first} = mirrored({first}, level);\n        var pair = vec2(0u);");
+    for other in (1..axes).map(&name) {
+        let _ = writeln!(text, "        pair = turned({first}, {other}, level);");
+        let _ = writeln!(text, "        {first} = pair.x;\n        {other} = pair.y;");
+    }
+    text.push_str("    }\n");
+    for axis in 1..axes {
+        let _ = writeln!(text, "    {} ^= {};", name(axis), name(axis - 1));
+    }
+    let turns = format!("{first}_turns");
+    let _ = writeln!(text, "    let {turns} = parity_above({});", name(axes - 1));
+    for axis in 0..axes {
+        let _ = writeln!(text, "    {} ^= {turns};", name(axis));
+    }
+}
+
+/// Adds the bits of a number of `width` bits to the words, by exclusive or. Neighbouring bits that keep their
+/// distance move together.
+fn spread(text: &mut String, name: &str, width: u32, positions: &[u32]) {
+    let bits =
+        positions.iter().enumerate().map(|(mention, &position)| (width - 1 - mention as u32, position));
     let mut runs: Vec<(u32, u32, u32)> = Vec::new();
     for (from, to) in bits {
         match runs.last_mut() {
@@ -117,11 +152,11 @@ fn spread(text: &mut String, number: usize, field: &Field) {
     }
     for (mask, from, to) in runs {
         let (word, to) = if to < 32 { ("low", to) } else { ("high", to - 32) };
-        let bits = format!("c{number} & {mask}u");
+        let bits = format!("{name} & {mask}u");
         let _ = match from.cmp(&to) {
-            std::cmp::Ordering::Less => writeln!(text, "    {word} |= ({bits}) << {}u;", to - from),
-            std::cmp::Ordering::Equal => writeln!(text, "    {word} |= {bits};"),
-            std::cmp::Ordering::Greater => writeln!(text, "    {word} |= ({bits}) >> {}u;", from - to),
+            std::cmp::Ordering::Less => writeln!(text, "    {word} ^= ({bits}) << {}u;", to - from),
+            std::cmp::Ordering::Equal => writeln!(text, "    {word} ^= {bits};"),
+            std::cmp::Ordering::Greater => writeln!(text, "    {word} ^= ({bits}) >> {}u;", from - to),
         };
     }
 }
