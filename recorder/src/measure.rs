@@ -121,10 +121,11 @@ impl<B: Backend> Queued<'_, B> {
         for &subject in &measured.orders {
             let permutation = match subject {
                 Subject::Unsorted => None,
-                Subject::Control => Some(backend.upload_permutation(&(0..count).collect::<Vec<_>>())?),
-                Subject::Shuffled => {
+                Subject::Control | Subject::Shuffled => {
                     let mut indices: Vec<u32> = (0..count).collect();
-                    Rng::with_seed(seed_of(measured.seed, id)).shuffle(&mut indices);
+                    if subject == Subject::Shuffled {
+                        Rng::with_seed(seed_of(measured.seed, id)).shuffle(&mut indices);
+                    }
                     let permutation = backend.upload_permutation(&indices)?;
                     ordered(backend, subject, None, &permutation)?;
                     Some(permutation)

@@ -30,6 +30,8 @@ pub struct Plan<'a> {
     pub passes: u32,
     /// What is measured on every queue of that pass.
     pub measured: Measured,
+    /// Whether the control is listed like a method.
+    pub lists_control: bool,
     /// Arrays to keep.
     pub keep: Keep,
     /// Passes to keep them of.
@@ -209,8 +211,10 @@ impl<'a> Recorder<'a> {
     }
 
     fn queue_record(&self, id: QueueId, rays: usize, measurements: &[Measurement]) -> QueueRecord {
-        let of_method = |entry: &&Measurement| {
-            matches!(entry.subject, Subject::Method(_) | Subject::Shuffled | Subject::Auto)
+        let of_method = |entry: &&Measurement| match entry.subject {
+            Subject::Unsorted => false,
+            Subject::Control => self.plan.lists_control,
+            Subject::Method(_) | Subject::Shuffled | Subject::Auto => true,
         };
         let name = |entry: &Measurement| entry.subject.name(&self.plan.methods).to_owned();
         let methods = measurements.iter().filter(of_method);
@@ -295,6 +299,9 @@ impl Recorder<'_> {
         subject: Subject,
         (keys, permutation): (Option<&B::Keys>, &B::Permutation),
     ) -> Result<()> {
+        if subject == Subject::Control && !self.plan.lists_control {
+            return Ok(());
+        }
         let name = subject.name(&self.plan.methods);
         let at = |array| Place::Method(rays.id(), name.to_owned(), array);
         let shape = [rays.len() as u64];

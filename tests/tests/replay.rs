@@ -87,6 +87,35 @@ fn a_random_order_is_measured_where_it_is_named() {
     assert!(info.contains("unsorted, shuffled"), "{info}");
 }
 
+/// It is measured anyway; by name it is listed, with a permutation that leaves every ray in its place.
+#[test]
+fn the_control_is_a_row_where_it_is_named() {
+    let folder = recorded("builtin:cornell", "--backend cpu --methods control --repeats 1");
+    for line in ["", "--methods aila,control --keep permutations"] {
+        let line = format!("replay first.raydump --out again.raydump --backend cpu --force {line}");
+        Program::Recorder.run(folder.path(), &line).succeeded();
+        for name in ["first.raydump", "again.raydump"] {
+            let found = orders(folder.path(), name);
+            let of_control = found.iter().filter(|(path, _)| path.contains("/control/"));
+            let mut permutations = 0;
+            for (path, bytes) in of_control {
+                assert!(path.ends_with("/control/permutation.npy"), "{path}");
+                let indices = bytes[bytes.len() - 64..].chunks_exact(4);
+                let last: Vec<u32> = indices.map(|ray| u32::from_le_bytes(ray.try_into().unwrap())).collect();
+                assert!(last.windows(2).all(|pair| pair[0] + 1 == pair[1]), "{path}: {last:?}");
+                permutations += 1;
+            }
+            assert!(permutations > 3, "{name}: {permutations}");
+            Program::Inspector.run(folder.path(), &format!("verify {name}")).succeeded();
+        }
+    }
+    let info = Program::Inspector.run(folder.path(), "info again.raydump").succeeded().stdout;
+    assert!(info.contains("unsorted, control, aila"), "{info}");
+    Program::Recorder
+        .run(folder.path(), "record builtin:cornell --out no --methods nothing")
+        .failed_with(2, &["there are unsorted, control, shuffled, auto, origin"]);
+}
+
 /// On the machine that it was made on, a calibration is taken over, and gives the same orders; elsewhere, here by
 /// another kernel, there is another one.
 #[test]

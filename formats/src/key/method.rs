@@ -65,7 +65,8 @@ pub fn is_method_name(name: &str) -> bool {
 pub const UNSORTED: &str = "unsorted";
 
 /// Canonical order again, but gathered, traced and scattered as any method is: what it misses 1 by is the
-/// instrument's error. It has times alone.
+/// instrument's error. It is measured wherever a method is, and has times alone; if it is asked for by name, it is
+/// listed like a method and has a permutation, which leaves every ray in its place.
 pub const CONTROL: &str = "control";
 
 /// A random order, drawn from the seed: what canonical order already has over none at all. It has a permutation
@@ -110,7 +111,7 @@ pub const BUILTIN: &[(&str, &str, Termination)] = &[
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum MethodError {
-    #[error("there is no method '{}'; there are unsorted, {known}, and your own as 'name=layout'", one_line(name, SHOWN), known = builtin_names())]
+    #[error("there is no method '{}'; there are {}, {known}, and your own as 'name=layout'", one_line(name, SHOWN), WITHOUT_LAYOUT.join(", "), known = builtin_names())]
     Unknown { name: String },
     #[error(
         "'{}' is not a method: write 'name=layout' with a name of small letters, digits and dashes that no built-in method has",

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::{Check, Subject};
-use crate::key::method::{AUTO, SHUFFLED, UNSORTED};
+use crate::key::method::{AUTO, CONTROL, SHUFFLED, UNSORTED};
 use crate::manifest::check::PASSES_MAX;
 use crate::manifest::{
     CacheRecord, Manifest, MethodArray, Place, QueueArray, QueueId, QueueRecord, SceneArray, Source,
@@ -58,7 +58,7 @@ fn promised_of<'a>(manifest: &'a Manifest, queue: &'a QueueRecord) -> impl Itera
     });
     let of_methods = queue.methods.iter().filter(|method| *method != UNSORTED).flat_map(|method| {
         let has_key = move |array: &MethodArray| {
-            *array != MethodArray::Keys || ![AUTO, SHUFFLED].contains(&method.as_str())
+            *array != MethodArray::Keys || ![AUTO, CONTROL, SHUFFLED].contains(&method.as_str())
         };
         let arrays = MethodArray::ALL.into_iter().filter(has_key);
         arrays.map(|array| Place::Method(queue.id, method.clone(), array))

@@ -4,7 +4,7 @@ use super::report::findings;
 use super::scene::method_problem;
 use super::{Check, Findings, Queue, Subject};
 use crate::auto;
-use crate::key::method::{AUTO, SHUFFLED};
+use crate::key::method::{AUTO, CONTROL, SHUFFLED};
 use crate::key::{Coordinate, Encoder, LayoutText, Termination};
 use crate::length_table::LengthTable;
 use crate::manifest::{MethodArray, MethodRecord, Place, QueueArray, QueueId};
@@ -60,6 +60,7 @@ fn check_permutation(
             // `queues` finds that their lengths differ.
             Some(keys) if keys.len() != permutation.len() => Ok(()),
             Some(keys) => check_order(&permutation, |ray| keys.at(ray)),
+            None if method == CONTROL => check_order(&permutation, |_| 0),
             None if method == AUTO => match chosen_keys(subject, queue, rays) {
                 Ok(None) => check_order(&permutation, |_| 0),
                 Ok(Some(keys)) if keys.rays.len() != permutation.len() => Ok(()),

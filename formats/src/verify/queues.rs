@@ -1,7 +1,7 @@
 //! Arrays that belong together, and those that speak for themselves: rays, path indices, lights.
 
 use super::{Check, Queue, Subject};
-use crate::key::method::{AUTO, SHUFFLED};
+use crate::key::method::{AUTO, CONTROL, SHUFFLED};
 use crate::manifest::{MethodArray, Place, QueueArray, QueueId};
 use crate::npy::Element;
 use crate::queue_check::QueueRules;
@@ -32,7 +32,7 @@ fn check_structure(subject: &Subject<'_>, queue: QueueId, check: &mut Check) {
         Place::Queue(_, array) if array.is_per_ray() => Some((place, array.name())),
         Place::Method(_, method, array) => {
             let has_no_keys =
-                [AUTO, SHUFFLED].contains(&method.as_str()) && *array == MethodArray::Permutation;
+                [AUTO, CONTROL, SHUFFLED].contains(&method.as_str()) && *array == MethodArray::Permutation;
             check.require(has_no_keys || subject.methods.contains_key(method.as_str()), || {
                 format!("{place}: there is no record of this method")
             });

@@ -52,7 +52,8 @@ pub(super) struct ImportArguments {
     /// Methods to compare, `all` or a list such as aila,two-point; unsorted is always measured.
     #[arg(long, default_value = "all", value_name = "LIST")]
     methods: String,
-    /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10'; may be repeated.
+    /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10 @adaptive', in the words of the README; may
+    /// be repeated.
     #[arg(long = "method", value_name = "NAME=LAYOUT")]
     own_methods: Vec<String>,
     /// Bits of a key, 8 to 64.
@@ -77,7 +78,8 @@ pub(super) struct ImportArguments {
 impl ImportArguments {
     fn options(&self) -> Result<ImportOptions, OptionError> {
         in_range("bounce", self.bounce, 0, BOUNCES_MAX - 1)?;
-        let AskedOrders { methods, shuffled, auto } = parse_orders(&self.methods, &self.own_methods)?;
+        let AskedOrders { methods, control, shuffled, auto } =
+            parse_orders(&self.methods, &self.own_methods)?;
         let run = RecordOptions {
             scene: self.scene.clone(),
             out: self.out.clone(),
@@ -86,6 +88,7 @@ impl ImportArguments {
             bounces: self.bounce + 1,
             repeats: self.repeats,
             methods,
+            control,
             shuffled,
             auto,
             key_bits: self.key_bits,

@@ -68,10 +68,12 @@ pub(super) struct RecordArguments {
     #[arg(long)]
     light_radius: Option<f32>,
     /// Methods to compare, `all` or a list such as aila,two-point,auto; auto is what a calibration finds best for
-    /// each queue; unsorted is always measured, shuffled (a random order) if it is named.
+    /// each queue; unsorted is always measured, control (canonical order, measured like a method), shuffled (a random
+    /// order) and rows of others such as hilbert-origin if they are named.
     #[arg(long, default_value = "all", value_name = "LIST")]
     methods: String,
-    /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10'; may be repeated.
+    /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10 @adaptive', in the words of the README; may
+    /// be repeated.
     #[arg(long = "method", value_name = "NAME=LAYOUT")]
     own_methods: Vec<String>,
     /// Bits of a key, 8 to 64.
@@ -125,7 +127,8 @@ impl RecordArguments {
 
     pub(super) fn options(&self) -> Result<RecordOptions, OptionError> {
         let [width, height, bounces, passes, repeats] = self.preset.values();
-        let AskedOrders { methods, shuffled, auto } = parse_orders(&self.methods, &self.own_methods)?;
+        let AskedOrders { methods, control, shuffled, auto } =
+            parse_orders(&self.methods, &self.own_methods)?;
         let options = RecordOptions {
             scene: self.scene.clone(),
             out: self.out.clone(),
@@ -138,6 +141,7 @@ impl RecordArguments {
             camera: self.camera.clone(),
             light_radius: self.light_radius,
             methods,
+            control,
             shuffled,
             auto,
             key_bits: self.key_bits,

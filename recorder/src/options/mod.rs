@@ -10,7 +10,7 @@ pub use keep::{Keep, KeepPasses};
 
 use std::path::PathBuf;
 
-use formats::key::method::{AUTO, BUILTIN, IN_ALL, SHUFFLED, UNSORTED};
+use formats::key::method::{AUTO, BUILTIN, CONTROL, IN_ALL, SHUFFLED, UNSORTED};
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
 use formats::length_table::{TABLE_BITS_DEFAULT, TABLE_BITS_MAX, TABLE_BITS_MIN};
 use formats::manifest::check::{BOUNCES_MAX, PASSES_MAX, REPEATS_MAX};
@@ -40,6 +40,8 @@ pub struct RecordOptions {
     pub light_radius: Option<f32>,
     /// Methods to measure beside the baseline.
     pub methods: Vec<Method>,
+    /// Whether the control is listed like a method.
+    pub control: bool,
     /// Whether a random order is measured, too.
     pub shuffled: bool,
     /// Whether the order that `auto` chooses is.
@@ -93,7 +95,9 @@ pub fn parse_methods(list: &str, own: &[String]) -> Result<Vec<Method>, OptionEr
 pub struct AskedOrders {
     /// Those with a layout.
     pub methods: Vec<Method>,
-    /// Whether a random order is among them.
+    /// Whether the control is among them.
+    pub control: bool,
+    /// Whether a random order is.
     pub shuffled: bool,
     /// Whether the order that `auto` chooses is; `all` has it.
     pub auto: bool,
@@ -105,9 +109,10 @@ pub struct AskedOrders {
 /// As [`parse_methods`].
 pub fn parse_orders(list: &str, own: &[String]) -> Result<AskedOrders, OptionError> {
     let names = || list.split(',').map(str::trim);
-    let named: Vec<&str> = names().filter(|name| ![AUTO, SHUFFLED].contains(name)).collect();
+    let named: Vec<&str> = names().filter(|name| ![AUTO, CONTROL, SHUFFLED].contains(name)).collect();
     Ok(AskedOrders {
         methods: parse_methods(&named.join(","), own)?,
+        control: names().any(|name| name == CONTROL),
         shuffled: names().any(|name| name == SHUFFLED),
         auto: names().any(|name| name == AUTO || name == "all"),
     })
@@ -131,6 +136,7 @@ impl RecordOptions {
             camera: None,
             light_radius: None,
             methods: Vec::new(),
+            control: false,
             shuffled: false,
             auto: false,
             key_bits: 32,
@@ -209,12 +215,13 @@ mod tests {
         assert_eq!(names("unsorted", &[]), Vec::<String>::new());
         assert_eq!(names("aila, costa", &["mine=(ox oy oz)*4"]), ["aila", "costa", "mine"]);
         let asked = |list| {
-            let AskedOrders { methods, shuffled, auto } = parse_orders(list, &[]).unwrap();
-            (methods.len(), shuffled, auto)
+            let AskedOrders { methods, control, shuffled, auto } = parse_orders(list, &[]).unwrap();
+            (methods.len(), control, shuffled, auto)
         };
-        assert_eq!(asked("aila, shuffled"), (1, true, false));
-        assert_eq!(asked("all"), (IN_ALL, false, true));
-        assert_eq!(asked("auto,aila"), (1, false, true));
+        assert_eq!(asked("aila, shuffled"), (1, false, true, false));
+        assert_eq!(asked("all"), (IN_ALL, false, false, true));
+        assert_eq!(asked("auto,aila"), (1, false, false, true));
+        assert_eq!(asked("control"), (0, true, false, false));
         assert!(matches!(parse_methods("aila,aila", &[]), Err(OptionError::MethodTwice { .. })));
         assert!(matches!(parse_methods("nope", &[]), Err(OptionError::Method(MethodError::Unknown { .. }))));
     }

@@ -1,6 +1,6 @@
 //! What the manifest says about a run before its first array.
 
-use formats::key::method::{AUTO, SHUFFLED, UNSORTED};
+use formats::key::method::{AUTO, CONTROL, SHUFFLED, UNSORTED};
 use formats::manifest::{
     Backend, CameraPose, Features as FeatureNames, Header, MethodRecord, Options, SceneSummary, Source,
 };
@@ -64,9 +64,9 @@ pub(crate) fn header(
 }
 
 fn manifest_options(setup: &Setup, options: &RecordOptions, kernel: TraceKernel, threads: u32) -> Options {
-    let without_layout = [Some(UNSORTED), options.shuffled.then_some(SHUFFLED), options.auto.then_some(AUTO)]
-        .into_iter()
-        .flatten();
+    let asked = [(options.control, CONTROL), (options.shuffled, SHUFFLED), (options.auto, AUTO)];
+    let asked = asked.into_iter().filter_map(|(is_asked, name)| is_asked.then_some(name));
+    let without_layout = [UNSORTED].into_iter().chain(asked);
     let names = setup.named().iter().map(|method| method.name.clone());
     Options {
         width: options.width,

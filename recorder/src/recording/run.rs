@@ -123,6 +123,7 @@ impl Run<'_> {
             methods: self.setup.methods.clone(),
             passes: options.passes,
             measured: self.measured(),
+            lists_control: options.control,
             keep: options.keep,
             keep_passes: options.keep_passes,
             tolerates_mismatches: options.device.trace == Some(TraceKernel::RayQuery),
@@ -140,8 +141,9 @@ impl Run<'_> {
             [self.options.shuffled.then_some(Subject::Shuffled), self.options.auto.then_some(Subject::Auto)];
         let compared = unnamed.into_iter().flatten().chain(methods);
         let mut orders: Vec<Subject> = compared.collect();
+        let is_compared = self.options.control || !orders.is_empty();
         let baseline =
-            if orders.is_empty() { &[Subject::Unsorted][..] } else { &[Subject::Unsorted, Subject::Control] };
+            if is_compared { &[Subject::Unsorted, Subject::Control][..] } else { &[Subject::Unsorted] };
         orders.splice(..0, baseline.iter().copied());
         Measured { orders, repeats: self.options.repeats, seed: self.options.seed }
     }

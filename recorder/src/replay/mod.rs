@@ -16,7 +16,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
-use formats::key::method::{AUTO, SHUFFLED};
+use formats::key::method::{AUTO, CONTROL, SHUFFLED};
 use formats::key::{LayoutText, Method};
 use formats::manifest::{CalibrationRecord, Header, Manifest, MethodRecord, Source};
 use formats::reader::{Dump, DumpState};
@@ -159,9 +159,14 @@ fn run_options(
 ) -> Result<RecordOptions> {
     let before = &recorded.options;
     let has = |name: &str| before.methods.iter().any(|method| method == name);
-    let AskedOrders { methods, shuffled, auto } = match &options.orders {
+    let AskedOrders { methods, control, shuffled, auto } = match &options.orders {
         Some(orders) => orders.clone(),
-        None => AskedOrders { methods: recorded_methods(methods)?, shuffled: has(SHUFFLED), auto: has(AUTO) },
+        None => AskedOrders {
+            methods: recorded_methods(methods)?,
+            control: has(CONTROL),
+            shuffled: has(SHUFFLED),
+            auto: has(AUTO),
+        },
     };
     let table_method = match &options.table_method {
         Some(method) => method.clone(),
@@ -195,6 +200,7 @@ fn run_options(
         light_radius: None,
         camera: Some(before.camera.clone()),
         methods,
+        control,
         shuffled,
         auto,
         key_bits: options.sweep.key_bits.first().copied().unwrap_or(before.key_bits),

@@ -57,7 +57,7 @@ pub(super) struct RenderArguments {
 
 impl RenderArguments {
     pub(super) fn bench(&self) -> Result<RenderBench, OptionError> {
-        let AskedOrders { methods, shuffled, auto } = parse_orders(&self.methods, &[])?;
+        let AskedOrders { methods, control: _, shuffled, auto } = parse_orders(&self.methods, &[])?;
         if shuffled {
             let message =
                 "a renderer has no reason to trace in a random order; leave out shuffled".to_owned();
