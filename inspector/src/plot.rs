@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use formats::key::Termination;
 use formats::key::method::{Method, UNSORTED};
-use formats::manifest::{Header, Manifest, Options, Source};
+use formats::manifest::{Header, Manifest, MethodRecord, Options, Source};
 use formats::reader::Dump;
 use serde::Serialize;
 
@@ -215,11 +215,18 @@ fn measuring_options(manifest: &Manifest, header: &Header) -> String {
     let mut key_bits: Vec<u32> = variants().map(|method| method.key_bits).collect();
     let with_length = variants().filter(|method| method.termination == Termination::Fixed);
     let mut lengths: Vec<f32> = with_length.map(|method| method.two_point_length).collect();
+    let origin_bits = |method: &MethodRecord| {
+        let split = method.name.strip_prefix(&method.base)?.strip_prefix("-split-")?;
+        split.split('-').next()?.parse::<u32>().ok()
+    };
+    let mut splits: Vec<u32> = variants().filter_map(origin_bits).collect();
+    splits.sort_unstable();
+    let split = splits.first().copied().map(|first| format!(" --split {}", list(splits, first)));
     key_bits.sort_unstable();
     lengths.sort_by(f32::total_cmp);
     let threads = if options.threads > 0 { format!(" --threads {}", options.threads) } else { String::new() };
     format!(
-        "--backend {} --trace {}{threads} --repeats {} --methods {}{} --key-bits {} --two-point-length {} \
+        "--backend {} --trace {}{threads} --repeats {} --methods {}{} --key-bits {} --two-point-length {}{} \
          --table-bits {} --table-method {}",
         header.backend.name(),
         quoted_text(&options.trace_kernel),
@@ -228,6 +235,7 @@ fn measuring_options(manifest: &Manifest, header: &Header) -> String {
         own.collect::<String>(),
         list(key_bits, options.key_bits),
         list(lengths, options.two_point_length),
+        split.unwrap_or_default(),
         options.table_bits,
         quoted_text(&options.table_method),
     )

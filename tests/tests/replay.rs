@@ -166,6 +166,32 @@ fn alpha_masks_are_replayed() {
 }
 
 #[test]
+fn shares_of_the_origin_are_swept_over_and_drawn() {
+    let folder = recorded("builtin:cornell", "--backend cpu --repeats 1 --methods two-point");
+    let line = "replay first.raydump --out split.raydump --backend cpu --repeats 1 --methods octahedron,two-point \
+        --split 4..28:3";
+    run(folder.path(), line);
+    Program::Inspector.run(folder.path(), "verify split.raydump").succeeded();
+    let info = Program::Inspector.run(folder.path(), "info split.raydump --json").succeeded().json();
+    let methods = ["octahedron", "two-point"].into_iter().flat_map(|method| {
+        ["4-28", "16-16", "28-4"].map(|split| Value::from(format!("{method}-split-{split}")))
+    });
+    let expected: Vec<Value> = [Value::from("unsorted")].into_iter().chain(methods).collect();
+    assert_eq!(info["options"]["methods"], Value::from(expected));
+    let plot = "plot split.raydump --figure origin-bits --out figures";
+    Program::Inspector.run(folder.path(), plot).succeeded();
+    let drawn = std::fs::read_to_string(folder.path().join("figures/origin-bits.csv")).unwrap();
+    assert!(["octahedron", "two-point"].iter().all(|method| drawn.contains(method)), "{drawn}");
+    Program::Inspector.run(folder.path(), "report split.raydump --out page").succeeded();
+    let page = std::fs::read_to_string(folder.path().join("page/report.html")).unwrap();
+    assert!(page.contains("--split 4,16,28"), "the page says how to make it again");
+    // The layouts of variants are not those of the method.
+    run(folder.path(), "replay split.raydump --out again.raydump --backend cpu --repeats 1");
+    let info = Program::Inspector.run(folder.path(), "info again.raydump --json").succeeded().json();
+    assert_eq!(info["options"]["methods"], serde_json::json!(["unsorted", "octahedron", "two-point"]));
+}
+
+#[test]
 fn sweeps_and_other_tables() {
     let folder =
         recorded("builtin:cornell", "--backend cpu --repeats 1 --methods two-point,two-point-adaptive");

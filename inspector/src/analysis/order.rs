@@ -25,6 +25,9 @@ pub struct OrderAnalysis {
     pub base: String,
     /// Bits of its keys; `null` for `unsorted`.
     pub key_bits: Option<u32>,
+    /// How many of them are the origin's, the rest being those of other coordinates; `null` where bits are of a curve
+    /// or an exclusive or.
+    pub origin_bits: Option<u32>,
     /// Length that it assumes for all rays, unit lengths; `null` if it assumes none.
     pub two_point_length: Option<f32>,
     /// The stages that were timed.
@@ -55,6 +58,14 @@ impl OrderAnalysis {
     pub fn stage(&self, stage: Stage) -> Option<&StageTime> {
         self.stages.iter().find(|found| found.stage == stage)
     }
+}
+
+/// How many bits of a method's keys are the origin's.
+fn origin_bits(record: &MethodRecord) -> Option<u32> {
+    let bits = || record.layout.iter().take(record.key_bits as usize);
+    let is_coordinate = |name: &String| name.chars().all(char::is_alphanumeric);
+    let is_origin = |name: &&String| matches!(name.as_str(), "ox" | "oy" | "oz");
+    bits().all(is_coordinate).then(|| bits().filter(is_origin).count() as u32)
 }
 
 /// Hit ratios of the cache model.
@@ -115,6 +126,7 @@ impl<'a> QueueContext<'a> {
             method: shown::name(method),
             base: shown::name(record.map_or(method, |record| &record.base)),
             key_bits: record.map(|record| record.key_bits),
+            origin_bits: record.and_then(origin_bits),
             two_point_length: record
                 .filter(|record| record.termination == Termination::Fixed)
                 .map(|record| record.two_point_length),

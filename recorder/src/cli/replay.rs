@@ -18,6 +18,7 @@ Examples:
   recorder replay sponza.raydump --out again.raydump
   recorder replay sponza.raydump --out bits.raydump --methods two-point --key-bits 8,16,24,32,48,64
   recorder replay sponza.raydump --out length.raydump --methods two-point --two-point-length 0.05..0.4:8
+  recorder replay sponza.raydump --out split.raydump --methods octahedron,two-point --split 4..28:7
   recorder replay sponza.raydump --out table.raydump --methods two-point-adaptive --table-method octahedron
   recorder replay sponza.raydump --out bvh2.raydump --trace bvh2 --backend gpu
 
@@ -33,10 +34,12 @@ pub(super) struct ReplayArguments {
     #[arg(long, value_name = "Y.raydump")]
     out: PathBuf,
     /// Methods to compare, `all` or a list such as aila,two-point,auto; auto chooses by the recording's calibration
-    /// if that is of this device and kernel, else by a new one; shuffled is a random order.
+    /// if that is of this device and kernel, else by a new one; control, shuffled (a random order) and rows
+    /// of others such as hilbert-origin are measured if they are named.
     #[arg(long, value_name = "LIST")]
     methods: Option<String>,
-    /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10'; may be repeated.
+    /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10 @adaptive', in the words of the README; may
+    /// be repeated.
     #[arg(long = "method", value_name = "NAME=LAYOUT")]
     own_methods: Vec<String>,
     /// Bits of a key, 8 to 64: one number, or several to sweep over.
@@ -45,6 +48,10 @@ pub(super) struct ReplayArguments {
     /// Length that two-point assumes, unit lengths: one number, a list, or a range such as 0.05..0.4:8.
     #[arg(long, value_name = "LIST")]
     two_point_length: Option<String>,
+    /// Bits of a key that are the origin's, the rest for the direction or end point, in turn: one number, a list, or
+    /// a range such as 4..28:7; for methods that have both.
+    #[arg(long, value_name = "LIST")]
+    split: Option<String>,
     /// Address bits of the length tables, 8 to 24; other tables than recorded learn from the recorded rays.
     #[arg(long)]
     table_bits: Option<u32>,
@@ -93,7 +100,11 @@ impl ReplayArguments {
             source: self.source.clone(),
             out: self.out.clone(),
             orders: wants_methods.then(|| parse_orders(list, &self.own_methods)).transpose()?,
-            sweep: Sweep::parse(self.key_bits.as_deref(), self.two_point_length.as_deref())?,
+            sweep: Sweep::parse(
+                self.key_bits.as_deref(),
+                self.two_point_length.as_deref(),
+                self.split.as_deref(),
+            )?,
             table_bits: self.table_bits,
             table_method,
             repeats: self.repeats,

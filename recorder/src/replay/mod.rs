@@ -1,6 +1,6 @@
 //! Measures recorded rays again, without tracing paths: other methods, other bits, another device.
 //!
-//! - [`variants`]: methods at several key bits and lengths
+//! - [`variants`]: methods at several key bits, lengths and shares of the origin; [`split`]: layouts with those
 //! - [`queues`]: recorded queues, checked
 //! - `geometry`: the scene as a recording holds it
 //! - [`import`]: rays from any other tracer
@@ -8,6 +8,7 @@
 mod geometry;
 pub mod import;
 pub mod queues;
+pub mod split;
 pub mod variants;
 
 use std::path::{Path, PathBuf};
@@ -42,7 +43,7 @@ pub struct ReplayOptions {
     pub out: PathBuf,
     /// What to measure.
     pub orders: Option<AskedOrders>,
-    /// Key bits and lengths.
+    /// Key bits, lengths and shares of the origin.
     pub sweep: Sweep,
     /// Address bits of the length tables.
     pub table_bits: Option<u32>,
@@ -223,7 +224,8 @@ fn recorded_methods(records: &[MethodRecord]) -> Result<Vec<Method>> {
             continue;
         }
         let built_in = Method::builtin(&record.base).ok();
-        methods.push(match built_in.filter(|method| method.layout.text() == record.text) {
+        let is_variant = record.name != record.base;
+        methods.push(match built_in.filter(|method| is_variant || method.layout.text() == record.text) {
             Some(method) => method,
             None => Method {
                 name: record.base.clone(),

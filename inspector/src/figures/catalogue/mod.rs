@@ -91,6 +91,7 @@ pub const CATALOGUE: &[FigureMaker] = &[
     maker("capsule-area", "mean capsule area against trace time", capsules::against_time),
     maker("capsule-area-distribution", "share of rays by their group's capsule area", capsules::distribution),
     maker("key-bits", "speedup by bits of the key", sweeps::key_bits),
+    maker("origin-bits", "speedup by the origin's share of the key", sweeps::split),
     maker("two-point-length", "speedup by the length that two-point assumes", sweeps::length),
     maker("table-fill", "fill of the length table over bounces and passes", tables::fill),
     maker("estimator-error", "errors of estimated ray lengths over bounces and passes", tables::errors),

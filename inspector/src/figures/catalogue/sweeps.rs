@@ -1,4 +1,5 @@
-//! Sweeps: methods that are variants of one base, by key bits and by the length that they assume.
+//! Sweeps: methods that are variants of one base, by key bits, by the origin's share of them and by the length that
+//! they assume.
 
 use std::collections::BTreeMap;
 
@@ -21,6 +22,18 @@ pub fn key_bits(findings: &Findings<'_>) -> Made {
     };
     let caption = "Speedup of one method with keys of different length: the first bits of the same layout. Short keys sort in fewer passes.";
     sweep.figure(findings, "Speedup by bits of the key", caption)
+}
+
+/// Speedups by how many bits of the key are the origin's.
+pub fn split(findings: &Findings<'_>) -> Made {
+    let sweep = Sweep {
+        axis: "bits of the origin",
+        // A method itself may lay its bits out in another way than its variants.
+        of: |order| order.origin_bits.filter(|_| order.method != order.base).map(f64::from),
+        other: |order| order.key_bits.map(f64::from),
+    };
+    let caption = "Speedup of one method that gives the origin more or fewer bits of a key, and the rest to the direction or end point, bits of both in turn.";
+    sweep.figure(findings, "Speedup by bits of the origin", caption)
 }
 
 /// Speedups by the length that two-point assumes.

@@ -28,7 +28,7 @@ const SHADOW_BOUNCE: u32 = 1;
 pub(super) fn run(bench: Bench<'_>) -> Result<Vec<KeyBitsRow>> {
     let options = bench.options;
     let mut setup = Setup::clone(&*bench.setup(&options.run)?);
-    let sweep = Sweep { key_bits: options.key_bits.clone(), lengths: Vec::new() };
+    let sweep = Sweep { key_bits: options.key_bits.clone(), ..Sweep::default() };
     setup.methods = sweep.plans(
         &options.run.methods,
         setup.light_sites.len(),
