@@ -6,13 +6,14 @@ use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
 use crate::analysis::{Analysis, CorrelationLine, MethodSummary, Metric, OrderAnalysis, QueueAnalysis};
 use crate::output::{counted, table};
 
-/// One line per kind of rays and method: geometric means over the bounces.
+/// One line per kind of rays and method: the whole frame, its interval where there is one recording, else
+/// geometric means over the recordings.
 pub(crate) fn methods(analysis: &Analysis) -> String {
     if analysis.summaries.is_empty() {
         return "No method was measured on secondary or shadow rays.".to_owned();
     }
     let has_areas = analysis.summaries.iter().any(|summary| summary.capsule_area_ratio.known().is_some());
-    let mut header = vec!["rays", "method", "bounces", "trace speedup", "net speedup"];
+    let mut header = vec!["rays", "method", "recordings", "trace speedup", "net speedup"];
     header.extend(has_areas.then_some("capsule area"));
     let mut table = table(&header, 2);
     for summary in &analysis.summaries {
@@ -20,21 +21,21 @@ pub(crate) fn methods(analysis: &Analysis) -> String {
         table.add_row(row.into_iter().chain(means(summary)).take(header.len()));
     }
     let mut lines = vec![
-        "Methods: geometric means over bounces (lowest to highest) against unsorted rays".to_owned(),
+        "Methods: the whole frame (all bounces together), with its interval or, of several recordings, the geometric mean (lowest to highest)".to_owned(),
         table.to_string(),
     ];
     lines.extend(RayClass::ALL.into_iter().filter_map(|rays| significance(&analysis.summaries, rays)));
     lines.join("\n")
 }
 
-/// Names of columns, and one row per machine, kind of rays and method: geometric means over scenes and
-/// bounces. The machine is a column if there are several.
+/// Names of columns, and one row per machine, kind of rays and method: the whole frame, geometric
+/// means over recordings. The machine is a column if there are several.
 pub(crate) fn summary(analysis: &Analysis) -> (Vec<String>, Vec<Vec<String>>) {
     let machines = distinct(analysis.summaries.iter().map(|summary| summary.configuration.as_str()));
     let machine = |name: &str| (machines.len() > 1).then(|| name.to_owned());
     let mut header = vec!["method".to_owned(), "rays".to_owned()];
     header.extend(machine("machine"));
-    header.extend(["queues", "trace speedup", "net speedup", "capsule area"].map(str::to_owned));
+    header.extend(["recordings", "trace speedup", "net speedup", "capsule area"].map(str::to_owned));
     let row = |summary: &MethodSummary| {
         let mut row = vec![summary.method.clone(), summary.rays.name().to_owned()];
         row.extend(machine(&summary.configuration));
@@ -44,11 +45,11 @@ pub(crate) fn summary(analysis: &Analysis) -> (Vec<String>, Vec<Vec<String>>) {
     (header, analysis.summaries.iter().map(row).collect())
 }
 
-/// Queues, trace speedup, net speedup, capsule area.
+/// Recordings, trace speedup, net speedup, capsule area.
 fn means(summary: &MethodSummary) -> [String; 4] {
     let ratio = summary.capsule_area_ratio.known();
     [
-        summary.queues.to_string(),
+        summary.recordings.to_string(),
         speedup(&summary.trace_speedup),
         speedup(&summary.net_speedup),
         ratio.map_or("–".to_owned(), |ratio| format!("{ratio:.3}×")),
@@ -58,6 +59,9 @@ fn means(summary: &MethodSummary) -> [String; 4] {
 fn speedup(speedup: &Metric<MeanSpeedup>) -> String {
     match speedup.known() {
         None => "–".to_owned(),
+        Some(MeanSpeedup { mean, interval: Some((low, high)), .. }) => {
+            format!("{mean:.2}× ({low:.2} to {high:.2})")
+        }
         Some(MeanSpeedup { mean, n: 1, .. }) => format!("{mean:.2}×"),
         Some(MeanSpeedup { mean, lowest, highest, .. }) => {
             format!("{mean:.2}× ({lowest:.2} to {highest:.2})")

@@ -222,7 +222,7 @@ fn info_shows_means_and_with_metrics_the_arrays() {
         String::from_utf8(output.stdout).unwrap()
     };
     let text = info(&path, &[]);
-    assert!(text.contains("Methods: geometric means") && !text.contains("capsule area"), "{text}");
+    assert!(text.contains("Methods: the whole frame") && !text.contains("capsule area"), "{text}");
     let text = info(&path, &["--metrics", "--threads", "1"]);
     for part in ["capsule area", "direction spread", "table fill", "Pearson", "lanes of 8"] {
         assert!(text.contains(part), "{part}: {text}");

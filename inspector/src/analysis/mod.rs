@@ -5,6 +5,7 @@
 //! - [`recording`], [`queue`], [`order`]: the numbers of one recording, queue and order
 //! - `arrays`: the arrays of a queue that its orders share
 //! - [`timing`]: times, speedups, bandwidths of an order's stages
+//! - [`frame`]: a method over all bounces
 //! - [`coherence`]: capsules, direction spread and lane utilisation, streamed over arrays
 //! - [`tables`]: fill of the length table, errors of estimated lengths
 //! - [`summary`], [`correlations`]: over all recordings
@@ -18,6 +19,7 @@
 mod arrays;
 pub mod coherence;
 pub mod correlations;
+pub mod frame;
 pub mod labels;
 pub mod metric;
 pub mod options;
@@ -36,6 +38,7 @@ use formats::reader::{Dump, DumpState};
 use serde::Serialize;
 
 pub use correlations::CorrelationLine;
+pub use frame::FrameAnalysis;
 pub use metric::Metric;
 pub use options::{AnalysisOptions, Depth, GroupWidth};
 pub use order::OrderAnalysis;
@@ -50,7 +53,7 @@ pub struct Analysis {
     pub group_width: usize,
     /// The recordings, in the order in which they were given.
     pub recordings: Vec<RecordingAnalysis>,
-    /// Per machine, rays and method: means over scenes and bounces.
+    /// Per machine, rays and method: means over recordings.
     pub summaries: Vec<MethodSummary>,
     /// How capsule area and trace time go together.
     pub correlations: Vec<CorrelationLine>,

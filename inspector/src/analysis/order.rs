@@ -49,11 +49,6 @@ pub struct OrderAnalysis {
 }
 
 impl OrderAnalysis {
-    /// The trace, of rays as they lie or, where they were traced through indices alone, of that.
-    pub fn traced(&self) -> Option<&StageTime> {
-        self.stage(Stage::Trace).or_else(|| self.stage(Stage::TraceIndirect))
-    }
-
     /// A stage, if it was timed.
     pub fn stage(&self, stage: Stage) -> Option<&StageTime> {
         self.stages.iter().find(|found| found.stage == stage)

@@ -7,9 +7,11 @@ use formats::reader::Dump;
 use formats::summary::hexadecimal;
 use serde::Serialize;
 
+use super::frame::FrameAnalysis;
 use super::labels;
 use super::options::AnalysisOptions;
 use super::queue::QueueAnalysis;
+use super::summary::RayClass;
 use super::timing::Samples;
 use crate::shown;
 
@@ -35,6 +37,8 @@ pub struct RecordingAnalysis {
     pub options: Options,
     /// What the times were taken with.
     pub time_source: String,
+    /// Its methods over all bounces, by kind of rays.
+    pub frames: Vec<FrameAnalysis>,
     /// Its queues, in the order in which they were traced.
     pub queues: Vec<QueueAnalysis>,
 }
@@ -44,7 +48,8 @@ impl RecordingAnalysis {
         let manifest = dump.manifest();
         let header = shown::header(&manifest.header);
         let samples = Samples::of(manifest);
-        let queues = manifest.queues.iter().map(|queue| QueueAnalysis::of(dump, queue, &samples, options));
+        let queues: Vec<QueueAnalysis> =
+            manifest.queues.iter().map(|queue| QueueAnalysis::of(dump, queue, &samples, options)).collect();
         let configuration = labels::configuration(&header);
         Self {
             label,
@@ -56,8 +61,14 @@ impl RecordingAnalysis {
             adapter: header.adapter,
             options: header.options,
             time_source: header.time_source,
-            queues: queues.collect(),
+            frames: FrameAnalysis::all(&queues),
+            queues,
         }
+    }
+
+    /// A method over all bounces of some rays, if it was measured.
+    pub fn frame(&self, rays: RayClass, method: &str) -> Option<&FrameAnalysis> {
+        self.frames.iter().find(|frame| frame.rays == rays && frame.method == method)
     }
 
     /// The queues in which methods were measured.

@@ -1,4 +1,4 @@
-//! Totals over the bounces of a recording; per machine, rays and method: means over recordings.
+//! Per machine, rays and method: the whole frame, means over recordings.
 
 use formats::key::method::UNSORTED;
 use formats::metrics::speedup::geometric_mean;
@@ -6,7 +6,7 @@ use formats::ray::Kind;
 use serde::Serialize;
 
 use super::timing::{SpeedupLine, Verdict};
-use super::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
+use super::{FrameAnalysis, Metric, QueueAnalysis, RecordingAnalysis};
 
 /// The rays that a mean is taken over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -40,68 +40,7 @@ impl RayClass {
     }
 }
 
-/// What a speedup counts of the time in another order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Counted {
-    /// The trace alone.
-    Trace,
-    /// All that tracing in that order takes.
-    Everything,
-}
-
-impl Counted {
-    /// Of one queue.
-    pub fn speedup(self, order: &OrderAnalysis) -> &Metric<SpeedupLine> {
-        match self {
-            Self::Trace => &order.trace_speedup,
-            Self::Everything => &order.net_speedup,
-        }
-    }
-
-    fn samples(self, order: &OrderAnalysis) -> Option<&[u64]> {
-        let time = match self {
-            Self::Trace => &order.traced()?.time,
-            Self::Everything => order.total.as_ref()?,
-        };
-        Some(&time.samples_ns)
-    }
-}
-
-/// Speedup of a method over all queues of a recording with these rays: times of unsorted rays over those in its
-/// order, both summed over queues round by round, so that a queue weighs as much as it takes.
-///
-/// Missing where the method has no speedup in any of these queues; then it says why.
-pub fn total_speedup(
-    recording: &RecordingAnalysis,
-    rays: RayClass,
-    method: &str,
-    counted: Counted,
-) -> Metric<SpeedupLine> {
-    let queues = || recording.measured().filter(|queue| RayClass::of(queue) == Some(rays));
-    let orders = || queues().filter_map(|queue| Some((queue.order(UNSORTED)?, queue.order(method)?)));
-    let (mut baseline, mut sorted): (Vec<u64>, Vec<u64>) = Default::default();
-    for (unsorted, order) in orders().filter(|(_, order)| counted.speedup(order).known().is_some()) {
-        let pair = Counted::Trace.samples(unsorted).zip(counted.samples(order));
-        let (of_unsorted, of_order) = pair.unwrap_or_default();
-        add(&mut baseline, of_unsorted);
-        add(&mut sorted, of_order);
-    }
-    let reason =
-        || orders().find_map(|(_, order)| counted.speedup(order).reason()).unwrap_or("it was not measured");
-    SpeedupLine::of(&baseline, &sorted).ok_or_else(reason).into()
-}
-
-/// Adds times round by round; where some have fewer rounds, the others are left out.
-fn add(sums: &mut Vec<u64>, times: &[u64]) {
-    if sums.is_empty() {
-        sums.extend(times);
-    } else {
-        sums.truncate(times.len());
-        sums.iter_mut().zip(times).for_each(|(sum, &time)| *sum = sum.saturating_add(time));
-    }
-}
-
-/// One method on one machine, over scenes and bounces.
+/// One method on one machine, over recordings: of each the sum over its bounces.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MethodSummary {
     /// Backend, adapter, kernel and threads: times of different ones have no common mean.
@@ -110,17 +49,17 @@ pub struct MethodSummary {
     pub rays: RayClass,
     /// The method.
     pub method: String,
-    /// Queues in which it was measured.
-    pub queues: usize,
+    /// Recordings in which it was measured.
+    pub recordings: usize,
     /// Speedup of the trace alone.
     pub trace_speedup: Metric<MeanSpeedup>,
     /// Speedup with all that sorting costs.
     pub net_speedup: Metric<MeanSpeedup>,
-    /// Geometric mean of mean capsule areas over those of unsorted rays.
+    /// Geometric mean over recordings of mean capsule areas over those of unsorted rays.
     pub capsule_area_ratio: Metric<f64>,
 }
 
-/// Speedups of one method over recordings, each the total of all bounces.
+/// Speedups of one method over recordings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct MeanSpeedup {
     /// Geometric mean.
@@ -129,11 +68,13 @@ pub struct MeanSpeedup {
     pub lowest: f64,
     /// Largest.
     pub highest: f64,
-    /// Recordings.
+    /// 95 % interval of a single one; `null` for several or for too few rounds.
+    pub interval: Option<(f64, f64)>,
+    /// Speedups.
     pub n: usize,
-    /// Recordings that are faster, by their interval.
+    /// Those that are faster, by their interval.
     pub faster: usize,
-    /// Recordings that are slower, by their interval.
+    /// Those that are slower, by their interval.
     pub slower: usize,
 }
 
@@ -147,6 +88,10 @@ impl MeanSpeedup {
             mean: geometric_mean(ratios())?,
             lowest: ratios().fold(f64::INFINITY, f64::min),
             highest: ratios().fold(f64::NEG_INFINITY, f64::max),
+            interval: match speedups[..] {
+                [only] => only.interval,
+                _ => None,
+            },
             n: speedups.len(),
             faster: with(Verdict::Faster),
             slower: with(Verdict::Slower),
@@ -154,53 +99,43 @@ impl MeanSpeedup {
     }
 }
 
-/// Every machine, kind of rays and method, in the order in which they come up.
+/// Every machine, kind of rays and method, in the order in which they come up. Variants, which sweeps show,
+/// are among them only where nothing else was measured.
 pub fn summaries(recordings: &[RecordingAnalysis]) -> Vec<MethodSummary> {
     let mut summaries = Vec::new();
     for configuration in distinct(recordings.iter().map(|recording| recording.configuration.as_str())) {
-        let same = || recordings.iter().filter(|recording| recording.configuration == configuration);
+        let same = recordings.iter().filter(|recording| recording.configuration == configuration);
+        let frames: Vec<&FrameAnalysis> = same.flat_map(|recording| &recording.frames).collect();
         for rays in RayClass::ALL {
-            let queues: Vec<&QueueAnalysis> = same()
-                .flat_map(RecordingAnalysis::measured)
-                .filter(|queue| RayClass::of(queue) == Some(rays))
-                .collect();
-            let methods = queues.iter().flat_map(|queue| &queue.orders).map(|order| order.method.as_str());
-            for method in distinct(methods.filter(|method| *method != UNSORTED)) {
-                summaries.push(summary(configuration, rays, method, &same().collect::<Vec<_>>(), &queues));
+            let of_rays = || frames.iter().filter(|frame| frame.rays == rays && frame.method != UNSORTED);
+            let has_plain = of_rays().any(|frame| frame.base == frame.method);
+            let shown = of_rays().filter(|frame| !has_plain || frame.base == frame.method);
+            for method in distinct(shown.map(|frame| frame.method.as_str())) {
+                let own: Vec<&FrameAnalysis> =
+                    of_rays().filter(|frame| frame.method == method).copied().collect();
+                summaries.push(summary(configuration, rays, method, &own));
             }
         }
     }
     summaries
 }
 
-fn summary(
-    configuration: &str,
-    rays: RayClass,
-    method: &str,
-    recordings: &[&RecordingAnalysis],
-    queues: &[&QueueAnalysis],
-) -> MethodSummary {
-    let measured = || queues.iter().filter_map(|queue| Some((queue, queue.order(method)?)));
-    let speedup = |counted: Counted| -> Metric<MeanSpeedup> {
-        let totals: Vec<Metric<SpeedupLine>> =
-            recordings.iter().map(|recording| total_speedup(recording, rays, method, counted)).collect();
-        let reason = measured().find_map(|(_, order)| counted.speedup(order).reason());
-        let mean = MeanSpeedup::of(totals.iter().filter_map(Metric::known));
+fn summary(configuration: &str, rays: RayClass, method: &str, frames: &[&FrameAnalysis]) -> MethodSummary {
+    let speedup = |of: fn(&FrameAnalysis) -> &Metric<SpeedupLine>| {
+        let mean = MeanSpeedup::of(frames.iter().filter_map(|frame| of(frame).known()));
+        let reason = frames.iter().find_map(|frame| of(frame).reason());
         mean.ok_or(reason.unwrap_or("it was not timed")).into()
     };
-    let area = |order: &OrderAnalysis| Some(order.coherence.known()?.mean_capsule_area);
-    let area_ratio = |(queue, order): (&&QueueAnalysis, &OrderAnalysis)| {
-        Some(area(order)? / area(queue.order(UNSORTED)?)?)
-    };
-    let no_area = measured().find_map(|(_, order)| order.coherence.reason());
+    let no_area = frames.iter().find_map(|frame| frame.capsule_area_ratio.reason());
+    let areas = frames.iter().filter_map(|frame| frame.capsule_area_ratio.known().copied());
     MethodSummary {
         configuration: configuration.to_owned(),
         rays,
         method: method.to_owned(),
-        queues: measured().count(),
-        trace_speedup: speedup(Counted::Trace),
-        net_speedup: speedup(Counted::Everything),
-        capsule_area_ratio: geometric_mean(measured().filter_map(area_ratio))
+        recordings: frames.len(),
+        trace_speedup: speedup(|frame| &frame.trace_speedup),
+        net_speedup: speedup(|frame| &frame.net_speedup),
+        capsule_area_ratio: geometric_mean(areas)
             .ok_or(no_area.unwrap_or("the capsules of unsorted rays are not known"))
             .into(),
     }

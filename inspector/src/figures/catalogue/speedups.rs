@@ -5,9 +5,41 @@ use formats::key::method::UNSORTED;
 use super::building::{figure, methods, of_method, queues, reason, recordings, settings};
 use super::{Findings, Made};
 use crate::analysis::labels::scene_name;
-use crate::analysis::summary::{Counted, MeanSpeedup, RayClass, distinct, total_speedup};
-use crate::analysis::{QueueAnalysis, RecordingAnalysis};
+use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
+use crate::analysis::timing::SpeedupLine;
+use crate::analysis::{FrameAnalysis, Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Panel, Point, Series};
+
+/// What a speedup counts of the time in another order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Counted {
+    /// The trace alone.
+    Trace,
+    /// All that tracing in that order takes.
+    Everything,
+}
+
+impl Counted {
+    fn of_queue(self, order: &OrderAnalysis) -> &Metric<SpeedupLine> {
+        match self {
+            Self::Trace => &order.trace_speedup,
+            Self::Everything => &order.net_speedup,
+        }
+    }
+
+    fn of_frame<'a>(
+        self,
+        recording: &'a RecordingAnalysis,
+        rays: RayClass,
+        method: &str,
+    ) -> Option<&'a SpeedupLine> {
+        let FrameAnalysis { trace_speedup, net_speedup, .. } = recording.frame(rays, method)?;
+        match self {
+            Self::Trace => trace_speedup.known(),
+            Self::Everything => net_speedup.known(),
+        }
+    }
+}
 
 /// How to read such a figure.
 const READING: &str = "Each marker is the whole frame: times of unsorted rays over those in the order, both summed over all bounces, round by round; the thick line is the 95 % interval of that ratio, by bootstrap over rounds. Small dots are the bounces by themselves";
@@ -75,7 +107,7 @@ fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
     );
     let reason = reason(
         findings,
-        move |order| counted.speedup(order),
+        move |order| counted.of_queue(order),
         "no method was measured on secondary or shadow rays",
     );
     figure(words.title, caption, settings(findings), panels, reason)
@@ -103,14 +135,13 @@ fn totals(
 ) -> Vec<Series> {
     let name = |what: &str, method: &str| format!("{}, {}, {what}, {method}", recording.label, rays.name());
     let total = |method: &str| {
-        let metric = total_speedup(recording, rays, method, counted);
-        let line = metric.known()?;
+        let line = counted.of_frame(recording, rays, method)?;
         let point = number(line.ratio, line.interval, line.n, name("all bounces", method));
         Some(of_method(findings, method, vec![point]))
     };
     let bounces = |method: &str| {
         let bounce = |queue: &QueueAnalysis| {
-            let line = counted.speedup(queue.order(method)?).known()?;
+            let line = counted.of_queue(queue.order(method)?).known()?;
             let what = format!("bounce {}", queue.bounce);
             Some(number(line.ratio, line.interval, line.n, name(&what, method)))
         };
@@ -133,11 +164,11 @@ fn means(
     counted: Counted,
 ) -> Vec<Series> {
     let of = |method: &str| -> Option<[Series; 2]> {
-        let totals = recordings.iter().filter_map(|recording| {
-            Some((recording, *total_speedup(recording, rays, method, counted).known()?))
-        });
+        let totals = recordings
+            .iter()
+            .filter_map(|recording| Some((recording, counted.of_frame(recording, rays, method)?)));
         let totals: Vec<_> = totals.collect();
-        let mean = MeanSpeedup::of(totals.iter().map(|(_, line)| line))?;
+        let mean = MeanSpeedup::of(totals.iter().map(|(_, line)| *line))?;
         let name = |of: &str| format!("{of}, {}, all bounces, {method}", rays.name());
         let scenes = totals.iter();
         let scenes =

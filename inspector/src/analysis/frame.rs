@@ -1,0 +1,143 @@
+//! The whole frame: a method over all bounces of a recording, whose times are summed round by round, so that
+//! a bounce counts by the time that it takes.
+
+use formats::key::method::UNSORTED;
+use formats::manifest::Stage;
+use serde::Serialize;
+
+use super::summary::{RayClass, distinct};
+use super::timing::{STAGES, SpeedupLine, Time};
+use super::{Metric, OrderAnalysis, QueueAnalysis};
+
+/// One method on one kind of rays of a recording, over its bounces.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FrameAnalysis {
+    /// The rays.
+    pub rays: RayClass,
+    /// The method, or `unsorted`.
+    pub method: String,
+    /// The method that it is a variant of; its own name if it is none.
+    pub base: String,
+    /// Bounces in which it was measured.
+    pub bounces: usize,
+    /// Stages that its total counts, in the order in which they run, summed over bounces.
+    pub stages: Vec<FrameStage>,
+    /// Unsorted trace over trace in this order.
+    pub trace_speedup: Metric<SpeedupLine>,
+    /// Unsorted trace over all stages.
+    pub net_speedup: Metric<SpeedupLine>,
+    /// Mean capsule area of a ray over that in the unsorted order.
+    pub capsule_area_ratio: Metric<f64>,
+}
+
+/// A stage over all bounces.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FrameStage {
+    /// The stage.
+    pub stage: Stage,
+    /// Median over rounds of its sum over bounces, nanoseconds.
+    pub median_ns: f64,
+    /// Rounds.
+    pub n: usize,
+}
+
+impl FrameAnalysis {
+    /// Every kind of rays and method of some queues, in the order in which they come up.
+    pub(super) fn all(queues: &[QueueAnalysis]) -> Vec<Self> {
+        let mut frames = Vec::new();
+        for rays in RayClass::ALL {
+            let own: Vec<&QueueAnalysis> =
+                queues.iter().filter(|queue| RayClass::of(queue) == Some(rays)).collect();
+            let orders = own.iter().flat_map(|queue| &queue.orders);
+            for method in distinct(orders.map(|order| order.method.as_str())) {
+                frames.extend(Self::of(&own, rays, method));
+            }
+        }
+        frames
+    }
+
+    fn of(queues: &[&QueueAnalysis], rays: RayClass, method: &str) -> Option<Self> {
+        let measured: Vec<(&QueueAnalysis, &OrderAnalysis)> =
+            queues.iter().filter_map(|queue| Some((*queue, queue.order(method)?))).collect();
+        let (_, first) = measured.first()?;
+        let stages = STAGES.into_iter().filter_map(|stage| frame_stage(&measured, stage));
+        Some(Self {
+            rays,
+            method: method.to_owned(),
+            base: first.base.clone(),
+            bounces: measured.len(),
+            stages: stages.collect(),
+            trace_speedup: speedup(&measured, |order| &order.trace_speedup, traced),
+            net_speedup: speedup(&measured, |order| &order.net_speedup, |order| order.total.as_ref()),
+            capsule_area_ratio: area_ratio(&measured),
+        })
+    }
+}
+
+/// The trace: of rays as they lie or, where they were traced through indices alone, of that.
+fn traced(order: &OrderAnalysis) -> Option<&Time> {
+    let found = order.stage(Stage::Trace).or_else(|| order.stage(Stage::TraceIndirect));
+    found.map(|found| &found.time)
+}
+
+/// A speedup of the sums; what one bounce lacks, the frame lacks.
+fn speedup(
+    measured: &[(&QueueAnalysis, &OrderAnalysis)],
+    of: fn(&OrderAnalysis) -> &Metric<SpeedupLine>,
+    time: fn(&OrderAnalysis) -> Option<&Time>,
+) -> Metric<SpeedupLine> {
+    if let Some(reason) = measured.iter().find_map(|(_, order)| of(order).reason()) {
+        return Metric::missing(reason);
+    }
+    let unsorted = measured.iter().filter_map(|(queue, _)| traced(queue.order(UNSORTED)?));
+    let own = measured.iter().filter_map(|(_, order)| time(order));
+    SpeedupLine::of(&summed(unsorted), &summed(own)).ok_or("it was not timed").into()
+}
+
+/// A stage of the way that is counted; bounces that have not got it, such as unsorted ones of `auto`, add
+/// nothing.
+fn frame_stage(measured: &[(&QueueAnalysis, &OrderAnalysis)], stage: Stage) -> Option<FrameStage> {
+    let counted = measured.iter().filter(|(_, order)| order.way.counts(stage));
+    let sums = summed(counted.filter_map(|(_, order)| Some(&order.stage(stage)?.time)));
+    let Time { median_ns, samples_ns, .. } = Time::of(&sums, 1)?;
+    Some(FrameStage { stage, median_ns, n: samples_ns.len() })
+}
+
+/// Times added up round by round, as many rounds as all of them have.
+fn summed<'a>(times: impl Iterator<Item = &'a Time>) -> Vec<u64> {
+    let add =
+        |sums: Vec<u64>, time: &[u64]| sums.iter().zip(time).map(|(a, b)| a.saturating_add(*b)).collect();
+    let mut samples = times.map(|time| time.samples_ns.as_slice());
+    let first = samples.next().unwrap_or(&[]).to_vec();
+    samples.fold(first, add)
+}
+
+fn area_ratio(measured: &[(&QueueAnalysis, &OrderAnalysis)]) -> Metric<f64> {
+    if let Some(reason) = measured.iter().find_map(|(_, order)| order.coherence.reason()) {
+        return Metric::missing(reason);
+    }
+    let weighted = |(queue, order): (&QueueAnalysis, &OrderAnalysis)| {
+        Some(order.coherence.known()?.mean_capsule_area * queue.rays as f64)
+    };
+    let own: Option<f64> = measured.iter().map(|&at| weighted(at)).sum();
+    let unsorted: Option<f64> =
+        measured.iter().map(|&(queue, _)| weighted((queue, queue.order(UNSORTED)?))).sum();
+    let ratio = own.zip(unsorted).map(|(own, unsorted)| own / unsorted).filter(|ratio| ratio.is_finite());
+    ratio.ok_or("the capsules of unsorted rays are not known").into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounds_are_summed_and_a_large_bounce_weighs_more() {
+        let times = [[100u64, 120, 100], [10, 20, 30]].map(|samples| Time::of(&samples, 1).unwrap());
+        assert_eq!(summed(times.iter()), [110, 140, 130]);
+        let faster = [[50u64, 60, 50], [20, 40, 60]].map(|samples| Time::of(&samples, 1).unwrap());
+        let line = SpeedupLine::of(&summed(times.iter()), &summed(faster.iter())).unwrap();
+        // Twice as fast on 100 ns, half as fast on 10 ns: not 1.
+        assert!((line.ratio - 140.0 / 100.0).abs() < 1e-12, "{line:?}");
+        assert_eq!(summed([].into_iter()), [0u64; 0]);
+    }
+}
