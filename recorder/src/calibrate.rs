@@ -36,7 +36,7 @@ impl<B: Backend> Observer<B> for Calibrator<'_> {
         let first = self.setup.named().len();
         let candidates = (first..self.setup.methods.len()).map(Subject::Method);
         let orders = [Subject::Unsorted].into_iter().chain(candidates).collect();
-        let queue = Queued { rays, hits, methods: &self.setup.methods, auto: None };
+        let queue = Queued { rays, hits, methods: &self.setup.methods, foreign: &[], auto: None };
         let mut measured = Measured { orders, repeats: 0, seed: self.setup.seed };
         let mut orders = queue.warm_up(backend, &measured, |_, _, _, _| Ok(()))?;
         let mut all = queue.measure(backend, &measured, &orders)?;

@@ -17,6 +17,7 @@ pub mod cli;
 pub mod clock;
 mod comparison;
 pub mod device;
+pub mod foreign;
 mod interrupt;
 pub mod machine;
 pub mod measure;

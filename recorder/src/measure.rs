@@ -18,6 +18,7 @@ use formats::ray::Kind;
 use crate::auto::Auto;
 use crate::backends::{Backend, Queue, Table};
 use crate::clock::Sample;
+use crate::foreign::{self, ForeignOrder};
 use crate::stages::setup::MethodPlan;
 use crate::stages::trace::Order;
 
@@ -47,6 +48,8 @@ pub enum Subject {
     Auto,
     /// The order of a method, by its number.
     Method(usize),
+    /// An order that came with the queue from another tracer, by its number.
+    Foreign(usize),
 }
 
 impl Subject {
@@ -57,7 +60,7 @@ impl Subject {
             Self::Control => CONTROL,
             Self::Shuffled => SHUFFLED,
             Self::Auto => AUTO,
-            Self::Method(number) => &methods[number].name,
+            Self::Method(number) | Self::Foreign(number) => &methods[number].name,
         }
     }
 }
@@ -88,6 +91,8 @@ pub struct Queued<'a, B: Backend> {
     pub hits: &'a B::Hits,
     /// The methods of the run.
     pub methods: &'a [MethodPlan],
+    /// Orders that came with the queues of the run.
+    pub foreign: &'a [ForeignOrder],
     /// What chooses an order, where one is to be chosen.
     pub auto: Option<&'a Auto>,
 }
@@ -127,6 +132,13 @@ impl<B: Backend> Queued<'_, B> {
                         Rng::with_seed(seed_of(measured.seed, id)).shuffle(&mut indices);
                     }
                     let permutation = backend.upload_permutation(&indices)?;
+                    ordered(backend, subject, None, &permutation)?;
+                    Some(permutation)
+                }
+                Subject::Foreign(number) => {
+                    let order = foreign::of(self.foreign, id, &self.methods[number].name);
+                    let Some(order) = order else { continue };
+                    let permutation = backend.upload_permutation(&order.permutation)?;
                     ordered(backend, subject, None, &permutation)?;
                     Some(permutation)
                 }
@@ -214,7 +226,7 @@ impl<B: Backend> Queued<'_, B> {
                 method = Some(number);
                 ways = if way == Way::Gathered { &[Way::Gathered] } else { &[Way::Indices] };
             }
-            Subject::Unsorted | Subject::Shuffled => {}
+            Subject::Unsorted | Subject::Shuffled | Subject::Foreign(_) => {}
         }
         let sorted;
         let permutation = match (method, permutation) {

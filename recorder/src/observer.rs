@@ -16,6 +16,7 @@ use crate::backends::{Array, Backend, Queue, collected};
 use crate::cache_model::CacheModel;
 use crate::capture::Capture;
 use crate::comparison::compare;
+use crate::foreign::{ForeignKeys, ForeignOrder};
 use crate::measure::{Measured, Measurement, QueueMeasurement, Queued, Subject, queue_name};
 use crate::options::{Keep, KeepPasses};
 use crate::progress::Progress;
@@ -42,6 +43,8 @@ pub struct Plan<'a> {
     pub counts_work: bool,
     /// Says what caches would make of each order, if that is kept.
     pub cache_model: Option<CacheModel>,
+    /// Orders that came with the queues.
+    pub foreign: &'a [ForeignOrder],
     /// What chooses orders for `auto`.
     pub auto: Option<Auto>,
     /// The recording whose queues these are: only what is found otherwise is kept once more.
@@ -214,7 +217,7 @@ impl<'a> Recorder<'a> {
         let of_method = |entry: &&Measurement| match entry.subject {
             Subject::Unsorted => false,
             Subject::Control => self.plan.lists_control,
-            Subject::Method(_) | Subject::Shuffled | Subject::Auto => true,
+            Subject::Method(_) | Subject::Shuffled | Subject::Auto | Subject::Foreign(_) => true,
         };
         let name = |entry: &Measurement| entry.subject.name(&self.plan.methods).to_owned();
         let methods = measurements.iter().filter(of_method);
@@ -267,8 +270,10 @@ impl Recorder<'_> {
     ) -> Result<QueueMeasurement> {
         let (plan, id) = (self.plan, rays.id());
         let copied = self.model_baseline(backend, rays)?;
-        let queue = Queued { rays, hits, methods: &plan.methods, auto: plan.auto.as_ref() };
+        let queue =
+            Queued { rays, hits, methods: &plan.methods, foreign: plan.foreign, auto: plan.auto.as_ref() };
         self.write_decision(backend, rays)?;
+        self.keep_foreign(id)?;
         let orders = queue.warm_up(backend, &plan.measured, |backend, subject, keys, permutation| {
             self.keep_order(backend, rays, &copied, subject, (keys, permutation))
         })?;
@@ -310,7 +315,8 @@ impl Recorder<'_> {
             self.capture
                 .array(at(MethodArray::Keys), dtype, &shape, |sink| backend.read(Array::Keys(keys), sink))?;
         }
-        if self.plan.keep.permutations {
+        // Those that came with the queue are written as they came.
+        if self.plan.keep.permutations && !matches!(subject, Subject::Foreign(_)) {
             self.capture.array(at(MethodArray::Permutation), Dtype::U4, &shape, |sink| {
                 backend.read(Array::Permutation(permutation), sink)
             })?;
@@ -319,6 +325,30 @@ impl Recorder<'_> {
             let places: Vec<u32> = collected(backend, Array::Permutation(permutation))?;
             self.capture
                 .record(Record::Cache(model.record(rays.id(), name, copied, |at| places[at] as usize)))?;
+        }
+        Ok(())
+    }
+
+    /// Writes the orders that came with a queue, also what is no permutation.
+    fn keep_foreign(&mut self, id: QueueId) -> Result<()> {
+        let keep = self.plan.keep;
+        for ForeignOrder { name, permutation, keys, .. } in
+            self.plan.foreign.iter().filter(|order| order.queue == id)
+        {
+            let at = |array| Place::Method(id, name.clone(), array);
+            let shape = [permutation.len() as u64];
+            match keys.as_ref().filter(|_| keep.keys) {
+                Some(ForeignKeys::Narrow(keys)) => {
+                    self.capture.whole_array(at(MethodArray::Keys), &shape, keys)?;
+                }
+                Some(ForeignKeys::Wide(keys)) => {
+                    self.capture.whole_array(at(MethodArray::Keys), &shape, keys)?;
+                }
+                None => {}
+            }
+            if keep.permutations {
+                self.capture.whole_array(at(MethodArray::Permutation), &shape, permutation)?;
+            }
         }
         Ok(())
     }

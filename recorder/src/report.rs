@@ -77,7 +77,8 @@ fn speedups(queue: &MeasuredQueue, entry: &Measurement, recorded: &Recorded) -> 
                 chosen_way(&recorded.queues, entry.subject).unwrap_or_else(|| entry.stages.shorter_way());
             [trace(), speedup(Speedup::of(unsorted, &entry.stages.totals(way)))]
         }
-        Subject::Control => [trace(), String::new()],
+        // What the key and the sort of another tracer take is not known here.
+        Subject::Control | Subject::Foreign(_) => [trace(), String::new()],
     }
 }
 

@@ -32,7 +32,7 @@ const ROOMS: [(&str, &str); 4] = [
     (
         "recorder",
         "clock device stages oracle cache_model options machine backends output progress interrupt auto wavefront \
-         measure calibrate capture comparison observer recording replay bench report cli",
+         foreign measure calibrate capture comparison observer recording replay bench report cli",
     ),
     (
         "inspector",

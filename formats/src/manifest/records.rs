@@ -59,7 +59,8 @@ pub struct Header {
     pub adapter: Adapter,
     /// Limits of the adapter by name.
     pub limits: Vec<(String, u64)>,
-    /// What the self-check of the adapter found.
+    /// What the self-check of the adapter found, and of hits that came with imported rays
+    /// ([`IMPORTED_HITS`](super::IMPORTED_HITS)).
     pub self_check: Vec<Check>,
     /// Whether the self-check found IEEE division and no contraction of a·b + c: if so, every key
     /// must equal the one that [`Encoder`](crate::key::Encoder) makes; if not, differences are counted.
@@ -90,9 +91,9 @@ pub enum Source {
     },
     /// Another program wrote them: `recorder import`.
     Imported {
-        /// Name of the file.
+        /// Name of the file, or of the folder of queues.
         name: String,
-        /// SHA-256 of the file.
+        /// SHA-256 of the file; of a folder, of its files' paths and bytes, in the order in which they were read.
         sha256: [u8; 32],
     },
 }
@@ -228,7 +229,7 @@ pub struct Features {
 pub struct MethodRecord {
     /// Name, as in the paths of its arrays.
     pub name: String,
-    /// The layout as it was written.
+    /// The layout as it was written; empty for an order of another tracer that does not say what its keys are.
     pub text: String,
     /// Name of each bit's coordinate, most significant first, at most 64: `text` for the lights of this scene.
     pub layout: Vec<String>,
@@ -240,6 +241,13 @@ pub struct MethodRecord {
     pub base: String,
     /// Length that a fixed estimate assumes, in unit lengths.
     pub two_point_length: f32,
+}
+
+impl MethodRecord {
+    /// Whether it says what its keys are; an order of another tracer need not, and need not have any.
+    pub fn has_layout(&self) -> bool {
+        !self.text.is_empty()
+    }
 }
 
 /// What the cache model says of one order: node and triangle addresses of sampled whole groups,

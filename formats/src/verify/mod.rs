@@ -50,6 +50,7 @@ pub fn verify(dump: &Dump) -> Report {
     checks.extend(queues::check(&subject));
     checks.extend(hits::check(&subject));
     checks.extend(orders::check(&subject));
+    checks.extend(scene::check_imported_hits(&subject));
     checks.push(tables::check(&subject));
     checks.insert(0, files::check(subject));
     Report { checks }

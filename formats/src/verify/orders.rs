@@ -72,7 +72,8 @@ fn check_permutation(
             },
             None => {
                 let reason = || format!("{place}: its keys were not kept");
-                check.not_checked.extend((method != SHUFFLED).then(reason));
+                let has_keys = subject.methods.get(method).is_none_or(|record| record.has_layout());
+                check.not_checked.extend((method != SHUFFLED && has_keys).then(reason));
                 Ok(())
             }
         }
@@ -113,6 +114,9 @@ fn check_keys(subject: &Subject<'_>, queue: QueueId, name: &str, rays: Option<&[
             if is_wide { 64 } else { 32 }
         )
     });
+    if !method.has_layout() {
+        return check.not_checked.push(format!("{place}: nobody says what these keys are"));
+    }
     let recomputed = match Recomputed::new(subject, queue, method, rays) {
         Ok(recomputed) => recomputed,
         Err(reason) => return check.not_checked.push(format!("{place}: {reason}")),

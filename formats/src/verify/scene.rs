@@ -6,9 +6,9 @@ use sha2::{Digest, Sha256};
 
 use super::{Check, Subject};
 use crate::key::method::UNSORTED;
-use crate::key::{KEY_BITS_MIN, LAYOUT_BITS, LayoutText};
+use crate::key::{KEY_BITS_MIN, LAYOUT_BITS, LayoutText, Termination};
 use crate::length_table::LONGEST_SUMMED;
-use crate::manifest::{Header, MethodRecord, Outcome, Place, SceneArray, Source};
+use crate::manifest::{Header, IMPORTED_HITS, MethodRecord, Outcome, Place, SceneArray, Source};
 use crate::npy::MaterialMask;
 use crate::reader::DumpState;
 use crate::summary::hexadecimal;
@@ -44,6 +44,15 @@ fn check_header(subject: &Subject<'_>) -> Check {
     check
 }
 
+/// What was found at import of the hits that came with the rays, if any came.
+pub(super) fn check_imported_hits(subject: &Subject<'_>) -> Option<Check> {
+    let found = &subject.dump.manifest().header.self_check;
+    let found = found.iter().find(|found| found.name == IMPORTED_HITS)?;
+    let mut check = Check::new(IMPORTED_HITS);
+    check.require(found.outcome != "failed", || found.detail.clone());
+    Some(check)
+}
+
 /// What of a replay's header should be its source's, and is not.
 fn differing(replay: &Header, source: &Header) -> Vec<&'static str> {
     let picture = |header: &Header| (header.options.width, header.options.height, header.options.seed);
@@ -70,6 +79,10 @@ pub(super) fn method_problem(method: &MethodRecord, lights: usize) -> Option<Str
     }
     if method.base == UNSORTED {
         return Some(format!("it is a variant of {UNSORTED}, which has no key"));
+    }
+    if !method.has_layout() {
+        let is_plain = method.layout.is_empty() && method.termination == Termination::Unused;
+        return (!is_plain).then(|| "it has bits or a length, but no layout that they are of".to_owned());
     }
     let parsed = LayoutText::parse(&method.text).and_then(|text| Ok((text.length(), text.expand(lights)?)));
     let (length, layout) = match parsed {

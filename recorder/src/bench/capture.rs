@@ -19,6 +19,7 @@ use super::backends::{self, Measurement};
 use super::{folder_bytes, result};
 use crate::backends::Backend;
 use crate::clock::Clock;
+use crate::foreign::Foreign;
 use crate::machine::{self, Device};
 use crate::measure::sampled;
 use crate::options::{Keep, RecordOptions};
@@ -132,7 +133,17 @@ impl Turns<'_> {
         // Of no interest here: the time that the recording itself will say.
         let start = Instant::now();
         let (setup, rays) = (Arc::clone(setup), RaySource::Paths);
-        let run = Run { scene, setup, options, header, rays, recorded: None, calibration: Vec::new(), start };
+        let run = Run {
+            scene,
+            setup,
+            options,
+            header,
+            rays,
+            foreign: &Foreign::default(),
+            recorded: None,
+            calibration: Vec::new(),
+            start,
+        };
         backend.restart()?;
         let (path, queues, ..) = clock.time(|| run.with(backend, None))?;
         let bytes = folder_bytes(&path)?;

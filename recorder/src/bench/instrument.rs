@@ -93,7 +93,7 @@ struct Experiments<'a> {
 
 impl<B: Backend> Observer<B> for Experiments<'_> {
     fn measure(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
-        let queue = Queued { rays, hits, methods: &[], auto: None };
+        let queue = Queued { rays, hits, methods: &[], foreign: &[], auto: None };
         let orders = queue.warm_up(backend, &self.measured, |_, _, _, _| Ok(()))?;
         let found = queue.measure(backend, &self.measured, &orders)?;
         let (id, count) = (rays.id(), rays.len() as u64);

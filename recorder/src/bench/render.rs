@@ -235,7 +235,9 @@ impl<'a, B: Backend> Frame<'a, B> {
         let FrameOrder::Rays(order) = self.order else { return Ok(rays) };
         let method = match order {
             Subject::Unsorted => return Ok(rays),
-            Subject::Shuffled => bail!("a renderer has no reason to trace in a random order"),
+            Subject::Shuffled | Subject::Foreign(_) => {
+                bail!("a renderer sorts by methods, and knows no other order")
+            }
             Subject::Control => None,
             Subject::Method(method) => Some(method),
             Subject::Auto => {

@@ -9,7 +9,7 @@ use formats::ray::Kind;
 
 use super::record::show;
 use crate::options::{AskedOrders, DeviceOptions, Keep, OptionError, RecordOptions, in_range, parse_orders};
-use crate::replay::import::{ImportOptions, import};
+use crate::replay::import::{ImportFrom, ImportOptions, import};
 
 pub(super) const EXAMPLES: &str = "\
 The file of rays is an NPY file in C order, one of
@@ -19,9 +19,21 @@ The file of rays is an NPY file in C order, one of
 in the world space of the scene. Directions are made unit vectors; t_min and t_max count in lengths of the
 direction that was given. Shadow rays go to the light that they pass nearest to.
 
+A folder of queues has for each queue a folder bounce-BB/closest or bounce-BB/shadow with
+  rays.npy           as above, in the order of path_ids
+  path_ids.npy       <u4 (N,), ascending; 0 to N - 1 if missing
+  hits.npy           for closest rays, as recordings hold them: judged against exact arithmetic
+  distances.npy      for shadow rays, <f4 (N,), +inf where the light is seen: likewise
+  lights.npy         for shadow rays, <u4 (N,)
+  NAME/permutation.npy   <u4 (N,), the index of the ray at each place of an order of yours
+  NAME/keys.npy          <u4 or <u8 (N,), its keys
+and only the rays must be there. What the keys are may be said in orders.txt, which `inspector verify`
+holds them to: lines NAME = LAYOUT @ BITS, such as mine = (ox oy oz)*10 @ 32, or mine = aila @ 32.
+
 Examples:
   recorder import --scene sponza.glb --rays rays.npy --out mine.raydump
-  recorder import --scene sponza.glb --rays shadow.npy --kind shadow --out shadow.raydump --methods all";
+  recorder import --scene sponza.glb --rays shadow.npy --kind shadow --out shadow.raydump --methods all
+  recorder import --scene sponza.glb --queues queues --out theirs.raydump";
 
 /// [`Kind`] on the command line.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -37,14 +49,17 @@ pub(super) struct ImportArguments {
     /// A .gltf or .glb file, or builtin:NAME.
     #[arg(long)]
     scene: String,
-    /// The file of rays.
-    #[arg(long, value_name = "RAYS.npy")]
-    rays: PathBuf,
-    /// What the rays ask for.
-    #[arg(long, value_enum, default_value_t = KindArgument::Closest)]
+    /// A file of rays.
+    #[arg(long, value_name = "RAYS.npy", required_unless_present = "queues", conflicts_with = "queues")]
+    rays: Option<PathBuf>,
+    /// A folder of queues, with the orders that another tracer gave them.
+    #[arg(long, value_name = "FOLDER")]
+    queues: Option<PathBuf>,
+    /// What the rays of a file ask for.
+    #[arg(long, value_enum, default_value_t = KindArgument::Closest, conflicts_with = "queues")]
     kind: KindArgument,
     /// Bounce that they are recorded as: 0 for camera rays, 1 and more for those that left a surface.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, conflicts_with = "queues")]
     bounce: u32,
     /// Folder of the recording; `.raydump` is added if missing.
     #[arg(long, value_name = "X.raydump")]
@@ -102,7 +117,15 @@ impl ImportArguments {
             KindArgument::Closest => Kind::Closest,
             KindArgument::Shadow => Kind::Shadow,
         };
-        Ok(ImportOptions { rays: self.rays.clone(), kind, bounce: self.bounce, run })
+        let from = match (&self.rays, &self.queues) {
+            (Some(file), _) => ImportFrom::Rays { file: file.clone(), kind, bounce: self.bounce },
+            (None, Some(folder)) => ImportFrom::Queues(folder.clone()),
+            (None, None) => {
+                let message = "give --rays or --queues".to_owned();
+                return Err(OptionError::Conflict { message });
+            }
+        };
+        Ok(ImportOptions { from, run })
     }
 }
 

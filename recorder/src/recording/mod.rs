@@ -19,6 +19,7 @@ pub use run::Recorded;
 pub(crate) use run::{RaySource, Run};
 
 use crate::auto::candidates;
+use crate::foreign::Foreign;
 use crate::machine;
 use crate::options::RecordOptions;
 use crate::stages::setup::{MethodPlan, Setup};
@@ -44,8 +45,18 @@ pub fn record(options: &RecordOptions) -> Result<Recorded> {
     notices.extend(device.notices());
     let header = header(&scene, &setup, options, &device, notices, Source::Traced);
     let rays = RaySource::Paths;
-    Run { scene: &scene, setup, options, header, rays, recorded: None, calibration: Vec::new(), start }
-        .on(device)
+    Run {
+        scene: &scene,
+        setup,
+        options,
+        header,
+        rays,
+        foreign: &Foreign::default(),
+        recorded: None,
+        calibration: Vec::new(),
+        start,
+    }
+    .on(device)
 }
 
 /// The camera of this name, or the first.

@@ -23,6 +23,7 @@ use crate::backends::{Backend, RecordedRays, picture};
 use crate::cache_model::CacheModel;
 use crate::calibrate::calibrate;
 use crate::capture::Capture;
+use crate::foreign::Foreign;
 use crate::interrupt;
 use crate::machine::Device;
 use crate::measure::{Measured, Subject};
@@ -75,6 +76,8 @@ pub(crate) struct Run<'a> {
     pub(crate) options: &'a RecordOptions,
     pub(crate) header: Header,
     pub(crate) rays: RaySource<'a>,
+    /// Orders that came with them.
+    pub(crate) foreign: &'a Foreign,
     /// The recording whose queues these are, if they are.
     pub(crate) recorded: Option<&'a Dump>,
     /// What `auto` chooses by; made before the run if there is nothing.
@@ -114,13 +117,14 @@ impl Run<'_> {
         if differing > 0 {
             notices.push(format!("{differing} rays found something else than in the recording"));
         }
-        Ok(Recorded { path, headline, methods: self.setup.methods.clone(), queues, decisions, notices })
+        let methods = [&self.setup.methods[..], &self.foreign.methods].concat();
+        Ok(Recorded { path, headline, methods, queues, decisions, notices })
     }
 
     fn plan(&self, cache_model: Option<CacheModel>) -> Plan<'_> {
         let options = self.options;
         Plan {
-            methods: self.setup.methods.clone(),
+            methods: [&self.setup.methods[..], &self.foreign.methods].concat(),
             passes: options.passes,
             measured: self.measured(),
             lists_control: options.control,
@@ -129,6 +133,7 @@ impl Run<'_> {
             tolerates_mismatches: options.device.trace == Some(TraceKernel::RayQuery),
             counts_work: options.device.trace != Some(TraceKernel::RayQuery),
             cache_model,
+            foreign: &self.foreign.orders,
             auto: None,
             recorded: self.recorded,
         }
@@ -139,7 +144,9 @@ impl Run<'_> {
         let methods = (0..self.setup.named().len()).map(Subject::Method);
         let unnamed =
             [self.options.shuffled.then_some(Subject::Shuffled), self.options.auto.then_some(Subject::Auto)];
-        let compared = unnamed.into_iter().flatten().chain(methods);
+        let first = self.setup.methods.len();
+        let foreign = (first..first + self.foreign.methods.len()).map(Subject::Foreign);
+        let compared = unnamed.into_iter().flatten().chain(methods).chain(foreign);
         let mut orders: Vec<Subject> = compared.collect();
         let is_compared = self.options.control || !orders.is_empty();
         let baseline =
@@ -168,7 +175,7 @@ impl Run<'_> {
         if options.keep.scene {
             scene_arrays::write(&mut capture, self.scene)?;
         }
-        for method in self.setup.named() {
+        for method in self.setup.named().iter().chain(&self.foreign.methods) {
             capture.record(Record::Method(header::method_record(method)))?;
         }
         for calibration in plan.auto.iter().flat_map(|auto| &auto.calibration) {

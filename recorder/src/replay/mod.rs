@@ -26,6 +26,7 @@ use formats::writer::DumpWriter;
 use scenes::Camera;
 
 use crate::auto::candidates;
+use crate::foreign::Foreign;
 use crate::machine::description::Description;
 use crate::machine::{self, Device};
 use crate::options::{AskedOrders, DeviceOptions, Keep, KeepPasses, RecordOptions};
@@ -133,7 +134,18 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let rays = RaySource::Recorded(queues.iter().map(RecordedQueue::rays).collect());
     let options = &run_options;
     let calibration = calibration.to_vec();
-    Run { scene: &scene, setup, options, header, rays, recorded: Some(dump), calibration, start }.on(device)
+    Run {
+        scene: &scene,
+        setup,
+        options,
+        header,
+        rays,
+        foreign: &Foreign::default(),
+        recorded: Some(dump),
+        calibration,
+        start,
+    }
+    .on(device)
 }
 
 /// What a recording knows about orders, if it was made as this run is: on the same device, by the same kernel.

@@ -123,7 +123,7 @@ impl<B: Backend> Observer<B> for Pictures<'_> {
         let sorted = (0..self.setup.methods.len()).filter(|_| !is_camera).map(Subject::Method);
         let orders = [Subject::Unsorted].into_iter().chain(sorted).collect();
         let measured = Measured { orders, repeats: 1, seed: self.seed };
-        let queue = Queued { rays, hits, methods: &self.setup.methods, auto: None };
+        let queue = Queued { rays, hits, methods: &self.setup.methods, foreign: &[], auto: None };
         let orders = queue.warm_up(backend, &measured, |_, _, _, _| Ok(()))?;
         let found = queue.measure(backend, &measured, &orders)?;
         let trace_ns = found.first().map_or(0, |unsorted| unsorted.stages.of(Stage::Trace).iter().sum());
