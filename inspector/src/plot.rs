@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use formats::key::Termination;
 use formats::key::method::{Method, UNSORTED};
-use formats::manifest::{Header, Manifest, MethodRecord, Options, Source};
+use formats::manifest::{Header, Manifest, MethodRecord, Options, Source, Stage};
 use formats::reader::Dump;
 use serde::Serialize;
 
@@ -173,7 +173,8 @@ fn record_command(recording: &Dump) -> String {
             let hash: String = scene.content_hash[..6].iter().map(|byte| format!("{byte:02x}")).collect();
             let verb = match source {
                 Source::Imported { name, .. } => {
-                    format!("recorder import --scene SCENE --rays {}", quoted(Path::new(name)))
+                    let from = if name.ends_with(".npy") { "--rays" } else { "--queues" };
+                    format!("recorder import --scene SCENE {from} {}", quoted(Path::new(name)))
                 }
                 _ => format!("recorder record SCENE {}", path_options(&header.options)),
             };
@@ -206,7 +207,13 @@ fn measuring_options(manifest: &Manifest, header: &Header) -> String {
     let bases = distinct(manifest.methods.iter().map(|method| method.base.as_str()));
     let builtin: Vec<&str> =
         [UNSORTED].into_iter().chain(bases.iter().copied()).filter(|&name| is_builtin(name)).collect();
-    let own = bases.iter().filter(|&&name| !is_builtin(name)).filter_map(|name| {
+    // Orders that an import came with have no key that was timed; they come with it again.
+    let is_keyed =
+        |name: &str| manifest.timings.iter().any(|time| time.method == name && time.stage == Stage::Key);
+    let is_own = |name: &str| {
+        !is_builtin(name) && (!matches!(header.source, Source::Imported { .. }) || is_keyed(name))
+    };
+    let own = bases.iter().filter(|&&name| is_own(name)).filter_map(|name| {
         let method = manifest.methods.iter().find(|method| method.base == *name)?;
         let own = quoted_text(&shown::sentence(format!("{name}={}", method.text)));
         Some(format!(" --method {own}"))

@@ -167,6 +167,9 @@ fn keys(dump: &Dump, queue: &Queue, method: &str, place: &Place) -> Result<(Keys
     }
     let record = dump.manifest().methods.iter().find(|record| record.name == method);
     let record = record.ok_or_else(|| format!("the manifest says nothing of {method}"))?;
+    if !record.has_layout() {
+        return Err(format!("nobody says what the keys of {method} are"));
+    }
     let lights = dump.manifest().header.lights.len();
     let layout =
         KeyLayout::of(record, lights).ok_or_else(|| format!("{method} has no layout of at most {LAYOUT_BITS} bits and keys of {KEY_BITS_MIN} to {LAYOUT_BITS}: {}", record.text))?;

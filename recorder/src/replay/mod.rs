@@ -228,10 +228,11 @@ fn run_options(
     })
 }
 
-/// The methods of a recording, without the variants of a sweep.
+/// The methods of a recording, without the variants of a sweep, and without orders of another tracer whose keys
+/// are not known.
 fn recorded_methods(records: &[MethodRecord]) -> Result<Vec<Method>> {
     let mut methods: Vec<Method> = Vec::new();
-    for record in records {
+    for record in records.iter().filter(|record| record.has_layout()) {
         if methods.iter().any(|method| method.name == record.base) {
             continue;
         }

@@ -1,6 +1,6 @@
 //! Queues that another tracer wrote, traced through a scene and recorded.
 //!
-//! - [`queues`]: what came, from a file of rays or a folder of queues
+//! - `queues`: what came, from a file of rays or a folder of queues
 //! - `rays`: the forms that rays are read in
 //! - `claims`: what the folder says of its keys
 //! - `verdict`: hits that came with the rays, judged by the oracle
