@@ -9,9 +9,10 @@ use std::process::Command;
 use formats::npy::{self, Dtype};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
-use tests::programs::{FAILED, Program, finish};
+use tests::programs::{Program, finish};
 use tests::sources::root;
 
+const FAILED: i32 = 1;
 const IMPORT: &str = "import --scene builtin:cornell --backend cpu --repeats 1 --methods aila";
 
 /// Compiles the small tracer, runs it over Cornell's box, and returns the folder with its `queues`.
