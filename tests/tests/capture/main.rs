@@ -57,7 +57,8 @@ fn a_small_tracer_in_cpp_is_imported_verified_replayed_and_drawn() {
     // Three queues of aila's keys and of those that are claimed; of the others nobody says what they are.
     let rays: u64 =
         recorded["queues"].as_array().unwrap().iter().map(|queue| queue["rays"].as_u64().unwrap()).sum();
-    assert_eq!(check(&verified, "keys")["checked"], 2 * rays);
+    // And of each of the nine arrays of keys how wide it is.
+    assert_eq!(check(&verified, "keys")["checked"], 2 * rays + 9);
     assert_eq!(check(&verified, "keys")["not_checked"].as_array().unwrap().len(), 3);
     assert_eq!(check(&verified, "permutations")["checked"], 3 * rays);
     let info = Program::Inspector.run(folder, "info theirs.raydump").succeeded().stdout;
@@ -194,9 +195,11 @@ fn folders_that_cannot_be_taken_are_refused_with_a_sentence() {
         Program::Recorder.run(folder.path(), &line).failed_with(FAILED, &[expected]);
         assert!(!folder.path().join("bad.raydump.partial").exists(), "{name}");
     }
-    for line in
-        ["--out bad", "--queues queues --rays rays.npy --out bad", "--queues queues --bounce 2 --out bad"]
-    {
-        Program::Recorder.run(folder.path(), &format!("{IMPORT} {line}")).failed_with(2, &["--queues"]);
+    for (line, word) in [
+        ("--out bad", "--rays"),
+        ("--queues queues --rays rays.npy --out bad", "--queues"),
+        ("--queues queues --bounce 2 --out bad", "--queues"),
+    ] {
+        Program::Recorder.run(folder.path(), &format!("{IMPORT} {line}")).failed_with(2, &[word]);
     }
 }
