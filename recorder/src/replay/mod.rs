@@ -132,20 +132,9 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
         ..header(&scene, &setup, &run_options, &device, notices, source)
     };
     let rays = RaySource::Recorded(queues.iter().map(RecordedQueue::rays).collect());
-    let options = &run_options;
+    let (scene, options, foreign, recorded) = (&scene, &run_options, &Foreign::default(), Some(dump));
     let calibration = calibration.to_vec();
-    Run {
-        scene: &scene,
-        setup,
-        options,
-        header,
-        rays,
-        foreign: &Foreign::default(),
-        recorded: Some(dump),
-        calibration,
-        start,
-    }
-    .on(device)
+    Run { scene, setup, options, header, rays, foreign, recorded, calibration, start }.on(device)
 }
 
 /// What a recording knows about orders, if it was made as this run is: on the same device, by the same kernel.
