@@ -151,10 +151,10 @@ def check_speedups(compare, where, order, unsorted, medians):
 
 
 def check_summaries(compare, recording, summaries):
-    """Geometric means over bounces, of closest rays without those of the camera."""
+    """The sums over bounces, round by round, of closest rays without those of the camera."""
     for summary in summaries:
         shadow = summary["rays"] == "shadow"
-        ratios = {"trace_speedup": [], "net_speedup": [], "capsule_area_ratio": []}
+        baseline, trace, net, areas, known = 0, 0, 0, np.zeros(2), True
         for queue in recording["queues"]:
             if (queue["kind"] == "shadow") != shadow or (queue["bounce"] == 0 and not shadow):
                 continue
@@ -162,15 +162,19 @@ def check_summaries(compare, recording, summaries):
             order = orders.get(summary["method"])
             if order is None:
                 continue
-            for name in ("trace_speedup", "net_speedup"):
-                if "ratio" in order[name]:
-                    ratios[name].append(order[name]["ratio"])
-            area = [orders[name]["coherence"]["mean_capsule_area"] for name in (summary["method"], "unsorted")]
-            ratios["capsule_area_ratio"].append(area[0] / area[1])
-        for name, values in ratios.items():
-            if values:
-                found = summary[name]["mean"] if isinstance(summary[name], dict) else summary[name]
-                compare(f"mean {name}", summary["method"], found, np.prod(values) ** (1 / len(values)))
+            known &= "ratio" in order["trace_speedup"]
+            baseline = baseline + samples_of(orders["unsorted"])["trace"]
+            trace = trace + samples_of(order)["trace"]
+            net = net + totals(samples_of(order), order["way"])
+            areas += [
+                orders[name]["coherence"]["mean_capsule_area"] * queue["rays"]
+                for name in (summary["method"], "unsorted")
+            ]
+        compare("capsule_area_ratio", summary["method"], summary["capsule_area_ratio"], areas[0] / areas[1])
+        if known:
+            for name, times in (("trace_speedup", trace), ("net_speedup", net)):
+                found = summary[name]["mean"]
+                compare(f"total {name}", summary["method"], found, np.median(baseline / times))
 
 
 def check_correlations(compare, points, lines):
@@ -215,10 +219,12 @@ def main(folder, metrics_file):
                 assert line["width"] == width
                 compare("lane utilisation", where, line["utilisation"], lanes(queue, order, width))
             check_speedups(compare, where, order_line, unsorted, medians)
-            points.append((place[2], area, medians[(*where, "trace")] / queue.count))
+            if method == "unsorted":
+                first = area, medians[(*where, "trace")]
+            points.append((place[2], area / first[0], medians[(*where, "trace")] / first[1]))
     check_summaries(compare, recording, metrics["summaries"])
     check_correlations(compare, points, metrics["correlations"])
-    for what in ("capsule area", "lane utilisation", "net speedup", "mean net_speedup", "Spearman"):
+    for what in ("capsule area", "lane utilisation", "net speedup", "total net_speedup", "Spearman"):
         assert compare.compared.get(what), f"no {what} was compared"
     print(json.dumps(compare.compared))
 

@@ -7,7 +7,9 @@ use std::fs;
 use std::path::Path;
 
 use formats::manifest::scan::{scan, scan_bytes};
-use formats::manifest::{Manifest, Place, QueueArray, QueueId, Record, SceneArray};
+use formats::manifest::{
+    FORMAT_VERSION, Manifest, OLDEST_VERSION, Place, QueueArray, QueueId, Record, SceneArray,
+};
 use formats::ray::{Hit, Kind, Ray};
 use formats::reader::{Dump, DumpState, ReadError};
 use formats::writer::{DumpWriter, WriteError};
@@ -152,7 +154,9 @@ fn every_changed_byte_and_every_cut_of_the_manifest_is_found() {
         for bit in [at % 8, 7 - at % 8] {
             let mut changed = original.clone();
             changed[at] ^= 1 << bit;
-            assert!(is_refused(&changed), "byte {at} of {}", original.len());
+            // The number of the version has no checksum, and older versions are read.
+            let is_older = at == 8 && (OLDEST_VERSION..FORMAT_VERSION).contains(&changed[at].into());
+            assert!(is_older || is_refused(&changed), "byte {at} of {}", original.len());
         }
         assert!(is_refused(&original[..at]), "cut to {at} bytes");
     }

@@ -56,9 +56,11 @@ fn promised_of<'a>(manifest: &'a Manifest, queue: &'a QueueRecord) -> impl Itera
         QueueArray::Work => is_counted(manifest),
         _ => array.applies_to(queue.id.kind),
     });
-    let of_methods = queue.methods.iter().filter(|method| *method != UNSORTED).flat_map(|method| {
-        let has_no_key = [AUTO, CONTROL, SHUFFLED].contains(&method.as_str())
-            || manifest.methods.iter().any(|record| record.name == *method && !record.has_layout());
+    let unclaimed = manifest.methods.iter().filter(|record| !record.has_layout());
+    let unclaimed: BTreeSet<&str> = unclaimed.map(|record| record.name.as_str()).collect();
+    let of_methods = queue.methods.iter().filter(|method| *method != UNSORTED).flat_map(move |method| {
+        let has_no_key =
+            [AUTO, CONTROL, SHUFFLED].contains(&method.as_str()) || unclaimed.contains(method.as_str());
         let has_key = move |array: &MethodArray| *array != MethodArray::Keys || !has_no_key;
         let arrays = MethodArray::ALL.into_iter().filter(has_key);
         arrays.map(|array| Place::Method(queue.id, method.clone(), array))
