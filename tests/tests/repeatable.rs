@@ -22,7 +22,9 @@ fn recordings(variants: &[&str]) -> Vec<(String, BTreeMap<String, Vec<u8>>)> {
 }
 
 fn the_same_command_twice(backend: &str) {
-    let found = recordings(&[backend, backend]);
+    let mut found = recordings(&[backend, backend]);
+    // Its choice follows from a calibration, which is a measurement: a replay that takes it over repeats it.
+    found.iter_mut().for_each(|(_, arrays)| arrays.retain(|path, _| !path.contains("/auto/")));
     assert!(found[0].1.len() > 40, "the recording has only {:?}", found[0].1.keys());
     assert_same(&found[0].1, &found[1].1, backend);
 }

@@ -135,8 +135,9 @@ const RATIO_STEPS: [&[f64]; 5] = [
 /// An axis around all ratios and 1, with marks at plain ones: those above 1, and below 1 the same of a half, a
 /// quarter and so on.
 fn ratios(low: f64, high: f64, room: usize) -> Mapping {
-    let (low, high) = if low <= high { (low.min(1.0), high.max(1.0)) } else { (1.0, 1.0) };
-    let padding = ((high / low).powf(PADDING)).max(1.02);
+    // So that some marks beside 1 are seen, too.
+    let (low, high) = (low.min(0.94), high.max(1.06));
+    let padding = (high / low).powf(PADDING);
     let range = (low / padding, high * padding);
     let (first, last) = (range.0.log2().floor() as i32, range.1.log2().floor() as i32);
     let of_steps = |steps: &&[f64], stride: i32| -> Vec<Tick> {
@@ -146,15 +147,16 @@ fn ratios(low: f64, high: f64, room: usize) -> Mapping {
         shown.map(|value| Tick { value, label: ratio_label(value) }).collect()
     };
     let fine = RATIO_STEPS.iter().map(|steps| of_steps(steps, 1));
-    let coarse = (2..=64).map(|stride| of_steps(&RATIO_STEPS[4], stride));
+    let coarse = (1..=10).map(|power| of_steps(&RATIO_STEPS[4], 1 << power));
     let ticks = fine.chain(coarse).find(|ticks| ticks.len() <= room).unwrap_or_default();
     Mapping { range, ticks, is_logarithmic: true }
 }
 
 fn ratio_label(value: f64) -> String {
-    match value {
-        0.5 => "½×".to_owned(),
-        0.25 => "¼×".to_owned(),
+    match 1.0 / value {
+        2.0 => "½×".to_owned(),
+        4.0 => "¼×".to_owned(),
+        part if part > 4.0 && part < 1e6 && part.fract() == 0.0 => format!("1/{}×", number(part)),
         _ => format!("{}×", number(value)),
     }
 }
@@ -396,6 +398,21 @@ mod tests {
     }
 
     #[test]
+    fn ratios_are_marked_around_1() {
+        let shown = |values: &[f64], room| {
+            let mapping = Mapping::new(&Scale::Ratio, values.iter().copied(), room);
+            labels(&mapping).join(" ")
+        };
+        assert_eq!(shown(&[1.0], 6), "0.95× 1× 1.05×");
+        assert_eq!(shown(&[0.9, 1.32], 6), "0.9× 1× 1.1× 1.2× 1.3×");
+        assert_eq!(shown(&[1.1, 2.3], 6), "1× 1.2× 1.4× 1.6× 1.8× 2×");
+        assert_eq!(shown(&[0.11, 1.9], 6), "1/8× ¼× ½× 1× 2×");
+        let mapping = Mapping::new(&Scale::Ratio, [0.5, 2.0], 6);
+        let [half, one, two] = [0.5, 1.0, 2.0].map(|value| mapping.place(value).unwrap());
+        assert!((half + two - 2.0 * one).abs() < 1e-12, "a half is as far from 1 as twice");
+    }
+
+    #[test]
     fn every_value_is_inside_whatever_the_values() {
         let hard: [&[f64]; 9] = [
             &[],
@@ -408,7 +425,8 @@ mod tests {
             &[f64::NAN, 1.0, f64::INFINITY],
             &[1e-9, 1e9],
         ];
-        let scales = [EVEN, FROM_ZERO, Scale::Logarithmic { base: 10 }, Scale::Logarithmic { base: 2 }];
+        let logarithmic = [2, 10].map(|base| Scale::Logarithmic { base });
+        let scales = logarithmic.into_iter().chain([EVEN, FROM_ZERO, Scale::Ratio]).collect::<Vec<_>>();
         for (values, scale) in hard.iter().flat_map(|values| scales.iter().map(move |scale| (values, scale)))
         {
             let mapping = Mapping::new(scale, values.iter().copied(), 5);
