@@ -546,5 +546,6 @@ fn many_methods_are_verified_as_fast_as_read() {
     assert!(!problems(&verify(&opened)).is_empty());
     let verifying = start.elapsed() - opening;
     eprintln!("opened in {opening:?}, verified in {verifying:?}");
-    assert!(verifying < 5 * opening, "opened in {opening:?}, verified in {verifying:?}");
+    // About 5 times as long, most of it reading layouts; one search of all methods for each takes 120 times.
+    assert!(verifying < 12 * opening, "opened in {opening:?}, verified in {verifying:?}");
 }

@@ -112,11 +112,13 @@ impl Source {
 
 impl fmt::Display for Source {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<&str> = self.axes().iter().map(|axis| axis.name()).collect();
-        match names.as_slice() {
-            [name] => f.write_str(name),
-            names => write!(f, "hilbert({})", names.join(" ")),
+        if let [axis] = self.axes() {
+            return f.write_str(axis.name());
         }
+        for (at, axis) in self.axes().iter().enumerate() {
+            write!(f, "{}{}", if at == 0 { "hilbert(" } else { " " }, axis.name())?;
+        }
+        f.write_str(")")
     }
 }
 
@@ -147,8 +149,10 @@ impl From<Coordinate> for Bit {
 
 impl fmt::Display for Bit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<String> = self.0.iter().map(Source::to_string).collect();
-        f.write_str(&names.join(" ^ "))
+        for (at, source) in self.0.iter().enumerate() {
+            write!(f, "{}{source}", if at == 0 { "" } else { " ^ " })?;
+        }
+        Ok(())
     }
 }
 

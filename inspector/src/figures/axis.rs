@@ -404,7 +404,7 @@ mod tests {
             labels(&mapping).join(" ")
         };
         assert_eq!(shown(&[1.0], 6), "0.95× 1× 1.05×");
-        assert_eq!(shown(&[0.9, 1.32], 6), "0.9× 1× 1.1× 1.2× 1.3×");
+        assert_eq!(shown(&[0.9, 1.32], 6), "0.9× 0.95× 1× 1.1× 1.2× 1.3×");
         assert_eq!(shown(&[1.1, 2.3], 6), "1× 1.2× 1.4× 1.6× 1.8× 2×");
         assert_eq!(shown(&[0.11, 1.9], 6), "1/8× ¼× ½× 1× 2×");
         let mapping = Mapping::new(&Scale::Ratio, [0.5, 2.0], 6);
