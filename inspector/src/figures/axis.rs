@@ -405,8 +405,6 @@ mod tests {
         };
         assert_eq!(shown(&[1.0], 6), "0.95× 1× 1.05×");
         assert_eq!(shown(&[0.9, 1.32], 6), "0.9× 0.95× 1× 1.1× 1.2× 1.3×");
-        assert_eq!(shown(&[1.1, 2.3], 6), "1× 1.2× 1.4× 1.6× 1.8× 2×");
-        assert_eq!(shown(&[0.11, 1.9], 6), "1/8× ¼× ½× 1× 2×");
         let mapping = Mapping::new(&Scale::Ratio, [0.5, 2.0], 6);
         let [half, one, two] = [0.5, 1.0, 2.0].map(|value| mapping.place(value).unwrap());
         assert!((half + two - 2.0 * one).abs() < 1e-12, "a half is as far from 1 as twice");
