@@ -2,7 +2,7 @@
 
 use formats::metrics::correlation::Correlation;
 
-use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
+use crate::analysis::summary::{MeanSpeedup, RayClass};
 use crate::analysis::{Analysis, CorrelationLine, MethodSummary, Metric, OrderAnalysis, QueueAnalysis};
 use crate::output::{counted, table};
 
@@ -26,23 +26,6 @@ pub(crate) fn methods(analysis: &Analysis) -> String {
     ];
     lines.extend(RayClass::ALL.into_iter().filter_map(|rays| significance(&analysis.summaries, rays)));
     lines.join("\n")
-}
-
-/// Names of columns, and one row per machine, kind of rays and method: the whole frame, geometric
-/// means over recordings. The machine is a column if there are several.
-pub(crate) fn summary(analysis: &Analysis) -> (Vec<String>, Vec<Vec<String>>) {
-    let machines = distinct(analysis.summaries.iter().map(|summary| summary.configuration.as_str()));
-    let machine = |name: &str| (machines.len() > 1).then(|| name.to_owned());
-    let mut header = vec!["method".to_owned(), "rays".to_owned()];
-    header.extend(machine("machine"));
-    header.extend(["recordings", "trace speedup", "net speedup", "capsule area"].map(str::to_owned));
-    let row = |summary: &MethodSummary| {
-        let mut row = vec![summary.method.clone(), summary.rays.name().to_owned()];
-        row.extend(machine(&summary.configuration));
-        row.extend(means(summary));
-        row
-    };
-    (header, analysis.summaries.iter().map(row).collect())
 }
 
 /// Recordings, trace speedup, net speedup, capsule area.

@@ -4,19 +4,22 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use formats::key::Termination;
-use formats::key::method::{Method, UNSORTED};
+use formats::key::method::{CONTROL, Method, UNSORTED};
 use formats::manifest::{Header, Manifest, MethodRecord, Options, Source, Stage};
 use formats::reader::Dump;
 use serde::Serialize;
 
 use crate::analysis::RecordingAnalysis;
-use crate::analysis::summary::distinct;
+use crate::analysis::summary::{RayClass, distinct};
+use crate::analysis::timing::Verdict;
 use crate::figures::catalogue::Skipped;
 use crate::figures::files;
+use crate::figures::model::{Content, Figure, Panel, Picture};
 use crate::figures::style::Width;
 use crate::inputs::{Inputs, check_names, quoted, quoted_text};
-use crate::method_table;
 use crate::output::{counted, print, print_json, say};
+use crate::report::table::{latex, markdown};
+use crate::report::tables::tables;
 use crate::report::{self, Report};
 use crate::shown;
 
@@ -73,25 +76,58 @@ pub(crate) fn plot(Plot { sources, figures, width }: &Plot) -> anyhow::Result<()
     print_made(&Made { files: written, skipped }, sources.json)
 }
 
-/// Writes one page with every figure, the summary and how to repeat it.
+/// Writes one page with every figure, every table and how to repeat it, and the tables for other documents.
 pub(crate) fn report(sources: &Sources) -> anyhow::Result<()> {
     let inputs = Inputs::open(&sources.inputs)?;
     make_folder(&sources.out)?;
     let analysis = inputs.analysis()?;
     let (figures, skipped) = inputs.figures(&analysis, &[])?;
-    let (summary_header, summary) = method_table::summary(&analysis);
     let report = Report {
         title: title(&inputs.recordings),
+        pictures: photographs(&figures),
+        findings: analysis.recordings.iter().filter_map(finding).collect(),
+        tables: tables(&analysis, &inputs.benches),
         facts: inputs.recordings.iter().zip(&analysis.recordings).map(facts).collect(),
-        summary_header,
-        summary,
         figures,
         skipped,
         commands: commands(&inputs, sources),
     };
     let page = report::html(&report)?;
-    let path = files::replace(&sources.out.join(PAGE_NAME), page.as_bytes())?;
-    print_made(&Made { files: vec![path], skipped: report.skipped }, sources.json)
+    let mut written = vec![files::replace(&sources.out.join(PAGE_NAME), page.as_bytes())?];
+    if !report.tables.is_empty() {
+        for (name, text) in [("tables.md", markdown(&report.tables)), ("tables.tex", latex(&report.tables))] {
+            written.push(files::replace(&sources.out.join(name), text.as_bytes())?);
+        }
+    }
+    print_made(&Made { files: written, skipped: report.skipped }, sources.json)
+}
+
+/// The pictures of the scenes, as a figure has them.
+fn photographs(figures: &[Figure]) -> Vec<Picture> {
+    let panels =
+        figures.iter().filter(|figure| figure.name == "pixel-cost").flat_map(|figure| &figure.panels);
+    let photograph = |panel: &Panel| match &panel.content {
+        Content::Picture(picture) if picture.colour_bar.is_none() => Some(picture.clone()),
+        _ => None,
+    };
+    panels.filter_map(photograph).collect()
+}
+
+/// What a recording says of sorting: the best method of each kind of rays, or that none pays.
+fn finding(recording: &RecordingAnalysis) -> Option<String> {
+    let best = |rays: RayClass| {
+        let own = recording.frames.iter().filter(|frame| frame.rays == rays && frame.method != UNSORTED);
+        let lines = own.filter_map(|frame| Some((frame.method.as_str(), frame.net_speedup.known()?)));
+        let (method, line) = lines
+            .filter(|(method, _)| *method != CONTROL)
+            .max_by(|(_, a), (_, b)| a.ratio.total_cmp(&b.ratio))?;
+        let interval = line.interval.map_or(String::new(), |(low, high)| format!(" [{low:.2}, {high:.2}]"));
+        let verdict = if line.verdict == Verdict::Faster { "" } else { ", which is not shown to pay" };
+        Some(format!("{} rays: {method}, {:.2}× net{interval}{verdict}", rays.name(), line.ratio))
+    };
+    let found: Vec<String> = RayClass::ALL.into_iter().filter_map(best).collect();
+    (!found.is_empty())
+        .then(|| format!("{}, best over the whole frame: {}.", recording.label, found.join("; ")))
 }
 
 /// The folder for what is written.

@@ -13,9 +13,12 @@ use formats::metrics::estimator::EstimateError;
 use formats::metrics::speedup::median;
 use formats::ray::Kind;
 use formats::reader::Dump;
+use inspector::analysis::summary::RayClass;
 use inspector::analysis::{Analysis, AnalysisOptions, Depth, Metric, analyse};
 use inspector::figures::catalogue::{CATALOGUE, Findings, Skipped};
+use inspector::figures::csv;
 use inspector::figures::model::{Content, Figure, Panel, Scale, Series};
+use inspector::report::tables::tables;
 
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
@@ -169,9 +172,12 @@ fn curves_of_run_time_against_error_show_what_was_measured() {
         let found = series(panel).iter().find(|series| series.label == label).unwrap();
         found.points.iter().map(|point| (point.x, point.y)).collect()
     };
-    let precision = panel("precision-error", 0);
-    let label = "bvh2, moeller-trumbore, padded boxes";
-    assert_eq!(place(&precision, label), [(8.0, 1000.0 / 810.0 * 1e3)]);
+    let [rates, wrong] = [0, 1].map(|at| panel("precision-error", at));
+    let Scale::Categories(tests) = &rates.x.scale else { panic!("a row for each test") };
+    assert_eq!(tests, &["bvh2, watertight, padded", "bvh2, Möller–T., padded"]);
+    let [(_, careful), (row, plain)] = place(&rates, "box")[..] else { panic!("two tests") };
+    assert!(careful == 1.0 && row == 1.0 && (plain - 910.0 / 810.0).abs() < 1e-12, "{plain}");
+    assert_eq!(place(&wrong, "box"), [(0.0, 2.0), (1.0, 8.0)]);
     // Five and six nanoseconds to add, four and five more for the key than without a table.
     let cost = panel("estimator-cost", 0);
     assert_eq!(place(&cost, "aila"), [(9.0, 0.15), (11.0, 0.1)]);
@@ -318,6 +324,86 @@ fn a_stack_is_as_high_as_the_total_and_its_line_the_unsorted_trace() {
     let unsorted = series(shadow).iter().find(|series| series.label == "trace").unwrap();
     let first = unsorted.points.iter().find(|point| point.x == 0.0).unwrap();
     assert_eq!((methods[0].as_str(), shadow.reference.as_ref().unwrap().y), ("unsorted", first.y));
+}
+
+/// A mean over bounces counts each ray once, and each bounce is shown beside it.
+#[test]
+fn a_model_shows_all_rays_together_and_each_bounce() {
+    let folder = tempfile::tempdir().unwrap();
+    let analysis = analysis(folder.path(), Depth::Arrays);
+    let findings = Findings { analysis: &analysis, benches: &[] };
+    let lanes = figure(&findings, "lane-utilisation").unwrap();
+    let shadow = lanes.panels.iter().find(|panel| panel.title.contains("shadow")).unwrap();
+    let queues: Vec<_> =
+        analysis.recordings[0].measured().filter(|queue| queue.kind == Kind::Shadow).collect();
+    assert!(queues.len() > 1, "several bounces");
+    let of = |queue: &inspector::analysis::QueueAnalysis| {
+        let order = queue.orders.iter().find(|order| order.method == "aila").unwrap();
+        let lane = order.lanes.known().unwrap().iter().find(|lane| lane.width == 32).unwrap();
+        (queue.rays as f64, 100.0 * lane.utilisation)
+    };
+    let rays: f64 = queues.iter().map(|queue| of(queue).0).sum();
+    let mean = queues.iter().map(|queue| of(queue).0 * of(queue).1).sum::<f64>() / rays;
+    let aila: Vec<&Series> = series(shadow).iter().filter(|series| series.label == "aila").collect();
+    let [bounces, all] = aila[..] else { panic!("bounces and all of them") };
+    let shown: Vec<f64> = bounces.points.iter().map(|point| point.y).collect();
+    assert_eq!(shown, queues.iter().map(|queue| of(queue).1).collect::<Vec<_>>());
+    assert!(bounces.is_part && !all.is_part && (all.points[0].y - mean).abs() < 1e-9);
+}
+
+/// A program finds a number by what it is of, whatever the figure looks like.
+#[test]
+fn a_csv_has_one_number_a_row_and_says_what_it_is_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let analysis = analysis(folder.path(), Depth::Manifest);
+    let findings = Findings { analysis: &analysis, benches: &[] };
+    let recording = &analysis.recordings[0];
+    let bytes = csv::write(&figure(&findings, "net-speedup").unwrap()).unwrap();
+    let text = String::from_utf8(bytes).unwrap();
+    assert!(text.starts_with("scene,machine,kind,bounce,method,detail,x_axis,x,metric,value,low,high,n\n"));
+    let frame = recording.frame(RayClass::Shadow, "aila").unwrap().net_speedup.known().unwrap();
+    let row = format!(
+        "{},{},shadow,,aila,,,,net speedup,{},",
+        recording.scene, recording.configuration, frame.ratio
+    );
+    assert!(text.lines().any(|line| line.replace('"', "").starts_with(&row)), "no {row} in {text}");
+    let queue = recording.measured().find(|queue| queue.kind == Kind::Shadow && queue.bounce == 1).unwrap();
+    let order = queue.orders.iter().find(|order| order.method == "aila").unwrap();
+    let row = format!(",shadow,1,aila,,,,net speedup,{},", order.net_speedup.known().unwrap().ratio);
+    assert!(text.contains(&row), "no {row} in {text}");
+}
+
+/// The numbers of a table are those of the analysis.
+#[test]
+fn tables_hold_what_was_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let analysis = analysis(folder.path(), Depth::Arrays);
+    let benches = benches();
+    let tables = tables(&analysis, &benches);
+    let table = |start: &str| tables.iter().find(|table| table.title.starts_with(start)).unwrap();
+    let recording = &analysis.recordings[0];
+    let speedups = table("Trace / net speedup, shadow");
+    let column = speedups.header.iter().position(|name| name == "aila").unwrap();
+    let frame = recording.frame(RayClass::Shadow, "aila").unwrap();
+    let [trace, net] = [&frame.trace_speedup, &frame.net_speedup].map(|line| line.known().unwrap().ratio);
+    assert_eq!(speedups.rows[0][column].text, format!("{trace:.2} / {net:.2}"));
+    assert_eq!(speedups.rows[0].iter().filter(|cell| cell.is_best).count(), 1);
+    let overhead = table("Overhead, shadow");
+    let shares = overhead.rows[0].iter().filter_map(|cell| cell.text.split_once(" (")?.1.strip_suffix(" %)"));
+    let sum: f64 = shares.map(|share| share.parse::<f64>().unwrap()).sum();
+    assert!((sum - 100.0).abs() <= 2.0, "shares of {sum} %: {:?}", overhead.rows[0]);
+    let lanes = table("What lanes and caches would say, shadow");
+    let aila = lanes.header.iter().position(|name| name == "aila").unwrap();
+    let queue = recording.measured().find(|queue| queue.kind == Kind::Shadow && queue.bounce == 0).unwrap();
+    let order = queue.orders.iter().find(|order| order.method == "aila").unwrap();
+    let lane = order.lanes.known().unwrap().iter().find(|lane| lane.width == 32).unwrap();
+    let row = lanes.rows.iter().find(|row| row[0].text == "lanes, bounce 0").unwrap();
+    assert_eq!(row[aila].text, format!("{:.1}", 100.0 * lane.utilisation));
+    for table in &tables {
+        assert!(table.rows.iter().all(|row| row.len() == table.header.len()), "{}", table.title);
+    }
+    let sort = table("Sort throughput");
+    assert!(sort.rows.iter().flatten().all(|cell| cell.text.parse::<f64>().is_ok()), "{:?}", sort.rows);
 }
 
 #[test]

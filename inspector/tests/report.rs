@@ -7,14 +7,15 @@ use std::process::Command;
 
 use inspector::figures::catalogue::Skipped;
 use inspector::figures::model::{
-    Axis, ColourBar, Content, Figure, Panel, Picture, Point, Reference, Scale, Series,
+    Axis, ColourBar, Content, Figure, Of, Panel, Picture, Point, Reference, Scale, Series,
 };
+use inspector::report::table::{Cell, Table};
 use inspector::report::{Report, html};
 
 const HOSTILE: &str = "<script>document.title = 'run'</script> & \"a\" 'b'";
 
 fn point(x: f64, y: f64) -> Point {
-    Point { x, y, spread: Some((0.9 * y, 1.2 * y)), n: 10, name: format!("bounce {x}") }
+    Point { x, y, spread: Some((0.9 * y, 1.2 * y)), n: 10, of: Of::detail(format!("sample {x}")) }
 }
 
 fn figure(name: &str, content: Content, scale: Scale) -> Figure {
@@ -51,11 +52,17 @@ fn sample() -> Report {
     Report {
         title: format!("Report {HOSTILE}"),
         facts: vec![("scene".into(), HOSTILE.into()), ("adapter".into(), "a card".into())],
-        summary_header: vec!["method".into(), "net speedup".into()],
-        summary: vec![vec!["two-point".into(), "1.21".into()], vec![HOSTILE.into(), "0.98".into()]],
+        pictures: vec![Picture { colour_bar: None, ..picture.clone() }],
+        findings: vec![format!("aila pays {HOSTILE}")],
+        tables: vec![Table {
+            title: "Speedups".into(),
+            caption: HOSTILE.into(),
+            header: vec!["method".into(), "net speedup".into()],
+            rows: vec![vec![Cell::plain(HOSTILE), Cell { text: "1.21".into(), is_best: true }]],
+        }],
         figures: vec![
             figure("stages", Content::Stacks(vec![series(1), series(2), series(3)]), names.clone()),
-            figure("speedups", Content::Bars(vec![series(1), series(2)]), names),
+            figure("speedups", Content::Dots(vec![series(1), series(2)]), names),
             figure("rates", Content::Lines(vec![series(1)]), Scale::Linear { from_zero: false }),
             figure("table", Content::Picture(picture), Scale::Linear { from_zero: true }),
         ],
@@ -77,7 +84,7 @@ fn the_page_needs_nothing_else_and_runs_nothing() {
     assert!(!outside(" href=") && !outside(" src="), "the page loads something");
     assert!(!page.contains("url(http"), "the style loads something");
     assert_eq!(page.matches("@font-face").count(), 1);
-    assert!(page.contains("1.5 (1.35 to 1.8), n = 10</title>"), "bars say their numbers");
+    assert!(page.contains("1.5 (1.35 to 1.8), n = 10</title>"), "dots say their numbers");
 }
 
 #[test]
@@ -87,11 +94,11 @@ fn ids_are_unique_and_all_that_is_referred_to_is_there() {
     for (at, id) in ids.iter().enumerate() {
         assert!(!ids[..at].contains(id), "{id} is there twice");
     }
-    let references: Vec<&str> =
-        page.split("url(#").skip(1).filter_map(|rest| rest.split(')').next()).collect();
-    assert!(references.len() >= 4, "there are hatches");
-    for reference in references {
-        assert!(ids.contains(&reference), "{reference} is nowhere");
+    let links: Vec<&str> =
+        page.split(" href=\"#").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    assert!(links.len() >= 4, "figures are listed");
+    for link in links {
+        assert!(ids.contains(&link), "{link} is nowhere");
     }
 }
 

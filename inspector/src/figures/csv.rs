@@ -1,41 +1,40 @@
-//! The numbers of a figure as CSV: one table of all of them for people and programs, and one a panel that
+//! The numbers of a figure as CSV: one tidy table of all of them for people and programs, and one a panel that
 //! pgfplots reads.
 
 use super::FigureError;
-use super::model::{Axis, Content, Figure, Panel, Picture, Point, Scale};
-use crate::analysis::summary::distinct;
+use super::model::{Axis, Content, Figure, Of, Panel, Picture, Point, Scale};
 
-/// Columns, before the two whose names carry the axes' labels and units.
-const BEFORE: [&str; 5] = ["curve", "panel", "series", "name", "category"];
-/// Columns after them.
-const AFTER: [&str; 3] = ["low", "high", "n"];
+/// Columns of the tidy table. `x_axis` and `x` say where to the right a number is, if that is a number or a name that
+/// the columns before do not have; `metric` is what `value` is, with its unit.
+const COLUMNS: [&str; 13] = [
+    "scene", "machine", "kind", "bounce", "method", "detail", "x_axis", "x", "metric", "value", "low",
+    "high", "n",
+];
 
-/// The rows of a figure with their header. Series count from 0 over all panels (`curve`); lines across
-/// a panel are rows without a curve, one for each end; a picture gives the colours of its bar.
+/// The rows of a figure with their header, one a number. A line across a panel is a row without an x; a picture gives
+/// the colours of its bar.
 ///
 /// # Errors
 /// Only if memory ends.
 pub fn write(figure: &Figure) -> Result<Vec<u8>, FigureError> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    // The labels of all panels, each once.
-    let labels = |axis: fn(&Panel) -> &Axis| {
-        distinct(figure.panels.iter().map(|panel| axis(panel).label.as_str())).join(" | ")
-    };
-    let axes = [format!("x: {}", labels(|panel| &panel.x)), format!("y: {}", labels(|panel| &panel.y))];
-    let header = BEFORE.map(str::to_owned).into_iter().chain(axes).chain(AFTER.map(str::to_owned));
-    writer.write_record(header).map_err(failed)?;
-    let mut curve = 0;
-    for (at, panel) in figure.panels.iter().enumerate() {
-        let title = if panel.title.is_empty() { format!("panel {}", at + 1) } else { panel.title.clone() };
+    writer.write_record(COLUMNS).map_err(failed)?;
+    for panel in &figure.panels {
         for series in panel.content.series() {
             for point in &series.points {
-                let row = row(&curve.to_string(), &title, &series.label, panel, point);
-                writer.write_record(row).map_err(failed)?;
+                let known = point.of.to_string();
+                let x = x_of(panel, point).filter(|(_, x)| !known.contains(x.as_str()));
+                // A series is named by what its numbers are of, or by what only the legend says.
+                let detail = match series.label.as_str() {
+                    "" => String::new(),
+                    label if known.contains(label) => String::new(),
+                    label => label.to_owned(),
+                };
+                writer.write_record(row(panel, point, &detail, x)).map_err(failed)?;
             }
-            curve += 1;
         }
         for (label, point) in references(panel).chain(colours(panel)) {
-            writer.write_record(row("", &title, &label, panel, &point)).map_err(failed)?;
+            writer.write_record(row(panel, &point, &label, None)).map_err(failed)?;
         }
     }
     finish(writer)
@@ -72,20 +71,28 @@ fn finish(writer: csv::Writer<Vec<u8>>) -> Result<Vec<u8>, FigureError> {
     writer.into_inner().map_err(|cause| FigureError::Render(cause.to_string()))
 }
 
-fn row(curve: &str, panel_title: &str, series: &str, panel: &Panel, point: &Point) -> [String; 10] {
-    let category = match &panel.x.scale {
-        Scale::Categories(names) => names.get(point.x as usize).map_or("", String::as_str),
-        _ => "",
+fn row(panel: &Panel, point: &Point, more: &str, x: Option<(&str, String)>) -> [String; 13] {
+    let Of { scene, machine, kind, bounce, method, detail } = point.of.clone();
+    let details = [detail.as_str(), more].into_iter().filter(|part| !part.is_empty());
+    let metric = match &panel.content {
+        Content::Picture(Picture { colour_bar: Some(bar), .. }) if panel.y.label.is_empty() => {
+            if bar.label.is_empty() { panel.title.as_str() } else { bar.label.as_str() }
+        }
+        _ => panel.y.label.as_str(),
     };
+    let (x_axis, x) = x.unwrap_or_default();
     let (low, high) = point.spread.unzip();
-    let known = |end: Option<f64>| end.map_or(String::new(), |end| end.to_string());
+    let known = |number: Option<f64>| number.map_or(String::new(), |number| number.to_string());
     [
-        curve.to_owned(),
-        panel_title.to_owned(),
-        series.to_owned(),
-        point.name.clone(),
-        category.to_owned(),
-        point.x.to_string(),
+        scene,
+        machine,
+        kind,
+        bounce.map_or(String::new(), |bounce| bounce.to_string()),
+        method,
+        details.collect::<Vec<_>>().join(", "),
+        x_axis.to_owned(),
+        x,
+        metric.to_owned(),
         point.y.to_string(),
         known(low),
         known(high),
@@ -93,26 +100,34 @@ fn row(curve: &str, panel_title: &str, series: &str, panel: &Panel, point: &Poin
     ]
 }
 
-/// Both ends of the line across a panel.
-fn references(panel: &Panel) -> impl Iterator<Item = (String, Point)> {
-    panel.reference.iter().flat_map(|line| {
-        let end = |x| (line.label.clone(), bare_point(x, line.y, "reference line"));
-        [end(f64::NEG_INFINITY), end(f64::INFINITY)]
-    })
+/// Where to the right a number is: the axis and the place on it.
+fn x_of<'a>(panel: &'a Panel, point: &Point) -> Option<(&'a str, String)> {
+    let Axis { label, scale } = &panel.x;
+    match scale {
+        Scale::Categories(names) => Some((label, names.get(point.x as usize)?.clone())),
+        // A bounce has a column.
+        _ if point.of.bounce.map(f64::from) == Some(point.x) && label == "bounce" => None,
+        _ => Some((label, point.x.to_string())),
+    }
 }
 
-/// What the colours of a picture stand for: x counts them, y is their value.
+/// The line across a panel.
+fn references(panel: &Panel) -> impl Iterator<Item = (String, Point)> {
+    panel.reference.iter().map(|line| (line.label.clone(), bare_point(0.0, line.y, "line across")))
+}
+
+/// What the colours of a picture stand for.
 fn colours(panel: &Panel) -> Vec<(String, Point)> {
     let Content::Picture(Picture { colour_bar: Some(bar), .. }) = &panel.content else { return Vec::new() };
     let ((low, high), last) = (bar.range, bar.colours.len().saturating_sub(1).max(1) as f64);
     let colour = |(at, [red, green, blue]): (usize, &[u8; 3])| {
         let value = low + (high - low) * at as f64 / last;
-        (bar.label.clone(), bare_point(at as f64, value, &format!("colour {red} {green} {blue}")))
+        (String::new(), bare_point(at as f64, value, &format!("colour {red} {green} {blue}")))
     };
     bar.colours.iter().enumerate().map(colour).collect()
 }
 
 /// A number of which nothing else is known.
-pub(crate) fn bare_point(x: f64, y: f64, name: &str) -> Point {
-    Point { x, y, spread: None, n: 0, name: name.to_owned() }
+pub(crate) fn bare_point(x: f64, y: f64, detail: &str) -> Point {
+    Point { x, y, spread: None, n: 0, of: Of::detail(detail) }
 }

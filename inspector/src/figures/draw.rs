@@ -4,7 +4,6 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use plotters::chart::ChartBuilder;
-use plotters::coord::ranged1d::ValueFormatter;
 use plotters::element::Rectangle;
 use plotters::style::WHITE;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -13,24 +12,23 @@ use super::FigureError;
 use super::axis::Mapping;
 use super::layout::{COLOUR_BAR_GAP, COLOUR_BAR_WIDTH, Layout, Margins, Plot, TICK_GAP, widest_label};
 use super::mark;
-use super::model::{ColourBar, Content, Figure, Scale};
-use super::series::{self, Chart};
+use super::model::{ColourBar, Content, Figure};
+use super::series;
 use super::style::{AXIS_STROKE, Colour, GRID_COLOUR, TEXT_SIZE, TITLE_SIZE, Width};
 use super::svg::{Area, Svg, stroke, text_style, units};
 use super::text;
-use super::tick_labels::Direction;
 
 /// Of the lines between labelled ones, which show that an axis is not an even one.
 const LIGHT_GRID_COLOUR: Colour = Colour([0xf1, 0xf1, 0xf1]);
-const GRID_STROKE: f64 = 0.5;
+const GRID_STROKE: f64 = 0.35;
 
-/// Draws a figure. Ids in the SVG start with `prefix`, so that several can be part of one page.
+/// Draws a figure.
 ///
 /// # Errors
 /// If a picture has another number of pixels than its sides say.
-pub fn draw(figure: &Figure, width: Width, prefix: &str) -> Result<String, FigureError> {
+pub fn draw(figure: &Figure, width: Width) -> Result<String, FigureError> {
     let layout = Layout::new(figure, width);
-    let svg = Rc::new(RefCell::new(Svg::new(layout.size, prefix)));
+    let svg = Rc::new(RefCell::new(Svg::new(layout.size)));
     let page = Area::from(&svg);
     page.fill(&WHITE)?;
     for plot in &layout.plots {
@@ -52,7 +50,7 @@ fn part(page: &Area, (left, top): (f64, f64), (width, height): (f64, f64)) -> Ar
 }
 
 fn panel(page: &Area, plot: &Plot) -> Result<(), FigureError> {
-    let Margins { left, right, turn } = plot.margins;
+    let Margins { left, right } = plot.margins;
     let place = (plot.place.0 - left, plot.place.1 - plot.top);
     let size = (left + plot.width + right, plot.top + plot.height + plot.bottom);
     let cell = part(page, place, size);
@@ -64,23 +62,16 @@ fn panel(page: &Area, plot: &Plot) -> Result<(), FigureError> {
         .y_label_area_size(units(left))
         .build_cartesian_2d(plot.x.clone(), plot.y.clone())?;
     let axis = stroke(Colour::BLACK, AXIS_STROKE);
-    let is_level = turn == Direction::Level;
-    let below = |value: &f64| if is_level { plot.x.format_ext(value) } else { String::new() };
     let mut mesh = chart.configure_mesh();
     mesh.axis_style(axis)
         .bold_line_style(stroke(GRID_COLOUR, GRID_STROKE))
         .light_line_style(stroke(LIGHT_GRID_COLOUR, GRID_STROKE))
         .label_style(text_style(TEXT_SIZE))
-        .x_label_formatter(&below)
         .x_desc(&plot.x_label)
         .y_desc(&plot.y_label)
         .set_all_tick_mark_size(units(0.5 * TICK_GAP));
-    if matches!(plot.panel.x.scale, Scale::Categories(_)) {
-        if plot.panel.content.is_in_rows() {
-            mesh.disable_y_mesh()
-        } else {
-            mesh.disable_x_mesh()
-        };
+    if plot.panel.content.is_in_rows() {
+        mesh.disable_y_mesh();
     }
     if matches!(plot.panel.content, Content::Picture(_)) {
         mesh.disable_mesh();
@@ -89,18 +80,6 @@ fn panel(page: &Area, plot: &Plot) -> Result<(), FigureError> {
     series::draw(&mut chart, plot)?;
     let (x, y) = (plot.x.range, plot.y.range);
     chart.plotting_area().draw(&Rectangle::new([(x.0, y.0), (x.1, y.1)], axis))?;
-    if is_level { Ok(()) } else { turned_labels(page, &chart, plot) }
-}
-
-/// Labels below the axis that plotters, which turns by right angles about the middle, cannot draw.
-fn turned_labels(page: &Area, chart: &Chart, plot: &Plot) -> Result<(), FigureError> {
-    let gap = if plot.margins.turn == Direction::Slanted { TICK_GAP + 0.25 * TEXT_SIZE } else { TICK_GAP };
-    for tick in plot.x.labelled() {
-        let (x, y) = chart.backend_coord(&(tick.value, plot.y.range.0));
-        let place = (x, y + units(gap));
-        let anchor = Pos::new(HPos::Right, VPos::Center);
-        page.draw(&mark::words(&tick.label, place, anchor, -plot.margins.turn.degrees()))?;
-    }
     Ok(())
 }
 

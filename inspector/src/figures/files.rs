@@ -21,7 +21,7 @@ pub fn make_folder(folder: &Path) -> Result<(), FigureError> {
 /// # Errors
 /// If a file cannot be made or written; the error names it.
 pub fn write(figure: &Figure, width: Width, folder: &Path) -> Result<Vec<PathBuf>, FigureError> {
-    let drawing = draw::draw(figure, width, &figure.name)?;
+    let drawing = draw::draw(figure, width)?;
     let name = |extension: &str| format!("{}.{extension}", figure.name);
     let mut files = vec![
         (name("pdf"), raster::pdf(&drawing)?),

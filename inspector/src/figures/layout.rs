@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use super::axis::Mapping;
 use super::legend::{Legend, entries};
-use super::model::{Content, Figure, Panel, Scale};
-use super::style::{LINE_HEIGHT, TEXT_SIZE, TITLE_SIZE, Width};
+use super::model::{Content, Figure, Panel};
+use super::style::{TEXT_SIZE, TITLE_SIZE, Width};
 use super::text;
-use super::tick_labels::{self, Direction};
+use super::tick_labels;
 
 /// Between an axis and its tick labels.
 pub(crate) const TICK_GAP: f64 = 4.0;
@@ -23,16 +23,13 @@ const PAGE_EDGE: f64 = 3.0;
 const EDGE: f64 = 5.0;
 /// Highest picture.
 const TALLEST_PICTURE: f64 = 300.0;
-/// The least that a bar needs to be told from its neighbours.
-const NARROWEST_BAR: f64 = 2.3;
-/// Width that rows need, their names included.
+/// Width that a panel needs, with numbers on both axes and with names of rows.
+const LEAST: f64 = 110.0;
 const LEAST_OF_ROWS: f64 = 125.0;
 /// Height of a row of dots and of stacks.
-const ROW: f64 = 11.0;
+pub(crate) const ROW: f64 = 11.0;
 /// Between two tick labels of an upward axis, at least.
 const Y_TICK_ROOM: f64 = 17.0;
-/// Where a logarithmic axis of bars starts at the latest, in lowest values.
-const LOWEST_BAR: f64 = 0.7;
 /// Lines beside a colour bar, at most.
 const MOST_BAR_LINES: usize = 2;
 /// How often the room for words is settled with the words that fit beside what is left of it.
@@ -52,13 +49,12 @@ pub(crate) struct Layout<'a> {
     pub(crate) size: (f64, f64),
 }
 
-/// What is left beside a plot area for words, and how those below it are turned.
+/// What is left beside a plot area for words.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Margins {
     pub(crate) left: f64,
     /// With a colour bar, if there is one.
     pub(crate) right: f64,
-    pub(crate) turn: Direction,
 }
 
 /// A panel laid out.
@@ -111,8 +107,8 @@ impl<'a> Layout<'a> {
 fn columns(figure: &Figure, width: Width) -> usize {
     let panels = figure.panels.len().max(1);
     if panels.is_multiple_of(2) && figure.panels.iter().all(is_picture) {
-        // A picture and what belongs to it stand beside each other.
-        return 2;
+        // A picture and what belongs to it stand beside each other, unless a column is all that they have.
+        return if width == Width::OneColumn && panels == 2 { 1 } else { 2 };
     }
     let most = match (width, panels) {
         (Width::OneColumn, 1..=3) => 1,
@@ -124,28 +120,18 @@ fn columns(figure: &Figure, width: Width) -> usize {
     (2..=most).rev().find(|&columns| width.points() / columns as f64 >= widest).unwrap_or(1)
 }
 
-/// How much room a panel needs for its bars and the words beside them.
+/// How much room a panel needs for what it shows and the words beside it.
 fn least_width(panel: &Panel) -> f64 {
-    let Scale::Categories(names) = &panel.x.scale else { return 110.0 };
-    if panel.content.is_in_rows() {
-        return LEAST_OF_ROWS;
-    }
-    let bars = match &panel.content {
-        Content::Bars(series) => names.len() * (series.len() + 1),
-        _ => 2 * names.len(),
-    };
-    // No name is left out for want of room.
-    50.0 + (bars as f64 * NARROWEST_BAR).max(names.len() as f64 * TEXT_SIZE * LINE_HEIGHT)
+    if panel.content.is_in_rows() { LEAST_OF_ROWS } else { LEAST }
 }
 
 fn is_picture(panel: &Panel) -> bool {
     matches!(panel.content, Content::Picture(_))
 }
 
-/// All panels. Those below each other begin in one line, those beside each other are as wide as each
-/// other, and words are turned alike.
+/// All panels. Those below each other begin in one line, and those beside each other are as wide as each other.
 fn measure(figure: &Figure, columns: usize, cell: f64) -> Vec<Plot<'_>> {
-    let mut all = vec![Margins { left: 0.0, right: EDGE, turn: Direction::Level }; figure.panels.len()];
+    let mut all = vec![Margins { left: 0.0, right: EDGE }; figure.panels.len()];
     let mut plots = Vec::new();
     for _ in 0..ROUNDS {
         let panels = figure.panels.iter().zip(&all);
@@ -154,16 +140,10 @@ fn measure(figure: &Figure, columns: usize, cell: f64) -> Vec<Plot<'_>> {
         (plots, needed) = measured.unzip();
         let settled = all.clone();
         let left = needed.iter().map(|needed| needed.left).fold(0.0, f64::max);
-        let turn = needed.iter().map(|needed| needed.turn).fold(Direction::Level, Direction::max);
         for (at, margins) in all.iter_mut().enumerate() {
             let row = needed.iter().skip(at - at % columns).take(columns);
             margins.right = row.map(|needed| needed.right).fold(margins.right, f64::max);
-            // How words may be turned depends on what is left of them, which is settled first.
-            if left > margins.left {
-                margins.left = left;
-            } else {
-                margins.turn = margins.turn.max(turn);
-            }
+            margins.left = margins.left.max(left);
         }
         if all == settled {
             break;
@@ -186,14 +166,14 @@ impl<'a> Plot<'a> {
         }
         let is_in_rows = panel.content.is_in_rows();
         let (across, upwards) = if is_in_rows { (&panel.y, &panel.x) } else { (&panel.x, &panel.y) };
-        let (x, y, turn) = if is_in_rows {
+        let (x, y) = if is_in_rows {
             // The first row is the topmost one.
             let y = Mapping::new(&panel.x.scale, [], 0).reversed();
             height = ROW * (y.range.0 - y.range.1);
-            (numbers_of_rows(figure, panel, width), y, Direction::Level)
+            let values = values_of(figure, panel);
+            (fitting(width, |room| Mapping::new(&panel.y.scale, values.iter().copied(), room)), y)
         } else {
-            let (x, turn) = x_mapping(figure, panel, width, margins);
-            (x, y_mapping(figure, panel, height), turn)
+            (x_mapping(figure, panel, width), y_mapping(figure, panel, height))
         };
         let y_label = text::wrap(&upwards.label, TEXT_SIZE, height + 20.0);
         let x_label = text::wrap_evenly(&across.label, TEXT_SIZE, width + margins.left.min(margins.right));
@@ -206,12 +186,11 @@ impl<'a> Plot<'a> {
         // The label of a colour bar may be higher than the picture.
         let bar_label = colour_bar.as_ref().map_or(0.0, |(_, label)| text::width(label, TEXT_SIZE));
         // The last label may reach over the end of the axis.
-        let overhang = if turn == Direction::Level { tick_labels::overhang(&x, width) } else { 0.0 };
-        let words = tick_labels::height(&x, turn) + text::height(&x_label, TEXT_SIZE);
+        let overhang = tick_labels::overhang(&x, width);
+        let words = tick_labels::height(&x) + text::height(&x_label, TEXT_SIZE);
         let needed = Margins {
             left: widest_label(&y) + text::height(&y_label, TEXT_SIZE) + TICK_GAP + 3.0,
             right: (EDGE + bar_room).max(overhang + 1.0),
-            turn,
         };
         let (place, top) = ((0.0, 0.0), text::height(&title, TITLE_SIZE) + EDGE);
         let bottom = (words + TICK_GAP + 1.5).max(bar_label - height);
@@ -231,11 +210,6 @@ impl<'a> Plot<'a> {
             colour_bar,
         };
         (plot, needed)
-    }
-
-    /// Room of a category: its width, or its height where categories are rows.
-    pub(crate) fn slot(&self) -> f64 {
-        if self.panel.content.is_in_rows() { ROW } else { self.width / (self.x.range.1 - self.x.range.0) }
     }
 }
 
@@ -259,19 +233,7 @@ fn y_mapping(figure: &Figure, panel: &Panel, height: f64) -> Mapping {
     if let Content::Picture(picture) = &panel.content {
         return pixels(&panel.y.label, picture.height, room).reversed();
     }
-    let mut values = values_of(figure, panel);
-    if matches!(panel.content, Content::Bars(_)) {
-        match panel.y.scale {
-            Scale::Logarithmic { .. } => {
-                // So that the lowest bar has a height.
-                let lowest =
-                    values.iter().copied().filter(|value| *value > 0.0).fold(f64::INFINITY, f64::min);
-                values.push(LOWEST_BAR * lowest);
-            }
-            _ => values.push(0.0),
-        }
-    }
-    Mapping::new(&panel.y.scale, values, room)
+    Mapping::new(&panel.y.scale, values_of(figure, panel), room)
 }
 
 /// Every number of the panels that share the axis of numbers with this one.
@@ -284,17 +246,17 @@ fn values_of(figure: &Figure, panel: &Panel) -> Vec<f64> {
     values
 }
 
-/// The axis below rows, with as many labels as have their place beside each other.
-fn numbers_of_rows(figure: &Figure, panel: &Panel, width: f64) -> Mapping {
-    let values = values_of(figure, panel);
-    let with_labels = |most| {
-        let mut mapping = Mapping::new(&panel.y.scale, values.iter().copied(), most);
+/// The axis below a panel, with as many labels as have their place beside each other: what `with_labels` gives
+/// for so many at most.
+fn fitting(width: f64, with_labels: impl Fn(usize) -> Mapping) -> Mapping {
+    let thinned = |most| {
+        let mut mapping = with_labels(most);
         let are_some_left_out = tick_labels::thin_out(&mut mapping, width);
         (mapping, are_some_left_out)
     };
-    let most = ((width / 20.0) as usize).clamp(2, 12);
-    let fitting = (2..=most).rev().map(with_labels).find(|(_, are_some_left_out)| !are_some_left_out);
-    fitting.unwrap_or_else(|| with_labels(2)).0
+    let most = ((width / 22.0) as usize).clamp(2, 12);
+    let complete = (2..=most).rev().map(thinned).find(|(_, are_some_left_out)| !are_some_left_out);
+    complete.unwrap_or_else(|| thinned(2)).0
 }
 
 /// Every number that must have a place on the axis of numbers: values, ends of spreads, tops of stacks.
@@ -327,27 +289,12 @@ fn pixels(label: &str, count: u32, room: usize) -> Mapping {
     mapping
 }
 
-fn x_mapping(figure: &Figure, panel: &Panel, width: f64, margins: Margins) -> (Mapping, Direction) {
-    let values = || {
-        let alike = figure.panels.iter().filter(|other| other.x == panel.x);
-        alike.flat_map(|other| other.content.series()).flat_map(|series| &series.points).map(|point| point.x)
-    };
-    let with_labels = |most| match &panel.content {
-        Content::Picture(picture) => pixels(&panel.x.label, picture.width, most),
-        _ => Mapping::new(&panel.x.scale, values(), most),
-    };
-    if let Scale::Categories(_) = &panel.x.scale {
-        let mut mapping = with_labels(0);
-        let turn = tick_labels::fit_categories(&mut mapping, width, margins.left, margins.turn);
-        return (mapping, turn);
+fn x_mapping(figure: &Figure, panel: &Panel, width: f64) -> Mapping {
+    if let Content::Picture(picture) = &panel.content {
+        return fitting(width, |most| pixels(&panel.x.label, picture.width, most));
     }
-    let most = ((width / 24.0) as usize).clamp(2, 12);
-    // As many labels as have their place beside each other.
-    let thinned = |most| {
-        let mut mapping = with_labels(most);
-        let are_some_left_out = tick_labels::thin_out(&mut mapping, width);
-        (mapping, are_some_left_out)
-    };
-    let fitting = (2..=most).rev().map(thinned).find(|(_, are_some_left_out)| !are_some_left_out);
-    (fitting.unwrap_or_else(|| thinned(2)).0, Direction::Level)
+    let alike = figure.panels.iter().filter(|other| other.x == panel.x);
+    let points = alike.flat_map(|other| other.content.series()).flat_map(|series| &series.points);
+    let values: Vec<f64> = points.map(|point| point.x).collect();
+    fitting(width, |most| Mapping::new(&panel.x.scale, values.iter().copied(), most))
 }

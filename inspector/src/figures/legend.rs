@@ -1,6 +1,6 @@
 //! The legend below the axes: one entry per series or line across a panel, however many panels have it.
 
-use super::model::{Content, Figure, Series};
+use super::model::{Content, Figure, Panel, Scale, Series};
 use super::style::{LINE_HEIGHT, TEXT_SIZE};
 use super::svg::{Area, text_style, units};
 use super::{FigureError, mark, text};
@@ -34,21 +34,26 @@ pub(crate) struct LegendEntry {
 
 /// Everything that a figure shows, each once, in the order in which it appears: series first.
 pub(crate) fn entries(figure: &Figure) -> Vec<LegendEntry> {
-    // The names of dots are those of their rows.
-    let named = figure.panels.iter().filter(|panel| !matches!(panel.content, Content::Dots(_)));
-    let series = named.flat_map(|panel| {
+    let series = figure.panels.iter().flat_map(|panel| {
         let sample = match &panel.content {
             Content::Lines(_) => Sample::Line,
-            Content::Scatter(_) => Sample::Marker,
+            Content::Scatter(_) | Content::Dots(_) => Sample::Marker,
             _ => Sample::Bar,
         };
         let entry = move |one: &Series| LegendEntry { sample: sample(one.style), label: one.label.clone() };
-        panel.content.series().iter().map(entry)
+        panel.content.series().iter().filter(|series| !is_named_by_row(panel, series)).map(entry)
     });
     let references = figure.panels.iter().flat_map(|panel| &panel.reference);
     let references =
         references.map(|one| LegendEntry { sample: Sample::Reference, label: one.label.clone() });
     distinct(series.chain(references).filter(|entry| !entry.label.is_empty()))
+}
+
+/// Whether a row says what a series is, or what it is a part of.
+fn is_named_by_row(panel: &Panel, series: &Series) -> bool {
+    let Content::Dots(_) = panel.content else { return false };
+    let rows = if let Scale::Categories(names) = &panel.x.scale { names.as_slice() } else { &[] };
+    series.is_part || rows.contains(&series.label)
 }
 
 /// A legend that has been laid out.

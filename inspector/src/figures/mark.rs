@@ -17,6 +17,10 @@ const REFERENCE_STROKE: f64 = 0.9;
 const PART_RADIUS: f64 = 1.1;
 /// Width of the spread of a number in a row, points.
 const EXTENT_STROKE: f64 = 2.2;
+/// Width of the lines of spreads, points.
+const WHISKER_STROKE: f64 = 0.7;
+/// Half the width of the end of a spread, points.
+const CAP: f64 = 1.65;
 /// Shortest half of a spread that is drawn, units: of a shorter one only its end would be seen.
 const SHORTEST_WHISKER: u32 = 3;
 
@@ -67,10 +71,10 @@ pub(crate) fn reference<C>(ends: [C; 2]) -> Mark<'static, C> {
 
 /// A bar of a style from corner to corner.
 pub(crate) fn bar<C>(corners: [C; 2], number: usize, tooltip: String) -> Mark<'static, C> {
-    let Style { colour, hatch, .. } = style(number);
+    let Style { colour, .. } = style(number);
     Mark::new(corners, move |svg, at| {
         let outline = Paint::line(Colour::BLACK, OUTLINE_STROKE);
-        svg.rectangle([at[0], at[1]], Paint { fill: Some(colour), hatch, tooltip: &tooltip, ..outline });
+        svg.rectangle([at[0], at[1]], Paint { fill: Some(colour), tooltip: &tooltip, ..outline });
     })
 }
 
@@ -84,14 +88,9 @@ pub(crate) fn words(text: &str, place: BackendCoord, anchor: Pos, degrees: i32) 
     Mark::new([place], move |svg, at| svg.text(text, at[0], TEXT_SIZE * UNITS_PER_POINT, anchor, degrees))
 }
 
-/// Half of a spread, from a number to an end of it; `cap` is half the width of that end, points.
-pub(crate) fn whisker(
-    ends: [(f64, f64); 2],
-    colour: Colour,
-    width: f64,
-    cap: f64,
-) -> Mark<'static, (f64, f64)> {
-    let (paint, cap) = (Paint::line(colour, width), units(cap));
+/// Half of a spread, from a number to an end of it.
+pub(crate) fn whisker(ends: [(f64, f64); 2], colour: Colour) -> Mark<'static, (f64, f64)> {
+    let (paint, cap) = (Paint::line(colour, WHISKER_STROKE), units(CAP));
     Mark::new(ends, move |svg, at| {
         let (x, y) = at[1];
         if at[0].1.abs_diff(y) >= SHORTEST_WHISKER {

@@ -2,7 +2,7 @@
 //!
 //! - [`model`]: a figure as data
 //! - [`catalogue`]: which figures there are
-//! - [`style`]: widths, sizes, colours, markers, dashes and hatches
+//! - [`style`]: widths, sizes, colours, markers and dashes
 //! - [`draw`]: the drawing, each panel a chart of plotters: `svg` is its backend, `axis` its coordinates with
 //!   our ticks, `series` what it shows, of `mark`s. Ours are `layout` (the room for words), `tick_labels`
 //!   (broken, slanted, upright), `legend` and `text` (widths)

@@ -1,5 +1,7 @@
 //! A figure as data: what is drawn, written as CSV and captioned is made from this alone.
 
+use std::fmt;
+
 /// A figure of one or more panels side by side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
@@ -118,9 +120,8 @@ pub enum Content {
     Lines(Vec<Series>),
     /// Markers alone.
     Scatter(Vec<Series>),
-    /// Bars beside each other at each category, one per series.
-    Bars(Vec<Series>),
-    /// Markers in rows, one row a category, numbers to the right; series that are parts of others are small.
+    /// Markers in rows, one row a category, numbers to the right; series that are parts of others are small. What
+    /// is not named as its row is has its place in the legend.
     Dots(Vec<Series>),
     /// Bars that follow each other in rows, one row a category, numbers to the right.
     Stacks(Vec<Series>),
@@ -137,11 +138,7 @@ impl Content {
     /// Its series; none for a picture.
     pub fn series(&self) -> &[Series] {
         match self {
-            Self::Lines(series)
-            | Self::Scatter(series)
-            | Self::Bars(series)
-            | Self::Dots(series)
-            | Self::Stacks(series) => series,
+            Self::Lines(series) | Self::Scatter(series) | Self::Dots(series) | Self::Stacks(series) => series,
             Self::Picture(_) => &[],
         }
     }
@@ -152,7 +149,7 @@ impl Content {
 pub struct Series {
     /// Name in the legend.
     pub label: String,
-    /// Which colour, marker, dash and hatch: one number per method or stage in every figure.
+    /// Which colour, marker and dash: one number per method or stage in every figure.
     pub style: usize,
     /// Its points.
     pub points: Vec<Point>,
@@ -171,8 +168,42 @@ pub struct Point {
     pub spread: Option<(f64, f64)>,
     /// Samples behind it.
     pub n: usize,
-    /// What it is, for tooltips and the CSV: scene, bounce, kind, method.
-    pub name: String,
+    /// What it is of, for tooltips and the CSV.
+    pub of: Of,
+}
+
+/// What a number is of. What does not apply, or is all of them, is empty.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Of {
+    /// The scene.
+    pub scene: String,
+    /// What measured it: backend, adapter, kernel and threads.
+    pub machine: String,
+    /// Which rays: `closest`, `shadow`, `secondary`.
+    pub kind: String,
+    /// The bounce.
+    pub bounce: Option<u32>,
+    /// The method, or whatever order it is.
+    pub method: String,
+    /// What else tells it from others: a stage, a pass, a test.
+    pub detail: String,
+}
+
+impl Of {
+    /// Of something else alone.
+    pub fn detail(detail: impl Into<String>) -> Self {
+        Self { detail: detail.into(), ..Self::default() }
+    }
+}
+
+/// In words; the machine stands in the caption.
+impl fmt::Display for Of {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { scene, kind, bounce, method, detail, .. } = self;
+        let bounce = bounce.map(|bounce| format!("bounce {bounce}")).unwrap_or_default();
+        let words = [scene, &bounce, kind, method, detail].into_iter().filter(|word| !word.is_empty());
+        f.write_str(&words.map(String::as_str).collect::<Vec<_>>().join(", "))
+    }
 }
 
 /// A line across a panel.
@@ -200,7 +231,7 @@ pub struct Picture {
 /// What the colours of a picture mean.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColourBar {
-    /// What it shows, with its unit.
+    /// What it shows, with its unit; empty if the panel's title says it.
     pub label: String,
     /// Value of the first colour and of the last.
     pub range: (f64, f64),

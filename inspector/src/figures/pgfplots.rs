@@ -4,11 +4,11 @@ use std::fmt::Write;
 
 use super::FigureError;
 use super::axis::{Mapping, Tick};
-use super::layout::{Layout, Plot};
+use super::layout::{Layout, Plot, ROW};
 use super::legend::{LegendEntry, Sample, entries};
 use super::model::{Axis, Content, Figure, Panel, Picture, Point, Scale, Series};
-use super::series::{bar_width, marker_stride, place_in_group};
-use super::style::{Hatch, Marker, REFERENCE_DASH, Style, Width, style};
+use super::series::{STACK_HEIGHT, marker_stride};
+use super::style::{Marker, REFERENCE_DASH, Style, Width, style};
 use super::{csv, raster};
 
 /// What every file starts with.
@@ -18,7 +18,6 @@ const HEAD: &str = r"% Compile with pdflatex; the numbers and pictures of the pa
 \usepackage{pgfplots}
 \pgfplotsset{compat=1.16}
 \usepgfplotslibrary{groupplots}
-\usetikzlibrary{patterns}
 \renewcommand{\familydefault}{\sfdefault}
 ";
 
@@ -43,18 +42,9 @@ fn panel_file(figure: &Figure, panel: usize, extension: &str) -> String {
     format!("{}-panel-{}.{extension}", figure.name, panel + 1)
 }
 
-/// The points of each series at the places where they are drawn.
+/// The points of each series.
 fn columns(plot: &Plot, content: &Content) -> Vec<Vec<Point>> {
-    let all = content.series();
-    let moved = |at: usize, point: &Point| match content {
-        // The numbers are moved instead of the bars, since error bars stay where the numbers are.
-        Content::Bars(_) => {
-            let across = place_in_group(all, at, point.x) * bar_width(plot) / plot.slot();
-            Point { x: point.x + across, ..point.clone() }
-        }
-        _ => point.clone(),
-    };
-    let of_series = |(at, series): (usize, &Series)| match (content, &plot.panel.x.scale) {
+    let of_series = |series: &Series| match (content, &plot.panel.x.scale) {
         // A stack must not lack a category.
         (Content::Stacks(_), Scale::Categories(names)) => {
             let of_category = |x: usize| {
@@ -63,9 +53,9 @@ fn columns(plot: &Plot, content: &Content) -> Vec<Vec<Point>> {
             };
             (0..names.len()).map(of_category).collect()
         }
-        _ => series.points.iter().map(|point| moved(at, point)).collect(),
+        _ => series.points.clone(),
     };
-    all.iter().enumerate().map(of_series).collect()
+    content.series().iter().map(of_series).collect()
 }
 
 /// The LaTeX source of a figure: the same axes in the same places as in the SVG.
@@ -134,22 +124,8 @@ fn axis_options(plot: &Plot) -> String {
     if is_in_rows {
         options.push("y dir=reverse".to_owned());
     }
-    if matches!(panel.y.scale, Scale::Logarithmic { .. }) {
-        // Bars stand on the lower end of the axis.
-        options.push("log origin y=infty".to_owned());
-    }
-    match &panel.content {
-        Content::Bars(_) => options.push(format!("bar width={:.2}bp", bar_width(plot))),
-        Content::Stacks(_) => options.push(format!("xbar stacked, bar width={:.2}bp", bar_width(plot))),
-        _ => {}
-    }
-    let turned = match plot.margins.turn.degrees() {
-        0 => "align=center".to_owned(),
-        90 => "rotate=90, anchor=east".to_owned(),
-        degrees => format!("rotate={degrees}, anchor=north east, inner sep=1pt"),
-    };
-    if matches!(panel.x.scale, Scale::Categories(_)) && !is_in_rows {
-        options.push(format!("x tick label style={{{turned}}}"));
+    if matches!(panel.content, Content::Stacks(_)) {
+        options.push(format!("xbar stacked, bar width={:.2}bp", STACK_HEIGHT * ROW));
     }
     if let Content::Picture(picture) = &panel.content {
         options.push(picture_options(plot, picture));
@@ -237,7 +213,6 @@ fn series_look(content: &Content, series: &Series) -> String {
             (format!("only marks, mark=*, mark size=1.1bp, style{number}"), format!("line{number}"))
         }
         Content::Dots(_) => (format!("only marks, {}", marker_look(number)), format!("line{number}")),
-        Content::Bars(_) => (format!("ybar, bar shift=0pt, {}", bar_look(number)), "black".to_owned()),
         Content::Stacks(_) | Content::Picture(_) => (bar_look(number), "black".to_owned()),
     };
     if series.points.iter().all(|point| point.spread.is_none()) {
@@ -295,24 +270,7 @@ fn marker_look(number: usize) -> String {
 }
 
 fn bar_look(number: usize) -> String {
-    let Style { colour, hatch, .. } = style(number);
-    let pattern = match hatch {
-        Hatch::Solid => "",
-        Hatch::Rising => "north east lines",
-        Hatch::Falling => "north west lines",
-        Hatch::Crossed => "crosshatch",
-        Hatch::Level => "horizontal lines",
-        Hatch::Upright => "vertical lines",
-        Hatch::Dotted => "dots",
-        Hatch::Grid => "grid",
-    };
-    let fill = format!("draw=black, line width=0.4bp, fill=style{number}");
-    if pattern.is_empty() {
-        return fill;
-    }
-    let [red, ..] = colour.contrast().0;
-    let lines = if red == 0 { "black" } else { "white" };
-    format!("{fill}, postaction={{pattern={pattern}, pattern color={lines}}}")
+    format!("draw=black, line width=0.4bp, fill=style{number}")
 }
 
 fn picture_options(plot: &Plot, picture: &Picture) -> String {
@@ -397,7 +355,7 @@ fn lines(text: &str) -> String {
 }
 
 /// Text as TeX wants it.
-fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
         let word = match character {

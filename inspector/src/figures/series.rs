@@ -1,4 +1,4 @@
-//! What a panel shows inside its axes: lines, markers, bars, stacks and pictures as plotters' series.
+//! What a panel shows inside its axes: lines, markers, stacks and pictures as plotters' series.
 
 use std::collections::BTreeMap;
 use std::iter::once;
@@ -21,44 +21,8 @@ pub(crate) type Chart<'a> = ChartContext<'a, Svg, Cartesian2d<Mapping, Mapping>>
 
 /// Lines of more points than this have a marker at some of them only.
 const MOST_MARKERS: usize = 40;
-/// The part of its slot that a group of bars takes.
-const GROUP_WIDTH: f64 = 0.8;
-/// The part of its slot that a stack takes.
-const STACK_WIDTH: f64 = 0.7;
-/// Widest bar and widest stack, points.
-const WIDEST_BAR: f64 = 24.0;
-const WIDEST_STACK: f64 = 36.0;
-/// Width of the lines of spreads, points.
-const WHISKER_STROKE: f64 = 0.7;
-/// Half the width of the end of a spread, points.
-const CAP: f64 = 1.65;
-
-/// Width of the bars of a panel, points.
-pub(crate) fn bar_width(plot: &Plot) -> f64 {
-    match &plot.panel.content {
-        Content::Bars(series) => {
-            (GROUP_WIDTH * plot.slot() / largest_group(series).max(1) as f64).min(WIDEST_BAR)
-        }
-        _ => (STACK_WIDTH * plot.slot()).min(WIDEST_STACK),
-    }
-}
-
-/// Whether a series has a bar at a category.
-fn has_bar(series: &Series, category: f64) -> bool {
-    series.points.iter().any(|point| point.x == category && point.y.is_finite())
-}
-
-/// Most bars at one category.
-pub(crate) fn largest_group(series: &[Series]) -> usize {
-    let categories = series.iter().flat_map(|series| &series.points).map(|point| point.x);
-    categories.map(|x| series.iter().filter(|one| has_bar(one, x)).count()).max().unwrap_or(0)
-}
-
-/// From a category to the middle of a series' bar there, in bars. Series without a bar there take no room.
-pub(crate) fn place_in_group(series: &[Series], at: usize, category: f64) -> f64 {
-    let count = |series: &[Series]| series.iter().filter(|one| has_bar(one, category)).count() as f64;
-    count(&series[..at]) + 0.5 - 0.5 * count(series)
-}
+/// The part of its row that a stack takes.
+pub(crate) const STACK_HEIGHT: f64 = 0.7;
 
 /// A line has a marker at every so many points.
 pub(crate) fn marker_stride(series: &Series) -> usize {
@@ -70,7 +34,6 @@ pub(crate) fn draw(chart: &mut Chart, plot: &Plot) -> Result<(), FigureError> {
     match &plot.panel.content {
         Content::Lines(all) => all.iter().try_for_each(|series| lines(chart, plot, series))?,
         Content::Scatter(all) => all.iter().try_for_each(|series| markers(chart, plot, series, 1))?,
-        Content::Bars(all) => bars(chart, plot, all)?,
         Content::Dots(all) => dots(chart, plot, all)?,
         Content::Stacks(all) => stacks(chart, plot, all)?,
         Content::Picture(shown) => picture(chart, plot, shown)?,
@@ -104,7 +67,7 @@ fn lines(chart: &mut Chart, plot: &Plot, series: &Series) -> Result<(), FigureEr
 fn markers(chart: &mut Chart, plot: &Plot, series: &Series, stride: usize) -> Result<(), FigureError> {
     let ink = style(series.style).colour.ink();
     for (at, point) in series.points.iter().enumerate().filter(|(_, point)| has_place(plot, point)) {
-        spread(chart, point.x, point, CAP, [ink; 2])?;
+        spread(chart, point, ink)?;
         // Markers of several long lines are not above each other.
         if (at + stride / 2 + series.style).is_multiple_of(stride) {
             chart.draw_series(once(marker((point.x, point.y), series.style, tooltip(series, point))))?;
@@ -113,25 +76,7 @@ fn markers(chart: &mut Chart, plot: &Plot, series: &Series, stride: usize) -> Re
     Ok(())
 }
 
-fn bars(chart: &mut Chart, plot: &Plot, all: &[Series]) -> Result<(), FigureError> {
-    // In categories.
-    let width = bar_width(plot) / plot.slot();
-    let cap = CAP.min(0.3 * bar_width(plot));
-    for (at, series) in all.iter().enumerate() {
-        // The part of a spread inside the bar is in the one of black and white that is seen there.
-        let colours = [style(series.style).colour.contrast(), Colour::BLACK];
-        for point in series.points.iter().filter(|point| has_place(plot, point)) {
-            let centre = point.x + place_in_group(all, at, point.x) * width;
-            let corners = [(centre - 0.5 * width, plot.y.base()), (centre + 0.5 * width, point.y)];
-            chart.draw_series(once(bar(corners, series.style, tooltip(series, point))))?;
-            spread(chart, centre, point, cap, colours)?;
-        }
-    }
-    Ok(())
-}
-
 fn stacks(chart: &mut Chart, plot: &Plot, all: &[Series]) -> Result<(), FigureError> {
-    let half = 0.5 * bar_width(plot) / plot.slot();
     let mut ends: BTreeMap<u64, f64> = BTreeMap::new();
     for series in all {
         for point in series.points.iter().filter(|point| point.y.is_finite()) {
@@ -139,7 +84,7 @@ fn stacks(chart: &mut Chart, plot: &Plot, all: &[Series]) -> Result<(), FigureEr
             let before = *end;
             *end += point.y;
             let start = if before == 0.0 { plot.x.base() } else { before };
-            let corners = [(start, point.x - half), (*end, point.x + half)];
+            let corners = [(start, point.x - 0.5 * STACK_HEIGHT), (*end, point.x + 0.5 * STACK_HEIGHT)];
             chart.draw_series(once(bar(corners, series.style, tooltip(series, point))))?;
         }
     }
@@ -167,16 +112,9 @@ fn dots(chart: &mut Chart, plot: &Plot, all: &[Series]) -> Result<(), FigureErro
 }
 
 /// Draws both halves of the spread of a number: downwards and upwards.
-fn spread(
-    chart: &mut Chart,
-    x: f64,
-    point: &Point,
-    cap: f64,
-    colours: [Colour; 2],
-) -> Result<(), FigureError> {
-    let ends = point.spread.into_iter().flat_map(|(low, high)| [low, high]).zip(colours);
-    let half = |(end, colour)| whisker([(x, point.y), (x, end)], colour, WHISKER_STROKE, cap);
-    chart.draw_series(ends.map(half))?;
+fn spread(chart: &mut Chart, point: &Point, colour: Colour) -> Result<(), FigureError> {
+    let ends = point.spread.into_iter().flat_map(|(low, high)| [low, high]);
+    chart.draw_series(ends.map(|end| whisker([(point.x, point.y), (point.x, end)], colour)))?;
     Ok(())
 }
 
@@ -193,10 +131,11 @@ fn picture(chart: &mut Chart, plot: &Plot, picture: &Picture) -> Result<(), Figu
 
 /// What a number is, its spread and how many samples are behind it.
 fn tooltip(series: &Series, point: &Point) -> String {
-    let name = match (series.label.as_str(), point.name.as_str()) {
+    let of = point.of.to_string();
+    let name = match (series.label.as_str(), of.as_str()) {
         (label, "") => label.to_owned(),
-        ("", name) => name.to_owned(),
-        (label, name) => format!("{label}, {name}"),
+        (label, of) if of.contains(label) => of.to_owned(),
+        (label, of) => format!("{label}, {of}"),
     };
     let spread =
         point.spread.map_or(String::new(), |(low, high)| format!(" ({} to {})", number(low), number(high)));

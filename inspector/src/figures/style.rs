@@ -1,7 +1,7 @@
-//! How every figure looks: widths, sizes, colours, markers, dashes and hatches, in one place.
+//! How every figure looks: widths, sizes, colours, markers and dashes, in one place.
 //!
 //! Colours are those of Okabe and Ito (2008), which people with any colour vision tell apart. None of
-//! them stands alone: each style has a marker, a dash and a hatch of its own, so that grey print works.
+//! them stands alone: each style has a marker and a dash of its own, so that grey print works.
 
 use clap::ValueEnum;
 
@@ -20,7 +20,7 @@ pub const DOTS_PER_INCH: f64 = 300.0;
 /// Points per inch.
 pub const POINTS_PER_INCH: f64 = 72.0;
 /// Width of axes and of the outlines of bars, points.
-pub const AXIS_STROKE: f64 = 0.6;
+pub const AXIS_STROKE: f64 = 0.5;
 /// Width of the lines of series, points.
 pub const LINE_STROKE: f64 = 1.1;
 /// Half the width of a marker, points.
@@ -54,11 +54,6 @@ impl Colour {
     fn luma(self) -> f64 {
         let [red, green, blue] = self.0.map(f64::from);
         0.299 * red + 0.587 * green + 0.114 * blue
-    }
-
-    /// The one of black and white that is seen on this colour.
-    pub fn contrast(self) -> Self {
-        if self.luma() < 140.0 { Self::WHITE } else { Self::BLACK }
     }
 }
 
@@ -104,28 +99,6 @@ pub enum Marker {
     Ring,
 }
 
-/// What fills a bar besides its colour.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Hatch {
-    /// Nothing.
-    #[default]
-    Solid,
-    /// Lines that rise.
-    Rising,
-    /// Lines that fall.
-    Falling,
-    /// Both.
-    Crossed,
-    /// Level lines.
-    Level,
-    /// Upright lines.
-    Upright,
-    /// Dots.
-    Dotted,
-    /// Level and upright lines.
-    Grid,
-}
-
 /// How one series is told from the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style {
@@ -135,8 +108,6 @@ pub struct Style {
     pub marker: Marker,
     /// Lengths of the strokes and gaps of its lines, points; none for a full line.
     pub dash: &'static [f64],
-    /// What fills its bars.
-    pub hatch: Hatch,
 }
 
 const COLOURS: [Colour; 9] = [
@@ -162,16 +133,6 @@ const MARKERS: [Marker; 9] = [
     Marker::Ring,
 ];
 const DASHES: [&[f64]; 5] = [&[], &[5.0, 2.0], &[1.5, 1.5], &[5.0, 1.5, 1.2, 1.5], &[8.0, 1.5, 2.5, 1.5]];
-const HATCHES: [Hatch; 8] = [
-    Hatch::Solid,
-    Hatch::Rising,
-    Hatch::Falling,
-    Hatch::Dotted,
-    Hatch::Level,
-    Hatch::Crossed,
-    Hatch::Upright,
-    Hatch::Grid,
-];
 /// The first of the styles of stages, which no method has: tracing is pale, what sorting adds to it is not.
 pub const STAGE_STYLES: usize = 1000;
 const STAGE_COLOURS: [Colour; 8] = [
@@ -192,14 +153,13 @@ pub(crate) const REFERENCE_DASH: &[f64] = &[3.0, 2.0];
 pub fn style(number: usize) -> Style {
     if let Some(stage) = number.checked_sub(STAGE_STYLES) {
         let colour = STAGE_COLOURS[stage % STAGE_COLOURS.len()];
-        return Style { colour, marker: Marker::Square, dash: &[], hatch: Hatch::Solid };
+        return Style { colour, marker: Marker::Square, dash: &[] };
     }
     let round = number / COLOURS.len();
     Style {
         colour: COLOURS[number % COLOURS.len()],
         marker: MARKERS[(number + round) % MARKERS.len()],
         dash: DASHES[(number + round) % DASHES.len()],
-        hatch: HATCHES[(number + round) % HATCHES.len()],
     }
 }
 
@@ -229,11 +189,5 @@ mod tests {
             assert!(colour.ink().luma() < 190.0, "{colour:?}");
             assert_eq!(colour == colour.ink(), colour != COLOURS[7], "yellow alone is too light");
         }
-    }
-
-    #[test]
-    fn hatches_are_seen_on_their_colours() {
-        assert_eq!([COLOURS[0].contrast(), COLOURS[7].contrast()], [Colour::WHITE, Colour::BLACK]);
-        assert_eq!(COLOURS[2].hex(), "d55e00");
     }
 }

@@ -1,8 +1,7 @@
 //! plotters' drawing backend that writes SVG, 16 units to a point, with what plotters has no word for:
-//! dashes, hatches, tooltips, pictures, and words at any angle.
+//! dashes, tooltips, pictures, and words at any angle.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::fmt::{Arguments, Write as _};
 
@@ -15,7 +14,7 @@ use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
 };
 
-use super::style::{Colour, FONT_FAMILY, Hatch, LINE_HEIGHT};
+use super::style::{Colour, FONT_FAMILY, LINE_HEIGHT};
 use super::{FigureError, text};
 
 /// Units per point, since plotters counts in whole ones.
@@ -56,8 +55,6 @@ pub(crate) fn text_style(size: f64) -> TextStyle<'static> {
 pub(crate) struct Paint<'a> {
     /// The colour inside.
     pub(crate) fill: Option<Colour>,
-    /// What is inside besides its colour.
-    pub(crate) hatch: Hatch,
     /// Colour and width of the line, or of the outline, units.
     pub(crate) line: Option<(Colour, u32)>,
     /// Lengths of the strokes and gaps of the line, points; none for a full one.
@@ -85,33 +82,23 @@ impl Paint<'_> {
 pub(crate) struct Svg {
     /// Units across and down.
     size: (u32, u32),
-    prefix: String,
     body: String,
-    definitions: BTreeMap<String, String>,
 }
 
 impl Svg {
-    /// An empty one of this many points; every id in it starts with `prefix`.
-    pub(crate) fn new((width, height): (f64, f64), prefix: &str) -> Self {
-        let is_word = |character: char| character.is_ascii_alphanumeric() || character == '-';
-        let prefix = prefix.chars().map(|character| if is_word(character) { character } else { '-' });
-        Self {
-            size: (units(width) as u32, units(height) as u32),
-            prefix: prefix.collect(),
-            body: String::new(),
-            definitions: BTreeMap::new(),
-        }
+    /// An empty one of this many points.
+    pub(crate) fn new((width, height): (f64, f64)) -> Self {
+        Self { size: (units(width) as u32, units(height) as u32), body: String::new() }
     }
 
     /// The whole file.
     pub(crate) fn finish(&self, title: &str) -> String {
         let (width, height) = self.size;
         let points = |units: u32| f64::from(units) / UNITS_PER_POINT;
-        let definitions: String = self.definitions.values().map(String::as_str).collect();
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}pt\" height=\"{}pt\" \
              viewBox=\"0 0 {width} {height}\" font-family=\"'{FONT_FAMILY}', Arial, Helvetica, sans-serif\" \
-             role=\"img\">\n<title>{}</title>\n<defs>{definitions}</defs>\n{}</svg>\n",
+             role=\"img\">\n<title>{}</title>\n{}</svg>\n",
             points(width),
             points(height),
             escape(title),
@@ -180,12 +167,8 @@ impl Svg {
     }
 
     fn shape(&mut self, tag: &str, geometry: &str, paint: Paint) {
-        let Paint { fill, hatch, line, dash, tooltip } = paint;
-        let fill = match (fill, hatch) {
-            (None, _) => "none".to_owned(),
-            (Some(colour), Hatch::Solid) => format!("#{}", colour.hex()),
-            (Some(colour), hatch) => format!("url(#{})", self.hatch(colour, hatch)),
-        };
+        let Paint { fill, line, dash, tooltip } = paint;
+        let fill = fill.map_or("none".to_owned(), |colour| format!("#{}", colour.hex()));
         let line = line.map_or(String::new(), |(colour, width)| {
             format!(" stroke=\"#{}\" stroke-width=\"{width}\"", colour.hex())
         });
@@ -198,32 +181,6 @@ impl Svg {
         let title =
             if tooltip.is_empty() { String::new() } else { format!("<title>{}</title>", escape(tooltip)) };
         self.write(format_args!("<{tag} {geometry} fill=\"{fill}\"{line}{dash}>{title}</{tag}>\n"));
-    }
-
-    /// The id of a pattern of hatches on a colour.
-    fn hatch(&mut self, colour: Colour, hatch: Hatch) -> String {
-        let id = format!("{}-{hatch:?}-{}", self.prefix, colour.hex()).to_lowercase();
-        let lines = match hatch {
-            Hatch::Solid => "",
-            // Beyond the corners, so that the ends of neighbouring tiles meet.
-            Hatch::Rising => "M-16,16L16,-16M0,64L64,0M48,80L80,48",
-            Hatch::Falling => "M-16,48L16,80M0,0L64,64M48,-16L80,16",
-            Hatch::Crossed => "M0,0L64,64M64,0L0,64",
-            Hatch::Level => "M0,32L64,32",
-            Hatch::Upright => "M32,0L32,64",
-            Hatch::Dotted => "M8,16L24,16M40,48L56,48",
-            Hatch::Grid => "M0,32L64,32M32,0L32,64",
-        };
-        let (background, foreground) = (colour.hex(), colour.contrast().hex());
-        let width = if hatch == Hatch::Dotted { 16 } else { 10 };
-        self.definitions.entry(id.clone()).or_insert_with(|| {
-            format!(
-                "<pattern id=\"{id}\" width=\"64\" height=\"64\" patternUnits=\"userSpaceOnUse\">\
-                 <rect width=\"64\" height=\"64\" fill=\"#{background}\"/>\
-                 <path d=\"{lines}\" fill=\"none\" stroke=\"#{foreground}\" stroke-width=\"{width}\"/></pattern>"
-            )
-        });
-        id
     }
 }
 
@@ -323,17 +280,16 @@ mod tests {
 
     #[test]
     fn shapes_have_what_plotters_has_no_word_for() {
-        let mut svg = Svg::new((10.0, 20.0), "a b");
+        let mut svg = Svg::new((10.0, 20.0));
         let line = Paint::line(Colour::BLACK, 0.5);
         let fill = Some(Colour([1, 2, 3]));
-        svg.rectangle([(16, 32), (0, 0)], Paint { fill, hatch: Hatch::Rising, tooltip: "<1>", ..line });
+        svg.rectangle([(16, 32), (0, 0)], Paint { fill, tooltip: "<1>", ..line });
         svg.path(&[(0, 0), (16, 8)], false, Paint { dash: &[2.0, 1.0], ..line });
         svg.text("one\ntwo", (160, 80), 128.0, Pos::new(HPos::Right, VPos::Center), -45);
         let file = svg.finish("title");
         for part in [
             "width=\"10pt\" height=\"20pt\" viewBox=\"0 0 160 320\"",
-            "<pattern id=\"a-b-rising-010203\"",
-            "<rect x=\"0\" y=\"0\" width=\"16\" height=\"32\" fill=\"url(#a-b-rising-010203)\" \
+            "<rect x=\"0\" y=\"0\" width=\"16\" height=\"32\" fill=\"#010203\" \
              stroke=\"#000000\" stroke-width=\"8\"><title>&lt;1&gt;</title></rect>",
             "<path d=\"M0,0L16,8\" fill=\"none\" stroke=\"#000000\" stroke-width=\"8\" \
              stroke-dasharray=\"32 16\"></path>",
@@ -347,7 +303,7 @@ mod tests {
 
     #[test]
     fn plotters_is_told_the_size_of_text_in_our_font() {
-        let svg = Svg::new((10.0, 20.0), "");
+        let svg = Svg::new((10.0, 20.0));
         let (width, height) = svg.estimate_text_size("00\n0", &text_style(10.0)).unwrap();
         assert_eq!((width, height), (178, 384), "digits are 0.556 wide, lines 1.2 high");
     }

@@ -1,12 +1,13 @@
 //! Results of `recorder bench`: sort throughput, trace rate.
 
 use formats::bench_result::{Rows, SortRow, TraceRow};
+use formats::metrics::speedup::median;
 use formats::ray::Kind;
 
 use super::building::{bench_settings, figure, machine, method_style, rate};
 use super::{Findings, Made};
 use crate::analysis::summary::distinct;
-use crate::figures::model::{Axis, Content, Panel, Series};
+use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
 
 /// Keys sorted a second, by their number and bits: a panel per machine.
 pub fn sort(findings: &Findings<'_>) -> Made {
@@ -31,7 +32,8 @@ fn sort_panel(rows: &[SortRow], title: String) -> Panel {
         let mut own: Vec<&SortRow> = rows.iter().filter(|row| row.key_bits == key_bits).collect();
         own.sort_by_key(|row| row.n);
         let point = |row: &SortRow| {
-            rate(row.n as f64, row.n, &row.samples_ns, format!("{} keys of {key_bits} bits", row.n))
+            let of = Of::detail(format!("{} keys of {key_bits} bits", row.n));
+            rate(row.n as f64, row.n, &row.samples_ns, of)
         };
         let points = own.into_iter().filter_map(point).collect();
         Series { label: format!("{key_bits} bits"), style, points, is_part: false }
@@ -40,10 +42,7 @@ fn sort_panel(rows: &[SortRow], title: String) -> Panel {
     Panel::new(title, Axis::logarithmic("keys", 2), y, Content::Lines(series.collect()))
 }
 
-/// Numbers of styles between two kernels: orders keep their colours, and hatches differ.
-const STYLES_OF_KERNELS: [usize; 3] = [0, 18, 45];
-
-/// Rays traced a second: a panel per machine, scene and kind; at each bounce bars by kernel and order.
+/// Rays traced a second: a panel per machine, scene and kind, a row per kernel and order.
 pub fn trace(findings: &Findings<'_>) -> Made {
     let mut panels = Vec::new();
     let benches = || findings.benches.iter().filter(|bench| matches!(bench.rows, Rows::Trace(_)));
@@ -64,7 +63,7 @@ pub fn trace(findings: &Findings<'_>) -> Made {
     }
     figure(
         "Trace rate per kernel, rays and order",
-        "Million rays traced a second, sorted rays gathered before and untimed: medians, whiskers from the first to the third quartile.",
+        "Million rays traced a second, sorted rays gathered before and untimed: all bounces by their median times, small dots are the bounces.",
         bench_settings(benches()),
         panels,
         "there is no result of `recorder bench trace --json`",
@@ -72,29 +71,44 @@ pub fn trace(findings: &Findings<'_>) -> Made {
 }
 
 fn trace_panel(findings: &Findings<'_>, rows: &[&TraceRow], title: String) -> Panel {
-    let kernels = distinct(rows.iter().map(|row| row.kernel.as_str()));
-    let orders = distinct(rows.iter().map(|row| row.order.as_str()));
-    let mut bounces = distinct(rows.iter().map(|row| row.bounce));
-    bounces.sort_unstable();
-    let series = |kernel: &str, order: &str, style: usize| {
-        let points = bounces.iter().enumerate().filter_map(|(place, &bounce)| {
-            let is_it = |row: &&&TraceRow| (&*row.kernel, &*row.order, row.bounce) == (kernel, order, bounce);
-            let row = rows.iter().find(is_it)?;
-            let name = format!("{}, bounce {bounce}, {}", row.scene, row.kind);
-            rate(place as f64, row.rays, &row.samples_ns, name)
-        });
-        let label = if kernels.len() > 1 { format!("{order}, {kernel}") } else { order.to_owned() };
-        Series { label, style, points: points.collect(), is_part: false }
+    let several = distinct(rows.iter().map(|row| row.kernel.as_str())).len() > 1;
+    let label = |row: &TraceRow| {
+        if several { format!("{}, {}", row.kernel, row.order) } else { row.order.clone() }
     };
-    let of_kernel = |(at, kernel): (usize, &&str)| -> Vec<Series> {
-        let first = STYLES_OF_KERNELS[at % STYLES_OF_KERNELS.len()];
-        let orders = orders.iter();
-        orders.map(|order| series(kernel, order, first + method_style(findings, order))).collect()
+    let labels = distinct(rows.iter().map(|row| label(row)));
+    let of = |row: &TraceRow, bounce| Of {
+        scene: row.scene.clone(),
+        machine: row.kernel.clone(),
+        kind: row.kind.to_string(),
+        bounce,
+        method: row.order.clone(),
+        detail: String::new(),
+    };
+    let series = |(place, named): (usize, &String)| -> [Series; 2] {
+        let own: Vec<&&TraceRow> = rows.iter().filter(|row| label(row) == *named).collect();
+        let bounce = |row: &&&TraceRow| {
+            let of = of(row, Some(row.bounce));
+            rate(place as f64, row.rays, &row.samples_ns, of).map(|point| Point { spread: None, ..point })
+        };
+        let rays: u64 = own.iter().map(|row| row.rays).sum();
+        let ns: f64 = own.iter().filter_map(|row| median(&row.samples_ns)).sum();
+        let n = own.iter().map(|row| row.samples_ns.len()).min().unwrap_or(0);
+        let first = own.first().filter(|_| ns > 0.0);
+        let all = first.map(|row| Point {
+            x: place as f64,
+            y: rays as f64 / ns * 1e3,
+            spread: None,
+            n,
+            of: of(row, None),
+        });
+        let style = own.first().map_or(0, |row| method_style(findings, &row.order));
+        let made = |points, is_part| Series { label: named.clone(), style, points, is_part };
+        [made(own.iter().filter_map(bounce).collect(), true), made(all.into_iter().collect(), false)]
     };
     Panel::new(
         title,
-        Axis::categories("bounce", bounces.iter().map(u32::to_string)),
+        Axis::categories("", labels.iter().cloned()),
         Axis::from_zero("trace rate (Mrays/s)"),
-        Content::Bars(kernels.iter().enumerate().flat_map(of_kernel).collect()),
+        Content::Dots(labels.iter().enumerate().flat_map(series).collect()),
     )
 }

@@ -8,7 +8,7 @@ use super::{Findings, Made};
 use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
 use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
-use crate::figures::model::{Content, Figure, Panel, Point, Series};
+use crate::figures::model::{Axis, Content, Figure, Of, Panel, Point, Series};
 
 /// A figure of these panels, without what is empty. Its name is that in the catalogue.
 ///
@@ -30,11 +30,7 @@ pub fn figure(
 
 fn without_empty(mut panel: Panel) -> Option<Panel> {
     match &mut panel.content {
-        Content::Lines(all)
-        | Content::Scatter(all)
-        | Content::Bars(all)
-        | Content::Dots(all)
-        | Content::Stacks(all) => {
+        Content::Lines(all) | Content::Scatter(all) | Content::Dots(all) | Content::Stacks(all) => {
             all.retain(|series| series.points.iter().any(|point| point.y.is_finite()));
             (!all.is_empty()).then_some(panel)
         }
@@ -82,22 +78,34 @@ pub fn of_method(findings: &Findings<'_>, method: &str, points: Vec<Point>) -> S
     Series { label: method.to_owned(), style: method_style(findings, method), points, is_part: false }
 }
 
+/// What a number of a recording is of: rays of a kind, in all bounces or in one, in the order of a method.
+pub fn of(recording: &RecordingAnalysis, rays: impl ToString, bounce: Option<u32>, method: &str) -> Of {
+    Of {
+        scene: recording.scene.clone(),
+        machine: recording.configuration.clone(),
+        kind: rays.to_string(),
+        bounce,
+        method: method.to_owned(),
+        detail: String::new(),
+    }
+}
+
 /// Millions of items a second at `x`, with quartiles; `None` for no samples.
-pub fn rate(x: f64, items: u64, samples_ns: &[u64], name: String) -> Option<Point> {
+pub fn rate(x: f64, items: u64, samples_ns: &[u64], of: Of) -> Option<Point> {
     let rate = |ns: f64| items as f64 / ns.max(f64::MIN_POSITIVE) * 1e3;
     let quartiles = (rate(quantile(samples_ns, 0.75)?), rate(quantile(samples_ns, 0.25)?));
     let n = samples_ns.len();
-    Some(Point { x, y: rate(median(samples_ns)?), spread: (n > 1).then_some(quartiles), n, name })
+    Some(Point { x, y: rate(median(samples_ns)?), spread: (n > 1).then_some(quartiles), n, of })
 }
 
 /// Geometric mean of speedups at `x`, from the lowest to the highest; `None` for none.
 pub fn mean_speedup<'a>(
     x: f64,
     speedups: impl IntoIterator<Item = &'a SpeedupLine>,
-    name: String,
+    of: Of,
 ) -> Option<Point> {
     let MeanSpeedup { mean, lowest, highest, n, .. } = MeanSpeedup::of(speedups)?;
-    Some(Point { x, y: mean, spread: (n > 1).then_some((lowest, highest)), n, name })
+    Some(Point { x, y: mean, spread: (n > 1).then_some((lowest, highest)), n, of })
 }
 
 /// The style of a method: the same number in every figure. Other methods and variants come after those of
@@ -146,6 +154,19 @@ pub fn recordings<'a>(findings: &Findings<'a>) -> Vec<&'a RecordingAnalysis> {
         .filter(|recording| recording.measured().any(|queue| queue.orders.iter().any(is_shown)))
         .collect();
     if shown.is_empty() { all().collect() } else { shown }
+}
+
+/// A panel with a row for each method that has a number.
+pub fn methods_in_rows(findings: &Findings<'_>, title: String, axis: Axis, series: Vec<Series>) -> Panel {
+    let has_number =
+        |method: &&str| series.iter().any(|series| series.label == **method && !series.points.is_empty());
+    let shown: Vec<&str> = methods(findings).into_iter().filter(has_number).collect();
+    let mut series = series;
+    for series in &mut series {
+        let row = shown.iter().position(|method| *method == series.label).unwrap_or(0);
+        series.points.iter_mut().for_each(|point| point.x = row as f64);
+    }
+    Panel::new(title, Axis::categories("", shown), axis, Content::Dots(series))
 }
 
 /// The measured queues of a recording with these rays.

@@ -5,7 +5,7 @@ use formats::metrics::correlation::Correlation;
 use formats::ray::Kind;
 
 use super::building::{
-    by_label, by_method, each, figure, method_style, panel_title, reason, recordings, settings,
+    by_label, by_method, each, figure, method_style, of, panel_title, reason, recordings, settings,
 };
 use super::{Findings, Made};
 use crate::analysis::correlations::{AreaAndTime, correlation, points};
@@ -19,7 +19,7 @@ pub fn against_time(findings: &Findings<'_>) -> Made {
         let points = points(recording);
         let coefficients = coefficients(&correlation(&points, None));
         found.push(format!("{}: {coefficients}", recording.label));
-        panels.push(scatter(findings, &points, panel_title(findings, recording, &coefficients)));
+        panels.push(scatter(findings, recording, &points, panel_title(findings, recording, &coefficients)));
     }
     let caption = format!(
         "Each marker is one order of one queue (bounce, kind, method): the mean area of the capsules around groups of {} rays, weighted by rays, against its trace time, both over those of the same queue unsorted. Left of 1: more coherent; below 1: faster. Correlation: {}.",
@@ -39,12 +39,17 @@ fn coefficients(correlation: &Metric<Correlation>) -> String {
     }
 }
 
-fn scatter(findings: &Findings<'_>, points: &[AreaAndTime<'_>], title: String) -> Panel {
+fn scatter(
+    findings: &Findings<'_>,
+    recording: &RecordingAnalysis,
+    points: &[AreaAndTime<'_>],
+    title: String,
+) -> Panel {
     let point = |at: &AreaAndTime<'_>| {
         let QueueAnalysis { bounce, kind, .. } = at.queue;
-        let name = format!("{}, bounce {bounce}, {kind}, {}", at.recording, at.order.method);
+        let of = of(recording, kind, Some(*bounce), &at.order.method);
         let n = at.trace.samples_ns.len();
-        (at.order.method != UNSORTED).then_some(Point { x: at.area, y: at.time, spread: None, n, name })
+        (at.order.method != UNSORTED).then_some(Point { x: at.area, y: at.time, spread: None, n, of })
     };
     let all: Vec<&AreaAndTime<'_>> = points.iter().collect();
     let series = by_label(&all, |at| &at.order.base, |base| method_style(findings, base), point);
@@ -84,7 +89,7 @@ fn shares(findings: &Findings<'_>, recording: &RecordingAnalysis, kind: Kind) ->
             y: percent as f64,
             spread: None,
             n: queue.rays as usize,
-            name: format!("{}, bounce {}, {kind}, {method}", recording.label, queue.bounce),
+            of: of(recording, kind, Some(queue.bounce), method),
         };
         Some(shares.map(point).collect())
     };

@@ -11,7 +11,9 @@ use formats::ray::Kind;
 use super::building::{bench_settings, by_label, figure, machine, method_style, rate};
 use super::{Findings, Made};
 use crate::analysis::summary::distinct;
-use crate::figures::model::{Axis, Content, Panel, Point, Series};
+use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
+
+const NO_CURVE: &str = "there is no result of `recorder bench error --json` with this curve";
 
 /// The figure of one curve: the panels that each scene of each result gives.
 fn curve<'a, T: 'a>(
@@ -33,8 +35,7 @@ fn curve<'a, T: 'a>(
             made.extend(panels(&own, &title));
         }
     }
-    let reason = "there is no result of `recorder bench error --json` with this curve";
-    figure(title, caption, bench_settings(benches()), made, reason)
+    figure(title, caption, bench_settings(benches()), made, NO_CURVE)
 }
 
 /// The panels of the rows of each kind.
@@ -55,34 +56,81 @@ fn nanoseconds(samples_ns: &[u64], items: u64) -> Option<f64> {
     Some(median(samples_ns)? / items.max(1) as f64)
 }
 
-/// Trace rate against wrong answers.
+/// Trace rate and wrong answers of each way to test boxes and triangles, a marker a scene.
 pub fn precision(findings: &Findings<'_>) -> Made {
-    curve(
-        findings,
+    let benches = || findings.benches.iter().filter(|bench| matches!(bench.rows, Rows::Error(_)));
+    let several = distinct(benches().map(machine)).len() > 1;
+    let mut all: Vec<(String, &PrecisionRow)> = Vec::new();
+    for bench in benches() {
+        let Rows::Error(errors) = &bench.rows else { continue };
+        let place = |row: &PrecisionRow| {
+            if several { format!("{}, {}", row.scene, machine(bench)) } else { row.scene.clone() }
+        };
+        all.extend(errors.precision.iter().map(|row| (place(row), row)));
+    }
+    let careful = |place: &str, kernel: &str| {
+        let is_it = |(other, row): &&(String, &PrecisionRow)| {
+            *other == place
+                && row.kernel == kernel
+                && row.triangle_test == "watertight"
+                && row.box_test == "padded"
+        };
+        let (_, row) = all.iter().find(is_it)?;
+        Some(rate(0.0, row.rays_timed, &row.samples_ns, Of::default())?.y)
+    };
+    let relative = |place: &str, row: &PrecisionRow| {
+        let point = rate(0.0, row.rays_timed, &row.samples_ns, Of::default())?;
+        let careful = careful(place, &row.kernel)?;
+        let spread = point.spread.map(|(low, high)| (low / careful, high / careful));
+        Some(Point { y: point.y / careful, spread, ..point })
+    };
+    let wrong = |_: &str, row: &PrecisionRow| {
+        let errors = &row.errors;
+        let wrong = errors.missed.saturating_add(errors.false_hits).saturating_add(errors.wrong_triangles);
+        let per_million = wrong as f64 / errors.rays.max(1) as f64 * 1e6;
+        Some(Point { x: 0.0, y: per_million, spread: None, n: errors.rays as usize, of: Of::default() })
+    };
+    let rates = Axis::ratios("trace rate (watertight, padded = 1)");
+    let panels = if all.is_empty() {
+        Vec::new()
+    } else {
+        vec![
+            precision_panel(&all, "what the tests cost", rates, relative),
+            precision_panel(&all, "what they are for", Axis::from_zero("wrong per million rays"), wrong),
+        ]
+    };
+    figure(
         "Trace rate against lost and wrong hits",
-        "Secondary rays of paths: hits that were missed, made up or of the wrong triangle, against exact ones, per million rays, and million rays traced a second: medians, whiskers from the first to the third quartile. What rounding of a ray's own coordinates explains is not counted.",
-        |rows| &rows.precision,
-        |row| &row.scene,
-        |rows, title| vec![precision_panel(rows, title)],
+        "Secondary rays of paths, by kernel, triangle test and box test. Rays traced a second over those of the same kernel with the watertight test and padded boxes, medians, from the first to the third quartile; and hits that were missed, made up or of the wrong triangle, against exact ones. What rounding of a ray's own coordinates explains is not counted.",
+        bench_settings(benches()),
+        panels,
+        NO_CURVE,
     )
 }
 
-fn precision_panel(rows: &[&PrecisionRow], title: &str) -> Panel {
-    let series = |(style, row): (usize, &&PrecisionRow)| {
-        let errors = &row.errors;
-        let wrong = errors.missed.saturating_add(errors.false_hits).saturating_add(errors.wrong_triangles);
-        let label = format!("{}, {}, {} boxes", row.kernel, row.triangle_test, row.box_test);
-        let name = format!("{}, {label}: {wrong} of {} rays", row.scene, errors.rays);
-        let per_million = wrong as f64 / errors.rays.max(1) as f64 * 1e6;
-        let point = rate(per_million, row.rays_timed, &row.samples_ns, name);
-        Series { label, style, points: point.into_iter().collect(), is_part: false }
+fn precision_panel(
+    all: &[(String, &PrecisionRow)],
+    title: &str,
+    axis: Axis,
+    of: impl Fn(&str, &PrecisionRow) -> Option<Point>,
+) -> Panel {
+    let test = |row: &PrecisionRow| {
+        let triangle =
+            if row.triangle_test == "moeller-trumbore" { "Möller–T." } else { &row.triangle_test };
+        format!("{}, {triangle}, {}", row.kernel, row.box_test)
     };
-    Panel::new(
-        title,
-        Axis::from_zero("wrong answers per million rays"),
-        Axis::from_zero("trace rate (Mrays/s)"),
-        Content::Scatter(rows.iter().enumerate().map(series).collect()),
-    )
+    let tests = distinct(all.iter().map(|(_, row)| test(row)));
+    let places = distinct(all.iter().map(|(place, _)| place.as_str()));
+    let series = |(style, named): (usize, &&str)| {
+        let points = all.iter().filter(|(place, _)| place == named).filter_map(|(place, row)| {
+            let x = tests.iter().position(|known| *known == test(row))? as f64;
+            let number = of(place, row)?;
+            Some(Point { x, of: Of { scene: row.scene.clone(), ..Of::detail(test(row)) }, ..number })
+        });
+        Series { label: (*named).to_owned(), style, points: points.collect(), is_part: false }
+    };
+    let series = places.iter().enumerate().map(series).collect();
+    Panel::new(title, Axis::categories("", tests.iter().cloned()), axis, Content::Dots(series))
 }
 
 /// Cost of the length table against the error of its estimates, and how it learns.
@@ -124,7 +172,7 @@ fn cost_panel(findings: &Findings<'_>, rows: &[&EstimatorRow], title: &str) -> P
             y: row.error.mean_absolute,
             spread: None,
             n: row.error.n as usize,
-            name: format!("{}, 2^{} cells by {}", row.scene, row.table_bits, row.table_method),
+            of: of_table(row, format!("2^{} cells", row.table_bits)),
         })
     };
     Panel::new(
@@ -135,6 +183,16 @@ fn cost_panel(findings: &Findings<'_>, rows: &[&EstimatorRow], title: &str) -> P
     )
 }
 
+/// What an error of estimates is of.
+fn of_table(row: &EstimatorRow, detail: String) -> Of {
+    Of {
+        scene: row.scene.clone(),
+        kind: row.kind.to_string(),
+        method: row.table_method.clone(),
+        ..Of::detail(detail)
+    }
+}
+
 fn learning_panel(findings: &Findings<'_>, rows: &[&EstimatorRow], title: &str) -> Panel {
     let point = |row: &EstimatorRow| {
         [0, TABLE_BITS_DEFAULT].contains(&row.table_bits).then(|| Point {
@@ -142,7 +200,7 @@ fn learning_panel(findings: &Findings<'_>, rows: &[&EstimatorRow], title: &str) 
             y: row.error.mean_absolute,
             spread: None,
             n: row.error.n as usize,
-            name: format!("{}, pass {}, by {}", row.scene, row.pass, row.table_method),
+            of: of_table(row, format!("pass {}", row.pass)),
         })
     };
     Panel::new(
@@ -192,7 +250,13 @@ fn bits_panel(
             y,
             spread: spread.filter(|_| row.trace_ns.len() > 1),
             n: row.trace_ns.len().max(1),
-            name: format!("{}, bounce {}, {}, {} bits", row.scene, row.bounce, row.method, row.key_bits),
+            of: Of {
+                scene: row.scene.clone(),
+                kind: row.kind.to_string(),
+                bounce: Some(row.bounce),
+                method: row.method.clone(),
+                ..Of::detail(format!("{} bits", row.key_bits))
+            },
         })
     };
     let (unsorted, sorted): (Vec<&KeyBitsRow>, Vec<&KeyBitsRow>) =
@@ -225,7 +289,11 @@ fn image_panel(findings: &Findings<'_>, rows: &[&ImageRow], title: &str) -> Pane
             y: row.relative_mse,
             spread: None,
             n: row.passes as usize,
-            name: format!("{}, {}, {} samples per pixel", row.scene, row.method, row.passes),
+            of: Of {
+                scene: row.scene.clone(),
+                method: row.method.clone(),
+                ..Of::detail(format!("{} samples per pixel", row.passes))
+            },
         })
     };
     Panel::new(
@@ -245,7 +313,7 @@ pub fn skipped(findings: &Findings<'_>) -> Made {
     });
     figure(
         "What skipping saves",
-        "Time with what the scene does not need, over the time without: medians, whiskers are 95 % bootstrap intervals. At 1 nothing is saved.",
+        "Time with what the scene does not need, over the time without: medians and 95 % bootstrap intervals. At 1 nothing is saved.",
         bench_settings(benches()),
         panels,
         "there is no result of `recorder bench skip --json`",
@@ -269,16 +337,16 @@ fn skip_panel(rows: &[SkipRow], title: String) -> Panel {
             y: ratio,
             spread: interval,
             n: row.done.samples_ns.len(),
-            name: format!("{}: {} ({})", row.scene, row.what, row.of),
+            of: Of { scene: row.scene.clone(), ..Of::detail(format!("{} ({})", row.what, row.of)) },
         })
     };
     let scenes = distinct(timed.iter().map(|row| row.scene.as_str()));
     let style = |scene: &str| scenes.iter().position(|known| *known == scene).unwrap_or(0);
     Panel::new(
         title,
-        Axis::categories("skipped", names.iter().cloned()),
-        Axis::from_zero("time with it over time without"),
-        Content::Bars(by_label(&timed, |row| &row.scene, style, point)),
+        Axis::categories("", names.iter().cloned()),
+        Axis::ratios("time with it over time without"),
+        Content::Dots(by_label(&timed, |row| &row.scene, style, point)),
     )
     .with_reference("nothing saved", 1.0)
 }

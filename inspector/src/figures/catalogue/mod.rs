@@ -95,7 +95,7 @@ pub const CATALOGUE: &[FigureMaker] = &[
     maker("two-point-length", "speedup by the length that two-point assumes", sweeps::length),
     maker("table-fill", "fill of the length table over bounces and passes", tables::fill),
     maker("estimator-error", "errors of estimated ray lengths over bounces and passes", tables::errors),
-    maker("lane-utilisation", "share of lanes that work, by width (a model)", models::lanes),
+    maker("lane-utilisation", "share of 32 lanes that work (a model)", models::lanes),
     maker("cache-hit-ratio", "cache lines found in L1 and L2 (a model)", models::caches),
     maker("bandwidth", "achieved bandwidth per stage", bandwidth::bandwidth),
     maker("sort-throughput", "keys sorted a second, by number and bits", benches::sort),

@@ -1,75 +1,77 @@
 //! Models of divergence and of caches, per method.
 
-use formats::metrics::lanes::WIDTHS;
-
-use super::building::{by_method, each, figure, panel_title, queues, range, reason, recordings, settings};
+use super::building::{
+    each, figure, methods, methods_in_rows, of, of_method, panel_title, queues, reason, recordings, settings,
+};
 use super::{Findings, Made};
-use crate::analysis::order::CacheHits;
 use crate::analysis::summary::RayClass;
 use crate::analysis::{OrderAnalysis, QueueAnalysis, RecordingAnalysis};
-use crate::figures::model::{Axis, Content, Panel, Point};
+use crate::figures::model::{Axis, Panel, Point, Series};
 
-/// A share of an order (0 to 1) at each category, and what weighs it in a mean over bounces.
-type Shares = fn(&QueueAnalysis, &OrderAnalysis) -> Vec<(f64, f64)>;
+/// Lanes that wait for each other: those of most GPUs.
+const LANES: u32 = 32;
+
+/// A share of an order, 0 to 1, and what weighs it in a mean over bounces.
+type Share = fn(&QueueAnalysis, &OrderAnalysis) -> Option<(f64, f64)>;
 
 /// Share of lanes that work.
 pub fn lanes(findings: &Findings<'_>) -> Made {
-    let shares: Shares = |queue, order| {
-        let lanes = order.lanes.known().map_or(&[][..], |lanes| lanes);
-        lanes.iter().map(|lane| (lane.utilisation, queue.rays as f64)).collect()
+    let share: Share = |queue, order| {
+        let lane = order.lanes.known()?.iter().find(|lane| lane.width == LANES as usize)?;
+        Some((lane.utilisation, queue.rays as f64))
     };
-    let x = Axis::categories("lanes that wait for each other", WIDTHS.map(|width| width.to_string()));
     figure(
         "Lane utilisation per method, a model",
-        "A model of control-flow divergence: work of all rays (nodes visited and triangles tested) over what it would be if each ray took as long as the slowest of its group. Means over bounces, weighted by rays; whiskers reach from the lowest to the highest bounce.",
+        format!(
+            "A model of control-flow divergence: work of all rays (nodes visited and triangles tested) over what it would be if each ray took as long as the slowest of its {LANES}. Means over bounces, weighted by rays; small dots are the bounces."
+        ),
         settings(findings),
-        panels(findings, shares, &x, "lane utilisation (%)"),
+        panels_of(findings, share, "", "lane utilisation (%)"),
         reason(findings, |order| &order.lanes, "no queue was measured"),
     )
 }
 
 /// Share of cache lines that were found.
 pub fn caches(findings: &Findings<'_>) -> Made {
-    let shares: Shares = |_, order| {
-        let of = |hits: &CacheHits| {
-            let accesses = hits.accesses as f64;
-            vec![(hits.l1, accesses), (hits.l2, accesses * (1.0 - hits.l1)), (hits.either, accesses)]
-        };
-        order.caches.known().map(of).unwrap_or_default()
-    };
-    let x = Axis::categories("cache", ["L1", "L2, of the others", "either"]);
+    let first: Share = |_, order| order.caches.known().map(|hits| (hits.l1, hits.accesses as f64));
+    let either: Share = |_, order| order.caches.known().map(|hits| (hits.either, hits.accesses as f64));
+    let panels = [(first, ", L1"), (either, ", L1 or L2")];
     figure(
         "Cache hit ratio per method, a model",
-        "A model: node and triangle addresses of sampled groups, replayed through two set-associative caches. Means over bounces, weighted by accesses; whiskers reach from the lowest to the highest bounce.",
+        "A model: node and triangle addresses of sampled groups, replayed through two set-associative caches. Means over bounces, weighted by accesses; small dots are the bounces.",
         settings(findings),
-        panels(findings, shares, &x, "hit ratio (%)"),
+        panels.into_iter().flat_map(|(share, level)| panels_of(findings, share, level, "hit ratio (%)")),
         reason(findings, |order| &order.caches, "no queue was measured"),
     )
 }
 
-fn panels(findings: &Findings<'_>, shares: Shares, x: &Axis, y: &str) -> Vec<Panel> {
+fn panels_of(findings: &Findings<'_>, share: Share, what: &str, axis: &str) -> Vec<Panel> {
     each(RayClass::ALL, &recordings(findings), |recording, rays| {
-        Panel::new(
-            panel_title(findings, recording, &format!("{} rays", rays.name())),
-            x.clone(),
-            Axis::from_zero(y),
-            Content::Bars(by_method(findings, |method| points(recording, rays, method, shares))),
-        )
+        let title = panel_title(findings, recording, &format!("{} rays{what}", rays.name()));
+        let of = |method: &&str| mean_and_bounces(findings, recording, rays, method, share);
+        let series: Vec<Series> = methods(findings).iter().filter_map(of).flatten().collect();
+        methods_in_rows(findings, title, Axis::linear(axis), series)
     })
 }
 
-fn points(recording: &RecordingAnalysis, rays: RayClass, method: &str, shares: Shares) -> Vec<Point> {
-    let of_queues: Vec<Vec<(f64, f64)>> =
-        queues(recording, rays).filter_map(|queue| Some(shares(queue, queue.order(method)?))).collect();
-    let places = of_queues.iter().map(Vec::len).max().unwrap_or(0);
-    let point = |place: usize| {
-        let here: Vec<(f64, f64)> =
-            of_queues.iter().filter_map(|shares| shares.get(place).copied()).collect();
-        let weight: f64 = here.iter().map(|(_, weight)| weight).sum();
-        let percents: Vec<f64> = here.iter().map(|(share, _)| share * 100.0).collect();
-        let name = format!("{}, {}, {method}", recording.label, rays.name());
-        let y = here.iter().map(|(share, weight)| share * weight).sum::<f64>() / weight * 100.0;
-        (weight > 0.0).then(|| Point { x: place as f64, y, spread: range(&percents), n: here.len(), name })
+/// The mean of a method over bounces, after the bounces, percent.
+fn mean_and_bounces(
+    findings: &Findings<'_>,
+    recording: &RecordingAnalysis,
+    rays: RayClass,
+    method: &str,
+    share: Share,
+) -> Option<[Series; 2]> {
+    let share = |queue: &QueueAnalysis| Some((queue.bounce, share(queue, queue.order(method)?)?));
+    let bounces: Vec<_> = queues(recording, rays).filter_map(share).collect();
+    let point = |y: f64, n: usize, bounce: Option<u32>| {
+        let of = of(recording, rays.name(), bounce, method);
+        Point { x: 0.0, y: y * 100.0, spread: None, n, of }
     };
-    (0..places).filter_map(point).collect()
+    let parts = bounces.iter().map(|(bounce, (share, _))| point(*share, 1, Some(*bounce)));
+    let parts = Series { is_part: true, ..of_method(findings, method, parts.collect()) };
+    let weight: f64 = bounces.iter().map(|(_, (_, weight))| weight).sum();
+    let sum: f64 = bounces.iter().map(|(_, (share, weight))| share * weight).sum();
+    let mean = (weight > 0.0).then(|| point(sum / weight, bounces.len(), None))?;
+    Some([parts, of_method(findings, method, vec![mean])])
 }

@@ -3,12 +3,12 @@
 use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 
-use super::building::{figure, methods, panel_title, queues, recordings, settings};
+use super::building::{figure, methods, of, panel_title, queues, recordings, settings};
 use super::{Findings, Made};
 use crate::analysis::summary::RayClass;
 use crate::analysis::timing::STAGES;
 use crate::analysis::{QueueAnalysis, RecordingAnalysis};
-use crate::figures::model::{Axis, Content, Panel, Point, Series};
+use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
 use crate::figures::style::STAGE_STYLES;
 
 /// Time of each stage per method, one after the other, over the trace of unsorted rays.
@@ -32,8 +32,8 @@ fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis, rays: RayClass)
     let series = |(at, stage): (usize, Stage)| -> Series {
         let points = methods.iter().enumerate().filter_map(|(place, method)| {
             let (ns, n) = stage_time(&measured, method, stage)?;
-            let name = format!("{}, {}, {method}, {}", recording.label, rays.name(), stage_name(stage));
-            Some(Point { x: place as f64, y: ns / unsorted, spread: None, n, name })
+            let of = Of { detail: stage_name(stage).to_owned(), ..of(recording, rays.name(), None, method) };
+            Some(Point { x: place as f64, y: ns / unsorted, spread: None, n, of })
         });
         let style = STAGE_STYLES + at;
         Series { label: stage_name(stage).to_owned(), style, points: points.collect(), is_part: false }

@@ -54,13 +54,9 @@ fn beside(findings: &Findings<'_>, recording: &RecordingAnalysis, cost: &PixelCo
         width,
         height,
         rgb: work.iter().map(colour).collect(),
-        colour_bar: Some(ColourBar {
-            label: "nodes + triangles".to_owned(),
-            range: (0.0, most),
-            colours: colours.to_vec(),
-        }),
+        colour_bar: Some(ColourBar { label: String::new(), range: (0.0, most), colours: colours.to_vec() }),
     };
-    [panel("picture", photograph), panel("work per pixel", map)]
+    [panel("picture", photograph), panel("nodes + triangles per pixel", map)]
 }
 
 /// The work that most pixels do not exceed; at least 1.

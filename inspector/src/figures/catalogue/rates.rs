@@ -4,7 +4,7 @@ use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 use formats::ray::Kind;
 
-use super::building::{by_method, each, figure, panel_title, recordings, settings};
+use super::building::{by_method, each, figure, of, panel_title, recordings, settings};
 use super::{Findings, Made};
 use crate::analysis::{QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Panel, Point};
@@ -35,8 +35,8 @@ fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis, kind: Kind) -> 
 
 fn point(recording: &RecordingAnalysis, queue: &QueueAnalysis, method: &str) -> Option<Point> {
     let line = queue.order(method)?.trace_speedup.known()?;
-    let name = format!("{}, bounce {}, {}, {method}", recording.label, queue.bounce, queue.kind);
-    Some(Point { x: queue.bounce.into(), y: line.ratio, spread: line.interval, n: line.n, name })
+    let of = of(recording, queue.kind, Some(queue.bounce), method);
+    Some(Point { x: queue.bounce.into(), y: line.ratio, spread: line.interval, n: line.n, of })
 }
 
 /// How to read it, and what 1 stands for.

@@ -2,13 +2,15 @@
 
 use formats::key::method::UNSORTED;
 
-use super::building::{figure, methods, of_method, queues, reason, recordings, settings};
+use super::building::{
+    figure, methods, methods_in_rows, of, of_method, queues, reason, recordings, settings,
+};
 use super::{Findings, Made};
 use crate::analysis::labels::scene_name;
 use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
 use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{FrameAnalysis, Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
-use crate::figures::model::{Axis, Content, Panel, Point, Series};
+use crate::figures::model::{Axis, Of, Point, Series};
 
 /// What a speedup counts of the time in another order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,14 +90,14 @@ fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
         if same.len() > 1 {
             for rays in RayClass::ALL {
                 let series = means(findings, &same, rays, counted);
-                panels.push(rows(findings, title("All scenes: ", rays), axes(), series));
+                panels.push(methods_in_rows(findings, title("All scenes: ", rays), axes(), series));
             }
         }
         for recording in &same {
             let of = if same.len() > 1 { format!("{}: ", recording.label) } else { String::new() };
             for rays in RayClass::ALL {
                 let series = totals(findings, recording, rays, counted);
-                panels.push(rows(findings, title(&of, rays), axes(), series));
+                panels.push(methods_in_rows(findings, title(&of, rays), axes(), series));
             }
         }
     }
@@ -113,19 +115,6 @@ fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
     figure(words.title, caption, settings(findings), panels, reason)
 }
 
-/// A panel with a row for each method that has a number.
-fn rows(findings: &Findings<'_>, title: String, axis: Axis, series: Vec<Series>) -> Panel {
-    let has_number =
-        |method: &&str| series.iter().any(|series| series.label == **method && !series.points.is_empty());
-    let shown: Vec<&str> = methods(findings).into_iter().filter(has_number).collect();
-    let mut series = series;
-    for series in &mut series {
-        let row = shown.iter().position(|method| *method == series.label).unwrap_or(0);
-        series.points.iter_mut().for_each(|point| point.x = row as f64);
-    }
-    Panel::new(title, Axis::categories("", shown), axis, Content::Dots(series))
-}
-
 /// The totals of a recording and the speedups of its bounces, a series each for each method.
 fn totals(
     findings: &Findings<'_>,
@@ -133,17 +122,17 @@ fn totals(
     rays: RayClass,
     counted: Counted,
 ) -> Vec<Series> {
-    let name = |what: &str, method: &str| format!("{}, {}, {what}, {method}", recording.label, rays.name());
+    let point = |line: &SpeedupLine, bounce, method: &str| {
+        number(line.ratio, line.interval, line.n, of(recording, rays.name(), bounce, method))
+    };
     let total = |method: &str| {
         let line = counted.of_frame(recording, rays, method)?;
-        let point = number(line.ratio, line.interval, line.n, name("all bounces", method));
-        Some(of_method(findings, method, vec![point]))
+        Some(of_method(findings, method, vec![point(line, None, method)]))
     };
     let bounces = |method: &str| {
         let bounce = |queue: &QueueAnalysis| {
             let line = counted.of_queue(queue.order(method)?).known()?;
-            let what = format!("bounce {}", queue.bounce);
-            Some(number(line.ratio, line.interval, line.n, name(&what, method)))
+            Some(point(line, Some(queue.bounce), method))
         };
         let points = queues(recording, rays).filter_map(bounce).collect();
         Series { is_part: true, ..of_method(findings, method, points) }
@@ -163,27 +152,27 @@ fn means(
     rays: RayClass,
     counted: Counted,
 ) -> Vec<Series> {
-    let of = |method: &str| -> Option<[Series; 2]> {
+    let mean_and_scenes = |method: &str| -> Option<[Series; 2]> {
         let totals = recordings
             .iter()
             .filter_map(|recording| Some((recording, counted.of_frame(recording, rays, method)?)));
         let totals: Vec<_> = totals.collect();
         let mean = MeanSpeedup::of(totals.iter().map(|(_, line)| *line))?;
-        let name = |of: &str| format!("{of}, {}, all bounces, {method}", rays.name());
-        let scenes = totals.iter();
-        let scenes =
-            scenes.map(|(recording, line)| number(line.ratio, line.interval, line.n, name(&recording.label)));
+        let scenes = totals.iter().map(|(recording, line)| {
+            number(line.ratio, line.interval, line.n, of(recording, rays.name(), None, method))
+        });
         let parts = Series { is_part: true, ..of_method(findings, method, scenes.collect()) };
-        let point = number(mean.mean, None, mean.n, name("all scenes"));
-        Some([of_method(findings, method, vec![point]), parts])
+        let (kind, method) = (rays.name().to_owned(), method.to_owned());
+        let point = number(mean.mean, None, mean.n, Of { kind, method, ..Of::detail("all scenes") });
+        Some([Series { points: vec![point], is_part: false, ..parts.clone() }, parts])
     };
     let sorted = methods(findings).into_iter().filter(|method| *method != UNSORTED);
-    sorted.filter_map(of).flatten().collect()
+    sorted.filter_map(mean_and_scenes).flatten().collect()
 }
 
 /// A number whose row is found later.
-fn number(y: f64, spread: Option<(f64, f64)>, n: usize, name: String) -> Point {
-    Point { x: 0.0, y, spread, n, name }
+fn number(y: f64, spread: Option<(f64, f64)>, n: usize, of: Of) -> Point {
+    Point { x: 0.0, y, spread, n, of }
 }
 
 /// Trace speedup by kernel: a panel per kernel, scene and kind of rays, of scenes that several kernels traced.
@@ -207,7 +196,7 @@ pub fn kernels(findings: &Findings<'_>) -> Made {
                     RayClass::Shadow => ("Meister et al. 2020, shadow rays: 2.21×", 2.21),
                 };
                 let series = totals(findings, recording, rays, Counted::Trace);
-                let panel = rows(findings, title, Axis::ratios("trace speedup"), series);
+                let panel = methods_in_rows(findings, title, Axis::ratios("trace speedup"), series);
                 panels.push(panel.with_reference(label, paper));
             }
         }

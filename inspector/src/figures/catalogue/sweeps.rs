@@ -8,7 +8,7 @@ use super::{Findings, Made};
 use crate::analysis::summary::{RayClass, distinct};
 use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{Metric, OrderAnalysis};
-use crate::figures::model::{Axis, Content, Panel, Series};
+use crate::figures::model::{Axis, Content, Of, Panel, Series};
 
 /// What is varied, as a number that can be put in order.
 type Varied = fn(&OrderAnalysis) -> Option<f64>;
@@ -104,8 +104,14 @@ impl Sweep {
             label.extend(several_scenes.then_some(scene));
             label.extend(several_machines.then_some(configuration));
             let points = points.iter().filter_map(|(&varied, lines)| {
-                let name = format!("{scene}, {}, {base}", rays.name());
-                mean_speedup(f64::from_bits(varied), lines.iter().copied(), name)
+                let of = Of {
+                    scene: scene.to_owned(),
+                    machine: configuration.to_owned(),
+                    kind: rays.name().to_owned(),
+                    method: base.to_owned(),
+                    ..Of::default()
+                };
+                mean_speedup(f64::from_bits(varied), lines.iter().copied(), of)
             });
             let points = points.collect();
             Series { style: method_style(findings, base), points, label: label.join(", "), is_part: false }

@@ -3,12 +3,12 @@
 use formats::metrics::estimator::EstimateError;
 use formats::ray::Kind;
 
-use super::building::{each, figure, method_style, panel_title, range, settings};
+use super::building::{each, figure, method_style, of, panel_title, range, settings};
 use super::{Findings, Made};
 use crate::analysis::summary::distinct;
 use crate::analysis::tables::Estimators;
 use crate::analysis::{QueueAnalysis, RecordingAnalysis};
-use crate::figures::model::{Axis, Content, Panel, Point, Series};
+use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
 
 /// Share of the table's cells that a ray was added to.
 pub fn fill(findings: &Findings<'_>) -> Made {
@@ -117,7 +117,10 @@ fn point(recording: &RecordingAnalysis, queue: &QueueAnalysis, y: f64, n: usize)
         y,
         spread: None,
         n,
-        name: format!("{}, pass {}, bounce {}, {}", recording.label, queue.pass, queue.bounce, queue.kind),
+        of: Of {
+            detail: format!("pass {}", queue.pass),
+            ..of(recording, queue.kind, Some(queue.bounce), "")
+        },
     }
 }
 

@@ -12,9 +12,9 @@ use std::path::Path;
 use resvg::{tiny_skia, usvg};
 
 use super::layout::Layout;
-use super::model::{Content, Figure, Point};
+use super::model::{Content, Figure};
 use super::style::Width;
-use super::{csv, draw, files, pgfplots, raster, series};
+use super::{csv, draw, files, legend, pgfplots, raster};
 
 const WIDTHS: [(Width, &str); 2] = [(Width::OneColumn, "one-column"), (Width::TwoColumn, "two-column")];
 
@@ -28,7 +28,7 @@ fn drawn() -> Vec<(String, Figure, Width, usvg::Tree)> {
     let mut drawn = Vec::new();
     for figure in samples::all() {
         for (width, word) in WIDTHS {
-            let drawing = draw::draw(&figure, width, &figure.name).unwrap();
+            let drawing = draw::draw(&figure, width).unwrap();
             drawn.push((
                 format!("{} {word}", figure.name),
                 figure.clone(),
@@ -71,58 +71,34 @@ fn gallery_text_is_inside_the_page_apart_and_large_enough() {
     }
 }
 
-/// Panels of a figure that belong together look alike.
 #[test]
-fn gallery_pictures_are_in_pairs_and_words_at_one_angle() {
+fn gallery_pictures_are_in_pairs() {
     let mut seen = 0;
-    for (name, figure, width, _) in drawn() {
+    for (name, figure, width, _) in drawn().into_iter().filter(|(_, figure, ..)| figure.name == "pixel-costs")
+    {
         let layout = Layout::new(&figure, width);
-        let turns: Vec<i32> = layout.plots.iter().map(|plot| plot.margins.turn.degrees()).collect();
-        assert!(turns.iter().all(|turn| *turn == turns[0]), "{name}: labels at {turns:?} degrees");
-        // Slanted words are read more easily than upright ones.
-        assert!(figure.name != "speedups" || turns[0] == 45, "{name}: labels at {turns:?} degrees");
-        if figure.name == "pixel-costs" {
-            assert_eq!(layout.columns, 2, "{name}");
-            for pair in layout.plots.chunks(2) {
-                let ([left, right], aspect) = ([&pair[0], &pair[1]], 36.0 / 64.0);
-                assert_eq!(left.height, right.height, "{name}: a pair is not of one height");
-                for plot in pair {
-                    assert!((plot.height / plot.width - aspect).abs() < 1e-6, "{name}: not as it was");
-                }
-                seen += 1;
+        assert_eq!(layout.columns, 2, "{name}");
+        for pair in layout.plots.chunks(2) {
+            let ([left, right], aspect) = ([&pair[0], &pair[1]], 36.0 / 64.0);
+            assert_eq!(left.height, right.height, "{name}: a pair is not of one height");
+            for plot in pair {
+                assert!((plot.height / plot.width - aspect).abs() < 1e-6, "{name}: not as it was");
             }
+            seen += 1;
         }
     }
     assert_eq!(seen, 6);
 }
 
-/// On a logarithmic axis every bar stands on its lower end, and none takes the room of one that is missing.
+/// The legend has what rows do not say, and no part of anything.
 #[test]
-fn gallery_bars_stand_on_the_axis_and_close_ranks() {
-    let figure = samples::all().into_iter().find(|figure| figure.name == "bandwidths").unwrap();
-    let layout = Layout::new(&figure, Width::TwoColumn);
-    let Content::Bars(all) = &layout.plots[0].panel.content else { panic!("bars") };
-    for plot in &layout.plots {
-        let points = plot.panel.content.series().iter().flat_map(|series| &series.points);
-        let places: Vec<f64> = points.filter_map(|point| plot.y.place(point.y)).collect();
-        assert!(plot.y.base() == plot.y.range.0 && places.iter().all(|place| *place > 0.01), "{places:?}");
-    }
-    let places = |category| -> Vec<f64> {
-        let with_bar = all
-            .iter()
-            .enumerate()
-            .filter(|(_, series)| series.points.iter().any(|point| point.x == category));
-        with_bar.map(|(at, _)| series::place_in_group(all, at, category)).collect()
+fn gallery_rows_name_what_the_legend_does_not() {
+    let labels = |name: &str| -> Vec<String> {
+        let figure = samples::all().into_iter().find(|figure| figure.name == name).unwrap();
+        legend::entries(&figure).into_iter().map(|entry| entry.label).collect()
     };
-    assert_eq!(series::largest_group(all), 9);
-    assert_eq!(places(3.0), [-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0]);
-    assert_eq!(places(0.0), [-3.5, -2.5, -1.5, -0.5, 0.5, 1.5, 2.5, 3.5]);
-    let files = pgfplots::files(&figure, Width::TwoColumn).unwrap();
-    let [(_, tex), (_, numbers), _] = &files[..] else { panic!("{} files", files.len()) };
-    assert!(String::from_utf8_lossy(tex).contains("log origin y=infty"));
-    // The bar of the first series at category 3 is the leftmost of nine.
-    let mut rows = ::csv::Reader::from_reader(numbers.as_slice()).into_deserialize::<Vec<f64>>();
-    assert!((2.5..2.8).contains(&rows.next().unwrap().unwrap()[0]));
+    assert_eq!(labels("frames"), ["unsorted"], "the line across alone");
+    assert_eq!(labels("twenty-rows"), ["series 0", "series 1", "series 2", "break-even"]);
 }
 
 #[test]
@@ -141,39 +117,35 @@ fn gallery_panels_are_not_empty() {
     }
 }
 
-/// All points, each with the number of its series in the figure.
-fn numbers_of(figure: &Figure) -> Vec<(usize, &Point)> {
-    let series = figure.panels.iter().flat_map(|panel| panel.content.series()).enumerate();
-    series.flat_map(|(curve, series)| series.points.iter().map(move |point| (curve, point))).collect()
-}
-
 #[test]
 fn gallery_csv_holds_every_number() {
     for figure in samples::all() {
         let bytes = csv::write(&figure).unwrap();
         let mut reader = ::csv::Reader::from_reader(bytes.as_slice());
         let header = reader.headers().unwrap().clone();
-        let first = &figure.panels[0];
-        for (at, label) in [(5, &first.x.label), (6, &first.y.label)] {
-            let word = label.split([' ', ',']).next().unwrap();
-            assert!(header[at].contains(word), "{}: no {label} in {header:?}", figure.name);
-        }
+        let at = |name: &str| header.iter().position(|column| column == name).unwrap();
+        let [detail, metric, value, low, high, n] = ["detail", "metric", "value", "low", "high", "n"].map(at);
         let rows: Vec<::csv::StringRecord> = reader.records().map(Result::unwrap).collect();
-        let curves: Vec<_> = rows.iter().filter(|row| !row[0].is_empty()).collect();
-        let points = numbers_of(&figure);
-        assert_eq!(curves.len(), points.len(), "{}", figure.name);
-        for (row, (curve, point)) in curves.iter().zip(points) {
-            assert_eq!(row[0].parse(), Ok(curve));
-            let number = |at: usize| row[at].parse::<f64>().ok();
-            let spread = number(7).zip(number(8));
-            assert_eq!((number(5), number(6), spread), (Some(point.x), Some(point.y), point.spread));
-            assert_eq!(row[9].parse(), Ok(point.n));
+        let mut rest = rows.as_slice();
+        for panel in &figure.panels {
+            for point in panel.content.series().iter().flat_map(|series| &series.points) {
+                let row;
+                (row, rest) = rest.split_first().unwrap();
+                let number = |at: usize| row[at].parse::<f64>().ok();
+                assert_eq!((number(value), number(low).zip(number(high))), (Some(point.y), point.spread));
+                assert_eq!((row[n].parse(), &row[metric]), (Ok(point.n), panel.y.label.as_str()));
+                assert!(row[detail].contains(&point.of.detail), "{}: {row:?}", figure.name);
+            }
+            if let Some(reference) = &panel.reference {
+                let row;
+                (row, rest) = rest.split_first().unwrap();
+                assert!(row[detail].ends_with(&reference.label) && row[value].parse() == Ok(reference.y));
+            }
+            if let Content::Picture(picture) = &panel.content {
+                rest = &rest[picture.colour_bar.as_ref().map_or(0, |bar| bar.colours.len())..];
+            }
         }
-        for reference in figure.panels.iter().flat_map(|panel| &panel.reference) {
-            let is_it =
-                |row: &::csv::StringRecord| row[2] == reference.label && row[6].parse() == Ok(reference.y);
-            assert!(rows.iter().any(is_it), "{}: {}", figure.name, reference.label);
-        }
+        assert!(rest.is_empty(), "{}: {rest:?}", figure.name);
     }
 }
 
@@ -227,7 +199,8 @@ fn gallery_files_are_what_their_names_say() {
             let tex = String::from_utf8(read("tex")).unwrap();
             for series in figure.panels.iter().flat_map(|panel| panel.content.series()) {
                 let word = series.label.split(['_', ' ']).next().unwrap();
-                assert!(tex.contains(&format!("}} {word}")), "{}: no {word}", figure.name);
+                let has = |start: &str| tex.contains(&format!("{start}{word}"));
+                assert!(has("} ") || has("{"), "{}: no {word}", figure.name);
                 assert!(tex.contains(&format!("{{{}-panel-1.csv}}", figure.name)));
             }
             let caption = String::from_utf8(read("txt")).unwrap();

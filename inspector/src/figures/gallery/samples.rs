@@ -40,9 +40,9 @@ pub(super) fn all() -> Vec<Figure> {
         hard("equal-values", decades, &[5.0, 5.0, 5.0]),
         hard("short-decade", decades, &[110.0, 140.0, 190.0]),
         hard("many-decades", decades, &[1e-9, 1.0, 1e9]),
-        bars_of("one-category", "two-point-adaptive bits", 1, &["series 0"]),
-        bars_of("twenty-categories", "two-point-adaptive bits", 20, &["series 0", "series 1", "series 2"]),
-        bars_of("twenty-short-names", "n =", 20, &["series 0"]),
+        frames(),
+        rows_of("one-row", "two-point-adaptive bits", 1, &["series 0"]),
+        rows_of("twenty-rows", "two-point-adaptive bits", 20, &["series 0", "series 1", "series 2"]),
         distributions(),
         markup(),
     ]
@@ -50,7 +50,7 @@ pub(super) fn all() -> Vec<Figure> {
 
 pub(super) fn point(x: f64, y: f64, spread: f64) -> Point {
     let spread = (spread > 0.0).then_some((y * (1.0 - spread), y * (1.0 + 1.5 * spread)));
-    Point { x, y, spread, n: 10, name: format!("sample at {x}") }
+    Point { x, y, spread, n: 10, of: Of::detail(format!("sample at {x}")) }
 }
 
 pub(super) fn figure(name: &str, panels: Vec<Panel>) -> Figure {
@@ -86,9 +86,9 @@ fn named<'a>(
 fn speedups() -> Figure {
     let panel = |title: &str, seed: usize| {
         let value = |at: usize, x: usize| point(x as f64, 0.8 + noise(at * 7 + x + seed), 0.04);
-        let y = Axis::from_zero("trace speedup over pixel order (×)");
-        let bars = Content::Bars(named(&METHODS, SCENES.len(), value).collect());
-        Panel::new(title, Axis::categories("", SCENES), y, bars).with_reference("break-even", 1.0)
+        let y = Axis::ratios("trace speedup over pixel order");
+        let dots = Content::Dots(named(&METHODS, SCENES.len(), value).collect());
+        Panel::new(title, Axis::categories("", SCENES), y, dots).with_reference("break-even", 1.0)
     };
     figure("speedups", vec![panel("Secondary rays", 0), panel("Shadow rays", 100)])
 }
@@ -178,17 +178,28 @@ fn pixel_costs() -> Figure {
     figure("pixel-costs", SCENES.into_iter().zip([185.0, 2.1e5, 293.0]).flat_map(pair).collect())
 }
 
-/// Bars over three decades; not every series has a bar at every stage, and panels differ in their names.
+/// A row a method, its bounces as small dots.
+fn frames() -> Figure {
+    let bounce = |at: usize, bounce: usize| point(at as f64, 0.7 + noise(at + 9 * bounce), 0.0);
+    let parts = named(&METHODS, 5, bounce).map(|series| Series { is_part: true, ..series });
+    let frames =
+        METHODS.iter().enumerate().map(|(at, label)| series(label, at, vec![point(at as f64, 1.1, 0.1)]));
+    let (x, y) = (Axis::categories("", METHODS), Axis::ratios("net speedup"));
+    let panel = Panel::new("Secondary rays", x, y, Content::Dots(parts.chain(frames).collect()));
+    figure("frames", vec![panel.with_reference("unsorted", 1.0)])
+}
+
+/// Dots over three decades; not every series has one at every stage, and panels differ in their names.
 fn bandwidths() -> Figure {
     let stages = ["key", "sort", "gather", "trace", "trace through indices", "accumulate"];
     let panel = |stages: &[&str]| {
         let rate = |at: usize, stage: usize| 10f64.powf(2.0 - stage as f64 + 0.5 * noise(at + 9 * stage));
         let value = |at: usize, stage: usize| point(stage as f64, rate(at, stage), 0.3);
-        let mut bars: Vec<Series> = named(&METHODS, stages.len(), value).collect();
-        bars[0].points.retain(|point| point.x == 3.0);
+        let mut dots: Vec<Series> = named(&METHODS, stages.len(), value).collect();
+        dots[0].points.retain(|point| point.x == 3.0);
         let (x, y) =
-            (Axis::categories("stage", stages.iter().copied()), Axis::logarithmic("bandwidth (GB/s)", 10));
-        Panel::new(format!("{} stages", stages.len()), x, y, Content::Bars(bars))
+            (Axis::categories("", stages.iter().copied()), Axis::logarithmic("bandwidth (GB/s)", 10));
+        Panel::new(format!("{} stages", stages.len()), x, y, Content::Dots(dots))
     };
     figure("bandwidths", vec![panel(&stages[..4]), panel(&stages)])
 }
@@ -205,11 +216,11 @@ fn hard(name: &str, y: fn(&str) -> Axis, values: &[f64]) -> Figure {
     figure(name, vec![Panel::new("", Axis::linear("bounce"), y("value (unit)"), lines)])
 }
 
-fn bars_of(name: &str, label: &str, categories: usize, labels: &[&str]) -> Figure {
+fn rows_of(name: &str, label: &str, rows: usize, labels: &[&str]) -> Figure {
     let value = |one: usize, x: usize| point(x as f64, 1.0 + noise(one * 40 + x), 0.05);
-    let bars = named(labels, categories, value).collect();
-    let x = Axis::categories("order", (0..categories).map(|at| format!("{label} {}", 8 + at)));
-    let panel = Panel::new("", x, Axis::from_zero("rate (Mrays/s)"), Content::Bars(bars));
+    let dots = named(labels, rows, value).collect();
+    let x = Axis::categories("", (0..rows).map(|at| format!("{label} {}", 8 + at)));
+    let panel = Panel::new("", x, Axis::from_zero("rate (Mrays/s)"), Content::Dots(dots));
     figure(name, vec![panel.with_reference("break-even", 1.0)])
 }
 
@@ -230,9 +241,9 @@ fn distributions() -> Figure {
 /// Names with everything that SVG, HTML, CSV or LaTeX could trip over.
 fn markup() -> Figure {
     let hostile = "a_b & <c>, \"d\" 50 % #1 $x^2$ {~} \\e 2 × 3 ≥ µs";
-    let named = Point { name: hostile.into(), ..point(0.0, 1.5, 0.1) };
-    let bars = Content::Bars(vec![series(hostile, 2, vec![named, point(1.0, 0.7, 0.0)])]);
-    let x = Axis::categories(hostile, ["R&D <scene>", "50 % #1_a"]);
-    let panel = Panel::new(hostile, x, Axis::from_zero("ratio (%)"), bars);
+    let named = Point { of: Of::detail(hostile), ..point(0.0, 1.5, 0.1) };
+    let dots = Content::Dots(vec![series(hostile, 2, vec![named, point(1.0, 0.7, 0.0)])]);
+    let x = Axis::categories("", ["R&D <scene>", "50 % #1_a"]);
+    let panel = Panel::new(hostile, x, Axis::from_zero(hostile), dots);
     figure("markup", vec![panel.with_reference("a & b_c", 1.0)])
 }

@@ -1,32 +1,45 @@
-//! One HTML page that says everything about some recordings, and needs nothing beside it.
+//! One HTML page that says everything about some recordings, and needs nothing beside it; its tables for other
+//! documents.
+//!
+//! - [`table`]: a table, and how it is written
+//! - [`tables`]: which ones there are
+
+pub mod table;
+pub mod tables;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use crate::figures::catalogue::Skipped;
-use crate::figures::model::Figure;
+use crate::figures::model::{Figure, Picture};
 use crate::figures::style::{FONT, FONT_FAMILY, Width};
 use crate::figures::svg::escape;
-use crate::figures::{FigureError, draw};
+use crate::figures::{FigureError, draw, raster};
+use table::Table;
 
 /// What a report says.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// Heading of the page.
     pub title: String,
+    /// Pictures of the scenes, the photographs of figure `pixel-cost`.
+    pub pictures: Vec<Picture>,
+    /// What all of it says, a sentence each.
+    pub findings: Vec<String>,
+    /// The numbers.
+    pub tables: Vec<Table>,
+    /// The figures; the one that is called as [`LEAD`] comes before the tables.
+    pub figures: Vec<Figure>,
     /// What was recorded, where and how: names and values.
     pub facts: Vec<(String, String)>,
-    /// Names of the columns of the summary.
-    pub summary_header: Vec<String>,
-    /// The summary, row by row.
-    pub summary: Vec<Vec<String>>,
-    /// The figures.
-    pub figures: Vec<Figure>,
     /// Figures that could not be made.
     pub skipped: Vec<Skipped>,
     /// Command lines that make all of this again.
     pub commands: Vec<String>,
 }
+
+/// The figure that a reader sees first.
+pub const LEAD: &str = "net-speedup";
 
 /// What the browser lets the page do: show what is in it. Nothing is run, nothing is loaded.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; font-src data:";
@@ -55,13 +68,21 @@ th:first-child, td:first-child { text-align: left; }
   body { padding: .8rem; }
   .facts tr, .facts th, .facts td { display: block; }
   .facts th { border: 0; padding-bottom: 0; }
-  .paper svg { min-width: 40rem; }
+  .paper:not(.lead) svg { min-width: 40rem; }
 }
+.note { color: var(--faint); font-size: .88rem; margin: 0 0 .4rem; }
+.findings { font-size: 1.05rem; padding-left: 1.2rem; }
+.scenes { display: flex; flex-wrap: wrap; gap: .5rem; }
+.scenes img { width: 15rem; max-width: 48%; height: auto; border-radius: 4px; }
 figure { margin: 1.5rem 0 2.5rem; break-inside: avoid; }
 .paper { background: #ffffff; border: 1px solid var(--line); border-radius: 4px; padding: .6rem; overflow-x: auto; }
 .paper svg { display: block; width: 100%; height: auto; max-width: 60rem; margin: 0 auto; }
+.lead svg { max-width: 34rem; }
+@media (prefers-color-scheme: dark) {
+  .paper { filter: invert(1) hue-rotate(180deg); mix-blend-mode: screen; border-color: #c5c8cd; }
+  .paper image { filter: invert(1) hue-rotate(180deg); }
+}
 figcaption { margin-top: .6rem; }
-.settings { color: var(--faint); font-size: .88rem; margin: .4rem 0 0; padding-left: 1.2rem; }
 pre { background: var(--soft); border: 1px solid var(--line); padding: .8rem; overflow-x: auto; white-space: pre-wrap; overflow-wrap: anywhere; }
 @media print {
   :root { --ink: #000; --page: #fff; --soft: #fff; --line: #999; --faint: #333; }
@@ -71,8 +92,8 @@ pre { background: var(--soft); border: 1px solid var(--line); padding: .8rem; ov
 }
 ";
 
-/// The page. It has no scripts, loads nothing, and follows the reader's light or dark colours; figures
-/// stay on white, as in print. Numbers are shown where a bar or a point is pointed at.
+/// The page. It has no scripts, loads nothing, and follows the reader's light or dark colours; in print everything is
+/// on white. Numbers are shown where a bar or a point is pointed at. What was recorded and how stands once, at the end.
 ///
 /// # Errors
 /// If a figure cannot be drawn.
@@ -86,32 +107,32 @@ pub fn html(report: &Report) -> Result<String, FigureError> {
          </head>\n<body>\n<h1>{title}</h1>\n",
         STANDARD.encode(FONT)
     );
-    // One figure needs no list of them.
-    let figures = report.figures.iter().enumerate().filter(|_| report.figures.len() > 1);
-    let entries = figures.map(|(at, figure)| {
+    let mut pictures = Vec::new();
+    for picture in &report.pictures {
+        let png = STANDARD.encode(raster::picture_png(picture)?);
+        pictures.push(format!("<img alt=\"the scene\" src=\"data:image/png;base64,{png}\">\n"));
+    }
+    section(&mut page, "<div class=\"scenes\">\n", pictures.into_iter(), "</div>\n");
+    let findings = report.findings.iter().map(|finding| format!("<li>{}</li>\n", escape(finding)));
+    section(&mut page, "<ul class=\"findings\">\n", findings, "</ul>\n");
+    let (lead, others): (Vec<_>, Vec<_>) =
+        report.figures.iter().enumerate().partition(|(_, figure)| figure.name == LEAD);
+    for (at, figure) in lead {
+        page.push_str(&figure_section(at, figure, Width::OneColumn)?);
+    }
+    section(&mut page, "<h2>Numbers</h2>\n", report.tables.iter().map(table::html), "");
+    let entries = others.iter().map(|(at, figure)| {
         format!("<li><a href=\"#figure-{}\">{}</a></li>\n", at + 1, escape(&figure.title))
     });
-    section(&mut page, "<nav aria-label=\"Figures\"><ul>\n", entries, "</ul></nav>\n");
+    let start = "<h2 id=\"figures\">Figures</h2>\n<nav aria-label=\"Figures\"><ul>\n";
+    section(&mut page, start, entries, "</ul></nav>\n");
+    for (at, figure) in others {
+        page.push_str(&figure_section(at, figure, Width::TwoColumn)?);
+    }
     let rows = report.facts.iter().map(|(name, value)| {
         format!("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", escape(name), escape(value))
     });
     section(&mut page, "<h2>What was recorded</h2>\n<table class=\"facts\">\n", rows, "</table>\n");
-    let cells = |tag: &str, cells: &[String]| -> String {
-        let end = tag.split(' ').next().unwrap_or(tag);
-        cells.iter().map(|cell| format!("<{tag}>{}</{end}>", escape(cell))).collect()
-    };
-    let table = format!(
-        "<h2>Summary</h2>\n<div class=\"wide\"><table>\n<thead><tr>{}</tr></thead>\n<tbody>\n",
-        cells("th scope=\"col\"", &report.summary_header)
-    );
-    let rows = report.summary.iter().map(|row| format!("<tr>{}</tr>\n", cells("td", row)));
-    section(&mut page, &table, rows, "</tbody></table></div>\n");
-    if !report.figures.is_empty() {
-        page.push_str("<h2 id=\"figures\">Figures</h2>\n");
-    }
-    for (at, figure) in report.figures.iter().enumerate() {
-        page.push_str(&figure_section(at, figure)?);
-    }
     let items = report.skipped.iter().map(|Skipped { figure, reason }| {
         format!("<li><b>{}</b>: {}</li>\n", escape(figure), escape(reason))
     });
@@ -131,16 +152,13 @@ fn section(page: &mut String, start: &str, parts: impl Iterator<Item = String>, 
     }
 }
 
-fn figure_section(at: usize, figure: &Figure) -> Result<String, FigureError> {
+fn figure_section(at: usize, figure: &Figure, width: Width) -> Result<String, FigureError> {
     let number = at + 1;
-    let drawing = draw::draw(figure, Width::TwoColumn, &format!("figure-{number}"))?;
-    let settings: String =
-        figure.settings.iter().map(|line| format!("<li>{}</li>\n", escape(line))).collect();
-    let settings =
-        if settings.is_empty() { settings } else { format!("<ul class=\"settings\">\n{settings}</ul>\n") };
+    let drawing = draw::draw(figure, width)?;
+    let class = if width == Width::OneColumn { "paper lead" } else { "paper" };
     Ok(format!(
-        "<figure id=\"figure-{number}\">\n<h3>{}</h3>\n<div class=\"paper\">\n{drawing}</div>\n\
-         <figcaption>{}\n{settings}</figcaption>\n</figure>\n",
+        "<figure id=\"figure-{number}\">\n<h3>{}</h3>\n<div class=\"{class}\">\n{drawing}</div>\n\
+         <figcaption>{}</figcaption>\n</figure>\n",
         escape(&figure.title),
         escape(&figure.caption),
     ))

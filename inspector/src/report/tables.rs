@@ -1,0 +1,356 @@
+//! Which tables recordings and benchmarks give: the numbers that a paper on reordering reports.
+
+use formats::bench_result::{BenchResult, Rows, SortRow};
+use formats::key::method::{CONTROL, UNSORTED};
+use formats::manifest::Stage;
+use formats::metrics::correlation::Correlation;
+use formats::metrics::speedup::median;
+use formats::ray::Kind;
+
+use super::table::{Cell, Table};
+use crate::analysis::summary::{RayClass, distinct};
+use crate::analysis::{Analysis, FrameAnalysis, Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
+use crate::figures::catalogue::building::machine;
+
+/// Lanes that wait for each other: those of most GPUs.
+const LANES: usize = 32;
+
+/// Every table that has a number.
+pub fn tables(analysis: &Analysis, benches: &[BenchResult]) -> Vec<Table> {
+    let rays = || RayClass::ALL.into_iter();
+    let sweeps = Swept::ALL.iter().filter_map(|swept| sweep(analysis, swept));
+    rays()
+        .filter_map(|rays| speedups(analysis, rays))
+        .chain(rays().filter_map(|rays| overhead(analysis, rays)))
+        .chain(rays().filter_map(|rays| models(analysis, rays)))
+        .chain(correlations(analysis))
+        .chain(sweeps)
+        .chain(benches.iter().filter_map(sort))
+        .collect()
+}
+
+/// A table, if it has rows.
+fn table(title: String, caption: &str, header: Vec<String>, rows: Vec<Vec<Cell>>) -> Option<Table> {
+    (!rows.is_empty()).then(|| Table { title, caption: caption.to_owned(), header, rows })
+}
+
+/// The methods of some recordings, without variants of others, `unsorted` and the control.
+fn methods(analysis: &Analysis, rays: RayClass) -> Vec<&str> {
+    let frames = analysis.recordings.iter().flat_map(|recording| &recording.frames);
+    let own = frames.filter(|frame| frame.rays == rays && frame.base == frame.method);
+    distinct(own.map(|frame| frame.method.as_str()).filter(|name| ![UNSORTED, CONTROL].contains(name)))
+}
+
+fn header(first: &str, columns: impl IntoIterator<Item = impl ToString>) -> Vec<String> {
+    std::iter::once(first.to_owned()).chain(columns.into_iter().map(|name| name.to_string())).collect()
+}
+
+/// Trace and net speedup of a method over a frame.
+fn of_frame(frame: &FrameAnalysis) -> Option<(f64, f64)> {
+    Some((frame.trace_speedup.known()?.ratio, frame.net_speedup.known()?.ratio))
+}
+
+fn both((trace, net): (f64, f64)) -> String {
+    format!("{trace:.2} / {net:.2}")
+}
+
+/// A row of numbers, the best by its second number marked.
+fn row_of(name: &str, numbers: &[Option<(f64, f64)>]) -> Vec<Cell> {
+    let best = numbers.iter().flatten().map(|(_, net)| *net).fold(f64::NEG_INFINITY, f64::max);
+    let cell = |number: &Option<(f64, f64)>| match number {
+        Some(number) => Cell { text: both(*number), is_best: number.1 == best },
+        None => Cell::plain("–"),
+    };
+    std::iter::once(Cell::plain(name)).chain(numbers.iter().map(cell)).collect()
+}
+
+fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
+    let methods = methods(analysis, rays);
+    let mut rows = Vec::new();
+    for configuration in distinct(analysis.recordings.iter().map(|recording| &recording.configuration)) {
+        let same = analysis.recordings.iter().filter(|recording| recording.configuration == *configuration);
+        let mut count = 0;
+        for recording in same {
+            let number = |method: &&str| of_frame(recording.frame(rays, method)?);
+            let numbers: Vec<_> = methods.iter().map(number).collect();
+            if numbers.iter().all(Option::is_none) {
+                continue;
+            }
+            let control = recording.frame(rays, CONTROL).and_then(of_frame);
+            let mut row = row_of(&recording.label, &numbers);
+            row.push(Cell::plain(control.map_or("–".to_owned(), |(trace, _)| format!("{trace:.2}"))));
+            rows.push(row);
+            count += 1;
+        }
+        if count > 1 {
+            let mean = |method: &&str| {
+                let is_own = |summary: &&crate::analysis::MethodSummary| {
+                    (summary.rays, &summary.configuration, summary.method.as_str())
+                        == (rays, configuration, *method)
+                };
+                let summary = analysis.summaries.iter().find(is_own)?;
+                Some((summary.trace_speedup.known()?.mean, summary.net_speedup.known()?.mean))
+            };
+            let numbers: Vec<_> = methods.iter().map(mean).collect();
+            let mut row = row_of(&format!("mean: {configuration}"), &numbers);
+            row.push(Cell::default());
+            rows.push(row);
+        }
+    }
+    table(
+        format!("Trace / net speedup, {} rays", rays.name()),
+        "Unsorted trace over sorted trace, and over all that the method costs: the whole frame, times of all bounces summed round by round. Means are geometric. The control is canonical order measured like a method: what it misses 1 by is the instrument's error.",
+        header("recording", methods.iter().copied().chain([CONTROL])),
+        rows,
+    )
+}
+
+/// Time of each stage of the method that is best net, and of the paper's best.
+fn overhead(analysis: &Analysis, rays: RayClass) -> Option<Table> {
+    let mut rows = Vec::new();
+    for recording in &analysis.recordings {
+        let own = recording.frames.iter().filter(|frame| {
+            frame.rays == rays
+                && frame.base == frame.method
+                && ![UNSORTED, CONTROL].contains(&frame.method.as_str())
+        });
+        let net = |frame: &&FrameAnalysis| of_frame(frame).map_or(f64::NEG_INFINITY, |(_, net)| net);
+        let best = own.filter(|frame| of_frame(frame).is_some()).max_by(|a, b| net(a).total_cmp(&net(b)));
+        let paper = recording.frame(rays, "two-point-adaptive");
+        for frame in distinct(best.into_iter().chain(paper)) {
+            rows.extend(overhead_row(recording, frame));
+        }
+    }
+    let columns = [
+        "method",
+        "key",
+        "sort",
+        "gather",
+        "scatter",
+        "accumulate",
+        "together",
+        "unsorted trace",
+        "sorted trace",
+        "trace speedup",
+    ];
+    table(
+        format!("Overhead, {} rays, ms", rays.name()),
+        "The method that is best net, and two-point-adaptive, as in the talk: medians over rounds of sums over bounces, in parentheses the share of what sorting costs. Where rays are traced through indices, nothing is gathered or scattered, and that trace has it in itself.",
+        header("recording", columns),
+        rows,
+    )
+}
+
+fn overhead_row(recording: &RecordingAnalysis, frame: &FrameAnalysis) -> Option<Vec<Cell>> {
+    let time = |stage: Stage| {
+        frame.stages.iter().find(|found| found.stage == stage).map(|found| found.median_ns / 1e6)
+    };
+    let unsorted = recording.frame(frame.rays, UNSORTED)?;
+    let unsorted = unsorted.stages.iter().find(|found| found.stage == Stage::Trace)?.median_ns / 1e6;
+    let parts = [Stage::Key, Stage::Sort, Stage::Gather, Stage::Scatter, Stage::Accumulate].map(time);
+    let sum: f64 = parts.iter().flatten().sum();
+    let sorted = time(Stage::Trace).or_else(|| time(Stage::TraceIndirect))?;
+    let part = |part: &Option<f64>| match part {
+        Some(ms) => Cell::plain(format!("{ms:.2} ({:.0} %)", ms / sum * 100.0)),
+        None => Cell::plain("–"),
+    };
+    let names = [recording.label.clone(), frame.method.clone()].into_iter().map(Cell::plain);
+    let rest = [format!("{sum:.2}"), format!("{unsorted:.2}"), format!("{sorted:.2}")];
+    let speedup = of_frame(frame).map_or("–".to_owned(), |(trace, _)| format!("{trace:.2}"));
+    Some(
+        names
+            .chain(parts.iter().map(part))
+            .chain(rest.into_iter().chain([speedup]).map(Cell::plain))
+            .collect(),
+    )
+}
+
+/// A share of an order, percent, and what weighs it.
+type Share = fn(&QueueAnalysis, &OrderAnalysis) -> Option<(f64, f64)>;
+
+/// What lanes and caches would say, by method: lanes at each bounce, too.
+fn models(analysis: &Analysis, rays: RayClass) -> Option<Table> {
+    let lanes: Share = |queue, order| {
+        let lane = order.lanes.known()?.iter().find(|lane| lane.width == LANES)?;
+        Some((lane.utilisation, queue.rays as f64))
+    };
+    let first: Share = |_, order| order.caches.known().map(|hits| (hits.l1, hits.accesses as f64));
+    let either: Share = |_, order| order.caches.known().map(|hits| (hits.either, hits.accesses as f64));
+    let methods: Vec<&str> = std::iter::once(UNSORTED).chain(methods(analysis, rays)).collect();
+    let mut bounces = distinct(queues(analysis, rays).map(|(_, queue)| queue.bounce));
+    bounces.sort_unstable();
+    let mut wanted: Vec<(String, Share, Option<u32>)> = vec![("lanes".to_owned(), lanes, None)];
+    wanted.extend(bounces.into_iter().map(|bounce| (format!("lanes, bounce {bounce}"), lanes, Some(bounce))));
+    wanted.push(("L1".to_owned(), first, None));
+    wanted.push(("L1 or L2".to_owned(), either, None));
+    let row = |(name, share, bounce): (String, Share, Option<u32>)| {
+        let numbers: Vec<Option<f64>> =
+            methods.iter().map(|method| mean_share(analysis, rays, method, share, bounce)).collect();
+        let best = numbers.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
+        let cell = |number: &Option<f64>| match number {
+            Some(percent) => Cell { text: format!("{percent:.1}"), is_best: *percent == best },
+            None => Cell::plain("–"),
+        };
+        let cells = numbers.iter().map(cell);
+        numbers.iter().any(Option::is_some).then(|| std::iter::once(Cell::plain(name)).chain(cells).collect())
+    };
+    table(
+        format!("What lanes and caches would say, {} rays, %", rays.name()),
+        "Models, which do not depend on the machine's load: lanes that work of 32 that wait for each other, and lines found in a modelled L1 and L2. Means over recordings; in each the bounces are weighted by their rays, or by what they ask for.",
+        header("", methods.iter().copied()),
+        wanted.into_iter().filter_map(row).collect(),
+    )
+}
+
+fn queues(analysis: &Analysis, rays: RayClass) -> impl Iterator<Item = (&RecordingAnalysis, &QueueAnalysis)> {
+    let all = analysis.recordings.iter();
+    let queues = all.flat_map(|recording| recording.measured().map(move |queue| (recording, queue)));
+    queues.filter(move |(_, queue)| RayClass::of(queue) == Some(rays))
+}
+
+/// Mean over recordings, percent.
+fn mean_share(
+    analysis: &Analysis,
+    rays: RayClass,
+    method: &str,
+    share: Share,
+    bounce: Option<u32>,
+) -> Option<f64> {
+    let of_recording = |recording: &RecordingAnalysis| {
+        let own = recording.measured().filter(|queue| {
+            RayClass::of(queue) == Some(rays) && bounce.is_none_or(|bounce| queue.bounce == bounce)
+        });
+        let shares = own.filter_map(|queue| share(queue, queue.order(method)?));
+        let (sum, weight) =
+            shares.fold((0.0, 0.0), |(sum, weight), (share, part)| (sum + share * part, weight + part));
+        (weight > 0.0).then(|| sum / weight * 100.0)
+    };
+    let means: Vec<f64> = analysis.recordings.iter().filter_map(of_recording).collect();
+    (!means.is_empty()).then(|| means.iter().sum::<f64>() / means.len() as f64)
+}
+
+fn correlations(analysis: &Analysis) -> Option<Table> {
+    let of = |name: &str, kind: Kind| {
+        let line = analysis.correlations.iter().find(|line| line.of == name && line.kind == Some(kind));
+        match line.map(|line| &line.correlation) {
+            Some(Metric::Known(Correlation { pearson, spearman, n })) => {
+                Some(format!("{pearson:.2}, {spearman:.2} ({n})").replace('-', "−"))
+            }
+            _ => None,
+        }
+    };
+    let row = |name: &str| {
+        let cells = Kind::ALL.map(|kind| of(name, kind));
+        cells.iter().any(Option::is_some).then(|| {
+            let cells = cells.into_iter().map(|cell| Cell::plain(cell.unwrap_or("–".to_owned())));
+            std::iter::once(Cell::plain(name)).chain(cells).collect()
+        })
+    };
+    table(
+        "Capsule area against trace time".to_owned(),
+        "Pearson's and Spearman's coefficients over the orders of all bounces (their number), area and time over those of the same queue unsorted.",
+        header("recording", ["closest rays", "shadow rays"]),
+        distinct(analysis.correlations.iter().map(|line| line.of.as_str()))
+            .into_iter()
+            .filter_map(row)
+            .collect(),
+    )
+}
+
+/// What variants of a method differ in.
+struct Swept {
+    title: &'static str,
+    of: fn(&OrderAnalysis) -> Option<f64>,
+    /// What must be the same in all of them.
+    other: fn(&OrderAnalysis) -> Option<f64>,
+}
+
+impl Swept {
+    const ALL: [Self; 3] = [
+        Self {
+            title: "Net speedup by bits of the key",
+            of: |order| order.key_bits.map(f64::from),
+            other: |order| order.two_point_length.map(f64::from),
+        },
+        Self {
+            title: "Net speedup by bits of the origin",
+            of: |order| order.origin_bits.filter(|_| order.method != order.base).map(f64::from),
+            other: |order| order.key_bits.map(f64::from),
+        },
+        Self {
+            title: "Net speedup by assumed length, unit lengths",
+            of: |order| order.two_point_length.map(f64::from),
+            other: |order| order.key_bits.map(f64::from),
+        },
+    ];
+}
+
+fn sweep(analysis: &Analysis, swept: &Swept) -> Option<Table> {
+    let mut lines: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
+    for (recording, rays) in analysis.recordings.iter().flat_map(|one| RayClass::ALL.map(|rays| (one, rays)))
+    {
+        let frames = || recording.frames.iter().filter(move |frame| frame.rays == rays);
+        for base in distinct(frames().map(|frame| frame.base.as_str()).filter(|base| *base != UNSORTED)) {
+            let order = |frame: &FrameAnalysis| {
+                let queues = recording.measured().filter(|queue| RayClass::of(queue) == Some(rays));
+                queues.flat_map(|queue| &queue.orders).find(|order| order.method == frame.method).cloned()
+            };
+            let orders: Vec<_> = frames()
+                .filter(|frame| frame.base == base)
+                .filter_map(|frame| Some((frame, order(frame)?)))
+                .collect();
+            let others = distinct(
+                orders
+                    .iter()
+                    .filter(|(_, order)| (swept.of)(order).is_some())
+                    .map(|(_, order)| (swept.other)(order)),
+            );
+            let number = |(frame, order): &(&FrameAnalysis, OrderAnalysis)| {
+                Some(((swept.of)(order)?, frame.net_speedup.known()?.ratio))
+            };
+            let points: Vec<(f64, f64)> = orders.iter().filter_map(number).collect();
+            if distinct(points.iter().map(|(varied, _)| *varied)).len() > 1 && others.len() == 1 {
+                lines.push((format!("{}, {}, {base}", recording.label, rays.name()), points));
+            }
+        }
+    }
+    let mut columns = distinct(lines.iter().flat_map(|(_, points)| points.iter().map(|(varied, _)| *varied)));
+    columns.sort_by(f64::total_cmp);
+    let row = |(name, points): &(String, Vec<(f64, f64)>)| {
+        let best = points.iter().map(|(_, net)| *net).fold(f64::NEG_INFINITY, f64::max);
+        let cell = |column: &f64| match points.iter().find(|(varied, _)| varied == column) {
+            Some((_, net)) => Cell { text: format!("{net:.2}"), is_best: *net == best },
+            None => Cell::plain("–"),
+        };
+        std::iter::once(Cell::plain(name.as_str())).chain(columns.iter().map(cell)).collect()
+    };
+    table(
+        swept.title.to_owned(),
+        "Unsorted trace over all that the method costs, the whole frame.",
+        header("recording, rays, method", columns.iter().map(|column| (column * 1e3).round() / 1e3)),
+        lines.iter().map(row).collect(),
+    )
+}
+
+fn sort(bench: &BenchResult) -> Option<Table> {
+    let Rows::Sort(rows) = &bench.rows else { return None };
+    let mut bits = distinct(rows.iter().map(|row| row.key_bits));
+    bits.sort_unstable();
+    let mut numbers = distinct(rows.iter().map(|row| row.n));
+    numbers.sort_unstable();
+    let rate = |n: u64, key_bits: u32| {
+        let is_it = |row: &&SortRow| (row.n, row.key_bits) == (n, key_bits);
+        Some(n as f64 / median(&rows.iter().find(is_it)?.samples_ns)? * 1e3)
+    };
+    let row = |n: u64| {
+        let cells =
+            bits.iter().map(|&bits| rate(n, bits).map_or("–".to_owned(), |rate| format!("{rate:.1}")));
+        std::iter::once(n.to_string()).chain(cells).map(Cell::plain).collect()
+    };
+    table(
+        format!("Sort throughput, Mkeys/s, {}", machine(bench)),
+        "Medians; random keys with their indices.",
+        header("keys", bits.iter().map(|bits| format!("{bits} bits"))),
+        numbers.into_iter().map(row).collect(),
+    )
+}
