@@ -8,7 +8,7 @@ use std::path::Path;
 use formats::bench_result::error::{ErrorRows, EstimatorRow, HitErrors, ImageRow, KeyBitsRow, PrecisionRow};
 use formats::bench_result::skip::{Cost, SkipRow};
 use formats::bench_result::{BENCH_VERSION, BenchResult, Rows, SortRow, TraceRow};
-use formats::manifest::Stage;
+use formats::manifest::{Stage, Way};
 use formats::metrics::estimator::EstimateError;
 use formats::metrics::speedup::median;
 use formats::ray::Kind;
@@ -429,6 +429,61 @@ fn variants_of_a_base_make_a_sweep() {
         labels.contains(&"aila") && !labels.contains(&"mine"),
         "a variant belongs to its sweep: {labels:?}"
     );
+}
+
+/// Times by hand: the figure agrees with the net speedups, in nanoseconds a ray, by the trace that counts.
+#[test]
+fn a_sort_pays_where_it_takes_less_than_it_saves() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut analysis = analysis(folder.path(), Depth::Manifest);
+    for queue in &mut analysis.recordings[0].queues {
+        let Some(unsorted) = queue.order("unsorted").map(|order| order.stages[0].time.samples_ns.clone())
+        else {
+            continue;
+        };
+        for (method, way, stage, part) in
+            [("aila", Way::Gathered, Stage::Trace, 2), ("two-point", Way::Indices, Stage::TraceIndirect, 4)]
+        {
+            let Some(order) = queue.orders.iter_mut().find(|order| order.method == method) else { continue };
+            order.way = way;
+            let found = order.stages.iter_mut().find(|found| found.stage == stage).unwrap();
+            found.time.samples_ns = unsorted.iter().map(|ns| ns / part).collect();
+        }
+    }
+    for frame in &mut analysis.recordings[0].frames {
+        if let ("aila" | "two-point", Metric::Known(line)) = (frame.method.as_str(), &mut frame.net_speedup) {
+            line.ratio = 0.8;
+        }
+    }
+    let made = figure(&Findings { analysis: &analysis, benches: &[] }, "break-even").unwrap();
+    let recording = &analysis.recordings[0];
+    for (panel, rays) in made.panels.iter().zip(RayClass::ALL) {
+        let Scale::Categories(methods) = &panel.x.scale else { panic!("methods") };
+        assert!(!methods.iter().any(|method| ["unsorted", "two-point-real"].contains(&method.as_str())));
+        let unsorted = recording.frame(rays, "unsorted").unwrap().stages[0].median_ns;
+        let queues = recording.measured().filter(|queue| RayClass::of(queue) == Some(rays));
+        let unsorted = unsorted / queues.map(|queue| queue.rays).sum::<u64>() as f64;
+        let [takes, saves] = series(panel) else { panic!("two numbers a method") };
+        for ((takes, saves), method) in takes.points.iter().zip(&saves.points).zip(methods) {
+            let net = recording.frame(rays, method).unwrap().net_speedup.known().unwrap().ratio;
+            assert_eq!(takes.y < saves.y, net > 1.0, "{method}: {takes:?} {saves:?}");
+            let expected = match method.as_str() {
+                "aila" => [0.5, 0.75],
+                "two-point" => [0.75, 1.0],
+                _ => continue,
+            };
+            for (found, expected) in [saves.y, takes.y].into_iter().zip(expected) {
+                assert!(
+                    (found / unsorted - expected).abs() < 1e-3,
+                    "{method}: {found} of {unsorted}, expected {expected}"
+                );
+            }
+            let (low, high) = saves.spread.unwrap();
+            assert!((low / saves.y - 1.0).abs() < 1e-3 && (high / saves.y - 1.0).abs() < 1e-3);
+        }
+        let limit = format!("ns a {} ray (two-point)", rays.name());
+        assert!(made.caption.contains(&limit), "{}", made.caption);
+    }
 }
 
 /// A recording of variants alone is left out beside others, but shown where there is nothing else; tables

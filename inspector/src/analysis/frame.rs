@@ -75,7 +75,7 @@ impl FrameAnalysis {
 }
 
 /// The trace: of rays as they lie or, where they were traced through indices alone, of that.
-fn traced(order: &OrderAnalysis) -> Option<&Time> {
+pub(super) fn traced(order: &OrderAnalysis) -> Option<&Time> {
     let found = order.stage(Stage::Trace).or_else(|| order.stage(Stage::TraceIndirect));
     found.map(|found| &found.time)
 }
@@ -104,7 +104,7 @@ fn frame_stage(measured: &[(&QueueAnalysis, &OrderAnalysis)], stage: Stage) -> O
 }
 
 /// Times added up round by round, as many rounds as all of them have.
-fn summed<'a>(times: impl Iterator<Item = &'a Time>) -> Vec<u64> {
+pub(super) fn summed<'a>(times: impl Iterator<Item = &'a Time>) -> Vec<u64> {
     let add =
         |sums: Vec<u64>, time: &[u64]| sums.iter().zip(time).map(|(a, b)| a.saturating_add(*b)).collect();
     let mut samples = times.map(|time| time.samples_ns.as_slice());

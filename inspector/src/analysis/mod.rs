@@ -6,6 +6,7 @@
 //! - `arrays`: the arrays of a queue that its orders share
 //! - [`timing`]: times, speedups, bandwidths of an order's stages
 //! - [`frame`]: a method over all bounces
+//! - [`break_even`]: what a sort may cost
 //! - [`coherence`]: capsules, direction spread and lane utilisation, streamed over arrays
 //! - [`tables`]: fill of the length table, errors of estimated lengths
 //! - [`summary`], [`correlations`]: over all recordings
@@ -17,6 +18,7 @@
 //! largest queue and 16 for each of its groups, for any number of methods.
 
 mod arrays;
+pub mod break_even;
 pub mod coherence;
 pub mod correlations;
 pub mod frame;

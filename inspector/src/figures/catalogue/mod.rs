@@ -2,6 +2,7 @@
 //!
 //! - [`speedups`]: trace speedup, the same by kernel, net speedup
 //! - [`rates`], [`overhead`], [`bandwidth`]: rays a second, what each stage takes, bytes a second
+//! - [`break_even`]: what a sort may cost
 //! - [`capsules`]: capsule area against trace time, its distribution
 //! - [`sweeps`]: key bits, assumed length
 //! - [`tables`]: fill of the length table, errors of estimated lengths
@@ -13,6 +14,7 @@
 
 pub mod bandwidth;
 pub mod benches;
+pub mod break_even;
 pub mod building;
 pub mod capsules;
 pub mod errors;
@@ -88,6 +90,7 @@ pub const CATALOGUE: &[FigureMaker] = &[
     maker("net-speedup", "speedup with all that sorting costs", speedups::net),
     maker("rays-per-second", "trace rate per bounce and method", rates::rays_per_second),
     maker("overhead", "time of each stage per method, against break-even", overhead::overhead),
+    maker("break-even", "what a sort saves in tracing and what it costs, per ray", break_even::break_even),
     maker("capsule-area", "mean capsule area against trace time", capsules::against_time),
     maker("capsule-area-distribution", "share of rays by their group's capsule area", capsules::distribution),
     maker("key-bits", "speedup by bits of the key", sweeps::key_bits),

@@ -45,6 +45,7 @@ pub(super) fn all() -> Vec<Figure> {
         rows_of("twenty-rows", "two-point-adaptive bits", 20, &["series 0", "series 1", "series 2"]),
         distributions(),
         markup(),
+        two_in_a_row(),
     ]
 }
 
@@ -246,4 +247,18 @@ fn markup() -> Figure {
     let x = Axis::categories("", ["R&D <scene>", "50 % #1_a"]);
     let panel = Panel::new(hostile, x, Axis::from_zero(hostile), dots);
     figure("markup", vec![panel.with_reference("a & b_c", 1.0)])
+}
+
+/// Dots that rows do not name, some of them below 0.
+fn two_in_a_row() -> Figure {
+    let labels = ["what it takes", "what it saves"];
+    let panel = |title: &str| {
+        let value = |at: usize, row: usize| match at {
+            0 => point(row as f64, 40.0 * (noise(row) - 0.3), 0.0),
+            _ => point(row as f64, 40.0 * noise(row + 5), 0.1),
+        };
+        let dots = Content::Dots(named(&labels, METHODS.len(), value).collect());
+        Panel::new(title, Axis::categories("", METHODS), Axis::from_zero("ns per ray"), dots)
+    };
+    figure("two-in-a-row", SCENES.into_iter().take(4).map(panel).collect())
 }

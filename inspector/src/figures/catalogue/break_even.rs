@@ -1,0 +1,113 @@
+//! What a sort may cost: what it saves in tracing against what it takes.
+
+use formats::manifest::Stage;
+
+use super::building::{figure, methods, reason, recordings, settings};
+use super::{Findings, Made};
+use crate::analysis::RecordingAnalysis;
+use crate::analysis::break_even::BreakEven;
+use crate::analysis::summary::RayClass;
+use crate::analysis::timing::STAGES;
+use crate::figures::model::{Axis, Content, Panel, Point, Series};
+use crate::figures::style::STAGE_STYLES;
+
+/// Recordings whose panels have all rows.
+const MOST_WITH_ALL_ROWS: usize = 2;
+/// Rows of a panel otherwise, so that five recordings fit on a page.
+const MOST_ROWS: usize = 6;
+/// Black circles, which no row beside them is: `unsorted` has none here.
+const SAVED_STYLE: usize = 0;
+
+/// What tracing saves and what sorting takes, nanoseconds a ray, per method.
+pub fn break_even(findings: &Findings<'_>) -> Made {
+    let (mut panels, mut limits) = (Vec::new(), Vec::new());
+    let recordings = recordings(findings);
+    for recording in &recordings {
+        let mut of_recording = Vec::new();
+        for rays in RayClass::ALL {
+            let found = methods(findings)
+                .into_iter()
+                .filter_map(|method| Some((method, BreakEven::of(recording, rays, method)?)));
+            let mut found: Vec<(&str, BreakEven)> = found.collect();
+            of_recording.extend(limit(rays, &found));
+            if recordings.len() > MOST_WITH_ALL_ROWS {
+                keep_best(&mut found);
+            }
+            let title = if recordings.len() > 1 { recording.label.as_str() } else { "" };
+            panels.push(panel(recording, title, rays, &found));
+        }
+        limits.push(format!("{}: {}", recording.label, of_recording.join(", ")));
+    }
+    let left_out = if recordings.len() > MOST_WITH_ALL_ROWS {
+        format!(" Of each scene the {MOST_ROWS} methods that save most.")
+    } else {
+        String::new()
+    };
+    let caption = format!(
+        "Sorting pays if all of it takes less than it saves in tracing, at best: {}. Saves: the trace of unsorted rays less that of sorted ones, over all bounces, with its 95 % interval. Takes: all else that the recording counts (keys, sort, accumulate, and gather and scatter where rays are not traced through indices). A method whose square is left of its circle has a net speedup above 1.{left_out}",
+        limits.join("; ")
+    );
+    let reason =
+        reason(findings, |order| &order.net_speedup, "no method was measured on secondary or shadow rays");
+    figure("What a sort may cost, per ray", caption, settings(findings), panels, reason)
+}
+
+/// What a sort may take at most: by the method that saves most.
+fn limit(rays: RayClass, found: &[(&str, BreakEven)]) -> Option<String> {
+    let (method, best) = found.iter().max_by(|(_, a), (_, b)| a.saved_ns.total_cmp(&b.saved_ns))?;
+    let rays = rays.name();
+    Some(if best.saved_ns > 0.0 {
+        format!("{:.1} ns a {rays} ray ({method})", best.saved_ns)
+    } else {
+        format!("nothing with {rays} rays")
+    })
+}
+
+/// Leaves the methods that save most, in their order.
+fn keep_best(found: &mut Vec<(&str, BreakEven)>) {
+    let mut saved: Vec<f64> = found.iter().map(|(_, of)| of.saved_ns).collect();
+    saved.sort_by(|a, b| b.total_cmp(a));
+    if let Some(&least) = saved.get(MOST_ROWS - 1) {
+        found.retain(|(_, of)| of.saved_ns >= least);
+    }
+}
+
+fn panel(recording: &RecordingAnalysis, title: &str, rays: RayClass, found: &[(&str, BreakEven)]) -> Panel {
+    let series = |label: &str, style: usize, number: fn(&BreakEven) -> (f64, Option<(f64, f64)>)| {
+        let point = |(row, (method, of)): (usize, &(&str, BreakEven))| {
+            let (y, spread) = number(of);
+            let name = format!("{}, {}, {method}", recording.label, rays.name());
+            Point { x: row as f64, y, spread, n: of.n, name }
+        };
+        let points = found.iter().enumerate().map(point).collect();
+        Series { label: label.to_owned(), style, points, is_part: false }
+    };
+    // The colour of sorting in other figures.
+    let cost_style = STAGE_STYLES + STAGES.iter().position(|stage| *stage == Stage::Sort).unwrap_or(0);
+    Panel::new(
+        title,
+        Axis::categories("", found.iter().map(|(method, _)| *method)),
+        Axis::from_zero(&format!("ns per {} ray", rays.name())),
+        Content::Dots(vec![
+            series("sorting takes", cost_style, |of| (of.cost_ns, None)),
+            series("sorting saves", SAVED_STYLE, |of| (of.saved_ns, of.interval)),
+        ]),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_methods_that_save_most_stay_in_their_order() {
+        let saving = |saved_ns| BreakEven { saved_ns, interval: None, cost_ns: 1.0, n: 1 };
+        let saved =
+            [("a", -1.0), ("b", 5.0), ("c", 1.0), ("d", 4.0), ("e", 0.5), ("f", 9.0), ("g", 3.0), ("h", 2.0)];
+        let mut found: Vec<_> = saved.map(|(method, saved_ns)| (method, saving(saved_ns))).to_vec();
+        keep_best(&mut found);
+        assert_eq!(found.iter().map(|(method, _)| *method).collect::<String>(), "bcdfgh");
+        assert_eq!(limit(RayClass::Shadow, &found).unwrap(), "9.0 ns a shadow ray (f)");
+        assert_eq!(limit(RayClass::Shadow, &[("a", saving(-1.0))]).unwrap(), "nothing with shadow rays");
+    }
+}
