@@ -486,6 +486,33 @@ fn a_sort_pays_where_it_takes_less_than_it_saves() {
     }
 }
 
+#[test]
+fn a_curve_is_drawn_beside_orders_that_were_timed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut analysis = analysis(folder.path(), Depth::Manifest);
+    let titles: Vec<String> = figure(&Findings { analysis: &analysis, benches: &[] }, "curve")
+        .unwrap()
+        .panels
+        .into_iter()
+        .map(|panel| panel.title)
+        .collect();
+    assert_eq!(
+        titles,
+        [
+            "Morton, 8 × 8: 7 jumps",
+            "Hilbert, 8 × 8: no jump",
+            "Morton, 64 × 64: 511 jumps",
+            "Hilbert, 64 × 64: no jump"
+        ]
+    );
+    analysis.recordings[0]
+        .queues
+        .iter_mut()
+        .flat_map(|queue| &mut queue.orders)
+        .for_each(|order| order.stages.clear());
+    assert!(figure(&Findings { analysis: &analysis, benches: &[] }, "curve").is_err());
+}
+
 /// A recording of variants alone is left out beside others, but shown where there is nothing else; tables
 /// and pictures that two recordings share are shown once.
 #[test]

@@ -10,6 +10,7 @@
 //! - [`benches`]: sort throughput, trace rate
 //! - [`errors`]: run time against error, what skipping saves
 //! - [`picture`]: the image and what each pixel cost
+//! - [`curve`]: what a curve through a grid is
 //! - [`building`]: what they share
 
 pub mod bandwidth;
@@ -17,6 +18,7 @@ pub mod benches;
 pub mod break_even;
 pub mod building;
 pub mod capsules;
+pub mod curve;
 pub mod errors;
 pub mod models;
 pub mod overhead;
@@ -109,4 +111,5 @@ pub const CATALOGUE: &[FigureMaker] = &[
     maker("image-error", "noise of the picture against the time of all stages, by method", errors::image),
     maker("skipped", "what skipping saves, each thing on and off", errors::skipped),
     maker("pixel-cost", "the picture, and the work behind each pixel", picture::pixel_cost),
+    maker("curve", "a grid in Morton's and in Hilbert's order, and its jumps", curve::curve),
 ];
