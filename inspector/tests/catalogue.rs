@@ -13,6 +13,7 @@ use formats::metrics::estimator::EstimateError;
 use formats::metrics::speedup::median;
 use formats::ray::Kind;
 use formats::reader::Dump;
+use inspector::analysis::headline::Headline;
 use inspector::analysis::summary::RayClass;
 use inspector::analysis::{Analysis, AnalysisOptions, Depth, Metric, analyse};
 use inspector::figures::catalogue::{CATALOGUE, Findings, Skipped};
@@ -484,6 +485,42 @@ fn a_sort_pays_where_it_takes_less_than_it_saves() {
         let limit = format!("ns a {} ray (two-point)", rays.name());
         assert!(made.caption.contains(&limit), "{}", made.caption);
     }
+}
+
+/// Views of the sample: over all rays their areas have the means that the analysis has, and rates are the clock's.
+#[test]
+fn a_view_has_the_areas_of_its_groups_and_the_rates_of_its_traces() {
+    let folder = tempfile::tempdir().unwrap();
+    let analysis = analysis(folder.path(), Depth::Arrays);
+    let findings = Findings { analysis: &analysis, benches: &[] };
+    let recording = &analysis.recordings[0];
+    let queue = recording.measured().find(|queue| queue.bounce == 1 && queue.kind == Kind::Closest).unwrap();
+    let methods: Vec<&str> = queue.orders.iter().map(|order| order.method.as_str()).collect();
+    let found = Headline::of(recording, &methods, analysis.group_width);
+    let Headline { views, bounce: 1, .. } = found.known().unwrap() else { panic!("{found:?}") };
+    let made = figure(&findings, "headline").unwrap();
+    for (view, panel) in views.iter().zip(&made.panels) {
+        let order = queue.order(&view.method).unwrap();
+        let areas: Vec<f64> = view.areas.iter().flatten().copied().collect();
+        let mean = areas.iter().sum::<f64>() / areas.len() as f64;
+        assert_eq!(areas.len() as u64, queue.rays);
+        assert!(
+            (mean / order.coherence.known().unwrap().mean_capsule_area - 1.0).abs() < 1e-9,
+            "{}",
+            view.method
+        );
+        let rate =
+            order.stages.iter().find(|found| found.stage == Stage::Trace).unwrap().time.mrays_per_second;
+        assert!((10.0..100.0).contains(&rate), "{rate}");
+        assert_eq!(panel.title, format!("{}: {rate:.1} Mrays/s", view.method));
+        let Content::Picture(picture) = &panel.content else { panic!("a picture") };
+        let is_dark = |(colour, area): (&[u8; 3], &Option<f64>)| (*colour == [0; 3]) == area.is_none();
+        assert!(picture.rgb.iter().zip(&view.areas).all(is_dark), "pixels without a ray are dark");
+    }
+    let speedup =
+        |method: &str| queue.order(method).unwrap().trace_speedup.known().map_or(0.0, |line| line.ratio);
+    assert!(methods.iter().all(|method| speedup(method) <= speedup(&views[1].method)), "{}", views[1].method);
+    assert_eq!(views[0].method, "unsorted");
 }
 
 #[test]

@@ -13,6 +13,7 @@
 //! - [`labels`]: what recordings are called beside each other
 //! - [`work`]: nodes and triangles of the recording's own kernel
 //! - [`picture`]: the image and what each pixel cost
+//! - [`headline`]: one view, unsorted and sorted
 //!
 //! Arrays are mapped one queue at a time. Beyond the maps, memory is about 12 bytes for each ray of the
 //! largest queue and 16 for each of its groups, for any number of methods.
@@ -22,6 +23,7 @@ pub mod break_even;
 pub mod coherence;
 pub mod correlations;
 pub mod frame;
+pub mod headline;
 pub mod labels;
 pub mod metric;
 pub mod options;

@@ -9,7 +9,7 @@
 //! - [`models`]: lane utilisation, cache hit ratios
 //! - [`benches`]: sort throughput, trace rate
 //! - [`errors`]: run time against error, what skipping saves
-//! - [`picture`]: the image and what each pixel cost
+//! - [`picture`], [`headline`]: the image and what each pixel cost; one view, unsorted and sorted
 //! - [`curve`]: what a curve through a grid is
 //! - [`building`]: what they share
 
@@ -20,6 +20,7 @@ pub mod building;
 pub mod capsules;
 pub mod curve;
 pub mod errors;
+pub mod headline;
 pub mod models;
 pub mod overhead;
 pub mod picture;
@@ -111,5 +112,6 @@ pub const CATALOGUE: &[FigureMaker] = &[
     maker("image-error", "noise of the picture against the time of all stages, by method", errors::image),
     maker("skipped", "what skipping saves, each thing on and off", errors::skipped),
     maker("pixel-cost", "the picture, and the work behind each pixel", picture::pixel_cost),
+    maker("headline", "one view unsorted and sorted: capsule area, trace rate", headline::headline),
     maker("curve", "a grid in Morton's and in Hilbert's order, and its jumps", curve::curve),
 ];

@@ -1,0 +1,129 @@
+//! One view, unsorted and sorted: how large the capsule is of the group that each pixel's ray is traced with.
+
+use formats::key::method::UNSORTED;
+use formats::manifest::{MethodArray, Place, QueueArray, QueueId};
+use formats::metrics::group::Group;
+use formats::metrics::order::Places;
+use formats::ray::Kind;
+use formats::reader::{Dump, Loaded};
+use formats::traced::Traced;
+
+use super::frame::traced;
+use super::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
+
+/// The first queue of secondary rays, in canonical order and in the one that is traced fastest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Headline {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Bounce of the queue.
+    pub bounce: u32,
+    /// Unsorted, sorted.
+    pub views: [View; 2],
+}
+
+/// One order of the queue.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// The method, or `unsorted`.
+    pub method: String,
+    /// Rays traced a second in this order, millions, by the median of the trace alone.
+    pub mrays_per_second: f64,
+    /// For each pixel, top row first, the area of the capsule around the group that its ray is in, unit space; none
+    /// where a pixel has no ray.
+    pub areas: Vec<Option<f64>>,
+}
+
+impl Headline {
+    /// Of a recording, by the method of `methods` that has the best trace speedup of that queue.
+    pub fn of(recording: &RecordingAnalysis, methods: &[&str], group_width: usize) -> Metric<Self> {
+        let read = || -> Result<Self, String> {
+            let is_first = |queue: &&QueueAnalysis| queue.kind == Kind::Closest && queue.bounce > 0;
+            let queue = recording.measured().filter(is_first).min_by_key(|queue| queue.bounce);
+            let queue = queue.ok_or("no method was measured on secondary rays")?;
+            let unsorted = queue.order(UNSORTED).ok_or("the trace of unsorted rays was not timed")?;
+            let sorted = fastest(queue, methods).ok_or("no method has a trace speedup of secondary rays")?;
+            let dump = Dump::open(&recording.root).map_err(|error| error.to_string())?;
+            let pixels = Pixels::open(&dump, recording, queue, group_width)?;
+            let (width, height) = (recording.options.width, recording.options.height);
+            let views = [pixels.view(unsorted)?, pixels.view(sorted)?];
+            Ok(Self { width, height, bounce: queue.bounce, views })
+        };
+        read().into()
+    }
+}
+
+fn fastest<'a>(queue: &'a QueueAnalysis, methods: &[&str]) -> Option<&'a OrderAnalysis> {
+    let orders = queue.orders.iter().filter(|order| methods.contains(&order.method.as_str()));
+    let known = orders.filter_map(|order| Some((order, order.trace_speedup.known()?.ratio)));
+    known.max_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(order, _)| order)
+}
+
+/// What the views of a queue share.
+struct Pixels<'a> {
+    dump: &'a Dump,
+    queue: QueueId,
+    traced: Traced,
+    lengths: Vec<f32>,
+    paths: Loaded<u32>,
+    count: usize,
+    group_width: usize,
+}
+
+impl<'a> Pixels<'a> {
+    fn open(
+        dump: &'a Dump,
+        recording: &RecordingAnalysis,
+        &QueueAnalysis { pass, bounce, kind, .. }: &QueueAnalysis,
+        group_width: usize,
+    ) -> Result<Self, String> {
+        let queue = QueueId { pass, bounce, kind };
+        let traced = Traced::open(dump, queue).map_err(|error| error.to_string())?;
+        let paths: Loaded<u32> =
+            dump.array(&Place::Queue(queue, QueueArray::PathIds)).map_err(|error| error.to_string())?;
+        let (rays, named) = (traced.rays().len(), paths.len());
+        if named != rays {
+            return Err(format!(
+                "{queue}/path_ids.npy has {named} entries for {rays} rays; `inspector verify` says what is wrong"
+            ));
+        }
+        // What a header says is believed where there are as many pixels.
+        let image: Loaded<[f32; 3]> = dump.array(&Place::Image).map_err(|error| error.to_string())?;
+        let (width, height, count) = (recording.options.width, recording.options.height, image.len());
+        if u64::from(width) * u64::from(height) != count as u64 {
+            return Err(format!("the image has {count} pixels, expected {width}×{height}"));
+        }
+        if let Some(path) = paths.iter().find(|&&path| path as usize >= count) {
+            return Err(format!("{queue}/path_ids.npy names path {path} of {count}"));
+        }
+        Ok(Self { dump, queue, lengths: traced.lengths(), traced, paths, count, group_width })
+    }
+
+    fn view(&self, order: &OrderAnalysis) -> Result<View, String> {
+        let time = traced(order).ok_or_else(|| format!("the trace by {} was not timed", order.method))?;
+        let of_group = |rays: &[u32]| {
+            let group = Group::of(&self.traced, &self.lengths, None, rays.iter().map(|&ray| ray as usize));
+            let area = group.map(|group| group.area).filter(|area| area.is_finite());
+            rays.iter().map(|&ray| (self.paths[ray as usize], area)).collect::<Vec<_>>()
+        };
+        let of_chunk = |rays: &[u32]| rays.chunks(self.group_width).flat_map(of_group).collect::<Vec<_>>();
+        let mut areas = vec![None; self.count];
+        for (path, area) in self.places(&order.method)?.chunks(of_chunk).into_iter().flatten() {
+            areas[path as usize] = area;
+        }
+        Ok(View { method: order.method.clone(), mrays_per_second: time.mrays_per_second, areas })
+    }
+
+    fn places(&self, method: &str) -> Result<Places, String> {
+        let rays = self.traced.rays().len();
+        if method == UNSORTED {
+            return Ok(Places::Canonical(rays));
+        }
+        let place = Place::Method(self.queue, method.to_owned(), MethodArray::Permutation);
+        let permutation = self.dump.array(&place).map_err(|error| error.to_string())?;
+        Places::sorted(permutation, rays)
+            .map_err(|problem| format!("{}/{place}: {problem}", self.dump.root().display()))
+    }
+}
