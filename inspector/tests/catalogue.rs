@@ -7,10 +7,10 @@ use std::path::Path;
 
 use formats::bench_result::error::{ErrorRows, EstimatorRow, HitErrors, ImageRow, KeyBitsRow, PrecisionRow};
 use formats::bench_result::skip::{Cost, SkipRow};
-use formats::bench_result::{BENCH_VERSION, BenchResult, Rows, SortRow, TraceRow};
+use formats::bench_result::{BENCH_VERSION, BenchResult, RenderRow, Rows, ShadeCoherence, SortRow, TraceRow};
 use formats::manifest::{Stage, Way};
 use formats::metrics::estimator::EstimateError;
-use formats::metrics::speedup::median;
+use formats::metrics::speedup::{Speedup, median};
 use formats::ray::Kind;
 use formats::reader::Dump;
 use inspector::analysis::headline::Headline;
@@ -44,7 +44,7 @@ fn bench(rows: Rows) -> BenchResult {
     }
 }
 
-fn benches() -> [BenchResult; 4] {
+fn benches() -> [BenchResult; 5] {
     let sort = |n, key_bits, ns| SortRow { n, key_bits, samples_ns: vec![ns, ns + 10, ns + 20] };
     let trace = |kernel: &str, order: &str, ns| TraceRow {
         scene: "box".into(),
@@ -68,7 +68,35 @@ fn benches() -> [BenchResult; 4] {
         bench(Rows::Skip(
             [("textures", "shade"), ("textures", "trace"), ("masks", "trace")].map(skip_row).to_vec(),
         )),
+        bench(Rows::Render(vec![
+            frame("unsorted", [1000, 500, 0], None, 4.5),
+            frame("aila", [2000, 1000, 500], Some(0.5), 2.5),
+            frame("hits by material", [900, 500, 100], Some(1.0 / 0.9), 1.0),
+        ])),
     ]
+}
+
+/// Frames of these times: whole, tracing, reordering.
+fn frame(
+    method: &str,
+    [frame_ns, trace_ns, reorder_ns]: [u64; 3],
+    ratio: Option<f64>,
+    materials: f64,
+) -> RenderRow {
+    RenderRow {
+        scene: "box".into(),
+        method: method.into(),
+        width: 16,
+        height: 9,
+        passes: 1,
+        bounces: 2,
+        frame_ns: vec![frame_ns; 3],
+        trace_ns: vec![trace_ns; 3],
+        reorder_ns: vec![reorder_ns; 3],
+        speedup: ratio.map(|ratio| Speedup { ratio, interval: None }),
+        shade_speedup: None,
+        coherence: Some(ShadeCoherence { materials, branches: 1.0 }),
+    }
 }
 
 fn skip_row((what, of): (&str, &str)) -> SkipRow {
@@ -550,6 +578,28 @@ fn a_curve_is_drawn_beside_orders_that_were_timed() {
     assert!(figure(&Findings { analysis: &analysis, benches: &[] }, "curve").is_err());
 }
 
+/// Frames by hand: a third of the time is tracing, sorting costs a tenth and saves a fifth of shading.
+#[test]
+fn frames_are_stacked_from_their_parts_beside_their_speedup() {
+    let analysis = Analysis { group_width: 64, recordings: vec![], summaries: vec![], correlations: vec![] };
+    let benches = benches();
+    let made = figure(&Findings { analysis: &analysis, benches: &benches }, "shading").unwrap();
+    let [parts, speedups] = &made.panels[..] else { panic!("{} panels", made.panels.len()) };
+    let Scale::Categories(orders) = &parts.x.scale else { panic!("orders along the axis") };
+    assert_eq!((orders, &parts.x), (&vec!["none".to_owned(), "material".to_owned()], &speedups.x));
+    let numbers = |panel: &Panel| -> Vec<(String, Vec<f64>)> {
+        let of =
+            |series: &Series| (series.label.clone(), series.points.iter().map(|point| point.y).collect());
+        series(panel).iter().map(of).collect()
+    };
+    let expected =
+        [("trace", [0.5, 0.5]), ("generate and shade", [0.5, 0.3]), ("sort and move hits", [0.0, 0.1])];
+    assert_eq!(numbers(parts), expected.map(|(label, numbers)| (label.to_owned(), numbers.to_vec())));
+    assert_eq!(numbers(speedups), [("whole frame".to_owned(), vec![1.0 / 0.9])]);
+    assert_eq!(series(speedups)[0].points[0].x, 1.0, "in the row of its stack");
+    assert!(made.caption.contains("none 4.5, material 1.0"), "{}", made.caption);
+}
+
 /// A recording of variants alone is left out beside others, but shown where there is nothing else; tables
 /// and pictures that two recordings share are shown once.
 #[test]
@@ -589,6 +639,7 @@ fn what_recordings_cannot_give_is_skipped_with_a_reason() {
         ("precision-error", "bench error"),
         ("image-error", "bench error"),
         ("skipped", "bench skip"),
+        ("shading", "bench render"),
     ] {
         let skipped = figure(&findings, name).unwrap_err();
         assert!(skipped.reason.contains(part), "{skipped:?}");

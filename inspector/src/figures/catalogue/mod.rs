@@ -9,6 +9,7 @@
 //! - [`models`]: lane utilisation, cache hit ratios
 //! - [`benches`]: sort throughput, trace rate
 //! - [`errors`]: run time against error, what skipping saves
+//! - [`shading`]: frames whose hits are sorted before they are shaded
 //! - [`picture`], [`headline`]: the image and what each pixel cost; one view, unsorted and sorted
 //! - [`curve`]: what a curve through a grid is
 //! - [`building`]: what they share
@@ -25,6 +26,7 @@ pub mod models;
 pub mod overhead;
 pub mod picture;
 pub mod rates;
+pub mod shading;
 pub mod speedups;
 pub mod sweeps;
 pub mod tables;
@@ -110,6 +112,7 @@ pub const CATALOGUE: &[FigureMaker] = &[
     maker("estimator-cost", "cost of the length table against the error of its estimates", errors::estimator),
     maker("key-bits-cost", "key and sort time against capsule area and trace time", errors::key_bits),
     maker("image-error", "noise of the picture against the time of all stages, by method", errors::image),
+    maker("shading", "frame time and speedup by what hits are sorted by before shading", shading::shading),
     maker("skipped", "what skipping saves, each thing on and off", errors::skipped),
     maker("pixel-cost", "the picture, and the work behind each pixel", picture::pixel_cost),
     maker("headline", "one view unsorted and sorted: capsule area, trace rate", headline::headline),
