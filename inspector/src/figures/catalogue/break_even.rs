@@ -2,7 +2,7 @@
 
 use formats::manifest::Stage;
 
-use super::building::{figure, methods, reason, recordings, settings};
+use super::building::{self, figure, methods, reason, recordings, settings};
 use super::{Findings, Made};
 use crate::analysis::RecordingAnalysis;
 use crate::analysis::break_even::BreakEven;
@@ -76,8 +76,8 @@ fn panel(recording: &RecordingAnalysis, title: &str, rays: RayClass, found: &[(&
     let series = |label: &str, style: usize, number: fn(&BreakEven) -> (f64, Option<(f64, f64)>)| {
         let point = |(row, (method, of)): (usize, &(&str, BreakEven))| {
             let (y, spread) = number(of);
-            let name = format!("{}, {}, {method}", recording.label, rays.name());
-            Point { x: row as f64, y, spread, n: of.n, name }
+            let number_of = building::of(recording, rays.name(), None, method);
+            Point { x: row as f64, y, spread, n: of.n, of: number_of }
         };
         let points = found.iter().enumerate().map(point).collect();
         Series { label: label.to_owned(), style, points, is_part: false }

@@ -8,7 +8,7 @@ use super::building::figure;
 use super::{Findings, Made};
 use crate::analysis::RecordingAnalysis;
 use crate::colour_map::{ColourMap, STEPS};
-use crate::figures::model::{Axis, Content, Panel, Picture, Point, Series};
+use crate::figures::model::{Axis, Content, Of, Panel, Picture, Point, Series};
 
 /// Both curves, by their name and what stands for a level of theirs in a layout.
 const CURVES: [(&str, &str); 2] = [("Morton", "(ox oy)"), ("Hilbert", "hilbert(ox oy)")];
@@ -81,8 +81,8 @@ fn line(title: String, cells: &[Cell]) -> Panel {
     let series = |label: &str, style: usize, first: usize, count: usize| {
         let point = |at: usize| {
             let [column, row] = cells[at];
-            let name = format!("cell {at} of {}", cells.len());
-            Point { x: f64::from(column), y: f64::from(row), spread: None, n: 1, name }
+            let of = Of::detail(format!("cell {at} of {}", cells.len()));
+            Point { x: f64::from(column), y: f64::from(row), spread: None, n: 1, of }
         };
         let points = (first..first + count).map(point).collect();
         Series { label: label.to_owned(), style, points, is_part: false }

@@ -9,7 +9,7 @@ use super::building::{bench_settings, figure, machine};
 use super::{Findings, Made};
 use crate::analysis::summary::distinct;
 use crate::analysis::timing::STAGES;
-use crate::figures::model::{Axis, Content, Panel, Point, Series};
+use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
 use crate::figures::style::STAGE_STYLES;
 
 /// What the names of orders of hits start with.
@@ -59,8 +59,9 @@ fn beside(title: &str, rows: &[&RenderRow]) -> Option<[Panel; 2]> {
     let unsorted = rows.iter().find(|row| row.method == UNSORTED)?;
     let frame_ns = median(&unsorted.frame_ns)?;
     let point = |(at, row): (usize, &&RenderRow), y, spread| {
-        let name = format!("{title}, {}x{}, {}", row.width, row.height, row.method);
-        Point { x: at as f64, y, spread, n: row.frame_ns.len(), name }
+        let (scene, method) = (row.scene.clone(), row.method.clone());
+        let of = Of { scene, method, ..Of::detail(format!("{}x{}", row.width, row.height)) };
+        Point { x: at as f64, y, spread, n: row.frame_ns.len(), of }
     };
     let part = |(label, stage, samples): Part| {
         let of_row = |row: (usize, &&RenderRow)| Some(point(row, median(&samples(row.1))? / frame_ns, None));
