@@ -1,6 +1,6 @@
 """Keys of the rows of others, computed anew from a recording's rays: python3 check_keys.py X.raydump FACTS.json.
 
-FACTS.json has the scene's bounds and the bits of a key. Everything is NumPy in single precision, as plain as KEYS
+FACTS.json has the scene's bounds, the picture's width and height, and the bits of a key. Everything is NumPy in single precision, as plain as KEYS
 says it; a Hilbert curve is walked from level to level by its symmetries. Prints how many keys of each method agree.
 """
 
@@ -20,14 +20,15 @@ def quantised(value):
 
 
 class Rays:
-    def __init__(self, rays, low, high, length):
-        low, high = np.array(low, F), np.array(high, F)
+    def __init__(self, rays, paths, facts):
+        low, high = np.array(facts["min"], F), np.array(facts["max"], F)
         extent = (high - low).max()
         self.scale = F(1) / extent if extent > 0 else F(1)
         self.sides = (high - low) * self.scale
+        self.paths, self.width, self.height = paths, facts["width"], facts["height"]
         self.direction = rays["direction"]
         self.origin = (rays["origin"] - low) * self.scale
-        bound = np.minimum(F(min(length, 1.75)), rays["t_max"] * self.scale)
+        bound = np.minimum(F(min(facts["length"], 1.75)), rays["t_max"] * self.scale)
         self.length = np.maximum(np.minimum(bound, self.exit()), F(0))
 
     def exit(self):
@@ -57,6 +58,12 @@ class Rays:
             return quantised(x / (np.abs(z) + F(1)) * F(0.25) + np.where(z < 0, F(0.25), F(0.75)))
         if name == "pv":
             return quantised(y / (np.abs(z) + F(1)) * F(0.5) + F(0.5))
+        if name in "uv":
+            x, y, z = (axis.astype(np.float64) for axis in (x, y, z))
+            whole = np.abs(x) + np.abs(y) + np.abs(z)
+            upper, across, sign = (x, y, x) if name == "u" else (y, x, y)
+            lower = (1 - np.abs(across / whole)) * np.where(sign > 0, 1, -1)
+            return quantised((np.where(z < 0, lower, upper / whole) + 1) / 2)
         if name == "theta":
             turn = np.arctan2(y, x, dtype=np.float64) / (2 * np.pi) + 0.5
             return quantised(np.where((x == 0) & (y == 0), 0.5, turn))
@@ -70,6 +77,17 @@ class Rays:
         for name in names:
             taken[name] += 1
             yield coordinates[name] >> (FINEST - taken[name]) & 1
+
+    def tile(self, across, down):
+        """Bits of the number of a path's tile: tiles are laid over the picture in turn, and painted."""
+        picture, count = np.zeros((self.height, self.width), np.int64), 0
+        for top in range(0, self.height, down):
+            for left in range(0, self.width, across):
+                picture[top:top + down, left:left + across] = count
+                count += 1
+        number = picture.reshape(-1)[self.paths]
+        for bit in reversed(range(max(count - 1, 0).bit_length())):
+            yield number >> bit & 1
 
     def hilbert(self, names):
         """Bits of the place along the Hilbert curve through coordinates, level by level."""
@@ -101,6 +119,8 @@ METHODS = {
     "hilbert-origin": lambda rays: rays.hilbert(O),
     "hilbert-two-point": lambda rays: rays.hilbert(O + E),
     "two-point-xor": lambda rays: (a ^ b for a, b in zip(rays.bits(O * 22), rays.bits(E * 22))),
+    "tiled-octahedron": lambda rays: (*rays.tile(64, 128), *rays.bits(["u", "v"] * 4)),
+    "small-tiles": lambda rays: (*rays.tile(7, 10), *rays.bits(["u", "v"] * 4)),
     "grid-spherical": lambda rays: rays.bits(O * 5 + ["theta"] * 4 + ["phi"] * 3),
 }
 
@@ -118,11 +138,14 @@ def main(folder, facts):
     compared = dict.fromkeys(METHODS, 0)
     for path in sorted(pathlib.Path(folder).rglob("keys.npy")):
         method, found = path.parent.name, np.load(path)
-        rays = Rays(np.load(path.parent.parent / "rays.npy"), facts["min"], facts["max"], facts["length"])
+        queue = path.parent.parent
+        rays = Rays(np.load(queue / "rays.npy"), np.load(queue / "path_ids.npy"), facts)
         expected = key_of(METHODS[method](rays), facts["key_bits"], len(found))
         differing = np.flatnonzero(found != expected)
-        # Azimuth and polar angle are a polynomial's: a ray on the border of a cell may be in the next one.
-        if len(differing) > (len(found) // 1000 if method == "grid-spherical" else 0):
+        # Azimuth and polar angle are a polynomial's, the octahedron is in double precision here: a ray on the
+        # border of a cell may be in the next one.
+        is_rounded = method in ("grid-spherical", "tiled-octahedron", "small-tiles")
+        if len(differing) > (len(found) // 1000 if is_rounded else 0):
             at = differing[0]
             keys = f"{int(found[at]):#x}, expected {int(expected[at]):#x}"
             sys.exit(f"{path}: key of ray {at} is {keys}; {len(differing)} keys differ")

@@ -78,7 +78,7 @@ pub fn method_record(choice: &Choice, header: &Header) -> Result<MethodRecord, S
     if !(KEY_BITS_MIN..=LAYOUT_BITS).contains(key_bits) {
         return Err(format!("{key_bits} bits, expected {KEY_BITS_MIN} to {LAYOUT_BITS}"));
     }
-    let layout = built_in.layout.expand(header.lights.len()).map_err(|error| error.message)?;
+    let layout = built_in.layout.expand(header.extent()).map_err(|error| error.message)?;
     Ok(MethodRecord {
         name: built_in.name.clone(),
         text: built_in.layout.text().to_owned(),

@@ -1,6 +1,6 @@
 //! A stored length table and how rays find their cell in it.
 
-use crate::key::Encoder;
+use crate::key::{Encoder, Facts};
 use crate::length_table::{LengthCell, LengthTable, LengthTableError, TABLE_BITS_MAX, TABLE_BITS_MIN};
 use crate::manifest::{Header, Place, QueueArray, QueueId};
 use crate::ray::Ray;
@@ -57,7 +57,7 @@ impl StoredTable {
 
     /// Mean length of a ray's cell, unit lengths: what two-point-adaptive takes the ray's length for.
     pub fn mean(&self, ray: &Ray) -> f32 {
-        self.table.mean(self.encoder.encode(ray, 0.0, 0) as u32)
+        self.table.mean(self.encoder.encode(ray, Facts::default()) as u32)
     }
 
     /// Cells that a ray was added to.

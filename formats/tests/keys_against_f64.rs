@@ -5,7 +5,7 @@
 
 mod oracle;
 
-use formats::key::{Encoder, LightSite, Method};
+use formats::key::{Encoder, Extent, Facts, LightSite, Method};
 use formats::ray::Ray;
 use formats::unit_space::UnitSpace;
 use oracle::{Bounds, coordinate, error_bits, hilbert_digits};
@@ -13,6 +13,7 @@ use oracle::{Bounds, coordinate, error_bits, hilbert_digits};
 const MIN: [f32; 3] = [-3.0, 10.0, 0.5];
 const MAX: [f32; 3] = [5.0, 14.0, 2.5];
 const LENGTH: f64 = 0.25;
+const PICTURE: [u32; 2] = [300, 200];
 
 fn lights() -> Vec<LightSite> {
     vec![
@@ -73,6 +74,11 @@ fn bits_of(method: &str, lights: usize) -> Vec<&'static str> {
             repeat(&["ox", "oy", "oz", "pu", "pv"], 10);
             repeat(&["ox", "oy"], 1);
         }
+        "tiled-octahedron" => {
+            // 5 × 2 tiles of 64 × 128 pixels in a picture of 300 × 200.
+            repeat(&["tile"], 4);
+            repeat(&["u", "v"], 4);
+        }
         "grid-spherical" => {
             repeat(&["ox", "oy", "oz"], 5);
             repeat(&["theta"], 4);
@@ -96,9 +102,19 @@ fn coordinate_bit(name: &str, level: i32, ray: &Ray, light: u32) -> Option<bool>
     is_far.then_some(scaled.floor() as u64 & 1 == 1)
 }
 
+/// The tile of a path, found by walking from tile to tile.
+fn tile_of(path: u32) -> u32 {
+    let corners = (0..PICTURE[1]).step_by(128).flat_map(|y| (0..PICTURE[0]).step_by(64).map(move |x| (x, y)));
+    let is_inside = |(left, top): (u32, u32)| {
+        let (x, y) = (path - path / PICTURE[0] * PICTURE[0], path / PICTURE[0]);
+        (left..left + 64).contains(&x) && (top..top + 128).contains(&y)
+    };
+    corners.into_iter().position(is_inside).unwrap() as u32
+}
+
 /// The key, or `None` as of [`coordinate_bit`].
-fn oracle_key(bits: &[&'static str], key_bits: usize, ray: &Ray, light: u32) -> Option<u64> {
-    let index_bits = bits.iter().filter(|name| **name == "light").count();
+fn oracle_key(bits: &[&'static str], key_bits: usize, ray: &Ray, light: u32, path: u32) -> Option<u64> {
+    let bits_of = |number| bits.iter().filter(|name| **name == number).count() as i32;
     let mut key = 0u64;
     for place in 0..key_bits {
         let Some(name) = bits.get(place) else {
@@ -107,7 +123,8 @@ fn oracle_key(bits: &[&'static str], key_bits: usize, ray: &Ray, light: u32) -> 
         };
         let level = bits[..place].iter().filter(|other| *other == name).count() as i32 + 1;
         let bit = match *name {
-            "light" => light >> (index_bits as i32 - level) & 1 == 1,
+            "light" => light >> (bits_of("light") - level) & 1 == 1,
+            "tile" => tile_of(path) >> (bits_of("tile") - level) & 1 == 1,
             name => coordinate_bit(name, level, ray, light)?,
         };
         key = key << 1 | u64::from(bit);
@@ -143,6 +160,7 @@ fn rays() -> impl Iterator<Item = Ray> {
 fn every_method_puts_every_bit_where_keys_says() {
     let unit = UnitSpace::from_bounds(MIN, MAX);
     let lights = lights();
+    let extent = Extent { lights: lights.len(), picture: PICTURE };
     let methods = [
         "origin",
         "reis",
@@ -155,17 +173,19 @@ fn every_method_puts_every_bit_where_keys_says() {
         "light-octahedron",
         "paraboloid",
         "grid-spherical",
+        "tiled-octahedron",
     ];
     for name in methods {
-        let layout = Method::builtin(name).unwrap().layout.expand(lights.len()).unwrap();
+        let layout = Method::builtin(name).unwrap().layout.expand(extent).unwrap();
         let bits = bits_of(name, lights.len());
         for key_bits in [8, 12, 16, 24, 32] {
             let encoder = Encoder::new(&layout, key_bits, unit, &lights);
             let mut compared = 0;
             for (index, ray) in rays().enumerate() {
                 let light = index as u32 % lights.len() as u32;
-                if let Some(expected) = oracle_key(&bits, key_bits as usize, &ray, light) {
-                    let found = encoder.encode(&ray, LENGTH as f32, light);
+                let path = index as u32 * 3 % (PICTURE[0] * PICTURE[1]);
+                if let Some(expected) = oracle_key(&bits, key_bits as usize, &ray, light, path) {
+                    let found = encoder.encode(&ray, Facts { length: LENGTH as f32, light, path });
                     assert_eq!(
                         found, expected,
                         "{name} at {key_bits} bits: {found:b} instead of {expected:b} for {ray:?}"
@@ -182,7 +202,8 @@ fn every_method_puts_every_bit_where_keys_says() {
 fn curves_and_exclusive_ors_are_what_keys_says() {
     let unit = UnitSpace::from_bounds(MIN, MAX);
     let (origin, end) = (["ox", "oy", "oz"], ["ex", "ey", "ez"]);
-    let morton = |axes: &[&'static str], key_bits, ray: &Ray| oracle_key(&axes.repeat(22), key_bits, ray, 0);
+    let morton =
+        |axes: &[&'static str], key_bits, ray: &Ray| oracle_key(&axes.repeat(22), key_bits, ray, 0, 0);
     for (name, expected) in [
         (
             "hilbert-origin",
@@ -193,13 +214,13 @@ fn curves_and_exclusive_ors_are_what_keys_says() {
             Some(morton(&origin, key_bits, ray)? ^ morton(&end, key_bits, ray)?)
         }),
     ] {
-        let layout = Method::builtin(name).unwrap().layout.expand(1).unwrap();
+        let layout = Method::builtin(name).unwrap().layout.expand(Extent::NOTHING).unwrap();
         for key_bits in [8, 12, 16, 24, 32] {
             let encoder = Encoder::new(&layout, key_bits, unit, &[]);
             let known = rays().filter_map(|ray| Some((ray, expected(key_bits as usize, &ray)?)));
             let compared = known
                 .map(|(ray, expected): (Ray, u64)| {
-                    let found = encoder.encode(&ray, LENGTH as f32, 0);
+                    let found = encoder.encode(&ray, Facts { length: LENGTH as f32, ..Facts::default() });
                     assert_eq!(found, expected, "{name} at {key_bits} bits: {found:b} for {ray:?}");
                 })
                 .count();
@@ -210,13 +231,14 @@ fn curves_and_exclusive_ors_are_what_keys_says() {
 
 #[test]
 fn layouts_name_the_same_bits() {
-    let others = ["paraboloid", "grid-spherical"];
+    let others = ["paraboloid", "grid-spherical", "tiled-octahedron"];
     for name in ["origin", "reis", "costa", "aila", "octahedron", "two-point", "light-octahedron"]
         .into_iter()
         .chain(others)
     {
         for lights in [1, 5, 64] {
-            let layout = Method::builtin(name).unwrap().layout.expand(lights).unwrap();
+            let layout =
+                Method::builtin(name).unwrap().layout.expand(Extent { lights, picture: PICTURE }).unwrap();
             let names = layout.names();
             let expected = bits_of(name, lights);
             assert_eq!(names[..expected.len()], expected[..], "{name} with {lights} lights");

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
+use formats::key::Facts;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 use inspector::analysis::GroupWidth;
@@ -219,7 +220,7 @@ fn a_cell_that_is_clicked_is_its_rays() {
     let queue = order.queue.clone();
     let header = &context.recording().unwrap().dump.manifest().header;
     let cell_of = header.cell_encoder().unwrap();
-    let cell_of = |ray: usize| cell_of.encode(&queue.traced.rays()[ray], 0.0, 0) as u32;
+    let cell_of = |ray: usize| cell_of.encode(&queue.traced.rays()[ray], Facts::default()) as u32;
     let cell = cell_of(7);
     let expected: Vec<u32> =
         (0..queue.len()).filter(|&ray| cell_of(ray) == cell).map(|ray| ray as u32).collect();

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use formats::auto::{decide, is_worth_a_look, sample, sampled_area};
-use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
+use formats::key::{Extent, KEY_BITS_MIN, LAYOUT_BITS, Method};
 use formats::manifest::{CalibrationRecord, Choice, Way};
 use formats::ray::Ray;
 use formats::unit_space::UnitSpace;
@@ -48,7 +48,7 @@ pub struct Decision {
 ///
 /// # Errors
 /// If a calibration names a method or bits that there are not.
-pub fn candidates(calibration: &[CalibrationRecord], lights: usize, length: f32) -> Result<Vec<MethodPlan>> {
+pub fn candidates(calibration: &[CalibrationRecord], extent: Extent, length: f32) -> Result<Vec<MethodPlan>> {
     let mut wanted: Vec<(&str, u32)> = Vec::new();
     for candidate in calibration.iter().flat_map(|queue| &queue.candidates) {
         let candidate = (candidate.choice.method.as_str(), candidate.choice.key_bits);
@@ -59,7 +59,7 @@ pub fn candidates(calibration: &[CalibrationRecord], lights: usize, length: f32)
     let wanted = if calibration.is_empty() { CANDIDATES } else { &wanted };
     let plan = |&(name, bits): &(&str, u32)| {
         in_range("key-bits", bits, KEY_BITS_MIN, LAYOUT_BITS)?;
-        Ok(MethodPlan::new(&Method::builtin(name)?, lights, bits, length)?)
+        Ok(MethodPlan::new(&Method::builtin(name)?, extent, bits, length)?)
     };
     wanted.iter().map(plan).collect()
 }

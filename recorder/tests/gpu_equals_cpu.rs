@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use formats::key::{Encoder, Termination};
+use formats::key::{Encoder, Facts, Termination};
 use formats::length_table::{LengthCell, LengthTable};
 use formats::manifest::QueueId;
 use formats::ray::{Kind, Ray, Work};
@@ -27,13 +27,15 @@ use scenes::Scene;
 use scenes::bvh::{Bvh, BvhKind};
 
 /// Every built-in method, and layouts of one's own that no row has.
-const METHODS: [&str; 6] = [
+const METHODS: [&str; 8] = [
     "--methods",
-    "all,paraboloid,hilbert-origin,hilbert-two-point,two-point-xor,grid-spherical",
+    "all,paraboloid,hilbert-origin,hilbert-two-point,two-point-xor,grid-spherical,tiled-octahedron",
     "--method",
     "learnt-curve=u*3 hilbert(ez oy pu dx)*7 v @adaptive",
     "--method",
     "traced-xor=ox*5 ((oy oz)*6 ^ hilbert(theta phi ex)*4) ez*9 @real",
+    "--method",
+    "tiles-of-lengths=ox*3 tile(7x10) (ex ey)*9 @adaptive",
 ];
 
 fn options(scene: &str, extra: &[&str]) -> RecordOptions {
@@ -80,6 +82,7 @@ fn machine(options: &RecordOptions) -> Machine {
 struct Copied {
     rays: Vec<Ray>,
     lights: Vec<u32>,
+    paths: Vec<u32>,
     lengths: Vec<f32>,
 }
 
@@ -98,7 +101,7 @@ fn copy(
         Kind::Closest => vec![0; copied.len()],
         Kind::Shadow => read(gpu, Array::Lights(rays)),
     };
-    Copied { rays: copied, lights, lengths }
+    Copied { rays: copied, lights, paths: read(gpu, Array::PathIds(rays)), lengths }
 }
 
 /// Compares every method's keys and permutation on one queue; returns how many keys were compared.
@@ -120,11 +123,12 @@ fn compare_orders(
             .map(|index| {
                 let ray = &copied.rays[index];
                 let length = match method.termination {
-                    Termination::Adaptive => table.mean(cells.encode(ray, 0.0, 0) as u32),
+                    Termination::Adaptive => table.mean(cells.encode(ray, Facts::default()) as u32),
                     Termination::Real => copied.lengths[index],
                     Termination::Unused | Termination::Fixed => method.two_point_length,
                 };
-                encoder.encode(ray, length, copied.lights[index])
+                let (light, path) = (copied.lights[index], copied.paths[index]);
+                encoder.encode(ray, Facts { length, light, path })
             })
             .collect();
         let keys = gpu.key(rays, Some(hits), number).unwrap();
@@ -149,7 +153,7 @@ fn compare_orders(
 fn add_lengths(setup: &Setup, table: &LengthTable, copied: &Copied) {
     let cells = Encoder::new(&setup.table_layout, setup.table_bits, setup.unit, &[]);
     for (ray, &length) in copied.rays.iter().zip(&copied.lengths) {
-        table.add(cells.encode(ray, 0.0, 0) as u32, length);
+        table.add(cells.encode(ray, Facts::default()) as u32, length);
     }
 }
 
@@ -200,7 +204,7 @@ fn keys_permutations_and_tables_are_equal_at_32_bits() {
 #[test]
 fn keys_permutations_and_tables_are_equal_at_64_bits() {
     let table = ["--table-method", "hilbert-origin", "--two-point-length", "0.4", "--key-bits", "64"];
-    let extra = [METHODS, table].concat();
+    let extra = [METHODS.as_slice(), &table].concat();
     assert!(compare_run(&options("builtin:terrain?triangles=20000", &extra)) > 100_000);
 }
 

@@ -162,25 +162,30 @@ fn check(scene: &str, options: &str, key_bits: u32) {
 /// Rows of others, which `all` does not stand for, against NumPy.
 fn check_others(scene: &str, options: &str, key_bits: u32) {
     let folder = tempdir().unwrap();
-    let methods = "paraboloid,hilbert-origin,hilbert-two-point,two-point-xor,grid-spherical";
+    let methods = "paraboloid,hilbert-origin,hilbert-two-point,two-point-xor,grid-spherical,tiled-octahedron";
+    // The picture of this recording is smaller than a tile of that row.
+    let small_tiles = "small-tiles=tile(7x10)(u(v))*4";
     record(
         folder.path(),
         "others",
         scene,
-        &format!("--repeats 1 --key-bits {key_bits} --methods {methods} {options}"),
+        &format!("--repeats 1 --key-bits {key_bits} --methods {methods} --method {small_tiles} {options}"),
     );
     Program::Inspector.run(folder.path(), "verify others.raydump").succeeded();
     let dump = Dump::open(&folder.path().join("others.raydump")).unwrap();
     let header = &dump.manifest().header;
     let (min, max) = (header.scene.bounds_min, header.scene.bounds_max);
-    let facts = json!({ "min": min, "max": max, "length": 0.25, "key_bits": key_bits });
+    let [width, height] = header.extent().picture;
+    let facts = json!({
+        "min": min, "max": max, "length": 0.25, "key_bits": key_bits, "width": width, "height": height
+    });
     let file = folder.path().join("facts.json");
     fs::write(&file, facts.to_string()).unwrap();
     let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
     let mut command = Command::new(python);
     command.arg(root().join("tests/check_keys.py")).arg(dump.root()).arg(file);
     let compared = finish(&mut command).succeeded().json();
-    for method in methods.split(',') {
+    for method in methods.split(',').chain(["small-tiles"]) {
         assert!(compared[method].as_u64().unwrap() > 5000, "{method}: {compared}");
     }
 }

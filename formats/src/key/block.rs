@@ -2,7 +2,7 @@
 //! with vectors run several rays at a time.
 
 use super::coordinates::{cartesian, from_light, octahedral, paraboloid, quantise, seen_from};
-use super::{Coordinate, LightSite, angle, termination};
+use super::{Coordinate, LightSite, Tiles, angle, termination};
 use crate::ray::Ray;
 use crate::unit_space::UnitSpace;
 
@@ -20,6 +20,8 @@ pub(super) struct Block<const N: usize> {
     lights: [u32; N],
     /// Quantised coordinates from the light.
     from_light: [[u32; N]; 3],
+    /// Number of the tile that each ray's path lies in.
+    tiles: [u32; N],
 }
 
 /// What a layout asks of a block beyond origins and directions.
@@ -31,6 +33,8 @@ pub(super) struct Needs {
     pub(super) from_light: bool,
     /// Light coordinates or the light itself.
     pub(super) light: bool,
+    /// The path.
+    pub(super) path: bool,
 }
 
 impl Needs {
@@ -41,6 +45,7 @@ impl Needs {
             octahedral: needs.octahedral || matches!(coordinate, C::OctahedralU | C::OctahedralV),
             from_light: needs.from_light || matches!(coordinate, C::LightU | C::LightV | C::LightR),
             light: needs.light || coordinate.needs_light(),
+            path: needs.path || coordinate.needs_path(),
         })
     }
 }
@@ -63,6 +68,7 @@ impl<const N: usize> Block<N> {
             octahedral: [[0; N]; 2],
             lights: [0; N],
             from_light: [[0; N]; 3],
+            tiles: [0; N],
         }
     }
 
@@ -119,6 +125,13 @@ impl<const N: usize> Block<N> {
         self.lights.iter_mut().take(self.count).enumerate().for_each(|(at, found)| *found = light(at));
     }
 
+    /// Finds the tiles of the rays' paths; `path` as in [`super::Encoder::encode_all`].
+    #[inline(always)]
+    pub(super) fn find_tiles(&mut self, tiles: &Tiles, path: impl Fn(usize) -> u32) {
+        let found = self.tiles.iter_mut().take(self.count).enumerate();
+        found.for_each(|(at, found)| *found = tiles.number(path(at)));
+    }
+
     /// Maps origins to where their lights see them: all as if their lights had a place, then those again whose
     /// lights have none.
     #[expect(clippy::needless_range_loop, reason = "a lane of several arrays at once")]
@@ -171,6 +184,7 @@ impl<const N: usize> Block<N> {
             C::LightU => self.from_light[0],
             C::LightV => self.from_light[1],
             C::LightR => self.from_light[2],
+            C::Tile => self.tiles,
         }
     }
 

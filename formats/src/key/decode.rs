@@ -116,7 +116,7 @@ fn cell(positions: &[Vec<u32>], key: u64, rest: usize) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::key::{Encoder, LayoutText};
+    use crate::key::{Encoder, Extent, Facts, LayoutText};
     use crate::ray::Ray;
     use crate::unit_space::UnitSpace;
 
@@ -129,9 +129,9 @@ mod tests {
         let curves =
             ["hilbert(ox oy oz)*21", "hilbert(u v)*5 hilbert(oz oy ox)*", "hilbert(ox oy oz dx dy dz)*10"];
         for name in texts.into_iter().chain(curves) {
-            let layout = LayoutText::parse(name).unwrap().expand(1).unwrap();
+            let layout = LayoutText::parse(name).unwrap().expand(Extent::NOTHING).unwrap();
             for key_bits in [8, 11, 32, 33, 64] {
-                let key = Encoder::new(&layout, key_bits, unit, &[]).encode(&ray, 0.0, 0);
+                let key = Encoder::new(&layout, key_bits, unit, &[]).encode(&ray, Facts::default());
                 for field in decode(&layout, key_bits, key) {
                     let (low, high) = field.range().unwrap();
                     let truth = match field.bit.coordinate().unwrap() {
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn a_key_that_ends_within_a_level_knows_more_of_some_coordinates() {
-        let layout = LayoutText::parse("hilbert(ox oy oz)*").unwrap().expand(1).unwrap();
+        let layout = LayoutText::parse("hilbert(ox oy oz)*").unwrap().expand(Extent::NOTHING).unwrap();
         for key in (0..1u64 << 32).step_by(999_983) {
             let fields = decode(&layout, 32, key);
             assert_eq!(fields.iter().map(|field| field.bits).sum::<u32>(), 32);
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn what_an_exclusive_or_hides_is_not_made_up() {
-        let layout = LayoutText::parse("(ox oy)*4 ^ (u v)*4 oz").unwrap().expand(1).unwrap();
+        let layout = LayoutText::parse("(ox oy)*4 ^ (u v)*4 oz").unwrap().expand(Extent::NOTHING).unwrap();
         let fields = decode(&layout, 9, 0b1_0110_1001);
         let found: Vec<_> = fields.iter().map(|field| (field.bit.to_string(), field.value)).collect();
         assert_eq!(found, [("ox ^ u".into(), 0b1100), ("oy ^ v".into(), 0b0110), ("oz".into(), 1)]);

@@ -6,7 +6,7 @@
 use super::block::{Block, Needs};
 use super::layout::{CURVE_AXES, Layout, Share, Source};
 use super::spread::Spread;
-use super::{COORDINATE_BITS, LightSite, hilbert};
+use super::{COORDINATE_BITS, Facts, LightSite, Tiles, hilbert};
 use crate::ray::Ray;
 use crate::unit_space::UnitSpace;
 
@@ -18,6 +18,7 @@ const BLOCK: usize = 64;
 pub struct Encoder {
     unit: UnitSpace,
     lights: Vec<LightSite>,
+    tiles: Option<Tiles>,
     parts: Vec<Part>,
     needs: Needs,
 }
@@ -60,52 +61,51 @@ impl Encoder {
     pub fn new(layout: &Layout, key_bits: u32, unit: UnitSpace, lights: &[LightSite]) -> Self {
         let shares = layout.shares(key_bits);
         let needs = Needs::of(shares.iter().flat_map(|share| share.source.axes().iter().copied()));
-        Self { unit, lights: lights.to_vec(), parts: shares.iter().map(Part::new).collect(), needs }
+        let (lights, tiles, parts) =
+            (lights.to_vec(), layout.tiles(), shares.iter().map(Part::new).collect());
+        Self { unit, lights, tiles, parts, needs }
     }
 
-    /// The key of a ray. `length` is the estimate in unit lengths, `light` the index of a shadow
-    /// ray's light; layouts that need neither ignore them.
+    /// The key of a ray.
     ///
     /// # Panics
-    /// If the layout has light coordinates and `light` is not an index into the lights given.
-    pub fn encode(&self, ray: &Ray, length: f32, light: u32) -> u64 {
+    /// If the layout has light coordinates and the light is not an index into the lights given.
+    pub fn encode(&self, ray: &Ray, facts: Facts) -> u64 {
         let mut block = Block::<1>::empty();
-        self.fill(&mut block, std::slice::from_ref(ray), |_| length, |_| light);
+        let of_one = Facts { length: |_| facts.length, light: |_| facts.light, path: |_| facts.path };
+        self.fill(&mut block, std::slice::from_ref(ray), 0, &of_one);
         let [key] = self.keys(&block);
         key
     }
 
-    /// Keys of many rays: `put(i, key)` for each i in order. `length` and `light` give what
-    /// [`Encoder::encode`] takes for ray i; they are only asked if the layout needs them.
+    /// Keys of many rays: `put(i, key)` for each i in order.
     ///
     /// # Panics
     /// As [`Encoder::encode`].
     pub fn encode_all(
         &self,
         rays: &[Ray],
-        length: impl Fn(usize) -> f32,
-        light: impl Fn(usize) -> u32,
+        facts: &Facts<impl Fn(usize) -> f32, impl Fn(usize) -> u32, impl Fn(usize) -> u32>,
         put: impl FnMut(usize, u64),
     ) {
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has AVX2.
-            return unsafe { self.encode_all_avx2(rays, length, light, put) };
+            return unsafe { self.encode_all_avx2(rays, facts, put) };
         }
-        self.encode_all_portably(rays, length, light, put);
+        self.encode_all_portably(rays, facts, put);
     }
 
     fn encode_all_portably(
         &self,
         rays: &[Ray],
-        length: impl Fn(usize) -> f32,
-        light: impl Fn(usize) -> u32,
+        facts: &Facts<impl Fn(usize) -> f32, impl Fn(usize) -> u32, impl Fn(usize) -> u32>,
         mut put: impl FnMut(usize, u64),
     ) {
         let mut block = Block::<BLOCK>::empty();
         for (number, rays) in rays.chunks(BLOCK).enumerate() {
             let first = number * BLOCK;
-            self.fill(&mut block, rays, |at| length(first + at), |at| light(first + at));
+            self.fill(&mut block, rays, first, facts);
             let keys = self.keys(&block);
             keys.iter().take(rays.len()).enumerate().for_each(|(at, &key)| put(first + at, key));
         }
@@ -116,14 +116,13 @@ impl Encoder {
     fn encode_all_avx2(
         &self,
         rays: &[Ray],
-        length: impl Fn(usize) -> f32,
-        light: impl Fn(usize) -> u32,
+        facts: &Facts<impl Fn(usize) -> f32, impl Fn(usize) -> u32, impl Fn(usize) -> u32>,
         mut put: impl FnMut(usize, u64),
     ) {
         let mut block = Block::<BLOCK>::empty();
         for (number, rays) in rays.chunks(BLOCK).enumerate() {
             let first = number * BLOCK;
-            self.fill(&mut block, rays, |at| length(first + at), |at| light(first + at));
+            self.fill(&mut block, rays, first, facts);
             let mut words = [[0; BLOCK]; 2];
             for part in &self.parts {
                 part.each(&block, |spread, numbers| spread.add_to_words(&mut words, numbers));
@@ -134,27 +133,30 @@ impl Encoder {
         }
     }
 
-    /// What the keys of up to `N` rays are made from.
+    /// What the keys of up to `N` rays are made from, the first of which has number `first`.
     #[inline(always)]
     fn fill<const N: usize>(
         &self,
         block: &mut Block<N>,
         rays: &[Ray],
-        length: impl Fn(usize) -> f32,
-        light: impl Fn(usize) -> u32,
+        first: usize,
+        facts: &Facts<impl Fn(usize) -> f32, impl Fn(usize) -> u32, impl Fn(usize) -> u32>,
     ) {
         block.load(&self.unit, rays);
         if self.needs.end {
-            block.find_ends(&self.unit, rays, length);
+            block.find_ends(&self.unit, rays, |at| (facts.length)(first + at));
         }
         if self.needs.octahedral {
             block.find_octahedral();
         }
         if self.needs.light {
-            block.find_lights(light);
+            block.find_lights(|at| (facts.light)(first + at));
         }
         if self.needs.from_light {
             block.find_from_light(&self.lights);
+        }
+        if let Some(tiles) = self.tiles.as_ref().filter(|_| self.needs.path) {
+            block.find_tiles(tiles, |at| (facts.path)(first + at));
         }
     }
 
@@ -170,8 +172,8 @@ impl Encoder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::key::Method;
     use crate::key::method::BUILTIN;
+    use crate::key::{Extent, Method};
 
     fn ray(i: u32) -> Ray {
         let part = |salt: u32| (i.wrapping_add(1).wrapping_mul(salt) >> 8) as f32 / (1u32 << 24) as f32;
@@ -191,6 +193,10 @@ mod tests {
         [placed, LightSite::directional([0.0, -1.0, 0.0]), LightSite::Environment]
     }
 
+    fn extent() -> Extent {
+        Extent { lights: lights().len(), picture: [1920, 1080] }
+    }
+
     /// Bit by bit in f64 and u128, straight from KEYS, sharing no code with the encoder.
     fn slow_origin_bits(unit: &UnitSpace, ray: &Ray, key_bits: u32) -> u64 {
         let mut key = 0u64;
@@ -206,13 +212,13 @@ mod tests {
     #[test]
     fn origin_keys_are_morton_codes() {
         let unit = UnitSpace::from_bounds([-1.0, 0.0, 7.0], [3.0, 2.0, 10.0]);
-        let layout = Method::builtin("origin").unwrap().layout.expand(1).unwrap();
+        let layout = Method::builtin("origin").unwrap().layout.expand(Extent::NOTHING).unwrap();
         for key_bits in [8, 16, 31, 32, 33, 63, 64] {
             let encoder = Encoder::new(&layout, key_bits, unit, &[]);
             for i in 0..2000 {
                 let ray = ray(i);
                 assert_eq!(
-                    encoder.encode(&ray, 0.0, 0),
+                    encoder.encode(&ray, Facts::default()),
                     slow_origin_bits(&unit, &ray, key_bits),
                     "ray {i}, {key_bits} bits"
                 );
@@ -225,15 +231,15 @@ mod tests {
         let unit = UnitSpace::from_bounds([-1.0, 0.0, 7.0], [3.0, 2.0, 10.0]);
         let lights = lights();
         for (name, ..) in BUILTIN {
-            let layout = Method::builtin(name).unwrap().layout.expand(lights.len()).unwrap();
+            let layout = Method::builtin(name).unwrap().layout.expand(extent()).unwrap();
             let long = Encoder::new(&layout, 64, unit, &lights);
             for key_bits in 8..64 {
                 let short = Encoder::new(&layout, key_bits, unit, &lights);
                 for i in 0..50 {
-                    let (ray, light) = (ray(i), i % 3);
+                    let (ray, facts) = (ray(i), Facts { length: 0.3, light: i % 3, path: i * 1000 });
                     assert_eq!(
-                        short.encode(&ray, 0.3, light),
-                        long.encode(&ray, 0.3, light) >> (64 - key_bits),
+                        short.encode(&ray, facts),
+                        long.encode(&ray, facts) >> (64 - key_bits),
                         "{name}"
                     );
                 }
@@ -244,9 +250,12 @@ mod tests {
     #[test]
     fn a_layout_shorter_than_the_key_leaves_zeros_at_the_end() {
         let unit = UnitSpace::from_bounds([0.0; 3], [1.0; 3]);
-        let layout = crate::key::LayoutText::parse("(ox oy)*4").unwrap().expand(1).unwrap();
+        let layout = crate::key::LayoutText::parse("(ox oy)*4").unwrap().expand(Extent::NOTHING).unwrap();
         let ray = Ray { origin: [1.0, 0.0, 0.0], t_min: 0.0, direction: [0.0, 0.0, 1.0], t_max: 1.0 };
-        assert_eq!(Encoder::new(&layout, 16, unit, &[]).encode(&ray, 0.0, 0), 0b1010_1010_0000_0000);
+        assert_eq!(
+            Encoder::new(&layout, 16, unit, &[]).encode(&ray, Facts::default()),
+            0b1010_1010_0000_0000
+        );
     }
 
     /// Rays of all kinds, those included that only files have.
@@ -276,20 +285,28 @@ mod tests {
         let rays = random_rays();
         let unit = UnitSpace::from_bounds([-1.0; 3], [1.0; 3]);
         let lights = lights();
-        let light = |at: usize| at as u32 % 3;
-        let length = |at: usize| at as f32 / 2000.0;
+        let facts = Facts {
+            length: |at: usize| at as f32 / 2000.0,
+            light: |at: usize| at as u32 % 3,
+            path: |at: usize| at as u32 * 500,
+        };
+        let of = |at: usize| Facts {
+            length: (facts.length)(at),
+            light: (facts.light)(at),
+            path: (facts.path)(at),
+        };
         for (name, ..) in BUILTIN {
-            let layout = Method::builtin(name).unwrap().layout.expand(lights.len()).unwrap();
+            let layout = Method::builtin(name).unwrap().layout.expand(extent()).unwrap();
             for key_bits in [8, 17, 32, 33, 64] {
                 let encoder = Encoder::new(&layout, key_bits, unit, &lights);
                 let (mut keys, mut portably) = (Vec::new(), Vec::new());
-                encoder.encode_all(&rays, length, light, |at, key| {
+                encoder.encode_all(&rays, &facts, |at, key| {
                     assert_eq!(at, keys.len());
                     keys.push(key);
                 });
-                encoder.encode_all_portably(&rays, length, light, |_, key| portably.push(key));
+                encoder.encode_all_portably(&rays, &facts, |_, key| portably.push(key));
                 let single = rays.iter().enumerate();
-                let single = single.map(|(at, ray)| encoder.encode(ray, length(at), light(at)));
+                let single = single.map(|(at, ray)| encoder.encode(ray, of(at)));
                 let single: Vec<u64> = single.collect();
                 assert_eq!(keys, single, "{name} at {key_bits} bits");
                 assert_eq!(portably, single, "{name} at {key_bits} bits, portably");

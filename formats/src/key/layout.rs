@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::COORDINATE_BITS;
+use super::{COORDINATE_BITS, Tiles};
 
 macro_rules! coordinates {
     ($($(#[doc = $doc:literal])* $variant:ident = $name:literal $(| $alias:literal)?,)*) => {
@@ -67,12 +67,29 @@ coordinates! {
     LightV = "lv",
     /// Distance from the light's centre over √3, in unit space (shadow rays only).
     LightR = "lr",
+    /// Number of the tile of the picture in which the ray's path lies, ⌈log2 tiles⌉ bits.
+    Tile = "tile",
 }
 
 impl Coordinate {
     /// Whether it needs a light, which only shadow rays have.
     pub fn needs_light(self) -> bool {
         matches!(self, Self::Light | Self::LightU | Self::LightV | Self::LightR)
+    }
+
+    /// Whether it needs the path that the ray is of, and a picture that the path belongs to.
+    pub fn needs_path(self) -> bool {
+        self == Self::Tile
+    }
+
+    /// Whether it needs more than the ray itself.
+    pub fn needs_facts(self) -> bool {
+        self.needs_length() || self.needs_light() || self.needs_path()
+    }
+
+    /// Whether it is a whole number, of as many bits as there are things to number.
+    pub fn is_number(self) -> bool {
+        matches!(self, Self::Light | Self::Tile)
     }
 
     /// Whether it needs an estimate of the ray's length.
@@ -160,7 +177,26 @@ impl fmt::Display for Bit {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Layout {
     pub(super) bits: Vec<Bit>,
-    pub(super) light_bits: u32,
+    pub(super) numbers: NumberBits,
+    pub(super) tiles: Option<Tiles>,
+}
+
+/// Bits of the coordinates that are whole numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct NumberBits {
+    pub(super) light: u32,
+    pub(super) tile: u32,
+}
+
+impl NumberBits {
+    /// Bits of a coordinate.
+    pub(super) fn of(self, coordinate: Coordinate) -> u32 {
+        match coordinate {
+            Coordinate::Light => self.light,
+            Coordinate::Tile => self.tile,
+            _ => COORDINATE_BITS,
+        }
+    }
 }
 
 /// The bits of a key that come from the same.
@@ -177,7 +213,7 @@ pub struct Field {
 pub struct Share {
     /// The source.
     pub source: Source,
-    /// Bits of each coordinate that positions are counted in: 22, the light index's own, or of a curve as many
+    /// Bits of each coordinate that positions are counted in: 22, of a number its own, or of a curve as many
     /// as the key has levels of it.
     pub width: u32,
     /// For each axis of the source, positions in the k-bit key (0 = least significant) of its bits, highest bit
@@ -194,6 +230,11 @@ impl Layout {
     /// The same as manifests have it.
     pub fn names(&self) -> Vec<String> {
         self.bits.iter().map(Bit::to_string).collect()
+    }
+
+    /// How the picture is cut, where the layout numbers tiles.
+    pub fn tiles(&self) -> Option<Tiles> {
+        self.tiles
     }
 
     /// Whether any bit comes from a coordinate for which `predicate` holds.
@@ -228,8 +269,7 @@ impl Layout {
         }
         let share = |(source, positions): (Source, Vec<u32>)| {
             let width = match source.axes() {
-                [Coordinate::Light] => self.light_bits,
-                [_] => COORDINATE_BITS,
+                [axis] => self.numbers.of(*axis),
                 axes => positions.len().div_ceil(axes.len()) as u32,
             };
             Share { source, width, positions: by_axis(&positions, source.count) }
@@ -245,11 +285,11 @@ pub(super) fn by_axis(positions: &[u32], axes: usize) -> Vec<Vec<u32>> {
 
 #[cfg(test)]
 mod tests {
-    use crate::key::LayoutText;
+    use crate::key::{Extent, LayoutText};
 
     #[test]
     fn fields_place_the_first_mention_highest() {
-        let layout = LayoutText::parse("(ox oy)*4").unwrap().expand(1).unwrap();
+        let layout = LayoutText::parse("(ox oy)*4").unwrap().expand(Extent::NOTHING).unwrap();
         let fields = layout.fields(8);
         assert_eq!(fields[0].positions, [7, 5, 3, 1]);
         assert_eq!(fields[1].positions, [6, 4, 2, 0]);
@@ -259,7 +299,7 @@ mod tests {
 
     #[test]
     fn shares_of_a_curve_and_of_both_sides_of_an_exclusive_or() {
-        let layout = LayoutText::parse("hilbert(ox oy)*2 (u ^ ex)").unwrap().expand(1).unwrap();
+        let layout = LayoutText::parse("hilbert(ox oy)*2 (u ^ ex)").unwrap().expand(Extent::NOTHING).unwrap();
         let fields: Vec<_> =
             layout.fields(5).iter().map(|field| (field.bit.to_string(), field.positions.clone())).collect();
         assert_eq!(fields, [("hilbert(ox oy)".to_owned(), vec![4, 3, 2, 1]), ("u ^ ex".to_owned(), vec![0])]);

@@ -2,15 +2,17 @@
 //!
 //! Names separated by blanks; `(…)*n` repeats a group n times, `name*n` a name, and `*` without a number repeats to
 //! the end. Each mention of a name takes that coordinate's next lower bit; `light` stands for as many bits as the
-//! number of lights needs. `hilbert(ox oy oz)*n` takes n bits of each coordinate along the Hilbert curve through
+//! number of lights needs, and `tile(64x128)` for those that number the tiles of the picture, each of 64 × 128 pixels,
+//! row by row from the top left. `hilbert(ox oy oz)*n` takes n bits of each coordinate along the Hilbert curve through
 //! them. `A ^ B` is the bitwise exclusive or of two names or groups of as many bits. `@fixed`, `@adaptive` or
 //! `@real` at the end says where the length of the end point comes from.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::layout::{Bit, CURVE_AXES, Source};
-use super::{COORDINATE_BITS, Coordinate, LAYOUT_BITS, Layout, Termination};
+use super::extent::index_bits;
+use super::layout::{Bit, CURVE_AXES, NumberBits, Source};
+use super::{COORDINATE_BITS, Coordinate, Extent, LAYOUT_BITS, Layout, Termination, Tiles};
 use crate::text::one_line;
 
 /// Most characters of a text that a message shows.
@@ -58,12 +60,14 @@ enum Item {
 /// A source where it is mentioned.
 type Mention = (Source, Span);
 
-/// A parsed layout text; becomes a [`Layout`] once the number of lights is known.
+/// A parsed layout text; becomes a [`Layout`] once it is known how much there is to number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LayoutText {
     text: String,
     items: Vec<Item>,
     length: Option<Termination>,
+    /// Width and height of a tile.
+    tile: Option<([u32; 2], Span)>,
 }
 
 impl LayoutText {
@@ -71,21 +75,21 @@ impl LayoutText {
     ///
     /// # Errors
     /// Unknown words, unbalanced brackets, bad counts, no bit at all, a coordinate with more than
-    /// 22 bits, more than 64 bits (without `light`, where the tail is cut), `light` more than once; curves of
+    /// 22 bits, more than 64 bits (without `light` and `tile`, where the tail is cut), one of these more than once; curves of
     /// other than 2 to 6 coordinates, sides of `^` with different numbers of bits, a coordinate of either that is
     /// mentioned elsewhere, a length that no end point needs; each with its place.
     pub fn parse(text: &str) -> Result<Self, LayoutError> {
         let characters: Vec<char> = text.chars().collect();
-        let mut parser = Parser { text, characters: &characters, at: 0 };
+        let mut parser = Parser { text, characters: &characters, at: 0, tile: None };
         let items = parser.items(0)?;
         let length = parser.length()?;
-        let parsed = Self { text: text.to_owned(), items, length: length.map(|(source, _)| source) };
-        // One light is the case with the fewest index bits, so it shows every other fault; two show
-        // an index that is mentioned twice.
-        parsed.expand(1)?;
-        let layout = parsed.expand(2)?;
+        let (tile, length_source) = (parser.tile, length.map(|(source, _)| source));
+        let parsed = Self { text: text.to_owned(), items, length: length_source, tile };
+        // Without a bit for what is numbered every other fault shows; with one, a number that is mentioned twice.
+        parsed.layout(NumberBits::default(), None)?;
+        parsed.layout(NumberBits { light: 1, tile: 1 }, None)?;
         match length {
-            Some((_, span)) if !layout.uses(Coordinate::needs_length) => {
+            Some((_, span)) if !parsed.uses(Coordinate::needs_length) => {
                 Err(parsed.error("only ex, ey and ez need a length, and they are not mentioned", span))
             }
             _ => Ok(parsed),
@@ -102,43 +106,74 @@ impl LayoutText {
         self.length
     }
 
-    /// The layout for a scene with this many lights (at least 1).
+    /// Whether any bit comes from a coordinate for which `predicate` holds, if there is more than one of all that
+    /// is numbered.
+    pub fn uses(&self, predicate: impl Fn(Coordinate) -> bool) -> bool {
+        self.layout(NumberBits { light: 1, tile: 1 }, None).is_ok_and(|layout| layout.uses(predicate))
+    }
+
+    /// The layout for as much as there is to number.
     ///
     /// # Errors
-    /// None beyond those that [`LayoutText::parse`] already reported, up to 2^22 lights.
-    pub fn expand(&self, lights: usize) -> Result<Layout, LayoutError> {
+    /// Beyond those that [`LayoutText::parse`] already reported, `tile` where there is no picture, or one with more
+    /// tiles than path indices.
+    pub fn expand(&self, extent: Extent) -> Result<Layout, LayoutError> {
+        let mut numbers = NumberBits { light: index_bits(extent.lights as u64), tile: 0 };
+        let mut tiles = None;
+        if let Some((tile, span)) = self.tile {
+            let [width, height] = extent.picture;
+            if !extent.has_picture() {
+                let message =
+                    "'tile' needs a picture, and these rays have none: imported rays lie in one row";
+                return Err(self.error(message, span));
+            }
+            let found = Tiles { tile, width };
+            numbers.tile = found.bits(height);
+            if numbers.tile > u32::BITS {
+                let message =
+                    format!("a picture of {width} × {height} pixels has more tiles than path indices");
+                return Err(self.error(&message, span));
+            }
+            tiles = Some(found);
+        }
+        self.layout(numbers, tiles)
+    }
+
+    fn layout(&self, numbers: NumberBits, tiles: Option<Tiles>) -> Result<Layout, LayoutError> {
         let mut bits = Vec::new();
-        let light_bits = light_index_bits(lights);
-        self.append(&self.items, light_bits, LAYOUT_BITS as usize, &mut bits)?;
+        self.append(&self.items, numbers, LAYOUT_BITS as usize, &mut bits)?;
         if bits.is_empty() {
             let whole = (0, self.text.chars().count().max(1));
             return Err(self.error("a layout needs at least one coordinate", whole));
         }
-        let cuts_tail = bits.iter().flatten().any(|&(source, _)| is_light(source));
+        let cuts_tail = bits.iter().flatten().any(|&(source, _)| numbered(source).is_some());
         if let Some(&(_, span)) = bits.get(LAYOUT_BITS as usize).and_then(|bit| bit.first())
             && !cuts_tail
         {
             return Err(self.error("this word makes the layout longer than 64 bits", span));
         }
         bits.truncate(LAYOUT_BITS as usize);
-        self.check(&bits, light_bits)?;
+        self.check(&bits, numbers)?;
         let bit = |mentions: &Vec<Mention>| Bit(mentions.iter().map(|&(source, _)| source).collect());
-        Ok(Layout { bits: bits.iter().map(bit).collect(), light_bits })
+        Ok(Layout { bits: bits.iter().map(bit).collect(), numbers, tiles })
     }
 
     /// That no source has more bits than there are, and none of a curve or of `^` is mentioned elsewhere.
-    fn check(&self, bits: &[Vec<Mention>], light_bits: u32) -> Result<(), LayoutError> {
+    fn check(&self, bits: &[Vec<Mention>], numbers: NumberBits) -> Result<(), LayoutError> {
         let (mut counts, mut places) = (BTreeMap::new(), BTreeMap::new());
         for bit in bits {
             for (side, &(source, span)) in bit.iter().enumerate() {
                 let axes = source.axes();
                 let count = counts.entry(axes.to_vec()).or_insert(0);
                 *count += 1;
-                if is_light(source) && *count > light_bits {
-                    let message = "'light' is the whole index already, so it can be mentioned only once";
-                    return Err(self.error(message, span));
-                }
-                if *count > COORDINATE_BITS * axes.len() as u32 {
+                if let Some(number) = numbered(source) {
+                    if *count > numbers.of(number) {
+                        let message = format!(
+                            "'{source}' is the whole number already, so it can be mentioned only once"
+                        );
+                        return Err(self.error(&message, span));
+                    }
+                } else if *count > COORDINATE_BITS * axes.len() as u32 {
                     let message = format!(
                         "'{source}' is mentioned more than {COORDINATE_BITS} times, and a coordinate has no more bits than that"
                     );
@@ -164,14 +199,15 @@ impl LayoutText {
     fn append(
         &self,
         items: &[Item],
-        light_bits: u32,
+        numbers: NumberBits,
         room: usize,
         bits: &mut Vec<Vec<Mention>>,
     ) -> Result<(), LayoutError> {
         for item in items {
             match item {
                 Item::Bits(source, span) => {
-                    let count = if is_light(*source) { light_bits as usize } else { source.axes().len() };
+                    let bits_of = |number| numbers.of(number) as usize;
+                    let count = numbered(*source).map_or(source.axes().len(), bits_of);
                     bits.extend((0..count).map(|_| vec![(*source, *span)]));
                 }
                 Item::Group(group, times) => {
@@ -182,7 +218,7 @@ impl LayoutText {
                         if before > room || (times.is_none() && before == room) {
                             break;
                         }
-                        self.append(group, light_bits, room, bits)?;
+                        self.append(group, numbers, room, bits)?;
                         if bits.len() == before {
                             break;
                         }
@@ -192,7 +228,7 @@ impl LayoutText {
                     }
                 }
                 Item::Mixed(sides) => {
-                    bits.extend(self.mixed(sides, light_bits, room.saturating_sub(bits.len()))?);
+                    bits.extend(self.mixed(sides, numbers, room.saturating_sub(bits.len()))?);
                 }
             }
         }
@@ -203,17 +239,19 @@ impl LayoutText {
     fn mixed(
         &self,
         sides: &[(Item, Span)],
-        light_bits: u32,
+        numbers: NumberBits,
         room: usize,
     ) -> Result<Vec<Vec<Mention>>, LayoutError> {
         let mut mixed: Vec<Vec<Mention>> = Vec::new();
         for (number, (side, span)) in sides.iter().enumerate() {
             let mut bits = Vec::new();
-            self.append(std::slice::from_ref(side), light_bits, room, &mut bits)?;
+            self.append(std::slice::from_ref(side), numbers, room, &mut bits)?;
             bits.truncate(room + 1);
-            if let Some(&(_, span)) = bits.iter().flatten().find(|&&(source, _)| is_light(source)) {
-                let message = "'light' has as many bits as there are lights, so it cannot be a side of '^'";
-                return Err(self.error(message, span));
+            let is_number = |&&(source, _): &&Mention| numbered(source).is_some();
+            if let Some(&(source, span)) = bits.iter().flatten().find(is_number) {
+                let message =
+                    format!("'{source}' has as many bits as its numbers need, so it cannot be a side of '^'");
+                return Err(self.error(&message, span));
             }
             if number == 0 {
                 mixed = bits;
@@ -237,19 +275,20 @@ impl LayoutText {
     }
 }
 
-/// ⌈log2 lights⌉, the bits that a light's index takes.
-pub fn light_index_bits(lights: usize) -> u32 {
-    usize::BITS - lights.max(1).saturating_sub(1).leading_zeros()
-}
-
-fn is_light(source: Source) -> bool {
-    source.axes() == [Coordinate::Light]
+/// The coordinate, if it is a whole number.
+fn numbered(source: Source) -> Option<Coordinate> {
+    match source.axes() {
+        [axis] if axis.is_number() => Some(*axis),
+        _ => None,
+    }
 }
 
 struct Parser<'a> {
     text: &'a str,
     characters: &'a [char],
     at: usize,
+    /// What the last `tile` said.
+    tile: Option<([u32; 2], Span)>,
 }
 
 impl Parser<'_> {
@@ -299,6 +338,10 @@ impl Parser<'_> {
             Some('(') => Item::Group(self.group(depth)?, Some(1)),
             Some(c) if c.is_alphabetic() => match self.word() {
                 (name, span) if name == "hilbert" => Item::Bits(self.curve(span)?, span),
+                (name, span) if name == Coordinate::Tile.name() => {
+                    self.tile = Some((self.tile_size(span)?, span));
+                    Item::Bits(Source::coordinate(Coordinate::Tile), span)
+                }
                 (name, span) => Item::Bits(Source::coordinate(self.coordinate(&name, span)?), span),
             },
             found => {
@@ -364,9 +407,8 @@ impl Parser<'_> {
             }
             let (name, span) = self.word();
             let axis = self.coordinate(&name, span)?;
-            if axis == Coordinate::Light || axes.contains(&axis) {
-                let reason =
-                    if axis == Coordinate::Light { "is a number, no coordinate" } else { "is there twice" };
+            if axis.is_number() || axes.contains(&axis) {
+                let reason = if axis.is_number() { "is a number, no coordinate" } else { "is there twice" };
                 let message = format!("'{name}' {reason}: a curve goes through different coordinates");
                 return Err(self.error(&message, span.0, span.1));
             }
@@ -380,6 +422,27 @@ impl Parser<'_> {
             let message = format!("a curve goes through 2 to {CURVE_AXES} coordinates, found {}", axes.len());
             self.error(&message, start, self.at - start)
         })
+    }
+
+    /// Width and height in pixels after `tile`, in brackets.
+    fn tile_size(&mut self, (start, length): Span) -> Result<[u32; 2], LayoutError> {
+        let missing = "'tile' needs its size in pixels after it, such as tile(64x128)";
+        if self.characters.get(self.at) != Some(&'(') {
+            return Err(self.error(missing, start, length));
+        }
+        self.at += 1;
+        self.next();
+        let (size, (start_of_size, length_of_size)) = self.word();
+        let side = |text: &str| text.parse().ok().filter(|&side: &u32| side > 0);
+        let sides = size.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
+        let Some(sides) = sides else {
+            return Err(self.error(missing, start_of_size, length_of_size.max(1)));
+        };
+        if self.next() != Some(')') {
+            return Err(self.error("'tile(' has no ')' after it", start, length));
+        }
+        self.at += 1;
+        Ok(sides)
     }
 
     /// `@` and the source of lengths at the end, if there is one.
@@ -430,7 +493,7 @@ mod tests {
     use super::*;
 
     fn bits(text: &str, lights: usize) -> Vec<String> {
-        let layout = LayoutText::parse(text).unwrap().expand(lights).unwrap();
+        let layout = LayoutText::parse(text).unwrap().expand(Extent { lights, ..Extent::NOTHING }).unwrap();
         layout.names()
     }
 
@@ -458,10 +521,28 @@ mod tests {
 
     #[test]
     fn light_takes_as_many_bits_as_the_lights_need() {
-        for (lights, expected) in [(0, 0), (1, 0), (2, 1), (3, 2), (4, 2), (5, 3), (1024, 10), (1025, 11)] {
-            assert_eq!(light_index_bits(lights), expected, "{lights} lights");
-        }
         assert_eq!(bits("light (lu lv)*2", 3), ["light", "light", "lu", "lv", "lu", "lv"]);
+    }
+
+    #[test]
+    fn tiles_take_as_many_bits_as_the_picture_needs() {
+        let layout = LayoutText::parse("tile( 64x128 ) u (ox oy oz)*21").unwrap();
+        assert!(layout.uses(Coordinate::needs_path));
+        for (picture, tile_bits) in [([64, 128], 0), ([65, 128], 1), ([1920, 1080], 9), ([7680, 4320], 12)] {
+            let found = layout.expand(Extent { lights: 1, picture }).unwrap();
+            let expected = ["tile"].repeat(tile_bits).into_iter().chain(["u", "ox"]);
+            assert_eq!(found.names()[..tile_bits + 2], expected.collect::<Vec<_>>(), "{picture:?}");
+            assert_eq!(found.bits().len(), LAYOUT_BITS as usize);
+        }
+        let large = LayoutText::parse("tile(1x1) u").unwrap();
+        assert_eq!(large.expand(Extent { lights: 1, picture: [7680, 4320] }).unwrap().bits().len(), 26);
+        for (picture, part) in
+            [([5000, 1], "have none"), ([0, 0], "have none"), ([u32::MAX; 2], "more tiles than path indices")]
+        {
+            let error = large.expand(Extent { lights: 1, picture }).unwrap_err();
+            assert!(error.message.contains(part), "{picture:?}: {error}");
+            assert_eq!((error.start, error.length), (0, 4), "{error}");
+        }
     }
 
     #[test]
@@ -478,6 +559,16 @@ mod tests {
             ("(ox oy oz u)*16 v", 16, 1, "longer than 64"),
             ("", 0, 1, "at least one"),
             ("light ox light", 9, 5, "only once"),
+            ("tile ox", 0, 4, "such as tile(64x128)"),
+            ("u tile(64)", 7, 2, "such as tile(64x128)"),
+            ("u tile(0x8)", 7, 3, "such as tile(64x128)"),
+            ("u tile()", 7, 1, "such as tile(64x128)"),
+            ("u tile(64x8", 2, 4, "no ')'"),
+            ("tile(8x8) ox tile(8x4)", 13, 4, "only once"),
+            ("ox (tile(8x8) oy)*2", 4, 4, "only once"),
+            ("tile(8x8)", 0, 9, "at least one"),
+            ("hilbert(ox tile)", 11, 4, "no coordinate"),
+            ("ox ^ tile(8x8)", 5, 9, "0 bits and the one before 1"),
             ("ox \u{1b}", 3, 1, "found '\\u{1b}'"),
             ("ox*23", 0, 2, "more than 22"),
             ("hilbert(ox oq)", 11, 2, "unknown coordinate 'oq'"),

@@ -105,6 +105,8 @@ pub const BUILTIN: &[(&str, &str, Termination)] = &[
     ("two-point-xor", "(ox oy oz)* ^ (ex ey ez)*", Termination::Fixed),
     // Of a simulator's ray generator: 22 bits.
     ("grid-spherical", "(ox oy oz)*5 theta*4 phi*3", Termination::Unused),
+    // Of a ray-traced ambient occlusion sample: canonical order is kept beyond the tile.
+    ("tiled-octahedron", "tile(64x128) (u v)*4", Termination::Unused),
 ];
 
 /// Why a method cannot be had.
@@ -152,7 +154,7 @@ impl Method {
             return Err(bad_name());
         }
         let mut method = Self::new(name, layout, Termination::Unused)?;
-        if method.uses(Coordinate::needs_length) {
+        if method.layout.uses(Coordinate::needs_length) {
             method.termination = method.layout.length().unwrap_or(Termination::Fixed);
         }
         Ok(method)
@@ -164,34 +166,34 @@ impl Method {
         Ok(Self { name: name.to_owned(), layout, termination })
     }
 
-    fn uses(&self, predicate: impl Fn(Coordinate) -> bool) -> bool {
-        // With two lights the index has a bit, so that `light` shows.
-        self.layout.expand(2).is_ok_and(|layout| layout.uses(predicate))
-    }
-
     /// Whether the method makes sense for this kind of ray: what needs a light is for shadow rays.
     pub fn applies_to(&self, kind: Kind) -> bool {
-        kind == Kind::Shadow || !self.uses(Coordinate::needs_light)
+        kind == Kind::Shadow || !self.layout.uses(Coordinate::needs_light)
     }
 
     /// Whether a length table can be addressed by this method: it must not need a length itself,
-    /// nor a light, so that both kinds of ray have a cell.
+    /// nor a light, so that both kinds of ray have a cell, nor a path, since rays of one cell are alike.
     pub fn can_address_table(&self) -> bool {
-        !self.uses(|coordinate| coordinate.needs_length() || coordinate.needs_light())
+        !self.layout.uses(Coordinate::needs_facts)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::key::LAYOUT_BITS;
+    use crate::key::{Extent, LAYOUT_BITS};
 
     #[test]
     fn every_builtin_layout_fills_its_bits() {
         for (name, ..) in BUILTIN {
             for lights in [1, 3, 1000, 100_000] {
-                let layout = Method::builtin(name).unwrap().layout.expand(lights).unwrap();
-                let bits = if *name == "grid-spherical" { 22 } else { LAYOUT_BITS as usize };
+                let extent = Extent { lights, picture: [1920, 1080] };
+                let layout = Method::builtin(name).unwrap().layout.expand(extent).unwrap();
+                let bits = match *name {
+                    "grid-spherical" => 22,
+                    "tiled-octahedron" => 9 + 8,
+                    _ => LAYOUT_BITS as usize,
+                };
                 assert_eq!(layout.bits().len(), bits, "{name} with {lights} lights");
             }
         }
@@ -203,7 +205,7 @@ mod tests {
         for (name, origin_bits) in
             [("origin", 32), ("reis", 22), ("costa", 24), ("aila", 21), ("octahedron", 24), ("two-point", 17)]
         {
-            let layout = Method::builtin(name).unwrap().layout.expand(1).unwrap();
+            let layout = Method::builtin(name).unwrap().layout.expand(Extent::NOTHING).unwrap();
             let is_origin = |name: &String| matches!(name.as_str(), "ox" | "oy" | "oz");
             let found = layout.names()[..32].iter().filter(|name| is_origin(name)).count();
             assert_eq!(found, origin_bits, "{name}");
@@ -229,6 +231,7 @@ mod tests {
         assert!(method.applies_to(Kind::Shadow) && !method.applies_to(Kind::Closest));
         assert!(!method.can_address_table());
         assert!(!Method::builtin("two-point").unwrap().can_address_table());
+        assert!(!Method::builtin("tiled-octahedron").unwrap().can_address_table());
         assert!(Method::builtin("aila").unwrap().can_address_table());
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{Backend, CameraPose, Header, SceneSummary};
 use crate::key::method::UNSORTED;
-use crate::key::{Encoder, KEY_BITS_MIN, LAYOUT_BITS, LayoutText, LightSite, Method};
+use crate::key::{Coordinate, Encoder, Extent, KEY_BITS_MIN, LAYOUT_BITS, LayoutText, LightSite, Method};
 use crate::length_table::{LONGEST_SUMMED, TABLE_BITS_MAX, TABLE_BITS_MIN};
 use crate::text::shown;
 use crate::unit_space::UnitSpace;
@@ -55,14 +55,19 @@ impl Header {
         problems.0
     }
 
+    /// How much layouts of this recording have to number.
+    pub fn extent(&self) -> Extent {
+        Extent { lights: self.lights.len(), picture: [self.options.width, self.options.height] }
+    }
+
     /// What gives a ray's cell in the length tables, if the header says so.
     pub fn cell_encoder(&self) -> Option<Encoder> {
         let (options, scene) = (&self.options, &self.scene);
         if !(TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&options.table_bits) {
             return None;
         }
-        let layout = LayoutText::parse(&options.table_layout).ok()?.expand(1).ok()?;
-        let fits = !layout.uses(|coordinate| coordinate.needs_light() || coordinate.needs_length());
+        let layout = LayoutText::parse(&options.table_layout).ok()?.expand(Extent::NOTHING).ok()?;
+        let fits = !layout.uses(Coordinate::needs_facts);
         let unit = UnitSpace::from_bounds(scene.bounds_min, scene.bounds_max);
         fits.then(|| Encoder::new(&layout, options.table_bits, unit, &[]))
     }
@@ -115,7 +120,7 @@ impl Header {
         let method = Method::builtin(&options.table_method);
         problems.require(method.is_ok_and(|method| method.can_address_table()), || {
             format!(
-                "its tables are addressed by '{}', expected a built-in method that needs no length and no light",
+                "its tables are addressed by '{}', expected a built-in method that needs no length, light or picture",
                 shown(&options.table_method)
             )
         });

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::key::Encoder;
+use crate::key::{Encoder, Facts};
 use crate::manifest::QueueId;
 use crate::metrics::capsule::Segment;
 use crate::metrics::group::Group;
@@ -310,7 +310,7 @@ impl RayAt<'_> {
     }
 
     fn cell(self) -> f64 {
-        self.of.cells.map_or(f64::NAN, |cells| cells.encode(self.ray(), 0.0, 0) as f64)
+        self.of.cells.map_or(f64::NAN, |cells| cells.encode(self.ray(), Facts::default()) as f64)
     }
 
     fn estimate(self) -> f64 {

@@ -5,7 +5,7 @@ use super::scene::method_problem;
 use super::{Check, Findings, Queue, Subject};
 use crate::auto;
 use crate::key::method::{AUTO, CONTROL, SHUFFLED};
-use crate::key::{Coordinate, Encoder, LayoutText, Termination};
+use crate::key::{Coordinate, Encoder, Facts, LayoutText, Termination};
 use crate::length_table::LengthTable;
 use crate::manifest::{MethodArray, MethodRecord, Place, QueueArray, QueueId};
 use crate::metrics::order::Keys;
@@ -103,7 +103,7 @@ fn check_keys(subject: &Subject<'_>, queue: QueueId, name: &str, rays: Option<&[
     let Some(keys) = stored_keys(subject, &place) else { return };
     // That the method has no record, or a wrong one, was found before.
     let Some(method) = subject.methods.get(name) else { return };
-    if method_problem(method, subject.dump.manifest().header.lights.len()).is_some() {
+    if method_problem(method, subject.dump.manifest().header.extent()).is_some() {
         return;
     }
     let is_wide = matches!(keys, Keys::Wide(_));
@@ -149,6 +149,7 @@ struct Recomputed<'a> {
     rays: &'a [Ray],
     lights: Option<Loaded<u32>>,
     light_count: u32,
+    path_ids: Option<Loaded<u32>>,
     length: Length,
 }
 
@@ -169,11 +170,17 @@ impl<'a> Recomputed<'a> {
     ) -> Result<Self, String> {
         let header = &subject.dump.manifest().header;
         let rays = rays.ok_or("the rays were not kept")?;
-        let parsed = LayoutText::parse(&method.text).and_then(|text| text.expand(header.lights.len()));
+        let parsed = LayoutText::parse(&method.text).and_then(|text| text.expand(header.extent()));
         let layout = parsed.map_err(|error| error.message)?;
         let lights = if layout.uses(Coordinate::needs_light) {
             let lights = subject.queue_array::<u32>(queue, QueueArray::Lights);
             Some(lights.filter(|lights| lights.len() == rays.len()).ok_or("the lights were not kept")?)
+        } else {
+            None
+        };
+        let path_ids = if layout.uses(Coordinate::needs_path) {
+            let ids = subject.queue_array::<u32>(queue, QueueArray::PathIds);
+            Some(ids.filter(|ids| ids.len() == rays.len()).ok_or("the path ids were not kept")?)
         } else {
             None
         };
@@ -192,7 +199,8 @@ impl<'a> Recomputed<'a> {
             }
         };
         let encoder = Encoder::new(&layout, method.key_bits, subject.unit, &header.lights);
-        Ok(Self { encoder, rays, lights, light_count: header.lights.len() as u32, length })
+        let light_count = header.lights.len() as u32;
+        Ok(Self { encoder, rays, lights, light_count, path_ids, length })
     }
 
     /// The key of a ray; `None` if it goes to a light that does not exist.
@@ -204,9 +212,10 @@ impl<'a> Recomputed<'a> {
         }
         let length = match &self.length {
             Length::Fixed(length) => *length,
-            Length::Adaptive { cells, table } => table.mean(cells.encode(ray, 0.0, 0) as u32),
+            Length::Adaptive { cells, table } => table.mean(cells.encode(ray, Facts::default()) as u32),
             Length::Real(traced) => traced.length(index),
         };
-        Some(self.encoder.encode(ray, length, light))
+        let path = self.path_ids.as_ref().map_or(0, |ids| ids[index]);
+        Some(self.encoder.encode(ray, Facts { length, light, path }))
     }
 }

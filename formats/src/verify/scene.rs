@@ -6,7 +6,7 @@ use sha2::{Digest, Sha256};
 
 use super::{Check, Subject};
 use crate::key::method::UNSORTED;
-use crate::key::{KEY_BITS_MIN, LAYOUT_BITS, LayoutText, Termination};
+use crate::key::{Extent, KEY_BITS_MIN, LAYOUT_BITS, LayoutText, Termination};
 use crate::length_table::LONGEST_SUMMED;
 use crate::manifest::{Header, IMPORTED_HITS, MethodRecord, Outcome, Place, SceneArray, Source};
 use crate::npy::MaterialMask;
@@ -38,7 +38,7 @@ fn check_header(subject: &Subject<'_>) -> Check {
         });
     }
     for method in &manifest.methods {
-        let problem = method_problem(method, manifest.header.lights.len());
+        let problem = method_problem(method, manifest.header.extent());
         check.find(problem, || format!("method {}", shown(&method.name)));
     }
     check
@@ -69,7 +69,7 @@ fn differing(replay: &Header, source: &Header) -> Vec<&'static str> {
 }
 
 /// What is wrong with the record of a method, if anything.
-pub(super) fn method_problem(method: &MethodRecord, lights: usize) -> Option<String> {
+pub(super) fn method_problem(method: &MethodRecord, extent: Extent) -> Option<String> {
     if !(KEY_BITS_MIN..=LAYOUT_BITS).contains(&method.key_bits) {
         return Some(format!("keys of {} bits, expected {KEY_BITS_MIN} to {LAYOUT_BITS}", method.key_bits));
     }
@@ -84,14 +84,17 @@ pub(super) fn method_problem(method: &MethodRecord, lights: usize) -> Option<Str
         let is_plain = method.layout.is_empty() && method.termination == Termination::Unused;
         return (!is_plain).then(|| "it has bits or a length, but no layout that they are of".to_owned());
     }
-    let parsed = LayoutText::parse(&method.text).and_then(|text| Ok((text.length(), text.expand(lights)?)));
+    let parsed = LayoutText::parse(&method.text).and_then(|text| Ok((text.length(), text.expand(extent)?)));
     let (length, layout) = match parsed {
         Ok(parsed) => parsed,
         Err(error) => return Some(error.message),
     };
     let text = shown(&method.text);
     if layout.names() != method.layout {
-        return Some(format!("its bits are not those of '{text}' for {lights} lights"));
+        return Some(format!(
+            "its bits are not those of '{text}' for {} lights and a picture of {} × {} pixels",
+            extent.lights, extent.picture[0], extent.picture[1]
+        ));
     }
     let is_said = length.is_none_or(|length| length == method.termination);
     (!method.termination.fits(&layout) || !is_said).then(|| {

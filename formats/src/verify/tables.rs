@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::orders::tolerated;
 use super::{Check, Subject};
-use crate::key::Encoder;
+use crate::key::{Encoder, Facts};
 use crate::length_table::{LengthCell, LengthTable};
 use crate::manifest::{Place, QueueArray, QueueId};
 use crate::ray::Kind;
@@ -93,7 +93,7 @@ fn after(
 ) -> Option<Vec<LengthCell>> {
     let traced = subject.traced_in(subject.table_maker(), queue)?;
     traced.rays().par_iter().enumerate().with_min_len(RAYS_PER_TASK).for_each(|(index, ray)| {
-        table.add(cells.encode(ray, 0.0, 0) as u32, traced.length(index));
+        table.add(cells.encode(ray, Facts::default()) as u32, traced.length(index));
     });
     Some(table.touched())
 }

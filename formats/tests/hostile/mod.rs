@@ -14,7 +14,9 @@ mod tiny;
 use std::path::Path;
 
 use formats::key::decode::decode;
-use formats::key::{Encoder, LAYOUT_BITS, LayoutError, LayoutText, LightSite, Method, MethodError};
+use formats::key::{
+    Encoder, Extent, Facts, LAYOUT_BITS, LayoutError, LayoutText, LightSite, Method, MethodError,
+};
 use formats::manifest::scan::scan_bytes;
 use formats::manifest::{FRAME_BYTES, Manifest, PREAMBLE_BYTES, encode_frame, preamble};
 use formats::npy::{self, HEADER_BYTES_MAX};
@@ -135,15 +137,16 @@ fn odd_rays() -> [Ray; 4] {
 
 fn encode_by(text: &LayoutText) {
     let unit = UnitSpace::from_bounds([0.0; 3], [1.0; 3]);
-    for lights in [1, 3, 300] {
+    for (lights, picture) in [(1, [8, 8]), (3, [u32::MAX; 2]), (300, [1, 1])] {
         let sites = vec![LightSite::Placed { centre: [0.5; 3] }; lights];
         // With more lights than one, a coordinate may get more bits than it has.
-        let Ok(layout) = text.expand(lights) else { continue };
+        let Ok(layout) = text.expand(Extent { lights, picture }) else { continue };
         assert!((1..=LAYOUT_BITS as usize).contains(&layout.bits().len()));
         for key_bits in [8, 33, LAYOUT_BITS] {
             let encoder = Encoder::new(&layout, key_bits, unit, &sites);
             for ray in odd_rays() {
-                let key = encoder.encode(&ray, 0.25, lights as u32 - 1);
+                let key =
+                    encoder.encode(&ray, Facts { length: 0.25, light: lights as u32 - 1, path: u32::MAX });
                 let fields = decode(&layout, key_bits, key);
                 let bits: u32 = fields.iter().map(|field| field.bits).sum();
                 assert_eq!(bits, key_bits.min(layout.bits().len() as u32));

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use formats::key::{Encoder, Method};
+use formats::key::{Encoder, Facts, Method};
 use formats::length_table::{LengthTable, TABLE_BITS_MIN};
 use formats::manifest::{
     End, Header, MethodArray, MethodRecord, Mismatches, Outcome, Place, QueueArray, QueueId, QueueRecord,
@@ -64,7 +64,7 @@ fn write_queue(writer: &mut DumpWriter, whole: &Dump, header: &Header, kind: Kin
     };
     let (traced, cells) = (Traced::open(whole, id).unwrap(), header.cell_encoder().unwrap());
     let table = LengthTable::new(header.options.table_bits);
-    let cell = |ray: &Ray| cells.encode(ray, 0.0, 0) as u32;
+    let cell = |ray: &Ray| cells.encode(ray, Facts::default()) as u32;
     let add_all = || rays.iter().enumerate().for_each(|(i, ray)| table.add(cell(ray), traced.length(i)));
     // As if the same rays had been traced before.
     add_all();
@@ -74,12 +74,12 @@ fn write_queue(writer: &mut DumpWriter, whole: &Dump, header: &Header, kind: Kin
     };
     write_table(writer, QueueArray::Lengths);
     let unit = UnitSpace::from_bounds(header.scene.bounds_min, header.scene.bounds_max);
-    let layout = Method::builtin(&method.name).unwrap().layout.expand(header.lights.len()).unwrap();
+    let layout = Method::builtin(&method.name).unwrap().layout.expand(header.extent()).unwrap();
     let encoder = Encoder::new(&layout, method.key_bits, unit, &header.lights);
     let keys: Vec<u64> = rays
         .iter()
         .zip(&lights)
-        .map(|(ray, &light)| encoder.encode(ray, table.mean(cell(ray)), light))
+        .map(|(ray, &light)| encoder.encode(ray, Facts { length: table.mean(cell(ray)), light, path: 0 }))
         .collect();
     write_method(writer, id, method, &keys);
     add_all();

@@ -1,8 +1,8 @@
 //! Keys by any layout: what is decoded is what was encoded, and what KEYS says of every ray.
 
 use formats::key::decode::{DecodedField, decode};
-use formats::key::layout_text::light_index_bits;
-use formats::key::{Coordinate, Encoder, LAYOUT_BITS, Layout, LayoutText, LightSite};
+use formats::key::extent::index_bits;
+use formats::key::{Coordinate, Encoder, Extent, Facts, LAYOUT_BITS, Layout, LayoutText, LightSite};
 use formats::ray::Ray;
 use formats::unit_space::UnitSpace;
 use proptest::prelude::*;
@@ -13,9 +13,12 @@ use crate::oracle::{Bounds, coordinate, error_bits};
 /// Bits of the finest coordinate.
 const FINEST: u32 = 22;
 const LENGTH: f32 = 0.25;
+/// A picture of 15 × 8 tiles of 7 × 5 pixels.
+const PICTURE: [u32; 2] = [100, 40];
+const TILE: &str = "tile(7x5)";
 
 /// What texts of layouts are made of.
-const SIGNS: [&str; 16] = [
+const SIGNS: [&str; 17] = [
     "(",
     ")",
     ")*3",
@@ -32,6 +35,7 @@ const SIGNS: [&str; 16] = [
     " u",
     " light ",
     " hilbert(",
+    " tile(7x5)",
 ];
 
 fn lights() -> Vec<LightSite> {
@@ -47,31 +51,51 @@ fn words() -> impl Strategy<Value = (String, Vec<&'static str>)> {
     let word = prop::sample::select(Coordinate::ALL).prop_map(Coordinate::name);
     let group = (prop::collection::vec(word, 1..5), 1usize..9);
     prop::collection::vec(group, 1..6).prop_map(|groups| {
-        let text = groups.iter().map(|(words, times)| format!("({})*{times}", words.join(" ")));
+        let text = groups
+            .iter()
+            .map(|(words, times)| format!("({})*{times}", words.join(" ").replace("tile", TILE)));
         let bits = groups.iter().flat_map(|(words, times)| words.repeat(*times));
         (text.collect::<Vec<_>>().join(" "), bits.collect())
     })
 }
 
+fn extent(lights: usize) -> Extent {
+    Extent { lights, picture: PICTURE }
+}
+
+/// Whether a word stands for a whole number.
+fn is_number(word: &str) -> bool {
+    word == "light" || word == "tile"
+}
+
 /// The bits of a layout for so many lights, if it is one.
 fn spelled_out(words: &[&'static str], lights: usize) -> Option<Vec<&'static str>> {
     let count = |word: &str| words.iter().filter(|other| **other == word).count();
-    let without_index = words.iter().filter(|word| **word != "light").count();
-    let is_short = without_index <= LAYOUT_BITS as usize;
-    let is_fine = words.iter().all(|word| count(word) <= if *word == "light" { 1 } else { FINEST as usize });
+    let without_numbers = words.iter().filter(|word| !is_number(word)).count();
+    let is_short = without_numbers <= LAYOUT_BITS as usize;
+    let is_fine = words.iter().all(|word| count(word) <= if is_number(word) { 1 } else { FINEST as usize });
     let repeat = |word: &&'static str| {
-        let times = if *word == "light" { light_index_bits(lights) as usize } else { 1 };
+        let times = if is_number(word) { width(word, lights) as usize } else { 1 };
         std::iter::repeat_n(*word, times)
     };
-    (is_short && is_fine && without_index > 0)
+    (is_short && is_fine && without_numbers > 0)
         .then(|| words.iter().flat_map(repeat).take(LAYOUT_BITS as usize).collect())
+}
+
+/// Bits of a coordinate.
+fn width(name: &str, lights: usize) -> u32 {
+    match name {
+        "light" => index_bits(lights as u64),
+        "tile" => 7,
+        _ => FINEST,
+    }
 }
 
 /// Layouts that are valid, for as many lights as there are.
 fn layouts() -> impl Strategy<Value = Layout> {
     words().prop_filter_map("not a layout", |(text, words)| {
         spelled_out(&words, lights().len())?;
-        LayoutText::parse(&text).unwrap().expand(lights().len()).ok()
+        LayoutText::parse(&text).unwrap().expand(extent(lights().len())).ok()
     })
 }
 
@@ -156,17 +180,25 @@ fn exact(name: &str, bounds: &Bounds, ray: &Ray, light: u32) -> Option<u32> {
         "dy" => direction(1),
         "dz" => direction(2),
         "light" => light,
+        "tile" => path_of(light) / 100 / 5 * 15 + path_of(light) % 100 / 7,
         _ => return None,
     })
+}
+
+/// The path of a ray that goes to a light.
+fn path_of(light: u32) -> u32 {
+    light * 1789 + 333
 }
 
 /// The keys of rays, one by one and many at once, whole and as prefixes.
 fn key(layout: &Layout, key_bits: u32, bounds: &Bounds, ray: &Ray, light: u32) -> u64 {
     let unit = UnitSpace::from_bounds(bounds.min, bounds.max);
     let encoder = Encoder::new(layout, key_bits, unit, &lights());
-    let key = encoder.encode(ray, LENGTH, light);
-    encoder.encode_all(&[*ray], |_| LENGTH, |_| light, |_, other| assert_eq!(other, key, "as a block"));
-    let whole = Encoder::new(layout, LAYOUT_BITS, unit, &lights()).encode(ray, LENGTH, light);
+    let facts = Facts { length: LENGTH, light, path: path_of(light) };
+    let key = encoder.encode(ray, facts);
+    let of_many = Facts { length: |_| LENGTH, light: |_| light, path: |_| path_of(light) };
+    encoder.encode_all(&[*ray], &of_many, |_, other| assert_eq!(other, key, "as a block"));
+    let whole = Encoder::new(layout, LAYOUT_BITS, unit, &lights()).encode(ray, facts);
     assert_eq!(key, whole >> (LAYOUT_BITS - key_bits), "as a prefix");
     key
 }
@@ -179,7 +211,7 @@ proptest! {
         // What fits one light fits any number, or parsing says at once that it does not.
         prop_assert_eq!(LayoutText::parse(&text).is_ok(), spelled_out(&words, 1).is_some(), "{}", text);
         if let Ok(parsed) = LayoutText::parse(&text) {
-            let layout = parsed.expand(lights).unwrap();
+            let layout = parsed.expand(extent(lights)).unwrap();
             let expected = spelled_out(&words, lights).unwrap();
             prop_assert_eq!(layout.names(), expected, "{}", text);
         }
@@ -196,11 +228,11 @@ proptest! {
         for field in fields {
             let name = field.bit.coordinate().unwrap().name();
             if let Some(expected) = exact(name, &bounds, &ray, light) {
-                let width = if name == "light" { light_index_bits(lights().len()) } else { FINEST };
+                let width = width(name, lights().len());
                 let expected = u64::from(expected >> (width - field.bits));
                 prop_assert_eq!(field.value, expected, "{} of {:?}", name, ray);
             }
-            if name != "light" {
+            if !is_number(name) {
                 let site = &lights()[light as usize];
                 let truth = coordinate(name, &bounds, &ray, LENGTH.into(), site).clamp(0.0, 1.0);
                 let (low, high) = field.range().unwrap();
@@ -221,7 +253,7 @@ proptest! {
         for field in decode(&layout, key_bits, key(&layout, key_bits, &bounds, &ray, light)) {
             let name = field.bit.coordinate().unwrap().name();
             if let Some(expected) = exact(name, &bounds, &ray, light) {
-                let width = if name == "light" { light_index_bits(lights().len()) } else { FINEST };
+                let width = width(name, lights().len());
                 let expected = u64::from(expected >> (width - field.bits));
                 prop_assert_eq!(field.value, expected, "{} of {:?}", name, ray);
             }
@@ -234,9 +266,9 @@ proptest! {
         key_bits in 8..=LAYOUT_BITS,
         (bounds, ray) in bounds().prop_flat_map(|bounds| (Just(bounds), odd_ray(bounds))),
     ) {
-        let names: Vec<&str> = axes.iter().map(|axis| axis.name()).filter(|name| *name != "light").collect();
+        let names: Vec<&str> = axes.iter().map(|axis| axis.name()).filter(|name| !is_number(name)).collect();
         prop_assume!(names.len() > 1);
-        let layout = |text: String| LayoutText::parse(&text).unwrap().expand(1).unwrap();
+        let layout = |text: String| LayoutText::parse(&text).unwrap().expand(Extent::NOTHING).unwrap();
         let decoded = |layout: Layout| decode(&layout, key_bits, key(&layout, key_bits, &bounds, &ray, 1));
         let (names, times) = (names.join(" "), FINEST.min(LAYOUT_BITS / names.len() as u32));
         let curve = decoded(layout(format!("hilbert({names})*{times}")));
@@ -265,7 +297,7 @@ proptest! {
         };
         for lights in [1, 3, 300] {
             // With more lights than one, a coordinate may get more bits than it has.
-            let Ok(layout) = parsed.expand(lights) else { continue };
+            let Ok(layout) = parsed.expand(extent(lights)) else { continue };
             let read: u32 = decode(&layout, LAYOUT_BITS, u64::MAX).iter().map(|field| field.bits).sum();
             prop_assert_eq!(read as usize, layout.bits().len(), "{}", text);
         }
@@ -277,7 +309,7 @@ proptest! {
         (bounds, ray) in bounds().prop_flat_map(|bounds| (Just(bounds), odd_ray(bounds))),
     ) {
         let key = |text: &str| {
-            let layout = LayoutText::parse(text).unwrap().expand(1).unwrap();
+            let layout = LayoutText::parse(text).unwrap().expand(Extent::NOTHING).unwrap();
             key(&layout, key_bits, &bounds, &ray, 1)
         };
         let [left, right] = ["(ox oy)*22", "hilbert(u ex)*22"];

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use formats::auto::{sample, sampled_area};
 use formats::key::method::AUTO;
-use formats::key::{Encoder, LightSite, Method, Termination};
+use formats::key::{Encoder, Extent, Facts, LightSite, Method, Termination};
 use formats::length_table::LengthTable;
 use formats::manifest::scan::scan;
 use formats::manifest::{
@@ -280,7 +280,7 @@ fn write_queue(writer: &mut DumpWriter, queue: &Queue) -> Result<(), WriteError>
 }
 
 fn cell_of(encoder: &Encoder, ray: &Ray) -> u32 {
-    encoder.encode(ray, 0.0, 0) as u32
+    encoder.encode(ray, Facts::default()) as u32
 }
 
 fn write_method(
@@ -290,7 +290,7 @@ fn write_method(
     key_bits: u32,
     table: &LengthTable,
 ) -> Result<(), WriteError> {
-    let layout = method.layout.expand(lights().len()).unwrap();
+    let layout = method.layout.expand(header().extent()).unwrap();
     let encoder = Encoder::new(&layout, key_bits, unit(), &lights());
     let cells = Encoder::new(&table_layout(), table.bits(), unit(), &[]);
     let keys: Vec<u64> = (0..queue.rays.len())
@@ -302,7 +302,8 @@ fn write_method(
                 Termination::Adaptive => table.mean(cell_of(&cells, ray)),
                 Termination::Real => queue.traced_length(i),
             };
-            encoder.encode(ray, length, queue.lights.get(i).copied().unwrap_or(0))
+            let light = queue.lights.get(i).copied().unwrap_or(0);
+            encoder.encode(ray, Facts { length, light, path: queue.path_ids[i] })
         })
         .collect();
     let place = |array| Place::Method(queue.id, method.name.clone(), array);
@@ -324,7 +325,7 @@ fn write_method(
 }
 
 fn table_layout() -> formats::key::Layout {
-    formats::key::LayoutText::parse(TABLE_LAYOUT).unwrap().expand(1).unwrap()
+    formats::key::LayoutText::parse(TABLE_LAYOUT).unwrap().expand(Extent::NOTHING).unwrap()
 }
 
 /// The sample's methods with their key bits: narrow, wide, one of a user.
@@ -384,9 +385,10 @@ const AUTO_QUEUE: QueueId = QueueId { pass: PASSES - 1, bounce: 1, kind: Kind::C
 
 fn write_auto(writer: &mut DumpWriter, queue: &Queue) -> Result<(), WriteError> {
     let (method, key_bits) = methods().remove(0);
-    let encoder = Encoder::new(&method.layout.expand(lights().len()).unwrap(), key_bits, unit(), &lights());
+    let encoder =
+        Encoder::new(&method.layout.expand(header().extent()).unwrap(), key_bits, unit(), &lights());
     let mut permutation: Vec<u32> = (0..queue.rays.len() as u32).collect();
-    permutation.sort_by_key(|&ray| encoder.encode(&queue.rays[ray as usize], 0.0, 0));
+    permutation.sort_by_key(|&ray| encoder.encode(&queue.rays[ray as usize], Facts::default()));
     let place = Place::Method(queue.id, AUTO.to_owned(), MethodArray::Permutation);
     writer.whole_array(&place, &[permutation.len() as u64], &permutation)?;
     let sampled: Vec<Ray> = sample(queue.rays.len()).flat_map(|range| &queue.rays[range]).copied().collect();
@@ -474,7 +476,7 @@ fn write_measured(
 pub(crate) fn write_all(writer: &mut DumpWriter) -> Result<End, WriteError> {
     write_scene(writer)?;
     for (method, key_bits) in methods() {
-        let layout = method.layout.expand(lights().len()).unwrap();
+        let layout = method.layout.expand(header().extent()).unwrap();
         writer.record(&Record::Method(MethodRecord {
             name: method.name.clone(),
             text: method.layout.text().to_owned(),

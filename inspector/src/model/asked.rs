@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use formats::key::Facts;
 use formats::manifest::{Place, QueueArray, QueueId};
 use formats::reader::Loaded;
 use rayon::prelude::*;
@@ -159,7 +160,7 @@ impl Context {
         let wanted = (at, self.selection.queue, cell);
         let make = move || {
             let rays = queue.traced.rays().par_iter().enumerate();
-            let found = rays.filter(|(_, ray)| encoder.encode(ray, 0.0, 0) == u64::from(cell));
+            let found = rays.filter(|(_, ray)| encoder.encode(ray, Facts::default()) == u64::from(cell));
             Arc::new(found.map(|(ray, _)| ray as u32).collect::<Vec<u32>>())
         };
         self.derived.rays_of_cell.of(wanted, &self.derived.waker, make).ok().cloned()

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use formats::key::decode::{FieldReader, decode};
 use formats::key::method::{UNSORTED, WITHOUT_LAYOUT};
-use formats::key::{Coordinate, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutText};
+use formats::key::{Coordinate, Extent, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutText};
 use formats::manifest::{MethodArray, MethodRecord, Place};
 use formats::metrics::group::Group;
 use formats::metrics::order::{Keys, Places};
@@ -29,12 +29,12 @@ pub struct KeyLayout {
 }
 
 impl KeyLayout {
-    fn of(record: &MethodRecord, lights: usize) -> Option<Self> {
+    fn of(record: &MethodRecord, extent: Extent) -> Option<Self> {
         // A key may have more bits than its layout: the rest is 0.
         if !(KEY_BITS_MIN..=LAYOUT_BITS).contains(&record.key_bits) {
             return None;
         }
-        let layout = LayoutText::parse(&record.text).and_then(|text| text.expand(lights)).ok()?;
+        let layout = LayoutText::parse(&record.text).and_then(|text| text.expand(extent)).ok()?;
         let is_recorded = layout.names() == record.layout;
         is_recorded.then(|| Self { layout, key_bits: record.key_bits, text: record.text.clone() })
     }
@@ -170,9 +170,9 @@ fn keys(dump: &Dump, queue: &Queue, method: &str, place: &Place) -> Result<(Keys
     if !record.has_layout() {
         return Err(format!("nobody says what the keys of {method} are"));
     }
-    let lights = dump.manifest().header.lights.len();
+    let extent = dump.manifest().header.extent();
     let layout =
-        KeyLayout::of(record, lights).ok_or_else(|| format!("{method} has no layout of at most {LAYOUT_BITS} bits and keys of {KEY_BITS_MIN} to {LAYOUT_BITS}: {}", record.text))?;
+        KeyLayout::of(record, extent).ok_or_else(|| format!("{method} has no layout of at most {LAYOUT_BITS} bits and keys of {KEY_BITS_MIN} to {LAYOUT_BITS}: {}", record.text))?;
     let keys = if layout.key_bits > 32 {
         dump.array(place).map(Keys::Wide)
     } else {

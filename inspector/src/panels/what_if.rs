@@ -4,7 +4,7 @@
 use egui::{DragValue, RichText};
 use formats::key::layout::Field;
 use formats::key::method::UNSORTED;
-use formats::key::{Bit, Coordinate, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError};
+use formats::key::{Bit, Coordinate, Extent, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError};
 
 use super::filter_box::typed;
 use super::notes::{choose, found, group_widths};
@@ -22,13 +22,13 @@ impl Panel for WhatIfPanel {
         if found(ui, context.queue()).is_none() {
             return;
         }
-        let Some(lights) = context.recording().map(|open| open.dump.manifest().header.lights.len()) else {
+        let Some(extent) = context.recording().map(|open| open.dump.manifest().header.extent()) else {
             return;
         };
         let Some(mut settings) = context.what_if.clone().or_else(|| first(context)) else { return };
         egui::ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
             ui.horizontal_wrapped(|ui| start_from(ui, context, &mut settings));
-            let layout = edit(ui, &mut settings, lights);
+            let layout = edit(ui, &mut settings, extent);
             if let Ok(layout) = &layout {
                 bits(ui, layout, settings.key_bits);
             }
@@ -78,15 +78,15 @@ fn start_from(ui: &mut egui::Ui, context: &Context, settings: &mut Settings) {
 }
 
 /// The layout as text, with what is wrong with it; and the estimate if the layout needs one.
-fn edit(ui: &mut egui::Ui, settings: &mut Settings, lights: usize) -> Result<Layout, LayoutError> {
-    let fault = settings.layout(lights).err().map(|error| (error.start, error.length));
+fn edit(ui: &mut egui::Ui, settings: &mut Settings, extent: Extent) -> Result<Layout, LayoutError> {
+    let fault = settings.layout(extent).err().map(|error| (error.start, error.length));
     let width = (ui.available_width() - 8.0).clamp(120.0, 560.0);
     typed(ui, ("layout", "(ox oy oz ex ey ez)*10"), &mut settings.text, fault, width).on_hover_text(
         "Where each bit comes from, the first one counts most: o origin, e estimated end, d direction, u v \
          octahedral direction, pu pv paraboloid direction, theta phi spherical direction; (…)*4 repeats, \
          hilbert(ox oy oz)*10 goes along a curve, ^ is exclusive or, @adaptive at the end says where the length is from",
     );
-    let layout = settings.layout(lights);
+    let layout = settings.layout(extent);
     match &layout {
         Err(error) => {
             let text = format!("character {}: {}", error.start + 1, error.message);

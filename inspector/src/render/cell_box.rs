@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use formats::key::decode::decode;
-use formats::key::{Coordinate, Layout, LayoutText};
+use formats::key::{Coordinate, Extent, Layout, LayoutText};
 use formats::length_table::{TABLE_BITS_MAX, TABLE_BITS_MIN};
 use formats::manifest::Options;
 use rayon::prelude::*;
@@ -16,7 +16,7 @@ use crate::model::Queue;
 fn table_layout(options: &Options) -> Option<Layout> {
     let has_table = (TABLE_BITS_MIN..=TABLE_BITS_MAX).contains(&options.table_bits);
     let text = LayoutText::parse(&options.table_layout).ok().filter(|_| has_table);
-    text?.expand(1).ok()
+    text?.expand(Extent::NOTHING).ok()
 }
 
 /// The corners of a cell's box; an axis of which the address says nothing spans all of it.

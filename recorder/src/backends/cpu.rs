@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use anyhow::{Result, ensure};
 use formats::auto::sample;
-use formats::key::{Encoder, Termination};
+use formats::key::{Encoder, Facts, Termination};
 use formats::length_table::LengthTable;
 use formats::manifest::QueueId;
 use formats::metrics::lanes::LaneUse;
@@ -212,15 +212,16 @@ impl Backend for CpuBackend {
         let real =
             |index: usize| hits.map_or(0.0, |hits| hits.length(&setup.unit, &rays.rays()[index], index));
         let table = &tables[Table::Learnt as usize][rays.id.kind as usize];
-        let lengths = Lengths::of(plan.termination, plan.two_point_length, table, cells, &real);
+        let length = Lengths::of(plan.termination, plan.two_point_length, table, cells, &real);
         // States are not touched where they say nothing.
         let light = |index: usize| match rays.id.kind {
             Kind::Closest => 0,
             Kind::Shadow => rays.paths.states[index].light,
         };
+        let facts = Facts { length, light, path: |index: usize| rays.paths.ids[index] };
         let (filled, ()) = self.keys[usize::from(plan.key_bits > 32)].filled(|keys| {
             keys.make_room(rays.len(), plan.key_bits);
-            clock.time(|| encode(&encoders[method], rays.rays(), &lengths, light, keys));
+            clock.time(|| encode(&encoders[method], rays.rays(), &facts, keys));
         });
         Ok(filled)
     }

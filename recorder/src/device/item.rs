@@ -126,7 +126,6 @@ impl Module {
     }
 
     /// Storage buffers that the kernel binds.
-    #[cfg(test)]
     pub(crate) fn storage_buffers(&self) -> usize {
         let is_buffer = |binding: &Binding| matches!(binding, Binding::Read | Binding::ReadWrite);
         self.bindings.iter().filter(|(binding, _)| is_buffer(binding)).count()

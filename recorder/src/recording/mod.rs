@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
+use formats::key::Extent;
 use formats::manifest::Source;
 use formats::unit_space::UnitSpace;
 use formats::writer::DumpWriter;
@@ -88,12 +89,12 @@ pub(crate) fn choose_camera(scene: &Scene, name: Option<&str>) -> Result<Camera>
 /// What kernels depend on, for a scene seen by one of its cameras.
 ///
 /// # Errors
-/// None beyond those of layouts, which options have checked already.
+/// If a layout needs a picture, and the rays have none; options have checked the rest.
 pub fn setup(scene: &Scene, camera: &Camera, options: &RecordOptions) -> Result<Setup> {
     let bounds = scene.bounds();
     let unit = UnitSpace::from_bounds(bounds.min, bounds.max);
-    let lights = scene.lights.len();
-    let plan = |method| MethodPlan::new(method, lights, options.key_bits, options.two_point_length);
+    let extent = Extent { lights: scene.lights.len(), picture: [options.width, options.height] };
+    let plan = |method| MethodPlan::new(method, extent, options.key_bits, options.two_point_length);
     let setup = Setup {
         tables: Arc::new(ShadeTables::new(scene)),
         features: Features::of(scene),
@@ -108,11 +109,11 @@ pub fn setup(scene: &Scene, camera: &Camera, options: &RecordOptions) -> Result<
         methods: options.methods.iter().map(plan).collect::<Result<_, _>>()?,
         candidates: 0,
         table_bits: options.table_bits,
-        table_layout: options.table_method.layout.expand(lights)?,
+        table_layout: options.table_method.layout.expand(Extent::NOTHING)?,
         precision: Precision::default(),
     };
     Ok(if options.auto {
-        setup.with_candidates(candidates(&[], lights, options.two_point_length)?)
+        setup.with_candidates(candidates(&[], extent, options.two_point_length)?)
     } else {
         setup
     })

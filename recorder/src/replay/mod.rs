@@ -107,17 +107,13 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     setup.unit =
         formats::unit_space::UnitSpace::from_bounds(recorded.scene.bounds_min, recorded.scene.bounds_max);
     let fixed_length = recorded.options.two_point_length;
-    setup.methods = options.sweep.plans(
-        &run_options.methods,
-        setup.light_sites.len(),
-        recorded.options.key_bits,
-        fixed_length,
-    )?;
+    setup.methods =
+        options.sweep.plans(&run_options.methods, setup.extent(), recorded.options.key_bits, fixed_length)?;
     setup.candidates = 0;
     let calibration = calibration(asked.manifest(), &device, &run_options);
     if run_options.auto {
-        let (lights, length) = (setup.light_sites.len(), run_options.two_point_length);
-        setup = setup.with_candidates(candidates(calibration, lights, length)?);
+        let (extent, length) = (setup.extent(), run_options.two_point_length);
+        setup = setup.with_candidates(candidates(calibration, extent, length)?);
     }
     let setup = Arc::new(setup);
     device.check_capacity(&setup, &scene, &run_options)?;

@@ -1,13 +1,14 @@
 //! Layouts that give the origin another share of a key.
 
-use formats::key::{Bit, Coordinate, LayoutError, LayoutText, Method, Termination};
+use formats::key::{Bit, Coordinate, Extent, LayoutError, LayoutText, Method, Termination};
 
 use Coordinate::{OriginX, OriginY, OriginZ};
 
 /// The coordinates of a method's origin, and those of its direction or end point, in the order of their first
-/// mention; `None` if it has not both, or a curve, a light or `^`.
+/// mention; `None` if it has not both, or a curve, a number or `^`.
 fn parts(method: &Method) -> Option<[Vec<Coordinate>; 2]> {
-    let layout = method.layout.expand(1).ok().filter(|layout| !layout.uses(Coordinate::needs_light))?;
+    let layout =
+        method.layout.expand(Extent::NOTHING).ok().filter(|layout| !layout.uses(Coordinate::needs_light))?;
     let mut parts = [Vec::new(), Vec::new()];
     for coordinate in layout.bits().iter().map(Bit::coordinate) {
         let coordinate = coordinate?;

@@ -1,7 +1,7 @@
 //! Methods at several key bits and several lengths: a sweep in one run, on the same rays.
 
 use anyhow::{Context, Result, bail, ensure};
-use formats::key::{Method, Termination};
+use formats::key::{Extent, Method, Termination};
 
 use super::split::{can_split, split};
 use crate::options::OptionError;
@@ -53,12 +53,12 @@ impl Sweep {
     /// variant's name says what it differs in: `aila-16-bits`, `two-point-length-0-1`, `octahedron-split-12-20`.
     ///
     /// # Errors
-    /// If a layout does not fit the lights, two variants would have one name, or no method's origin can have such
+    /// If a layout needs a picture where there is none, two variants would have one name, or no method's origin can have such
     /// shares.
     pub fn plans(
         &self,
         methods: &[Method],
-        lights: usize,
+        extent: Extent,
         recorded_bits: u32,
         recorded_length: f32,
     ) -> Result<Vec<MethodPlan>> {
@@ -77,7 +77,7 @@ impl Sweep {
             for &bits in &all_bits {
                 for variant in self.splits(method, bits)? {
                     for &length in &lengths {
-                        let plan = MethodPlan::new(&variant, lights, bits, length)?;
+                        let plan = MethodPlan::new(&variant, extent, bits, length)?;
                         let mut plan = MethodPlan { base: method.name.clone(), ..plan };
                         if all_bits.len() > 1 {
                             plan.name += &format!("-{bits}-bits");
@@ -163,14 +163,19 @@ mod tests {
         let methods = ["aila", "two-point"].map(|name| Method::builtin(name).unwrap());
         let names = |bits: &str, lengths: &str| -> Vec<String> {
             let sweep = Sweep::parse(Some(bits), Some(lengths), None).unwrap();
-            sweep.plans(&methods, 1, 32, 0.25).unwrap().into_iter().map(|plan| plan.name).collect()
+            sweep
+                .plans(&methods, Extent::NOTHING, 32, 0.25)
+                .unwrap()
+                .into_iter()
+                .map(|plan| plan.name)
+                .collect()
         };
         assert_eq!(names("32", "0.25"), ["aila", "two-point"]);
         assert_eq!(names("8,16", "0.25").len(), 4);
         assert_eq!(names("16", "0.1,0.25"), ["aila", "two-point-length-0-1", "two-point-length-0-25"]);
         assert_eq!(names("8,16", "0.1,0.25")[2], "two-point-8-bits-length-0-1");
         let sweep = Sweep { key_bits: vec![8, 16, 8], ..Sweep::default() };
-        assert!(sweep.plans(&methods, 1, 32, 0.25).is_err());
+        assert!(sweep.plans(&methods, Extent::NOTHING, 32, 0.25).is_err());
     }
 
     #[test]
@@ -178,7 +183,7 @@ mod tests {
         let plans = |methods: &[&str], bits: &str, split: &str| {
             let methods: Vec<Method> = methods.iter().map(|name| Method::builtin(name).unwrap()).collect();
             let sweep = Sweep::parse(Some(bits), None, Some(split)).unwrap();
-            sweep.plans(&methods, 1, 32, 0.25).map_err(|error| format!("{error:#}"))
+            sweep.plans(&methods, Extent::NOTHING, 32, 0.25).map_err(|error| format!("{error:#}"))
         };
         let found = plans(&["origin", "octahedron"], "32", "4..28:2").unwrap();
         let names: Vec<_> = found.iter().map(|plan| (plan.name.as_str(), plan.base.as_str())).collect();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use formats::key::method::BUILTIN;
-use formats::key::{Layout, LayoutError, LayoutText, LightSite, Method, Termination};
+use formats::key::{Extent, Layout, LayoutError, LayoutText, LightSite, Method, Termination};
 use formats::ray::Kind;
 use formats::unit_space::UnitSpace;
 use scenes::features::Features;
@@ -12,7 +12,7 @@ use scenes::{Camera, Scene};
 use super::shade::tables::ShadeTables;
 use super::trace::Precision;
 
-/// A method as a backend runs it: layout expanded for the scene's lights.
+/// A method as a backend runs it: layout expanded for the scene's lights and the picture.
 #[derive(Clone, Debug)]
 pub struct MethodPlan {
     /// Name in paths and tables.
@@ -34,13 +34,13 @@ pub struct MethodPlan {
 }
 
 impl MethodPlan {
-    /// A method as it is, for a scene with this many lights.
+    /// A method as it is, for as much as there is to number.
     ///
     /// # Errors
-    /// If the layout is too long for so many lights.
+    /// If the layout needs a picture, and there is none.
     pub fn new(
         method: &Method,
-        lights: usize,
+        extent: Extent,
         key_bits: u32,
         two_point_length: f32,
     ) -> Result<Self, LayoutError> {
@@ -48,7 +48,7 @@ impl MethodPlan {
             name: method.name.clone(),
             base: method.name.clone(),
             text: method.layout.text().to_owned(),
-            layout: method.layout.expand(lights)?,
+            layout: method.layout.expand(extent)?,
             termination: method.termination,
             key_bits,
             two_point_length,
@@ -117,11 +117,12 @@ impl Setup {
             LightSite::directional([0.0, -1.0, 0.0]),
             LightSite::Environment,
         ];
+        let extent = Extent { lights: light_sites.len(), picture: [64, 64] };
         let methods = BUILTIN.iter().filter_map(|(name, ..)| {
             let method = Method::builtin(name).ok()?;
-            MethodPlan::new(&method, light_sites.len(), key_bits, 0.25).ok()
+            MethodPlan::new(&method, extent, key_bits, 0.25).ok()
         });
-        let table_layout = LayoutText::parse("ox dx").and_then(|text| text.expand(1));
+        let table_layout = LayoutText::parse("ox dx").and_then(|text| text.expand(Extent::NOTHING));
         Self {
             tables: Arc::default(),
             features: features.fold(Features::default(), |all, (_, feature)| all.union(feature)),
@@ -146,6 +147,11 @@ impl Setup {
             precision: Precision::default(),
             light_sites,
         }
+    }
+
+    /// How much layouts have to number.
+    pub fn extent(&self) -> Extent {
+        Extent { lights: self.light_sites.len(), picture: [self.width, self.height] }
     }
 
     /// The methods that were asked for.

@@ -8,7 +8,8 @@ use std::sync::Arc;
 use clap::ValueEnum;
 use formats::key::method::BUILTIN;
 use formats::key::{
-    Coordinate, Encoder, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError, LayoutText, Method, Termination,
+    Coordinate, Encoder, Extent, Facts, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError, LayoutText, Method,
+    Termination,
 };
 use formats::manifest::{Header, MethodRecord};
 use rayon::prelude::*;
@@ -112,12 +113,12 @@ impl Settings {
         BUILTIN.iter().map(|(name, ..)| *name)
     }
 
-    /// The coordinate of each bit in a scene with this many lights.
+    /// What each bit comes from, for as much as a recording has to number.
     ///
     /// # Errors
     /// What is wrong with the text, and where.
-    pub fn layout(&self, lights: usize) -> Result<Layout, LayoutError> {
-        LayoutText::parse(&self.text)?.expand(lights)
+    pub fn layout(&self, extent: Extent) -> Result<Layout, LayoutError> {
+        LayoutText::parse(&self.text)?.expand(extent)
     }
 
     /// Where the text says that the estimate comes from, if it does.
@@ -130,7 +131,7 @@ impl Settings {
     /// # Errors
     /// If the layout is wrong, or needs what the recording did not keep.
     pub fn keys(&self, header: &Header, queue: &Queue) -> Result<(Vec<u64>, KeyLayout), String> {
-        let layout = self.layout(header.lights.len()).map_err(|error| error.message)?;
+        let layout = self.layout(header.extent()).map_err(|error| error.message)?;
         let lights = if layout.uses(Coordinate::needs_light) {
             let lights =
                 queue.lights.as_ref().ok_or("the layout needs a light, which only shadow rays have")?;
@@ -153,13 +154,19 @@ impl Settings {
             Estimate::Traced => queue.lengths[ray],
         };
         let light = |ray: usize| lights.map_or(0, |lights| lights[ray]);
+        let path = |ray: usize| queue.path_ids[ray];
         let encoder = Encoder::new(&layout, self.key_bits, *queue.traced.unit(), &header.lights);
         let mut keys = vec![0; queue.len()];
         keys.par_chunks_mut(RAYS_PER_TASK).zip(rays.par_chunks(RAYS_PER_TASK)).enumerate().for_each(
             |(task, (keys, rays))| {
                 let first = task * RAYS_PER_TASK;
                 let put = |at: usize, key| keys[at] = key;
-                encoder.encode_all(rays, |at| length(first + at), |at| light(first + at), put);
+                let facts = Facts {
+                    length: |at| length(first + at),
+                    light: |at| light(first + at),
+                    path: |at| path(first + at),
+                };
+                encoder.encode_all(rays, &facts, put);
             },
         );
         Ok((keys, KeyLayout { layout, key_bits: self.key_bits, text: self.text.clone() }))

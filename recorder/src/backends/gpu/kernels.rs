@@ -6,7 +6,7 @@ use formats::ray::Kind;
 use formats::unit_space::UnitSpace;
 use rayon::prelude::*;
 
-use crate::device::{Gpu, ItemKernel, Module};
+use crate::device::{Gpu, ItemKernel, Module, limits};
 use crate::machine::self_check;
 use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::trace::variant::TraceVariant;
@@ -50,6 +50,20 @@ fn check_finite(setup: &Setup) -> Result<()> {
     Ok(())
 }
 
+/// Refuses keys that are made from more arrays than a kernel may bind: light, path, table and wide keys at once.
+fn check_bindings(modules: &[Module]) -> Result<()> {
+    match modules.iter().find(|module| module.storage_buffers() > limits::STORAGE_BUFFERS as usize) {
+        None => Ok(()),
+        Some(module) => bail!(
+            "{} needs {} arrays at once, and a kernel has {}; sort by fewer of lights, tiles and @adaptive lengths, \
+             by keys of up to 32 bits, or with --backend cpu",
+            module.label(),
+            module.storage_buffers(),
+            limits::STORAGE_BUFFERS
+        ),
+    }
+}
+
 /// All modules of a run but those that trace and sort, in the order in which [`Kernels`] takes them.
 pub fn modules(setup: &Setup) -> Vec<Module> {
     let mut modules = vec![
@@ -80,7 +94,9 @@ impl Kernels {
     /// If the driver refuses one, or a number that is written into kernels is not finite.
     pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
         check_finite(setup)?;
-        let compiled = modules(setup).into_par_iter().map(|module| module.compile(gpu));
+        let modules = modules(setup);
+        check_bindings(&modules)?;
+        let compiled = modules.into_par_iter().map(|module| module.compile(gpu));
         let mut compiled = compiled.collect::<Result<Vec<_>, _>>()?.into_iter();
         let mut next = || compiled.next().context("there are fewer kernels than modules");
         let (generate, surface, shadow, next_ray) = (next()?, next()?, next()?, next()?);
@@ -167,7 +183,7 @@ mod tests {
     use scenes::features::Features;
 
     use super::*;
-    use crate::device::{AdapterRequest, limits, skipped, test_gpu};
+    use crate::device::{AdapterRequest, skipped, test_gpu};
 
     #[test]
     fn every_module_compiles_here() {
@@ -211,12 +227,18 @@ mod tests {
             modules.push(shade::gpu::next_module(&features));
         }
         let setup = Setup::made_up(true, 64);
+        let key_modules = |text: &str, termination| {
+            let layout = LayoutText::parse(text).unwrap().expand(setup.extent()).unwrap();
+            let method = MethodPlan { layout, termination, ..setup.methods[0].clone() };
+            Kind::ALL.map(|kind| key::gpu::module(&setup, &method, kind))
+        };
         for termination in [Termination::Fixed, Termination::Adaptive, Termination::Real] {
-            let lit = LayoutText::parse("light ex lu").unwrap().expand(3).unwrap();
-            let method = MethodPlan { layout: lit, termination, ..setup.methods[0].clone() };
-            modules.extend(Kind::ALL.map(|kind| key::gpu::module(&setup, &method, kind)));
+            modules.extend(key_modules("light ex lu", termination));
+            modules.extend(key_modules("tile(8x8) ex", termination));
         }
         let most = modules.iter().max_by_key(|module| module.storage_buffers()).unwrap();
         assert_eq!(most.storage_buffers(), limits::STORAGE_BUFFERS as usize, "of {}", most.label());
+        let error = check_bindings(&key_modules("light ex lu tile(8x8)", Termination::Adaptive)).unwrap_err();
+        assert!(error.to_string().contains("needs 9 arrays at once, and a kernel has 8"), "{error}");
     }
 }

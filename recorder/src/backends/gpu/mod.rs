@@ -312,6 +312,9 @@ impl Backend for GpuBackend {
         if inputs.lights {
             resources.extend([rays.paths()?.states.binding(), self.light_sites.binding()]);
         }
+        if inputs.paths {
+            resources.push(rays.paths()?.ids.binding());
+        }
         let (pixels, is_wide) = (self.pixels(), plan.key_bits > u32::BITS);
         let memory = self.keys.get(|| Keys::new(&self.gpu, pixels))?;
         let keys = Lent::new(memory, |keys| Keys {

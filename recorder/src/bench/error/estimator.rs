@@ -7,7 +7,7 @@
 use anyhow::Result;
 use formats::bench_result::error::EstimatorRow;
 use formats::key::termination::bounded_length;
-use formats::key::{Encoder, Method};
+use formats::key::{Encoder, Facts, Method};
 use formats::length_table::LengthTable;
 use formats::manifest::QueueId;
 use formats::metrics::estimator::EstimateError;
@@ -43,7 +43,7 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<EstimatorRow>> {
     let unit = bench.unit();
     let mut addresses = Vec::new();
     for name in TABLE_METHODS {
-        let layout = Method::builtin(name)?.layout.expand(setup.light_sites.len())?;
+        let layout = Method::builtin(name)?.layout.expand(setup.extent())?;
         let encoder = Encoder::new(&layout, MOST_BITS, unit, &[]);
         addresses.push(Address { name, layout, encoder });
     }
@@ -126,7 +126,7 @@ impl Learning<'_> {
         let rays: Vec<Ray> = collected(backend, Array::Rays(queue))?;
         let traced = traced_lengths(backend, id.kind, &unit, &rays, hits)?;
         let cells = |address: &Address| -> Vec<u32> {
-            rays.par_iter().map(|ray| address.encoder.encode(ray, 0.0, 0) as u32).collect()
+            rays.par_iter().map(|ray| address.encoder.encode(ray, Facts::default()) as u32).collect()
         };
         let longest = |at: usize| {
             let ray = &rays[at];

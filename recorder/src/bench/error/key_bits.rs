@@ -31,7 +31,7 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<KeyBitsRow>> {
     let sweep = Sweep { key_bits: options.key_bits.clone(), ..Sweep::default() };
     setup.methods = sweep.plans(
         &options.run.methods,
-        setup.light_sites.len(),
+        setup.extent(),
         options.run.key_bits,
         options.run.two_point_length,
     )?;

@@ -117,7 +117,7 @@ fn claimed(
             "{FILE} says that the keys of {name} are made from lights, which the rays of {queue} have not"
         );
     }
-    Ok(MethodPlan::new(method, setup.light_sites.len(), key_bits, options.two_point_length)?)
+    Ok(MethodPlan::new(method, setup.extent(), key_bits, options.two_point_length)?)
 }
 
 /// An order of whose keys nothing is said.

@@ -1,6 +1,6 @@
 //! Accumulate on threads.
 
-use formats::key::Encoder;
+use formats::key::{Encoder, NO_FACTS};
 use formats::length_table::LengthTable;
 use formats::ray::Ray;
 use rayon::prelude::*;
@@ -15,15 +15,10 @@ pub fn accumulate(table: &LengthTable, cells: &Encoder, rays: &[Ray], length: im
     rays.par_chunks(CHUNK).enumerate().for_each(|(number, rays)| {
         let first = number * CHUNK;
         let mut cell_of = [0; CHUNK];
-        cells.encode_all(
-            rays,
-            |_| 0.0,
-            |_| 0,
-            |at, cell| {
-                cell_of[at] = cell as u32;
-                prefetch_cell(table, cell as u32);
-            },
-        );
+        cells.encode_all(rays, &NO_FACTS, |at, cell| {
+            cell_of[at] = cell as u32;
+            prefetch_cell(table, cell as u32);
+        });
         (0..rays.len()).for_each(|at| table.add(cell_of[at], length(first + at)));
     });
 }

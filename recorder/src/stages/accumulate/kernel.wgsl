@@ -2,7 +2,7 @@
 
 fn run_item(index: u32) {
     let ray = unit_ray(origins[index].xyz, directions[index].xyz, directions[index].w);
-    let cell = table_cell(ray, 0.0, 0u).x;
+    let cell = table_cell(ray, Facts()).x;
     let added = fixed_point(traced_length(ray, index));
     let before = atomicAdd(&sums[2u * cell], added);
     if before + added < before {

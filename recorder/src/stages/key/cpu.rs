@@ -1,6 +1,6 @@
 //! Keys on threads.
 
-use formats::key::{Encoder, Termination};
+use formats::key::{Encoder, Facts, NO_FACTS, Termination};
 use formats::length_table::LengthTable;
 use formats::ray::Ray;
 use rayon::prelude::*;
@@ -38,29 +38,27 @@ impl<'a> Lengths<'a> {
     }
 }
 
-/// Encodes a queue into keys that have room for it. `light` gives the light of a ray by canonical index (0
-/// where it has none).
+/// Encodes a queue into keys that have room for it. Lights and paths are by canonical index; a light is 0 where
+/// there is none.
 ///
 /// # Panics
 /// If there are not as many keys as rays.
 pub fn encode(
     encoder: &Encoder,
     rays: &[Ray],
-    lengths: &Lengths<'_>,
-    light: impl Fn(usize) -> u32 + Sync,
+    facts: &Facts<Lengths<'_>, impl Fn(usize) -> u32 + Sync, impl Fn(usize) -> u32 + Sync>,
     keys: &mut Keys,
 ) {
     match &mut keys.words {
-        Words::Narrow(keys) => encode_into(encoder, rays, lengths, light, keys, |key| key as u32),
-        Words::Wide(keys) => encode_into(encoder, rays, lengths, light, keys, |key| key),
+        Words::Narrow(keys) => encode_into(encoder, rays, facts, keys, |key| key as u32),
+        Words::Wide(keys) => encode_into(encoder, rays, facts, keys, |key| key),
     }
 }
 
 fn encode_into<T: Send>(
     encoder: &Encoder,
     rays: &[Ray],
-    lengths: &Lengths<'_>,
-    light: impl Fn(usize) -> u32 + Sync,
+    facts: &Facts<Lengths<'_>, impl Fn(usize) -> u32 + Sync, impl Fn(usize) -> u32 + Sync>,
     keys: &mut [T],
     narrowed: impl Fn(u64) -> T + Sync,
 ) {
@@ -68,29 +66,25 @@ fn encode_into<T: Send>(
     rays.par_chunks(CHUNK).zip(keys.par_chunks_mut(CHUNK)).enumerate().for_each(|(number, (rays, keys))| {
         let first = number * CHUNK;
         let mut means = [0.0; CHUNK];
-        if let Lengths::Adaptive(table, cells) = lengths {
+        if let Lengths::Adaptive(table, cells) = &facts.length {
             mean_lengths(table, cells, rays, &mut means);
         }
-        let length = |at: usize| match lengths {
+        let length = |at: usize| match &facts.length {
             Lengths::Fixed(length) => *length,
             Lengths::Adaptive(..) => means[at],
             Lengths::Real(real) => real(first + at),
         };
-        encoder.encode_all(rays, length, |at| light(first + at), |at, key| keys[at] = narrowed(key));
+        let (light, path) = (|at| (facts.light)(first + at), |at| (facts.path)(first + at));
+        encoder.encode_all(rays, &Facts { length, light, path }, |at, key| keys[at] = narrowed(key));
     });
 }
 
 /// Asks the table for all rays of a chunk at once: its cells lie far apart.
 fn mean_lengths(table: &LengthTable, cells: &Encoder, rays: &[Ray], means: &mut [f32; CHUNK]) {
     let mut cell_of = [0; CHUNK];
-    cells.encode_all(
-        rays,
-        |_| 0.0,
-        |_| 0,
-        |at, cell| {
-            cell_of[at] = cell as u32;
-            prefetch_cell(table, cell as u32);
-        },
-    );
+    cells.encode_all(rays, &NO_FACTS, |at, cell| {
+        cell_of[at] = cell as u32;
+        prefetch_cell(table, cell as u32);
+    });
     means.iter_mut().zip(&cell_of).take(rays.len()).for_each(|(mean, &cell)| *mean = table.mean(cell));
 }

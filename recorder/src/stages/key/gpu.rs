@@ -41,6 +41,8 @@ pub struct KeyInputs {
     pub results: bool,
     /// States of shadow rays, which hold the light, and the sites of the lights.
     pub lights: bool,
+    /// Path ids.
+    pub paths: bool,
 }
 
 impl KeyInputs {
@@ -50,6 +52,7 @@ impl KeyInputs {
             table: method.termination == Termination::Adaptive,
             results: method.termination == Termination::Real,
             lights: method.layout.uses(Coordinate::needs_light),
+            paths: method.layout.uses(Coordinate::needs_path),
         }
     }
 }
@@ -84,6 +87,9 @@ pub fn module(setup: &Setup, method: &MethodPlan, kind: Kind) -> Module {
             .table::<LightSiteData>("light_sites")
             .text(&LightSiteData::description().wgsl);
     }
+    if inputs.paths {
+        module = module.items::<u32>("path_ids");
+    }
     module = module.items_mut::<u32>("keys_low");
     if method.key_bits > 32 {
         module = module.items_mut::<u32>("keys_high");
@@ -109,7 +115,7 @@ pub fn module(setup: &Setup, method: &MethodPlan, kind: Kind) -> Module {
 
 const TABLE_LENGTH: &str = "
 fn table_length(ray: UnitRay) -> f32 {
-    let cell = table_cell(ray, 0.0, 0u).x;
+    let cell = table_cell(ray, Facts()).x;
     return mean_length(sums[cell].x, sums[cell].y, counts[cell]);
 }
 ";
@@ -117,11 +123,12 @@ fn table_length(ray: UnitRay) -> f32 {
 fn main_function(method: &MethodPlan, inputs: KeyInputs) -> String {
     let length = length_expression(method.termination, method.two_point_length);
     let light = if inputs.lights { "states[index].w" } else { "0u" };
+    let path = if inputs.paths { "path_ids[index]" } else { "0u" };
     let high = if method.key_bits > 32 { "    keys_high[index] = key.y;\n" } else { "" };
     format!(
         "fn run_item(index: u32) {{
     let ray = unit_ray(origins[index].xyz, directions[index].xyz, directions[index].w);
-    let key = encode(ray, {length}, {light});
+    let key = encode(ray, Facts({length}, {light}, {path}));
     keys_low[index] = key.x;
 {high}}}
 "

@@ -7,6 +7,13 @@ struct UnitRay {
     t_max: f32,
 }
 
+// What is known of a ray beside itself.
+struct Facts {
+    length: f32,
+    light: u32,
+    path: u32,
+}
+
 fn unit_ray(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> UnitRay {
     return UnitRay((origin - unit.min) * unit.scale, direction, t_max * unit.scale);
 }

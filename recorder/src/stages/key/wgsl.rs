@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use formats::key::coordinates::INVERSE_SQRT_3;
 use formats::key::layout::{Coordinate, Share};
-use formats::key::{COORDINATE_BITS, Layout, LightSite, Termination, angle, termination};
+use formats::key::{COORDINATE_BITS, Layout, LightSite, Termination, Tiles, angle, termination};
 use formats::length_table::{LENGTH_FRACTION_BITS, LONGEST_SUMMED};
 use formats::unit_space::UnitSpace;
 
@@ -44,7 +44,7 @@ pub fn constants(unit: &UnitSpace) -> String {
     text
 }
 
-/// `fn NAME(ray: UnitRay, length: f32, light: u32) -> vec2<u32>`: the k-bit prefix of a layout,
+/// `fn NAME(ray: UnitRay, facts: Facts) -> vec2<u32>`: the k-bit prefix of a layout,
 /// low word first.
 pub fn encode_function(name: &str, layout: &Layout, key_bits: u32, lights: &[LightSite]) -> String {
     let shares = layout.shares(key_bits);
@@ -54,9 +54,9 @@ pub fn encode_function(name: &str, layout: &Layout, key_bits: u32, lights: &[Lig
     if uses(&[Coordinate::LightU, Coordinate::LightV, Coordinate::LightR]) {
         text.push_str(&from_light_function(lights));
     }
-    let _ = writeln!(text, "fn {name}(ray: UnitRay, length: f32, light: u32) -> vec2<u32> {{");
+    let _ = writeln!(text, "fn {name}(ray: UnitRay, facts: Facts) -> vec2<u32> {{");
     if uses(&[Coordinate::EndX, Coordinate::EndY, Coordinate::EndZ]) {
-        text.push_str("    let end_length = bounded_length(ray, length);\n");
+        text.push_str("    let end_length = bounded_length(ray, facts.length);\n");
     }
     if uses(&[Coordinate::OctahedralU, Coordinate::OctahedralV]) {
         text.push_str("    let square = octahedral(ray.direction);\n");
@@ -65,7 +65,14 @@ pub fn encode_function(name: &str, layout: &Layout, key_bits: u32, lights: &[Lig
         text.push_str("    let halves = paraboloid(ray.direction);\n");
     }
     if uses(&[Coordinate::LightU, Coordinate::LightV, Coordinate::LightR]) {
-        text.push_str("    let seen = from_light(light, ray);\n");
+        text.push_str("    let seen = from_light(facts.light, ray);\n");
+    }
+    if let Some(tiles) = layout.tiles().filter(|_| uses(&[Coordinate::Tile])) {
+        let (Tiles { tile: [across, down], width }, in_row) = (tiles, tiles.across());
+        let _ = writeln!(
+            text,
+            "    let tile = facts.path / {width}u / {down}u * {in_row}u + facts.path % {width}u / {across}u;"
+        );
     }
     text.push_str("    var low = 0u;\n    var high = 0u;\n");
     for (number, share) in shares.iter().enumerate() {
@@ -102,7 +109,8 @@ fn quantised(coordinate: Coordinate) -> &'static str {
         C::ParaboloidV => "quantise(halves.y)",
         C::Azimuth => "quantise(azimuth(ray.direction.x, ray.direction.y))",
         C::Polar => "quantise(polar(ray.direction.z))",
-        C::Light => "light",
+        C::Light => "facts.light",
+        C::Tile => "tile",
         C::LightU => "quantise(seen.x)",
         C::LightV => "quantise(seen.y)",
         C::LightR => "quantise(seen.z)",
