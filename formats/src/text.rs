@@ -1,4 +1,4 @@
-//! Text that came from a file, on its way to a terminal.
+//! Text that came from a file or was typed, on its way to a terminal.
 
 use std::borrow::Cow;
 
@@ -54,9 +54,44 @@ pub fn one_line(name: &str, characters: usize) -> String {
     shown
 }
 
+/// The known word that a mistyped one is most like, if it is like any.
+pub fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    // Half of a word may be wrong, so that 'len' is 'length'; nothing is like a single letter, or like what nobody
+    // would type.
+    let like = |known: &&'a str| (strsim::jaro_winkler(name, known), *known);
+    let best = known.iter().filter(|_| name.len() <= 100).map(like).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 >= 0.75).then_some(best.1)
+}
+
+/// For a message about an unknown word: the known one that is near, else all of them.
+pub(crate) fn did_you_mean(name: &str, known: &[&str]) -> String {
+    match nearest(name, known) {
+        Some(meant) => format!("did you mean '{meant}'?"),
+        None => format!("there are {}", known.join(" ")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_nearest_word_is_named_if_it_is_near() {
+        let known = ["origin", "octahedron", "light-octahedron", "two-point", "two-point-real"];
+        for (found, meant) in [
+            ("octahedrn", "octahedron"),
+            ("lightoctahedron", "light-octahedron"),
+            ("orgin", "origin"),
+            ("two-pont", "two-point"),
+            ("twopoint-real", "two-point-real"),
+        ] {
+            assert_eq!(did_you_mean(found, &known), format!("did you mean '{meant}'?"));
+        }
+        for far in ["", "nope", "xyz", &"octahedron".repeat(50)] {
+            let all = "there are origin octahedron light-octahedron two-point two-point-real";
+            assert_eq!(did_you_mean(far, &known), all, "{far}");
+        }
+    }
 
     #[test]
     fn what_steers_a_terminal_is_escaped() {

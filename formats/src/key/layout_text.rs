@@ -13,7 +13,7 @@ use std::fmt;
 use super::extent::index_bits;
 use super::layout::{Bit, CURVE_AXES, NumberBits, Source};
 use super::{COORDINATE_BITS, Coordinate, Extent, LAYOUT_BITS, Layout, Termination, Tiles};
-use crate::text::one_line;
+use crate::text::{did_you_mean, one_line};
 
 /// Most characters of a text that a message shows.
 const SHOWN: usize = 200;
@@ -43,6 +43,9 @@ impl fmt::Display for LayoutError {
         write!(f, "{}\n  {text}\n  {blanks}{marks}", self.message)
     }
 }
+
+/// The word for a Hilbert curve.
+const CURVE: &str = "hilbert";
 
 /// Some characters of a text: the first one, and how many.
 type Span = (usize, usize);
@@ -337,7 +340,7 @@ impl Parser<'_> {
             }
             Some('(') => Item::Group(self.group(depth)?, Some(1)),
             Some(c) if c.is_alphabetic() => match self.word() {
-                (name, span) if name == "hilbert" => Item::Bits(self.curve(span)?, span),
+                (name, span) if name == CURVE => Item::Bits(self.curve(span)?, span),
                 (name, span) if name == Coordinate::Tile.name() => {
                     self.tile = Some((self.tile_size(span)?, span));
                     Item::Bits(Source::coordinate(Coordinate::Tile), span)
@@ -456,8 +459,9 @@ impl Parser<'_> {
         let span = (start, self.at - start);
         let source = Termination::ALL.into_iter().find(|source| source.word() == Some(name.as_str()));
         let Some(source) = source else {
-            let name = one_line(&name, SHOWN);
-            let message = format!("unknown source of lengths '@{name}'; there are @fixed @adaptive @real");
+            let known: Vec<&str> = Termination::ALL.into_iter().filter_map(Termination::word).collect();
+            let (found, hint) = (one_line(&name, SHOWN), did_you_mean(&name, &known));
+            let message = format!("unknown source of lengths '{found}' after '@'; {hint}");
             return Err(self.error(&message, span.0, span.1));
         };
         if self.next().is_some() {
@@ -477,9 +481,9 @@ impl Parser<'_> {
 
     fn coordinate(&self, name: &str, (start, length): Span) -> Result<Coordinate, LayoutError> {
         Coordinate::from_name(name).ok_or_else(|| {
-            let known: Vec<_> = Coordinate::ALL.iter().map(|coordinate| coordinate.name()).collect();
-            let (name, known) = (one_line(name, SHOWN), known.join(" "));
-            self.error(&format!("unknown coordinate '{name}'; there are {known}"), start, length)
+            let known = Coordinate::ALL.iter().map(|coordinate| coordinate.name()).chain([CURVE]);
+            let hint = did_you_mean(name, &known.collect::<Vec<_>>());
+            self.error(&format!("unknown coordinate '{}'; {hint}", one_line(name, SHOWN)), start, length)
         })
     }
 
@@ -590,7 +594,12 @@ mod tests {
             ("(ox ^ ex) ox", 10, 2, "mentioned elsewhere"),
             ("light ^ ox", 8, 2, "the one before 0"),
             ("ox @adaptive", 3, 9, "only ex, ey and ez"),
-            ("ex @some", 3, 5, "@fixed @adaptive @real"),
+            ("ex @some", 3, 5, "'some' after '@'; there are fixed adaptive real"),
+            ("ex @adaptve", 3, 8, "did you mean 'adaptive'?"),
+            ("u tetha", 2, 5, "unknown coordinate 'tetha'; did you mean 'theta'?"),
+            ("u qqq", 2, 3, "there are ox oy"),
+            ("hilbrt(ox oy)", 0, 6, "did you mean 'hilbert'?"),
+            ("u ligth", 2, 5, "did you mean 'light'?"),
             ("ex @real ey", 9, 1, "more follows"),
             ("(ex @real)", 4, 1, "found '@'"),
         ] {

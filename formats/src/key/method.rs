@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Coordinate, Layout, LayoutError, LayoutText};
 use crate::ray::Kind;
-use crate::text::one_line;
+use crate::text::{did_you_mean, one_line};
 
 /// Most characters of what was asked for that a message shows.
 const SHOWN: usize = 200;
@@ -113,7 +113,7 @@ pub const BUILTIN: &[(&str, &str, Termination)] = &[
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum MethodError {
-    #[error("there is no method '{}'; there are {}, {known}, and your own as 'name=layout'", one_line(name, SHOWN), WITHOUT_LAYOUT.join(", "), known = builtin_names())]
+    #[error("there is no method '{}'; {}; your own are written 'name=layout'", one_line(name, SHOWN), did_you_mean(name, &names()))]
     Unknown { name: String },
     #[error(
         "'{}' is not a method: write 'name=layout' with a name of small letters, digits and dashes that no built-in method has",
@@ -124,8 +124,9 @@ pub enum MethodError {
     Layout { name: String, cause: LayoutError },
 }
 
-fn builtin_names() -> String {
-    BUILTIN.iter().map(|(name, ..)| *name).collect::<Vec<_>>().join(", ")
+/// Names of all orders that are ours.
+fn names() -> Vec<&'static str> {
+    WITHOUT_LAYOUT.into_iter().chain(BUILTIN.iter().map(|(name, ..)| *name)).collect()
 }
 
 impl Method {
@@ -223,6 +224,18 @@ mod tests {
         }
         let error = Method::from_user("mine=(ox oq)*2").unwrap_err();
         assert!(error.to_string().contains("^^"), "{error}");
+    }
+
+    #[test]
+    fn a_method_that_is_nearly_named_is_offered() {
+        for (name, meant) in
+            [("octahedrn", "octahedron"), ("unsortd", "unsorted"), ("hilbert-orgin", "hilbert-origin")]
+        {
+            let error = Method::builtin(name).unwrap_err().to_string();
+            assert!(error.contains(&format!("'{name}'; did you mean '{meant}'?")), "{error}");
+        }
+        let error = Method::builtin("zzz").unwrap_err().to_string();
+        assert!(error.starts_with("there is no method 'zzz'; there are unsorted control"), "{error}");
     }
 
     #[test]

@@ -1,10 +1,10 @@
 //! One setting of a session, changed by where it stands in the file: `shot --set`.
 
 use anyhow::{anyhow, bail};
+use formats::text::nearest;
 use serde_json::{Map, Value};
 
 use super::Session;
-use crate::model::filter::nearest;
 
 /// What of the file can be set; what is left of it says which recordings are open and where panels are.
 const SETTABLE: [&str; 3] = ["selection", "what_if", "panels"];

@@ -31,9 +31,9 @@ pub enum OptionError {
         /// Its name.
         name: String,
     },
-    /// A table method that needs a length or a light.
+    /// A table method that needs a length, a light or a picture.
     #[error(
-        "--table-method: '{name}' cannot address the length table, since its key needs a length or a light; use origin, reis, costa, aila or octahedron"
+        "--table-method: '{name}' cannot address the length table, since its key needs a length, a light or a picture; use origin, reis, costa, aila or octahedron"
     )]
     TableMethod {
         /// Its name.

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use formats::metrics::quantity::Quantity;
+use formats::text::nearest;
 
 use super::tree::{FACTS, FUNCTIONS};
 
@@ -44,14 +45,6 @@ impl FilterError {
         };
         Self::new(span, format!("found '{}', which no ray has; {hint}", name.escape_debug()))
     }
-}
-
-/// The known word that a mistyped one is most like, if it is like any.
-pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
-    // Half of a word may be wrong, so that 'len' is 'length'; nothing is like a single letter.
-    let like = |known: &&'a str| (strsim::jaro_winkler(name, known), *known);
-    let best = known.iter().map(like).max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best.0 >= 0.75).then_some(best.1)
 }
 
 #[cfg(test)]

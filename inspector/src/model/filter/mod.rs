@@ -13,7 +13,6 @@ mod tree;
 use std::sync::Arc;
 
 pub use self::error::FilterError;
-pub(crate) use self::error::nearest;
 pub use self::evaluate::{Passing, passing};
 pub use self::parse::Expression;
 

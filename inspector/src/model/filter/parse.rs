@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use formats::key::Coordinate;
 use formats::metrics::quantity::Quantity;
+use formats::text::nearest;
 
-use super::error::{FilterError, nearest};
+use super::error::FilterError;
 use super::token::{Token, tokens};
 use super::tree::{
     COMPARISONS, FACTS, FUNCTIONS, Function, LEVELS, Node, OPERATORS, Operator, PREFIXES, ValueKind,
