@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use formats::manifest::{DecisionRecord, Header, Source};
+use formats::manifest::{DecisionRecord, Header, Manifest, Source};
 use formats::reader::{Dump, DumpState};
 use formats::summary::{Summary, TimingLine};
 use formats::text::one_line;
@@ -74,12 +74,21 @@ pub(crate) fn run(path: &Path, json: bool, options: &AnalysisOptions) -> anyhow:
             return print_json(&Printed { summary: &summary, source_is, metrics: Some(&analysis) });
         }
         parts.push(method_table::methods(&analysis));
+        parts.extend(without_cost(dump.manifest()));
         if options.depth == Depth::Arrays {
             parts.push(method_table::arrays(&analysis));
         }
     }
     parts.push(arrays(&summary));
     print(&parts.join("\n\n"))
+}
+
+/// What is missing in the net speedups of orders that came with imported rays.
+fn without_cost(manifest: &Manifest) -> Option<String> {
+    let names: Vec<String> = manifest.foreign_orders().map(|order| shown::name(&order.name)).collect();
+    (!names.is_empty()).then(|| {
+        format!("The net speedups of {} lack key and sort, which another tracer did.", names.join(", "))
+    })
 }
 
 /// What was recorded, line by line.

@@ -9,10 +9,10 @@ use super::check::REPEATS_MAX;
 use super::codec;
 use super::{
     ArrayRecord, CacheRecord, CalibrationRecord, DecisionRecord, DisturbedRecord, End, FORMAT_VERSION,
-    FRAME_BYTES, Header, MAGIC, MethodRecord, OLDEST_VERSION, PREAMBLE_BYTES, QueueId, QueueRecord,
-    RECORD_BYTES_MAX, Record, TimingRecord, WayRecord,
+    FRAME_BYTES, Header, MAGIC, MethodRecord, OLDEST_VERSION, PREAMBLE_BYTES, Place, QueueId, QueueRecord,
+    RECORD_BYTES_MAX, Record, Source, Stage, TimingRecord, WayRecord,
 };
-use crate::key::method::is_method_name;
+use crate::key::method::{BUILTIN, is_method_name};
 use crate::npy;
 use crate::text::{one_line, shown};
 
@@ -74,6 +74,25 @@ pub struct Manifest {
     pub decisions: Vec<DecisionRecord>,
     /// How the recording ended; `None` if it did not.
     pub end: Option<End>,
+}
+
+impl Manifest {
+    /// The orders of another tracer, which came with imported rays: nobody here knows what their keys and their sort
+    /// cost, so they have no times of either.
+    pub fn foreign_orders(&self) -> impl Iterator<Item = &MethodRecord> {
+        let is_of =
+            |name: &str, place: &Place| matches!(place, Place::Method(_, method, _) if method == name);
+        let is_foreign = move |record: &&MethodRecord| {
+            let name = &record.name;
+            let is_keyed =
+                self.timings.iter().any(|timing| timing.method == *name && timing.stage == Stage::Key);
+            let is_there = self.timings.iter().any(|timing| timing.method == *name)
+                || self.arrays.iter().any(|array| is_of(name, &array.place));
+            is_there && !is_keyed && !BUILTIN.iter().any(|(ours, ..)| ours == name)
+        };
+        let may_have = self.header.source != Source::Traced;
+        self.methods.iter().filter(move |_| may_have).filter(is_foreign)
+    }
 }
 
 /// A record and where it lies in the manifest.

@@ -90,8 +90,12 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     }
     let recorded = &asked.manifest().header;
     let cannot = || format!("{} cannot be replayed", options.source.display());
-    let run_options = run_options(options, recorded, &asked.manifest().methods, &dump.manifest().header)
-        .with_context(cannot)?;
+    let theirs: Vec<&str> = dump.manifest().foreign_orders().map(|order| order.name.as_str()).collect();
+    let ours = asked.manifest().methods.iter().filter(|record| !theirs.contains(&record.name.as_str()));
+    let run_options = run_options(options, recorded, ours, &dump.manifest().header).with_context(cannot)?;
+    if let Some(taken) = run_options.methods.iter().find(|method| theirs.contains(&method.name.as_str())) {
+        bail!("the recording has an order '{}' of another tracer; give your layout another name", taken.name);
+    }
     run_options.device.check()?;
     // What else was typed was checked before. How many rays there are was settled when they were recorded:
     // imported ones may be more than a picture is wide.
@@ -119,16 +123,18 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     device.check_capacity(&setup, &scene, &run_options)?;
     let mut notices: Vec<String> = device.notices();
     notices.extend(apart(dump.root(), &options.out)?);
+    let foreign = Foreign::recorded(dump, setup.extent(), &mut notices).with_context(cannot)?;
     let source =
         Source::Replayed { name: folder_name(dump.root())?, manifest_sha256: dump.manifest_sha256()? };
-    let header = Header {
+    let mut header = Header {
         scene: recorded.scene.clone(),
         camera: recorded.camera,
         features: recorded.features.clone(),
         ..header(&scene, &setup, &run_options, &device, notices, source)
     };
+    header.options.methods.extend(foreign.methods.iter().map(|method| method.name.clone()));
     let rays = RaySource::Recorded(queues.iter().map(RecordedQueue::rays).collect());
-    let (scene, options, foreign, recorded) = (&scene, &run_options, &Foreign::default(), Some(dump));
+    let (scene, options, foreign, recorded) = (&scene, &run_options, &foreign, Some(dump));
     let calibration = calibration.to_vec();
     Run { scene, setup, options, header, rays, foreign, recorded, calibration, start }.on(device)
 }
@@ -149,10 +155,10 @@ fn calibration<'a>(
 }
 
 /// The options of a run over what was recorded in `source`, by default those of `recorded`.
-fn run_options(
+fn run_options<'a>(
     options: &ReplayOptions,
     recorded: &Header,
-    methods: &[MethodRecord],
+    methods: impl Iterator<Item = &'a MethodRecord>,
     source: &Header,
 ) -> Result<RecordOptions> {
     let before = &recorded.options;
@@ -213,11 +219,10 @@ fn run_options(
     })
 }
 
-/// The methods of a recording, without the variants of a sweep, and without orders of another tracer whose keys
-/// are not known.
-fn recorded_methods(records: &[MethodRecord]) -> Result<Vec<Method>> {
+/// The methods of a recording, without the variants of a sweep.
+fn recorded_methods<'a>(records: impl Iterator<Item = &'a MethodRecord>) -> Result<Vec<Method>> {
     let mut methods: Vec<Method> = Vec::new();
-    for record in records.iter().filter(|record| record.has_layout()) {
+    for record in records {
         if methods.iter().any(|method| method.name == record.base) {
             continue;
         }

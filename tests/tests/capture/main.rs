@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -62,17 +63,62 @@ fn a_small_tracer_in_cpp_is_imported_verified_replayed_and_drawn() {
     assert_eq!(check(&verified, "keys")["not_checked"].as_array().unwrap().len(), 3);
     assert_eq!(check(&verified, "permutations")["checked"], 3 * rays);
     let info = Program::Inspector.run(folder, "info theirs.raydump").succeeded().stdout;
+    let lacking = "The net speedups of morton, octants lack key and sort";
+    assert!(info.contains(lacking), "{info}");
     assert!(info.contains("imported hits: passed") && info.contains("morton, octants"), "{info}");
-    let replay = "replay theirs.raydump --out again --backend cpu --repeats 1";
-    Program::Recorder.run(folder, replay).succeeded();
+    carried_along(folder, lacking);
     for line in [
-        "verify again.raydump",
         "plot theirs.raydump --out figures --figure trace-speedup --figure capsule-area",
         "report theirs.raydump --out report.html",
         "shot theirs.raydump --view order --size 320x240 --out order.png",
     ] {
         Program::Inspector.run(folder, line).succeeded();
     }
+}
+
+/// A replay, and one of that, has the orders of the import and measures them as they came.
+fn carried_along(folder: &Path, lacking: &str) {
+    for (source, name) in [("theirs", "again"), ("again", "once-more")] {
+        let replay = format!("replay {source}.raydump --out {name} --backend cpu --repeats 1 --json");
+        let json = Program::Recorder.run(folder, &replay).succeeded().json();
+        assert_eq!(json["options"]["methods"], serde_json::json!(["unsorted", "aila", "morton", "octants"]));
+        let stages = |method: &str| -> BTreeSet<String> {
+            let timings = json["timings"].as_array().unwrap();
+            let of_method = timings.iter().filter(|timing| timing["method"] == method);
+            of_method.map(|timing| timing["stage"].as_str().unwrap().to_owned()).collect()
+        };
+        for method in ["morton", "octants"] {
+            assert_eq!(
+                stages(method),
+                BTreeSet::from(["gather", "scatter", "trace", "trace_indirect"].map(str::to_owned))
+            );
+            let path = format!("pass-000/bounce-00/closest/{method}/permutation.npy");
+            let read = |name: &str| fs::read(folder.join(format!("{name}.raydump")).join(&path)).unwrap();
+            assert_eq!(read(name), read("theirs"), "{path}");
+        }
+        assert!(stages("aila").contains("key"), "{json}");
+        Program::Inspector.run(folder, &format!("verify {name}.raydump")).succeeded();
+        let info = Program::Inspector.run(folder, &format!("info {name}.raydump")).succeeded().stdout;
+        assert!(info.contains(lacking), "{info}");
+    }
+    let bare = format!("{IMPORT} --queues queues --out bare --keep rays,hits,lengths,scene");
+    Program::Recorder.run(folder, &bare).succeeded();
+    let replay = "replay bare.raydump --out bare-again --backend cpu --repeats 1";
+    let said = Program::Recorder.run(folder, replay).succeeded().stdout;
+    for order in ["morton", "octants"] {
+        let left_out =
+            format!("the order {order} of another tracer is left out: its permutations were not kept");
+        assert!(said.contains(&left_out), "{said}");
+    }
+    let taken = "replay theirs.raydump --out taken --backend cpu --method morton=ox*8";
+    Program::Recorder.run(folder, taken).failed_with(FAILED, &["order 'morton' of another tracer"]);
+}
+
+#[test]
+fn tiles_are_refused_where_there_is_no_picture() {
+    let folder = traced();
+    let line = format!("{IMPORT},tiled-octahedron --queues queues --out tiles");
+    Program::Recorder.run(folder.path(), &line).failed_with(FAILED, &["'tile' needs a picture", "one row"]);
 }
 
 #[test]

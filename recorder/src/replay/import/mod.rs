@@ -17,7 +17,6 @@ use std::time::Instant;
 use anyhow::{Context, Result, ensure};
 use formats::key::LightSite;
 use formats::manifest::{Check, Source};
-use formats::permutation::check_bijection;
 use formats::queue_check::{QueueRays, QueueRules};
 use formats::ray::{Kind, Ray};
 use formats::unit_space::UnitSpace;
@@ -141,15 +140,9 @@ fn foreign(
     let claims = Claims::read(&queues.claims)?;
     let mut foreign = Foreign::default();
     for queue in &mut queues.list {
-        for mut order in std::mem::take(&mut queue.orders) {
-            let checked = check_bijection(&order.permutation, order.permutation.len());
-            order.is_permutation = checked.is_ok();
-            notices.extend(checked.err().map(|error| {
-                format!("the order {} of {} is kept and not measured: {error}", order.name, order.queue)
-            }));
-            foreign.orders.push(order);
-        }
+        foreign.orders.append(&mut queue.orders);
     }
+    notices.extend(foreign.check());
     foreign.methods = claims.methods(&foreign.orders, setup, options)?;
     Ok(foreign)
 }
