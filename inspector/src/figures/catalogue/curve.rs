@@ -1,6 +1,6 @@
 //! What a curve through a grid is: the order of its cells, and where it jumps.
 
-use formats::key::{Encoder, KEY_BITS_MIN, LayoutText};
+use formats::key::{Encoder, Extent, Facts, KEY_BITS_MIN, LayoutText};
 use formats::ray::Ray;
 use formats::unit_space::UnitSpace;
 
@@ -57,14 +57,14 @@ pub fn curve(findings: &Findings<'_>) -> Made {
 /// The cells of a grid of 2^`bits` cells a side, in the order of their centres' keys.
 fn cells(layout: &str, bits: u32) -> Result<Vec<Cell>, String> {
     let layout =
-        LayoutText::parse(layout).and_then(|text| text.expand(0)).map_err(|error| error.to_string())?;
+        LayoutText::parse(layout).and_then(|text| text.expand(Extent::NOTHING)).map_err(|error| error.to_string())?;
     let unit = UnitSpace::from_bounds([0.0; 3], [1.0; 3]);
     let encoder = Encoder::new(&layout, KEY_BITS_MIN.max(2 * bits), unit, &[]);
     let side = 1u32 << bits;
     let centre = |at: u32| (at as f32 + 0.5) / side as f32;
     let key = |&[column, row]: &Cell| {
         let origin = [centre(column), centre(row), 0.0];
-        encoder.encode(&Ray { origin, t_min: 0.0, direction: [0.0, 0.0, 1.0], t_max: 0.0 }, 0.0, 0)
+        encoder.encode(&Ray { origin, t_min: 0.0, direction: [0.0, 0.0, 1.0], t_max: 0.0 }, Facts::default())
     };
     let mut cells: Vec<Cell> = (0..side * side).map(|at| [at % side, at / side]).collect();
     cells.sort_by_cached_key(key);
