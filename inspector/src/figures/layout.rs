@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::axis::Mapping;
 use super::legend::{Legend, entries};
 use super::model::{Content, Figure, Panel};
-use super::style::{TEXT_SIZE, TITLE_SIZE, Width};
+use super::style::{LINE_HEIGHT, TEXT_SIZE, TITLE_SIZE, Width};
 use super::text;
 use super::tick_labels;
 
@@ -27,7 +27,13 @@ const TALLEST_PICTURE: f64 = 300.0;
 const LEAST: f64 = 110.0;
 const LEAST_OF_ROWS: f64 = 125.0;
 /// Height of a row of dots and of stacks.
-pub(crate) const ROW: f64 = 11.0;
+const ROW: f64 = 11.0;
+/// Of that, what a line of text needs.
+const LEAST_ROW_SQUEEZE: f64 = TEXT_SIZE * LINE_HEIGHT / ROW;
+/// Highest figure that a column of a page has room for, with its caption.
+const HIGHEST: f64 = 650.0;
+/// How much lower than usual the panels of a figure are that would be higher.
+const SQUEEZES: [f64; 3] = [1.0, 0.85, 0.7];
 /// Between two tick labels of an upward axis, at least.
 const Y_TICK_ROOM: f64 = 17.0;
 /// Lines beside a colour bar, at most.
@@ -39,6 +45,8 @@ const ROUNDS: usize = 8;
 pub(crate) struct Layout<'a> {
     /// Panels beside each other.
     pub(crate) columns: usize,
+    /// Height of a row of dots and of stacks.
+    pub(crate) row: f64,
     /// All panels, row by row.
     pub(crate) plots: Vec<Plot<'a>>,
     /// Below them.
@@ -82,24 +90,38 @@ pub(crate) struct Plot<'a> {
 }
 
 impl<'a> Layout<'a> {
-    /// Lays a figure out.
+    /// Lays a figure out, no higher than a page if its panels may be lower.
     pub(crate) fn new(figure: &'a Figure, width: Width) -> Self {
-        let page = width.points();
+        let of = |squeeze: f64| Self::squeezed(figure, width, squeeze);
+        let fits = |layout: &Self| layout.size.1 <= HIGHEST;
+        SQUEEZES.into_iter().map(of).find(fits).unwrap_or_else(|| of(SQUEEZES[SQUEEZES.len() - 1]))
+    }
+
+    fn squeezed(figure: &'a Figure, width: Width, squeeze: f64) -> Self {
+        let page = width.points() - 2.0 * PAGE_EDGE;
         let columns = columns(figure, width);
-        let cell = (page - 2.0 * PAGE_EDGE - (columns - 1) as f64 * GAP) / columns as f64;
-        let mut plots = measure(figure, columns, cell);
+        let mut plots = measure(figure, columns, page - (columns - 1) as f64 * GAP, squeeze);
         let mut below = PAGE_EDGE - GAP;
         for row in plots.chunks_mut(columns) {
             let largest = |part: fn(&Plot) -> f64| row.iter().map(part).fold(0.0, f64::max);
             let (top, bottom) = (largest(|plot| plot.top), largest(|plot| plot.height + plot.bottom));
-            for (at, plot) in row.iter_mut().enumerate() {
-                plot.place = (PAGE_EDGE + at as f64 * (cell + GAP) + plot.margins.left, below + GAP + top);
+            let mut beside = PAGE_EDGE;
+            for plot in row {
+                plot.place = (beside + plot.margins.left, below + GAP + top);
+                beside += plot.cell() + GAP;
             }
             below += GAP + top + bottom;
         }
-        let legend = Legend::new(entries(figure), page - 2.0 * PAGE_EDGE);
-        let size = (page, (below + legend.height() + 2.0 * PAGE_EDGE).ceil());
-        Self { columns, plots, legend, legend_place: (PAGE_EDGE, below + 0.5 * GAP), size }
+        let legend = Legend::new(entries(figure), page);
+        let size = (page + 2.0 * PAGE_EDGE, (below + legend.height() + 2.0 * PAGE_EDGE).ceil());
+        Self {
+            columns,
+            row: ROW * squeeze.max(LEAST_ROW_SQUEEZE),
+            plots,
+            legend,
+            legend_place: (PAGE_EDGE, below + 0.5 * GAP),
+            size,
+        }
     }
 }
 
@@ -129,21 +151,27 @@ fn is_picture(panel: &Panel) -> bool {
     matches!(panel.content, Content::Picture(_))
 }
 
-/// All panels. Those below each other begin in one line, and those beside each other are as wide as each other.
-fn measure(figure: &Figure, columns: usize, cell: f64) -> Vec<Plot<'_>> {
-    let mut all = vec![Margins { left: 0.0, right: EDGE }; figure.panels.len()];
+/// All panels, in a width without the gaps between them. Plot areas are as wide as each other, and those below each
+/// other begin in one line.
+fn measure(figure: &Figure, columns: usize, page: f64, squeeze: f64) -> Vec<Plot<'_>> {
+    let mut all = vec![Margins { left: 0.0, right: EDGE }; columns];
     let mut plots = Vec::new();
     for _ in 0..ROUNDS {
-        let panels = figure.panels.iter().zip(&all);
-        let measured = panels.map(|(panel, &margins)| Plot::measure(figure, panel, cell, margins));
+        let words: f64 = all.iter().map(|margins| margins.left + margins.right).sum();
+        let room =
+            Room { width: ((page - words) / columns as f64).max(20.0), cell: page / columns as f64, squeeze };
+        let panels = figure.panels.iter().enumerate();
+        let measured = panels.map(|(at, panel)| {
+            let left = (at % columns > 0).then(|| &figure.panels[at - 1]);
+            Plot::measure(figure, panel, has_names_of(left, panel), room, all[at % columns])
+        });
         let needed: Vec<Margins>;
         (plots, needed) = measured.unzip();
         let settled = all.clone();
-        let left = needed.iter().map(|needed| needed.left).fold(0.0, f64::max);
-        for (at, margins) in all.iter_mut().enumerate() {
-            let row = needed.iter().skip(at - at % columns).take(columns);
-            margins.right = row.map(|needed| needed.right).fold(margins.right, f64::max);
-            margins.left = margins.left.max(left);
+        for (at, needed) in needed.iter().enumerate() {
+            let margins = &mut all[at % columns];
+            margins.left = margins.left.max(needed.left);
+            margins.right = margins.right.max(needed.right);
         }
         if all == settled {
             break;
@@ -152,12 +180,38 @@ fn measure(figure: &Figure, columns: usize, cell: f64) -> Vec<Plot<'_>> {
     plots
 }
 
+/// Whether the rows of a panel are those of the one to its left, beside which their names stand.
+fn has_names_of(left: Option<&Panel>, panel: &Panel) -> bool {
+    left.is_some_and(|left| left.content.is_in_rows() && panel.content.is_in_rows() && left.x == panel.x)
+}
+
+/// What a panel has to be laid out in.
+#[derive(Clone, Copy)]
+struct Room {
+    /// Of the plot area.
+    width: f64,
+    /// Of an average panel, with its words.
+    cell: f64,
+    /// How much lower than usual it is.
+    squeeze: f64,
+}
+
 impl<'a> Plot<'a> {
+    /// From the left end of its words to the right end.
+    fn cell(&self) -> f64 {
+        self.margins.left + self.width + self.margins.right
+    }
+
     /// Measures a panel with this room for words; gives the room that its own need. Panels of `figure`
     /// that have the same axis share its range.
-    fn measure(figure: &'a Figure, panel: &'a Panel, cell: f64, margins: Margins) -> (Self, Margins) {
-        let mut width = (cell - margins.left - margins.right).max(20.0);
-        let mut height = (0.62 * cell).clamp(90.0, 180.0);
+    fn measure(
+        figure: &'a Figure,
+        panel: &'a Panel,
+        is_named: bool,
+        Room { mut width, cell, squeeze }: Room,
+        margins: Margins,
+    ) -> (Self, Margins) {
+        let mut height = squeeze * (0.62 * cell).clamp(90.0, 180.0);
         if let Content::Picture(picture) = &panel.content {
             // A picture keeps its sides.
             let aspect = f64::from(picture.height.max(1)) / f64::from(picture.width.max(1));
@@ -168,8 +222,11 @@ impl<'a> Plot<'a> {
         let (across, upwards) = if is_in_rows { (&panel.y, &panel.x) } else { (&panel.x, &panel.y) };
         let (x, y) = if is_in_rows {
             // The first row is the topmost one.
-            let y = Mapping::new(&panel.x.scale, [], 0).reversed();
-            height = ROW * (y.range.0 - y.range.1);
+            let mut y = Mapping::new(&panel.x.scale, [], 0).reversed();
+            height = ROW * squeeze.max(LEAST_ROW_SQUEEZE) * (y.range.0 - y.range.1);
+            if is_named {
+                y.ticks.clear();
+            }
             let values = values_of(figure, panel);
             (fitting(width, |room| Mapping::new(&panel.y.scale, values.iter().copied(), room)), y)
         } else {
@@ -177,7 +234,8 @@ impl<'a> Plot<'a> {
         };
         let y_label = text::wrap(&upwards.label, TEXT_SIZE, height + 20.0);
         let x_label = text::wrap_evenly(&across.label, TEXT_SIZE, width + margins.left.min(margins.right));
-        let title = text::wrap_evenly(&panel.title, TITLE_SIZE, cell - EDGE);
+        let title_room = margins.left + width + margins.right - EDGE;
+        let title = text::wrap_evenly(&panel.title, TITLE_SIZE, title_room);
         let colour_bar = colour_bar(panel, height);
         let bar_room = colour_bar.as_ref().map_or(0.0, |(mapping, label)| {
             let words = widest_label(mapping) + TICK_GAP + text::height(label, TEXT_SIZE);

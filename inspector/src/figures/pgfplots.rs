@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::FigureError;
 use super::axis::{Mapping, Tick};
-use super::layout::{Layout, Plot, ROW};
+use super::layout::{Layout, Plot};
 use super::legend::{LegendEntry, Sample, entries};
 use super::model::{Axis, Content, Figure, Panel, Picture, Point, Scale, Series};
 use super::series::{STACK_HEIGHT, marker_stride};
@@ -71,7 +71,7 @@ fn tex(figure: &Figure, width: Width, layout: &Layout) -> String {
     tex.push_str(&group_start(layout));
     for (at, plot) in layout.plots.iter().enumerate() {
         let panel = plot.panel;
-        let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(plot));
+        let _ = writeln!(tex, "\\nextgroupplot[{}]", axis_options(plot, layout.row));
         if let Content::Picture(picture) = &panel.content {
             tex.push_str(&picture_plot(picture, &panel_file(figure, at, "png")));
         }
@@ -94,7 +94,11 @@ fn tex(figure: &Figure, width: Width, layout: &Layout) -> String {
 fn group_start(layout: &Layout) -> String {
     let (columns, rows) = (layout.columns, layout.plots.len().div_ceil(layout.columns));
     let largest = |part: fn(&Plot) -> f64| layout.plots.iter().map(part).fold(0.0, f64::max);
-    let beside = largest(|plot| plot.margins.left) + largest(|plot| plot.margins.right) + 4.0;
+    let between = |part: fn(&Plot) -> f64, skipped: usize| {
+        let plots = layout.plots.iter().enumerate().filter(|(at, _)| at % columns != skipped);
+        plots.map(|(_, plot)| part(plot)).fold(0.0, f64::max)
+    };
+    let beside = between(|plot| plot.margins.left, 0) + between(|plot| plot.margins.right, columns - 1) + 4.0;
     let above = largest(|plot| plot.top) + largest(|plot| plot.bottom) + 12.0;
     format!(
         "\\begin{{tikzpicture}}\n\\begin{{groupplot}}[\n  group style={{group size={columns} by {rows}, \
@@ -109,7 +113,7 @@ fn styles_of(figure: &Figure) -> std::collections::BTreeSet<usize> {
 }
 
 /// Axis labels, scales, ticks and how bars stand.
-fn axis_options(plot: &Plot) -> String {
+fn axis_options(plot: &Plot, row: f64) -> String {
     let panel = plot.panel;
     let mut options = vec![
         format!("width={:.1}bp, height={:.1}bp", plot.width, plot.height),
@@ -125,7 +129,7 @@ fn axis_options(plot: &Plot) -> String {
         options.push("y dir=reverse".to_owned());
     }
     if matches!(panel.content, Content::Stacks(_)) {
-        options.push(format!("xbar stacked, bar width={:.2}bp", STACK_HEIGHT * ROW));
+        options.push(format!("xbar stacked, bar width={:.2}bp", STACK_HEIGHT * row));
     }
     if let Content::Picture(picture) = &panel.content {
         options.push(picture_options(plot, picture));

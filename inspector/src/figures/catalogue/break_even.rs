@@ -15,8 +15,11 @@ use crate::figures::style::STAGE_STYLES;
 const MOST_WITH_ALL_ROWS: usize = 2;
 /// Rows of a panel otherwise, so that five recordings fit on a page.
 const MOST_ROWS: usize = 6;
-/// Black circles, which no row beside them is: `unsorted` has none here.
+/// Black circles: the style of `unsorted`, which has no row here.
 const SAVED_STYLE: usize = 0;
+
+/// A number, and what its interval reaches from and to.
+type Number = (f64, Option<(f64, f64)>);
 
 /// What tracing saves and what sorting takes, nanoseconds a ray, per method.
 pub fn break_even(findings: &Findings<'_>) -> Made {
@@ -73,7 +76,7 @@ fn keep_best(found: &mut Vec<(&str, BreakEven)>) {
 }
 
 fn panel(recording: &RecordingAnalysis, title: &str, rays: RayClass, found: &[(&str, BreakEven)]) -> Panel {
-    let series = |label: &str, style: usize, number: fn(&BreakEven) -> (f64, Option<(f64, f64)>)| {
+    let series = |label: &str, style: usize, number: fn(&BreakEven) -> Number| {
         let point = |(row, (method, of)): (usize, &(&str, BreakEven))| {
             let (y, spread) = number(of);
             let number_of = building::of(recording, rays.name(), None, method);

@@ -8,7 +8,7 @@ use super::{Findings, Made};
 use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
 use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
-use crate::figures::model::{Axis, Content, Figure, Of, Panel, Point, Series};
+use crate::figures::model::{Axis, Content, Figure, Of, Panel, Point, Scale, Series};
 
 /// A figure of these panels, without what is empty. Its name is that in the catalogue.
 ///
@@ -21,11 +21,34 @@ pub fn figure(
     panels: impl IntoIterator<Item = Panel>,
     reason: impl Into<String>,
 ) -> Made {
-    let panels: Vec<Panel> = panels.into_iter().filter_map(without_empty).collect();
+    let mut panels: Vec<Panel> = panels.into_iter().filter_map(without_empty).collect();
+    share_rows(&mut panels);
     if panels.is_empty() {
         return Err(reason.into());
     }
     Ok(Figure { name: String::new(), title: title.into(), caption: caption.into(), settings, panels })
+}
+
+/// Gives all panels in rows the rows of the one that has most, if that has theirs: they can then be compared across
+/// panels, and are named once.
+fn share_rows(panels: &mut [Panel]) {
+    let rows = |panel: &Panel| match &panel.x.scale {
+        Scale::Categories(names) if panel.content.is_in_rows() => Some(names.clone()),
+        _ => None,
+    };
+    let Some(all) = panels.iter().filter_map(rows).max_by_key(Vec::len) else { return };
+    for panel in panels {
+        let Some(own) = rows(panel) else { continue };
+        let places: Option<Vec<usize>> =
+            own.iter().map(|name| all.iter().position(|other| other == name)).collect();
+        let Some(places) = places.filter(|places| places.is_sorted()) else { continue };
+        panel.x.scale = Scale::Categories(all.clone());
+        if let Content::Dots(series) | Content::Stacks(series) = &mut panel.content {
+            for point in series.iter_mut().flat_map(|series| &mut series.points) {
+                point.x = places.get(point.x as usize).map_or(point.x, |&place| place as f64);
+            }
+        }
+    }
 }
 
 fn without_empty(mut panel: Panel) -> Option<Panel> {

@@ -56,8 +56,9 @@ pub fn curve(findings: &Findings<'_>) -> Made {
 
 /// The cells of a grid of 2^`bits` cells a side, in the order of their centres' keys.
 fn cells(layout: &str, bits: u32) -> Result<Vec<Cell>, String> {
-    let layout =
-        LayoutText::parse(layout).and_then(|text| text.expand(Extent::NOTHING)).map_err(|error| error.to_string())?;
+    let layout = LayoutText::parse(layout)
+        .and_then(|text| text.expand(Extent::NOTHING))
+        .map_err(|error| error.to_string())?;
     let unit = UnitSpace::from_bounds([0.0; 3], [1.0; 3]);
     let encoder = Encoder::new(&layout, KEY_BITS_MIN.max(2 * bits), unit, &[]);
     let side = 1u32 << bits;

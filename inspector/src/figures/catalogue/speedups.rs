@@ -57,6 +57,9 @@ pub fn trace(findings: &Findings<'_>) -> Made {
     speedups(findings, Counted::Trace, &words)
 }
 
+/// Recordings that have panels of their own; of more the means alone are readable, with a dot for each scene.
+const MOST_DETAILED: usize = 3;
+
 /// Unsorted trace over everything that sorting takes.
 pub fn net(findings: &Findings<'_>) -> Made {
     let words = Words {
@@ -93,7 +96,9 @@ fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
                 panels.push(methods_in_rows(findings, title("All scenes: ", rays), axes(), series));
             }
         }
-        for recording in &same {
+        let are_too_many = same.len() > 1 && recordings.len() > MOST_DETAILED;
+        let detailed = if are_too_many { &[] } else { same.as_slice() };
+        for recording in detailed {
             let of = if same.len() > 1 { format!("{}: ", recording.label) } else { String::new() };
             for rays in RayClass::ALL {
                 let series = totals(findings, recording, rays, counted);
