@@ -109,7 +109,7 @@ fn tile_of(path: u32) -> u32 {
         let (x, y) = (path - path / PICTURE[0] * PICTURE[0], path / PICTURE[0]);
         (left..left + 64).contains(&x) && (top..top + 128).contains(&y)
     };
-    corners.into_iter().position(is_inside).unwrap() as u32
+    corners.into_iter().position(is_inside).expect("a path of the picture") as u32
 }
 
 /// The key, or `None` as of [`coordinate_bit`].

@@ -13,6 +13,9 @@ pub struct Facts<Length = f32, Light = u32, Path = u32> {
     pub path: Path,
 }
 
+/// What is asked for each of many rays.
+type Ask<T> = fn(usize) -> T;
+
 /// For many rays and a layout that needs nothing of it.
-pub const NO_FACTS: Facts<fn(usize) -> f32, fn(usize) -> u32, fn(usize) -> u32> =
+pub const NO_FACTS: Facts<Ask<f32>, Ask<u32>, Ask<u32>> =
     Facts { length: |_| 0.0, light: |_| 0, path: |_| 0 };

@@ -77,17 +77,7 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
         (_, None) => &asked,
     };
     DumpWriter::check(&options.out, options.force, &[asked.root(), dump.root()])?;
-    if dump.state() == DumpState::Partial {
-        bail!(
-            "{} is not finished; wait for its recorder, or run `inspector recover` on it",
-            dump.root().display()
-        );
-    }
-    for read in [&asked, dump] {
-        if let Some(problem) = read.manifest().header.problems().first() {
-            bail!("{} cannot be replayed: {problem}; run `inspector verify` on it", read.root().display());
-        }
-    }
+    check(&asked, dump)?;
     let recorded = &asked.manifest().header;
     let cannot = || format!("{} cannot be replayed", options.source.display());
     let theirs: Vec<&str> = dump.manifest().foreign_orders().map(|order| order.name.as_str()).collect();
@@ -137,6 +127,22 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let (scene, options, foreign, recorded) = (&scene, &run_options, &foreign, Some(dump));
     let calibration = calibration.to_vec();
     Run { scene, setup, options, header, rays, foreign, recorded, calibration, start }.on(device)
+}
+
+/// Refuses a recording that is not finished, or says what no recorder writes.
+fn check(asked: &Dump, source: &Dump) -> Result<()> {
+    if source.state() == DumpState::Partial {
+        bail!(
+            "{} is not finished; wait for its recorder, or run `inspector recover` on it",
+            source.root().display()
+        );
+    }
+    for read in [asked, source] {
+        if let Some(problem) = read.manifest().header.problems().first() {
+            bail!("{} cannot be replayed: {problem}; run `inspector verify` on it", read.root().display());
+        }
+    }
+    Ok(())
 }
 
 /// What a recording knows about orders, if it was made as this run is: on the same device, by the same kernel.
