@@ -1,12 +1,12 @@
 //! The whole frame: a method over all bounces of a recording, whose times are summed round by round, so that
 //! a bounce counts by the time that it takes.
 
-use formats::key::method::UNSORTED;
-use formats::manifest::Stage;
+use formats::key::method::{CONTROL, UNSORTED};
+use formats::manifest::{QueueId, Stage};
 use serde::Serialize;
 
 use super::summary::{RayClass, distinct};
-use super::timing::{STAGES, SpeedupLine, Time};
+use super::timing::{STAGES, Samples, SpeedupLine, Time};
 use super::{Metric, OrderAnalysis, QueueAnalysis};
 
 /// One method on one kind of rays of a recording, over its bounces.
@@ -78,6 +78,30 @@ impl FrameAnalysis {
 pub(super) fn traced(order: &OrderAnalysis) -> Option<&Time> {
     let found = order.stage(Stage::Trace).or_else(|| order.stage(Stage::TraceIndirect));
     found.map(|found| &found.time)
+}
+
+/// Unsorted trace over the trace of the control, which has times alone.
+pub(super) fn control(
+    samples: &Samples<'_>,
+    queues: &[QueueAnalysis],
+    rays: RayClass,
+) -> Option<SpeedupLine> {
+    let measured =
+        || queues.iter().filter(|queue| RayClass::of(queue) == Some(rays) && !queue.orders.is_empty());
+    let traces = |method: &'static str| {
+        let of = |queue: &QueueAnalysis| {
+            let id = QueueId { pass: queue.pass, bounce: queue.bounce, kind: queue.kind };
+            Some(samples.get(id, method)?.traced().to_vec())
+        };
+        measured().map(of).collect::<Option<Vec<_>>>()
+    };
+    let sum = |traces: Vec<Vec<u64>>| {
+        let add = |sums: Vec<u64>, trace: Vec<u64>| {
+            sums.iter().zip(&trace).map(|(a, b)| a.saturating_add(*b)).collect()
+        };
+        traces.into_iter().reduce(add).unwrap_or_default()
+    };
+    SpeedupLine::of(&sum(traces(UNSORTED)?), &sum(traces(CONTROL)?))
 }
 
 /// A speedup of the sums; what one bounce lacks, the frame lacks.

@@ -7,12 +7,12 @@ use formats::reader::Dump;
 use formats::summary::hexadecimal;
 use serde::Serialize;
 
-use super::frame::FrameAnalysis;
+use super::frame::{FrameAnalysis, control};
 use super::labels;
 use super::options::AnalysisOptions;
 use super::queue::QueueAnalysis;
 use super::summary::RayClass;
-use super::timing::Samples;
+use super::timing::{Samples, SpeedupLine};
 use crate::shown;
 
 /// The numbers of one recording.
@@ -39,6 +39,9 @@ pub struct RecordingAnalysis {
     pub time_source: String,
     /// Its methods over all bounces, by kind of rays.
     pub frames: Vec<FrameAnalysis>,
+    /// Unsorted trace over that of the control, over all bounces: what it misses 1 by is the instrument's error.
+    #[serde(skip)]
+    pub controls: Vec<(RayClass, SpeedupLine)>,
     /// Its queues, in the order in which they were traced.
     pub queues: Vec<QueueAnalysis>,
 }
@@ -62,6 +65,10 @@ impl RecordingAnalysis {
             options: header.options,
             time_source: header.time_source,
             frames: FrameAnalysis::all(&queues),
+            controls: RayClass::ALL
+                .into_iter()
+                .filter_map(|rays| Some((rays, control(&samples, &queues, rays)?)))
+                .collect(),
             queues,
         }
     }
@@ -69,6 +76,11 @@ impl RecordingAnalysis {
     /// A method over all bounces of some rays, if it was measured.
     pub fn frame(&self, rays: RayClass, method: &str) -> Option<&FrameAnalysis> {
         self.frames.iter().find(|frame| frame.rays == rays && frame.method == method)
+    }
+
+    /// Unsorted trace over that of the control, of some rays.
+    pub fn control(&self, rays: RayClass) -> Option<&SpeedupLine> {
+        self.controls.iter().find(|(of, _)| *of == rays).map(|(_, line)| line)
     }
 
     /// The queues in which methods were measured.

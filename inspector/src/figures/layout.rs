@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::axis::Mapping;
 use super::legend::{Legend, entries};
 use super::model::{Content, Figure, Panel};
+use super::series::has_spreads;
 use super::style::{LINE_HEIGHT, TEXT_SIZE, TITLE_SIZE, Width};
 use super::text;
 use super::tick_labels;
@@ -162,8 +163,10 @@ fn measure(figure: &Figure, columns: usize, page: f64, squeeze: f64) -> Vec<Plot
             Room { width: ((page - words) / columns as f64).max(20.0), cell: page / columns as f64, squeeze };
         let panels = figure.panels.iter().enumerate();
         let measured = panels.map(|(at, panel)| {
+            let is_repeated = figure.panels.get(at + columns).is_some_and(|below| has_axis_of(below, panel));
             let left = (at % columns > 0).then(|| &figure.panels[at - 1]);
-            Plot::measure(figure, panel, has_names_of(left, panel), room, all[at % columns])
+            let repeats = Repeats { rows: has_names_of(left, panel), across: is_repeated };
+            Plot::measure(figure, panel, repeats, room, all[at % columns])
         });
         let needed: Vec<Margins>;
         (plots, needed) = measured.unzip();
@@ -183,6 +186,24 @@ fn measure(figure: &Figure, columns: usize, page: f64, squeeze: f64) -> Vec<Plot
 /// Whether the rows of a panel are those of the one to its left, beside which their names stand.
 fn has_names_of(left: Option<&Panel>, panel: &Panel) -> bool {
     left.is_some_and(|left| left.content.is_in_rows() && panel.content.is_in_rows() && left.x == panel.x)
+}
+
+/// Whether two panels have the same axis below them.
+fn has_axis_of(below: &Panel, panel: &Panel) -> bool {
+    match (below.content.is_in_rows(), panel.content.is_in_rows()) {
+        (true, true) => below.y == panel.y,
+        (false, false) => below.x == panel.x && !is_picture(panel),
+        _ => false,
+    }
+}
+
+/// What a panel need not say, since a neighbour says it.
+#[derive(Clone, Copy)]
+struct Repeats {
+    /// The names of its rows stand to its left.
+    rows: bool,
+    /// What is across stands below it.
+    across: bool,
 }
 
 /// What a panel has to be laid out in.
@@ -207,7 +228,7 @@ impl<'a> Plot<'a> {
     fn measure(
         figure: &'a Figure,
         panel: &'a Panel,
-        is_named: bool,
+        repeats: Repeats,
         Room { mut width, cell, squeeze }: Room,
         margins: Margins,
     ) -> (Self, Margins) {
@@ -224,7 +245,7 @@ impl<'a> Plot<'a> {
             // The first row is the topmost one.
             let mut y = Mapping::new(&panel.x.scale, [], 0).reversed();
             height = ROW * squeeze.max(LEAST_ROW_SQUEEZE) * (y.range.0 - y.range.1);
-            if is_named {
+            if repeats.rows {
                 y.ticks.clear();
             }
             let values = values_of(figure, panel);
@@ -233,7 +254,8 @@ impl<'a> Plot<'a> {
             (x_mapping(figure, panel, width), y_mapping(figure, panel, height))
         };
         let y_label = text::wrap(&upwards.label, TEXT_SIZE, height + 20.0);
-        let x_label = text::wrap_evenly(&across.label, TEXT_SIZE, width + margins.left.min(margins.right));
+        let across_label = if repeats.across { "" } else { across.label.as_str() };
+        let x_label = text::wrap_evenly(across_label, TEXT_SIZE, width + margins.left.min(margins.right));
         let title_room = margins.left + width + margins.right - EDGE;
         let title = text::wrap_evenly(&panel.title, TITLE_SIZE, title_room);
         let colour_bar = colour_bar(panel, height);
@@ -331,7 +353,7 @@ fn reached(content: &Content) -> Vec<f64> {
             _ => 0.0,
         };
         reached.push(below + point.y);
-        if let Some((low, high)) = point.spread {
+        if let Some((low, high)) = point.spread.filter(|_| has_spreads(content)) {
             reached.extend([below + low, below + high]);
         }
     }

@@ -7,7 +7,7 @@ use super::axis::{Mapping, Tick};
 use super::layout::{Layout, Plot};
 use super::legend::{LegendEntry, Sample, entries};
 use super::model::{Axis, Content, Figure, Panel, Picture, Point, Scale, Series};
-use super::series::{STACK_HEIGHT, marker_stride};
+use super::series::{STACK_HEIGHT, has_spreads, marker_stride};
 use super::style::{Marker, REFERENCE_DASH, Style, Width, style};
 use super::{csv, raster};
 
@@ -219,7 +219,7 @@ fn series_look(content: &Content, series: &Series) -> String {
         Content::Dots(_) => (format!("only marks, {}", marker_look(number)), format!("line{number}")),
         Content::Stacks(_) | Content::Picture(_) => (bar_look(number), "black".to_owned()),
     };
-    if series.points.iter().all(|point| point.spread.is_none()) {
+    if series.points.iter().all(|point| point.spread.is_none()) || !has_spreads(content) {
         return look;
     }
     if content.is_in_rows() {

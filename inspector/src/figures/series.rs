@@ -24,6 +24,14 @@ const MOST_MARKERS: usize = 40;
 /// The part of its row that a stack takes.
 pub(crate) const STACK_HEIGHT: f64 = 0.7;
 
+/// Lines with spreads, at most: those of more hide the lines, and stand in the CSV alone.
+const MOST_WITH_SPREADS: usize = 4;
+
+/// Whether the spreads of numbers are drawn.
+pub(crate) fn has_spreads(content: &Content) -> bool {
+    !matches!(content, Content::Lines(all) if all.len() > MOST_WITH_SPREADS)
+}
+
 /// A line has a marker at every so many points.
 pub(crate) fn marker_stride(series: &Series) -> usize {
     if series.points.len() > MOST_MARKERS { series.points.len().div_ceil(12) } else { 1 }
@@ -67,7 +75,9 @@ fn lines(chart: &mut Chart, plot: &Plot, series: &Series) -> Result<(), FigureEr
 fn markers(chart: &mut Chart, plot: &Plot, series: &Series, stride: usize) -> Result<(), FigureError> {
     let ink = style(series.style).colour.ink();
     for (at, point) in series.points.iter().enumerate().filter(|(_, point)| has_place(plot, point)) {
-        spread(chart, point, ink)?;
+        if has_spreads(&plot.panel.content) {
+            spread(chart, point, ink)?;
+        }
         // Markers of several long lines are not above each other.
         if (at + stride / 2 + series.style).is_multiple_of(stride) {
             chart.draw_series(once(marker((point.x, point.y), series.style, tooltip(series, point))))?;

@@ -38,7 +38,8 @@ fn table(title: String, caption: &str, header: Vec<String>, rows: Vec<Vec<Cell>>
 fn methods(analysis: &Analysis, rays: RayClass) -> Vec<&str> {
     let frames = analysis.recordings.iter().flat_map(|recording| &recording.frames);
     let own = frames.filter(|frame| frame.rays == rays && frame.base == frame.method);
-    distinct(own.map(|frame| frame.method.as_str()).filter(|name| ![UNSORTED, CONTROL].contains(name)))
+    let measured = own.filter(|frame| frame.trace_speedup.known().is_some());
+    distinct(measured.map(|frame| frame.method.as_str()).filter(|name| ![UNSORTED, CONTROL].contains(name)))
 }
 
 fn header(first: &str, columns: impl IntoIterator<Item = impl ToString>) -> Vec<String> {
@@ -76,9 +77,9 @@ fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
             if numbers.iter().all(Option::is_none) {
                 continue;
             }
-            let control = recording.frame(rays, CONTROL).and_then(of_frame);
             let mut row = row_of(&recording.label, &numbers);
-            row.push(Cell::plain(control.map_or("–".to_owned(), |(trace, _)| format!("{trace:.2}"))));
+            let control = recording.control(rays);
+            row.push(Cell::plain(control.map_or("–".to_owned(), |line| format!("{:.2}", line.ratio))));
             rows.push(row);
             count += 1;
         }

@@ -2,7 +2,7 @@
 
 use formats::manifest::Stage;
 
-use super::building::{self, figure, methods, reason, recordings, settings};
+use super::building::{self, figure, leading, left_out, methods, reason, recordings, settings};
 use super::{Findings, Made};
 use crate::analysis::RecordingAnalysis;
 use crate::analysis::break_even::BreakEven;
@@ -11,10 +11,6 @@ use crate::analysis::timing::STAGES;
 use crate::figures::model::{Axis, Content, Panel, Point, Series};
 use crate::figures::style::STAGE_STYLES;
 
-/// Recordings whose panels have all rows.
-const MOST_WITH_ALL_ROWS: usize = 2;
-/// Rows of a panel otherwise, so that five recordings fit on a page.
-const MOST_ROWS: usize = 6;
 /// Black circles: the style of `unsorted`, which has no row here.
 const SAVED_STYLE: usize = 0;
 
@@ -24,7 +20,7 @@ type Number = (f64, Option<(f64, f64)>);
 /// What tracing saves and what sorting takes, nanoseconds a ray, per method.
 pub fn break_even(findings: &Findings<'_>) -> Made {
     let (mut panels, mut limits) = (Vec::new(), Vec::new());
-    let recordings = recordings(findings);
+    let (recordings, leading) = (recordings(findings), leading(findings));
     for recording in &recordings {
         let mut of_recording = Vec::new();
         for rays in RayClass::ALL {
@@ -33,22 +29,16 @@ pub fn break_even(findings: &Findings<'_>) -> Made {
                 .filter_map(|method| Some((method, BreakEven::of(recording, rays, method)?)));
             let mut found: Vec<(&str, BreakEven)> = found.collect();
             of_recording.extend(limit(rays, &found));
-            if recordings.len() > MOST_WITH_ALL_ROWS {
-                keep_best(&mut found);
-            }
+            found.retain(|(method, _)| leading.contains(method));
             let title = if recordings.len() > 1 { recording.label.as_str() } else { "" };
             panels.push(panel(recording, title, rays, &found));
         }
         limits.push(format!("{}: {}", recording.label, of_recording.join(", ")));
     }
-    let left_out = if recordings.len() > MOST_WITH_ALL_ROWS {
-        format!(" Of each scene the {MOST_ROWS} methods that save most.")
-    } else {
-        String::new()
-    };
     let caption = format!(
-        "Sorting pays if all of it takes less than it saves in tracing, at best: {}. Saves: the trace of unsorted rays less that of sorted ones, over all bounces, with its 95 % interval. Takes: all else that the recording counts (keys, sort, accumulate, and gather and scatter where rays are not traced through indices). A method whose square is left of its circle has a net speedup above 1.{left_out}",
-        limits.join("; ")
+        "Sorting pays if all of it takes less than it saves in tracing, at best: {}. Saves: the trace of unsorted rays less that of sorted ones, over all bounces, with its 95 % interval. Takes: all else that the recording counts (keys, sort, accumulate, and gather and scatter where rays are not traced through indices). A method whose square is left of its circle has a net speedup above 1.{}",
+        limits.join("; "),
+        left_out(findings)
     );
     let reason =
         reason(findings, |order| &order.net_speedup, "no method was measured on secondary or shadow rays");
@@ -64,15 +54,6 @@ fn limit(rays: RayClass, found: &[(&str, BreakEven)]) -> Option<String> {
     } else {
         format!("nothing with {rays} rays")
     })
-}
-
-/// Leaves the methods that save most, in their order.
-fn keep_best(found: &mut Vec<(&str, BreakEven)>) {
-    let mut saved: Vec<f64> = found.iter().map(|(_, of)| of.saved_ns).collect();
-    saved.sort_by(|a, b| b.total_cmp(a));
-    if let Some(&least) = saved.get(MOST_ROWS - 1) {
-        found.retain(|(_, of)| of.saved_ns >= least);
-    }
 }
 
 fn panel(recording: &RecordingAnalysis, title: &str, rays: RayClass, found: &[(&str, BreakEven)]) -> Panel {
@@ -103,13 +84,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_methods_that_save_most_stay_in_their_order() {
+    fn what_a_sort_may_take_is_what_the_best_method_saves() {
         let saving = |saved_ns| BreakEven { saved_ns, interval: None, cost_ns: 1.0, n: 1 };
-        let saved =
-            [("a", -1.0), ("b", 5.0), ("c", 1.0), ("d", 4.0), ("e", 0.5), ("f", 9.0), ("g", 3.0), ("h", 2.0)];
-        let mut found: Vec<_> = saved.map(|(method, saved_ns)| (method, saving(saved_ns))).to_vec();
-        keep_best(&mut found);
-        assert_eq!(found.iter().map(|(method, _)| *method).collect::<String>(), "bcdfgh");
+        let found = [("a", saving(-1.0)), ("f", saving(9.0)), ("h", saving(2.0))];
         assert_eq!(limit(RayClass::Shadow, &found).unwrap(), "9.0 ns a shadow ray (f)");
         assert_eq!(limit(RayClass::Shadow, &[("a", saving(-1.0))]).unwrap(), "nothing with shadow rays");
     }

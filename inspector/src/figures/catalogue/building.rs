@@ -166,6 +166,38 @@ pub fn methods<'a>(findings: &Findings<'a>) -> Vec<&'a str> {
     shown.map(|(method, _)| method).collect()
 }
 
+/// Recordings that have a row for every method in figures with panels for each.
+const MOST_WITH_ALL: usize = 2;
+/// Methods besides `unsorted` otherwise, so that five recordings fit on a page.
+const MOST_METHODS: usize = 5;
+
+/// Of [`methods`], those that have rows in figures with panels for each recording: all, or of many recordings those
+/// that are best net.
+pub fn leading<'a>(findings: &Findings<'a>) -> Vec<&'a str> {
+    let all = methods(findings);
+    if recordings(findings).len() <= MOST_WITH_ALL {
+        return all;
+    }
+    let net = |method: &str| {
+        let frames = findings.analysis.recordings.iter().flat_map(|recording| &recording.frames);
+        let lines =
+            frames.filter(|frame| frame.method == method).filter_map(|frame| frame.net_speedup.known());
+        MeanSpeedup::of(lines).map_or(0.0, |mean| mean.mean)
+    };
+    let mut best: Vec<&str> = all.iter().copied().filter(|method| *method != UNSORTED).collect();
+    best.sort_by(|a, b| net(b).total_cmp(&net(a)));
+    best.truncate(MOST_METHODS);
+    all.into_iter().filter(|method| *method == UNSORTED || best.contains(method)).collect()
+}
+
+/// What a caption says of that.
+pub fn left_out(findings: &Findings<'_>) -> String {
+    if recordings(findings).len() <= MOST_WITH_ALL {
+        return String::new();
+    }
+    format!(" Of more than {MOST_WITH_ALL} recordings the {MOST_METHODS} methods that are best net.")
+}
+
 /// The recordings of such figures: those in which one of [`methods`] was measured besides `unsorted`, or
 /// all if there is none.
 pub fn recordings<'a>(findings: &Findings<'a>) -> Vec<&'a RecordingAnalysis> {

@@ -3,9 +3,9 @@
 use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 
-use super::building::{figure, methods, of, panel_title, queues, recordings, settings};
+use super::building::{figure, leading, left_out, of, panel_title, queues, recordings, settings};
 use super::{Findings, Made};
-use crate::analysis::summary::{MeanSpeedup, RayClass};
+use crate::analysis::summary::RayClass;
 use crate::analysis::timing::STAGES;
 use crate::analysis::{QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
@@ -13,15 +13,11 @@ use crate::figures::style::STAGE_STYLES;
 
 /// Time of each stage per method, one after the other, over the trace of unsorted rays.
 pub fn overhead(findings: &Findings<'_>) -> Made {
-    let left_out = if recordings(findings).len() <= MOST_WITH_ALL {
-        String::new()
-    } else {
-        format!(" Of more than {MOST_WITH_ALL} recordings the {MOST_METHODS} methods that are best net.")
-    };
     figure(
         "Where the time goes, per method",
         format!(
-            "Median times of the stages, summed over bounces, as multiples of the trace of unsorted rays: a row that ends left of the line pays off. Gather, trace and scatter count, or the trace through indices: what the recording chose for the method.{left_out}"
+            "Median times of the stages, summed over bounces, as multiples of the trace of unsorted rays: a row that ends left of the line pays off. Gather, trace and scatter count, or the trace through indices: what the recording chose for the method.{}",
+            left_out(findings)
         ),
         settings(findings),
         recordings(findings)
@@ -31,34 +27,11 @@ pub fn overhead(findings: &Findings<'_>) -> Made {
     )
 }
 
-/// Recordings whose panels have all methods.
-const MOST_WITH_ALL: usize = 2;
-/// Methods besides `unsorted` otherwise, so that five recordings fit on a page: those that are best net.
-const MOST_METHODS: usize = 5;
-
-/// The methods that have a row.
-fn shown<'a>(findings: &Findings<'a>) -> Vec<&'a str> {
-    let all = methods(findings);
-    if recordings(findings).len() <= MOST_WITH_ALL {
-        return all;
-    }
-    let net = |method: &str| {
-        let frames = findings.analysis.recordings.iter().flat_map(|recording| &recording.frames);
-        let lines =
-            frames.filter(|frame| frame.method == method).filter_map(|frame| frame.net_speedup.known());
-        MeanSpeedup::of(lines).map_or(0.0, |mean| mean.mean)
-    };
-    let mut best: Vec<&str> = all.iter().copied().filter(|method| *method != UNSORTED).collect();
-    best.sort_by(|a, b| net(b).total_cmp(&net(a)));
-    best.truncate(MOST_METHODS);
-    all.into_iter().filter(|method| *method == UNSORTED || best.contains(method)).collect()
-}
-
 fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis, rays: RayClass) -> Panel {
     let measured: Vec<&QueueAnalysis> = queues(recording, rays).collect();
     let unsorted = stage_time(&measured, UNSORTED, Stage::Trace).map_or(f64::NAN, |(ns, _)| ns);
     let has_method = |method: &&str| measured.iter().any(|queue| queue.order(method).is_some());
-    let methods: Vec<&str> = shown(findings).into_iter().filter(has_method).collect();
+    let methods: Vec<&str> = leading(findings).into_iter().filter(has_method).collect();
     let series = |(at, stage): (usize, Stage)| -> Series {
         let points = methods.iter().enumerate().filter_map(|(place, method)| {
             let (ns, n) = stage_time(&measured, method, stage)?;
