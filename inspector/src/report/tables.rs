@@ -38,8 +38,7 @@ fn table(title: String, caption: &str, header: Vec<String>, rows: Vec<Vec<Cell>>
 fn methods(analysis: &Analysis, rays: RayClass) -> Vec<&str> {
     let frames = analysis.recordings.iter().flat_map(|recording| &recording.frames);
     let own = frames.filter(|frame| frame.rays == rays && frame.base == frame.method);
-    let measured = own.filter(|frame| frame.trace_speedup.known().is_some());
-    distinct(measured.map(|frame| frame.method.as_str()).filter(|name| ![UNSORTED, CONTROL].contains(name)))
+    distinct(own.map(|frame| frame.method.as_str()).filter(|name| ![UNSORTED, CONTROL].contains(name)))
 }
 
 fn header(first: &str, columns: impl IntoIterator<Item = impl ToString>) -> Vec<String> {
@@ -66,7 +65,11 @@ fn row_of(name: &str, numbers: &[Option<(f64, f64)>]) -> Vec<Cell> {
 }
 
 fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
-    let methods = methods(analysis, rays);
+    let mut methods = methods(analysis, rays);
+    // None is given for a method that must trace the rays before it can sort them.
+    methods.retain(|method| {
+        analysis.recordings.iter().any(|recording| recording.frame(rays, method).and_then(of_frame).is_some())
+    });
     let mut rows = Vec::new();
     for configuration in distinct(analysis.recordings.iter().map(|recording| &recording.configuration)) {
         let same = analysis.recordings.iter().filter(|recording| recording.configuration == *configuration);
