@@ -116,7 +116,10 @@ fn photographs(figures: &[Figure]) -> Vec<Picture> {
 /// What a recording says of sorting: the best method of each kind of rays, or that none pays.
 fn finding(recording: &RecordingAnalysis) -> Option<String> {
     let best = |rays: RayClass| {
-        let own = recording.frames.iter().filter(|frame| frame.rays == rays && frame.method != UNSORTED);
+        let own = recording
+            .frames
+            .iter()
+            .filter(|frame| frame.rays == rays && frame.method != UNSORTED && frame.base == frame.method);
         let lines = own.filter_map(|frame| Some((frame.method.as_str(), frame.net_speedup.known()?)));
         let (method, line) = lines
             .filter(|(method, _)| *method != CONTROL)

@@ -11,7 +11,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use crate::figures::catalogue::Skipped;
-use crate::figures::model::{Figure, Picture};
+use crate::figures::model::{Content, Figure, Picture};
 use crate::figures::style::{FONT, FONT_FAMILY, Width};
 use crate::figures::svg::escape;
 use crate::figures::{FigureError, draw, raster};
@@ -109,7 +109,7 @@ pub fn html(report: &Report) -> Result<String, FigureError> {
     );
     let mut pictures = Vec::new();
     for picture in &report.pictures {
-        let png = STANDARD.encode(raster::picture_png(picture)?);
+        let png = STANDARD.encode(raster::picture_png(&shrunk(picture))?);
         pictures.push(format!("<img alt=\"the scene\" src=\"data:image/png;base64,{png}\">\n"));
     }
     section(&mut page, "<div class=\"scenes\">\n", pictures.into_iter(), "</div>\n");
@@ -144,6 +144,42 @@ pub fn html(report: &Report) -> Result<String, FigureError> {
     Ok(page)
 }
 
+/// Most pixels across a picture of the page: a dozen at full size would make it one of a hundred megabytes.
+const MOST_PIXELS: u32 = 640;
+
+/// A picture no wider than the page needs: means of squares of pixels.
+fn shrunk(picture: &Picture) -> Picture {
+    let side = picture.width.div_ceil(MOST_PIXELS).max(1);
+    if side == 1 || picture.rgb.len() != picture.width as usize * picture.height as usize {
+        return picture.clone();
+    }
+    let (width, height) = (picture.width / side, (picture.height / side).max(1));
+    let mean = |at: u32| {
+        let (left, top) = (at % width * side, at / width * side);
+        let mut sums = [0u32; 3];
+        let mut count = 0;
+        for y in top..(top + side).min(picture.height) {
+            for pixel in &picture.rgb[(y * picture.width + left) as usize..][..side as usize] {
+                sums.iter_mut().zip(pixel).for_each(|(sum, part)| *sum += u32::from(*part));
+                count += 1;
+            }
+        }
+        sums.map(|sum| (sum / count) as u8)
+    };
+    Picture { width, height, rgb: (0..width * height).map(mean).collect(), ..picture.clone() }
+}
+
+/// A figure whose pictures are no larger than the page needs.
+fn lightened(figure: &Figure) -> Figure {
+    let mut figure = figure.clone();
+    for panel in &mut figure.panels {
+        if let Content::Picture(picture) = &mut panel.content {
+            *picture = shrunk(picture);
+        }
+    }
+    figure
+}
+
 /// Adds parts between a start and an end; nothing if there are none.
 fn section(page: &mut String, start: &str, parts: impl Iterator<Item = String>, end: &str) {
     let parts: String = parts.collect();
@@ -154,7 +190,7 @@ fn section(page: &mut String, start: &str, parts: impl Iterator<Item = String>, 
 
 fn figure_section(at: usize, figure: &Figure, width: Width) -> Result<String, FigureError> {
     let number = at + 1;
-    let drawing = draw::draw(figure, width)?;
+    let drawing = draw::draw(&lightened(figure), width)?;
     let class = if width == Width::OneColumn { "paper lead" } else { "paper" };
     Ok(format!(
         "<figure id=\"figure-{number}\">\n<h3>{}</h3>\n<div class=\"{class}\">\n{drawing}</div>\n\
@@ -162,4 +198,20 @@ fn figure_section(at: usize, figure: &Figure, width: Width) -> Result<String, Fi
         escape(&figure.title),
         escape(&figure.caption),
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_pictures_are_shrunk_to_means() {
+        let (width, height) = (1281, 4);
+        let rgb = (0..width * height).map(|at| [if at % width % 3 == 2 { 90 } else { 0 }, 30, 0]).collect();
+        let picture = Picture { width, height, rgb, colour_bar: None };
+        let small = shrunk(&picture);
+        assert_eq!((small.width, small.height, small.rgb.len()), (427, 1, 427));
+        assert!(small.rgb.iter().all(|pixel| *pixel == [30, 30, 0]), "a third of the pixels has 90");
+        assert_eq!(shrunk(&small), small);
+    }
 }
