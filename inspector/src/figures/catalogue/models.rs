@@ -6,7 +6,7 @@ use super::building::{
 use super::{Findings, Made};
 use crate::analysis::summary::RayClass;
 use crate::analysis::{OrderAnalysis, QueueAnalysis, RecordingAnalysis};
-use crate::figures::model::{Axis, Panel, Point, Series};
+use crate::figures::model::{Axis, Of, Panel, Point, Series};
 
 /// Lanes that wait for each other: those of most GPUs.
 const LANES: u32 = 32;
@@ -23,7 +23,7 @@ pub fn lanes(findings: &Findings<'_>) -> Made {
     figure(
         "Lane utilisation per method, a model",
         format!(
-            "A model of control-flow divergence: work of all rays (nodes visited and triangles tested) over what it would be if each ray took as long as the slowest of its {LANES}. Means over bounces, weighted by rays; small dots are the bounces."
+            "A model of control-flow divergence: work of all rays (nodes visited and triangles tested) over what it would be if each ray took as long as the slowest of its {LANES}. Means over bounces, weighted by rays; small dots are the bounces, or of more than {MOST_DETAILED} recordings these."
         ),
         settings(findings),
         panels_of(findings, share, "", "lane utilisation (%)"),
@@ -38,20 +38,56 @@ pub fn caches(findings: &Findings<'_>) -> Made {
     let panels = [(first, ", L1"), (either, ", L1 or L2")];
     figure(
         "Cache hit ratio per method, a model",
-        "A model: node and triangle addresses of sampled groups, replayed through two set-associative caches. Means over bounces, weighted by accesses; small dots are the bounces.",
+        format!(
+            "A model: node and triangle addresses of sampled groups, replayed through two set-associative caches. Means over bounces, weighted by accesses; small dots are the bounces, or of more than {MOST_DETAILED} recordings these."
+        ),
         settings(findings),
         panels.into_iter().flat_map(|(share, level)| panels_of(findings, share, level, "hit ratio (%)")),
         reason(findings, |order| &order.caches, "no queue was measured"),
     )
 }
 
+/// Recordings that have panels of their own; of more the means alone are readable, with a dot for each.
+const MOST_DETAILED: usize = 2;
+
 fn panels_of(findings: &Findings<'_>, share: Share, what: &str, axis: &str) -> Vec<Panel> {
-    each(RayClass::ALL, &recordings(findings), |recording, rays| {
+    let recordings = recordings(findings);
+    let rows = |title: String, of: &dyn Fn(&str) -> Option<[Series; 2]>| {
+        let series: Vec<Series> =
+            methods(findings).iter().filter_map(|method| of(method)).flatten().collect();
+        methods_in_rows(findings, title, Axis::from_zero(axis), series)
+    };
+    if recordings.len() > MOST_DETAILED {
+        let panel = |rays: RayClass| {
+            let of = |method: &str| mean_and_recordings(findings, &recordings, rays, method, share);
+            rows(format!("All recordings: {} rays{what}", rays.name()), &of)
+        };
+        return RayClass::ALL.map(panel).into();
+    }
+    each(RayClass::ALL, &recordings, |recording, rays| {
         let title = panel_title(findings, recording, &format!("{} rays{what}", rays.name()));
-        let of = |method: &&str| mean_and_bounces(findings, recording, rays, method, share);
-        let series: Vec<Series> = methods(findings).iter().filter_map(of).flatten().collect();
-        methods_in_rows(findings, title, Axis::linear(axis), series)
+        rows(title, &|method| mean_and_bounces(findings, recording, rays, method, share))
     })
+}
+
+/// The mean of a method over recordings, after those, percent.
+fn mean_and_recordings(
+    findings: &Findings<'_>,
+    recordings: &[&RecordingAnalysis],
+    rays: RayClass,
+    method: &str,
+    share: Share,
+) -> Option<[Series; 2]> {
+    let of_recording = |recording: &&RecordingAnalysis| {
+        let [_, all] = mean_and_bounces(findings, recording, rays, method, share)?;
+        all.points.into_iter().next()
+    };
+    let parts: Vec<Point> = recordings.iter().filter_map(of_recording).collect();
+    let y = parts.iter().map(|point| point.y).sum::<f64>() / parts.len() as f64;
+    let of = Of { kind: rays.name().to_owned(), method: method.to_owned(), ..Of::detail("all recordings") };
+    let mean = (!parts.is_empty()).then(|| Point { x: 0.0, y, spread: None, n: parts.len(), of })?;
+    let parts = Series { is_part: true, ..of_method(findings, method, parts) };
+    Some([parts, of_method(findings, method, vec![mean])])
 }
 
 /// The mean of a method over bounces, after the bounces, percent.
