@@ -219,7 +219,8 @@ fn series_look(content: &Content, series: &Series) -> String {
         Content::Dots(_) => (format!("only marks, {}", marker_look(number)), format!("line{number}")),
         Content::Stacks(_) | Content::Picture(_) => (bar_look(number), "black".to_owned()),
     };
-    if series.points.iter().all(|point| point.spread.is_none()) || !has_spreads(content) {
+    let has_none = series.points.iter().all(|point| point.spread.is_none());
+    if has_none || series.is_part || !has_spreads(content) {
         return look;
     }
     if content.is_in_rows() {

@@ -101,6 +101,22 @@ fn gallery_rows_name_what_the_legend_does_not() {
     assert_eq!(labels("twenty-rows"), ["series 0", "series 1", "series 2", "break-even"]);
 }
 
+/// A row has the spread of the number that it is about, not those of its parts.
+#[test]
+fn gallery_parts_have_no_spreads() {
+    let figure = samples::all().into_iter().find(|figure| figure.name == "frames").unwrap();
+    let files = pgfplots::files(&figure, Width::OneColumn).unwrap();
+    let tex = String::from_utf8(files[0].1.clone()).unwrap();
+    let plots: Vec<bool> = tex
+        .lines()
+        .filter(|line| line.starts_with("\\addplot"))
+        .map(|line| line.contains("error bars"))
+        .collect();
+    let expected: Vec<bool> =
+        figure.panels[0].content.series().iter().map(|series| !series.is_part).collect();
+    assert_eq!(plots, expected);
+}
+
 #[test]
 fn gallery_panels_are_not_empty() {
     for (name, figure, _, tree) in drawn() {

@@ -181,7 +181,7 @@ fn pixel_costs() -> Figure {
 
 /// A row a method, its bounces as small dots.
 fn frames() -> Figure {
-    let bounce = |at: usize, bounce: usize| point(at as f64, 0.7 + noise(at + 9 * bounce), 0.0);
+    let bounce = |at: usize, bounce: usize| point(at as f64, 0.7 + noise(at + 9 * bounce), 0.2);
     let parts = named(&METHODS, 5, bounce).map(|series| Series { is_part: true, ..series });
     let frames =
         METHODS.iter().enumerate().map(|(at, label)| series(label, at, vec![point(at as f64, 1.1, 0.1)]));
