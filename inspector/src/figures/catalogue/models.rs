@@ -85,7 +85,7 @@ fn mean_and_recordings(
     let parts: Vec<Point> = recordings.iter().filter_map(of_recording).collect();
     let y = parts.iter().map(|point| point.y).sum::<f64>() / parts.len() as f64;
     let of = Of { kind: rays.name().to_owned(), method: method.to_owned(), ..Of::detail("all recordings") };
-    let mean = (!parts.is_empty()).then(|| Point { x: 0.0, y, spread: None, n: parts.len(), of })?;
+    let mean = (!parts.is_empty()).then_some(Point { x: 0.0, y, spread: None, n: parts.len(), of })?;
     let parts = Series { is_part: true, ..of_method(findings, method, parts) };
     Some([parts, of_method(findings, method, vec![mean])])
 }
