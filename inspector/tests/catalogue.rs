@@ -396,6 +396,11 @@ fn a_csv_has_one_number_a_row_and_says_what_it_is_of() {
         recording.scene, recording.configuration, frame.ratio
     );
     assert!(text.lines().any(|line| line.replace('"', "").starts_with(&row)), "no {row} in {text}");
+    let sizes = csv::write(
+        &figure(&Findings { analysis: &analysis, benches: &benches() }, "sort-throughput").unwrap(),
+    );
+    let sizes = String::from_utf8(sizes.unwrap()).unwrap();
+    assert!(sizes.contains(",keys,1024,throughput (Mkeys/s),"), "where to the right: {sizes}");
     let queue = recording.measured().find(|queue| queue.kind == Kind::Shadow && queue.bounce == 1).unwrap();
     let order = queue.orders.iter().find(|order| order.method == "aila").unwrap();
     let row = format!(",shadow,1,aila,,,,net speedup,{},", order.net_speedup.known().unwrap().ratio);

@@ -22,15 +22,14 @@ pub fn write(figure: &Figure) -> Result<Vec<u8>, FigureError> {
     for panel in &figure.panels {
         for series in panel.content.series() {
             for point in &series.points {
-                let known = point.of.to_string();
-                let x = x_of(panel, point).filter(|(_, x)| !known.contains(x.as_str()));
+                let Of { scene, machine, kind, method, detail, .. } = &point.of;
+                let has_column =
+                    |word: &str| [scene, machine, kind, method, detail].iter().any(|own| *own == word);
+                let is_name = matches!(panel.x.scale, Scale::Categories(_));
+                let x = x_of(panel, point).filter(|(_, x)| !(is_name && has_column(x)));
                 // A series is named by what its numbers are of, or by what only the legend says.
-                let detail = match series.label.as_str() {
-                    "" => String::new(),
-                    label if known.contains(label) => String::new(),
-                    label => label.to_owned(),
-                };
-                writer.write_record(row(panel, point, &detail, x)).map_err(failed)?;
+                let more = if has_column(&series.label) { "" } else { series.label.as_str() };
+                writer.write_record(row(panel, point, more, x)).map_err(failed)?;
             }
         }
         for (label, point) in references(panel).chain(colours(panel)) {

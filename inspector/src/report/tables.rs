@@ -155,7 +155,7 @@ fn overhead_row(recording: &RecordingAnalysis, frame: &FrameAnalysis) -> Option<
     let sum: f64 = parts.iter().flatten().sum();
     let sorted = time(Stage::Trace).or_else(|| time(Stage::TraceIndirect))?;
     let part = |part: &Option<f64>| match part {
-        Some(ms) => Cell::plain(format!("{ms:.2} ({:.0} %)", ms / sum * 100.0)),
+        Some(ms) => Cell::plain(format!("{ms:.2} ({:.0} %)", ms / sum.max(f64::MIN_POSITIVE) * 100.0)),
         None => Cell::plain("–"),
     };
     let names = [recording.label.clone(), frame.method.clone()].into_iter().map(Cell::plain);

@@ -32,7 +32,7 @@ fn sort_panel(rows: &[SortRow], title: String) -> Panel {
         let mut own: Vec<&SortRow> = rows.iter().filter(|row| row.key_bits == key_bits).collect();
         own.sort_by_key(|row| row.n);
         let point = |row: &SortRow| {
-            let of = Of::detail(format!("{} keys of {key_bits} bits", row.n));
+            let of = Of::detail(format!("{} keys", row.n));
             rate(row.n as f64, row.n, &row.samples_ns, of)
         };
         let points = own.into_iter().filter_map(point).collect();
