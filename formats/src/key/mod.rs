@@ -1,6 +1,6 @@
 //! Sorting keys: what goes into them, in which order, and how to read them back.
 //!
-//! - [`layout`]: a key's bits as data; [`layout_text`]: the words for them that users type
+//! - [`layout`]: a key's bits as data; [`layout_text`]: the words for them that users type, read by `layout_parser`
 //! - [`method`]: the paper's methods and those beyond it, each a layout and a length estimate
 //! - [`coordinates`], [`angle`], [`termination`]: the numbers that the bits are taken from
 //! - [`hilbert`]: from coordinates to the place along a curve, and back
@@ -16,6 +16,7 @@ pub mod extent;
 pub mod facts;
 pub mod hilbert;
 pub mod layout;
+mod layout_parser;
 pub mod layout_text;
 pub mod light_site;
 pub mod method;
