@@ -8,6 +8,7 @@
 //! - [`traced`], [`stored_table`]: what a dump's rays came to, and what was expected of them
 //! - [`queue_check`]: whether recorded rays can be traced
 //! - [`bench_result`]: what benchmarks print and figures read
+//! - [`study`]: the folder of many recordings made from one plan
 //! - [`summary`]: a dump in one object, for people and programs
 //! - [`files`], [`text`]: whole files read and replaced with care; names from files on a terminal
 
@@ -28,6 +29,7 @@ mod read_error;
 pub mod reader;
 pub mod recover;
 pub mod stored_table;
+pub mod study;
 pub mod summary;
 pub mod text;
 pub mod traced;
