@@ -14,8 +14,20 @@ for backend in cpu gpu; do
         camera=
         [ "$scene" != crytek_sponza ] || camera="--camera nave"
         # shellcheck disable=SC2086  # The camera is two words or none.
-        "$programs/recorder" bench error "$scenes/$scene.glb" $camera --backend $backend --repeats 7 --image-passes 32 \
-            --reference-passes 512 --json > "$out/error-$scene-$backend.json"
+        error() {
+            name=$1
+            shift
+            "$programs/recorder" bench error "$scenes/$scene.glb" $camera --backend $backend "$@" --json \
+                > "$out/error-$name-$scene-$backend.json"
+        }
+        error precision --only precision --repeats 7
+        if [ $backend = cpu ]; then
+            error estimator --only estimator --repeats 7
+            error key-bits --only key-bits --width 1920 --height 1080 --bounces 3 --key-bits 8,12,16,24,32 --repeats 5 \
+                --methods origin,aila,two-point,two-point-adaptive,light-octahedron
+            error image --only image --image-width 640 --image-height 360 --image-passes 16 --reference-passes 64 \
+                --repeats 3 --methods aila,octahedron,two-point,two-point-adaptive,light-octahedron
+        fi
         # shellcheck disable=SC2086
         "$programs/recorder" bench skip "$scenes/$scene.glb" $camera --backend $backend --repeats 7 --json \
             > "$out/skip-$scene-$backend.json"
