@@ -10,7 +10,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::FigureError;
 use super::axis::Mapping;
-use super::layout::{COLOUR_BAR_GAP, COLOUR_BAR_WIDTH, Layout, Margins, Plot, TICK_GAP, widest_label};
+use super::layout::{COLOUR_BAR_GAP, COLOUR_BAR_WIDTH, Layout, Plot, TICK_GAP, widest_label};
 use super::mark;
 use super::model::{ColourBar, Content, Figure};
 use super::series;
@@ -50,7 +50,7 @@ fn part(page: &Area, (left, top): (f64, f64), (width, height): (f64, f64)) -> Ar
 }
 
 fn panel(page: &Area, plot: &Plot) -> Result<(), FigureError> {
-    let Margins { left, right } = plot.margins;
+    let (left, right) = (plot.own_left, plot.margins.right);
     let place = (plot.place.0 - left, plot.place.1 - plot.top);
     let size = (left + plot.width + right, plot.top + plot.height + plot.bottom);
     let cell = part(page, place, size);
@@ -80,7 +80,7 @@ fn panel(page: &Area, plot: &Plot) -> Result<(), FigureError> {
     series::draw(&mut chart, plot)?;
     let (x, y) = (plot.x.range, plot.y.range);
     chart.plotting_area().draw(&Rectangle::new([(x.0, y.0), (x.1, y.1)], axis))?;
-    Ok(())
+    plot.line_names.iter().try_for_each(|name| name.draw(page, plot.place, plot.width))
 }
 
 /// The colours of a picture with their numbers, right of it.

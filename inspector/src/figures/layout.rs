@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::axis::Mapping;
 use super::legend::{Legend, entries};
+use super::line_names::{self, LineName};
 use super::model::{Content, Figure, Panel};
 use super::series::has_spreads;
 use super::style::{LINE_HEIGHT, TEXT_SIZE, TITLE_SIZE, Width};
@@ -77,6 +78,8 @@ pub(crate) struct Plot<'a> {
     pub(crate) height: f64,
     /// Beside the plot area.
     pub(crate) margins: Margins,
+    /// What its own words need of that on the left: panels below each other share the margin, not the place of words.
+    pub(crate) own_left: f64,
     /// For words above it.
     pub(crate) top: f64,
     /// For words below it.
@@ -88,6 +91,8 @@ pub(crate) struct Plot<'a> {
     pub(crate) y_label: String,
     /// The numbers beside the colour bar of a picture, and what they are.
     pub(crate) colour_bar: Option<(Mapping, String)>,
+    /// Of its lines, if they stand beside it.
+    pub(crate) line_names: Vec<LineName>,
 }
 
 impl<'a> Layout<'a> {
@@ -113,7 +118,7 @@ impl<'a> Layout<'a> {
             }
             below += GAP + top + bottom;
         }
-        let legend = Legend::new(entries(figure), page);
+        let legend = Legend::new(entries(figure, line_names::are_beside(figure, columns)), page);
         let size = (page + 2.0 * PAGE_EDGE, (below + legend.height() + 2.0 * PAGE_EDGE).ceil());
         Self {
             columns,
@@ -165,7 +170,11 @@ fn measure(figure: &Figure, columns: usize, page: f64, squeeze: f64) -> Vec<Plot
         let measured = panels.map(|(at, panel)| {
             let is_repeated = figure.panels.get(at + columns).is_some_and(|below| has_axis_of(below, panel));
             let left = (at % columns > 0).then(|| &figure.panels[at - 1]);
-            let repeats = Repeats { rows: has_names_of(left, panel), across: is_repeated };
+            let repeats = Repeats {
+                rows: has_names_of(left, panel),
+                across: is_repeated,
+                has_line_names: line_names::are_beside(figure, columns),
+            };
             Plot::measure(figure, panel, repeats, room, all[at % columns])
         });
         let needed: Vec<Margins>;
@@ -197,13 +206,15 @@ fn has_axis_of(below: &Panel, panel: &Panel) -> bool {
     }
 }
 
-/// What a panel need not say, since a neighbour says it.
+/// What a panel need not say, since a neighbour says it, and what it says itself.
 #[derive(Clone, Copy)]
 struct Repeats {
     /// The names of its rows stand to its left.
     rows: bool,
     /// What is across stands below it.
     across: bool,
+    /// Its lines are named beside it.
+    has_line_names: bool,
 }
 
 /// What a panel has to be laid out in.
@@ -265,12 +276,14 @@ impl<'a> Plot<'a> {
         });
         // The label of a colour bar may be higher than the picture.
         let bar_label = colour_bar.as_ref().map_or(0.0, |(_, label)| text::width(label, TEXT_SIZE));
+        let line_names =
+            if repeats.has_line_names { LineName::all(panel, (&x, &y), (width, height)) } else { Vec::new() };
         // The last label may reach over the end of the axis.
         let overhang = tick_labels::overhang(&x, width);
         let words = tick_labels::height(&x) + text::height(&x_label, TEXT_SIZE);
         let needed = Margins {
             left: widest_label(&y) + text::height(&y_label, TEXT_SIZE) + TICK_GAP + 3.0,
-            right: (EDGE + bar_room).max(overhang + 1.0),
+            right: (EDGE + bar_room).max(overhang + 1.0).max(line_names::room(&line_names)),
         };
         let (place, top) = ((0.0, 0.0), text::height(&title, TITLE_SIZE) + EDGE);
         let bottom = (words + TICK_GAP + 1.5).max(bar_label - height);
@@ -280,6 +293,7 @@ impl<'a> Plot<'a> {
             width,
             height,
             margins,
+            own_left: needed.left,
             top,
             bottom,
             x,
@@ -288,6 +302,7 @@ impl<'a> Plot<'a> {
             x_label,
             y_label,
             colour_bar,
+            line_names,
         };
         (plot, needed)
     }

@@ -32,9 +32,10 @@ pub(crate) struct LegendEntry {
     pub(crate) label: String,
 }
 
-/// Everything that a figure shows, each once, in the order in which it appears: series first.
-pub(crate) fn entries(figure: &Figure) -> Vec<LegendEntry> {
-    let series = figure.panels.iter().flat_map(|panel| {
+/// Everything that a figure shows, each once, in the order in which it appears: series first, unless they are named
+/// beside it.
+pub(crate) fn entries(figure: &Figure, has_names_beside: bool) -> Vec<LegendEntry> {
+    let series = figure.panels.iter().filter(|_| !has_names_beside).flat_map(|panel| {
         let sample = match &panel.content {
             Content::Lines(_) => Sample::Line,
             Content::Scatter(_) | Content::Dots(_) => Sample::Marker,

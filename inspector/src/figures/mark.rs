@@ -13,6 +13,8 @@ use super::svg::{Drawn, Paint, Svg, UNITS_PER_POINT, units};
 const OUTLINE_STROKE: f64 = 0.4;
 /// Width of lines across a panel, points.
 const REFERENCE_STROKE: f64 = 0.9;
+/// Width of what leads from a line to its name, points.
+const LEADER_STROKE: f64 = 0.35;
 /// Half the width of the dot of a part, points.
 const PART_RADIUS: f64 = 1.1;
 /// Width of the spread of a number in a row, points.
@@ -67,6 +69,11 @@ pub(crate) fn line<C>(points: Vec<C>, number: usize) -> Mark<'static, C> {
 pub(crate) fn reference<C>(ends: [C; 2]) -> Mark<'static, C> {
     let paint = Paint { dash: REFERENCE_DASH, ..Paint::line(REFERENCE_COLOUR, REFERENCE_STROKE) };
     Mark::new(ends, move |svg, at| svg.path(at, false, paint))
+}
+
+/// From the end of a line to its name.
+pub(crate) fn leader<C>(places: [C; 3]) -> Mark<'static, C> {
+    Mark::new(places, move |svg, at| svg.path(at, false, Paint::line(REFERENCE_COLOUR, LEADER_STROKE)))
 }
 
 /// A bar of a style from corner to corner.

@@ -5,7 +5,7 @@
 //! - [`style`]: widths, sizes, colours, markers and dashes
 //! - [`draw`]: the drawing, each panel a chart of plotters: `svg` is its backend, `axis` its coordinates with
 //!   our ticks, `series` what it shows, of `mark`s. Ours are `layout` (the room for words), `tick_labels`
-//!   (broken, slanted, upright), `legend` and `text` (widths)
+//!   (broken, slanted, upright), `legend`, `line_names` (the same beside lines) and `text` (widths)
 //! - [`raster`]: PNG and PDF from the SVG
 //! - [`csv`], [`pgfplots`]: the numbers, the same figure in LaTeX
 //! - [`files`]: all of them in a folder, with the words
@@ -19,6 +19,7 @@ pub mod files;
 mod gallery;
 mod layout;
 mod legend;
+mod line_names;
 mod mark;
 pub mod model;
 pub mod pgfplots;

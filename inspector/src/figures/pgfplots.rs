@@ -86,7 +86,7 @@ fn tex(figure: &Figure, width: Width, layout: &Layout) -> String {
         }
     }
     tex.push_str("\\end{groupplot}\n");
-    tex.push_str(&legend(&entries(figure), width));
+    tex.push_str(&legend(&entries(figure, false), width));
     tex.push_str("\\end{tikzpicture}\n\\end{document}\n");
     tex
 }

@@ -1,75 +1,80 @@
 //! Results of `recorder bench error`: run time against error, four curves; and of `recorder bench skip`.
 
-use formats::bench_result::Rows;
 use formats::bench_result::error::{ErrorRows, EstimatorRow, ImageRow, KeyBitsRow, PrecisionRow};
 use formats::bench_result::skip::SkipRow;
+use formats::bench_result::{BenchResult, Rows};
 use formats::key::method::UNSORTED;
 use formats::length_table::TABLE_BITS_DEFAULT;
-use formats::metrics::speedup::{Speedup, median, quantile};
+use formats::metrics::speedup::{Speedup, geometric_mean, median};
 use formats::ray::Kind;
 
-use super::building::{bench_settings, by_label, figure, machine, method_style, rate};
+use super::building::{bench_settings, by_label, figure, machine, method_style, range, rate};
 use super::{Findings, Made};
 use crate::analysis::summary::distinct;
 use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
 
 const NO_CURVE: &str = "there is no result of `recorder bench error --json` with this curve";
+/// A table's name for the length that two-point assumes.
+const CONSTANT: &str = "constant";
 
-/// The figure of one curve: the panels that each scene of each result gives.
-fn curve<'a, T: 'a>(
-    findings: &Findings<'a>,
-    title: &str,
-    caption: &str,
-    rows: impl Fn(&'a ErrorRows) -> &'a [T],
-    scene: impl Fn(&'a T) -> &'a str,
-    panels: impl Fn(&[&'a T], &str) -> Vec<Panel>,
-) -> Made {
-    let benches = || findings.benches.iter().filter(|bench| matches!(bench.rows, Rows::Error(_)));
-    let several = benches().count() > 1;
-    let mut made = Vec::new();
-    for bench in benches() {
-        let Rows::Error(errors) = &bench.rows else { continue };
-        for of in distinct(rows(errors).iter().map(&scene)) {
-            let own: Vec<&T> = rows(errors).iter().filter(|row| scene(row) == of).collect();
-            let title = if several { format!("{of}, {}", machine(bench)) } else { of.to_owned() };
-            made.extend(panels(&own, &title));
-        }
-    }
-    figure(title, caption, bench_settings(benches()), made, NO_CURVE)
+fn benches<'a>(findings: &Findings<'a>) -> impl Iterator<Item = &'a BenchResult> + Clone {
+    findings.benches.iter().filter(|bench| matches!(bench.rows, Rows::Error(_)))
 }
 
-/// The panels of the rows of each kind.
-fn each_kind<'a, T, const N: usize>(
-    rows: &[&'a T],
-    kind: impl Fn(&T) -> Kind,
-    title: &str,
-    panels: impl Fn(&[&'a T], &str) -> [Panel; N],
-) -> Vec<Panel> {
-    let of_kind = |one: Kind| {
-        let own: Vec<&T> = rows.iter().copied().filter(|row| kind(row) == one).collect();
-        panels(&own, &format!("{title}: {one} rays"))
-    };
-    Kind::ALL.into_iter().flat_map(of_kind).collect()
+/// A row with its scene.
+type Placed<'a, T> = (String, &'a T);
+
+/// The rows of a curve, each with its scene, and with its machine if there are several.
+fn placed<'a, T: 'a>(
+    findings: &Findings<'a>,
+    rows: impl Fn(&'a ErrorRows) -> &'a [T],
+    scene: impl Fn(&T) -> &str,
+) -> Vec<Placed<'a, T>> {
+    let several = distinct(benches(findings).map(machine)).len() > 1;
+    let mut placed = Vec::new();
+    for bench in benches(findings) {
+        let Rows::Error(errors) = &bench.rows else { continue };
+        let place = |row: &T| {
+            if several { format!("{}, {}", scene(row), machine(bench)) } else { scene(row).to_owned() }
+        };
+        placed.extend(rows(errors).iter().map(|row| (place(row), row)));
+    }
+    placed
+}
+
+/// A figure of a curve.
+fn curve(findings: &Findings<'_>, title: &str, caption: &str, panels: Vec<Panel>) -> Made {
+    figure(title, caption, bench_settings(benches(findings)), panels, NO_CURVE)
 }
 
 fn nanoseconds(samples_ns: &[u64], items: u64) -> Option<f64> {
     Some(median(samples_ns)? / items.max(1) as f64)
 }
 
-/// Trace rate and wrong answers of each way to test boxes and triangles, a marker a scene.
-pub fn precision(findings: &Findings<'_>) -> Made {
-    let benches = || findings.benches.iter().filter(|bench| matches!(bench.rows, Rows::Error(_)));
-    let several = distinct(benches().map(machine)).len() > 1;
-    let mut all: Vec<(String, &PrecisionRow)> = Vec::new();
-    for bench in benches() {
-        let Rows::Error(errors) = &bench.rows else { continue };
-        let place = |row: &PrecisionRow| {
-            if several { format!("{}, {}", row.scene, machine(bench)) } else { row.scene.clone() }
-        };
-        all.extend(errors.precision.iter().map(|row| (place(row), row)));
+/// Geometric mean over scenes, from the lowest to the highest; `None` for none.
+fn mean(x: f64, numbers: &[f64], of: Of) -> Option<Point> {
+    Some(Point {
+        x,
+        y: geometric_mean(numbers.iter().copied())?,
+        spread: range(numbers),
+        n: numbers.len(),
+        of,
+    })
+}
+
+/// What rays of a kind are called here, where camera rays are left out.
+fn rays_of(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Closest => "secondary rays",
+        Kind::Shadow => "shadow rays",
     }
+}
+
+/// Trace rate and errors of each way to test boxes and triangles, a marker a scene.
+pub fn precision(findings: &Findings<'_>) -> Made {
+    let all = placed(findings, |errors| &errors.precision, |row| &row.scene);
     let careful = |place: &str, kernel: &str| {
-        let is_it = |(other, row): &&(String, &PrecisionRow)| {
+        let is_it = |(other, row): &&Placed<PrecisionRow>| {
             *other == place
                 && row.kernel == kernel
                 && row.triangle_test == "watertight"
@@ -84,32 +89,52 @@ pub fn precision(findings: &Findings<'_>) -> Made {
         let spread = point.spread.map(|(low, high)| (low / careful, high / careful));
         Some(Point { y: point.y / careful, spread, ..point })
     };
-    let wrong = |_: &str, row: &PrecisionRow| {
+    let of_rays = |row: &PrecisionRow, y: f64| Point {
+        x: 0.0,
+        y,
+        spread: None,
+        n: row.errors.rays as usize,
+        of: Of::default(),
+    };
+    let wrong = |row: &PrecisionRow| {
         let errors = &row.errors;
-        let wrong = errors.missed.saturating_add(errors.false_hits).saturating_add(errors.wrong_triangles);
-        let per_million = wrong as f64 / errors.rays.max(1) as f64 * 1e6;
-        Some(Point { x: 0.0, y: per_million, spread: None, n: errors.rays as usize, of: Of::default() })
+        errors.missed.saturating_add(errors.false_hits).saturating_add(errors.wrong_triangles)
     };
-    let rates = Axis::ratios("trace rate (watertight, padded = 1)");
-    let panels = if all.is_empty() {
-        Vec::new()
-    } else {
-        vec![
-            precision_panel(&all, "what the tests cost", rates, relative),
-            precision_panel(&all, "what they are for", Axis::from_zero("wrong per million rays"), wrong),
-        ]
-    };
-    figure(
-        "Trace rate against lost and wrong hits",
-        "Secondary rays of paths, by kernel, triangle test and box test. Rays traced a second over those of the same kernel with the watertight test and padded boxes, medians, from the first to the third quartile; and hits that were missed, made up or of the wrong triangle, against exact ones. What rounding of a ray's own coordinates explains is not counted.",
-        bench_settings(benches()),
+    let mut panels = vec![
+        precision_panel(
+            &all,
+            "what they cost",
+            Axis::ratios("trace rate (watertight, padded = 1)"),
+            relative,
+        ),
+        precision_panel(
+            &all,
+            "error of the distance",
+            Axis::logarithmic("largest error (ulp of the coordinates)", 10),
+            |_, row| Some(of_rays(row, row.errors.ulp.max)),
+        ),
+    ];
+    if all.iter().any(|(_, row)| wrong(row) > 0) {
+        let per_million = |_: &str, row: &PrecisionRow| {
+            Some(of_rays(row, wrong(row) as f64 / row.errors.rays.max(1) as f64 * 1e6))
+        };
+        panels.push(precision_panel(
+            &all,
+            "wrong hits",
+            Axis::from_zero("wrong per million rays"),
+            per_million,
+        ));
+    }
+    curve(
+        findings,
+        "Trace rate against errors of hits",
+        "Secondary rays of paths, by kernel, triangle test and box test. Rays traced a second over those of the same kernel with the watertight test and padded boxes, medians, from the first to the third quartile; the largest error of a distance against the exact one; and, where there are any, hits that were missed, made up or of the wrong triangle. What rounding of a ray's own coordinates explains is not counted.",
         panels,
-        NO_CURVE,
     )
 }
 
 fn precision_panel(
-    all: &[(String, &PrecisionRow)],
+    all: &[Placed<PrecisionRow>],
     title: &str,
     axis: Axis,
     of: impl Fn(&str, &PrecisionRow) -> Option<Point>,
@@ -133,183 +158,235 @@ fn precision_panel(
     Panel::new(title, Axis::categories("", tests.iter().cloned()), axis, Content::Dots(series))
 }
 
-/// Cost of the length table against the error of its estimates, and how it learns.
+/// What a length table knows by its size and by pass, and what asking it costs.
 pub fn estimator(findings: &Findings<'_>) -> Made {
-    curve(
-        findings,
-        "Cost of the length table against the error of its estimates",
-        "Left of each pair: time to add a ray to the table and to ask it for one, against the mean error of the estimated length in units of the scene's largest extent, a line per method that addresses the table, a marker per size, and the constant length of two-point. Right: errors of tables of 2^20 cells as passes go by.",
-        |rows| &rows.estimator,
-        |row| &row.scene,
-        |rows, title| {
-            let panels = |own: &[&_], title: &str| {
-                [cost_panel(findings, own, title), learning_panel(findings, own, title)]
-            };
-            each_kind(rows, |row| row.kind, title, panels)
-        },
-    )
-}
-
-/// A line per method that addresses a table, and the constant, which looks like the method that assumes it.
-fn estimates<'a>(
-    findings: &Findings<'_>,
-    rows: &[&'a EstimatorRow],
-    point: impl Fn(&'a EstimatorRow) -> Option<Point>,
-) -> Content {
-    let style =
-        |method: &str| method_style(findings, if method == "constant" { "two-point" } else { method });
-    Content::Lines(by_label(rows, |row| &row.table_method, style, point))
-}
-
-fn cost_panel(findings: &Findings<'_>, rows: &[&EstimatorRow], title: &str) -> Panel {
-    let fixed = rows.iter().find(|row| row.table_bits == 0 && row.rays_timed > 0);
-    let fixed_ns = fixed.and_then(|row| nanoseconds(&row.key_ns, row.rays_timed)).unwrap_or(0.0);
-    let point = |row: &EstimatorRow| {
-        let query_ns = nanoseconds(&row.key_ns, row.rays_timed)? - fixed_ns;
-        let accumulate_ns = nanoseconds(&row.accumulate_ns, row.rays_timed).unwrap_or(0.0);
-        (row.rays_timed > 0).then(|| Point {
-            x: query_ns + accumulate_ns,
-            y: row.error.mean_absolute,
-            spread: None,
-            n: row.error.n as usize,
-            of: of_table(row, format!("2^{} cells", row.table_bits)),
-        })
+    let all = placed(findings, |errors| &errors.estimator, |row| &row.scene);
+    let is_last = |place: &str, row: &EstimatorRow| {
+        let of_scene = all.iter().filter(|(other, _)| other == place).map(|(_, row)| row.pass);
+        of_scene.max() == Some(row.pass)
     };
-    Panel::new(
-        title,
-        Axis::from_zero("accumulate and query (ns per ray)"),
-        Axis::from_zero("mean error (unit lengths)"),
-        estimates(findings, rows, point),
-    )
-}
-
-/// What an error of estimates is of.
-fn of_table(row: &EstimatorRow, detail: String) -> Of {
-    Of {
-        scene: row.scene.clone(),
-        kind: row.kind.to_string(),
-        method: row.table_method.clone(),
-        ..Of::detail(detail)
+    let (sized, default): (Vec<_>, Vec<_>) = (
+        all.iter().filter(|(place, row)| row.table_bits > 0 && is_last(place, row)).cloned().collect(),
+        all.iter().filter(|(_, row)| row.table_bits == TABLE_BITS_DEFAULT).cloned().collect(),
+    );
+    let bits = |row: &EstimatorRow| f64::from(row.table_bits);
+    let pass = |row: &EstimatorRow| f64::from(row.pass);
+    let mut panels = Vec::new();
+    for kind in Kind::ALL {
+        let by_bits = Axis::marked("bits of the table's address", sized.iter().map(|(_, row)| bits(row)));
+        let by_pass = Axis::marked("pass", default.iter().map(|(_, row)| pass(row)));
+        panels.push(error_panel(findings, (&all, &sized), kind, by_bits, bits));
+        panels.push(error_panel(findings, (&all, &default), kind, by_pass, pass));
     }
-}
-
-fn learning_panel(findings: &Findings<'_>, rows: &[&EstimatorRow], title: &str) -> Panel {
-    let point = |row: &EstimatorRow| {
-        [0, TABLE_BITS_DEFAULT].contains(&row.table_bits).then(|| Point {
-            x: f64::from(row.pass),
-            y: row.error.mean_absolute,
-            spread: None,
-            n: row.error.n as usize,
-            of: of_table(row, format!("pass {}", row.pass)),
-        })
-    };
-    Panel::new(
-        title,
-        Axis::marked("pass", rows.iter().map(|row| f64::from(row.pass))),
-        Axis::from_zero("mean error (unit lengths)"),
-        estimates(findings, rows, point),
+    panels.extend(Kind::ALL.map(|kind| cost_panel(findings, &all, kind)));
+    curve(
+        findings,
+        "Errors of estimated lengths by the table's size and by pass, and their cost",
+        "Mean error of the estimated length over that of the constant length of two-point, geometric means over scenes, a line per method that addresses the table: by the size of the table, in the last pass; and for tables of 2^20 cells as passes go by. Below: time to add a ray to such a table and to ask it for one, beyond that of a key with the constant.",
+        panels,
     )
 }
 
-/// Key and sort time against capsule area and trace time.
-pub fn key_bits(findings: &Findings<'_>) -> Made {
-    let area = |row: &KeyBitsRow| Some((row.capsule_area, None));
-    let trace = |row: &KeyBitsRow| {
-        let milliseconds = |share| Some(quantile(&row.trace_ns, share)? / 1e6);
-        Some((milliseconds(0.5)?, milliseconds(0.25).zip(milliseconds(0.75))))
+fn is_kind(kind: Kind) -> impl Fn(&&Placed<EstimatorRow>) -> bool {
+    move |(_, row)| row.kind == kind
+}
+
+/// Errors over those of the constant, of the same scene and pass.
+fn error_panel(
+    findings: &Findings<'_>,
+    (all, shown): (&[Placed<EstimatorRow>], &[Placed<EstimatorRow>]),
+    kind: Kind,
+    x: Axis,
+    at: impl Fn(&EstimatorRow) -> f64,
+) -> Panel {
+    let ratio = |(place, row): &Placed<EstimatorRow>| {
+        let is_constant = |(other, constant): &&Placed<EstimatorRow>| {
+            other == place && constant.table_method == CONSTANT && constant.pass == row.pass
+        };
+        let (_, constant) = all.iter().filter(is_kind(kind)).find(is_constant)?;
+        Some(row.error.mean_absolute / constant.error.mean_absolute)
     };
+    let own: Vec<&Placed<EstimatorRow>> =
+        shown.iter().filter(is_kind(kind)).filter(|(_, row)| row.table_method != CONSTANT).collect();
+    let line = |method: &str| {
+        let of_method = || own.iter().filter(|(_, row)| row.table_method == method);
+        let mut places: Vec<f64> = distinct(of_method().map(|(_, row)| at(row)));
+        places.sort_by(f64::total_cmp);
+        let point = |x: f64| {
+            let ratios: Vec<f64> =
+                of_method().filter(|(_, row)| at(row) == x).filter_map(|row| ratio(row)).collect();
+            mean(x, &ratios, Of { kind: kind.to_string(), method: method.to_owned(), ..Of::default() })
+        };
+        let points = places.into_iter().filter_map(point).collect();
+        Series { label: method.to_owned(), style: method_style(findings, method), points, is_part: false }
+    };
+    let methods = distinct(own.iter().map(|(_, row)| row.table_method.as_str()));
+    let lines = Content::Lines(methods.into_iter().map(line).collect());
+    let y = Axis::from_zero("mean error (constant = 1)");
+    Panel::new(rays_of(kind), x, y, lines).with_reference("constant length", 1.0)
+}
+
+/// Time to add a ray to a table of the usual size and to ask it for one, a row a method, a marker a scene.
+fn cost_panel(findings: &Findings<'_>, all: &[Placed<EstimatorRow>], kind: Kind) -> Panel {
+    let timed: Vec<&Placed<EstimatorRow>> =
+        all.iter().filter(is_kind(kind)).filter(|(_, row)| row.rays_timed > 0).collect();
+    let default: Vec<&&Placed<EstimatorRow>> =
+        timed.iter().filter(|(_, row)| row.table_bits == TABLE_BITS_DEFAULT).collect();
+    let methods = distinct(default.iter().map(|(_, row)| row.table_method.as_str()));
+    let point = |(place, row): &Placed<EstimatorRow>| {
+        let fixed = timed.iter().find(|(other, row)| other == place && row.table_method == CONSTANT);
+        let fixed_ns = fixed.and_then(|(_, row)| nanoseconds(&row.key_ns, row.rays_timed)).unwrap_or(0.0);
+        let query_ns = nanoseconds(&row.key_ns, row.rays_timed)? - fixed_ns;
+        Some(Point {
+            x: methods.iter().position(|method| *method == row.table_method)? as f64,
+            y: query_ns + nanoseconds(&row.accumulate_ns, row.rays_timed).unwrap_or(0.0),
+            spread: None,
+            n: row.key_ns.len(),
+            of: Of {
+                scene: row.scene.clone(),
+                kind: kind.to_string(),
+                method: row.table_method.clone(),
+                ..Of::default()
+            },
+        })
+    };
+    let dots = |method: &&str| {
+        let own = default.iter().filter(|(_, row)| row.table_method == **method);
+        Series {
+            label: (*method).to_owned(),
+            style: method_style(findings, method),
+            points: own.filter_map(|row| point(row)).collect(),
+            is_part: false,
+        }
+    };
+    let series = methods.iter().map(dots).collect();
+    let y = Axis::from_zero("accumulate and query (ns per ray)");
+    Panel::new(rays_of(kind), Axis::categories("", methods.iter().copied()), y, Content::Dots(series))
+}
+
+/// What bits of a key give and cost.
+pub fn key_bits(findings: &Findings<'_>) -> Made {
+    let all = placed(findings, |errors| &errors.key_bits, |row| &row.scene);
+    let trace = |row: &KeyBitsRow| median(&row.trace_ns);
+    let with_sort = |row: &KeyBitsRow| Some(trace(row)? + median(&row.key_ns)? + median(&row.sort_ns)?);
+    let panels = Kind::ALL.into_iter().flat_map(|kind| {
+        let rays = rays_of(kind);
+        [
+            bits_panel(findings, &all, kind, format!("{rays}: trace"), trace),
+            bits_panel(findings, &all, kind, format!("{rays}: key and sort, too"), with_sort),
+        ]
+    });
     curve(
         findings,
-        "Key and sort time against capsule area and trace time",
-        "A line per method, a marker per number of key bits, fewest to the left: what keys and their sort take, against the mean capsule area of groups of 64 rays and the trace time of gathered rays, whiskers from the first to the third quartile. The line across is canonical order.",
-        |rows| &rows.key_bits,
-        |row| &row.scene,
-        |rows, title| {
-            let panels = |own: &[&_], title: &str| {
-                [
-                    bits_panel(findings, own, title, "mean capsule area (unit space)", area),
-                    bits_panel(findings, own, title, "trace time (ms)", trace),
-                ]
-            };
-            each_kind(rows, |row| row.kind, title, panels)
-        },
+        "Speedup by bits of the key, in tracing and with key and sort",
+        "Trace time of unsorted rays over that of gathered rays, and over that with key and sort; geometric means over scenes of ratios of medians. Gather and scatter, which cost the same for any number of bits, are left out.",
+        panels.collect(),
     )
 }
 
 fn bits_panel(
     findings: &Findings<'_>,
-    rows: &[&KeyBitsRow],
-    title: &str,
-    axis: &str,
-    of: impl Fn(&KeyBitsRow) -> Option<(f64, Option<(f64, f64)>)>,
+    all: &[Placed<KeyBitsRow>],
+    kind: Kind,
+    title: String,
+    time: impl Fn(&KeyBitsRow) -> Option<f64>,
 ) -> Panel {
-    let point = |row: &KeyBitsRow| {
-        let (y, spread) = of(row)?;
-        Some(Point {
-            x: (median(&row.key_ns)? + median(&row.sort_ns)?) / 1e6,
-            y,
-            spread: spread.filter(|_| row.trace_ns.len() > 1),
-            n: row.trace_ns.len().max(1),
-            of: Of {
-                scene: row.scene.clone(),
-                kind: row.kind.to_string(),
-                bounce: Some(row.bounce),
-                method: row.method.clone(),
-                ..Of::detail(format!("{} bits", row.key_bits))
-            },
-        })
+    let own: Vec<&Placed<KeyBitsRow>> = all.iter().filter(|(_, row)| row.kind == kind).collect();
+    let speedup = |(place, row): &Placed<KeyBitsRow>| {
+        let is_unsorted = |(other, unsorted): &&&Placed<KeyBitsRow>| {
+            other == place && unsorted.method == UNSORTED && unsorted.bounce == row.bounce
+        };
+        let (_, unsorted) = own.iter().find(is_unsorted)?;
+        Some(median(&unsorted.trace_ns)? / time(row)?)
     };
-    let (unsorted, sorted): (Vec<&KeyBitsRow>, Vec<&KeyBitsRow>) =
-        rows.iter().partition(|row| row.method == UNSORTED);
-    let lines = by_label(&sorted, |row| &row.method, |method| method_style(findings, method), point);
-    let (x, y) = (Axis::logarithmic("key and sort time (ms)", 10), Axis::from_zero(axis));
-    let panel = Panel::new(title, x, y, Content::Lines(lines));
-    match unsorted.first().and_then(|row| of(row)) {
-        Some((y, _)) => panel.with_reference("canonical order", y),
-        None => panel,
-    }
+    let sorted = || own.iter().filter(|(_, row)| row.method != UNSORTED);
+    let mut bits: Vec<u32> = distinct(sorted().map(|(_, row)| row.key_bits));
+    bits.sort_unstable();
+    let line = |method: &str| {
+        let point = |bits: &u32| {
+            let at = sorted().filter(|(_, row)| row.method == method && row.key_bits == *bits);
+            let ratios: Vec<f64> = at.filter_map(|row| speedup(row)).collect();
+            let of = Of { kind: kind.to_string(), method: method.to_owned(), ..Of::default() };
+            mean(f64::from(*bits), &ratios, of)
+        };
+        let points = bits.iter().filter_map(point).collect();
+        Series { label: method.to_owned(), style: method_style(findings, method), points, is_part: false }
+    };
+    let lines = distinct(sorted().map(|(_, row)| row.method.as_str())).into_iter().map(line).collect();
+    let x = Axis::marked("bits of the key", bits.iter().map(|&bits| f64::from(bits)));
+    Panel::new(title, x, Axis::linear("speedup (×)"), Content::Lines(lines)).with_reference(UNSORTED, 1.0)
 }
 
-/// Wall time against the noise of the picture.
+/// How much faster a picture of the same noise is, and how noise falls with time.
 pub fn image(findings: &Findings<'_>) -> Made {
-    curve(
-        findings,
-        "Noise of the picture against the time of all stages",
-        "Mean squared error relative to a converged picture with another seed, after each pass, against the time of all stages of all passes so far when every queue but the camera's is traced in the order of a method, keys, sorts and gathers included. After as many passes all methods have the same picture, so that a curve further to the left is a faster renderer.",
-        |rows| &rows.image,
-        |row| &row.scene,
-        |rows, title| vec![image_panel(findings, rows, title)],
-    )
-}
-
-fn image_panel(findings: &Findings<'_>, rows: &[&ImageRow], title: &str) -> Panel {
-    let point = |row: &ImageRow| {
+    let all = placed(findings, |errors| &errors.image, |row| &row.scene);
+    let places = distinct(all.iter().map(|(place, _)| place.as_str()));
+    let last = |place: &str| all.iter().filter(|(other, _)| other == place).map(|(_, row)| row.passes).max();
+    let of = |row: &ImageRow| Of {
+        scene: row.scene.clone(),
+        method: row.method.clone(),
+        ..Of::detail(format!("{} samples per pixel", row.passes))
+    };
+    let methods =
+        distinct(all.iter().filter(|(_, row)| row.speedup.is_some()).map(|(_, row)| row.method.as_str()));
+    let faster = |row: &ImageRow| {
+        let Speedup { ratio, interval } = row.speedup?;
+        let x = methods.iter().position(|method| *method == row.method)? as f64;
+        Some(Point { x, y: ratio, spread: interval, n: row.passes as usize, of: of(row) })
+    };
+    let noise = |row: &ImageRow| {
         Some(Point {
             x: row.wall_ns as f64 / 1e9,
             y: row.relative_mse,
             spread: None,
             n: row.passes as usize,
-            of: Of {
-                scene: row.scene.clone(),
-                method: row.method.clone(),
-                ..Of::detail(format!("{} samples per pixel", row.passes))
-            },
+            of: of(row),
         })
     };
-    Panel::new(
-        title,
-        Axis::logarithmic("time of all stages (s)", 10),
-        Axis::logarithmic("relative MSE", 10),
-        Content::Lines(by_label(rows, |row| &row.method, |method| method_style(findings, method), point)),
+    let series = |is_shown: &dyn Fn(&str, &ImageRow) -> bool, point: &dyn Fn(&ImageRow) -> Option<Point>| {
+        let of_place = |(style, place): (usize, &&str)| {
+            let own = all.iter().filter(|(other, row)| other == place && is_shown(other, row));
+            let points = own.filter_map(|(_, row)| point(row)).collect();
+            Series { label: (*place).to_owned(), style, points, is_part: false }
+        };
+        places.iter().enumerate().map(of_place).collect::<Vec<_>>()
+    };
+    let rows = series(&|place, row| Some(row.passes) == last(place), &faster);
+    let lines = series(&|_, row| row.method == UNSORTED, &noise);
+    let panels = vec![
+        Panel::new(
+            "the same picture",
+            Axis::categories("", methods.iter().copied()),
+            Axis::ratios("time of all stages, unsorted over sorted"),
+            Content::Dots(rows),
+        )
+        .with_reference(UNSORTED, 1.0),
+        Panel::new(
+            "unsorted",
+            Axis::logarithmic("time of all stages (s)", 10),
+            Axis::logarithmic("relative MSE", 10),
+            Content::Lines(lines),
+        ),
+    ];
+    curve(
+        findings,
+        "Time of a picture by method, and its noise against time",
+        "Every queue but the camera's is traced in the order of a method, keys, sorts and gathers included. After as many passes all methods have the same picture, bit for bit: how much less time it takes than unsorted, after the last pass, with 95 % intervals, a marker a scene; and how the mean squared error of unsorted rays' picture, relative to a converged one with another seed, falls with time.",
+        panels,
     )
 }
 
 /// What skipping saves of the time of each thing.
 pub fn skipped(findings: &Findings<'_>) -> Made {
     let benches = || findings.benches.iter().filter(|bench| matches!(bench.rows, Rows::Skip(_)));
-    let panels = findings.benches.iter().filter_map(|bench| match &bench.rows {
-        Rows::Skip(rows) => Some(skip_panel(rows, machine(bench))),
-        _ => None,
+    let machines = distinct(benches().map(machine));
+    let several = machines.len() > 1;
+    let panels = machines.into_iter().map(|one| {
+        let rows = benches().filter(|bench| machine(bench) == one).flat_map(|bench| match &bench.rows {
+            Rows::Skip(rows) => rows.as_slice(),
+            _ => &[],
+        });
+        skip_panel(&rows.collect::<Vec<_>>(), if several { one.clone() } else { String::new() })
     });
     figure(
         "What skipping saves",
@@ -320,7 +397,7 @@ pub fn skipped(findings: &Findings<'_>) -> Made {
     )
 }
 
-fn skip_panel(rows: &[SkipRow], title: String) -> Panel {
+fn skip_panel(rows: &[&SkipRow], title: String) -> Panel {
     // What it is a part of is said where that tells rows apart.
     let is_alone = |row: &SkipRow| rows.iter().all(|other| other.what != row.what || other.of == row.of);
     let name = |row: &SkipRow| match is_alone(row) {
@@ -328,7 +405,7 @@ fn skip_panel(rows: &[SkipRow], title: String) -> Panel {
         false => format!("{} ({})", row.what, row.of),
     };
     let ratio = |row: &SkipRow| Speedup::of(&row.done.samples_ns, &row.skipped.samples_ns);
-    let timed: Vec<&SkipRow> = rows.iter().filter(|row| ratio(row).is_some()).collect();
+    let timed: Vec<&SkipRow> = rows.iter().copied().filter(|row| ratio(row).is_some()).collect();
     let names = distinct(timed.iter().map(|row| name(row)));
     let point = |row: &SkipRow| {
         let Speedup { ratio, interval } = ratio(row)?;

@@ -95,7 +95,7 @@ fn gallery_pictures_are_in_pairs() {
 fn gallery_rows_name_what_the_legend_does_not() {
     let labels = |name: &str| -> Vec<String> {
         let figure = samples::all().into_iter().find(|figure| figure.name == name).unwrap();
-        legend::entries(&figure).into_iter().map(|entry| entry.label).collect()
+        legend::entries(&figure, false).into_iter().map(|entry| entry.label).collect()
     };
     assert_eq!(labels("frames"), ["unsorted"], "the line across alone");
     assert_eq!(labels("twenty-rows"), ["series 0", "series 1", "series 2", "break-even"]);
