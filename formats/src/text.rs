@@ -54,6 +54,27 @@ pub fn one_line(name: &str, characters: usize) -> String {
     shown
 }
 
+/// Text in lines of at most `columns` characters, broken at blanks; all lines but the first begin with `indent` blanks.
+/// A word that is longer stays whole.
+pub fn wrapped(text: &str, columns: usize, indent: usize) -> String {
+    let mut lines = String::new();
+    let mut used = 0;
+    for word in text.split(' ') {
+        let length = word.chars().count();
+        if used > 0 && used + 1 + length > columns {
+            lines.push('\n');
+            lines.push_str(&" ".repeat(indent));
+            used = indent;
+        } else if used > 0 {
+            lines.push(' ');
+            used += 1;
+        }
+        lines.push_str(word);
+        used += length;
+    }
+    lines
+}
+
 /// The known word that a mistyped one is most like, if it is like any.
 pub fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     // Half of a word may be wrong, so that 'len' is 'length'; nothing is like a single letter, or like what nobody
@@ -109,6 +130,14 @@ mod tests {
             assert_eq!(serde_json::from_str::<String>(&shown).unwrap(), text);
             assert!(!shown.contains(is_unsafe), "{shown:?}");
         }
+    }
+
+    #[test]
+    fn lines_are_as_long_as_they_may_be() {
+        assert_eq!(wrapped("one two three four", 9, 2), "one two\n  three\n  four");
+        assert_eq!(wrapped("one two", 7, 0), "one two");
+        assert_eq!(wrapped("endless words", 3, 0), "endless\nwords");
+        assert_eq!(wrapped("note     kept", 20, 9), "note     kept");
     }
 
     #[test]

@@ -1,9 +1,13 @@
-//! The closing table of a recording: what each method cost and gained, queue by queue.
+//! What a recording ends in: what each method gained over the whole frame and, on request, queue by queue.
 
+use anyhow::Result;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
 use formats::manifest::{DecisionRecord, Stage, Way};
+use formats::metrics::frame::{COLUMNS, Frame};
 use formats::metrics::speedup::{Instrument, Speedup, median};
+use formats::reader::Dump;
+use formats::text::wrapped;
 
 use crate::bench::rate;
 use crate::measure::{Measurement, Subject, has_speedup, queue_name};
@@ -21,22 +25,34 @@ const STAGES: [(Stage, &str); 8] = [
     (Stage::TraceIndirect, "indirect"),
     (Stage::Accumulate, "accumulate"),
 ];
+const ABOUT_DETAILS: &str = "\nMedians in ms; speedups against unsorted in the same round, medians with 95 % bootstrap \
+                             intervals over rounds; ≈ marks no significant difference. The net speedup counts gather, \
+                             trace and scatter, or the trace through indices (*).";
+/// Where the words of the first lines begin.
+const INDENT: usize = 9;
 /// Spread of a median's rounds, in percent of it, from which on a word is said.
 const WIDE_SPREAD: f64 = 10.0;
 
-/// Scene, device, settings, notices and the table, a line or more each.
-pub fn text(recorded: &Recorded) -> String {
+/// What was recorded and what sorting was worth, in a screen; with `details` the stages of every queue, too.
+///
+/// # Errors
+/// If the recording cannot be read back.
+pub fn text(recorded: &Recorded, details: bool) -> Result<String> {
+    let dump = Dump::open(&recorded.path)?;
     let notices = recorded.notices.iter().map(|notice| format!("note     {notice}"));
-    let about = "\nMedians in ms; speedups against unsorted in the same round, medians with 95 % bootstrap \
-                 intervals over rounds; ≈ marks no significant difference. The net speedup counts gather, trace \
-                 and scatter, or the trace through indices (*).";
-    let lines = recorded.headline.iter().cloned().chain(notices);
-    let lines = lines
-        .chain([about.to_owned(), table(recorded).to_string()])
-        .chain(decisions(recorded))
-        .chain(mismatches(recorded));
-    let lines = lines.chain(instrument(recorded)).chain(disturbances(recorded));
-    lines.chain([format!("recording: {}", recorded.path.display())]).collect::<Vec<_>>().join("\n")
+    let about = recorded.headline.iter().cloned().chain(notices);
+    let mut lines: Vec<String> = about.map(|line| wrapped(&line, COLUMNS, INDENT)).collect();
+    if details {
+        lines.push(ABOUT_DETAILS.to_owned());
+        lines.push(table(recorded).to_string());
+        lines.extend(decisions(recorded));
+        lines.extend(mismatches(recorded));
+        lines.extend(disturbances(recorded));
+    }
+    lines.push(format!("\n{}\n", Frame::of(dump.manifest()).text()));
+    lines.extend(instrument(recorded).map(|line| wrapped(&line, COLUMNS, 0)));
+    lines.push(format!("recording: {}", recorded.path.display()));
+    Ok(lines.join("\n"))
 }
 
 fn table(recorded: &Recorded) -> Table {

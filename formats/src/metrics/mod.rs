@@ -4,18 +4,20 @@
 //! - [`capsule`], [`spread`], [`lanes`]: how coherent rays are; [`group`]: all of it of one group
 //! - [`quantity`]: the numbers that a ray or its group has, by name: one entry each
 //! - [`estimator`]: how far estimated ray lengths are from traced ones
-//! - [`speedup`], [`bandwidth`]: what times say
+//! - [`samples`]: the times of a recording; [`speedup`], [`bandwidth`], [`frame`]: what they say
 //! - [`correlation`]: how two numbers go together; [`growth`]: how costs grow
 
 pub mod bandwidth;
 pub mod capsule;
 pub mod correlation;
 pub mod estimator;
+pub mod frame;
 pub mod group;
 pub mod growth;
 pub mod lanes;
 pub mod order;
 pub mod quantity;
+pub mod samples;
 pub mod speedup;
 pub mod spread;
 

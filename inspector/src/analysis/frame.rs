@@ -3,10 +3,12 @@
 
 use formats::key::method::{CONTROL, UNSORTED};
 use formats::manifest::{QueueId, Stage};
+use formats::metrics::frame;
+use formats::metrics::samples::Samples;
 use serde::Serialize;
 
 use super::summary::{RayClass, distinct};
-use super::timing::{STAGES, Samples, SpeedupLine, Time};
+use super::timing::{STAGES, SpeedupLine, Time};
 use super::{Metric, OrderAnalysis, QueueAnalysis};
 
 /// One method on one kind of rays of a recording, over its bounces.
@@ -95,12 +97,7 @@ pub(super) fn control(
         };
         measured().map(of).collect::<Option<Vec<_>>>()
     };
-    let sum = |traces: Vec<Vec<u64>>| {
-        let add = |sums: Vec<u64>, trace: Vec<u64>| {
-            sums.iter().zip(&trace).map(|(a, b)| a.saturating_add(*b)).collect()
-        };
-        traces.into_iter().reduce(add).unwrap_or_default()
-    };
+    let sum = |traces: Vec<Vec<u64>>| frame::summed(traces.iter().map(Vec::as_slice));
     SpeedupLine::of(&sum(traces(UNSORTED)?), &sum(traces(CONTROL)?))
 }
 
@@ -129,11 +126,7 @@ fn frame_stage(measured: &[(&QueueAnalysis, &OrderAnalysis)], stage: Stage) -> O
 
 /// Times added up round by round, as many rounds as all of them have.
 pub(super) fn summed<'a>(times: impl Iterator<Item = &'a Time>) -> Vec<u64> {
-    let add =
-        |sums: Vec<u64>, time: &[u64]| sums.iter().zip(time).map(|(a, b)| a.saturating_add(*b)).collect();
-    let mut samples = times.map(|time| time.samples_ns.as_slice());
-    let first = samples.next().unwrap_or(&[]).to_vec();
-    samples.fold(first, add)
+    frame::summed(times.map(|time| time.samples_ns.as_slice()))
 }
 
 fn area_ratio(measured: &[(&QueueAnalysis, &OrderAnalysis)]) -> Metric<f64> {

@@ -5,6 +5,7 @@ use formats::key::method::UNSORTED;
 use formats::manifest::{CacheRecord, Manifest, MethodArray, MethodRecord, Place, QueueId, Stage, Way};
 use formats::metrics::bandwidth::{KeyTraffic, Traffic};
 use formats::metrics::order::Places;
+use formats::metrics::samples::Samples;
 use formats::metrics::speedup::StageSamples;
 use formats::reader::Dump;
 use serde::Serialize;
@@ -13,7 +14,7 @@ use super::Metric;
 use super::arrays::QueueArrays;
 use super::coherence::{Coherence, LaneUtilisation, coherence, lanes};
 use super::options::{AnalysisOptions, Depth};
-use super::timing::{Samples, SpeedupLine, StageTime, Time, stages};
+use super::timing::{SpeedupLine, StageTime, Time, stages};
 use crate::shown;
 
 /// The numbers of one order of one queue.

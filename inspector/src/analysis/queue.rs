@@ -2,6 +2,7 @@
 
 use formats::key::method::UNSORTED;
 use formats::manifest::{QueueId, QueueRecord};
+use formats::metrics::samples::Samples;
 use formats::ray::Kind;
 use formats::reader::Dump;
 use serde::Serialize;
@@ -11,7 +12,6 @@ use super::arrays::QueueArrays;
 use super::options::AnalysisOptions;
 use super::order::{OrderAnalysis, QueueContext};
 use super::tables::{Estimators, TableFill};
-use super::timing::Samples;
 
 /// The numbers of one queue.
 #[derive(Clone, Debug, Serialize)]

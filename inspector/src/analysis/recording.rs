@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use formats::manifest::{Adapter, Options};
+use formats::metrics::samples::Samples;
 use formats::reader::Dump;
 use formats::summary::hexadecimal;
 use serde::Serialize;
@@ -12,7 +13,7 @@ use super::labels;
 use super::options::AnalysisOptions;
 use super::queue::QueueAnalysis;
 use super::summary::RayClass;
-use super::timing::{Samples, SpeedupLine};
+use super::timing::SpeedupLine;
 use crate::shown;
 
 /// The numbers of one recording.

@@ -1,8 +1,6 @@
 //! Times of an order's stages, and what follows from them: rates, speedups, bandwidths.
 
-use std::collections::BTreeMap;
-
-use formats::manifest::{Manifest, QueueId, Stage, TimingRecord, Way};
+use formats::manifest::Stage;
 use formats::metrics::bandwidth::{Traffic, bytes_per_second};
 use formats::metrics::speedup::{Speedup, StageSamples, median, quantile};
 use serde::Serialize;
@@ -85,40 +83,6 @@ impl SpeedupLine {
             Some(_) => Verdict::NoSignificantDifference,
         };
         Some(Self { ratio, interval, verdict, n: method.len() })
-    }
-}
-
-/// The samples of a recording.
-#[derive(Debug, Default)]
-pub struct Samples<'a> {
-    by_order: BTreeMap<(QueueId, &'a str), StageSamples>,
-    ways: BTreeMap<&'a str, Way>,
-}
-
-impl<'a> Samples<'a> {
-    /// All that a manifest has. Stages that serve both kinds belong to no order and are left out.
-    pub fn of(manifest: &'a Manifest) -> Self {
-        let mut by_order: BTreeMap<_, StageSamples> = BTreeMap::new();
-        for TimingRecord { pass, bounce, kind, method, stage, samples_ns } in &manifest.timings {
-            let Some(kind) = *kind else { continue };
-            let queue = QueueId { pass: *pass, bounce: *bounce, kind };
-            let stages = by_order.entry((queue, method.as_str())).or_default();
-            stages.of_mut(*stage).extend(samples_ns);
-        }
-        let ways = manifest.ways.iter().map(|record| (record.method.as_str(), record.way));
-        Self { by_order, ways: ways.collect() }
-    }
-
-    /// How sorted rays are traced in a method's totals: the way that the recording chose, else, as until
-    /// version 2, the one with the shorter median in this queue.
-    pub fn way(&self, queue: QueueId, method: &'a str) -> Way {
-        let shorter = || self.get(queue, method).map_or(Way::Gathered, StageSamples::shorter_way);
-        self.ways.get(method).copied().unwrap_or_else(shorter)
-    }
-
-    /// Those of one order.
-    pub fn get(&self, queue: QueueId, method: &'a str) -> Option<&StageSamples> {
-        self.by_order.get(&(queue, method))
     }
 }
 

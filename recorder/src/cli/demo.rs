@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &DemoArguments) -> Result<()> {
     if arguments.json {
         return print_json(&recorded.summary()?);
     }
-    print(report::text(&recorded))?;
+    print(report::text(&recorded, false)?)?;
     let path = recorded.path.display();
     print(format_args!(
         "\nWhere to look next:\n  \

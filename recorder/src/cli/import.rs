@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use formats::manifest::check::BOUNCES_MAX;
 use formats::ray::Kind;
 
-use super::record::show;
+use super::record::{Shown, show};
 use crate::options::{AskedOrders, DeviceOptions, Keep, OptionError, RecordOptions, in_range, parse_orders};
 use crate::replay::import::{ImportFrom, ImportOptions, import};
 
@@ -85,9 +85,8 @@ pub(super) struct ImportArguments {
     /// Replace an existing recording.
     #[arg(long)]
     force: bool,
-    /// Print the results as one JSON object on stdout.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    shown: Shown,
 }
 
 impl ImportArguments {
@@ -130,5 +129,5 @@ impl ImportArguments {
 }
 
 pub(super) fn run(arguments: &ImportArguments) -> Result<()> {
-    show(&import(&arguments.options()?)?, arguments.json)
+    show(&import(&arguments.options()?)?, &arguments.shown)
 }

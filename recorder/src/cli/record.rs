@@ -106,9 +106,8 @@ pub(super) struct RecordArguments {
     /// Replace an existing recording.
     #[arg(long)]
     force: bool,
-    /// Print the results as one JSON object on stdout.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    shown: Shown,
 }
 
 impl RecordArguments {
@@ -160,10 +159,21 @@ impl RecordArguments {
 }
 
 pub(super) fn run(arguments: &RecordArguments) -> Result<()> {
-    show(&recording::record(&arguments.options()?)?, arguments.json)
+    show(&recording::record(&arguments.options()?)?, &arguments.shown)
+}
+
+/// How results are shown.
+#[derive(Debug, Args)]
+pub(super) struct Shown {
+    /// Also show the time of every stage, by bounce, kind of rays and method.
+    #[arg(long, conflicts_with = "json")]
+    details: bool,
+    /// Print the results as one JSON object on stdout.
+    #[arg(long)]
+    json: bool,
 }
 
 /// Prints what was recorded, as a table or as JSON.
-pub(super) fn show(recorded: &Recorded, json: bool) -> Result<()> {
-    if json { print_json(&recorded.summary()?) } else { print(report::text(recorded)) }
+pub(super) fn show(recorded: &Recorded, shown: &Shown) -> Result<()> {
+    if shown.json { print_json(&recorded.summary()?) } else { print(report::text(recorded, shown.details)?) }
 }

@@ -8,7 +8,7 @@ use formats::key::Method;
 use formats::length_table::TABLE_BITS_DEFAULT;
 use formats::manifest::check::REPEATS_MAX;
 
-use super::record::show;
+use super::record::{Shown, show};
 use crate::options::{DeviceOptions, Keep, OptionError, check_table, in_range, parse_orders};
 use crate::replay::variants::Sweep;
 use crate::replay::{ReplayOptions, replay};
@@ -69,9 +69,8 @@ pub(super) struct ReplayArguments {
     /// Replace an existing recording.
     #[arg(long)]
     force: bool,
-    /// Print the results as one JSON object on stdout.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    shown: Shown,
 }
 
 impl ReplayArguments {
@@ -116,5 +115,5 @@ impl ReplayArguments {
 }
 
 pub(super) fn run(arguments: &ReplayArguments) -> Result<()> {
-    show(&replay(&arguments.options()?)?, arguments.json)
+    show(&replay(&arguments.options()?)?, &arguments.shown)
 }

@@ -1,0 +1,302 @@
+//! The whole frame in a screen: a row a method, its times summed over bounces round by round, and what they mean.
+//!
+//! What `recorder demo`, `record`, `replay` and `inspector info` end in.
+
+use std::fmt::Write;
+
+use serde::{Deserialize, Serialize};
+
+use super::samples::Samples;
+use super::speedup::{Speedup, median};
+use crate::key::Termination;
+use crate::key::method::{CONTROL, UNSORTED};
+use crate::manifest::{Manifest, QueueId};
+use crate::ray::Kind;
+use crate::text::{one_line, wrapped};
+
+/// Columns of a terminal.
+pub const COLUMNS: usize = 80;
+/// Most methods that are shown.
+const MOST_ROWS: usize = 12;
+/// Characters of the longest name.
+const NAME: usize = 20;
+
+/// One method over all bounces. Camera rays, which lie as the picture does, do not count.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameRow {
+    /// Its name.
+    pub method: String,
+    /// Unsorted trace over trace in its order, closest rays of bounces ≥ 1; `None` if it has none.
+    pub secondary: Option<Speedup>,
+    /// The same of shadow rays.
+    pub shadow: Option<Speedup>,
+    /// Unsorted trace over all stages, of all these rays that it orders; `None` if not all stages are known.
+    pub net: Option<Speedup>,
+    /// In a word or three.
+    pub verdict: &'static str,
+}
+
+/// The methods of a recording over all bounces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Million unsorted rays a second: secondary, shadow.
+    pub unsorted: [Option<f64>; 2],
+    /// The methods, the best net speedup first; then those without one.
+    pub rows: Vec<FrameRow>,
+}
+
+/// Times of a method on one kind of rays, those of all bounces summed, nanoseconds, one number a round. Camera rays
+/// do not count.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrameTimes {
+    /// The kind; closest rays are those of bounces ≥ 1.
+    pub kind: Kind,
+    /// The method.
+    pub method: String,
+    /// Unsorted trace of the queues that the method orders.
+    pub unsorted_ns: Vec<u64>,
+    /// Trace in its order.
+    pub traced_ns: Vec<u64>,
+    /// All stages; empty if what the order costs is not known, as of a control.
+    pub total_ns: Vec<u64>,
+}
+
+fn counts(queue: QueueId) -> bool {
+    queue.kind == Kind::Shadow || queue.bounce > 0
+}
+
+impl FrameTimes {
+    /// Every method but unsorted, those that the recording names first, each with both kinds together.
+    pub fn all(manifest: &Manifest) -> Vec<Self> {
+        let samples = Samples::of(manifest);
+        let orders = || samples.orders().filter(|(queue, _)| counts(*queue));
+        let mut methods: Vec<&str> = manifest.methods.iter().map(|record| record.name.as_str()).collect();
+        for (_, method) in orders() {
+            if !methods.contains(&method) {
+                methods.push(method);
+            }
+        }
+        methods.retain(|method| *method != UNSORTED);
+        let kinds = methods.into_iter().flat_map(|method| Kind::ALL.map(|kind| (method, kind)));
+        kinds.filter_map(|(method, kind)| Self::of(manifest, &samples, kind, method)).collect()
+    }
+
+    fn of<'a>(manifest: &Manifest, samples: &Samples<'a>, kind: Kind, method: &'a str) -> Option<Self> {
+        let queues: Vec<QueueId> = samples
+            .orders()
+            .filter(|(queue, order)| counts(*queue) && queue.kind == kind && *order == method)
+            .map(|(queue, _)| queue)
+            .collect();
+        let unsorted: Option<Vec<&[u64]>> =
+            queues.iter().map(|queue| Some(samples.get(*queue, UNSORTED)?.traced())).collect();
+        let own = queues.iter().filter_map(|queue| Some((*queue, samples.get(*queue, method)?)));
+        let is_known = remark(manifest, method).is_none();
+        let totals: Vec<Vec<u64>> = own
+            .clone()
+            .filter(|_| is_known)
+            .map(|(queue, own)| own.totals(samples.way(queue, method)))
+            .collect();
+        (!queues.is_empty()).then_some(Self {
+            kind,
+            method: method.to_owned(),
+            unsorted_ns: summed(unsorted?),
+            traced_ns: summed(own.map(|(_, own)| own.traced())),
+            total_ns: summed(totals.iter().map(Vec::as_slice)),
+        })
+    }
+
+    /// Unsorted trace over trace in this order; `None` without a round.
+    pub fn trace(&self) -> Option<Speedup> {
+        Speedup::of(&self.unsorted_ns, &self.traced_ns)
+    }
+}
+
+/// Why a method has no net speedup, if it has none.
+fn remark(manifest: &Manifest, method: &str) -> Option<&'static str> {
+    let record = manifest.methods.iter().find(|record| record.name == method);
+    if record.is_some_and(|record| record.termination == Termination::Real) {
+        return Some("bound");
+    }
+    if method == CONTROL {
+        return Some("1 is right");
+    }
+    manifest.foreign_orders().any(|order| order.name == method).then_some("no key time")
+}
+
+/// Times of several queues added up round by round, as many rounds as all of them have, nanoseconds.
+pub fn summed<'t>(times: impl IntoIterator<Item = &'t [u64]>) -> Vec<u64> {
+    let add =
+        |sums: Vec<u64>, time: &[u64]| sums.iter().zip(time).map(|(a, b)| a.saturating_add(*b)).collect();
+    let mut times = times.into_iter();
+    let first = times.next().unwrap_or(&[]).to_vec();
+    times.fold(first, add)
+}
+
+impl Frame {
+    /// Of a recording; without rows if nothing but unsorted rays was measured.
+    pub fn of(manifest: &Manifest) -> Self {
+        let samples = Samples::of(manifest);
+        let unsorted = Kind::ALL.map(|kind| {
+            let own = manifest.queues.iter().filter(|queue| queue.id.kind == kind && counts(queue.id));
+            let timed: Vec<(u64, &[u64])> = own
+                .filter_map(|queue| Some((queue.rays, samples.get(queue.id, UNSORTED)?.traced())))
+                .collect();
+            let rays = timed.iter().fold(0u64, |sum, (rays, _)| sum.saturating_add(*rays));
+            let ns = median(&summed(timed.iter().map(|(_, traced)| *traced)))?;
+            (rays > 0).then(|| rays as f64 / ns.max(1.0) * 1e3)
+        });
+        let times = FrameTimes::all(manifest);
+        let methods = times.chunk_by(|a, b| a.method == b.method);
+        let mut rows: Vec<FrameRow> =
+            methods.map(|both| FrameRow::of(both, remark(manifest, &both[0].method))).collect();
+        let net = |row: &FrameRow| row.net.map_or(f64::NEG_INFINITY, |net| net.ratio);
+        rows.sort_by(|a, b| net(b).total_cmp(&net(a)));
+        Self { unsorted, rows }
+    }
+
+    /// The table and what it means, at most [`COLUMNS`] wide and 20 lines high.
+    pub fn text(&self) -> String {
+        if self.rows.is_empty() {
+            return "No method was measured on secondary or shadow rays.".to_owned();
+        }
+        let mut text = String::from(
+            "Whole frame: secondary and shadow rays, times of all bounces summed per round.\n\
+             \x20                     speedup of the trace   net, both, with what sorting costs\n\
+             method               secondary     shadow   speedup  95 % interval  verdict\n",
+        );
+        let rate = |rate: Option<f64>| rate.map_or("–".to_owned(), |rate| format!("{rate:.2} M/s"));
+        let [secondary, shadow] = self.unsorted.map(rate);
+        let _ = writeln!(text, "{UNSORTED:<NAME$}{secondary:>10} {shadow:>10}");
+        // A control and a bound have their place however many methods there are.
+        let (with_net, without): (Vec<_>, Vec<_>) = self.rows.iter().partition(|row| row.net.is_some());
+        let most = MOST_ROWS.saturating_sub(without.len()).max(1);
+        for row in with_net.iter().take(most).chain(&without) {
+            let _ = writeln!(text, "{}", row.text());
+        }
+        if with_net.len() > most {
+            let _ = writeln!(text, "… and {} more, none of them better (--details)", with_net.len() - most);
+        }
+        text.push_str(&wrapped(&self.meaning(), COLUMNS, 0));
+        text
+    }
+
+    /// What the numbers mean, in a sentence.
+    fn meaning(&self) -> String {
+        let known = || self.rows.iter().filter_map(|row| Some((row, row.net?)));
+        let Some((best, net)) = known().next() else {
+            return "Nothing says what sorting costs here: no method with a net speedup was measured."
+                .to_owned();
+        };
+        let name = one_line(&best.method, NAME);
+        let ratio = net.ratio;
+        let Some((low, high)) = net.interval else {
+            return format!(
+                "The best net speedup is that of {name}, {ratio:.2}×; fewer than 6 repeats have no interval, so that it may be chance."
+            );
+        };
+        let with = |verdict: &str| known().filter(|(row, _)| row.verdict == verdict).count();
+        let all = known().count();
+        if low > 1.0 {
+            format!(
+                "Sorting pays: with {name} these rays are done {ratio:.2} times as fast, key, sort and all included; so it does with {} of {all} methods, and {} cost more than they save.",
+                with(PAYS),
+                with(COSTS)
+            )
+        } else if high < 1.0 {
+            format!("Sorting does not pay: even {name} takes longer than it saves ({ratio:.2}×).")
+        } else {
+            format!(
+                "Sorting is not shown to pay: the best of {all} methods, {name}, is level with unsorted rays ({ratio:.2}×), and {} cost more than they save.",
+                with(COSTS)
+            )
+        }
+    }
+}
+
+const PAYS: &str = "pays";
+const COSTS: &str = "costs";
+
+impl FrameRow {
+    /// Of a method's times on either kind of rays.
+    fn of(both: &[FrameTimes], remark: Option<&'static str>) -> Self {
+        let trace = |kind: Kind| both.iter().find(|times| times.kind == kind).and_then(FrameTimes::trace);
+        let unsorted = summed(both.iter().map(|times| times.unsorted_ns.as_slice()));
+        let net = Speedup::of(&unsorted, &summed(both.iter().map(|times| times.total_ns.as_slice())));
+        let verdict = match net.and_then(|net| net.interval) {
+            Some((low, _)) if low > 1.0 => PAYS,
+            Some((_, high)) if high < 1.0 => COSTS,
+            Some(_) => "level",
+            None => "",
+        };
+        Self {
+            method: both.first().map_or(String::new(), |times| times.method.clone()),
+            secondary: trace(Kind::Closest),
+            shadow: trace(Kind::Shadow),
+            net,
+            verdict: remark.unwrap_or(verdict),
+        }
+    }
+
+    fn text(&self) -> String {
+        let times =
+            |speedup: Option<Speedup>| speedup.map_or("–".to_owned(), |one| format!("{:.2}×", one.ratio));
+        let interval = self.net.and_then(|net| net.interval);
+        let interval = interval.map_or(String::new(), |(low, high)| format!("{low:.2} to {high:.2}"));
+        let name = one_line(&self.method, NAME - 1);
+        let line = format!(
+            "{name:<NAME$}{:>10} {:>10} {:>9}  {interval:<13}  {}",
+            times(self.secondary),
+            times(self.shadow),
+            times(self.net),
+            self.verdict
+        );
+        line.trim_end().to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn speedup(ratio: f64, low: f64, high: f64) -> Option<Speedup> {
+        Some(Speedup { ratio, interval: Some((low, high)) })
+    }
+
+    fn row(method: &str, net: Option<Speedup>, verdict: &'static str) -> FrameRow {
+        FrameRow { method: method.into(), secondary: speedup(1.5, 1.4, 1.6), shadow: None, net, verdict }
+    }
+
+    #[test]
+    fn rounds_are_summed_as_far_as_all_have_them() {
+        assert_eq!(summed([&[100u64, 120, 100][..], &[10, 20]]), [110, 140]);
+        assert_eq!(summed([]), [0u64; 0]);
+        assert_eq!(summed([&[u64::MAX][..], &[1]]), [u64::MAX]);
+    }
+
+    #[test]
+    fn a_frame_fits_a_terminal_whatever_the_names() {
+        let long = "a-name-that-no-terminal-has-room-for".repeat(3);
+        let mut rows: Vec<FrameRow> =
+            (0..40).map(|_| row(&long, speedup(12.25, 10.75, 14.5), PAYS)).collect();
+        rows.push(row(CONTROL, None, "1 is right"));
+        let text = Frame { unsorted: [Some(123.456), None], rows }.text();
+        assert!(text.lines().count() <= 20, "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= COLUMNS), "{text}");
+        assert!(text.contains("… and 29 more") && text.contains("1 is right"), "{text}");
+        assert!(text.contains("123.46 M/s"), "{text}");
+    }
+
+    #[test]
+    fn the_sentence_says_what_the_best_interval_does() {
+        let meaning = |net: Option<Speedup>, verdict| {
+            let costly = row("costly", speedup(0.8, 0.7, 0.9), COSTS);
+            Frame { unsorted: [None; 2], rows: vec![row("aila", net, verdict), costly] }.meaning()
+        };
+        let pays = meaning(speedup(1.25, 1.125, 1.5), PAYS);
+        assert!(pays.starts_with("Sorting pays: with aila") && pays.contains("1.25 times"), "{pays}");
+        assert!(pays.contains("1 of 2 methods, and 1 cost more"), "{pays}");
+        assert!(meaning(speedup(1.25, 0.9, 1.5), "level").starts_with("Sorting is not shown to pay"));
+        assert!(meaning(speedup(0.9, 0.85, 0.95), COSTS).starts_with("Sorting does not pay"));
+        assert!(meaning(Some(Speedup { ratio: 2.0, interval: None }), "").contains("fewer than 6 repeats"));
+    }
+}
