@@ -126,7 +126,7 @@ struct CommandLine {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Show what a recording holds.
+    /// Show what a recording holds and what sorting was worth, or the means of a study.
     #[command(after_help = INFO_EXAMPLES)]
     Info(InfoTarget),
     /// Check whether a recording is what the format says it is.
@@ -135,10 +135,10 @@ enum Command {
     /// Make a recording of what a killed recorder or a damaged disk left.
     #[command(after_help = RECOVER_EXAMPLES)]
     Recover(Target),
-    /// Draw figures for a paper from recordings and benchmark results.
+    /// Draw figures for a paper from recordings, studies and benchmark results.
     #[command(after_help = PLOT_EXAMPLES)]
     Plot(plot::Plot),
-    /// Make one page of figures and tables from recordings and benchmark results.
+    /// Make one page of figures and tables from recordings, studies and benchmark results.
     #[command(after_help = REPORT_EXAMPLES)]
     Report(plot::Sources),
     /// Draw the window, or one view of it, into a file.
@@ -165,6 +165,9 @@ struct Target {
 struct InfoTarget {
     #[command(flatten)]
     target: Target,
+    /// Also show all settings, queues, the times of every stage by bounce, and arrays.
+    #[arg(long, conflicts_with = "json")]
+    details: bool,
     /// Read the arrays too: capsules, direction spread, lane utilisation, length tables, correlations.
     #[arg(long)]
     metrics: bool,
@@ -201,7 +204,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         return window(command_line.dumps, command_line.session.as_deref());
     };
     let done = match command {
-        Command::Info(info) => info::run(&info.target.dump, info.target.json, &info.options()),
+        Command::Info(info) => info::run(&info.target.dump, info.target.json, info.details, &info.options()),
         Command::Verify(Target { dump, json }) => verify::run(&dump, json),
         Command::Recover(Target { dump, json }) => recover::run(&dump, json),
         Command::Plot(plot) => plot::plot(&plot),

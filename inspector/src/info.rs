@@ -3,15 +3,17 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use formats::manifest::{DecisionRecord, Header, Manifest, Source};
+use formats::manifest::{DecisionRecord, Header, Manifest, Options, Source};
+use formats::metrics::frame::{COLUMNS, Frame};
 use formats::reader::{Dump, DumpState};
+use formats::study::Study;
 use formats::summary::{Summary, TimingLine};
-use formats::text::one_line;
+use formats::text::{one_line, wrapped};
 use serde::Serialize;
 
-use crate::analysis::{Analysis, AnalysisOptions, Depth, analyse};
+use crate::analysis::{Analysis, AnalysisOptions, Depth, StudyAnalysis, analyse};
 use crate::method_table;
-use crate::output::{count, counted, print, print_json, size, table, time};
+use crate::output::{count, counted, print, print_json, say, size, table, time};
 use crate::shown;
 
 /// What `--json` prints: the summary's fields, and more.
@@ -57,7 +59,11 @@ impl SourceIs {
     }
 }
 
-pub(crate) fn run(path: &Path, json: bool, options: &AnalysisOptions) -> anyhow::Result<()> {
+/// What there is to see of a recording, or of a study.
+pub(crate) fn run(path: &Path, json: bool, details: bool, options: &AnalysisOptions) -> anyhow::Result<()> {
+    if Study::is_at(path) {
+        return study(path, json);
+    }
     let dump = Dump::open(path)?;
     let summary = Summary::new(path, dump.manifest());
     let source_is = SourceIs::of(&dump);
@@ -66,6 +72,14 @@ pub(crate) fn run(path: &Path, json: bool, options: &AnalysisOptions) -> anyhow:
     }
     let is_partial = dump.state() == DumpState::Partial;
     let shown = shown::header(&dump.manifest().header);
+    if !details && options.depth == Depth::Manifest {
+        let mut parts = vec![in_short(&summary, &shown, source_is), Frame::of(dump.manifest()).text()];
+        parts.extend(without_cost(dump.manifest()));
+        parts.push(
+            "More: --details (all settings, queues, stages, arrays), --metrics (capsules, lanes).".into(),
+        );
+        return print(&parts.join("\n\n"));
+    }
     let mut parts = vec![facts(&summary, &shown, source_is), queues(&summary), timings(&summary)];
     // What there is so far of a recording can be shown, but has no means yet.
     if !is_partial || options.depth == Depth::Arrays {
@@ -83,6 +97,34 @@ pub(crate) fn run(path: &Path, json: bool, options: &AnalysisOptions) -> anyhow:
     print(&parts.join("\n\n"))
 }
 
+/// The jobs of a study and the means over what is finished.
+fn study(path: &Path, json: bool) -> anyhow::Result<()> {
+    let study = Study::open(path)?;
+    let analysis = StudyAnalysis::of(std::slice::from_ref(&study));
+    for notice in &analysis.notices {
+        say(notice);
+    }
+    if json {
+        return print_json(&analysis);
+    }
+    let failed: Vec<String> = study
+        .jobs
+        .iter()
+        .filter_map(|job| {
+            let name = job.folder.file_name().unwrap_or_default().to_string_lossy();
+            Some(format!("failed      {}: {}", shown::name(&name), job.record.failure.as_ref()?))
+        })
+        .collect();
+    let finished = counted((study.jobs.len() - failed.len()) as u64, "job", "jobs");
+    let mut parts =
+        vec![format!("study       {}: {finished} finished, {} failed", path.display(), failed.len())];
+    if !failed.is_empty() {
+        parts.push(failed.iter().map(|line| wrapped(line, COLUMNS, 12)).collect::<Vec<_>>().join("\n"));
+    }
+    parts.extend(analysis.groups.iter().map(method_table::study_group));
+    print(&parts.join("\n\n"))
+}
+
 /// What is missing in the net speedups of orders that came with imported rays.
 fn without_cost(manifest: &Manifest) -> Option<String> {
     let names: Vec<String> = manifest.foreign_orders().map(|order| shown::name(&order.name)).collect();
@@ -91,17 +133,45 @@ fn without_cost(manifest: &Manifest) -> Option<String> {
     })
 }
 
-/// What was recorded, line by line.
-fn facts(summary: &Summary, shown: &Header, source_is: Option<SourceIs>) -> String {
-    let options = &shown.options;
-    let state = match (summary.complete, summary.recovered) {
+/// State, scene, machine and settings, as much as a screen has room for.
+fn in_short(summary: &Summary, shown: &Header, source_is: Option<SourceIs>) -> String {
+    let mut lines = vec![("recording", format!("{} ({})", summary.dump, state(summary)))];
+    lines.extend(source_line(shown, source_is).map(|line| ("source", line)));
+    lines.push(("scene", scene_line(summary, shown)));
+    lines.push(("backend", backend_line(shown)));
+    lines.push(("options", options_line(&shown.options)));
+    let fitted = |(name, value): (&str, String)| wrapped(&format!("{name:<11} {value}"), COLUMNS, 12);
+    lines.into_iter().map(fitted).collect::<Vec<_>>().join("\n")
+}
+
+fn state(summary: &Summary) -> &'static str {
+    match (summary.complete, summary.recovered) {
         (true, _) => "complete",
         (false, true) => "recovered: the recording was ended early",
         (false, false) => "not finished: being recorded, or to be recovered",
-    };
+    }
+}
+
+fn options_line(options: &Options) -> String {
+    format!(
+        "camera {}, {}×{}, {} ({} kept), {}, {}, seed {}",
+        options.camera,
+        options.width,
+        options.height,
+        counted(options.passes.into(), "pass", "passes"),
+        options.keep_passes,
+        counted(options.bounces.into(), "bounce", "bounces"),
+        counted(options.repeats.into(), "repeat", "repeats"),
+        options.seed
+    )
+}
+
+/// What was recorded, line by line.
+fn facts(summary: &Summary, shown: &Header, source_is: Option<SourceIs>) -> String {
+    let options = &shown.options;
     let took = summary.wall_ns.map_or(String::new(), |ns| format!(" in {}", time(ns as f64)));
     let mut lines = vec![
-        ("recording", format!("{} ({state})", summary.dump)),
+        ("recording", format!("{} ({})", summary.dump, state(summary))),
         (
             "recorded",
             format!("by version {}{took}, format {}", shown.program_version, summary.format_version),
@@ -114,20 +184,7 @@ fn facts(summary: &Summary, shown: &Header, source_is: Option<SourceIs>) -> Stri
         let chosen = choice.as_ref().map_or("left alone".to_owned(), ToString::to_string);
         lines.push(("auto", format!("{queue}: {}", one_line(&chosen, 200))));
     }
-    lines.push((
-        "options",
-        format!(
-            "camera {}, {}×{}, {} ({} kept), {}, {}, seed {}",
-            options.camera,
-            options.width,
-            options.height,
-            counted(options.passes.into(), "pass", "passes"),
-            options.keep_passes,
-            counted(options.bounces.into(), "bounce", "bounces"),
-            counted(options.repeats.into(), "repeat", "repeats"),
-            options.seed
-        ),
-    ));
+    lines.push(("options", options_line(options)));
     lines.push((
         "",
         format!(
@@ -183,22 +240,24 @@ fn source_line(shown: &Header, source_is: Option<SourceIs>) -> Option<String> {
     }
 }
 
+fn scene_line(summary: &Summary, shown: &Header) -> String {
+    let scene = &summary.scene;
+    format!(
+        "{}: {}, {}, {}",
+        shown.scene.name,
+        counted(scene.triangles, "triangle", "triangles"),
+        counted(scene.vertices, "vertex", "vertices"),
+        counted(scene.lights as u64, "light", "lights")
+    )
+}
+
 fn scene_lines(summary: &Summary, shown: &Header) -> Vec<(&'static str, String)> {
     let scene = &summary.scene;
     let corner = |point: [f32; 3]| format!("({}, {}, {})", point[0], point[1], point[2]);
     let image = &summary.image;
     let hash = image.sha256.as_ref().map_or("no picture".to_owned(), |hash| format!("sha256 {hash}"));
     vec![
-        (
-            "scene",
-            format!(
-                "{}: {}, {}, {}",
-                shown.scene.name,
-                counted(scene.triangles, "triangle", "triangles"),
-                counted(scene.vertices, "vertex", "vertices"),
-                counted(scene.lights as u64, "light", "lights")
-            ),
-        ),
+        ("scene", scene_line(summary, shown)),
         ("", format!("from {} to {}", corner(scene.bounds_min), corner(scene.bounds_max))),
         ("image", format!("{}×{}, {hash}", image.width, image.height)),
     ]

@@ -1,27 +1,40 @@
-//! What `plot` and `report` are given: recordings and benchmark results.
+//! What `plot` and `report` are given: recordings, studies and benchmark results.
 
 use std::path::{Path, PathBuf};
 
 use formats::bench_result::BenchResult;
 use formats::reader::Dump;
+use formats::study::Study;
 
-use crate::analysis::{Analysis, AnalysisOptions, Depth, analyse};
+use crate::analysis::summary::distinct;
+use crate::analysis::{Analysis, AnalysisOptions, Depth, StudyAnalysis, analyse};
 use crate::figures::catalogue::{CATALOGUE, FigureMaker, Findings, Skipped};
 use crate::figures::model::Figure;
+use crate::output::say;
 
-/// Recordings and benchmark results, in the order in which they were named.
+/// Scenes of a study whose first views have figures and tables of their own.
+const MOST_SCENES: usize = 8;
+
+/// Recordings and benchmark results, in the order in which they were named; of a study each scene's first view.
 pub(crate) struct Inputs {
     pub(crate) recordings: Vec<Dump>,
+    pub(crate) studies: Vec<Study>,
     pub(crate) benches: Vec<BenchResult>,
 }
 
 impl Inputs {
-    /// Opens each path: a file is a benchmark result, anything else a recording.
+    /// Opens each path: a file is a benchmark result, a folder a study or a recording.
     pub(crate) fn open(paths: &[PathBuf]) -> anyhow::Result<Self> {
-        let mut inputs = Self { recordings: Vec::new(), benches: Vec::new() };
+        let mut inputs = Self { recordings: Vec::new(), studies: Vec::new(), benches: Vec::new() };
         for path in paths {
             if path.is_file() {
                 inputs.benches.push(BenchResult::read(path)?);
+            } else if Study::is_at(path) {
+                let study = Study::open(path)?;
+                for recording in first_views(&study) {
+                    inputs.recordings.push(Dump::open(&recording)?);
+                }
+                inputs.studies.push(study);
             } else {
                 inputs.recordings.push(Dump::open(path)?);
             }
@@ -31,10 +44,12 @@ impl Inputs {
 
     /// The numbers of all recordings, arrays included.
     pub(crate) fn analysis(&self) -> anyhow::Result<Analysis> {
-        Ok(analyse(
-            &self.recordings,
-            &AnalysisOptions { depth: Depth::Arrays, ..AnalysisOptions::default() },
-        )?)
+        let options = AnalysisOptions { depth: Depth::Arrays, ..AnalysisOptions::default() };
+        let study = (!self.studies.is_empty()).then(|| StudyAnalysis::of(&self.studies));
+        for notice in study.iter().flat_map(|study| &study.notices) {
+            say(notice);
+        }
+        Ok(Analysis { study, ..analyse(&self.recordings, &options)? })
     }
 
     /// Every figure that they have the numbers for, those of `names` alone if there are any; and those that
@@ -59,6 +74,22 @@ impl Inputs {
         }
         Ok((made, left_out))
     }
+}
+
+/// The recordings of the first job of each scene, of the first scenes.
+fn first_views(study: &Study) -> Vec<PathBuf> {
+    let finished = || study.jobs.iter().filter(|job| job.record.failure.is_none());
+    let scenes = distinct(finished().map(|job| job.record.scene.as_str()));
+    if scenes.len() > MOST_SCENES {
+        say(&format!(
+            "{}: {} scenes; means are over all, details are of the first {MOST_SCENES}",
+            study.root.display(),
+            scenes.len()
+        ));
+    }
+    let first = |scene: &str| finished().find(|job| job.record.scene == scene);
+    let jobs = scenes.into_iter().take(MOST_SCENES).filter_map(first);
+    jobs.flat_map(|job| job.record.recordings.iter().map(|name| job.folder.join(name))).collect()
 }
 
 /// Whether all of these are names of figures.

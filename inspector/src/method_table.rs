@@ -1,10 +1,13 @@
 //! Analyses as text: methods beside each other, and what is missing for it.
 
 use formats::metrics::correlation::Correlation;
+use formats::text::one_line;
 
-use crate::analysis::summary::{MeanSpeedup, RayClass};
+use crate::analysis::study::StudyGroup;
+use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
 use crate::analysis::{Analysis, CorrelationLine, MethodSummary, Metric, OrderAnalysis, QueueAnalysis};
 use crate::output::{counted, table};
+use crate::shown;
 
 /// One line per kind of rays and method: the whole frame, its interval where there is one recording, else
 /// geometric means over the recordings.
@@ -25,6 +28,50 @@ pub(crate) fn methods(analysis: &Analysis) -> String {
         table.to_string(),
     ];
     lines.extend(RayClass::ALL.into_iter().filter_map(|rays| significance(&analysis.summaries, rays)));
+    lines.join("\n")
+}
+
+/// Most methods of a group of recordings that are shown.
+const MOST_METHODS: usize = 18;
+
+/// Means over a study's recordings of one name on one machine: 80 columns, 25 lines.
+pub(crate) fn study_group(group: &StudyGroup) -> String {
+    let name =
+        if group.name == "recording" { String::new() } else { format!("{}: ", shown::name(&group.name)) };
+    let mut lines = vec![
+        format!(
+            "{name}{}; {} of {}",
+            shown::name(&group.configuration),
+            counted(group.views as u64, "view", "views"),
+            counted(group.scenes.len() as u64, "scene", "scenes")
+        ),
+        "                     secondary rays               shadow rays".to_owned(),
+        "method               trace    net  95 % interval  trace    net  95 % interval".to_owned(),
+    ];
+    let row = |rays: RayClass, method: &str| group.methods(rays).find(|row| row.method == method);
+    let methods = distinct(
+        RayClass::ALL.into_iter().flat_map(|rays| group.methods(rays)).map(|row| row.method.as_str()),
+    );
+    for method in methods.iter().take(MOST_METHODS) {
+        let cells = RayClass::ALL.map(|rays| {
+            let Some(row) = row(rays, method) else {
+                return format!("{:>5} {:>6}  {:<13}", "–", "–", "");
+            };
+            let times = |ratio: f64| format!("{ratio:.2}×");
+            let net = row.net.as_ref().map(|net| net.mean);
+            let interval = net.and_then(|net| net.interval);
+            format!(
+                "{:>5} {:>6}  {:<13}",
+                times(row.trace.mean.ratio),
+                net.map_or("–".to_owned(), |net| times(net.ratio)),
+                interval.map_or(String::new(), |(low, high)| format!("{low:.2} to {high:.2}"))
+            )
+        });
+        lines.push(format!("{:<20} {}", one_line(method, 19), cells.join("  ")).trim_end().to_owned());
+    }
+    if methods.len() > MOST_METHODS {
+        lines.push(format!("… and {} more", methods.len() - MOST_METHODS));
+    }
     lines.join("\n")
 }
 

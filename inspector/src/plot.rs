@@ -31,7 +31,7 @@ const HOW_TO_HAVE_ARRAYS: &str = "arrays are kept with `recorder record --keep`;
 /// What files are made of, and where they go.
 #[derive(Debug, Args)]
 pub(crate) struct Sources {
-    /// Recordings (folders NAME.raydump) and files that `recorder bench --json` printed.
+    /// Recordings (folders NAME.raydump), folders of studies and files that `recorder bench --json` printed.
     #[arg(value_name = "X", required = true)]
     inputs: Vec<PathBuf>,
     /// The folder for the files; it is made if it is not there.

@@ -222,6 +222,9 @@ fn info_shows_means_and_with_metrics_the_arrays() {
         String::from_utf8(output.stdout).unwrap()
     };
     let text = info(&path, &[]);
+    assert!(text.contains("\nWhole frame: ") && !text.contains("Queues"), "{text}");
+    assert!(text.lines().count() <= 25 && text.lines().all(|line| line.chars().count() <= 80), "{text}");
+    let text = info(&path, &["--details"]);
     assert!(text.contains("Methods: the whole frame") && !text.contains("capsule area"), "{text}");
     let text = info(&path, &["--metrics", "--threads", "1"]);
     for part in ["capsule area", "direction spread", "table fill", "Pearson", "lanes of 8"] {

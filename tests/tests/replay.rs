@@ -83,7 +83,7 @@ fn a_random_order_is_measured_where_it_is_named() {
             Program::Inspector.run(folder.path(), &format!("verify {name}.raydump")).succeeded();
         }
     }
-    let info = Program::Inspector.run(folder.path(), "info again.raydump").succeeded().stdout;
+    let info = Program::Inspector.run(folder.path(), "info again.raydump --details").succeeded().stdout;
     assert!(info.contains("unsorted, shuffled"), "{info}");
 }
 
@@ -109,7 +109,7 @@ fn the_control_is_a_row_where_it_is_named() {
             Program::Inspector.run(folder.path(), &format!("verify {name}")).succeeded();
         }
     }
-    let info = Program::Inspector.run(folder.path(), "info again.raydump").succeeded().stdout;
+    let info = Program::Inspector.run(folder.path(), "info again.raydump --details").succeeded().stdout;
     assert!(info.contains("unsorted, control, aila"), "{info}");
     Program::Recorder
         .run(folder.path(), "record builtin:cornell --out no --methods nothing")

@@ -4,7 +4,8 @@
 //! - [`capsule`], [`spread`], [`lanes`]: how coherent rays are; [`group`]: all of it of one group
 //! - [`quantity`]: the numbers that a ray or its group has, by name: one entry each
 //! - [`estimator`]: how far estimated ray lengths are from traced ones
-//! - [`samples`]: the times of a recording; [`speedup`], [`bandwidth`], [`frame`]: what they say
+//! - [`samples`]: the times of a recording; [`speedup`], [`bandwidth`], [`frame`]: what they say; [`views`]: means over
+//!   many recordings
 //! - [`correlation`]: how two numbers go together; [`growth`]: how costs grow
 
 pub mod bandwidth;
@@ -20,6 +21,7 @@ pub mod quantity;
 pub mod samples;
 pub mod speedup;
 pub mod spread;
+pub mod views;
 
 /// Rays of a group, as recordings are analysed unless told otherwise.
 pub const GROUP_RAYS: usize = 64;

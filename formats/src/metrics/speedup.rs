@@ -35,7 +35,7 @@ impl Speedup {
         if ratios.len() < INTERVAL_ROUNDS {
             return Some(Self { ratio, interval: None });
         }
-        let mut random = SplitMix(0x5eed);
+        let mut random = SplitMix::new();
         let mut medians: Vec<f64> =
             (0..RESAMPLES).filter_map(|_| median_of(&mut random.resample(&ratios))).collect();
         medians.sort_by(f64::total_cmp);
@@ -51,7 +51,7 @@ impl Speedup {
 
 /// The part of resamples beyond either end of a 95 % interval: that of the normal distribution beyond
 /// √(n / (n − 1)) times the 97.5 % quantile of Student's distribution with n − 1 degrees of freedom.
-fn tail_of(rounds: usize) -> f64 {
+pub(super) fn tail_of(rounds: usize) -> f64 {
     let (z, freedom) = (1.959_964f64, (rounds - 1) as f64);
     // Cornish and Fisher's expansion (Abramowitz & Stegun 26.7.5), to 0.003 at 5 degrees of freedom.
     let student = z
@@ -65,7 +65,7 @@ fn tail_of(rounds: usize) -> f64 {
     density * (0.436_183_6 * t - 0.120_167_6 * t * t + 0.937_298 * t.powi(3))
 }
 
-fn median_of(values: &mut [f64]) -> Option<f64> {
+pub(super) fn median_of(values: &mut [f64]) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;
     let above = *values.get(middle)?;
@@ -128,9 +128,14 @@ pub fn quantile(samples: &[u64], q: f64) -> Option<f64> {
 }
 
 /// SplitMix64 (Steele, Lea & Flood 2014).
-struct SplitMix(u64);
+pub(super) struct SplitMix(u64);
 
 impl SplitMix {
+    /// Always the same numbers.
+    pub(super) fn new() -> Self {
+        Self(0x5eed)
+    }
+
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -139,8 +144,13 @@ impl SplitMix {
         z ^ (z >> 31)
     }
 
-    fn resample(&mut self, samples: &[f64]) -> Vec<f64> {
-        samples.iter().map(|_| samples[(self.next() % samples.len() as u64) as usize]).collect()
+    /// A number below `count`, which is not 0.
+    pub(super) fn below(&mut self, count: usize) -> usize {
+        (self.next() % count as u64) as usize
+    }
+
+    pub(super) fn resample(&mut self, samples: &[f64]) -> Vec<f64> {
+        samples.iter().map(|_| samples[self.below(samples.len())]).collect()
     }
 }
 

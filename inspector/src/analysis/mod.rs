@@ -9,7 +9,7 @@
 //! - [`break_even`]: what a sort may cost
 //! - [`coherence`]: capsules, direction spread and lane utilisation, streamed over arrays
 //! - [`tables`]: fill of the length table, errors of estimated lengths
-//! - [`summary`], [`correlations`]: over all recordings
+//! - [`summary`], [`correlations`]: over all recordings; [`study`]: over those of studies
 //! - [`labels`]: what recordings are called beside each other
 //! - [`work`]: nodes and triangles of the recording's own kernel
 //! - [`picture`]: the image and what each pixel cost
@@ -31,6 +31,7 @@ pub mod order;
 pub mod picture;
 pub mod queue;
 pub mod recording;
+pub mod study;
 pub mod summary;
 pub mod tables;
 pub mod timing;
@@ -48,6 +49,7 @@ pub use options::{AnalysisOptions, Depth, GroupWidth};
 pub use order::OrderAnalysis;
 pub use queue::QueueAnalysis;
 pub use recording::RecordingAnalysis;
+pub use study::StudyAnalysis;
 pub use summary::MethodSummary;
 
 /// The numbers of recordings.
@@ -61,6 +63,9 @@ pub struct Analysis {
     pub summaries: Vec<MethodSummary>,
     /// How capsule area and trace time go together.
     pub correlations: Vec<CorrelationLine>,
+    /// Means over the studies that were given; the recordings above are then each scene's first view.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub study: Option<StudyAnalysis>,
 }
 
 /// Why recordings cannot be analysed.
@@ -106,5 +111,5 @@ fn analyse_finished(dumps: &[Dump], options: &AnalysisOptions) -> Analysis {
         dumps.iter().zip(labels).map(|(dump, label)| RecordingAnalysis::of(dump, label, options)).collect();
     let summaries = summary::summaries(&recordings);
     let correlations = correlations::correlations(&recordings);
-    Analysis { group_width: options.group_width.rays(), recordings, summaries, correlations }
+    Analysis { group_width: options.group_width.rays(), recordings, summaries, correlations, study: None }
 }

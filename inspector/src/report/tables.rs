@@ -8,9 +8,11 @@ use formats::metrics::speedup::median;
 use formats::ray::Kind;
 
 use super::table::{Cell, Table};
+use crate::analysis::study::StudyGroup;
 use crate::analysis::summary::{RayClass, distinct};
 use crate::analysis::{Analysis, FrameAnalysis, Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 use crate::figures::catalogue::building::machine;
+use crate::figures::catalogue::study::label;
 
 /// Lanes that wait for each other: those of most GPUs.
 const LANES: usize = 32;
@@ -20,7 +22,8 @@ pub fn tables(analysis: &Analysis, benches: &[BenchResult]) -> Vec<Table> {
     let rays = || RayClass::ALL.into_iter();
     let sweeps = Swept::ALL.iter().filter_map(|swept| sweep(analysis, swept));
     rays()
-        .filter_map(|rays| speedups(analysis, rays))
+        .filter_map(|rays| study(analysis, rays))
+        .chain(rays().filter_map(|rays| speedups(analysis, rays)))
         .chain(rays().filter_map(|rays| overhead(analysis, rays)))
         .chain(rays().filter_map(|rays| models(analysis, rays)))
         .chain(correlations(analysis))
@@ -62,6 +65,45 @@ fn row_of(name: &str, numbers: &[Option<(f64, f64)>]) -> Vec<Cell> {
         None => Cell::plain("–"),
     };
     std::iter::once(Cell::plain(name)).chain(numbers.iter().map(cell)).collect()
+}
+
+/// Means over a study: a row a method, a column a machine and kind of recording.
+fn study(analysis: &Analysis, rays: RayClass) -> Option<Table> {
+    let groups: Vec<&StudyGroup> = analysis
+        .study
+        .iter()
+        .flat_map(|study| &study.groups)
+        .filter(|group| group.methods(rays).count() > 0)
+        .collect();
+    let methods =
+        distinct(groups.iter().flat_map(|group| group.methods(rays)).map(|row| row.method.as_str()));
+    let row = |method: &str| {
+        let cell = |group: &&StudyGroup| {
+            let Some(row) = group.methods(rays).find(|row| row.method == method) else {
+                return Cell::plain("–");
+            };
+            let best = group.methods(rays).find(|row| row.net.is_some()).map(|row| row.method.as_str());
+            let trace = row.trace.mean.ratio;
+            let net = row.net.as_ref().map(|net| {
+                let interval = net.mean.interval.map(|(low, high)| format!(" [{low:.2}, {high:.2}]"));
+                format!(" / {:.2}{}", net.mean.ratio, interval.unwrap_or_default())
+            });
+            let text = format!("{trace:.2}{}", net.unwrap_or_default());
+            Cell { text, is_best: best == Some(method) }
+        };
+        std::iter::once(Cell::plain(method)).chain(groups.iter().map(cell)).collect()
+    };
+    table(
+        format!("Study: trace / net speedup, {} rays", rays.name()),
+        "Geometric means over scenes of geometric means over their views (cameras and seeds), of each recording the whole frame; 95 % intervals by bootstrap over views and rounds.",
+        header(
+            "method",
+            groups.iter().map(|group| {
+                format!("{} ({} views of {} scenes)", label(group), group.views, group.scenes.len())
+            }),
+        ),
+        methods.into_iter().map(row).collect(),
+    )
 }
 
 fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {

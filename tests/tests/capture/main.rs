@@ -65,6 +65,7 @@ fn a_small_tracer_in_cpp_is_imported_verified_replayed_and_drawn() {
     let info = Program::Inspector.run(folder, "info theirs.raydump").succeeded().stdout;
     let lacking = "The net speedups of morton, octants lack key and sort";
     assert!(info.contains(lacking), "{info}");
+    let info = Program::Inspector.run(folder, "info theirs.raydump --details").succeeded().stdout;
     assert!(info.contains("imported hits: passed") && info.contains("morton, octants"), "{info}");
     carried_along(folder, lacking);
     for line in [

@@ -28,6 +28,7 @@ pub mod picture;
 pub mod rates;
 pub mod shading;
 pub mod speedups;
+pub mod study;
 pub mod sweeps;
 pub mod tables;
 
@@ -90,6 +91,7 @@ impl FigureMaker {
 
 /// Every figure, in the order of a paper.
 pub const CATALOGUE: &[FigureMaker] = &[
+    maker("study-speedup", "means over the scenes and views of a study", study::speedups),
     maker("trace-speedup", "trace speedup per scene and method", speedups::trace),
     maker("kernel-speedup", "trace speedup per kernel and method, beside the paper's", speedups::kernels),
     maker("net-speedup", "speedup with all that sorting costs", speedups::net),

@@ -1,0 +1,115 @@
+//! Means over scenes that were each seen from several views, with intervals.
+
+use super::speedup::{INTERVAL_ROUNDS, Speedup, SplitMix, median_of, tail_of};
+
+/// How many resamples an interval is taken from.
+const RESAMPLES: usize = 1000;
+
+/// Speedups of a scene: for each view the ratios of its rounds.
+pub type Scene = Vec<Vec<f64>>;
+
+/// A mean over scenes: of each view the median over rounds, of each scene the geometric mean over its views, of those
+/// the geometric mean. Ratios are averaged as logarithms, so that twice as fast and half as fast cancel.
+///
+/// The interval holds the mean over all views of these scenes with 95 % confidence: scenes are what they are, views
+/// and rounds are drawn again (a bootstrap in two stages, percentiles, a fixed seed). Few views deviate too little
+/// from their own mean, so that their deviations are widened by √(k / (k − 1)) for k of them, and the tails as for
+/// few rounds. With one view a scene it is an interval over rounds alone. `None` with fewer than six rounds, or with
+/// fewer than five views more than scenes where some have several. Rounds without a positive number do not count.
+///
+/// `None` if a scene has no round.
+pub fn mean_over_views(scenes: &[Scene]) -> Option<Speedup> {
+    let logarithms = |view: &Vec<f64>| -> Vec<f64> {
+        view.iter().filter(|ratio| **ratio > 0.0 && ratio.is_finite()).map(|ratio| ratio.ln()).collect()
+    };
+    let scenes: Vec<Vec<Vec<f64>>> = scenes
+        .iter()
+        .map(|views| views.iter().map(logarithms).filter(|view| !view.is_empty()).collect())
+        .collect();
+    let mean = |views: &[f64]| views.iter().sum::<f64>() / views.len() as f64;
+    let medians = |views: &Vec<Vec<f64>>| -> Vec<f64> {
+        views.iter().filter_map(|view| median_of(&mut view.clone())).collect()
+    };
+    if scenes.is_empty() || scenes.iter().any(Vec::is_empty) {
+        return None;
+    }
+    let centres: Vec<f64> = scenes.iter().map(|views| mean(&medians(views))).collect();
+    let ratio = mean(&centres).exp();
+    let views: usize = scenes.iter().map(Vec::len).sum();
+    let rounds = scenes.iter().flatten().map(Vec::len).min().unwrap_or(0);
+    let has_several = views > scenes.len();
+    let drawn = if has_several { views - scenes.len() + 1 } else { rounds };
+    if rounds < INTERVAL_ROUNDS || drawn < INTERVAL_ROUNDS {
+        return Some(Speedup { ratio, interval: None });
+    }
+    let mut random = SplitMix::new();
+    let mut means: Vec<f64> = (0..RESAMPLES)
+        .map(|_| {
+            let scene = |(views, centre): (&Vec<Vec<f64>>, &f64)| {
+                let count = views.len();
+                let again: Vec<f64> = (0..count)
+                    .filter_map(|_| {
+                        let view = random.below(count);
+                        median_of(&mut random.resample(&views[view]))
+                    })
+                    .collect();
+                let widening = if count > 1 { (count as f64 / (count - 1) as f64).sqrt() } else { 1.0 };
+                centre + widening * (mean(&again) - centre)
+            };
+            mean(&scenes.iter().zip(&centres).map(scene).collect::<Vec<_>>())
+        })
+        .collect();
+    means.sort_by(f64::total_cmp);
+    let tail = (RESAMPLES as f64 * tail_of(drawn)) as usize;
+    Some(Speedup { ratio, interval: Some((means[tail].exp(), means[RESAMPLES - 1 - tail].exp())) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_are_those_by_hand() {
+        // Medians 2 and 8 of one scene, 1 of the other: 4 and 1, whose mean is 2.
+        let scenes = [vec![vec![2.0, 1.0, 3.0], vec![8.0, 8.0, 9.0]], vec![vec![1.0, 1.0, 1.0]]];
+        let mean = mean_over_views(&scenes).unwrap();
+        assert!((mean.ratio - 2.0).abs() < 1e-12 && mean.interval.is_none(), "{mean:?}");
+        assert_eq!(mean_over_views(&[]), None);
+        assert_eq!(mean_over_views(&[vec![vec![1.0]], vec![vec![f64::NAN]]]), None);
+        let steady = mean_over_views(&[vec![vec![1.5; 6]]]).unwrap();
+        let (low, high) = steady.interval.unwrap();
+        assert!((low - 1.5).abs() < 1e-12 && (high - 1.5).abs() < 1e-12);
+    }
+
+    /// Made-up studies whose true mean is known: how many intervals hold it.
+    fn coverage(scenes: usize, views: usize, spread_of_views: f64) -> usize {
+        let mut random = fastrand::Rng::with_seed(7);
+        let mut normal = move || (0..12).map(|_| random.f64()).sum::<f64>() - 6.0;
+        let truth: Vec<f64> = (0..scenes).map(|scene| 0.1 * scene as f64).collect();
+        let mut held = 0;
+        for _ in 0..200 {
+            let study: Vec<Scene> = truth
+                .iter()
+                .map(|scene| {
+                    let view = |_| {
+                        let centre = scene + spread_of_views * normal();
+                        (0..8).map(|_| (centre + 0.05 * normal()).exp()).collect()
+                    };
+                    (0..views).map(view).collect()
+                })
+                .collect();
+            let (low, high) = mean_over_views(&study).unwrap().interval.unwrap();
+            let mean = (truth.iter().sum::<f64>() / scenes as f64).exp();
+            held += usize::from(low <= mean && mean <= high);
+        }
+        held
+    }
+
+    #[test]
+    fn intervals_hold_the_mean_as_often_as_they_say() {
+        for (scenes, views, spread) in [(4, 3, 0.1), (1, 8, 0.2), (5, 1, 0.0), (3, 4, 0.02)] {
+            let held = coverage(scenes, views, spread);
+            assert!((182..=200).contains(&held), "{scenes} scenes, {views} views: {held} of 200");
+        }
+    }
+}

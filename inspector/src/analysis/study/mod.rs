@@ -1,0 +1,243 @@
+//! Means over studies: medians within a recording, means over a scene's views, over scenes; machines side by side.
+//!
+//! Recordings are looked at one after the other, and what is kept of each is its [`summary`]: memory does not grow
+//! with their rays.
+
+pub mod summary;
+
+use formats::metrics::frame::FrameTimes;
+use formats::metrics::speedup::{Speedup, geometric_mean};
+use formats::metrics::views::{Scene, mean_over_views};
+use formats::ray::Kind;
+use formats::study::Study;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::labels::scene_name;
+use super::summary::{RayClass, distinct};
+use summary::{RecordingSummary, summary};
+
+/// Means over the recordings of studies.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct StudyAnalysis {
+    /// Recordings whose times have a common mean.
+    pub groups: Vec<StudyGroup>,
+    /// What could not be read or kept, a sentence each.
+    pub notices: Vec<String>,
+}
+
+/// Recordings of one name on one machine.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StudyGroup {
+    /// Which of a job's recordings: `recording`, or the name of a replay.
+    pub name: String,
+    /// Backend, adapter, kernel and threads.
+    pub configuration: String,
+    /// Names of the scenes.
+    pub scenes: Vec<String>,
+    /// Recordings: views of these scenes, by camera and seed.
+    pub views: usize,
+    /// Its methods, by kind of rays, the best net mean first.
+    pub rows: Vec<StudyRow>,
+}
+
+/// One method on one kind of rays.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StudyRow {
+    /// The rays.
+    pub rays: RayClass,
+    /// The method.
+    pub method: String,
+    /// Whether it is a variant of another, as in a sweep.
+    pub is_variant: bool,
+    /// Unsorted trace over trace in its order.
+    pub trace: StudyMean,
+    /// Unsorted trace over all stages; `null` where those are not all known.
+    pub net: Option<StudyMean>,
+    /// Geometric mean of capsule areas over those of unsorted rays, where known.
+    pub capsule_area_ratio: Option<f64>,
+}
+
+/// A mean over scenes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StudyMean {
+    /// The mean, and where it lies with 95 % confidence.
+    #[serde(flatten)]
+    pub mean: Speedup,
+    /// The mean over views of each scene that has any, by its place in the group's.
+    pub scenes: Vec<(usize, f64)>,
+    /// Views.
+    pub views: usize,
+}
+
+/// A summary and the name of its recording within its job.
+type Named = (String, RecordingSummary);
+
+impl StudyAnalysis {
+    /// Of some studies together. Recordings that cannot be read are left out with a notice.
+    pub fn of(studies: &[Study]) -> Self {
+        let recordings = studies.iter().flat_map(|study| study.recordings().map(move |path| (study, path)));
+        let found: Vec<(Option<Named>, Option<String>)> = recordings
+            .collect::<Vec<_>>()
+            .par_iter()
+            .map(|(study, path)| {
+                let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+                match summary(study, path) {
+                    Ok((summary, notice)) => (Some((name, summary)), notice),
+                    Err(error) => (None, Some(format!("left out: {error}"))),
+                }
+            })
+            .collect();
+        let (summaries, notices): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+        let summaries: Vec<Named> = summaries.into_iter().flatten().collect();
+        Self::of_summaries(&summaries, distinct(notices.into_iter().flatten()))
+    }
+
+    fn of_summaries(summaries: &[Named], notices: Vec<String>) -> Self {
+        let mut groups: Vec<(&str, &str)> =
+            distinct(summaries.iter().map(|(name, summary)| (summary.configuration.as_str(), name.as_str())));
+        // Recordings come before their replays.
+        groups.sort_by_key(|(configuration, name)| (*configuration, *name != "recording", *name));
+        let group = |(configuration, name): &(&str, &str)| {
+            let own = summaries
+                .iter()
+                .filter(|(of, summary)| of == name && summary.configuration == *configuration);
+            StudyGroup::of(name, configuration, &own.map(|(_, summary)| summary).collect::<Vec<_>>())
+        };
+        Self { groups: groups.par_iter().map(group).collect(), notices }
+    }
+}
+
+impl StudyGroup {
+    fn of(name: &str, configuration: &str, summaries: &[&RecordingSummary]) -> Self {
+        let mut scenes = distinct(summaries.iter().map(|summary| scene_name(&summary.scene)));
+        scenes.sort_unstable();
+        let mut rows = Vec::new();
+        for rays in RayClass::ALL {
+            let methods = distinct(
+                summaries.iter().flat_map(|summary| kinds(rays, summary)).map(|times| times.method.as_str()),
+            );
+            let mut own: Vec<StudyRow> =
+                methods.par_iter().filter_map(|method| row(rays, method, &scenes, summaries)).collect();
+            let net = |row: &StudyRow| row.net.as_ref().map_or(f64::NEG_INFINITY, |net| net.mean.ratio);
+            own.sort_by(|a, b| net(b).total_cmp(&net(a)));
+            rows.extend(own);
+        }
+        Self {
+            name: name.to_owned(),
+            configuration: configuration.to_owned(),
+            scenes: scenes.into_iter().map(str::to_owned).collect(),
+            views: summaries.len(),
+            rows,
+        }
+    }
+
+    /// The rows of a kind of rays that are no variants, which sweeps show; those where there is nothing else.
+    pub fn methods(&self, rays: RayClass) -> impl Iterator<Item = &StudyRow> {
+        let has_plain = self.rows.iter().any(|row| !row.is_variant);
+        self.rows.iter().filter(move |row| row.rays == rays && !(has_plain && row.is_variant))
+    }
+}
+
+/// The times of a recording on rays of a kind.
+fn kinds(rays: RayClass, summary: &RecordingSummary) -> impl Iterator<Item = &FrameTimes> {
+    let kind = match rays {
+        RayClass::Secondary => Kind::Closest,
+        RayClass::Shadow => Kind::Shadow,
+    };
+    summary.times.iter().filter(move |times| times.kind == kind)
+}
+
+fn row(rays: RayClass, method: &str, scenes: &[&str], summaries: &[&RecordingSummary]) -> Option<StudyRow> {
+    let own: Vec<(&RecordingSummary, &FrameTimes)> = summaries
+        .iter()
+        .filter_map(|summary| Some((*summary, kinds(rays, summary).find(|times| times.method == method)?)))
+        .collect();
+    let of_kind = |summary: &RecordingSummary, kind: Kind| {
+        summary.areas.iter().find(|(of, name, _)| *of == kind && name == method).map(|(.., ratio)| *ratio)
+    };
+    let areas = own.iter().filter_map(|(summary, times)| of_kind(summary, times.kind));
+    Some(StudyRow {
+        rays,
+        method: method.to_owned(),
+        is_variant: own.iter().all(|(summary, _)| summary.variants.iter().any(|variant| variant == method)),
+        trace: mean(&own, scenes, |times| &times.traced_ns)?,
+        net: mean(&own, scenes, |times| &times.total_ns),
+        capsule_area_ratio: geometric_mean(areas),
+    })
+}
+
+fn mean(
+    own: &[(&RecordingSummary, &FrameTimes)],
+    scenes: &[&str],
+    time: impl Fn(&FrameTimes) -> &[u64],
+) -> Option<StudyMean> {
+    let ratios = |times: &FrameTimes| -> Vec<f64> {
+        let rounds = times.unsorted_ns.iter().zip(time(times));
+        rounds.map(|(&unsorted, &own)| unsorted as f64 / own.max(1) as f64).collect()
+    };
+    let views = |scene: &str| -> Scene {
+        let of_scene = own.iter().filter(|(summary, _)| scene_name(&summary.scene) == scene);
+        of_scene.map(|(_, times)| ratios(times)).filter(|rounds| !rounds.is_empty()).collect()
+    };
+    let all: Vec<(usize, Scene)> =
+        scenes.iter().map(|scene| views(scene)).enumerate().filter(|(_, views)| !views.is_empty()).collect();
+    let by_scene =
+        |(at, views): &(usize, Scene)| Some((*at, mean_over_views(std::slice::from_ref(views))?.ratio));
+    Some(StudyMean {
+        scenes: all.iter().filter_map(by_scene).collect(),
+        views: all.iter().map(|(_, views)| views.len()).sum(),
+        mean: mean_over_views(&all.into_iter().map(|(_, views)| views).collect::<Vec<_>>())?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recording(scene: &str, camera: &str, configuration: &str, traced_ns: [u64; 3]) -> RecordingSummary {
+        let times = FrameTimes {
+            kind: Kind::Shadow,
+            method: "aila".into(),
+            unsorted_ns: vec![1200, 1200, 1200],
+            traced_ns: traced_ns.into(),
+            total_ns: traced_ns.iter().map(|ns| 2 * ns).collect(),
+        };
+        let control = FrameTimes { method: "control".into(), total_ns: vec![], ..times.clone() };
+        RecordingSummary {
+            scene: scene.into(),
+            camera: camera.into(),
+            seed: 0,
+            configuration: configuration.into(),
+            times: vec![times, control],
+            variants: vec![],
+            areas: vec![(Kind::Shadow, "aila".into(), 0.5)],
+        }
+    }
+
+    /// Two scenes, two cameras, three rounds, by hand; another machine has means of its own.
+    #[test]
+    fn views_are_averaged_within_their_scene_and_machines_are_not_mixed() {
+        let named = |summary| ("recording".to_owned(), summary);
+        let summaries = [
+            named(recording("a.glb", "one", "m", [600, 300, 600])),
+            named(recording("a.glb", "two", "m", [150, 150, 1200])),
+            named(recording("b.glb", "one", "m", [1200, 1200, 1200])),
+            named(recording("b.glb", "two", "m", [1200, 1200, 600])),
+            named(recording("b.glb", "two", "n", [300, 300, 300])),
+        ];
+        let study = StudyAnalysis::of_summaries(&summaries, vec![]);
+        let [first, second] = &study.groups[..] else { panic!("two machines: {study:?}") };
+        assert_eq!((first.views, second.views), (4, 1));
+        assert_eq!(first.scenes, ["a", "b"]);
+        let [aila, control] = &first.rows[..] else { panic!("two methods: {first:?}") };
+        // Scene a: medians 2 and 8, mean 4; scene b: 1 and 1; of both 2. All stages take twice as long.
+        assert!((aila.trace.mean.ratio - 2.0).abs() < 1e-12, "{aila:?}");
+        assert!((aila.net.as_ref().unwrap().mean.ratio - 1.0).abs() < 1e-12, "{aila:?}");
+        let scenes: Vec<f64> = aila.trace.scenes.iter().map(|(_, ratio)| *ratio).collect();
+        assert!((scenes[0] - 4.0).abs() < 1e-12 && (scenes[1] - 1.0).abs() < 1e-12, "{scenes:?}");
+        assert_eq!((aila.trace.views, aila.capsule_area_ratio), (4, Some(0.5)));
+        assert_eq!((control.method.as_str(), &control.net), ("control", &None));
+        assert_eq!(second.rows[0].trace.mean.ratio, 4.0);
+    }
+}

@@ -1,0 +1,88 @@
+//! Means over a study: trace and net speedup by method, over scenes and their views.
+
+use super::building::{figure, method_style, methods_in_rows};
+use super::{Findings, Made};
+use crate::analysis::study::{StudyGroup, StudyMean, StudyRow};
+use crate::analysis::summary::RayClass;
+use crate::figures::model::{Axis, Of, Panel, Point, Series};
+
+/// Groups that have panels: those of the most views.
+const MOST_GROUPS: usize = 3;
+
+/// Trace and net speedup of each method.
+pub fn speedups(findings: &Findings<'_>) -> Made {
+    let study = findings.analysis.study.as_ref().ok_or("no study was given")?;
+    let mut groups: Vec<&StudyGroup> =
+        study.groups.iter().filter(|group| group.rows.iter().any(|row| !row.is_variant)).collect();
+    groups.sort_by_key(|group| std::cmp::Reverse(group.views));
+    groups.truncate(MOST_GROUPS);
+    let several = groups.len() > 1;
+    let title = |group: &StudyGroup, words: String| {
+        if several { format!("{}: {words}", label(group)) } else { words }
+    };
+    let mut panels = Vec::new();
+    for group in &groups {
+        for rays in RayClass::ALL {
+            let name = rays.name();
+            let trace = title(group, format!("{name} rays, trace"));
+            panels.push(panel(findings, group, rays, trace, |row| Some(&row.trace)));
+            let net = title(group, format!("{name} rays, net"));
+            panels.push(panel(findings, group, rays, net, |row| row.net.as_ref()));
+        }
+    }
+    let settings = groups
+        .iter()
+        .map(|group| format!("{}: {} views of {}", label(group), group.views, group.scenes.join(", ")));
+    figure(
+        "Speedups over the scenes and views of a study",
+        "Each marker is a geometric mean over scenes: of each recording the median over rounds of unsorted over sorted time, all bounces summed, of each scene the geometric mean over its views (cameras and seeds). The thick line is its 95 % interval, by bootstrap over views and rounds, the scenes as they are. Small dots are the scenes. Net counts all that sorting takes.",
+        settings.collect(),
+        panels,
+        "no method was measured in the study",
+    )
+}
+
+/// The machine, and which recording of the jobs it is if it is a replay.
+pub fn label(group: &StudyGroup) -> String {
+    if group.name == "recording" {
+        group.configuration.clone()
+    } else {
+        format!("{}, {}", group.name, group.configuration)
+    }
+}
+
+fn panel(
+    findings: &Findings<'_>,
+    group: &StudyGroup,
+    rays: RayClass,
+    title: String,
+    of: impl Fn(&StudyRow) -> Option<&StudyMean>,
+) -> Panel {
+    let point = |row: &StudyRow, scene: &str, y, spread, n| {
+        let of = Of {
+            scene: scene.to_owned(),
+            machine: group.configuration.clone(),
+            kind: rays.name().to_owned(),
+            method: row.method.clone(),
+            ..Of::detail(group.name.clone())
+        };
+        Point { x: 0.0, y, spread, n, of }
+    };
+    let series = |row: &StudyRow, is_part, points| Series {
+        label: row.method.clone(),
+        style: method_style(findings, &row.method),
+        points,
+        is_part,
+    };
+    let rows = || group.methods(rays).filter_map(|row| Some((row, of(row)?)));
+    let mean = |(row, mean): (&StudyRow, &StudyMean)| {
+        series(row, false, vec![point(row, "all scenes", mean.mean.ratio, mean.mean.interval, mean.views)])
+    };
+    let scenes = |(row, mean): (&StudyRow, &StudyMean)| {
+        let points =
+            mean.scenes.iter().map(|(scene, ratio)| point(row, &group.scenes[*scene], *ratio, None, 1));
+        series(row, true, points.collect())
+    };
+    let series = rows().map(mean).chain(rows().map(scenes)).collect();
+    methods_in_rows(findings, title, Axis::ratios("speedup"), series).with_reference("unsorted", 1.0)
+}
