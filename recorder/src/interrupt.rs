@@ -6,12 +6,37 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::output::say;
 
-/// The folder that a recording is being written to.
-static PARTIAL: Mutex<Option<PathBuf>> = Mutex::new(None);
+/// What is left if the program is ended, and what to do with it.
+static LEFT: Mutex<Option<String>> = Mutex::new(None);
 
 /// Says which folder is left if the program is ended from now on; `None` when there is none any more.
 pub(crate) fn leaves(partial: Option<PathBuf>) {
-    *PARTIAL.lock().unwrap_or_else(PoisonError::into_inner) = partial;
+    let sentence = |partial: PathBuf| {
+        let partial = partial.display();
+        format!("what was complete is in {partial}: `inspector recover {partial}` makes it a recording")
+    };
+    say_at_end(partial.map(sentence));
+}
+
+/// What is said if the program is ended from now on.
+pub(crate) fn say_at_end(sentence: Option<String>) {
+    *LEFT.lock().unwrap_or_else(PoisonError::into_inner) = sentence;
+}
+
+/// Names the process with which a child of this program is to end, for [`end_with_parent`].
+pub(crate) const PARENT_VARIABLE: &str = "RAYSCOPE_PARENT";
+
+/// Has the system end this process with the one that started it, if that asked for it. On Linux alone; elsewhere a
+/// child whose parent was killed goes on to its end.
+pub(crate) fn end_with_parent() {
+    #[cfg(target_os = "linux")]
+    if let Some(parent) = std::env::var(PARENT_VARIABLE).ok().and_then(|parent| parent.parse::<u32>().ok()) {
+        let told = nix::sys::prctl::set_pdeathsig(nix::sys::signal::Signal::SIGTERM);
+        // It may have ended before the system was told.
+        if told.is_ok() && std::os::unix::process::parent_id() != parent {
+            std::process::exit(1);
+        }
+    }
 }
 
 /// Starts the thread that waits for signals, but for those that whoever started this program has it ignore, as
@@ -49,11 +74,7 @@ fn is_ignored(signal: i32) -> bool {
 fn tell() {
     // Below the progress bar.
     let start = if io::stderr().is_terminal() { "\n" } else { "" };
-    match &*PARTIAL.lock().unwrap_or_else(PoisonError::into_inner) {
-        Some(partial) => say(format_args!(
-            "{start}interrupted; what was complete is in {0}: `inspector recover {0}` makes it a recording",
-            partial.display()
-        )),
-        None => say(format_args!("{start}interrupted; no recording was being written")),
-    }
+    let left = LEFT.lock().unwrap_or_else(PoisonError::into_inner);
+    let left = left.as_deref().unwrap_or("no recording was being written");
+    say(format_args!("{start}interrupted; {left}"));
 }

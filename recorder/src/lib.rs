@@ -4,7 +4,7 @@
 //! on it and on threads, [`machine`] opens and checks what a run needs, [`backends`] offer the stages as verbs.
 //! [`wavefront`] is the loop over them, [`measure`] times methods on a queue, [`capture`] carries arrays to the
 //! dump, [`observer`] ties both to the loop. [`recording`] is a whole run, [`replay`] one over rays that were
-//! recorded before, [`bench`] measures single stages, [`cli`] is what is typed. [`oracle`] stands apart: the
+//! recorded before, [`bench`] measures single stages, [`study`] makes many recordings, [`cli`] is what is typed. [`oracle`] stands apart: the
 //! exact answers.
 
 pub mod auto;
@@ -30,4 +30,5 @@ pub mod recording;
 pub mod replay;
 pub mod report;
 pub mod stages;
+pub mod study;
 pub mod wavefront;

@@ -1,8 +1,8 @@
-//! A camera and lights for scenes that come without, by looking around with a few rays.
+//! Cameras and lights for scenes that come without, by looking around with a few rays.
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
 use crate::camera::CameraError;
@@ -23,6 +23,8 @@ const CLOSED_ESCAPES: usize = 1;
 const MIN_CLEARANCE: f64 = 0.01;
 /// Half of 60°.
 const HALF_FIELD_OF_VIEW_RADIANS: f64 = TAU / 12.0;
+/// Turned by so much again and again, directions stay apart however many there are.
+const GOLDEN_ANGLE_RADIANS: f64 = TAU * 0.381_966_011_250_105;
 
 /// What one ray met.
 #[derive(Clone, Copy)]
@@ -46,49 +48,129 @@ impl Sight {
 /// A camera named `auto`: inside if the scene is a room, where there is most space about, looking
 /// along the longest view; else from above a corner, far enough to see everything.
 pub(crate) fn camera(scene: &Scene) -> Result<Camera, CameraError> {
-    let bounds = scene.bounds();
-    let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from_array(corner.map(f64::from)));
-    let yfov_radians = (2.0 * HALF_FIELD_OF_VIEW_RADIANS) as f32;
-    if let Some((eye, forward)) = place_in_room(scene, min, max) {
-        return Camera::from_axes("auto", eye, forward, DVec3::Y, yfov_radians);
-    }
-    let radius = match 0.5 * (max - min).length() {
-        0.0 => 1.0,
-        radius => radius,
-    };
-    // Off every diagonal, so that flat scenes are not seen edge-on.
-    let back = DVec3::new(0.75, 0.55, 1.0).normalize();
-    let eye = 0.5 * (min + max) + back * (radius / HALF_FIELD_OF_VIEW_RADIANS.sin());
-    Camera::from_axes("auto", eye, -back, DVec3::Y, yfov_radians)
+    views(scene, 1).next().unwrap_or(Err(CameraError::NoForward))
 }
 
-/// Where to stand in a room and where to look, or `None` if the scene is not one.
-fn place_in_room(scene: &Scene, min: DVec3, max: DVec3) -> Option<(DVec3, DVec3)> {
-    let extent = max - min;
-    let mut eyes = Vec::new();
-    // Two heights: the bounds of a house have more than one storey, or a cellar.
-    for y in [0.55, 0.3] {
-        for x in [0.2, 0.5, 0.8] {
-            for z in [0.2, 0.5, 0.8] {
-                eyes.push(min + extent * DVec3::new(x, y, z));
-            }
+/// Such a camera, and others that are as unlike it and each other as can be, at most `count`: in a room from other
+/// places or in other directions, else all round.
+pub(crate) fn views(scene: &Scene, count: usize) -> impl Iterator<Item = Result<Camera, CameraError>> {
+    let bounds = scene.bounds();
+    let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from_array(corner.map(f64::from)));
+    let mut poses: Vec<(DVec3, DVec3)> = Vec::new();
+    let room = Room::of(scene, min, max);
+    if let Some(first) = room.first() {
+        // A little down: floors have more to show than ceilings.
+        poses = room
+            .views(first, count)
+            .into_iter()
+            .map(|view| (view.eye, view.forward - 0.1 * DVec3::Y))
+            .collect();
+    } else {
+        let radius = match 0.5 * (max - min).length() {
+            0.0 => 1.0,
+            radius => radius,
+        };
+        // Off every diagonal, so that flat scenes are not seen edge-on.
+        let back = DVec3::new(0.75, 0.55, 1.0).normalize();
+        for number in 0..count {
+            let back = DQuat::from_rotation_y(number as f64 * GOLDEN_ANGLE_RADIANS) * back;
+            poses.push((0.5 * (min + max) + back * (radius / HALF_FIELD_OF_VIEW_RADIANS.sin()), -back));
         }
     }
-    let clearance = MIN_CLEARANCE * extent.max_element();
-    let spacious = eyes.iter().zip(look_around(scene, &eyes)).filter(|(_, sights)| {
-        let fronts = sights.iter().filter(|sight| sight.is_front).count();
-        fronts >= ROOM_FRONTS && sights.iter().all(|sight| sight.distance > clearance)
-    });
-    // The mean of logarithms, so that a niche with one long view does not win.
-    let space = |sights: &[Sight; DIRECTIONS]| -> f64 {
-        sights.iter().map(|sight| sight.distance.min(extent.max_element()).ln()).sum()
-    };
-    let (&eye, sights) = spacious.max_by(|(_, a), (_, b)| space(a).total_cmp(&space(b)))?;
-    let level = sights.iter().zip(directions()).take(LEVEL_DIRECTIONS);
-    let within = level.filter(|(sight, _)| sight.distance.is_finite());
-    let (_, forward) = within.max_by(|(a, _), (b, _)| a.distance.total_cmp(&b.distance))?;
-    // A little down: floors have more to show than ceilings.
-    Some((eye, forward - 0.1 * DVec3::Y))
+    let yfov_radians = (2.0 * HALF_FIELD_OF_VIEW_RADIANS) as f32;
+    poses.into_iter().zip(1..).map(move |((eye, forward), number)| {
+        Camera::from_axes(&view_name(number), eye, forward, DVec3::Y, yfov_radians)
+    })
+}
+
+/// `auto`, `auto-2`, `auto-3` …
+pub(crate) fn view_name(number: usize) -> String {
+    if number == 1 { "auto".to_owned() } else { format!("auto-{number}") }
+}
+
+/// Places in a room, and what is seen from them.
+struct Room {
+    places: Vec<(DVec3, [Sight; DIRECTIONS])>,
+    /// The scene's largest.
+    extent: f64,
+}
+
+/// A place and a level direction.
+#[derive(Clone, Copy)]
+struct View {
+    eye: DVec3,
+    forward: DVec3,
+    /// How far it is to what is looked at.
+    distance: f64,
+    /// Mean distance, by logarithms, of that and of what lies to both sides.
+    depth: f64,
+}
+
+impl Room {
+    /// Where one can stand in a room; nowhere if the scene is not one.
+    fn of(scene: &Scene, min: DVec3, max: DVec3) -> Self {
+        let extent = max - min;
+        let mut eyes = Vec::new();
+        // Two heights: the bounds of a house have more than one storey, or a cellar.
+        for y in [0.55, 0.3] {
+            for x in [0.2, 0.5, 0.8] {
+                for z in [0.2, 0.5, 0.8] {
+                    eyes.push(min + extent * DVec3::new(x, y, z));
+                }
+            }
+        }
+        let extent = extent.max_element();
+        let clearance = MIN_CLEARANCE * extent;
+        let seen = look_around(scene, &eyes);
+        let is_spacious = |sights: &[Sight; DIRECTIONS]| {
+            let fronts = sights.iter().filter(|sight| sight.is_front).count();
+            fronts >= ROOM_FRONTS && sights.iter().all(|sight| sight.distance > clearance)
+        };
+        let places = eyes.into_iter().zip(seen).filter(|(_, sights)| is_spacious(sights)).collect();
+        Self { places, extent }
+    }
+
+    /// Where there is most space about, along the longest view.
+    fn first(&self) -> Option<View> {
+        // The mean of logarithms, so that a niche with one long view does not win.
+        let space = |sights: &[Sight; DIRECTIONS]| -> f64 {
+            sights.iter().map(|sight| sight.distance.min(self.extent).ln()).sum()
+        };
+        let place = self.places.iter().max_by(|(_, a), (_, b)| space(a).total_cmp(&space(b)))?;
+        self.views_from(place).max_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+
+    /// The level views from a place that something ends.
+    fn views_from(&self, (eye, sights): &(DVec3, [Sight; DIRECTIONS])) -> impl Iterator<Item = View> {
+        let (eye, directions) = (*eye, directions());
+        let distances: [f64; LEVEL_DIRECTIONS] = std::array::from_fn(|at| sights[at].distance);
+        let capped = distances.map(|distance| distance.min(self.extent));
+        (0..LEVEL_DIRECTIONS).filter(move |&at| distances[at].is_finite()).map(move |at| {
+            let side = |step: usize| capped[(at + step) % LEVEL_DIRECTIONS];
+            let depth = (side(0) * side(1) * side(LEVEL_DIRECTIONS - 1)).cbrt();
+            View { eye, forward: directions[at], distance: distances[at], depth }
+        })
+    }
+
+    /// The first view, then always the one that is deepest and furthest from those before, by where it stands and by
+    /// what it looks at.
+    fn views(&self, first: View, count: usize) -> Vec<View> {
+        let all: Vec<View> = self.places.iter().flat_map(|place| self.views_from(place)).collect();
+        let target = |view: &View| view.eye + view.distance * view.forward;
+        let apart = |a: &View, b: &View| a.eye.distance(b.eye) + target(a).distance(target(b));
+        let mut chosen = vec![first];
+        while chosen.len() < count {
+            let value = |view: &View| {
+                let nearest = chosen.iter().map(|other| apart(view, other)).fold(f64::INFINITY, f64::min);
+                nearest * view.depth
+            };
+            match all.iter().max_by(|a, b| value(a).total_cmp(&value(b))) {
+                Some(view) if value(view) > 0.0 => chosen.push(*view),
+                _ => break,
+            }
+        }
+        chosen
+    }
 }
 
 /// A sky, and where `camera` is in a closed room a lamp above it, first.

@@ -21,6 +21,7 @@ pub mod memory;
 pub mod scene;
 mod shown;
 pub mod sidecar;
+pub mod views;
 
 pub use camera::Camera;
 pub use light::{Environment, Light};

@@ -22,17 +22,17 @@ const ROOMS: [(&str, &str); 4] = [
         "formats",
         "length_table permutation ray text npy unit_space key manifest folder queue_check read_error \
          array_file files writer reader recover stored_table traced metrics auto bench_result summary \
-         verify",
+         study verify",
     ),
     (
         "scenes",
         "bounds camera features hash material memory shown light scene automatic files brightness bvh \
-         sidecar builtin gltf load",
+         sidecar builtin gltf load views",
     ),
     (
         "recorder",
         "clock device stages oracle cache_model options machine backends output progress interrupt auto wavefront \
-         foreign measure calibrate capture comparison observer recording replay bench report cli",
+         foreign measure calibrate capture comparison observer recording replay bench report study cli",
     ),
     (
         "inspector",

@@ -59,7 +59,7 @@ pub(crate) fn rate(items: u64, samples_ns: &[u64]) -> Option<(f64, f64)> {
 }
 
 /// Bytes of all files in a folder.
-fn folder_bytes(folder: &Path) -> Result<u64> {
+pub(crate) fn folder_bytes(folder: &Path) -> Result<u64> {
     let mut bytes = 0;
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;

@@ -7,6 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use formats::reader::Dump;
 
+use super::parse_words;
 use super::record::RecordArguments;
 use crate::options::DeviceOptions;
 use crate::output::{print, print_json};
@@ -40,7 +41,8 @@ pub(super) fn run(arguments: &DemoArguments) -> Result<()> {
         bail!("{} holds a recording of something else; choose another folder with --out", out.display());
     }
     let words = [SCENE].into_iter().chain(SIZE.split(' ')).map(OsString::from).chain([out.into_os_string()]);
-    let options = RecordArguments::parse_words(words)?.with_device(arguments.device.clone()).options()?;
+    let options =
+        parse_words::<RecordArguments>("record", words)?.with_device(arguments.device.clone()).options()?;
     let recorded = recording::record(&options)?;
     if arguments.json {
         return print_json(&recorded.summary()?);

@@ -7,14 +7,17 @@ mod import;
 mod record;
 mod replay;
 mod scenes;
+mod study;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{Args, Parser, Subcommand};
 
 use crate::interrupt;
 use crate::options::OptionError;
 use crate::output::say;
+use crate::study::PlanError;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -53,6 +56,9 @@ enum Command {
     /// Measure single stages.
     #[command(after_help = bench::EXAMPLES)]
     Bench(bench::BenchArguments),
+    /// Make many recordings from one plan: scenes, cameras, seeds, and replays of each.
+    #[command(after_help = study::EXAMPLES)]
+    Study(study::StudyArguments),
     /// List the adapters of this machine and what the self-check finds.
     Adapters(adapters::AdaptersArguments),
     /// List the built-in scenes.
@@ -63,14 +69,23 @@ enum Command {
 ///
 /// # Errors
 /// As the command line would report them.
-pub fn parse_record(
-    words: impl Iterator<Item = std::ffi::OsString>,
-) -> anyhow::Result<crate::options::RecordOptions> {
-    Ok(record::RecordArguments::parse_words(words)?.options()?)
+pub fn parse_record(words: impl Iterator<Item = OsString>) -> anyhow::Result<crate::options::RecordOptions> {
+    Ok(parse_words::<record::RecordArguments>("record", words)?.options()?)
+}
+
+/// As if these words had been typed after the name of a command.
+fn parse_words<A: Args>(
+    command: &'static str,
+    words: impl IntoIterator<Item = impl Into<OsString>>,
+) -> Result<A, clap::Error> {
+    let words = words.into_iter().map(Into::into);
+    let line = std::iter::once(OsString::from(command)).chain(words);
+    A::from_arg_matches(&A::augment_args(clap::Command::new(command)).try_get_matches_from(line)?)
 }
 
 /// Runs the program on the arguments of the process.
 pub fn run() -> ExitCode {
+    interrupt::end_with_parent();
     let command = Cli::parse().command;
     if let Err(error) = interrupt::listen() {
         say(format_args!("signals end the program without a word: {error}"));
@@ -81,6 +96,7 @@ pub fn run() -> ExitCode {
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Study(arguments) => study::run(&arguments),
         Command::Adapters(arguments) => adapters::run(&arguments),
         Command::Scenes(arguments) => scenes::run(&arguments),
     };
@@ -90,7 +106,7 @@ pub fn run() -> ExitCode {
             // A file may have lists of any length.
             let sentence: String = format!("{error:#}").chars().take(ERROR_CHARACTERS).collect();
             say(format_args!("error: {sentence}"));
-            ExitCode::from(if error.is::<OptionError>() { 2 } else { 1 })
+            ExitCode::from(if error.is::<OptionError>() || error.is::<PlanError>() { 2 } else { 1 })
         }
     }
 }

@@ -1,10 +1,9 @@
 //! `recorder record`.
 
-use std::ffi::OsString;
 use std::path::PathBuf;
 
 use anyhow::Result;
-use clap::{Args, FromArgMatches, ValueEnum};
+use clap::{Args, ValueEnum};
 
 use crate::options::{
     AskedOrders, DeviceOptions, Keep, KeepPasses, OptionError, RecordOptions, parse_orders,
@@ -111,14 +110,6 @@ pub(super) struct RecordArguments {
 }
 
 impl RecordArguments {
-    /// As if these words had been typed after `recorder record`.
-    pub(super) fn parse_words(words: impl Iterator<Item = OsString>) -> Result<Self, clap::Error> {
-        let command = Self::augment_args(clap::Command::new("record"));
-        Self::from_arg_matches(
-            &command.try_get_matches_from([OsString::from("record")].into_iter().chain(words))?,
-        )
-    }
-
     /// The same on another device.
     pub(super) fn with_device(self, device: DeviceOptions) -> Self {
         Self { device, ..self }

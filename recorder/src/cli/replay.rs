@@ -74,7 +74,7 @@ pub(super) struct ReplayArguments {
 }
 
 impl ReplayArguments {
-    fn options(&self) -> Result<ReplayOptions, OptionError> {
+    pub(super) fn options(&self) -> Result<ReplayOptions, OptionError> {
         let keep = Keep::parse(&self.keep)?;
         let allowed = Keep { keys: true, permutations: true, work: true, caches: true, ..Keep::default() };
         if let Some(word) = keep.words().into_iter().find(|word| !allowed.words().contains(word)) {

@@ -60,7 +60,7 @@ pub fn record(options: &RecordOptions) -> Result<Recorded> {
     .on(device)
 }
 
-/// The camera of this name, or the first.
+/// The camera of this name, be it a view chosen automatically, or the first.
 ///
 /// # Errors
 /// If there is none.
@@ -77,11 +77,18 @@ pub(crate) fn choose_camera(scene: &Scene, name: Option<&str>) -> Result<Camera>
         None => {
             // One that cannot be used was left out, and said why.
             let why = format!("the camera \"{name}\" ");
+            if let Some(view) = scenes::views::view(scene, name) {
+                return view.with_context(|| format!("no camera can be made for scene '{}'", scene.name));
+            }
             if let Some(notice) = scene.notices.iter().find(|notice| notice.starts_with(&why)) {
                 bail!("{notice}");
             }
             let names: Vec<_> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
-            bail!("scene '{}' has no camera '{name}'; it has {}", scene.name, names.join(", "))
+            bail!(
+                "scene '{}' has no camera '{name}'; it has {}, and views chosen automatically: auto, auto-2 …",
+                scene.name,
+                names.join(", ")
+            )
         }
     }
 }
