@@ -75,9 +75,7 @@ pub(crate) fn run(path: &Path, json: bool, details: bool, options: &AnalysisOpti
     if !details && options.depth == Depth::Manifest {
         let mut parts = vec![in_short(&summary, &shown, source_is), Frame::of(dump.manifest()).text()];
         parts.extend(without_cost(dump.manifest()));
-        parts.push(
-            "More: --details (all settings, queues, stages, arrays), --metrics (capsules, lanes).".into(),
-        );
+        parts.push("More: --details (settings, queues, stages, arrays), --metrics (capsules, lanes)".into());
         return print(&parts.join("\n\n"));
     }
     let mut parts = vec![facts(&summary, &shown, source_is), queues(&summary), timings(&summary)];
@@ -138,7 +136,7 @@ fn in_short(summary: &Summary, shown: &Header, source_is: Option<SourceIs>) -> S
     let mut lines = vec![("recording", format!("{} ({})", summary.dump, state(summary)))];
     lines.extend(source_line(shown, source_is).map(|line| ("source", line)));
     lines.push(("scene", scene_line(summary, shown)));
-    lines.push(("backend", backend_line(shown)));
+    lines.push(("backend", machine_line(shown)));
     lines.push(("options", options_line(&shown.options)));
     let fitted = |(name, value): (&str, String)| wrapped(&format!("{name:<11} {value}"), COLUMNS, 12);
     lines.into_iter().map(fitted).collect::<Vec<_>>().join("\n")
@@ -263,7 +261,8 @@ fn scene_lines(summary: &Summary, shown: &Header) -> Vec<(&'static str, String)>
     ]
 }
 
-fn backend_line(shown: &Header) -> String {
+/// Backend, adapter, driver, threads and kernel.
+fn machine_line(shown: &Header) -> String {
     let adapter = &shown.adapter;
     let driver = if adapter.driver.is_empty() { String::new() } else { format!(", {}", adapter.driver) };
     let threads = match shown.options.threads {
@@ -271,14 +270,17 @@ fn backend_line(shown: &Header) -> String {
         threads => format!(", {}", counted(threads.into(), "thread", "threads")),
     };
     format!(
-        "{}: {} ({}, {}{driver}{threads}), kernel {}, timed by {}",
+        "{}: {} ({}, {}{driver}{threads}), kernel {}",
         shown.backend.name(),
         adapter.name,
         adapter.device_type,
         adapter.backend,
-        shown.options.trace_kernel,
-        shown.time_source
+        shown.options.trace_kernel
     )
+}
+
+fn backend_line(shown: &Header) -> String {
+    format!("{}, timed by {}", machine_line(shown), shown.time_source)
 }
 
 fn or_none(names: &[String]) -> String {

@@ -198,18 +198,27 @@ impl Frame {
         let all = known().count();
         if low > 1.0 {
             format!(
-                "Sorting pays: with {name} these rays are done {ratio:.2} times as fast, key, sort and all included; so it does with {} of {all} methods, and {} cost more than they save.",
+                "Sorting pays: with {name} these rays are done {ratio:.2} times as fast, key, sort and all included; so it does with {} of {all} methods; {}.",
                 with(PAYS),
-                with(COSTS)
+                costly(with(COSTS))
             )
         } else if high < 1.0 {
             format!("Sorting does not pay: even {name} takes longer than it saves ({ratio:.2}×).")
         } else {
             format!(
-                "Sorting is not shown to pay: the best of {all} methods, {name}, is level with unsorted rays ({ratio:.2}×), and {} cost more than they save.",
-                with(COSTS)
+                "Sorting is not shown to pay: the best of {all} methods, {name}, is level with unsorted rays ({ratio:.2}×); {}.",
+                costly(with(COSTS))
             )
         }
+    }
+}
+
+/// How many methods cost more than they save.
+fn costly(count: usize) -> String {
+    match count {
+        0 => "none costs more than it saves".to_owned(),
+        1 => "one costs more than it saves".to_owned(),
+        _ => format!("{count} cost more than they save"),
     }
 }
 
@@ -294,7 +303,7 @@ mod tests {
         };
         let pays = meaning(speedup(1.25, 1.125, 1.5), PAYS);
         assert!(pays.starts_with("Sorting pays: with aila") && pays.contains("1.25 times"), "{pays}");
-        assert!(pays.contains("1 of 2 methods, and 1 cost more"), "{pays}");
+        assert!(pays.contains("1 of 2 methods; one costs more"), "{pays}");
         assert!(meaning(speedup(1.25, 0.9, 1.5), "level").starts_with("Sorting is not shown to pay"));
         assert!(meaning(speedup(0.9, 0.85, 0.95), COSTS).starts_with("Sorting does not pay"));
         assert!(meaning(Some(Speedup { ratio: 2.0, interval: None }), "").contains("fewer than 6 repeats"));

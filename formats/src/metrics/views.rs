@@ -19,42 +19,31 @@ pub type Scene = Vec<Vec<f64>>;
 ///
 /// `None` if a scene has no round.
 pub fn mean_over_views(scenes: &[Scene]) -> Option<Speedup> {
-    let logarithms = |view: &Vec<f64>| -> Vec<f64> {
-        view.iter().filter(|ratio| **ratio > 0.0 && ratio.is_finite()).map(|ratio| ratio.ln()).collect()
-    };
-    let scenes: Vec<Vec<Vec<f64>>> = scenes
-        .iter()
-        .map(|views| views.iter().map(logarithms).filter(|view| !view.is_empty()).collect())
-        .collect();
-    let mean = |views: &[f64]| views.iter().sum::<f64>() / views.len() as f64;
-    let medians = |views: &Vec<Vec<f64>>| -> Vec<f64> {
-        views.iter().filter_map(|view| median_of(&mut view.clone())).collect()
-    };
-    if scenes.is_empty() || scenes.iter().any(Vec::is_empty) {
+    let scenes: Vec<Scene> = scenes.iter().map(logarithms).collect();
+    let centres: Vec<f64> = scenes.iter().map(centre).collect::<Option<_>>()?;
+    if scenes.is_empty() {
         return None;
     }
-    let centres: Vec<f64> = scenes.iter().map(|views| mean(&medians(views))).collect();
     let ratio = mean(&centres).exp();
     let views: usize = scenes.iter().map(Vec::len).sum();
     let rounds = scenes.iter().flatten().map(Vec::len).min().unwrap_or(0);
-    let has_several = views > scenes.len();
-    let drawn = if has_several { views - scenes.len() + 1 } else { rounds };
+    let drawn = if views > scenes.len() { views - scenes.len() + 1 } else { rounds };
     if rounds < INTERVAL_ROUNDS || drawn < INTERVAL_ROUNDS {
         return Some(Speedup { ratio, interval: None });
     }
     let mut random = SplitMix::new();
     let mut means: Vec<f64> = (0..RESAMPLES)
         .map(|_| {
-            let scene = |(views, centre): (&Vec<Vec<f64>>, &f64)| {
+            let scene = |(views, centre): (&Scene, &f64)| {
                 let count = views.len();
-                let again: Vec<f64> = (0..count)
+                let again: f64 = (0..count)
                     .filter_map(|_| {
                         let view = random.below(count);
                         median_of(&mut random.resample(&views[view]))
                     })
-                    .collect();
+                    .sum();
                 let widening = if count > 1 { (count as f64 / (count - 1) as f64).sqrt() } else { 1.0 };
-                centre + widening * (mean(&again) - centre)
+                centre + widening * (again / count as f64 - centre)
             };
             mean(&scenes.iter().zip(&centres).map(scene).collect::<Vec<_>>())
         })
@@ -62,6 +51,29 @@ pub fn mean_over_views(scenes: &[Scene]) -> Option<Speedup> {
     means.sort_by(f64::total_cmp);
     let tail = (RESAMPLES as f64 * tail_of(drawn)) as usize;
     Some(Speedup { ratio, interval: Some((means[tail].exp(), means[RESAMPLES - 1 - tail].exp())) })
+}
+
+/// The mean of one scene, as in [`mean_over_views`].
+pub fn mean_of_scene(views: &Scene) -> Option<f64> {
+    centre(&logarithms(views)).map(f64::exp)
+}
+
+/// Of the rounds that count, in views that have any.
+fn logarithms(views: &Scene) -> Scene {
+    let of_view = |view: &Vec<f64>| -> Vec<f64> {
+        view.iter().filter(|ratio| **ratio > 0.0 && ratio.is_finite()).map(|ratio| ratio.ln()).collect()
+    };
+    views.iter().map(of_view).filter(|view| !view.is_empty()).collect()
+}
+
+/// Mean over views of medians over rounds.
+fn centre(views: &Scene) -> Option<f64> {
+    let medians: Vec<f64> = views.iter().filter_map(|view| median_of(&mut view.clone())).collect();
+    (!medians.is_empty()).then(|| mean(&medians))
+}
+
+fn mean(numbers: &[f64]) -> f64 {
+    numbers.iter().sum::<f64>() / numbers.len() as f64
 }
 
 #[cfg(test)]

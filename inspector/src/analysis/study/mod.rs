@@ -5,9 +5,10 @@
 
 pub mod summary;
 
+use formats::key::method::CONTROL;
 use formats::metrics::frame::FrameTimes;
 use formats::metrics::speedup::{Speedup, geometric_mean};
-use formats::metrics::views::{Scene, mean_over_views};
+use formats::metrics::views::{Scene, mean_of_scene, mean_over_views};
 use formats::ray::Kind;
 use formats::study::Study;
 use rayon::prelude::*;
@@ -97,7 +98,7 @@ impl StudyAnalysis {
         let mut groups: Vec<(&str, &str)> =
             distinct(summaries.iter().map(|(name, summary)| (summary.configuration.as_str(), name.as_str())));
         // Recordings come before their replays.
-        groups.sort_by_key(|(configuration, name)| (*configuration, *name != "recording", *name));
+        groups.sort_by_key(|(configuration, name)| (*name != "recording", *name, *configuration));
         let group = |(configuration, name): &(&str, &str)| {
             let own = summaries
                 .iter()
@@ -134,7 +135,7 @@ impl StudyGroup {
 
     /// The rows of a kind of rays that are no variants, which sweeps show; those where there is nothing else.
     pub fn methods(&self, rays: RayClass) -> impl Iterator<Item = &StudyRow> {
-        let has_plain = self.rows.iter().any(|row| !row.is_variant);
+        let has_plain = self.rows.iter().any(|row| !row.is_variant && row.method != CONTROL);
         self.rows.iter().filter(move |row| row.rays == rays && !(has_plain && row.is_variant))
     }
 }

@@ -3,22 +3,26 @@
 use super::building::{figure, method_style, methods_in_rows};
 use super::{Findings, Made};
 use crate::analysis::study::{StudyGroup, StudyMean, StudyRow};
-use crate::analysis::summary::RayClass;
+use crate::analysis::summary::{RayClass, distinct};
 use crate::figures::model::{Axis, Of, Panel, Point, Series};
 
 /// Groups that have panels: those of the most views.
-const MOST_GROUPS: usize = 3;
+const MOST_GROUPS: usize = 2;
 
 /// Trace and net speedup of each method.
 pub fn speedups(findings: &Findings<'_>) -> Made {
     let study = findings.analysis.study.as_ref().ok_or("no study was given")?;
+    let is_shown = |row: &StudyRow| !row.is_variant && row.net.is_some();
     let mut groups: Vec<&StudyGroup> =
-        study.groups.iter().filter(|group| group.rows.iter().any(|row| !row.is_variant)).collect();
+        study.groups.iter().filter(|group| group.rows.iter().any(is_shown)).collect();
     groups.sort_by_key(|group| std::cmp::Reverse(group.views));
     groups.truncate(MOST_GROUPS);
-    let several = groups.len() > 1;
-    let title = |group: &StudyGroup, words: String| {
-        if several { format!("{}: {words}", label(group)) } else { words }
+    // As much as tells them apart.
+    let are_named = distinct(groups.iter().map(|group| &group.name)).len() == groups.len();
+    let title = |group: &StudyGroup, words: String| match groups.len() {
+        1 => words,
+        _ if are_named => format!("{}: {words}", group.name),
+        _ => format!("{}: {words}", label(group)),
     };
     let mut panels = Vec::new();
     for group in &groups {
