@@ -32,6 +32,16 @@ pub fn read_plain(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Refuses a place in a recording, whose files only its recorder writes.
+///
+/// # Errors
+/// If it lies in one, by any links.
+pub fn outside_recordings(path: &Path) -> io::Result<()> {
+    let Some(recording) = folder::recording_around(path) else { return Ok(()) };
+    let found = format!("it lies in the recording {}; choose a place outside", recording.display());
+    Err(io::Error::new(io::ErrorKind::InvalidInput, found))
+}
+
 /// Writes a file beside its place and renames it when it is complete, so that a full disk or an early end
 /// leaves what was there before. A link is followed; a pipe or device is written to as it is. Nothing is
 /// written into a recording, whose files only its recorder writes.
@@ -47,10 +57,7 @@ pub fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>
         Ok(_) => fs::canonicalize(path)?,
         Err(_) => path.to_owned(),
     };
-    if let Some(recording) = folder::recording_around(&target) {
-        let found = format!("it lies in the recording {}; choose a place outside", recording.display());
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, found));
-    }
+    outside_recordings(&target)?;
     let mut builder = tempfile::Builder::new();
     builder.prefix(".").suffix(".partial");
     // Like any new file, and not for the owner alone; the system takes away what the user's mask says.

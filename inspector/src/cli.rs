@@ -96,13 +96,17 @@ Each panel of the window saves its session and shows the command that draws it: 
 
 const EXPORT_EXAMPLES: &str = "\
 csv: one file of rays with their hits, in the order of a method. ply: rays and the curve of the order
-as edges, hits as points, capsules as meshes, all coloured by place in the order.
+as edges, hits as points, capsules as meshes, all coloured by place in the order. parquet: all rays in all
+orders, all times, and what `info --metrics` says, of a recording or a study, as tables for DuckDB, Polars,
+Spark and their like.
 
 Examples:
   inspector export sponza.raydump --format csv --out rays/
   inspector export sponza.raydump --format ply --out rays/ --bounce 2 --method two-point
   inspector export sponza.raydump --format ply --out rays/ --kind shadow --method aila --group 100
-  inspector export sponza.raydump --format csv --out rays/ --filter 'hit && length < 0.1'";
+  inspector export sponza.raydump --format csv --out rays/ --filter 'hit && length < 0.1'
+  inspector export sponza.raydump --format parquet --out sponza/
+  inspector export study/ --format parquet --out tables/ --kind closest --method two-point";
 
 /// Looks at Rayscope recordings.
 #[derive(Debug, Parser)]

@@ -20,18 +20,18 @@ use crate::model::{Order, Queue};
 /// Which rays, in which order.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct RayChoice {
-    /// The pass [default: the last that was kept].
+    /// The pass [default: the last that was kept; for parquet all].
     #[arg(long)]
     pass: Option<u32>,
-    /// The bounce; 0 is the camera rays.
-    #[arg(long, default_value_t = 1)]
-    bounce: u32,
-    /// The kind of rays.
-    #[arg(long, value_parser = arguments::kind(), default_value = "closest")]
-    kind: Kind,
-    /// The order: a method, or unsorted.
-    #[arg(long, default_value = UNSORTED)]
-    method: String,
+    /// The bounce; 0 is the camera rays [default: 1; for parquet all].
+    #[arg(long)]
+    bounce: Option<u32>,
+    /// The kind of rays [default: closest; for parquet both].
+    #[arg(long, value_parser = arguments::kind())]
+    kind: Option<Kind>,
+    /// The order: a method, or unsorted [default: unsorted; for parquet all].
+    #[arg(long)]
+    method: Option<String>,
     /// One group of the order alone, counted from 0.
     #[arg(long)]
     pub(super) group: Option<usize>,
@@ -47,22 +47,33 @@ pub(crate) struct RayChoice {
 impl RayChoice {
     /// The queue that is meant.
     fn queue(&self, dump: &Dump) -> anyhow::Result<QueueId> {
+        let (bounce, kind) = (self.bounce.unwrap_or(1), self.kind.unwrap_or(Kind::Closest));
         let queues = &source_of(dump).manifest().queues;
-        let is_meant = |id: &QueueId| {
-            id.bounce == self.bounce && id.kind == self.kind && self.pass.is_none_or(|pass| pass == id.pass)
-        };
+        let is_meant = |id: &QueueId| id.bounce == bounce && id.kind == kind && self.includes(*id);
         let meant = queues.iter().map(|queue| queue.id).filter(is_meant).max();
         meant.with_context(|| {
             let kept: Vec<String> = queues.iter().map(|queue| queue.id.to_string()).collect();
             let pass = self.pass.map_or(String::new(), |pass| format!(" in pass {pass}"));
             let root = dump.root().display();
-            format!(
-                "{root} has no {} rays of bounce {}{pass}; it has: {}",
-                self.kind,
-                self.bounce,
-                kept.join(", ")
-            )
+            format!("{root} has no {kind} rays of bounce {bounce}{pass}; it has: {}", kept.join(", "))
         })
+    }
+
+    /// Whether a queue is meant where all are that nothing leaves out.
+    pub(super) fn includes(&self, queue: QueueId) -> bool {
+        self.pass.is_none_or(|pass| pass == queue.pass)
+            && self.bounce.is_none_or(|bounce| bounce == queue.bounce)
+            && self.kind.is_none_or(|kind| kind == queue.kind)
+    }
+
+    /// Whether it leaves any rays out.
+    pub(super) fn names_rays(&self) -> bool {
+        self.pass.is_some() || self.bounce.is_some() || self.kind.is_some() || self.method.is_some()
+    }
+
+    /// Whether an order is, likewise.
+    pub(super) fn includes_method(&self, method: &str) -> bool {
+        self.method.as_ref().is_none_or(|meant| meant == method)
     }
 
     /// The places of the order that are meant, of so many.
@@ -104,7 +115,8 @@ impl ChosenRays {
     /// Opens what a choice names.
     pub(crate) fn open(dump: &Dump, choice: &RayChoice) -> anyhow::Result<Self> {
         let queue = Queue::open(dump, choice.queue(dump)?).map_err(Error::msg)?;
-        let order = Order::open(dump, Arc::new(queue), &choice.method).map_err(Error::msg)?;
+        let method = choice.method.as_deref().unwrap_or(UNSORTED);
+        let order = Order::open(dump, Arc::new(queue), method).map_err(Error::msg)?;
         let order = Arc::new(order);
         let places = choice.places(order.len())?;
         let places = match &choice.filter {

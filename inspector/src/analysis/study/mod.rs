@@ -183,8 +183,7 @@ fn mean(
     };
     let all: Vec<(usize, Scene)> =
         scenes.iter().map(|scene| views(scene)).enumerate().filter(|(_, views)| !views.is_empty()).collect();
-    let by_scene =
-        |(at, views): &(usize, Scene)| Some((*at, mean_over_views(std::slice::from_ref(views))?.ratio));
+    let by_scene = |(at, views): &(usize, Scene)| Some((*at, mean_of_scene(views)?));
     Some(StudyMean {
         scenes: all.iter().filter_map(by_scene).collect(),
         views: all.iter().map(|(_, views)| views.len()).sum(),

@@ -1,0 +1,102 @@
+//! Every sample of every time: a row each.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use formats::manifest::{DisturbedRecord, Manifest, TimingRecord};
+use formats::ray::Kind;
+
+use super::Recorded;
+use super::table::Values::{Repeat, Vary};
+use super::table::{Column, TableWriter};
+use crate::shown;
+
+/// One sample.
+struct TimingRow {
+    of: Arc<Recorded>,
+    pass: u32,
+    bounce: u32,
+    kind: Option<&'static str>,
+    method: Arc<str>,
+    stage: &'static str,
+    round: u32,
+    ns: u64,
+    is_disturbed: bool,
+}
+
+/// The table of all samples.
+pub(super) struct Timings(TableWriter<TimingRow>);
+
+impl Timings {
+    /// Starts it.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub(super) fn create(path: PathBuf) -> anyhow::Result<Self> {
+        Ok(Self(TableWriter::create(path, columns())?))
+    }
+
+    /// Adds the samples of a recording.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub(super) fn add<'m>(
+        &mut self,
+        of_recording: &Arc<Recorded>,
+        manifest: &'m Manifest,
+    ) -> anyhow::Result<()> {
+        let of = |record: &'m DisturbedRecord| {
+            let DisturbedRecord { pass, bounce, kind, method, stage, samples } = record;
+            ((*pass, *bounce, Some(*kind), method.as_str(), *stage), samples.as_slice())
+        };
+        let disturbed: BTreeMap<_, &[u32]> = manifest.disturbed.iter().map(of).collect();
+        for record in &manifest.timings {
+            let TimingRecord { pass, bounce, kind, method, stage, samples_ns } = record;
+            let shown: Arc<str> = shown::name(method).into();
+            let rounds = disturbed.get(&(*pass, *bounce, *kind, method.as_str(), *stage));
+            for (round, ns) in (0..).zip(samples_ns) {
+                self.0.push(TimingRow {
+                    of: of_recording.clone(),
+                    pass: *pass,
+                    bounce: *bounce,
+                    kind: kind.map(Kind::name),
+                    method: shown.clone(),
+                    stage: stage.name(),
+                    round,
+                    ns: *ns,
+                    is_disturbed: rounds.is_some_and(|rounds| rounds.contains(&round)),
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends it.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub(super) fn finish(self) -> anyhow::Result<u64> {
+        self.0.finish()
+    }
+}
+
+fn columns() -> Vec<Column<TimingRow>> {
+    vec![
+        Column::text("scene", "Scene", |row| Some(&row.of.scene)),
+        Column::text("machine", "Backend, adapter, kernel and threads", |row| Some(&row.of.machine)),
+        Column::text("recording", "Recording, by its folder", |row| Some(&row.of.recording)),
+        Column::u32("pass", "Pass, from 0", Repeat, |row| Some(row.pass)),
+        Column::u32("bounce", "Bounce; 0 is the camera rays", Repeat, |row| Some(row.bounce)),
+        Column::text("kind", "Kind of the rays; null for stages that serve both", |row| row.kind),
+        Column::text("method", "Order of the rays", |row| Some(&row.method)),
+        Column::text("stage", "What was timed", |row| Some(row.stage)),
+        Column::u32("round", "Round of measuring, from 0: its samples belong together", Repeat, |row| {
+            Some(row.round)
+        }),
+        Column::u64("ns", "How long it took", Vary, |row: &TimingRow| Some(row.ns)).unit("nanoseconds"),
+        Column::flag("disturbed", "Whether the machine is known to have done other work meanwhile", |row| {
+            Some(row.is_disturbed)
+        }),
+    ]
+}
