@@ -56,27 +56,15 @@ pub(crate) fn camera(scene: &Scene) -> Result<Camera, CameraError> {
 pub(crate) fn views(scene: &Scene, count: usize) -> impl Iterator<Item = Result<Camera, CameraError>> {
     let bounds = scene.bounds();
     let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from_array(corner.map(f64::from)));
-    let mut poses: Vec<(DVec3, DVec3)> = Vec::new();
     let room = Room::of(scene, min, max);
-    if let Some(first) = room.first() {
+    let poses: Vec<(DVec3, DVec3)> = match room.first() {
         // A little down: floors have more to show than ceilings.
-        poses = room
-            .views(first, count)
-            .into_iter()
-            .map(|view| (view.eye, view.forward - 0.1 * DVec3::Y))
-            .collect();
-    } else {
-        let radius = match 0.5 * (max - min).length() {
-            0.0 => 1.0,
-            radius => radius,
-        };
-        // Off every diagonal, so that flat scenes are not seen edge-on.
-        let back = DVec3::new(0.75, 0.55, 1.0).normalize();
-        for number in 0..count {
-            let back = DQuat::from_rotation_y(number as f64 * GOLDEN_ANGLE_RADIANS) * back;
-            poses.push((0.5 * (min + max) + back * (radius / HALF_FIELD_OF_VIEW_RADIANS.sin()), -back));
+        Some(first) => {
+            let views = room.views(first, count).into_iter();
+            views.map(|view| (view.eye, view.forward - 0.1 * DVec3::Y)).collect()
         }
-    }
+        None => all_round(scene, min, max, count),
+    };
     let yfov_radians = (2.0 * HALF_FIELD_OF_VIEW_RADIANS) as f32;
     poses.into_iter().zip(1..).map(move |((eye, forward), number)| {
         Camera::from_axes(&view_name(number), eye, forward, DVec3::Y, yfov_radians)
@@ -86,6 +74,53 @@ pub(crate) fn views(scene: &Scene, count: usize) -> impl Iterator<Item = Result<
 /// `auto`, `auto-2`, `auto-3` …
 pub(crate) fn view_name(number: usize) -> String {
     if number == 1 { "auto".to_owned() } else { format!("auto-{number}") }
+}
+
+/// Eyes and directions from above: the first sees everything, the others most of the triangles, which may be a town in
+/// the middle of a plain.
+fn all_round(scene: &Scene, min: DVec3, max: DVec3, count: usize) -> Vec<(DVec3, DVec3)> {
+    let whole = match 0.5 * (max - min).length() {
+        0.0 => 1.0,
+        radius => radius,
+    };
+    let distance = |radius: f64| radius / HALF_FIELD_OF_VIEW_RADIANS.sin();
+    // Off every diagonal, so that flat scenes are not seen edge-on.
+    let back = DVec3::new(0.75, 0.55, 1.0).normalize();
+    let far = |back: DVec3| 0.5 * (min + max) + back * distance(whole);
+    let backs: Vec<DVec3> = (0..count)
+        .map(|number| DQuat::from_rotation_y(number as f64 * GOLDEN_ANGLE_RADIANS) * back)
+        .collect();
+    let near: Vec<DVec3> = match (count > 1).then(|| most(scene)) {
+        Some((middle, radius)) => backs.iter().map(|&back| middle + back * distance(radius)).collect(),
+        None => Vec::new(),
+    };
+    // Only who is inside of something sees backs.
+    let is_outside = |sights: &[Sight; DIRECTIONS]| {
+        sights.iter().all(|sight| sight.is_front || !sight.distance.is_finite())
+    };
+    let sights = look_around(scene, &near);
+    let outside = near.into_iter().zip(sights).map(|(eye, sights)| is_outside(&sights).then_some(eye));
+    let near = std::iter::once(None).chain(outside.skip(1));
+    backs.iter().zip(near).map(|(&back, near)| (near.unwrap_or(far(back)), -back)).collect()
+}
+
+/// The middle of the triangles, and how far from there four fifths of them lie at most.
+fn most(scene: &Scene) -> (DVec3, f64) {
+    /// So many say enough.
+    const TRIANGLES: usize = 1 << 16;
+
+    let step = scene.triangles.len().div_ceil(TRIANGLES).max(1);
+    let triangles = (0..scene.triangles.len()).step_by(step);
+    let centre = |triangle| scene.corners(triangle).map(|corner| DVec3::from_array(corner.map(f64::from)));
+    let centres: Vec<DVec3> =
+        triangles.map(|triangle| centre(triangle).iter().sum::<DVec3>() / 3.0).collect();
+    let at_share = |mut values: Vec<f64>, share: f64| {
+        values.sort_by(f64::total_cmp);
+        values.get((share * values.len() as f64) as usize).copied().unwrap_or_default()
+    };
+    let axis = |axis: usize| at_share(centres.iter().map(|centre| centre[axis]).collect(), 0.5);
+    let middle = DVec3::from_array([0, 1, 2].map(axis));
+    (middle, at_share(centres.iter().map(|centre| centre.distance(middle)).collect(), 0.8))
 }
 
 /// Places in a room, and what is seen from them.

@@ -2,6 +2,7 @@
 //!
 //! - [`sources`]: the project's own files, for the tests that read them
 //! - [`programs`]: `recorder` and `inspector` as a user runs them
+//! - [`full_disk`]: the recorder where there is no room
 //! - [`drivers`]: other Vulkan drivers, and the validation layer
 //! - [`recordings`]: the arrays of a recording, byte by byte
 //! - [`crafted`]: recordings that somebody changed, with right checksums
@@ -12,6 +13,7 @@
 
 pub mod crafted;
 pub mod drivers;
+pub mod full_disk;
 pub mod keys;
 pub mod programs;
 pub mod recordings;

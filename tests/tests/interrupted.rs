@@ -2,14 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use std::fs;
-use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::Instant;
 
 use tempfile::tempdir;
-use tests::programs::{Outcome, Program, finish};
+use tests::full_disk::{on_small_disk, shell};
+use tests::programs::Program;
 use tests::recordings::SMALL;
 
 const KILLS: u32 = 20;
@@ -66,48 +65,12 @@ fn killed_at_any_moment_it_recovers() {
     );
 }
 
-fn say(message: &str) {
-    // Past the test harness, which shows what a passing test prints to nobody.
-    let _ = writeln!(std::io::stderr(), "{message}");
-}
-
-/// Runs a shell script with the recorder's path, then `line`'s words, as its arguments.
-fn shell(folder: &Path, wrapper: &[&str], script: &str, line: &str) -> Outcome {
-    let mut words = wrapper.iter().copied().chain(["sh", "-c", script, "sh"]);
-    let mut command = Command::new(words.next().unwrap());
-    command.args(words).arg(Program::Recorder.path()).args(line.split_whitespace());
-    finish(command.current_dir(folder).stdin(Stdio::null()).env("XDG_CACHE_HOME", folder))
-}
-
-/// How a small file system can be mounted here: as root, or as root of a namespace of one's own.
-fn mounter() -> Option<&'static [&'static str]> {
-    let ways: [&[&str]; 2] = [&["unshare", "--mount"], &["unshare", "--mount", "--user", "--map-root-user"]];
-    let works = |way: &&&[&str]| {
-        let script = "mount -t tmpfs -o size=64k tmpfs \"$0\"";
-        let tried = Command::new(way[0])
-            .args(&way[1..])
-            .args(["sh", "-c", script])
-            .arg(std::env::temp_dir())
-            .output();
-        tried.is_ok_and(|output| output.status.success())
-    };
-    ways.iter().find(works).copied()
-}
-
 #[test]
 fn a_full_disk_is_one_clear_error_and_recovers() {
-    let Some(mounter) = mounter() else {
-        say("NOTE: no tmpfs can be mounted here; a limit on the size of files stands in for the full disk");
-        return;
-    };
     let folder = tempdir().unwrap();
-    fs::create_dir(folder.path().join("small")).unwrap();
-    // The mount ends with the shell, so what was written is copied out first.
-    let script =
-        "mount -t tmpfs -o size=512k tmpfs small || exit 99; \"$@\"; code=$?; cp -a small/. kept; exit $code";
-    fs::create_dir(folder.path().join("kept")).unwrap();
     let line = format!("record builtin:cornell --out small/full.raydump --backend cpu --repeats 1 {SMALL}");
-    shell(folder.path(), mounter, script, &line).failed_with(1, &["no space is left", "recover"]);
+    let Some(outcome) = on_small_disk(folder.path(), "512k", &line) else { return };
+    outcome.failed_with(1, &["no space is left", "recover"]);
     assert!(
         recovers(&folder.path().join("kept"), "full"),
         "nothing was left of the recording on the full disk"

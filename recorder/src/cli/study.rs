@@ -150,10 +150,8 @@ fn show_plan(arguments: &PlanArguments) -> Result<()> {
 
 fn make(arguments: &RunArguments) -> Result<()> {
     let FolderArguments { plan: planned, out } = &arguments.folder;
-    let (plan, Jobs { jobs, problems }) = read(planned)?;
-    for problem in problems {
-        say(format_args!("{}: {problem}", planned.file.display()));
-    }
+    // What is wrong with scenes and cameras is what their jobs fail by.
+    let (plan, Jobs { jobs, .. }) = read(planned)?;
     let chosen: Vec<&Job> = match arguments.job {
         None => jobs.iter().collect(),
         Some(number) => {
@@ -199,9 +197,9 @@ fn say_strays(out: &Path, jobs: &[Job]) -> Result<()> {
     let strays = strays(out, jobs).with_context(|| format!("cannot list {}", out.display()))?;
     if let Some(first) = strays.first() {
         say(format_args!(
-            "{} holds {} jobs that the plan does not have, such as {first}; what reads the study reads them, too: remove them if they are of no use",
-            out.display(),
-            strays.len()
+            "{} of the jobs in {} are none of the plan's, such as {first}; what reads the study reads them, too: remove them if they are of no use",
+            strays.len(),
+            out.display()
         ));
     }
     Ok(())

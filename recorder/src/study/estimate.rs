@@ -14,9 +14,9 @@ use crate::options::{KeepPasses, RecordOptions};
 /// no light can be.
 const LIVING: f64 = 0.6;
 /// Traces a second and thread, with all that is done beside.
-const TRACES_PER_SECOND: f64 = 1.0e6;
+const TRACES_PER_SECOND: f64 = 2.5e6;
 /// By what the time of a first estimate may be too long or too short: scenes and machines differ by more than that.
-pub const TIME_FACTOR: f64 = 4.0;
+pub const TIME_FACTOR: f64 = 3.0;
 /// What every command takes before its first ray, seconds.
 const START_SECONDS: f64 = 0.5;
 /// Share of a length table's cells that are kept: those that more than one ray fell into.

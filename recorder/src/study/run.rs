@@ -38,11 +38,13 @@ pub fn prepare(out: &Path, plan: &Plan) -> Result<()> {
             out.display()
         );
     }
-    fs::create_dir_all(&jobs).with_context(|| format!("cannot make the folder {}", jobs.display()))?;
+    // The plan comes first: in a recording, where it is refused, no folder is made.
+    fs::create_dir_all(out).with_context(|| format!("cannot make the folder {}", out.display()))?;
     if !is_same {
         replace(&copy, |file| file.write_all(plan.text.as_bytes()))
             .with_context(|| format!("cannot write {}", copy.display()))?;
     }
+    fs::create_dir_all(&jobs).with_context(|| format!("cannot make the folder {}", jobs.display()))?;
     Ok(())
 }
 

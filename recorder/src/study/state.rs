@@ -89,18 +89,18 @@ pub fn strays(out: &Path, jobs: &[Job]) -> std::io::Result<Vec<String>> {
     Ok(names)
 }
 
-/// By how much jobs took longer, and wrote more, than was estimated: least, median and most of those that are
-/// finished.
+/// By how much jobs take longer, and write more, than was estimated, as far as finished ones tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Experience {
-    /// Of time.
+    /// Of time: least, about and most. The bounds are those of the finished jobs, wider by [`TIME_FACTOR`] for none and
+    /// by its n-th root for n − 1.
     pub seconds: [f64; 3],
-    /// Of bytes; the median.
+    /// Of bytes.
     pub bytes: f64,
 }
 
 impl Experience {
-    /// What the finished ones among these jobs teach; without any, that nothing is known.
+    /// What the finished ones among these jobs teach.
     pub fn of<'a>(jobs: impl Iterator<Item = (&'a Job, &'a State)>) -> Self {
         let (mut seconds, mut bytes): (Vec<f64>, Vec<f64>) = jobs
             .filter_map(|(job, state)| match state {
@@ -113,12 +113,11 @@ impl Experience {
             .unzip();
         seconds.sort_by(f64::total_cmp);
         bytes.sort_by(f64::total_cmp);
-        match (seconds.first(), seconds.last()) {
-            (Some(&least), Some(&most)) => {
-                Self { seconds: [least, seconds[seconds.len() / 2], most], bytes: bytes[bytes.len() / 2] }
-            }
-            _ => Self { seconds: [1.0 / TIME_FACTOR, 1.0, TIME_FACTOR], bytes: 1.0 },
-        }
+        let of = |values: &[f64], at: usize| values.get(at).copied().unwrap_or(1.0);
+        let count = seconds.len();
+        let widening = TIME_FACTOR.powf(1.0 / (1 + count) as f64);
+        let (least, most) = (of(&seconds, 0) / widening, of(&seconds, count.saturating_sub(1)) * widening);
+        Self { seconds: [least, of(&seconds, count / 2), most], bytes: of(&bytes, count / 2) }
     }
 
     /// About so many seconds.
@@ -129,5 +128,61 @@ impl Experience {
     /// About so many bytes.
     pub fn bytes(&self, estimate: Estimate) -> f64 {
         (self.bytes * estimate.bytes).min(estimate.bytes_max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use formats::study::JOB_VERSION;
+
+    use super::*;
+
+    fn finished(seconds: f64) -> (Job, State) {
+        let estimate = Estimate { seconds: 10.0, bytes: 100.0, bytes_max: 200.0 };
+        let record = JobRecord {
+            rayscope_job: JOB_VERSION,
+            content_hash: String::new(),
+            scene: String::new(),
+            camera: String::new(),
+            seed: 0,
+            commands: Vec::new(),
+            recordings: Vec::new(),
+            host: String::new(),
+            seconds,
+            bytes: 150,
+            failure: None,
+        };
+        let job = Job {
+            number: 1,
+            name: String::new(),
+            scene: String::new(),
+            camera: String::new(),
+            seed: 0,
+            commands: Vec::new(),
+            content_hash: String::new(),
+            estimate,
+        };
+        (job, State::Finished(record))
+    }
+
+    #[test]
+    fn finished_jobs_say_what_the_others_take() {
+        let waiting = (finished(1.0).0, State::Waiting);
+        let of = |jobs: &[(Job, State)]| Experience::of(jobs.iter().map(|(job, state)| (job, state)));
+        assert_eq!(of(std::slice::from_ref(&waiting)).seconds, [1.0 / TIME_FACTOR, 1.0, TIME_FACTOR]);
+        let three = [finished(5.0), waiting, finished(40.0), finished(20.0)];
+        let Experience { seconds: [least, about, most], bytes } = of(&three);
+        let widening = TIME_FACTOR.sqrt().sqrt();
+        assert_eq!((about, bytes), (2.0, 1.5));
+        assert!(
+            (least - 0.5 / widening).abs() < 1e-12 && (most - 4.0 * widening).abs() < 1e-12,
+            "{least} {most}"
+        );
+        let more = Estimate { seconds: 3.0, bytes: 1000.0, bytes_max: 1200.0 };
+        assert_eq!(
+            (of(&three).seconds(more), of(&three).bytes(more)),
+            (6.0, 1200.0),
+            "never more than there can be"
+        );
     }
 }

@@ -198,3 +198,32 @@ fn a_picture_that_will_be_black_is_said_with_what_would_help() {
         assert!(notice.contains("scene.rayscope.toml"), "{notice}");
     }
 }
+
+#[test]
+fn further_views_are_unlike_the_first_and_inside_a_room_or_outside_of_a_thing() {
+    for is_room in [true, false] {
+        let scene = house(is_room, true).scene();
+        let names = scenes::views::names(4);
+        assert_eq!(names, ["auto", "auto-2", "auto-3", "auto-4"]);
+        let view = |name: &String| scenes::views::view(&scene, name).unwrap().unwrap();
+        let views: Vec<Camera> = names.iter().map(view).collect();
+        assert_eq!(&views[0], automatic(&scene));
+        for (number, view) in views.iter().enumerate() {
+            assert_eq!(view.name, names[number]);
+            assert_eq!(is_inside(&scene, view.eye), is_room, "{view:?}");
+            let pose = |camera: &Camera| (camera.eye, camera.forward);
+            assert!(views[..number].iter().all(|before| pose(before) != pose(view)), "{views:?}");
+        }
+        assert!(scenes::views::view(&scene, "auto-1").is_none());
+        assert!(scenes::views::view(&scene, "auto-17").is_none());
+        assert!(scenes::views::view(&scene, "front").is_none());
+    }
+}
+
+#[test]
+fn a_thing_in_the_middle_of_a_plain_is_seen_from_near_by_all_views_but_the_first() {
+    let scene = scenes::load("builtin:city?triangles=14000").unwrap();
+    let view = |name: &str| scenes::views::view(&scene, name).unwrap().unwrap();
+    let height = |camera: Camera| camera.eye[1];
+    assert!(height(view("auto-2")) < 0.5 * height(view("auto")), "{:?} {:?}", view("auto"), view("auto-2"));
+}
