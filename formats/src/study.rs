@@ -6,6 +6,7 @@
 //! STUDY/jobs/JOB/recording.raydump  what was recorded, and beside it its replays
 //! STUDY/jobs/JOB/log.txt            what its commands said
 //! STUDY/summaries/                  what readers computed of recordings, by content hash; may be deleted
+//! STUDY/slurm/                      what tasks of Slurm said, ARRAY_JOB.log; may be deleted
 //! ```
 
 use std::io;
@@ -24,6 +25,8 @@ pub const JOBS_NAME: &str = "jobs";
 pub const JOB_NAME: &str = "job.json";
 /// Folder of what readers computed.
 pub const SUMMARIES_NAME: &str = "summaries";
+/// Folder of what tasks of Slurm said.
+pub const SLURM_NAME: &str = "slurm";
 /// Version of [`JobRecord`].
 pub const JOB_VERSION: u32 = 1;
 

@@ -6,6 +6,7 @@
 //! - [`drivers`]: other Vulkan drivers, and the validation layer
 //! - [`recordings`]: the arrays of a recording, byte by byte
 //! - [`crafted`]: recordings that somebody changed, with right checksums
+//! - [`slurm`]: a cluster on this machine
 //! - [`scene_files`]: small GLB files, sound and broken
 //! - [`keys`]: keys and lengths once more, written from their definition alone
 
@@ -18,4 +19,6 @@ pub mod keys;
 pub mod programs;
 pub mod recordings;
 pub mod scene_files;
+#[cfg(target_os = "linux")]
+pub mod slurm;
 pub mod sources;

@@ -6,6 +6,7 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, Subcommand};
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, ContentArrangement, Table};
+use formats::study::SLURM_NAME;
 use indicatif::HumanBytes;
 use serde_json::{Value, json};
 
@@ -18,6 +19,7 @@ use crate::study::estimate::Estimate;
 use crate::study::jobs::{Job, Jobs, jobs};
 use crate::study::plan::{self, Plan};
 use crate::study::run::{self, LOG_NAME};
+use crate::study::slurm::Array;
 use crate::study::state::{Experience, State, folder, state, strays};
 use crate::study::words::Commands;
 
@@ -28,6 +30,7 @@ Examples:
   recorder study status quick.toml --out quick
   recorder study run paper.toml --scenes rooms/ --out paper
   recorder study run paper.toml --out paper --job 3
+  SBATCH_PARTITION=gpu SBATCH_GPUS=1 recorder study run paper.toml --out paper --slurm --constraint a100
   inspector report quick --out report
 
 A plan:
@@ -41,7 +44,11 @@ A plan:
   key-bits = [8, 16, 32]
 
 Killed at any time, the same command makes what is not finished. A job whose scene, camera or options are other
-ones by now, or that failed, is made again.";
+ones by now, or that failed, is made again.
+
+With Slurm: --slurm hands the jobs that are left to one array, each a task with a node to itself. The program, the
+plan, its scenes and the folder lie where all nodes see them. Further options of sbatch are taken from its environment
+variables: SBATCH_PARTITION, SBATCH_ACCOUNT, SBATCH_TIMELIMIT, SBATCH_GPUS and so on.";
 
 #[derive(Debug, Args)]
 pub(super) struct StudyArguments {
@@ -88,6 +95,15 @@ struct RunArguments {
     /// Make this job alone, by its number in `recorder study plan`.
     #[arg(long, value_name = "N")]
     job: Option<usize>,
+    /// Hand the jobs that are left to Slurm, as one array, and return.
+    #[arg(long, conflicts_with = "job")]
+    slurm: bool,
+    /// Take only nodes with these features, as `sbatch --constraint` does.
+    #[arg(long, value_name = "FEATURES", requires = "slurm")]
+    constraint: Option<String>,
+    /// Wait until Slurm has ended all tasks, and say how they ended.
+    #[arg(long, requires = "slurm")]
+    wait: bool,
 }
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<()> {
@@ -161,7 +177,13 @@ fn make(arguments: &RunArguments) -> Result<()> {
     };
     run::prepare(out, &plan)?;
     say_strays(out, &jobs)?;
-    let states = run::run(out, &chosen)?;
+    let states = match arguments.slurm {
+        false => run::run(out, &chosen)?,
+        true => match by_slurm(arguments, &jobs)? {
+            Some(states) => states,
+            None => return Ok(()),
+        },
+    };
     let ended: Vec<(&Job, &State)> = chosen.iter().copied().zip(&states).collect();
     if planned.json {
         print_json(&result_json(&ended))?;
@@ -178,7 +200,47 @@ fn make(arguments: &RunArguments) -> Result<()> {
         let log = folder(out, first).join(LOG_NAME);
         bail!("{} of {} jobs failed; see {}", failed.len(), chosen.len(), log.display());
     }
+    let unfinished = states.iter().filter(|state| !matches!(state, State::Finished(_))).count();
+    if unfinished > 0 {
+        let logs = out.join(SLURM_NAME);
+        bail!("{unfinished} of {} jobs are not finished; see {}", chosen.len(), logs.display());
+    }
     Ok(())
+}
+
+/// Hands what is left to Slurm; how it ended, if that was waited for.
+fn by_slurm(arguments: &RunArguments, jobs: &[Job]) -> Result<Option<Vec<State>>> {
+    let FolderArguments { plan: planned, out } = &arguments.folder;
+    let states = || jobs.iter().map(|job| state(out, job)).collect::<Result<Vec<State>, _>>();
+    let before = states()?;
+    let is_left = |state: &State| matches!(state, State::Failed(_) | State::Waiting);
+    let numbers: Vec<usize> =
+        jobs.iter().zip(&before).filter(|(_, state)| is_left(state)).map(|(job, _)| job.number).collect();
+    if numbers.is_empty() {
+        return Ok(Some(before));
+    }
+    let array = Array {
+        file: &planned.file,
+        scenes: planned.scenes.as_deref(),
+        out,
+        numbers: &numbers,
+        constraint: arguments.constraint.as_deref(),
+        wait: arguments.wait,
+    };
+    let submitted = |number: &str| {
+        let words = format!("Slurm has {} of {} jobs as array {number}", numbers.len(), jobs.len());
+        match (arguments.wait, planned.json) {
+            (true, _) => say(format_args!("{words}; waiting for them")),
+            (false, true) => return print_json(&json!({ "array": number, "jobs": numbers })),
+            (false, false) => {
+                let how = "`recorder study status` says how far they are, `squeue` what waits for what";
+                return print(format_args!("{words}; {how}"));
+            }
+        }
+        Ok(())
+    };
+    array.submit(submitted)?;
+    if arguments.wait { Ok(Some(states()?)) } else { Ok(None) }
 }
 
 fn show_status(arguments: &FolderArguments) -> Result<()> {

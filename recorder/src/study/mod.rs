@@ -3,6 +3,7 @@
 //! - [`plan`]: what `study.toml` asks for; [`words`]: its options as words of a command line
 //! - [`jobs`]: the plan over its scenes, cameras and seeds; [`estimate`]: about what a job takes
 //! - [`state`]: how far the jobs of a folder are; [`run`]: makes what is not finished, by [`child`] processes
+//! - [`slurm`]: hands that to a cluster in place of this machine
 //!
 //! The folder is [`formats::study`]'s.
 
@@ -11,6 +12,7 @@ pub mod estimate;
 pub mod jobs;
 pub mod plan;
 pub mod run;
+pub mod slurm;
 pub mod state;
 pub mod words;
 
