@@ -13,6 +13,7 @@ use formats::manifest::{MethodArray, Place, QueueArray, QueueId, SceneArray};
 use formats::ray::{Hit, Kind, Ray, Work};
 use formats::reader::Dump;
 use formats::study::{JOB_VERSION, JobRecord};
+use formats::writer::DumpWriter;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::{Field, Row};
 
@@ -228,6 +229,20 @@ fn nothing_is_written_into_a_recording() {
     fs::write(&file, "").unwrap();
     is_refused(&export(&path, &file, &[]), "is no folder");
     is_refused(&export(&path, &folder.path().join("x"), &["--filter", "hit"]), "a query does");
+}
+
+#[test]
+fn scenes_of_any_name_have_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut header = sample::header();
+    header.scene.name = "a=b/c d%".to_owned();
+    let mut writer = DumpWriter::create(&folder.path().join("odd"), header, false).unwrap();
+    let end = sample::write_all(&mut writer).unwrap();
+    let path = writer.finish(end).unwrap();
+    let out = folder.path().join("out");
+    exported(&path, &out, &["--method", "aila", "--bounce", "0"]);
+    assert!(out.join("rays/scene=a%3Db%2Fc%20d%25").is_dir());
+    assert_eq!(rows(&out.join("timings.parquet"))[0]["scene"], Field::Str("a=b/c d%".to_owned()));
 }
 
 #[test]
