@@ -135,7 +135,7 @@ mod tests {
     fn unknown_figures_are_named() {
         assert!(check_names(&["overhead".to_owned()]).is_ok());
         let message = check_names(&["overheads".to_owned()]).unwrap_err().to_string();
-        assert!(message.contains("no figure overheads; there are: trace-speedup"), "{message}");
+        assert!(message.contains("no figure overheads; there are: study-speedup"), "{message}");
     }
 
     #[test]

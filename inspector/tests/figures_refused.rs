@@ -54,7 +54,7 @@ fn an_unknown_figure_is_answered_with_those_there_are() {
     let out = folder.path().join("out");
     let (code, _, error) = run("plot", &folder.path().join("none"), &out, &["--figure", "overheads"]);
     assert_eq!((code, error.lines().count()), (1, 1));
-    assert!(error.contains("no figure overheads; there are: trace-speedup"), "{error}");
+    assert!(error.contains("no figure overheads; there are: study-speedup"), "{error}");
     assert!(!out.exists(), "nothing is made before the names are known");
 }
 

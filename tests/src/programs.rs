@@ -79,6 +79,11 @@ impl Outcome {
         self
     }
 
+    /// Standard output in one line: what is longer than a terminal is wide is broken anywhere.
+    pub fn in_a_line(&self) -> String {
+        self.stdout.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
     /// Standard output as JSON.
     ///
     /// # Panics

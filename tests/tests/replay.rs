@@ -134,7 +134,7 @@ fn what_auto_chooses_is_repeated_with_its_calibration() {
         assert!(decisions.len() > 3 && decisions.len() == calibration.len(), "{decisions:?}");
         for kernel in kernels {
             let line = format!(
-                "replay first.raydump --out again.raydump --backend {backend} --trace {kernel} --force"
+                "replay first.raydump --out again.raydump --backend {backend} --trace {kernel} --force --details"
             );
             let table = Program::Recorder.run(folder.path(), &line).succeeded().stdout;
             assert!(table.contains("auto     bounce 1, shadow rays: "), "{table}");

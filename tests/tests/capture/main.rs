@@ -105,7 +105,7 @@ fn carried_along(folder: &Path, lacking: &str) {
     let bare = format!("{IMPORT} --queues queues --out bare --keep rays,hits,lengths,scene");
     Program::Recorder.run(folder, &bare).succeeded();
     let replay = "replay bare.raydump --out bare-again --backend cpu --repeats 1";
-    let said = Program::Recorder.run(folder, replay).succeeded().stdout;
+    let said = Program::Recorder.run(folder, replay).succeeded().in_a_line();
     for order in ["morton", "octants"] {
         let left_out =
             format!("the order {order} of another tracer is left out: its permutations were not kept");
@@ -144,7 +144,7 @@ fn what_is_wrong_with_foreign_orders_and_hits_is_found() {
     edit("octants/permutation.npy", 0, second);
     edit("hits.npy", 4 * 1000 + 1, 3_000_000);
     let line = format!("{IMPORT} --queues queues --out wrong");
-    let said = Program::Recorder.run(folder, &line).succeeded().stdout;
+    let said = Program::Recorder.run(folder, &line).succeeded().in_a_line();
     assert!(said.contains("imported hits: failed") && said.contains("kept and not measured"), "{said}");
     let outcome = Program::Inspector.run(folder, "verify wrong.raydump --json");
     assert_eq!(outcome.code, Some(FAILED), "{}", outcome.stdout);
