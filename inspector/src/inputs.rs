@@ -7,7 +7,7 @@ use formats::reader::Dump;
 use formats::study::Study;
 
 use crate::analysis::summary::distinct;
-use crate::analysis::{Analysis, AnalysisOptions, Depth, StudyAnalysis, analyse};
+use crate::analysis::{Analysis, analyse_studies};
 use crate::figures::catalogue::{CATALOGUE, FigureMaker, Findings, Skipped};
 use crate::figures::model::Figure;
 use crate::output::say;
@@ -44,12 +44,11 @@ impl Inputs {
 
     /// The numbers of all recordings, arrays included.
     pub(crate) fn analysis(&self) -> anyhow::Result<Analysis> {
-        let options = AnalysisOptions { depth: Depth::Arrays, ..AnalysisOptions::default() };
-        let study = (!self.studies.is_empty()).then(|| StudyAnalysis::of(&self.studies));
-        for notice in study.iter().flat_map(|study| &study.notices) {
+        let analysis = analyse_studies(&self.studies, &self.recordings)?;
+        for notice in analysis.study.iter().flat_map(|study| &study.notices) {
             say(notice);
         }
-        Ok(Analysis { study, ..analyse(&self.recordings, &options)? })
+        Ok(analysis)
     }
 
     /// Every figure that they have the numbers for, those of `names` alone if there are any; and those that

@@ -9,10 +9,11 @@ use formats::manifest::{Header, Manifest, MethodRecord, Options, Source, Stage};
 use formats::reader::Dump;
 use serde::Serialize;
 
-use crate::analysis::RecordingAnalysis;
+use crate::analysis::study::StudyGroup;
 use crate::analysis::summary::{RayClass, distinct};
-use crate::analysis::timing::Verdict;
+use crate::analysis::{Analysis, FrameAnalysis, RecordingAnalysis};
 use crate::figures::catalogue::Skipped;
+use crate::figures::catalogue::study::label;
 use crate::figures::files;
 use crate::figures::model::{Content, Figure, Panel, Picture};
 use crate::figures::style::Width;
@@ -85,7 +86,7 @@ pub(crate) fn report(sources: &Sources) -> anyhow::Result<()> {
     let report = Report {
         title: title(&inputs.recordings),
         pictures: photographs(&figures),
-        findings: analysis.recordings.iter().filter_map(finding).collect(),
+        findings: findings(&analysis),
         tables: tables(&analysis, &inputs.benches),
         facts: inputs.recordings.iter().zip(&analysis.recordings).map(facts).collect(),
         figures,
@@ -113,24 +114,59 @@ fn photographs(figures: &[Figure]) -> Vec<Picture> {
     panels.filter_map(photograph).collect()
 }
 
-/// What a recording says of sorting: the best method of each kind of rays, or that none pays.
-fn finding(recording: &RecordingAnalysis) -> Option<String> {
+/// What studies say, else what recordings do.
+fn findings(analysis: &Analysis) -> Vec<String> {
+    match &analysis.study {
+        Some(study) => study.groups.iter().filter(|group| !group.is_sweep()).filter_map(of_study).collect(),
+        None => analysis.recordings.iter().filter_map(of_recording).collect(),
+    }
+}
+
+/// What means over a study say of sorting.
+fn of_study(group: &StudyGroup) -> Option<String> {
+    let nets = |rays: RayClass| {
+        let own = group.methods(rays).filter(|row| row.method != CONTROL);
+        own.filter_map(|row| {
+            let net = row.net.as_ref()?.mean;
+            Some((row.method.as_str(), net.ratio, net.interval))
+        })
+        .collect()
+    };
+    let views = counted(group.views as u64, "view", "views");
+    let scenes = counted(group.scenes.len() as u64, "scene", "scenes");
+    finding(&format!("{}, mean over {views} of {scenes}", label(group)), nets)
+}
+
+/// What a recording says of sorting.
+fn of_recording(recording: &RecordingAnalysis) -> Option<String> {
+    let is_method = |frame: &&FrameAnalysis| {
+        ![UNSORTED, CONTROL].contains(&frame.method.as_str()) && frame.base == frame.method
+    };
+    let nets = |rays: RayClass| {
+        let own = recording.frames.iter().filter(|frame| frame.rays == rays).filter(is_method);
+        own.filter_map(|frame| {
+            let net = frame.net_speedup.known()?;
+            Some((frame.method.as_str(), net.ratio, net.interval))
+        })
+        .collect()
+    };
+    finding(&format!("{}, best over the whole frame", recording.label), nets)
+}
+
+/// A method, its net speedup and the interval of that.
+type Net<'a> = (&'a str, f64, Option<(f64, f64)>);
+
+/// The best method of each kind of rays, and whether it is shown to pay.
+fn finding<'a>(of: &str, nets: impl Fn(RayClass) -> Vec<Net<'a>>) -> Option<String> {
     let best = |rays: RayClass| {
-        let own = recording
-            .frames
-            .iter()
-            .filter(|frame| frame.rays == rays && frame.method != UNSORTED && frame.base == frame.method);
-        let lines = own.filter_map(|frame| Some((frame.method.as_str(), frame.net_speedup.known()?)));
-        let (method, line) = lines
-            .filter(|(method, _)| *method != CONTROL)
-            .max_by(|(_, a), (_, b)| a.ratio.total_cmp(&b.ratio))?;
-        let interval = line.interval.map_or(String::new(), |(low, high)| format!(" [{low:.2}, {high:.2}]"));
-        let verdict = if line.verdict == Verdict::Faster { "" } else { ", which is not shown to pay" };
-        Some(format!("{} rays: {method}, {:.2}× net{interval}{verdict}", rays.name(), line.ratio))
+        let (method, ratio, interval) = nets(rays).into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let pays = interval.is_some_and(|(low, _)| low > 1.0);
+        let interval = interval.map_or(String::new(), |(low, high)| format!(" [{low:.2}, {high:.2}]"));
+        let verdict = if pays { "" } else { ", which is not shown to pay" };
+        Some(format!("{} rays: {method}, {ratio:.2}× net{interval}{verdict}", rays.name()))
     };
     let found: Vec<String> = RayClass::ALL.into_iter().filter_map(best).collect();
-    (!found.is_empty())
-        .then(|| format!("{}, best over the whole frame: {}.", recording.label, found.join("; ")))
+    (!found.is_empty()).then(|| format!("{of}: {}.", found.join("; ")))
 }
 
 /// The folder for what is written.

@@ -6,9 +6,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use formats::reader::Dump;
 use formats::study::{JOB_VERSION, JobRecord, PLAN_NAME, SUMMARIES_NAME, Study};
-use inspector::analysis::StudyAnalysis;
 use inspector::analysis::study::summary::{RecordingSummary, summary};
+use inspector::analysis::{AnalysisOptions, Depth, StudyAnalysis, analyse, analyse_studies};
 
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
@@ -72,6 +73,32 @@ fn what_is_kept_is_what_the_recording_says() {
 }
 
 #[test]
+fn the_queues_of_a_recording_are_kept_and_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = study(folder.path());
+    let studies = [Study::open(&root).unwrap()];
+    let dumps = [Dump::open(&studies[0].recordings().next().unwrap()).unwrap()];
+    let queues = || {
+        let analysis = analyse_studies(&studies, &dumps).unwrap();
+        assert_eq!(analysis.study.unwrap().notices, [""; 0]);
+        serde_json::to_value(&analysis.recordings[0].queues).unwrap()
+    };
+    let options = AnalysisOptions { depth: Depth::Arrays, ..AnalysisOptions::default() };
+    let known = serde_json::to_value(&analyse(&dumps, &options).unwrap().recordings[0].queues).unwrap();
+    assert!(known[0]["orders"][0]["coherence"]["mean_capsule_area"].is_f64(), "{known}");
+    assert_eq!((queues(), queues()), (known.clone(), known.clone()));
+    // It is what was kept that is read.
+    let is_of_queues = |path: &&PathBuf| path.to_string_lossy().ends_with("-queues.json");
+    let files = kept(&root);
+    let [file] = files.iter().filter(is_of_queues).collect::<Vec<_>>()[..] else {
+        panic!("one file: {files:?}")
+    };
+    let other = fs::read_to_string(file).unwrap().replace("\"groups\":", "\"groups\":1");
+    fs::write(file, other).unwrap();
+    assert_ne!(queues(), known);
+}
+
+#[test]
 fn a_damaged_recording_is_left_out_and_the_rest_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let root = study(folder.path());
@@ -104,6 +131,12 @@ fn info_plot_and_report_take_the_folder() {
     }
     let tables = fs::read_to_string(folder.path().join("out/tables.md")).unwrap();
     assert!(tables.contains("Study: trace / net speedup, shadow rays"), "{tables}");
-    assert!(tables.contains("(2 views of 1 scenes)"), "{tables}");
+    assert!(tables.contains("(2 views of 1 scene)"), "{tables}");
     assert!(folder.path().join("out/study-speedup.svg").exists());
+    // Means over the study come first.
+    let page = fs::read_to_string(folder.path().join("out/report.html")).unwrap();
+    let numbers = page.find("<h2>Numbers</h2>").unwrap();
+    for first in ["mean over 2 views of 1 scene: ", "Speedups over the scenes and views of a study"] {
+        assert!(page.find(first).is_some_and(|at| at < numbers), "{first}");
+    }
 }

@@ -6,7 +6,7 @@
 use std::fmt;
 
 use bincode::{Decode, Encode};
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::{Place, QueueId};
 use crate::key::LightSite;
@@ -431,7 +431,7 @@ pub struct DecisionRecord {
 }
 
 /// How sorted rays are traced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Encode, Decode, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Encode, Decode, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Way {
     /// Gathered, traced as they then lie, results scattered home.
@@ -460,7 +460,9 @@ impl Way {
 }
 
 /// A stage that is timed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Encode, Decode, Serialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Encode, Decode, Serialize, Deserialize,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Stage {
     /// Making keys, with the table query of two-point-adaptive.

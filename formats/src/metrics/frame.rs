@@ -197,16 +197,22 @@ impl Frame {
         let with = |verdict: &str| known().filter(|(row, _)| row.verdict == verdict).count();
         let all = known().count();
         if low > 1.0 {
+            let others = match all {
+                1 => String::new(),
+                _ => format!("; so it does with {} of {all} methods; {}", with(PAYS), costly(with(COSTS))),
+            };
             format!(
-                "Sorting pays: with {name} these rays are done {ratio:.2} times as fast, key, sort and all included; so it does with {} of {all} methods; {}.",
-                with(PAYS),
-                costly(with(COSTS))
+                "Sorting pays: with {name} these rays are done {ratio:.2} times as fast, key, sort and all included{others}."
             )
         } else if high < 1.0 {
             format!("Sorting does not pay: even {name} takes longer than it saves ({ratio:.2}×).")
         } else {
+            let others = match all {
+                1 => name.clone(),
+                _ => format!("the best of {all} methods, {name},"),
+            };
             format!(
-                "Sorting is not shown to pay: the best of {all} methods, {name}, is level with unsorted rays ({ratio:.2}×); {}.",
+                "Sorting is not shown to pay: {others} is level with unsorted rays ({ratio:.2}×); {}.",
                 costly(with(COSTS))
             )
         }

@@ -8,13 +8,13 @@ use formats::metrics::lanes::{LaneUse, WIDTHS, work_of};
 use formats::metrics::order::Places;
 use formats::ray::Work;
 use formats::traced::Traced;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Steps of [`Coherence::area_quantiles`].
 const QUANTILE_STEPS: usize = 100;
 
 /// How coherent the groups of an order are.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coherence {
     /// Groups; the last one may be shorter.
     pub groups: u64,
@@ -27,7 +27,7 @@ pub struct Coherence {
 }
 
 /// Lane utilisation for a width. A model.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LaneUtilisation {
     /// Lanes that wait for each other.
     pub width: usize,

@@ -40,6 +40,7 @@ pub mod work;
 use std::path::PathBuf;
 
 use formats::reader::{Dump, DumpState};
+use formats::study::Study;
 use serde::Serialize;
 
 pub use correlations::CorrelationLine;
@@ -51,6 +52,7 @@ pub use queue::QueueAnalysis;
 pub use recording::RecordingAnalysis;
 pub use study::StudyAnalysis;
 pub use summary::MethodSummary;
+use summary::distinct;
 
 /// The numbers of recordings.
 #[derive(Clone, Debug, Serialize)]
@@ -96,19 +98,56 @@ pub enum AnalysisError {
 /// If a recording is not finished, or the threads cannot be had. Arrays that were not kept or cannot be
 /// read are no error: what needs them says so.
 pub fn analyse(dumps: &[Dump], options: &AnalysisOptions) -> Result<Analysis, AnalysisError> {
+    analyse_by(dumps, options, |dump| QueueAnalysis::all(dump, options))
+}
+
+/// Analyses studies: the means over all their recordings, and together the recordings that are given, arrays
+/// included; their numbers are kept in the study that they are of.
+///
+/// # Errors
+/// As [`analyse`].
+pub fn analyse_studies(studies: &[Study], dumps: &[Dump]) -> Result<Analysis, AnalysisError> {
+    let options = AnalysisOptions { depth: Depth::Arrays, ..AnalysisOptions::default() };
+    let mut notices = Vec::new();
+    let analysis = analyse_by(dumps, &options, |dump| {
+        match studies.iter().find(|study| dump.root().starts_with(&study.root)) {
+            None => QueueAnalysis::all(dump, &options),
+            Some(study) => {
+                let (queues, notice) = study::queues(study, dump, &options);
+                notices.extend(notice);
+                queues
+            }
+        }
+    })?;
+    let mut study = (!studies.is_empty()).then(|| StudyAnalysis::of(studies));
+    if let Some(study) = &mut study {
+        study.notices = distinct(study.notices.drain(..).chain(notices));
+    }
+    Ok(Analysis { study, ..analysis })
+}
+
+fn analyse_by(
+    dumps: &[Dump],
+    options: &AnalysisOptions,
+    queues: impl FnMut(&Dump) -> Vec<QueueAnalysis> + Send,
+) -> Result<Analysis, AnalysisError> {
     if let Some(dump) = dumps.iter().find(|dump| dump.state() == DumpState::Partial) {
         return Err(AnalysisError::Unfinished { path: dump.root().to_owned() });
     }
-    let Some(threads) = options.threads else { return Ok(analyse_finished(dumps, options)) };
+    let Some(threads) = options.threads else { return Ok(of_queues(dumps, options, queues)) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|cause| AnalysisError::Threads { threads, cause })?;
-    Ok(pool.install(|| analyse_finished(dumps, options)))
+    Ok(pool.install(|| of_queues(dumps, options, queues)))
 }
 
-fn analyse_finished(dumps: &[Dump], options: &AnalysisOptions) -> Analysis {
+fn of_queues(
+    dumps: &[Dump],
+    options: &AnalysisOptions,
+    mut queues: impl FnMut(&Dump) -> Vec<QueueAnalysis>,
+) -> Analysis {
     let labels = labels::labels(dumps);
-    let recordings: Vec<RecordingAnalysis> =
-        dumps.iter().zip(labels).map(|(dump, label)| RecordingAnalysis::of(dump, label, options)).collect();
+    let recording = |(dump, label)| RecordingAnalysis::of(dump, label, queues(dump));
+    let recordings: Vec<RecordingAnalysis> = dumps.iter().zip(labels).map(recording).collect();
     let summaries = summary::summaries(&recordings);
     let correlations = correlations::correlations(&recordings);
     Analysis { group_width: options.group_width.rays(), recordings, summaries, correlations, study: None }

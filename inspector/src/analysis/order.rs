@@ -8,7 +8,7 @@ use formats::metrics::order::Places;
 use formats::metrics::samples::Samples;
 use formats::metrics::speedup::StageSamples;
 use formats::reader::Dump;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::Metric;
 use super::arrays::QueueArrays;
@@ -18,7 +18,7 @@ use super::timing::{SpeedupLine, StageTime, Time, stages};
 use crate::shown;
 
 /// The numbers of one order of one queue.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct OrderAnalysis {
     /// The method, or `unsorted`.
     pub method: String,
@@ -65,7 +65,7 @@ fn origin_bits(record: &MethodRecord) -> Option<u32> {
 }
 
 /// Hit ratios of the cache model.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CacheHits {
     /// Lines that were asked for.
     pub accesses: u64,
@@ -130,7 +130,11 @@ impl<'a> QueueContext<'a> {
             way,
             total: Time::of(&totals, self.rays),
             trace_speedup: self.speedup(method, record, own.map_or(&[], StageSamples::traced)),
-            net_speedup: self.speedup(method, record, &totals),
+            net_speedup: if self.manifest().foreign_orders().any(|order| order.name == method) {
+                Metric::missing("its keys came with the rays: making and sorting them was not timed")
+            } else {
+                self.speedup(method, record, &totals)
+            },
             caches: self.caches(method),
             coherence: self.coherence(&places),
             lanes: self.lanes(&places),

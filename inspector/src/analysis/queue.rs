@@ -5,7 +5,7 @@ use formats::manifest::{QueueId, QueueRecord};
 use formats::metrics::samples::Samples;
 use formats::ray::Kind;
 use formats::reader::Dump;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::Metric;
 use super::arrays::QueueArrays;
@@ -14,7 +14,7 @@ use super::order::{OrderAnalysis, QueueContext};
 use super::tables::{Estimators, TableFill};
 
 /// The numbers of one queue.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct QueueAnalysis {
     /// Pass, from 0.
     pub pass: u32,
@@ -33,12 +33,13 @@ pub struct QueueAnalysis {
 }
 
 impl QueueAnalysis {
-    pub(super) fn of(
-        dump: &Dump,
-        record: &QueueRecord,
-        samples: &Samples<'_>,
-        options: &AnalysisOptions,
-    ) -> Self {
+    /// All of a recording, in the order in which they were traced.
+    pub(super) fn all(dump: &Dump, options: &AnalysisOptions) -> Vec<Self> {
+        let samples = Samples::of(dump.manifest());
+        dump.manifest().queues.iter().map(|queue| Self::of(dump, queue, &samples, options)).collect()
+    }
+
+    fn of(dump: &Dump, record: &QueueRecord, samples: &Samples<'_>, options: &AnalysisOptions) -> Self {
         let queue = record.id;
         let arrays = QueueArrays::open(dump, record, options.depth);
         let (table, estimators) = arrays.table(dump, queue);

@@ -10,7 +10,6 @@ use serde::Serialize;
 
 use super::frame::{FrameAnalysis, control};
 use super::labels;
-use super::options::AnalysisOptions;
 use super::queue::QueueAnalysis;
 use super::summary::RayClass;
 use super::timing::SpeedupLine;
@@ -48,12 +47,10 @@ pub struct RecordingAnalysis {
 }
 
 impl RecordingAnalysis {
-    pub(super) fn of(dump: &Dump, label: String, options: &AnalysisOptions) -> Self {
+    pub(super) fn of(dump: &Dump, label: String, queues: Vec<QueueAnalysis>) -> Self {
         let manifest = dump.manifest();
         let header = shown::header(&manifest.header);
         let samples = Samples::of(manifest);
-        let queues: Vec<QueueAnalysis> =
-            manifest.queues.iter().map(|queue| QueueAnalysis::of(dump, queue, &samples, options)).collect();
         let configuration = labels::configuration(&header);
         Self {
             label,

@@ -6,13 +6,13 @@ use formats::ray::Ray;
 use formats::stored_table::StoredTable;
 use formats::traced::Traced;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Rays that a thread takes at a time.
 const RAYS_PER_TASK: usize = 8192;
 
 /// How full a length table is, as the methods of a queue read it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TableFill {
     /// Cells that a ray was added to.
     pub touched: u64,
@@ -32,7 +32,7 @@ impl TableFill {
 
 /// How far the lengths that the two-point methods take are from the traced ones, in unit lengths. The
 /// estimates are those of the keys: cut by the ray's own end and by the scene's box.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimators {
     /// Of the table's means: two-point-adaptive.
     pub table: EstimateError,

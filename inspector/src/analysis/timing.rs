@@ -3,10 +3,10 @@
 use formats::manifest::Stage;
 use formats::metrics::bandwidth::{Traffic, bytes_per_second};
 use formats::metrics::speedup::{Speedup, StageSamples, median, quantile};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Samples of one time.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Time {
     /// Median in nanoseconds.
     pub median_ns: f64,
@@ -32,7 +32,7 @@ impl Time {
 }
 
 /// One stage of an order.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StageTime {
     /// The stage.
     pub stage: Stage,
@@ -46,7 +46,7 @@ pub struct StageTime {
 }
 
 /// What a speedup says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// All of the interval is above 1.
@@ -60,7 +60,7 @@ pub enum Verdict {
 }
 
 /// A speedup over the trace of unsorted rays.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpeedupLine {
     /// Median over rounds of the baseline's time over the method's.
     pub ratio: f64,

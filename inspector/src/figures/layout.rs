@@ -141,7 +141,7 @@ fn columns(figure: &Figure, width: Width) -> usize {
     let most = match (width, panels) {
         (Width::OneColumn, 1..=3) => 1,
         (Width::OneColumn, _) => 2,
-        (Width::TwoColumn, 4) => 2,
+        (Width::TwoColumn, 4 | 8) => 2,
         (Width::TwoColumn, _) => panels.min(3),
     };
     let widest = figure.panels.iter().map(least_width).fold(0.0, f64::max);

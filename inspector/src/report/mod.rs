@@ -28,7 +28,7 @@ pub struct Report {
     pub findings: Vec<String>,
     /// The numbers.
     pub tables: Vec<Table>,
-    /// The figures; the one that is called as [`LEAD`] comes before the tables.
+    /// The figures; the first of [`LEADS`] that is there comes before the tables.
     pub figures: Vec<Figure>,
     /// What was recorded, where and how: names and values.
     pub facts: Vec<(String, String)>,
@@ -38,8 +38,8 @@ pub struct Report {
     pub commands: Vec<String>,
 }
 
-/// The figure that a reader sees first.
-pub const LEAD: &str = "net-speedup";
+/// The figures that a reader sees first, where they are there.
+pub const LEADS: [&str; 2] = ["study-speedup", "net-speedup"];
 
 /// What the browser lets the page do: show what is in it. Nothing is run, nothing is loaded.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; font-src data:";
@@ -59,7 +59,7 @@ a { color: inherit; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem; }
 th, td { padding: .25rem .7rem; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
-th { color: var(--faint); font-weight: 600; }
+th { color: var(--faint); font-weight: 600; white-space: normal; vertical-align: bottom; }
 th:first-child, td:first-child { text-align: left; }
 .facts th, .facts td { text-align: left; }
 .facts td { white-space: normal; overflow-wrap: anywhere; }
@@ -115,8 +115,9 @@ pub fn html(report: &Report) -> Result<String, FigureError> {
     section(&mut page, "<div class=\"scenes\">\n", pictures.into_iter(), "</div>\n");
     let findings = report.findings.iter().map(|finding| format!("<li>{}</li>\n", escape(finding)));
     section(&mut page, "<ul class=\"findings\">\n", findings, "</ul>\n");
-    let (lead, others): (Vec<_>, Vec<_>) =
-        report.figures.iter().enumerate().partition(|(_, figure)| figure.name == LEAD);
+    let lead = LEADS.iter().find(|name| report.figures.iter().any(|figure| figure.name == **name));
+    let is_lead = |(_, figure): &(usize, &Figure)| lead.is_some_and(|lead| figure.name == *lead);
+    let (lead, others): (Vec<_>, Vec<_>) = report.figures.iter().enumerate().partition(is_lead);
     for (at, figure) in lead {
         page.push_str(&figure_section(at, figure, Width::OneColumn)?);
     }

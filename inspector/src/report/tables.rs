@@ -13,6 +13,7 @@ use crate::analysis::summary::{RayClass, distinct};
 use crate::analysis::{Analysis, FrameAnalysis, Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 use crate::figures::catalogue::building::machine;
 use crate::figures::catalogue::study::label;
+use crate::output::counted;
 
 /// Lanes that wait for each other: those of most GPUs.
 const LANES: usize = 32;
@@ -23,6 +24,7 @@ pub fn tables(analysis: &Analysis, benches: &[BenchResult]) -> Vec<Table> {
     let sweeps = Swept::ALL.iter().filter_map(|swept| sweep(analysis, swept));
     rays()
         .filter_map(|rays| study(analysis, rays))
+        .chain(studied_sweeps(analysis))
         .chain(rays().filter_map(|rays| speedups(analysis, rays)))
         .chain(rays().filter_map(|rays| overhead(analysis, rays)))
         .chain(rays().filter_map(|rays| models(analysis, rays)))
@@ -69,12 +71,23 @@ fn row_of(name: &str, numbers: &[Option<(f64, f64)>]) -> Vec<Cell> {
 
 /// Means over a study: a row a method, a column a machine and kind of recording.
 fn study(analysis: &Analysis, rays: RayClass) -> Option<Table> {
-    let groups: Vec<&StudyGroup> = analysis
-        .study
-        .iter()
-        .flat_map(|study| &study.groups)
-        .filter(|group| group.methods(rays).count() > 0)
-        .collect();
+    let groups = analysis.study.iter().flat_map(|study| &study.groups).filter(|group| !group.is_sweep());
+    study_table("Study", &groups.collect::<Vec<_>>(), rays)
+}
+
+/// Means over the replays of a study with sweeps, each by itself: a row a variant, a column a machine.
+fn studied_sweeps(analysis: &Analysis) -> impl Iterator<Item = Table> {
+    let groups = || analysis.study.iter().flat_map(|study| &study.groups).filter(|group| group.is_sweep());
+    let of_name = move |name: &str| {
+        let own: Vec<&StudyGroup> = groups().filter(|group| group.name == name).collect();
+        RayClass::ALL.map(|rays| study_table(&format!("Study, {name}"), &own, rays)).into_iter().flatten()
+    };
+    distinct(groups().map(|group| group.name.as_str())).into_iter().flat_map(of_name)
+}
+
+fn study_table(title: &str, groups: &[&StudyGroup], rays: RayClass) -> Option<Table> {
+    let groups: Vec<&StudyGroup> =
+        groups.iter().copied().filter(|group| group.methods(rays).count() > 0).collect();
     let methods =
         distinct(groups.iter().flat_map(|group| group.methods(rays)).map(|row| row.method.as_str()));
     let row = |method: &str| {
@@ -94,12 +107,17 @@ fn study(analysis: &Analysis, rays: RayClass) -> Option<Table> {
         std::iter::once(Cell::plain(method)).chain(groups.iter().map(cell)).collect()
     };
     table(
-        format!("Study: trace / net speedup, {} rays", rays.name()),
+        format!("{title}: trace / net speedup, {} rays", rays.name()),
         "Geometric means over scenes of geometric means over their views (cameras and seeds), of each recording the whole frame; 95 % intervals by bootstrap over views and rounds.",
         header(
             "method",
             groups.iter().map(|group| {
-                format!("{} ({} views of {} scenes)", label(group), group.views, group.scenes.len())
+                format!(
+                    "{} ({} of {})",
+                    label(group),
+                    counted(group.views as u64, "view", "views"),
+                    counted(group.scenes.len() as u64, "scene", "scenes")
+                )
             }),
         ),
         methods.into_iter().map(row).collect(),

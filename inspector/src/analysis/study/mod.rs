@@ -3,19 +3,25 @@
 //! Recordings are looked at one after the other, and what is kept of each is its [`summary`]: memory does not grow
 //! with their rays.
 
+mod kept;
 pub mod summary;
+
+use std::convert::Infallible;
 
 use formats::key::method::CONTROL;
 use formats::metrics::frame::FrameTimes;
 use formats::metrics::speedup::{Speedup, geometric_mean};
 use formats::metrics::views::{Scene, mean_of_scene, mean_over_views};
 use formats::ray::Kind;
+use formats::reader::Dump;
 use formats::study::Study;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::labels::scene_name;
 use super::summary::{RayClass, distinct};
+use super::{AnalysisOptions, QueueAnalysis};
+use kept::{kept, place};
 use summary::{RecordingSummary, summary};
 
 /// Means over the recordings of studies.
@@ -69,6 +75,19 @@ pub struct StudyMean {
     pub scenes: Vec<(usize, f64)>,
     /// Views.
     pub views: usize,
+}
+
+/// The numbers of a recording's queues, kept in the study that it is of. Second, why they could not be kept.
+pub(super) fn queues(
+    study: &Study,
+    dump: &Dump,
+    options: &AnalysisOptions,
+) -> (Vec<QueueAnalysis>, Option<String>) {
+    let make = || QueueAnalysis::all(dump, options);
+    match place(study, dump.root(), "-queues") {
+        Ok(path) => kept(&path, || Ok::<_, Infallible>(make())).unwrap_or_else(|never| match never {}),
+        Err(error) => (make(), Some(error.to_string())),
+    }
 }
 
 /// A summary and the name of its recording within its job.
@@ -133,10 +152,15 @@ impl StudyGroup {
         }
     }
 
-    /// The rows of a kind of rays that are no variants, which sweeps show; those where there is nothing else.
+    /// Whether there is nothing but variants of methods, as in a replay with a sweep.
+    pub fn is_sweep(&self) -> bool {
+        self.rows.iter().all(|row| row.is_variant || row.method == CONTROL)
+    }
+
+    /// The rows of a kind of rays: methods, or in a sweep their variants.
     pub fn methods(&self, rays: RayClass) -> impl Iterator<Item = &StudyRow> {
-        let has_plain = self.rows.iter().any(|row| !row.is_variant && row.method != CONTROL);
-        self.rows.iter().filter(move |row| row.rays == rays && !(has_plain && row.is_variant))
+        let is_sweep = self.is_sweep();
+        self.rows.iter().filter(move |row| row.rays == rays && (is_sweep || !row.is_variant))
     }
 }
 

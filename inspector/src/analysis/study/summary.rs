@@ -1,26 +1,19 @@
-//! What means over a study take of each recording, and where it is kept.
+//! What means over a study take of each recording.
 
 use std::path::{Path, PathBuf};
 
-use formats::files::{read_plain, replace};
 use formats::manifest;
 use formats::metrics::frame::FrameTimes;
 use formats::ray::Kind;
 use formats::reader::{Dump, ReadError};
-use formats::study::{SUMMARIES_NAME, Study};
-use formats::summary::hexadecimal;
+use formats::study::Study;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
+use super::kept::{kept, place};
 use crate::analysis::labels::configuration;
 use crate::analysis::summary::RayClass;
 use crate::analysis::{AnalysisError, AnalysisOptions, Depth, analyse};
 use crate::shown;
-
-/// Changes with the numbers of a summary, or with what they are made of.
-const VERSION: u32 = 1;
-/// Bytes of the largest summary that is read, and of the largest manifest that is hashed.
-const BYTES_MAX: u64 = 256 << 20;
 
 /// A recording without its arrays and queues.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,39 +53,14 @@ pub enum SummaryError {
     },
 }
 
-/// The summary of a recording of a study: as it was kept, if that was made from the same recording by the same
-/// program, else made anew and kept. Second, why it could not be kept.
+/// The summary of a recording of a study, kept. Second, why it could not be kept.
 ///
 /// # Errors
 /// If the recording cannot be read.
 pub fn summary(study: &Study, recording: &Path) -> Result<(RecordingSummary, Option<String>), SummaryError> {
-    let path = study.root.join(SUMMARIES_NAME).join(format!("{}.json", key(recording)?));
-    let kept = read_plain(&path, BYTES_MAX).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
-    if let Some(kept) = kept {
-        return Ok((kept, None));
-    }
-    let summary = RecordingSummary::of(recording)?;
-    Ok((summary.clone(), keep(&path, &summary).err().map(|error| error.to_string())))
-}
-
-fn keep(path: &Path, summary: &RecordingSummary) -> std::io::Result<()> {
-    path.parent().map(std::fs::create_dir_all).transpose()?;
-    replace(path, |file| Ok(serde_json::to_writer(file, summary)?))
-}
-
-/// A hash of the program, of the manifest, which holds a checksum of every array and of a replay's source, and of
-/// whether that is there.
-fn key(recording: &Path) -> Result<String, SummaryError> {
-    let path = recording.join(manifest::FILE_NAME);
-    let bytes = read_plain(&path, BYTES_MAX).map_err(|cause| SummaryError::Io { path, cause })?;
-    let neighbours = recording.parent().and_then(|job| std::fs::read_dir(job).ok());
-    let dumps = neighbours.into_iter().flatten().flatten();
-    let mut names: Vec<_> = dumps.map(|entry| entry.file_name()).collect();
-    names.sort();
-    let mut hash = Sha256::new();
-    hash.update(format!("{VERSION} {} {names:?}", env!("CARGO_PKG_VERSION")));
-    hash.update(bytes);
-    Ok(hexadecimal(&hash.finalize()))
+    let path = place(study, recording, "")
+        .map_err(|cause| SummaryError::Io { path: recording.join(manifest::FILE_NAME), cause })?;
+    kept(&path, || RecordingSummary::of(recording))
 }
 
 impl RecordingSummary {

@@ -211,6 +211,24 @@ pub fn recordings<'a>(findings: &Findings<'a>) -> Vec<&'a RecordingAnalysis> {
     if shown.is_empty() { all().collect() } else { shown }
 }
 
+/// Recordings without those whose numbers are all among those of one before them of the same scene.
+pub fn without_repeated<'a, T: PartialEq>(
+    recordings: Vec<&'a RecordingAnalysis>,
+    numbers: impl Fn(&'a RecordingAnalysis) -> Vec<T>,
+) -> Vec<&'a RecordingAnalysis> {
+    let mut kept: Vec<(&RecordingAnalysis, Vec<T>)> = Vec::new();
+    for recording in recordings {
+        let own = numbers(recording);
+        let repeats = |(earlier, known): &(&RecordingAnalysis, Vec<T>)| {
+            earlier.content_hash == recording.content_hash && own.iter().all(|number| known.contains(number))
+        };
+        if !kept.iter().any(repeats) {
+            kept.push((recording, own));
+        }
+    }
+    kept.into_iter().map(|(recording, _)| recording).collect()
+}
+
 /// A panel with a row for each method that has a number.
 pub fn methods_in_rows(findings: &Findings<'_>, title: String, axis: Axis, series: Vec<Series>) -> Panel {
     let has_number =

@@ -6,6 +6,7 @@ use formats::ray::Kind;
 
 use super::building::{
     by_label, by_method, each, figure, method_style, of, panel_title, reason, recordings, settings,
+    without_repeated,
 };
 use super::{Findings, Made};
 use crate::analysis::correlations::{AreaAndTime, correlation, points};
@@ -72,9 +73,22 @@ pub fn distribution(findings: &Findings<'_>) -> Made {
         "Share of rays by the area of their group's capsule",
         caption,
         settings(findings),
-        each(Kind::ALL, &recordings(findings), |recording, kind| shares(findings, recording, kind)),
+        each(Kind::ALL, &with_own_orders(findings), |recording, kind| shares(findings, recording, kind)),
         reason(findings, |order| &order.coherence, "no queue was measured"),
     )
+}
+
+/// The recordings without those whose orders are all another's, as those of replays by another kernel are.
+fn with_own_orders<'a>(findings: &Findings<'a>) -> Vec<&'a RecordingAnalysis> {
+    without_repeated(recordings(findings), |recording| {
+        let orders = recording.queues.iter().flat_map(|queue| {
+            queue.orders.iter().map(move |order| {
+                let coherence = order.coherence.known()?;
+                Some((queue.pass, queue.bounce, queue.kind, &order.method, coherence))
+            })
+        });
+        orders.flatten().collect()
+    })
 }
 
 fn shares(findings: &Findings<'_>, recording: &RecordingAnalysis, kind: Kind) -> Panel {

@@ -3,7 +3,7 @@
 use formats::metrics::estimator::EstimateError;
 use formats::ray::Kind;
 
-use super::building::{each, figure, method_style, of, panel_title, range, settings};
+use super::building::{each, figure, method_style, of, panel_title, range, settings, without_repeated};
 use super::{Findings, Made};
 use crate::analysis::summary::distinct;
 use crate::analysis::tables::Estimators;
@@ -73,20 +73,13 @@ pub fn errors(findings: &Findings<'_>) -> Made {
 
 /// The recordings without those whose tables are another's, as those of most replays are.
 fn with_own_tables<'a>(findings: &Findings<'a>) -> Vec<&'a RecordingAnalysis> {
-    let recordings = &findings.analysis.recordings;
-    let tables = |recording: &'a RecordingAnalysis| {
-        recording
-            .queues
-            .iter()
-            .map(|queue| (queue.pass, queue.bounce, queue.kind, &queue.table, &queue.estimators))
+    let table = |queue: &'a QueueAnalysis| {
+        let known = queue.table.known().is_some() || queue.estimators.known().is_some();
+        known.then_some((queue.pass, queue.bounce, queue.kind, &queue.table, &queue.estimators))
     };
-    let is_new = |(at, recording): &(usize, &'a RecordingAnalysis)| {
-        let same = |earlier: &'a RecordingAnalysis| {
-            earlier.content_hash == recording.content_hash && tables(earlier).eq(tables(recording))
-        };
-        !recordings[..*at].iter().any(same)
-    };
-    recordings.iter().enumerate().filter(is_new).map(|(_, recording)| recording).collect()
+    without_repeated(findings.analysis.recordings.iter().collect(), |recording| {
+        recording.queues.iter().filter_map(table).collect()
+    })
 }
 
 fn of_pass(recording: &RecordingAnalysis, kind: Kind, pass: u32) -> impl Iterator<Item = &QueueAnalysis> {
