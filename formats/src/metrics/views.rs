@@ -2,8 +2,14 @@
 
 use super::speedup::{INTERVAL_ROUNDS, Speedup, SplitMix, median_of, tail_of};
 
-/// How many resamples an interval is taken from.
-const RESAMPLES: usize = 1000;
+/// How many resamples an interval is taken from, and how few where there are very many views.
+const RESAMPLES: [usize; 2] = [200, 1000];
+/// Views that are drawn for an interval at most, but for the fewest resamples.
+const DRAWN_VIEWS: usize = 20_000_000;
+/// Medians that are drawn for the views of a scene together, but for the fewest of a view.
+const DRAWN_MEDIANS: usize = 50_000;
+/// Medians that are drawn for each view at least.
+const FEWEST_MEDIANS: usize = 16;
 
 /// Speedups of a scene: for each view the ratios of its rounds.
 pub type Scene = Vec<Vec<f64>>;
@@ -32,25 +38,31 @@ pub fn mean_over_views(scenes: &[Scene]) -> Option<Speedup> {
         return Some(Speedup { ratio, interval: None });
     }
     let mut random = SplitMix::new();
-    let mut means: Vec<f64> = (0..RESAMPLES)
+    let medians: Vec<Vec<f64>> = scenes.iter().map(|views| medians_again(views, &mut random)).collect();
+    let [fewest, most] = RESAMPLES;
+    let resamples = (DRAWN_VIEWS / views).clamp(fewest, most);
+    let mut means: Vec<f64> = (0..resamples)
         .map(|_| {
-            let scene = |(views, centre): (&Scene, &f64)| {
-                let count = views.len();
-                let again: f64 = (0..count)
-                    .filter_map(|_| {
-                        let view = random.below(count);
-                        median_of(&mut random.resample(&views[view]))
-                    })
-                    .sum();
-                let widening = if count > 1 { (count as f64 / (count - 1) as f64).sqrt() } else { 1.0 };
-                centre + widening * (again / count as f64 - centre)
+            let scene = |((views, medians), centre): ((&Scene, &Vec<f64>), &f64)| {
+                let count = views.len() as f64;
+                let again: f64 = (0..views.len()).map(|_| medians[random.below(medians.len())]).sum();
+                let widening = if views.len() > 1 { (count / (count - 1.0)).sqrt() } else { 1.0 };
+                centre + widening * (again / count - centre)
             };
-            mean(&scenes.iter().zip(&centres).map(scene).collect::<Vec<_>>())
+            mean(&scenes.iter().zip(&medians).zip(&centres).map(scene).collect::<Vec<_>>())
         })
         .collect();
     means.sort_by(f64::total_cmp);
-    let tail = (RESAMPLES as f64 * tail_of(drawn)) as usize;
-    Some(Speedup { ratio, interval: Some((means[tail].exp(), means[RESAMPLES - 1 - tail].exp())) })
+    let tail = (resamples as f64 * tail_of(drawn)) as usize;
+    Some(Speedup { ratio, interval: Some((means[tail].exp(), means[resamples - 1 - tail].exp())) })
+}
+
+/// Medians of each view's rounds, drawn again: as many of each as of any other, so that drawing one of them is
+/// drawing a view and then its rounds. The more views there are, the fewer medians each needs.
+fn medians_again(views: &Scene, random: &mut SplitMix) -> Vec<f64> {
+    let draws = (DRAWN_MEDIANS / views.len()).clamp(FEWEST_MEDIANS, RESAMPLES[1]);
+    let drawn = views.iter().flat_map(|view| std::iter::repeat_n(view, draws));
+    drawn.filter_map(|view| median_of(&mut random.resample(view))).collect()
 }
 
 /// The mean of one scene, as in [`mean_over_views`].
