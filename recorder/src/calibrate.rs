@@ -16,7 +16,7 @@ const FINALISTS: usize = 3;
 /// Rounds that a candidate's worth is taken from: enough for an interval.
 const ROUNDS: u32 = 7;
 /// How often a ray is traced: once in the warm-up and once more by all, then in each round, twice by each.
-const TRACES: u64 = 2 * (2 * CANDIDATES + (1 + ROUNDS as u64) * FINALISTS as u64);
+pub const TRACES: u64 = 2 * (2 * CANDIDATES + (1 + ROUNDS as u64) * FINALISTS as u64);
 /// About as many candidates as there are for a queue.
 const CANDIDATES: u64 = 7;
 
@@ -74,16 +74,13 @@ impl<B: Backend> Observer<B> for Calibrator<'_> {
 pub fn calibrate<B: Backend>(
     backend: &mut B,
     setup: &Setup,
-    bounces: u32,
+    progress: &Progress,
     run: impl FnOnce(&mut B, &mut Calibrator<'_>) -> Result<()>,
 ) -> Result<Auto> {
     let mut auto = Auto::new(setup, Vec::new());
-    let pixels = u64::from(setup.width) * u64::from(setup.height);
-    let progress = Progress::new(1, bounces, pixels, TRACES);
-    let mut calibrator = Calibrator { setup, auto: &auto, progress: &progress, found: Vec::new() };
+    let mut calibrator = Calibrator { setup, auto: &auto, progress, found: Vec::new() };
     run(backend, &mut calibrator)?;
     auto.calibration = calibrator.found;
-    progress.finish();
     backend.restart()?;
     Ok(auto)
 }

@@ -1,44 +1,68 @@
-//! A progress bar on stderr: rays traced, rays per second, time left.
+//! A progress bar on stderr: how much of the run is done, rays per second, time left.
+
+use std::cell::Cell;
+use std::fmt::Write;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use formats::manifest::QueueId;
-use indicatif::{ProgressBar, ProgressStyle};
+use formats::ray::Kind;
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
-/// Progress of a recording, in traced rays. Hidden where stderr is not a terminal.
+/// What a bar counts to.
+const LENGTH: f64 = 1e6;
+/// The share of rays that are expected to go on from bounce to bounce. The total does not depend on how many do.
+const GO_ON: f64 = 0.8;
+
+/// Progress of a run over passes, in traces that are expected. Hidden where stderr is not a terminal.
 pub struct Progress {
     bar: ProgressBar,
-    passes: u32,
     bounces: u32,
-    /// Traces of each ray of the measured pass beyond the first.
-    measured_traces: u64,
+    /// For each pass, in the order in which they run: traces of each ray beyond the first.
+    traces: Vec<u64>,
+    /// Rays that were traced, once for each trace.
+    rays: Arc<AtomicU64>,
+    /// The number of the pass that runs, and its last queue.
+    last: Cell<Option<(usize, QueueId)>>,
 }
 
 impl Progress {
-    /// For a run of `passes` × `bounces` whose measured pass traces every ray `measured_traces`
-    /// times more.
-    pub fn new(passes: u32, bounces: u32, pixels: u64, measured_traces: u64) -> Self {
-        let bar = ProgressBar::new(0);
-        let style = ProgressStyle::with_template(
-            "{msg:22} {wide_bar} {human_pos}/{human_len} rays  {per_sec}  {eta} left",
-        );
+    /// For passes of so many bounces that trace every ray so many times beyond the first.
+    pub fn new(bounces: u32, traces: Vec<u64>) -> Self {
+        let rays = Arc::new(AtomicU64::new(0));
+        let traced = rays.clone();
+        let rate = move |state: &ProgressState, text: &mut dyn Write| {
+            let seconds = state.elapsed().as_secs_f64().max(1e-9);
+            // A bar has nothing to say of what cannot be written.
+            let _ = write!(text, "{:.1} Mrays/s", traced.load(Ordering::Relaxed) as f64 / seconds / 1e6);
+        };
+        let bar = ProgressBar::new(LENGTH as u64);
+        let style = ProgressStyle::with_template("{msg:22} {wide_bar} {percent:>3} %  {rate}  {eta} left");
         if let Ok(style) = style {
-            bar.set_style(style);
+            bar.set_style(style.with_key("rate", rate));
         }
-        let progress = Self { bar, passes, bounces, measured_traces };
-        progress.expect(0, 0, pixels);
-        progress
+        Self { bar, bounces, traces, rays, last: Cell::new(None) }
     }
 
     /// A queue of `rays` was traced once.
     pub fn traced(&self, id: QueueId, rays: usize) {
+        let pass = match self.last.get() {
+            None => 0,
+            // Queues ascend within a pass.
+            Some((pass, last)) => pass + usize::from(last.pass != id.pass || id <= last),
+        };
+        self.last.set(Some((pass, id)));
         self.bar.set_message(format!("pass {} bounce {} {}", id.pass, id.bounce, id.kind));
-        self.bar.inc(rays as u64);
-        self.expect(id.pass, id.bounce, rays as u64);
+        self.rays.fetch_add(rays as u64, Ordering::Relaxed);
+        self.bar.set_position(self.position(pass, id, 1.0));
     }
 
-    /// A queue of `rays` was measured with all methods.
+    /// That queue was measured with all methods.
     pub fn measured(&self, id: QueueId, rays: usize) {
-        self.bar.inc(rays as u64 * self.measured_traces);
-        self.expect(id.pass, id.bounce, rays as u64);
+        let pass = self.last.get().map_or(0, |(pass, _)| pass);
+        let traces = self.traces.get(pass).copied().unwrap_or(0);
+        self.rays.fetch_add(rays as u64 * traces, Ordering::Relaxed);
+        self.bar.set_position(self.position(pass, id, 1.0 + traces as f64));
     }
 
     /// The bar is done.
@@ -46,16 +70,58 @@ impl Progress {
         self.bar.finish_and_clear();
     }
 
-    /// Every later queue of the pass can have no more rays than this one had; later passes will be
-    /// like it.
-    fn expect(&self, pass: u32, bounce: u32, rays: u64) {
-        let queues_left = 2 * u64::from(self.bounces.saturating_sub(bounce + 1));
-        let passes_left = u64::from(self.passes.saturating_sub(pass + 1));
-        let per_queue = |measured: bool| if measured { 1 + self.measured_traces } else { 1 };
-        let this_pass = queues_left * rays * per_queue(passes_left == 0);
-        let whole_pass = 2 * u64::from(self.bounces) * rays;
-        let later = whole_pass * passes_left.saturating_sub(1)
-            + if passes_left > 0 { whole_pass * per_queue(true) } else { 0 };
-        self.bar.set_length(self.bar.position() + this_pass + later);
+    /// Where the bar is when of a queue so many traces are done.
+    fn position(&self, pass: usize, id: QueueId, traces: f64) -> u64 {
+        let whole = |traces: &u64| 1.0 + *traces as f64;
+        let rays = |bounce: u32| GO_ON.powi(bounce as i32);
+        let of_pass = 2.0 * (0..self.bounces).map(rays).sum::<f64>();
+        let earlier = of_pass * self.traces.iter().take(pass).map(whole).sum::<f64>();
+        let before = 2.0 * (0..id.bounce).map(rays).sum::<f64>()
+            + if id.kind == Kind::Shadow { rays(id.bounce) } else { 0.0 };
+        let own = self.traces.get(pass).map_or(1.0, whole) * before + traces * rays(id.bounce);
+        let all = of_pass * self.traces.iter().map(whole).sum::<f64>();
+        ((earlier + own) / all * LENGTH).min(LENGTH) as u64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A calibration on the pass after the last, a pass, a pass that is measured: never backwards, to the end.
+    #[test]
+    fn the_bar_goes_forward_to_its_end() {
+        let progress = Progress::new(3, vec![4, 0, 9]);
+        let mut last = 0;
+        for (number, pass) in [2, 0, 1].into_iter().enumerate() {
+            for bounce in 0..3 {
+                for kind in Kind::ALL {
+                    let id = QueueId { pass, bounce, kind };
+                    progress.traced(id, 100);
+                    let traced = progress.bar.position();
+                    if number != 1 {
+                        progress.measured(id, 100);
+                    }
+                    let measured = progress.bar.position();
+                    assert!(last < traced && traced <= measured, "{id}: {last}, {traced}, {measured}");
+                    last = measured;
+                }
+            }
+        }
+        assert!((LENGTH as u64 - last) <= 1, "{last}");
+        assert_eq!(progress.rays.load(Ordering::Relaxed), 6 * 100 * (5 + 1 + 10));
+    }
+
+    /// Imported queues come in one pass, which is the calibration's too.
+    #[test]
+    fn a_queue_that_comes_again_is_of_the_next_pass() {
+        let progress = Progress::new(1, vec![3, 3]);
+        let id = QueueId { pass: 0, bounce: 0, kind: Kind::Closest };
+        let positions = [(); 2].map(|()| {
+            progress.traced(id, 1);
+            progress.measured(id, 1);
+            progress.bar.position()
+        });
+        assert_eq!(positions, [250_000, 750_000]);
     }
 }

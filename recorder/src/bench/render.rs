@@ -21,10 +21,11 @@ use super::hit_orders::{HitOrder, Tally};
 use super::result;
 use crate::auto::Auto;
 use crate::backends::{Array, Backend, Queue, Table, collected, picture};
-use crate::calibrate::calibrate;
+use crate::calibrate;
 use crate::machine;
 use crate::measure::{Subject, sampled};
 use crate::options::RecordOptions;
+use crate::progress::Progress;
 use crate::recording::{choose_camera, setup};
 use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::trace::{Order, TraceKernel};
@@ -157,9 +158,12 @@ fn traced_after(setup: &Setup) -> impl Iterator<Item = usize> {
 /// What `auto` chooses by: orders measured on the pass after those of a frame.
 fn calibrated<B: Backend>(backend: &mut B, setup: &Setup, run: &RecordOptions) -> Result<Auto> {
     let pass = run.passes;
-    calibrate(backend, setup, run.bounces, |backend, calibrator| {
+    let progress = Progress::new(run.bounces, vec![calibrate::TRACES]);
+    let auto = calibrate::calibrate(backend, setup, &progress, |backend, calibrator| {
         wavefront::run(backend, pass..pass + 1, run.bounces, calibrator)
-    })
+    });
+    progress.finish();
+    auto
 }
 
 /// What a frame sorts.

@@ -21,7 +21,7 @@ use crate::backends::cpu::CpuBackend;
 use crate::backends::gpu::GpuBackend;
 use crate::backends::{Backend, RecordedRays, picture};
 use crate::cache_model::CacheModel;
-use crate::calibrate::calibrate;
+use crate::calibrate;
 use crate::capture::Capture;
 use crate::foreign::Foreign;
 use crate::interrupt;
@@ -166,8 +166,9 @@ impl Run<'_> {
     ) -> Result<Outcomes> {
         let options = self.options;
         let mut plan = self.plan(cache_model);
+        let progress = self.progress();
         if options.auto {
-            plan.auto = Some(self.calibrated(backend)?);
+            plan.auto = Some(self.calibrated(backend, &progress)?);
         }
         let writer = DumpWriter::create(&options.out, self.header.clone(), options.force)?;
         interrupt::leaves(Some(partial_of(writer.target())));
@@ -181,7 +182,6 @@ impl Run<'_> {
         for calibration in plan.auto.iter().flat_map(|auto| &auto.calibration) {
             capture.record(Record::Calibration(calibration.clone()))?;
         }
-        let progress = self.progress();
         let mut recorder = Recorder::new(&plan, &mut capture, &progress);
         match &self.rays {
             RaySource::Paths => wavefront::run(backend, 0..options.passes, options.bounces, &mut recorder)?,
@@ -202,19 +202,18 @@ impl Run<'_> {
 
     /// What `auto` chooses by: measured on the pass after the last one, whose rays are not recorded, or on the
     /// recorded queues; then the run begins anew.
-    fn calibrated<B: Backend>(&self, backend: &mut B) -> Result<Auto> {
+    fn calibrated<B: Backend>(&self, backend: &mut B, progress: &Progress) -> Result<Auto> {
         if !self.calibration.is_empty() {
             return Ok(Auto::new(&self.setup, self.calibration.clone()));
         }
         let (pass, bounces) = (self.options.passes, self.options.bounces);
-        calibrate(backend, &self.setup, bounces, |backend, calibrator| match &self.rays {
+        calibrate::calibrate(backend, &self.setup, progress, |backend, calibrator| match &self.rays {
             RaySource::Paths => wavefront::run(backend, pass..pass + 1, bounces, calibrator),
             RaySource::Recorded(queues) => wavefront::run_recorded(backend, queues, calibrator),
         })
     }
 
     fn progress(&self) -> Progress {
-        let pixels = u64::from(self.setup.width) * u64::from(self.setup.height);
         let repeats = u64::from(self.options.repeats);
         // Two rounds come before those that count; the control and the baseline are traced once in each.
         let traces = (2 + repeats) * 2 * (1 + self.setup.named().len() as u64);
@@ -222,7 +221,12 @@ impl Run<'_> {
             RaySource::Paths => self.options.passes,
             RaySource::Recorded(_) => 1,
         };
-        Progress::new(passes, self.options.bounces, pixels, traces)
+        let calibration = (self.options.auto && self.calibration.is_empty()).then_some(calibrate::TRACES);
+        let unmeasured = (1..passes).map(|_| 0);
+        Progress::new(
+            self.options.bounces,
+            calibration.into_iter().chain(unmeasured).chain([traces]).collect(),
+        )
     }
 
     fn write_image<B: Backend>(&self, backend: &mut B, capture: &mut Capture) -> Result<ImageDigest> {
