@@ -9,7 +9,7 @@ use formats::metrics::group::Group;
 use formats::ray::Hit;
 use formats::traced::Results;
 
-use super::table::Values::{Ascend, Repeat};
+use super::table::Values::{Few, Near, Runs};
 use super::table::{Column, TableWriter};
 use crate::model::{Order, Queue};
 
@@ -130,21 +130,24 @@ fn columns<'a>() -> Vec<RayColumn<'a>> {
 fn which<'a>() -> Vec<RayColumn<'a>> {
     let world = "world units";
     vec![
-        RayColumn::text("recording", "Recording, by its folder", |row| Some(row.recording)),
-        RayColumn::u32("pass", "Pass, from 0", Repeat, |row| Some(row.pass)),
-        RayColumn::u32("place", "Place in the order, from 0", Ascend, |row| Some(row.place)),
-        RayColumn::u32("group", "Group in the order, from 0: rays that are traced together", Repeat, |row| {
+        RayColumn::text("recording", "Recording, by its folder", |row| Some(row.recording)).required(),
+        RayColumn::u32("pass", "Pass, from 0", Runs, |row| Some(row.pass)).required(),
+        RayColumn::u32("place", "Place in the order, from 0", Near, |row| Some(row.place)).required(),
+        RayColumn::u32("group", "Group in the order, from 0: rays that are traced together", Near, |row| {
             Some(row.group)
-        }),
-        RayColumn::u32("ray", "Canonical index: the place in pixel order", Ascend, |row| Some(row.ray)),
-        RayColumn::u32("path", "Path: its pixel, row by row from the top left", Ascend, |row| Some(row.path)),
-        RayColumn::u64("key", "What the rays are sorted by", Ascend, |row| row.key),
-        RayColumn::f32("origin_x", "Origin", |row| Some(row.origin[0])).unit(world),
-        RayColumn::f32("origin_y", "Origin", |row| Some(row.origin[1])).unit(world),
-        RayColumn::f32("origin_z", "Origin", |row| Some(row.origin[2])).unit(world),
-        RayColumn::f32("direction_x", "Direction, a unit vector", |row| Some(row.direction[0])),
-        RayColumn::f32("direction_y", "Direction, a unit vector", |row| Some(row.direction[1])),
-        RayColumn::f32("direction_z", "Direction, a unit vector", |row| Some(row.direction[2])),
+        })
+        .required(),
+        RayColumn::u32("ray", "Canonical index: the place in pixel order", Near, |row| Some(row.ray))
+            .required(),
+        RayColumn::u32("path", "Path: its pixel, row by row from the top left", Near, |row| Some(row.path))
+            .required(),
+        RayColumn::u64("key", "What the rays are sorted by", Near, |row| row.key),
+        RayColumn::f32("origin_x", "Origin", |row| Some(row.origin[0])).unit(world).required(),
+        RayColumn::f32("origin_y", "Origin", |row| Some(row.origin[1])).unit(world).required(),
+        RayColumn::f32("origin_z", "Origin", |row| Some(row.origin[2])).unit(world).required(),
+        RayColumn::f32("direction_x", "Direction, a unit vector", |row| Some(row.direction[0])).required(),
+        RayColumn::f32("direction_y", "Direction, a unit vector", |row| Some(row.direction[1])).required(),
+        RayColumn::f32("direction_z", "Direction, a unit vector", |row| Some(row.direction[2])).required(),
     ]
 }
 
@@ -160,28 +163,25 @@ fn what_was_found<'a>() -> Vec<RayColumn<'a>> {
             row.estimate
         })
         .unit(unit_lengths),
-        RayColumn::u32(
-            "triangle",
-            "Triangle that was hit; null for none and for shadow rays",
-            Repeat,
-            |row| row.triangle,
-        ),
-        RayColumn::u32("material", "Material of that triangle", Repeat, |row| row.material),
-        RayColumn::u32("light", "Light that a shadow ray goes to", Repeat, |row| row.light),
-        RayColumn::u32("nodes", "Nodes of the hierarchy visited; null where not recorded", Repeat, |row| {
+        RayColumn::u32("triangle", "Triangle that was hit; null for none and for shadow rays", Near, |row| {
+            row.triangle
+        }),
+        RayColumn::u32("material", "Material of that triangle", Few, |row| row.material),
+        RayColumn::u32("light", "Light that a shadow ray goes to", Few, |row| row.light),
+        RayColumn::u32("nodes", "Nodes of the hierarchy visited; null where not recorded", Near, |row| {
             row.nodes
         }),
-        RayColumn::u32("triangles_tested", "Triangles tested; null where not recorded", Repeat, |row| {
+        RayColumn::u32("triangles_tested", "Triangles tested; null where not recorded", Near, |row| {
             row.triangles_tested
         }),
-        RayColumn::f64("capsule_area", "Area of the capsule around the ray's group", Repeat, |row| {
+        RayColumn::f64("capsule_area", "Area of the capsule around the ray's group", Runs, |row| {
             row.capsule_area
         })
         .unit("unit lengths squared"),
         RayColumn::f64(
             "direction_spread",
             "Direction spread of its group: 0 if all are parallel",
-            Repeat,
+            Runs,
             |row| row.direction_spread,
         ),
     ]

@@ -8,7 +8,7 @@ use formats::manifest::{Stage, Way};
 use formats::ray::Kind;
 
 use super::Recorded;
-use super::table::Values::{Repeat, Vary};
+use super::table::Values::{Few, Vary};
 use super::table::{Column, TableWriter};
 use crate::analysis::summary::RayClass;
 use crate::analysis::timing::SpeedupLine;
@@ -153,23 +153,23 @@ fn what() -> Vec<Column<SummaryRow>> {
         Column::text("machine", "Backend, adapter, kernel and threads", |row| Some(&row.of.machine)),
         Column::text("recording", "Recording, by its folder", |row| Some(&row.of.recording)),
         Column::text("camera", "Camera", |row| Some(&row.camera)),
-        Column::u64("seed", "Seed of all random numbers", Repeat, |row| Some(row.seed)),
+        Column::u64("seed", "Seed of all random numbers", Few, |row| Some(row.seed)),
         Column::text("kind", "Kind of the rays", |row| Some(row.kind)),
-        Column::u32("pass", "Pass, from 0; null for all bounces together", Repeat, |row| row.pass),
+        Column::u32("pass", "Pass, from 0; null for all bounces together", Few, |row| row.pass),
         Column::u32(
             "bounce",
             "Bounce; null for all together, of closest rays without bounce 0, the camera rays",
-            Repeat,
+            Few,
             |row| row.bounce,
         ),
         Column::text("method", "Order of the rays", |row| Some(&row.method)),
         Column::text("base", "Method that it is a variant of; its own name if it is none", |row| {
             Some(&row.base)
         }),
-        Column::u32("key_bits", "Bits of its keys; null for unsorted and for all bounces", Repeat, |row| {
+        Column::u32("key_bits", "Bits of its keys; null for unsorted and for all bounces", Few, |row| {
             row.key_bits
         }),
-        Column::u64("rays", "Rays", Repeat, |row| Some(row.rays)),
+        Column::u64("rays", "Rays", Few, |row| Some(row.rays)),
     ]
 }
 

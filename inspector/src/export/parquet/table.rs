@@ -32,7 +32,8 @@ enum Cells<R> {
     Flag(fn(&R) -> Option<bool>, Buffer<bool>),
 }
 
-/// Values that are not null, and for each row whether it has one: its definition level, 0 or 1.
+/// Values that are not null, and for each row whether it has one, as its definition level, 0 or 1; no levels where
+/// every row has one.
 struct Buffer<T> {
     values: Vec<T>,
     levels: Vec<i16>,
@@ -41,7 +42,10 @@ struct Buffer<T> {
 impl<T> Buffer<T> {
     const EMPTY: Self = Self { values: Vec::new(), levels: Vec::new() };
 
-    fn extend(&mut self, cells: impl Iterator<Item = Option<T>>) {
+    fn extend(&mut self, is_required: bool, cells: impl Iterator<Item = Option<T>>) {
+        if is_required {
+            return self.values.extend(cells.flatten());
+        }
         for cell in cells {
             self.levels.push(i16::from(cell.is_some()));
             self.values.extend(cell);
@@ -52,7 +56,8 @@ impl<T> Buffer<T> {
         &mut self,
         column: &mut ColumnWriterImpl<'_, D>,
     ) -> Result<(), ParquetError> {
-        column.write_batch(&self.values, Some(&self.levels), None)?;
+        let levels = (!self.levels.is_empty()).then_some(&self.levels[..]);
+        column.write_batch(&self.values, levels, None)?;
         self.values.clear();
         self.levels.clear();
         Ok(())
@@ -62,11 +67,13 @@ impl<T> Buffer<T> {
 /// How the values of a column are, which decides how they take least space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Values {
-    /// The same ones again and again.
-    Repeat,
-    /// Whole numbers, each near the one before.
-    Ascend,
-    /// Neither.
+    /// A few, again and again: a dictionary.
+    Few,
+    /// The same for many rows on end: as they are, since compression finds that sooner than a dictionary.
+    Runs,
+    /// Whole numbers, each of about as many bits as its distance from the one before: these distances.
+    Near,
+    /// None of these: their first bytes, then their second bytes and so on, of which some are alike.
     Vary,
 }
 
@@ -79,12 +86,13 @@ pub(super) struct Column<R> {
     /// What it is, in a sentence without its full stop.
     pub(super) about: &'static str,
     values: Values,
+    is_required: bool,
     cells: Cells<R>,
 }
 
 impl<R> Column<R> {
     fn new(name: &'static str, about: &'static str, values: Values, cells: Cells<R>) -> Self {
-        Self { name, unit: "", about, values, cells }
+        Self { name, unit: "", about, values, is_required: false, cells }
     }
 
     /// A column of names.
@@ -93,7 +101,7 @@ impl<R> Column<R> {
         about: &'static str,
         of: for<'r> fn(&'r R) -> Option<&'r str>,
     ) -> Self {
-        Self::new(name, about, Values::Repeat, Cells::Text(of, Buffer::EMPTY))
+        Self::new(name, about, Values::Few, Cells::Text(of, Buffer::EMPTY))
     }
 
     /// A column of whole numbers.
@@ -133,12 +141,17 @@ impl<R> Column<R> {
 
     /// A column of yes and no.
     pub(super) fn flag(name: &'static str, about: &'static str, of: fn(&R) -> Option<bool>) -> Self {
-        Self::new(name, about, Values::Vary, Cells::Flag(of, Buffer::EMPTY))
+        Self::new(name, about, Values::Few, Cells::Flag(of, Buffer::EMPTY))
     }
 
     /// A column of quantities.
     pub(super) fn unit(self, unit: &'static str) -> Self {
         Self { unit, ..self }
+    }
+
+    /// A column that has a value in every row, which costs less to write.
+    pub(super) fn required(self) -> Self {
+        Self { is_required: true, ..self }
     }
 
     fn schema(&self) -> Result<TypePtr, ParquetError> {
@@ -151,7 +164,8 @@ impl<R> Column<R> {
             Cells::F64(..) => (Physical::DOUBLE, None),
             Cells::Flag(..) => (Physical::BOOLEAN, None),
         };
-        let column = Type::primitive_type_builder(self.name, physical).with_repetition(Repetition::OPTIONAL);
+        let repetition = if self.is_required { Repetition::REQUIRED } else { Repetition::OPTIONAL };
+        let column = Type::primitive_type_builder(self.name, physical).with_repetition(repetition);
         Ok(Arc::new(column.with_logical_type(logical).build()?))
     }
 
@@ -165,22 +179,30 @@ impl<R> Column<R> {
 
     /// Takes what rows have in this column.
     fn take(&mut self, rows: &[R]) {
+        let required = self.is_required;
         match &mut self.cells {
-            Cells::U32(of, buffer) => buffer.extend(rows.iter().map(|row| of(row).map(|value| value as i32))),
-            Cells::U64(of, buffer) => buffer.extend(rows.iter().map(|row| of(row).map(|value| value as i64))),
-            Cells::F32(of, buffer) => buffer.extend(rows.iter().map(of)),
-            Cells::F64(of, buffer) => buffer.extend(rows.iter().map(of)),
-            Cells::Flag(of, buffer) => buffer.extend(rows.iter().map(of)),
+            Cells::U32(of, buffer) => {
+                buffer.extend(required, rows.iter().map(|row| of(row).map(|value| value as i32)));
+            }
+            Cells::U64(of, buffer) => {
+                buffer.extend(required, rows.iter().map(|row| of(row).map(|value| value as i64)));
+            }
+            Cells::F32(of, buffer) => buffer.extend(required, rows.iter().map(of)),
+            Cells::F64(of, buffer) => buffer.extend(required, rows.iter().map(of)),
+            Cells::Flag(of, buffer) => buffer.extend(required, rows.iter().map(of)),
             Cells::Text(of, buffer) => {
                 // Rows that follow each other mostly share their text.
                 let mut last = ByteArray::from("");
-                buffer.extend(rows.iter().map(|row| {
-                    let text = of(row)?;
-                    if last.data() != text.as_bytes() {
-                        last = ByteArray::from(text);
-                    }
-                    Some(last.clone())
-                }));
+                buffer.extend(
+                    required,
+                    rows.iter().map(|row| {
+                        let text = of(row)?;
+                        if last.data() != text.as_bytes() {
+                            last = ByteArray::from(text);
+                        }
+                        Some(last.clone())
+                    }),
+                );
             }
         }
     }
@@ -281,10 +303,13 @@ fn properties<R>(columns: &[Column<R>]) -> WriterPropertiesPtr {
         .set_key_value_metadata(Some(columns.iter().flat_map(Column::metadata).collect()));
     for column in columns {
         let path = ColumnPath::from(column.name);
-        properties = properties.set_column_dictionary_enabled(path.clone(), column.values == Values::Repeat);
-        if column.values == Values::Ascend {
-            properties = properties.set_column_encoding(path, Encoding::DELTA_BINARY_PACKED);
-        }
+        properties = properties.set_column_dictionary_enabled(path.clone(), column.values == Values::Few);
+        let encoding = match column.values {
+            Values::Few | Values::Runs => continue,
+            Values::Near => Encoding::DELTA_BINARY_PACKED,
+            Values::Vary => Encoding::BYTE_STREAM_SPLIT,
+        };
+        properties = properties.set_column_encoding(path, encoding);
     }
     Arc::new(properties.build())
 }
@@ -301,8 +326,8 @@ mod tests {
         let path = folder.path().join("table.parquet");
         let even = |row: &usize| row.is_multiple_of(2).then_some(*row as u32);
         let columns = vec![
-            Column::u32("row", "Row", Values::Ascend, |row: &usize| Some(*row as u32)),
-            Column::u32("even", "The same, if it is even", Values::Repeat, even),
+            Column::u32("row", "Row", Values::Near, |row: &usize| Some(*row as u32)),
+            Column::u32("even", "The same, if it is even", Values::Few, even),
         ];
         let mut table = TableWriter::create(path.clone(), columns).unwrap();
         let rows = ROWS_PER_GROUP + ROWS_PER_BLOCK + 7;

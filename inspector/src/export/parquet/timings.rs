@@ -8,7 +8,7 @@ use formats::manifest::{DisturbedRecord, Manifest, TimingRecord};
 use formats::ray::Kind;
 
 use super::Recorded;
-use super::table::Values::{Repeat, Vary};
+use super::table::Values::{Few, Vary};
 use super::table::{Column, TableWriter};
 use crate::shown;
 
@@ -86,12 +86,12 @@ fn columns() -> Vec<Column<TimingRow>> {
         Column::text("scene", "Scene", |row| Some(&row.of.scene)),
         Column::text("machine", "Backend, adapter, kernel and threads", |row| Some(&row.of.machine)),
         Column::text("recording", "Recording, by its folder", |row| Some(&row.of.recording)),
-        Column::u32("pass", "Pass, from 0", Repeat, |row| Some(row.pass)),
-        Column::u32("bounce", "Bounce; 0 is the camera rays", Repeat, |row| Some(row.bounce)),
+        Column::u32("pass", "Pass, from 0", Few, |row| Some(row.pass)),
+        Column::u32("bounce", "Bounce; 0 is the camera rays", Few, |row| Some(row.bounce)),
         Column::text("kind", "Kind of the rays; null for stages that serve both", |row| row.kind),
         Column::text("method", "Order of the rays", |row| Some(&row.method)),
         Column::text("stage", "What was timed", |row| Some(row.stage)),
-        Column::u32("round", "Round of measuring, from 0: its samples belong together", Repeat, |row| {
+        Column::u32("round", "Round of measuring, from 0: its samples belong together", Few, |row| {
             Some(row.round)
         }),
         Column::u64("ns", "How long it took", Vary, |row: &TimingRow| Some(row.ns)).unit("nanoseconds"),
