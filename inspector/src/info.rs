@@ -123,11 +123,11 @@ fn study(path: &Path, json: bool) -> anyhow::Result<()> {
     print(&parts.join("\n\n"))
 }
 
-/// What is missing in the net speedups of orders that came with imported rays.
+/// Which orders have no net speedup, since they came with imported rays.
 fn without_cost(manifest: &Manifest) -> Option<String> {
     let names: Vec<String> = manifest.foreign_orders().map(|order| shown::name(&order.name)).collect();
     (!names.is_empty()).then(|| {
-        format!("The net speedups of {} lack key and sort, which another tracer did.", names.join(", "))
+        format!("No net speedup for {}: another tracer made and sorted their keys.", names.join(", "))
     })
 }
 

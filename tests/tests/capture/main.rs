@@ -63,10 +63,16 @@ fn a_small_tracer_in_cpp_is_imported_verified_replayed_and_drawn() {
     assert_eq!(check(&verified, "keys")["not_checked"].as_array().unwrap().len(), 3);
     assert_eq!(check(&verified, "permutations")["checked"], 3 * rays);
     let info = Program::Inspector.run(folder, "info theirs.raydump").succeeded().stdout;
-    let lacking = "The net speedups of morton, octants lack key and sort";
+    let lacking = "No net speedup for morton, octants: another tracer made and sorted their keys";
     assert!(info.contains(lacking), "{info}");
     let info = Program::Inspector.run(folder, "info theirs.raydump --details").succeeded().stdout;
     assert!(info.contains("imported hits: passed") && info.contains("morton, octants"), "{info}");
+    let json = Program::Inspector.run(folder, "info theirs.raydump --metrics --json").succeeded().json();
+    for frame in json["metrics"]["recordings"][0]["frames"].as_array().unwrap() {
+        let is_theirs = ["morton", "octants"].contains(&frame["method"].as_str().unwrap());
+        let reason = frame["net_speedup"]["missing"].as_str();
+        assert_eq!(is_theirs, reason.is_some_and(|reason| reason.contains("came with the rays")), "{frame}");
+    }
     carried_along(folder, lacking);
     for line in [
         "plot theirs.raydump --out figures --figure trace-speedup --figure capsule-area",
