@@ -15,6 +15,9 @@ pub enum ColourMap {
     Turbo,
     /// Black over purple to white.
     Magma,
+    /// Blue over grey to red, for ratios: grey is no change. After ColorBrewer's RdBu, grey in its middle to be seen
+    /// on white.
+    BlueRed,
 }
 
 /// Colours of a map, on the CPU and in shaders.
@@ -27,7 +30,7 @@ static TABLES: LazyLock<[[[u8; 3]; STEPS]; ColourMap::ALL.len()]> = LazyLock::ne
 
 impl ColourMap {
     /// All maps.
-    pub const ALL: [Self; 4] = [Self::Viridis, Self::Cividis, Self::Turbo, Self::Magma];
+    pub const ALL: [Self; 5] = [Self::Viridis, Self::Cividis, Self::Turbo, Self::Magma, Self::BlueRed];
 
     /// What it is called.
     pub fn name(self) -> &'static str {
@@ -36,6 +39,7 @@ impl ColourMap {
             Self::Cividis => "cividis",
             Self::Turbo => "turbo",
             Self::Magma => "magma",
+            Self::BlueRed => "blue-red",
         }
     }
 
@@ -61,12 +65,26 @@ impl ColourMap {
             Self::Cividis => &CIVIDIS,
             Self::Turbo => &TURBO,
             Self::Magma => &MAGMA,
+            Self::BlueRed => return between(&BLUE_RED, at),
         };
         polynomials.map(|polynomial| {
             let value = polynomial.iter().rev().fold(0.0, |sum, factor| sum * at + factor);
             (value.clamp(0.0, 1.0) * 255.0).round() as u8
         })
     }
+}
+
+/// Colours at equal distances from 0 to 1.
+const BLUE_RED: [[u8; 3]; 5] =
+    [[0x21, 0x66, 0xac], [0x67, 0xa9, 0xcf], [0xc0, 0xc0, 0xc0], [0xef, 0x8a, 0x62], [0xb2, 0x18, 0x2b]];
+
+fn between(stops: &[[u8; 3]; 5], at: f64) -> [u8; 3] {
+    let place = at.clamp(0.0, 1.0) * 4.0;
+    let first = (place as usize).min(3);
+    std::array::from_fn(|part| {
+        let [low, high] = [stops[first][part], stops[first + 1][part]].map(f64::from);
+        (low + (place - first as f64) * (high - low)).round() as u8
+    })
 }
 
 /// Factors of at⁰ to at⁶ for red, green and blue.
@@ -131,6 +149,13 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn no_change_is_grey_and_sides_are_blue_and_red() {
+        let [low, middle, high] = [0.0, 0.5, 1.0].map(|at| ColourMap::BlueRed.colour(at));
+        assert!(middle.iter().all(|part| part.abs_diff(0xc0) <= 1), "{middle:?}");
+        assert!(low[2] > low[0] && high[0] > high[2], "{low:?} {high:?}");
     }
 
     #[test]

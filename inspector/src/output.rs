@@ -92,6 +92,12 @@ pub(crate) fn counted(number: u64, one: &str, many: &str) -> String {
     format!("{} {}", count(number), if number == 1 { one } else { many })
 }
 
+/// A ratio for people: `1.39×`.
+pub(crate) fn times(ratio: f64) -> String {
+    let decimals = if ratio < 0.0995 { 3 } else { 2 - usize::from(ratio >= 9.995) };
+    format!("{ratio:.decimals$}×")
+}
+
 /// A time for people, with three digits: `1.23 ms`.
 pub(crate) fn time(nanoseconds: f64) -> String {
     let (value, unit) = match nanoseconds {
@@ -128,5 +134,6 @@ mod tests {
         );
         assert_eq!([time(12.0), time(1234.0), time(99_900_000.0)], ["12.0 ns", "1.23 µs", "99.9 ms"]);
         assert_eq!(time(123e9), "123 s");
+        assert_eq!([times(0.01234), times(1.386), times(9.996)], ["0.012×", "1.39×", "10.0×"]);
     }
 }

@@ -84,6 +84,11 @@ impl Theme {
         self.pick(Color32::from_rgb(0xff, 0x8a, 0x70), Color32::from_rgb(0xb0, 0x20, 0x10))
     }
 
+    /// What is faster.
+    pub fn faster(self) -> Color32 {
+        self.pick(Color32::from_rgb(0x4f, 0xd6, 0xa4), Color32::from_rgb(0x00, 0x74, 0x52))
+    }
+
     /// Text about a series: its colour, darker where it could not be read on a light page.
     pub fn series_text(self, number: usize) -> Color32 {
         /// Most that text on a light page may reflect, 0 to 1.
@@ -104,5 +109,13 @@ impl Theme {
         let colour = Color32::from_rgb(red, green, blue);
         // The figures' first colour is black, which no one sees on a dark page.
         if colour == Color32::BLACK && self.mode == Mode::Dark { self.reference() } else { colour }
+    }
+
+    /// A stage, by its place among all: of a ramp that no series has, as in the figures.
+    pub fn stage(self, place: usize) -> Color32 {
+        let [red, green, blue] = style::style(style::STAGE_STYLES + place).colour.0;
+        // Made for white paper: on a dark page the dark ones are those that are not seen.
+        let lifted = |part: u8| self.pick(part.saturating_add((255 - part) / 4), part);
+        Color32::from_rgb(lifted(red), lifted(green), lifted(blue))
     }
 }

@@ -156,7 +156,7 @@ fn rays_of_queues_of_other_paths_are_matched_by_path() {
 
 /// The panel with this of its state changed.
 fn compare(state: &serde_json::Value, context: Context) -> Harness<'static, State> {
-    panel_made("compare", [900.0, 900.0], context, |panel| {
+    panel_made("scene", [900.0, 900.0], context, |panel| {
         let mut whole = panel.state();
         for (name, value) in state.as_object().unwrap() {
             whole[name] = value.clone();
@@ -173,8 +173,9 @@ fn the_panel_shows_a_line_for_each_difference_and_the_same_picture_each_time() {
     let picture = || {
         let mut context = Context::open(&[whole.clone(), other.clone()]);
         order(&mut context, 1, "aila");
+        context.hold_against(Some(0), "aila");
         let wanted = serde_json::json!(
-            { "before": "aila", "before_recording": 0, "difference": "hit", "table": true }
+            { "side_by_side": true, "difference": "hit", "table": true }
         );
         let mut harness = compare(&wanted, context);
         for text in ["seed", "trace kernel", "adapter", "hits", "keys", "another processor", "1 differ"] {
@@ -316,7 +317,8 @@ fn numbers_of_rays_colour_the_curve_in_any_order() {
     let mut context = Context::open(&[sample::write(folder.path())]);
     let order = order(&mut context, 0, "two-point");
     let of_ray: Vec<f32> = (0..order.len()).map(|ray| ray as f32 + 0.5).collect();
-    let values = RayValues { id: 1, title: "numbers", of_ray: Arc::new(of_ray), range: None };
+    let values =
+        RayValues { id: 1, title: "numbers", of_ray: Arc::new(of_ray), range: None, is_ratio: false };
     let drawn = layers(&mut context, &SpaceOptions::default(), Some(values));
     let Shape::Strip(curve) = drawn[0].geometry.shape() else { panic!("no curve") };
     let found: Vec<f32> = curve.iter().map(|vertex| vertex.value).collect();

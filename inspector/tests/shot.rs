@@ -31,6 +31,7 @@ fn every_view_is_a_picture_and_the_same_each_time() {
         "cell",
         "table",
         "order",
+        "methods",
         "coherence",
         "what-if",
         "timings",
@@ -178,7 +179,6 @@ fn settings_of_panels_change_their_pictures() {
     for (view, settings) in [
         ("table", &["view=count"][..]),
         ("table", &["view=histograms"]),
-        ("coherence", &["listed=groups"]),
         ("rays-table", &["sorted_by=length"]),
         ("rays-table", &["sorted_by=length", "descending=true"]),
         ("rays-table", &[r#"columns=["ray","area"]"#]),

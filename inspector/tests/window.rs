@@ -44,15 +44,14 @@ fn opened(folder: &Path) -> Context {
 }
 
 /// What must be read in each panel, with a recording and without.
-const READ: [(&str, &str, &str); 11] = [
-    ("navigator", "two-point-adaptive", "Drop a folder NAME.raydump here, or open one with File > Open."),
+const READ: [(&str, &str, &str); 10] = [
     ("scene", "Curve", "no recording is open"),
-    ("compare", "Overview", "no recording is open"),
+    ("methods", "two-point-adaptive", "no recording is open"),
     ("order", "displacement", "no recording is open"),
     ("table", "mean length", "no recording is open"),
-    ("coherence", "mean area", "no recording is open"),
-    ("what-if", "show this order", "no recording is open"),
-    ("timings", "net speedup", "no recording is open"),
+    ("coherence", "of the mean", "no recording is open"),
+    ("what-if", "Keys of", "no recording is open"),
+    ("timings", "trace", "no recording is open"),
     ("rays", "direction.x", "no recording is open"),
     ("ray", "worst group", "no recording is open"),
     ("problems", "No problems.", "No problems."),

@@ -5,7 +5,7 @@
 //! - [`recording`], [`queue`], [`order`]: the numbers of one recording, queue and order
 //! - `arrays`: the arrays of a queue that its orders share
 //! - [`timing`]: times, speedups, bandwidths of an order's stages
-//! - [`frame`]: a method over all bounces
+//! - [`frame`]: a method over all bounces; [`versus`]: one order against another; [`ranking`]: all of them, the best first
 //! - [`break_even`]: what a sort may cost
 //! - [`coherence`]: capsules, direction spread and lane utilisation, streamed over arrays
 //! - [`tables`]: fill of the length table, errors of estimated lengths
@@ -30,11 +30,13 @@ pub mod options;
 pub mod order;
 pub mod picture;
 pub mod queue;
+pub mod ranking;
 pub mod recording;
 pub mod study;
 pub mod summary;
 pub mod tables;
 pub mod timing;
+pub mod versus;
 pub mod work;
 
 use std::path::PathBuf;
@@ -52,6 +54,7 @@ pub use queue::QueueAnalysis;
 pub use recording::RecordingAnalysis;
 pub use study::StudyAnalysis;
 pub use summary::MethodSummary;
+pub use versus::Versus;
 use summary::distinct;
 
 /// The numbers of recordings.

@@ -59,6 +59,18 @@ pub enum Verdict {
     Unknown,
 }
 
+impl Verdict {
+    /// What it says in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Faster => "faster",
+            Self::Slower => "slower",
+            Self::NoSignificantDifference => "no significant difference",
+            Self::Unknown => "too few rounds for an interval",
+        }
+    }
+}
+
 /// A speedup over the trace of unsorted rays.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpeedupLine {
@@ -73,6 +85,11 @@ pub struct SpeedupLine {
 }
 
 impl SpeedupLine {
+    /// Its interval for people, nothing if it has none.
+    pub fn interval_text(&self) -> String {
+        self.interval.map_or(String::new(), |(low, high)| format!("[{low:.2}, {high:.2}]"))
+    }
+
     /// Of `method` over `baseline`; `None` if either has no samples.
     pub fn of(baseline: &[u64], method: &[u64]) -> Option<Self> {
         let Speedup { ratio, interval } = Speedup::of(baseline, method)?;

@@ -4,10 +4,11 @@ use egui::{Align2, ScrollArea, Vec2};
 
 use super::App;
 
-const KEYS: [(&str, &str); 22] = [
-    ("up, down", "the order before, the next order"),
+const KEYS: [(&str, &str); 23] = [
+    ("click, Shift-click a method", "makes it order B, order A"),
+    ("up, down", "makes the next better, the next worse method B"),
     ("left, right", "the bounce before, the next bounce"),
-    ("escape", "nothing is selected"),
+    ("escape", "closes what is on top; else nothing is selected any more"),
     ("Ctrl+Z, Alt+left", "the selection before"),
     ("Ctrl+Shift+Z, Alt+right", "the selection after"),
     ("Ctrl+O, Ctrl+S", "open a recording, save the session"),
@@ -22,7 +23,7 @@ const KEYS: [(&str, &str); 22] = [
     ("G", "fly mode: dragging turns the head"),
     ("F", "frame what is selected, or the scene"),
     ("C, R", "the recording's camera, an overview"),
-    ("space", "play along the order"),
+    ("space", "moves the playhead along the order"),
     ("", ""),
     ("drag the colour bar's ends", "the range of values that colours tell apart"),
     ("double click it", "back to percentiles"),
@@ -30,7 +31,8 @@ const KEYS: [(&str, &str); 22] = [
 ];
 
 /// Words that panels use, a sentence each.
-const WORDS: [(&str, &str); 12] = [
+const WORDS: [(&str, &str); 15] = [
+    ("A, B", "The two orders that are held against each other; panels show B."),
     ("queue", "The rays of one pass, bounce and kind: what is sorted and traced together."),
     ("canonical order", "The order of pixels, in which rays are before they are sorted."),
     ("key", "The bits by which rays are sorted: coordinates of the ray, interleaved."),
@@ -38,11 +40,10 @@ const WORDS: [(&str, &str); 12] = [
     ("group", "32, 64 or 128 rays that follow each other in an order: what a GPU traces together."),
     ("capsule", "The hull of a sphere around a group's origins and one around its ends."),
     ("direction spread", "1 - |sum of directions| / n of a group: 0 if all rays are parallel."),
-    ("lane utilisation", "The share of their time in which lanes work that wait for the slowest. A model."),
-    (
-        "length table",
-        "Mean traced lengths of the rays that started in each cell, by which ends are estimated.",
-    ),
+    ("SIMD utilisation", "The share of a warp's 32 lanes that work while the slowest of them does. A model."),
+    ("hit point", "Where a ray ended: at a surface, or where it left the scene."),
+    ("playhead", "The place of the order up to which rays are shown."),
+    ("length table", "Mean traced lengths of the rays of each cell: a new ray's estimated length."),
     ("trace speedup", "The time to trace unsorted rays over the time to trace sorted ones."),
     ("net speedup", "The same with the time that sorting itself takes."),
     ("unit space", "The scene moved and scaled so that its largest side is 1."),

@@ -8,6 +8,14 @@ use super::{App, Task};
 
 impl App {
     pub(super) fn take_keys(&mut self, ui: &egui::Ui) {
+        // Menus close by themselves. A question's line may have the keyboard.
+        if !egui::Popup::is_any_open(ui.ctx())
+            && (self.prompt.is_some() || !ui.ctx().egui_wants_keyboard_input())
+        {
+            if ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
+                self.close_top();
+            }
+        }
         if ui.ctx().egui_wants_keyboard_input() {
             return;
         }
@@ -28,10 +36,6 @@ impl App {
                 self.task = Some(task);
             }
         }
-        if pressed(Modifiers::NONE, Key::Escape) {
-            self.context.selection.clear();
-            (self.is_help_open, self.shown_command) = (false, None);
-        }
         if ui.input(|input| {
             input.events.iter().any(|event| matches!(event, egui::Event::Text(text) if text == "?"))
         }) {
@@ -39,7 +43,7 @@ impl App {
         }
         for (key, step) in [(Key::ArrowDown, 1), (Key::ArrowUp, -1)] {
             if pressed(Modifiers::NONE, key) {
-                self.next_order(step);
+                self.next_order(step, ui.ctx().cumulative_frame_nr());
             }
         }
         for (key, step) in [(Key::ArrowRight, 1), (Key::ArrowLeft, -1)] {
@@ -49,13 +53,23 @@ impl App {
         }
     }
 
-    /// Goes to the next order of the queue, or the one before.
-    fn next_order(&mut self, step: isize) {
-        let methods = self.context.methods();
-        let now = methods.iter().position(|method| *method == self.context.selection.method);
-        let next = now.and_then(|now| now.checked_add_signed(step)).and_then(|next| methods.get(next));
-        if let Some(next) = next.cloned() {
-            self.context.order_by(&next);
+    /// Closes what lies over everything else; where nothing does, nothing is selected any more.
+    fn close_top(&mut self) {
+        if self.prompt.take().is_none() && self.shown_command.take().is_none() {
+            match self.is_help_open {
+                true => self.is_help_open = false,
+                false => self.context.selection.clear(),
+            }
+        }
+    }
+
+    /// Makes the next order of the table of methods B, or the one before.
+    fn next_order(&mut self, step: isize, frame: u64) {
+        let orders = self.context.ranking(frame);
+        let now = orders.iter().position(|order| order.method == self.context.selection.method);
+        let next = now.and_then(|now| now.checked_add_signed(step)).and_then(|next| orders.get(next));
+        if let Some(next) = next {
+            self.context.order_by(&next.method);
         }
     }
 

@@ -7,15 +7,13 @@ use crate::panels::PANELS;
 /// A tile: the name of the panel that it shows.
 pub(super) type Pane = String;
 
-/// Panels that share a place: left, middle and right, each from top to bottom. A panel that is not among them
+/// Panels that share a place: in the middle, below it, to the right, and below that. A panel that is not among them
 /// is with the last.
-const TABS: [&[&str]; 6] = [
-    &["navigator"],
-    &["ray", "problems"],
-    &["scene", "compare"],
-    &["rays"],
-    &["order", "table"],
-    &["coherence", "what-if", "timings"],
+const TABS: [&[&str]; 4] = [
+    &["scene"],
+    &["rays", "ray", "problems"],
+    &["methods"],
+    &["order", "coherence", "timings", "table", "what-if"],
 ];
 
 /// The scene in the middle, numbers to its right.
@@ -28,12 +26,10 @@ pub(super) fn at_first() -> Tree<Pane> {
         let panes = names.into_iter().map(|name| tiles.insert_pane(name.to_owned())).collect();
         tiles.insert_tab_tile(panes)
     });
-    let [left, middle, right] =
-        [0, 2, 4].map(|first| tiles.insert_vertical_tile(tabs[first..first + 2].to_vec()));
-    let root = tiles.insert_horizontal_tile(vec![left, middle, right]);
-    share(&mut tiles, root, &[(left, 0.66), (middle, 1.5), (right, 1.1)]);
-    share(&mut tiles, left, &[(tabs[0], 1.5), (tabs[1], 1.0)]);
-    share(&mut tiles, middle, &[(tabs[2], 2.2), (tabs[3], 1.0)]);
+    let [middle, right] = [0, 2].map(|first| tiles.insert_vertical_tile(tabs[first..first + 2].to_vec()));
+    let root = tiles.insert_horizontal_tile(vec![middle, right]);
+    share(&mut tiles, root, &[(middle, 1.5), (right, 1.0)]);
+    share(&mut tiles, middle, &[(tabs[0], 3.0), (tabs[1], 1.0)]);
     Tree::new(egui::Id::unique("tiles"), root, tiles)
 }
 
@@ -47,7 +43,12 @@ fn share(tiles: &mut Tiles<Pane>, container: TileId, shares: &[(TileId, f32)]) {
 
 /// A layout of an earlier run, unless that one had other panels.
 pub(super) fn of_all_panels(kept: Option<Tree<Pane>>) -> Option<Tree<Pane>> {
+    let is_known = |tile: &Tile<Pane>| match tile {
+        Tile::Pane(name) => PANELS.iter().any(|entry| entry.name == name),
+        Tile::Container(_) => true,
+    };
     kept.filter(|tree| PANELS.iter().all(|entry| tree.tiles.find_pane(&entry.name.to_owned()).is_some()))
+        .filter(|tree| tree.tiles.tiles().all(is_known))
 }
 
 pub(super) fn bring_forward(tree: &mut Tree<Pane>, panel: &str) {

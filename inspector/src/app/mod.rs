@@ -1,6 +1,7 @@
 //! The window: panels in tiles, files opened and saved, keys, light and dark.
 //!
 //! - `layout`, `tiles`: where panels are, and what can be saved of each
+//! - `strip`: which rays and orders, and by how much B is faster than A
 //! - `menu`, `keys`, `help`: what is done to the window as a whole
 //! - `welcome`, [`demo`]: before a recording is open
 //! - `ask`, `saving`, `screenshot`, `command`: files, and the command that draws the same without a window
@@ -17,6 +18,7 @@ mod menu;
 pub mod run;
 mod saving;
 mod screenshot;
+mod strip;
 mod tiles;
 mod welcome;
 
@@ -29,6 +31,7 @@ use self::ask::{Asked, Asking, Prompt};
 use self::demo::Demo;
 use self::layout::Pane;
 use self::screenshot::Screenshot;
+use self::strip::Strip;
 use self::tiles::PanelTiles;
 use crate::model::context::Problem;
 use crate::model::history::History;
@@ -62,6 +65,7 @@ pub struct App {
     /// A recording of the demo, if there is one.
     pub demo: Demo,
     panels: Panels,
+    strip: Strip,
     tree: Tree<Pane>,
     history: History,
     task: Option<Task>,
@@ -88,6 +92,7 @@ impl App {
             recent: Recent::default(),
             demo: Demo::with(demo::find_recorder()),
             panels: panels(&setup),
+            strip: Strip::default(),
             tree: layout::at_first(),
             history: History::default(),
             task: None,
@@ -216,6 +221,9 @@ impl App {
         self.take_keys(ui);
         self.take_demo(ui);
         egui::Panel::top("menu").show(ui, |ui| self.menu(ui));
+        if self.context.recording().is_some() {
+            egui::Panel::top("strip").show(ui, |ui| self.strip.show(ui, &mut self.context));
+        }
         let tiles = egui::Frame::central_panel(ui.style()).inner_margin(2.0);
         egui::CentralPanel::default().frame(tiles).show(ui, |ui| {
             if self.context.recordings.is_empty() {

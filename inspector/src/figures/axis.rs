@@ -165,7 +165,8 @@ fn ratios(low: f64, high: f64, room: usize) -> Mapping {
     Mapping { range, ticks, is_logarithmic: true }
 }
 
-fn ratio_label(value: f64) -> String {
+/// A ratio as an axis has it: `½×`, `4×`.
+pub(crate) fn ratio_label(value: f64) -> String {
     match 1.0 / value {
         2.0 => "½×".to_owned(),
         4.0 => "¼×".to_owned(),

@@ -2,7 +2,7 @@
 //!
 //! - [`model`]: a figure as data
 //! - [`catalogue`]: which figures there are
-//! - [`style`]: widths, sizes, colours, markers and dashes
+//! - [`style`]: widths, sizes, colours, markers and dashes; [`method_style`]: which a method has
 //! - [`draw`]: the drawing, each panel a chart of plotters: `svg` is its backend, `axis` its coordinates with
 //!   our ticks, `series` what it shows, of `mark`s. Ours are `layout` (the room for words), `tick_labels`
 //!   (broken, slanted, upright), `legend`, `line_names` (the same beside lines) and `text` (widths)
@@ -10,7 +10,7 @@
 //! - [`csv`], [`pgfplots`]: the numbers, the same figure in LaTeX
 //! - [`files`]: all of them in a folder, with the words
 
-mod axis;
+pub(crate) mod axis;
 pub mod catalogue;
 pub mod csv;
 pub mod draw;
@@ -21,6 +21,7 @@ mod layout;
 mod legend;
 mod line_names;
 mod mark;
+pub mod method_style;
 pub mod model;
 pub mod pgfplots;
 pub mod raster;

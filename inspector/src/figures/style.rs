@@ -110,7 +110,10 @@ pub struct Style {
     pub dash: &'static [f64],
 }
 
-const COLOURS: [Colour; 9] = [
+/// Styles with a colour of their own.
+pub const COLOURS: usize = 9;
+
+const PALETTE: [Colour; COLOURS] = [
     Colour([0x00, 0x00, 0x00]), // black
     Colour([0x00, 0x72, 0xb2]), // blue
     Colour([0xd5, 0x5e, 0x00]), // vermilion
@@ -155,9 +158,9 @@ pub fn style(number: usize) -> Style {
         let colour = STAGE_COLOURS[stage % STAGE_COLOURS.len()];
         return Style { colour, marker: Marker::Square, dash: &[] };
     }
-    let round = number / COLOURS.len();
+    let round = number / COLOURS;
     Style {
-        colour: COLOURS[number % COLOURS.len()],
+        colour: PALETTE[number % COLOURS],
         marker: MARKERS[(number + round) % MARKERS.len()],
         dash: DASHES[(number + round) % DASHES.len()],
     }
@@ -185,9 +188,9 @@ mod tests {
 
     #[test]
     fn lines_are_seen_on_white() {
-        for colour in COLOURS {
+        for colour in PALETTE {
             assert!(colour.ink().luma() < 190.0, "{colour:?}");
-            assert_eq!(colour == colour.ink(), colour != COLOURS[7], "yellow alone is too light");
+            assert_eq!(colour == colour.ink(), colour != PALETTE[7], "yellow alone is too light");
         }
     }
 }

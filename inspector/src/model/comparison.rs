@@ -34,8 +34,8 @@ pub enum Difference {
 impl Difference {
     /// All of them: name in lists and sessions, and what the colour bar says.
     pub const ALL: [(Self, &'static str, &'static str); 5] = [
-        (Self::Displacement, "displacement", "places from left to right, part of all"),
-        (Self::CapsuleArea, "capsule-area", "capsule area of the group, right over left, log2"),
+        (Self::Displacement, "displacement", "places from A to B, part of all"),
+        (Self::CapsuleArea, "capsule-area", "capsule area of the group, B over A"),
         (Self::Hit, "hit", "1 where another surface was hit"),
         (Self::Distance, "distance", "relative difference of the hit's distance, log10"),
         (Self::Key, "key", "1 where the key is another"),

@@ -12,8 +12,11 @@ use super::derived::Derived;
 use super::order::Order;
 use super::queue::Queue;
 use super::recording::Recording;
-use super::selection::Selection;
+use super::selection::{Baseline, Playhead, Selection};
 use super::what_if::{self, WHAT_IF};
+use crate::analysis::versus::OrderOf;
+use crate::analysis::{QueueAnalysis, Versus};
+use crate::figures::method_style::method_style;
 
 /// Something that went wrong, and what to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,6 +39,9 @@ type Opening = LazyLock<Opened<Queue>, Box<dyn FnOnce() -> Opened<Queue> + Send>
 /// Queues that can be asked for at once: those of two orders that are compared and one to go back to.
 const OPENINGS: usize = 3;
 
+/// Of the order that is made here: grey, and of a round that no method of `all` reaches.
+const WHAT_IF_STYLE: usize = 26;
+
 /// Opening of a recording, queue and method.
 type OrderKey = (u64, QueueId, String);
 
@@ -46,6 +52,8 @@ pub struct Context {
     pub recordings: Vec<Recording>,
     /// What is selected.
     pub selection: Selection,
+    /// How far along the order panels are.
+    pub playhead: Playhead,
     /// What went wrong and was not dismissed yet.
     pub problems: Vec<Problem>,
     /// What the what-if order is made by, once it was asked for.
@@ -93,7 +101,16 @@ impl Context {
         if let Some(queue) = queue {
             self.selection.queue = queue;
         }
-        self.keep_method();
+        if is_first {
+            self.order_by_best();
+        }
+        self.keep_orders();
+    }
+
+    /// Makes the best method of the queue order B.
+    fn order_by_best(&mut self) {
+        let best = self.recording().map(|open| open.best_method(self.selection.queue).to_owned());
+        self.selection.order_by(&best.unwrap_or_else(|| UNSORTED.to_owned()));
     }
 
     /// The selected recording.
@@ -123,15 +140,65 @@ impl Context {
     /// Goes to another queue, in the same order if it was measured there.
     pub fn go_to(&mut self, queue: QueueId) {
         self.selection.go_to(queue);
-        self.keep_method();
+        self.keep_orders();
     }
 
-    fn keep_method(&mut self) {
+    /// Leaves orders that the queue has not got.
+    pub(crate) fn keep_orders(&mut self) {
         let Selection { queue, method, .. } = &self.selection;
         let is_measured = |open: &Recording| open.methods(*queue).contains(method);
         if method != WHAT_IF && !self.recording().is_some_and(is_measured) {
-            self.selection.order_by(UNSORTED);
+            self.order_by_best();
         }
+        let Baseline { recording, method } = self.selection.baseline.clone();
+        self.hold_against(recording, &method);
+    }
+
+    /// Makes an order A: of that of the open recordings, or of B's if `None`. It is `unsorted` where there is no
+    /// such order.
+    pub fn hold_against(&mut self, recording: Option<usize>, method: &str) {
+        let is_other = |at: &usize| *at < self.recordings.len() && *at != self.selection.recording;
+        let recording = recording.filter(is_other);
+        let known = self.methods_of(recording.unwrap_or(self.selection.recording));
+        let method = if known.iter().any(|known| known == method) { method } else { UNSORTED };
+        self.selection.baseline = Baseline { recording, method: method.to_owned() };
+    }
+
+    /// The recording of order A.
+    pub fn baseline_recording(&self) -> Option<&Recording> {
+        self.recordings.get(self.selection.baseline.recording.unwrap_or(self.selection.recording))
+    }
+
+    /// What is asked with order A in the place of B, and with this ray of it selected.
+    pub fn of_baseline<T>(&mut self, ray: Option<usize>, ask: impl FnOnce(&mut Self) -> T) -> T {
+        let Baseline { recording, method } = self.selection.baseline.clone();
+        let recording = recording.unwrap_or(self.selection.recording);
+        let a = Selection { recording, method, ray, group: None, ..self.selection.clone() };
+        let b = std::mem::replace(&mut self.selection, a);
+        let found = ask(self);
+        self.selection = b;
+        found
+    }
+
+    /// How much faster B is than A on the whole frame, and on the selected rays; nothing while one of them is not
+    /// finished.
+    pub fn versus(&self) -> Option<[Versus; 2]> {
+        let [a, b] = [self.baseline_recording()?, self.recording()?];
+        let Selection { baseline, method, queue, .. } = &self.selection;
+        let a = OrderOf { recording: a.times.as_ref()?, method: &baseline.method };
+        let b = OrderOf { recording: b.times.as_ref()?, method };
+        let is_selected = |found: &QueueAnalysis| {
+            (found.pass, found.bounce, found.kind) == (queue.pass, queue.bounce, queue.kind)
+        };
+        Some([Versus::on_frame([a, b]), Versus::on([a, b], is_selected)])
+    }
+
+    /// Number of the style of a method: as in figures of what is open.
+    pub fn style_of(&self, method: &str) -> usize {
+        if method == WHAT_IF {
+            return WHAT_IF_STYLE;
+        }
+        method_style(self.recordings.iter().filter_map(|open| open.times.as_ref()), method)
     }
 
     /// The selected queue: read by another thread.

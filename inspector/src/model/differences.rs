@@ -1,12 +1,10 @@
 //! What differs between two orders, as a table: settings of their recordings, counts of rays, numbers.
 
-use formats::manifest::{Header, QueueId, Source};
+use formats::manifest::{Header, Source};
 use formats::summary::hexadecimal;
 
 use super::comparison::Comparison;
 use super::recording::Recording;
-use crate::analysis::timing::SpeedupLine;
-use crate::analysis::{Metric, OrderAnalysis};
 use crate::output::count;
 
 /// One line of the table.
@@ -119,24 +117,4 @@ pub fn counts(comparison: &Comparison) -> Vec<Row> {
         comparison.mean_areas.map(|area| format!("{area:.5}")),
     ));
     rows
-}
-
-/// Speedups of two orders of a queue, each of its recording.
-pub fn speedups(queue: QueueId, sides: [(&Recording, &str); 2]) -> Vec<Row> {
-    let of = |pick: fn(&OrderAnalysis) -> &Metric<SpeedupLine>| {
-        sides.map(|(recording, method)| {
-            let times = recording.times_of(queue);
-            let order = times.and_then(|times| times.orders.iter().find(|order| order.method == method));
-            let speedup = order.and_then(|order| pick(order).known());
-            speedup.map_or("not measured".to_owned(), |speedup| format!("{:.3}x", speedup.ratio))
-        })
-    };
-    vec![
-        Row::of("trace speedup", "Unsorted trace over trace in this order", of(|order| &order.trace_speedup)),
-        Row::of(
-            "net speedup",
-            "Unsorted trace over all stages that sorting takes",
-            of(|order| &order.net_speedup),
-        ),
-    ]
 }

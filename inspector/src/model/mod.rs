@@ -14,6 +14,7 @@
 //! - [`what_if`]: another order of the recorded rays, made here
 //! - [`coherences`]: how coherent the orders of a queue are, found in the background
 //! - [`background`]: work on another thread; [`absent`]: why something is not shown; [`derived`], `asked`: what panels ask for that takes such work
+//! - `ranking`: all orders of a queue, the one that gains most first
 //! - [`comparison`], [`differences`]: two orders ray by ray; two recordings as a table of what differs
 //! - [`context`]: all of it together, as panels see it
 
@@ -35,6 +36,7 @@ pub mod key;
 pub mod numbers;
 pub mod order;
 pub mod queue;
+mod ranking;
 pub mod recording;
 pub mod rows;
 pub mod selection;

@@ -5,12 +5,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use formats::folder::dump_of_partial;
-use formats::key::method::is_method_name;
+use formats::key::method::{UNSORTED, is_method_name};
 use formats::manifest::{Header, MethodRecord, QueueId, QueueRecord, Source};
+use formats::ray::Kind;
 use formats::reader::{Dump, ReadError};
 use formats::unit_space::UnitSpace;
 
 use super::image_plane::ImagePlane;
+use crate::analysis::ranking::best;
+use crate::analysis::summary::RayClass;
 use crate::analysis::{self, Depth, QueueAnalysis, RecordingAnalysis};
 use crate::shown;
 
@@ -86,6 +89,15 @@ impl Recording {
         self.times.as_ref()?.queues.iter().find(is_of)
     }
 
+    /// The method of a queue that gains most net over all bounces of its kind, or else most in tracing; the first
+    /// one if none was timed.
+    pub fn best_method(&self, queue: QueueId) -> &str {
+        let methods = self.methods(queue);
+        let best = self.times.as_ref().and_then(|times| best(times, class_of(queue.kind), methods));
+        let first = || methods.iter().find(|method| *method != UNSORTED).map(String::as_str);
+        best.or_else(first).unwrap_or(UNSORTED)
+    }
+
     /// What the manifest says of a method; `None` for `unsorted`.
     pub fn method(&self, name: &str) -> Option<&MethodRecord> {
         self.dump.manifest().methods.iter().find(|record| record.name == name)
@@ -115,6 +127,14 @@ impl Recording {
         let pass = queues().map(|queue| queue.pass).max()?;
         let of_pass = || queues().filter(move |queue| queue.pass == pass);
         of_pass().find(|queue| queue.bounce == 1).or_else(|| of_pass().next())
+    }
+}
+
+/// The rays of a kind over all bounces, but camera rays.
+pub fn class_of(kind: Kind) -> RayClass {
+    match kind {
+        Kind::Closest => RayClass::Secondary,
+        Kind::Shadow => RayClass::Shadow,
     }
 }
 

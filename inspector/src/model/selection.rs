@@ -1,4 +1,6 @@
-//! The one selection that all panels share: brushing in any of them shows in the others.
+//! The one selection that all panels share, with the two orders that are held against each other.
+
+use std::ops::Range;
 
 use formats::key::method::UNSORTED;
 use formats::manifest::QueueId;
@@ -7,6 +9,45 @@ use formats::ray::Kind;
 use super::filter::Filter;
 use crate::analysis::GroupWidth;
 
+/// Order A: what order B is held against.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Baseline {
+    /// Which of the open recordings it is of; that of B if `None`.
+    pub recording: Option<usize>,
+    /// A method, or `unsorted`.
+    pub method: String,
+}
+
+/// How far along the order all panels are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Playhead {
+    /// Where in the order the rays shown end, 0 to 1.
+    pub until: f32,
+    /// How much of the order before that is shown, 0 to 1.
+    pub window: f32,
+}
+
+impl Default for Playhead {
+    fn default() -> Self {
+        Self { until: 1.0, window: 1.0 }
+    }
+}
+
+impl Playhead {
+    /// The places of an order of so many rays that it leaves.
+    pub fn places(self, rays: usize) -> Range<usize> {
+        let until = (f64::from(self.until) * rays as f64).round();
+        let from = (until - f64::from(self.window) * rays as f64).max(0.0).round();
+        from as usize..until as usize
+    }
+
+    /// The place that it is at; `None` where it leaves the whole order.
+    pub fn place(self, rays: usize) -> Option<usize> {
+        let is_within = self.until < 1.0 || self.window < 1.0;
+        self.places(rays).end.checked_sub(1).filter(|_| is_within)
+    }
+}
+
 /// What is selected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selection {
@@ -14,8 +55,10 @@ pub struct Selection {
     pub recording: usize,
     /// Pass, bounce and kind.
     pub queue: QueueId,
-    /// The order: a method, or `unsorted`.
+    /// Order B, which panels show: a method, or `unsorted`.
     pub method: String,
+    /// Order A.
+    pub baseline: Baseline,
     /// Rays of a group.
     pub group_width: GroupWidth,
     /// A ray of the queue, by its canonical index.
@@ -34,6 +77,7 @@ impl Default for Selection {
             recording: 0,
             queue: QueueId { pass: 0, bounce: 0, kind: Kind::Closest },
             method: UNSORTED.to_owned(),
+            baseline: Baseline { recording: None, method: UNSORTED.to_owned() },
             group_width: GroupWidth::default(),
             ray: None,
             group: None,

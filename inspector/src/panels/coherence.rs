@@ -1,10 +1,8 @@
 //! How coherent each order's groups are: the areas of their capsules.
 
-use egui_plot::{Line, Plot, PlotPoints};
-use serde::{Deserialize, Serialize};
+use egui_plot::{Line, Plot, PlotPoints, VLine};
 
-use super::notes::{found, hint, power_of_ten};
-use super::order_table::order_table;
+use super::notes::{found, group_widths, hint, power_of_ten};
 use super::worst::WorstGroups;
 use crate::model::Context;
 use crate::model::coherences::OrderCoherence;
@@ -12,64 +10,31 @@ use crate::panels::data::Data;
 use crate::panels::panel::Panel;
 use crate::theme::Theme;
 
-/// Height of a row of the table below, points.
-const ROW: f32 = 23.0;
-
-/// What is listed below the plot.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum Listed {
-    /// The means of every order.
-    #[default]
-    Orders,
-    /// The worst groups of the selected order.
-    Groups,
-}
-
 #[derive(Default)]
 pub(super) struct CoherencePanel {
-    listed: Listed,
     worst: WorstGroups,
 }
 
 impl Panel for CoherencePanel {
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let (width, method) = (context.selection.group_width, context.selection.method.clone());
-        let known = context.coherences(ui.ctx().cumulative_frame_nr());
+        let method = context.selection.method.clone();
+        let known =
+            context.coherences(ui.ctx().cumulative_frame_nr()).map(|(known, all)| (known.to_vec(), all));
         let Some((orders, total)) = found(ui, known) else { return };
         if total == 0 {
             return hint(ui, "no method was measured on these rays; the last pass is the measured one");
         }
         ui.horizontal_wrapped(|ui| {
-            ui.label(format!("Capsule areas of groups of {} rays", width.rays())).on_hover_text(
-                "The hull of a sphere around a group's origins and one around its ends, in unit space",
-            );
+            group_widths(ui, "Capsule areas of groups of", context);
             if orders.len() < total {
                 ui.weak(format!("{} of {total} orders so far", orders.len()));
             }
         });
-        let rows = total as f32 + 2.0;
-        let table_height = (rows * ROW).min(0.5 * ui.available_height());
-        distribution(ui, orders, &method, ui.available_height() - table_height - 12.0);
-        ui.horizontal_wrapped(|ui| {
-            for (listed, name, about) in [
-                (Listed::Orders, "orders", "The means of every order"),
-                (
-                    Listed::Groups,
-                    "worst groups",
-                    "Groups of the order with the largest capsules, the worst first",
-                ),
-            ] {
-                ui.selectable_value(&mut self.listed, listed, name).on_hover_text(about);
-            }
-        });
-        match self.listed {
-            Listed::Orders => {
-                let scrolled = egui::ScrollArea::both().auto_shrink([false, true]);
-                scrolled.show(ui, |ui| order_table(ui, ("means", 18.0), None, orders, &[32]));
-            }
-            Listed::Groups => self.worst.show(ui, context),
-        }
+        let styles: Vec<usize> = orders.iter().map(|order| context.style_of(&order.method)).collect();
+        let played = played_area(context);
+        distribution(ui, &orders, (&styles, &method, played), 0.5 * ui.available_height());
+        ui.label("Groups of the order with the largest capsules, the worst first");
+        self.worst.show(ui, context);
     }
 
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {
@@ -79,15 +44,6 @@ impl Panel for CoherencePanel {
         }
         let rows: Vec<Vec<String>> = orders.iter().flat_map(quantities).collect();
         Ok(Data::new(&["order", "quantity", "value"], rows.into_iter()))
-    }
-
-    fn state(&self) -> serde_json::Value {
-        serde_json::json!({ "listed": self.listed })
-    }
-
-    fn set_state(&mut self, state: serde_json::Value) -> Result<(), serde_json::Error> {
-        self.listed = serde_json::from_value(state["listed"].clone())?;
-        Ok(())
     }
 }
 
@@ -110,19 +66,35 @@ fn quantities(order: &OrderCoherence) -> Vec<Vec<String>> {
     coherence.chain(lanes).map(|(quantity, value)| row(quantity, value)).collect()
 }
 
+/// In place of the logarithm of 0.
+const LEAST_AREA: f64 = 1e-9;
+
+/// The capsule area of the group that the playhead is at.
+fn played_area(context: &mut Context) -> Option<f64> {
+    let order = context.order().ok()?;
+    let place = context.playhead.place(order.len())?;
+    let width = context.selection.group_width;
+    order.group(place / width.rays(), width).map(|group| group.area)
+}
+
 /// Share of the rays whose groups have a smaller capsule, for each order.
-fn distribution(ui: &mut egui::Ui, orders: &[OrderCoherence], chosen: &str, height: f32) {
+fn distribution(
+    ui: &mut egui::Ui,
+    orders: &[OrderCoherence],
+    (styles, chosen, played): (&[usize], &str, Option<f64>),
+    height: f32,
+) {
     let theme = Theme::of(ui.ctx());
-    let line = |(number, order): (usize, &OrderCoherence)| {
+    let line = |(order, style): (&OrderCoherence, &usize)| {
         let coherence = order.coherence.known()?;
         let steps = coherence.area_quantiles.len().saturating_sub(1).max(1) as f64;
         let quantiles = coherence.area_quantiles.iter().enumerate();
-        let points = quantiles.map(|(at, area)| [area.max(1e-9).log10(), 100.0 * at as f64 / steps]);
+        let points = quantiles.map(|(at, area)| [area.max(LEAST_AREA).log10(), 100.0 * at as f64 / steps]);
         let width = if order.method == chosen { 3.5 } else { 1.3 };
         let line = Line::new(order.method.clone(), points.collect::<PlotPoints<'_>>());
-        Some(line.color(theme.series(number)).width(width))
+        Some(line.color(theme.series(*style)).width(width))
     };
-    let lines: Vec<Line<'_>> = orders.iter().enumerate().filter_map(line).collect();
+    let lines: Vec<Line<'_>> = orders.iter().zip(styles).filter_map(line).collect();
     Plot::new("areas")
         .height(height.max(80.0))
         .allow_scroll(false)
@@ -134,6 +106,10 @@ fn distribution(ui: &mut egui::Ui, orders: &[OrderCoherence], chosen: &str, heig
         .show(ui, |plot| {
             for line in lines {
                 plot.line(line);
+            }
+            if let Some(area) = played {
+                let mark = VLine::new("group at the playhead", area.max(LEAST_AREA).log10());
+                plot.vline(mark.color(theme.selected_mark()));
             }
         });
 }

@@ -68,7 +68,7 @@ pub(super) fn filter_box(ui: &mut egui::Ui, context: &mut Context, width: f32) {
     if !text.is_empty() && ui.button("all").on_hover_text("All rays: without the filter").clicked() {
         context.selection.filter.set("");
     }
-    ui.menu_button("words", words).response.on_hover_text("What a filter may contain");
+    ui.menu_button("Filter help", words).response.on_hover_text("What a filter may contain");
 }
 
 fn words(ui: &mut egui::Ui) {

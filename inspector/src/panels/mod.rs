@@ -3,13 +3,12 @@
 //! Panels know the [`Context`](crate::model::Context) and nothing of each other.
 
 mod coherence;
-mod compare;
 pub mod data;
+mod differences;
 mod filter_box;
-mod navigator;
-mod notes;
+mod methods;
+pub(crate) mod notes;
 mod order;
-mod order_table;
 mod panel;
 mod picture;
 mod problems;
@@ -44,22 +43,16 @@ pub struct PanelKind {
 /// All panels.
 pub const PANELS: &[PanelKind] = &[
     PanelKind {
-        name: "navigator",
-        title: "Navigator",
-        about: "which recording, pass, bounce, kind and order is looked at",
-        make: |_| Box::new(navigator::Navigator),
-    },
-    PanelKind {
         name: "scene",
         title: "Scene",
-        about: "the scene with rays, the curve of their order, capsules and table cells",
+        about: "rays, the curve of their order, capsules and table cells in space; A and B side by side",
         make: |setup| Box::new(scene::Scene::new(setup)),
     },
     PanelKind {
-        name: "compare",
-        title: "Compare",
-        about: "two orders of the same rays side by side, seen from one place",
-        make: |setup| Box::new(compare::Compare::new(setup)),
+        name: "methods",
+        title: "Methods",
+        about: "all orders, the one that gains most first: net, trace, capsule area, SIMD utilisation",
+        make: |_| Box::new(methods::MethodsPanel),
     },
     PanelKind {
         name: "order",
@@ -76,7 +69,7 @@ pub const PANELS: &[PanelKind] = &[
     PanelKind {
         name: "coherence",
         title: "Coherence",
-        about: "capsule areas of each order's groups",
+        about: "capsule areas of each order's groups, and the worst of them",
         make: |_| Box::<coherence::CoherencePanel>::default(),
     },
     PanelKind {

@@ -3,9 +3,11 @@
 use std::collections::BTreeSet;
 
 use crate::analysis::GroupWidth;
+use crate::figures::style::COLOURS;
 use crate::model::{Absent, Context};
+use crate::theme::Theme;
 
-/// A name with the colour of its series before it.
+/// A name with its colour before it.
 pub(super) fn legend(ui: &mut egui::Ui, colour: egui::Color32, name: &str) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 5.0;
@@ -13,6 +15,17 @@ pub(super) fn legend(ui: &mut egui::Ui, colour: egui::Color32, name: &str) {
         ui.painter().rect_filled(rect, 2.0, colour);
         ui.label(name);
     });
+}
+
+/// The colour of a method, the same in all panels; a ring where another method has that colour too.
+pub(crate) fn swatch(ui: &mut egui::Ui, style: usize) {
+    let colour = Theme::of(ui.ctx()).series(style);
+    let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
+    if style < COLOURS {
+        ui.painter().rect_filled(rect, 2.0, colour);
+    } else {
+        ui.painter().circle_stroke(rect.center(), 4.0, egui::Stroke::new(2.5, colour));
+    }
 }
 
 /// The number of a logarithm, where it is a power of ten.
@@ -76,7 +89,7 @@ pub(super) fn hint(ui: &mut egui::Ui, text: &str) {
 
 /// A list to choose one of: what each is called, and what it is, if that is to be said. Whether another one was
 /// chosen.
-pub(super) fn choose<T: PartialEq>(
+pub(crate) fn choose<T: PartialEq>(
     ui: &mut egui::Ui,
     (id, shown): (&str, &str),
     chosen: &mut T,

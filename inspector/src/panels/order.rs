@@ -1,5 +1,6 @@
 //! The image plane coloured by each ray's place in the order; the key of the ray under the pointer.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use egui::Color32;
@@ -29,8 +30,9 @@ const COLOURS: [(Quantity, &str); 3] = [
     (Quantity::Key, "The key over the largest key of as many bits"),
 ];
 
-/// What the picture depends on: the order, the filter and whether it is known yet, and the colours.
-type Wanted = (u64, Option<(Arc<Expression>, GroupWidth, bool)>, Quantity, bool);
+/// What the picture depends on: the order, the filter and whether it is known yet, the places that the playhead
+/// leaves, and the colours.
+type Wanted = (u64, Option<(Arc<Expression>, GroupWidth, bool)>, Range<usize>, Quantity, bool);
 
 pub(super) struct OrderPanel {
     colouring: Quantity,
@@ -59,13 +61,14 @@ impl Panel for OrderPanel {
         let is_known = !matches!(filtered, Filtered::Unknown);
         let filter =
             selection.filter.in_force().cloned().map(|filter| (filter, selection.group_width, is_known));
-        let key = (order.serial, filter, self.colouring, ui.visuals().dark_mode);
+        let played = context.playhead.places(order.len());
+        let key = (order.serial, filter, played.clone(), self.colouring, ui.visuals().dark_mode);
         // The lines under the picture have their place before there is a ray to speak of.
         let lines = 3.0 * ui.text_style_height(&egui::TextStyle::Small) + 8.0;
         let shown = ui
             .allocate_ui((ui.available_size() - egui::vec2(0.0, lines)).max(egui::Vec2::ZERO), |ui| {
                 let colouring = self.colouring;
-                let make = move || pixels((&numbers, &filtered), plane, colouring, theme);
+                let make = move || pixels((&numbers, &filtered, &played), plane, colouring, theme);
                 self.picture.show(ui, context.waker(), ("order", key), plane.size(), make)
             })
             .inner;
@@ -110,9 +113,9 @@ impl Panel for OrderPanel {
 /// Farthest that a living path may be from the pointer, points of the picture.
 const REACH: u32 = 3;
 
-/// A colour for each pixel; grey where the ray does not pass the filter.
+/// A colour for each pixel; grey where the ray does not pass the filter or the playhead.
 fn pixels(
-    (numbers, filtered): (&Numbers, &Filtered),
+    (numbers, filtered, played): (&Numbers, &Filtered, &Range<usize>),
     plane: ImagePlane,
     colouring: Quantity,
     theme: Theme,
@@ -125,10 +128,11 @@ fn pixels(
         let at = rays.at(place_of_ray[ray] as usize);
         colouring.coloured(value(at), &rays) / most
     };
+    let is_shown = |place: usize| played.contains(&place) && filtered.contains(place);
     let colours: Vec<Color32> = (0..order.len())
         .into_par_iter()
         .map(|ray| match value(ray) {
-            _ if !filtered.contains(place_of_ray[ray] as usize) => theme.left_out(),
+            _ if !is_shown(place_of_ray[ray] as usize) => theme.left_out(),
             value if value.is_nan() => theme.nothing(),
             value => {
                 let [red, green, blue] = ColourMap::Turbo.colour(value);

@@ -4,9 +4,9 @@ use egui_plot::{AxisHints, Bar, BarChart, Plot, VLine};
 use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 
-use super::notes::{headings, hint, legend};
-use crate::analysis::timing::{STAGES, SpeedupLine, Verdict};
-use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis};
+use super::notes::{hint, legend};
+use crate::analysis::timing::STAGES;
+use crate::analysis::{OrderAnalysis, QueueAnalysis};
 use crate::model::Context;
 use crate::panels::data::Data;
 use crate::panels::panel::Panel;
@@ -14,24 +14,11 @@ use crate::theme::Theme;
 
 pub(super) struct TimingsPanel;
 
-/// Height of a row of the table below, points.
-const ROW: f32 = 23.0;
-
 /// Height of a bar and its name, points: enough for both to be read.
 const BAR_ROW: f32 = 19.0;
 
 /// Height of the axis below the bars and the names above them, points.
 const AXIS: f32 = 64.0;
-
-const COLUMNS: [(&str, &str); 3] = [
-    ("method", "How the rays were sorted"),
-    (
-        "trace speedup",
-        "Unsorted trace over trace in this order, with its 95 % interval; ~ is no significant difference, ? too \
-         few samples to tell",
-    ),
-    ("net speedup", "Unsorted trace over all stages that sorting takes; signs as for the trace"),
-];
 
 impl Panel for TimingsPanel {
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
@@ -39,11 +26,8 @@ impl Panel for TimingsPanel {
             Ok(queue) => queue,
             Err(reason) => return hint(ui, &reason),
         };
-        let rows = queue.orders.len() as f32 + 1.0;
-        let plot_height = rows * BAR_ROW + AXIS;
-        let table_height = (rows * ROW).min(ui.available_height() - plot_height).max(2.0 * ROW);
-        plot(ui, queue, ui.available_height() - table_height - 12.0);
-        speedups(ui, queue);
+        let height = queue.orders.len() as f32 * BAR_ROW + AXIS;
+        egui::ScrollArea::vertical().show(ui, |ui| plot(ui, queue, ui.available_height().max(height)));
     }
 
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {
@@ -102,7 +86,7 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
     let break_even = unsorted.map(|stack| stack.iter().sum::<f64>());
     let line = ui.horizontal_wrapped(|ui| {
         for at in (0..STAGES.len()).filter(|&at| stacks.iter().any(|stack| stack[at] > 0.0)) {
-            let (name, colour) = (STAGES[at].name().replace('_', " "), theme.series(at + 1));
+            let (name, colour) = (STAGES[at].name().replace('_', " "), theme.stage(at));
             legend(ui, colour, &name);
             let bars = stacks.iter().enumerate();
             let bars = bars.map(|(row, stack)| Bar::new(row as f64, stack[at]).width(0.7).fill(colour));
@@ -148,39 +132,4 @@ fn longest_name(ui: &egui::Ui, names: &[String]) -> f32 {
 fn name_at(names: &[String], value: f64) -> String {
     let is_row = value >= 0.0 && (value - value.round()).abs() < 1e-3;
     names.get(value.round() as usize).filter(|_| is_row).cloned().unwrap_or_default()
-}
-
-fn speedups(ui: &mut egui::Ui, queue: &QueueAnalysis) {
-    egui::ScrollArea::both().auto_shrink([false, true]).show(ui, |ui| {
-        egui::Grid::new("speedups").striped(true).num_columns(3).spacing([18.0, 2.0]).show(ui, |ui| {
-            headings(ui, COLUMNS);
-            for order in queue.orders.iter().filter(|order| order.method != UNSORTED) {
-                ui.label(&order.method);
-                for speedup in [&order.trace_speedup, &order.net_speedup] {
-                    speedup_cell(ui, speedup);
-                }
-                ui.end_row();
-            }
-        });
-    });
-}
-
-fn speedup_cell(ui: &mut egui::Ui, speedup: &Metric<SpeedupLine>) {
-    match speedup {
-        Metric::Known(SpeedupLine { ratio, interval, verdict, n }) => {
-            let interval = interval.map_or(String::new(), |(low, high)| format!("  [{low:.2}, {high:.2}]"));
-            let (sign, verdict) = match verdict {
-                Verdict::Faster => ("", "faster"),
-                Verdict::Slower => ("", "slower"),
-                Verdict::NoSignificantDifference => (" ~", "no significant difference"),
-                Verdict::Unknown => (" ?", "too few samples to tell"),
-            };
-            let text = egui::RichText::new(format!("{ratio:.2}x{interval}{sign}"));
-            let text = if sign.is_empty() { text } else { text.weak() };
-            ui.label(text).on_hover_text(format!("{verdict} (n = {n})"));
-        }
-        Metric::Missing { missing } => {
-            ui.weak("none").on_hover_text(missing);
-        }
-    }
 }

@@ -29,7 +29,7 @@ const NAMED: [View; 7] = [
         "scene",
         &["capsule_choice=spread", "curve=false", "mesh=ghost", "stand_point=overview"],
     ),
-    View::of("compare", "compare", &["capsule_choice=spread"]),
+    View::of("compare", "scene", &["capsule_choice=spread", "side_by_side=true"]),
     View::of("rays-table", "rays", &[]),
 ];
 

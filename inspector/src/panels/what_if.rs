@@ -1,14 +1,12 @@
-//! What if the recorded rays were sorted by another method, other key bits or another layout: made at once,
-//! and as coherent as the table says. Other panels show it like a recorded order.
+//! What if the recorded rays were sorted by another method, other key bits or another layout: made at once.
+//! Other panels show it like a recorded order.
 
 use egui::{DragValue, RichText};
 use formats::key::layout::Field;
-use formats::key::method::UNSORTED;
 use formats::key::{Bit, Coordinate, Extent, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError};
 
 use super::filter_box::typed;
-use super::notes::{choose, found, group_widths};
-use super::order_table::order_table;
+use super::notes::{choose, found};
 use crate::model::Context;
 use crate::model::what_if::{Estimate, Settings, WHAT_IF};
 use crate::panels::panel::Panel;
@@ -32,15 +30,13 @@ impl Panel for WhatIfPanel {
             if let Ok(layout) = &layout {
                 bits(ui, layout, settings.key_bits);
             }
-            ui.horizontal_wrapped(|ui| widths(ui, context));
             if context.selection.method == WHAT_IF && context.what_if.as_ref() != Some(&settings) {
                 // Its number is that of another group in the order that will be made.
                 context.selection.group = None;
             }
             context.what_if = Some(settings);
             if layout.is_ok() {
-                ui.separator();
-                outcome(ui, context);
+                ui.weak("It is a row of the table of methods: a click there makes it B, with shift A.");
             }
         });
     }
@@ -101,7 +97,7 @@ fn edit(ui: &mut egui::Ui, settings: &mut Settings, extent: Extent) -> Result<La
 }
 
 fn estimate(ui: &mut egui::Ui, settings: &mut Settings) {
-    ui.label("Length from").on_hover_text("Where the length is taken from that e is estimated with");
+    ui.label("Estimated length").on_hover_text("Where the length is taken from that e is estimated with");
     let said = settings.said_estimate();
     if let Some(said) = said {
         ui.label(said.name()).on_hover_text("The layout ends with it");
@@ -135,23 +131,4 @@ fn bits(ui: &mut egui::Ui, layout: &Layout, key_bits: u32) {
     let unused = (key_bits as usize).saturating_sub(layout.bits().len());
     let unused = if unused > 0 { format!(", {unused} always 0") } else { String::new() };
     ui.weak(format!("bits: {}{unused}", shares.join(", ")));
-}
-
-fn widths(ui: &mut egui::Ui, context: &mut Context) {
-    group_widths(ui, "Groups of", context);
-    let is_shown = context.selection.method == WHAT_IF;
-    let show = ui.selectable_label(is_shown, "show this order");
-    if show.on_hover_text("Looks at this order in all panels, like at a recorded one").clicked() {
-        context.order_by(if is_shown { UNSORTED } else { WHAT_IF });
-    }
-}
-
-/// How coherent the order is, beside the recorded ones.
-fn outcome(ui: &mut egui::Ui, context: &mut Context) {
-    let Some(made) = found(ui, context.what_if_coherence().map(Option::<&_>::cloned)) else { return };
-    let Ok((recorded, all)) = context.coherences(ui.ctx().cumulative_frame_nr()) else { return };
-    order_table(ui, ("what-if", 16.0), Some((WHAT_IF, made.as_ref())), recorded, &[8, 32, 64]);
-    if recorded.len() < all {
-        ui.weak(format!("{} of {all} recorded orders so far", recorded.len()));
-    }
 }

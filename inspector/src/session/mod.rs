@@ -19,7 +19,7 @@ use crate::model::{Context, Selection};
 
 /// Versions of the files that this program reads; it writes the last.
 const OLDEST: u64 = 1;
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 
 /// What colours stood for in version 1, and what it is called since.
 const RENAMED_COLOURS: [(&str, &str); 2] = [("estimate", "ratio"), ("capsule-area", "area")];
@@ -31,7 +31,7 @@ const LARGEST: u64 = 16 << 20;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Session {
-    /// 2.
+    /// 3.
     version: u64,
     /// The recordings; relative paths start at the session's folder.
     pub recordings: Vec<PathBuf>,
@@ -90,7 +90,14 @@ pub struct SavedSelection {
     pub(crate) pass: u32,
     pub(crate) bounce: u32,
     pub(crate) kind: Kind,
+    /// Order B.
     pub(crate) method: String,
+    /// Order A.
+    #[serde(default = "unsorted")]
+    pub(crate) baseline: String,
+    /// The recording of order A; that of B if `None`.
+    #[serde(default)]
+    pub(crate) baseline_recording: Option<usize>,
     pub(crate) group_width: String,
     pub(crate) ray: Option<usize>,
     pub(crate) group: Option<usize>,
@@ -100,15 +107,22 @@ pub struct SavedSelection {
     pub(crate) filter: String,
 }
 
+fn unsorted() -> String {
+    UNSORTED.to_owned()
+}
+
 impl From<&Selection> for SavedSelection {
     fn from(selection: &Selection) -> Self {
-        let Selection { recording, queue, method, group_width, ray, group, cell, filter } = selection.clone();
+        let Selection { recording, queue, method, baseline, group_width, ray, group, cell, filter } =
+            selection.clone();
         Self {
             recording,
             pass: queue.pass,
             bounce: queue.bounce,
             kind: queue.kind,
             method,
+            baseline: baseline.method,
+            baseline_recording: baseline.recording,
             group_width: group_width.rays().to_string(),
             ray,
             group,
@@ -176,6 +190,12 @@ impl Session {
                 }
             }
         }
+        // Versions 1 and 2 held two orders against each other in a panel of its own.
+        if let Some(compare) = self.panels.remove("compare") {
+            self.selection.baseline = compare["before"].as_str().map_or_else(unsorted, str::to_owned);
+            let at = compare["before_recording"].as_u64();
+            self.selection.baseline_recording = at.and_then(|at| usize::try_from(at).ok());
+        }
         self.version = VERSION;
     }
 
@@ -201,16 +221,17 @@ impl Session {
     /// Opens its recordings and selects what was selected. What is not there any more is a problem.
     pub fn open(&self) -> Context {
         let mut context = Context::default();
-        let mut selected = None;
-        for (number, path) in self.recordings.iter().enumerate() {
-            if context.add(path) && number == self.selection.recording {
-                selected = Some(context.recordings.len() - 1);
-            }
+        let mut opened = Vec::new();
+        for path in &self.recordings {
+            opened.push(context.add(path).then(|| context.recordings.len() - 1));
         }
         context.what_if.clone_from(&self.what_if);
-        let Some(at) = selected else { return context };
+        let place = |number: usize| opened.get(number).copied().flatten();
+        let Some(at) = place(self.selection.recording) else { return context };
         context.select_recording(at);
-        if let Err(why) = self.selection.select(&mut context) {
+        let baseline_recording = self.selection.baseline_recording.and_then(place);
+        let selection = SavedSelection { baseline_recording, ..self.selection.clone() };
+        if let Err(why) = selection.select(&mut context) {
             let what = "not all that the session had selected can be selected".to_owned();
             context.problems.push(crate::model::context::Problem { what, why });
         }
@@ -251,6 +272,10 @@ impl SavedSelection {
         context.go_to(queue);
         context.selection.group_width = width;
         context.selection.order_by(&self.method);
+        context.hold_against(self.baseline_recording, &self.baseline);
+        if context.selection.baseline.method != self.baseline {
+            return Err(format!("{queue} was not ordered by {}, which was to be order A", self.baseline));
+        }
         let selection = &mut context.selection;
         (selection.ray, selection.group, selection.cell) = (self.ray, self.group, self.cell);
         selection.filter.set(&self.filter);

@@ -93,7 +93,7 @@ mod tests {
                 "recording": 0, "pass": 1, "bounce": 1, "kind": "closest", "method": "unsorted",
                 "group_width": "64", "ray": null, "group": null, "cell": null, "filter": ""
             },
-            "panels": { "scene": space, "compare": space, "table": { "view": "mean" } }
+            "panels": { "scene": space, "other": space, "table": { "view": "mean" } }
         }))
         .unwrap()
     }
@@ -102,12 +102,12 @@ mod tests {
     fn settings_are_found_by_the_end_of_their_path() {
         let mut session = session();
         for setting in
-            ["mesh=wire", "panels.compare.options.detail=7", "table.view=count", "group_width=32", "group=3"]
+            ["mesh=wire", "panels.other.options.detail=7", "table.view=count", "group_width=32", "group=3"]
         {
             session.set(setting, "scene").unwrap();
         }
         assert_eq!(session.panels["scene"]["options"], json!({ "mesh": "wire", "detail": 1200 }));
-        assert_eq!(session.panels["compare"]["options"], json!({ "mesh": "solid", "detail": 7 }));
+        assert_eq!(session.panels["other"]["options"], json!({ "mesh": "solid", "detail": 7 }));
         assert_eq!(session.panels["table"]["view"], "count");
         assert_eq!((session.selection.group_width.as_str(), session.selection.group), ("32", Some(3)));
         session.set("group=null", "scene").unwrap();
@@ -132,7 +132,7 @@ mod tests {
         let error = session().set("mesh=wire", "table").unwrap_err().to_string();
         assert_eq!(
             error,
-            "'mesh' may be panels.compare.options.mesh or panels.scene.options.mesh; name more of it"
+            "'mesh' may be panels.other.options.mesh or panels.scene.options.mesh; name more of it"
         );
     }
 }

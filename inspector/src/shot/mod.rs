@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use anyhow::{Context as _, Error, bail};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use formats::key::method::UNSORTED;
 use formats::ray::Kind;
 
 use crate::app::App;
@@ -48,7 +49,7 @@ pub(crate) struct Shot {
     /// The kind of rays [default: closest].
     #[arg(long, value_parser = arguments::kind())]
     kind: Option<Kind>,
-    /// The order: a method, or unsorted [default: unsorted].
+    /// The order: a method, or unsorted [default: the method that gains most net].
     #[arg(long)]
     method: Option<String>,
     /// Selects a ray by its canonical index.
@@ -124,8 +125,15 @@ impl Shot {
         selection.bounce = self.bounce.unwrap_or(before.bounce);
         selection.kind = self.kind.unwrap_or(before.kind);
         if selection.queue() != before {
-            // Rays of another queue.
+            // Rays of another queue, which may have other methods.
             (selection.ray, selection.group) = (None, None);
+            let (queue, known) = (selection.queue(), recording.methods(selection.queue()));
+            let best = recording.best_method(queue);
+            for (method, usual) in [(&mut selection.method, best), (&mut selection.baseline, UNSORTED)] {
+                if !known.contains(method) && *method != WHAT_IF {
+                    usual.clone_into(method);
+                }
+            }
         }
         if let Some(order) = &self.what_if {
             session.what_if = Some(Settings::named(order, &recording.dump.manifest().header));

@@ -1,7 +1,7 @@
 //! What the figures share: series by method, settings, and the rule that nothing empty is drawn.
 
 use formats::bench_result::BenchResult;
-use formats::key::method::{BUILTIN, IN_ALL, UNSORTED};
+use formats::key::method::UNSORTED;
 use formats::metrics::speedup::{median, quantile};
 
 use super::{Findings, Made};
@@ -134,27 +134,11 @@ pub fn mean_speedup<'a>(
 /// The style of a method: the same number in every figure. Other methods and variants come after those of
 /// `all`, in the order in which the recordings have them.
 pub fn method_style(findings: &Findings<'_>, method: &str) -> usize {
-    let builtin = [UNSORTED].into_iter().chain(BUILTIN[..IN_ALL].iter().map(|(name, ..)| *name));
-    let measured = measured_methods(findings).into_iter().map(|(name, _)| name);
-    let place = distinct(builtin.chain(measured)).into_iter().position(|name| name == method);
-    place.unwrap_or(IN_ALL + 1)
+    crate::figures::method_style::method_style(findings.analysis.recordings.iter(), method)
 }
 
-/// Every method that was measured, each once, with whether it is a variant of another in all its orders:
-/// `unsorted`, the built-in ones in their order, users', variants.
 fn measured_methods<'a>(findings: &Findings<'a>) -> Vec<(&'a str, bool)> {
-    let recordings = &findings.analysis.recordings;
-    let orders = || recordings.iter().flat_map(RecordingAnalysis::measured).flat_map(|queue| &queue.orders);
-    let is_variant = |method: &str| {
-        orders().filter(|order| order.method == method).all(|order| order.base != order.method)
-    };
-    let names = distinct(orders().map(|order| order.method.as_str()));
-    let mut methods: Vec<(&str, bool)> = names.into_iter().map(|name| (name, is_variant(name))).collect();
-    methods.sort_by_key(|&(method, is_variant)| {
-        let builtin = BUILTIN.iter().position(|(name, ..)| *name == method);
-        (method != UNSORTED, builtin.unwrap_or(BUILTIN.len()), is_variant)
-    });
-    methods
+    crate::figures::method_style::measured_methods(findings.analysis.recordings.iter())
 }
 
 /// The methods of figures that set methods beside each other: `unsorted`, the built-in ones, users'.

@@ -34,6 +34,8 @@ pub(super) struct RaysPanel {
     columns: Vec<ShownColumn>,
     /// The ray that was last scrolled to, and what it was looked for in.
     seen: Option<(usize, *const Rows)>,
+    /// The place of the playhead that was last scrolled to.
+    played: Option<usize>,
 }
 
 struct ShownColumn {
@@ -68,7 +70,7 @@ const AT_FIRST: [Quantity; 12] = [
 impl Default for RaysPanel {
     fn default() -> Self {
         let columns = AT_FIRST.into_iter().map(ShownColumn::of).collect();
-        Self { window: RowWindow::default(), sorting: Sorting::default(), columns, seen: None }
+        Self { window: RowWindow::default(), sorting: Sorting::default(), columns, seen: None, played: None }
     }
 }
 
@@ -237,8 +239,14 @@ impl RaysPanel {
         self.window = RowWindow::default();
     }
 
-    /// Brings a ray that was selected elsewhere into sight.
+    /// Brings a ray that was selected elsewhere into sight, and that of the playhead.
     fn follow(&mut self, context: &Context, order: &Order, rows: &Arc<Rows>, in_sight: usize) {
+        let played = context.playhead.place(order.len());
+        if std::mem::replace(&mut self.played, played) != played
+            && let Some(row) = played.and_then(|place| rows.row_of(place))
+        {
+            self.window.reveal(row, rows.len(), in_sight);
+        }
         let selected = context.selection.ray.map(|ray| (ray, Arc::as_ptr(rows)));
         if self.seen == selected {
             return;

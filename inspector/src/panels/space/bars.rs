@@ -7,7 +7,10 @@ use super::layers::AREAS;
 use super::options::SpaceOptions;
 use super::view::SpaceView;
 use crate::colour_map::ColourMap;
+use crate::figures::axis::ratio_label;
+use crate::model::Context;
 use crate::model::colour_by::ColourBy;
+use crate::model::selection::Playhead;
 use crate::render::range::{ValueRange, Values};
 use crate::theme::Theme;
 
@@ -23,12 +26,13 @@ impl SpaceView {
     /// Height of what is below the picture.
     pub(in crate::panels) fn slider_height(ui: &Ui) -> f32 {
         let text = ui.text_style_height(&egui::TextStyle::Body);
-        ui.spacing().interact_size.y + BINS_HEIGHT + BAR + text + 18.0
+        ui.spacing().interact_size.y + BINS_HEIGHT + BAR + 2.0 * text + 18.0
     }
 
     /// The slider along the order, and what colours stand for.
-    pub(in crate::panels) fn slider(&mut self, ui: &mut Ui) {
+    pub(in crate::panels) fn slider(&mut self, ui: &mut Ui, context: &mut Context) {
         slider(ui, &mut self.options);
+        context.playhead = Playhead { until: self.options.until, window: self.options.window };
         colour_bars(ui, self);
     }
 }
@@ -42,12 +46,12 @@ fn slider(ui: &mut Ui, options: &mut SpaceOptions) {
                 options.until = 0.0;
             }
         }
-        let rest = (ui.available_width() - 290.0).max(40.0);
+        let rest = (ui.available_width() - 380.0).max(40.0);
         ui.spacing_mut().slider_width = rest;
-        ui.add(Slider::new(&mut options.until, 0.0..=1.0).text("until").fixed_decimals(3))
+        ui.add(Slider::new(&mut options.until, 0.0..=1.0).text("playhead").fixed_decimals(3))
             .on_hover_text("Where in the order the rays shown end");
         ui.spacing_mut().slider_width = 60.0;
-        ui.add(Slider::new(&mut options.window, 0.001..=1.0).logarithmic(true).text("part"))
+        ui.add(Slider::new(&mut options.window, 0.001..=1.0).logarithmic(true).text("shown before it"))
             .on_hover_text("How much of the order before that is shown");
     });
     if options.is_playing {
@@ -61,24 +65,30 @@ fn slider(ui: &mut Ui, options: &mut SpaceOptions) {
 /// One of the bars: what it stands for, and the numbers behind it.
 struct Bar<'a> {
     range: ValueRange,
+    map: ColourMap,
+    /// Whether values are logarithms of ratios to the base of 2.
+    is_ratio: bool,
     title: &'a str,
     values: Option<&'a Values>,
 }
 
 /// The bars of what is shown, beside each other.
 fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
+    let (is_ratio, range) = (view.shows_ratio(), view.range());
     let SpaceView { options, layers, .. } = view;
+    let map = if is_ratio { ColourMap::BlueRed } else { options.map };
     let by = options.colour_by;
     let own = layers.ray_values.as_ref();
     let has_values = !matches!(by, ColourBy::Quantity(Quantity::Place | Quantity::Bounce)) || own.is_some();
     let values = layers.values().filter(|_| has_values);
     let title = own.map_or_else(|| by.title(), |values| values.title.to_owned());
     let title = title.as_str();
-    let rays = layers.range.filter(|_| options.shows_rays()).map(|range| Bar { range, title, values });
-    let areas = Bar { range: AREAS, title: "capsule area, log10", values: None };
+    let rays =
+        range.filter(|_| options.shows_rays()).map(|range| Bar { range, map, is_ratio, title, values });
+    let plain = |range, title| Bar { range, map: options.map, is_ratio: false, title, values: None };
+    let areas = plain(AREAS, "capsule area, log10");
     let areas = options.capsules.then_some(areas);
-    let cells =
-        layers.cells().map(|(range, _)| Bar { range, title: "mean length in the cell", values: None });
+    let cells = layers.cells().map(|(range, _)| plain(range, "mean length in the cell, unit lengths"));
     let others: Vec<Bar<'_>> = areas.into_iter().chain(cells).collect();
     let count = others.len() + usize::from(rays.is_some());
     let gap = 16.0;
@@ -89,7 +99,7 @@ fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
             ray_bar(ui, options, width, &bar);
         }
         for bar in others {
-            colour_bar(ui, options.map, width, &bar, bar.range);
+            colour_bar(ui, width, &bar, bar.range);
         }
     });
 }
@@ -97,11 +107,11 @@ fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
 /// The bar of the rays; its ends can be dragged over the histogram of all values.
 fn ray_bar(ui: &mut Ui, options: &mut SpaceOptions, width: f32, bar: &Bar<'_>) {
     let Some(all) = bar.values.map(|values| values.percentiles(0.0, 100.0)) else {
-        colour_bar(ui, options.map, width, bar, bar.range);
+        colour_bar(ui, width, bar, bar.range);
         return;
     };
     let across = ValueRange { low: bar.range.low.min(all.low), high: bar.range.high.max(all.high) };
-    let response = colour_bar(ui, options.map, width, bar, across);
+    let response = colour_bar(ui, width, bar, across);
     let response = response.on_hover_text("Drag an end of the range; double click for percentiles");
     let rect = response.rect;
     let x_of = |value: f32| rect.left() + across.part(value) * rect.width();
@@ -143,9 +153,9 @@ fn dragged(
 }
 
 /// A bar over all values `across`, in the colours of its range.
-fn colour_bar(ui: &mut Ui, map: ColourMap, width: f32, bar: &Bar<'_>, across: ValueRange) -> Response {
+fn colour_bar(ui: &mut Ui, width: f32, bar: &Bar<'_>, across: ValueRange) -> Response {
     let text_height = ui.text_style_height(&egui::TextStyle::Body);
-    let height = BINS_HEIGHT + BAR + text_height + 2.0;
+    let height = BINS_HEIGHT + BAR + 2.0 * text_height + 2.0;
     let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click_and_drag());
     let painter = ui.painter();
     let counts = bar.values.map_or(vec![0; BINS], |values| values.histogram(across, BINS));
@@ -154,7 +164,7 @@ fn colour_bar(ui: &mut Ui, map: ColourMap, width: f32, bar: &Bar<'_>, across: Va
     let bar_top = rect.top() + BINS_HEIGHT;
     for (at, count) in counts.into_iter().enumerate() {
         let value = across.low + (at as f32 + 0.5) / BINS as f32 * (across.high - across.low);
-        let [red, green, blue] = map.colour(bar.range.part(value));
+        let [red, green, blue] = bar.map.colour(bar.range.part(value));
         let left = rect.left() + at as f32 * step;
         let high = (BINS_HEIGHT - 2.0) * count as f32 / most;
         painter.rect_filled(
@@ -167,16 +177,22 @@ fn colour_bar(ui: &mut Ui, map: ColourMap, width: f32, bar: &Bar<'_>, across: Va
             painter.rect_filled(bin, 0.0, ui.visuals().weak_text_color());
         }
     }
-    let line = bar_top + BAR + 2.0;
-    let font = egui::TextStyle::Body.resolve(ui.style());
-    let colour = ui.visuals().text_color();
-    painter.text(pos2(rect.center().x, line), Align2::CENTER_TOP, bar.title, font.clone(), colour);
-    for value in [bar.range.low, bar.range.high] {
-        // Under its end, but on the bar.
-        let text = painter.layout_no_wrap(number(value), font.clone(), colour);
+    let (line, font) = (bar_top + BAR + 2.0, egui::TextStyle::Body.resolve(ui.style()));
+    let below = pos2(rect.center().x, line + text_height);
+    painter.text(below, Align2::CENTER_TOP, bar.title, font.clone(), ui.visuals().text_color());
+    let mut taken: Vec<Rect> = Vec::new();
+    let middle = bar.is_ratio.then_some(0.0);
+    for value in [bar.range.low, bar.range.high].into_iter().chain(middle) {
+        // Under its end, but on the bar; the later of two that would touch is left out.
+        let text = if bar.is_ratio { ratio_label(f64::from(value.exp2())) } else { number(value) };
+        let text = painter.layout_no_wrap(text, font.clone(), ui.visuals().text_color());
         let x = rect.left() + across.part(value) * rect.width() - 0.5 * text.size().x;
         let x = x.clamp(rect.left(), (rect.right() - text.size().x).max(rect.left()));
-        painter.galley(pos2(x, line), text, colour);
+        let place = Rect::from_min_size(pos2(x, line), text.size());
+        if taken.iter().all(|other| !other.expand(4.0).intersects(place)) {
+            painter.galley(place.min, text, ui.visuals().text_color());
+            taken.push(place);
+        }
     }
     response
 }

@@ -33,7 +33,7 @@ fn what_is_shown(ui: &mut Ui, options: &mut SpaceOptions) {
     ui.toggle_value(&mut options.curve, "Curve").on_hover_text("A line through the rays in their order");
     ui.toggle_value(&mut options.rays, "Rays")
         .on_hover_text("A line from each origin to where the ray ended");
-    ui.toggle_value(&mut options.ends, "Ends").on_hover_text(
+    ui.toggle_value(&mut options.ends, "Hit points").on_hover_text(
         "Where each ray ended: a disc at a surface, a ring where it hit nothing, a cross at an occluder",
     );
     ui.toggle_value(&mut options.capsules, "Capsules")
@@ -132,7 +132,7 @@ fn details(ui: &mut Ui, options: &mut SpaceOptions) {
         ui,
         "Curve through",
         &mut options.curve_end,
-        &[(RayEnd::Origin, "origins"), (RayEnd::Termination, "ends")],
+        &[(RayEnd::Origin, "origins"), (RayEnd::Termination, "hit points")],
     );
     ui.checkbox(&mut options.arrows, "arrow heads on rays");
     ui.add(Slider::new(&mut options.detail, 2..=4_194_304).logarithmic(true).text("rays at most"));

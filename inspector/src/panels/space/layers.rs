@@ -16,6 +16,7 @@ use crate::model::colour_by::ColourBy;
 use crate::model::derived::{Filtered, Grouped};
 use crate::model::filter::{Expression, Passing};
 use crate::model::numbers::Numbers;
+use crate::model::selection::Playhead;
 use crate::model::{Absent, Context, Order};
 use crate::render::cell_box::{cell_box, cells};
 use crate::render::detail::Detail;
@@ -79,6 +80,8 @@ pub struct RayValues {
     pub of_ray: Arc<Vec<f32>>,
     /// What the ends of the colours stand for; percentiles if `None`.
     pub range: Option<ValueRange>,
+    /// Whether they are logarithms of ratios to the base of 2.
+    pub is_ratio: bool,
 }
 
 /// Logarithms of areas that colours of capsules stand for, the same in all orders: a capsule around the
@@ -242,9 +245,7 @@ impl Layers {
 
 /// The places that the scrub slider leaves.
 fn scrubbed(options: &SpaceOptions, rays: usize) -> Range<usize> {
-    let until = (f64::from(options.until) * rays as f64).round();
-    let from = (until - f64::from(options.window) * rays as f64).max(0.0).round();
-    from as usize..until as usize
+    Playhead { until: options.until, window: options.window }.places(rays)
 }
 
 /// The places that detail is spread over: all of them while the slider leaves everything before it, so

@@ -2,17 +2,22 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use formats::manifest::QueueId;
+use formats::metrics::quantity::Quantity;
 use serde::{Deserialize, Serialize};
 
 use super::layers::{Layers, RayValues};
 use super::meshes::{MeshForm, Meshes};
 use super::options::{MeshMode, Side, SpaceOptions, StandPoint};
+use crate::colour_map::ColourMap;
+use crate::model::colour_by::ColourBy;
 use crate::model::{Absent, Context, Recording};
 use crate::output::count;
 use crate::panels::data::Data;
 use crate::render::camera::Camera;
 use crate::render::gpu::errors::Refusal;
 use crate::render::picture::{Cut, Layer, Paint, SpacePicture, Stage};
+use crate::render::range::ValueRange;
 use crate::theme::Theme;
 
 /// What all views of a window are drawn on and with.
@@ -44,11 +49,16 @@ pub struct SpaceView {
     /// Why the last picture lacks surfaces.
     pub(super) mesh_problem: Option<Absent>,
     pub(super) layers: Layers,
+    /// The range of the colours, and what it is of: the same for all orders of a queue.
+    locked: Option<(Locked, ValueRange)>,
     /// The opening of the recording that was last drawn.
     drawn: Option<u64>,
     /// What the GPU could not draw.
     pub(super) refusal: Refusal,
 }
+
+/// What a range of colours is of: content of a scene, queue, what colours stand for, and percentiles.
+type Locked = ([u8; 32], QueueId, ColourBy, (f32, f32));
 
 /// What sessions keep of a view.
 #[derive(Deserialize, Serialize)]
@@ -70,6 +80,7 @@ impl SpaceView {
             meshes: setup.meshes.clone(),
             mesh_problem: None,
             layers: Layers::default(),
+            locked: None,
             drawn: None,
             refusal: Refusal::default(),
         }
@@ -92,6 +103,13 @@ impl SpaceView {
     /// Looks from there, in any recording.
     pub(crate) fn look_from(&mut self, camera: Option<Camera>) {
         (self.camera, self.stands_in) = (camera, None);
+    }
+
+    /// Shows as another view does, from the same place and in the same range of colours.
+    pub(crate) fn follow(&mut self, other: &Self) {
+        self.options.clone_from(&other.options);
+        self.locked = other.locked;
+        self.look_from(other.camera);
     }
 
     /// What is kept of it.
@@ -149,6 +167,11 @@ impl SpaceView {
         self.layers.counts()
     }
 
+    /// What the ends of the colours of rays stand for.
+    pub fn range(&self) -> Option<ValueRange> {
+        self.layers.range
+    }
+
     /// What is shown of what there is, in words.
     pub(super) fn showing(&self) -> String {
         let of = |(shown, all): (usize, usize), what| {
@@ -168,6 +191,36 @@ impl SpaceView {
         }
     }
 
+    /// The layers, coloured in the range that the first order of the queue had.
+    fn layers_in_range(&mut self, theme: Theme, context: &mut Context) -> Vec<Layer> {
+        let scene =
+            context.recording().map_or([0; 32], |open| open.dump.manifest().header.scene.content_hash);
+        let SpaceOptions { colour_by, percentiles, .. } = self.options;
+        let of: Locked = (scene, context.selection.queue, colour_by, percentiles);
+        let is_free = self.options.range.is_none() && self.layers.ray_values.is_none();
+        let known = self.locked.filter(|(known, _)| is_free && *known == of).map(|(_, range)| range);
+        let mut options = self.options.clone();
+        options.range = known.map(|range| (range.low, range.high)).or(options.range);
+        if self.shows_ratio() {
+            options.map = ColourMap::BlueRed;
+        }
+        let layers = self.layers.show(theme, &options, context);
+        if !is_free || known.is_some() || self.layers.problem.is_some() {
+            return layers;
+        }
+        let Some(range) = self.layers.range else { return layers };
+        let range = if self.shows_ratio() { around_one(range) } else { range };
+        self.locked = Some((of, range));
+        options.range = Some((range.low, range.high));
+        self.layers.show(theme, &options, context)
+    }
+
+    /// Whether colours stand for logarithms of ratios to the base of 2.
+    pub(super) fn shows_ratio(&self) -> bool {
+        let of_quantity = self.options.colour_by == ColourBy::Quantity(Quantity::Ratio);
+        self.layers.ray_values.as_ref().map_or(of_quantity, |values| values.is_ratio)
+    }
+
     pub(super) fn space_picture(
         &mut self,
         theme: Theme,
@@ -178,7 +231,7 @@ impl SpaceView {
         let camera = self.camera_in(at, context.recording()?);
         let mesh = self.surfaces(theme, context);
         let cut = cut(&self.options, context.recording()?.unit().sides);
-        let layers = self.layers.show(theme, &self.options, context);
+        let layers = self.layers_in_range(theme, context);
         let recording = context.recording()?;
         // The first picture of a recording is a whole one: a software GPU takes half a second for millions of
         // triangles, and would take it twice.
@@ -196,6 +249,12 @@ impl SpaceView {
             layers: mesh.into_iter().chain(layers).collect(),
         })
     }
+}
+
+/// A range of logarithms with 1 in its middle, and whole powers of two at its ends.
+fn around_one(range: ValueRange) -> ValueRange {
+    let most = range.low.abs().max(range.high.abs()).ceil().max(1.0);
+    ValueRange { low: -most, high: most }
 }
 
 /// Width of the edges of surfaces, pixels.

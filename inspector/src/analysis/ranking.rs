@@ -1,0 +1,150 @@
+//! All orders of some rays by what they gain, the best first.
+
+use std::cmp::Ordering;
+
+use formats::key::method::UNSORTED;
+
+use super::coherence::{Coherence, LaneUtilisation};
+use super::summary::RayClass;
+use super::timing::SpeedupLine;
+use super::{FrameAnalysis, Metric, OrderAnalysis, RecordingAnalysis};
+
+/// Lanes of a warp.
+const WARP: usize = 32;
+
+/// One of the orders. Speedups are over unsorted rays, of all bounces of the kind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RankedOrder {
+    /// The method, `unsorted`, or an order that was made and not measured.
+    pub method: String,
+    /// With all that sorting costs.
+    pub net: Metric<SpeedupLine>,
+    /// Of the trace alone.
+    pub trace: Metric<SpeedupLine>,
+    /// Net speedup of each bounce, or that of the trace where there is none.
+    pub by_bounce: Vec<f64>,
+    /// Of a queue: mean capsule area over that of unsorted rays; `None` while it is awaited.
+    pub area: Option<Metric<f64>>,
+    /// Of a queue: how much of a warp of 32 works; a model. `None` while it is awaited.
+    pub lanes: Option<Metric<f64>>,
+}
+
+/// The best is first.
+pub fn rank(orders: &mut [RankedOrder]) {
+    orders.sort_by(RankedOrder::by_gain);
+}
+
+/// The method that gains most net over all bounces of some rays, or else most in tracing; `None` if none was timed.
+pub fn best<'a>(times: &RecordingAnalysis, rays: RayClass, methods: &'a [String]) -> Option<&'a str> {
+    let of = |pick: fn(&FrameAnalysis) -> &Metric<SpeedupLine>| {
+        let ratio = |method: &str| pick(times.frame(rays, method)?).known().map(|line| line.ratio);
+        let ratios = methods.iter().filter_map(|method| Some((method, ratio(method)?)));
+        ratios.max_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(method, _)| method.as_str())
+    };
+    of(|frame| &frame.net_speedup).or_else(|| of(|frame| &frame.trace_speedup))
+}
+
+impl RankedOrder {
+    /// What was measured of a method over all bounces of some rays; nothing, for this reason, where it was not.
+    pub fn timed(times: Option<&RecordingAnalysis>, rays: RayClass, method: String, reason: &str) -> Self {
+        let frame = times.and_then(|times| times.frame(rays, &method));
+        let line = |of: Option<&Metric<SpeedupLine>>| of.cloned().unwrap_or_else(|| Metric::missing(reason));
+        let queues = times.into_iter().flat_map(RecordingAnalysis::measured);
+        let queues = queues.filter(|queue| RayClass::of(queue) == Some(rays));
+        let gain = |order: &OrderAnalysis| {
+            order.net_speedup.known().or(order.trace_speedup.known()).map(|line| line.ratio)
+        };
+        Self {
+            net: line(frame.map(|frame| &frame.net_speedup)),
+            trace: line(frame.map(|frame| &frame.trace_speedup)),
+            by_bounce: queues.filter_map(|queue| queue.order(&method).and_then(gain)).collect(),
+            area: None,
+            lanes: None,
+            method,
+        }
+    }
+
+    /// With how coherent it is, beside unsorted rays.
+    pub fn with(
+        mut self,
+        coherence: &Metric<Coherence>,
+        lanes: &Metric<Vec<LaneUtilisation>>,
+        unsorted: Option<&Metric<Coherence>>,
+    ) -> Self {
+        // Single rays have capsules without area.
+        let unsorted =
+            unsorted.and_then(Metric::known).map(|known| known.mean_capsule_area).filter(|area| *area > 0.0);
+        self.area = Some(match (coherence, unsorted) {
+            (Metric::Known(known), Some(unsorted)) => Metric::Known(known.mean_capsule_area / unsorted),
+            (Metric::Known(_), None) => Metric::missing("the capsules of unsorted rays are not known"),
+            (Metric::Missing { missing }, _) => Metric::missing(missing),
+        });
+        self.lanes = Some(match lanes {
+            Metric::Known(lanes) => {
+                let warp = lanes.iter().find(|lanes| lanes.width == WARP);
+                warp.map(|lanes| lanes.utilisation).ok_or("no ray did any work").into()
+            }
+            Metric::Missing { missing } => Metric::missing(missing),
+        });
+        self
+    }
+
+    /// How much faster it is than unsorted rays, which are as fast as themselves; `None` if that is not known.
+    pub fn gain(&self, of: &Metric<SpeedupLine>) -> Option<f64> {
+        if self.method == UNSORTED { Some(1.0) } else { of.known().map(|line| line.ratio) }
+    }
+
+    /// By net speedup, then by that of the trace, then by area; what is not known comes last.
+    fn by_gain(&self, other: &Self) -> Ordering {
+        let largest =
+            |of: fn(&Self) -> &Metric<SpeedupLine>| descending(self.gain(of(self)), other.gain(of(other)));
+        let area = |order: &Self| order.area.as_ref().and_then(Metric::known).map(|area| -area);
+        largest(|order| &order.net)
+            .then_with(|| largest(|order| &order.trace))
+            .then_with(|| descending(area(self), area(other)))
+    }
+}
+
+fn descending(one: Option<f64>, other: Option<f64>) -> Ordering {
+    match (one, other) {
+        (Some(one), Some(other)) => other.total_cmp(&one),
+        _ => other.is_some().cmp(&one.is_some()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::timing::Verdict;
+
+    fn order(method: &str, net: Option<f64>, trace: Option<f64>, area: Option<f64>) -> RankedOrder {
+        let line = |ratio: Option<f64>| {
+            let of = |ratio| SpeedupLine { ratio, interval: None, verdict: Verdict::Unknown, n: 3 };
+            ratio.map(of).ok_or("not timed").into()
+        };
+        RankedOrder {
+            method: method.to_owned(),
+            net: line(net),
+            trace: line(trace),
+            by_bounce: Vec::new(),
+            area: area.map(Metric::Known),
+            lanes: None,
+        }
+    }
+
+    #[test]
+    fn the_best_net_is_first_and_what_is_not_known_last() {
+        let mut orders = [
+            order("what-if", None, None, Some(0.2)),
+            order("two-point-real", None, None, Some(0.1)),
+            order("slow", Some(0.9), Some(2.0), Some(0.1)),
+            order("untimed", None, None, None),
+            order("trace", None, Some(1.1), None),
+            order(UNSORTED, None, None, Some(1.0)),
+            order("fast", Some(1.2), Some(1.3), Some(0.9)),
+        ];
+        rank(&mut orders);
+        let names = orders.each_ref().map(|order| order.method.as_str());
+        assert_eq!(names, ["fast", UNSORTED, "slow", "trace", "two-point-real", "what-if", "untimed"]);
+    }
+}

@@ -1,0 +1,94 @@
+//! Order B against order A: on one queue, and on the whole frame.
+
+use formats::key::method::UNSORTED;
+use serde::Serialize;
+
+use super::frame::{summed, traced};
+use super::summary::RayClass;
+use super::timing::{SpeedupLine, Time, Verdict};
+use super::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
+
+/// An order of a recording: a method, or `unsorted`.
+#[derive(Clone, Copy, Debug)]
+pub struct OrderOf<'a> {
+    /// The recording.
+    pub recording: &'a RecordingAnalysis,
+    /// The method.
+    pub method: &'a str,
+}
+
+/// How much faster order B is than order A.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Versus {
+    /// Trace in order A over trace in order B.
+    pub trace: Metric<SpeedupLine>,
+    /// The same with all that sorting costs on either side.
+    pub net: Metric<SpeedupLine>,
+    /// The kinds of rays whose times are in it, but camera rays.
+    pub rays: Vec<RayClass>,
+}
+
+impl Versus {
+    /// On the whole frame: all queues of B but camera rays, their times summed round by round.
+    pub fn on_frame([a, b]: [OrderOf<'_>; 2]) -> Self {
+        Self::on([a, b], |queue| RayClass::of(queue).is_some())
+    }
+
+    /// On the queues of B that `is_meant`.
+    pub fn on([a, b]: [OrderOf<'_>; 2], is_meant: impl Fn(&QueueAnalysis) -> bool) -> Self {
+        let queues: Vec<&QueueAnalysis> = b.recording.measured().filter(|queue| is_meant(queue)).collect();
+        let has_b = queues.iter().filter(|queue| queue.order(b.method).is_some());
+        let pairs: Vec<[&OrderAnalysis; 2]> =
+            has_b.clone().filter_map(|queue| Some([same(a, queue)?, queue.order(b.method)?])).collect();
+        let classes: Vec<RayClass> = has_b.clone().filter_map(|queue| RayClass::of(queue)).collect();
+        let is_one_run = std::ptr::eq(a.recording, b.recording);
+        let speedup = |of: fn(&OrderAnalysis) -> &Metric<SpeedupLine>,
+                       time: fn(&OrderAnalysis) -> Option<&Time>| {
+            if pairs.is_empty() || pairs.len() < has_b.clone().count() {
+                return Metric::missing("A and B were not both measured on the same rays");
+            }
+            let line = speedup(&pairs, of, time);
+            match line {
+                // Rounds of two runs are no pairs: what slowed one down did not slow the other.
+                Metric::Known(line) if !is_one_run => {
+                    Metric::Known(SpeedupLine { interval: None, verdict: Verdict::Unknown, ..line })
+                }
+                line => line,
+            }
+        };
+        Self {
+            trace: speedup(|order| &order.trace_speedup, traced),
+            net: speedup(|order| &order.net_speedup, total),
+            rays: RayClass::ALL.into_iter().filter(|class| classes.contains(class)).collect(),
+        }
+    }
+}
+
+/// Order A of the rays of a queue of B.
+fn same<'a>(a: OrderOf<'a>, queue: &QueueAnalysis) -> Option<&'a OrderAnalysis> {
+    let id = |queue: &QueueAnalysis| (queue.pass, queue.bounce, queue.kind, queue.rays);
+    a.recording.queues.iter().find(|found| id(found) == id(queue))?.order(a.method)
+}
+
+/// All that tracing in an order takes: of unsorted rays the trace alone.
+fn total(order: &OrderAnalysis) -> Option<&Time> {
+    if order.method == UNSORTED { traced(order) } else { order.total.as_ref() }
+}
+
+/// What one queue lacks, all lack.
+fn speedup(
+    pairs: &[[&OrderAnalysis; 2]],
+    of: fn(&OrderAnalysis) -> &Metric<SpeedupLine>,
+    time: fn(&OrderAnalysis) -> Option<&Time>,
+) -> Metric<SpeedupLine> {
+    let sorted = pairs.iter().flatten().filter(|order| order.method != UNSORTED);
+    if let Some(reason) = sorted.map(|order| of(order).reason()).find_map(|reason| reason) {
+        return Metric::missing(reason);
+    }
+    let sum = |side: usize| {
+        let times: Option<Vec<&Time>> = pairs.iter().map(|pair| time(pair[side])).collect();
+        times.map(|times| summed(times.into_iter()))
+    };
+    let line = sum(0).zip(sum(1)).and_then(|(a, b)| SpeedupLine::of(&a, &b));
+    line.ok_or("it was not timed").into()
+}

@@ -1,0 +1,41 @@
+//! All orders of the selected queue by what they gain, as far as it is known.
+
+use formats::key::method::UNSORTED;
+
+use super::context::Context;
+use super::recording::class_of;
+use super::what_if::WHAT_IF;
+use crate::analysis::ranking::{RankedOrder, rank};
+
+impl Context {
+    /// All orders of the queue, the one that gains most first. How coherent they are is found in later frames.
+    pub fn ranking(&mut self, frame: u64) -> Vec<RankedOrder> {
+        let methods = self.methods();
+        let mut known = self.coherences(frame).map_or(Vec::new(), |(known, _)| known.to_vec());
+        if methods.iter().any(|method| method == WHAT_IF) {
+            // Its panel says why it cannot be made.
+            known.extend(self.what_if_coherence().ok().flatten().cloned());
+        }
+        let Some(recording) = self.recording() else { return Vec::new() };
+        let rays = class_of(self.selection.queue.kind);
+        let times = recording.times.as_ref();
+        let of = |name: &str| known.iter().find(|order| order.method == name);
+        let unsorted = of(UNSORTED).map(|order| &order.coherence);
+        let ranked = |method: String| {
+            let reason = match (times, &*method) {
+                (_, WHAT_IF) => "it was made here, not measured; `recorder replay` measures it",
+                (None, _) => "the recording is not finished",
+                _ => "it was not measured on these rays",
+            };
+            let found = of(&method);
+            let order = RankedOrder::timed(times, rays, method, reason);
+            match found {
+                Some(found) => order.with(&found.coherence, &found.lanes, unsorted),
+                None => order,
+            }
+        };
+        let mut ranking: Vec<RankedOrder> = methods.into_iter().map(ranked).collect();
+        rank(&mut ranking);
+        ranking
+    }
+}

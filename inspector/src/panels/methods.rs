@@ -1,0 +1,195 @@
+//! All orders in one table, the one that gains most first: a click makes one B, with shift A.
+
+use egui::{Align, Label, Layout, RichText, Ui, pos2, vec2};
+use egui_extras::{Column, TableBuilder, TableRow};
+use formats::key::method::UNSORTED;
+
+use super::notes::{hint, swatch};
+use crate::analysis::Metric;
+use crate::analysis::ranking::RankedOrder;
+use crate::analysis::timing::{SpeedupLine, Verdict};
+use crate::model::Context;
+use crate::model::recording::class_of;
+use crate::model::what_if::WHAT_IF;
+use crate::output::times;
+use crate::panels::data::Data;
+use crate::panels::panel::Panel;
+use crate::shown;
+use crate::theme::Theme;
+
+/// Height of a row, points.
+const ROW: f32 = 20.0;
+
+/// Names of the columns, their widths in points, and what they are.
+const COLUMNS: [(&str, f32, &str); 7] = [
+    ("", 20.0, "Which of the orders are A and B"),
+    ("method", 0.0, "How rays are sorted; unsorted is the order of pixels"),
+    (
+        "net",
+        52.0,
+        "Unsorted trace over all that tracing in this order takes, key and sort included; all bounces",
+    ),
+    ("trace", 52.0, "Unsorted trace over the trace in this order alone; all bounces"),
+    ("by bounce", 66.0, "Net speedup from bounce to bounce; the line across is 1: as fast as unsorted"),
+    (
+        "area",
+        52.0,
+        "Mean capsule area of a group over that of unsorted rays, of the selected bounce: small is coherent",
+    ),
+    (
+        "SIMD",
+        44.0,
+        "SIMD utilisation of a warp of 32: the share of its lanes that work, of the selected bounce. A model",
+    ),
+];
+
+pub(super) struct MethodsPanel;
+
+impl Panel for MethodsPanel {
+    fn show(&mut self, ui: &mut Ui, context: &mut Context) {
+        if context.recording().is_none() {
+            return hint(ui, "no recording is open");
+        }
+        let ranking = context.ranking(ui.ctx().cumulative_frame_nr());
+        if ranking.is_empty() {
+            return hint(ui, "no method was measured on these rays; the last pass is the measured one");
+        }
+        let rays = class_of(context.selection.queue.kind).name();
+        ui.horizontal_wrapped(|ui| {
+            ui.label(format!("Speedup over unsorted, {rays} rays, all bounces."));
+            ui.weak("Click: B. Shift-click: A.");
+        });
+        let mut chosen = None;
+        egui::ScrollArea::horizontal().auto_shrink([false, false]).show(ui, |ui| {
+            let mut table = TableBuilder::new(ui)
+                .striped(true)
+                .sense(egui::Sense::click())
+                .cell_layout(Layout::left_to_right(Align::Center));
+            for (_, width, _) in COLUMNS {
+                table = table.column(match width {
+                    0.0 => Column::remainder().at_least(130.0).clip(true),
+                    width => Column::exact(width),
+                });
+            }
+            table.header(ROW, header).body(|body| {
+                body.rows(ROW, ranking.len(), |mut row| {
+                    let order = &ranking[row.index()];
+                    row.set_selected(order.method == context.selection.method);
+                    cells(&mut row, order, context);
+                    if row.response().clicked() {
+                        chosen = Some(order.method.clone());
+                    }
+                });
+            });
+        });
+        if let Some(method) = chosen {
+            if ui.input(|input| input.modifiers.shift) {
+                context.hold_against(None, &method);
+            } else {
+                context.order_by(&method);
+            }
+        }
+    }
+
+    fn data(&mut self, context: &mut Context) -> Result<Data, String> {
+        let number = |number: Option<f64>| number.map_or(String::new(), |number| number.to_string());
+        let row = move |order: RankedOrder| {
+            let of_rays = [order.area.as_ref(), order.lanes.as_ref()];
+            let [area, lanes] = of_rays.map(|of| number(of.and_then(Metric::known).copied()));
+            let [net, trace] = [&order.net, &order.trace].map(|of| number(order.gain(of)));
+            vec![order.method, net, trace, area, lanes]
+        };
+        let header = ["method", "net_speedup", "trace_speedup", "capsule_area_ratio", "simd_utilisation_32"];
+        Ok(Data::new(&header, context.ranking(0).into_iter().map(row)))
+    }
+}
+
+fn header(mut row: TableRow<'_, '_>) {
+    for (name, _, about) in COLUMNS {
+        row.col(|ui| {
+            ui.add(Label::new(RichText::new(name).strong()).selectable(false)).on_hover_text(about);
+        });
+    }
+}
+
+fn cells(row: &mut TableRow<'_, '_>, order: &RankedOrder, context: &Context) {
+    let style = context.style_of(&order.method);
+    let selection = &context.selection;
+    let is_a = selection.baseline.recording.is_none() && selection.baseline.method == order.method;
+    let is_b = selection.method == order.method;
+    row.col(|ui| {
+        let mark = [("A", is_a), ("B", is_b)].into_iter().filter(|(_, is_it)| *is_it).map(|(name, _)| name);
+        ui.add(Label::new(RichText::new(mark.collect::<String>()).strong()).selectable(false));
+    });
+    row.col(|ui| {
+        swatch(ui, style);
+        let name = if is_b { RichText::new(&order.method).strong() } else { RichText::new(&order.method) };
+        ui.add(Label::new(name).selectable(false).truncate()).on_hover_text(about(context, &order.method));
+    });
+    for of in [&order.net, &order.trace] {
+        row.col(|ui| speedup(ui, order, of));
+    }
+    row.col(|ui| sparkline(ui, &order.by_bounce, Theme::of(ui.ctx()).series(style)));
+    row.col(|ui| of_rays(ui, order.area.as_ref(), times));
+    row.col(|ui| of_rays(ui, order.lanes.as_ref(), |lanes| format!("{:.0} %", 100.0 * lanes)));
+}
+
+/// How the keys of a method are made.
+fn about(context: &Context, method: &str) -> String {
+    let layout = context.recording().and_then(|recording| recording.method(method));
+    let made = context.what_if.as_ref().filter(|_| method == WHAT_IF).map(|settings| settings.text.clone());
+    let about = layout.map(|record| shown::name(&record.text)).or(made);
+    about.unwrap_or_else(|| "the order of pixels".to_owned())
+}
+
+fn plain(ui: &mut Ui, text: impl Into<RichText>) -> egui::Response {
+    ui.add(Label::new(text.into()).selectable(false))
+}
+
+fn none(ui: &mut Ui, why: &str) {
+    plain(ui, RichText::new("\u{2013}").weak()).on_hover_text(why);
+}
+
+fn speedup(ui: &mut Ui, order: &RankedOrder, of: &Metric<SpeedupLine>) {
+    match of {
+        _ if order.method == UNSORTED => drop(plain(ui, times(1.0))),
+        Metric::Known(line) => {
+            let text = RichText::new(times(line.ratio));
+            let is_sure = matches!(line.verdict, Verdict::Faster | Verdict::Slower);
+            plain(ui, if is_sure { text } else { text.weak() }).on_hover_text(format!(
+                "{} {} (n = {})",
+                line.verdict.words(),
+                line.interval_text(),
+                line.n
+            ));
+        }
+        Metric::Missing { missing } => none(ui, missing),
+    }
+}
+
+fn of_rays(ui: &mut Ui, of: Option<&Metric<f64>>, text: fn(f64) -> String) {
+    match of {
+        None => drop(ui.add(egui::Spinner::new().size(10.0))),
+        Some(Metric::Known(number)) => drop(plain(ui, text(*number))),
+        Some(Metric::Missing { missing }) => none(ui, missing),
+    }
+}
+
+/// Speedups from bounce to bounce, on a logarithmic scale from a quarter to four times that all rows share.
+fn sparkline(ui: &mut Ui, by_bounce: &[f64], colour: egui::Color32) {
+    let (rect, _) = ui.allocate_exact_size(vec2(58.0, ROW - 4.0), egui::Sense::hover());
+    let y_of = |ratio: f64| {
+        let part = 0.5 - 0.25 * ratio.max(f64::MIN_POSITIVE).log2().clamp(-2.0, 2.0) as f32;
+        rect.top() + part * rect.height()
+    };
+    let weak = ui.visuals().weak_text_color().gamma_multiply(0.5);
+    ui.painter().hline(rect.x_range(), y_of(1.0), egui::Stroke::new(1.0, weak));
+    let step = rect.width() / by_bounce.len().saturating_sub(1).max(1) as f32;
+    let points = by_bounce.iter().enumerate();
+    let points: Vec<egui::Pos2> =
+        points.map(|(at, ratio)| pos2(rect.left() + at as f32 * step, y_of(*ratio))).collect();
+    if let [only] = points[..] {
+        ui.painter().circle_filled(only, 2.5, colour);
+    }
+    ui.painter().line(points, egui::Stroke::new(2.0, colour));
+}

@@ -1,0 +1,259 @@
+//! Order A against order B: the strip, the table of methods, and what follows when one of them is another.
+//! Without an adapter these tests fail.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::path::Path;
+
+use egui::{Key, Modifiers};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use formats::key::method::UNSORTED;
+use formats::manifest::QueueId;
+use formats::metrics::frame::{Frame, summed};
+use formats::metrics::samples::Samples;
+use formats::ray::Kind;
+use formats::reader::Dump;
+use inspector::analysis::Metric;
+use inspector::app::App;
+use inspector::model::Context;
+use inspector::model::what_if::{Settings, WHAT_IF};
+use inspector::panels::space::options::SpaceOptions;
+use inspector::session::Session;
+
+mod headless;
+#[path = "../../formats/tests/sample/mod.rs"]
+mod sample;
+
+use headless::{State, panel, panel_made, renderer, settle};
+
+const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
+
+fn opened(folder: &Path) -> Context {
+    let mut context = Context::open(&[sample::write(folder)]);
+    assert!(context.problems.is_empty(), "{:?}", context.problems);
+    context.go_to(QUEUE);
+    context
+}
+
+fn window(context: Context) -> Harness<'static, App> {
+    let (renderer, format) = renderer();
+    let app = App::showing(context, format.into());
+    let mut harness = Harness::builder()
+        .with_size([1280.0, 720.0])
+        .with_accessibility_check(false)
+        .renderer(renderer)
+        .build_ui_state(|ui, app: &mut App| app.show(ui), app);
+    settle(&mut harness);
+    harness
+}
+
+/// The ratios on the screen that have the sign of a ratio.
+fn ratios(harness: &Harness<'_, App>) -> Vec<String> {
+    let height = harness.get_by_label("Bounce").rect().bottom() + 60.0;
+    let seen = harness.query_all_by_label_contains("\u{d7}");
+    let in_strip = seen.filter(|node| node.rect().bottom() < height);
+    in_strip.filter_map(|node| node.accesskit_node().label().or(node.accesskit_node().value())).collect()
+}
+
+/// What the strip should read: net and trace on the frame, then of the selected rays.
+fn expected(context: &Context) -> Vec<String> {
+    let [frame, selected] = context.versus().unwrap();
+    let lines = [&frame.net, &frame.trace, &selected.net, &selected.trace];
+    lines.map(|line| format!("{:.2}\u{d7}", line.known().unwrap().ratio)).to_vec()
+}
+
+fn row<'a>(harness: &'a Harness<'_, App>, method: &'a str) -> egui_kittest::Node<'a> {
+    let mut nodes: Vec<_> = harness.query_all_by_label(method).collect();
+    // The lists of the strip have the names of A and B, too.
+    nodes.retain(|node| node.rect().left() > 700.0);
+    nodes.into_iter().next().unwrap()
+}
+
+#[test]
+fn a_row_that_is_clicked_is_b_and_with_shift_a_and_the_strip_follows() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = window(opened(folder.path()));
+    let names = |harness: &Harness<'_, App>| {
+        let selection = &harness.state().context.selection;
+        (selection.baseline.method.clone(), selection.method.clone())
+    };
+    let best = harness.state().context.recording().unwrap().best_method(QUEUE).to_owned();
+    assert_eq!(names(&harness), (UNSORTED.to_owned(), best), "the best method is B at first");
+    assert_eq!(ratios(&harness), expected(&harness.state().context));
+    row(&harness, "aila").click();
+    settle(&mut harness);
+    assert_eq!(names(&harness), (UNSORTED.to_owned(), "aila".to_owned()));
+    let over_unsorted = ratios(&harness);
+    assert_eq!(over_unsorted, expected(&harness.state().context));
+    row(&harness, "origin").click_modifiers(Modifiers::SHIFT);
+    settle(&mut harness);
+    assert_eq!(names(&harness), ("origin".to_owned(), "aila".to_owned()));
+    assert_eq!(ratios(&harness), expected(&harness.state().context));
+    assert_ne!(ratios(&harness), over_unsorted);
+}
+
+/// Over unsorted rays the frame is that of the table in which recordings end; over another method it is the median
+/// of the rounds' ratios.
+#[test]
+fn the_frame_is_that_of_the_closing_table_and_of_any_two_methods() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let dump = Dump::open(context.recording().unwrap().dump.root()).unwrap();
+    let mut compared = 0;
+    for row in Frame::of(dump.manifest()).rows {
+        context.selection.order_by(&row.method);
+        let [frame, _] = context.versus().unwrap();
+        match (&frame.net, row.net) {
+            (Metric::Known(found), Some(expected)) => {
+                assert_eq!(
+                    (found.ratio, found.interval),
+                    (expected.ratio, expected.interval),
+                    "{}",
+                    row.method
+                );
+                compared += 1;
+            }
+            (Metric::Missing { .. }, _) => {}
+            (found, expected) => panic!("{}: {found:?}, {expected:?}", row.method),
+        }
+    }
+    assert!(compared > 3, "{compared} methods");
+    context.selection.order_by("aila");
+    context.hold_against(None, "origin");
+    let samples = Samples::of(dump.manifest());
+    let total = |method| {
+        let of = |queue| samples.get(queue, method).map(|own| own.totals(samples.way(queue, method)));
+        let queues = dump.manifest().queues.iter().map(|record| record.id);
+        let queues = queues.filter(|queue| queue.kind == Kind::Shadow || queue.bounce > 0);
+        let totals: Vec<Vec<u64>> = queues.filter_map(of).collect();
+        summed(totals.iter().map(Vec::as_slice))
+    };
+    let mut ratios: Vec<f64> =
+        total("origin").iter().zip(total("aila")).map(|(a, b)| *a as f64 / b as f64).collect();
+    ratios.sort_by(f64::total_cmp);
+    let [frame, _] = context.versus().unwrap();
+    assert_eq!(frame.net.known().unwrap().ratio, ratios[ratios.len() / 2]);
+}
+
+#[test]
+fn an_order_that_is_made_can_be_a_beside_b() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    context.selection.order_by("aila");
+    let header = &context.recording().unwrap().dump.manifest().header;
+    context.what_if = Some(Settings::builtin("origin", header).unwrap());
+    context.hold_against(None, WHAT_IF);
+    let mut harness = panel_made("scene", [900.0, 640.0], context, |panel| {
+        let mut state = panel.state();
+        state["side_by_side"] = true.into();
+        panel.set_state(state).unwrap();
+    });
+    for side in [WHAT_IF, "aila"] {
+        assert!(harness.query_all_by_label(side).next().is_some(), "{side} has no picture");
+    }
+    let context = &mut harness.state_mut().context;
+    let a = context.of_baseline(None, |context| context.order().unwrap());
+    assert_eq!((a.method.as_str(), context.order().unwrap().method.as_str()), (WHAT_IF, "aila"));
+    harness.render().unwrap();
+}
+
+#[test]
+fn the_table_has_all_orders_the_best_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let header = &context.recording().unwrap().dump.manifest().header;
+    context.what_if = Some(Settings::builtin("origin", header).unwrap());
+    let harness = panel("methods", context);
+    let top = |name: &str| harness.get_by_label(name).rect().top();
+    let context = &harness.state().context;
+    let best = context.recording().unwrap().best_method(QUEUE);
+    for name in context.methods() {
+        assert!(top(&name) >= top(best), "{name} is above {best}");
+    }
+    assert!(top(WHAT_IF) > top(UNSORTED), "what was not measured is below what was");
+}
+
+/// Colours stand for the same numbers in all orders of a queue.
+#[test]
+fn the_range_of_colours_stays_while_orders_change() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    context.selection.order_by("two-point");
+    let mut harness = panel_made("scene", [900.0, 640.0], context, |panel| {
+        let mut state = panel.state();
+        let options = serde_json::to_value(SpaceOptions::default()).unwrap();
+        state["options"] = options;
+        state["options"]["colour_by"] = "area".into();
+        panel.set_state(state).unwrap();
+    });
+    let range =
+        |harness: &mut Harness<'_, State>| harness.state_mut().panel.space().unwrap().range().unwrap();
+    let first = range(&mut harness);
+    harness.state_mut().context.order_by(UNSORTED);
+    settle(&mut harness);
+    assert_eq!(range(&mut harness), first, "another order, another range");
+    harness.state_mut().context.go_to(QueueId { bounce: 0, ..QUEUE });
+    settle(&mut harness);
+    assert_ne!(range(&mut harness), first, "other rays have a range of their own");
+}
+
+/// Escape closes what is on top, and nothing else.
+#[test]
+fn escape_closes_one_thing_after_the_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = window(opened(folder.path()));
+    harness.state_mut().context.select_ray(Some(3));
+    harness.get_by_label("?").click();
+    settle(&mut harness);
+    harness.get_by_label("File").click();
+    settle(&mut harness);
+    let state = |harness: &Harness<'_, App>| {
+        let reads = |text: &str| harness.query_all_by_label(text).next().is_some();
+        (reads("Open session..."), reads("Keys and words"), harness.state().context.selection.ray)
+    };
+    for expected in
+        [(true, true, Some(3)), (false, true, Some(3)), (false, false, Some(3)), (false, false, None)]
+    {
+        assert_eq!(state(&harness), expected);
+        harness.key_press_modifiers(Modifiers::NONE, Key::Escape);
+        settle(&mut harness);
+    }
+}
+
+/// A session of a version before, with panels that are gone: what it compared is A against B now.
+#[test]
+fn a_session_of_before_has_its_two_orders() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    context.selection.order_by("aila");
+    let mut harness = window(context);
+    let drawn_on = harness.ctx.clone();
+    let mut session = serde_json::to_value(harness.state().session(&drawn_on)).unwrap();
+    session["version"] = 2.into();
+    let selection = session["selection"].as_object_mut().unwrap();
+    selection.remove("baseline").unwrap();
+    selection.remove("baseline_recording").unwrap();
+    let compare = serde_json::json!({
+        "before": "origin", "before_recording": null, "difference": "hit", "table": true, "all_rows": false,
+        "options": session["panels"]["scene"]["options"].clone(), "camera": null
+    });
+    session["panels"]["compare"] = compare;
+    let scene = session["panels"]["scene"].as_object_mut().unwrap();
+    for added in ["side_by_side", "difference", "table"] {
+        scene.remove(added).unwrap();
+    }
+    let layout = session["layout"].to_string();
+    let layout = layout.replace(r#""methods""#, r#""navigator""#);
+    session["layout"] = serde_json::from_str(&layout).unwrap();
+    let file = folder.path().join("before.json");
+    std::fs::write(&file, session.to_string()).unwrap();
+    assert!(Session::read(&file).is_ok());
+    harness.state_mut().open_session(&file, &drawn_on);
+    settle(&mut harness);
+    let context = &harness.state().context;
+    assert!(context.problems.is_empty(), "{:?}", context.problems);
+    let selection = &context.selection;
+    assert_eq!((selection.baseline.method.as_str(), selection.method.as_str()), ("origin", "aila"));
+    assert!(harness.query_all_by_label("by bounce").next().is_some(), "the table of methods is not there");
+}
