@@ -202,6 +202,7 @@ fn ends_are_marked_by_what_rays_found() {
     let mut context = Context::open(&[sample::write(folder.path())]);
     for (queue, kinds) in [(QUEUE, [Mark::Hit, Mark::Miss]), (SHADOW, [Mark::Occluded, Mark::Miss])] {
         context.go_to(queue);
+        context.order_by("unsorted");
         let order = context.awaited_order().unwrap();
         let options =
             SpaceOptions { curve: false, rays: true, ends: true, arrows: true, ..SpaceOptions::default() };
@@ -318,7 +319,7 @@ fn numbers_of_rays_colour_the_curve_in_any_order() {
     let order = order(&mut context, 0, "two-point");
     let of_ray: Vec<f32> = (0..order.len()).map(|ray| ray as f32 + 0.5).collect();
     let values =
-        RayValues { id: 1, title: "numbers", of_ray: Arc::new(of_ray), range: None, is_ratio: false };
+        RayValues { id: 1, title: "numbers", of_ray: Arc::new(of_ray), range: None, logarithm: None };
     let drawn = layers(&mut context, &SpaceOptions::default(), Some(values));
     let Shape::Strip(curve) = drawn[0].geometry.shape() else { panic!("no curve") };
     let found: Vec<f32> = curve.iter().map(|vertex| vertex.value).collect();

@@ -138,10 +138,8 @@ fn what_the_recording_lacks_is_said() {
 #[test]
 fn the_order_that_is_made_stands_beside_recorded_ones() {
     let folder = tempfile::tempdir().unwrap();
-    let made = panel("what-if", opened(folder.path()));
-    let what_if = made.state().context.what_if.clone();
-    let mut context = opened(folder.path());
-    context.what_if = what_if;
+    let mut made = panel("what-if", opened(folder.path()));
+    let context = std::mem::take(&mut made.state_mut().context);
     let mut harness = panel("methods", context);
     let context = &mut harness.state_mut().context;
     let order = context.awaited_order().unwrap();

@@ -350,17 +350,20 @@ impl Quantity {
     /// What colours stand for, with its unit.
     pub fn title(self) -> String {
         let Definition { label, unit, scale, .. } = self.definition();
-        let logarithm = |base: u32| match *unit {
-            "" => format!("{label}, log{base}"),
-            unit => format!("{label}, log{base} of {unit}"),
-        };
         match scale {
-            Scale::Linear if unit.is_empty() => (*label).to_owned(),
-            Scale::Linear => format!("{label}, {unit}"),
-            Scale::Log10(_) => logarithm(10),
-            Scale::Log2 => logarithm(2),
+            Scale::Linear | Scale::Log10(_) | Scale::Log2 if unit.is_empty() => (*label).to_owned(),
+            Scale::Linear | Scale::Log10(_) | Scale::Log2 => format!("{label}, {unit}"),
             Scale::Repeats(_) => format!("{label} (colours repeat)"),
             Scale::OfLargestKey => format!("{label}, part of the largest"),
+        }
+    }
+
+    /// The base of the logarithm that colours stand for, if they stand for one.
+    pub fn logarithm(self) -> Option<f32> {
+        match self.definition().scale {
+            Scale::Log10(_) => Some(10.0),
+            Scale::Log2 => Some(2.0),
+            Scale::Linear | Scale::Repeats(_) | Scale::OfLargestKey => None,
         }
     }
 
@@ -422,13 +425,15 @@ mod tests {
         for (quantity, title) in [
             (Quantity::Place, "place in the order"),
             (Quantity::Length, "traced length, unit lengths"),
-            (Quantity::Jump, "distance to the next ray's origin, log10 of unit lengths"),
-            (Quantity::Area, "capsule area of the group, log10"),
-            (Quantity::Ratio, "estimated over actual length, log2"),
+            (Quantity::Jump, "distance to the next ray's origin, unit lengths"),
+            (Quantity::Area, "capsule area of the group"),
+            (Quantity::Ratio, "estimated over actual length"),
             (Quantity::Group, "group (colours repeat)"),
             (Quantity::Key, "key, part of the largest"),
         ] {
             assert_eq!(quantity.title(), title);
         }
+        let bases = [Quantity::Length, Quantity::Area, Quantity::Ratio].map(Quantity::logarithm);
+        assert_eq!(bases, [None, Some(10.0), Some(2.0)]);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use formats::key::method::UNSORTED;
+use formats::key::method::{CONTROL, UNSORTED};
 
 use super::coherence::{Coherence, LaneUtilisation};
 use super::summary::RayClass;
@@ -38,7 +38,9 @@ pub fn rank(orders: &mut [RankedOrder]) {
 pub fn best<'a>(times: &RecordingAnalysis, rays: RayClass, methods: &'a [String]) -> Option<&'a str> {
     let of = |pick: fn(&FrameAnalysis) -> &Metric<SpeedupLine>| {
         let ratio = |method: &str| pick(times.frame(rays, method)?).known().map(|line| line.ratio);
-        let ratios = methods.iter().filter_map(|method| Some((method, ratio(method)?)));
+        // The control is canonical order through the same stages: what it gains is the instrument's error.
+        let methods = methods.iter().filter(|method| *method != CONTROL);
+        let ratios = methods.filter_map(|method| Some((method, ratio(method)?)));
         ratios.max_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(method, _)| method.as_str())
     };
     of(|frame| &frame.net_speedup).or_else(|| of(|frame| &frame.trace_speedup))

@@ -29,7 +29,7 @@ pub(super) fn at_first() -> Tree<Pane> {
     let [middle, right] = [0, 2].map(|first| tiles.insert_vertical_tile(tabs[first..first + 2].to_vec()));
     let root = tiles.insert_horizontal_tile(vec![middle, right]);
     share(&mut tiles, root, &[(middle, 1.5), (right, 1.0)]);
-    share(&mut tiles, middle, &[(tabs[0], 3.0), (tabs[1], 1.0)]);
+    share(&mut tiles, middle, &[(tabs[0], 2.4), (tabs[1], 1.0)]);
     Tree::new(egui::Id::unique("tiles"), root, tiles)
 }
 

@@ -37,13 +37,22 @@ impl Difference {
         (Self::Displacement, "displacement", "places from A to B, part of all"),
         (Self::CapsuleArea, "capsule-area", "capsule area of the group, B over A"),
         (Self::Hit, "hit", "1 where another surface was hit"),
-        (Self::Distance, "distance", "relative difference of the hit's distance, log10"),
+        (Self::Distance, "distance", "relative difference of the hit's distance"),
         (Self::Key, "key", "1 where the key is another"),
     ];
 
     /// Name in lists and sessions.
     pub fn name(self) -> &'static str {
         Self::ALL[self as usize].1
+    }
+
+    /// The base, where it is a logarithm.
+    pub fn logarithm(self) -> Option<f32> {
+        match self {
+            Self::CapsuleArea => Some(2.0),
+            Self::Distance => Some(10.0),
+            Self::Displacement | Self::Hit | Self::Key => None,
+        }
     }
 
     /// What the colour bar says.
@@ -78,8 +87,6 @@ pub struct Compared {
     pub comparison: Comparison,
     /// A number for each ray, left and right, if one was wanted.
     pub values: Option<[Arc<Vec<f32>>; 2]>,
-    /// Size below which nearly all of the right side's numbers are; 0 without numbers.
-    pub nearly_largest: f32,
     /// Differs from that of all others.
     pub id: u64,
 }
@@ -90,17 +97,8 @@ impl Compared {
         static MADE: AtomicU64 = AtomicU64::new(0);
         let comparison = Comparison::of(left, right, width);
         let values = difference.map(|difference| comparison.values(difference).map(Arc::new));
-        let nearly_largest = values.as_ref().map_or(0.0, |[_, right]| nearly_largest(right));
-        Self { comparison, values, nearly_largest, id: MADE.fetch_add(1, Ordering::Relaxed) }
+        Self { comparison, values, id: MADE.fetch_add(1, Ordering::Relaxed) }
     }
-}
-
-/// The 98th percentile of the sizes of numbers.
-fn nearly_largest(values: &[f32]) -> f32 {
-    let mut sizes: Vec<f32> =
-        values.iter().map(|value| value.abs()).filter(|size| size.is_finite()).collect();
-    let at = sizes.len() * 98 / 100;
-    if sizes.is_empty() { 0.0 } else { *sizes.select_nth_unstable_by(at, f32::total_cmp).1 }
 }
 
 /// Two orders ray by ray.

@@ -1,10 +1,13 @@
 //! What differs between order A and order B, as a table.
 
-use egui::{Grid, ScrollArea, Ui};
+use egui::{Grid, Label, ScrollArea, Ui};
 
 use crate::model::Context;
 use crate::model::comparison::Compared;
 use crate::model::differences::{Row, counts, settings};
+
+/// Width of the widest column, points.
+const WIDEST: f32 = 320.0;
 
 /// Settings, and counts of rays as far as they are known, of A and of B.
 pub(super) fn rows(context: &Context, compared: Option<&Compared>) -> Vec<Row> {
@@ -26,32 +29,29 @@ pub(super) fn table(ui: &mut Ui, context: &Context, compared: Option<&Compared>)
         if rows.is_empty() {
             ui.label(format!("None of {all} settings and numbers differs."));
         }
-        Grid::new("differences").striped(true).num_columns(3).spacing([18.0, 3.0]).show(ui, |ui| {
-            let recordings = [context.baseline_recording(), context.recording()];
-            let methods = [&context.selection.baseline.method, &context.selection.method];
-            ui.strong("");
-            for ((side, recording), method) in ["A", "B"].into_iter().zip(recordings).zip(methods) {
-                ui.strong(format!("{side}: {}, {method}", recording.map_or("", |open| open.label.as_str())));
-            }
-            ui.end_row();
-            for row in &rows {
-                ui.label(row.what).on_hover_text(row.about);
-                for side in &row.sides {
-                    ui.label(shortened(side)).on_hover_text(side);
+        Grid::new("differences")
+            .striped(true)
+            .num_columns(3)
+            .max_col_width(WIDEST)
+            .spacing([18.0, 3.0])
+            .show(ui, |ui| {
+                let recordings = [context.baseline_recording(), context.recording()];
+                let methods = [&context.selection.baseline.method, &context.selection.method];
+                ui.strong("");
+                for ((side, recording), method) in ["A", "B"].into_iter().zip(recordings).zip(methods) {
+                    ui.strong(format!(
+                        "{side}: {}, {method}",
+                        recording.map_or("", |open| open.label.as_str())
+                    ));
                 }
                 ui.end_row();
-            }
-        });
+                for row in &rows {
+                    ui.label(row.what).on_hover_text(row.about);
+                    for side in &row.sides {
+                        ui.add(Label::new(side).truncate()).on_hover_text(side);
+                    }
+                    ui.end_row();
+                }
+            });
     });
-}
-
-/// Longest text in a cell, characters.
-const LONGEST: usize = 48;
-
-fn shortened(text: &str) -> String {
-    match text.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None if text.is_empty() => "-".to_owned(),
-        None => text.to_owned(),
-    }
 }

@@ -27,7 +27,7 @@ const COLUMNS: [(&str, f32, &str); 7] = [
     (
         "net",
         52.0,
-        "Unsorted trace over all that tracing in this order takes, key and sort included; all bounces",
+        "Unsorted trace over all that tracing in this order takes, key and sort included; all bounces; \u{2248} is no significant difference",
     ),
     ("trace", 52.0, "Unsorted trace over the trace in this order alone; all bounces"),
     ("by bounce", 66.0, "Net speedup from bounce to bounce; the line across is 1: as fast as unsorted"),
@@ -154,9 +154,8 @@ fn speedup(ui: &mut Ui, order: &RankedOrder, of: &Metric<SpeedupLine>) {
     match of {
         _ if order.method == UNSORTED => drop(plain(ui, times(1.0))),
         Metric::Known(line) => {
-            let text = RichText::new(times(line.ratio));
-            let is_sure = matches!(line.verdict, Verdict::Faster | Verdict::Slower);
-            plain(ui, if is_sure { text } else { text.weak() }).on_hover_text(format!(
+            let sign = if line.verdict == Verdict::NoSignificantDifference { "\u{2248}" } else { "" };
+            plain(ui, format!("{sign}{}", times(line.ratio))).on_hover_text(format!(
                 "{} {} (n = {})",
                 line.verdict.words(),
                 line.interval_text(),
@@ -175,11 +174,11 @@ fn of_rays(ui: &mut Ui, of: Option<&Metric<f64>>, text: fn(f64) -> String) {
     }
 }
 
-/// Speedups from bounce to bounce, on a logarithmic scale from a quarter to four times that all rows share.
+/// Speedups from bounce to bounce, on a logarithmic scale from a half to twice that all rows share.
 fn sparkline(ui: &mut Ui, by_bounce: &[f64], colour: egui::Color32) {
     let (rect, _) = ui.allocate_exact_size(vec2(58.0, ROW - 4.0), egui::Sense::hover());
     let y_of = |ratio: f64| {
-        let part = 0.5 - 0.25 * ratio.max(f64::MIN_POSITIVE).log2().clamp(-2.0, 2.0) as f32;
+        let part = 0.5 - 0.5 * ratio.max(f64::MIN_POSITIVE).log2().clamp(-1.0, 1.0) as f32;
         rect.top() + part * rect.height()
     };
     let weak = ui.visuals().weak_text_color().gamma_multiply(0.5);

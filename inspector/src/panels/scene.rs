@@ -68,8 +68,10 @@ impl Panel for Scene {
             return hint(ui, "no recording is open");
         }
         self.compare(context);
-        self.b.controls(ui, context);
-        ui.horizontal_wrapped(|ui| self.choices(ui));
+        ui.horizontal_wrapped(|ui| {
+            self.choices(ui);
+            self.b.controls(ui, context);
+        });
         let shows_table = self.choice.side_by_side && self.choice.table;
         let table_height = if shows_table { TABLE_PART * ui.available_height() } else { 0.0 };
         let height = ui.available_height() - SpaceView::slider_height(ui) - table_height;
@@ -147,8 +149,7 @@ impl Scene {
         let is_wanted = side_by_side && (table || difference.is_some() || is_other);
         self.compared = if is_wanted { self.found(context) } else { None };
         let values = self.compared.as_ref().zip(difference).and_then(|(compared, difference)| {
-            let range = range(difference, compared.nearly_largest);
-            Some((difference, range, compared.id, compared.values.as_ref()?))
+            Some((difference, range(difference), compared.id, compared.values.as_ref()?))
         });
         for (side, view) in [&mut self.a, &mut self.b].into_iter().enumerate() {
             view.colour_by(values.map(|(difference, range, id, values)| RayValues {
@@ -156,7 +157,7 @@ impl Scene {
                 title: difference.title(),
                 of_ray: values[side].clone(),
                 range: Some(range),
-                is_ratio: difference == Difference::CapsuleArea,
+                logarithm: difference.logarithm(),
             }));
         }
     }
@@ -221,14 +222,11 @@ fn side(ui: &mut Ui, context: &mut Context, (name, style, height): (&str, usize,
 }
 
 /// What the ends of the colours stand for.
-fn range(difference: Difference, nearly_largest: f32) -> ValueRange {
+fn range(difference: Difference) -> ValueRange {
     match difference {
         Difference::Displacement | Difference::Hit | Difference::Key => ValueRange { low: 0.0, high: 1.0 },
         Difference::Distance => ValueRange { low: LOWEST_DISTANCE, high: 0.0 },
-        Difference::CapsuleArea => {
-            // No change is in the middle, a whole power of two at either end.
-            let most = nearly_largest.ceil().max(1.0);
-            ValueRange { low: -most, high: most }
-        }
+        // From a quarter to four times: the same for all orders, no change in the middle.
+        Difference::CapsuleArea => ValueRange { low: -2.0, high: 2.0 },
     }
 }

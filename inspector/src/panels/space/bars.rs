@@ -66,17 +66,16 @@ fn slider(ui: &mut Ui, options: &mut SpaceOptions) {
 struct Bar<'a> {
     range: ValueRange,
     map: ColourMap,
-    /// Whether values are logarithms of ratios to the base of 2.
-    is_ratio: bool,
+    /// The base, where values are logarithms.
+    logarithm: Option<f32>,
     title: &'a str,
     values: Option<&'a Values>,
 }
 
 /// The bars of what is shown, beside each other.
 fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
-    let (is_ratio, range) = (view.shows_ratio(), view.range());
+    let (map, logarithm, range) = (view.map(), view.logarithm(), view.range());
     let SpaceView { options, layers, .. } = view;
-    let map = if is_ratio { ColourMap::BlueRed } else { options.map };
     let by = options.colour_by;
     let own = layers.ray_values.as_ref();
     let has_values = !matches!(by, ColourBy::Quantity(Quantity::Place | Quantity::Bounce)) || own.is_some();
@@ -84,11 +83,11 @@ fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
     let title = own.map_or_else(|| by.title(), |values| values.title.to_owned());
     let title = title.as_str();
     let rays =
-        range.filter(|_| options.shows_rays()).map(|range| Bar { range, map, is_ratio, title, values });
-    let plain = |range, title| Bar { range, map: options.map, is_ratio: false, title, values: None };
-    let areas = plain(AREAS, "capsule area, log10");
+        range.filter(|_| options.shows_rays()).map(|range| Bar { range, map, logarithm, title, values });
+    let bar = |range, title, logarithm| Bar { range, map: options.map, logarithm, title, values: None };
+    let areas = bar(AREAS, "capsule area, unit space", Some(10.0));
     let areas = options.capsules.then_some(areas);
-    let cells = layers.cells().map(|(range, _)| plain(range, "mean length in the cell, unit lengths"));
+    let cells = layers.cells().map(|(range, _)| bar(range, "mean length in the cell, unit lengths", None));
     let others: Vec<Bar<'_>> = areas.into_iter().chain(cells).collect();
     let count = others.len() + usize::from(rays.is_some());
     let gap = 16.0;
@@ -181,10 +180,14 @@ fn colour_bar(ui: &mut Ui, width: f32, bar: &Bar<'_>, across: ValueRange) -> Res
     let below = pos2(rect.center().x, line + text_height);
     painter.text(below, Align2::CENTER_TOP, bar.title, font.clone(), ui.visuals().text_color());
     let mut taken: Vec<Rect> = Vec::new();
-    let middle = bar.is_ratio.then_some(0.0);
+    let middle = (bar.logarithm == Some(2.0)).then_some(0.0);
     for value in [bar.range.low, bar.range.high].into_iter().chain(middle) {
         // Under its end, but on the bar; the later of two that would touch is left out.
-        let text = if bar.is_ratio { ratio_label(f64::from(value.exp2())) } else { number(value) };
+        let text = match bar.logarithm {
+            Some(2.0) => ratio_label(f64::from(value.exp2())),
+            Some(base) => number(base.powf(value)),
+            None => number(value),
+        };
         let text = painter.layout_no_wrap(text, font.clone(), ui.visuals().text_color());
         let x = rect.left() + across.part(value) * rect.width() - 0.5 * text.size().x;
         let x = x.clamp(rect.left(), (rect.right() - text.size().x).max(rect.left()));

@@ -20,12 +20,10 @@ const FILTER_WIDTH: f32 = 170.0;
 impl SpaceView {
     /// What is shown, to be changed.
     pub(in crate::panels) fn controls(&mut self, ui: &mut Ui, context: &mut Context) {
-        ui.horizontal_wrapped(|ui| {
-            what_is_shown(ui, &mut self.options);
-            colours(ui, &mut self.options, context);
-            cameras(ui, self, context);
-            filter_box(ui, context, FILTER_WIDTH);
-        });
+        what_is_shown(ui, &mut self.options);
+        colours(ui, &mut self.options, context);
+        cameras(ui, self, context);
+        filter_box(ui, context, FILTER_WIDTH);
     }
 }
 
@@ -82,17 +80,7 @@ fn cameras(ui: &mut Ui, view: &mut SpaceView, context: &Context) {
 /// A camera as numbers.
 fn typed(ui: &mut Ui, camera: &mut Camera) {
     ui.label("Unit space: the scene's largest side is 1");
-    let Camera { target, yaw, pitch, distance, .. } = camera;
-    for (name, value) in [
-        ("target x", &mut target.x),
-        ("target y", &mut target.y),
-        ("target z", &mut target.z),
-        ("yaw", yaw),
-        ("pitch", pitch),
-        ("distance", distance),
-    ] {
-        ui.add(egui::DragValue::new(value).speed(0.005).prefix(format!("{name} ")));
-    }
+    ui.monospace(camera.to_string());
     if ui.button("Copy").on_hover_text("As `inspector shot --camera` takes it").clicked() {
         ui.ctx().copy_text(camera.to_string());
     }
@@ -152,9 +140,6 @@ fn details(ui: &mut Ui, options: &mut SpaceOptions) {
     ui.label("Colours from and to these percentiles");
     ui.add(Slider::new(&mut options.percentiles.0, 0.0..=50.0).text("lowest"));
     ui.add(Slider::new(&mut options.percentiles.1, 50.0..=100.0).text("highest"));
-    if options.range.is_some() && ui.button("Use percentiles again").clicked() {
-        options.range = None;
-    }
 }
 
 /// Writes on the picture.

@@ -80,8 +80,8 @@ pub struct RayValues {
     pub of_ray: Arc<Vec<f32>>,
     /// What the ends of the colours stand for; percentiles if `None`.
     pub range: Option<ValueRange>,
-    /// Whether they are logarithms of ratios to the base of 2.
-    pub is_ratio: bool,
+    /// The base, where they are logarithms; of ratios to 2.
+    pub logarithm: Option<f32>,
 }
 
 /// Logarithms of areas that colours of capsules stand for, the same in all orders: a capsule around the

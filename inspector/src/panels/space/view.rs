@@ -3,7 +3,6 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use formats::manifest::QueueId;
-use formats::metrics::quantity::Quantity;
 use serde::{Deserialize, Serialize};
 
 use super::layers::{Layers, RayValues};
@@ -201,24 +200,30 @@ impl SpaceView {
         let known = self.locked.filter(|(known, _)| is_free && *known == of).map(|(_, range)| range);
         let mut options = self.options.clone();
         options.range = known.map(|range| (range.low, range.high)).or(options.range);
-        if self.shows_ratio() {
-            options.map = ColourMap::BlueRed;
-        }
+        options.map = self.map();
         let layers = self.layers.show(theme, &options, context);
         if !is_free || known.is_some() || self.layers.problem.is_some() {
             return layers;
         }
         let Some(range) = self.layers.range else { return layers };
-        let range = if self.shows_ratio() { around_one(range) } else { range };
+        let range = if self.logarithm() == Some(2.0) { around_one(range) } else { range };
         self.locked = Some((of, range));
         options.range = Some((range.low, range.high));
         self.layers.show(theme, &options, context)
     }
 
-    /// Whether colours stand for logarithms of ratios to the base of 2.
-    pub(super) fn shows_ratio(&self) -> bool {
-        let of_quantity = self.options.colour_by == ColourBy::Quantity(Quantity::Ratio);
-        self.layers.ray_values.as_ref().map_or(of_quantity, |values| values.is_ratio)
+    /// The base, where colours stand for logarithms.
+    pub(super) fn logarithm(&self) -> Option<f32> {
+        match (&self.layers.ray_values, self.options.colour_by) {
+            (Some(values), _) => values.logarithm,
+            (None, ColourBy::Quantity(quantity)) => quantity.logarithm(),
+            (None, ColourBy::Field(_)) => None,
+        }
+    }
+
+    /// The colours: of ratios always those with no change in their middle.
+    pub(super) fn map(&self) -> ColourMap {
+        if self.logarithm() == Some(2.0) { ColourMap::BlueRed } else { self.options.map }
     }
 
     pub(super) fn space_picture(
