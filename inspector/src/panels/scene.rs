@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::differences::{rows, table};
 use super::notes::{choose, hint, swatch};
 use super::space::layers::RayValues;
-use super::space::{SpaceState, SpaceView, ViewSetup};
+use super::space::{RATIOS, SpaceState, SpaceView, ViewSetup};
 use crate::analysis::GroupWidth;
 use crate::model::background::Background;
 use crate::model::comparison::{Compared, Difference, LOWEST_DISTANCE};
@@ -226,7 +226,6 @@ fn range(difference: Difference) -> ValueRange {
     match difference {
         Difference::Displacement | Difference::Hit | Difference::Key => ValueRange { low: 0.0, high: 1.0 },
         Difference::Distance => ValueRange { low: LOWEST_DISTANCE, high: 0.0 },
-        // From a quarter to four times: the same for all orders, no change in the middle.
-        Difference::CapsuleArea => ValueRange { low: -2.0, high: 2.0 },
+        Difference::CapsuleArea => RATIOS,
     }
 }

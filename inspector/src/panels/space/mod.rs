@@ -23,7 +23,7 @@ use crate::model::{Absent, Context};
 use crate::render::gpu::PictureCallback;
 use crate::theme::Theme;
 
-pub(super) use self::view::SpaceState;
+pub(super) use self::view::{RATIOS, SpaceState};
 pub use self::view::{SpaceView, ViewSetup, cut};
 
 impl SpaceView {

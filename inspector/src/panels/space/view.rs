@@ -59,6 +59,9 @@ pub struct SpaceView {
 /// What a range of colours is of: content of a scene, queue, what colours stand for, and percentiles.
 type Locked = ([u8; 32], QueueId, ColourBy, (f32, f32));
 
+/// Of logarithms of ratios: from a quarter to four times, the same for all orders, no change in the middle.
+pub(in crate::panels) const RATIOS: ValueRange = ValueRange { low: -2.0, high: 2.0 };
+
 /// What sessions keep of a view.
 #[derive(Deserialize, Serialize)]
 pub(crate) struct SpaceState {
@@ -206,7 +209,7 @@ impl SpaceView {
             return layers;
         }
         let Some(range) = self.layers.range else { return layers };
-        let range = if self.logarithm() == Some(2.0) { around_one(range) } else { range };
+        let range = if self.logarithm() == Some(2.0) { RATIOS } else { range };
         self.locked = Some((of, range));
         options.range = Some((range.low, range.high));
         self.layers.show(theme, &options, context)
@@ -254,12 +257,6 @@ impl SpaceView {
             layers: mesh.into_iter().chain(layers).collect(),
         })
     }
-}
-
-/// A range of logarithms with 1 in its middle, and whole powers of two at its ends.
-fn around_one(range: ValueRange) -> ValueRange {
-    let most = range.low.abs().max(range.high.abs()).ceil().max(1.0);
-    ValueRange { low: -most, high: most }
 }
 
 /// Width of the edges of surfaces, pixels.
