@@ -174,11 +174,9 @@ impl Scene {
     /// The picture of A, seen as B is. A ray that is chosen in it is that of the same path in B.
     fn a_side(&mut self, ui: &mut Ui, context: &mut Context, height: f32) {
         let is_other = context.selection.baseline.recording.is_some();
-        let comparison = self.compared.as_ref().map(|compared| &compared.comparison).filter(|_| is_other);
-        let ray = match comparison {
-            Some(comparison) => context.selection.ray.and_then(|ray| comparison.left_of(ray)),
-            None => context.selection.ray,
-        };
+        let comparison = self.compared.as_ref().map(|compared| &compared.comparison);
+        let selected = context.selection.ray;
+        let ray = if is_other { selected.and_then(|ray| comparison?.left_of(ray)) } else { selected };
         let style = context.style_of(&context.selection.baseline.method);
         let Self { a, b, .. } = self;
         a.follow(b);
@@ -190,10 +188,8 @@ impl Scene {
         b.options.clone_from(&a.options);
         b.look_from(a.camera);
         if chosen != ray {
-            context.select_ray(match comparison {
-                Some(comparison) => chosen.and_then(|ray| comparison.right_of(ray)),
-                None => chosen,
-            });
+            let of_b = if is_other { chosen.and_then(|ray| comparison?.right_of(ray)) } else { chosen };
+            context.select_ray(of_b);
         }
     }
 
