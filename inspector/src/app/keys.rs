@@ -11,10 +11,9 @@ impl App {
         // Menus close by themselves. A question's line may have the keyboard.
         if !egui::Popup::is_any_open(ui.ctx())
             && (self.prompt.is_some() || !ui.ctx().egui_wants_keyboard_input())
+            && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
         {
-            if ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
-                self.close_top();
-            }
+            self.close_top();
         }
         if ui.ctx().egui_wants_keyboard_input() {
             return;
