@@ -8,10 +8,11 @@ use formats::metrics::quantity::Quantity;
 use rayon::prelude::*;
 use serde::de::Error as _;
 
-use super::notes::found;
+use super::notes::{found, missing};
 use super::picture::{DrawnPicture, Picture};
 use crate::analysis::GroupWidth;
 use crate::colour_map::ColourMap;
+use crate::model::colour_by::ColourBy;
 use crate::model::derived::Filtered;
 use crate::model::filter::Expression;
 use crate::model::image_plane::ImagePlane;
@@ -21,18 +22,24 @@ use crate::model::{Context, Order, Recording};
 use crate::output::{count, counted};
 use crate::panels::data::Data;
 use crate::panels::panel::Panel;
+use crate::render::range::{ValueRange, Values};
 use crate::theme::Theme;
 
 /// What pixels may be coloured by.
-const COLOURS: [(Quantity, &str); 3] = [
+const COLOURS: [(Quantity, &str); 8] = [
     (Quantity::Place, "First rays of the order dark, last ones bright"),
     (Quantity::Displacement, "How far sorting moved the ray from its place in pixel order"),
     (Quantity::Key, "The key over the largest key of as many bits"),
+    (Quantity::Nodes, "Heat: nodes of the hierarchy that the ray visited"),
+    (Quantity::Triangles, "Heat: triangles that the ray was tested against"),
+    (Quantity::Lanes, "Lane utilisation of the ray's group: dark where lanes wait"),
+    (Quantity::Length, "Traced length"),
+    (Quantity::Area, "Capsule area of the ray's group: bright where rays of a group scatter"),
 ];
 
 /// What the picture depends on: the order, the filter and whether it is known yet, the places that the playhead
 /// leaves, and the colours.
-type Wanted = (u64, Option<(Arc<Expression>, GroupWidth, bool)>, Range<usize>, Quantity, bool);
+type Wanted = (u64, Option<(Arc<Expression>, GroupWidth, bool)>, Range<usize>, (Quantity, GroupWidth), bool);
 
 pub(super) struct OrderPanel {
     colouring: Quantity,
@@ -57,12 +64,21 @@ impl Panel for OrderPanel {
         let filtered = context.filtered(&order);
         let Some(plane) = context.recording().map(Recording::image_plane) else { return };
         let Some(numbers) = context.numbers(order.clone()) else { return };
+        if let Some(reason) = self.colouring.missing(&numbers.rays()) {
+            return missing(ui, reason.to_owned());
+        }
         let (selection, theme) = (&context.selection, Theme::of(ui.ctx()));
         let is_known = !matches!(filtered, Filtered::Unknown);
         let filter =
             selection.filter.in_force().cloned().map(|filter| (filter, selection.group_width, is_known));
         let played = context.playhead.places(order.len());
-        let key = (order.serial, filter, played.clone(), self.colouring, ui.visuals().dark_mode);
+        let key = (
+            order.serial,
+            filter,
+            played.clone(),
+            (self.colouring, selection.group_width),
+            ui.visuals().dark_mode,
+        );
         // The lines under the picture have their place before there is a ray to speak of.
         let lines = 3.0 * ui.text_style_height(&egui::TextStyle::Small) + 8.0;
         let shown = ui
@@ -103,7 +119,7 @@ impl Panel for OrderPanel {
     fn set_state(&mut self, state: serde_json::Value) -> Result<(), serde_json::Error> {
         let colouring = serde_json::from_value(state["colouring"].clone())?;
         if COLOURS.iter().all(|(known, _)| *known != colouring) {
-            return Err(serde_json::Error::custom("pixels are coloured by place, displacement or key"));
+            return Err(serde_json::Error::custom("pixels are not coloured by that"));
         }
         self.colouring = colouring;
         Ok(())
@@ -120,14 +136,16 @@ fn pixels(
     colouring: Quantity,
     theme: Theme,
 ) -> Vec<Color32> {
-    let (order, rays, value) = (&*numbers.order, numbers.rays(), colouring.value());
+    let order = &*numbers.order;
     let last = order.len().saturating_sub(1).max(1) as f32;
-    let most = if colouring == Quantity::Key { 1.0 } else { last };
-    let place_of_ray = order.place_of_ray();
-    let value = |ray: usize| {
-        let at = rays.at(place_of_ray[ray] as usize);
-        colouring.coloured(value(at), &rays) / most
+    let values = ColourBy::Quantity(colouring).values(numbers, 0..order.len());
+    let (range, map) = match colouring {
+        Quantity::Place | Quantity::Displacement => (ValueRange { low: 0.0, high: last }, ColourMap::Turbo),
+        Quantity::Key => (ValueRange { low: 0.0, high: 1.0 }, ColourMap::Turbo),
+        _ => (Values::of(values.par_iter().copied()).percentiles(2.0, 98.0), ColourMap::Magma),
     };
+    let place_of_ray = order.place_of_ray();
+    let value = |ray: usize| range.part(values[place_of_ray[ray] as usize]);
     let is_shown = |place: usize| played.contains(&place) && filtered.contains(place);
     let colours: Vec<Color32> = (0..order.len())
         .into_par_iter()
@@ -135,7 +153,7 @@ fn pixels(
             _ if !is_shown(place_of_ray[ray] as usize) => theme.left_out(),
             value if value.is_nan() => theme.nothing(),
             value => {
-                let [red, green, blue] = ColourMap::Turbo.colour(value);
+                let [red, green, blue] = map.colour(value);
                 Color32::from_rgb(red, green, blue)
             }
         })
