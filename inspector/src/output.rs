@@ -87,6 +87,18 @@ pub(crate) fn count(number: u64) -> String {
     grouped
 }
 
+/// Which of many: `1st`, `12th`, `66th`.
+pub(crate) fn ordinal(number: usize) -> String {
+    let ending = match (number % 100, number % 10) {
+        (11..=13, _) => "th",
+        (_, 1) => "st",
+        (_, 2) => "nd",
+        (_, 3) => "rd",
+        _ => "th",
+    };
+    format!("{}{ending}", count(number as u64))
+}
+
 /// A count and what is counted: `1 light`, `3 lights`.
 pub(crate) fn counted(number: u64, one: &str, many: &str) -> String {
     format!("{} {}", count(number), if number == 1 { one } else { many })

@@ -54,8 +54,8 @@ pub use queue::QueueAnalysis;
 pub use recording::RecordingAnalysis;
 pub use study::StudyAnalysis;
 pub use summary::MethodSummary;
-pub use versus::Versus;
 use summary::distinct;
+pub use versus::Versus;
 
 /// The numbers of recordings.
 #[derive(Clone, Debug, Serialize)]

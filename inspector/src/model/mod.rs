@@ -7,7 +7,7 @@
 //! - [`history`]: selections to go back to
 //! - [`groups`]: capsules, direction spread and lane utilisation of each group of an order
 //! - [`numbers`]: what the numbers of an order's rays are read from; [`colour_by`]: what colours stand for
-//! - [`key`]: a key field by field
+//! - [`key`]: a key field by field; [`jumps`]: the longest jumps of an order
 //! - [`filter`]: which rays are shown
 //! - [`rows`]: the rays that pass, sorted by any of their numbers; [`estimates`]: the length table against
 //!   the lengths that were traced
@@ -32,6 +32,7 @@ pub mod filter;
 pub mod groups;
 pub mod history;
 pub mod image_plane;
+pub mod jumps;
 pub mod key;
 pub mod numbers;
 pub mod order;

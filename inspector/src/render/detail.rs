@@ -24,6 +24,11 @@ impl Detail {
         self.first + middle as usize
     }
 
+    /// Of how many places one is shown, about.
+    pub fn step(self) -> usize {
+        (self.all as f64 / self.shown.max(1) as f64).round() as usize
+    }
+
     /// The places shown.
     pub fn places(self) -> impl ExactSizeIterator<Item = usize> {
         (0..self.shown).map(move |part| self.place(part))

@@ -186,6 +186,25 @@ pub fn curve(order: &Order, places: impl Iterator<Item = (usize, f32)>, end: Ray
     Shape::Strip(places.map(of).collect())
 }
 
+/// Jumps of an order: a line from the origin at each of these places to that at the next one.
+///
+/// # Panics
+/// If the last place of the order is one of them.
+pub fn jumps(order: &Order, places: impl Iterator<Item = (usize, f32)>) -> Shape {
+    let of = |(place, value): (usize, f32)| {
+        [place, place + 1].map(|place| vertex(order.queue.segment(order.places.ray(place)).origin, value))
+    };
+    Shape::Segments(places.map(of).collect())
+}
+
+/// The axes of capsules: a line from the centre of the origins to that of the ends.
+pub fn axes(capsules: &[CapsuleInstance]) -> Shape {
+    let end = |[x, y, z, _]: [f32; 4], value| Vertex { position: [x, y, z], value };
+    let axis =
+        |capsule: &CapsuleInstance| [end(capsule.origins, capsule.value), end(capsule.ends, capsule.value)];
+    Shape::Segments(capsules.iter().map(axis).collect())
+}
+
 /// The rays of an order: a line for each shown place with its value, from origin to end.
 pub fn rays(order: &Order, places: impl Iterator<Item = (usize, f32)>) -> Shape {
     let of = |(place, value): (usize, f32)| {

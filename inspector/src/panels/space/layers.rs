@@ -4,8 +4,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use formats::metrics::group::Group;
-use formats::metrics::quantity::Quantity;
+use formats::metrics::quantity::{OrderedRays, Quantity};
 use formats::reader::Dump;
+use glam::Vec3;
 use rayon::prelude::*;
 
 use super::options::{CapsuleChoice, SpaceOptions};
@@ -15,13 +16,15 @@ use crate::model::background::Background;
 use crate::model::colour_by::ColourBy;
 use crate::model::derived::{Filtered, Grouped};
 use crate::model::filter::{Expression, Passing};
+use crate::model::jumps;
 use crate::model::numbers::Numbers;
 use crate::model::selection::Playhead;
 use crate::model::{Absent, Context, Order};
 use crate::render::cell_box::{cell_box, cells};
 use crate::render::detail::Detail;
 use crate::render::geometry::{
-    CapsuleInstance, Geometry, RayEnd, Shape, box_edges, boxes, curve, ends, rays,
+    CapsuleInstance, Geometry, RayEnd, Shape, Vertex, axes, box_edges, boxes, curve, ends,
+    jumps as jump_lines, rays,
 };
 use crate::render::picture::{Layer, Paint, Stage};
 use crate::render::range::{ValueRange, Values};
@@ -30,9 +33,24 @@ use crate::theme::Theme;
 /// Rays of a group that are drawn bold.
 const SELECTED_WIDTH: f32 = 3.0;
 
+/// Width of jumps and of the axes of capsules, pixels.
+const JUMP_WIDTH: f32 = 2.0;
+
+/// Opacity of axes that surfaces hide.
+const HIDDEN_AXES: f32 = 0.5;
+
+/// Opacity of the curve below its jumps.
+const BELOW_JUMPS: f32 = 0.25;
+
+/// What is left of the opacity of what is not selected.
+const FADED: f32 = 0.1;
+
 /// Length of an arrow's head, and width of a mark, pixels.
 const ARROW_WIDTH: f32 = 9.0;
 const MARK_WIDTH: f32 = 8.0;
+
+/// More marks than this are drawn half as wide.
+const MANY: usize = 20_000;
 
 /// What the vertices of all rays depend on. Of the filter: whether it is known yet which rays pass.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +60,7 @@ struct Wanted {
     places: Range<usize>,
     detail: usize,
     curve: Option<RayEnd>,
+    jumps: usize,
     rays: bool,
     ends: bool,
     cells: Option<usize>,
@@ -58,16 +77,18 @@ type WantedSelected = (Grouped, [Option<usize>; 2], Option<u32>, Theme);
 struct Made {
     places: ShownPlaces,
     curve: Option<Geometry>,
+    /// The longest jumps, and after which places they are.
+    jumps: Option<(Geometry, Vec<usize>)>,
     rays: Option<Geometry>,
     ends: Option<Geometry>,
-    /// Capsules, and how many groups there are.
-    capsules: Option<(Geometry, usize)>,
+    /// Capsules, their axes, and how many groups there are.
+    capsules: Option<([Geometry; 2], usize)>,
     cells: Option<(Geometry, ValueRange)>,
     values: Values,
 }
 
 /// Bounces that colours tell apart.
-const BOUNCES_SHOWN: f32 = 8.0;
+const BOUNCES: ValueRange = ValueRange { low: 0.0, high: 8.0 };
 
 /// A number for each ray of a queue, by its canonical index: what rays may be coloured by.
 #[derive(Clone, Debug)]
@@ -109,15 +130,26 @@ pub struct Layers {
 }
 
 impl Layers {
+    /// Of how many rays one is in the last picture.
+    pub(super) fn step(&self) -> usize {
+        self.made.as_ref().map_or(1, |(_, made)| made.places.step())
+    }
+
+    /// Jumps in the last picture.
+    pub(super) fn jump_count(&self) -> Option<usize> {
+        Some(self.made.as_ref()?.1.jumps.as_ref()?.1.len())
+    }
+
     /// Rays in the last picture, and all rays of the queue.
     pub fn counts(&self) -> Option<(usize, usize)> {
         self.made.as_ref().map(|_| (self.shown, self.all))
     }
 
-    /// Capsules in the last picture, and all groups of the order; none if it shows no capsules.
-    pub(super) fn capsule_counts(&self) -> Option<(usize, usize)> {
-        let (capsules, all) = self.made.as_ref()?.1.capsules.as_ref()?;
-        Some((capsules.shape().len(), *all))
+    /// Which capsules are in the last picture, how many, and all groups of the order; none if it shows none.
+    pub(super) fn capsules_shown(&self) -> Option<(CapsuleChoice, usize, usize)> {
+        let (wanted, made) = self.made.as_ref()?;
+        let ([capsules, _], all) = made.capsules.as_ref()?;
+        Some((wanted.capsules?.0, capsules.shape().len(), *all))
     }
 
     /// The range of the numbers that cells are coloured by, and how many cells there are; none if none are shown.
@@ -161,14 +193,19 @@ impl Layers {
             places: drawn_from(options, order.len()),
             detail: options.detail,
             curve: options.curve.then_some(options.curve_end),
+            // What jumps is the origin of the next ray.
+            jumps: if options.curve && options.curve_end == RayEnd::Origin { options.jumps } else { 0 },
             rays: options.rays,
             ends: options.ends,
             cells: options.cells.then_some(options.cell_count),
             colour_by: options.colour_by,
             values: self.ray_values.as_ref().map(|values| values.id),
             capsules: options.capsules.then(|| {
-                let group = selection.group.filter(|_| options.capsule_choice == CapsuleChoice::Selected);
-                (options.capsule_choice, options.capsule_count, group)
+                let choice = options.capsule_choice;
+                let group = selection.group.filter(|_| choice == CapsuleChoice::Selected);
+                // Nothing would be shown while no group is selected.
+                let is_none = choice == CapsuleChoice::Selected && group.is_none();
+                (if is_none { CapsuleChoice::Spread } else { choice }, options.capsule_count, group)
             }),
         };
         let Some(numbers) = context.numbers(order.clone()) else { return Vec::new() };
@@ -204,42 +241,67 @@ impl Layers {
     }
 
     fn layers(&mut self, options: &SpaceOptions, order: &Order) -> Vec<Layer> {
-        let (Some((_, made)), Some((_, selected))) = (&self.made, &self.selected) else { return Vec::new() };
-        let range = match (options.range, &self.ray_values, options.colour_by) {
+        let (Some((wanted, made)), Some((key, selected))) = (&self.made, &self.selected) else {
+            return Vec::new();
+        };
+        let range = self.range_of(options, made, order);
+        self.range = Some(range);
+        let places = scrubbed(options, order.len());
+        let part = made.places.between(&places);
+        (self.shown, self.all) = (part.len(), order.len());
+        // What is selected is to be found among the rest.
+        let is_selected = key.1.iter().any(Option::is_some) || key.2.is_some();
+        let rest = if is_selected { FADED } else { 1.0 };
+        let lines = |geometry: &Geometry, stage, part: Range<usize>, opacity: f32, width| Layer {
+            part: Some(part.start as u32..part.end as u32),
+            hidden_opacity: options.hidden_opacity,
+            width,
+            ..Layer::of(geometry, stage, Paint::Values(options.map, range), rest * opacity)
+        };
+        // So many that surfaces look painted.
+        let mark = if part.len() > MANY { 0.5 * MARK_WIDTH } else { MARK_WIDTH };
+        let (thin, arrow) = (options.line_width, ARROW_WIDTH.max(5.0 * options.line_width));
+        // A line of the curve goes to the next point, so the last point has none.
+        let but_last = part.start..part.end.saturating_sub(1).max(part.start);
+        let strength = if made.jumps.is_some() { BELOW_JUMPS } else { 0.9 };
+        let curve =
+            made.curve.iter().map(|curve| lines(curve, Stage::Lines, but_last.clone(), strength, thin));
+        let jumps = made.jumps.iter().map(|(jumps, after)| {
+            let [start, end] = [places.start, places.end].map(|end| after.partition_point(|&at| at < end));
+            // In front of surfaces, too, or they would look like many short ones.
+            let jumps = lines(jumps, Stage::Lines, start..end, 1.0, JUMP_WIDTH.max(thin));
+            Layer { hidden_opacity: 1.0, ..jumps }
+        });
+        let rays = made.rays.iter().map(|rays| lines(rays, Stage::Lines, part.clone(), 0.7, thin));
+        let heads = made.rays.iter().filter(|_| options.arrows);
+        let heads = heads.map(|rays| lines(rays, Stage::Arrows, part.clone(), 1.0, arrow));
+        let ends = made.ends.iter().map(|ends| lines(ends, Stage::Marks, part.clone(), 1.0, mark));
+        let translucent = |geometry, stage, range, rest| {
+            Layer::of(geometry, stage, Paint::Values(options.map, range), rest * options.capsule_opacity)
+        };
+        let cells = made.cells.iter().map(|(cells, range)| translucent(cells, Stage::Boxes, *range, rest));
+        let of_selected = wanted.capsules.is_some_and(|(choice, ..)| choice == CapsuleChoice::Selected);
+        let of_rest = if of_selected { 1.0 } else { rest };
+        let capsules = made.capsules.iter().flat_map(|([capsules, axes], _)| {
+            let axes = translucent(axes, Stage::Lines, AREAS, 1.0);
+            let axes = Layer { width: JUMP_WIDTH, opacity: of_rest, hidden_opacity: HIDDEN_AXES, ..axes };
+            [translucent(capsules, Stage::Capsules, AREAS, of_rest), axes]
+        });
+        let lines = curve.chain(jumps).chain(rays).chain(heads).chain(ends);
+        lines.chain(cells).chain(capsules).chain(selected.iter().cloned()).collect()
+    }
+
+    /// What the ends of the colours of rays stand for.
+    fn range_of(&self, options: &SpaceOptions, made: &Made, order: &Order) -> ValueRange {
+        match (options.range, &self.ray_values, options.colour_by) {
             (None, Some(RayValues { range: Some(range), .. }), _) => *range,
-            (_, None, ColourBy::Quantity(Quantity::Bounce)) => ValueRange { low: 0.0, high: BOUNCES_SHOWN },
+            (_, None, ColourBy::Quantity(Quantity::Bounce)) => BOUNCES,
             (_, None, ColourBy::Quantity(Quantity::Place)) => {
                 ValueRange { low: 0.0, high: order.len().saturating_sub(1).max(1) as f32 }
             }
             (Some((low, high)), ..) => ValueRange { low, high },
             _ => made.values.percentiles(options.percentiles.0, options.percentiles.1),
-        };
-        self.range = Some(range);
-        let part = made.places.between(&scrubbed(options, order.len()));
-        (self.shown, self.all) = (part.len(), order.len());
-        let (start, end) = (part.start as u32, part.end as u32);
-        let lines = |geometry: &Geometry, stage, end, opacity, width| Layer {
-            part: Some(start..end),
-            hidden_opacity: options.hidden_opacity,
-            width,
-            ..Layer::of(geometry, stage, Paint::Values(options.map, range), opacity)
-        };
-        let (thin, arrow) = (options.line_width, ARROW_WIDTH.max(5.0 * options.line_width));
-        // A line of the curve goes to the next point, so the last point has none.
-        let last = end.saturating_sub(1).max(start);
-        let curve = made.curve.iter().map(|curve| lines(curve, Stage::Lines, last, 0.9, thin));
-        let rays = made.rays.iter().map(|rays| lines(rays, Stage::Lines, end, 0.7, thin));
-        let heads = made.rays.iter().filter(|_| options.arrows);
-        let heads = heads.map(|rays| lines(rays, Stage::Arrows, end, 1.0, arrow));
-        let ends = made.ends.iter().map(|ends| lines(ends, Stage::Marks, end, 1.0, MARK_WIDTH));
-        let translucent = |geometry, stage, range| {
-            Layer::of(geometry, stage, Paint::Values(options.map, range), options.capsule_opacity)
-        };
-        let cells = made.cells.iter().map(|(cells, range)| translucent(cells, Stage::Boxes, *range));
-        let capsules =
-            made.capsules.iter().map(|(capsules, _)| translucent(capsules, Stage::Capsules, AREAS));
-        let lines = curve.chain(rays).chain(heads).chain(ends);
-        lines.chain(cells).chain(capsules).chain(selected.iter().cloned()).collect()
+        }
     }
 }
 
@@ -263,25 +325,48 @@ impl Made {
         dump: &Dump,
     ) -> Self {
         let (order, width) = (&*numbers.order, key.order.1);
-        let shown = ShownPlaces::of(&key.places, key.detail, passing);
-        let values = match &values {
-            Some(values) => {
-                let value = |place| values.of_ray.get(order.places.ray(place)).copied().unwrap_or(f32::NAN);
-                shown.places().map(value).collect()
-            }
-            None => key.colour_by.values(numbers, shown.places()),
+        let jumps = match key.jumps {
+            0 => None,
+            wanted => Some(jumps::longest(numbers, &key.places, passing.as_deref(), wanted)),
         };
-        let places = || shown.places().zip(values.iter().copied());
+        let shown = ShownPlaces::of(&key.places, key.detail, passing);
+        let of = |places: &mut dyn Iterator<Item = usize>| -> Vec<f32> {
+            let Some(values) = &values else { return key.colour_by.values(numbers, places) };
+            let value = |place| values.of_ray.get(order.places.ray(place)).copied().unwrap_or(f32::NAN);
+            places.map(value).collect()
+        };
+        let all = of(&mut shown.places());
+        let places = || shown.places().zip(all.iter().copied());
+        let is_of_jumps = key.colour_by == ColourBy::Quantity(Quantity::Jump) && values.is_none();
+        let jumps = jumps.map(|after| {
+            let values = of(&mut after.iter().copied());
+            (jump_lines(order, after.iter().copied().zip(values)).into(), after)
+        });
+        let strip = |end| match curve(order, places(), end) {
+            // A line between rays that are not neighbours is another one than the first one's jump.
+            Shape::Strip(points) if is_of_jumps => Shape::Strip(by_length(points, &numbers.rays())),
+            strip => strip,
+        };
         Self {
-            curve: key.curve.map(|end| curve(order, places(), end).into()),
+            curve: key.curve.map(|end| strip(end).into()),
+            jumps,
             rays: key.rays.then(|| rays(order, places()).into()),
             ends: key.ends.then(|| ends(order, places()).into()),
             capsules: key.capsules.map(|(choice, most, group)| capsules(order, width, choice, most, group)),
             cells: key.cells.map(|most| cells(&dump.manifest().header.options, &order.queue, most)),
-            values: Values::of(values.into_par_iter()),
+            values: Values::of(all.into_par_iter()),
             places: shown,
         }
     }
+}
+
+/// The points of a strip, each with the length of the line that starts there.
+fn by_length(mut points: Vec<Vertex>, rays: &OrderedRays<'_>) -> Vec<Vertex> {
+    for at in 0..points.len().saturating_sub(1) {
+        let [here, next] = [at, at + 1].map(|at| Vec3::from(points[at].position));
+        points[at].value = Quantity::Jump.coloured(f64::from(here.distance(next)), rays);
+    }
+    points
 }
 
 /// Capsules as the analysis computes them, coloured by the logarithm of their area over all groups; and how many
@@ -292,7 +377,7 @@ fn capsules(
     choice: CapsuleChoice,
     most: usize,
     group: Option<usize>,
-) -> (Geometry, usize) {
+) -> ([Geometry; 2], usize) {
     let groups = order.groups(width);
     let chosen: Vec<usize> = match choice {
         CapsuleChoice::Selected => group.into_iter().collect(),
@@ -302,7 +387,9 @@ fn capsules(
     let found = chosen.into_iter().filter_map(|at| groups.groups.get(at));
     let value = |area: f64| area.max(1e-12).log10() as f32;
     let capsule = |group: &Group| CapsuleInstance::of(&group.capsule, value(group.area));
-    (Shape::Capsules(found.map(capsule).collect()).into(), groups.groups.len())
+    let capsules: Vec<CapsuleInstance> = found.map(capsule).collect();
+    let axes = axes(&capsules).into();
+    ([Shape::Capsules(capsules).into(), axes], groups.groups.len())
 }
 
 /// The layers of what is selected: the capsule of a group, the box of a cell, the rays of the group, and bold lines

@@ -98,6 +98,8 @@ pub struct SpaceOptions {
     pub curve: bool,
     /// Through which ends of the rays it goes.
     pub curve_end: RayEnd,
+    /// How many of the order's longest jumps are drawn over the curve.
+    pub jumps: usize,
     /// The rays.
     pub rays: bool,
     /// Where rays end: a disc at a surface, a ring where nothing was hit, a cross at an occluder.
@@ -163,6 +165,7 @@ impl Default for SpaceOptions {
             clip_keeps: Side::default(),
             curve: true,
             curve_end: RayEnd::default(),
+            jumps: 200,
             rays: false,
             ends: false,
             arrows: false,

@@ -25,6 +25,11 @@ impl ShownPlaces {
         self.detail.places().map(place)
     }
 
+    /// Of how many that pass one is shown.
+    pub(super) fn step(&self) -> usize {
+        self.detail.step()
+    }
+
     /// Which of them lie in a range, counted from the first one.
     pub(super) fn between(&self, places: &Range<usize>) -> Range<usize> {
         match &self.passing {

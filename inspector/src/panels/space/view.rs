@@ -11,7 +11,7 @@ use super::options::{MeshMode, Side, SpaceOptions, StandPoint};
 use crate::colour_map::ColourMap;
 use crate::model::colour_by::ColourBy;
 use crate::model::{Absent, Context, Recording};
-use crate::output::count;
+use crate::output::{count, ordinal};
 use crate::panels::data::Data;
 use crate::render::camera::Camera;
 use crate::render::gpu::errors::Refusal;
@@ -176,16 +176,22 @@ impl SpaceView {
 
     /// What is shown of what there is, in words.
     pub(super) fn showing(&self) -> String {
-        let of = |(shown, all): (usize, usize), what| {
-            format!("{} of {} {what}", count(shown as u64), count(all as u64))
-        };
-        let rays =
-            self.layers.counts().filter(|_| self.options.shows_rays()).map(|counts| of(counts, "rays"));
-        let capsules = self.layers.capsule_counts().map(|counts| of(counts, "capsules"));
+        let rays = self.layers.counts().filter(|_| self.options.shows_rays());
+        let rays = rays.map(|(shown, all)| match self.layers.step() {
+            0 | 1 => format!("{} of {} rays", count(shown as u64), count(all as u64)),
+            step => format!("every {} of {} rays", ordinal(step), count(all as u64)),
+        });
+        let jumps =
+            self.layers.jump_count().map(|jumps| format!("the {} longest jumps", count(jumps as u64)));
+        let capsules = self.layers.capsules_shown().map(|(choice, shown, all)| {
+            let is_instead = choice != self.options.capsule_choice;
+            let why = if is_instead { ", spread over the order as no group is selected" } else { "" };
+            format!("{} of {} capsules{why}", count(shown as u64), count(all as u64))
+        });
         let cells = self.layers.cells().map(|(_, shown)| format!("{} cells", count(shown as u64)));
         let passing = self.layers.passing.filter(|_| rays.is_some());
         let passing = passing.map(|rays| format!("{} pass the filter", count(rays as u64)));
-        let parts: Vec<String> = rays.into_iter().chain(passing).chain(capsules).chain(cells).collect();
+        let parts: Vec<String> = [rays, passing, jumps, capsules, cells].into_iter().flatten().collect();
         if parts.is_empty() {
             "showing the scene alone".to_owned()
         } else {
