@@ -3,7 +3,7 @@
 use crate::metrics::capsule::{Capsule, Segment};
 use crate::metrics::lanes::{LaneUse, work_of};
 use crate::metrics::spread::direction_spread;
-use crate::ray::Work;
+use crate::ray::{Ray, Work};
 use crate::traced::Traced;
 
 /// One group: its capsule, direction spread and lane utilisation.
@@ -33,11 +33,13 @@ impl Group {
         work: Option<&[Work]>,
         indices: impl Iterator<Item = usize> + Clone,
     ) -> Option<Self> {
-        let rays = traced.rays();
-        let segment = |ray: usize| Segment::of(traced.unit(), &rays[ray], lengths[ray]);
-        let segments: Vec<Segment> = indices.clone().map(segment).collect();
+        // Fetched before anything is computed, so that the processor waits for many of them at once.
+        let rays: Vec<Ray> = indices.clone().map(|ray| traced.rays()[ray]).collect();
+        let lengths: Vec<f32> = indices.clone().map(|ray| lengths[ray]).collect();
+        let segment = |(ray, &length)| Segment::of(traced.unit(), ray, length);
+        let segments: Vec<Segment> = rays.iter().zip(&lengths).map(segment).collect();
         let capsule = Capsule::around(&segments)?;
-        let spread = direction_spread(indices.clone().map(|ray| rays[ray].direction))?;
+        let spread = direction_spread(rays.iter().map(|ray| ray.direction))?;
         let lanes = work.and_then(|work| {
             let mut lanes = LaneUse::new(segments.len());
             lanes.add(&indices.map(|ray| work_of(&work[ray])).collect::<Vec<_>>());

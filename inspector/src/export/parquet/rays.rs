@@ -6,7 +6,7 @@ use formats::key::Termination;
 use formats::key::termination::bounded_length;
 use formats::manifest::MethodRecord;
 use formats::metrics::group::Group;
-use formats::ray::Hit;
+use formats::ray::Work;
 use formats::traced::Results;
 
 use super::table::Values::{Few, Near, Runs};
@@ -51,6 +51,30 @@ pub(super) struct OrderedRays<'a> {
     pub(super) group_width: usize,
 }
 
+/// What a queue's arrays have of a ray beside itself.
+struct Found {
+    path: u32,
+    t: Option<f32>,
+    triangle: Option<u32>,
+    work: Option<Work>,
+}
+
+/// What the arrays have of some rays. They lie anywhere: asked for one after the other, with nothing in between, the
+/// processor waits for many of them at once.
+fn found(queue: &Queue, indices: &[usize]) -> Vec<Found> {
+    let of = |&index: &usize| {
+        let (t, triangle) = match queue.traced.results() {
+            Results::Hits(hits) => {
+                hits[index].is_hit().then_some((hits[index].t, hits[index].triangle)).unzip()
+            }
+            Results::Distances(distances) => (Some(distances[index]), None),
+        };
+        let work = queue.work.as_ref().ok().map(|work| work[index]);
+        Found { path: queue.path_ids[index], t, triangle, work }
+    };
+    indices.iter().map(of).collect()
+}
+
 impl OrderedRays<'_> {
     /// Writes all rows into a file; gives their number.
     ///
@@ -61,27 +85,26 @@ impl OrderedRays<'_> {
         let (order, queue) = (self.order, &*self.order.queue);
         for first in (0..order.len()).step_by(self.group_width) {
             let places = first..(first + self.group_width).min(order.len());
-            let indices = places.clone().map(|place| order.places.ray(place));
-            let group = Group::of(&queue.traced, &queue.lengths, None, indices);
-            for place in places {
-                table.push(self.row(queue, place, group.as_ref()))?;
+            let indices: Vec<usize> = places.clone().map(|place| order.places.ray(place)).collect();
+            let group = Group::of(&queue.traced, &queue.lengths, None, indices.iter().copied());
+            let found = found(queue, &indices);
+            for ((place, index), found) in places.zip(indices).zip(found) {
+                table.push(self.row(queue, place, index, &found, group.as_ref()))?;
             }
         }
         table.finish()
     }
 
-    fn row(&self, queue: &Queue, place: usize, group: Option<&Group>) -> RayRow<'_> {
-        let index = self.order.places.ray(place);
+    fn row(
+        &self,
+        queue: &Queue,
+        place: usize,
+        index: usize,
+        &Found { path, t, triangle, work }: &Found,
+        group: Option<&Group>,
+    ) -> RayRow<'_> {
         let ray = &queue.traced.rays()[index];
-        let (t, triangle) = match queue.traced.results() {
-            Results::Hits(hits) => {
-                let Hit { t, triangle, .. } = hits[index];
-                hits[index].is_hit().then_some((t, triangle)).unzip()
-            }
-            Results::Distances(distances) => (Some(distances[index]), None),
-        };
         let material = triangle.and_then(|triangle| queue.materials.as_ref().ok()?.get(triangle as usize));
-        let work = queue.work.as_ref().ok().map(|work| work[index]);
         let finite = |number: f64| Some(number).filter(|number| number.is_finite());
         RayRow {
             recording: self.recording,
@@ -89,7 +112,7 @@ impl OrderedRays<'_> {
             place: place as u32,
             group: (place / self.group_width) as u32,
             ray: index as u32,
-            path: queue.path_ids[index],
+            path,
             key: self.order.keys.as_ref().ok().map(|(keys, _)| keys.at(index)),
             origin: ray.origin,
             direction: ray.direction,
