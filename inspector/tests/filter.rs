@@ -389,7 +389,7 @@ fn a_filter_links_table_and_space() {
     let label = format!("{} of {} rays by two-point", expected.len(), numbers.order.len());
     assert!(harness.query_by_label(&label).is_some(), "{label} is not shown");
     let context = &mut harness.state_mut().context;
-    let options = SpaceOptions { rays: true, ends: true, ..SpaceOptions::default() };
+    let options = SpaceOptions { rays: true, jumps: 0, ends: true, ..SpaceOptions::default() };
     let mut layers = Layers::default();
     let drawn = shown_by(&mut layers, context, &options);
     let origins: Vec<[f32; 3]> = expected
