@@ -94,6 +94,17 @@ impl Traced {
         (0..self.rays.len()).into_par_iter().map(|ray| self.length(ray)).collect()
     }
 
+    /// Whether a ray ended at a surface.
+    ///
+    /// # Panics
+    /// If there is no such ray.
+    pub fn is_at_surface(&self, ray: usize) -> bool {
+        match &self.results {
+            Results::Hits(hits) => hits[ray].is_hit(),
+            Results::Distances(distances) => distances[ray].is_finite(),
+        }
+    }
+
     /// Traced length of a ray in unit lengths.
     ///
     /// # Panics

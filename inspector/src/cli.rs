@@ -23,7 +23,7 @@ const EXAMPLES: &str = "\
 Examples:
   inspector sponza.raydump                  look at it in the window
   inspector --session view.json             as it was saved by File > Save session
-  inspector shot sponza.raydump --view curve --method two-point --out curve.png
+  inspector shot sponza.raydump --view order --method two-point --out order.png
   inspector info sponza.raydump             what was recorded, on which machine, with which times
   inspector info sponza.raydump --json      the same as one JSON object
   inspector info sponza.raydump --metrics   how coherent the rays of each order are
@@ -82,12 +82,12 @@ view shows was not kept or is damaged, the picture says so and is written, and t
 
 Examples:
   inspector shot sponza.raydump --view window --out window.png
-  inspector shot sponza.raydump --view curve --bounce 2 --method two-point --out curve.png
+  inspector shot sponza.raydump --view order --bounce 2 --method two-point --out order.png
   inspector shot sponza.raydump --view capsules --method costa --set mesh=ghost --out capsules.png
   inspector shot sponza.raydump --view window --size 2560x1440 --scale 2 --theme light --out window.png
-  inspector shot --session view.json --view curve --out view.png         as it was saved in the window
+  inspector shot --session view.json --view order --out view.png         as it was saved in the window
   inspector shot other.raydump --session view.json --out other.png       the same of another recording
-  inspector shot sponza.raydump --view curve --set mesh=wire --set clip_at=0.5 --camera \"0.5 0.2 0.3 1.2 -0.3 0.8\" --out c.png
+  inspector shot sponza.raydump --view order --set mesh=wire --set clip_at=0.5 --camera \"0.5 0.2 0.3 1.2 -0.3 0.8\" --out c.png
   inspector shot sponza.raydump --view rays --set colour_by=length --set detail=5000 --out rays.png
   inspector shot sponza.raydump --view capsules --set group_width=32 --set group=7 --set capsule_choice=selected --out g.png
   inspector shot sponza.raydump --view rays --json --out rays.png        frame times, draws, memory

@@ -242,11 +242,11 @@ fn a_session_of_before_has_its_two_orders() {
     });
     session["panels"]["compare"] = compare;
     let scene = session["panels"]["scene"].as_object_mut().unwrap();
-    for added in ["side_by_side", "difference", "table"] {
+    for added in ["side_by_side", "difference", "table", "properties"] {
         scene.remove(added).unwrap();
     }
     let layout = session["layout"].to_string();
-    let layout = layout.replace(r#""methods""#, r#""navigator""#);
+    let layout = layout.replace(r#""methods""#, r#""navigator""#).replace(r#""pixels""#, r#""order""#);
     session["layout"] = serde_json::from_str(&layout).unwrap();
     let file = folder.path().join("before.json");
     std::fs::write(&file, session.to_string()).unwrap();

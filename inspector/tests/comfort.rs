@@ -94,9 +94,27 @@ fn a_session_is_shown_as_it_was_saved() {
     assert_eq!(text(&again), text(&saved));
     let scene = &again.panels["scene"];
     assert_eq!((&scene["options"]["capsules"], scene["camera"].is_string()), (&true.into(), true));
-    assert_eq!(again.panels["order"]["colouring"], "displacement");
+    assert_eq!(again.panels["pixels"]["colouring"], "displacement");
     assert_eq!(text(&again)["theme"], "light");
     assert!(other.render().unwrap() == picture, "the restored window is another picture");
+}
+
+/// Panels have other names since version 4.
+#[test]
+fn panels_of_a_session_of_before_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = on(&[sample::write(folder.path())]);
+    harness.get_by_label("displacement").click();
+    settle(&mut harness);
+    let context = harness.ctx.clone();
+    let saved = serde_json::to_value(harness.state().session(&context)).unwrap();
+    let before =
+        saved.to_string().replace(r#""pixels""#, r#""order""#).replace(r#""length-table""#, r#""table""#);
+    let before = before.replace(r#""version":4"#, r#""version":3"#);
+    assert!(before.contains(r#""order":{"colouring""#) && before.contains(r#""version":3"#), "{before}");
+    let file = folder.path().join("before.json");
+    std::fs::write(&file, before).unwrap();
+    assert_eq!(serde_json::to_value(Session::read(&file).unwrap()).unwrap(), saved);
 }
 
 #[test]
@@ -297,7 +315,7 @@ fn the_command_that_is_shown_draws_what_is_seen() {
         std::fs::read(out).unwrap()
     };
     for (panel, view) in
-        [("rays", "rays-table"), ("order", "order"), ("window", "window"), ("scene", "curve")]
+        [("rays", "rays-table"), ("pixels", "pixels"), ("window", "window"), ("scene", "order")]
     {
         let command = command(panel, &harness);
         let parts = [format!("--view {view} "), format!("--session {} ", file.display())];
@@ -309,8 +327,7 @@ fn the_command_that_is_shown_draws_what_is_seen() {
     // The same by options, without the session.
     let dump = folder.path().join("sample.raydump");
     let by_options = format!(
-        "inspector shot {} --view curve --bounce 1 --method aila --ray 7 --camera '{camera}' --set capsules=true \
-         --set capsule_choice=selected --out scene.png",
+        "inspector shot {} --view capsules --bounce 1 --method aila --ray 7 --camera '{camera}' --out scene.png",
         dump.display()
     );
     let seen = command("scene", &harness);
@@ -318,7 +335,7 @@ fn the_command_that_is_shown_draws_what_is_seen() {
     let seen = draw(&seen, "scene");
     assert!(seen == draw(&format!("{by_options} --size {size}"), "scene"), "another picture by {by_options}");
     let window = draw(&command("window", &harness), "window");
-    let usual = by_options.replace("--view curve", "--view window");
+    let usual = by_options.replace("--view capsules", "--view window");
     let at_first = draw(&usual.replace("scene.png", "window.png --size 1280x720"), "window");
     assert!(window != at_first, "the panel that was brought forward is not seen");
 }

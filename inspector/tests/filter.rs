@@ -412,7 +412,7 @@ fn a_filter_links_table_and_space() {
 #[test]
 fn a_filter_greys_the_other_pixels() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("order", opened(folder.path(), QUEUE, "two-point"));
+    let mut harness = panel("pixels", opened(folder.path(), QUEUE, "two-point"));
     let mut grey = |text: &str| -> Vec<u32> {
         harness.state_mut().context.selection.filter.set(text);
         settle(&mut harness);

@@ -270,14 +270,14 @@ fn a_picture_that_lacks_what_is_damaged_is_a_failure() {
         let arguments = ["shot", dump.to_str().unwrap(), "--view", view, "--size", "960x640", "--out"];
         inspector(&arguments).arg(&out).output().unwrap()
     };
-    assert!(shot("order").status.success());
+    assert!(shot("pixels").status.success());
     let cut = |name: &str| {
         let file = dump.join(name);
         let bytes = fs::read(&file).unwrap();
         fs::write(file, &bytes[..bytes.len() - 1]).unwrap();
     };
     cut("scene/positions.npy");
-    for (view, expected) in [("order", Some(0)), ("rays", Some(1)), ("window", Some(1))] {
+    for (view, expected) in [("pixels", Some(0)), ("rays", Some(1)), ("window", Some(1))] {
         fs::remove_file(&out).unwrap();
         let output = shot(view);
         assert_eq!(output.status.code(), expected, "{view}: {}", text(&output.stderr));
@@ -285,7 +285,7 @@ fn a_picture_that_lacks_what_is_damaged_is_a_failure() {
         assert_eq!(text(&output.stderr).contains("positions.npy"), expected == Some(1), "{view}");
     }
     cut("pass-001/bounce-01/closest/rays.npy");
-    for view in ["order", "rays", "table", "coherence", "rays-table"] {
+    for view in ["pixels", "rays", "length-table", "coherence", "rays-table"] {
         let output = shot(view);
         assert_eq!(output.status.code(), Some(1), "{view}");
         assert!(text(&output.stderr).contains("rays.npy"), "{view}: {}", text(&output.stderr));

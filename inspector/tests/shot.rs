@@ -24,13 +24,14 @@ fn every_view_is_a_picture_and_the_same_each_time() {
     let dump = sample::write(folder.path());
     for view in [
         "window",
-        "curve",
-        "rays",
-        "capsules",
-        "compare",
-        "cell",
-        "table",
         "order",
+        "capsules",
+        "cost",
+        "table",
+        "paths",
+        "rays",
+        "length-table",
+        "pixels",
         "methods",
         "coherence",
         "what-if",
@@ -54,7 +55,7 @@ fn every_view_is_a_picture_and_the_same_each_time() {
     }
 }
 
-/// A layout that was recorded gives the curve that was recorded.
+/// A layout that was recorded gives the rays in the order that was recorded.
 #[test]
 fn an_order_that_is_made_is_drawn_like_a_recorded_one() {
     let folder = tempfile::tempdir().unwrap();
@@ -63,7 +64,7 @@ fn an_order_that_is_made_is_drawn_like_a_recorded_one() {
         let file = folder.path().join("x.png");
         let out = file.to_str().unwrap();
         let arguments =
-            ["shot", "--view", "curve", option, value, "--ray", "3", "--size", "640x400", "--out", out];
+            ["shot", "--view", "rays", option, value, "--ray", "3", "--size", "640x400", "--out", out];
         let output = inspector(&arguments, &dump).output().unwrap();
         assert!(output.status.success(), "{option} {value}: {}", text(&output));
         std::fs::read(file).unwrap()
@@ -137,7 +138,7 @@ fn what_is_drawn_is_set_and_counted() {
         (["--set", "colour_by=key:no"], 1, "ox, oy"),
         (["--recording", "7"], 1, "no recording 7"),
     ] {
-        let view = ["shot", "--view", "compare", "--out", out.to_str().unwrap()];
+        let view = ["shot", "--view", "order", "--out", out.to_str().unwrap()];
         let output = inspector(&[&view[..], &more].concat(), &dump).output().unwrap();
         assert_eq!(output.status.code(), Some(code), "{more:?}");
         assert!(text(&output).contains(expected), "{more:?}: {}", text(&output));
@@ -149,17 +150,18 @@ fn what_is_drawn_is_set_and_counted() {
 fn views_share_the_surfaces() {
     let folder = tempfile::tempdir().unwrap();
     let dump = sample::write(folder.path());
-    let uploaded = |view: &str| {
+    let uploaded = |more: &[&str]| {
         let out = folder.path().join("x.png");
         let arguments =
-            ["shot", "--json", "--view", view, "--set", "mesh=ghost", "--size", "640x400", "--out"];
-        let output = inspector(&arguments, &dump).arg(out).output().unwrap();
-        assert!(output.status.success(), "{view}: {}", text(&output));
+            ["shot", "--json", "--view", "order", "--set", "mesh=ghost", "--size", "640x400", "--out"];
+        let output = inspector(&arguments, &dump).arg(out).args(more).output().unwrap();
+        assert!(output.status.success(), "{more:?}: {}", text(&output));
         let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         report["draws"]["uploaded_bytes"].as_u64().unwrap()
     };
     let mesh = 12 * (sample::positions().len() + sample::TRIANGLES.len()) as u64;
-    assert_eq!(2 * uploaded("curve") - uploaded("compare"), mesh);
+    let of_a_and_b = |both: &str| uploaded(&["--set", both]);
+    assert_eq!(2 * of_a_and_b("side_by_side=false") - of_a_and_b("side_by_side=true"), mesh);
 }
 
 /// What panels show besides the selection is set by name.
@@ -177,18 +179,18 @@ fn settings_of_panels_change_their_pictures() {
         std::fs::read(&out).unwrap()
     };
     for (view, settings) in [
-        ("table", &["view=count"][..]),
-        ("table", &["view=histograms"]),
+        ("length-table", &["view=count"][..]),
+        ("length-table", &["view=histograms"]),
         ("rays-table", &["sorted_by=length"]),
         ("rays-table", &["sorted_by=length", "descending=true"]),
         ("rays-table", &[r#"columns=["ray","area"]"#]),
-        ("order", &["colouring=key"]),
+        ("pixels", &["colouring=key"]),
     ] {
         let (last, before) = settings.split_last().unwrap();
         assert!(draw(view, settings) != draw(view, before), "{last} changes nothing of {view}");
     }
     for (view, setting, expected) in [
-        ("table", "view=counts", "`mean`, `count`, `fill`, `histograms`, `estimates`"),
+        ("length-table", "view=counts", "`mean`, `count`, `fill`, `histograms`, `estimates`"),
         ("rays-table", "columns=[]", "at least one column"),
         ("rays-table", "sorted_by=lenght", "`length`"),
     ] {
@@ -220,7 +222,7 @@ fn a_session_is_drawn_with_changes_and_of_another_recording() {
     let out = folder.path().join("x.png");
     let draw = |dump: Option<&Path>, more: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_inspector"));
-        command.arg("shot").args(dump).args(["--view", "curve", "--size", "320x240", "--out"]).arg(&out);
+        command.arg("shot").args(dump).args(["--view", "order", "--size", "320x240", "--out"]).arg(&out);
         let output = command.args(more).output().unwrap();
         assert!(output.status.success(), "{more:?}: {}", text(&output));
         std::fs::read(&out).unwrap()
@@ -230,8 +232,7 @@ fn a_session_is_drawn_with_changes_and_of_another_recording() {
     let by_options =
         ["--bounce", "1", "--method", "aila", "--ray", "3", "--theme", "light", "--set", "rays=true"];
     // What is estimated over what was traced has another name since.
-    let by_options =
-        [&by_options[..], &["--set", "capsule_choice=selected", "--set", "colour_by=ratio"]].concat();
+    let by_options = [&by_options[..], &["--set", "side_by_side=false", "--set", "colour_by=ratio"]].concat();
     assert!(draw(Some(&dump), &by_options) == drawn, "the session shows something else");
     assert!(draw(Some(&other), &session) == drawn, "the other recording has the same rays");
     assert!(draw(None, &[&session[..], &["--method", "mine"]].concat()) != drawn);

@@ -1,7 +1,14 @@
-//! What pictures of the scene show: the longest jumps of an order, capsules, and what is selected among the rest.
+//! What pictures of the scene show: the longest jumps of an order, capsules, paths, and what is selected among the
+//! rest; the pictures that answer a question, and pictures without buttons.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+use egui_kittest::kittest::Queryable;
+use formats::manifest::{MethodArray, Place, QueueArray, QueueId};
+use formats::metrics::capsule::Segment;
+use formats::ray::Kind;
+use formats::reader::{Dump, Loaded};
+use formats::traced::{Results, Traced};
 use inspector::model::Context;
 use inspector::model::colour_by::ColourBy;
 use inspector::panels::space::options::{CapsuleChoice, SpaceOptions};
@@ -12,7 +19,7 @@ mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
 
-use headless::layers;
+use headless::{layers, panel, settle};
 
 fn opened(folder: &std::path::Path) -> Context {
     let mut context = Context::open(&[sample::write(folder)]);
@@ -97,4 +104,132 @@ fn what_is_not_selected_fades_to_a_tenth() {
     let alone = opacity(&mut context);
     context.select_ray(Some(3));
     assert!((opacity(&mut context) - 0.1 * alone).abs() < 1e-6);
+}
+
+/// Against the arrays of each queue, read one after the other and sought through.
+#[test]
+fn a_path_is_its_rays_in_all_bounces() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let dump = Dump::open(context.recording().unwrap().dump.root()).unwrap();
+    let order = context.awaited_order().unwrap();
+    let pass = context.selection.queue.pass;
+    let mut lengths = Vec::new();
+    for &pixel in [order.queue.path_ids[0], order.queue.path_ids[order.len() - 1]].iter() {
+        let mut expected = Vec::new();
+        for bounce in 0.. {
+            if !dump.manifest().queues.iter().any(|queue| (queue.id.pass, queue.id.bounce) == (pass, bounce))
+            {
+                break;
+            }
+            for kind in [Kind::Closest, Kind::Shadow] {
+                let queue = QueueId { pass, bounce, kind };
+                let paths: Loaded<u32> = dump.array(&Place::Queue(queue, QueueArray::PathIds)).unwrap();
+                let Some(ray) = paths.iter().position(|&path| path == pixel) else { continue };
+                let traced = Traced::open(&dump, queue).unwrap();
+                let is_at_surface = match traced.results() {
+                    Results::Hits(hits) => hits[ray].t.is_finite(),
+                    Results::Distances(distances) => distances[ray].is_finite(),
+                };
+                let permutation = Place::Method(queue, "aila".to_owned(), MethodArray::Permutation);
+                let permutation: Loaded<u32> = dump.array(&permutation).unwrap();
+                let place = permutation.iter().position(|&index| index as usize == ray);
+                let length = traced.length(ray);
+                let segment = Segment::of(traced.unit(), &traced.rays()[ray], length);
+                expected.push((queue, ray, segment, length, is_at_surface, [Some(ray), place]));
+            }
+        }
+        context.path(pixel);
+        context.finish();
+        let found = context.path(pixel).unwrap();
+        let found: Vec<_> = found
+            .iter()
+            .map(|ray| (ray.queue, ray.ray, ray.segment, ray.length, ray.is_at_surface, ray.places))
+            .collect();
+        assert_eq!(found, expected, "path {pixel}");
+        lengths.push(found.len());
+    }
+    assert!(lengths.iter().any(|&rays| rays > 2), "no path has several bounces: {lengths:?}");
+}
+
+#[test]
+fn the_path_of_the_selected_ray_is_drawn_by_bounce() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    context.select_ray(Some(3));
+    let pixel = context.awaited_order().unwrap().queue.path_ids[3];
+    let drawn = layers(&mut context, &SpaceOptions { path: true, ..nothing() });
+    let path = context.path(pixel).unwrap();
+    for kind in [Kind::Closest, Kind::Shadow] {
+        let of_kind = || path.iter().filter(|ray| ray.queue.kind == kind);
+        let bounces: Vec<f32> = of_kind().map(|ray| ray.queue.bounce as f32).collect();
+        let is_drawn = drawn.iter().any(|layer| match layer.geometry.shape() {
+            Shape::Segments(lines) if layer.stage == Stage::OnTop => {
+                lines.iter().map(|line| line[1].value).eq(bounces.iter().copied())
+                    && lines
+                        .iter()
+                        .zip(of_kind())
+                        .all(|(line, ray)| line[1].position == ray.segment.end.map(|along| along as f32))
+            }
+            _ => false,
+        });
+        assert!(is_drawn && !bounces.is_empty(), "{kind} rays of the path are not drawn");
+    }
+}
+
+/// A button shows the whole of its picture, whatever was shown before.
+#[test]
+fn buttons_show_pictures_that_answer_a_question() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("scene", opened(folder.path()));
+    let shown = |harness: &mut egui_kittest::Harness<'_, headless::State>, button: &str| {
+        harness.get_by_label(button).click();
+        settle(harness);
+        let state = harness.state().panel.state();
+        let options = state["options"].as_object().unwrap();
+        let mut on: Vec<String> = ["curve", "ends", "capsules", "cells", "path"]
+            .into_iter()
+            .filter(|name| options[*name] == true)
+            .map(str::to_owned)
+            .collect();
+        on.extend((state["side_by_side"] == true).then(|| "A | B".to_owned()));
+        assert!(harness.state().context.problems.is_empty());
+        on.join(", ")
+    };
+    for (button, expected) in [
+        ("Capsules", "capsules, A | B"),
+        ("Order", "curve, A | B"),
+        ("Table", "cells"),
+        ("Cost", "ends"),
+        ("Paths", "path"),
+        ("Order", "curve, A | B"),
+    ] {
+        assert_eq!(shown(&mut harness, button), expected, "{button}");
+    }
+}
+
+#[test]
+fn properties_stay_open_and_a_picture_has_no_buttons() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("scene", opened(folder.path()));
+    let reads = |harness: &egui_kittest::Harness<'_, headless::State>, label: &str| {
+        harness.query_all_by_label(label).next().is_some()
+    };
+    harness.get_by_label("Properties").click();
+    settle(&mut harness);
+    for property in ["Rays", "Hit points", "Rays"] {
+        harness.get_by_label(property).click();
+        settle(&mut harness);
+    }
+    let options = harness.state().panel.state()["options"].clone();
+    assert_eq!((&options["rays"], &options["ends"]), (&false.into(), &true.into()));
+    harness.get_by_label("Order").click();
+    settle(&mut harness);
+    assert!(reads(&harness, "Hit points"), "another picture closes the properties");
+    harness.state_mut().context.is_bare = true;
+    settle(&mut harness);
+    for button in ["Properties", "Hit points", "Order", "Play"] {
+        assert!(!reads(&harness, button), "{button} is in the picture");
+    }
+    assert!(reads(&harness, "aila"), "the picture does not say what it is of");
 }

@@ -212,7 +212,7 @@ fn a_group_of_the_worst_is_a_capsule_in_space() {
 #[test]
 fn a_cell_that_is_clicked_is_its_rays() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("table", opened(folder.path()));
+    let mut harness = panel("length-table", opened(folder.path()));
     let at = egui::pos2(200.0, 300.0);
     click(&mut harness, at);
     let context = &mut harness.state_mut().context;

@@ -45,10 +45,10 @@ fn opened(folder: &Path) -> Context {
 
 /// What must be read in each panel, with a recording and without.
 const READ: [(&str, &str, &str); 10] = [
-    ("scene", "Curve", "no recording is open"),
+    ("scene", "Properties", "no recording is open"),
     ("methods", "two-point-adaptive", "no recording is open"),
-    ("order", "displacement", "no recording is open"),
-    ("table", "mean length", "no recording is open"),
+    ("pixels", "displacement", "no recording is open"),
+    ("length-table", "mean length", "no recording is open"),
     ("coherence", "of the mean", "no recording is open"),
     ("what-if", "Keys of", "no recording is open"),
     ("timings", "trace", "no recording is open"),
@@ -123,7 +123,7 @@ fn a_group_that_is_chosen_is_a_capsule_in_space() {
 #[test]
 fn a_pixel_that_is_clicked_is_a_ray() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("order", opened(folder.path()));
+    let mut harness = panel("pixels", opened(folder.path()));
     let at = egui::pos2(300.0, 300.0);
     click(&mut harness, at);
     let context = &mut harness.state_mut().context;
@@ -143,11 +143,11 @@ fn imported_rays_are_shown_in_rows() {
     let end = sample::write_all(&mut writer).unwrap();
     let mut context = Context::open(&[writer.finish(end).unwrap()]);
     context.go_to(QUEUE);
-    let mut harness = panel("order", context);
+    let mut harness = panel("pixels", context);
     harness.render().unwrap();
     // The sample's rays are in the first two of 142 rows.
     let corner = harness.get_by_label("displacement").rect().min;
-    let at = corner + egui::vec2(0.0, 28.0);
+    let at = corner + egui::vec2(0.0, 48.0);
     click(&mut harness, at);
     assert!(harness.state().context.selection.ray.is_some(), "no ray at {at}");
 }
@@ -232,7 +232,7 @@ fn arrays_that_are_missing_are_said_in_their_place() {
     let root = context.recording().unwrap().dump.root().to_owned();
     let hits = root.join(QUEUE.to_string()).join("hits.npy");
     std::fs::remove_file(&hits).unwrap();
-    for name in ["scene", "order", "coherence", "rays", "ray", "table"] {
+    for name in ["scene", "pixels", "coherence", "rays", "ray", "length-table"] {
         let mut context = Context::open(std::slice::from_ref(&root));
         context.go_to(QUEUE);
         let reason = context.awaited_order().unwrap_err();

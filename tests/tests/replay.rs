@@ -282,7 +282,7 @@ fn recordings_that_name_each_other() {
     for recording in ["first", "second"] {
         Program::Inspector.run(folder.path(), &format!("info {recording}.raydump")).succeeded();
         Program::Inspector.run(folder.path(), &format!("plot {recording}.raydump --out plots")).succeeded();
-        for line in ["export --format csv --out csv", "shot --view curve --out shot.png"] {
+        for line in ["export --format csv --out csv", "shot --view order --out shot.png"] {
             let (command, rest) = line.split_once(' ').unwrap();
             let outcome =
                 Program::Inspector.run(folder.path(), &format!("{command} {recording}.raydump {rest}"));

@@ -13,7 +13,7 @@ const TABS: [&[&str]; 4] = [
     &["scene"],
     &["rays", "ray", "problems"],
     &["methods"],
-    &["order", "coherence", "timings", "table", "what-if"],
+    &["pixels", "coherence", "timings", "length-table", "what-if"],
 ];
 
 /// The scene in the middle, numbers to its right.

@@ -12,6 +12,7 @@ impl App {
     /// Asks for the picture, and writes it once it is there.
     pub(super) fn take_screenshot(&mut self, ui: &egui::Ui) {
         let Some(screenshot) = &mut self.screenshot else { return };
+        self.context.is_bare = screenshot.panel.is_some();
         ui.ctx().request_repaint();
         if screenshot.frames_before > 0 {
             screenshot.frames_before -= 1;
@@ -30,7 +31,7 @@ impl App {
         let Some(image) = slot.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
         let rect = screenshot.panel.and_then(|panel| self.places.get(panel)).copied();
         let written = write(&image, rect, ui.ctx().pixels_per_point(), &screenshot.path);
-        self.screenshot = None;
+        (self.screenshot, self.context.is_bare) = (None, false);
         if let Err(error) = written {
             self.problem("the picture cannot be saved", sentence(&error));
         }

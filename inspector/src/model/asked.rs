@@ -3,21 +3,23 @@
 use std::sync::Arc;
 
 use formats::key::Facts;
-use formats::manifest::{Place, QueueArray, QueueId};
-use formats::reader::Loaded;
+use formats::manifest::QueueId;
+use formats::ray::Kind;
 use rayon::prelude::*;
 
 use super::absent::Absent;
 use super::background::Waker;
 use super::coherences::OrderCoherence;
 use super::context::Context;
-use super::derived::{Derived, Filtered, Rays};
+use super::derived::{Derived, Filtered};
 use super::estimates::Estimates;
 use super::filter::passing;
 use super::groups::Groups;
 use super::numbers::Numbers;
 use super::order::Order;
+use super::path::PathRay;
 use super::rows::{Rows, Sorting};
+use super::selection::Selection;
 
 impl Context {
     /// Has a window drawn again when there is more to show.
@@ -166,20 +168,19 @@ impl Context {
         self.derived.rays_of_cell.of(wanted, &self.derived.waker, make).ok().cloned()
     }
 
-    /// The queues of the selected pass in which a path lives, and its ray in each; `None` until they are known.
-    pub fn path(&mut self, path: u32) -> Option<Rays> {
+    /// The rays of a path in the selected pass, by bounce; `None` until they are known.
+    pub fn path(&mut self, path: u32) -> Option<Arc<[PathRay]>> {
         let recording = self.recording()?;
-        let (dump, pass) = (recording.dump.clone(), self.selection.queue.pass);
-        let wanted = (recording.opening, pass, path);
+        let Selection { queue, method, baseline, .. } = &self.selection;
+        // Order A of another recording is of other rays.
+        let a = baseline.recording.is_none().then(|| baseline.method.clone());
+        let (dump, methods) = (recording.dump.clone(), [a, Some(method.clone())]);
+        let wanted = (recording.opening, queue.pass, path, methods.clone());
         let queues = recording.queues().iter().map(|record| record.id);
-        let queues: Vec<QueueId> = queues.filter(|queue| queue.pass == pass).collect();
+        let mut queues: Vec<QueueId> = queues.filter(|found| found.pass == queue.pass).collect();
+        queues.sort_by_key(|queue| (queue.bounce, queue.kind == Kind::Shadow));
         let make = move || {
-            let ray = |queue: QueueId| {
-                // A queue whose paths were not kept says nothing of any.
-                let paths: Loaded<u32> = dump.array(&Place::Queue(queue, QueueArray::PathIds)).ok()?;
-                Some((queue, paths.binary_search(&path).ok()?))
-            };
-            queues.into_iter().filter_map(ray).collect()
+            queues.into_iter().filter_map(|queue| PathRay::of(&dump, queue, path, &methods)).collect()
         };
         self.derived.paths.of(wanted, &self.derived.waker, make).ok().cloned()
     }

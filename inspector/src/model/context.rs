@@ -54,6 +54,8 @@ pub struct Context {
     pub selection: Selection,
     /// How far along the order panels are.
     pub playhead: Playhead,
+    /// Whether a picture of a panel is made, in which nobody can press buttons.
+    pub is_bare: bool,
     /// What went wrong and was not dismissed yet.
     pub problems: Vec<Problem>,
     /// What the what-if order is made by, once it was asked for.

@@ -9,12 +9,13 @@ use super::coherences::{Coherences, OrderCoherence};
 use super::estimates::Estimates;
 use super::filter::{Expression, FilterError, Passing};
 use super::order::Order;
+use super::path::PathRay;
 use super::rows::{Rows, Sorting};
 use super::what_if::Settings;
 use crate::analysis::GroupWidth;
 
-/// A ray in each of some queues.
-pub(super) type Rays = Arc<[(QueueId, usize)]>;
+/// The rays of a path: of which opening of a recording, pass and path, and orders A and B.
+type WantedPath = (u64, u32, u32, [Option<String>; 2]);
 
 /// Serial number of an order, and rays of a group.
 pub(crate) type Grouped = (u64, GroupWidth);
@@ -33,7 +34,7 @@ pub struct Derived {
     pub(super) what_if: Background<(u64, QueueId, Settings), Result<Arc<Order>, String>>,
     pub(super) what_if_coherence: Background<Grouped, OrderCoherence>,
     pub(super) estimates: Background<(u64, QueueId), Result<Arc<Estimates>, String>>,
-    pub(super) paths: Background<(u64, u32, u32), Rays>,
+    pub(super) paths: Background<WantedPath, Arc<[PathRay]>>,
     pub(super) rays_of_cell: Background<(u64, QueueId, u32), Arc<Vec<u32>>>,
 }
 

@@ -3,7 +3,7 @@
 //! - [`selection`]: the one selection that all panels share
 //! - [`recording`]: an open recording
 //! - [`queue`], [`order`]: the rays of a queue, and one order of them, as they are mapped
-//! - [`image_plane`]: where on the picture a ray's path starts
+//! - [`image_plane`]: where on the picture a ray's path starts; [`path`]: its rays in all bounces
 //! - [`history`]: selections to go back to
 //! - [`groups`]: capsules, direction spread and lane utilisation of each group of an order
 //! - [`numbers`]: what the numbers of an order's rays are read from; [`colour_by`]: what colours stand for
@@ -36,6 +36,7 @@ pub mod jumps;
 pub mod key;
 pub mod numbers;
 pub mod order;
+pub mod path;
 pub mod queue;
 mod ranking;
 pub mod recording;

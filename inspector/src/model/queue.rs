@@ -7,7 +7,7 @@ use formats::queue_check::{QueueFault, QueueRays, QueueRules};
 use formats::ray::{Kind, Work};
 use formats::reader::{Dump, Loaded};
 use formats::stored_table::{StoredTable, StoredTableError};
-use formats::traced::{Results, Traced};
+use formats::traced::Traced;
 use rayon::prelude::*;
 
 use crate::analysis::work::work;
@@ -98,10 +98,7 @@ impl Queue {
     /// # Panics
     /// If there is no such ray.
     pub fn is_at_surface(&self, ray: usize) -> bool {
-        match self.traced.results() {
-            Results::Hits(hits) => hits[ray].is_hit(),
-            Results::Distances(distances) => distances[ray].is_finite(),
-        }
+        self.traced.is_at_surface(ray)
     }
 
     /// The ray of a pixel, if its path is still alive.

@@ -8,9 +8,9 @@ mod differences;
 mod filter_box;
 mod methods;
 pub(crate) mod notes;
-mod order;
 mod panel;
 mod picture;
+mod pixels;
 mod problems;
 mod ray;
 mod rays;
@@ -55,13 +55,13 @@ pub const PANELS: &[PanelKind] = &[
         make: |_| Box::new(methods::MethodsPanel),
     },
     PanelKind {
-        name: "order",
-        title: "Order",
-        about: "the image plane coloured by each ray's place in the order",
-        make: |_| Box::<order::OrderPanel>::default(),
+        name: "pixels",
+        title: "Pixels",
+        about: "the image plane coloured by each ray's place in the order, or its work, lanes, length, area",
+        make: |_| Box::<pixels::PixelsPanel>::default(),
     },
     PanelKind {
-        name: "table",
+        name: "length-table",
         title: "Length table",
         about: "the length table as a picture: fill, count and mean length of its cells",
         make: |_| Box::<table::TablePanel>::default(),

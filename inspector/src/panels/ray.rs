@@ -4,17 +4,27 @@ use std::sync::Arc;
 
 use egui::RichText;
 use formats::key::decode::DecodedField;
+use formats::ray::Kind;
 use formats::traced::Results;
 
-use super::notes::{found, hint};
+use super::notes::{found, headings, hint};
 use crate::analysis::GroupWidth;
 use crate::model::groups::Groups;
 use crate::model::key::ReadKey;
+use crate::model::path::PathRay;
 use crate::model::{Absent, Context, Order};
 use crate::output::count;
 use crate::panels::data::Data;
 use crate::panels::panel::Panel;
 use crate::theme::Theme;
+
+const PATH_COLUMNS: [(&str, &str); 5] = [
+    ("ray", "Kind and bounce; a click selects it"),
+    ("ends", "What the ray met"),
+    ("length", "From its origin to where it ended, unit lengths"),
+    ("in A", "Its place in order A of its queue"),
+    ("in B", "Its place in order B of its queue"),
+];
 
 /// Width of the longest name of a line, points.
 const NAMES: f32 = 100.0;
@@ -200,19 +210,32 @@ fn group(ui: &mut egui::Ui, context: &mut Context, order: &Arc<Order>, ray: usiz
     );
 }
 
-/// The other queues in which the path of a ray lives.
+/// The path of a ray through all bounces; a click on one of its rays selects it.
 fn path(ui: &mut egui::Ui, context: &mut Context, order: &Order, ray: usize) {
     let pixel = order.queue.path_ids[ray];
-    ui.label(format!("Path {pixel} lives in"));
+    ui.label(format!("Path {}, all bounces", count(u64::from(pixel))));
     let now = context.selection.queue;
     let Some(found) = context.path(pixel) else { return };
     let mut next = None;
-    ui.horizontal_wrapped(|ui| {
-        for &(queue, ray) in found.iter() {
+    egui::Grid::new("path").striped(true).num_columns(5).spacing([14.0, 2.0]).show(ui, |ui| {
+        headings(ui, PATH_COLUMNS);
+        for PathRay { queue, ray, length, is_at_surface, places, .. } in found.iter() {
             let text = format!("{} {}", queue.kind, queue.bounce);
-            if ui.selectable_label(queue == now, text).clicked() {
-                next = Some((queue, ray));
+            if ui.selectable_label(*queue == now, text).clicked() {
+                next = Some((*queue, *ray));
             }
+            let ends = match (queue.kind, is_at_surface) {
+                (Kind::Closest, true) => "at a surface",
+                (Kind::Closest, false) => "nowhere",
+                (Kind::Shadow, true) => "before its light",
+                (Kind::Shadow, false) => "at its light",
+            };
+            ui.label(ends);
+            ui.monospace(format!("{length:.4}"));
+            for place in places {
+                ui.monospace(place.map_or("-".to_owned(), |place| count(place as u64)));
+            }
+            ui.end_row();
         }
     });
     if let Some((queue, ray)) = next {

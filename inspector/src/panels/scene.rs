@@ -10,14 +10,20 @@ use super::differences::{rows, table};
 use super::notes::{choose, hint, swatch};
 use super::space::layers::RayValues;
 use super::space::{RATIOS, SpaceState, SpaceView, ViewSetup};
+use super::views::PRESETS;
 use crate::analysis::GroupWidth;
 use crate::model::background::Background;
 use crate::model::comparison::{Compared, Difference, LOWEST_DISTANCE};
+use crate::model::context::Problem;
 use crate::model::differences::Row;
 use crate::model::{Context, Order};
 use crate::panels::data::Data;
 use crate::panels::panel::Panel;
 use crate::render::range::ValueRange;
+use crate::session::setting::change_state;
+
+/// Width of the properties, points.
+const PROPERTIES_WIDTH: f32 = 250.0;
 
 /// Part of the panel's height that the table may take.
 const TABLE_PART: f32 = 0.4;
@@ -32,6 +38,8 @@ struct Choice {
     difference: Option<Difference>,
     /// Whether the table of what differs is shown.
     table: bool,
+    /// Whether what is shown, and how, can be changed beside the picture.
+    properties: bool,
 }
 
 /// What sessions keep.
@@ -68,13 +76,29 @@ impl Panel for Scene {
             return hint(ui, "no recording is open");
         }
         self.compare(context);
-        ui.horizontal_wrapped(|ui| {
-            self.choices(ui);
-            self.b.controls(ui, context);
-        });
+        if !context.is_bare {
+            ui.horizontal_wrapped(|ui| {
+                self.presets(ui, context);
+                self.choices(ui);
+                self.b.controls(ui, context);
+            });
+        }
+        if self.choice.properties && !context.is_bare {
+            let panel = egui::Panel::left("properties").resizable(false).default_size(PROPERTIES_WIDTH);
+            let area = egui::ScrollArea::vertical().auto_shrink([false, false]);
+            panel.show(ui, |ui| {
+                area.show(ui, |ui| {
+                    if self.choice.side_by_side {
+                        self.difference(ui);
+                        ui.separator();
+                    }
+                    self.b.properties(ui, context);
+                });
+            });
+        }
         let shows_table = self.choice.side_by_side && self.choice.table;
         let table_height = if shows_table { TABLE_PART * ui.available_height() } else { 0.0 };
-        let height = ui.available_height() - SpaceView::slider_height(ui) - table_height;
+        let height = ui.available_height() - SpaceView::height_below(ui, context) - table_height;
         if self.choice.side_by_side {
             ui.columns(2, |columns| {
                 let [left, right] = columns else { return };
@@ -84,7 +108,7 @@ impl Panel for Scene {
         } else {
             self.b.picture(ui, context, egui::vec2(ui.available_width(), height));
         }
-        self.b.slider(ui, context);
+        self.b.below(ui, context);
         if shows_table {
             table(ui, context, self.compared.as_deref());
         }
@@ -121,22 +145,45 @@ impl Panel for Scene {
 }
 
 impl Scene {
-    /// Whether A has a picture, and what is compared then.
+    /// A button for each of the pictures that answer a question.
+    fn presets(&mut self, ui: &mut Ui, context: &mut Context) {
+        for preset in &PRESETS {
+            if !ui.button(preset.title).on_hover_text(preset.about).clicked() {
+                continue;
+            }
+            let choice = Choice { properties: self.choice.properties, ..Choice::default() };
+            let space = SpaceState::default();
+            let at_first = serde_json::to_value(State { choice, space }).unwrap_or_default();
+            let state = change_state(at_first, preset.settings, "scene");
+            let shown = state.and_then(|state| Ok(self.set_state(state)?));
+            if let Err(error) = shown {
+                let what = format!("the picture {} cannot be shown", preset.name);
+                context.problems.push(Problem { what, why: error.to_string() });
+            }
+        }
+        ui.separator();
+    }
+
+    /// Whether A has a picture, and whether properties are shown.
     fn choices(&mut self, ui: &mut Ui) {
         let choice = &mut self.choice;
         ui.toggle_value(&mut choice.side_by_side, "A | B")
             .on_hover_text("Order A beside order B, with one camera, one range of colours and one playhead");
-        if !choice.side_by_side {
-            return;
-        }
-        ui.label("Difference").on_hover_text("Colours each ray by what differs between A and B");
+        ui.toggle_value(&mut choice.properties, "Properties")
+            .on_hover_text("What is shown, and how, beside the picture");
+    }
+
+    /// What of A and B is compared.
+    fn difference(&mut self, ui: &mut Ui) {
+        let choice = &mut self.choice;
+        ui.label("Difference of A and B").on_hover_text("Colours each ray by what differs between A and B");
         let name = choice.difference.map_or("none", Difference::name);
         let differences = Difference::ALL
             .map(|(difference, name, title)| (Some(difference), name.to_owned(), Some(title.to_owned())));
         let none = (None, "none".to_owned(), None);
         let choices = std::iter::once(none).chain(differences);
         choose(ui, ("difference", name), &mut choice.difference, choices);
-        ui.toggle_value(&mut choice.table, "Table").on_hover_text("What differs between A and B");
+        ui.toggle_value(&mut choice.table, "All differences").on_hover_text("What differs between A and B");
         if choice.difference.is_some() && self.compared.is_none() {
             ui.spinner();
         }

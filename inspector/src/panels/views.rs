@@ -13,23 +13,63 @@ pub(crate) struct View {
     pub(crate) settings: &'static [&'static str],
 }
 
-/// Views that are not a panel of their name as it is at first.
-const NAMED: [View; 7] = [
+/// A picture of the scene that answers a question: a button above it, and a view of its name.
+pub(crate) struct Preset {
+    /// Its name.
+    pub(crate) name: &'static str,
+    /// What is written on the button.
+    pub(crate) title: &'static str,
+    /// The question.
+    pub(crate) about: &'static str,
+    /// How it differs from what the scene shows at first.
+    pub(crate) settings: &'static [&'static str],
+}
+
+/// The pictures of the scene. Capsules and cells are larger than rooms, so they are seen from outside.
+pub(crate) const PRESETS: [Preset; 5] = [
+    Preset {
+        name: "order",
+        title: "Order",
+        about: "How does each order go through the scene, and where does it jump?",
+        settings: &["side_by_side=true"],
+    },
+    Preset {
+        name: "capsules",
+        title: "Capsules",
+        about: "How much space do the rays take that are traced together?",
+        settings: &[
+            "side_by_side=true",
+            "curve=false",
+            "capsules=true",
+            "capsule_choice=spread",
+            "mesh=ghost",
+            "stand_point=overview",
+        ],
+    },
+    Preset {
+        name: "cost",
+        title: "Cost",
+        about: "Which rays and surfaces cost most?",
+        settings: &["curve=false", "ends=true", "detail=4194304", "colour_by=nodes", "map=magma"],
+    },
+    Preset {
+        name: "table",
+        title: "Table",
+        about: "Which lengths does the table expect, and where?",
+        settings: &["curve=false", "cells=true", "mesh=ghost", "stand_point=overview"],
+    },
+    Preset {
+        name: "paths",
+        title: "Paths",
+        about: "Where does a path go, through all bounces and to the lights?",
+        settings: &["curve=false", "path=true", "mesh=ghost", "stand_point=overview"],
+    },
+];
+
+/// Views that are neither a preset nor a panel of their name as it is at first.
+const NAMED: [View; 3] = [
     View { name: "window", panel: None, settings: &[] },
-    View::of("curve", "scene", &["capsule_choice=spread"]),
-    View::of("rays", "scene", &["capsule_choice=spread", "curve=false", "rays=true", "ends=true"]),
-    // Capsules are larger than rooms, so they are seen from outside.
-    View::of(
-        "capsules",
-        "scene",
-        &["capsule_choice=spread", "curve=false", "capsules=true", "mesh=ghost", "stand_point=overview"],
-    ),
-    View::of(
-        "cell",
-        "scene",
-        &["capsule_choice=spread", "curve=false", "mesh=ghost", "stand_point=overview"],
-    ),
-    View::of("compare", "scene", &["capsule_choice=spread", "side_by_side=true"]),
+    View::of("rays", "scene", &["curve=false", "rays=true", "ends=true"]),
     View::of("rays-table", "rays", &[]),
 ];
 
@@ -42,7 +82,12 @@ impl View {
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         let is_named = |panel: &str| NAMED.iter().any(|view| view.panel == Some(panel));
         let others = PANELS.iter().filter(move |entry| !is_named(entry.name));
-        NAMED.into_iter().chain(others.map(|entry| Self::of(entry.name, entry.name, &[])))
+        let presets = PRESETS.iter().map(|preset| Self::of(preset.name, "scene", preset.settings));
+        let [window, named @ ..] = NAMED;
+        std::iter::once(window)
+            .chain(presets)
+            .chain(named)
+            .chain(others.map(|entry| Self::of(entry.name, entry.name, &[])))
     }
 
     /// The view that shows a panel as it is, or all of the `window`.

@@ -8,7 +8,8 @@ use formats::metrics::capsule::{Capsule, Point};
 use formats::ray::Kind;
 
 use super::surfaces::Surfaces;
-use crate::model::{Order, Queue};
+use crate::model::Order;
+use crate::model::path::PathRay;
 
 /// A point with the number that it is coloured by; 16 bytes.
 #[repr(C)]
@@ -113,12 +114,9 @@ pub enum Mark {
 }
 
 impl Mark {
-    /// Of a ray.
-    ///
-    /// # Panics
-    /// If there is no such ray.
-    pub fn of(queue: &Queue, ray: usize) -> Self {
-        match (queue.is_at_surface(ray), queue.id.kind) {
+    /// Of a ray of a kind.
+    pub fn of(kind: Kind, is_at_surface: bool) -> Self {
+        match (is_at_surface, kind) {
             (false, _) => Self::Miss,
             (true, Kind::Closest) => Self::Hit,
             (true, Kind::Shadow) => Self::Occluded,
@@ -219,9 +217,24 @@ pub fn ends(order: &Order, places: impl Iterator<Item = (usize, f32)>) -> Shape 
     let of = |(place, value): (usize, f32)| {
         let ray = order.places.ray(place);
         let end = order.queue.segment(ray).end;
-        [vertex(end, value), vertex(end, Mark::of(&order.queue, ray) as u8 as f32)]
+        [
+            vertex(end, value),
+            vertex(end, Mark::of(order.queue.id.kind, order.queue.is_at_surface(ray)) as u8 as f32),
+        ]
     };
     Shape::Segments(places.map(of).collect())
+}
+
+/// A path's rays of one kind, each by its bounce: a line from origin to end, then the end as [`ends`] has it.
+pub fn path(path: &[PathRay], kind: Kind) -> [Shape; 2] {
+    let of_kind = || path.iter().filter(move |ray| ray.queue.kind == kind);
+    let line =
+        |ray: &PathRay| [ray.segment.origin, ray.segment.end].map(|end| vertex(end, ray.queue.bounce as f32));
+    let mark = |ray: &PathRay| {
+        let mark = Mark::of(kind, ray.is_at_surface) as u8 as f32;
+        [ray.queue.bounce as f32, mark].map(|value| vertex(ray.segment.end, value))
+    };
+    [of_kind().map(line).collect(), of_kind().map(mark).collect()].map(Shape::Segments)
 }
 
 /// The lowest and the highest corner of a box, unit space.

@@ -19,7 +19,7 @@ use crate::model::{Context, Selection};
 
 /// Versions of the files that this program reads; it writes the last.
 const OLDEST: u64 = 1;
-const VERSION: u64 = 3;
+const VERSION: u64 = 4;
 
 /// What colours stood for in version 1, and what it is called since.
 const RENAMED_COLOURS: [(&str, &str); 2] = [("estimate", "ratio"), ("capsule-area", "area")];
@@ -27,11 +27,14 @@ const RENAMED_COLOURS: [(&str, &str); 2] = [("estimate", "ratio"), ("capsule-are
 /// Bytes of the largest file that is read as a session; usual ones have some thousands.
 const LARGEST: u64 = 16 << 20;
 
+/// What panels were called before version 4, and are called since.
+const RENAMED_PANELS: [(&str, &str); 2] = [("order", "pixels"), ("table", "length-table")];
+
 /// All that a window shows.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Session {
-    /// 3.
+    /// 4.
     version: u64,
     /// The recordings; relative paths start at the session's folder.
     pub recordings: Vec<PathBuf>,
@@ -195,6 +198,21 @@ impl Session {
             self.selection.baseline = compare["before"].as_str().map_or_else(unsorted, str::to_owned);
             let at = compare["before_recording"].as_u64();
             self.selection.baseline_recording = at.and_then(|at| usize::try_from(at).ok());
+        }
+        if self.version < 4 {
+            for (before, now) in RENAMED_PANELS {
+                if let Some(state) = self.panels.remove(before) {
+                    self.panels.insert(now.to_owned(), state);
+                }
+                let tiles = self.layout.iter_mut().flat_map(|tree| tree.tiles.tiles_mut());
+                for tile in tiles {
+                    if let egui_tiles::Tile::Pane(name) = tile
+                        && name == before
+                    {
+                        now.clone_into(name);
+                    }
+                }
+            }
         }
         self.version = VERSION;
     }

@@ -17,31 +17,46 @@ impl Session {
     /// # Errors
     /// If there is no such setting, or more than one. Values of panels are checked when they are shown.
     pub fn set(&mut self, setting: &str, of: &str) -> anyhow::Result<()> {
-        let Some((path, text)) = setting.split_once('=') else {
-            bail!("found '{setting}', expected PATH=VALUE, such as mesh=wire or rays.descending=true");
-        };
         let mut file = serde_json::to_value(&*self)?;
-        let known: Vec<String> = settings(&file);
-        let mut meant: Vec<&str> =
-            known.iter().map(String::as_str).filter(|known| names(path, known)).collect();
-        if meant.len() > 1 {
-            let own = format!("panels.{of}.");
-            let of_panel = meant.iter().copied().filter(|known| known.starts_with(&own) || *known == path);
-            meant = Some(of_panel.collect()).filter(|own: &Vec<&str>| own.len() == 1).unwrap_or(meant);
-        }
-        let found = match meant[..] {
-            [found] => found,
-            [] => bail!("there is no setting '{path}'; {}", hint(path, &known, of)),
-            _ => bail!("'{path}' may be {}; name more of it", meant.join(" or ")),
-        };
-        if let Some(place) = file.pointer_mut(&format!("/{}", found.replace('.', "/"))) {
-            let value = serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.to_owned()));
-            let is_text = place.is_string() && !value.is_null();
-            *place = if is_text { Value::String(text.to_owned()) } else { value };
-        }
+        let found = change(&mut file, setting, of)?;
         *self = serde_json::from_value(file).map_err(|cause| anyhow!("{found}: {cause}"))?;
         Ok(())
     }
+}
+
+/// The state of the panel `of` with these settings, named likewise.
+///
+/// # Errors
+/// If there is no such setting, or more than one.
+pub fn change_state(state: Value, settings: &[&str], of: &str) -> anyhow::Result<Value> {
+    let mut file = serde_json::json!({ "panels": { of: state } });
+    settings.iter().try_for_each(|setting| change(&mut file, setting, of).map(drop))?;
+    Ok(file["panels"][of].take())
+}
+
+/// Changes one setting of a session's file; gives its path.
+fn change(file: &mut Value, setting: &str, of: &str) -> anyhow::Result<String> {
+    let Some((path, text)) = setting.split_once('=') else {
+        bail!("found '{setting}', expected PATH=VALUE, such as mesh=wire or rays.descending=true");
+    };
+    let known: Vec<String> = settings(file);
+    let mut meant: Vec<&str> = known.iter().map(String::as_str).filter(|known| names(path, known)).collect();
+    if meant.len() > 1 {
+        let own = format!("panels.{of}.");
+        let of_panel = meant.iter().copied().filter(|known| known.starts_with(&own) || *known == path);
+        meant = Some(of_panel.collect()).filter(|own: &Vec<&str>| own.len() == 1).unwrap_or(meant);
+    }
+    let found = match meant[..] {
+        [found] => found,
+        [] => bail!("there is no setting '{path}'; {}", hint(path, &known, of)),
+        _ => bail!("'{path}' may be {}; name more of it", meant.join(" or ")),
+    };
+    if let Some(place) = file.pointer_mut(&format!("/{}", found.replace('.', "/"))) {
+        let value = serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.to_owned()));
+        let is_text = place.is_string() && !value.is_null();
+        *place = if is_text { Value::String(text.to_owned()) } else { value };
+    }
+    Ok(found.to_owned())
 }
 
 /// The paths of all that can be set.

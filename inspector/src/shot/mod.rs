@@ -79,6 +79,9 @@ pub(crate) struct Shot {
     /// Dark on light, or light on dark [default: that of the session, or dark].
     #[arg(long, value_enum)]
     theme: Option<ThemeChoice>,
+    /// Draws the buttons of a panel, too.
+    #[arg(long)]
+    chrome: bool,
     /// Print one JSON object with times, of frames while the slider goes along the order too, and memory.
     #[arg(long)]
     json: bool,
@@ -112,6 +115,7 @@ impl Shot {
         if self.what_if.is_some() {
             app.context.awaited_order().map_err(Error::msg).context("--what-if")?;
         }
+        app.context.is_bare = self.view.panel.is_some() && !self.chrome;
         let theme = self.theme.or(file.map(|file| file.theme));
         Ok((app, theme.unwrap_or_default()))
     }

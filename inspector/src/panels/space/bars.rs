@@ -3,7 +3,7 @@
 use egui::{Align2, Color32, Id, Rect, Response, Sense, Slider, Ui, pos2, vec2};
 use formats::metrics::quantity::Quantity;
 
-use super::layers::AREAS;
+use super::layers::{AREAS, BOUNCES};
 use super::options::SpaceOptions;
 use super::view::SpaceView;
 use crate::colour_map::ColourMap;
@@ -24,14 +24,17 @@ const PLAYED_PER_SECOND: f32 = 0.08;
 
 impl SpaceView {
     /// Height of what is below the picture.
-    pub(in crate::panels) fn slider_height(ui: &Ui) -> f32 {
+    pub(in crate::panels) fn height_below(ui: &Ui, context: &Context) -> f32 {
         let text = ui.text_style_height(&egui::TextStyle::Body);
-        ui.spacing().interact_size.y + BINS_HEIGHT + BAR + 2.0 * text + 18.0
+        let slider = if context.is_bare { 0.0 } else { ui.spacing().interact_size.y };
+        slider + BINS_HEIGHT + BAR + 2.0 * text + 18.0
     }
 
     /// The slider along the order, and what colours stand for.
-    pub(in crate::panels) fn slider(&mut self, ui: &mut Ui, context: &mut Context) {
-        slider(ui, &mut self.options);
+    pub(in crate::panels) fn below(&mut self, ui: &mut Ui, context: &mut Context) {
+        if !context.is_bare {
+            slider(ui, &mut self.options);
+        }
         context.playhead = Playhead { until: self.options.until, window: self.options.window };
         colour_bars(ui, self);
     }
@@ -88,7 +91,8 @@ fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
     let areas = bar(AREAS, "capsule area, unit space", Some(10.0));
     let areas = options.capsules.then_some(areas);
     let cells = layers.cells().map(|(range, _)| bar(range, "mean length in the cell, unit lengths", None));
-    let others: Vec<Bar<'_>> = areas.into_iter().chain(cells).collect();
+    let path = layers.path().map(|_| bar(BOUNCES, "bounce", None));
+    let others: Vec<Bar<'_>> = areas.into_iter().chain(cells).chain(path).collect();
     let count = others.len() + usize::from(rays.is_some());
     let gap = 16.0;
     let width = (ui.available_width() - gap * count.saturating_sub(1) as f32) / count.max(1) as f32;

@@ -1,4 +1,4 @@
-//! The row above the picture, and what is written on it.
+//! The row above the picture, what is beside it, and what is written on it.
 
 use egui::{FontId, Rect, Slider, Ui, vec2};
 use formats::metrics::quantity::Quantity;
@@ -18,28 +18,38 @@ use crate::theme::Theme;
 const FILTER_WIDTH: f32 = 170.0;
 
 impl SpaceView {
-    /// What is shown, to be changed.
+    /// Where it is seen from, and which rays are shown.
     pub(in crate::panels) fn controls(&mut self, ui: &mut Ui, context: &mut Context) {
-        what_is_shown(ui, &mut self.options);
-        colours(ui, &mut self.options, context);
         cameras(ui, self, context);
         filter_box(ui, context, FILTER_WIDTH);
+    }
+
+    /// What is shown and how, to be changed.
+    pub(in crate::panels) fn properties(&mut self, ui: &mut Ui, context: &mut Context) {
+        what_is_shown(ui, &mut self.options);
+        ui.separator();
+        colours(ui, &mut self.options, context);
+        ui.separator();
+        details(ui, &mut self.options);
+        if let Some(camera) = &mut self.camera {
+            ui.separator();
+            typed(ui, camera);
+        }
     }
 }
 
 fn what_is_shown(ui: &mut Ui, options: &mut SpaceOptions) {
-    ui.toggle_value(&mut options.curve, "Curve").on_hover_text("A line through the rays in their order");
-    ui.toggle_value(&mut options.rays, "Rays")
-        .on_hover_text("A line from each origin to where the ray ended");
-    ui.toggle_value(&mut options.ends, "Hit points").on_hover_text(
+    ui.checkbox(&mut options.curve, "Curve").on_hover_text("A line through the rays in their order");
+    ui.checkbox(&mut options.rays, "Rays").on_hover_text("A line from each origin to where the ray ended");
+    ui.checkbox(&mut options.ends, "Hit points").on_hover_text(
         "Where each ray ended: a disc at a surface, a ring where it hit nothing, a cross at an occluder",
     );
-    ui.toggle_value(&mut options.capsules, "Capsules")
+    ui.checkbox(&mut options.capsules, "Capsules of groups")
         .on_hover_text("The hull of a sphere around a group's origins and one around its ends");
-    ui.toggle_value(&mut options.cells, "Cells").on_hover_text(
-        "Touched cells of the length table where their rays start, coloured by their mean length",
-    );
-    ui.menu_button("Show", |ui| details(ui, options)).response.on_hover_text("How all of it is drawn");
+    ui.checkbox(&mut options.cells, "Cells of the length table")
+        .on_hover_text("Those that were touched, where their rays start, coloured by their mean length");
+    ui.checkbox(&mut options.path, "Path of the selected ray")
+        .on_hover_text("Its rays in all bounces; thin ones go to lights");
 }
 
 /// What colours stand for, and which ones.
@@ -67,9 +77,6 @@ fn cameras(ui: &mut Ui, view: &mut SpaceView, context: &Context) {
             view.place(context.selection.recording, stand(point, recording));
         }
     }
-    if let Some(camera) = &mut view.camera {
-        ui.menu_button("View", |ui| typed(ui, camera)).response.on_hover_text("The camera as numbers");
-    }
     let is_flying = view.options.navigation == Navigation::Fly;
     let toggle = ui.selectable_label(is_flying, "Fly");
     if toggle.on_hover_text("Dragging turns the head, W A S D Q E fly (G)").clicked() {
@@ -79,8 +86,8 @@ fn cameras(ui: &mut Ui, view: &mut SpaceView, context: &Context) {
 
 /// A camera as numbers.
 fn typed(ui: &mut Ui, camera: &mut Camera) {
-    ui.label("Unit space: the scene's largest side is 1");
-    ui.monospace(camera.to_string());
+    ui.label("Camera, unit space").on_hover_text("The scene's largest side is 1");
+    ui.add(egui::Label::new(egui::RichText::new(camera.to_string()).monospace()).wrap());
     if ui.button("Copy").on_hover_text("As `inspector shot --camera` takes it").clicked() {
         ui.ctx().copy_text(camera.to_string());
     }
@@ -94,7 +101,7 @@ fn typed(ui: &mut Ui, camera: &mut Camera) {
 }
 
 fn row<T: PartialEq + Copy>(ui: &mut Ui, title: &str, chosen: &mut T, choices: &[(T, &str)]) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.label(title);
         for (choice, name) in choices {
             ui.selectable_value(chosen, *choice, *name);

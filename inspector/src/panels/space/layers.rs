@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use formats::metrics::group::Group;
 use formats::metrics::quantity::{OrderedRays, Quantity};
+use formats::ray::Kind;
 use formats::reader::Dump;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -12,19 +13,21 @@ use rayon::prelude::*;
 use super::options::{CapsuleChoice, SpaceOptions};
 use super::places::ShownPlaces;
 use crate::analysis::GroupWidth;
+use crate::colour_map::ColourMap;
 use crate::model::background::Background;
 use crate::model::colour_by::ColourBy;
 use crate::model::derived::{Filtered, Grouped};
 use crate::model::filter::{Expression, Passing};
 use crate::model::jumps;
 use crate::model::numbers::Numbers;
+use crate::model::path::PathRay;
 use crate::model::selection::Playhead;
-use crate::model::{Absent, Context, Order};
+use crate::model::{Absent, Context, Order, Selection};
 use crate::render::cell_box::{cell_box, cells};
 use crate::render::detail::Detail;
 use crate::render::geometry::{
     CapsuleInstance, Geometry, RayEnd, Shape, Vertex, axes, box_edges, boxes, curve, ends,
-    jumps as jump_lines, rays,
+    jumps as jump_lines, path, rays,
 };
 use crate::render::picture::{Layer, Paint, Stage};
 use crate::render::range::{ValueRange, Values};
@@ -70,8 +73,18 @@ struct Wanted {
     capsules: Option<(CapsuleChoice, usize, Option<usize>)>,
 }
 
-/// What the layers of what is selected depend on: the order, a ray, a group and a cell, and colours.
-type WantedSelected = (Grouped, [Option<usize>; 2], Option<u32>, Theme);
+/// What the layers of what is selected depend on.
+#[derive(Clone, Debug, PartialEq)]
+struct WantedSelected {
+    order: Grouped,
+    ray: Option<usize>,
+    group: Option<usize>,
+    cell: Option<u32>,
+    /// The path of the ray, if it is shown.
+    path: Option<Arc<[PathRay]>>,
+    theme: Theme,
+    map: ColourMap,
+}
 
 /// The vertices of all rays that are shown.
 struct Made {
@@ -88,7 +101,7 @@ struct Made {
 }
 
 /// Bounces that colours tell apart.
-const BOUNCES: ValueRange = ValueRange { low: 0.0, high: 8.0 };
+pub(super) const BOUNCES: ValueRange = ValueRange { low: 0.0, high: 8.0 };
 
 /// A number for each ray of a queue, by its canonical index: what rays may be coloured by.
 #[derive(Clone, Debug)]
@@ -152,6 +165,11 @@ impl Layers {
         Some((wanted.capsules?.0, capsules.shape().len(), *all))
     }
 
+    /// The path in the last picture.
+    pub(super) fn path(&self) -> Option<&[PathRay]> {
+        self.selected.as_ref()?.0.path.as_deref()
+    }
+
     /// The range of the numbers that cells are coloured by, and how many cells there are; none if none are shown.
     pub(super) fn cells(&self) -> Option<(ValueRange, usize)> {
         let (cells, range) = self.made.as_ref()?.1.cells.as_ref()?;
@@ -213,8 +231,12 @@ impl Layers {
         self.problem = missing.map(Absent::from);
         self.make(numbers, key, filtered.passing(), context);
         self.passing = filtered.passing().map(|passing| passing.len());
-        let selection = &context.selection;
-        let key = (of_order, [selection.ray, selection.group], selection.cell, theme);
+        // That of the ray in the middle while none is selected.
+        let ray = context.selection.ray.unwrap_or(order.len() / 2);
+        let pixel = order.queue.path_ids.get(ray).copied();
+        let path = pixel.filter(|_| options.path).and_then(|pixel| context.path(pixel));
+        let Selection { ray, group, cell, .. } = context.selection;
+        let key = WantedSelected { order: of_order, ray, group, cell, path, theme, map: options.map };
         if self.selected.as_ref().is_none_or(|(known, _)| *known != key) {
             let selected = selected(&order, &key, context);
             self.selected = Some((key, selected));
@@ -250,7 +272,7 @@ impl Layers {
         let part = made.places.between(&places);
         (self.shown, self.all) = (part.len(), order.len());
         // What is selected is to be found among the rest.
-        let is_selected = key.1.iter().any(Option::is_some) || key.2.is_some();
+        let is_selected = key.ray.is_some() || key.group.is_some() || key.cell.is_some();
         let rest = if is_selected { FADED } else { 1.0 };
         let lines = |geometry: &Geometry, stage, part: Range<usize>, opacity: f32, width| Layer {
             part: Some(part.start as u32..part.end as u32),
@@ -392,13 +414,10 @@ fn capsules(
     ([Shape::Capsules(capsules).into(), axes], groups.groups.len())
 }
 
-/// The layers of what is selected: the capsule of a group, the box of a cell, the rays of the group, and bold lines
-/// around the cell and along the ray.
-fn selected(
-    order: &Order,
-    &((_, width), [ray, group], cell, theme): &WantedSelected,
-    context: &Context,
-) -> Vec<Layer> {
+/// The layers of what is selected: the capsule of a group, the box of a cell, the rays of the group, bold lines
+/// around the cell and along the ray, and its path.
+fn selected(order: &Order, wanted: &WantedSelected, context: &Context) -> Vec<Layer> {
+    let &WantedSelected { order: (_, width), ray, group, cell, theme, map, .. } = wanted;
     let ray = ray.and_then(|ray| order.place_of_ray().get(ray)).map(|&place| place as usize);
     let Shape::Segments(mut lines) = rays(order, ray.into_iter().map(|place| (place, 0.0))) else {
         return Vec::new();
@@ -413,10 +432,19 @@ fn selected(
         let plain = Paint::Plain(theme.selected());
         Layer { width, ..Layer::of(&shape.into(), stage, plain, opacity) }
     };
-    vec![
+    let mut layers = vec![
         layer(Shape::Capsules(capsules), Stage::Capsules, 0.16, 0.0),
         layer(boxes(corners.into_iter().map(|corners| (corners, 0.0))), Stage::Boxes, 0.16, 0.0),
         layer(rays(order, places.map(|place| (place, 0.0))), Stage::OnTop, 0.5, 1.0),
         layer(Shape::Segments(lines), Stage::OnTop, 1.0, SELECTED_WIDTH),
-    ]
+    ];
+    let Some(rays) = &wanted.path else { return layers };
+    for (kind, line_width) in [(Kind::Closest, SELECTED_WIDTH), (Kind::Shadow, 1.0)] {
+        let [lines, ends] = path(rays, kind);
+        let paint = Paint::Values(map, BOUNCES);
+        layers.push(Layer { width: line_width, ..Layer::of(&lines.into(), Stage::OnTop, paint, 1.0) });
+        let marks = Layer::of(&ends.into(), Stage::Marks, paint, 1.0);
+        layers.push(Layer { width: MARK_WIDTH, hidden_opacity: 1.0, ..marks });
+    }
+    layers
 }

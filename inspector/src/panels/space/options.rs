@@ -106,6 +106,8 @@ pub struct SpaceOptions {
     pub ends: bool,
     /// Heads at the ends of the rays, if rays are shown.
     pub arrows: bool,
+    /// The path of the selected ray through all bounces; that of the middle one while none is selected.
+    pub path: bool,
     /// Touched cells of the length table as boxes.
     pub cells: bool,
     /// How many of them at most, those of most rays first.
@@ -169,6 +171,7 @@ impl Default for SpaceOptions {
             rays: false,
             ends: false,
             arrows: false,
+            path: false,
             cells: false,
             cell_count: 400,
             capsules: false,

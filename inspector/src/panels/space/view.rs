@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use formats::manifest::QueueId;
+use formats::ray::Kind;
 use serde::{Deserialize, Serialize};
 
 use super::layers::{Layers, RayValues};
@@ -63,7 +64,7 @@ type Locked = ([u8; 32], QueueId, ColourBy, (f32, f32));
 pub(in crate::panels) const RATIOS: ValueRange = ValueRange { low: -2.0, high: 2.0 };
 
 /// What sessions keep of a view.
-#[derive(Deserialize, Serialize)]
+#[derive(Default, Deserialize, Serialize)]
 pub(crate) struct SpaceState {
     options: SpaceOptions,
     camera: Option<Camera>,
@@ -191,7 +192,12 @@ impl SpaceView {
         let cells = self.layers.cells().map(|(_, shown)| format!("{} cells", count(shown as u64)));
         let passing = self.layers.passing.filter(|_| rays.is_some());
         let passing = passing.map(|rays| format!("{} pass the filter", count(rays as u64)));
-        let parts: Vec<String> = [rays, passing, jumps, capsules, cells].into_iter().flatten().collect();
+        let path = self.layers.path().map(|path| {
+            let shadow = path.iter().filter(|ray| ray.queue.kind == Kind::Shadow).count();
+            format!("a path of {} rays, {shadow} of them to lights (thin)", path.len())
+        });
+        let parts: Vec<String> =
+            [rays, passing, jumps, capsules, cells, path].into_iter().flatten().collect();
         if parts.is_empty() {
             "showing the scene alone".to_owned()
         } else {

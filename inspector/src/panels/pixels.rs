@@ -41,26 +41,29 @@ const COLOURS: [(Quantity, &str); 8] = [
 /// leaves, and the colours.
 type Wanted = (u64, Option<(Arc<Expression>, GroupWidth, bool)>, Range<usize>, (Quantity, GroupWidth), bool);
 
-pub(super) struct OrderPanel {
+pub(super) struct PixelsPanel {
     colouring: Quantity,
     picture: Picture<Wanted>,
 }
 
-impl Default for OrderPanel {
+impl Default for PixelsPanel {
     fn default() -> Self {
         Self { colouring: Quantity::Place, picture: Picture::default() }
     }
 }
 
-impl Panel for OrderPanel {
+impl Panel for PixelsPanel {
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         let Some(order) = found(ui, context.order()) else { return };
-        ui.horizontal_wrapped(|ui| {
-            for (quantity, about) in COLOURS {
-                ui.selectable_value(&mut self.colouring, quantity, quantity.name()).on_hover_text(about);
-            }
-            ui.weak(format!("{} by {}", counted(order.len() as u64, "ray", "rays"), order.method));
-        });
+        if !context.is_bare {
+            ui.horizontal_wrapped(|ui| {
+                for (quantity, about) in COLOURS {
+                    ui.selectable_value(&mut self.colouring, quantity, quantity.name()).on_hover_text(about);
+                }
+            });
+        }
+        let rays = counted(order.len() as u64, "ray", "rays");
+        ui.weak(format!("{}, {rays} by {}", self.colouring.name(), order.method));
         let filtered = context.filtered(&order);
         let Some(plane) = context.recording().map(Recording::image_plane) else { return };
         let Some(numbers) = context.numbers(order.clone()) else { return };
@@ -85,7 +88,7 @@ impl Panel for OrderPanel {
             .allocate_ui((ui.available_size() - egui::vec2(0.0, lines)).max(egui::Vec2::ZERO), |ui| {
                 let colouring = self.colouring;
                 let make = move || pixels((&numbers, &filtered, &played), plane, colouring, theme);
-                self.picture.show(ui, context.waker(), ("order", key), plane.size(), make)
+                self.picture.show(ui, context.waker(), ("pixels", key), plane.size(), make)
             })
             .inner;
         // The ray of a pixel, or else of the nearest one whose path is still alive.
