@@ -85,6 +85,7 @@ Examples:
   inspector shot sponza.raydump --view order --bounce 2 --method two-point --out order.png
   inspector shot sponza.raydump --view capsules --method costa --set mesh=ghost --out capsules.png
   inspector shot sponza.raydump --view window --size 2560x1440 --scale 2 --theme light --out window.png
+  inspector shot sponza.raydump --view capsules --film orbit --frames 240 --out film.png    film-0000.png and so on
   inspector shot --session view.json --view order --out view.png         as it was saved in the window
   inspector shot other.raydump --session view.json --out other.png       the same of another recording
   inspector shot sponza.raydump --view order --set mesh=wire --set clip_at=0.5 --camera \"0.5 0.2 0.3 1.2 -0.3 0.8\" --out c.png

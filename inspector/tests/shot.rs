@@ -240,6 +240,31 @@ fn a_session_is_drawn_with_changes_and_of_another_recording() {
     assert!(draw(Some(&other), &session) == drawn, "it takes the place of the session's");
 }
 
+#[test]
+fn a_film_is_a_picture_for_each_step() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = sample::write(folder.path());
+    let picture = |name: &str, more: &[&str]| {
+        let out = folder.path().join(format!("{name}.png"));
+        let usual = ["shot", "--view", "rays", "--size", "320x240", "--out", out.to_str().unwrap()];
+        let output = inspector(&[&usual[..], more].concat(), &dump).output().unwrap();
+        assert!(output.status.success(), "{more:?}: {}", text(&output));
+    };
+    let read = |name: &str| std::fs::read(folder.path().join(format!("{name}.png"))).unwrap();
+    for film in ["scrub", "orbit"] {
+        picture(film, &["--film", film, "--frames", "4"]);
+        let frames: Vec<_> = (0..4).map(|frame| read(&format!("{film}-{frame:04}"))).collect();
+        assert!(frames.windows(2).all(|pair| pair[0] != pair[1]), "{film} stands still");
+        assert!(!folder.path().join(format!("{film}-0004.png")).exists());
+        picture("still", if film == "scrub" { &["--set", "until=0.5"] } else { &[] });
+        assert!(frames[if film == "scrub" { 1 } else { 0 }] == read("still"), "{film} is of something else");
+    }
+    let out = folder.path().join("no.png");
+    let arguments = ["shot", "--view", "timings", "--film", "orbit", "--out", out.to_str().unwrap()];
+    let output = inspector(&arguments, &dump).output().unwrap();
+    assert!(text(&output).contains("a film is of the scene"), "{}", text(&output));
+}
+
 /// With all Vulkan drivers hidden, only what draws in a window fails, and says why.
 #[cfg(target_os = "linux")]
 #[test]

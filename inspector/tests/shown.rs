@@ -95,6 +95,36 @@ fn capsules_are_those_of_some_groups_while_none_is_selected() {
     assert_eq!(count(&mut context), 1);
 }
 
+/// Against all pairs of rays.
+#[test]
+fn near_rays_have_the_colour_of_their_mean() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let order = context.awaited_order().unwrap();
+    let colour_by = ColourBy::try_from("place".to_owned()).unwrap();
+    let options = SpaceOptions { ends: true, colour_by, near_mean: true, detail: 1000, ..nothing() };
+    let drawn = layers(&mut context, &options);
+    let marks = drawn.iter().find(|layer| layer.stage == Stage::Marks).unwrap();
+    let Shape::Segments(marks) = marks.geometry.shape() else { panic!("marks are at lines") };
+    let cell = |place: usize| {
+        order
+            .queue
+            .segment(order.places.ray(place))
+            .end
+            .map(|along| (along * (order.len() as f64 / 10.0).sqrt()) as i32)
+    };
+    let mean = |place: usize| {
+        let near: Vec<usize> = (0..order.len()).filter(|&other| cell(other) == cell(place)).collect();
+        near.iter().sum::<usize>() as f64 / near.len() as f64
+    };
+    assert_eq!(marks.len(), order.len());
+    let is_other = (0..order.len()).filter(|&place| {
+        assert!((f64::from(marks[place][0].value) - mean(place)).abs() < 1e-3, "place {place}");
+        mean(place) != place as f64
+    });
+    assert!(is_other.count() > 0, "no rays end near each other");
+}
+
 #[test]
 fn what_is_not_selected_fades_to_a_tenth() {
     let folder = tempfile::tempdir().unwrap();

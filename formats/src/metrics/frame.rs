@@ -183,7 +183,9 @@ impl Frame {
     /// What the numbers mean, in a sentence.
     fn meaning(&self) -> String {
         let known = || self.rows.iter().filter_map(|row| Some((row, row.net?)));
-        let Some((best, net)) = known().next() else {
+        // One that surely pays goes before one that gains more, perhaps by chance.
+        let pays = known().find(|(row, _)| row.verdict == PAYS);
+        let Some((best, net)) = pays.or_else(|| known().next()) else {
             return "Nothing says what sorting costs here: no method with a net speedup was measured."
                 .to_owned();
         };
@@ -310,6 +312,10 @@ mod tests {
         let pays = meaning(speedup(1.25, 1.125, 1.5), PAYS);
         assert!(pays.starts_with("Sorting pays: with aila") && pays.contains("1.25 times"), "{pays}");
         assert!(pays.contains("1 of 2 methods; one costs more"), "{pays}");
+        let sure = row("sure", speedup(1.1, 1.05, 1.15), PAYS);
+        let rows = vec![row("lucky", speedup(1.2, 0.7, 1.7), "level"), sure];
+        let said = Frame { unsorted: [None; 2], rows }.meaning();
+        assert!(said.starts_with("Sorting pays: with sure"), "{said}");
         assert!(meaning(speedup(1.25, 0.9, 1.5), "level").starts_with("Sorting is not shown to pay"));
         assert!(meaning(speedup(0.9, 0.85, 0.95), COSTS).starts_with("Sorting does not pay"));
         assert!(meaning(Some(Speedup { ratio: 2.0, interval: None }), "").contains("fewer than 6 repeats"));

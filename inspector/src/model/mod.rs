@@ -7,7 +7,8 @@
 //! - [`history`]: selections to go back to
 //! - [`groups`]: capsules, direction spread and lane utilisation of each group of an order
 //! - [`numbers`]: what the numbers of an order's rays are read from; [`colour_by`]: what colours stand for
-//! - [`key`]: a key field by field; [`jumps`]: the longest jumps of an order
+//! - [`key`]: a key field by field; [`jumps`]: the longest jumps of an order;
+//!   [`neighbours`]: means over rays that end near each other
 //! - [`filter`]: which rays are shown
 //! - [`rows`]: the rays that pass, sorted by any of their numbers; [`estimates`]: the length table against
 //!   the lengths that were traced
@@ -34,6 +35,7 @@ pub mod history;
 pub mod image_plane;
 pub mod jumps;
 pub mod key;
+pub mod neighbours;
 pub mod numbers;
 pub mod order;
 pub mod path;

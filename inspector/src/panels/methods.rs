@@ -2,7 +2,7 @@
 
 use egui::{Align, Label, Layout, RichText, Ui, pos2, vec2};
 use egui_extras::{Column, TableBuilder, TableRow};
-use formats::key::method::UNSORTED;
+use formats::key::method::{CONTROL, UNSORTED};
 
 use super::notes::{hint, swatch};
 use crate::analysis::Metric;
@@ -123,7 +123,8 @@ fn cells(row: &mut TableRow<'_, '_>, order: &RankedOrder, context: &Context) {
     });
     row.col(|ui| {
         swatch(ui, style);
-        let name = if is_b { RichText::new(&order.method).strong() } else { RichText::new(&order.method) };
+        let name = RichText::new(if order.method == CONTROL { "control: 1 is right" } else { &order.method });
+        let name = if is_b { name.strong() } else { name };
         ui.add(Label::new(name).selectable(false).truncate()).on_hover_text(about(context, &order.method));
     });
     for of in [&order.net, &order.trace] {

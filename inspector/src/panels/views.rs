@@ -50,7 +50,7 @@ pub(crate) const PRESETS: [Preset; 5] = [
         name: "cost",
         title: "Cost",
         about: "Which rays and surfaces cost most?",
-        settings: &["curve=false", "ends=true", "detail=4194304", "colour_by=nodes", "map=magma"],
+        settings: &["curve=false", "ends=true", "detail=4194304", "colour_by=nodes", "near_mean=true"],
     },
     Preset {
         name: "table",
@@ -62,7 +62,7 @@ pub(crate) const PRESETS: [Preset; 5] = [
         name: "paths",
         title: "Paths",
         about: "Where does a path go, through all bounces and to the lights?",
-        settings: &["curve=false", "path=true", "mesh=ghost", "stand_point=overview"],
+        settings: &["curve=false", "path=true", "mesh=ghost", "stand_point=path"],
     },
 ];
 

@@ -41,10 +41,11 @@ pub fn cell_box(options: &Options, cell: u32) -> Option<Corners> {
 }
 
 /// The boxes in which the rays of a table's touched cells start, those of most rays first and at most `most`,
-/// with the mean length of their rays; and the range of these. Cells that differ in direction alone share a box.
-pub fn cells(options: &Options, queue: &Queue, most: usize) -> (Geometry, ValueRange) {
+/// with the mean length of their rays; the range of these; and how many boxes there are. Cells that differ in direction
+/// alone share one.
+pub fn cells(options: &Options, queue: &Queue, most: usize) -> (Geometry, ValueRange, usize) {
     let (Some(layout), Ok(touched)) = (table_layout(options), &queue.cells) else {
-        return (boxes(std::iter::empty()).into(), ValueRange { low: 0.0, high: 1.0 });
+        return (boxes(std::iter::empty()).into(), ValueRange { low: 0.0, high: 1.0 }, 0);
     };
     // Corners are not negative, so their bits sort as they do.
     let mut of_origin: BTreeMap<[[u32; 3]; 2], (u64, u64)> = BTreeMap::new();
@@ -54,6 +55,7 @@ pub fn cells(options: &Options, queue: &Queue, most: usize) -> (Geometry, ValueR
         *found = (found.0 + u64::from(cell.count), found.1.saturating_add(cell.sum));
     }
     let mut found: Vec<_> = of_origin.into_iter().collect();
+    let all = found.len();
     found.sort_by_key(|(_, (count, _))| std::cmp::Reverse(*count));
     found.truncate(most);
     let mean = |(count, sum): (u64, u64)| (sum as f64 / LENGTH_UNIT / count.max(1) as f64) as f32;
@@ -64,7 +66,7 @@ pub fn cells(options: &Options, queue: &Queue, most: usize) -> (Geometry, ValueR
             .into_iter()
             .map(|([low, high], sums)| ((low.map(f32::from_bits), high.map(f32::from_bits)), mean(sums))),
     );
-    (shape.into(), range)
+    (shape.into(), range, all)
 }
 
 /// Parts of a unit length that sums of the length table count.

@@ -10,7 +10,7 @@ use egui_kittest::Harness;
 use egui_wgpu::RenderState;
 use serde::Serialize;
 
-use super::Shot;
+use super::{Film, Shot};
 use crate::app::App;
 use crate::model::background::Waker;
 use crate::output::{print, print_json};
@@ -66,6 +66,8 @@ impl Shot {
         let (measured, lacking) = self.draw()?;
         if self.json {
             print_json(&measured)?;
+        } else if self.film.is_some() {
+            print(&format!("{} pictures beside {}", self.frames, self.out.display()))?;
         } else if self.out.is_file() {
             // The picture itself may have gone to standard output.
             print(&self.out.display().to_string())?;
@@ -108,7 +110,10 @@ impl Shot {
         if let Some(error) = errors.take().first() {
             bail!("the GPU cannot draw the picture: {error}");
         }
-        png_file::write(&self.out, size, &rgba)?;
+        match self.film {
+            None => png_file::write(&self.out, size, &rgba)?,
+            Some(film) => self.draw_film(film, &mut harness, &state)?,
+        }
         times.sort_by(f64::total_cmp);
         let measured = Measured {
             file: self.out.clone(),
@@ -123,6 +128,33 @@ impl Shot {
             memory: memory(),
         };
         Ok((measured, lacking))
+    }
+}
+
+impl Shot {
+    /// Writes the pictures of a film.
+    fn draw_film(
+        &self,
+        film: Film,
+        harness: &mut Harness<'_, Drawn>,
+        state: &RenderState,
+    ) -> anyhow::Result<()> {
+        let name = self.out.file_stem().unwrap_or_default().to_string_lossy();
+        for frame in 0..self.frames {
+            let space = harness.state_mut().space().context("a film is of the scene; --view order is one")?;
+            match (film, space.camera) {
+                (Film::Scrub, _) => space.options.until = (frame + 1) as f32 / self.frames as f32,
+                (Film::Orbit, Some(mut camera)) if frame > 0 => {
+                    camera.orbit(std::f32::consts::TAU / self.frames as f32, 0.0);
+                    space.look_from(Some(camera));
+                }
+                (Film::Orbit, _) => {}
+            }
+            settle(harness);
+            let (size, rgba) = patiently(harness, state)?;
+            png_file::write(&self.out.with_file_name(format!("{name}-{frame:04}.png")), size, &rgba)?;
+        }
+        Ok(())
     }
 }
 

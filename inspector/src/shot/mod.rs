@@ -82,9 +82,24 @@ pub(crate) struct Shot {
     /// Draws the buttons of a panel, too.
     #[arg(long)]
     chrome: bool,
+    /// Draws a film: P-0000.png, P-0001.png and so on, for ffmpeg and its like.
+    #[arg(long, value_enum)]
+    film: Option<Film>,
+    /// Pictures of the film.
+    #[arg(long, value_name = "N", default_value_t = 120, requires = "film", value_parser = clap::value_parser!(u32).range(2..=9999))]
+    frames: u32,
     /// Print one JSON object with times, of frames while the slider goes along the order too, and memory.
     #[arg(long)]
     json: bool,
+}
+
+/// What moves in a film.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Film {
+    /// The playhead, along the order.
+    Scrub,
+    /// The camera, once around what it looks at.
+    Orbit,
 }
 
 impl Shot {

@@ -83,14 +83,15 @@ fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
     let own = layers.ray_values.as_ref();
     let has_values = !matches!(by, ColourBy::Quantity(Quantity::Place | Quantity::Bounce)) || own.is_some();
     let values = layers.values().filter(|_| has_values);
-    let title = own.map_or_else(|| by.title(), |values| values.title.to_owned());
+    let near = if options.near_mean { ", mean over rays that end near each other" } else { "" };
+    let title = own.map_or_else(|| by.title() + near, |values| values.title.to_owned());
     let title = title.as_str();
     let rays =
         range.filter(|_| options.shows_rays()).map(|range| Bar { range, map, logarithm, title, values });
     let bar = |range, title, logarithm| Bar { range, map: options.map, logarithm, title, values: None };
     let areas = bar(AREAS, "capsule area, unit space", Some(10.0));
     let areas = options.capsules.then_some(areas);
-    let cells = layers.cells().map(|(range, _)| bar(range, "mean length in the cell, unit lengths", None));
+    let cells = layers.cells().map(|(range, ..)| bar(range, "mean length in the cell, unit lengths", None));
     let path = layers.path().map(|_| bar(BOUNCES, "bounce", None));
     let others: Vec<Bar<'_>> = areas.into_iter().chain(cells).chain(path).collect();
     let count = others.len() + usize::from(rays.is_some());
@@ -113,7 +114,12 @@ fn ray_bar(ui: &mut Ui, options: &mut SpaceOptions, width: f32, bar: &Bar<'_>) {
         colour_bar(ui, width, bar, bar.range);
         return;
     };
-    let across = ValueRange { low: bar.range.low.min(all.low), high: bar.range.high.max(all.high) };
+    // Few values that are far away would leave no room for the others.
+    let beyond = 0.25 * (bar.range.high - bar.range.low);
+    let across = ValueRange {
+        low: bar.range.low.min(all.low.max(bar.range.low - beyond)),
+        high: bar.range.high.max(all.high.min(bar.range.high + beyond)),
+    };
     let response = colour_bar(ui, width, bar, across);
     let response = response.on_hover_text("Drag an end of the range; double click for percentiles");
     let rect = response.rect;

@@ -63,6 +63,8 @@ fn colours(ui: &mut Ui, options: &mut SpaceOptions, context: &mut Context) {
         // A range of other numbers says nothing of these.
         options.range = None;
     }
+    ui.checkbox(&mut options.near_mean, "Mean over near rays")
+        .on_hover_text("Of about ten that end near each other");
     let maps = ColourMap::ALL.map(|map| (map, map.name().to_owned(), None));
     choose(ui, ("colour map", options.map.name()), &mut options.map, maps);
 }

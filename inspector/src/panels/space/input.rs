@@ -4,7 +4,7 @@ use egui::{Key, PointerButton, Response, Ui};
 use glam::Vec3;
 
 use super::options::{Navigation, StandPoint};
-use super::view::{SpaceView, stand};
+use super::view::{SpaceView, bounds, stand};
 use crate::model::{Context, Order};
 use crate::render::camera::Camera;
 
@@ -22,6 +22,7 @@ pub(super) fn take(ui: &Ui, response: &Response, view: &mut SpaceView, context: 
     let Some(recording) = context.recording() else { return };
     let at = context.selection.recording;
     let mut camera = view.camera_in(at, recording);
+    let before = camera;
     drag(ui, response, view.options.navigation, &mut camera);
     if response.hovered() {
         let scroll = ui.input(|input| input.smooth_scroll_delta.y);
@@ -31,7 +32,9 @@ pub(super) fn take(ui: &Ui, response: &Response, view: &mut SpaceView, context: 
     if response.hovered() && !ui.ctx().egui_wants_keyboard_input() {
         keys(ui, &mut camera, view, context);
     }
-    view.place(at, camera);
+    if camera != before {
+        view.place(at, camera);
+    }
     if response.clicked()
         && let Some(pointer) = response.interact_pointer_pos()
         && let Ok(order) = context.order()
@@ -97,7 +100,8 @@ fn keys(ui: &Ui, camera: &mut Camera, view: &mut SpaceView, context: &mut Contex
     }
     if pressed(Key::F) {
         let scene = context.recording().map(|open| (Vec3::ZERO, Vec3::from(open.unit().sides)));
-        if let Some((low, high)) = selected_box(context).or(scene) {
+        let path = view.layers.path().and_then(|path| bounds(path.iter().map(|ray| ray.segment)));
+        if let Some((low, high)) = path.or_else(|| selected_box(context)).or(scene) {
             camera.frame(low, high);
         }
     }
@@ -114,11 +118,7 @@ fn selected_box(context: &mut Context) -> Option<(Vec3, Vec3)> {
         (None, Some(ray)) => vec![ray],
         (None, None) => return None,
     };
-    let points = rays.iter().flat_map(|&ray| {
-        let segment = order.queue.segment(ray);
-        [segment.origin, segment.end].map(|point| Vec3::from(point.map(|along| along as f32)))
-    });
-    points.map(|point| (point, point)).reduce(|(low, high), (from, to)| (low.min(from), high.max(to)))
+    bounds(rays.into_iter().map(|ray| order.queue.segment(ray)))
 }
 
 /// The ray shown whose origin, or whose line if rays are drawn, is nearest to the pointer.

@@ -19,6 +19,7 @@ use crate::model::colour_by::ColourBy;
 use crate::model::derived::{Filtered, Grouped};
 use crate::model::filter::{Expression, Passing};
 use crate::model::jumps;
+use crate::model::neighbours::take_means;
 use crate::model::numbers::Numbers;
 use crate::model::path::PathRay;
 use crate::model::selection::Playhead;
@@ -68,6 +69,7 @@ struct Wanted {
     ends: bool,
     cells: Option<usize>,
     colour_by: ColourBy,
+    near_mean: bool,
     /// The numbers in place of `colour_by`, if there are any, by their own number.
     values: Option<u64>,
     capsules: Option<(CapsuleChoice, usize, Option<usize>)>,
@@ -96,7 +98,8 @@ struct Made {
     ends: Option<Geometry>,
     /// Capsules, their axes, and how many groups there are.
     capsules: Option<([Geometry; 2], usize)>,
-    cells: Option<(Geometry, ValueRange)>,
+    /// Cells, the range of their colours, and how many there are.
+    cells: Option<(Geometry, ValueRange, usize)>,
     values: Values,
 }
 
@@ -170,10 +173,11 @@ impl Layers {
         self.selected.as_ref()?.0.path.as_deref()
     }
 
-    /// The range of the numbers that cells are coloured by, and how many cells there are; none if none are shown.
-    pub(super) fn cells(&self) -> Option<(ValueRange, usize)> {
-        let (cells, range) = self.made.as_ref()?.1.cells.as_ref()?;
-        Some((*range, cells.shape().len()))
+    /// The range of the numbers that cells are coloured by, how many of them are shown, and of how many; none if none
+    /// are.
+    pub(super) fn cells(&self) -> Option<(ValueRange, usize, usize)> {
+        let (cells, range, all) = self.made.as_ref()?.1.cells.as_ref()?;
+        Some((*range, cells.shape().len(), *all))
     }
 
     /// The numbers behind the colours of the rays shown.
@@ -217,6 +221,7 @@ impl Layers {
             ends: options.ends,
             cells: options.cells.then_some(options.cell_count),
             colour_by: options.colour_by,
+            near_mean: options.near_mean,
             values: self.ray_values.as_ref().map(|values| values.id),
             capsules: options.capsules.then(|| {
                 let choice = options.capsule_choice;
@@ -301,7 +306,7 @@ impl Layers {
         let translucent = |geometry, stage, range, rest| {
             Layer::of(geometry, stage, Paint::Values(options.map, range), rest * options.capsule_opacity)
         };
-        let cells = made.cells.iter().map(|(cells, range)| translucent(cells, Stage::Boxes, *range, rest));
+        let cells = made.cells.iter().map(|(cells, range, _)| translucent(cells, Stage::Boxes, *range, rest));
         let of_selected = wanted.capsules.is_some_and(|(choice, ..)| choice == CapsuleChoice::Selected);
         let of_rest = if of_selected { 1.0 } else { rest };
         let capsules = made.capsules.iter().flat_map(|([capsules, axes], _)| {
@@ -357,7 +362,10 @@ impl Made {
             let value = |place| values.of_ray.get(order.places.ray(place)).copied().unwrap_or(f32::NAN);
             places.map(value).collect()
         };
-        let all = of(&mut shown.places());
+        let mut all = of(&mut shown.places());
+        if key.near_mean {
+            take_means(order, shown.places(), &mut all);
+        }
         let places = || shown.places().zip(all.iter().copied());
         let is_of_jumps = key.colour_by == ColourBy::Quantity(Quantity::Jump) && values.is_none();
         let jumps = jumps.map(|after| {

@@ -43,6 +43,8 @@ pub enum StandPoint {
     Recorded,
     /// Outside of the scene, which is seen as a whole.
     Overview,
+    /// Outside, near enough for the path that is shown.
+    Path,
 }
 
 /// An axis of unit space.
@@ -131,6 +133,8 @@ pub struct SpaceOptions {
     pub is_playing: bool,
     /// What colours stand for.
     pub colour_by: ColourBy,
+    /// Whether that is the mean over rays that end near each other.
+    pub near_mean: bool,
     /// The colours.
     pub map: ColourMap,
     /// Percentiles of the values at the ends of the colours.
@@ -183,6 +187,7 @@ impl Default for SpaceOptions {
             window: 1.0,
             is_playing: false,
             colour_by: ColourBy::default(),
+            near_mean: false,
             map: ColourMap::Turbo,
             percentiles: (2.0, 98.0),
             range: None,

@@ -3,7 +3,9 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use formats::manifest::QueueId;
+use formats::metrics::capsule::Segment;
 use formats::ray::Kind;
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::layers::{Layers, RayValues};
@@ -93,8 +95,19 @@ impl SpaceView {
     pub(super) fn camera_in(&mut self, at: usize, recording: &Recording) -> Camera {
         let stands_here = self.stands_in.is_none_or(|known| known == at);
         let camera = self.camera.filter(|_| stands_here);
-        let camera = camera.unwrap_or_else(|| stand(self.options.stand_point, recording));
-        self.place(at, camera);
+        let path = self.layers.path().and_then(|path| bounds(path.iter().map(|ray| ray.segment)));
+        let is_awaited = self.options.stand_point == StandPoint::Path && path.is_none();
+        let first = || {
+            let mut camera = stand(self.options.stand_point, recording);
+            if let Some((low, high)) = path.filter(|_| self.options.stand_point == StandPoint::Path) {
+                camera.frame(low, high);
+            }
+            camera
+        };
+        let camera = camera.unwrap_or_else(first);
+        if !is_awaited {
+            self.place(at, camera);
+        }
         camera
     }
 
@@ -189,7 +202,9 @@ impl SpaceView {
             let why = if is_instead { ", spread over the order as no group is selected" } else { "" };
             format!("{} of {} capsules{why}", count(shown as u64), count(all as u64))
         });
-        let cells = self.layers.cells().map(|(_, shown)| format!("{} cells", count(shown as u64)));
+        let cells = self.layers.cells();
+        let cells =
+            cells.map(|(_, shown, all)| format!("{} of {} cells", count(shown as u64), count(all as u64)));
         let passing = self.layers.passing.filter(|_| rays.is_some());
         let passing = passing.map(|rays| format!("{} pass the filter", count(rays as u64)));
         let path = self.layers.path().map(|path| {
@@ -288,11 +303,19 @@ pub fn cut(options: &SpaceOptions, sides: [f32; 3]) -> Cut {
     Cut { normal, offset: direction * options.clip_at * sides[axis] }
 }
 
+/// The lowest and the highest corner of the box around some rays; `None` for none.
+pub(super) fn bounds(segments: impl Iterator<Item = Segment>) -> Option<(Vec3, Vec3)> {
+    let points = segments.flat_map(|segment| {
+        [segment.origin, segment.end].map(|point| Vec3::from(point.map(|along| along as f32)))
+    });
+    points.map(|point| (point, point)).reduce(|(low, high), (from, to)| (low.min(from), high.max(to)))
+}
+
 /// The camera of a stand point.
 pub(super) fn stand(point: StandPoint, recording: &Recording) -> Camera {
     let unit = recording.unit();
     match point {
         StandPoint::Recorded => Camera::recorded(&recording.dump.manifest().header.camera, &unit),
-        StandPoint::Overview => Camera::overview(unit.sides),
+        StandPoint::Overview | StandPoint::Path => Camera::overview(unit.sides),
     }
 }
