@@ -50,7 +50,7 @@ pub(crate) const PRESETS: [Preset; 5] = [
         name: "cost",
         title: "Cost",
         about: "Which rays and surfaces cost most?",
-        settings: &["curve=false", "ends=true", "detail=4194304", "colour_by=nodes", "near_mean=true"],
+        settings: &["curve=false", "ends=true", "detail=200000", "colour_by=nodes", "near_mean=true"],
     },
     Preset {
         name: "table",

@@ -19,6 +19,8 @@ const BAR: f32 = 12.0;
 /// Parts of the histogram above it.
 const BINS: usize = 96;
 const BINS_HEIGHT: f32 = 18.0;
+/// Width from which sliders have names, points.
+const NAMES_FROM: f32 = 440.0;
 /// Of the order, each second that it plays.
 const PLAYED_PER_SECOND: f32 = 0.08;
 
@@ -49,13 +51,16 @@ fn slider(ui: &mut Ui, options: &mut SpaceOptions) {
                 options.until = 0.0;
             }
         }
-        let rest = (ui.available_width() - 380.0).max(40.0);
-        ui.spacing_mut().slider_width = rest;
-        ui.add(Slider::new(&mut options.until, 0.0..=1.0).text("playhead").fixed_decimals(3))
+        let (is_wide, room) = (ui.available_width() > NAMES_FROM, ui.available_width());
+        let named = |name| if is_wide { name } else { "" };
+        ui.spacing_mut().slider_width = (room - if is_wide { 380.0 } else { 220.0 }).max(30.0);
+        ui.add(Slider::new(&mut options.until, 0.0..=1.0).text(named("playhead")).fixed_decimals(3))
             .on_hover_text("Where in the order the rays shown end");
         ui.spacing_mut().slider_width = 60.0;
-        ui.add(Slider::new(&mut options.window, 0.001..=1.0).logarithmic(true).text("shown before it"))
-            .on_hover_text("How much of the order before that is shown");
+        ui.add(
+            Slider::new(&mut options.window, 0.001..=1.0).logarithmic(true).text(named("shown before it")),
+        )
+        .on_hover_text("How much of the order before that is shown");
     });
     if options.is_playing {
         options.until += PLAYED_PER_SECOND * ui.input(|input| input.stable_dt).min(0.1);
