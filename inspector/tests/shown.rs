@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use formats::manifest::{MethodArray, Place, QueueArray, QueueId};
 use formats::metrics::capsule::Segment;
 use formats::ray::Kind;
@@ -262,4 +262,37 @@ fn properties_stay_open_and_a_picture_has_no_buttons() {
         assert!(!reads(&harness, button), "{button} is in the picture");
     }
     assert!(reads(&harness, "aila"), "the picture does not say what it is of");
+}
+
+/// What is said of a ray is said of the one that a click selects.
+#[test]
+fn what_the_pointer_is_on_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("scene", opened(folder.path()));
+    harness.get_by_label("Cost").click();
+    settle(&mut harness);
+    let mut said = 0;
+    for at in (0..120).map(|at| egui::pos2(60.0 + 40.0 * (at % 20) as f32, 150.0 + 70.0 * (at / 20) as f32)) {
+        harness.event(egui::Event::PointerMoved(at));
+        harness.run_steps(8);
+        let tip = harness.query_all_by_label_contains(" at place ").last().map(|tip| {
+            let node = tip.accesskit_node();
+            node.label().or(node.value()).unwrap()
+        });
+        for pressed in [true, false] {
+            let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
+            harness.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers });
+            harness.step();
+        }
+        let context = &mut harness.state_mut().context;
+        let order = context.awaited_order().unwrap();
+        let selected = context.selection.ray;
+        let expected = selected.map(|ray| format!("ray {ray} at place {}, ", order.place_of_ray()[ray]));
+        assert_eq!(tip.is_some(), expected.is_some(), "{tip:?} {expected:?}");
+        if let (Some(tip), Some(expected)) = (tip, expected) {
+            assert!(tip.starts_with(&expected), "{tip}, expected {expected}");
+            said += 1;
+        }
+    }
+    assert!(said > 1, "the pointer was on {said} rays");
 }

@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 
 use crate::analysis::GroupWidth;
 use crate::figures::style::COLOURS;
-use crate::model::{Absent, Context};
+use crate::model::key::{ReadKey, field_text};
+use crate::model::{Absent, Context, Order};
+use crate::output::count;
 use crate::theme::Theme;
 
 /// A name with its colour before it.
@@ -106,6 +108,22 @@ pub(crate) fn choose<T: PartialEq>(
         }
     });
     is_other
+}
+
+/// A ray in three lines: its place and pixel, what it cost, its key.
+pub(super) fn about_ray(order: &Order, ray: usize) -> String {
+    let Some(&place) = order.place_of_ray().get(ray) else { return String::new() };
+    let place = format!("ray {} at place {}", count(ray as u64), count(u64::from(place)));
+    let work = order.queue.work.as_ref().ok().and_then(|work| work.get(ray));
+    let work =
+        work.map_or(String::new(), |work| format!(", {} nodes, {} triangles", work.nodes, work.triangles));
+    match ReadKey::of(order, ray) {
+        Ok(key) => {
+            let fields: Vec<String> = key.fields.iter().map(field_text).collect();
+            format!("{place}{work}\nkey {}\n{}", key.hexadecimal(), fields.join("   "))
+        }
+        Err(reason) => format!("{place}{work}\n{reason}"),
+    }
 }
 
 /// The names of columns, and what they are.

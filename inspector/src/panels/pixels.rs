@@ -8,7 +8,7 @@ use formats::metrics::quantity::Quantity;
 use rayon::prelude::*;
 use serde::de::Error as _;
 
-use super::notes::{found, missing};
+use super::notes::{about_ray, found, missing};
 use super::picture::{DrawnPicture, Picture};
 use crate::analysis::GroupWidth;
 use crate::colour_map::ColourMap;
@@ -16,10 +16,10 @@ use crate::model::colour_by::ColourBy;
 use crate::model::derived::Filtered;
 use crate::model::filter::Expression;
 use crate::model::image_plane::ImagePlane;
-use crate::model::key::{ReadKey, field_text};
+use crate::model::key::ReadKey;
 use crate::model::numbers::Numbers;
 use crate::model::{Context, Order, Recording};
-use crate::output::{count, counted};
+use crate::output::counted;
 use crate::panels::data::Data;
 use crate::panels::panel::Panel;
 use crate::render::range::{ValueRange, Values};
@@ -99,7 +99,7 @@ impl Panel for PixelsPanel {
         }
         mark(ui, &shown, context, &order, plane);
         if let Some(ray) = under_pointer.or(context.selection.ray) {
-            describe(ui, &order, ray);
+            ui.small(about_ray(&order, ray));
         }
     }
 
@@ -186,17 +186,4 @@ fn mark(ui: &egui::Ui, shown: &DrawnPicture, context: &Context, order: &Order, p
     if let Some(centre) = chosen.and_then(at) {
         ui.painter().circle_stroke(centre, 6.0, egui::Stroke::new(1.5, colour));
     }
-}
-
-fn describe(ui: &mut egui::Ui, order: &Order, ray: usize) {
-    let Some(&place) = order.place_of_ray().get(ray) else { return };
-    let place = format!("ray {} at place {}", count(ray as u64), count(u64::from(place)));
-    let text = match ReadKey::of(order, ray) {
-        Ok(key) => {
-            let fields: Vec<String> = key.fields.iter().map(field_text).collect();
-            format!("{place}: key {}\n{}", key.hexadecimal(), fields.join("   "))
-        }
-        Err(reason) => format!("{place}: {reason}"),
-    };
-    ui.small(text);
 }

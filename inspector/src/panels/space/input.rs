@@ -6,6 +6,7 @@ use glam::Vec3;
 use super::options::{Navigation, StandPoint};
 use super::view::{SpaceView, bounds, stand};
 use crate::model::{Context, Order};
+use crate::panels::notes::about_ray;
 use crate::render::camera::Camera;
 
 /// Radians for each point that the pointer is dragged.
@@ -35,12 +36,17 @@ pub(super) fn take(ui: &Ui, response: &Response, view: &mut SpaceView, context: 
     if camera != before {
         view.place(at, camera);
     }
-    if response.clicked()
-        && let Some(pointer) = response.interact_pointer_pos()
+    if let Some(pointer) = response.hover_pos().or(response.interact_pointer_pos())
+        && !response.dragged()
         && let Ok(order) = context.order()
     {
         let ray = nearest(view, &order, &camera, response, pointer);
-        context.select_ray(ray);
+        if response.clicked() {
+            context.select_ray(ray);
+        }
+        if let Some(ray) = ray {
+            response.clone().on_hover_text_at_pointer(about_ray(&order, ray));
+        }
     }
 }
 
@@ -121,7 +127,7 @@ fn selected_box(context: &mut Context) -> Option<(Vec3, Vec3)> {
     bounds(rays.into_iter().map(|ray| order.queue.segment(ray)))
 }
 
-/// The ray shown whose origin, or whose line if rays are drawn, is nearest to the pointer.
+/// The ray shown whose origin or hit point, or whose line if rays are drawn, is nearest to the pointer.
 fn nearest(
     view: &SpaceView,
     order: &Order,
@@ -139,9 +145,14 @@ fn nearest(
         })
     };
     let away = |ray: usize| {
-        let segment = order.queue.segment(ray);
-        let from = on_screen(segment.origin)?;
-        let to = if view.options.rays { on_screen(segment.end)? } else { from };
+        let (segment, options) = (order.queue.segment(ray), &view.options);
+        let (from, to) = match options.rays {
+            true => (segment.origin, segment.end),
+            // Where hit points are all that is shown, they are what is pointed at.
+            false if options.ends && !options.curve => (segment.end, segment.end),
+            false => (segment.origin, segment.origin),
+        };
+        let (from, to) = (on_screen(from)?, on_screen(to)?);
         let (along, offset) = (to - from, pointer - from);
         let part = (along.dot(offset) / along.length_sq().max(1e-6)).clamp(0.0, 1.0);
         Some((offset - part * along).length())
