@@ -3,7 +3,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+use std::collections::BTreeMap;
+use std::process::Command;
+
 use egui_kittest::kittest::{NodeT, Queryable};
+use formats::hierarchy::Hierarchy;
 use formats::manifest::{MethodArray, Place, QueueArray, QueueId};
 use formats::metrics::capsule::Segment;
 use formats::ray::Kind;
@@ -11,7 +15,7 @@ use formats::reader::{Dump, Loaded};
 use formats::traced::{Results, Traced};
 use inspector::model::Context;
 use inspector::model::colour_by::ColourBy;
-use inspector::panels::space::options::{CapsuleChoice, SpaceOptions};
+use inspector::panels::space::options::{CapsuleChoice, SpaceOptions, VisitChoice};
 use inspector::render::geometry::Shape;
 use inspector::render::picture::{Layer, Stage};
 
@@ -35,7 +39,18 @@ fn nothing() -> SpaceOptions {
     SpaceOptions { curve: false, ..SpaceOptions::default() }
 }
 
-/// Against a sort of all distances from one ray's origin to the next one's.
+/// Prints after which places of an order the longest jumps are, ascending; of equal ones those that come first.
+const LONGEST_JUMPS: &str = r#"
+import sys
+import numpy as np
+
+queue, method, wanted = sys.argv[1], sys.argv[2], int(sys.argv[3])
+origins = np.load(f"{queue}/rays.npy")["origin"][np.load(f"{queue}/{method}/permutation.npy")].astype("f8")
+lengths = np.linalg.norm(np.diff(origins, axis=0), axis=1)
+print(*sorted(np.argsort(-lengths, kind="stable")[:wanted]))
+"#;
+
+/// Against a sort of all distances from one ray's origin to the next one's by NumPy.
 #[test]
 fn the_longest_jumps_are_drawn_in_colours_of_their_own_length() {
     const JUMPS: usize = 5;
@@ -47,10 +62,14 @@ fn the_longest_jumps_are_drawn_in_colours_of_their_own_length() {
         let [here, next] = [origin(place), origin(place + 1)];
         (0..3).map(|axis| (next[axis] - here[axis]).powi(2)).sum::<f64>().sqrt()
     };
-    let mut all: Vec<(f64, usize)> = (0..order.len() - 1).map(|place| (length(place), place)).collect();
-    all.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    let mut expected: Vec<usize> = all[..JUMPS].iter().map(|(_, place)| *place).collect();
-    expected.sort_unstable();
+    let queue = context.recording().unwrap().dump.root().join(context.selection.queue.to_string());
+    let mut python = Command::new(std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into()));
+    python.args(["-c", LONGEST_JUMPS]).arg(queue).args(["aila", &JUMPS.to_string()]);
+    let output = python.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    let expected: Vec<usize> = printed.split_whitespace().map(|place| place.parse().unwrap()).collect();
+    assert_eq!(expected.len(), JUMPS);
     let colour_by = ColourBy::try_from("jump".to_owned()).unwrap();
     let options = SpaceOptions { jumps: JUMPS, detail: 7, colour_by, ..SpaceOptions::default() };
     let drawn = layers(&mut context, &options);
@@ -93,6 +112,44 @@ fn capsules_are_those_of_some_groups_while_none_is_selected() {
     assert_eq!(count(&mut context), groups.min(options.capsule_count));
     context.select_ray(Some(3));
     assert_eq!(count(&mut context), 1);
+}
+
+/// Against the way of each ray of the group through the hierarchy.
+#[test]
+fn boxes_are_drawn_that_a_ray_and_its_group_enter() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let order = context.awaited_order().unwrap();
+    context.select_ray(Some(order.places.ray(0)));
+    let hierarchy = Hierarchy::open(&context.recording().unwrap().dump).unwrap();
+    let mut entered: BTreeMap<Option<usize>, (u32, u32)> = BTreeMap::new();
+    for place in 0..context.selection.group_width.rays().min(order.len()) {
+        let ray = &order.queue.traced.rays()[order.places.ray(place)];
+        for visit in hierarchy.way(ray, order.queue.id.kind).visits {
+            let (rays, is_of_first) = entered.entry(visit.place).or_default();
+            *rays += 1;
+            *is_of_first += u32::from(place == 0);
+        }
+    }
+    let mut values = |visits, visit_levels| -> BTreeMap<u32, usize> {
+        let drawn = layers(&mut context, &SpaceOptions { visits, visit_levels, ..nothing() });
+        let boxes = drawn.iter().rev().find(|layer| layer.stage == Stage::Lines);
+        let Some(Shape::Segments(lines)) = boxes.map(|layer| layer.geometry.shape()) else {
+            return BTreeMap::new();
+        };
+        let mut counts = BTreeMap::new();
+        lines.iter().for_each(|line| *counts.entry(line[0].value as u32).or_default() += 1);
+        counts
+    };
+    // Twelve edges each, by how many rays enter a box, and by level.
+    let mut by_rays: BTreeMap<u32, usize> = BTreeMap::new();
+    entered.values().for_each(|(rays, _)| *by_rays.entry(*rays).or_default() += 12);
+    assert!(by_rays.len() > 1, "all boxes are entered by as many rays: {by_rays:?}");
+    assert_eq!(values(VisitChoice::Group, 32), by_rays);
+    let of_first = entered.values().filter(|(_, is_of_first)| *is_of_first > 0).count();
+    assert_eq!(values(VisitChoice::Ray, 32), BTreeMap::from([(0, 12), (1, 12 * (of_first - 1))]));
+    assert_eq!(values(VisitChoice::Ray, 0), BTreeMap::from([(0, 12)]));
+    assert_eq!(values(VisitChoice::Hidden, 32), BTreeMap::new());
 }
 
 /// Against all pairs of rays.

@@ -20,8 +20,8 @@ const ARROWS: [(&str, &[&str]); 5] = [
 const ROOMS: [(&str, &str); 4] = [
     (
         "formats",
-        "length_table permutation ray text npy unit_space key manifest folder queue_check read_error \
-         array_file files writer reader recover stored_table traced metrics auto bench_result summary \
+        "length_table pages prefetch permutation ray intersect text npy unit_space key manifest folder queue_check read_error \
+         array_file files writer reader recover holes hierarchy stored_table traced metrics auto bench_result summary \
          study verify",
     ),
     (

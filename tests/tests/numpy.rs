@@ -22,10 +22,11 @@ MASK = np.dtype([("texture", "<u4"), ("cutoff", "<f4")])
 TYPES = {
     "positions": "<f4", "uvs": "<f4", "image": "<f4", "distances": "<f4",
     "path_ids": "<u4", "lights": "<u4", "materials": "<u4", "permutation": "<u4",
+    "node_boxes": "<f4", "node_children": "<u4", "leaf_triangles": "<u4",
     "rays": RAY, "hits": HIT, "work": WORK, "lengths": CELL, "final-lengths": CELL, "masks": MASK,
 }
 folder, key_type, width, height = pathlib.Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
-COLUMNS = {"positions": 3, "uvs": 2}
+COLUMNS = {"positions": 3, "uvs": 2, "node_children": 8}
 paths = sorted(folder.rglob("*.npy"))
 for path in paths:
     array = np.load(path, mmap_mode="r")
@@ -40,6 +41,9 @@ for path in paths:
     assert array.offset % 64 == 0, (path, array.offset)
     if name == "image":
         assert array.shape == (height, width, 3), array.shape
+    elif name == "node_boxes":
+        boxes = array.reshape(-1, 8, 2, 3)
+        assert array.shape[1:] == (8, 6) and ((boxes[:, :, 0] < boxes[:, :, 1]) | np.isinf(boxes[:, :, 0])).all(), path
     elif columns is not None:
         assert array.shape[1:] == (columns,), (path, array.shape)
     else:

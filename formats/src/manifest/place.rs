@@ -54,6 +54,12 @@ pub enum SceneArray {
     Uvs,
     /// [`MaterialMask`](crate::npy::MaterialMask) of each material; only with an alpha mask.
     Masks,
+    /// Lowest and highest corner of each child of each node of the hierarchy, f4 (N, 8, 6).
+    NodeBoxes,
+    /// What each child is, u4 (N, 8).
+    NodeChildren,
+    /// Triangle in each leaf slot, u4 (M,).
+    LeafTriangles,
     /// An alpha texture, u1 (H, W).
     Mask(u32),
 }
@@ -155,13 +161,25 @@ impl MethodArray {
 }
 
 impl SceneArray {
-    const NAMED: [(Self, &str); 5] = [
+    const NAMED: [(Self, &str); 8] = [
         (Self::Positions, "positions"),
         (Self::Triangles, "triangles"),
         (Self::Materials, "materials"),
         (Self::Uvs, "uvs"),
         (Self::Masks, "masks"),
+        (Self::NodeBoxes, "node_boxes"),
+        (Self::NodeChildren, "node_children"),
+        (Self::LeafTriangles, "leaf_triangles"),
     ];
+
+    fn dtypes(self) -> &'static [Dtype] {
+        match self {
+            Self::Positions | Self::Uvs | Self::NodeBoxes => &[Dtype::F4],
+            Self::Triangles | Self::Materials | Self::NodeChildren | Self::LeafTriangles => &[Dtype::U4],
+            Self::Masks => &[Dtype::Mask],
+            Self::Mask(_) => &[Dtype::U1],
+        }
+    }
 }
 
 /// A length that is free, or the number of columns that it must be.
@@ -171,6 +189,9 @@ impl Place {
     /// The word among [`Options::keep`](crate::manifest::Options::keep) with which an array is kept.
     pub fn kept_with(&self) -> &'static str {
         match self {
+            Self::Scene(SceneArray::NodeBoxes | SceneArray::NodeChildren | SceneArray::LeafTriangles) => {
+                "hierarchy"
+            }
             Self::Scene(_) => "scene",
             Self::Image => "image",
             Self::Queue(_, QueueArray::Rays | QueueArray::PathIds | QueueArray::Lights) => "rays",
@@ -208,10 +229,7 @@ impl Place {
     fn dtypes(&self) -> &'static [Dtype] {
         match self {
             Self::Image => &[Dtype::F4],
-            Self::Scene(SceneArray::Positions | SceneArray::Uvs) => &[Dtype::F4],
-            Self::Scene(SceneArray::Triangles | SceneArray::Materials) => &[Dtype::U4],
-            Self::Scene(SceneArray::Masks) => &[Dtype::Mask],
-            Self::Scene(SceneArray::Mask(_)) => &[Dtype::U1],
+            Self::Scene(array) => array.dtypes(),
             Self::Queue(_, array) => array.dtypes(),
             Self::Method(_, _, MethodArray::Keys) => &[Dtype::U4, Dtype::U8],
             Self::Method(_, _, MethodArray::Permutation) => &[Dtype::U4],
@@ -249,6 +267,8 @@ impl Place {
             Self::Image => &[None, None, Some(3)],
             Self::Scene(SceneArray::Positions | SceneArray::Triangles) => &[None, Some(3)],
             Self::Scene(SceneArray::Uvs) => &[None, Some(2)],
+            Self::Scene(SceneArray::NodeBoxes) => &[None, Some(8), Some(6)],
+            Self::Scene(SceneArray::NodeChildren) => &[None, Some(8)],
             Self::Scene(SceneArray::Mask(_)) => &[None, None],
             _ => &[None],
         }

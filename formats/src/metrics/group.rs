@@ -3,6 +3,7 @@
 use crate::metrics::capsule::{Capsule, Segment};
 use crate::metrics::lanes::{LaneUse, work_of};
 use crate::metrics::spread::direction_spread;
+use crate::prefetch::prefetch_at;
 use crate::ray::{Ray, Work};
 use crate::traced::Traced;
 
@@ -33,7 +34,11 @@ impl Group {
         work: Option<&[Work]>,
         indices: impl Iterator<Item = usize> + Clone,
     ) -> Option<Self> {
-        // Fetched before anything is computed, so that the processor waits for many of them at once.
+        // Asked for, then fetched, then computed with, so that the processor waits for many of them at once.
+        for ray in indices.clone() {
+            prefetch_at(traced.rays(), ray);
+            prefetch_at(lengths, ray);
+        }
         let rays: Vec<Ray> = indices.clone().map(|ray| traced.rays()[ray]).collect();
         let lengths: Vec<f32> = indices.clone().map(|ray| lengths[ray]).collect();
         let segment = |(ray, &length)| Segment::of(traced.unit(), ray, length);

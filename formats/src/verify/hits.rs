@@ -3,8 +3,8 @@
 //! Whether a nearer triangle was missed cannot be seen without tracing; that the point named by a
 //! hit lies on its ray, and within the ray's limits, can.
 
-use super::holes::Holes;
 use super::{Check, Subject};
+use crate::holes::Holes;
 use crate::manifest::{Place, SceneArray};
 use crate::ray::{Hit, Ray};
 use crate::reader::Loaded;
@@ -64,8 +64,12 @@ struct Geometry {
 
 impl Geometry {
     fn of(subject: &Subject<'_>) -> Option<Self> {
+        let holes = Holes::open(subject.dump).unwrap_or_else(|error| {
+            subject.note_error(&Place::Scene(SceneArray::Masks), &error);
+            None
+        });
         Some(Self {
-            holes: Holes::of(subject),
+            holes,
             positions: subject.array(&Place::Scene(SceneArray::Positions))?,
             triangles: subject.array(&Place::Scene(SceneArray::Triangles))?,
         })
@@ -74,7 +78,7 @@ impl Geometry {
     /// Whether an existing triangle has a hole where it is hit.
     fn is_hole(&self, hit: &Hit) -> bool {
         let corners = self.triangles[hit.triangle as usize];
-        self.holes.as_ref().is_some_and(|holes| holes.is_hole(hit.triangle, corners, [hit.u, hit.v]))
+        self.holes.as_ref().is_some_and(|holes| holes.is_surely_hole(hit.triangle, corners, [hit.u, hit.v]))
     }
 
     /// The corners of a triangle; `None` if there is no such triangle or vertex.

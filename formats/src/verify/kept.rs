@@ -41,7 +41,15 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
 
 /// Where the arrays are that a recording has if it keeps everything.
 fn promised(manifest: &Manifest) -> impl Iterator<Item = Place> + '_ {
-    let scene = [SceneArray::Positions, SceneArray::Triangles, SceneArray::Materials].map(Place::Scene);
+    let scene = [
+        SceneArray::Positions,
+        SceneArray::Triangles,
+        SceneArray::Materials,
+        SceneArray::NodeBoxes,
+        SceneArray::NodeChildren,
+        SceneArray::LeafTriangles,
+    ];
+    let scene = scene.map(Place::Scene);
     let image = (manifest.header.source == Source::Traced).then_some(Place::Image);
     scene
         .into_iter()

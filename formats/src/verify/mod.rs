@@ -8,6 +8,7 @@
 //! - `kept`: that what the header says was kept is there
 //! - `queues`: arrays that belong together, rays, path indices, lights
 //! - `hits`: hits and distances against their rays and triangles
+//! - `work`: what was counted of each ray, by its way through the hierarchy
 //! - `orders`: keys recomputed from the stored rays, permutations
 //! - `tables`: length tables, each the one before plus the traced lengths
 //!
@@ -16,7 +17,6 @@
 mod decisions;
 mod files;
 mod hits;
-mod holes;
 mod kept;
 mod orders;
 mod queues;
@@ -24,6 +24,7 @@ mod records;
 pub mod report;
 mod scene;
 mod tables;
+mod work;
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -49,6 +50,7 @@ pub fn verify(dump: &Dump) -> Report {
     checks.extend((!dump.manifest().decisions.is_empty()).then(|| decisions::check(&subject)));
     checks.extend(queues::check(&subject));
     checks.extend(hits::check(&subject));
+    checks.extend(work::check(&subject));
     checks.extend(orders::check(&subject));
     checks.extend(scene::check_imported_hits(&subject));
     checks.push(tables::check(&subject));

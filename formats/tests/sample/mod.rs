@@ -8,6 +8,7 @@ use formats::auto::{sample, sampled_area};
 use formats::key::method::AUTO;
 use formats::key::{Encoder, Extent, Facts, LightSite, Method, Termination};
 use formats::length_table::LengthTable;
+use formats::manifest::check::KEEP_WORDS;
 use formats::manifest::scan::scan;
 use formats::manifest::{
     Adapter, Backend, CacheRecord, CalibrationRecord, CameraPose, Candidate, Check, Choice, DecisionRecord,
@@ -207,9 +208,7 @@ pub(crate) fn header() -> Header {
             table_layout: TABLE_LAYOUT.into(),
             trace_kernel: "bvh2".into(),
             threads: 1,
-            keep: ["rays", "hits", "keys", "permutations", "lengths", "scene", "image", "work", "caches"]
-                .map(str::to_owned)
-                .to_vec(),
+            keep: KEEP_WORDS.map(str::to_owned).to_vec(),
             keep_passes: "all".into(),
             russian_roulette: false,
         },
@@ -259,7 +258,27 @@ fn write_scene(writer: &mut DumpWriter) -> Result<(), WriteError> {
     let none = MaterialMask { texture: MaterialMask::NO_TEXTURE, cutoff: 0.0 };
     let masks = [none, MaterialMask { texture: 0, cutoff: 0.5 }];
     writer.whole_array(&scene(SceneArray::Masks), &[2], &masks)?;
-    writer.whole_array(&scene(SceneArray::Mask(0)), &[2, 3], &[255u8, 255, 255, 255, 255, 255])
+    writer.whole_array(&scene(SceneArray::Mask(0)), &[2, 3], &[255u8, 255, 255, 255, 255, 255])?;
+    write_hierarchy(writer, &positions)
+}
+
+/// One node above leaves of up to eight triangles.
+fn write_hierarchy(writer: &mut DumpWriter, positions: &[[f32; 3]]) -> Result<(), WriteError> {
+    const NONE: [[f32; 3]; 2] = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+    let (mut boxes, mut children): ([[[f32; 3]; 2]; 8], [u32; 8]) = ([NONE; 8], [0; 8]);
+    for (slot, triangles) in TRIANGLES.chunks(8).enumerate() {
+        children[slot] = ((triangles.len() as u32) << 28) + 8 * slot as u32;
+        for corner in triangles.iter().flatten().map(|&vertex| positions[vertex as usize]) {
+            for axis in 0..3 {
+                boxes[slot][0][axis] = boxes[slot][0][axis].min(corner[axis] - 0.01);
+                boxes[slot][1][axis] = boxes[slot][1][axis].max(corner[axis] + 0.01);
+            }
+        }
+    }
+    let slots: Vec<u32> = (0..TRIANGLES.len() as u32).collect();
+    writer.whole_array(&Place::Scene(SceneArray::NodeBoxes), &[1, 8, 6], boxes.as_flattened())?;
+    writer.whole_array(&Place::Scene(SceneArray::NodeChildren), &[1, 8], &[children])?;
+    writer.whole_array(&Place::Scene(SceneArray::LeafTriangles), &[slots.len() as u64], &slots)
 }
 
 fn write_queue(writer: &mut DumpWriter, queue: &Queue) -> Result<(), WriteError> {
@@ -356,16 +375,6 @@ fn write_timings(writer: &mut DumpWriter, id: QueueId, method: &str, number: u64
     if method == "two-point-adaptive" {
         stages.push((Stage::Accumulate, around(250)));
     }
-    if method == "unsorted" {
-        writer.record(&Record::Disturbed(DisturbedRecord {
-            pass: id.pass,
-            bounce: id.bounce,
-            kind: id.kind,
-            method: method.to_owned(),
-            stage: Stage::Trace,
-            samples: vec![1],
-        }))?;
-    }
     for (stage, samples_ns) in stages {
         let (pass, bounce, kind) = (id.pass, id.bounce, Some(id.kind));
         writer.record(&Record::Timing(TimingRecord {
@@ -375,6 +384,16 @@ fn write_timings(writer: &mut DumpWriter, id: QueueId, method: &str, number: u64
             method: method.to_owned(),
             stage,
             samples_ns,
+        }))?;
+    }
+    if method == "unsorted" {
+        writer.record(&Record::Disturbed(DisturbedRecord {
+            pass: id.pass,
+            bounce: id.bounce,
+            kind: id.kind,
+            method: method.to_owned(),
+            stage: Stage::Trace,
+            samples: vec![1],
         }))?;
     }
     Ok(())

@@ -22,6 +22,7 @@ mod arrays;
 pub mod break_even;
 pub mod coherence;
 pub mod correlations;
+pub mod costliest;
 pub mod frame;
 pub mod headline;
 pub mod labels;
@@ -134,13 +135,22 @@ fn analyse_by(
     options: &AnalysisOptions,
     queues: impl FnMut(&Dump) -> Vec<QueueAnalysis> + Send,
 ) -> Result<Analysis, AnalysisError> {
-    if let Some(dump) = dumps.iter().find(|dump| dump.state() == DumpState::Partial) {
-        return Err(AnalysisError::Unfinished { path: dump.root().to_owned() });
-    }
+    check_finished(dumps)?;
     let Some(threads) = options.threads else { return Ok(of_queues(dumps, options, queues)) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|cause| AnalysisError::Threads { threads, cause })?;
     Ok(pool.install(|| of_queues(dumps, options, queues)))
+}
+
+/// Whether recordings can be analysed.
+///
+/// # Errors
+/// If one is not finished.
+pub fn check_finished(dumps: &[Dump]) -> Result<(), AnalysisError> {
+    match dumps.iter().find(|dump| dump.state() == DumpState::Partial) {
+        Some(dump) => Err(AnalysisError::Unfinished { path: dump.root().to_owned() }),
+        None => Ok(()),
+    }
 }
 
 fn of_queues(

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use formats::hierarchy::Hierarchy;
 use formats::key::Facts;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
+use formats::traced::Results;
 use rayon::prelude::*;
 
 use super::absent::Absent;
@@ -20,6 +22,8 @@ use super::order::Order;
 use super::path::PathRay;
 use super::rows::{Rows, Sorting};
 use super::selection::Selection;
+use super::visits::Visits;
+use crate::analysis::costliest::{CostlyTriangle, costliest};
 
 impl Context {
     /// Has a window drawn again when there is more to show.
@@ -166,6 +170,48 @@ impl Context {
             Arc::new(found.map(|(ray, _)| ray as u32).collect::<Vec<u32>>())
         };
         self.derived.rays_of_cell.of(wanted, &self.derived.waker, make).ok().cloned()
+    }
+
+    /// The triangles of the queue whose rays cost most, and the nodes and triangles of all rays.
+    ///
+    /// # Errors
+    /// Why they are not known, or not yet.
+    pub fn costliest(&mut self) -> Result<(Arc<[CostlyTriangle]>, u64), Absent> {
+        /// How many are found.
+        const FOUND: usize = 10;
+        let queue = self.queue()?;
+        let at = self.recording().ok_or("no recording is open")?.opening;
+        let make = move || {
+            let Results::Hits(hits) = queue.traced.results() else {
+                return Err("of shadow rays is not known which triangle stops them".to_owned());
+            };
+            let (found, all) = costliest(hits, queue.work.as_ref()?, FOUND);
+            Ok((found.into(), all))
+        };
+        let wanted = (at, self.selection.queue);
+        self.derived.costliest.of(wanted, &self.derived.waker, make)?.clone().map_err(Absent::from)
+    }
+
+    /// The boxes that a ray of an order and its group enter.
+    ///
+    /// # Errors
+    /// Why they are not known, or not yet.
+    pub fn visits(&mut self, order: &Arc<Order>, ray: usize) -> Result<Arc<Visits>, Absent> {
+        let recording = self.recording().ok_or("no recording is open")?;
+        let (dump, opened) = (recording.dump.clone(), recording.hierarchy.clone());
+        let width = self.selection.group_width;
+        let wanted = ((order.serial, width), ray);
+        let order = order.clone();
+        let make = move || {
+            let hierarchy = opened.get_or_init(|| Hierarchy::open(&dump).map_err(|error| error.to_string()));
+            let hierarchy = hierarchy.as_ref()?;
+            let group = order.place_of_ray()[ray] as usize / width.rays();
+            let rays: Vec<usize> =
+                order.places_of_group(group, width).map(|place| order.places.ray(place)).collect();
+            Ok(Arc::new(Visits::of(hierarchy, &order.queue, &rays, ray)))
+        };
+        let found = self.derived.visits.of(wanted, &self.derived.waker, make)?;
+        found.as_ref().map(Arc::clone).map_err(Absent::from)
     }
 
     /// The rays of a path in the selected pass, by bounce; `None` until they are known.

@@ -11,8 +11,10 @@ use super::filter::{Expression, FilterError, Passing};
 use super::order::Order;
 use super::path::PathRay;
 use super::rows::{Rows, Sorting};
+use super::visits::Visits;
 use super::what_if::Settings;
 use crate::analysis::GroupWidth;
+use crate::analysis::costliest::CostlyTriangle;
 
 /// The rays of a path: of which opening of a recording, pass and path, and orders A and B.
 type WantedPath = (u64, u32, u32, [Option<String>; 2]);
@@ -22,6 +24,9 @@ pub(crate) type Grouped = (u64, GroupWidth);
 
 /// Which rows: of which order, what its rays must meet, what they are sorted by.
 type WantedRows = (Grouped, Option<Arc<Expression>>, Sorting);
+
+/// Triangles, and the steps of all rays.
+type Costliest = (Arc<[CostlyTriangle]>, u64);
 
 /// What was made of orders and queues.
 #[derive(Debug, Default)]
@@ -35,6 +40,8 @@ pub struct Derived {
     pub(super) what_if_coherence: Background<Grouped, OrderCoherence>,
     pub(super) estimates: Background<(u64, QueueId), Result<Arc<Estimates>, String>>,
     pub(super) paths: Background<WantedPath, Arc<[PathRay]>>,
+    pub(super) costliest: Background<(u64, QueueId), Result<Costliest, String>>,
+    pub(super) visits: Background<(Grouped, usize), Result<Arc<Visits>, String>>,
     pub(super) rays_of_cell: Background<(u64, QueueId, u32), Arc<Vec<u32>>>,
 }
 

@@ -3,7 +3,8 @@
 //! - [`selection`]: the one selection that all panels share
 //! - [`recording`]: an open recording
 //! - [`queue`], [`order`]: the rays of a queue, and one order of them, as they are mapped
-//! - [`image_plane`]: where on the picture a ray's path starts; [`path`]: its rays in all bounces
+//! - [`image_plane`]: where on the picture a ray's path starts; [`path`]: its rays in all bounces;
+//!   [`visits`]: the boxes that it enters
 //! - [`history`]: selections to go back to
 //! - [`groups`]: capsules, direction spread and lane utilisation of each group of an order
 //! - [`numbers`]: what the numbers of an order's rays are read from; [`colour_by`]: what colours stand for
@@ -44,6 +45,7 @@ mod ranking;
 pub mod recording;
 pub mod rows;
 pub mod selection;
+pub mod visits;
 pub mod what_if;
 
 pub use absent::Absent;

@@ -12,6 +12,7 @@ use formats::reader::{Dump, ReadError};
 use formats::unit_space::UnitSpace;
 
 use super::image_plane::ImagePlane;
+use super::visits;
 use crate::analysis::ranking::best;
 use crate::analysis::summary::RayClass;
 use crate::analysis::{self, Depth, QueueAnalysis, RecordingAnalysis};
@@ -31,6 +32,8 @@ pub struct Recording {
     queues: Vec<QueueRecord>,
     /// A number of its own, another one each time that it is read again.
     pub opening: u64,
+    /// The scene's hierarchy, read by the first that needs it.
+    pub(super) hierarchy: Arc<visits::Opened>,
 }
 
 impl Recording {
@@ -50,7 +53,7 @@ impl Recording {
         let queues = queues(&dump);
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let opening = NEXT.fetch_add(1, Ordering::Relaxed);
-        Ok(Self { dump: Arc::new(dump), times, label, shown, queues, opening })
+        Ok(Self { dump: Arc::new(dump), times, label, shown, queues, opening, hierarchy: Arc::default() })
     }
 
     /// Reads it again, by its final name if its recorder has ended since.

@@ -3,7 +3,7 @@
 use egui_plot::{Line, Plot, PlotPoints, VLine};
 
 use super::notes::{found, group_widths, hint, power_of_ten};
-use super::worst::WorstGroups;
+use super::worst::{WorstGroups, costliest_triangles};
 use crate::model::Context;
 use crate::model::coherences::OrderCoherence;
 use crate::panels::data::Data;
@@ -13,6 +13,8 @@ use crate::theme::Theme;
 #[derive(Default)]
 pub(super) struct CoherencePanel {
     worst: WorstGroups,
+    /// Whether triangles are listed in place of groups.
+    triangles: bool,
 }
 
 impl Panel for CoherencePanel {
@@ -33,8 +35,15 @@ impl Panel for CoherencePanel {
         let styles: Vec<usize> = orders.iter().map(|order| context.style_of(&order.method)).collect();
         let played = played_area(context);
         distribution(ui, &orders, (&styles, &method, played), 0.5 * ui.available_height());
-        ui.label("Groups of the order with the largest capsules, the worst first");
-        self.worst.show(ui, context);
+        ui.horizontal_wrapped(|ui| {
+            ui.selectable_value(&mut self.triangles, false, "Groups with the largest capsules");
+            ui.selectable_value(&mut self.triangles, true, "Triangles whose rays cost most");
+        });
+        if self.triangles {
+            costliest_triangles(ui, context);
+        } else {
+            self.worst.show(ui, context);
+        }
     }
 
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {
@@ -44,6 +53,15 @@ impl Panel for CoherencePanel {
         }
         let rows: Vec<Vec<String>> = orders.iter().flat_map(quantities).collect();
         Ok(Data::new(&["order", "quantity", "value"], rows.into_iter()))
+    }
+
+    fn state(&self) -> serde_json::Value {
+        serde_json::json!({ "triangles": self.triangles })
+    }
+
+    fn set_state(&mut self, state: serde_json::Value) -> Result<(), serde_json::Error> {
+        self.triangles = serde_json::from_value(state["triangles"].clone())?;
+        Ok(())
     }
 }
 

@@ -69,7 +69,7 @@ pub const PANELS: &[PanelKind] = &[
     PanelKind {
         name: "coherence",
         title: "Coherence",
-        about: "capsule areas of each order's groups, and the worst of them",
+        about: "capsule areas of each order's groups, the worst of them, and the triangles that cost most",
         make: |_| Box::<coherence::CoherencePanel>::default(),
     },
     PanelKind {

@@ -192,6 +192,13 @@ fn group(ui: &mut egui::Ui, context: &mut Context, order: &Arc<Order>, ray: usiz
     let at = order.place_of_ray()[ray] as usize / width.rays();
     let Some(group) = order.group(at, width) else { return };
     let mean = context.groups(order).map(Groups::mean_area);
+    let visits = match context.visits(order, ray) {
+        Ok(visits) => {
+            let (shared, of_ray) = visits.shared();
+            format!("{of_ray}, {shared} of them with others of the group")
+        }
+        Err(absent) => absent.to_string(),
+    };
     let of_mean = mean.map(|mean| if mean > 0.0 { group.area / mean } else { 1.0 });
     lines(
         ui,
@@ -205,6 +212,7 @@ fn group(ui: &mut egui::Ui, context: &mut Context, order: &Arc<Order>, ray: usiz
             ("of the mean", of_mean.map_or(Absent::Awaited.to_string(), |of_mean| format!("{of_mean:.2}"))),
             ("radii", format!("{:.4} and {:.4}", group.capsule.origin_radius, group.capsule.end_radius)),
             ("spread", format!("{:.4}", group.spread)),
+            ("boxes visited", visits),
             ("lanes", group.lanes.map_or("not known".to_owned(), |lanes| format!("{lanes:.3}"))),
         ],
     );

@@ -67,9 +67,10 @@ pub(crate) const PRESETS: [Preset; 5] = [
 ];
 
 /// Views that are neither a preset nor a panel of their name as it is at first.
-const NAMED: [View; 3] = [
+const NAMED: [View; 4] = [
     View { name: "window", panel: None, settings: &[] },
     View::of("rays", "scene", &["curve=false", "rays=true", "ends=true"]),
+    View::of("boxes", "scene", &["curve=false", "visits=group", "mesh=ghost", "stand_point=overview"]),
     View::of("rays-table", "rays", &[]),
 ];
 

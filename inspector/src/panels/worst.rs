@@ -1,4 +1,4 @@
-//! The groups of an order with the largest capsules, the worst first.
+//! What is worst: the groups of an order with the largest capsules, the triangles whose rays cost most.
 
 use super::notes::{found, headings, missing};
 use crate::analysis::GroupWidth;
@@ -14,6 +14,14 @@ const COLUMNS: [(&str, &str); 5] = [
     ("of the mean", "Area over the mean area of the order's groups"),
     ("spread", "1 - |sum of directions| / n: 0 if all rays are parallel"),
     ("lanes", "Share of their time in which the group's lanes work. A model"),
+];
+
+const TRIANGLE_COLUMNS: [(&str, &str); 5] = [
+    ("triangle", "Its number in the scene; a click selects the ray that costs most of those that end at it"),
+    ("material", "Number of its material"),
+    ("rays", "Rays of the queue that end at it"),
+    ("a ray", "Nodes visited and triangles tested, mean over these rays"),
+    ("of all", "Nodes and triangles of these rays over those of all rays of the queue"),
 ];
 
 #[derive(Default)]
@@ -55,5 +63,34 @@ impl WorstGroups {
         if let Some(group) = chosen {
             context.select_ray(Some(order.places.ray(groups.places(group).start)));
         }
+    }
+}
+
+/// A row for each triangle; a click selects its costliest ray.
+pub(super) fn costliest_triangles(ui: &mut egui::Ui, context: &mut Context) {
+    let Some((triangles, all)) = found(ui, context.costliest()) else { return };
+    let Some(queue) = found(ui, context.queue()) else { return };
+    let mut chosen = None;
+    egui::ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
+        egui::Grid::new("costliest").striped(true).num_columns(5).spacing([18.0, 2.0]).show(ui, |ui| {
+            headings(ui, TRIANGLE_COLUMNS);
+            for costly in triangles.iter() {
+                let is_now = context.selection.ray == Some(costly.costliest_ray);
+                let name = costly.triangle.map_or("none".to_owned(), |triangle| count(u64::from(triangle)));
+                if ui.selectable_label(is_now, name).clicked() {
+                    chosen = Some(costly.costliest_ray);
+                }
+                let materials = queue.materials.as_ref().ok();
+                let material = costly.triangle.and_then(|triangle| materials?.get(triangle as usize));
+                ui.label(material.map_or("-".to_owned(), u32::to_string));
+                ui.label(count(costly.rays));
+                ui.label(format!("{:.1}", costly.steps as f64 / costly.rays as f64));
+                ui.label(format!("{:.2} %", 100.0 * costly.steps as f64 / all.max(1) as f64));
+                ui.end_row();
+            }
+        });
+    });
+    if chosen.is_some() {
+        context.select_ray(chosen);
     }
 }

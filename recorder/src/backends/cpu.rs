@@ -18,7 +18,6 @@ use crate::backends::{Array, Backend, Queue, RecordedRays, Shaded, Sink, Table};
 use crate::clock::{Clock, Sample};
 use crate::stages::compact::cpu::{Paths, RayState};
 use crate::stages::key::cpu::{Lengths, encode};
-use crate::stages::pages::make_room;
 use crate::stages::setup::Setup;
 use crate::stages::shade::cpu::{Film, Shader, add_light, dark_film, light_of};
 use crate::stages::sort::cpu::{Keys, Permutation, Sorter, Words, permutation_of};
@@ -26,6 +25,7 @@ use crate::stages::trace::Order;
 use crate::stages::trace::cpu::CpuTracer;
 use crate::stages::trace::hits::Hits;
 use crate::stages::{accumulate, compare, gather, generate, scatter, shade};
+use formats::pages::make_room;
 
 /// Bytes that are handed to a sink at once.
 const SINK_BYTES: usize = 4 << 20;

@@ -79,7 +79,7 @@ pub(super) struct ImportArguments {
     repeats: u32,
     #[command(flatten)]
     device: DeviceOptions,
-    /// Arrays to keep: rays,hits,keys,permutations,lengths,scene,caches,work, or none.
+    /// Arrays to keep: rays,hits,keys,permutations,lengths,scene,caches,work,hierarchy, or none.
     #[arg(long, default_value = "rays,hits,keys,permutations,lengths,scene,caches", value_name = "LIST")]
     keep: String,
     /// Replace an existing recording.

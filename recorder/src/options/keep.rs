@@ -34,11 +34,13 @@ pub struct Keep {
     pub caches: bool,
     /// Work counters.
     pub work: bool,
+    /// The hierarchy.
+    pub hierarchy: bool,
 }
 
 impl Keep {
     /// The words of `--keep`, in the order in which they are listed.
-    pub const WORDS: [&'static str; 9] = KEEP_WORDS;
+    pub const WORDS: [&'static str; 10] = KEEP_WORDS;
 
     fn flag(&mut self, word: &str) -> Option<&mut bool> {
         Some(match word {
@@ -51,6 +53,7 @@ impl Keep {
             "image" => &mut self.image,
             "caches" => &mut self.caches,
             "work" => &mut self.work,
+            "hierarchy" => &mut self.hierarchy,
             _ => return None,
         })
     }

@@ -176,6 +176,9 @@ impl Run<'_> {
         if options.keep.scene {
             scene_arrays::write(&mut capture, self.scene)?;
         }
+        if options.keep.hierarchy {
+            scene_arrays::write_hierarchy(&mut capture, self.scene)?;
+        }
         for method in self.setup.named().iter().chain(&self.foreign.methods) {
             capture.record(Record::Method(header::method_record(method)))?;
         }

@@ -1,11 +1,13 @@
-//! The scene's arrays, for the inspector and for replays.
+//! The scene's arrays, for the inspector and for replays, and its hierarchy.
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use formats::manifest::{Place, SceneArray};
 use formats::npy::MaterialMask;
 use scenes::Scene;
+use scenes::bvh::{Bvh, WideNode};
 
 use crate::capture::Capture;
+use crate::stages::trace::TraceKernel;
 
 /// Writes geometry, and alpha masks where a material has one.
 pub(super) fn write(capture: &mut Capture, scene: &Scene) -> Result<()> {
@@ -44,4 +46,22 @@ pub(super) fn write(capture: &mut Capture, scene: &Scene) -> Result<()> {
         capture.whole_array(place(SceneArray::Mask(number)), &shape, &alpha)?;
     }
     Ok(())
+}
+
+/// Writes the hierarchy that the kernel `wide` walks, whichever kernel traces.
+pub(super) fn write_hierarchy(capture: &mut Capture, scene: &Scene) -> Result<()> {
+    let Some(Bvh::Wide { nodes, order }) = TraceKernel::Wide.hierarchy(scene)? else {
+        bail!("the kernel wide walks no wide hierarchy; please report this");
+    };
+    let (count, slots) = (nodes.len() as u64, order.len() as u64);
+    let corners = |node: &WideNode| {
+        let planes = node.planes;
+        let coordinate = move |slot: usize, side: usize| [0, 1, 2].map(|axis| planes[axis][side][slot]);
+        (0..8).flat_map(move |slot| [0, 1].map(|side| coordinate(slot, side)))
+    };
+    let boxes: Vec<[f32; 3]> = nodes.iter().flat_map(corners).collect();
+    let children: Vec<[u32; 8]> = nodes.iter().map(|node| node.children).collect();
+    capture.whole_array(Place::Scene(SceneArray::NodeBoxes), &[count, 8, 6], &boxes)?;
+    capture.whole_array(Place::Scene(SceneArray::NodeChildren), &[count, 8], &children)?;
+    capture.whole_array(Place::Scene(SceneArray::LeafTriangles), &[slots], &order)
 }

@@ -9,8 +9,6 @@ pub mod compare;
 pub mod gather;
 pub mod generate;
 pub mod key;
-pub mod pages;
-pub mod prefetch;
 pub mod random;
 pub mod scatter;
 pub mod setup;

@@ -5,38 +5,32 @@ use std::path::PathBuf;
 use formats::key::Termination;
 use formats::key::termination::bounded_length;
 use formats::manifest::MethodRecord;
-use formats::metrics::group::Group;
-use formats::ray::Work;
-use formats::traced::Results;
+use formats::metrics::capsule::{Capsule, Segment};
+use formats::metrics::spread::direction_spread;
+use formats::prefetch::{AHEAD, prefetch_at};
+use parquet::data_type::ByteArray;
 
-use super::table::Values::{Few, Near, Runs};
+use super::found::{Found, NONE};
+use super::table::Values::{Few, Near, Runs, Vary};
 use super::table::{Column, TableWriter};
 use crate::model::{Order, Queue};
 
+/// Rows that are made at a time: whole groups of any width, and as many as a cache holds.
+const ROWS_PER_BLOCK: usize = 1 << 9;
+
 /// A column of rays.
-type RayColumn<'a> = Column<RayRow<'a>>;
+type RayColumn<'a> = Column<'a, RayRow>;
 
 /// One ray at its place.
-struct RayRow<'a> {
-    recording: &'a str,
-    pass: u32,
-    place: u32,
-    group: u32,
+struct RayRow {
+    found: Found,
     ray: u32,
-    path: u32,
-    key: Option<u64>,
-    origin: [f32; 3],
-    direction: [f32; 3],
-    t: Option<f32>,
-    length: Option<f32>,
-    estimate: Option<f32>,
-    triangle: Option<u32>,
-    material: Option<u32>,
-    light: Option<u32>,
-    nodes: Option<u32>,
-    triangles_tested: Option<u32>,
-    capsule_area: Option<f64>,
-    direction_spread: Option<f64>,
+    place: u32,
+    key: u64,
+    /// Not a number for none, as are all numbers of a row that are none.
+    estimate: f32,
+    capsule_area: f64,
+    direction_spread: f64,
 }
 
 /// An order and what its rows are made from beyond it.
@@ -45,34 +39,12 @@ pub(super) struct OrderedRays<'a> {
     pub(super) recording: &'a str,
     /// The order.
     pub(super) order: &'a Order,
+    /// What became of each ray of its queue.
+    pub(super) found: &'a [Found],
     /// How its keys were made; none for orders without keys of their own.
     pub(super) method: Option<&'a MethodRecord>,
     /// Rays of a group.
     pub(super) group_width: usize,
-}
-
-/// What a queue's arrays have of a ray beside itself.
-struct Found {
-    path: u32,
-    t: Option<f32>,
-    triangle: Option<u32>,
-    work: Option<Work>,
-}
-
-/// What the arrays have of some rays. They lie anywhere: asked for one after the other, with nothing in between, the
-/// processor waits for many of them at once.
-fn found(queue: &Queue, indices: &[usize]) -> Vec<Found> {
-    let of = |&index: &usize| {
-        let (t, triangle) = match queue.traced.results() {
-            Results::Hits(hits) => {
-                hits[index].is_hit().then_some((hits[index].t, hits[index].triangle)).unzip()
-            }
-            Results::Distances(distances) => (Some(distances[index]), None),
-        };
-        let work = queue.work.as_ref().ok().map(|work| work[index]);
-        Found { path: queue.path_ids[index], t, triangle, work }
-    };
-    indices.iter().map(of).collect()
 }
 
 impl OrderedRays<'_> {
@@ -81,131 +53,179 @@ impl OrderedRays<'_> {
     /// # Errors
     /// If it cannot be written.
     pub(super) fn write(&self, path: PathBuf) -> anyhow::Result<u64> {
-        let mut table = TableWriter::create(path, columns())?;
-        let (order, queue) = (self.order, &*self.order.queue);
-        for first in (0..order.len()).step_by(self.group_width) {
-            let places = first..(first + self.group_width).min(order.len());
-            let indices: Vec<usize> = places.clone().map(|place| order.places.ray(place)).collect();
-            let group = Group::of(&queue.traced, &queue.lengths, None, indices.iter().copied());
-            let found = found(queue, &indices);
-            for ((place, index), found) in places.zip(indices).zip(found) {
-                table.push(self.row(queue, place, index, &found, group.as_ref()))?;
-            }
+        let mut table = TableWriter::create(path, self.columns())?;
+        let mut rows = Vec::with_capacity(ROWS_PER_BLOCK);
+        for first in (0..self.order.len()).step_by(ROWS_PER_BLOCK) {
+            rows.clear();
+            let places = first..(first + ROWS_PER_BLOCK).min(self.order.len());
+            rows.extend(places.map(|place| {
+                let ahead = (place + AHEAD).min(self.order.len() - 1);
+                prefetch_at(self.found, self.order.places.ray(ahead));
+                self.row(place)
+            }));
+            self.add_estimates(&mut rows);
+            rows.chunks_mut(self.group_width).for_each(|group| self.add_capsule(group));
+            table.add(&rows)?;
         }
         table.finish()
     }
 
-    fn row(
-        &self,
-        queue: &Queue,
-        place: usize,
-        index: usize,
-        &Found { path, t, triangle, work }: &Found,
-        group: Option<&Group>,
-    ) -> RayRow<'_> {
-        let ray = &queue.traced.rays()[index];
-        let material = triangle.and_then(|triangle| queue.materials.as_ref().ok()?.get(triangle as usize));
-        let finite = |number: f64| Some(number).filter(|number| number.is_finite());
+    fn row(&self, place: usize) -> RayRow {
+        let ray = self.order.places.ray(place);
         RayRow {
-            recording: self.recording,
-            pass: queue.id.pass,
+            found: self.found[ray],
+            ray: ray as u32,
             place: place as u32,
-            group: (place / self.group_width) as u32,
-            ray: index as u32,
-            path,
-            key: self.order.keys.as_ref().ok().map(|(keys, _)| keys.at(index)),
-            origin: ray.origin,
-            direction: ray.direction,
-            t: t.filter(|t| t.is_finite()),
-            length: Some(queue.lengths[index]).filter(|length| length.is_finite()),
-            estimate: self.estimate(queue, index),
-            triangle,
-            material: material.copied(),
-            light: queue.lights.as_ref().map(|lights| lights[index]),
-            nodes: work.map(|work| work.nodes),
-            triangles_tested: work.map(|work| work.triangles),
-            capsule_area: group.and_then(|group| finite(group.area)),
-            direction_spread: group.and_then(|group| finite(group.spread)),
+            key: self.order.keys.as_ref().map_or(0, |(keys, _)| keys.at(ray)),
+            estimate: f32::NAN,
+            capsule_area: f64::NAN,
+            direction_spread: f64::NAN,
         }
     }
 
-    /// The length that the method took a ray for, cut as its key has it.
-    fn estimate(&self, queue: &Queue, index: usize) -> Option<f32> {
-        let (method, ray) = (self.method?, &queue.traced.rays()[index]);
-        let length = match method.termination {
-            Termination::Unused => None,
-            Termination::Fixed => Some(method.two_point_length),
-            Termination::Adaptive => queue.table.as_ref().ok().map(|table| table.mean(ray)),
-            Termination::Real => Some(queue.lengths[index]),
-        }?;
-        let unit = queue.traced.unit();
-        Some(bounded_length(unit, ray, unit.point(ray.origin), length)).filter(|length| length.is_finite())
+    /// The lengths that the method took rays for, cut as its keys have them.
+    fn add_estimates(&self, rows: &mut [RayRow]) {
+        let Some(method) = self.method else { return };
+        let (queue, unit): (&Queue, _) = (&self.order.queue, self.order.queue.traced.unit());
+        for row in rows {
+            let Found { ray, length, .. } = &row.found;
+            let length = match method.termination {
+                Termination::Unused => return,
+                Termination::Fixed => method.two_point_length,
+                Termination::Adaptive => match &queue.table {
+                    Ok(table) => table.mean(ray),
+                    Err(_) => return,
+                },
+                Termination::Real => *length,
+            };
+            row.estimate = bounded_length(unit, ray, unit.point(ray.origin), length);
+        }
     }
-}
 
-fn columns<'a>() -> Vec<RayColumn<'a>> {
-    let (mut columns, mut found) = (which(), what_was_found());
-    columns.append(&mut found);
-    columns
-}
+    /// How coherent a group is, for each of its rays.
+    fn add_capsule(&self, group: &mut [RayRow]) {
+        let unit = self.order.queue.traced.unit();
+        let segment = |row: &RayRow| Segment::of(unit, &row.found.ray, row.found.length);
+        let area =
+            Capsule::around(&group.iter().map(segment).collect::<Vec<_>>()).map(|capsule| capsule.area());
+        let spread = direction_spread(group.iter().map(|row| row.found.ray.direction));
+        let (area, spread) = (area.unwrap_or(f64::NAN), spread.unwrap_or(f64::NAN));
+        for row in group {
+            (row.capsule_area, row.direction_spread) = (area, spread);
+        }
+    }
 
-/// Which ray it is, where it stands, where it starts.
-fn which<'a>() -> Vec<RayColumn<'a>> {
-    let world = "world units";
-    vec![
-        RayColumn::text("recording", "Recording, by its folder", |row| Some(row.recording)).required(),
-        RayColumn::u32("pass", "Pass, from 0", Runs, |row| Some(row.pass)).required(),
-        RayColumn::u32("place", "Place in the order, from 0", Near, |row| Some(row.place)).required(),
-        RayColumn::u32("group", "Group in the order, from 0: rays that are traced together", Near, |row| {
-            Some(row.group)
-        })
-        .required(),
-        RayColumn::u32("ray", "Canonical index: the place in pixel order", Near, |row| Some(row.ray))
-            .required(),
-        RayColumn::u32("path", "Path: its pixel, row by row from the top left", Near, |row| Some(row.path))
-            .required(),
-        RayColumn::u64("key", "What the rays are sorted by", Near, |row| row.key),
-        RayColumn::f32("origin_x", "Origin", |row| Some(row.origin[0])).unit(world).required(),
-        RayColumn::f32("origin_y", "Origin", |row| Some(row.origin[1])).unit(world).required(),
-        RayColumn::f32("origin_z", "Origin", |row| Some(row.origin[2])).unit(world).required(),
-        RayColumn::f32("direction_x", "Direction, a unit vector", |row| Some(row.direction[0])).required(),
-        RayColumn::f32("direction_y", "Direction, a unit vector", |row| Some(row.direction[1])).required(),
-        RayColumn::f32("direction_z", "Direction, a unit vector", |row| Some(row.direction[2])).required(),
-    ]
-}
+    fn columns(&self) -> Vec<RayColumn<'_>> {
+        let (mut columns, mut found) = (self.which(), self.what_was_found());
+        columns.append(&mut found);
+        columns
+    }
 
-/// What became of it, and how its group is.
-fn what_was_found<'a>() -> Vec<RayColumn<'a>> {
-    let unit_lengths = "unit lengths: the scene's largest side is 1";
-    vec![
-        RayColumn::f32("t", "Distance to the surface that was hit; null where none was", |row| row.t)
+    /// Which ray it is, where it stands, where it starts.
+    fn which(&self) -> Vec<RayColumn<'_>> {
+        let world = "world units";
+        let (recording, pass) = (ByteArray::from(self.recording), self.order.queue.id.pass);
+        let group_width = self.group_width as u32;
+        let has_keys = self.order.keys.is_ok();
+        vec![
+            RayColumn::constant("recording", "Recording, by its folder", recording),
+            RayColumn::constant("pass", "Pass, from 0", pass),
+            RayColumn::known("place", "Place in the order, from 0", Near, |row| row.place),
+            RayColumn::known(
+                "group",
+                "Group in the order, from 0: rays that are traced together",
+                Near,
+                move |row| row.place / group_width,
+            ),
+            RayColumn::known("ray", "Canonical index: the place in pixel order", Near, |row| row.ray),
+            RayColumn::known("path", "Path: its pixel, row by row from the top left", Near, |row| {
+                row.found.path
+            }),
+            RayColumn::optional("key", "What the rays are sorted by", Near, move |row| {
+                has_keys.then_some(row.key)
+            }),
+            RayColumn::known("origin_x", "Origin", Vary, |row| row.found.ray.origin[0]).unit(world),
+            RayColumn::known("origin_y", "Origin", Vary, |row| row.found.ray.origin[1]).unit(world),
+            RayColumn::known("origin_z", "Origin", Vary, |row| row.found.ray.origin[2]).unit(world),
+            RayColumn::known("direction_x", "Direction, a unit vector", Vary, |row| {
+                row.found.ray.direction[0]
+            }),
+            RayColumn::known("direction_y", "Direction, a unit vector", Vary, |row| {
+                row.found.ray.direction[1]
+            }),
+            RayColumn::known("direction_z", "Direction, a unit vector", Vary, |row| {
+                row.found.ray.direction[2]
+            }),
+        ]
+    }
+
+    /// What became of it, and how its group is.
+    fn what_was_found(&self) -> Vec<RayColumn<'_>> {
+        let unit_lengths = "unit lengths: the scene's largest side is 1";
+        let queue = &*self.order.queue;
+        let (has_lights, has_work) = (queue.lights.is_some(), queue.work.is_ok());
+        let index = |index: u32| Some(index).filter(|&index| index != NONE);
+        let number = |number: f32| Some(number).filter(|number| number.is_finite());
+        let real = |number: f64| Some(number).filter(|number| number.is_finite());
+        vec![
+            RayColumn::optional(
+                "t",
+                "Distance to the surface that was hit; null where none was",
+                Vary,
+                move |row| number(row.found.t),
+            )
             .unit("world units"),
-        RayColumn::f32("length", "Traced length, cut where the ray leaves the scene", |row| row.length)
+            RayColumn::optional(
+                "length",
+                "Traced length, cut where the ray leaves the scene",
+                Vary,
+                move |row| number(row.found.length),
+            )
             .unit(unit_lengths),
-        RayColumn::f32("estimate", "Length that the method takes it for; null where it takes none", |row| {
-            row.estimate
-        })
-        .unit(unit_lengths),
-        RayColumn::u32("triangle", "Triangle that was hit; null for none and for shadow rays", Near, |row| {
-            row.triangle
-        }),
-        RayColumn::u32("material", "Material of that triangle", Few, |row| row.material),
-        RayColumn::u32("light", "Light that a shadow ray goes to", Few, |row| row.light),
-        RayColumn::u32("nodes", "Nodes of the hierarchy visited; null where not recorded", Near, |row| {
-            row.nodes
-        }),
-        RayColumn::u32("triangles_tested", "Triangles tested; null where not recorded", Near, |row| {
-            row.triangles_tested
-        }),
-        RayColumn::f64("capsule_area", "Area of the capsule around the ray's group", Runs, |row| {
-            row.capsule_area
-        })
-        .unit("unit lengths squared"),
-        RayColumn::f64(
-            "direction_spread",
-            "Direction spread of its group: 0 if all are parallel",
-            Runs,
-            |row| row.direction_spread,
-        ),
-    ]
+            RayColumn::optional(
+                "estimate",
+                "Length that the method takes it for; null where it takes none",
+                Vary,
+                move |row| number(row.estimate),
+            )
+            .unit(unit_lengths),
+            RayColumn::optional(
+                "triangle",
+                "Triangle that was hit; null for none and for shadow rays",
+                Near,
+                move |row| index(row.found.triangle),
+            ),
+            RayColumn::optional("material", "Material of that triangle", Few, move |row| {
+                index(row.found.material)
+            }),
+            RayColumn::optional("light", "Light that a shadow ray goes to", Few, move |row| {
+                has_lights.then_some(row.found.light)
+            }),
+            RayColumn::optional(
+                "nodes",
+                "Nodes of the hierarchy visited; null where not recorded",
+                Near,
+                move |row| has_work.then_some(row.found.work.nodes),
+            ),
+            RayColumn::optional(
+                "triangles_tested",
+                "Triangles tested; null where not recorded",
+                Near,
+                move |row| has_work.then_some(row.found.work.triangles),
+            ),
+            RayColumn::optional(
+                "capsule_area",
+                "Area of the capsule around the ray's group",
+                Runs,
+                move |row| real(row.capsule_area),
+            )
+            .unit("unit lengths squared"),
+            RayColumn::optional(
+                "direction_spread",
+                "Direction spread of its group: 0 if all are parallel",
+                Runs,
+                move |row| real(row.direction_spread),
+            ),
+        ]
+    }
 }

@@ -17,6 +17,8 @@ use crate::analysis::{FrameAnalysis, OrderAnalysis, QueueAnalysis, RecordingAnal
 /// Lanes of the utilisation that is kept: those of a warp.
 const LANES: usize = 32;
 
+type SummaryColumn = Column<'static, SummaryRow>;
+
 /// One order of a queue, or over all bounces.
 #[derive(Default)]
 struct SummaryRow {
@@ -45,7 +47,7 @@ struct SummaryRow {
 }
 
 /// The table of all orders.
-pub(super) struct Summaries(TableWriter<SummaryRow>);
+pub(super) struct Summaries(TableWriter<'static, SummaryRow>);
 
 impl Summaries {
     /// Starts it.
@@ -68,15 +70,11 @@ impl Summaries {
             seed: analysis.options.seed,
             ..row
         };
-        for queue in &analysis.queues {
-            for order in &queue.orders {
-                self.0.push(row(of_queue(queue, order)))?;
-            }
-        }
-        for frame in &analysis.frames {
-            self.0.push(row(of_frame(frame, &analysis.queues)))?;
-        }
-        Ok(())
+        let orders =
+            analysis.queues.iter().flat_map(|queue| queue.orders.iter().map(move |order| (queue, order)));
+        let orders = orders.map(|(queue, order)| of_queue(queue, order));
+        let frames = analysis.frames.iter().map(|frame| of_frame(frame, &analysis.queues));
+        self.0.add(&orders.chain(frames).map(row).collect::<Vec<_>>())
     }
 
     /// Ends it; gives its rows.
@@ -142,46 +140,51 @@ fn of_frame(frame: &FrameAnalysis, queues: &[QueueAnalysis]) -> SummaryRow {
     }
 }
 
-fn columns() -> Vec<Column<SummaryRow>> {
+fn columns() -> Vec<SummaryColumn> {
     [what(), times(), coherence()].into_iter().flatten().collect()
 }
 
 /// What a row is of.
-fn what() -> Vec<Column<SummaryRow>> {
+fn what() -> Vec<SummaryColumn> {
     vec![
-        Column::text("scene", "Scene", |row| Some(&row.of.scene)),
-        Column::text("machine", "Backend, adapter, kernel and threads", |row| Some(&row.of.machine)),
-        Column::text("recording", "Recording, by its folder", |row| Some(&row.of.recording)),
-        Column::text("camera", "Camera", |row| Some(&row.camera)),
-        Column::u64("seed", "Seed of all random numbers", Few, |row| Some(row.seed)),
-        Column::text("kind", "Kind of the rays", |row| Some(row.kind)),
-        Column::u32("pass", "Pass, from 0; null for all bounces together", Few, |row| row.pass),
-        Column::u32(
+        SummaryColumn::text("scene", "Scene", |row| Some(&row.of.scene)),
+        SummaryColumn::text("machine", "Backend, adapter, kernel and threads", |row| Some(&row.of.machine)),
+        SummaryColumn::text("recording", "Recording, by its folder", |row| Some(&row.of.recording)),
+        SummaryColumn::text("camera", "Camera", |row| Some(&row.camera)),
+        SummaryColumn::optional("seed", "Seed of all random numbers", Few, |row| Some(row.seed)),
+        SummaryColumn::text("kind", "Kind of the rays", |row| Some(row.kind)),
+        SummaryColumn::optional("pass", "Pass, from 0; null for all bounces together", Few, |row| row.pass),
+        SummaryColumn::optional(
             "bounce",
             "Bounce; null for all together, of closest rays without bounce 0, the camera rays",
             Few,
             |row| row.bounce,
         ),
-        Column::text("method", "Order of the rays", |row| Some(&row.method)),
-        Column::text("base", "Method that it is a variant of; its own name if it is none", |row| {
+        SummaryColumn::text("method", "Order of the rays", |row| Some(&row.method)),
+        SummaryColumn::text("base", "Method that it is a variant of; its own name if it is none", |row| {
             Some(&row.base)
         }),
-        Column::u32("key_bits", "Bits of its keys; null for unsorted and for all bounces", Few, |row| {
-            row.key_bits
-        }),
-        Column::u64("rays", "Rays", Few, |row| Some(row.rays)),
+        SummaryColumn::optional(
+            "key_bits",
+            "Bits of its keys; null for unsorted and for all bounces",
+            Few,
+            |row| row.key_bits,
+        ),
+        SummaryColumn::optional("rays", "Rays", Few, |row| Some(row.rays)),
     ]
 }
 
-fn real(name: &'static str, about: &'static str, of: fn(&SummaryRow) -> Option<f64>) -> Column<SummaryRow> {
-    Column::f64(name, about, Vary, of)
+fn real(name: &'static str, about: &'static str, of: fn(&SummaryRow) -> Option<f64>) -> SummaryColumn {
+    SummaryColumn::optional(name, about, Vary, of)
 }
 
 /// What its times say.
-fn times() -> Vec<Column<SummaryRow>> {
+fn times() -> Vec<SummaryColumn> {
     let ns = "nanoseconds";
     vec![
-        Column::text("way", "How its rays are traced in the total; null for all bounces", |row| row.way),
+        SummaryColumn::text("way", "How its rays are traced in the total; null for all bounces", |row| {
+            row.way
+        }),
         real("trace_ns", "Median time of the trace alone, of rays as they lie", |row| row.trace_ns).unit(ns),
         real("total_ns", "Median time of all stages; null for all bounces", |row| row.total_ns).unit(ns),
         real("trace_speedup", "Unsorted trace over trace in this order", |row| {
@@ -200,7 +203,7 @@ fn times() -> Vec<Column<SummaryRow>> {
 }
 
 /// How coherent its rays are, how full the length table is, and how right.
-fn coherence() -> Vec<Column<SummaryRow>> {
+fn coherence() -> Vec<SummaryColumn> {
     let unit_lengths = "unit lengths: the scene's largest side is 1";
     vec![
         real("capsule_area", "Mean capsule area of a ray's group; null for all bounces", |row| {

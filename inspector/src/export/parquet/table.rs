@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::Context;
-use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel};
-use parquet::column::writer::ColumnWriterImpl;
+use parquet::basic::{Compression, Encoding, LogicalType, Repetition, ZstdLevel};
 use parquet::data_type::{
     BoolType, ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type, Int64Type,
 };
@@ -19,49 +18,141 @@ use parquet::schema::types::{ColumnPath, Type, TypePtr};
 /// Rows of a row group: whole groups of 32, 64 and 128 rays; about what engines read at a time.
 pub(super) const ROWS_PER_GROUP: usize = 1 << 17;
 
-/// Rows that are taken apart into columns at a time: as many as a cache holds.
-const ROWS_PER_BLOCK: usize = 1 << 10;
+type RowGroup<'a> = SerializedRowGroupWriter<'a, File>;
 
-/// What a column has in a row, `None` being null, and what it has in the rows of the row group so far.
-enum Cells<R> {
-    Text(for<'r> fn(&'r R) -> Option<&'r str>, Buffer<ByteArray>),
-    U32(fn(&R) -> Option<u32>, Buffer<i32>),
-    U64(fn(&R) -> Option<u64>, Buffer<i64>),
-    F32(fn(&R) -> Option<f32>, Buffer<f32>),
-    F64(fn(&R) -> Option<f64>, Buffer<f64>),
-    Flag(fn(&R) -> Option<bool>, Buffer<bool>),
+/// What a cell can hold, and how Parquet has it.
+pub(super) trait Cell {
+    /// Its type there.
+    type Stored: DataType;
+    /// What that type stands for; nothing where it says enough.
+    fn meaning() -> Option<LogicalType>;
+    /// The cell as it is there.
+    fn stored(self) -> <Self::Stored as DataType>::T;
 }
 
-/// Values that are not null, and for each row whether it has one, as its definition level, 0 or 1; no levels where
-/// every row has one.
-struct Buffer<T> {
-    values: Vec<T>,
+macro_rules! cells {
+    ($($type:ty => $stored:ty, $meaning:expr, $convert:expr;)*) => { $(impl Cell for $type {
+        type Stored = $stored;
+        fn meaning() -> Option<LogicalType> { $meaning }
+        fn stored(self) -> <$stored as DataType>::T { $convert(self) }
+    })* };
+}
+
+cells! {
+    u32 => Int32Type, Some(LogicalType::integer(32, false)), |value| value as i32;
+    u64 => Int64Type, Some(LogicalType::integer(64, false)), |value| value as i64;
+    f32 => FloatType, None, std::convert::identity;
+    f64 => DoubleType, None, std::convert::identity;
+    bool => BoolType, None, std::convert::identity;
+    ByteArray => ByteArrayType, Some(LogicalType::String), std::convert::identity;
+}
+
+/// Cells of a constant column that are written at a time.
+const ROWS_AT_ONCE: usize = 1 << 10;
+
+/// What a column takes from rows, and what it has in the rows of the row group so far.
+trait Cells<R> {
+    /// The column's type.
+    fn schema(&self, name: &str) -> Result<TypePtr, ParquetError>;
+    /// Takes what rows have in this column.
+    fn take(&mut self, rows: &[R]);
+    /// Writes what was taken.
+    fn write(&mut self, group: &mut RowGroup<'_>) -> Result<(), ParquetError>;
+}
+
+/// Cells of rows each of which has one.
+struct Known<T: Cell, F> {
+    of: F,
+    values: Vec<<T::Stored as DataType>::T>,
+}
+
+/// Cells of rows some of which may have none, which is null.
+struct Optional<T: Cell, F> {
+    of: F,
+    values: Vec<<T::Stored as DataType>::T>,
+    /// For each row whether it has one, as its definition level, 0 or 1.
     levels: Vec<i16>,
 }
 
-impl<T> Buffer<T> {
-    const EMPTY: Self = Self { values: Vec::new(), levels: Vec::new() };
+impl<R, T: Cell, F: FnMut(&R) -> T> Cells<R> for Known<T, F> {
+    fn schema(&self, name: &str) -> Result<TypePtr, ParquetError> {
+        schema::<T>(name, Repetition::REQUIRED)
+    }
 
-    fn extend(&mut self, is_required: bool, cells: impl Iterator<Item = Option<T>>) {
-        if is_required {
-            return self.values.extend(cells.flatten());
-        }
-        for cell in cells {
+    fn take(&mut self, rows: &[R]) {
+        self.values.extend(rows.iter().map(|row| (self.of)(row).stored()));
+    }
+
+    fn write(&mut self, group: &mut RowGroup<'_>) -> Result<(), ParquetError> {
+        write::<T>(group, [(&self.values[..], None)])?;
+        self.values.clear();
+        Ok(())
+    }
+}
+
+impl<R, T: Cell, F: FnMut(&R) -> Option<T>> Cells<R> for Optional<T, F> {
+    fn schema(&self, name: &str) -> Result<TypePtr, ParquetError> {
+        schema::<T>(name, Repetition::OPTIONAL)
+    }
+
+    fn take(&mut self, rows: &[R]) {
+        for row in rows {
+            let cell = (self.of)(row);
             self.levels.push(i16::from(cell.is_some()));
-            self.values.extend(cell);
+            self.values.extend(cell.map(T::stored));
         }
     }
 
-    fn write<D: DataType<T = T>>(
-        &mut self,
-        column: &mut ColumnWriterImpl<'_, D>,
-    ) -> Result<(), ParquetError> {
-        let levels = (!self.levels.is_empty()).then_some(&self.levels[..]);
-        column.write_batch(&self.values, levels, None)?;
+    fn write(&mut self, group: &mut RowGroup<'_>) -> Result<(), ParquetError> {
+        write::<T>(group, [(&self.values[..], Some(&self.levels[..]))])?;
         self.values.clear();
         self.levels.clear();
         Ok(())
     }
+}
+
+/// The same cell in all rows.
+struct Constant<T: Cell> {
+    /// It, again and again.
+    values: Vec<<T::Stored as DataType>::T>,
+    rows: usize,
+}
+
+impl<R, T: Cell> Cells<R> for Constant<T> {
+    fn schema(&self, name: &str) -> Result<TypePtr, ParquetError> {
+        schema::<T>(name, Repetition::REQUIRED)
+    }
+
+    fn take(&mut self, rows: &[R]) {
+        self.rows += rows.len();
+    }
+
+    fn write(&mut self, group: &mut RowGroup<'_>) -> Result<(), ParquetError> {
+        let parts = (0..self.rows).step_by(self.values.len());
+        let parts = parts.map(|first| &self.values[..self.values.len().min(self.rows - first)]);
+        write::<T>(group, parts.map(|values| (values, None)))?;
+        self.rows = 0;
+        Ok(())
+    }
+}
+
+fn schema<T: Cell>(name: &str, repetition: Repetition) -> Result<TypePtr, ParquetError> {
+    let column = Type::primitive_type_builder(name, T::Stored::get_physical_type());
+    Ok(Arc::new(column.with_repetition(repetition).with_logical_type(T::meaning()).build()?))
+}
+
+/// Writes values of a column, and the levels of those that may be null.
+fn write<'v, T: Cell>(
+    group: &mut RowGroup<'_>,
+    parts: impl IntoIterator<Item = (&'v [<T::Stored as DataType>::T], Option<&'v [i16]>)>,
+) -> Result<(), ParquetError> {
+    let Some(mut column) = group.next_column()? else {
+        return Err(ParquetError::General("a table has more columns than its schema".to_owned()));
+    };
+    for (values, levels) in parts {
+        column.typed::<T::Stored>().write_batch(values, levels, None)?;
+    }
+    column.close()
 }
 
 /// How the values of a column are, which decides how they take least space.
@@ -77,8 +168,8 @@ pub(super) enum Values {
     Vary,
 }
 
-/// One column.
-pub(super) struct Column<R> {
+/// One column of a table whose rows are `R`.
+pub(super) struct Column<'a, R> {
     /// Its name.
     pub(super) name: &'static str,
     /// Its unit; empty for what has none, such as names, indices and ratios.
@@ -86,87 +177,60 @@ pub(super) struct Column<R> {
     /// What it is, in a sentence without its full stop.
     pub(super) about: &'static str,
     values: Values,
-    is_required: bool,
-    cells: Cells<R>,
+    cells: Box<dyn Cells<R> + 'a>,
 }
 
-impl<R> Column<R> {
-    fn new(name: &'static str, about: &'static str, values: Values, cells: Cells<R>) -> Self {
-        Self { name, unit: "", about, values, is_required: false, cells }
+impl<'a, R: 'a> Column<'a, R> {
+    fn of(name: &'static str, about: &'static str, values: Values, cells: impl Cells<R> + 'a) -> Self {
+        Self { name, unit: "", about, values, cells: Box::new(cells) }
     }
 
-    /// A column of names.
+    /// A column that has a value in every row, which costs less to write.
+    pub(super) fn known<T: Cell + 'a>(
+        name: &'static str,
+        about: &'static str,
+        values: Values,
+        of: impl FnMut(&R) -> T + 'a,
+    ) -> Self {
+        Self::of(name, about, values, Known { of, values: Vec::new() })
+    }
+
+    /// A column that is null where a row has nothing.
+    pub(super) fn optional<T: Cell + 'a>(
+        name: &'static str,
+        about: &'static str,
+        values: Values,
+        of: impl FnMut(&R) -> Option<T> + 'a,
+    ) -> Self {
+        Self::of(name, about, values, Optional { of, values: Vec::new(), levels: Vec::new() })
+    }
+
+    /// A column with the same value in every row.
+    pub(super) fn constant<T: Cell + 'a>(name: &'static str, about: &'static str, value: T) -> Self {
+        let values = vec![value.stored(); ROWS_AT_ONCE];
+        Self::of(name, about, Values::Few, Constant::<T> { values, rows: 0 })
+    }
+
+    /// A column of names, null where a row has none.
     pub(super) fn text(
         name: &'static str,
         about: &'static str,
         of: for<'r> fn(&'r R) -> Option<&'r str>,
     ) -> Self {
-        Self::new(name, about, Values::Few, Cells::Text(of, Buffer::EMPTY))
-    }
-
-    /// A column of whole numbers.
-    pub(super) fn u32(
-        name: &'static str,
-        about: &'static str,
-        values: Values,
-        of: fn(&R) -> Option<u32>,
-    ) -> Self {
-        Self::new(name, about, values, Cells::U32(of, Buffer::EMPTY))
-    }
-
-    /// A column of large whole numbers.
-    pub(super) fn u64(
-        name: &'static str,
-        about: &'static str,
-        values: Values,
-        of: fn(&R) -> Option<u64>,
-    ) -> Self {
-        Self::new(name, about, values, Cells::U64(of, Buffer::EMPTY))
-    }
-
-    /// A column of numbers in single precision.
-    pub(super) fn f32(name: &'static str, about: &'static str, of: fn(&R) -> Option<f32>) -> Self {
-        Self::new(name, about, Values::Vary, Cells::F32(of, Buffer::EMPTY))
-    }
-
-    /// A column of numbers in double precision.
-    pub(super) fn f64(
-        name: &'static str,
-        about: &'static str,
-        values: Values,
-        of: fn(&R) -> Option<f64>,
-    ) -> Self {
-        Self::new(name, about, values, Cells::F64(of, Buffer::EMPTY))
-    }
-
-    /// A column of yes and no.
-    pub(super) fn flag(name: &'static str, about: &'static str, of: fn(&R) -> Option<bool>) -> Self {
-        Self::new(name, about, Values::Few, Cells::Flag(of, Buffer::EMPTY))
+        // Rows that follow each other mostly share their text.
+        let mut last = ByteArray::from("");
+        Self::optional(name, about, Values::Few, move |row| {
+            let text = of(row)?;
+            if last.data() != text.as_bytes() {
+                last = ByteArray::from(text);
+            }
+            Some(last.clone())
+        })
     }
 
     /// A column of quantities.
     pub(super) fn unit(self, unit: &'static str) -> Self {
         Self { unit, ..self }
-    }
-
-    /// A column that has a value in every row, which costs less to write.
-    pub(super) fn required(self) -> Self {
-        Self { is_required: true, ..self }
-    }
-
-    fn schema(&self) -> Result<TypePtr, ParquetError> {
-        let unsigned = |bits| Some(LogicalType::integer(bits, false));
-        let (physical, logical) = match self.cells {
-            Cells::Text(..) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
-            Cells::U32(..) => (Physical::INT32, unsigned(32)),
-            Cells::U64(..) => (Physical::INT64, unsigned(64)),
-            Cells::F32(..) => (Physical::FLOAT, None),
-            Cells::F64(..) => (Physical::DOUBLE, None),
-            Cells::Flag(..) => (Physical::BOOLEAN, None),
-        };
-        let repetition = if self.is_required { Repetition::REQUIRED } else { Repetition::OPTIONAL };
-        let column = Type::primitive_type_builder(self.name, physical).with_repetition(repetition);
-        Ok(Arc::new(column.with_logical_type(logical).build()?))
     }
 
     /// `NAME.unit` and `NAME.about`, for the metadata of the file.
@@ -176,104 +240,55 @@ impl<R> Column<R> {
         let known = entries.into_iter().filter(|(_, text)| !text.is_empty());
         known.map(move |(what, text)| KeyValue::new(format!("{name}.{what}"), text.to_owned()))
     }
-
-    /// Takes what rows have in this column.
-    fn take(&mut self, rows: &[R]) {
-        let required = self.is_required;
-        match &mut self.cells {
-            Cells::U32(of, buffer) => {
-                buffer.extend(required, rows.iter().map(|row| of(row).map(|value| value as i32)));
-            }
-            Cells::U64(of, buffer) => {
-                buffer.extend(required, rows.iter().map(|row| of(row).map(|value| value as i64)));
-            }
-            Cells::F32(of, buffer) => buffer.extend(required, rows.iter().map(of)),
-            Cells::F64(of, buffer) => buffer.extend(required, rows.iter().map(of)),
-            Cells::Flag(of, buffer) => buffer.extend(required, rows.iter().map(of)),
-            Cells::Text(of, buffer) => {
-                // Rows that follow each other mostly share their text.
-                let mut last = ByteArray::from("");
-                buffer.extend(
-                    required,
-                    rows.iter().map(|row| {
-                        let text = of(row)?;
-                        if last.data() != text.as_bytes() {
-                            last = ByteArray::from(text);
-                        }
-                        Some(last.clone())
-                    }),
-                );
-            }
-        }
-    }
-
-    /// Writes what was taken.
-    fn write(&mut self, group: &mut SerializedRowGroupWriter<'_, File>) -> Result<(), ParquetError> {
-        let Some(mut column) = group.next_column()? else {
-            return Err(ParquetError::General("a table has more columns than its schema".to_owned()));
-        };
-        match &mut self.cells {
-            Cells::U32(_, buffer) => buffer.write(column.typed::<Int32Type>()),
-            Cells::U64(_, buffer) => buffer.write(column.typed::<Int64Type>()),
-            Cells::F32(_, buffer) => buffer.write(column.typed::<FloatType>()),
-            Cells::F64(_, buffer) => buffer.write(column.typed::<DoubleType>()),
-            Cells::Flag(_, buffer) => buffer.write(column.typed::<BoolType>()),
-            Cells::Text(_, buffer) => buffer.write(column.typed::<ByteArrayType>()),
-        }?;
-        column.close()
-    }
 }
 
 /// A table that is being written. Memory: the rows of one row group.
-pub(super) struct TableWriter<R> {
+pub(super) struct TableWriter<'a, R> {
     path: PathBuf,
-    columns: Vec<Column<R>>,
+    columns: Vec<Column<'a, R>>,
     file: SerializedFileWriter<File>,
-    /// Rows that are no columns yet, fewer than a block.
-    rows: Vec<R>,
-    /// Rows of the row group that are.
+    /// Rows of the row group so far.
     taken: usize,
     written: u64,
 }
 
-impl<R> TableWriter<R> {
+impl<'a, R: 'a> TableWriter<'a, R> {
     /// Starts a file that is not there yet.
     ///
     /// # Errors
     /// If it cannot be made.
-    pub(super) fn create(path: PathBuf, columns: Vec<Column<R>>) -> anyhow::Result<Self> {
+    pub(super) fn create(path: PathBuf, columns: Vec<Column<'a, R>>) -> anyhow::Result<Self> {
         let cannot = || format!("cannot write {}", path.display());
         let file = File::create_new(&path).with_context(cannot)?;
-        let fields =
-            columns.iter().map(Column::schema).collect::<Result<Vec<_>, _>>().with_context(cannot)?;
+        let fields = columns.iter().map(|column| column.cells.schema(column.name));
+        let fields = fields.collect::<Result<Vec<_>, _>>().with_context(cannot)?;
         let schema = Type::group_type_builder("rayscope").with_fields(fields).build().with_context(cannot)?;
         let file = SerializedFileWriter::new(file, Arc::new(schema), properties(&columns));
         let file = file.with_context(cannot)?;
-        Ok(Self { path, columns, file, rows: Vec::new(), taken: 0, written: 0 })
+        Ok(Self { path, columns, file, taken: 0, written: 0 })
     }
 
-    /// Adds a row.
+    /// Adds rows: soonest as many at a time as a cache holds.
     ///
     /// # Errors
     /// If a full row group cannot be written.
-    pub(super) fn push(&mut self, row: R) -> anyhow::Result<()> {
-        self.rows.push(row);
-        if self.rows.len() == ROWS_PER_BLOCK {
-            self.take_block();
+    pub(super) fn add(&mut self, mut rows: &[R]) -> anyhow::Result<()> {
+        while !rows.is_empty() {
+            let (now, later) = rows.split_at(rows.len().min(ROWS_PER_GROUP - self.taken));
+            self.columns.iter_mut().for_each(|column| column.cells.take(now));
+            self.taken += now.len();
+            if self.taken == ROWS_PER_GROUP {
+                self.write_group()?;
+            }
+            rows = later;
         }
-        if self.taken == ROWS_PER_GROUP { self.write_group() } else { Ok(()) }
-    }
-
-    fn take_block(&mut self) {
-        self.columns.iter_mut().for_each(|column| column.take(&self.rows));
-        self.taken += self.rows.len();
-        self.rows.clear();
+        Ok(())
     }
 
     fn write_group(&mut self) -> anyhow::Result<()> {
         let mut write = || {
             let mut group = self.file.next_row_group()?;
-            self.columns.iter_mut().try_for_each(|column| column.write(&mut group))?;
+            self.columns.iter_mut().try_for_each(|column| column.cells.write(&mut group))?;
             group.close()
         };
         write().with_context(|| format!("cannot write {}", self.path.display()))?;
@@ -287,7 +302,6 @@ impl<R> TableWriter<R> {
     /// # Errors
     /// If it cannot be written.
     pub(super) fn finish(mut self) -> anyhow::Result<u64> {
-        self.take_block();
         if self.taken > 0 {
             self.write_group()?;
         }
@@ -296,10 +310,11 @@ impl<R> TableWriter<R> {
     }
 }
 
-fn properties<R>(columns: &[Column<R>]) -> WriterPropertiesPtr {
+fn properties<R>(columns: &[Column<'_, R>]) -> WriterPropertiesPtr {
     let mut properties = WriterProperties::builder()
         .set_created_by(format!("Rayscope {}", env!("CARGO_PKG_VERSION")))
         .set_compression(Compression::ZSTD(ZstdLevel::default()))
+        .set_data_page_row_count_limit(ROWS_PER_GROUP)
         .set_key_value_metadata(Some(columns.iter().flat_map(Column::metadata).collect()));
     for column in columns {
         let path = ColumnPath::from(column.name);
@@ -324,24 +339,27 @@ mod tests {
     fn row_groups_are_whole_groups_of_rays_and_lose_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("table.parquet");
-        let even = |row: &usize| row.is_multiple_of(2).then_some(*row as u32);
         let columns = vec![
-            Column::u32("row", "Row", Values::Near, |row: &usize| Some(*row as u32)),
-            Column::u32("even", "The same, if it is even", Values::Few, even),
+            Column::known("row", "Row", Values::Near, |row: &u32| *row),
+            Column::optional("even", "The same, if it is even", Values::Few, |row: &u32| {
+                Some(*row).filter(|row| row.is_multiple_of(2))
+            }),
+            Column::constant("pass", "Pass", 7u32),
         ];
         let mut table = TableWriter::create(path.clone(), columns).unwrap();
-        let rows = ROWS_PER_GROUP + ROWS_PER_BLOCK + 7;
-        (0..rows).try_for_each(|row| table.push(row)).unwrap();
-        assert_eq!(table.finish().unwrap(), rows as u64);
+        let rows: Vec<u32> = (0..ROWS_PER_GROUP as u32 + 1000).collect();
+        // Whatever is added at a time.
+        rows.chunks(777).try_for_each(|rows| table.add(rows)).unwrap();
+        assert_eq!(table.finish().unwrap(), rows.len() as u64);
         let reader = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
         let groups: Vec<i64> = reader.metadata().row_groups().iter().map(|group| group.num_rows()).collect();
-        assert_eq!(groups, [ROWS_PER_GROUP as i64, ROWS_PER_BLOCK as i64 + 7]);
+        assert_eq!(groups, [ROWS_PER_GROUP as i64, 1000]);
         assert!(groups[..1].iter().all(|rows| rows % 128 == 0));
         for (at, row) in reader.get_row_iter(None).unwrap().enumerate() {
             let expected = if at.is_multiple_of(2) { at.to_string() } else { "null".to_owned() };
-            assert_eq!(row.unwrap().to_string(), format!("{{row: {at}, even: {expected}}}"));
+            assert_eq!(row.unwrap().to_string(), format!("{{row: {at}, even: {expected}, pass: 7}}"));
         }
-        let taken = TableWriter::<usize>::create(path, Vec::new()).err().unwrap().to_string();
+        let taken = TableWriter::<u32>::create(path, Vec::new()).err().unwrap().to_string();
         assert!(taken.contains("cannot write "), "{taken}");
     }
 }

@@ -12,6 +12,8 @@ use super::table::Values::{Few, Vary};
 use super::table::{Column, TableWriter};
 use crate::shown;
 
+type TimingColumn = Column<'static, TimingRow>;
+
 /// One sample.
 struct TimingRow {
     of: Arc<Recorded>,
@@ -26,7 +28,7 @@ struct TimingRow {
 }
 
 /// The table of all samples.
-pub(super) struct Timings(TableWriter<TimingRow>);
+pub(super) struct Timings(TableWriter<'static, TimingRow>);
 
 impl Timings {
     /// Starts it.
@@ -55,19 +57,18 @@ impl Timings {
             let TimingRecord { pass, bounce, kind, method, stage, samples_ns } = record;
             let shown: Arc<str> = shown::name(method).into();
             let rounds = disturbed.get(&(*pass, *bounce, *kind, method.as_str(), *stage));
-            for (round, ns) in (0..).zip(samples_ns) {
-                self.0.push(TimingRow {
-                    of: of_recording.clone(),
-                    pass: *pass,
-                    bounce: *bounce,
-                    kind: kind.map(Kind::name),
-                    method: shown.clone(),
-                    stage: stage.name(),
-                    round,
-                    ns: *ns,
-                    is_disturbed: rounds.is_some_and(|rounds| rounds.contains(&round)),
-                })?;
-            }
+            let row = |(round, &ns): (u32, &u64)| TimingRow {
+                of: of_recording.clone(),
+                pass: *pass,
+                bounce: *bounce,
+                kind: kind.map(Kind::name),
+                method: shown.clone(),
+                stage: stage.name(),
+                round,
+                ns,
+                is_disturbed: rounds.is_some_and(|rounds| rounds.contains(&round)),
+            };
+            self.0.add(&(0..).zip(samples_ns).map(row).collect::<Vec<_>>())?;
         }
         Ok(())
     }
@@ -81,22 +82,28 @@ impl Timings {
     }
 }
 
-fn columns() -> Vec<Column<TimingRow>> {
+fn columns() -> Vec<TimingColumn> {
     vec![
-        Column::text("scene", "Scene", |row| Some(&row.of.scene)),
-        Column::text("machine", "Backend, adapter, kernel and threads", |row| Some(&row.of.machine)),
-        Column::text("recording", "Recording, by its folder", |row| Some(&row.of.recording)),
-        Column::u32("pass", "Pass, from 0", Few, |row| Some(row.pass)),
-        Column::u32("bounce", "Bounce; 0 is the camera rays", Few, |row| Some(row.bounce)),
-        Column::text("kind", "Kind of the rays; null for stages that serve both", |row| row.kind),
-        Column::text("method", "Order of the rays", |row| Some(&row.method)),
-        Column::text("stage", "What was timed", |row| Some(row.stage)),
-        Column::u32("round", "Round of measuring, from 0: its samples belong together", Few, |row| {
-            Some(row.round)
-        }),
-        Column::u64("ns", "How long it took", Vary, |row: &TimingRow| Some(row.ns)).unit("nanoseconds"),
-        Column::flag("disturbed", "Whether the machine is known to have done other work meanwhile", |row| {
-            Some(row.is_disturbed)
-        }),
+        TimingColumn::text("scene", "Scene", |row| Some(&row.of.scene)),
+        TimingColumn::text("machine", "Backend, adapter, kernel and threads", |row| Some(&row.of.machine)),
+        TimingColumn::text("recording", "Recording, by its folder", |row| Some(&row.of.recording)),
+        TimingColumn::optional("pass", "Pass, from 0", Few, |row| Some(row.pass)),
+        TimingColumn::optional("bounce", "Bounce; 0 is the camera rays", Few, |row| Some(row.bounce)),
+        TimingColumn::text("kind", "Kind of the rays; null for stages that serve both", |row| row.kind),
+        TimingColumn::text("method", "Order of the rays", |row| Some(&row.method)),
+        TimingColumn::text("stage", "What was timed", |row| Some(row.stage)),
+        TimingColumn::optional(
+            "round",
+            "Round of measuring, from 0: its samples belong together",
+            Few,
+            |row| Some(row.round),
+        ),
+        TimingColumn::optional("ns", "How long it took", Vary, |row| Some(row.ns)).unit("nanoseconds"),
+        TimingColumn::optional(
+            "disturbed",
+            "Whether the machine is known to have done other work meanwhile",
+            Few,
+            |row| Some(row.is_disturbed),
+        ),
     ]
 }

@@ -4,7 +4,7 @@ use egui::{Align2, Color32, Id, Rect, Response, Sense, Slider, Ui, pos2, vec2};
 use formats::metrics::quantity::Quantity;
 
 use super::layers::{AREAS, BOUNCES};
-use super::options::SpaceOptions;
+use super::options::{SpaceOptions, VisitChoice};
 use super::view::SpaceView;
 use crate::colour_map::ColourMap;
 use crate::figures::axis::ratio_label;
@@ -98,7 +98,12 @@ fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
     let areas = options.capsules.then_some(areas);
     let cells = layers.cells().map(|(range, ..)| bar(range, "mean length in the cell, unit lengths", None));
     let path = layers.path().map(|_| bar(BOUNCES, "bounce", None));
-    let others: Vec<Bar<'_>> = areas.into_iter().chain(cells).chain(path).collect();
+    let visits = layers.visits().map(|(_, range)| {
+        let of_ray = options.visits == VisitChoice::Ray;
+        let title = if of_ray { "level below the root" } else { "rays of the group that enter the box" };
+        bar(range, title, None)
+    });
+    let others: Vec<Bar<'_>> = areas.into_iter().chain(cells).chain(path).chain(visits).collect();
     let count = others.len() + usize::from(rays.is_some());
     let gap = 16.0;
     let width = (ui.available_width() - gap * count.saturating_sub(1) as f32) / count.max(1) as f32;
@@ -217,7 +222,7 @@ fn colour_bar(ui: &mut Ui, width: f32, bar: &Bar<'_>, across: ValueRange) -> Res
 
 fn number(value: f32) -> String {
     match value.abs() {
-        0.0 => "0".to_owned(),
+        size if size < 1000.0 && size.fract() == 0.0 => format!("{value}"),
         size if size >= 1000.0 => crate::output::count(size as u64),
         size if size >= 1.0 => format!("{value:.2}"),
         size if size >= 0.001 => format!("{value:.4}"),

@@ -4,7 +4,9 @@ use egui::{FontId, Rect, Slider, Ui, vec2};
 use formats::metrics::quantity::Quantity;
 
 use super::super::filter_box::filter_box;
-use super::options::{Axis, CapsuleChoice, MeshMode, Navigation, Side, SpaceOptions, StandPoint};
+use super::options::{
+    Axis, CapsuleChoice, MeshMode, Navigation, Side, SpaceOptions, StandPoint, VisitChoice,
+};
 use super::view::{SpaceView, stand};
 use crate::colour_map::ColourMap;
 use crate::model::colour_by::ColourBy;
@@ -50,6 +52,12 @@ fn what_is_shown(ui: &mut Ui, options: &mut SpaceOptions) {
         .on_hover_text("Those that were touched, where their rays start, coloured by their mean length");
     ui.checkbox(&mut options.path, "Path of the selected ray")
         .on_hover_text("Its rays in all bounces; thin ones go to lights");
+    let visits =
+        [(VisitChoice::Hidden, "none"), (VisitChoice::Ray, "the ray's"), (VisitChoice::Group, "its group's")];
+    row(ui, "Boxes visited", &mut options.visits, &visits);
+    if options.visits != VisitChoice::Hidden {
+        ui.add(Slider::new(&mut options.visit_levels, 0..=32).text("levels below the root"));
+    }
 }
 
 /// What colours stand for, and which ones.

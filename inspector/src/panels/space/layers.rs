@@ -10,7 +10,7 @@ use formats::reader::Dump;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::options::{CapsuleChoice, SpaceOptions};
+use super::options::{CapsuleChoice, SpaceOptions, VisitChoice};
 use super::places::ShownPlaces;
 use crate::analysis::GroupWidth;
 use crate::colour_map::ColourMap;
@@ -23,6 +23,7 @@ use crate::model::neighbours::take_means;
 use crate::model::numbers::Numbers;
 use crate::model::path::PathRay;
 use crate::model::selection::Playhead;
+use crate::model::visits::{EnteredBox, Visits};
 use crate::model::{Absent, Context, Order, Selection};
 use crate::render::cell_box::{cell_box, cells};
 use crate::render::detail::Detail;
@@ -84,6 +85,8 @@ struct WantedSelected {
     cell: Option<u32>,
     /// The path of the ray, if it is shown.
     path: Option<Arc<[PathRay]>>,
+    /// The boxes that are visited, if they are shown, and down to which level.
+    visits: Option<(VisitChoice, Arc<Visits>, u32)>,
     theme: Theme,
     map: ColourMap,
 }
@@ -173,6 +176,12 @@ impl Layers {
         self.selected.as_ref()?.0.path.as_deref()
     }
 
+    /// The boxes in the last picture, and the range of what colours them.
+    pub(super) fn visits(&self) -> Option<(&Visits, ValueRange)> {
+        let (choice, visits, _) = self.selected.as_ref()?.0.visits.as_ref()?;
+        Some((visits, visits_range(*choice, visits)))
+    }
+
     /// The range of the numbers that cells are coloured by, how many of them are shown, and of how many; none if none
     /// are.
     pub(super) fn cells(&self) -> Option<(ValueRange, usize, usize)> {
@@ -240,13 +249,34 @@ impl Layers {
         let ray = context.selection.ray.unwrap_or(order.len() / 2);
         let pixel = order.queue.path_ids.get(ray).copied();
         let path = pixel.filter(|_| options.path).and_then(|pixel| context.path(pixel));
-        let Selection { ray, group, cell, .. } = context.selection;
-        let key = WantedSelected { order: of_order, ray, group, cell, path, theme, map: options.map };
+        let visits = self.visits_of(options, &order, ray, context);
+        let Selection { ray: chosen, mut group, cell, .. } = context.selection;
+        // Boxes are shown with whose they are.
+        let ray = chosen.or(visits.as_ref().map(|_| ray));
+        if matches!(&visits, Some((VisitChoice::Group, ..))) {
+            group = ray.map(|ray| order.place_of_ray()[ray] as usize / of_order.1.rays());
+        }
+        let key = WantedSelected { order: of_order, ray, group, cell, path, visits, theme, map: options.map };
         if self.selected.as_ref().is_none_or(|(known, _)| *known != key) {
             let selected = selected(&order, &key, context);
             self.selected = Some((key, selected));
         }
         self.layers(options, &order)
+    }
+
+    /// The boxes that a ray and its group enter, if they are to be shown.
+    fn visits_of(
+        &mut self,
+        options: &SpaceOptions,
+        order: &Arc<Order>,
+        ray: usize,
+        context: &mut Context,
+    ) -> Option<(VisitChoice, Arc<Visits>, u32)> {
+        if options.visits == VisitChoice::Hidden || ray >= order.len() {
+            return None;
+        }
+        let visits = context.visits(order, ray).map_err(|absent| self.problem = Some(absent)).ok()?;
+        Some((options.visits, visits, options.visit_levels))
     }
 
     /// Has the vertices of all rays made by another thread.
@@ -446,6 +476,12 @@ fn selected(order: &Order, wanted: &WantedSelected, context: &Context) -> Vec<La
         layer(rays(order, places.map(|place| (place, 0.0))), Stage::OnTop, 0.5, 1.0),
         layer(Shape::Segments(lines), Stage::OnTop, 1.0, SELECTED_WIDTH),
     ];
+    if let Some((choice, visits, levels)) = &wanted.visits {
+        let paint = Paint::Values(map, visits_range(*choice, visits));
+        let edges = visited_edges(*choice, visits, *levels);
+        let lines = Layer::of(&edges.into(), Stage::Lines, paint, 1.0);
+        layers.push(Layer { width: JUMP_WIDTH, hidden_opacity: HIDDEN_AXES, ..lines });
+    }
     let Some(rays) = &wanted.path else { return layers };
     for (kind, line_width) in [(Kind::Closest, SELECTED_WIDTH), (Kind::Shadow, 1.0)] {
         let [lines, ends] = path(rays, kind);
@@ -455,4 +491,25 @@ fn selected(order: &Order, wanted: &WantedSelected, context: &Context) -> Vec<La
         layers.push(Layer { width: MARK_WIDTH, hidden_opacity: 1.0, ..marks });
     }
     layers
+}
+
+/// The edges of the boxes that are visited: a ray's by level, a group's by how many of its rays enter each.
+fn visited_edges(choice: VisitChoice, visits: &Visits, levels: u32) -> Shape {
+    let of_ray = choice == VisitChoice::Ray;
+    let shown = visits.boxes.iter().filter(|entered| entered.level <= levels);
+    let edges = shown.filter(|entered| entered.is_of_ray || !of_ray).flat_map(|entered| {
+        box_edges(entered.corners, if of_ray { entered.level } else { entered.rays } as f32)
+    });
+    Shape::Segments(edges.collect())
+}
+
+/// What the ends of the colours of boxes stand for.
+fn visits_range(choice: VisitChoice, visits: &Visits) -> ValueRange {
+    let most = |of: fn(&EnteredBox) -> u32| visits.boxes.iter().map(of).max().unwrap_or(0).max(1) as f32;
+    match choice {
+        VisitChoice::Group => ValueRange { low: 0.0, high: most(|entered| entered.rays) },
+        VisitChoice::Hidden | VisitChoice::Ray => {
+            ValueRange { low: 0.0, high: most(|entered| entered.level) }
+        }
+    }
 }

@@ -34,6 +34,19 @@ pub enum CapsuleChoice {
     Spread,
 }
 
+/// Which boxes of the hierarchy are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum VisitChoice {
+    /// None.
+    #[default]
+    Hidden,
+    /// Those that the selected ray enters; the middle one while none is selected.
+    Ray,
+    /// Those that any ray of its group enters.
+    Group,
+}
+
 /// Where the camera stands at first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -110,6 +123,10 @@ pub struct SpaceOptions {
     pub arrows: bool,
     /// The path of the selected ray through all bounces; that of the middle one while none is selected.
     pub path: bool,
+    /// Boxes of the hierarchy that were visited.
+    pub visits: VisitChoice,
+    /// How far below the root they are at most.
+    pub visit_levels: u32,
     /// Touched cells of the length table as boxes.
     pub cells: bool,
     /// How many of them at most, those of most rays first.
@@ -176,6 +193,8 @@ impl Default for SpaceOptions {
             ends: false,
             arrows: false,
             path: false,
+            visits: VisitChoice::default(),
+            visit_levels: 32,
             cells: false,
             cell_count: 400,
             capsules: false,

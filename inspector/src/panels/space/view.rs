@@ -211,8 +211,12 @@ impl SpaceView {
             let shadow = path.iter().filter(|ray| ray.queue.kind == Kind::Shadow).count();
             format!("a path of {} rays, {shadow} of them to lights (thin)", path.len())
         });
+        let visits = self.layers.visits().map(|(visits, _)| {
+            let (shared, of_ray) = visits.shared();
+            format!("{of_ray} boxes that the ray enters, {shared} of them with others of its group")
+        });
         let parts: Vec<String> =
-            [rays, passing, jumps, capsules, cells, path].into_iter().flatten().collect();
+            [rays, passing, jumps, capsules, cells, path, visits].into_iter().flatten().collect();
         if parts.is_empty() {
             "showing the scene alone".to_owned()
         } else {

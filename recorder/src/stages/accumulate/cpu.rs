@@ -5,7 +5,7 @@ use formats::length_table::LengthTable;
 use formats::ray::Ray;
 use rayon::prelude::*;
 
-use crate::stages::prefetch::prefetch_cell;
+use formats::prefetch::prefetch_cell;
 
 /// Rays that one task adds: few enough that the cells asked for are still there when they are added to.
 const CHUNK: usize = 1 << 10;

@@ -3,7 +3,7 @@
 use formats::ray::Ray;
 use rayon::prelude::*;
 
-use crate::stages::pages::make_room;
+use formats::pages::make_room;
 
 /// What a ray carries beside itself.
 #[derive(Clone, Copy, Debug, Default)]

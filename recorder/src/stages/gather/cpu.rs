@@ -6,7 +6,7 @@ use formats::ray::Ray;
 use rayon::prelude::*;
 
 use crate::stages::compact::cpu::Paths;
-use crate::stages::prefetch::{AHEAD, prefetch};
+use formats::prefetch::{AHEAD, prefetch};
 
 /// Rays or paths that one task copies.
 const CHUNK: usize = 1 << 12;

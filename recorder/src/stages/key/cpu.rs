@@ -5,8 +5,8 @@ use formats::length_table::LengthTable;
 use formats::ray::Ray;
 use rayon::prelude::*;
 
-use crate::stages::prefetch::prefetch_cell;
 use crate::stages::sort::cpu::{Keys, Words};
+use formats::prefetch::prefetch_cell;
 
 /// Rays that one task encodes.
 const CHUNK: usize = 1 << 12;

@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use crate::stages::prefetch::{AHEAD, prefetch};
 use crate::stages::trace::hits::Hits;
+use formats::prefetch::{AHEAD, prefetch};
 
 /// Results that one task moves.
 const CHUNK: usize = 1 << 12;

@@ -9,9 +9,9 @@ use scenes::features::Features;
 use super::path::{Outcome, shade_path};
 use super::tables::ShadeTables;
 use crate::stages::compact::cpu::{Paths, compact};
-use crate::stages::prefetch::prefetch;
 use crate::stages::shared::ShadeParams;
 use crate::stages::trace::hits::Hits;
+use formats::prefetch::prefetch;
 
 /// What [`shade`] and the tracer on threads are specialised on. Lights are rows of a table there, and what a
 /// scene has none of has no row: a branch that is never taken.

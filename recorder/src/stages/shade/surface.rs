@@ -117,18 +117,17 @@ fn texture_color(tables: &ShadeTables, material: &MaterialData, u: f32, v: f32) 
 
 #[cfg(test)]
 mod tests {
+    use formats::intersect::{Shear, reciprocal};
     use formats::ray::Ray;
 
     use super::*;
-    use crate::stages::trace::triangle::{LeafTriangle, Shear, TriangleRay};
+    use crate::stages::trace::triangle::{LeafTriangle, TriangleRay};
 
     /// Whether a ray meets a triangle.
     fn finds(leaf: &LeafTriangle, origin: Vec3, direction: Vec3) -> bool {
         let (origin, direction) = (origin.to_array(), normalize3(direction).to_array());
         let ray = Ray { origin, t_min: 0.0, direction, t_max: f32::INFINITY };
-        Shear::new(&ray, direction.map(crate::stages::trace::reciprocal))
-            .intersect(leaf)
-            .is_some_and(|at| at.t >= 0.0)
+        Shear::new(&ray, direction.map(reciprocal)).intersect(leaf).is_some_and(|at| at.t >= 0.0)
     }
 
     /// No ray that leaves a triangle finds it again, however far away, large, thin or grazing.

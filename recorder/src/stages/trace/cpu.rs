@@ -3,6 +3,7 @@
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
+use formats::intersect::Shear;
 use formats::metrics::lanes::LaneUse;
 use formats::ray::{Hit, Kind, Ray, Work};
 use rayon::prelude::*;
@@ -20,7 +21,7 @@ use super::cpu_wide::WideTree;
 use super::hits::{Hits, store};
 use super::mask::Masks;
 use super::moeller_trumbore::PlainRay;
-use super::triangle::{LeafTriangle, Shear, TriangleRay};
+use super::triangle::{LeafTriangle, TriangleRay};
 use super::{BoxTest, Order, Precision, TraceKernel, TriangleTest};
 
 /// Traces rays through a hierarchy on the threads of the current rayon pool.

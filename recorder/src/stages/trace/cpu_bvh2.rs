@@ -4,7 +4,7 @@ use scenes::bvh::{BVH2_STACK, Bvh2Node};
 
 use super::cpu_query::{Account, Query, Tree};
 use super::triangle::{LeafTriangle, TriangleRay};
-use crate::stages::pages::on_huge_pages;
+use formats::pages::on_huge_pages;
 
 /// Bits of a reference that hold the first leaf slot or node pair; those above hold the number of
 /// triangles, 0 for an inner node.

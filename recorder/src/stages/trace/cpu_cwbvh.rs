@@ -5,7 +5,7 @@ use scenes::bvh::{CWBVH_STACK, CwbvhNode};
 
 use super::cpu_query::{Account, Query, Tree};
 use super::triangle::{LeafTriangle, TriangleRay};
-use crate::stages::pages::on_huge_pages;
+use formats::pages::on_huge_pages;
 
 /// The nodes, and the triangles by leaf slots.
 #[derive(Clone, Debug)]

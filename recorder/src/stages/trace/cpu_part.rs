@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::Order;
 use crate::stages::gather::cpu::gather_part;
-use crate::stages::prefetch::prefetch;
+use formats::prefetch::prefetch;
 
 /// Rays that a thread takes at once, and no more: in a sorted order whole stretches cost many times as much as
 /// others, and what a thread has begun no other one can take over.

@@ -1,11 +1,12 @@
 //! A ray on its way through a hierarchy on a thread: what both traversals ask of it.
 
+use formats::intersect::{farthest, reciprocal};
 use formats::ray::{Hit, Ray, Work};
 
+use super::BoxTest;
 use super::cpu_part::Part;
 use super::mask::Masks;
 use super::triangle::{LeafTriangle, TriangleBlock, TriangleRay};
-use super::{BoxTest, farthest, reciprocal};
 
 /// What is kept of a ray's way beside its hit; nothing where rates are measured.
 pub(super) trait Account: Clone {

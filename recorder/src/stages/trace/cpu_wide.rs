@@ -5,8 +5,8 @@ use scenes::bvh::{WIDE_LEVELS, WideNode};
 
 use super::cpu_query::{Account, Query, Tree};
 use super::triangle::{LeafTriangle, TriangleBlock, TriangleRay};
-use crate::stages::pages::{on_huge_pages, room_on_huge_pages};
-use crate::stages::prefetch::prefetch_whole;
+use formats::pages::{on_huge_pages, room_on_huge_pages};
+use formats::prefetch::prefetch_whole;
 
 /// The nodes, with blocks of triangles in place of leaf slots.
 #[derive(Clone, Debug)]

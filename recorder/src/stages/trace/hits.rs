@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 use formats::ray::{Hit, Kind, Ray};
 use formats::unit_space::UnitSpace;
 
-use crate::stages::pages::make_room;
+use formats::pages::make_room;
 
 /// Results of a queue at canonical places.
 #[derive(Debug)]

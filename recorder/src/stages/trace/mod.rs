@@ -62,20 +62,13 @@ pub mod variant;
 #[cfg(test)]
 mod tests;
 
-use formats::ray::Ray;
+use formats::intersect::PADDING;
 use scenes::Scene;
 use scenes::bvh::{Bvh, BvhError, BvhKind};
 
 use crate::device::Gpu;
 
 pub use self::leaves::LeafForm;
-
-/// Factor on far planes and on the nearest hit: 1 + 2^-19, which is 32 roundings. Box and triangle
-/// tests add up to about 20 where division is exact, 28 where a GPU divides to 2.5 ulp.
-pub const PADDING: f32 = 1.0 + 1.0 / (1 << 19) as f32;
-
-/// Largest reciprocal of a direction: 2^80.
-pub const RECIPROCAL_LIMIT: f32 = (1u128 << 80) as f32;
 
 /// How the edge functions p.x·q.y − p.y·q.x of a triangle are evaluated on the GPU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,17 +152,6 @@ impl BoxTest {
             Self::Plain => 1.0,
         }
     }
-}
-
-/// The reciprocal of a component of a direction, as box tests use it.
-pub fn reciprocal(direction: f32) -> f32 {
-    let quotient = 1.0 / direction;
-    if direction.abs() > 1.0 / RECIPROCAL_LIMIT { quotient } else { RECIPROCAL_LIMIT.copysign(direction) }
-}
-
-/// The farthest `t` that counts: `t_max`, but finite.
-pub(crate) fn farthest(ray: &Ray) -> f32 {
-    ray.t_max.min(f32::MAX)
 }
 
 /// The order in which rays are traced. `P` is a permutation.

@@ -3,11 +3,12 @@
 //! Without culling and without an epsilon: what rounding does to it is what is to be measured. Both
 //! triangles at an edge round on their own, so rays pass between them.
 
+use formats::intersect::Intersection;
 use formats::ray::Ray;
 use glam::Vec3;
 
 use super::cpu_vector::Vector;
-use super::triangle::{Intersection, LeafTriangle, TriangleBlock, TriangleLanes, TriangleRay};
+use super::triangle::{LeafTriangle, TriangleBlock, TriangleLanes, TriangleRay};
 use crate::stages::vector::{cross3, dot3};
 
 /// A ray as it is.

@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicU32;
 
 use clap::ValueEnum;
 use fastrand::Rng;
+use formats::intersect::{Shear, farthest, reciprocal};
 use formats::metrics::lanes::{LaneUse, work_of};
 use formats::ray::{Hit, Kind, Ray, Work};
 use scenes::bvh::{BvhKind, build};
@@ -12,8 +13,8 @@ use scenes::{Material, Scene, Texture};
 use super::cpu::CpuTracer;
 use super::hits::Hits;
 use super::mask::Masks;
-use super::triangle::{LeafTriangle, Shear, TriangleRay};
-use super::{Order, Precision, TraceKernel, farthest};
+use super::triangle::{LeafTriangle, TriangleRay};
+use super::{Order, Precision, TraceKernel};
 use crate::stages::compare::cpu::differences as differences_between;
 use crate::stages::scatter::cpu::scatter;
 use crate::stages::sort::cpu::permutation_of;
@@ -138,7 +139,7 @@ fn tracers(scene: &Scene) -> Vec<(String, CpuTracer)> {
 /// The nearest hit by the tracers' own triangle test, without a hierarchy.
 fn every_triangle(scene: &Scene, ray: &Ray) -> Hit {
     let masks = Masks::new(scene);
-    let shear = Shear::new(ray, ray.direction.map(super::reciprocal));
+    let shear = Shear::new(ray, ray.direction.map(reciprocal));
     let mut best = Hit { t: farthest(ray), ..Hit::MISS };
     for triangle in 0..scene.triangles.len() as u32 {
         let number = masks.number(triangle);

@@ -1,10 +1,10 @@
 //! The modules that trace, composed per hierarchy, kind of ray, order and alpha masks.
 
+use formats::intersect::{GAMMA_8, RECIPROCAL_LIMIT};
 use formats::ray::{Hit, Kind};
 use scenes::bvh::{BVH2_STACK, CWBVH_STACK};
 
-use super::triangle::GAMMA_8;
-use super::{EdgeForm, LeafForm, Order, Precision, RECIPROCAL_LIMIT, TraceKernel, TriangleTest};
+use super::{EdgeForm, LeafForm, Order, Precision, TraceKernel, TriangleTest};
 use crate::device::Module;
 use crate::stages::shared::MaskedTriangle;
 use crate::stages::wgsl::wgsl_constants;

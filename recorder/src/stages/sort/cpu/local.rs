@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use super::split::Places;
 use super::{pair, put, put_index, stored};
-use crate::stages::prefetch::prefetch_at;
+use formats::prefetch::prefetch_at;
 
 /// Most pairs: twice as many fit the cache.
 pub(super) const MOST: usize = 1 << 16;

@@ -14,8 +14,8 @@ use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
 use rayon::prelude::*;
 
 use super::Digits;
-use crate::stages::pages::make_room;
-use crate::stages::prefetch::prefetch_at;
+use formats::pages::make_room;
+use formats::prefetch::prefetch_at;
 pub use keys::{Keys, Words};
 
 mod keys;

@@ -1,6 +1,6 @@
 //! Asks for memory ahead of its use, where neighbouring items lie far apart.
 
-use formats::length_table::LengthTable;
+use crate::length_table::LengthTable;
 
 /// How many items ahead: a miss takes about as long as gathering so many.
 pub const AHEAD: usize = 16;

@@ -1,0 +1,60 @@
+//! What the kernel counted of each ray, and what it found, by the ray's way through the hierarchy.
+
+use super::{Check, Subject};
+use crate::hierarchy::{Hierarchy, HierarchyError};
+use crate::manifest::QueueArray;
+use crate::ray::Work;
+use crate::reader::ReadError;
+use crate::traced::Results;
+
+/// The kernel whose hierarchy is kept.
+const KERNEL: &str = "wide";
+
+/// Nothing to check where no hierarchy was kept.
+pub(super) fn check(subject: &Subject<'_>) -> Option<Check> {
+    let mut check = Check::new("work");
+    let hierarchy = match Hierarchy::open(subject.dump) {
+        Ok(hierarchy) => {
+            check.require(true, String::new);
+            hierarchy
+        }
+        Err(HierarchyError::Read(ReadError::NoSuchArray { .. })) => return None,
+        Err(error) => {
+            check.require(false, || error.to_string());
+            return Some(check);
+        }
+    };
+    if subject.dump.manifest().header.options.trace_kernel != KERNEL {
+        check.not_checked.push(format!("what another kernel counted than {KERNEL}, whose hierarchy it is"));
+        return Some(check);
+    }
+    for &queue in subject.queues.keys() {
+        let Some(traced) = subject.traced(queue) else { continue };
+        let rays = traced.rays();
+        let work = subject.queue_array::<Work>(queue, QueueArray::Work);
+        // `queues` finds arrays that do not belong together.
+        let Some(work) = work.filter(|work| work.len() == rays.len()) else { continue };
+        let way = |index: usize| hierarchy.way(&rays[index], queue.kind);
+        let is_right = |index: usize| {
+            let way = way(index);
+            let is_found = match traced.results() {
+                Results::Hits(hits) => hits[index] == way.hit,
+                Results::Distances(distances) => distances[index] == way.hit.t,
+            };
+            is_found && work[index] == way.work()
+        };
+        check.each(rays.len(), is_right, |index| {
+            let (found, way) = (work[index], way(index));
+            format!(
+                "{queue}/work.npy: ray {index} has {} nodes and {} triangles, its way through the hierarchy {} and {}, \
+                 where it meets {:?}",
+                found.nodes,
+                found.triangles,
+                way.work().nodes,
+                way.work().triangles,
+                way.hit
+            )
+        });
+    }
+    Some(check)
+}

@@ -1,0 +1,67 @@
+//! The boxes of the hierarchy that a ray and its group enter.
+
+use std::collections::HashMap;
+use std::sync::OnceLock;
+
+use formats::hierarchy::{Hierarchy, Visit};
+use formats::ray::{Ray, Work};
+use rayon::prelude::*;
+
+use super::queue::Queue;
+
+/// A box that rays enter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnteredBox {
+    /// Its lowest and highest corner, unit space.
+    pub corners: ([f32; 3], [f32; 3]),
+    /// How far below the root, which has 0.
+    pub level: u32,
+    /// How many rays of the group enter it.
+    pub rays: u32,
+    /// Whether the ray itself does.
+    pub is_of_ray: bool,
+}
+
+/// The boxes that a group enters, and what its ray took.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Visits {
+    /// By level, then as the first ray of the group that enters them comes to them.
+    pub boxes: Vec<EnteredBox>,
+    /// Nodes visited and triangles tested by the ray.
+    pub work: Work,
+}
+
+/// The hierarchy of a recording, once it was asked for, or why there is none.
+pub type Opened = OnceLock<Result<Hierarchy, String>>;
+
+impl Visits {
+    /// Of the rays of a group, canonical indices, of which one is looked at.
+    pub(super) fn of(hierarchy: &Hierarchy, queue: &Queue, group: &[usize], ray: usize) -> Self {
+        let all: &[Ray] = queue.traced.rays();
+        let ways: Vec<_> =
+            group.par_iter().map(|&of| (of == ray, hierarchy.way(&all[of], queue.id.kind))).collect();
+        let mut boxes: Vec<EnteredBox> = Vec::new();
+        let mut known = HashMap::new();
+        for (is_of_ray, way) in &ways {
+            for &Visit { place, level, .. } in &way.visits {
+                let at = *known.entry(place).or_insert_with(|| {
+                    let [low, high] = hierarchy.bounds(place).map(|corner| queue.traced.unit().point(corner));
+                    let corners = (low, high);
+                    boxes.push(EnteredBox { corners, level, rays: 0, is_of_ray: false });
+                    boxes.len() - 1
+                });
+                boxes[at].rays += 1;
+                boxes[at].is_of_ray |= is_of_ray;
+            }
+        }
+        boxes.sort_by_key(|entered| entered.level);
+        let work = ways.iter().find(|(is_of_ray, _)| *is_of_ray).map(|(_, way)| way.work());
+        Self { boxes, work: work.unwrap_or_default() }
+    }
+
+    /// Of the boxes that the ray enters, how many others of its group enter, too; and how many there are.
+    pub fn shared(&self) -> (usize, usize) {
+        let of_ray = || self.boxes.iter().filter(|entered| entered.is_of_ray);
+        (of_ray().filter(|entered| entered.rays > 1).count(), of_ray().count())
+    }
+}
