@@ -123,6 +123,30 @@ fn ply_has_rays_hits_curve_and_capsules() {
     }
 }
 
+/// Against the path indices of all queues of the pass, and the rays there.
+#[test]
+fn paths_are_the_rays_of_all_bounces_of_the_same_pixels() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = sample::write(folder.path());
+    let dump = Dump::open(&path).unwrap();
+    let out = export(&path, &["--format", "ply", "--group", "1"]);
+    let (vertices, edges) = read_ply(&out.join("pass-001-bounce-01-closest-unsorted-group-1-paths.ply"));
+    let pixels_of = |queue| dump.array::<u32>(&Place::Queue(queue, QueueArray::PathIds)).unwrap();
+    let group: Vec<u32> = pixels_of(QUEUE)[64..128].to_vec();
+    let mut expected = Vec::new();
+    for queue in dump.manifest().queues.iter().map(|queue| queue.id).filter(|id| id.pass == QUEUE.pass) {
+        let rays = dump.array::<Ray>(&Place::Queue(queue, QueueArray::Rays)).unwrap();
+        let pixels = pixels_of(queue);
+        let of_group = pixels.iter().zip(rays.iter()).filter(|(pixel, _)| group.contains(pixel));
+        expected.extend(of_group.map(|(_, ray)| ray.origin));
+    }
+    assert!(expected.len() > 3 * group.len(), "{} rays on {} paths", expected.len(), group.len());
+    assert_eq!(edges, expected.len());
+    assert_eq!(vertices.iter().step_by(2).map(|(origin, _)| *origin).collect::<Vec<_>>(), expected);
+    // Camera rays are dark blue, those of the last bounce are yellow.
+    assert_eq!((vertices[0].1, vertices[vertices.len() - 1].1), ([68, 1, 84], [253, 231, 37]));
+}
+
 #[test]
 fn one_group_is_one_group() {
     let folder = tempfile::tempdir().unwrap();
@@ -177,7 +201,7 @@ fn a_filter_leaves_the_rays_that_meet_it() {
     let files = export(&path, &["--format", "ply", "--filter", "hit"]);
     let names: Vec<String> =
         fs::read_dir(files).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
-    assert!(names.len() == 3 && !names.iter().any(|name| name.contains("capsules")), "{names:?}");
+    assert!(names.len() == 4 && !names.iter().any(|name| name.contains("capsules")), "{names:?}");
     let refused = inspector(
         &["export", "--format", "csv", "--filter", "t < 1 && hits", "--out"],
         &[&folder.path().join("x"), &path],

@@ -28,7 +28,8 @@ use rays::{ChosenRays, RayChoice};
 pub(crate) enum Format {
     /// Rays with their hits as a table.
     Csv,
-    /// Rays, hits, curve and capsules as geometry.
+    /// Rays, hits, curve and capsules as geometry; of a group or of rays that meet a condition also their paths
+    /// through all bounces.
     Ply,
     /// All rays, times and numbers as tables for DuckDB, Polars, Spark and their like.
     Parquet,
@@ -75,23 +76,24 @@ pub(crate) fn run(export: &Export) -> anyhow::Result<()> {
 /// Writes the rays of one queue in one order.
 fn files(
     Export { dump, out, choice, json, .. }: &Export,
-    write: fn(&ChosenRays, &RayChoice, &Path) -> anyhow::Result<Vec<PathBuf>>,
+    write: fn(&Dump, &ChosenRays, &RayChoice, &Path) -> anyhow::Result<Vec<PathBuf>>,
 ) -> anyhow::Result<()> {
-    let rays = ChosenRays::open(&Dump::open(dump)?, choice)?;
+    let dump = Dump::open(dump)?;
+    let rays = ChosenRays::open(&dump, choice)?;
     make_folder(out)?;
-    let files = write(&rays, choice, out)?;
+    let files = write(&dump, &rays, choice, out)?;
     if *json {
         return print_json(&Made { files, rays: rays.len() });
     }
     print(&files.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join("\n"))
 }
 
-fn csv_files(rays: &ChosenRays, choice: &RayChoice, out: &Path) -> anyhow::Result<Vec<PathBuf>> {
+fn csv_files(_: &Dump, rays: &ChosenRays, choice: &RayChoice, out: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let name = format!("{}.csv", stem(rays, choice));
     Ok(vec![write(out, &name, |output| csv::write(rays, output))?])
 }
 
-fn ply_files(rays: &ChosenRays, choice: &RayChoice, out: &Path) -> anyhow::Result<Vec<PathBuf>> {
+fn ply_files(dump: &Dump, rays: &ChosenRays, choice: &RayChoice, out: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let stem = stem(rays, choice);
     let mut files = vec![
         write(out, &format!("{stem}-rays.ply"), |output| ply::rays(rays, output))?,
@@ -103,6 +105,11 @@ fn ply_files(rays: &ChosenRays, choice: &RayChoice, out: &Path) -> anyhow::Resul
         let width = choice.group_width.rays();
         let capsules = |output: &mut dyn Write| ply::capsules(rays, width, output);
         files.push(write(out, &format!("{stem}-capsules.ply"), capsules)?);
+    }
+    // Of all rays, they would be all rays of all bounces.
+    if choice.group.is_some() || choice.filter.is_some() {
+        let paths = rays.on_their_paths(dump)?;
+        files.push(write(out, &format!("{stem}-paths.ply"), |output| ply::paths(&paths, output))?);
     }
     Ok(files)
 }

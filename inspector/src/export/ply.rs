@@ -19,6 +19,17 @@ pub(crate) fn rays(rays: &ChosenRays, output: &mut dyn Write) -> io::Result<()> 
     (0..count as u32).try_for_each(|ray| edge(output, 2 * ray, 2 * ray + 1))
 }
 
+/// Rays of several bounces as edges, coloured by bounce.
+pub(crate) fn paths(rays: &[(u32, [Point; 2])], output: &mut dyn Write) -> io::Result<()> {
+    let last = rays.iter().map(|(bounce, _)| *bounce).max().unwrap_or(0).max(1);
+    header(output, 2 * rays.len(), &[("edge", rays.len(), EDGE)])?;
+    for (bounce, ends) in rays {
+        let colour = viridis(f64::from(*bounce) / f64::from(last));
+        ends.iter().try_for_each(|end| vertex(output, *end, colour))?;
+    }
+    (0..rays.len() as u32).try_for_each(|ray| edge(output, 2 * ray, 2 * ray + 1))
+}
+
 /// Where rays end at surfaces, coloured by place in the order.
 pub(crate) fn hits(rays: &ChosenRays, output: &mut dyn Write) -> io::Result<()> {
     let hits = || rays.iter().filter(|ray| rays.queue().is_at_surface(ray.index));
@@ -92,8 +103,13 @@ fn edge(output: &mut dyn Write, from: u32, to: u32) -> io::Result<()> {
     output.write_all(&to.to_le_bytes())
 }
 
-/// Dark blue for the first of an order over green to yellow for the last (viridis, five of its colours).
+/// By place in the order.
 fn colour(place: usize, rays: &ChosenRays) -> [u8; 3] {
+    viridis(rays.part(place))
+}
+
+/// Dark blue for 0 over green to yellow for 1 (five of its colours).
+fn viridis(part: f64) -> [u8; 3] {
     const STOPS: [[f64; 3]; 5] = [
         [68.0, 1.0, 84.0],
         [59.0, 82.0, 139.0],
@@ -101,7 +117,7 @@ fn colour(place: usize, rays: &ChosenRays) -> [u8; 3] {
         [94.0, 201.0, 98.0],
         [253.0, 231.0, 37.0],
     ];
-    let along = rays.part(place) * (STOPS.len() - 1) as f64;
+    let along = part * (STOPS.len() - 1) as f64;
     let stop = (along as usize).min(STOPS.len() - 2);
     let part = along - stop as f64;
     [0, 1, 2].map(|at| (STOPS[stop][at] * (1.0 - part) + STOPS[stop + 1][at] * part).round() as u8)

@@ -1,5 +1,6 @@
 //! The rays of one queue in one order, read where they lie in the recording.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -157,13 +158,35 @@ impl ChosenRays {
     fn at(&self, place: usize) -> RayAtPlace {
         let (queue, index) = (&self.order.queue, self.order.places.ray(place));
         let ray = queue.traced.rays()[index];
-        let length = f64::from(queue.lengths[index]) / f64::from(queue.traced.unit().scale);
-        // A ray without a direction never leaves.
-        let length = if length.is_finite() { length } else { 0.0 };
-        let termination =
-            [0, 1, 2].map(|axis| f64::from(ray.origin[axis]) + length * f64::from(ray.direction[axis]));
-        RayAtPlace { place, index, ray, termination }
+        RayAtPlace { place, index, ray, termination: termination(queue, index) }
     }
+
+    /// The rays of all bounces of their pass that are on the paths of these, each with its bounce, from its origin to
+    /// where it stops, world units. Shadow rays are among them.
+    pub(crate) fn on_their_paths(&self, dump: &Dump) -> anyhow::Result<Vec<(u32, [Point; 2])>> {
+        let pass = self.queue().id.pass;
+        let pixels: BTreeSet<u32> = self.iter().map(|ray| self.queue().path_ids[ray.index]).collect();
+        let mut found = Vec::new();
+        let queues = &source_of(dump).manifest().queues;
+        for id in queues.iter().map(|record| record.id).filter(|id| id.pass == pass) {
+            let queue = Queue::open(dump, id).map_err(Error::msg)?;
+            found.extend(pixels.iter().filter_map(|&pixel| {
+                let index = queue.ray_of_pixel(pixel)?;
+                let origin = queue.traced.rays()[index].origin.map(f64::from);
+                Some((id.bounce, [origin, termination(&queue, index)]))
+            }));
+        }
+        Ok(found)
+    }
+}
+
+/// Where a ray stops, world units.
+fn termination(queue: &Queue, index: usize) -> Point {
+    let ray = queue.traced.rays()[index];
+    let length = f64::from(queue.lengths[index]) / f64::from(queue.traced.unit().scale);
+    // A ray without a direction never leaves.
+    let length = if length.is_finite() { length } else { 0.0 };
+    [0, 1, 2].map(|axis| f64::from(ray.origin[axis]) + length * f64::from(ray.direction[axis]))
 }
 
 /// Which of these places pass a filter.

@@ -59,6 +59,11 @@ impl Visits {
         Self { boxes, work: work.unwrap_or_default() }
     }
 
+    /// How many boxes one ray of the group alone enters; and how many the group enters.
+    pub fn private(&self) -> (usize, usize) {
+        (self.boxes.iter().filter(|entered| entered.rays == 1).count(), self.boxes.len())
+    }
+
     /// Of the boxes that the ray enters, how many others of its group enter, too; and how many there are.
     pub fn shared(&self) -> (usize, usize) {
         let of_ray = || self.boxes.iter().filter(|entered| entered.is_of_ray);

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::layers::{Layers, RayValues};
 use super::meshes::{MeshForm, Meshes};
-use super::options::{MeshMode, Side, SpaceOptions, StandPoint};
+use super::options::{MeshMode, Side, SpaceOptions, StandPoint, VisitChoice};
 use crate::colour_map::ColourMap;
 use crate::model::colour_by::ColourBy;
 use crate::model::{Absent, Context, Recording};
@@ -212,6 +212,10 @@ impl SpaceView {
             format!("a path of {} rays, {shadow} of them to lights (thin)", path.len())
         });
         let visits = self.layers.visits().map(|(visits, _)| {
+            if self.options.visits == VisitChoice::Group {
+                let (private, of_group) = visits.private();
+                return format!("{of_group} boxes that the group enters, {private} of them by one ray alone");
+            }
             let (shared, of_ray) = visits.shared();
             format!("{of_ray} boxes that the ray enters, {shared} of them with others of its group")
         });
