@@ -70,7 +70,11 @@ pub(crate) const PRESETS: [Preset; 5] = [
 const NAMED: [View; 4] = [
     View { name: "window", panel: None, settings: &[] },
     View::of("rays", "scene", &["curve=false", "rays=true", "ends=true"]),
-    View::of("boxes", "scene", &["curve=false", "visits=group", "mesh=ghost", "stand_point=overview"]),
+    View::of(
+        "boxes",
+        "scene",
+        &["side_by_side=true", "curve=false", "visits=group", "mesh=ghost", "stand_point=overview"],
+    ),
     View::of("rays-table", "rays", &[]),
 ];
 
