@@ -5,8 +5,9 @@
 use std::path::Path;
 
 use formats::hierarchy::{Hierarchy, Visit, Way};
+use formats::manifest::{Place, SceneArray};
 use formats::ray::{Kind, Ray, Work};
-use formats::reader::Dump;
+use formats::reader::{Dump, Loaded};
 use formats::traced::{Results, Traced};
 use formats::verify::verify;
 use recorder::stages::trace::TraceKernel;
@@ -18,18 +19,39 @@ use tests::programs::Program;
 /// Triangles that the tracer tests at once.
 const BLOCK: u32 = 4;
 
-/// The reads of a tracer: nodes by their index, then `None` for each block of triangles.
-fn reads_of_tracer(tracer: &CpuTracer, ray: &Ray, kind: Kind) -> Vec<Option<u64>> {
-    let is_node = |address: u64| address < 1 << 40;
-    let reads = tracer.trail(ray, kind).reads;
-    reads.iter().map(|&(address, bytes)| is_node(address).then(|| address / u64::from(bytes))).collect()
+/// Something that is read: a node or a block of triangles, by its index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Read {
+    Node(u64),
+    Block(u64),
+}
+
+/// The reads of a tracer, whose blocks lie behind all nodes.
+fn reads_of_tracer(tracer: &CpuTracer, ray: &Ray, kind: Kind) -> Vec<Read> {
+    const BLOCKS_START: u64 = 1 << 40;
+    let read = |(address, bytes): (u64, u32)| match address.checked_sub(BLOCKS_START) {
+        None => Read::Node(address / u64::from(bytes)),
+        Some(address) => Read::Block(address / u64::from(bytes)),
+    };
+    tracer.trail(ray, kind).reads.into_iter().map(read).collect()
+}
+
+/// Where the blocks of each leaf start, by its place among all children: they lie in the order of the nodes.
+fn blocks_of_leaves(dump: &Dump) -> Vec<u64> {
+    let children: Loaded<u32> = dump.array(&Place::Scene(SceneArray::NodeChildren)).unwrap();
+    let count = |child: &u32| u64::from((child >> 28).div_ceil(BLOCK));
+    let starts = children.iter().scan(0, |next, child| Some(std::mem::replace(next, *next + count(child))));
+    starts.collect()
 }
 
 /// The same of a way.
-fn reads_of_way(way: &Way) -> Vec<Option<u64>> {
+fn reads_of_way(way: &Way, blocks: &[u64]) -> Vec<Read> {
     let reads = |visit: &Visit| match visit.node {
-        Some(node) => vec![Some(node as u64)],
-        None => vec![None; visit.triangles.div_ceil(BLOCK) as usize],
+        Some(node) => vec![Read::Node(node as u64)],
+        None => {
+            let first = blocks[visit.place.unwrap()];
+            (first..first + u64::from(visit.triangles.div_ceil(BLOCK))).map(Read::Block).collect()
+        }
     };
     way.visits.iter().flat_map(reads).collect()
 }
@@ -53,23 +75,24 @@ fn ways_through_the_hierarchy_are_the_trails_of_the_tracer() {
         let scene = scenes::load(name).unwrap();
         let bvh = TraceKernel::Wide.hierarchy(&scene).unwrap().unwrap();
         let tracer = CpuTracer::new(&scene, &bvh);
-        let mut shared = 0;
+        let blocks = blocks_of_leaves(&dump);
+        let mut compared = 0;
         for queue in &dump.manifest().queues {
             let traced = Traced::open(&dump, queue.id).unwrap();
             for (index, ray) in traced.rays().iter().enumerate() {
                 let way = hierarchy.way(ray, queue.id.kind);
                 let trail = reads_of_tracer(&tracer, ray, queue.id.kind);
-                assert_eq!(reads_of_way(&way), trail, "{name}, {}, ray {index}", queue.id);
+                assert_eq!(reads_of_way(&way, &blocks), trail, "{name}, {}, ray {index}", queue.id);
                 match traced.results() {
                     Results::Hits(hits) => assert_eq!(way.hit, hits[index]),
                     Results::Distances(distances) => assert_eq!(way.hit.t, distances[index]),
                 }
                 let [low, high] = hierarchy.bounds(way.visits.last().and_then(|visit| visit.place));
                 assert!((0..3).all(|axis| low[axis] < high[axis]));
-                shared += trail.len();
+                compared += trail.len();
             }
         }
-        assert!(shared > 10_000, "{name}: {shared} reads");
+        assert!(compared > 10_000, "{name}: {compared} reads");
     }
 }
 

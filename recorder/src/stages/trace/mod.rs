@@ -28,7 +28,7 @@
 //! with shadow rays to the smaller box.
 //!
 //! **Triangles.** Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection", without
-//! culling: see [`triangle`]. `t_min <= t <= t_max` counts as a hit, both ends included, if t is
+//! culling: see [`formats::intersect`]. `t_min <= t <= t_max` counts as a hit, both ends included, if t is
 //! finite. Of equal t the lowest triangle index wins. Edges belong to both of their triangles.
 //!
 //! **Alpha masks.** Where a scene has them (a const generic, a variant of the WGSL), a hit in a hole
@@ -90,7 +90,7 @@ impl EdgeForm {
 /// How triangles are tested.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TriangleTest {
-    /// Woop, Benthin and Wald 2013: see [`triangle`].
+    /// Woop, Benthin and Wald 2013: see [`formats::intersect`].
     #[default]
     Watertight,
     /// Möller and Trumbore 1997: see [`moeller_trumbore`]. Loses rays at edges; to be measured against.
