@@ -94,7 +94,7 @@ struct Waiting {
 }
 
 impl Waiting {
-    /// What is visited first has least: the nearest, among those nodes, then leaves of few blocks.
+    /// What is visited first has least: the nearest; of equally near ones nodes, then leaves of fewer blocks.
     fn rank(&self) -> (u32, usize, usize) {
         let (count, first) = leaf(self.child);
         (self.near.to_bits(), count.div_ceil(BLOCK), first)

@@ -241,6 +241,8 @@ fn a_session_of_before_has_its_two_orders() {
         "options": session["panels"]["scene"]["options"].clone(), "camera": null
     });
     session["panels"]["compare"] = compare;
+    // It kept nothing then.
+    session["panels"]["coherence"] = serde_json::Value::Null;
     let scene = session["panels"]["scene"].as_object_mut().unwrap();
     for added in ["side_by_side", "difference", "table", "properties"] {
         scene.remove(added).unwrap();

@@ -201,7 +201,7 @@ fn a_filter_leaves_the_rays_that_meet_it() {
     let files = export(&path, &["--format", "ply", "--filter", "hit"]);
     let names: Vec<String> =
         fs::read_dir(files).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
-    assert!(names.len() == 4 && !names.iter().any(|name| name.contains("capsules")), "{names:?}");
+    assert!(names.len() == 3 && !names.iter().any(|name| name.contains("capsules")), "{names:?}");
     let refused = inspector(
         &["export", "--format", "csv", "--filter", "t < 1 && hits", "--out"],
         &[&folder.path().join("x"), &path],

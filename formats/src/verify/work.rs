@@ -2,7 +2,7 @@
 
 use super::{Check, Subject};
 use crate::hierarchy::{Hierarchy, HierarchyError};
-use crate::manifest::QueueArray;
+use crate::manifest::{Place, QueueArray, SceneArray};
 use crate::ray::Work;
 use crate::reader::ReadError;
 use crate::traced::Results;
@@ -10,15 +10,21 @@ use crate::traced::Results;
 /// The kernel whose hierarchy is kept.
 const KERNEL: &str = "wide";
 
-/// Nothing to check where no hierarchy was kept.
+/// No check where no hierarchy was kept.
 pub(super) fn check(subject: &Subject<'_>) -> Option<Check> {
+    if !subject.dump.has(&Place::Scene(SceneArray::NodeBoxes)) {
+        return None;
+    }
     let mut check = Check::new("work");
     let hierarchy = match Hierarchy::open(subject.dump) {
         Ok(hierarchy) => {
             check.require(true, String::new);
             hierarchy
         }
-        Err(HierarchyError::Read(ReadError::NoSuchArray { .. })) => return None,
+        Err(HierarchyError::Read(error @ ReadError::NoSuchArray { .. })) => {
+            check.not_checked.push(format!("ways through the hierarchy: {error}"));
+            return Some(check);
+        }
         Err(error) => {
             check.require(false, || error.to_string());
             return Some(check);

@@ -179,7 +179,8 @@ impl App {
         self.history.clear();
         self.panels = panels(&self.setup);
         self.tree = layout::of_all_panels(session.layout.clone()).unwrap_or_else(layout::at_first);
-        for (name, state) in &session.panels {
+        // Null is what a panel has that keeps nothing, or kept nothing when the session was saved.
+        for (name, state) in session.panels.iter().filter(|(_, state)| !state.is_null()) {
             let restored = match self.panel(name) {
                 Some(panel) => panel.set_state(state.clone()).map_err(|error| error.to_string()),
                 None => Err("there is no such panel".to_owned()),

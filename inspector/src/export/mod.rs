@@ -28,8 +28,7 @@ use rays::{ChosenRays, RayChoice};
 pub(crate) enum Format {
     /// Rays with their hits as a table.
     Csv,
-    /// Rays, hits, curve and capsules as geometry; of a group or of rays that meet a condition also their paths
-    /// through all bounces.
+    /// Rays, hits, curve and capsules as geometry; of a group also its paths through all bounces.
     Ply,
     /// All rays, times and numbers as tables for DuckDB, Polars, Spark and their like.
     Parquet,
@@ -107,7 +106,7 @@ fn ply_files(dump: &Dump, rays: &ChosenRays, choice: &RayChoice, out: &Path) -> 
         files.push(write(out, &format!("{stem}-capsules.ply"), capsules)?);
     }
     // Of all rays, they would be all rays of all bounces.
-    if choice.group.is_some() || choice.filter.is_some() {
+    if choice.group.is_some() {
         let paths = rays.on_their_paths(dump)?;
         files.push(write(out, &format!("{stem}-paths.ply"), |output| ply::paths(&paths, output))?);
     }

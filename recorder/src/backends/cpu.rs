@@ -9,6 +9,7 @@ use formats::key::{Encoder, Facts, Termination};
 use formats::length_table::LengthTable;
 use formats::manifest::QueueId;
 use formats::metrics::lanes::LaneUse;
+use formats::pages::make_room;
 use formats::permutation::check_bijection;
 use formats::ray::{Kind, Ray};
 
@@ -25,7 +26,6 @@ use crate::stages::trace::Order;
 use crate::stages::trace::cpu::CpuTracer;
 use crate::stages::trace::hits::Hits;
 use crate::stages::{accumulate, compare, gather, generate, scatter, shade};
-use formats::pages::make_room;
 
 /// Bytes that are handed to a sink at once.
 const SINK_BYTES: usize = 4 << 20;

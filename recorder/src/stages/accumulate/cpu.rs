@@ -2,10 +2,9 @@
 
 use formats::key::{Encoder, NO_FACTS};
 use formats::length_table::LengthTable;
+use formats::prefetch::prefetch_cell;
 use formats::ray::Ray;
 use rayon::prelude::*;
-
-use formats::prefetch::prefetch_cell;
 
 /// Rays that one task adds: few enough that the cells asked for are still there when they are added to.
 const CHUNK: usize = 1 << 10;

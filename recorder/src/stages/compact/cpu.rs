@@ -1,9 +1,8 @@
 //! Compact on threads: what the tasks of shading leave moves together, in canonical order.
 
+use formats::pages::make_room;
 use formats::ray::Ray;
 use rayon::prelude::*;
-
-use formats::pages::make_room;
 
 /// What a ray carries beside itself.
 #[derive(Clone, Copy, Debug, Default)]

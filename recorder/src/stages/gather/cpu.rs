@@ -2,11 +2,11 @@
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
+use formats::prefetch::{AHEAD, prefetch};
 use formats::ray::Ray;
 use rayon::prelude::*;
 
 use crate::stages::compact::cpu::Paths;
-use formats::prefetch::{AHEAD, prefetch};
 
 /// Rays or paths that one task copies.
 const CHUNK: usize = 1 << 12;

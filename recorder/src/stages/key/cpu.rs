@@ -2,11 +2,11 @@
 
 use formats::key::{Encoder, Facts, NO_FACTS, Termination};
 use formats::length_table::LengthTable;
+use formats::prefetch::prefetch_cell;
 use formats::ray::Ray;
 use rayon::prelude::*;
 
 use crate::stages::sort::cpu::{Keys, Words};
-use formats::prefetch::prefetch_cell;
 
 /// Rays that one task encodes.
 const CHUNK: usize = 1 << 12;

@@ -2,10 +2,10 @@
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
+use formats::prefetch::{AHEAD, prefetch};
 use rayon::prelude::*;
 
 use crate::stages::trace::hits::Hits;
-use formats::prefetch::{AHEAD, prefetch};
 
 /// Results that one task moves.
 const CHUNK: usize = 1 << 12;

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
+use formats::prefetch::prefetch;
 use glam::Vec3;
 use rayon::prelude::*;
 use scenes::features::Features;
@@ -11,7 +12,6 @@ use super::tables::ShadeTables;
 use crate::stages::compact::cpu::{Paths, compact};
 use crate::stages::shared::ShadeParams;
 use crate::stages::trace::hits::Hits;
-use formats::prefetch::prefetch;
 
 /// What [`shade`] and the tracer on threads are specialised on. Lights are rows of a table there, and what a
 /// scene has none of has no row: a branch that is never taken.

@@ -1,10 +1,10 @@
 //! Traversal of the binary hierarchy on a thread: both children of a node are tested together.
 
+use formats::pages::on_huge_pages;
 use scenes::bvh::{BVH2_STACK, Bvh2Node};
 
 use super::cpu_query::{Account, Query, Tree};
 use super::triangle::{LeafTriangle, TriangleRay};
-use formats::pages::on_huge_pages;
 
 /// Bits of a reference that hold the first leaf slot or node pair; those above hold the number of
 /// triangles, 0 for an inner node.

@@ -1,11 +1,11 @@
 //! Traversal of the compressed wide hierarchy on a thread (Ylitie et al. 2017), eight boxes at a
 //! time.
 
+use formats::pages::on_huge_pages;
 use scenes::bvh::{CWBVH_STACK, CwbvhNode};
 
 use super::cpu_query::{Account, Query, Tree};
 use super::triangle::{LeafTriangle, TriangleRay};
-use formats::pages::on_huge_pages;
 
 /// The nodes, and the triangles by leaf slots.
 #[derive(Clone, Debug)]

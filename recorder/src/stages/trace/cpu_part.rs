@@ -4,12 +4,12 @@ use std::sync::atomic::AtomicU32;
 use std::sync::atomic::Ordering::Relaxed;
 
 use bytemuck::Zeroable;
+use formats::prefetch::prefetch;
 use formats::ray::Ray;
 use rayon::prelude::*;
 
 use super::Order;
 use crate::stages::gather::cpu::gather_part;
-use formats::prefetch::prefetch;
 
 /// Rays that a thread takes at once, and no more: in a sorted order whole stretches cost many times as much as
 /// others, and what a thread has begun no other one can take over.

@@ -1,12 +1,12 @@
 //! Traversal of the wide hierarchy on a thread: eight boxes in f32 and four triangles at a time, the children by
 //! distance.
 
+use formats::pages::{on_huge_pages, room_on_huge_pages};
+use formats::prefetch::prefetch_whole;
 use scenes::bvh::{WIDE_LEVELS, WideNode};
 
 use super::cpu_query::{Account, Query, Tree};
 use super::triangle::{LeafTriangle, TriangleBlock, TriangleRay};
-use formats::pages::{on_huge_pages, room_on_huge_pages};
-use formats::prefetch::prefetch_whole;
 
 /// The nodes, with blocks of triangles in place of leaf slots.
 #[derive(Clone, Debug)]

@@ -3,10 +3,9 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
+use formats::pages::make_room;
 use formats::ray::{Hit, Kind, Ray};
 use formats::unit_space::UnitSpace;
-
-use formats::pages::make_room;
 
 /// Results of a queue at canonical places.
 #[derive(Debug)]

@@ -2,9 +2,10 @@
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
+use formats::prefetch::prefetch_at;
+
 use super::split::Places;
 use super::{pair, put, put_index, stored};
-use formats::prefetch::prefetch_at;
 
 /// Most pairs: twice as many fit the cache.
 pub(super) const MOST: usize = 1 << 16;

@@ -11,11 +11,11 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
 
+use formats::pages::make_room;
+use formats::prefetch::prefetch_at;
 use rayon::prelude::*;
 
 use super::Digits;
-use formats::pages::make_room;
-use formats::prefetch::prefetch_at;
 pub use keys::{Keys, Words};
 
 mod keys;
