@@ -56,25 +56,30 @@ pub(crate) struct Plot {
     width: Width,
 }
 
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Made {
-    files: Vec<PathBuf>,
+/// What was written, as `--json` prints it.
+#[derive(Debug, Serialize)]
+pub(crate) struct Made {
+    pub(crate) files: Vec<PathBuf>,
     skipped: Vec<Skipped>,
 }
 
 /// Writes the files of every figure, or of those that are named.
 pub(crate) fn plot(Plot { sources, figures, width }: &Plot) -> anyhow::Result<()> {
     check_names(figures)?;
-    let inputs = Inputs::open(&sources.inputs)?;
-    make_folder(&sources.out)?;
-    let (figures, skipped) = inputs.figures(&inputs.analysis()?, figures)?;
+    print_made(&make(&sources.inputs, figures, *width, &sources.out)?, sources.json)
+}
+
+/// Writes the files of every figure, or of those that are named, into a folder.
+pub(crate) fn make(inputs: &[PathBuf], names: &[String], width: Width, out: &Path) -> anyhow::Result<Made> {
+    let inputs = Inputs::open(inputs)?;
+    make_folder(out)?;
+    let (figures, skipped) = inputs.figures(&inputs.analysis()?, names)?;
     let mut written = Vec::new();
     for figure in &figures {
         say(&figure.name);
-        written.extend(files::write(figure, *width, &sources.out)?);
+        written.extend(files::write(figure, width, out)?);
     }
-    print_made(&Made { files: written, skipped }, sources.json)
+    Ok(Made { files: written, skipped })
 }
 
 /// Writes one page with every figure, every table and how to repeat it, and the tables for other documents.

@@ -7,12 +7,14 @@ use std::path::{Path, PathBuf};
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 use inspector::app::App;
 use inspector::app::demo::Demo;
+use inspector::figures::catalogue::CATALOGUE;
 use inspector::model::what_if::{Estimate, Settings, WHAT_IF};
+use inspector::panels::PANELS;
 use inspector::session::Session;
 
 mod headless;
@@ -392,4 +394,36 @@ fn the_command_of_an_order_that_was_made_draws_it() {
         let usual = options.split(" --set").next().unwrap();
         assert!(draw(&by_options(usual), "usual.png") != drawn, "{options} changes nothing");
     }
+}
+
+/// What a panel offers is in the catalogue; what is exported is what the command that is shown then writes.
+#[test]
+fn figures_of_a_panel_are_those_of_plot() {
+    let known: Vec<&str> = CATALOGUE.iter().map(|figure| figure.name).collect();
+    for panel in PANELS {
+        assert!(panel.figures.iter().all(|name| known.contains(name)), "{}: {:?}", panel.name, panel.figures);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = on(&[sample::write(folder.path())]);
+    let [first, second] = ["first", "second"].map(|name| folder.path().join(name));
+    harness.state_mut().export_figure("table-fill", first.clone());
+    harness.state_mut().export_figure("key-bits", first.clone());
+    settle(&mut harness);
+    assert!(has_problem(&harness, "there is no figure key-bits of these"));
+    let shown = harness.query_all_by_label_contains("inspector plot").next().expect("the command is shown");
+    let command = shown.accesskit_node().value().unwrap();
+    let again = command.replacen("inspector", env!("CARGO_BIN_EXE_inspector"), 1);
+    let again = again.replace(first.to_str().unwrap(), second.to_str().unwrap());
+    let done = std::process::Command::new("sh").args(["-c", &again]).output().unwrap();
+    assert!(done.status.success(), "{again}: {}", String::from_utf8_lossy(&done.stderr));
+    let files = |folder: &Path| -> Vec<(PathBuf, Vec<u8>)> {
+        let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let mut files: Vec<_> = paths
+            .map(|path| (path.strip_prefix(folder).unwrap().to_owned(), std::fs::read(&path).unwrap()))
+            .collect();
+        files.sort();
+        files
+    };
+    assert!(files(&first).len() >= 6, "{:?}", std::fs::read_dir(&first).unwrap().count());
+    assert!(files(&first) == files(&second), "{again} writes something else");
 }

@@ -30,8 +30,11 @@ pub(super) fn check(subject: &Subject<'_>) -> Option<Check> {
             return Some(check);
         }
     };
-    if subject.dump.manifest().header.options.trace_kernel != KERNEL {
-        check.not_checked.push(format!("what another kernel counted than {KERNEL}, whose hierarchy it is"));
+    let kernel = &subject.dump.manifest().header.options.trace_kernel;
+    if kernel != KERNEL {
+        check
+            .not_checked
+            .push(format!("{kernel} counted it, and the hierarchy that was kept is that of {KERNEL}"));
         return Some(check);
     }
     for &queue in subject.queues.keys() {

@@ -15,6 +15,8 @@ pub(super) enum Asking {
     SavePicture(Option<&'static str>),
     /// The data of a panel.
     SaveData(&'static str),
+    /// The folder for the files of a figure of the catalogue.
+    ExportFigure(&'static str),
 }
 
 /// What came of it.
@@ -41,6 +43,7 @@ impl Asking {
             Self::SaveCommand(panel) => ("Save the session that the command draws", format!("{panel}.json")),
             Self::SavePicture(panel) => ("Save picture", format!("{}.png", panel.unwrap_or("window"))),
             Self::SaveData(panel) => ("Save data", format!("{panel}.csv")),
+            Self::ExportFigure(_) => ("Folder for the figure's files", "figures".to_owned()),
         }
     }
 
@@ -50,7 +53,7 @@ impl Asking {
         let dialog = rfd::FileDialog::new().set_title(title);
         let start = Instant::now();
         let chosen = match self {
-            Self::OpenRecording => dialog.pick_folder(),
+            Self::OpenRecording | Self::ExportFigure(_) => dialog.pick_folder(),
             Self::OpenSession => dialog.add_filter("session", &["json"]).pick_file(),
             Self::SaveSession | Self::SaveCommand(_) | Self::SavePicture(_) | Self::SaveData(_) => {
                 dialog.set_file_name(file_name).save_file()

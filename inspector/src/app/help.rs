@@ -2,7 +2,7 @@
 
 use egui::{Align2, ScrollArea, Vec2};
 
-use super::App;
+use super::{App, Shown};
 
 const KEYS: [(&str, &str); 23] = [
     ("click, Shift-click a method", "makes it order B, order A"),
@@ -27,7 +27,7 @@ const KEYS: [(&str, &str); 23] = [
     ("", ""),
     ("drag the colour bar's ends", "the range of values that colours tell apart"),
     ("double click it", "back to percentiles"),
-    ("... in a panel's corner", "its picture, its data, its command"),
+    ("... in a panel's corner", "its picture, its data, its command, its figures for a paper"),
 ];
 
 /// Words that panels use, a sentence each.
@@ -73,7 +73,7 @@ impl App {
     }
 
     pub(super) fn command_window(&mut self, ui: &egui::Ui) {
-        let Some(command) = &self.shown_command else { return };
+        let Some(Shown { said, command }) = &self.shown else { return };
         let mut is_open = true;
         egui::Window::new("The same without a window")
             .open(&mut is_open)
@@ -81,13 +81,14 @@ impl App {
             .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
             .show(ui.ctx(), |ui| {
                 ui.set_max_width(560.0);
+                ui.weak(said);
                 ui.label(egui::RichText::new(command).monospace());
                 if ui.button("Copy").clicked() {
                     ui.ctx().copy_text(command.clone());
                 }
             });
         if !is_open {
-            self.shown_command = None;
+            self.shown = None;
         }
     }
 }

@@ -54,7 +54,7 @@ impl App {
 
     /// Closes what lies over everything else; where nothing does, nothing is selected any more.
     fn close_top(&mut self) {
-        if self.prompt.take().is_none() && self.shown_command.take().is_none() {
+        if self.prompt.take().is_none() && self.shown.take().is_none() {
             match self.is_help_open {
                 true => self.is_help_open = false,
                 false => self.context.selection.clear(),

@@ -26,6 +26,10 @@ impl App {
                 }
             });
             ui.toggle_value(&mut self.is_help_open, "?").on_hover_text("Keys and words");
+            if let Some(figure) = self.exports.now() {
+                ui.spinner();
+                ui.weak(format!("making {figure}"));
+            }
             if let Some(problem) = self.context.problems.last() {
                 let text = egui::RichText::new(&problem.what).color(Theme::of(ui.ctx()).problem());
                 let label = ui.add(egui::Label::new(text).sense(egui::Sense::click()));

@@ -5,11 +5,13 @@
 //! - `menu`, `keys`, `help`: what is done to the window as a whole
 //! - `welcome`, [`demo`]: before a recording is open
 //! - `ask`, `saving`, `screenshot`, `command`: files, and the command that draws the same without a window
+//! - `figures`: figures for a paper
 //! - [`run`]: the window on a screen; `kept`: from one to the next
 
 mod ask;
 mod command;
 pub mod demo;
+mod figures;
 mod help;
 mod kept;
 mod keys;
@@ -29,6 +31,7 @@ use egui_tiles::Tree;
 
 use self::ask::{Asked, Asking, Prompt};
 use self::demo::Demo;
+use self::figures::Exports;
 use self::layout::Pane;
 use self::screenshot::Screenshot;
 use self::strip::Strip;
@@ -53,6 +56,13 @@ enum Task {
     CopyData(&'static str),
 }
 
+/// A command that is shown.
+struct Shown {
+    /// What was done by now.
+    said: String,
+    command: String,
+}
+
 /// A panel of each kind, by their names.
 type Panels = BTreeMap<&'static str, Box<dyn Panel>>;
 
@@ -72,8 +82,8 @@ pub struct App {
     prompt: Option<Prompt>,
     screenshot: Option<Screenshot>,
     places: BTreeMap<&'static str, egui::Rect>,
-    /// A command that is shown.
-    shown_command: Option<String>,
+    exports: Exports,
+    shown: Option<Shown>,
     is_help_open: bool,
     setup: ViewSetup,
     gpu_errors: Errors,
@@ -99,7 +109,8 @@ impl App {
             prompt: None,
             screenshot: None,
             places: BTreeMap::new(),
-            shown_command: None,
+            exports: Exports::default(),
+            shown: None,
             is_help_open: false,
             setup,
             gpu_errors: Errors::default(),
@@ -238,6 +249,7 @@ impl App {
         self.history.note(&self.context.selection);
         self.take_prompt(ui);
         self.take_screenshot(ui);
+        self.take_exported();
         if let Some(task) = self.task.take() {
             self.perform(task, ui.ctx());
         }
@@ -306,11 +318,14 @@ impl App {
                 }
             }
             Asking::SaveCommand(panel) => match self.command(panel, &path, window) {
-                Ok(command) => self.shown_command = Some(command),
+                Ok(command) => {
+                    self.shown = Some(Shown { said: format!("saved as {}", path.display()), command });
+                }
                 Err(error) => self.problem("the session cannot be saved", error),
             },
             Asking::SavePicture(panel) => self.screenshot = Some(Screenshot::of(panel, path)),
             Asking::SaveData(panel) => self.save_data(panel, &path),
+            Asking::ExportFigure(name) => self.export_figure(name, path),
         }
     }
 

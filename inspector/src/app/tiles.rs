@@ -7,6 +7,7 @@ use egui_tiles::{Tabs, Tile, TileId, Tiles, UiResponse};
 use super::ask::Asking;
 use super::layout::Pane;
 use super::{Panels, Task};
+use crate::figures::catalogue::CATALOGUE;
 use crate::model::Context;
 use crate::panels::{self, PanelKind};
 
@@ -34,6 +35,18 @@ pub(super) struct PanelTiles<'a> {
     /// Where panels were drawn, by their names.
     pub(super) places: &'a mut BTreeMap<&'static str, egui::Rect>,
     pub(super) task: &'a mut Option<Task>,
+}
+
+impl PanelTiles<'_> {
+    /// Figures for a paper, of all that is open.
+    fn figures(&mut self, ui: &mut egui::Ui, names: &[&str]) {
+        for figure in CATALOGUE.iter().filter(|figure| names.contains(&figure.name)) {
+            if ui.button(format!("{}...", figure.name)).on_hover_text(figure.description).clicked() {
+                *self.task = Some(Task::Ask(Asking::ExportFigure(figure.name)));
+                ui.close();
+            }
+        }
+    }
 }
 
 impl egui_tiles::Behavior<Pane> for PanelTiles<'_> {
@@ -70,6 +83,9 @@ impl egui_tiles::Behavior<Pane> for PanelTiles<'_> {
                     *self.task = Some(task(panel.name));
                     ui.close();
                 }
+            }
+            if !panel.figures.is_empty() {
+                ui.menu_button("Export figure", |ui| self.figures(ui, panel.figures));
             }
         });
         menu.response.on_hover_text(format!("Save or copy {}", panel.title));
