@@ -113,7 +113,13 @@ impl Dump {
 
     /// Whether an array is kept, here or in the source.
     pub fn has(&self, place: &Place) -> bool {
-        self.record(place).is_some() || self.source_of(place).is_some_and(|source| source.has(place))
+        self.shape(place).is_some()
+    }
+
+    /// The lengths of an array's dimensions, slowest first; `None` if it is kept neither here nor in the source.
+    pub fn shape(&self, place: &Place) -> Option<&[u64]> {
+        let own = self.record(place).map(|record| record.shape.as_slice());
+        own.or_else(|| self.source_of(place)?.shape(place))
     }
 
     /// The source, if its array at this place is this recording's too. What methods made is not, nor are

@@ -31,7 +31,7 @@ mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
 
-use headless::{click, layers, panel, renderer, settle};
+use headless::{State, click, layers, panel, renderer, settle};
 
 const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
 
@@ -131,6 +131,68 @@ fn a_pixel_that_is_clicked_is_a_ray() {
     let ray = context.selection.ray.expect("the pixel under the pointer has a ray");
     let place = order.place_of_ray()[ray] as usize;
     assert_eq!(context.selection.group, Some(place / context.selection.group_width.rays()));
+}
+
+/// The wheel enlarges what is under the pointer, which stays there; a double click shows all again.
+#[test]
+fn pictures_are_enlarged_where_the_pointer_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("pixels", opened(folder.path()));
+    let pixel_at = |harness: &mut Harness<'_, State>, at: egui::Pos2| {
+        click(harness, at);
+        let context = &mut harness.state_mut().context;
+        let order = context.awaited_order().unwrap();
+        order.queue.path_ids[context.selection.ray.unwrap()] % sample::WIDTH
+    };
+    let [here, beside] = [egui::pos2(300.0, 250.0), egui::pos2(500.0, 250.0)];
+    let before = [pixel_at(&mut harness, here), pixel_at(&mut harness, beside)];
+    assert!(before[1] > before[0] + 2, "{before:?}");
+    harness.hover_at(here);
+    let (unit, delta) = (egui::MouseWheelUnit::Point, egui::vec2(0.0, 700.0));
+    let (phase, modifiers, source) =
+        (egui::TouchPhase::Move, egui::Modifiers::NONE, egui::MouseWheelSource::Unknown);
+    harness.event(egui::Event::MouseWheel { unit, delta, phase, modifiers, source });
+    settle(&mut harness);
+    let enlarged = [pixel_at(&mut harness, here), pixel_at(&mut harness, beside)];
+    assert!(enlarged[0] == before[0] && enlarged[1] <= before[0] + 1, "{before:?}, then {enlarged:?}");
+    // Frames are far apart in a test.
+    harness.ctx.options_mut(|options| options.input_options.max_double_click_delay = 0.6);
+    harness.hover_at(beside);
+    for pressed in [true, false, true, false] {
+        let (pos, button) = (beside, egui::PointerButton::Primary);
+        harness.event(egui::Event::PointerButton { pos, button, pressed, modifiers });
+    }
+    settle(&mut harness);
+    assert_eq!([pixel_at(&mut harness, here), pixel_at(&mut harness, beside)], before);
+}
+
+/// The table's fill goes on from bounce to bounce, and stops after the last one.
+#[test]
+fn the_fill_of_the_table_is_played_to_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = panel("length-table", opened(folder.path()));
+    let queues: Vec<QueueId> = {
+        let open = harness.state().context.recording().unwrap();
+        let mut queues: Vec<_> = open.queues().iter().map(|record| record.id).collect();
+        queues.retain(|queue| queue.kind == Kind::Closest);
+        queues.sort_by_key(|queue| (queue.pass, queue.bounce));
+        queues
+    };
+    assert!(queues.len() > 2, "{queues:?}");
+    harness.state_mut().context.go_to(queues[0]);
+    settle(&mut harness);
+    harness.get_by_label("Play").click();
+    let mut seen = vec![queues[0]];
+    for _ in 0..400 {
+        harness.step();
+        harness.state_mut().context.finish();
+        let now = harness.state().context.selection.queue;
+        if seen.last() != Some(&now) {
+            seen.push(now);
+        }
+    }
+    assert_eq!(seen, queues);
+    assert!(harness.query_by_label("Play").is_some(), "it has not stopped");
 }
 
 /// Rays of another tracer have no image plane: `recorder import` gives them a row, too long for a picture.

@@ -62,7 +62,7 @@ impl App {
     pub(super) fn take_exported(&mut self) {
         let Some(export) = self.exports.waiting.front().cloned() else { return };
         let writing = export.clone();
-        let written = self.exports.written.of(export.number, &self.context.waker(), move || writing.write());
+        let written = self.exports.written.of(export.number, self.context.waker(), move || writing.write());
         let result = match written {
             Err(Absent::Awaited) => return,
             Err(absent) => Err(absent.to_string()),

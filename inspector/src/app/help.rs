@@ -18,7 +18,10 @@ const KEYS: [(&str, &str); 23] = [
     ("click", "choose the ray, row, pixel or cell under the pointer"),
     ("drag", "orbit, or look around in fly mode; with shift or the middle button, move"),
     ("drag right", "look around"),
-    ("wheel", "nearer, farther"),
+    (
+        "wheel",
+        "nearer, farther; enlarges pixels and the table, which dragging moves and a double click shows whole",
+    ),
     ("W A S D Q E", "fly, over the scene; with shift, four times as fast"),
     ("G", "fly mode: dragging turns the head"),
     ("F", "frame what is selected, or the scene"),

@@ -3,8 +3,10 @@
 //! Panels know the [`Context`](crate::model::Context) and nothing of each other.
 
 mod coherence;
+mod colour_bar;
 pub mod data;
 mod differences;
+mod estimate_plot;
 mod filter_box;
 mod methods;
 pub(crate) mod notes;
@@ -17,7 +19,7 @@ mod rays;
 mod scene;
 pub mod space;
 mod table;
-mod table_plots;
+mod table_fill;
 mod timings;
 pub(crate) mod views;
 mod what_if;

@@ -8,8 +8,9 @@ use formats::metrics::quantity::Quantity;
 use rayon::prelude::*;
 use serde::de::Error as _;
 
+use super::colour_bar;
 use super::notes::{about_ray, found, missing};
-use super::picture::{DrawnPicture, Picture};
+use super::picture::{DrawnPicture, Painted, Picture};
 use crate::analysis::GroupWidth;
 use crate::colour_map::ColourMap;
 use crate::model::colour_by::ColourBy;
@@ -83,7 +84,7 @@ impl Panel for PixelsPanel {
             ui.visuals().dark_mode,
         );
         // The lines under the picture have their place before there is a ray to speak of.
-        let lines = 3.0 * ui.text_style_height(&egui::TextStyle::Small) + 8.0;
+        let lines = 3.0 * ui.text_style_height(&egui::TextStyle::Small) + colour_bar::height(ui) + 16.0;
         let shown = ui
             .allocate_ui((ui.available_size() - egui::vec2(0.0, lines)).max(egui::Vec2::ZERO), |ui| {
                 let colouring = self.colouring;
@@ -97,7 +98,9 @@ impl Panel for PixelsPanel {
         if shown.response.clicked() {
             context.select_ray(under_pointer);
         }
-        mark(ui, &shown, context, &order, plane);
+        mark(&shown, context, &order, (plane, theme));
+        let colouring = self.colouring;
+        self.picture.legend(ui, map(colouring), colouring.logarithm(), &colouring.title());
         if let Some(ray) = under_pointer.or(context.selection.ray) {
             ui.small(about_ray(&order, ray));
         }
@@ -132,21 +135,30 @@ impl Panel for PixelsPanel {
 /// Farthest that a living path may be from the pointer, points of the picture.
 const REACH: u32 = 3;
 
+fn map(colouring: Quantity) -> ColourMap {
+    match colouring {
+        Quantity::Place | Quantity::Displacement | Quantity::Key => ColourMap::Turbo,
+        _ => ColourMap::Magma,
+    }
+}
+
 /// A colour for each pixel; grey where the ray does not pass the filter or the playhead.
 fn pixels(
     (numbers, filtered, played): (&Numbers, &Filtered, &Range<usize>),
     plane: ImagePlane,
     colouring: Quantity,
     theme: Theme,
-) -> Vec<Color32> {
+) -> Painted {
     let order = &*numbers.order;
     let last = order.len().saturating_sub(1).max(1) as f32;
     let values = ColourBy::Quantity(colouring).values(numbers, 0..order.len());
-    let (range, map) = match colouring {
-        Quantity::Place | Quantity::Displacement => (ValueRange { low: 0.0, high: last }, ColourMap::Turbo),
-        Quantity::Key => (ValueRange { low: 0.0, high: 1.0 }, ColourMap::Turbo),
-        _ => (Values::of(values.par_iter().copied()).percentiles(2.0, 98.0), ColourMap::Magma),
+    let sorted = Values::of(values.par_iter().copied());
+    let range = match colouring {
+        Quantity::Place | Quantity::Displacement => ValueRange { low: 0.0, high: last },
+        Quantity::Key => ValueRange { low: 0.0, high: 1.0 },
+        _ => sorted.percentiles(2.0, 98.0),
     };
+    let map = map(colouring);
     let place_of_ray = order.place_of_ray();
     let value = |ray: usize| range.part(values[place_of_ray[ray] as usize]);
     let is_shown = |place: usize| played.contains(&place) && filtered.contains(place);
@@ -168,22 +180,22 @@ fn pixels(
             pixels[row as usize * columns + column as usize] = colour;
         }
     }
-    pixels
+    Painted { pixels, range, values: sorted }
 }
 
 /// Marks what is selected: a cross at the ray, dots at the rays of its group.
-fn mark(ui: &egui::Ui, shown: &DrawnPicture, context: &Context, order: &Order, plane: ImagePlane) {
-    let colour = Theme::of(ui.ctx()).selected_mark();
+fn mark(shown: &DrawnPicture, context: &Context, order: &Order, (plane, theme): (ImagePlane, Theme)) {
+    let colour = theme.selected_mark();
     let at = |ray: usize| Some(shown.rect_of(plane.point(order.queue.path_ids[ray])?).center());
     if let Some(group) = context.selection.group {
         for place in order.places_of_group(group, context.selection.group_width) {
             if let Some(centre) = at(order.places.ray(place)) {
-                ui.painter().circle_filled(centre, 1.5, colour);
+                shown.painter.circle_filled(centre, 1.5, colour);
             }
         }
     }
     let chosen = context.selection.ray.filter(|&ray| ray < order.len());
     if let Some(centre) = chosen.and_then(at) {
-        ui.painter().circle_stroke(centre, 6.0, egui::Stroke::new(1.5, colour));
+        shown.painter.circle_stroke(centre, 6.0, egui::Stroke::new(1.5, colour));
     }
 }

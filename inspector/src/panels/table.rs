@@ -1,16 +1,19 @@
-//! The length table as a picture: cells whose addresses are near lie near each other.
+//! The length table as a picture: cells whose addresses are near lie near each other, and parts of the table that no
+//! ray came to are left out.
 
 use std::sync::Arc;
 
 use egui::Color32;
-use formats::length_table::{LengthCell, mean_length};
+use formats::length_table::{LengthCell, TABLE_BITS_MAX, mean_length};
 use formats::manifest::QueueId;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::colour_bar;
+use super::estimate_plot::EstimatePlot;
 use super::notes::found;
-use super::picture::Picture;
-use super::table_plots::{EstimatePlot, histograms};
+use super::picture::{Painted, Picture};
+use super::table_fill::{self, FillPlot};
 use crate::colour_map::ColourMap;
 use crate::model::{Context, Queue};
 use crate::output::{count, counted};
@@ -20,28 +23,22 @@ use crate::render::cell_box::{cell_of_pixel, pixel_of_cell};
 use crate::render::range::Values;
 use crate::theme::Theme;
 
-/// What is shown of the table: its cells as a picture, by one of their numbers, or plots of all of them.
+/// What is shown of the table: its cells as a picture, by one of their numbers, or how right they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum TableView {
     #[default]
+    #[serde(alias = "fill")]
     Mean,
+    #[serde(alias = "histograms")]
     Count,
-    Fill,
-    Histograms,
     Estimates,
 }
 
 /// What can be shown: what it is called, and what it is.
-const VIEWS: [(TableView, &str, &str); 5] = [
-    (
-        TableView::Mean,
-        "mean length",
-        "Mean of the lengths added, over the longest mean; a dummy of 0.25 counts",
-    ),
-    (TableView::Count, "count", "Rays added, by powers of two"),
-    (TableView::Fill, "fill", "Cells that any ray was added to"),
-    (TableView::Histograms, "histograms", "How many cells have how many rays, and which mean length"),
+const VIEWS: [(TableView, &str, &str); 3] = [
+    (TableView::Mean, "mean length", "Mean of the lengths added to a cell; a dummy of 0.25 counts"),
+    (TableView::Count, "count", "Rays added to a cell"),
     (TableView::Estimates, "estimates", "Lengths that the table gives for these rays, against traced ones"),
 ];
 
@@ -51,7 +48,8 @@ pub(super) struct TablePanel {
     estimates: EstimatePlot,
     /// The cell whose first ray is to be selected as soon as it is known.
     chosen: Option<u32>,
-    picture: Picture<(u64, QueueId, TableView, bool, Blocks)>,
+    picture: Picture<(u64, QueueId, TableView, bool, Arc<Blocks>)>,
+    fill: FillPlot,
 }
 
 impl Panel for TablePanel {
@@ -66,15 +64,13 @@ impl Panel for TablePanel {
             for (view, name, about) in VIEWS {
                 ui.selectable_value(&mut self.view, view, name).on_hover_text(about);
             }
-            let (touched, all) = (cells.len() as u64, 1u64 << bits);
-            let fill = 100.0 * touched as f64 / all as f64;
-            let fill = format!("{} of {} cells touched ({fill:.1} %)", count(touched), count(all));
-            ui.add(egui::Label::new(egui::RichText::new(fill).weak()).extend());
+            let (touched, all) = (count(cells.len() as u64), count(1u64 << bits));
+            let touched = format!("{touched} of {all} cells touched; parts without any are left out");
+            ui.add(egui::Label::new(egui::RichText::new(touched).weak()).truncate());
         });
         match self.view {
-            TableView::Histograms => histograms(ui, cells),
             TableView::Estimates => self.estimates.show(ui, context),
-            TableView::Mean | TableView::Count | TableView::Fill => self.cells(ui, context, &queue, bits),
+            TableView::Mean | TableView::Count => self.cells(ui, context, &queue),
         }
     }
 
@@ -100,30 +96,36 @@ impl Panel for TablePanel {
 
 impl TablePanel {
     /// The cells as a picture, and what is in the one under the pointer or in the selected one.
-    fn cells(&mut self, ui: &mut egui::Ui, context: &mut Context, queue: &Arc<Queue>, bits: u32) {
+    fn cells(&mut self, ui: &mut egui::Ui, context: &mut Context, queue: &Arc<Queue>) {
         let Ok(cells) = &queue.cells else { return };
-        let lines = ui.text_style_height(&egui::TextStyle::Small) + 2.0 * ui.spacing().interact_size.y + 16.0;
-        let room = ui.available_size() - egui::vec2(0.0, lines);
-        let blocks = Blocks::fitting(bits, room.min_elem() * ui.ctx().pixels_per_point());
+        let lines = ui.text_style_height(&egui::TextStyle::Small) + 2.0 * ui.spacing().interact_size.y + 24.0;
+        let below = lines + table_fill::HEIGHT + colour_bar::height(ui);
+        let room = (ui.available_size() - egui::vec2(0.0, below)).max(egui::vec2(64.0, 64.0));
         let Some(opening) = context.recording().map(|recording| recording.opening) else { return };
-        let theme = Theme::of(ui.ctx());
-        let view = self.view;
-        let key = (opening, queue.id, view, ui.visuals().dark_mode, blocks);
-        let of = queue.clone();
-        let make = move || of.cells.as_ref().map_or(Vec::new(), |cells| pixels(cells, blocks, view, theme));
+        let (view, theme) = (self.view, Theme::of(ui.ctx()));
+        let blocks = Arc::new(Blocks::of(cells, room * ui.ctx().pixels_per_point()));
+        let key = (opening, queue.id, view, ui.visuals().dark_mode, blocks.clone());
+        let (of, within) = (queue.clone(), blocks.clone());
+        let make = move || paint(of.cells.as_deref().unwrap_or_default(), &within, view, theme);
         let picture =
             |ui: &mut egui::Ui| self.picture.show(ui, context.waker(), ("table", key), blocks.size(), make);
         let shown = ui.allocate_ui(room, picture).inner;
-        let under_pointer = shown.pixel.map(|pixel| blocks.first_touched(cells, pixel));
+        let under_pointer = shown.pixel.and_then(|pixel| blocks.first_touched(cells, pixel));
         if shown.response.clicked() {
             context.selection.cell = under_pointer;
             self.chosen = under_pointer;
         }
-        if let Some(cell) = context.selection.cell {
-            let mark = shown.rect_of(blocks.pixel(cell)).expand(3.0);
+        if let Some(pixel) = context.selection.cell.and_then(|cell| blocks.pixel(cell)) {
             let stroke = egui::Stroke::new(1.5, theme.selected_mark());
-            ui.painter().rect_stroke(mark, 0.0, stroke, egui::StrokeKind::Outside);
+            let mark = shown.rect_of(pixel).expand(3.0);
+            shown.painter.rect_stroke(mark, 0.0, stroke, egui::StrokeKind::Outside);
         }
+        let (logarithm, title) = match view {
+            TableView::Count => (Some(10.0), "rays added to a cell"),
+            _ => (None, "mean length in the cell, unit lengths"),
+        };
+        self.picture.legend(ui, MAP, logarithm, title);
+        self.fill.show(ui, context);
         if let Some(cell) = under_pointer.or(context.selection.cell) {
             ui.small(described(cells, cell));
         }
@@ -171,76 +173,104 @@ impl TablePanel {
 /// Rays of a cell that are listed one by one.
 const LISTED: usize = 5;
 
-/// Cells as pixels: blocks of cells with consecutive addresses, where the picture has fewer pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Pixels across a block, of which each has the cells of consecutive addresses.
+const BLOCK: u32 = 16;
+/// The same and the gap to the next one.
+const STEP: u32 = BLOCK + 1;
+
+/// The blocks of the table that have touched cells, in rows by their addresses.
+#[derive(Clone, Debug, PartialEq, Eq)]
 struct Blocks {
-    /// Address bits of the table.
-    bits: u32,
-    /// Cells across a block, as a power of two.
+    /// Cells across a pixel, as a power of two: more than one where there are more than are seen.
     log2_side: u32,
+    /// Addresses of cells over the cells of a block, ascending.
+    touched: Vec<u32>,
+    columns: u32,
 }
 
 impl Blocks {
-    /// With pixels that are seen in a square of so many pixels.
-    fn fitting(bits: u32, pixels: f32) -> Self {
-        let log2_cells = bits.div_ceil(2);
-        let log2_pixels = pixels.max(1.0).log2().floor() as u32;
-        Self { bits, log2_side: log2_cells.saturating_sub(log2_pixels).min(bits / 2) }
+    /// For a picture in so many pixels.
+    fn of(cells: &[LengthCell], room: egui::Vec2) -> Self {
+        let with = |log2_side: u32| {
+            let mut touched: Vec<u32> =
+                cells.iter().map(|cell| cell.cell >> (2 * (BLOCK.ilog2() + log2_side))).collect();
+            touched.dedup();
+            let columns = (touched.len() as f32 * room.x / room.y).sqrt().ceil().max(1.0) as u32;
+            Self { log2_side, touched, columns }
+        };
+        // With more than 24 bits an address has more cells than a table.
+        let sizes = (0..(TABLE_BITS_MAX / 2 - BLOCK.ilog2())).map(with);
+        let fitting = sizes.into_iter().find(|blocks| (blocks.columns * STEP) as f32 <= room.x.max(256.0));
+        fitting.unwrap_or_else(|| with(TABLE_BITS_MAX / 2 - BLOCK.ilog2()))
     }
 
-    fn size(self) -> [usize; 2] {
-        [self.bits.div_ceil(2), self.bits / 2].map(|log2| 1 << (log2 - self.log2_side))
+    fn size(&self) -> [usize; 2] {
+        let rows = (self.touched.len() as u32).div_ceil(self.columns).max(1);
+        [self.columns, rows].map(|blocks| (blocks * STEP - 1) as usize)
     }
 
-    fn pixel(self, cell: u32) -> [u32; 2] {
-        let (column, row) = pixel_of_cell(cell);
-        [column >> self.log2_side, row >> self.log2_side]
+    /// Address bits of a block's cells.
+    fn bits(&self) -> u32 {
+        2 * (BLOCK.ilog2() + self.log2_side)
     }
 
-    /// The first touched cell of a pixel, or else the first one.
-    fn first_touched(self, cells: &[LengthCell], [column, row]: [u32; 2]) -> u32 {
-        let first = cell_of_pixel(column << self.log2_side, row << self.log2_side);
+    /// The pixel of a cell; `None` if its block has no touched one.
+    fn pixel(&self, cell: u32) -> Option<[u32; 2]> {
+        let at = self.touched.binary_search(&(cell >> self.bits())).ok()? as u32;
+        let (column, row) = pixel_of_cell(cell & ((1 << self.bits()) - 1));
+        let within = |along: u32| along >> self.log2_side;
+        Some([at % self.columns * STEP + within(column), at / self.columns * STEP + within(row)])
+    }
+
+    /// The first touched cell of a pixel, or else its first one; `None` between blocks.
+    fn first_touched(&self, cells: &[LengthCell], [column, row]: [u32; 2]) -> Option<u32> {
+        if column % STEP == BLOCK || row % STEP == BLOCK {
+            return None;
+        }
+        let block = self.touched.get((row / STEP * self.columns + column / STEP) as usize)?;
+        let within = [column, row].map(|along| (along % STEP) << self.log2_side);
+        let first = block << self.bits() | cell_of_pixel(within[0], within[1]);
         let end = first + (1 << (2 * self.log2_side));
         let at = cells.partition_point(|cell| cell.cell < first);
-        cells.get(at).map(|cell| cell.cell).filter(|&cell| cell < end).unwrap_or(first)
+        Some(cells.get(at).map(|cell| cell.cell).filter(|&cell| cell < end).unwrap_or(first))
     }
 }
 
-/// Percent of the cells whose means are told apart; longer ones share the last colour.
-const LONGEST_PERCENTILE: f32 = 98.0;
+/// The colours of cells, those that they have in space.
+const MAP: ColourMap = ColourMap::Turbo;
 
-fn pixels(cells: &[LengthCell], blocks: Blocks, view: TableView, theme: Theme) -> Vec<Color32> {
+/// A pixel has the mean of its touched cells.
+fn paint(cells: &[LengthCell], blocks: &Blocks, view: TableView, theme: Theme) -> Painted {
     // A damaged cell may count no ray at all.
     let cells = || cells.iter().filter(|cell| cell.count >= 2);
     let value = |cell: &LengthCell| match view {
-        TableView::Fill => 1.0,
-        TableView::Count => ((cell.count - 1) as f32).log2(),
+        TableView::Count => ((cell.count - 1) as f32).log10(),
         _ => mean_length(cell.sum, cell.count),
     };
-    let values: Vec<f32> = cells().map(value).collect();
-    let sorted = Values::of(values.par_iter().copied());
-    let largest = sorted.percentiles(0.0, LONGEST_PERCENTILE).high.max(f32::MIN_POSITIVE);
+    let values = Values::of(cells().map(value).collect::<Vec<f32>>().into_par_iter());
+    let range = values.percentiles(2.0, 98.0);
     let [width, height] = blocks.size();
     let mut sums = vec![(0.0f32, 0u32); width * height];
-    for (cell, value) in cells().zip(values) {
-        let [column, row] = blocks.pixel(cell.cell);
-        if let Some((sum, touched)) = sums.get_mut(row as usize * width + column as usize) {
-            *sum += value;
+    for cell in cells() {
+        if let Some([column, row]) = blocks.pixel(cell.cell) {
+            let (sum, touched) = &mut sums[row as usize * width + column as usize];
+            *sum += value(cell);
             *touched += 1;
         }
     }
-    let all = (1u32 << (2 * blocks.log2_side)) as f32;
-    let colour = |(sum, touched): (f32, u32)| {
-        let part = match (touched, view) {
-            (0, _) => return theme.nothing(),
-            (touched, TableView::Fill) => touched as f32 / all,
-            (touched, _) => sum / touched as f32 / largest,
-        };
-        // The first colours of the map are hard to tell from an untouched cell.
-        let [red, green, blue] = ColourMap::Viridis.colour(0.2 + 0.8 * part);
-        Color32::from_rgb(red, green, blue)
+    let is_gap = |at: usize| {
+        at % width % STEP as usize == BLOCK as usize || at / width % STEP as usize == BLOCK as usize
     };
-    sums.into_iter().map(colour).collect()
+    let colour = |(at, (sum, touched)): (usize, (f32, u32))| match touched {
+        0 if is_gap(at) => theme.left_out(),
+        0 => theme.nothing(),
+        touched => {
+            let [red, green, blue] = MAP.colour(range.part(sum / touched as f32));
+            Color32::from_rgb(red, green, blue)
+        }
+    };
+    let pixels = sums.into_iter().enumerate().map(colour).collect();
+    Painted { pixels, range, values }
 }
 
 fn described(cells: &[LengthCell], cell: u32) -> String {
@@ -259,17 +289,34 @@ mod tests {
     use super::*;
 
     #[test]
-    fn blocks_are_consecutive_cells() {
-        for bits in [8, 9, 20, 21] {
-            let blocks = Blocks::fitting(bits, 100.0);
-            let [width, height] = blocks.size();
-            assert!(width <= 100 && (width * height) << (2 * blocks.log2_side) == 1 << bits, "{bits} bits");
-            for cell in (0..1u32 << bits).step_by(97) {
-                let first = blocks.first_touched(&[], blocks.pixel(cell));
-                assert_eq!(first >> (2 * blocks.log2_side), cell >> (2 * blocks.log2_side));
-                let touched = [LengthCell { cell, count: 2, sum: 1 }];
-                assert_eq!(blocks.first_touched(&touched, blocks.pixel(cell)), cell);
+    fn each_cell_is_in_a_pixel_of_its_own_block() {
+        let cells: Vec<LengthCell> =
+            [0, 255, 256, 70_000, 70_001, 0xf_ffff].map(|cell| LengthCell { cell, count: 2, sum: 1 }).into();
+        for room in [egui::vec2(400.0, 300.0), egui::vec2(1000.0, 20.0), egui::vec2(8.0, 900.0)] {
+            let blocks = Blocks::of(&cells, room);
+            let mut pixels: Vec<[u32; 2]> = Vec::new();
+            for LengthCell { cell, .. } in &cells {
+                let pixel = blocks.pixel(*cell).unwrap();
+                assert!((0..2).all(|along| (pixel[along] as usize) < blocks.size()[along]), "{pixel:?}");
+                assert_eq!(blocks.first_touched(&cells, pixel), Some(*cell));
+                pixels.push(pixel);
             }
+            pixels.sort_unstable();
+            pixels.dedup();
+            assert_eq!(pixels.len(), cells.len());
+            // No block without a touched cell, and none between blocks.
+            assert_eq!((blocks.touched.len(), blocks.pixel(1000)), (4, None));
+            assert_eq!(blocks.first_touched(&cells, [BLOCK, 0]), None);
         }
+    }
+
+    #[test]
+    fn a_full_table_fits() {
+        let cells: Vec<LengthCell> = (0..1 << 20).map(|cell| LengthCell { cell, count: 2, sum: 1 }).collect();
+        let blocks = Blocks::of(&cells, egui::vec2(500.0, 400.0));
+        let [width, height] = blocks.size();
+        assert!(width <= 500 && height <= 500, "{width} x {height}");
+        let first = blocks.first_touched(&cells, blocks.pixel(0x5_4321).unwrap()).unwrap();
+        assert_eq!(first >> (2 * blocks.log2_side), 0x5_4321 >> (2 * blocks.log2_side));
     }
 }
