@@ -18,8 +18,8 @@ use formats::ray::Kind;
 use formats::reader::{Dump, Loaded};
 use formats::traced::Traced;
 use formats::writer::DumpWriter;
-use inspector::analysis::GroupWidth;
 use inspector::analysis::coherence::coherence;
+use inspector::analysis::{GroupWidth, Metric};
 use inspector::app::App;
 use inspector::model::Context;
 use inspector::panels::PANELS;
@@ -304,6 +304,15 @@ fn arrays_that_are_missing_are_said_in_their_place() {
         if name != "scene" {
             assert!(harness.query_all_by_label(&reason).next().is_some(), "{name} does not say why");
         }
+    }
+    // What is not awaited is not waited for.
+    let mut context = Context::open(std::slice::from_ref(&root));
+    context.go_to(QUEUE);
+    let mut harness = panel("methods", context);
+    let ranking = harness.state_mut().context.ranking(1);
+    for order in ranking {
+        let why = order.area.as_ref().and_then(Metric::reason);
+        assert!(why.is_some_and(|why| why.contains("hits.npy")), "{}: {why:?}", order.method);
     }
 }
 

@@ -2,16 +2,20 @@
 
 use formats::key::method::UNSORTED;
 
+use super::absent::Absent;
 use super::context::Context;
 use super::recording::class_of;
 use super::what_if::WHAT_IF;
+use crate::analysis::Metric;
 use crate::analysis::ranking::{RankedOrder, rank};
 
 impl Context {
     /// All orders of the queue, the one that gains most first. How coherent they are is found in later frames.
     pub fn ranking(&mut self, frame: u64) -> Vec<RankedOrder> {
         let methods = self.methods();
-        let mut known = self.coherences(frame).map_or(Vec::new(), |(known, _)| known.to_vec());
+        let coherences = self.coherences(frame).map(|(known, _)| known.to_vec());
+        let unknown = coherences.as_ref().err().cloned();
+        let mut known = coherences.unwrap_or_default();
         if methods.iter().any(|method| method == WHAT_IF) {
             // Its panel says why it cannot be made.
             known.extend(self.what_if_coherence().ok().flatten().cloned());
@@ -29,9 +33,12 @@ impl Context {
             };
             let found = of(&method);
             let order = RankedOrder::timed(times, rays, method, reason);
-            match found {
-                Some(found) => order.with(&found.coherence, &found.lanes, unsorted),
-                None => order,
+            match (found, &unknown) {
+                (Some(found), _) => order.with(&found.coherence, &found.lanes, unsorted),
+                (None, Some(Absent::Impossible(why))) => {
+                    order.with(&Metric::missing(why), &Metric::missing(why), unsorted)
+                }
+                (None, _) => order,
             }
         };
         let mut ranking: Vec<RankedOrder> = methods.into_iter().map(ranked).collect();

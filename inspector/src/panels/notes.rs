@@ -41,6 +41,12 @@ pub(super) fn power_of_ten(exponent: f64) -> String {
     }
 }
 
+/// The name of a row or column of a chart at its number; nothing between them.
+pub(super) fn name_at(names: &[String], value: f64) -> String {
+    let is_one = value >= 0.0 && (value - value.round()).abs() < 1e-3;
+    names.get(value.round() as usize).filter(|_| is_one).cloned().unwrap_or_default()
+}
+
 /// Why something is not shown of a recording, for those who draw without a screen.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lacking(BTreeSet<String>);

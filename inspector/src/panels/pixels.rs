@@ -180,7 +180,9 @@ fn pixels(
             pixels[row as usize * columns + column as usize] = colour;
         }
     }
-    Painted { pixels, range, values: sorted }
+    // Every place has one ray.
+    let values = if colouring == Quantity::Place { Values::default() } else { sorted };
+    Painted { pixels, range, values }
 }
 
 /// Marks what is selected: a cross at the ray, dots at the rays of its group.

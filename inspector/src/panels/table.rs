@@ -98,7 +98,9 @@ impl TablePanel {
     /// The cells as a picture, and what is in the one under the pointer or in the selected one.
     fn cells(&mut self, ui: &mut egui::Ui, context: &mut Context, queue: &Arc<Queue>) {
         let Ok(cells) = &queue.cells else { return };
-        let lines = ui.text_style_height(&egui::TextStyle::Small) + 2.0 * ui.spacing().interact_size.y + 24.0;
+        let rows = if context.selection.cell.is_some() { 2.0 } else { 0.0 };
+        let lines =
+            ui.text_style_height(&egui::TextStyle::Small) + rows * ui.spacing().interact_size.y + 24.0;
         let below = lines + table_fill::HEIGHT + colour_bar::height(ui);
         let room = (ui.available_size() - egui::vec2(0.0, below)).max(egui::vec2(64.0, 64.0));
         let Some(opening) = context.recording().map(|recording| recording.opening) else { return };

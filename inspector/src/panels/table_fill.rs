@@ -1,8 +1,9 @@
 //! How full the length table is from bounce to bounce and from pass to pass.
 
-use egui_plot::{Bar, BarChart, Plot};
+use egui_plot::{AxisHints, Bar, BarChart, Plot};
 use formats::manifest::{Place, QueueArray, QueueId};
 
+use super::notes::name_at;
 use crate::model::{Context, Recording};
 use crate::theme::Theme;
 
@@ -46,6 +47,7 @@ impl FillPlot {
                     }
                 }
             }
+            let below = AxisHints::new_x().formatter(move |mark, _| name_at(&names, mark.value));
             let plot = Plot::new("fill")
                 .height(HEIGHT)
                 .allow_scroll(false)
@@ -53,10 +55,9 @@ impl FillPlot {
                 .allow_drag(false)
                 .include_y(0.0)
                 .show_grid([false, true])
-                .x_axis_label("pass.bounce")
-                .y_axis_label("touched, %")
+                .custom_y_axes(vec![AxisHints::new_y().label("touched, %").label_spacing(8.0..=16.0)])
+                .custom_x_axes(vec![below.label("pass.bounce").label_spacing(16.0..=24.0)])
                 .x_grid_spacer(egui_plot::uniform_grid_spacer(|_| [1.0, 1.0, 1.0]))
-                .x_axis_formatter(move |mark, _| names.get(mark.value as usize).cloned().unwrap_or_default())
                 .show(ui, |plot| {
                     plot.bar_chart(bars);
                     plot.pointer_coordinate()

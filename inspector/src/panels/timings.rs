@@ -4,7 +4,7 @@ use egui_plot::{AxisHints, Bar, BarChart, Plot, VLine};
 use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 
-use super::notes::{hint, legend};
+use super::notes::{hint, legend, name_at};
 use crate::analysis::timing::STAGES;
 use crate::analysis::{OrderAnalysis, QueueAnalysis};
 use crate::model::Context;
@@ -127,9 +127,4 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
 fn longest_name(ui: &egui::Ui, names: &[String]) -> f32 {
     let longest = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
     longest as f32 * 0.55 * ui.text_style_height(&egui::TextStyle::Body)
-}
-
-fn name_at(names: &[String], value: f64) -> String {
-    let is_row = value >= 0.0 && (value - value.round()).abs() < 1e-3;
-    names.get(value.round() as usize).filter(|_| is_row).cloned().unwrap_or_default()
 }
