@@ -14,6 +14,7 @@ use egui_kittest::kittest::Queryable;
 use formats::manifest::{MethodArray, Place, QueueId};
 use formats::metrics::capsule::{Capsule, Segment};
 use formats::metrics::order::Places;
+use formats::metrics::quantity::Quantity;
 use formats::ray::Kind;
 use formats::reader::{Dump, Loaded};
 use formats::traced::Traced;
@@ -22,6 +23,7 @@ use inspector::analysis::coherence::coherence;
 use inspector::analysis::{GroupWidth, Metric};
 use inspector::app::App;
 use inspector::model::Context;
+use inspector::model::derived::Filtered;
 use inspector::panels::PANELS;
 use inspector::panels::space::options::{CapsuleChoice, SpaceOptions};
 use inspector::render::geometry::{RayEnd, Shape};
@@ -31,7 +33,7 @@ mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
 
-use headless::{State, click, layers, panel, renderer, settle};
+use headless::{State, click, layers, panel, panel_made, renderer, settle};
 
 const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
 
@@ -131,6 +133,59 @@ fn a_pixel_that_is_clicked_is_a_ray() {
     let ray = context.selection.ray.expect("the pixel under the pointer has a ray");
     let place = order.place_of_ray()[ray] as usize;
     assert_eq!(context.selection.group, Some(place / context.selection.group_width.rays()));
+}
+
+/// Dragging along a chart leaves the rays in that range, in all panels; a click has all of them again.
+#[test]
+fn rays_are_brushed_in_charts() {
+    for (name, quantity, y) in [
+        ("coherence", Quantity::Area, 150.0),
+        ("pixels", Quantity::Length, 556.0),
+        ("length-table", Quantity::Length, 300.0),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let context = opened(folder.path());
+        let mut harness = panel_made(name, [900.0, 640.0], context, |panel| {
+            let state = match name {
+                "pixels" => serde_json::json!({ "colouring": "length" }),
+                "length-table" => serde_json::json!({ "view": "estimates" }),
+                _ => return,
+            };
+            panel.set_state(state).unwrap();
+        });
+        let all = harness.state_mut().context.awaited_order().unwrap();
+        let filter =
+            |harness: &Harness<'_, State>| harness.state().context.selection.filter.text().to_owned();
+        harness.drag_at(egui::pos2(250.0, y));
+        harness.step();
+        for x in [300.0, 400.0, 500.0] {
+            harness.hover_at(egui::pos2(x, y));
+            harness.step();
+        }
+        harness.drop_at(egui::pos2(500.0, y));
+        settle(&mut harness);
+        let text = filter(&harness);
+        let parts: Vec<f64> = text.split(' ').filter_map(|word| word.parse().ok()).collect();
+        let [low, high] = parts[..] else { panic!("{name}: {text:?}") };
+        let of = quantity.name();
+        assert_eq!(text, format!("{of} >= {low} && {of} <= {high}"));
+        let context = &mut harness.state_mut().context;
+        let numbers = context.numbers(all.clone()).unwrap();
+        numbers.prepare(quantity);
+        let values: Vec<f64> =
+            (0..all.len()).map(|place| (quantity.value())(numbers.rays().at(place))).collect();
+        let passing = loop {
+            match context.filtered(&all) {
+                Filtered::Some(passing) => break passing,
+                Filtered::Unknown if context.finish() => {}
+                _ => panic!("{name}: nothing is filtered"),
+            }
+        };
+        let expected = |value: &f64| (low..=high).contains(value);
+        assert_eq!(passing.len(), values.iter().filter(|value| expected(value)).count(), "{name}: {text}");
+        click(&mut harness, egui::pos2(250.0, y));
+        assert_eq!(filter(&harness), "", "{name}");
+    }
 }
 
 /// The wheel enlarges what is under the pointer, which stays there; a double click shows all again.

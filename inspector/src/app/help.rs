@@ -4,7 +4,7 @@ use egui::{Align2, ScrollArea, Vec2};
 
 use super::{App, Shown};
 
-const KEYS: [(&str, &str); 23] = [
+const KEYS: [(&str, &str); 24] = [
     ("click, Shift-click a method", "makes it order B, order A"),
     ("up, down", "makes the next better, the next worse method B"),
     ("left, right", "the bounce before, the next bounce"),
@@ -28,6 +28,7 @@ const KEYS: [(&str, &str); 23] = [
     ("C, R", "the recording's camera, an overview"),
     ("space", "moves the playhead along the order"),
     ("", ""),
+    ("drag along a chart", "rays in that range alone pass the filter; a click: all of them again"),
     ("drag the colour bar's ends", "the range of values that colours tell apart"),
     ("double click it", "back to percentiles"),
     ("... in a panel's corner", "its picture, its data, its command, its figures for a paper"),

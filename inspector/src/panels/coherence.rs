@@ -1,7 +1,9 @@
 //! How coherent each order's groups are: the areas of their capsules.
 
-use egui_plot::{Line, Plot, PlotPoints, VLine};
+use egui_plot::{Line, Plot, PlotPoints, PlotResponse, VLine};
+use formats::metrics::quantity::Quantity;
 
+use super::brush::brush;
 use super::notes::{found, group_widths, hint, power_of_ten};
 use super::worst::{WorstGroups, costliest_triangles};
 use crate::model::Context;
@@ -34,7 +36,9 @@ impl Panel for CoherencePanel {
         });
         let styles: Vec<usize> = orders.iter().map(|order| context.style_of(&order.method)).collect();
         let played = played_area(context);
-        distribution(ui, &orders, (&styles, &method, played), 0.5 * ui.available_height());
+        let plot = distribution(ui, &orders, (&styles, &method, played), 0.5 * ui.available_height());
+        let area_at = |x: f32| 10f64.powf(plot.transform.value_from_position(egui::pos2(x, 0.0)).x);
+        brush(ui, &plot.response, (Quantity::Area, area_at), context);
         ui.horizontal_wrapped(|ui| {
             ui.selectable_value(&mut self.triangles, false, "Groups with the largest capsules");
             ui.selectable_value(&mut self.triangles, true, "Triangles whose rays cost most");
@@ -101,7 +105,7 @@ fn distribution(
     orders: &[OrderCoherence],
     (styles, chosen, played): (&[usize], &str, Option<f64>),
     height: f32,
-) {
+) -> PlotResponse<()> {
     let theme = Theme::of(ui.ctx());
     let line = |(order, style): (&OrderCoherence, &usize)| {
         let coherence = order.coherence.known()?;
@@ -116,6 +120,7 @@ fn distribution(
     Plot::new("areas")
         .height(height.max(80.0))
         .allow_scroll(false)
+        .allow_drag(false)
         .include_y(0.0)
         .include_y(100.0)
         .x_axis_label("capsule area, unit space")
@@ -129,5 +134,5 @@ fn distribution(
                 let mark = VLine::new("group at the playhead", area.max(LEAST_AREA).log10());
                 plot.vline(mark.color(theme.selected_mark()));
             }
-        });
+        })
 }

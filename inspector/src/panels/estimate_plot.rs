@@ -3,7 +3,9 @@
 use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
 use egui_plot::{Line, Plot, PlotImage, PlotPoint, PlotPoints, uniform_grid_spacer};
 use formats::manifest::QueueId;
+use formats::metrics::quantity::Quantity;
 
+use super::brush::brush;
 use super::notes::{missing, power_of_ten};
 use crate::colour_map::ColourMap;
 use crate::model::Context;
@@ -51,11 +53,12 @@ impl EstimatePlot {
         let side = (high - low) as f32;
         let image = PlotImage::new("rays", texture.id(), middle, [side, side]);
         let right = PlotPoints::from(vec![[low, low], [high, high]]);
-        Plot::new("estimates")
+        let plot = Plot::new("estimates")
             .width(ui.available_width().min(WIDTH_TO_HEIGHT * ui.available_height()))
             .height(ui.available_height())
             .set_margin_fraction(egui::vec2(0.0, 0.0))
             .allow_scroll(false)
+            .allow_drag(false)
             .x_axis_label("traced length, unit lengths")
             .y_axis_label("estimated length")
             // The corner has the label of the other axis.
@@ -69,6 +72,8 @@ impl EstimatePlot {
                 plot.image(image);
                 plot.line(Line::new("estimate = length", right).color(theme.reference()).width(1.2));
             });
+        let length_at = |x: f32| 10f64.powf(plot.transform.value_from_position(egui::pos2(x, 0.0)).x);
+        brush(ui, &plot.response, (Quantity::Length, length_at), context);
     }
 }
 

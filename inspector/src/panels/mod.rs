@@ -2,6 +2,7 @@
 //!
 //! Panels know the [`Context`](crate::model::Context) and nothing of each other.
 
+mod brush;
 mod coherence;
 mod colour_bar;
 pub mod data;

@@ -120,10 +120,16 @@ impl<Key: PartialEq + Clone> Picture<Key> {
         }
     }
 
-    /// What its colours stand for, once it is made.
-    pub(super) fn legend(&self, ui: &mut egui::Ui, map: ColourMap, logarithm: Option<f32>, title: &str) {
-        let Some((.., (_, range, values))) = &self.made else { return };
+    /// What its colours stand for, and the range of that, once it is made.
+    pub(super) fn legend(
+        &self,
+        ui: &mut egui::Ui,
+        map: ColourMap,
+        logarithm: Option<f32>,
+        title: &str,
+    ) -> Option<(egui::Response, ValueRange)> {
+        let (.., (_, range, values)) = self.made.as_ref()?;
         let bar = ColourBar { range: *range, map, logarithm, title, values: Some(&**values) };
-        bar.show(ui, ui.available_width(), *range);
+        Some((bar.show(ui, ui.available_width(), *range), *range))
     }
 }

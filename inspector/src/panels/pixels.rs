@@ -8,6 +8,7 @@ use formats::metrics::quantity::Quantity;
 use rayon::prelude::*;
 use serde::de::Error as _;
 
+use super::brush::brush;
 use super::colour_bar;
 use super::notes::{about_ray, found, missing};
 use super::picture::{DrawnPicture, Painted, Picture};
@@ -100,7 +101,15 @@ impl Panel for PixelsPanel {
         }
         mark(&shown, context, &order, (plane, theme));
         let colouring = self.colouring;
-        self.picture.legend(ui, map(colouring), colouring.logarithm(), &colouring.title());
+        let legend = self.picture.legend(ui, map(colouring), colouring.logarithm(), &colouring.title());
+        // Of a key colours say a part alone.
+        if let Some((bar, range)) = legend.filter(|_| colouring != Quantity::Key) {
+            let number_at = |x: f32| {
+                let value = range.low + (x - bar.rect.left()) / bar.rect.width() * (range.high - range.low);
+                f64::from(colouring.logarithm().map_or(value, |base| base.powf(value)))
+            };
+            brush(ui, &bar, (colouring, number_at), context);
+        }
         if let Some(ray) = under_pointer.or(context.selection.ray) {
             ui.small(about_ray(&order, ray));
         }
