@@ -161,7 +161,11 @@ fn pixels(
     let order = &*numbers.order;
     let last = order.len().saturating_sub(1).max(1) as f32;
     let values = ColourBy::Quantity(colouring).values(numbers, 0..order.len());
-    let sorted = Values::of(values.par_iter().copied());
+    // Every place has one ray.
+    let sorted = match colouring {
+        Quantity::Place => Values::default(),
+        _ => Values::of(values.par_iter().copied()),
+    };
     let range = match colouring {
         Quantity::Place | Quantity::Displacement => ValueRange { low: 0.0, high: last },
         Quantity::Key => ValueRange { low: 0.0, high: 1.0 },
@@ -189,9 +193,7 @@ fn pixels(
             pixels[row as usize * columns + column as usize] = colour;
         }
     }
-    // Every place has one ray.
-    let values = if colouring == Quantity::Place { Values::default() } else { sorted };
-    Painted { pixels, range, values }
+    Painted { pixels, range, values: sorted }
 }
 
 /// Marks what is selected: a cross at the ray, dots at the rays of its group.
