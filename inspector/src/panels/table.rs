@@ -50,6 +50,8 @@ pub(super) struct TablePanel {
     chosen: Option<u32>,
     picture: Picture<(u64, QueueId, TableView, bool, Arc<Blocks>)>,
     fill: FillPlot,
+    /// Of which recording, queue and size of the picture, and the blocks.
+    blocks: Option<((u64, QueueId, egui::Vec2), Arc<Blocks>)>,
 }
 
 impl Panel for TablePanel {
@@ -105,7 +107,12 @@ impl TablePanel {
         let room = (ui.available_size() - egui::vec2(0.0, below)).max(egui::vec2(64.0, 64.0));
         let Some(opening) = context.recording().map(|recording| recording.opening) else { return };
         let (view, theme) = (self.view, Theme::of(ui.ctx()));
-        let blocks = Arc::new(Blocks::of(cells, room * ui.ctx().pixels_per_point()));
+        let room_pixels = (room * ui.ctx().pixels_per_point()).round();
+        let of_table = (opening, queue.id, room_pixels);
+        let blocks = match &self.blocks {
+            Some((known, blocks)) if *known == of_table => blocks,
+            _ => &self.blocks.insert((of_table, Arc::new(Blocks::of(cells, room_pixels)))).1,
+        };
         let key = (opening, queue.id, view, ui.visuals().dark_mode, blocks.clone());
         let (of, within) = (queue.clone(), blocks.clone());
         let make = move || paint(of.cells.as_deref().unwrap_or_default(), &within, view, theme);
@@ -200,10 +207,12 @@ impl Blocks {
             let columns = (touched.len() as f32 * room.x / room.y).sqrt().ceil().max(1.0) as u32;
             Self { log2_side, touched, columns }
         };
-        // With more than 24 bits an address has more cells than a table.
-        let sizes = (0..(TABLE_BITS_MAX / 2 - BLOCK.ilog2())).map(with);
-        let fitting = sizes.into_iter().find(|blocks| (blocks.columns * STEP) as f32 <= room.x.max(256.0));
-        fitting.unwrap_or_else(|| with(TABLE_BITS_MAX / 2 - BLOCK.ilog2()))
+        let mut blocks = with(0);
+        // At the latest the largest table is one block.
+        while (blocks.columns * STEP) as f32 > room.x.max(256.0) && blocks.bits() < TABLE_BITS_MAX {
+            blocks = with(blocks.log2_side + 1);
+        }
+        blocks
     }
 
     fn size(&self) -> [usize; 2] {

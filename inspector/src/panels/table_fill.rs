@@ -73,7 +73,8 @@ impl FillPlot {
 
     /// Whether it is time for the next one; none comes after the last.
     fn played(&mut self, ui: &egui::Ui, context: &mut Context, has_next: bool) -> bool {
-        let (Some(next), time) = (self.next, ui.input(|input| input.time)) else { return false };
+        let Some(next) = self.next else { return false };
+        let time = ui.input(|input| input.time);
         let is_time = time >= next && context.queue().is_ok();
         if is_time {
             self.next = has_next.then_some(time + PACE);
