@@ -121,10 +121,8 @@ impl Shear {
     /// Where the line hits a triangle ahead of the ray's origin; the ray's ends are not looked at.
     #[inline(always)]
     pub fn meet(&self, rows: &Rows) -> Option<Intersection> {
-        // Four lanes at a time; what the last one holds and becomes is of no interest.
-        let [rx, ry, rz] = self.axes.map(|axis| Vec4::from_array(rows[axis]));
-        let z = rz - Vec4::splat(self.origin[2]);
-        let (moved_x, moved_y) = (rx - Vec4::splat(self.origin[0]), ry - Vec4::splat(self.origin[1]));
+        let moved = self.moved(rows);
+        let [moved_x, moved_y, z] = moved;
         let (shear_x, shear_y) = (Vec4::splat(self.shear[0]), Vec4::splat(self.shear[1]));
         let x = moved_x - shear_x * z;
         let y = moved_y - shear_y * z;
@@ -142,12 +140,30 @@ impl Shear {
             return None;
         }
         // Few triangles come this far, so that what follows costs little.
-        let [inverse_x, inverse_y, inverse_z] = self.inverse.map(Vec4::splat);
-        let reached = [inverse_x * moved_x, inverse_y * moved_y, inverse_z * z].map(Vec4::truncate);
-        let t = distance(rows, &self.line, reached)?;
+        let t = distance(rows, &self.line, self.reached(moved))?;
         // Quotients of numbers of the same sign: `abs` only removes the sign of a zero, which
         // depends on the order of an edge's corners.
         Some(Intersection { t, u: (b / sum).abs(), v: (c / sum).abs() })
+    }
+
+    /// The distance alone, to a triangle in whose projection the origin is known to lie.
+    #[inline(always)]
+    pub fn reach(&self, rows: &Rows) -> Option<f32> {
+        distance(rows, &self.line, self.reached(self.moved(rows)))
+    }
+
+    /// The corners as seen from the ray's origin, axes permuted. Four lanes at a time; what the last one holds and
+    /// becomes is of no interest.
+    #[inline(always)]
+    fn moved(&self, rows: &Rows) -> [Vec4; 3] {
+        let moved = |axis: usize| Vec4::from_array(rows[self.axes[axis]]) - Vec4::splat(self.origin[axis]);
+        [moved(0), moved(1), moved(2)]
+    }
+
+    /// Where the line comes to the corners' x, y and z.
+    #[inline(always)]
+    fn reached(&self, moved: [Vec4; 3]) -> [Vec3; 3] {
+        [0, 1, 2].map(|axis| (Vec4::splat(self.inverse[axis]) * moved[axis]).truncate())
     }
 }
 

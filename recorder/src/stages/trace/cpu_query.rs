@@ -1,6 +1,6 @@
 //! A ray on its way through a hierarchy on a thread: what both traversals ask of it.
 
-use formats::intersect::{farthest, reciprocal};
+use formats::intersect::{Intersection, farthest, reciprocal};
 use formats::ray::{Hit, Ray, Work};
 
 use super::BoxTest;
@@ -174,18 +174,32 @@ impl<'a, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const 
         self.account.leaf(place, triangles);
     }
 
-    /// Where the holes of triangles are.
+    /// Number of a triangle's alpha mask; 0 if it has none.
     #[inline(always)]
-    pub(super) fn masks(&self) -> &'a Masks {
-        self.masks
+    pub(super) fn mask(&self, triangle: u32) -> u32 {
+        if MASKS { self.masks.number(triangle) } else { 0 }
     }
 
     /// Tests a triangle; true if the search is over.
     #[inline(always)]
     pub(super) fn test(&mut self, leaf: &LeafTriangle) -> bool {
-        let Some(at) = self.triangle_ray.intersect(leaf) else {
-            return false;
-        };
+        self.triangle_ray.intersect(leaf).is_some_and(|at| self.keep(leaf, at))
+    }
+
+    /// The same for a triangle of which [`Query::candidates`] has a bit: where any hit will do, no weights are needed
+    /// but for holes.
+    #[inline(always)]
+    pub(super) fn test_candidate(&mut self, leaf: &LeafTriangle) -> bool {
+        if MASKS || !ANY {
+            return self.test(leaf);
+        }
+        let at = self.triangle_ray.reach(leaf).map(|t| Intersection { t, u: 0.0, v: 0.0 });
+        at.is_some_and(|at| self.keep(leaf, at))
+    }
+
+    /// Takes a hit if it is the best so far; true if the search is over.
+    #[inline(always)]
+    fn keep(&mut self, leaf: &LeafTriangle, at: Intersection) -> bool {
         let triangle = leaf.triangle();
         let is_nearer = at.t < self.best.t || (at.t == self.best.t && triangle < self.best.triangle);
         if !(at.t >= self.t_min && is_nearer) {

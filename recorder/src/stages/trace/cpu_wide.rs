@@ -96,7 +96,7 @@ impl WideTree {
                     while lanes != 0 {
                         let lane = lanes.trailing_zeros() as usize % TriangleBlock::TRIANGLES;
                         lanes &= lanes - 1;
-                        if query.test(&block.triangle(lane, query.masks())) {
+                        if query.test_candidate(&block.triangle(lane, |triangle| query.mask(triangle))) {
                             return;
                         }
                     }

@@ -45,6 +45,11 @@ impl TriangleRay for PlainRay {
     }
 
     #[inline(always)]
+    fn reach(&self, leaf: &LeafTriangle) -> Option<f32> {
+        Some(self.intersect(leaf)?.t)
+    }
+
+    #[inline(always)]
     fn candidates(&self, block: &TriangleBlock, _farthest: f32) -> u32 {
         (1 << block.count()) - 1
     }

@@ -5,7 +5,6 @@ use formats::ray::{Hit, Ray};
 use glam::{Vec3, Vec4};
 
 use super::cpu_vector::Vector;
-use super::mask::Masks;
 
 /// A ray as a triangle test takes it.
 pub trait TriangleRay: Sized {
@@ -17,6 +16,9 @@ pub trait TriangleRay: Sized {
 
     /// Where the line hits a triangle, ahead of its origin or not; `t` may be anything, also NaN.
     fn intersect(&self, leaf: &LeafTriangle) -> Option<Intersection>;
+
+    /// The distance alone, to a triangle of which [`TriangleRay::candidates`] has a bit.
+    fn reach(&self, leaf: &LeafTriangle) -> Option<f32>;
 
     /// Bit `lane` set for each triangle of a block that may be hit at `farthest` or nearer: all that are, and few
     /// others.
@@ -47,6 +49,11 @@ impl TriangleRay for Shear {
     #[inline(always)]
     fn intersect(&self, leaf: &LeafTriangle) -> Option<Intersection> {
         self.meet(&leaf.rows)
+    }
+
+    #[inline(always)]
+    fn reach(&self, leaf: &LeafTriangle) -> Option<f32> {
+        self.reach(&leaf.rows)
     }
 
     /// By the arithmetic of [`Shear::meet`]: the signs of the edge functions, and the depth of the nearest
@@ -204,14 +211,17 @@ impl TriangleBlock {
         self.triangles.iter().take_while(|&&triangle| triangle != Hit::NONE).count() as u32
     }
 
-    /// One of them, 0 to 3, with its mask.
+    /// One of them, 0 to 3, with the number of its mask, given by its index.
     #[inline(always)]
-    pub fn triangle(&self, lane: usize, masks: &Masks) -> LeafTriangle {
+    pub fn triangle(&self, lane: usize, mask: impl Fn(u32) -> u32) -> LeafTriangle {
+        // Numbers are read where they lie and rows made in registers: a copy of the block that is read one by one,
+        // or a row that is written so and read as a whole, would have to reach the cache first.
+        let value = |row: &Vec4| AsRef::<[f32; 4]>::as_ref(row)[lane];
         let row = |axis: usize, extra: u32| {
-            let [a, b, c] = self.rows[axis].map(|row| row.to_array()[lane]);
-            [a, b, c, f32::from_bits(extra)]
+            let [a, b, c] = &self.rows[axis];
+            Vec4::new(value(a), value(b), value(c), f32::from_bits(extra)).to_array()
         };
         let triangle = self.triangles[lane];
-        LeafTriangle { rows: [row(0, triangle), row(1, masks.number(triangle)), row(2, 0)] }
+        LeafTriangle { rows: [row(0, triangle), row(1, mask(triangle)), row(2, 0)] }
     }
 }
