@@ -2,6 +2,7 @@
 //!
 //! - [`cli`]: the command line; `arguments`: words that several commands take
 //! - [`analysis`]: whole recordings by the numbers of `formats::metrics`
+//! - [`filter`]: which rays of an order meet a condition that is typed
 //! - [`figures`]: figures as data, and the catalogue of them; [`colour_map`]: from numbers to colours
 //! - `info`, `verify`, `recover`: the commands that need no window and no GPU
 //! - `method_table`: analyses as text
@@ -20,6 +21,7 @@ pub mod cli;
 pub mod colour_map;
 mod export;
 pub mod figures;
+pub mod filter;
 mod info;
 mod inputs;
 mod method_table;

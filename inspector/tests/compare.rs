@@ -15,8 +15,10 @@ use formats::ray::{Hit, Kind};
 use formats::reader::Dump;
 use formats::writer::DumpWriter;
 use inspector::analysis::GroupWidth;
-use inspector::model::comparison::{Comparison, Difference};
-use inspector::model::{Context, Order, differences};
+use inspector::analysis::comparison::{Comparison, Difference};
+use inspector::analysis::differences;
+use inspector::model::numbers::Numbers;
+use inspector::model::{Context, Order};
 use inspector::panels::space::cut;
 use inspector::panels::space::layers::{Layers, RayValues};
 use inspector::panels::space::options::{Axis, Side, SpaceOptions};
@@ -79,25 +81,36 @@ fn order(context: &mut Context, recording: usize, method: &str) -> Arc<Order> {
     context.awaited_order().unwrap()
 }
 
+fn compared(orders: [&Arc<Order>; 2], width: GroupWidth, difference: Difference) -> Comparison {
+    let [left, right] = orders.map(|order| Numbers::of(order.clone(), &sample::header(), width));
+    Comparison::of(&[left.side(), right.side()], Some(difference))
+}
+
+/// A number for each ray on the left.
+fn values(orders: [&Arc<Order>; 2], width: GroupWidth, difference: Difference) -> Arc<Vec<f32>> {
+    let [left, _] = compared(orders, width, difference).values.unwrap();
+    left
+}
+
 #[test]
 fn two_orders_differ_in_places_and_areas_alone() {
     let folder = tempfile::tempdir().unwrap();
     let mut context = Context::open(&[sample::write(folder.path())]);
     let [left, right] = ["unsorted", "two-point"].map(|method| order(&mut context, 0, method));
-    let comparison = Comparison::of(&left, &right, GroupWidth::Rays32);
+    let comparison = compared([&left, &right], GroupWidth::Rays32, Difference::Displacement);
     let counts = &comparison.counts;
     assert_eq!((counts.matched, counts.hits, counts.distances), (left.len(), 0, 0));
     assert!(counts.keys.clone().unwrap_err().contains("no key"), "{:?}", counts.keys);
     let moved = (0..right.len()).filter(|&place| right.places.ray(place) != place).count();
     assert!(moved > 0);
     assert_eq!(counts.places, moved);
-    let [values, again] = comparison.values(Difference::Displacement);
-    assert_eq!(values, again);
-    for (ray, value) in values.iter().enumerate() {
+    let [moves, again] = comparison.values.as_ref().unwrap();
+    assert_eq!(moves, again);
+    for (ray, value) in moves.iter().enumerate() {
         let expected = (f64::from(right.place_of_ray()[ray]) - ray as f64).abs() / right.len() as f64;
         assert_eq!(*value, expected as f32);
     }
-    let [areas, _] = comparison.values(Difference::CapsuleArea);
+    let areas = values([&left, &right], GroupWidth::Rays32, Difference::CapsuleArea);
     let area = |order: &Order, ray: usize| {
         let groups = order.groups(GroupWidth::Rays32);
         groups.groups[order.place_of_ray()[ray] as usize / 32].area
@@ -114,18 +127,18 @@ fn two_recordings_differ_where_they_were_made_to() {
     let mut context = Context::open(&[whole.clone(), altered(&whole)]);
     assert!(context.problems.is_empty(), "{:?}", context.problems);
     let [left, right] = [0, 1].map(|recording| order(&mut context, recording, "aila"));
-    let comparison = Comparison::of(&left, &right, GroupWidth::Rays64);
+    let values = |difference| values([&left, &right], GroupWidth::Rays64, difference);
+    let comparison = compared([&left, &right], GroupWidth::Rays64, Difference::Hit);
     let counts = &comparison.counts;
     assert_eq!((counts.hits, counts.distances, &counts.keys, counts.places), (1, 1, &Ok(1), 0));
     let one = |difference, ray: usize| {
-        let [values, _] = comparison.values(difference);
-        values.iter().enumerate().all(|(at, value)| (*value > 0.0) == (at == ray))
+        values(difference).iter().enumerate().all(|(at, value)| (*value > 0.0) == (at == ray))
     };
     assert!(one(Difference::Hit, OTHER_HIT) && one(Difference::Key, OTHER_KEY));
-    let [distances, _] = comparison.values(Difference::Distance);
+    let distances = values(Difference::Distance);
     assert!((distances[OTHER_HIT] - 0.5f32.log10()).abs() < 1e-6, "{}", distances[OTHER_HIT]);
     assert_eq!(comparison.left_of(3), Some(3));
-    let settings = differences::settings(&context.recordings[0], &context.recordings[1]);
+    let settings = differences::settings([0, 1].map(|at| &context.recordings[at].shown));
     let differing: BTreeSet<&str> = settings.iter().filter(|row| row.differs).map(|row| row.what).collect();
     assert_eq!(differing, BTreeSet::from(["seed", "trace kernel", "adapter"]));
     let numbers = differences::counts(&comparison);
@@ -142,14 +155,14 @@ fn rays_of_queues_of_other_paths_are_matched_by_path() {
     context.go_to(QueueId { bounce: 0, ..QUEUE });
     let left = context.awaited_order().unwrap();
     assert!(left.len() > right.len(), "some paths ended");
-    let comparison = Comparison::of(&left, &right, GroupWidth::Rays64);
+    let comparison = compared([&left, &right], GroupWidth::Rays64, Difference::Hit);
     assert_eq!(comparison.counts.matched, right.len());
     for ray in 0..right.len() {
         let of_left = comparison.left_of(ray).unwrap();
         assert_eq!(left.queue.path_ids[of_left], right.queue.path_ids[ray]);
         assert_eq!(comparison.right_of(of_left), Some(ray));
     }
-    let [values, _] = comparison.values(Difference::Hit);
+    let [values, _] = comparison.values.unwrap();
     let alone = values.iter().filter(|value| value.is_nan()).count();
     assert_eq!(alone, left.len() - right.len());
 }

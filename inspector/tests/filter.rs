@@ -17,8 +17,8 @@ use formats::metrics::quantity::Quantity;
 use formats::ray::Kind;
 use formats::traced::Results;
 use inspector::analysis::GroupWidth;
+use inspector::filter::Expression;
 use inspector::model::colour_by::ColourBy;
-use inspector::model::filter::{Expression, passing};
 use inspector::model::numbers::Numbers;
 use inspector::model::rows::{Direction, Rows, Sorting};
 use inspector::model::{Context, Order};
@@ -62,7 +62,7 @@ fn value(numbers: &Numbers, quantity: Quantity, place: usize) -> f64 {
 
 fn places(text: &str, numbers: &Numbers) -> Vec<u32> {
     let expression = Expression::parse(text).unwrap_or_else(|error| panic!("{text}: {error}"));
-    passing(&expression, numbers).unwrap_or_else(|error| panic!("{text}: {error}")).places().to_vec()
+    numbers.passing(&expression).unwrap_or_else(|error| panic!("{text}: {error}")).places().to_vec()
 }
 
 /// Each name against the recording, read in another way.
@@ -136,7 +136,7 @@ fn what_takes_groups_finds_them_first() {
     // The sample is too small for many threads, but groups are found before light is missed.
     let numbers_of_filter = numbers(&mut fresh());
     let expression = Expression::parse("spread < 0.8 && light > 0").unwrap();
-    assert!(passing(&expression, &numbers_of_filter).is_err());
+    assert!(numbers_of_filter.passing(&expression).is_err());
     assert!(numbers_of_filter.order.known_groups(GroupWidth::default()).is_some());
     for by in [Quantity::Area, Quantity::Spread, Quantity::Lanes] {
         let mut context = fresh();
@@ -161,7 +161,7 @@ fn lights_belong_to_shadow_rays() {
     assert_eq!(places("light == 2", &numbers), kept(order, |_, ray| lights[ray] == 2));
     assert_eq!(places("field(light) == 2", &numbers), kept(order, |_, ray| lights[ray] == 2));
     let expression = Expression::parse("hit && triangle == 1").unwrap();
-    let error = passing(&expression, &numbers).unwrap_err();
+    let error = numbers.passing(&expression).unwrap_err();
     assert_eq!((error.start, error.length), (7, 8));
     assert!(error.message.contains("shadow rays have no triangle"), "{error}");
 }
@@ -207,11 +207,11 @@ fn what_keys_do_not_hold_is_said() {
     let mut context = opened(folder.path(), QUEUE, "aila");
     let aila = numbers(&mut context);
     let expression = Expression::parse("t > 1 && field(ex) > 3").unwrap();
-    let error = passing(&expression, &aila).unwrap_err();
+    let error = aila.passing(&expression).unwrap_err();
     assert_eq!((error.start, error.length), (15, 2));
     assert!(error.message.contains("keys of aila have no field ex; they have ox oy oz dx"), "{error}");
     context.selection.order_by("unsorted");
-    let error = passing(&expression, &numbers(&mut context)).unwrap_err();
+    let error = numbers(&mut context).passing(&expression).unwrap_err();
     assert!(error.message.contains("unsorted rays have no key"), "{error}");
 }
 
@@ -329,7 +329,7 @@ fn rows_are_sorted_stably_and_filtered() {
     let folder = tempfile::tempdir().unwrap();
     let mut context = opened(folder.path(), QUEUE, "two-point");
     let numbers = numbers(&mut context);
-    let filter = passing(&Expression::parse("x > 4").unwrap(), &numbers).unwrap();
+    let filter = numbers.passing(&Expression::parse("x > 4").unwrap()).unwrap();
     for &by in Quantity::ALL {
         for direction in [Direction::Ascending, Direction::Descending] {
             for filter in [None, Some(&filter)] {

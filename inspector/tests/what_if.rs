@@ -11,6 +11,7 @@ use formats::key::Facts;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 use inspector::analysis::GroupWidth;
+use inspector::model::Absent;
 use inspector::model::derived::Filtered;
 use inspector::model::key::{ReadKey, field_text};
 use inspector::model::what_if::{Estimate, Settings, WHAT_IF};
@@ -50,12 +51,7 @@ fn recorded_settings_give_recorded_keys_and_places() {
             let recorded = context.awaited_order().unwrap();
             context.what_if = Some(Settings::of(context.recording().unwrap().method(method).unwrap()));
             context.selection.order_by(WHAT_IF);
-            let made = loop {
-                match context.what_if_order().unwrap() {
-                    Some(order) => break order,
-                    None => assert!(context.finish()),
-                };
-            };
+            let made = context.awaited_order().unwrap();
             let ((recorded_keys, _), (made_keys, _)) =
                 (recorded.keys.as_ref().unwrap(), made.keys.as_ref().unwrap());
             for at in 0..recorded.len() {
@@ -84,12 +80,7 @@ fn curves_and_lengths_are_typed_and_explained() {
         settings.key_bits = 32;
         context.what_if = Some(settings);
         context.selection.order_by(WHAT_IF);
-        loop {
-            match context.what_if_order().unwrap() {
-                Some(order) => break order,
-                None => assert!(context.finish()),
-            };
-        }
+        context.awaited_order().unwrap()
     };
     let keys = |order: &Order| {
         let (keys, _) = order.keys.as_ref().unwrap();
@@ -124,13 +115,8 @@ fn what_the_recording_lacks_is_said() {
     let mut context = opened(folder.path());
     let header = &context.recording().unwrap().dump.manifest().header;
     context.what_if = Settings::builtin("light-octahedron", header);
-    let error = loop {
-        match context.what_if_order() {
-            Ok(None) => assert!(context.finish()),
-            Ok(Some(_)) => panic!("closest rays have no light"),
-            Err(error) => break error,
-        };
-    };
+    context.selection.order_by(WHAT_IF);
+    let error = context.awaited_order().unwrap_err();
     assert!(error.contains("only shadow rays have"), "{error}");
 }
 
@@ -258,9 +244,10 @@ fn estimates_are_those_of_the_table() {
     let folder = tempfile::tempdir().unwrap();
     let mut context = opened(folder.path());
     let estimates = loop {
-        match context.estimates().unwrap() {
-            Some(estimates) => break estimates,
-            None => assert!(context.finish()),
+        match context.estimates() {
+            Ok(estimates) => break estimates,
+            Err(Absent::Awaited) => assert!(context.finish()),
+            Err(absent) => panic!("{absent}"),
         };
     };
     let queue = context.queue().unwrap();

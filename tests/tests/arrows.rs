@@ -36,7 +36,7 @@ const ROOMS: [(&str, &str); 4] = [
     ),
     (
         "inspector",
-        "shown png_file recent arguments output colour_map analysis figures method_table inputs report \
+        "shown png_file recent arguments output colour_map filter analysis figures method_table inputs report \
          info verify recover plot theme model export session render panels app shot cli",
     ),
 ];

@@ -12,7 +12,10 @@
 //! - [`summary`], [`correlations`]: over all recordings; [`study`]: over those of studies
 //! - [`labels`]: what recordings are called beside each other
 //! - [`work`]: nodes and triangles of the recording's own kernel
-//! - [`picture`]: the image and what each pixel cost
+//! - [`picture`]: the image and what each pixel cost; [`image_plane`]: which path starts where on it
+//! - [`jumps`], [`neighbours`], [`estimates`], [`visits`], [`costliest`]: of the rays of one queue, the longest jumps,
+//!   means over near ones, estimated against traced lengths, the boxes that they enter, the triangles that cost most
+//! - [`comparison`], [`differences`]: two orders ray by ray; two recordings as a table of what differs
 //! - [`headline`]: one view, unsorted and sorted
 //!
 //! Arrays are mapped one queue at a time. Beyond the maps, memory is about 12 bytes for each ray of the
@@ -21,12 +24,18 @@
 mod arrays;
 pub mod break_even;
 pub mod coherence;
+pub mod comparison;
 pub mod correlations;
 pub mod costliest;
+pub mod differences;
+pub mod estimates;
 pub mod frame;
 pub mod headline;
+pub mod image_plane;
+pub mod jumps;
 pub mod labels;
 pub mod metric;
+pub mod neighbours;
 pub mod options;
 pub mod order;
 pub mod picture;
@@ -38,6 +47,7 @@ pub mod summary;
 pub mod tables;
 pub mod timing;
 pub mod versus;
+pub mod visits;
 pub mod work;
 
 use std::path::PathBuf;

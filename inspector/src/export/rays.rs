@@ -14,7 +14,7 @@ use formats::reader::Dump;
 
 use crate::analysis::GroupWidth;
 use crate::arguments;
-use crate::model::filter::{self, Expression};
+use crate::filter::{Expression, FilterError};
 use crate::model::numbers::Numbers;
 use crate::model::{Order, Queue};
 
@@ -191,8 +191,8 @@ fn termination(queue: &Queue, index: usize) -> Point {
 
 /// Which of these places pass a filter.
 fn passing(numbers: &Numbers, filter: &str, places: &Range<usize>) -> anyhow::Result<Vec<u32>> {
-    let wrong = |error: filter::FilterError| Error::msg(format!("--filter: {}", error.shown(filter)));
+    let wrong = |error: FilterError| Error::msg(format!("--filter: {}", error.shown(filter)));
     let expression = Expression::parse(filter).map_err(wrong)?;
-    let passing = filter::passing(&expression, numbers).map_err(wrong)?;
+    let passing = numbers.passing(&expression).map_err(wrong)?;
     Ok(passing.places()[passing.between(places)].to_vec())
 }

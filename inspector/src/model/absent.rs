@@ -13,20 +13,6 @@ pub enum Absent {
     Impossible(String),
 }
 
-impl Absent {
-    /// What is had, nothing while it is awaited, or why it cannot be had.
-    ///
-    /// # Errors
-    /// Why it cannot be had.
-    pub fn awaited<T>(found: Result<T, Self>) -> Result<Option<T>, String> {
-        match found {
-            Ok(found) => Ok(Some(found)),
-            Err(Self::Awaited) => Ok(None),
-            Err(Self::Impossible(reason)) => Err(reason),
-        }
-    }
-}
-
 impl fmt::Display for Absent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

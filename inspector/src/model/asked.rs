@@ -12,18 +12,17 @@ use rayon::prelude::*;
 use super::absent::Absent;
 use super::background::Waker;
 use super::coherences::OrderCoherence;
-use super::context::Context;
+use super::context::{Context, opened};
 use super::derived::{Derived, Filtered};
-use super::estimates::Estimates;
-use super::filter::passing;
 use super::groups::Groups;
 use super::numbers::Numbers;
 use super::order::Order;
 use super::path::PathRay;
 use super::rows::{Rows, Sorting};
 use super::selection::Selection;
-use super::visits::Visits;
 use crate::analysis::costliest::{CostlyTriangle, costliest};
+use crate::analysis::estimates::Estimates;
+use crate::analysis::visits::Visits;
 
 impl Context {
     /// Has a window drawn again when there is more to show.
@@ -65,7 +64,7 @@ impl Context {
         let Some(expression) = self.selection.filter.in_force().cloned() else { return Filtered::All };
         let Some(numbers) = self.numbers(order.clone()) else { return Filtered::All };
         let wanted = ((order.serial, numbers.width), expression.clone());
-        let find = move || passing(&expression, &numbers).map(Arc::new);
+        let find = move || numbers.passing(&expression).map(Arc::new);
         match self.derived.passing.of(wanted, &self.derived.waker, find) {
             // Nobody knows which pass where finding it out failed.
             Err(_) => Filtered::Unknown,
@@ -101,13 +100,13 @@ impl Context {
         self.derived.rows.of(wanted, &self.derived.waker, make).ok().cloned()
     }
 
-    /// The what-if order of the queue; `None` until it is made.
+    /// The what-if order of the queue.
     ///
     /// # Errors
-    /// Why there is none.
-    pub fn what_if_order(&mut self) -> Result<Option<Arc<Order>>, String> {
+    /// Why there is none, or not yet.
+    pub fn what_if_order(&mut self) -> Result<Arc<Order>, Absent> {
         let settings = self.what_if.clone().ok_or("no what-if order was asked for; its panel makes one")?;
-        let Some(queue) = Absent::awaited(self.queue())? else { return Ok(None) };
+        let queue = self.queue()?;
         let recording = self.recording().ok_or("no recording is open")?;
         let (at, dump) = (recording.opening, recording.dump.clone());
         let wanted = (at, queue.id, settings.clone());
@@ -117,19 +116,18 @@ impl Context {
             order.place_of_ray();
             Ok(Arc::new(order))
         };
-        Absent::awaited(self.derived.what_if.of(wanted, &self.derived.waker, make))?.cloned().transpose()
+        opened(self.derived.what_if.of(wanted, &self.derived.waker, make))
     }
 
-    /// How coherent the what-if order is; `None` until it is known.
+    /// How coherent the what-if order is.
     ///
     /// # Errors
-    /// Why there is no such order.
-    pub fn what_if_coherence(&mut self) -> Result<Option<&OrderCoherence>, String> {
-        let Some(order) = self.what_if_order()? else { return Ok(None) };
-        let width = self.selection.group_width;
+    /// Why there is no such order, or that it is not known yet.
+    pub fn what_if_coherence(&mut self) -> Result<&OrderCoherence, Absent> {
+        let (order, width) = (self.what_if_order()?, self.selection.group_width);
         let wanted = (order.serial, width);
         let find = move || OrderCoherence::of(&order, width);
-        Absent::awaited(self.derived.what_if_coherence.of(wanted, &self.derived.waker, find))
+        self.derived.what_if_coherence.of(wanted, &self.derived.waker, find)
     }
 
     /// How coherent the queue's recorded orders are, as far as it is known in this frame, and how many orders
@@ -145,16 +143,19 @@ impl Context {
         Ok((known, recording.methods(queue.id).len()))
     }
 
-    /// Estimated against traced lengths of the queue; `None` until they are known.
+    /// Estimated against traced lengths of the queue.
     ///
     /// # Errors
-    /// Why they cannot be.
-    pub fn estimates(&mut self) -> Result<Option<Arc<Estimates>>, String> {
-        let Some(queue) = Absent::awaited(self.queue())? else { return Ok(None) };
+    /// Why they are not known, or not yet.
+    pub fn estimates(&mut self) -> Result<Arc<Estimates>, Absent> {
+        let queue = self.queue()?;
         let at = self.recording().ok_or("no recording is open")?.opening;
         let wanted = (at, queue.id);
-        let make = move || Estimates::of(&queue).map(Arc::new);
-        Absent::awaited(self.derived.estimates.of(wanted, &self.derived.waker, make))?.cloned().transpose()
+        let make = move || {
+            let table = queue.table.as_ref().map_err(String::clone)?;
+            Ok(Arc::new(Estimates::of(queue.traced.rays(), &queue.lengths, table)))
+        };
+        opened(self.derived.estimates.of(wanted, &self.derived.waker, make))
     }
 
     /// The rays of the queue whose estimate comes from a cell, ascending; `None` until they are known.
@@ -198,20 +199,20 @@ impl Context {
     /// Why they are not known, or not yet.
     pub fn visits(&mut self, order: &Arc<Order>, ray: usize) -> Result<Arc<Visits>, Absent> {
         let recording = self.recording().ok_or("no recording is open")?;
-        let (dump, opened) = (recording.dump.clone(), recording.hierarchy.clone());
+        let (dump, known) = (recording.dump.clone(), recording.hierarchy.clone());
         let width = self.selection.group_width;
         let wanted = ((order.serial, width), ray);
         let order = order.clone();
         let make = move || {
-            let hierarchy = opened.get_or_init(|| Hierarchy::open(&dump).map_err(|error| error.to_string()));
+            let hierarchy = known.get_or_init(|| Hierarchy::open(&dump).map_err(|error| error.to_string()));
             let hierarchy = hierarchy.as_ref()?;
-            let group = order.place_of_ray()[ray] as usize / width.rays();
-            let rays: Vec<usize> =
-                order.places_of_group(group, width).map(|place| order.places.ray(place)).collect();
-            Ok(Arc::new(Visits::of(hierarchy, &order.queue, &rays, ray)))
+            let rays: Vec<usize> = order
+                .places_of_group(order.group_of(ray, width), width)
+                .map(|place| order.places.ray(place))
+                .collect();
+            Ok(Arc::new(Visits::of(hierarchy, &order.queue.traced, order.queue.id.kind, &rays, ray)))
         };
-        let found = self.derived.visits.of(wanted, &self.derived.waker, make)?;
-        found.as_ref().map(Arc::clone).map_err(Absent::from)
+        opened(self.derived.visits.of(wanted, &self.derived.waker, make))
     }
 
     /// The rays of a path in the selected pass, by bounce; `None` until they are known.

@@ -248,7 +248,7 @@ impl Context {
 
     fn order_by_itself(&mut self) -> Result<Arc<Order>, Absent> {
         if self.selection.method == WHAT_IF {
-            return self.what_if_order()?.ok_or(Absent::Awaited);
+            return self.what_if_order();
         }
         let ((at, queue), opening) = self.opening()?;
         let dump = self.recording().ok_or("no recording is open")?.dump.clone();
@@ -269,10 +269,10 @@ impl Context {
     /// Why it cannot be shown.
     pub fn awaited_order(&mut self) -> Result<Arc<Order>, String> {
         loop {
-            if let Some(order) = Absent::awaited(self.order())? {
-                return Ok(order);
-            }
-            self.finish();
+            match self.order() {
+                Err(Absent::Awaited) => self.finish(),
+                found => return Ok(found?),
+            };
         }
     }
 
@@ -303,6 +303,6 @@ impl Context {
     }
 }
 
-fn opened<T>(found: Result<&Opened<T>, Absent>) -> Result<Arc<T>, Absent> {
+pub(super) fn opened<T>(found: Result<&Opened<T>, Absent>) -> Result<Arc<T>, Absent> {
     found?.as_ref().map(Arc::clone).map_err(Absent::from)
 }

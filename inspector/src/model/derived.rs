@@ -6,15 +6,15 @@ use formats::manifest::QueueId;
 
 use super::background::{Background, Waker};
 use super::coherences::{Coherences, OrderCoherence};
-use super::estimates::Estimates;
-use super::filter::{Expression, FilterError, Passing};
 use super::order::Order;
 use super::path::PathRay;
 use super::rows::{Rows, Sorting};
-use super::visits::Visits;
 use super::what_if::Settings;
 use crate::analysis::GroupWidth;
 use crate::analysis::costliest::CostlyTriangle;
+use crate::analysis::estimates::Estimates;
+use crate::analysis::visits::Visits;
+use crate::filter::{Expression, FilterError, Passing};
 
 /// The rays of a path: of which opening of a recording, pass and path, and orders A and B.
 type WantedPath = (u64, u32, u32, [Option<String>; 2]);

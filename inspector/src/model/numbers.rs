@@ -9,6 +9,8 @@ use formats::metrics::quantity::{OrderedRays, Quantity};
 use super::groups::Groups;
 use super::order::Order;
 use crate::analysis::GroupWidth;
+use crate::analysis::comparison::Side;
+use crate::filter::{self, Expression, FilterError, FilteredRays, Passing};
 
 /// All that numbers of an order's rays are read from.
 #[derive(Clone, Debug)]
@@ -33,6 +35,26 @@ impl Numbers {
         if quantity.is_of_group() {
             self.order.groups(self.width);
         }
+    }
+
+    /// The places whose rays meet an expression.
+    ///
+    /// # Errors
+    /// If it asks for what is not known of these rays.
+    pub fn passing(&self, expression: &Expression) -> Result<Passing, FilterError> {
+        if expression.takes_groups() {
+            self.order.groups(self.width);
+        }
+        let fields = self.order.readable_fields();
+        filter::passing(expression, &FilteredRays { rays: self.rays(), method: &self.order.method, fields })
+    }
+
+    /// The order as one of two that are compared.
+    pub fn side(&self) -> Side<'_> {
+        let order = &*self.order;
+        let mean_area = order.groups(self.width).mean_area();
+        let layout = order.keys.as_ref().map_or("", |(_, layout)| &layout.text);
+        Side { name: &order.method, rays: self.rays(), place_of_ray: order.place_of_ray(), layout, mean_area }
     }
 
     /// The rays, with all that is known of them now.

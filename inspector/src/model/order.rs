@@ -126,12 +126,12 @@ impl Order {
         FieldReader::new(&layout.layout, layout.key_bits, coordinate)
     }
 
-    /// The coordinates that can be read out of the keys, in the layout's order.
-    pub fn readable_fields(&self) -> Vec<Coordinate> {
+    /// The coordinates that can be read out of the keys, in the layout's order, with what reads them.
+    pub fn readable_fields(&self) -> Vec<(Coordinate, FieldReader)> {
         let Ok((_, layout)) = &self.keys else { return Vec::new() };
         let fields = decode(&layout.layout, layout.key_bits, 0);
         let coordinates = fields.iter().filter_map(|field| field.bit.coordinate());
-        coordinates.filter(|&coordinate| self.field_reader(coordinate).is_some()).collect()
+        coordinates.filter_map(|coordinate| Some((coordinate, self.field_reader(coordinate)?))).collect()
     }
 
     /// The groups of this width; `None` until they are found.
@@ -142,6 +142,14 @@ impl Order {
     /// The places of a group.
     pub fn places_of_group(&self, group: usize, width: GroupWidth) -> Range<usize> {
         places_of(group, width.rays(), self.len())
+    }
+
+    /// The group of a ray.
+    ///
+    /// # Panics
+    /// If there is no such ray.
+    pub fn group_of(&self, ray: usize, width: GroupWidth) -> usize {
+        self.place_of_ray()[ray] as usize / width.rays()
     }
 
     /// One group by itself; `None` if there is none.

@@ -18,7 +18,7 @@ impl Context {
         let mut known = coherences.unwrap_or_default();
         if methods.iter().any(|method| method == WHAT_IF) {
             // Its panel says why it cannot be made.
-            known.extend(self.what_if_coherence().ok().flatten().cloned());
+            known.extend(self.what_if_coherence().ok().cloned());
         }
         let Some(recording) = self.recording() else { return Vec::new() };
         let rays = class_of(self.selection.queue.kind);

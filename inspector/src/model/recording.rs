@@ -1,18 +1,18 @@
 //! An open recording.
 
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use formats::folder::dump_of_partial;
+use formats::hierarchy::Hierarchy;
 use formats::key::method::{UNSORTED, is_method_name};
 use formats::manifest::{Header, MethodRecord, QueueId, QueueRecord, Source};
 use formats::ray::Kind;
 use formats::reader::{Dump, ReadError};
 use formats::unit_space::UnitSpace;
 
-use super::image_plane::ImagePlane;
-use super::visits;
+use crate::analysis::image_plane::ImagePlane;
 use crate::analysis::ranking::best;
 use crate::analysis::summary::RayClass;
 use crate::analysis::{self, Depth, QueueAnalysis, RecordingAnalysis};
@@ -33,7 +33,7 @@ pub struct Recording {
     /// A number of its own, another one each time that it is read again.
     pub opening: u64,
     /// The scene's hierarchy, read by the first that needs it.
-    pub(super) hierarchy: Arc<visits::Opened>,
+    pub(super) hierarchy: Arc<OnceLock<Result<Hierarchy, String>>>,
 }
 
 impl Recording {

@@ -3,8 +3,8 @@
 use formats::metrics::quantity::{Quantity, RayAt};
 use rayon::prelude::*;
 
-use super::filter::Passing;
 use super::numbers::Numbers;
+use crate::filter::Passing;
 
 /// Which way rows go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

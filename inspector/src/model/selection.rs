@@ -6,8 +6,8 @@ use formats::key::method::UNSORTED;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 
-use super::filter::Filter;
 use crate::analysis::GroupWidth;
+use crate::filter::Filter;
 
 /// Order A: what order B is held against.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -2,23 +2,23 @@
 
 use egui::{Grid, Label, ScrollArea, Ui};
 
+use crate::analysis::comparison::Comparison;
+use crate::analysis::differences::{Row, counts, settings};
 use crate::model::Context;
-use crate::model::comparison::Compared;
-use crate::model::differences::{Row, counts, settings};
 
 /// Width of the widest column, points.
 const WIDEST: f32 = 320.0;
 
 /// Settings, and counts of rays as far as they are known, of A and of B.
-pub(super) fn rows(context: &Context, compared: Option<&Compared>) -> Vec<Row> {
+pub(super) fn rows(context: &Context, compared: Option<&Comparison>) -> Vec<Row> {
     let Some((a, b)) = context.baseline_recording().zip(context.recording()) else { return Vec::new() };
-    let mut rows = settings(a, b);
-    rows.extend(compared.map(|compared| counts(&compared.comparison)).unwrap_or_default());
+    let mut rows = settings([&a.shown, &b.shown]);
+    rows.extend(compared.map(counts).unwrap_or_default());
     rows
 }
 
 /// The rows that differ.
-pub(super) fn table(ui: &mut Ui, context: &Context, compared: Option<&Compared>) {
+pub(super) fn table(ui: &mut Ui, context: &Context, compared: Option<&Comparison>) {
     let mut rows = rows(context, compared);
     let all = rows.len();
     rows.retain(|row| row.differs);

@@ -6,10 +6,10 @@ use formats::manifest::QueueId;
 use formats::metrics::quantity::Quantity;
 
 use super::brush::brush;
-use super::notes::{missing, power_of_ten};
+use super::notes::{found, power_of_ten};
+use crate::analysis::estimates::{BINS, Estimates};
 use crate::colour_map::ColourMap;
 use crate::model::Context;
-use crate::model::estimates::{BINS, Estimates};
 use crate::theme::Theme;
 
 /// Steps of logarithms that are marked: every one, and every second and fourth where there is little room.
@@ -25,14 +25,7 @@ pub(super) struct EstimatePlot {
 
 impl EstimatePlot {
     pub(super) fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let estimates = match context.estimates() {
-            Ok(Some(estimates)) => estimates,
-            Ok(None) => {
-                ui.spinner();
-                return;
-            }
-            Err(reason) => return missing(ui, &reason),
-        };
+        let Some(estimates) = found(ui, context.estimates()) else { return };
         let [within, untouched] =
             [estimates.within_factor_two, estimates.untouched].map(|share| format!("{:.1} %", 100.0 * share));
         ui.horizontal_wrapped(|ui| {

@@ -6,9 +6,9 @@ use egui::text::{LayoutJob, TextFormat};
 use egui::{Stroke, TextEdit};
 use formats::metrics::quantity::Quantity;
 
+use crate::filter::{FilterError, WORDS};
 use crate::model::Context;
 use crate::model::derived::Filtered;
-use crate::model::filter::{FilterError, WORDS};
 use crate::theme::Theme;
 
 /// Characters at fault: the first one, and how many.

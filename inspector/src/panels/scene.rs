@@ -12,10 +12,10 @@ use super::space::layers::RayValues;
 use super::space::{RATIOS, SpaceState, SpaceView, ViewSetup};
 use super::views::PRESETS;
 use crate::analysis::GroupWidth;
+use crate::analysis::comparison::{Comparison, Difference, LOWEST_DISTANCE};
+use crate::analysis::differences::Row;
 use crate::model::background::Background;
-use crate::model::comparison::{Compared, Difference, LOWEST_DISTANCE};
 use crate::model::context::Problem;
-use crate::model::differences::Row;
 use crate::model::{Context, Order};
 use crate::panels::data::Data;
 use crate::panels::panel::Panel;
@@ -59,8 +59,8 @@ pub(super) struct Scene {
     b: SpaceView,
     a: SpaceView,
     choice: Choice,
-    comparing: Background<Wanted, Arc<Compared>, 1>,
-    compared: Option<Arc<Compared>>,
+    comparing: Background<Wanted, Arc<Comparison>, 1>,
+    compared: Option<Arc<Comparison>>,
 }
 
 impl Scene {
@@ -209,19 +209,21 @@ impl Scene {
         }
     }
 
-    fn found(&mut self, context: &mut Context) -> Option<Arc<Compared>> {
+    fn found(&mut self, context: &mut Context) -> Option<Arc<Comparison>> {
         let a: Arc<Order> = context.of_baseline(None, |context| context.order().ok())?;
-        let orders = [a, context.order().ok()?];
+        let b = context.order().ok()?;
         let (width, difference) = (context.selection.group_width, self.choice.difference);
-        let wanted = (orders.each_ref().map(|order| order.serial), width, difference);
-        let make = move || Arc::new(Compared::of(&orders, width, difference));
+        let wanted = ([a.serial, b.serial], width, difference);
+        let numbers = [context.of_baseline(None, |context| context.numbers(a)), context.numbers(b)];
+        let [Some(a), Some(b)] = numbers else { return None };
+        let make = move || Arc::new(Comparison::of(&[a.side(), b.side()], difference));
         self.comparing.of(wanted, context.waker(), make).ok().cloned()
     }
 
     /// The picture of A, seen as B is. A ray that is chosen in it is that of the same path in B.
     fn a_side(&mut self, ui: &mut Ui, context: &mut Context, height: f32) {
         let is_other = context.selection.baseline.recording.is_some();
-        let comparison = self.compared.as_ref().map(|compared| &compared.comparison);
+        let comparison = self.compared.as_deref();
         let selected = context.selection.ray;
         let ray = if is_other { selected.and_then(|ray| comparison?.left_of(ray)) } else { selected };
         let style = context.style_of(&context.selection.baseline.method);

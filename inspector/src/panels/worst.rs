@@ -42,25 +42,20 @@ impl WorstGroups {
             _ => &self.known.insert((key, groups.worst(LISTED))).1,
         };
         let mean = groups.mean_area().max(f64::MIN_POSITIVE);
-        let mut chosen = None;
-        egui::ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
-            egui::Grid::new("worst").striped(true).num_columns(5).spacing([18.0, 2.0]).show(ui, |ui| {
-                headings(ui, COLUMNS);
-                for &at in worst {
-                    let Some(group) = groups.groups.get(at) else { continue };
-                    let is_now = context.selection.group == Some(at);
-                    if ui.selectable_label(is_now, count(at as u64)).clicked() {
-                        chosen = Some(at);
-                    }
-                    ui.label(format!("{:.4}", group.area));
-                    ui.label(format!("{:.2}", group.area / mean));
-                    ui.label(format!("{:.3}", group.spread));
-                    ui.label(group.lanes.map_or("-".to_owned(), |lanes| format!("{lanes:.3}")));
-                    ui.end_row();
-                }
-            });
+        let chosen = table(ui, "worst", COLUMNS, worst, |&at| {
+            let group = groups.groups.get(at)?;
+            let lanes = group.lanes.map_or("-".to_owned(), |lanes| format!("{lanes:.3}"));
+            let of_mean = format!("{:.2}", group.area / mean);
+            let cells = [
+                count(at as u64),
+                format!("{:.4}", group.area),
+                of_mean,
+                format!("{:.3}", group.spread),
+                lanes,
+            ];
+            Some((context.selection.group == Some(at), cells))
         });
-        if let Some(group) = chosen {
+        if let Some(&group) = chosen {
             context.select_ray(Some(order.places.ray(groups.places(group).start)));
         }
     }
@@ -70,27 +65,44 @@ impl WorstGroups {
 pub(super) fn costliest_triangles(ui: &mut egui::Ui, context: &mut Context) {
     let Some((triangles, all)) = found(ui, context.costliest()) else { return };
     let Some(queue) = found(ui, context.queue()) else { return };
+    let materials = queue.materials.as_ref().ok();
+    let chosen = table(ui, "costliest", TRIANGLE_COLUMNS, &triangles, |costly| {
+        let material = costly.triangle.and_then(|triangle| materials?.get(triangle as usize));
+        let cells = [
+            costly.triangle.map_or("none".to_owned(), |triangle| count(u64::from(triangle))),
+            material.map_or("-".to_owned(), u32::to_string),
+            count(costly.rays),
+            format!("{:.1}", costly.steps as f64 / costly.rays as f64),
+            format!("{:.2} %", 100.0 * costly.steps as f64 / all.max(1) as f64),
+        ];
+        Some((context.selection.ray == Some(costly.costliest_ray), cells))
+    });
+    if let Some(costly) = chosen {
+        context.select_ray(Some(costly.costliest_ray));
+    }
+}
+
+/// A row for each item: whether it is the selected one, and its cells. The item whose first cell was clicked.
+fn table<'a, T>(
+    ui: &mut egui::Ui,
+    name: &str,
+    columns: [(&'static str, &'static str); 5],
+    items: &'a [T],
+    row: impl Fn(&T) -> Option<(bool, [String; 5])>,
+) -> Option<&'a T> {
     let mut chosen = None;
     egui::ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
-        egui::Grid::new("costliest").striped(true).num_columns(5).spacing([18.0, 2.0]).show(ui, |ui| {
-            headings(ui, TRIANGLE_COLUMNS);
-            for costly in triangles.iter() {
-                let is_now = context.selection.ray == Some(costly.costliest_ray);
-                let name = costly.triangle.map_or("none".to_owned(), |triangle| count(u64::from(triangle)));
-                if ui.selectable_label(is_now, name).clicked() {
-                    chosen = Some(costly.costliest_ray);
+        egui::Grid::new(name).striped(true).num_columns(5).spacing([18.0, 2.0]).show(ui, |ui| {
+            headings(ui, columns);
+            for item in items {
+                let Some((is_selected, [first, rest @ ..])) = row(item) else { continue };
+                if ui.selectable_label(is_selected, first).clicked() {
+                    chosen = Some(item);
                 }
-                let materials = queue.materials.as_ref().ok();
-                let material = costly.triangle.and_then(|triangle| materials?.get(triangle as usize));
-                ui.label(material.map_or("-".to_owned(), u32::to_string));
-                ui.label(count(costly.rays));
-                ui.label(format!("{:.1}", costly.steps as f64 / costly.rays as f64));
-                ui.label(format!("{:.2} %", 100.0 * costly.steps as f64 / all.max(1) as f64));
+                rest.into_iter().for_each(|cell| drop(ui.label(cell)));
                 ui.end_row();
             }
         });
     });
-    if chosen.is_some() {
-        context.select_ray(chosen);
-    }
+    chosen
 }

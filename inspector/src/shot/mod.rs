@@ -15,8 +15,8 @@ use formats::ray::Kind;
 
 use crate::app::App;
 use crate::arguments;
+use crate::filter::Expression;
 use crate::model::Context;
-use crate::model::filter::Expression;
 use crate::model::what_if::{Settings, WHAT_IF};
 use crate::panels::views::View;
 use crate::render::camera::Camera;

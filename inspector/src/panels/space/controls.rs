@@ -63,7 +63,7 @@ fn what_is_shown(ui: &mut Ui, options: &mut SpaceOptions) {
 /// What colours stand for, and which ones.
 fn colours(ui: &mut Ui, options: &mut SpaceOptions, context: &mut Context) {
     let fields = context.order().map_or(Vec::new(), |order| order.readable_fields());
-    let fields = fields.into_iter().map(ColourBy::Field);
+    let fields = fields.into_iter().map(|(field, _)| ColourBy::Field(field));
     let choices = Quantity::ALL.iter().map(|&quantity| ColourBy::Quantity(quantity)).chain(fields);
     let choices = choices.map(|choice| (choice, choice.name(), Some(choice.title())));
     let now = format!("by {}", options.colour_by.name());

@@ -13,17 +13,17 @@ use rayon::prelude::*;
 use super::options::{CapsuleChoice, SpaceOptions, VisitChoice};
 use super::places::ShownPlaces;
 use crate::analysis::GroupWidth;
+use crate::analysis::jumps;
+use crate::analysis::neighbours::take_means;
+use crate::analysis::visits::{EnteredBox, Visits};
 use crate::colour_map::ColourMap;
+use crate::filter::{Expression, Passing};
 use crate::model::background::Background;
 use crate::model::colour_by::ColourBy;
 use crate::model::derived::{Filtered, Grouped};
-use crate::model::filter::{Expression, Passing};
-use crate::model::jumps;
-use crate::model::neighbours::take_means;
 use crate::model::numbers::Numbers;
 use crate::model::path::PathRay;
 use crate::model::selection::Playhead;
-use crate::model::visits::{EnteredBox, Visits};
 use crate::model::{Absent, Context, Order, Selection};
 use crate::render::cell_box::{cell_box, cells};
 use crate::render::detail::Detail;
@@ -384,7 +384,7 @@ impl Made {
         let (order, width) = (&*numbers.order, key.order.1);
         let jumps = match key.jumps {
             0 => None,
-            wanted => Some(jumps::longest(numbers, &key.places, passing.as_deref(), wanted)),
+            wanted => Some(jumps::longest(&numbers.rays(), &key.places, passing.as_deref(), wanted)),
         };
         let shown = ShownPlaces::of(&key.places, key.detail, passing);
         let of = |places: &mut dyn Iterator<Item = usize>| -> Vec<f32> {
@@ -394,7 +394,8 @@ impl Made {
         };
         let mut all = of(&mut shown.places());
         if key.near_mean {
-            take_means(order, shown.places(), &mut all);
+            let ends = shown.places().map(|place| order.queue.segment(order.places.ray(place)).end);
+            take_means(ends, &mut all);
         }
         let places = || shown.places().zip(all.iter().copied());
         let is_of_jumps = key.colour_by == ColourBy::Quantity(Quantity::Jump) && values.is_none();

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::model::filter::Passing;
+use crate::filter::Passing;
 use crate::render::detail::Detail;
 
 pub(super) struct ShownPlaces {

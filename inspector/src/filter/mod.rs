@@ -13,7 +13,7 @@ mod tree;
 use std::sync::Arc;
 
 pub use self::error::FilterError;
-pub use self::evaluate::{Passing, passing};
+pub use self::evaluate::{FilteredRays, Passing, passing};
 pub use self::parse::Expression;
 
 /// What a filter may contain besides the names of quantities: word, and what it is.

@@ -4,13 +4,10 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use formats::traced::Results;
+use formats::metrics::quantity::OrderedRays;
+use formats::traced::{Results, Traced};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-
-use super::order::Order;
-use super::queue::Queue;
-use crate::analysis::GroupWidth;
 
 /// Rays that a thread takes at a time.
 const RAYS_PER_TASK: usize = 8192;
@@ -81,24 +78,19 @@ pub struct Counts {
     pub places: usize,
 }
 
-/// A comparison with the numbers of its rays.
-pub struct Compared {
-    /// The comparison.
-    pub comparison: Comparison,
-    /// A number for each ray, left and right, if one was wanted.
-    pub values: Option<[Arc<Vec<f32>>; 2]>,
-    /// Differs from that of all others.
-    pub id: u64,
-}
-
-impl Compared {
-    /// Of a left and a right order, in groups of this width.
-    pub fn of([left, right]: &[Arc<Order>; 2], width: GroupWidth, difference: Option<Difference>) -> Self {
-        static MADE: AtomicU64 = AtomicU64::new(0);
-        let comparison = Comparison::of(left, right, width);
-        let values = difference.map(|difference| comparison.values(difference).map(Arc::new));
-        Self { comparison, values, id: MADE.fetch_add(1, Ordering::Relaxed) }
-    }
+/// One of two orders of which the rays are compared.
+#[derive(Clone, Copy)]
+pub struct Side<'a> {
+    /// What it is called.
+    pub name: &'a str,
+    /// Its rays, with its groups.
+    pub rays: OrderedRays<'a>,
+    /// The place of each ray.
+    pub place_of_ray: &'a [u32],
+    /// The layout of its keys as it was written, if there are any.
+    pub layout: &'a str,
+    /// Mean capsule area of its groups.
+    pub mean_area: f64,
 }
 
 /// Two orders ray by ray.
@@ -108,38 +100,44 @@ pub struct Comparison {
     pub counts: Counts,
     /// Mean capsule areas, left and right.
     pub mean_areas: [f64; 2],
-    orders: [Arc<Order>; 2],
-    width: GroupWidth,
+    /// A number for each ray of the left and of the right queue, if one was wanted; NaN for rays that only one of
+    /// them has.
+    pub values: Option<[Arc<Vec<f32>>; 2]>,
+    /// Differs from that of all others.
+    pub id: u64,
     /// Rays of the left and the right queue that are of one path, ascending on both sides.
     pairs: Vec<[u32; 2]>,
 }
 
 impl Comparison {
-    /// Of a left and a right order, in groups of this width.
-    pub fn of(left: &Arc<Order>, right: &Arc<Order>, width: GroupWidth) -> Self {
-        let orders = [left.clone(), right.clone()];
-        let pairs = pairs(&left.queue.path_ids, &right.queue.path_ids);
-        let mut found = Self {
-            counts: Counts {
-                rays: [left.len(), right.len()],
-                matched: pairs.len(),
-                hits: 0,
-                distances: 0,
-                keys: comparable_keys(left, right).map(|()| 0),
-                places: 0,
-            },
-            mean_areas: [left, right].map(|order| order.groups(width).mean_area()),
-            orders,
-            width,
-            pairs,
+    /// Of a left and a right order, with the numbers of what differs if that is wanted.
+    pub fn of(sides: &[Side<'_>; 2], difference: Option<Difference>) -> Self {
+        static MADE: AtomicU64 = AtomicU64::new(0);
+        let pairs = pairs(sides[0].rays.path_ids, sides[1].rays.path_ids);
+        let differing = |difference, least: f32| {
+            let values = pair_values(sides, &pairs, difference);
+            values.into_iter().filter(|value| *value > least).count()
         };
-        let count = |difference| found.pair_values(difference).filter(|value| *value != 0.0).count();
-        let [hits, places] = [Difference::Hit, Difference::Displacement].map(count);
-        let distances =
-            found.pair_values(Difference::Distance).filter(|value| *value > LOWEST_DISTANCE).count();
-        let keys = found.counts.keys.clone().map(|_| count(Difference::Key));
-        found.counts = Counts { hits, places, distances, keys, ..found.counts };
-        found
+        let counts = Counts {
+            rays: sides.map(|side| side.place_of_ray.len()),
+            matched: pairs.len(),
+            hits: differing(Difference::Hit, 0.0),
+            distances: differing(Difference::Distance, LOWEST_DISTANCE),
+            keys: comparable_keys(sides).map(|()| differing(Difference::Key, 0.0)),
+            places: differing(Difference::Displacement, 0.0),
+        };
+        let values = difference.map(|difference| {
+            let of_pairs = pair_values(sides, &pairs, difference);
+            [0, 1].map(|side| {
+                let mut values = vec![f32::NAN; counts.rays[side]];
+                for (pair, value) in pairs.iter().zip(&of_pairs) {
+                    values[pair[side] as usize] = *value;
+                }
+                Arc::new(values)
+            })
+        });
+        let id = MADE.fetch_add(1, Ordering::Relaxed);
+        Self { counts, mean_areas: sides.map(|side| side.mean_area), values, id, pairs }
     }
 
     /// The ray of the left queue that is of one path with a ray of the right one.
@@ -153,61 +151,47 @@ impl Comparison {
         let at = self.pairs.binary_search_by_key(&left, |pair| pair[0] as usize).ok()?;
         Some(self.pairs[at][1] as usize)
     }
+}
 
-    /// A number for each ray of the left and of the right queue; NaN for rays that only one of them has.
-    pub fn values(&self, difference: Difference) -> [Vec<f32>; 2] {
-        let of_pairs: Vec<f32> = self.pair_values(difference).collect();
-        [0, 1].map(|side| {
-            let mut values = vec![f32::NAN; self.orders[side].len()];
-            for (pair, value) in self.pairs.iter().zip(&of_pairs) {
-                values[pair[side] as usize] = *value;
-            }
-            values
-        })
-    }
-
-    fn pair_values(&self, difference: Difference) -> impl Iterator<Item = f32> + use<> {
-        let value = |pair: &[u32; 2]| self.value(difference, pair.map(|ray| ray as usize));
-        let values: Vec<f32> = self.pairs.par_iter().with_min_len(RAYS_PER_TASK).map(value).collect();
-        values.into_iter()
-    }
-
-    fn value(&self, difference: Difference, rays: [usize; 2]) -> f32 {
-        let [left, right] = &self.orders;
-        let places = || [left.place_of_ray()[rays[0]] as f64, right.place_of_ray()[rays[1]] as f64];
+/// How far the rays of each pair differ; NaN where that is not known.
+fn pair_values(sides: &[Side<'_>; 2], pairs: &[[u32; 2]], difference: Difference) -> Vec<f32> {
+    let has_keys = comparable_keys(sides).is_ok();
+    let longest = sides[0].place_of_ray.len().max(sides[1].place_of_ray.len()) as f64;
+    let value = |pair: &[u32; 2]| {
+        let rays = pair.map(|ray| ray as usize);
+        let each = [0, 1].map(|side| (sides[side].rays, rays[side], sides[side].place_of_ray[rays[side]]));
+        let differs = |is_so: bool| f32::from(u8::from(is_so));
         match difference {
             Difference::Displacement => {
-                let [from, to] = places();
-                ((to - from).abs() / left.len().max(right.len()) as f64) as f32
+                let [from, to] = each.map(|(.., place)| f64::from(place));
+                ((to - from).abs() / longest) as f32
             }
             Difference::CapsuleArea => {
-                let area = |order: &Order, ray: usize| {
-                    let groups = order.groups(self.width);
-                    groups.groups[order.place_of_ray()[ray] as usize / groups.width].area.max(1e-12)
-                };
-                (area(right, rays[1]) / area(left, rays[0])).log2() as f32
+                let [left, right] =
+                    each.map(|(of, _, place)| of.groups[place as usize / of.group_width].area.max(1e-12));
+                (right / left).log2() as f32
             }
             Difference::Hit => {
-                let [left, right] = [found(&left.queue, rays[0]), found(&right.queue, rays[1])];
-                f32::from(u8::from(left.0 != right.0))
+                let [left, right] = each.map(|(of, ray, _)| found(of.traced, ray).0);
+                differs(left != right)
             }
             Difference::Distance => {
-                let [left, right] = [found(&left.queue, rays[0]).1, found(&right.queue, rays[1]).1];
+                let [left, right] = each.map(|(of, ray, _)| found(of.traced, ray).1);
                 relative(left, right)
             }
-            Difference::Key => match (&left.keys, &right.keys, &self.counts.keys) {
-                (Ok((left, _)), Ok((right, _)), Ok(_)) => {
-                    f32::from(u8::from(left.at(rays[0]) != right.at(rays[1])))
-                }
-                _ => f32::NAN,
-            },
+            Difference::Key if has_keys => {
+                let [left, right] = each.map(|(of, ray, _)| of.keys.map(|(keys, _)| keys.at(ray)));
+                differs(left != right)
+            }
+            Difference::Key => f32::NAN,
         }
-    }
+    };
+    pairs.par_iter().with_min_len(RAYS_PER_TASK).map(value).collect()
 }
 
 /// What a ray found, `u32::MAX` for nothing, and how far away, its own units.
-fn found(queue: &Queue, ray: usize) -> (u32, f32) {
-    match queue.traced.results() {
+fn found(traced: &Traced, ray: usize) -> (u32, f32) {
+    match traced.results() {
         Results::Hits(hits) if hits[ray].is_hit() => (hits[ray].triangle, hits[ray].t),
         Results::Hits(_) => (u32::MAX, f32::INFINITY),
         Results::Distances(distances) if distances[ray].is_finite() => (0, distances[ray]),
@@ -229,13 +213,13 @@ fn relative(left: f32, right: f32) -> f32 {
 }
 
 /// Keys say the same only if they are made in the same way.
-fn comparable_keys(left: &Order, right: &Order) -> Result<(), String> {
-    let (_, first) = left.keys.as_ref().map_err(String::clone)?;
-    let (_, second) = right.keys.as_ref().map_err(String::clone)?;
-    if (&first.text, first.key_bits) == (&second.text, second.key_bits) {
+fn comparable_keys(sides: &[Side<'_>; 2]) -> Result<(), String> {
+    let [(_, left), (_, right)] = [sides[0].rays.keys?, sides[1].rays.keys?];
+    let [first, second] = sides;
+    if (first.layout, left) == (second.layout, right) {
         return Ok(());
     }
-    Err(format!("keys of {} and {} are made in other ways", left.method, right.method))
+    Err(format!("keys of {} and {} are made in other ways", first.name, second.name))
 }
 
 fn pairs(left: &[u32], right: &[u32]) -> Vec<[u32; 2]> {

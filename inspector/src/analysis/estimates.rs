@@ -1,8 +1,9 @@
 //! The length table against the lengths that were traced: how many rays have which pair of both.
 
+use formats::length_table::{LengthTable, TABLE_BITS_MIN};
+use formats::ray::Ray;
+use formats::stored_table::StoredTable;
 use rayon::prelude::*;
-
-use super::queue::Queue;
 
 /// Parts of each axis.
 pub const BINS: usize = 96;
@@ -36,15 +37,11 @@ struct Counts {
 }
 
 impl Estimates {
-    /// Of all rays of a queue.
-    ///
-    /// # Errors
-    /// Why its length table is not known.
-    pub fn of(queue: &Queue) -> Result<Self, String> {
-        let table = queue.table.as_ref().map_err(String::clone)?;
-        let dummy = formats::length_table::LengthTable::new(formats::length_table::TABLE_BITS_MIN).mean(0);
+    /// Of all rays of a queue with their lengths, by the table that was read for them.
+    pub fn of(rays: &[Ray], lengths: &[f32], table: &StoredTable) -> Self {
+        let dummy = LengthTable::new(TABLE_BITS_MIN).mean(0);
         // From the decade of the shortest per mille, so that a few tiny lengths do not squeeze the rest.
-        let low = lowest_decade(&queue.lengths);
+        let low = lowest_decade(lengths);
         let bin = |length: f32| {
             let part = (f64::from(length).max(1e-30).log10() - low) / (LONGEST - low);
             ((part * BINS as f64).max(0.0) as usize).min(BINS - 1)
@@ -61,16 +58,16 @@ impl Estimates {
             a.pairs.iter_mut().zip(b.pairs).for_each(|(a, b)| *a += b);
             Counts { within: a.within + b.within, untouched: a.untouched + b.untouched, ..a }
         };
-        let rays = queue.lengths.par_iter().zip(queue.traced.rays()).with_min_len(RAYS_PER_TASK);
-        let counts = rays.fold(none, add).reduce(none, sum);
-        let share = |rays: u64| rays as f64 / queue.len().max(1) as f64;
-        Ok(Self {
+        let counts = lengths.par_iter().zip(rays).with_min_len(RAYS_PER_TASK);
+        let counts = counts.fold(none, add).reduce(none, sum);
+        let share = |counted: u64| counted as f64 / rays.len().max(1) as f64;
+        Self {
             low,
             high: LONGEST,
             within_factor_two: share(counts.within),
             untouched: share(counts.untouched),
             counts: counts.pairs,
-        })
+        }
     }
 }
 

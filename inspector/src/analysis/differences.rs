@@ -4,7 +4,6 @@ use formats::manifest::{Header, Source};
 use formats::summary::hexadecimal;
 
 use super::comparison::Comparison;
-use super::recording::Recording;
 use crate::output::count;
 
 /// One line of the table.
@@ -78,8 +77,7 @@ fn yes_or_no(is_so: bool) -> String {
 }
 
 /// The settings of two recordings.
-pub fn settings(left: &Recording, right: &Recording) -> Vec<Row> {
-    let headers = [left, right].map(|recording| &recording.shown);
+pub fn settings(headers: [&Header; 2]) -> Vec<Row> {
     let row = |(what, about, text): Setting| Row::of(what, about, headers.map(text));
     SETTINGS.into_iter().map(row).collect()
 }

@@ -1,13 +1,11 @@
 //! The boxes of the hierarchy that a ray and its group enter.
 
 use std::collections::HashMap;
-use std::sync::OnceLock;
 
 use formats::hierarchy::{Hierarchy, Visit};
-use formats::ray::{Ray, Work};
+use formats::ray::{Kind, Work};
+use formats::traced::Traced;
 use rayon::prelude::*;
-
-use super::queue::Queue;
 
 /// A box that rays enter.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,21 +29,17 @@ pub struct Visits {
     pub work: Work,
 }
 
-/// The hierarchy of a recording, once it was asked for, or why there is none.
-pub type Opened = OnceLock<Result<Hierarchy, String>>;
-
 impl Visits {
     /// Of the rays of a group, canonical indices, of which one is looked at.
-    pub(super) fn of(hierarchy: &Hierarchy, queue: &Queue, group: &[usize], ray: usize) -> Self {
-        let all: &[Ray] = queue.traced.rays();
-        let ways: Vec<_> =
-            group.par_iter().map(|&of| (of == ray, hierarchy.way(&all[of], queue.id.kind))).collect();
+    pub fn of(hierarchy: &Hierarchy, traced: &Traced, kind: Kind, group: &[usize], ray: usize) -> Self {
+        let way = |&of: &usize| (of == ray, hierarchy.way(&traced.rays()[of], kind));
+        let ways: Vec<_> = group.par_iter().map(way).collect();
         let mut boxes: Vec<EnteredBox> = Vec::new();
         let mut known = HashMap::new();
         for (is_of_ray, way) in &ways {
             for &Visit { place, level, .. } in &way.visits {
                 let at = *known.entry(place).or_insert_with(|| {
-                    let [low, high] = hierarchy.bounds(place).map(|corner| queue.traced.unit().point(corner));
+                    let [low, high] = hierarchy.bounds(place).map(|corner| traced.unit().point(corner));
                     let corners = (low, high);
                     boxes.push(EnteredBox { corners, level, rays: 0, is_of_ray: false });
                     boxes.len() - 1

@@ -1,17 +1,16 @@
 //! The rays of an order that pass a filter: blocks of places, node by node, on all threads.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 use formats::key::Coordinate;
 use formats::key::decode::FieldReader;
 use formats::metrics::quantity::OrderedRays;
+use formats::ray::Kind;
 use rayon::prelude::*;
 
 use super::error::FilterError;
 use super::parse::Expression;
 use super::tree::{BLOCK, Block, Fact, Node};
-use crate::model::numbers::Numbers;
 
 /// Blocks that a thread takes at a time.
 const BLOCKS_PER_TASK: usize = 32;
@@ -64,13 +63,23 @@ impl Passing {
     }
 }
 
+/// What expressions are evaluated with.
+pub struct FilteredRays<'a> {
+    /// The rays of an order, with their groups where the expression [takes](Expression::takes_groups) them.
+    pub rays: OrderedRays<'a>,
+    /// What the order is called.
+    pub method: &'a str,
+    /// What reads each coordinate that can be read out of its keys, in the layout's order.
+    pub fields: Vec<(Coordinate, FieldReader)>,
+}
+
 /// The places whose rays meet an expression.
 ///
 /// # Errors
 /// If it asks for what is not known of these rays, such as a field that their keys do not have.
-pub fn passing(expression: &Expression, numbers: &Numbers) -> Result<Passing, FilterError> {
-    let evaluation = Evaluation::of(expression, numbers)?;
-    let rays = numbers.order.len();
+pub fn passing(expression: &Expression, of: &FilteredRays<'_>) -> Result<Passing, FilterError> {
+    of.check(&expression.condition)?;
+    let rays = of.rays.places.len();
     let of_task = |task: usize| {
         let size = BLOCK * BLOCKS_PER_TASK;
         let (first, end) = (task * size, rays.min((task + 1) * size));
@@ -78,7 +87,7 @@ pub fn passing(expression: &Expression, numbers: &Numbers) -> Result<Passing, Fi
         for first in (first..end).step_by(BLOCK) {
             let places = first..end.min(first + BLOCK);
             let mut passes = [0.0; BLOCK];
-            evaluation.values(&expression.condition, &places, &mut passes);
+            of.values(&expression.condition, &places, &mut passes);
             let passed = places.zip(passes).filter(|(_, passes)| *passes != 0.0);
             found.extend(passed.map(|(place, _)| place as u32));
         }
@@ -89,55 +98,31 @@ pub fn passing(expression: &Expression, numbers: &Numbers) -> Result<Passing, Fi
     Ok(Passing::of(found.concat(), rays))
 }
 
-/// What an expression is evaluated with.
-struct Evaluation<'a> {
-    numbers: &'a Numbers,
-    rays: OrderedRays<'a>,
-    /// What reads each coordinate that is asked for out of a key.
-    fields: BTreeMap<Coordinate, FieldReader>,
-}
-
-impl<'a> Evaluation<'a> {
-    fn of(expression: &Expression, numbers: &'a Numbers) -> Result<Self, FilterError> {
-        let mut evaluation = Self { numbers, rays: numbers.rays(), fields: BTreeMap::new() };
-        evaluation.check(&expression.condition)?;
-        // With the groups that were found meanwhile.
-        evaluation.rays = numbers.rays();
-        Ok(evaluation)
-    }
-
-    fn check(&mut self, node: &Node) -> Result<(), FilterError> {
+impl FilteredRays<'_> {
+    fn check(&self, node: &Node) -> Result<(), FilterError> {
         match node {
             Node::Literal(_) | Node::Fact(_) => Ok(()),
-            Node::Quantity(quantity, span) => match quantity.missing(&self.rays) {
-                Some(reason) => {
-                    let message = format!("'{}' is not known here: {reason}", quantity.name());
-                    Err(FilterError::new(span, message))
-                }
-                None => {
-                    self.numbers.prepare(*quantity);
-                    Ok(())
-                }
-            },
-            Node::Field(coordinate, span) => self.check_field(*coordinate, span),
+            Node::Quantity(quantity, span) => quantity.missing(&self.rays).map_or(Ok(()), |reason| {
+                Err(FilterError::new(span, format!("'{}' is not known here: {reason}", quantity.name())))
+            }),
+            Node::Field(coordinate, span) => self.reader(*coordinate, span).map(|_| ()),
             Node::Unary(_, inner) => self.check(inner),
             Node::Binary(_, both) => both.iter().try_for_each(|node| self.check(node)),
         }
     }
 
-    fn check_field(&mut self, coordinate: Coordinate, span: &Range<usize>) -> Result<(), FilterError> {
-        let (name, order) = (coordinate.name(), &self.numbers.order);
-        order.keys.as_ref().map_err(|reason| {
-            FilterError::new(span, format!("'field({name})' is not known here: {reason}"))
-        })?;
-        let Some(reader) = order.field_reader(coordinate) else {
-            let known: Vec<&str> = order.readable_fields().into_iter().map(Coordinate::name).collect();
+    fn reader(&self, coordinate: Coordinate, span: &Range<usize>) -> Result<&FieldReader, FilterError> {
+        let name = coordinate.name();
+        if let Err(reason) = self.rays.keys {
+            return Err(FilterError::new(span, format!("'field({name})' is not known here: {reason}")));
+        }
+        let found = self.fields.iter().find(|(known, _)| *known == coordinate).map(|(_, reader)| reader);
+        found.ok_or_else(|| {
+            let known: Vec<&str> = self.fields.iter().map(|(known, _)| known.name()).collect();
             let known = if known.is_empty() { "none that can be read".to_owned() } else { known.join(" ") };
-            let message = format!("keys of {} have no field {name}; they have {known}", order.method);
-            return Err(FilterError::new(span, message));
-        };
-        self.fields.insert(coordinate, reader);
-        Ok(())
+            let message = format!("keys of {} have no field {name}; they have {known}", self.method);
+            FilterError::new(span, message)
+        })
     }
 
     /// The values of a node at the places of a block.
@@ -148,17 +133,17 @@ impl<'a> Evaluation<'a> {
                 let value = quantity.value();
                 fill(out, places, |place| value(self.rays.at(place)));
             }
-            Node::Field(coordinate, _) => {
-                let reader = self.fields.get(coordinate);
+            Node::Field(coordinate, span) => {
+                let reader = self.reader(*coordinate, span).ok();
                 let key = |place| self.rays.at(place).key().unwrap_or(0);
                 fill(out, places, |place| reader.map_or(0.0, |reader| reader.value(key(place)) as f64));
             }
             Node::Fact(fact) => {
-                let order = &self.numbers.order;
+                let OrderedRays { traced, id, places: order, .. } = self.rays;
                 fill(out, places, |place| {
                     f64::from(match fact {
-                        Fact::Hit => order.queue.is_at_surface(order.places.ray(place)),
-                        Fact::Shadow => order.queue.id.kind == formats::ray::Kind::Shadow,
+                        Fact::Hit => traced.is_at_surface(order.ray(place)),
+                        Fact::Shadow => id.kind == Kind::Shadow,
                     })
                 });
             }

@@ -2,21 +2,20 @@
 
 use std::ops::Range;
 
-use formats::metrics::quantity::Quantity;
+use formats::metrics::quantity::{OrderedRays, Quantity};
 use rayon::prelude::*;
 
-use super::filter::Passing;
-use super::numbers::Numbers;
+use crate::filter::Passing;
 
 /// The places in a range, of those that pass the filter, with the longest jumps to the next place of the order;
 /// ascending. Rays that start where the next one does have none.
 pub fn longest(
-    numbers: &Numbers,
+    rays: &OrderedRays<'_>,
     range: &Range<usize>,
     passing: Option<&Passing>,
     wanted: usize,
 ) -> Vec<usize> {
-    let (rays, length) = (numbers.rays(), Quantity::Jump.value());
+    let length = Quantity::Jump.value();
     let jump = |place: usize| Some((length(rays.at(place)), place)).filter(|(length, _)| *length > 0.0);
     let mut jumps: Vec<(f64, usize)> = match passing {
         None => range.clone().into_par_iter().filter_map(jump).collect(),

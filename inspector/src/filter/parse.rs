@@ -43,6 +43,19 @@ impl Expression {
     pub fn text(&self) -> &str {
         &self.text
     }
+
+    /// Whether it asks for a number that the groups of an order have.
+    pub fn takes_groups(&self) -> bool {
+        fn takes(node: &Node) -> bool {
+            match node {
+                Node::Quantity(quantity, _) => quantity.is_of_group(),
+                Node::Unary(_, inner) => takes(inner),
+                Node::Binary(_, both) => both.iter().any(takes),
+                Node::Literal(_) | Node::Field(..) | Node::Fact(_) => false,
+            }
+        }
+        takes(&self.condition)
+    }
 }
 
 /// The condition of a text.
