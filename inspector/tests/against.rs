@@ -155,7 +155,7 @@ fn an_order_that_is_made_can_be_a_beside_b() {
         assert!(harness.query_all_by_label(side).next().is_some(), "{side} has no picture");
     }
     let context = &mut harness.state_mut().context;
-    let a = context.of_baseline(None, |context| context.order().unwrap());
+    let a = context.of_baseline(|_| None, |context| context.order().unwrap());
     assert_eq!((a.method.as_str(), context.order().unwrap().method.as_str()), (WHAT_IF, "aila"));
     harness.render().unwrap();
 }
@@ -205,18 +205,16 @@ fn the_range_of_colours_stays_while_orders_change() {
 fn escape_closes_one_thing_after_the_other() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = window(opened(folder.path()));
-    harness.state_mut().context.select_ray(Some(3));
+    harness.state_mut().context.select_rays(vec![3, 5]);
     harness.get_by_label("File").click();
     settle(&mut harness);
     harness.event(egui::Event::Text("?".to_owned()));
     settle(&mut harness);
     let state = |harness: &Harness<'_, App>| {
         let reads = |text: &str| harness.query_all_by_label(text).next().is_some();
-        (reads("Quit"), reads("Keys and words"), harness.state().context.selection.ray)
+        (reads("Quit"), reads("Keys and words"), harness.state().context.selection.rays().len())
     };
-    for expected in
-        [(true, true, Some(3)), (false, true, Some(3)), (false, false, Some(3)), (false, false, None)]
-    {
+    for expected in [(true, true, 2), (false, true, 2), (false, false, 2), (false, false, 0)] {
         assert_eq!(state(&harness), expected);
         harness.key_press_modifiers(Modifiers::NONE, Key::Escape);
         settle(&mut harness);

@@ -69,6 +69,7 @@ fn a_session_is_shown_as_it_was_saved() {
     app.context.go_to(QUEUE);
     app.context.selection.order_by("two-point");
     app.context.select_ray(Some(11));
+    app.context.toggle_ray(4);
     app.context.selection.cell = Some(5);
     harness.get_by_label("Capsules").click();
     harness.get_by_label("displacement").click();

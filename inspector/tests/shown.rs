@@ -226,9 +226,9 @@ fn a_path_is_its_rays_in_all_bounces() {
                 expected.push((queue, ray, segment, length, is_at_surface, [Some(ray), place]));
             }
         }
-        context.path(pixel);
+        context.paths(vec![pixel]);
         context.finish();
-        let found = context.path(pixel).unwrap();
+        let found = context.paths(vec![pixel]).unwrap();
         let found: Vec<_> = found
             .iter()
             .map(|ray| (ray.queue, ray.ray, ray.segment, ray.length, ray.is_at_surface, ray.places))
@@ -246,7 +246,7 @@ fn the_path_of_the_selected_ray_is_drawn_by_bounce() {
     context.select_ray(Some(3));
     let pixel = context.awaited_order().unwrap().queue.path_ids[3];
     let drawn = layers(&mut context, &SpaceOptions { path: true, ..nothing() });
-    let path = context.path(pixel).unwrap();
+    let path = context.paths(vec![pixel]).unwrap();
     for kind in [Kind::Closest, Kind::Shadow] {
         let of_kind = || path.iter().filter(|ray| ray.queue.kind == kind);
         let bounces: Vec<f32> = of_kind().map(|ray| ray.queue.bounce as f32).collect();
@@ -261,6 +261,113 @@ fn the_path_of_the_selected_ray_is_drawn_by_bounce() {
             _ => false,
         });
         assert!(is_drawn && !bounces.is_empty(), "{kind} rays of the path are not drawn");
+    }
+}
+
+/// Against the path indices of all queues of the pass.
+#[test]
+fn the_paths_of_a_group_are_those_of_all_its_rays() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let order = context.awaited_order().unwrap();
+    context.select_ray(Some(order.places.ray(70)));
+    let group: Vec<u32> = order
+        .places_of_group(1, context.selection.group_width)
+        .map(|place| order.queue.path_ids[order.places.ray(place)])
+        .collect();
+    assert_eq!(group.len(), 64);
+    let dump = context.recording().unwrap().dump.clone();
+    let pass = order.queue.id.pass;
+    let mut expected: BTreeMap<(Kind, u32), Vec<[f32; 3]>> = BTreeMap::new();
+    for queue in dump.manifest().queues.iter().map(|queue| queue.id).filter(|queue| queue.pass == pass) {
+        let paths: Loaded<u32> = dump.array(&Place::Queue(queue, QueueArray::PathIds)).unwrap();
+        let traced = Traced::open(&dump, queue).unwrap();
+        for ray in (0..paths.len()).filter(|&ray| group.contains(&paths[ray])) {
+            let end = Segment::of(traced.unit(), &traced.rays()[ray], traced.length(ray)).end;
+            expected.entry((queue.kind, queue.bounce)).or_default().push(end.map(|along| along as f32));
+        }
+    }
+    assert!(expected.len() > 3, "{expected:?}");
+    let drawn = layers(&mut context, &SpaceOptions { path: true, path_group: true, ..nothing() });
+    for kind in [Kind::Closest, Kind::Shadow] {
+        let mut of_kind: Vec<(f32, [f32; 3])> = expected
+            .iter()
+            .filter(|((of, _), _)| *of == kind)
+            .flat_map(|((_, bounce), ends)| ends.iter().map(|end| (*bounce as f32, *end)))
+            .collect();
+        of_kind.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        // Camera rays, for one, are of all paths; rays to lights are thin.
+        let is_drawn = drawn.iter().any(|layer| {
+            let Shape::Segments(lines) = layer.geometry.shape() else { return false };
+            let mut ends: Vec<_> = lines.iter().map(|line| (line[1].value, line[1].position)).collect();
+            ends.sort_by(|a, b| a.partial_cmp(b).unwrap());
+            layer.stage == Stage::OnTop && ends == of_kind && (layer.width == 1.0) == (kind == Kind::Shadow)
+        });
+        assert!(is_drawn, "{kind} rays of the paths are not drawn");
+    }
+}
+
+/// Ctrl-click in any panel adds a ray, and takes it away again; all of them stand out. Without Ctrl there is one.
+#[test]
+fn rays_are_added_and_taken_away_with_ctrl() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let order = context.awaited_order().unwrap();
+    context.select_ray(Some(order.places.ray(70)));
+    let mut harness = panel("rays", context);
+    let ray = order.places.ray(63);
+    let pixel = order.queue.path_ids[ray];
+    let label = format!("{},{}", pixel % sample::WIDTH, pixel / sample::WIDTH);
+    let click_row = |harness: &mut egui_kittest::Harness<'_, headless::State>, modifiers: egui::Modifiers| {
+        harness.get_by_label(&label).click_modifiers(modifiers);
+        settle(harness);
+        harness.state().context.selection.rays()
+    };
+    let first = order.places.ray(70);
+    assert_eq!(click_row(&mut harness, egui::Modifiers::COMMAND), [ray, first]);
+    let context = &mut harness.state_mut().context;
+    assert_eq!((context.selection.group, context.selection.others.as_slice()), (Some(0), &[first][..]));
+    let drawn = layers(context, &nothing());
+    let capsules = drawn.iter().find(|layer| layer.stage == Stage::Capsules).unwrap();
+    assert_eq!(capsules.geometry.shape().len(), 2, "a capsule for each group");
+    let Shape::Segments(lines) = drawn.last().unwrap().geometry.shape() else { panic!("no line on top") };
+    for (line, ray) in lines.iter().zip([ray, first]) {
+        assert_eq!(line[1].position, order.queue.segment(ray).end.map(|along| along as f32));
+    }
+    assert_eq!(lines.len(), 2);
+    assert_eq!(click_row(&mut harness, egui::Modifiers::COMMAND), [first]);
+    assert_eq!(click_row(&mut harness, egui::Modifiers::COMMAND), [ray, first]);
+    assert_eq!(click_row(&mut harness, egui::Modifiers::NONE), [ray]);
+    // What belongs to other rays is not selected there.
+    harness.state_mut().context.toggle_ray(first);
+    harness.state_mut().context.order_by("unsorted");
+    assert_eq!(harness.state().context.selection.rays(), [first, ray]);
+    harness.state_mut().context.go_to(QueueId { bounce: 0, ..order.queue.id });
+    assert!(harness.state().context.selection.rays().is_empty());
+}
+
+/// With Ctrl, pixels and points in space are added, too; nothing is taken away where there is no ray.
+#[test]
+fn pixels_and_points_in_space_are_added_with_ctrl() {
+    for (name, at) in [("pixels", [300.0, 300.0]), ("scene", [450.0, 330.0])] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut context = opened(folder.path());
+        let last = context.awaited_order().unwrap().len() - 1;
+        context.select_ray(Some(last));
+        let mut harness = panel(name, context);
+        harness.event(egui::Event::ModifiersChanged(egui::Modifiers::COMMAND));
+        let rays =
+            |harness: &egui_kittest::Harness<'_, headless::State>| harness.state().context.selection.rays();
+        let mut tried = (0..12).flat_map(|row| (0..12).map(move |column| [column, row]));
+        let added = tried.find(|&offset| {
+            let offset = egui::Vec2::from(offset.map(|step| 12.0 * step as f32 - 72.0));
+            headless::click(&mut harness, egui::Pos2::from(at) + offset);
+            rays(&harness) != [last]
+        });
+        assert!(added.is_some(), "{name}: no ray is added");
+        assert_eq!((rays(&harness).len(), rays(&harness)[1]), (2, last), "{name}");
+        headless::click(&mut harness, egui::pos2(2.0, 636.0));
+        assert_eq!(rays(&harness).len(), 2, "{name}");
     }
 }
 

@@ -4,7 +4,7 @@ use egui::{Align2, ScrollArea, Vec2};
 
 use super::{App, Shown};
 
-const KEYS: [(&str, &str); 24] = [
+const KEYS: [(&str, &str); 25] = [
     ("click, Shift-click a method", "makes it order B, order A"),
     ("up, down", "makes the next better, the next worse method B"),
     ("left, right", "the bounce before, the next bounce"),
@@ -16,6 +16,7 @@ const KEYS: [(&str, &str); 24] = [
     ("?", "this"),
     ("", ""),
     ("click", "choose the ray, row, pixel or cell under the pointer"),
+    ("Ctrl-click", "adds a ray to those that are selected, or takes it away"),
     ("drag", "orbit, or look around in fly mode; with shift or the middle button, move"),
     ("drag right", "look around"),
     (

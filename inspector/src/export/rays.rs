@@ -11,11 +11,13 @@ use formats::manifest::QueueId;
 use formats::metrics::capsule::Point;
 use formats::ray::{Kind, Ray};
 use formats::reader::Dump;
+use formats::traced::Traced;
 
 use crate::analysis::GroupWidth;
 use crate::arguments;
 use crate::filter::{Expression, FilterError};
 use crate::model::numbers::Numbers;
+use crate::model::path::on_paths;
 use crate::model::{Order, Queue};
 
 /// Which rays, in which order.
@@ -158,22 +160,21 @@ impl ChosenRays {
     fn at(&self, place: usize) -> RayAtPlace {
         let (queue, index) = (&self.order.queue, self.order.places.ray(place));
         let ray = queue.traced.rays()[index];
-        RayAtPlace { place, index, ray, termination: termination(queue, index) }
+        RayAtPlace { place, index, ray, termination: termination(&queue.traced, index) }
     }
 
     /// The rays of all bounces of their pass that are on the paths of these, each with its bounce, from its origin to
     /// where it stops, world units. Shadow rays are among them.
     pub(crate) fn on_their_paths(&self, dump: &Dump) -> anyhow::Result<Vec<(u32, [Point; 2])>> {
         let pass = self.queue().id.pass;
-        let pixels: BTreeSet<u32> = self.iter().map(|ray| self.queue().path_ids[ray.index]).collect();
+        let paths: BTreeSet<u32> = self.iter().map(|ray| self.queue().path_ids[ray.index]).collect();
+        let paths: Vec<u32> = paths.into_iter().collect();
         let mut found = Vec::new();
         let queues = &source_of(dump).manifest().queues;
         for id in queues.iter().map(|record| record.id).filter(|id| id.pass == pass) {
-            let queue = Queue::open(dump, id).map_err(Error::msg)?;
-            found.extend(pixels.iter().filter_map(|&pixel| {
-                let index = queue.ray_of_pixel(pixel)?;
-                let origin = queue.traced.rays()[index].origin.map(f64::from);
-                Some((id.bounce, [origin, termination(&queue, index)]))
+            let (traced, rays) = on_paths(dump, id, &paths).map_err(Error::msg)?;
+            found.extend(rays.into_iter().map(|(_, ray)| {
+                (id.bounce, [traced.rays()[ray].origin.map(f64::from), termination(&traced, ray)])
             }));
         }
         Ok(found)
@@ -181,9 +182,9 @@ impl ChosenRays {
 }
 
 /// Where a ray stops, world units.
-fn termination(queue: &Queue, index: usize) -> Point {
-    let ray = queue.traced.rays()[index];
-    let length = f64::from(queue.lengths[index]) / f64::from(queue.traced.unit().scale);
+fn termination(traced: &Traced, index: usize) -> Point {
+    let ray = traced.rays()[index];
+    let length = f64::from(traced.length(index)) / f64::from(traced.unit().scale);
     // A ray without a direction never leaves.
     let length = if length.is_finite() { length } else { 0.0 };
     [0, 1, 2].map(|axis| f64::from(ray.origin[axis]) + length * f64::from(ray.direction[axis]))

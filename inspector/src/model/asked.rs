@@ -215,19 +215,22 @@ impl Context {
         opened(self.derived.visits.of(wanted, &self.derived.waker, make))
     }
 
-    /// The rays of a path in the selected pass, by bounce; `None` until they are known.
-    pub fn path(&mut self, path: u32) -> Option<Arc<[PathRay]>> {
+    /// The rays of paths in the selected pass, by bounce; `None` until they are known. Of a single path they have
+    /// their places in orders A and B, for which orders are searched through.
+    pub fn paths(&mut self, mut paths: Vec<u32>) -> Option<Arc<[PathRay]>> {
+        paths.sort_unstable();
         let recording = self.recording()?;
         let Selection { queue, method, baseline, .. } = &self.selection;
         // Order A of another recording is of other rays.
         let a = baseline.recording.is_none().then(|| baseline.method.clone());
-        let (dump, methods) = (recording.dump.clone(), [a, Some(method.clone())]);
-        let wanted = (recording.opening, queue.pass, path, methods.clone());
+        let methods = if paths.len() == 1 { [a, Some(method.clone())] } else { [None, None] };
+        let dump = recording.dump.clone();
+        let wanted = (recording.opening, queue.pass, paths.clone(), methods.clone());
         let queues = recording.queues().iter().map(|record| record.id);
         let mut queues: Vec<QueueId> = queues.filter(|found| found.pass == queue.pass).collect();
         queues.sort_by_key(|queue| (queue.bounce, queue.kind == Kind::Shadow));
         let make = move || {
-            queues.into_iter().filter_map(|queue| PathRay::of(&dump, queue, path, &methods)).collect()
+            queues.into_iter().flat_map(|queue| PathRay::of(&dump, queue, &paths, &methods)).collect()
         };
         self.derived.paths.of(wanted, &self.derived.waker, make).ok().cloned()
     }

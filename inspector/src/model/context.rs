@@ -171,11 +171,16 @@ impl Context {
         self.recordings.get(self.selection.baseline.recording.unwrap_or(self.selection.recording))
     }
 
-    /// What is asked with order A in the place of B, and with this ray of it selected.
-    pub fn of_baseline<T>(&mut self, ray: Option<usize>, ask: impl FnOnce(&mut Self) -> T) -> T {
+    /// What is asked with order A in the place of B, and with those rays of it selected that `a_of` says of B's.
+    pub fn of_baseline<T>(
+        &mut self,
+        a_of: impl Fn(usize) -> Option<usize>,
+        ask: impl FnOnce(&mut Self) -> T,
+    ) -> T {
         let Baseline { recording, method } = self.selection.baseline.clone();
         let recording = recording.unwrap_or(self.selection.recording);
-        let a = Selection { recording, method, ray, group: None, ..self.selection.clone() };
+        let mut a = Selection { recording, method, ..self.selection.clone() };
+        a.select(self.selection.rays().into_iter().filter_map(a_of).collect());
         let b = std::mem::replace(&mut self.selection, a);
         let found = ask(self);
         self.selection = b;
@@ -278,18 +283,33 @@ impl Context {
 
     /// Selects a ray of the queue with its group, or nothing. The group is known when the order is.
     pub fn select_ray(&mut self, ray: Option<usize>) {
-        let rays =
-            self.recording().and_then(|open| open.queue(self.selection.queue)).map_or(0, |queue| queue.rays);
-        self.selection.ray = ray.filter(|&ray| (ray as u64) < rays);
-        self.selection.group = None;
+        self.select_rays(ray.into_iter().collect());
+    }
+
+    /// Selects rays of the queue, the latest first, with the group of that one.
+    pub fn select_rays(&mut self, mut rays: Vec<usize>) {
+        let queue = self.recording().and_then(|open| open.queue(self.selection.queue));
+        let all = queue.map_or(0, |queue| queue.rays);
+        rays.retain(|&ray| (ray as u64) < all);
+        self.selection.select(rays);
         // Finds the group; panels say why if there is no order.
         drop(self.order());
+    }
+
+    /// Selects a ray besides those that are, or no longer.
+    pub fn toggle_ray(&mut self, ray: usize) {
+        let mut rays = self.selection.rays();
+        match rays.iter().position(|&selected| selected == ray) {
+            Some(at) => drop(rays.remove(at)),
+            None => rays.insert(0, ray),
+        }
+        self.select_rays(rays);
     }
 
     /// Looks at another order of the same rays.
     pub fn order_by(&mut self, method: &str) {
         self.selection.order_by(method);
-        self.select_ray(self.selection.ray);
+        self.select_rays(self.selection.rays());
     }
 
     /// Selects the group of the selected ray, unless one is selected.

@@ -16,8 +16,8 @@ use crate::analysis::estimates::Estimates;
 use crate::analysis::visits::Visits;
 use crate::filter::{Expression, FilterError, Passing};
 
-/// The rays of a path: of which opening of a recording, pass and path, and orders A and B.
-type WantedPath = (u64, u32, u32, [Option<String>; 2]);
+/// The rays of paths: of which opening of a recording, pass and paths, and orders A and B.
+type WantedPaths = (u64, u32, Vec<u32>, [Option<String>; 2]);
 
 /// Serial number of an order, and rays of a group.
 pub(crate) type Grouped = (u64, GroupWidth);
@@ -39,7 +39,7 @@ pub struct Derived {
     pub(super) what_if: Background<(u64, QueueId, Settings), Result<Arc<Order>, String>>,
     pub(super) what_if_coherence: Background<Grouped, OrderCoherence>,
     pub(super) estimates: Background<(u64, QueueId), Result<Arc<Estimates>, String>>,
-    pub(super) paths: Background<WantedPath, Arc<[PathRay]>>,
+    pub(super) paths: Background<WantedPaths, Arc<[PathRay]>>,
     pub(super) costliest: Background<(u64, QueueId), Result<Costliest, String>>,
     pub(super) visits: Background<(Grouped, usize), Result<Arc<Visits>, String>>,
     pub(super) rays_of_cell: Background<(u64, QueueId, u32), Arc<Vec<u32>>>,

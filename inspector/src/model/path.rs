@@ -1,4 +1,4 @@
-//! The path of a pixel through all bounces of a pass.
+//! The paths of pixels through all bounces of a pass.
 
 use formats::key::method::UNSORTED;
 use formats::manifest::{MethodArray, Place, QueueArray, QueueId};
@@ -10,6 +10,8 @@ use rayon::prelude::*;
 /// A ray of a path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathRay {
+    /// Its path.
+    pub path: u32,
     /// Its queue.
     pub queue: QueueId,
     /// Its canonical index there.
@@ -24,14 +26,24 @@ pub struct PathRay {
     pub places: [Option<usize>; 2],
 }
 
+/// What was traced in a queue, and which of its rays are on some paths: path and canonical index, as the paths come.
+///
+/// # Errors
+/// If its arrays were not kept.
+pub fn on_paths(dump: &Dump, queue: QueueId, paths: &[u32]) -> Result<(Traced, Vec<(u32, usize)>), String> {
+    let place = Place::Queue(queue, QueueArray::PathIds);
+    let path_ids: Loaded<u32> = dump.array(&place).map_err(|error| error.to_string())?;
+    let traced = Traced::open(dump, queue).map_err(|error| error.to_string())?;
+    let found = paths.iter().filter_map(|&path| Some((path, path_ids.binary_search(&path).ok()?)));
+    let rays = found.filter(|(_, ray)| *ray < traced.rays().len()).collect();
+    Ok((traced, rays))
+}
+
 impl PathRay {
-    /// The ray of a path in a queue; `None` if it has none, or its arrays were not kept.
-    pub(super) fn of(dump: &Dump, queue: QueueId, path: u32, methods: &[Option<String>; 2]) -> Option<Self> {
-        let paths: Loaded<u32> = dump.array(&Place::Queue(queue, QueueArray::PathIds)).ok()?;
-        let ray = paths.binary_search(&path).ok()?;
-        let traced = Traced::open(dump, queue).ok()?;
-        let found = traced.rays().get(ray)?;
-        let place = |method: &Option<String>| match method.as_deref()? {
+    /// The rays of paths in a queue; none where its arrays were not kept.
+    pub(super) fn of(dump: &Dump, queue: QueueId, paths: &[u32], methods: &[Option<String>; 2]) -> Vec<Self> {
+        let Ok((traced, rays)) = on_paths(dump, queue, paths) else { return Vec::new() };
+        let place = |method: &Option<String>, ray: usize| match method.as_deref()? {
             UNSORTED => Some(ray),
             method => {
                 let place = Place::Method(queue, method.to_owned(), MethodArray::Permutation);
@@ -39,14 +51,18 @@ impl PathRay {
                 order.par_iter().position_any(|&index| index as usize == ray)
             }
         };
-        let length = traced.length(ray);
-        Some(Self {
-            queue,
-            ray,
-            segment: Segment::of(traced.unit(), found, length),
-            length,
-            is_at_surface: traced.is_at_surface(ray),
-            places: methods.each_ref().map(place),
-        })
+        let of = |(path, ray)| {
+            let length = traced.length(ray);
+            Self {
+                path,
+                queue,
+                ray,
+                segment: Segment::of(traced.unit(), &traced.rays()[ray], length),
+                length,
+                is_at_surface: traced.is_at_surface(ray),
+                places: methods.each_ref().map(|method| place(method, ray)),
+            }
+        };
+        rays.into_iter().map(of).collect()
     }
 }

@@ -1,11 +1,13 @@
 //! The one selection that all panels share, with the two orders that are held against each other.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use formats::key::method::UNSORTED;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 
+use super::order::Order;
 use crate::analysis::GroupWidth;
 use crate::filter::Filter;
 
@@ -61,8 +63,10 @@ pub struct Selection {
     pub baseline: Baseline,
     /// Rays of a group.
     pub group_width: GroupWidth,
-    /// A ray of the queue, by its canonical index.
+    /// A ray of the queue, by its canonical index: the last one if there are several.
     pub ray: Option<usize>,
+    /// Rays that are selected, too, the latest first.
+    pub others: Vec<usize>,
     /// A group of the order, from 0.
     pub group: Option<usize>,
     /// A cell of the length table.
@@ -80,6 +84,7 @@ impl Default for Selection {
             baseline: Baseline { recording: None, method: UNSORTED.to_owned() },
             group_width: GroupWidth::default(),
             ray: None,
+            others: Vec::new(),
             group: None,
             cell: None,
             filter: Filter::default(),
@@ -92,9 +97,27 @@ impl Selection {
     pub fn go_to(&mut self, queue: QueueId) {
         if self.queue != queue {
             self.queue = queue;
-            self.ray = None;
-            self.group = None;
+            self.select(Vec::new());
         }
+    }
+
+    /// All rays, the latest first.
+    pub fn rays(&self) -> Vec<usize> {
+        self.ray.into_iter().chain(self.others.iter().copied()).collect()
+    }
+
+    /// The groups of all rays in an order, and the one that is selected itself.
+    pub fn groups(&self, order: &Order) -> BTreeSet<usize> {
+        let place_of_ray = order.place_of_ray();
+        let places = self.others.iter().filter_map(|&ray| place_of_ray.get(ray));
+        places.map(|&place| place as usize / self.group_width.rays()).chain(self.group).collect()
+    }
+
+    /// These rays, the latest first.
+    pub fn select(&mut self, rays: Vec<usize>) {
+        let mut rays = rays.into_iter();
+        (self.ray, self.group) = (rays.next(), None);
+        self.others = rays.collect();
     }
 
     /// Another order of the same rays: the ray stays, the group is another.
@@ -107,8 +130,7 @@ impl Selection {
 
     /// Nothing within the queue.
     pub fn clear(&mut self) {
-        self.ray = None;
-        self.group = None;
+        self.select(Vec::new());
         self.cell = None;
     }
 }

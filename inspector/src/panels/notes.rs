@@ -116,6 +116,15 @@ pub(crate) fn choose<T: PartialEq>(
     is_other
 }
 
+/// Selects a ray that was clicked, or nothing; with Ctrl besides those that are selected, or no longer.
+pub(super) fn select(ui: &egui::Ui, context: &mut Context, ray: Option<usize>) {
+    match ray {
+        Some(ray) if ui.input(|input| input.modifiers.command) => context.toggle_ray(ray),
+        None if ui.input(|input| input.modifiers.command) => {}
+        ray => context.select_ray(ray),
+    }
+}
+
 /// A ray in three lines: its place and pixel, what it cost, its key.
 pub(super) fn about_ray(order: &Order, ray: usize) -> String {
     let Some(&place) = order.place_of_ray().get(ray) else { return String::new() };
@@ -147,7 +156,7 @@ pub(super) fn group_widths(ui: &mut egui::Ui, name: &str, context: &mut Context)
         let is_now = context.selection.group_width == width;
         if ui.selectable_label(is_now, width.rays().to_string()).clicked() && !is_now {
             context.selection.group_width = width;
-            context.select_ray(context.selection.ray);
+            context.select_rays(context.selection.rays());
         }
     }
 }

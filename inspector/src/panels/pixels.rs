@@ -10,7 +10,7 @@ use serde::de::Error as _;
 
 use super::brush::brush;
 use super::colour_bar;
-use super::notes::{about_ray, found, missing};
+use super::notes::{about_ray, found, missing, select};
 use super::picture::{DrawnPicture, Painted, Picture};
 use crate::analysis::GroupWidth;
 use crate::analysis::image_plane::ImagePlane;
@@ -97,7 +97,7 @@ impl Panel for PixelsPanel {
         let alive = |at| plane.near(at, REACH).find_map(|path| order.queue.ray_of_pixel(path));
         let under_pointer = shown.pixel.and_then(alive);
         if shown.response.clicked() {
-            context.select_ray(under_pointer);
+            select(ui, context, under_pointer);
         }
         mark(&shown, context, &order, (plane, theme));
         let colouring = self.colouring;
@@ -196,19 +196,16 @@ fn pixels(
     Painted { pixels, range, values: sorted }
 }
 
-/// Marks what is selected: a cross at the ray, dots at the rays of its group.
+/// Marks what is selected: rings at the rays, dots at the rays of their groups.
 fn mark(shown: &DrawnPicture, context: &Context, order: &Order, (plane, theme): (ImagePlane, Theme)) {
     let colour = theme.selected_mark();
     let at = |ray: usize| Some(shown.rect_of(plane.point(order.queue.path_ids[ray])?).center());
-    if let Some(group) = context.selection.group {
-        for place in order.places_of_group(group, context.selection.group_width) {
-            if let Some(centre) = at(order.places.ray(place)) {
-                shown.painter.circle_filled(centre, 1.5, colour);
-            }
-        }
+    let (groups, width) = (context.selection.groups(order), context.selection.group_width);
+    let places = groups.into_iter().flat_map(|group| order.places_of_group(group, width));
+    for centre in places.filter_map(|place| at(order.places.ray(place))) {
+        shown.painter.circle_filled(centre, 1.5, colour);
     }
-    let chosen = context.selection.ray.filter(|&ray| ray < order.len());
-    if let Some(centre) = chosen.and_then(at) {
+    for centre in context.selection.rays().into_iter().filter(|&ray| ray < order.len()).filter_map(at) {
         shown.painter.circle_stroke(centre, 6.0, egui::Stroke::new(1.5, colour));
     }
 }

@@ -223,7 +223,7 @@ fn path(ui: &mut egui::Ui, context: &mut Context, order: &Order, ray: usize) {
     let pixel = order.queue.path_ids[ray];
     ui.label(format!("Path {}, all bounces", count(u64::from(pixel))));
     let now = context.selection.queue;
-    let Some(found) = context.path(pixel) else { return };
+    let Some(found) = context.paths(vec![pixel]) else { return };
     let mut next = None;
     egui::Grid::new("path").striped(true).num_columns(5).spacing([14.0, 2.0]).show(ui, |ui| {
         headings(ui, PATH_COLUMNS);

@@ -210,11 +210,11 @@ impl Scene {
     }
 
     fn found(&mut self, context: &mut Context) -> Option<Arc<Comparison>> {
-        let a: Arc<Order> = context.of_baseline(None, |context| context.order().ok())?;
+        let a: Arc<Order> = context.of_baseline(|_| None, |context| context.order().ok())?;
         let b = context.order().ok()?;
         let (width, difference) = (context.selection.group_width, self.choice.difference);
         let wanted = ([a.serial, b.serial], width, difference);
-        let numbers = [context.of_baseline(None, |context| context.numbers(a)), context.numbers(b)];
+        let numbers = [context.of_baseline(|_| None, |context| context.numbers(a)), context.numbers(b)];
         let [Some(a), Some(b)] = numbers else { return None };
         let make = move || Arc::new(Comparison::of(&[a.side(), b.side()], difference));
         self.comparing.of(wanted, context.waker(), make).ok().cloned()
@@ -224,21 +224,20 @@ impl Scene {
     fn a_side(&mut self, ui: &mut Ui, context: &mut Context, height: f32) {
         let is_other = context.selection.baseline.recording.is_some();
         let comparison = self.compared.as_deref();
-        let selected = context.selection.ray;
-        let ray = if is_other { selected.and_then(|ray| comparison?.left_of(ray)) } else { selected };
+        let a_of = |ray| if is_other { comparison?.left_of(ray) } else { Some(ray) };
+        let b_of = |ray| if is_other { comparison?.right_of(ray) } else { Some(ray) };
         let style = context.style_of(&context.selection.baseline.method);
         let Self { a, b, .. } = self;
         a.follow(b);
-        let chosen = context.of_baseline(ray, |context| {
-            context.select_ray(context.selection.ray);
+        let [before, chosen] = context.of_baseline(a_of, |context| {
+            let before = context.selection.rays();
             side(ui, context, ("A", style, height), a);
-            context.selection.ray
+            [before, context.selection.rays()]
         });
         b.options.clone_from(&a.options);
         b.look_from(a.camera);
-        if chosen != ray {
-            let of_b = if is_other { chosen.and_then(|ray| comparison?.right_of(ray)) } else { chosen };
-            context.select_ray(of_b);
+        if chosen != before {
+            context.select_rays(chosen.into_iter().filter_map(b_of).collect());
         }
     }
 

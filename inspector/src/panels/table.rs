@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::colour_bar;
 use super::estimate_plot::EstimatePlot;
-use super::notes::found;
+use super::notes::{found, select};
 use super::picture::{Painted, Picture};
 use super::table_fill::{self, FillPlot};
 use crate::colour_map::ColourMap;
@@ -164,7 +164,7 @@ impl TablePanel {
                 context.selection.filter.set(if is_filter { "" } else { &filter });
             }
             for &ray in rays.iter().take(LISTED) {
-                let is_now = context.selection.ray == Some(ray as usize);
+                let is_now = context.selection.rays().contains(&(ray as usize));
                 if ui.selectable_label(is_now, ray.to_string()).clicked() {
                     next = Some(ray as usize);
                 }
@@ -174,7 +174,7 @@ impl TablePanel {
             }
         });
         if next.is_some() {
-            context.select_ray(next);
+            select(ui, context, next);
         }
     }
 }

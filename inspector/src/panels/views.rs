@@ -67,13 +67,18 @@ pub(crate) const PRESETS: [Preset; 5] = [
 ];
 
 /// Views that are neither a preset nor a panel of their name as it is at first.
-const NAMED: [View; 4] = [
+const NAMED: [View; 5] = [
     View { name: "window", panel: None, settings: &[] },
     View::of("rays", "scene", &["curve=false", "rays=true", "ends=true"]),
     View::of(
         "boxes",
         "scene",
         &["side_by_side=true", "curve=false", "visits=group", "mesh=ghost", "stand_point=overview"],
+    ),
+    View::of(
+        "group-paths",
+        "scene",
+        &["curve=false", "path=true", "path_group=true", "mesh=ghost", "stand_point=path"],
     ),
     View::of("rays-table", "rays", &[]),
 ];

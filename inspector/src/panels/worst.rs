@@ -1,6 +1,6 @@
 //! What is worst: the groups of an order with the largest capsules, the triangles whose rays cost most.
 
-use super::notes::{found, headings, missing};
+use super::notes::{found, headings, missing, select};
 use crate::analysis::GroupWidth;
 use crate::model::{Absent, Context};
 use crate::output::count;
@@ -56,7 +56,7 @@ impl WorstGroups {
             Some((context.selection.group == Some(at), cells))
         });
         if let Some(&group) = chosen {
-            context.select_ray(Some(order.places.ray(groups.places(group).start)));
+            select(ui, context, Some(order.places.ray(groups.places(group).start)));
         }
     }
 }
@@ -75,10 +75,10 @@ pub(super) fn costliest_triangles(ui: &mut egui::Ui, context: &mut Context) {
             format!("{:.1}", costly.steps as f64 / costly.rays as f64),
             format!("{:.2} %", 100.0 * costly.steps as f64 / all.max(1) as f64),
         ];
-        Some((context.selection.ray == Some(costly.costliest_ray), cells))
+        Some((context.selection.rays().contains(&costly.costliest_ray), cells))
     });
     if let Some(costly) = chosen {
-        context.select_ray(Some(costly.costliest_ray));
+        select(ui, context, Some(costly.costliest_ray));
     }
 }
 

@@ -103,6 +103,9 @@ pub struct SavedSelection {
     pub(crate) baseline_recording: Option<usize>,
     pub(crate) group_width: String,
     pub(crate) ray: Option<usize>,
+    /// Rays that are selected, too.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) others: Vec<usize>,
     pub(crate) group: Option<usize>,
     pub(crate) cell: Option<u32>,
     /// Which rays are shown; all if empty.
@@ -116,7 +119,7 @@ fn unsorted() -> String {
 
 impl From<&Selection> for SavedSelection {
     fn from(selection: &Selection) -> Self {
-        let Selection { recording, queue, method, baseline, group_width, ray, group, cell, filter } =
+        let Selection { recording, queue, method, baseline, group_width, ray, others, group, cell, filter } =
             selection.clone();
         Self {
             recording,
@@ -128,6 +131,7 @@ impl From<&Selection> for SavedSelection {
             baseline_recording: baseline.recording,
             group_width: group_width.rays().to_string(),
             ray,
+            others,
             group,
             cell,
             filter: filter.text().to_owned(),
@@ -282,8 +286,9 @@ impl SavedSelection {
         let width = GroupWidth::from_str(&self.group_width, false)?;
         let rays = record.rays;
         let groups = rays.div_ceil(width.rays() as u64);
-        for (what, chosen, all) in [("ray", self.ray, rays), ("group", self.group, groups)] {
-            if let Some(chosen) = chosen.filter(|&chosen| chosen as u64 >= all) {
+        let selected = self.ray.iter().chain(&self.others).map(|&ray| ("ray", ray, rays));
+        for (what, chosen, all) in selected.chain(self.group.map(|group| ("group", group, groups))) {
+            if chosen as u64 >= all {
                 return Err(format!("{queue} has no {what} {chosen}; there are {all}, counted from 0"));
             }
         }
@@ -295,6 +300,7 @@ impl SavedSelection {
             return Err(format!("{queue} was not ordered by {}, which was to be order A", self.baseline));
         }
         let selection = &mut context.selection;
+        selection.others.clone_from(&self.others);
         (selection.ray, selection.group, selection.cell) = (self.ray, self.group, self.cell);
         selection.filter.set(&self.filter);
         match selection.filter.error() {

@@ -146,6 +146,7 @@ impl Shot {
         if selection.queue() != before {
             // Rays of another queue, which may have other methods.
             (selection.ray, selection.group) = (None, None);
+            selection.others.clear();
             let (queue, known) = (selection.queue(), recording.methods(selection.queue()));
             let best = recording.best_method(queue);
             for (method, usual) in [(&mut selection.method, best), (&mut selection.baseline, UNSORTED)] {
@@ -164,6 +165,7 @@ impl Shot {
         }
         if self.ray.is_some() {
             (selection.ray, selection.group) = (self.ray, None);
+            selection.others.clear();
         }
         if let Some(filter) = &self.filter {
             Expression::parse(filter)

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use self::window::RowWindow;
 use super::filter_box::{filter_box, filter_problem};
-use super::notes::found;
+use super::notes::{found, select};
 use crate::model::numbers::Numbers;
 use crate::model::rows::{Direction, Rows, Sorting};
 use crate::model::{Context, Order};
@@ -138,7 +138,7 @@ impl Panel for RaysPanel {
             self.sort(by);
         }
         if let Some(ray) = done.clicked {
-            context.select_ray(Some(ray));
+            select(ui, context, Some(ray));
             self.seen = Some((ray, Arc::as_ptr(&rows)));
         }
     }
@@ -276,6 +276,7 @@ impl RaysPanel {
             column.characters = column.characters.max(longest);
         }
         let font = egui::TextStyle::Monospace.resolve(ui.style());
+        let selected = context.selection.rays();
         let glyph = ui.fonts_mut(|fonts| fonts.glyph_width(&font, '0'));
         egui::ScrollArea::horizontal().auto_shrink([false, false]).show(ui, |ui| {
             ui.spacing_mut().item_spacing.x = GAP;
@@ -296,7 +297,7 @@ impl RaysPanel {
                 body.rows(row_height, seen.len(), |mut row| {
                     let number = seen.start + row.index();
                     let ray = numbers.order.places.ray(rows.place(number));
-                    row.set_selected(context.selection.ray == Some(ray));
+                    row.set_selected(selected.contains(&ray));
                     for text in &texts[row.index()] {
                         row.col(|ui| {
                             let text = egui::RichText::new(text).monospace();

@@ -52,6 +52,10 @@ fn what_is_shown(ui: &mut Ui, options: &mut SpaceOptions) {
         .on_hover_text("Those that were touched, where their rays start, coloured by their mean length");
     ui.checkbox(&mut options.path, "Path of the selected ray")
         .on_hover_text("Its rays in all bounces; thin ones go to lights");
+    if options.path {
+        ui.checkbox(&mut options.path_group, "Paths of its whole group")
+            .on_hover_text("Those of all rays that are traced together with it");
+    }
     let visits =
         [(VisitChoice::Hidden, "none"), (VisitChoice::Ray, "the ray's"), (VisitChoice::Group, "its group's")];
     row(ui, "Boxes visited", &mut options.visits, &visits);

@@ -6,7 +6,7 @@ use glam::Vec3;
 use super::options::{Navigation, StandPoint};
 use super::view::{SpaceView, bounds, stand};
 use crate::model::{Context, Order};
-use crate::panels::notes::about_ray;
+use crate::panels::notes::{about_ray, select};
 use crate::render::camera::Camera;
 
 /// Radians for each point that the pointer is dragged.
@@ -42,7 +42,7 @@ pub(super) fn take(ui: &Ui, response: &Response, view: &mut SpaceView, context: 
     {
         let ray = nearest(view, &order, &camera, response, pointer);
         if response.clicked() {
-            context.select_ray(ray);
+            select(ui, context, ray);
         }
         if let Some(ray) = ray {
             response.clone().on_hover_text_at_pointer(about_ray(&order, ray));
@@ -106,7 +106,7 @@ fn keys(ui: &Ui, camera: &mut Camera, view: &mut SpaceView, context: &mut Contex
     }
     if pressed(Key::F) {
         let scene = context.recording().map(|open| (Vec3::ZERO, Vec3::from(open.unit().sides)));
-        let path = view.layers.path().and_then(|path| bounds(path.iter().map(|ray| ray.segment)));
+        let path = view.layers.paths().and_then(|path| bounds(path.iter().map(|ray| ray.segment)));
         if let Some((low, high)) = path.or_else(|| selected_box(context)).or(scene) {
             camera.frame(low, high);
         }

@@ -1,5 +1,6 @@
 //! From a selection to vertices: made anew only when the selection or what is shown of it changes.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -24,7 +25,7 @@ use crate::model::derived::{Filtered, Grouped};
 use crate::model::numbers::Numbers;
 use crate::model::path::PathRay;
 use crate::model::selection::Playhead;
-use crate::model::{Absent, Context, Order, Selection};
+use crate::model::{Absent, Context, Order};
 use crate::render::cell_box::{cell_box, cells};
 use crate::render::detail::Detail;
 use crate::render::geometry::{
@@ -80,11 +81,11 @@ struct Wanted {
 #[derive(Clone, Debug, PartialEq)]
 struct WantedSelected {
     order: Grouped,
-    ray: Option<usize>,
-    group: Option<usize>,
+    rays: Vec<usize>,
+    groups: BTreeSet<usize>,
     cell: Option<u32>,
-    /// The path of the ray, if it is shown.
-    path: Option<Arc<[PathRay]>>,
+    /// The paths of the ray or its group, if they are shown.
+    paths: Option<Arc<[PathRay]>>,
     /// The boxes that are visited, if they are shown, and down to which level.
     visits: Option<(VisitChoice, Arc<Visits>, u32)>,
     theme: Theme,
@@ -171,9 +172,9 @@ impl Layers {
         Some((wanted.capsules?.0, capsules.shape().len(), *all))
     }
 
-    /// The path in the last picture.
-    pub(super) fn path(&self) -> Option<&[PathRay]> {
-        self.selected.as_ref()?.0.path.as_deref()
+    /// The rays of the paths in the last picture.
+    pub(super) fn paths(&self) -> Option<&[PathRay]> {
+        self.selected.as_ref()?.0.paths.as_deref()
     }
 
     /// The boxes in the last picture, and the range of what colours them.
@@ -247,16 +248,19 @@ impl Layers {
         self.passing = filtered.passing().map(|passing| passing.len());
         // That of the ray in the middle while none is selected.
         let ray = context.selection.ray.unwrap_or(order.len() / 2);
-        let pixel = order.queue.path_ids.get(ray).copied();
-        let path = pixel.filter(|_| options.path).and_then(|pixel| context.path(pixel));
+        let paths = paths_of(options, &order, ray, context);
         let visits = self.visits_of(options, &order, ray, context);
-        let Selection { ray: chosen, mut group, cell, .. } = context.selection;
+        let (cell, mut rays) = (context.selection.cell, context.selection.rays());
+        let mut groups = context.selection.groups(&order);
         // Boxes are shown with whose they are.
-        let ray = chosen.or(visits.as_ref().map(|_| ray));
-        if matches!(&visits, Some((VisitChoice::Group, ..))) {
-            group = ray.map(|ray| order.place_of_ray()[ray] as usize / of_order.1.rays());
+        if rays.is_empty() && visits.is_some() {
+            rays.push(ray);
         }
-        let key = WantedSelected { order: of_order, ray, group, cell, path, visits, theme, map: options.map };
+        if matches!(&visits, Some((VisitChoice::Group, ..))) {
+            groups.insert(order.group_of(ray, of_order.1));
+        }
+        let key =
+            WantedSelected { order: of_order, rays, groups, cell, paths, visits, theme, map: options.map };
         if self.selected.as_ref().is_none_or(|(known, _)| *known != key) {
             let selected = selected(&order, &key, context);
             self.selected = Some((key, selected));
@@ -307,7 +311,7 @@ impl Layers {
         let part = made.places.between(&places);
         (self.shown, self.all) = (part.len(), order.len());
         // What is selected is to be found among the rest.
-        let is_selected = key.ray.is_some() || key.group.is_some() || key.cell.is_some();
+        let is_selected = !key.rays.is_empty() || !key.groups.is_empty() || key.cell.is_some();
         let rest = if is_selected { FADED } else { 1.0 };
         let lines = |geometry: &Geometry, stage, part: Range<usize>, opacity: f32, width| Layer {
             part: Some(part.start as u32..part.end as u32),
@@ -453,20 +457,20 @@ fn capsules(
     ([Shape::Capsules(capsules).into(), axes], groups.groups.len())
 }
 
-/// The layers of what is selected: the capsule of a group, the box of a cell, the rays of the group, bold lines
-/// around the cell and along the ray, and its path.
+/// The layers of what is selected: the capsules of groups, the box of a cell, the rays of the groups, bold lines
+/// around the cell and along the rays, and their paths.
 fn selected(order: &Order, wanted: &WantedSelected, context: &Context) -> Vec<Layer> {
-    let &WantedSelected { order: (_, width), ray, group, cell, theme, map, .. } = wanted;
-    let ray = ray.and_then(|ray| order.place_of_ray().get(ray)).map(|&place| place as usize);
-    let Shape::Segments(mut lines) = rays(order, ray.into_iter().map(|place| (place, 0.0))) else {
+    let &WantedSelected { order: (_, width), ref groups, cell, theme, map, .. } = wanted;
+    let places = wanted.rays.iter().filter_map(|&ray| order.place_of_ray().get(ray));
+    let Shape::Segments(mut lines) = rays(order, places.map(|&place| (place as usize, 0.0))) else {
         return Vec::new();
     };
     let options = context.recording().map(|recording| &recording.dump.manifest().header.options);
     let corners = cell.zip(options).and_then(|(cell, options)| cell_box(options, cell));
     lines.extend(corners.into_iter().flat_map(|corners| box_edges(corners, 0.0)));
-    let places = group.map_or(0..0, |group| order.places_of_group(group, width));
-    let found = group.and_then(|group| order.group(group, width));
-    let capsules = found.iter().map(|group| CapsuleInstance::of(&group.capsule, 0.0)).collect();
+    let places = groups.iter().flat_map(|&group| order.places_of_group(group, width));
+    let found = groups.iter().filter_map(|&group| order.group(group, width));
+    let capsules = found.map(|group| CapsuleInstance::of(&group.capsule, 0.0)).collect();
     let layer = |shape: Shape, stage, opacity, width| {
         let plain = Paint::Plain(theme.selected());
         Layer { width, ..Layer::of(&shape.into(), stage, plain, opacity) }
@@ -483,15 +487,33 @@ fn selected(order: &Order, wanted: &WantedSelected, context: &Context) -> Vec<La
         let lines = Layer::of(&edges.into(), Stage::Lines, paint, 1.0);
         layers.push(Layer { width: JUMP_WIDTH, hidden_opacity: HIDDEN_AXES, ..lines });
     }
-    let Some(rays) = &wanted.path else { return layers };
-    for (kind, line_width) in [(Kind::Closest, SELECTED_WIDTH), (Kind::Shadow, 1.0)] {
+    let Some(rays) = &wanted.paths else { return layers };
+    let is_one = rays.iter().all(|ray| ray.path == rays[0].path);
+    let (width, mark) = if is_one { (SELECTED_WIDTH, MARK_WIDTH) } else { (JUMP_WIDTH, 0.5 * MARK_WIDTH) };
+    for (kind, line_width) in [(Kind::Closest, width), (Kind::Shadow, 1.0)] {
         let [lines, ends] = path(rays, kind);
         let paint = Paint::Values(map, BOUNCES);
         layers.push(Layer { width: line_width, ..Layer::of(&lines.into(), Stage::OnTop, paint, 1.0) });
         let marks = Layer::of(&ends.into(), Stage::Marks, paint, 1.0);
-        layers.push(Layer { width: MARK_WIDTH, hidden_opacity: 1.0, ..marks });
+        layers.push(Layer { width: mark, hidden_opacity: 1.0, ..marks });
     }
     layers
+}
+
+/// The paths of a ray or its group, if they are to be shown.
+fn paths_of(
+    options: &SpaceOptions,
+    order: &Order,
+    ray: usize,
+    context: &mut Context,
+) -> Option<Arc<[PathRay]>> {
+    let &pixel = order.queue.path_ids.get(ray).filter(|_| options.path)?;
+    if !options.path_group {
+        return context.paths(vec![pixel]);
+    }
+    let width = context.selection.group_width;
+    let places = order.places_of_group(order.group_of(ray, width), width);
+    context.paths(places.map(|place| order.queue.path_ids[order.places.ray(place)]).collect())
 }
 
 /// The edges of the boxes that are visited: a ray's by level, a group's by how many of its rays enter each.

@@ -123,6 +123,8 @@ pub struct SpaceOptions {
     pub arrows: bool,
     /// The path of the selected ray through all bounces; that of the middle one while none is selected.
     pub path: bool,
+    /// The paths of its whole group with it.
+    pub path_group: bool,
     /// Boxes of the hierarchy that were visited.
     pub visits: VisitChoice,
     /// How far below the root they are at most.
@@ -193,6 +195,7 @@ impl Default for SpaceOptions {
             ends: false,
             arrows: false,
             path: false,
+            path_group: false,
             visits: VisitChoice::default(),
             visit_levels: 32,
             cells: false,

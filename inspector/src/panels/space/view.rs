@@ -1,5 +1,6 @@
 //! A view into space: what it shows, from where, and the picture that comes of it.
 
+use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use formats::manifest::QueueId;
@@ -14,7 +15,7 @@ use super::options::{MeshMode, Side, SpaceOptions, StandPoint, VisitChoice};
 use crate::colour_map::ColourMap;
 use crate::model::colour_by::ColourBy;
 use crate::model::{Absent, Context, Recording};
-use crate::output::{count, ordinal};
+use crate::output::{count, counted, ordinal};
 use crate::panels::data::Data;
 use crate::render::camera::Camera;
 use crate::render::gpu::errors::Refusal;
@@ -95,7 +96,7 @@ impl SpaceView {
     pub(super) fn camera_in(&mut self, at: usize, recording: &Recording) -> Camera {
         let stands_here = self.stands_in.is_none_or(|known| known == at);
         let camera = self.camera.filter(|_| stands_here);
-        let path = self.layers.path().and_then(|path| bounds(path.iter().map(|ray| ray.segment)));
+        let path = self.layers.paths().and_then(|path| bounds(path.iter().map(|ray| ray.segment)));
         let is_awaited = self.options.stand_point == StandPoint::Path && path.is_none();
         let first = || {
             let mut camera = stand(self.options.stand_point, recording);
@@ -207,9 +208,11 @@ impl SpaceView {
             cells.map(|(_, shown, all)| format!("{} of {} cells", count(shown as u64), count(all as u64)));
         let passing = self.layers.passing.filter(|_| rays.is_some());
         let passing = passing.map(|rays| format!("{} pass the filter", count(rays as u64)));
-        let path = self.layers.path().map(|path| {
-            let shadow = path.iter().filter(|ray| ray.queue.kind == Kind::Shadow).count();
-            format!("a path of {} rays, {shadow} of them to lights (thin)", path.len())
+        let paths = self.layers.paths().map(|rays| {
+            let shadow = rays.iter().filter(|ray| ray.queue.kind == Kind::Shadow).count();
+            let paths: BTreeSet<u32> = rays.iter().map(|ray| ray.path).collect();
+            let paths = counted(paths.len() as u64, "path", "paths");
+            format!("{paths} of {} rays, {shadow} of them to lights (thin)", rays.len())
         });
         let visits = self.layers.visits().map(|(visits, _)| {
             if self.options.visits == VisitChoice::Group {
@@ -220,7 +223,7 @@ impl SpaceView {
             format!("{of_ray} boxes that the ray enters, {shared} of them with others of its group")
         });
         let parts: Vec<String> =
-            [rays, passing, jumps, capsules, cells, path, visits].into_iter().flatten().collect();
+            [rays, passing, jumps, capsules, cells, paths, visits].into_iter().flatten().collect();
         if parts.is_empty() {
             "showing the scene alone".to_owned()
         } else {
