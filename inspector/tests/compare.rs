@@ -14,14 +14,15 @@ use formats::manifest::{Header, MethodArray, Place, QueueArray, QueueId, Record}
 use formats::ray::{Hit, Kind};
 use formats::reader::Dump;
 use formats::writer::DumpWriter;
+use glam::Vec3;
 use inspector::analysis::GroupWidth;
 use inspector::analysis::comparison::{Comparison, Difference};
 use inspector::analysis::differences;
 use inspector::model::numbers::Numbers;
 use inspector::model::{Context, Order};
-use inspector::panels::space::cut;
 use inspector::panels::space::layers::{Layers, RayValues};
 use inspector::panels::space::options::{Axis, Side, SpaceOptions};
+use inspector::panels::space::{cut, room};
 use inspector::render::camera::Camera;
 use inspector::render::geometry::{Geometry, Mark, Shape};
 use inspector::render::picture::{Cut, Layer, LayerUniform, Paint, SpacePicture, Stage};
@@ -288,6 +289,7 @@ fn the_clipping_plane_cuts_surfaces_alone() {
         pixels: [64, 64],
         background: [0.0; 4],
         cut: cut(&options(Axis::X, 0.5, Side::Below), sides),
+        room: room(sides, Vec3::splat(0.1), Vec3::splat(2.0)),
         layers: Vec::new(),
     };
     let plane = |stage| LayerUniform::of(&picture, &layer(stage), 1.0).cut;
@@ -297,6 +299,13 @@ fn the_clipping_plane_cuts_surfaces_alone() {
     for stage in [Stage::Lines, Stage::Marks, Stage::Arrows, Stage::Capsules, Stage::Boxes, Stage::OnTop] {
         assert_eq!(plane(stage), [0.0, 0.0, 0.0, 1.0]);
     }
+    assert_eq!(
+        LayerUniform::of(&picture, &layer(Stage::Solid), 1.0).room,
+        [sides[0], sides[1], sides[2], 1.0]
+    );
+    // From inside, and of what was recorded from outside, all is drawn.
+    assert_eq!(room(sides, Vec3::splat(0.1), Vec3::splat(0.2)), None);
+    assert_eq!(room(sides, Vec3::splat(2.0), Vec3::splat(2.0)), None);
 }
 
 #[test]

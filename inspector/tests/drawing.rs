@@ -12,7 +12,7 @@ use formats::unit_space::UnitSpace;
 use glam::Vec3;
 use inspector::model::background::Waker;
 use inspector::render::camera::Camera;
-use inspector::render::geometry::{Shape, Vertex};
+use inspector::render::geometry::{CapsuleInstance, Shape, Vertex};
 use inspector::render::gpu::PictureCallback;
 use inspector::render::gpu::errors::{Errors, Refusal};
 use inspector::render::picture::{Cut, Layer, Paint, SpacePicture, Stage};
@@ -27,7 +27,7 @@ use headless::renderer;
 fn picture(surfaces: Surfaces, camera: Camera, pixels: [u32; 2]) -> impl Fn(u32, u32) -> [u8; 3] {
     let refusal = Refusal::default();
     let shape = Shape::Mesh(surfaces);
-    let pixel = drawn(renderer(), (shape, Stage::Solid), (camera, pixels), &refusal);
+    let pixel = drawn(renderer(), (shape, Stage::Solid), (camera, pixels, None), &refusal);
     assert_eq!(refusal.reason(), None);
     pixel
 }
@@ -36,7 +36,7 @@ fn picture(surfaces: Surfaces, camera: Camera, pixels: [u32; 2]) -> impl Fn(u32,
 fn drawn(
     (renderer, format): (WgpuTestRenderer, wgpu::TextureFormat),
     (shape, stage): (Shape, Stage),
-    (camera, pixels): (Camera, [u32; 2]),
+    (camera, pixels, room): (Camera, [u32; 2], Option<[f32; 3]>),
     refusal: &Refusal,
 ) -> impl Fn(u32, u32) -> [u8; 3] + use<> {
     let theme = Theme::of(&egui::Context::default());
@@ -50,8 +50,14 @@ fn drawn(
         width: 1.0,
     };
     let layers = vec![layer];
-    let picture =
-        Arc::new(SpacePicture { camera, pixels, background: theme.background(), cut: Cut::NONE, layers });
+    let picture = Arc::new(SpacePicture {
+        camera,
+        pixels,
+        background: theme.background(),
+        cut: Cut::NONE,
+        room,
+        layers,
+    });
     let size = egui::Vec2::from(pixels.map(|side| side as f32));
     let refusal = (refusal.clone(), Waker::default());
     let harness = Harness::builder().with_size(size).with_pixels_per_point(1.0).renderer(renderer);
@@ -146,7 +152,7 @@ fn what_a_gpu_has_no_room_for_is_said_and_not_drawn() {
         let (state, renderer) = limited(|limits| limits.max_buffer_size = 1 << 20);
         let errors = Errors::of(&state.device, &Waker::default());
         let shape = (Shape::Mesh(ball(around).0), Stage::Solid);
-        let pixel = drawn((renderer, state.target_format), shape, (camera(), [64, 48]), &refusal);
+        let pixel = drawn((renderer, state.target_format), shape, (camera(), [64, 48], None), &refusal);
         assert_eq!(pixel(32, 24)[0] > 100, is_drawn, "a ball of {around} around");
         let reason = refusal.reason().unwrap_or_default();
         assert_eq!(reason.contains("1 MiB"), !is_drawn, "{reason}");
@@ -179,7 +185,8 @@ fn lines_are_drawn_in_as_many_runs_as_it_takes() {
             let (state, renderer) = limited(move |limits| limits.max_storage_buffer_binding_size = binding);
             let errors = Errors::of(&state.device, &Waker::default());
             let shape = (shape.clone(), Stage::Lines);
-            let pixel = drawn((renderer, state.target_format), shape, (camera, pixels), &Refusal::default());
+            let pixel =
+                drawn((renderer, state.target_format), shape, (camera, pixels, None), &Refusal::default());
             assert_eq!(errors.take(), Vec::<String>::new());
             let rows = 0..pixels[1];
             pictures.push(
@@ -194,6 +201,71 @@ fn lines_are_drawn_in_as_many_runs_as_it_takes() {
     assert!(lit > all / 10 && lit < all / 2, "{lit} of {all} pixels");
     for picture in &pictures[1..] {
         assert!(*picture == pictures[0], "runs or pairs of points are drawn otherwise");
+    }
+}
+
+/// A capsule is its outline: clear where it faces the eye, and not there at all for an eye inside of it.
+#[test]
+fn capsules_are_silhouettes() {
+    let capsule = CapsuleInstance {
+        origins: [0.5, 0.5, 0.3, RADIUS],
+        ends: [0.5, 0.5, 0.7, RADIUS],
+        value: 0.0,
+        padding: [0.0; 3],
+    };
+    let pixels = [160, 120];
+    let seen = |distance: f32| {
+        let shape = (Shape::Capsules(vec![capsule]), Stage::Capsules);
+        drawn(renderer(), shape, (Camera { distance, ..camera() }, pixels, None), &Refusal::default())
+    };
+    let outside = seen(4.0);
+    let (background, middle) = (outside(0, 0)[0], outside(80, 60)[0]);
+    let brightest = (0..pixels[0]).map(|column| outside(column, 60)[0]).max().unwrap();
+    assert!(middle > background && middle - background < 50, "{middle} before {background}");
+    assert!(brightest - background > 100, "{brightest} before {background}");
+    let inside = seen(0.05);
+    for (column, row) in (0..pixels[0]).flat_map(|column| (0..pixels[1]).map(move |row| (column, row))) {
+        assert_eq!(inside(column, row)[0], background, "fog at {column}, {row}");
+    }
+}
+
+/// Of a room that is seen from outside, the walls before its middle are left out: which is which does not depend on
+/// how their corners run. Its floor stays, and what stands in it.
+#[test]
+fn a_room_is_looked_into_from_outside() {
+    let sides = [1.0, 0.5, 1.0];
+    let camera = Camera::overview(sides);
+    let (unit, pixels) = (UnitSpace::from_bounds([0.0; 3], [1.0; 3]), [160, 120]);
+    // A square across an axis.
+    let is_seen = |axis: usize, at: f32, room: Option<[f32; 3]>| {
+        [[0, 1, 2, 3], [3, 2, 1, 0]].map(|corners| {
+            let corner = |corner: usize| {
+                let mut position = [0.4, 0.2, 0.4];
+                position[(axis + 1) % 3] += 0.2 * (corner & 1) as f32;
+                position[(axis + 2) % 3] += 0.2 * (corner >> 1) as f32;
+                position[axis] = at;
+                position
+            };
+            let triangles = [[0, 1, 2], [1, 3, 2]];
+            let surfaces = Surfaces::new(&unit, &corners.map(corner), &triangles);
+            let shape = (Shape::Mesh(surfaces), Stage::Solid);
+            let pixel = drawn(renderer(), shape, (camera, pixels, room), &Refusal::default());
+            let all = (0..pixels[0]).flat_map(|column| (0..pixels[1]).map(move |row| (column, row)));
+            all.map(|(column, row)| pixel(column, row)[0]).max() > Some(100)
+        })
+    };
+    let eye = camera.eye();
+    for axis in 0..3 {
+        let (near, far) = if eye[axis] > sides[axis] { (sides[axis], 0.0) } else { (0.0, sides[axis]) };
+        assert_eq!(is_seen(axis, near, None), [true; 2], "the whole of axis {axis}");
+        assert_eq!(is_seen(axis, near, Some(sides)), [false; 2], "the near wall of axis {axis}");
+        assert_eq!(is_seen(axis, far, Some(sides)), [true; 2], "the far wall of axis {axis}");
+        let inner = 0.5 * sides[axis] + 0.1 * (near - far);
+        assert_eq!(
+            is_seen(axis, inner, Some(sides)),
+            [true; 2],
+            "what stands before the middle of axis {axis}"
+        );
     }
 }
 

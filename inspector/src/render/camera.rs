@@ -92,7 +92,7 @@ impl Camera {
             target: 0.5 * sides,
             yaw: 0.7,
             pitch: -0.55,
-            distance: 1.15 * sides.length(),
+            distance: 1.25 * sides.length(),
             yfov_radians: OVERVIEW_YFOV,
         }
     }

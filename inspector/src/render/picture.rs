@@ -95,11 +95,13 @@ pub struct SpacePicture {
     pub background: ShaderColour,
     /// What is cut away of surfaces.
     pub cut: Cut,
+    /// The sides of a room that is seen from outside: its walls before its middle are not drawn.
+    pub room: Option<[f32; 3]>,
     /// What is drawn.
     pub layers: Vec<Layer>,
 }
 
-/// What shaders know of a layer; 144 bytes.
+/// What shaders know of a layer; 160 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct LayerUniform {
@@ -111,6 +113,8 @@ pub struct LayerUniform {
     pub plain: [f32; 4],
     /// What is cut away: normal and offset.
     pub cut: [f32; 4],
+    /// The sides of a room, and 1 if its walls are not drawn.
+    pub room: [f32; 4],
     /// Pixels across and down.
     pub viewport: [f32; 2],
     /// Of lines, pixels.
@@ -141,11 +145,13 @@ impl LayerUniform {
             _ => Cut::NONE,
         };
         let [x, y, z] = cut.normal;
+        let room = picture.room.map_or([0.0; 4], |[width, height, depth]| [width, height, depth, 1.0]);
         Self {
             clip_from_unit: picture.camera.clip_from_unit(width / height).to_cols_array_2d(),
             eye: picture.camera.eye().extend(1.0).to_array(),
             plain,
             cut: [x, y, z, cut.offset],
+            room,
             viewport: [width, height],
             width: layer.width,
             opacity,

@@ -24,7 +24,7 @@ use crate::render::gpu::PictureCallback;
 use crate::theme::Theme;
 
 pub(super) use self::view::{RATIOS, SpaceState};
-pub use self::view::{SpaceView, ViewSetup, cut};
+pub use self::view::{SpaceView, ViewSetup, cut, room};
 
 impl SpaceView {
     /// The picture alone. Pointer and keys move the camera and choose rays.

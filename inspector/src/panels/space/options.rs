@@ -139,7 +139,7 @@ pub struct SpaceOptions {
     pub capsule_choice: CapsuleChoice,
     /// How many of them at most.
     pub capsule_count: usize,
-    /// Opacity of capsules where one looks straight at them, 0 to 1; their outline has more.
+    /// Opacity of cells, 0 to 1, by which capsules are drawn, too: nearly clear but at their outlines.
     pub capsule_opacity: f32,
     /// Most rays that are shown.
     pub detail: usize,

@@ -292,6 +292,7 @@ impl SpaceView {
             pixels,
             background: theme.background(),
             cut,
+            room: room(recording.unit().sides, stand(StandPoint::Recorded, recording).eye(), camera.eye()),
             layers: mesh.into_iter().chain(layers).collect(),
         })
     }
@@ -312,6 +313,12 @@ pub fn cut(options: &SpaceOptions, sides: [f32; 3]) -> Cut {
     let mut normal = [0.0; 3];
     normal[axis] = direction;
     Cut { normal, offset: direction * options.clip_at * sides[axis] }
+}
+
+/// The sides of a scene that was recorded from inside, where it is seen from outside: one looks into it.
+pub fn room(sides: [f32; 3], recorded: Vec3, eye: Vec3) -> Option<[f32; 3]> {
+    let is_inside = |eye: Vec3| (0..3).all(|axis| (0.0..=sides[axis]).contains(&eye[axis]));
+    (is_inside(recorded) && !is_inside(eye)).then_some(sides)
 }
 
 /// The lowest and the highest corner of the box around some rays; `None` for none.

@@ -1,4 +1,4 @@
-// Capsules: two spheres and the cone that touches both, one per instance. The outline is less translucent.
+// Capsules: two spheres and the cone that touches both, one per instance, as silhouettes: clear but at the outline.
 struct CapsulePoint {
     @builtin(position) position: vec4<f32>,
     @location(0) in_unit_space: vec3<f32>,
@@ -45,8 +45,10 @@ fn capsule_vertex(
 
 @fragment
 fn capsule_fragment(point: CapsulePoint) -> @location(0) vec4<f32> {
-    let facing = abs(dot(normalize(point.normal), normalize(layer.eye.xyz - point.in_unit_space)));
-    let outline = pow(1.0 - facing, 4.0);
-    let alpha = clamp(layer.opacity * (0.3 + 4.5 * outline), 0.0, 1.0);
-    return shown(colour_of(point.value) * (0.75 + 0.25 * facing), alpha);
+    let facing = dot(normalize(point.normal), normalize(layer.eye.xyz - point.in_unit_space));
+    // A far side has no outline of its own: from inside it would be fog.
+    let is_near = clamp(facing / max(fwidth(facing), 1e-6), 0.0, 1.0);
+    let outline = pow(1.0 - max(facing, 0.0), 4.0);
+    let alpha = clamp(layer.opacity * (0.15 + 5.0 * outline), 0.0, 1.0);
+    return shown(colour_of(point.value), is_near * alpha);
 }

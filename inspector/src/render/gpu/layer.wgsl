@@ -4,6 +4,7 @@ struct Layer {
     eye: vec4<f32>,
     plain: vec4<f32>,
     cut: vec4<f32>,
+    room: vec4<f32>,
     viewport: vec2<f32>,
     width: f32,
     opacity: f32,

@@ -16,11 +16,22 @@ fn mesh_vertex(@location(0) corner: vec3<f32>, @builtin(instance_index) grid: u3
     return point;
 }
 
+// Of a wall's distance from the middle of a room, part of that of the room's box in its direction.
+const WALLS_FROM: f32 = 0.4;
+
+// Whether a wall stands between the eye and the middle of a room that is seen from outside.
+fn is_in_front(p: vec3<f32>, normal: vec3<f32>) -> bool {
+    let middle = 0.5 * layer.room.xyz;
+    let to_middle = dot(normal, middle - p);
+    let is_between = to_middle * dot(normal, layer.eye.xyz - p) < 0.0;
+    return layer.room.w > 0.0 && is_between && abs(to_middle) > WALLS_FROM * dot(abs(normal), middle);
+}
+
 @fragment
 fn mesh_fragment(point: MeshPoint) -> @location(0) vec4<f32> {
     let p = point.in_unit_space;
     let normal = normalize(cross(dpdx(p), dpdy(p)));
-    if is_cut_away(p) {
+    if is_cut_away(p) || is_in_front(p, normal) {
         discard;
     }
     let facing = abs(dot(normal, normalize(layer.eye.xyz - p)));

@@ -78,8 +78,20 @@ mod tests {
         let found: Vec<(&str, usize)> =
             members.iter().map(|member| (member.name.as_deref().unwrap(), member.offset as usize)).collect();
         macro_rules! offsets { ($($field:ident),*) => { [$((stringify!($field), offset_of!(LayerUniform, $field))),*] } }
-        let expected =
-            offsets!(clip_from_unit, eye, plain, cut, viewport, width, opacity, low, high, map, points_each);
+        let expected = offsets!(
+            clip_from_unit,
+            eye,
+            plain,
+            cut,
+            room,
+            viewport,
+            width,
+            opacity,
+            low,
+            high,
+            map,
+            points_each
+        );
         assert_eq!(found, expected);
         assert_eq!(*span as usize, size_of::<LayerUniform>());
     }
