@@ -48,7 +48,7 @@ fn capsule_fragment(point: CapsulePoint) -> @location(0) vec4<f32> {
     let facing = dot(normalize(point.normal), normalize(layer.eye.xyz - point.in_unit_space));
     // A far side has no outline of its own: from inside it would be fog.
     let is_near = clamp(facing / max(fwidth(facing), 1e-6), 0.0, 1.0);
-    let outline = pow(1.0 - max(facing, 0.0), 4.0);
-    let alpha = clamp(layer.opacity * (0.15 + 5.0 * outline), 0.0, 1.0);
+    let outline = pow(1.0 - max(facing, 0.0), 6.0);
+    let alpha = clamp(layer.opacity * (0.15 + 7.0 * outline), 0.0, 1.0);
     return shown(colour_of(point.value), is_near * alpha);
 }
