@@ -146,6 +146,11 @@ impl<const N: usize> Element for [u32; N] {
     const COLUMNS: u64 = N as u64;
 }
 
+impl<const N: usize> Element for [u8; N] {
+    const DTYPE: Dtype = Dtype::U1;
+    const COLUMNS: u64 = N as u64;
+}
+
 /// What an NPY header says.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NpyHeader {

@@ -100,6 +100,16 @@ impl QueueRules {
             .then(|| format!("ray {at} goes to light {} of {}", lights[at], self.lights))
     }
 
+    /// What is wrong with an entry of `throughput`: no light is negative, and a camera ray's path lost none yet.
+    pub fn throughput_fault(&self, throughput: &[[f32; 3]], at: usize) -> Option<String> {
+        let found = throughput[at];
+        let is_first = self.queue.bounce == 0;
+        let is_right = found.iter().all(|part| part.is_finite() && *part >= 0.0);
+        let expected = if is_first { "1, 1, 1 of a camera ray" } else { "finite numbers of at least 0" };
+        (!is_right || is_first && found != [1.0; 3])
+            .then(|| format!("ray {at} carries {found:?}, expected {expected}"))
+    }
+
     /// Checks all of a queue that has `expected` rays. That path indices ascend below the number of
     /// pixels also holds the rays to what was made room for.
     ///

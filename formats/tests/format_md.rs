@@ -156,7 +156,7 @@ fn the_table_lists_every_array_with_its_type() {
     let folder = tempfile::tempdir().unwrap();
     let dump = Dump::open(&sample::write(folder.path())).unwrap();
     let documented = documented_arrays();
-    assert_eq!(documented.len(), 20);
+    assert_eq!(documented.len(), 22);
     let mut seen = BTreeSet::new();
     for array in &dump.manifest().arrays {
         let path = array.place.to_string();

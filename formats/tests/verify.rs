@@ -242,9 +242,39 @@ fn wrong_scenes_and_pictures_are_found() {
     assert_found("scene", "material 2 of 2", |path| {
         edit_array::<u32>(path, &Place::Scene(SceneArray::Materials), |materials| materials[0] = 2);
     });
+    assert_found("throughput", "ray 3 carries [1.0, -0.5, 1.0]", |path| {
+        edit_array::<[f32; 3]>(path, &queue(QueueArray::Throughput), |carried| carried[3][1] = -0.5);
+    });
+    assert_found("throughput", "expected finite", |path| {
+        edit_array::<[f32; 3]>(path, &queue(QueueArray::Throughput), |carried| carried[0][2] = f32::NAN);
+    });
+    assert_found("throughput", "1, 1, 1 of a camera ray", |path| {
+        let camera = Place::Queue(QueueId { bounce: 0, ..CLOSEST }, QueueArray::Throughput);
+        edit_array::<[f32; 3]>(path, &camera, |carried| carried[0] = [0.5; 3]);
+    });
     assert_found("image", "SHA-256", |path| {
         edit_array::<f32>(path, &Place::Image, |values| values[0] += 0.5);
     });
+}
+
+/// Recordings of before have no colours, and are complete.
+#[test]
+fn a_scene_lacks_colours_since_version_8() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = sample::write(folder.path());
+    let colours = Place::Scene(SceneArray::Colours);
+    fs::remove_file(path.join(colours.to_string())).unwrap();
+    let manifest = path.join("manifest.bin");
+    let frames = scan(&manifest).unwrap().frames.into_iter().map(|frame| frame.record);
+    let others = frames.filter(|record| !matches!(record, Record::Array(array) if array.place == colours));
+    let records: Vec<u8> = others.flat_map(|record| encode_frame(&record).unwrap()).collect();
+    for (version, expected) in [(8u32, "there is no scene/colours.npy"), (7, "")] {
+        let mut bytes = preamble().to_vec();
+        bytes[8..12].copy_from_slice(&version.to_le_bytes());
+        bytes.extend(&records);
+        fs::write(&manifest, bytes).unwrap();
+        assert_eq!(problems(&check(&path), "kept").split(", but").next(), Some(expected));
+    }
 }
 
 /// Whatever the header and the methods say, nothing panics and nothing huge is allocated.

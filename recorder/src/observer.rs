@@ -143,7 +143,6 @@ impl<'a> Recorder<'a> {
 
     fn keep_queue<B: Backend>(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
         let (keep, id) = (&self.plan.keep, rays.id());
-        let shape = [rays.len() as u64];
         let differs = match self.plan.recorded {
             None => false,
             Some(dump) => {
@@ -156,15 +155,19 @@ impl<'a> Recorder<'a> {
             Kind::Closest => (QueueArray::Hits, Dtype::Hit),
             Kind::Shadow => (QueueArray::Distances, Dtype::F4),
         };
+        let is_closest = id.kind == Kind::Closest;
         let arrays = [
             (keep.rays, QueueArray::Rays, Dtype::Ray, Array::Rays(rays)),
             (keep.rays, QueueArray::PathIds, Dtype::U4, Array::PathIds(rays)),
-            (keep.rays && id.kind == Kind::Shadow, QueueArray::Lights, Dtype::U4, Array::Lights(rays)),
+            (keep.rays && !is_closest, QueueArray::Lights, Dtype::U4, Array::Lights(rays)),
             (keep.hits || differs, results, result_type, Array::Hits(hits)),
             (keep.work && self.plan.counts_work, QueueArray::Work, Dtype::Work, Array::Work(rays)),
+            (keep.throughput && is_closest, QueueArray::Throughput, Dtype::F4, Array::Throughput(rays)),
         ];
         for (_, name, dtype, array) in arrays.into_iter().filter(|(is_kept, ..)| *is_kept) {
-            self.capture.array(Place::Queue(id, name), dtype, &shape, |sink| backend.read(array, sink))?;
+            let in_columns = [rays.len() as u64, 3];
+            let shape = if name == QueueArray::Throughput { &in_columns[..] } else { &in_columns[..1] };
+            self.capture.array(Place::Queue(id, name), dtype, shape, |sink| backend.read(array, sink))?;
         }
         if keep.lengths {
             let cells = collected(backend, Array::Lengths(id.kind))?;

@@ -5,6 +5,7 @@
 //! that the scene uses, [`bvh`] builds and caches the hierarchies that tracers walk.
 
 mod automatic;
+pub mod base_colour;
 pub mod bounds;
 mod brightness;
 pub mod builtin;

@@ -12,7 +12,7 @@ use crate::programs::Program;
 
 /// A picture and a path length that take a second or two, with every array that can be kept.
 pub const SMALL: &str = "--width 64 --height 36 --bounces 3 --passes 2 \
-    --keep rays,hits,keys,permutations,lengths,scene,image,caches,work,hierarchy";
+    --keep rays,hits,keys,permutations,lengths,scene,image,caches,work,hierarchy,throughput";
 
 /// Records `scene` as `NAME.raydump` in `folder` with [`SMALL`] and further `options`; gives what `--json` printed.
 ///

@@ -26,7 +26,7 @@ const ROOMS: [(&str, &str); 4] = [
     ),
     (
         "scenes",
-        "bounds camera features hash material memory shown light scene automatic files brightness bvh \
+        "bounds camera features hash material memory shown light scene base_colour automatic files brightness bvh \
          sidecar builtin gltf load views",
     ),
     (

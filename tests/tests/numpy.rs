@@ -20,13 +20,13 @@ CELL = np.dtype([("cell", "<u4"), ("count", "<u4"), ("sum", "<u8")])
 WORK = np.dtype([("nodes", "<u4"), ("triangles", "<u4")])
 MASK = np.dtype([("texture", "<u4"), ("cutoff", "<f4")])
 TYPES = {
-    "positions": "<f4", "uvs": "<f4", "image": "<f4", "distances": "<f4",
+    "positions": "<f4", "uvs": "<f4", "image": "<f4", "distances": "<f4", "throughput": "<f4", "colours": "|u1",
     "path_ids": "<u4", "lights": "<u4", "materials": "<u4", "permutation": "<u4",
     "node_boxes": "<f4", "node_children": "<u4", "leaf_triangles": "<u4",
     "rays": RAY, "hits": HIT, "work": WORK, "lengths": CELL, "final-lengths": CELL, "masks": MASK,
 }
 folder, key_type, width, height = pathlib.Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
-COLUMNS = {"positions": 3, "uvs": 2, "node_children": 8}
+COLUMNS = {"positions": 3, "uvs": 2, "node_children": 8, "throughput": 3, "colours": 3}
 paths = sorted(folder.rglob("*.npy"))
 for path in paths:
     array = np.load(path, mmap_mode="r")
@@ -79,9 +79,19 @@ fn numpy_opens_all(scene: &str, key_bits: u32, key_type: &str) -> Vec<String> {
 #[test]
 fn numpy_opens_every_array_with_32_bit_keys() {
     let paths = numpy_opens_all("builtin:cornell", 32, "<u4");
-    for name in
-        ["hits", "distances", "lights", "path_ids", "work", "lengths", "final-lengths", "keys", "permutation"]
-    {
+    for name in [
+        "hits",
+        "distances",
+        "lights",
+        "path_ids",
+        "work",
+        "throughput",
+        "colours",
+        "lengths",
+        "final-lengths",
+        "keys",
+        "permutation",
+    ] {
         assert!(
             paths.iter().any(|path| path.ends_with(&format!("/{name}.npy"))),
             "no {name}.npy among {paths:?}"

@@ -21,8 +21,19 @@ const TRACE_KERNELS: &[&str] = &["wide", "cwbvh", "bvh2", "lanes", "packet", "ra
 /// Which passes may be kept.
 const KEPT_PASSES: &[&str] = &["measured", "all"];
 /// The words of `--keep`, in the order in which they are listed.
-pub const KEEP_WORDS: [&str; 10] =
-    ["rays", "hits", "keys", "permutations", "lengths", "scene", "image", "caches", "work", "hierarchy"];
+pub const KEEP_WORDS: [&str; 11] = [
+    "rays",
+    "hits",
+    "keys",
+    "permutations",
+    "lengths",
+    "scene",
+    "image",
+    "caches",
+    "work",
+    "hierarchy",
+    "throughput",
+];
 
 /// How far the length of a camera's vector may be from 1.
 const UNIT_TOLERANCE: f64 = 1e-4;

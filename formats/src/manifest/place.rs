@@ -50,6 +50,8 @@ pub enum SceneArray {
     Triangles,
     /// Material of each triangle, u4 (M,).
     Materials,
+    /// Base colour of each triangle, sRGB, u1 (M, 3).
+    Colours,
     /// Texture coordinates of each vertex, f4 (N, 2); only with an alpha mask.
     Uvs,
     /// [`MaterialMask`](crate::npy::MaterialMask) of each material; only with an alpha mask.
@@ -79,6 +81,8 @@ pub enum QueueArray {
     Lights,
     /// [`Work`](crate::ray::Work) of the trace kernel.
     Work,
+    /// What the path of each closest ray carries as the ray leaves: linear RGB, f4 (N, 3).
+    Throughput,
     /// Touched cells of the length table of this kind, as the methods of this queue read it.
     Lengths,
     /// The same after this queue's lengths were added: the last state, with the last queue of its kind.
@@ -96,13 +100,14 @@ pub enum MethodArray {
 
 impl QueueArray {
     /// Every array of a queue.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Rays,
         Self::PathIds,
         Self::Hits,
         Self::Distances,
         Self::Lights,
         Self::Work,
+        Self::Throughput,
         Self::Lengths,
         Self::FinalLengths,
     ];
@@ -116,6 +121,7 @@ impl QueueArray {
             Self::Distances => "distances",
             Self::Lights => "lights",
             Self::Work => "work",
+            Self::Throughput => "throughput",
             Self::Lengths => "lengths",
             Self::FinalLengths => "final-lengths",
         }
@@ -129,7 +135,7 @@ impl QueueArray {
     /// Whether queues of this kind have it.
     pub fn applies_to(self, kind: Kind) -> bool {
         match self {
-            Self::Hits => kind == Kind::Closest,
+            Self::Hits | Self::Throughput => kind == Kind::Closest,
             Self::Distances | Self::Lights => kind == Kind::Shadow,
             _ => true,
         }
@@ -140,7 +146,7 @@ impl QueueArray {
             Self::Rays => &[Dtype::Ray],
             Self::PathIds | Self::Lights => &[Dtype::U4],
             Self::Hits => &[Dtype::Hit],
-            Self::Distances => &[Dtype::F4],
+            Self::Distances | Self::Throughput => &[Dtype::F4],
             Self::Work => &[Dtype::Work],
             Self::Lengths | Self::FinalLengths => &[Dtype::Cell],
         }
@@ -161,10 +167,11 @@ impl MethodArray {
 }
 
 impl SceneArray {
-    const NAMED: [(Self, &str); 8] = [
+    const NAMED: [(Self, &str); 9] = [
         (Self::Positions, "positions"),
         (Self::Triangles, "triangles"),
         (Self::Materials, "materials"),
+        (Self::Colours, "colours"),
         (Self::Uvs, "uvs"),
         (Self::Masks, "masks"),
         (Self::NodeBoxes, "node_boxes"),
@@ -177,7 +184,7 @@ impl SceneArray {
             Self::Positions | Self::Uvs | Self::NodeBoxes => &[Dtype::F4],
             Self::Triangles | Self::Materials | Self::NodeChildren | Self::LeafTriangles => &[Dtype::U4],
             Self::Masks => &[Dtype::Mask],
-            Self::Mask(_) => &[Dtype::U1],
+            Self::Colours | Self::Mask(_) => &[Dtype::U1],
         }
     }
 }
@@ -197,6 +204,7 @@ impl Place {
             Self::Queue(_, QueueArray::Rays | QueueArray::PathIds | QueueArray::Lights) => "rays",
             Self::Queue(_, QueueArray::Hits | QueueArray::Distances) => "hits",
             Self::Queue(_, QueueArray::Work) => "work",
+            Self::Queue(_, QueueArray::Throughput) => "throughput",
             Self::Queue(_, QueueArray::Lengths | QueueArray::FinalLengths) => "lengths",
             Self::Method(_, _, MethodArray::Keys) => "keys",
             Self::Method(_, _, MethodArray::Permutation) => "permutations",
@@ -265,7 +273,8 @@ impl Place {
     fn dimensions(&self) -> &'static [Dimension] {
         match self {
             Self::Image => &[None, None, Some(3)],
-            Self::Scene(SceneArray::Positions | SceneArray::Triangles) => &[None, Some(3)],
+            Self::Scene(SceneArray::Positions | SceneArray::Triangles | SceneArray::Colours)
+            | Self::Queue(_, QueueArray::Throughput) => &[None, Some(3)],
             Self::Scene(SceneArray::Uvs) => &[None, Some(2)],
             Self::Scene(SceneArray::NodeBoxes) => &[None, Some(8), Some(6)],
             Self::Scene(SceneArray::NodeChildren) => &[None, Some(8)],

@@ -39,6 +39,9 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
     check
 }
 
+/// The first version of the format whose scenes have colours.
+const COLOURS_SINCE: u32 = 8;
+
 /// Where the arrays are that a recording has if it keeps everything.
 fn promised(manifest: &Manifest) -> impl Iterator<Item = Place> + '_ {
     let scene = [
@@ -49,12 +52,10 @@ fn promised(manifest: &Manifest) -> impl Iterator<Item = Place> + '_ {
         SceneArray::NodeChildren,
         SceneArray::LeafTriangles,
     ];
-    let scene = scene.map(Place::Scene);
+    let has_colours = manifest.version >= COLOURS_SINCE;
+    let scene = scene.into_iter().chain(has_colours.then_some(SceneArray::Colours)).map(Place::Scene);
     let image = (manifest.header.source == Source::Traced).then_some(Place::Image);
-    scene
-        .into_iter()
-        .chain(image)
-        .chain(manifest.queues.iter().flat_map(|queue| promised_of(manifest, queue)))
+    scene.chain(image).chain(manifest.queues.iter().flat_map(|queue| promised_of(manifest, queue)))
 }
 
 fn promised_of<'a>(manifest: &'a Manifest, queue: &'a QueueRecord) -> impl Iterator<Item = Place> + 'a {
@@ -62,6 +63,8 @@ fn promised_of<'a>(manifest: &'a Manifest, queue: &'a QueueRecord) -> impl Itera
         // Of the last queue of its kind alone.
         QueueArray::FinalLengths => false,
         QueueArray::Work => is_counted(manifest),
+        // Recorded rays come without it.
+        QueueArray::Throughput => manifest.header.source == Source::Traced && array.applies_to(queue.id.kind),
         _ => array.applies_to(queue.id.kind),
     });
     let unclaimed = manifest.methods.iter().filter(|record| !record.has_layout());

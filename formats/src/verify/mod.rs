@@ -6,7 +6,7 @@
 //! - `records`: queues, timings and cache records of what was recorded
 //! - `decisions`: what `auto` chose
 //! - `kept`: that what the header says was kept is there
-//! - `queues`: arrays that belong together, rays, path indices, lights
+//! - `queues`: arrays that belong together, rays, path indices, lights, throughput
 //! - `hits`: hits and distances against their rays and triangles
 //! - `work`: what was counted of each ray, by its way through the hierarchy
 //! - `orders`: keys recomputed from the stored rays, permutations

@@ -1,4 +1,4 @@
-//! Arrays that belong together, and those that speak for themselves: rays, path indices, lights.
+//! Arrays that belong together, and those that speak for themselves: rays, path indices, lights, throughput.
 
 use super::{Check, Queue, Subject};
 use crate::key::method::{AUTO, CONTROL, SHUFFLED};
@@ -12,13 +12,17 @@ pub(super) fn check(subject: &Subject<'_>) -> Vec<Check> {
     let mut rays = Check::new("rays");
     let mut path_ids = Check::new("path indices");
     let mut lights = Check::new("lights");
+    let mut throughput = Check::new("throughput");
     for &queue in subject.queues.keys() {
         check_structure(subject, queue, &mut structure);
         check_entries(subject, queue, QueueArray::Rays, QueueRules::ray_fault, &mut rays);
         check_entries(subject, queue, QueueArray::PathIds, QueueRules::path_id_fault, &mut path_ids);
         check_entries(subject, queue, QueueArray::Lights, QueueRules::light_fault, &mut lights);
+        let carried = QueueArray::Throughput;
+        check_entries(subject, queue, carried, QueueRules::throughput_fault, &mut throughput);
     }
-    vec![structure, rays, path_ids, lights]
+    let throughput = (throughput.checked > 0).then_some(throughput);
+    [structure, rays, path_ids, lights].into_iter().chain(throughput).collect()
 }
 
 fn check_structure(subject: &Subject<'_>, queue: QueueId, check: &mut Check) {

@@ -146,6 +146,11 @@ fn check_scene(subject: &Subject<'_>) -> Check {
         });
         check_masks(subject, &mut check, &materials, positions.len());
     }
+    if let Some(colours) = subject.array::<[u8; 3]>(&array(SceneArray::Colours)) {
+        check.require(colours.len() == triangles.len(), || {
+            format!("scene/colours.npy has {} entries for {} triangles", colours.len(), triangles.len())
+        });
+    }
     check
 }
 

@@ -32,10 +32,13 @@ pub(super) fn write(folder: &Path, kind: Kind) -> PathBuf {
     };
     header.options.table_bits = TABLE_BITS_MIN;
     header.options.methods = vec!["unsorted".to_owned(), name.to_owned()];
-    header.options.keep.retain(|word| !matches!(word.as_str(), "image" | "caches" | "work" | "hierarchy"));
+    header
+        .options
+        .keep
+        .retain(|word| !matches!(word.as_str(), "image" | "caches" | "work" | "hierarchy" | "throughput"));
     header.options.keep_passes = "measured".to_owned();
     let mut writer = DumpWriter::create(&folder.join("original"), header.clone(), false).unwrap();
-    for array in [SceneArray::Positions, SceneArray::Triangles, SceneArray::Materials] {
+    for array in [SceneArray::Positions, SceneArray::Triangles, SceneArray::Materials, SceneArray::Colours] {
         let record = whole.record(&Place::Scene(array)).unwrap();
         let mut file = writer.array(&record.place, record.dtype, &record.shape).unwrap();
         file.write(&whole.bytes(record).unwrap()).unwrap();

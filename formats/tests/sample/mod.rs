@@ -253,6 +253,8 @@ fn write_scene(writer: &mut DumpWriter) -> Result<(), WriteError> {
     writer.whole_array(&scene(SceneArray::Triangles), &[triangles, 3], &TRIANGLES)?;
     let materials: Vec<u32> = (0..TRIANGLES.len() as u32).map(|i| i / 10).collect();
     writer.whole_array(&scene(SceneArray::Materials), &[triangles], &materials)?;
+    let colours: Vec<[u8; 3]> = (0..TRIANGLES.len() as u8).map(|i| [40 + 8 * i, 200 - 8 * i, 90]).collect();
+    writer.whole_array(&scene(SceneArray::Colours), &[triangles, 3], &colours)?;
     let uvs: Vec<[f32; 2]> = positions.iter().map(|p| [p[0], p[1]]).collect();
     writer.whole_array(&scene(SceneArray::Uvs), &[vertices, 2], &uvs)?;
     let none = MaterialMask { texture: MaterialMask::NO_TEXTURE, cutoff: 0.0 };
@@ -287,7 +289,12 @@ fn write_queue(writer: &mut DumpWriter, queue: &Queue) -> Result<(), WriteError>
     writer.whole_array(&place(QueueArray::Rays), &[rays], &queue.rays)?;
     writer.whole_array(&place(QueueArray::PathIds), &[rays], &queue.path_ids)?;
     match queue.id.kind {
-        Kind::Closest => writer.whole_array(&place(QueueArray::Hits), &[rays], &queue.hits)?,
+        Kind::Closest => {
+            writer.whole_array(&place(QueueArray::Hits), &[rays], &queue.hits)?;
+            // White walls reflect all, red ones lose half of the rest.
+            let carried = vec![[1.0, 0.5f32.powi(queue.id.bounce as i32), 1.0]; queue.rays.len()];
+            writer.whole_array(&place(QueueArray::Throughput), &[rays, 3], &carried)?;
+        }
         Kind::Shadow => {
             writer.whole_array(&place(QueueArray::Distances), &[rays], &queue.distances)?;
             writer.whole_array(&place(QueueArray::Lights), &[rays], &queue.lights)?;

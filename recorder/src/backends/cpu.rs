@@ -269,6 +269,10 @@ impl Backend for CpuBackend {
                 let lights: Vec<u32> = states.iter().map(|state| state.light).collect();
                 sink(bytemuck::cast_slice(&lights))
             }),
+            Array::Throughput(rays) => rays.paths.states.chunks(SINK_ITEMS).try_for_each(|states| {
+                let carried: Vec<[f32; 3]> = states.iter().map(|state| state.color).collect();
+                sink(bytemuck::cast_slice(&carried))
+            }),
             Array::Work(rays) => whole(bytemuck::cast_slice(&self.tracer.work(rays.rays(), rays.id.kind))),
             Array::LaneUse(rays) => match self.tracer.lane_use(rays.rays(), rays.id.kind) {
                 Some(LaneUse { width, work, capacity }) => {

@@ -100,6 +100,8 @@ pub enum Array<'a, B: Backend + ?Sized> {
     PathIds(&'a B::Rays),
     /// Light index of each shadow ray, u32.
     Lights(&'a B::Rays),
+    /// Throughput of the path of each closest ray, linear RGB, f32 each; zero where rays were recorded.
+    Throughput(&'a B::Rays),
     /// Work of tracing each ray, [`formats::ray::Work`] each, from an untimed run.
     Work(&'a B::Rays),
     /// Lanes of a group, work of all rays as they lie and what its steps had room for, u64 each, from an untimed

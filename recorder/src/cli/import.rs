@@ -92,6 +92,11 @@ pub(super) struct ImportArguments {
 impl ImportArguments {
     fn options(&self) -> Result<ImportOptions, OptionError> {
         in_range("bounce", self.bounce, 0, BOUNCES_MAX - 1)?;
+        let keep = Keep::parse(&self.keep)?;
+        if keep.throughput {
+            let message = "--keep throughput: rays of another tracer come without what their paths carry";
+            return Err(OptionError::Conflict { message: message.to_owned() });
+        }
         let AskedOrders { methods, control, shuffled, auto } =
             parse_orders(&self.methods, &self.own_methods)?;
         let run = RecordOptions {
@@ -107,7 +112,7 @@ impl ImportArguments {
             auto,
             key_bits: self.key_bits,
             device: self.device.clone(),
-            keep: Keep::parse(&self.keep)?,
+            keep,
             force: self.force,
             ..RecordOptions::base()?
         };

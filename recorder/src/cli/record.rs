@@ -89,7 +89,7 @@ pub(super) struct RecordArguments {
     table_method: String,
     #[command(flatten)]
     device: DeviceOptions,
-    /// Arrays to keep: rays,hits,keys,permutations,lengths,scene,image,caches,work,hierarchy, or none.
+    /// Arrays to keep: rays,hits,keys,permutations,lengths,scene,image,caches,work,hierarchy,throughput, or none.
     #[arg(
         long,
         default_value = "rays,hits,keys,permutations,lengths,scene,image,caches",

@@ -36,11 +36,13 @@ pub struct Keep {
     pub work: bool,
     /// The hierarchy.
     pub hierarchy: bool,
+    /// What the paths of closest rays carry.
+    pub throughput: bool,
 }
 
 impl Keep {
     /// The words of `--keep`, in the order in which they are listed.
-    pub const WORDS: [&'static str; 10] = KEEP_WORDS;
+    pub const WORDS: [&'static str; 11] = KEEP_WORDS;
 
     fn flag(&mut self, word: &str) -> Option<&mut bool> {
         Some(match word {
@@ -54,6 +56,7 @@ impl Keep {
             "caches" => &mut self.caches,
             "work" => &mut self.work,
             "hierarchy" => &mut self.hierarchy,
+            "throughput" => &mut self.throughput,
             _ => return None,
         })
     }

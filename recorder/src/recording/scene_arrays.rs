@@ -9,13 +9,15 @@ use scenes::bvh::{Bvh, WideNode};
 use crate::capture::Capture;
 use crate::stages::trace::TraceKernel;
 
-/// Writes geometry, and alpha masks where a material has one.
+/// Writes geometry and colours, and alpha masks where a material has one.
 pub(super) fn write(capture: &mut Capture, scene: &Scene) -> Result<()> {
     let place = Place::Scene;
     let (vertices, triangles) = (scene.positions.len() as u64, scene.triangles.len() as u64);
     capture.whole_array(place(SceneArray::Positions), &[vertices, 3], &scene.positions)?;
     capture.whole_array(place(SceneArray::Triangles), &[triangles, 3], &scene.triangles)?;
     capture.whole_array(place(SceneArray::Materials), &[triangles], &scene.triangle_materials)?;
+    let colours = scenes::base_colour::of_triangles(scene);
+    capture.whole_array(place(SceneArray::Colours), &[triangles, 3], &colours)?;
     if scene.materials.iter().all(|material| material.alpha_cutoff.is_none()) {
         return Ok(());
     }

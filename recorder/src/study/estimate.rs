@@ -144,6 +144,7 @@ fn record(options: &RecordOptions, orders: usize, scene: Option<&Scene>) -> Esti
     let per_ray = of(keep.rays, 36.0 + 0.5 * 4.0)
         + of(keep.hits, 0.5 * (16.0 + 4.0))
         + of(keep.work, 8.0)
+        + of(keep.throughput, 0.5 * 12.0)
         + of(keep.keys, methods * key)
         + of(keep.permutations, 4.0 * orders as f64);
     let rays_bytes = per_ray * rays.kept(options.keep_passes);
@@ -153,7 +154,7 @@ fn record(options: &RecordOptions, orders: usize, scene: Option<&Scene>) -> Esti
     let cells = f64::from(1u32 << options.table_bits).min(rays.a_kind * rays.passes);
     let tables = of(keep.lengths, (queues + 2.0) * cells * CELL_BYTES);
     let geometry =
-        scene.map_or(0.0, |scene| 12.0 * scene.positions.len() as f64 + 16.0 * scene.triangles.len() as f64);
+        scene.map_or(0.0, |scene| 12.0 * scene.positions.len() as f64 + 19.0 * scene.triangles.len() as f64);
     let picture = 12.0 * f64::from(options.width) * f64::from(options.height);
     let whole = of(keep.scene, geometry) + of(keep.image, picture);
     let passes = 2.0 * rays.a_kind * rays.passes;

@@ -188,6 +188,11 @@ impl GpuBackend {
     }
 }
 
+/// The first three of every four numbers.
+fn first_three(bytes: &[u8]) -> Vec<u8> {
+    bytes.chunks_exact(16).flat_map(|four| &four[..12]).copied().collect()
+}
+
 impl Backend for GpuBackend {
     type Rays = GpuRays;
     type Hits = Lent<Hits>;
@@ -394,6 +399,9 @@ impl Backend for GpuBackend {
                     bytes.chunks_exact(16).flat_map(|state| &state[12..]).copied().collect();
                 sink(&lights)
             }),
+            Array::Throughput(rays) => {
+                readback.read_chunks(&rays.paths()?.states, 0..rays.count, |bytes| sink(&first_three(bytes)))
+            }
             Array::Work(rays) => {
                 let work = self.tracer.work(&self.gpu, rays.id.kind, &rays.rays, rays.count)?;
                 readback.read_chunks(&work, 0..rays.count, sink)
@@ -413,11 +421,9 @@ impl Backend for GpuBackend {
                 let cells = self.tables[kind as usize].touched(&self.gpu)?;
                 sink(bytemuck::cast_slice(&cells))
             }
-            Array::Film => readback.read_chunks(&self.film, 0..self.film.len(), |bytes| {
-                let pixels: Vec<u8> =
-                    bytes.chunks_exact(16).flat_map(|pixel| &pixel[..12]).copied().collect();
-                sink(&pixels)
-            }),
+            Array::Film => {
+                readback.read_chunks(&self.film, 0..self.film.len(), |bytes| sink(&first_three(bytes)))
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use bytemuck::Zeroable;
 use glam::Vec3;
+use scenes::base_colour::linear_from_srgb;
 use scenes::features::Features;
 use scenes::{Light, Scene, Texture};
 
@@ -113,11 +114,4 @@ fn pack_textures(scene_textures: &[Texture]) -> (Vec<[u32; 3]>, Vec<u32>) {
         texels.extend(texture.rgba.iter().map(|&rgba| u32::from_le_bytes(rgba)));
     }
     (places, texels)
-}
-
-/// Inverse of the sRGB transfer function (IEC 61966-2-1).
-fn linear_from_srgb(byte: u8) -> f32 {
-    let encoded = f64::from(byte) / 255.0;
-    let linear = if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) };
-    linear as f32
 }
