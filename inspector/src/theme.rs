@@ -48,6 +48,12 @@ impl Theme {
         self.pick([0.46, 0.47, 0.50, 1.0], [0.86, 0.86, 0.88, 1.0])
     }
 
+    /// What the colours of surfaces fade to, and how much of them is left: data are the brightest on a dark page
+    /// and the darkest on a light one.
+    pub fn faded(self) -> ShaderColour {
+        self.pick([0.07, 0.075, 0.085, 0.55], [1.0, 1.0, 1.0, 0.6])
+    }
+
     /// Their edges.
     pub fn edges(self) -> ShaderColour {
         self.pick([0.42, 0.44, 0.48, 1.0], [0.52, 0.53, 0.56, 1.0])

@@ -242,7 +242,7 @@ fn ends_are_marked_by_what_rays_found() {
 fn the_edges_of_surfaces_are_drawn_once() {
     let unit = formats::unit_space::UnitSpace::from_bounds([0.0; 3], [1.0; 3]);
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
-    let square = Surfaces::new(&unit, &corners, &[[0, 1, 2], [2, 1, 3]]);
+    let square = Surfaces::new(&unit, &corners, &[[0, 1, 2], [2, 1, 3]], &[]);
     let Shape::Segments(edges) = Shape::edges(&square) else { panic!("edges are lines") };
     let found: BTreeSet<String> =
         edges.iter().map(|[a, b]| format!("{:?} {:?}", a.position, b.position)).collect();

@@ -23,11 +23,13 @@ mod headless;
 
 use headless::renderer;
 
+const WHITE: Paint = Paint::Plain([1.0; 4]);
+
 /// Pixels by column and row of a picture of these surfaces.
 fn picture(surfaces: Surfaces, camera: Camera, pixels: [u32; 2]) -> impl Fn(u32, u32) -> [u8; 3] {
     let refusal = Refusal::default();
     let shape = Shape::Mesh(surfaces);
-    let pixel = drawn(renderer(), (shape, Stage::Solid), (camera, pixels, None), &refusal);
+    let pixel = drawn(renderer(), (shape, Stage::Solid, WHITE), (camera, pixels, None), &refusal);
     assert_eq!(refusal.reason(), None);
     pixel
 }
@@ -35,7 +37,7 @@ fn picture(surfaces: Surfaces, camera: Camera, pixels: [u32; 2]) -> impl Fn(u32,
 /// The same by this renderer, which may refuse.
 fn drawn(
     (renderer, format): (WgpuTestRenderer, wgpu::TextureFormat),
-    (shape, stage): (Shape, Stage),
+    (shape, stage, paint): (Shape, Stage, Paint),
     (camera, pixels, room): (Camera, [u32; 2], Option<[f32; 3]>),
     refusal: &Refusal,
 ) -> impl Fn(u32, u32) -> [u8; 3] + use<> {
@@ -44,7 +46,7 @@ fn drawn(
         geometry: shape.into(),
         part: None,
         stage,
-        paint: Paint::Plain([1.0; 4]),
+        paint,
         opacity: 1.0,
         hidden_opacity: 0.0,
         width: 1.0,
@@ -95,7 +97,7 @@ fn ball(around: u32) -> (Surfaces, usize) {
         })
         .collect();
     let unit = UnitSpace::from_bounds([0.0; 3], [1.0; 3]);
-    (Surfaces::new(&unit, &positions, &triangles), triangles.len())
+    (Surfaces::new(&unit, &positions, &triangles, &[]), triangles.len())
 }
 
 const RADIUS: f32 = 0.3;
@@ -129,6 +131,46 @@ fn surfaces_have_no_holes_where_triangles_are_not_drawn() {
     }
 }
 
+/// Three squares side by side that face the eye: red, white, and one without a colour of its own.
+#[test]
+fn surfaces_have_their_colours_fainter_than_data() {
+    let camera = Camera { target: Vec3::splat(0.5), yaw: 0.0, pitch: 0.0, distance: 4.0, yfov_radians: 0.3 };
+    let corner = |along: f32, up: f32| {
+        (camera.target + (along - 0.5) * camera.right() + (up - 0.5) * camera.up()).to_array()
+    };
+    let square = |at: usize| [(at, 0), (at + 1, 0), (at, 1), (at + 1, 1)];
+    let corners = (0..3).flat_map(square).map(|(along, up)| corner(along as f32 / 3.0, up as f32));
+    let corners: Vec<[f32; 3]> = corners.collect();
+    let triangles: Vec<[u32; 3]> =
+        (0..3).flat_map(|at| [[0, 1, 2], [2, 1, 3]].map(|t| t.map(|c| c + 4 * at))).collect();
+    let colours = [[255, 0, 0], [255, 0, 0], [255; 3], [255; 3]];
+    let unit = UnitSpace::from_bounds([0.0; 3], [1.0; 3]);
+    let shown = |paint| {
+        let shape = Shape::Mesh(Surfaces::new(&unit, &corners, &triangles, &colours));
+        let refusal = Refusal::default();
+        let pixel = drawn(renderer(), (shape, Stage::Solid, paint), (camera, [300, 100], None), &refusal);
+        [110, 150, 190].map(|column| pixel(column, 50))
+    };
+    let context = egui::Context::default();
+    for mode in [egui::Theme::Dark, egui::Theme::Light] {
+        context.set_theme(mode);
+        let theme = Theme::of(&context);
+        let [red, white, none] = shown(Paint::Base { plain: theme.mesh(), faded: theme.faded() });
+        assert!(red[0] > red[1] + 40 && red[1].abs_diff(red[2]) < 6, "{mode:?}: {red:?}");
+        let is_grey = |[red, green, blue]: [u8; 3]| red.abs_diff(green) < 6 && green.abs_diff(blue) < 12;
+        assert!(is_grey(white) && is_grey(none), "{mode:?}: {white:?}, {none:?}");
+        // No surface reaches the last third of what is as far from the page as can be.
+        let of_page = |colour: u8| if mode == egui::Theme::Dark { colour } else { 255 - colour };
+        assert!(
+            [red, white].as_flattened().iter().all(|&part| of_page(part) < 170),
+            "{mode:?}: {red:?}, {white:?}"
+        );
+        // With data on them all are alike.
+        let [red, white, none_then] = shown(Paint::Plain(theme.mesh()));
+        assert_eq!([red, white, none_then], [none; 3]);
+    }
+}
+
 /// A renderer whose device has less to offer.
 fn limited(limit: impl Fn(&mut wgpu::Limits) + Send + Sync + 'static) -> (RenderState, WgpuTestRenderer) {
     let mut setup = default_wgpu_setup();
@@ -151,7 +193,7 @@ fn what_a_gpu_has_no_room_for_is_said_and_not_drawn() {
     for (around, is_drawn) in [(1200, false), (100, true)] {
         let (state, renderer) = limited(|limits| limits.max_buffer_size = 1 << 20);
         let errors = Errors::of(&state.device, &Waker::default());
-        let shape = (Shape::Mesh(ball(around).0), Stage::Solid);
+        let shape = (Shape::Mesh(ball(around).0), Stage::Solid, WHITE);
         let pixel = drawn((renderer, state.target_format), shape, (camera(), [64, 48], None), &refusal);
         assert_eq!(pixel(32, 24)[0] > 100, is_drawn, "a ball of {around} around");
         let reason = refusal.reason().unwrap_or_default();
@@ -184,7 +226,7 @@ fn lines_are_drawn_in_as_many_runs_as_it_takes() {
         for binding in [128 << 20, 4096] {
             let (state, renderer) = limited(move |limits| limits.max_storage_buffer_binding_size = binding);
             let errors = Errors::of(&state.device, &Waker::default());
-            let shape = (shape.clone(), Stage::Lines);
+            let shape = (shape.clone(), Stage::Lines, WHITE);
             let pixel =
                 drawn((renderer, state.target_format), shape, (camera, pixels, None), &Refusal::default());
             assert_eq!(errors.take(), Vec::<String>::new());
@@ -215,7 +257,7 @@ fn capsules_are_silhouettes() {
     };
     let pixels = [160, 120];
     let seen = |distance: f32| {
-        let shape = (Shape::Capsules(vec![capsule]), Stage::Capsules);
+        let shape = (Shape::Capsules(vec![capsule]), Stage::Capsules, WHITE);
         drawn(renderer(), shape, (Camera { distance, ..camera() }, pixels, None), &Refusal::default())
     };
     let outside = seen(4.0);
@@ -247,8 +289,8 @@ fn a_room_is_looked_into_from_outside() {
                 position
             };
             let triangles = [[0, 1, 2], [1, 3, 2]];
-            let surfaces = Surfaces::new(&unit, &corners.map(corner), &triangles);
-            let shape = (Shape::Mesh(surfaces), Stage::Solid);
+            let surfaces = Surfaces::new(&unit, &corners.map(corner), &triangles, &[]);
+            let shape = (Shape::Mesh(surfaces), Stage::Solid, WHITE);
             let pixel = drawn(renderer(), shape, (camera, pixels, room), &Refusal::default());
             let all = (0..pixels[0]).flat_map(|column| (0..pixels[1]).map(move |row| (column, row)));
             all.map(|(column, row)| pixel(column, row)[0]).max() > Some(100)

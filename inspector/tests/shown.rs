@@ -223,7 +223,10 @@ fn a_path_is_its_rays_in_all_bounces() {
                 let place = permutation.iter().position(|&index| index as usize == ray);
                 let length = traced.length(ray);
                 let segment = Segment::of(traced.unit(), &traced.rays()[ray], length);
-                expected.push((queue, ray, segment, length, is_at_surface, [Some(ray), place]));
+                // As the sample has it.
+                let carried = [1.0, 0.5f32.powi(queue.bounce as i32), 1.0];
+                let carried = (queue.kind == Kind::Closest).then_some(carried);
+                expected.push((queue, ray, segment, length, is_at_surface, carried, [Some(ray), place]));
             }
         }
         context.paths(vec![pixel]);
@@ -231,7 +234,10 @@ fn a_path_is_its_rays_in_all_bounces() {
         let found = context.paths(vec![pixel]).unwrap();
         let found: Vec<_> = found
             .iter()
-            .map(|ray| (ray.queue, ray.ray, ray.segment, ray.length, ray.is_at_surface, ray.places))
+            .map(|ray| {
+                let carried = ray.throughput;
+                (ray.queue, ray.ray, ray.segment, ray.length, ray.is_at_surface, carried, ray.places)
+            })
             .collect();
         assert_eq!(found, expected, "path {pixel}");
         lengths.push(found.len());

@@ -123,6 +123,18 @@ fn a_group_that_is_chosen_is_a_capsule_in_space() {
 }
 
 #[test]
+fn the_ray_panel_says_what_a_path_carries() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    context.select_ray(Some(0));
+    let mut harness = panel("ray", context);
+    settle(&mut harness);
+    // As the sample has it at bounces 0 and 1.
+    harness.get_by_label("1.000 1.000 1.000");
+    harness.get_by_label("1.000 0.500 1.000");
+}
+
+#[test]
 fn a_pixel_that_is_clicked_is_a_ray() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = panel("pixels", opened(folder.path()));

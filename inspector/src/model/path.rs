@@ -22,6 +22,8 @@ pub struct PathRay {
     pub length: f32,
     /// Whether it ended at a surface.
     pub is_at_surface: bool,
+    /// What its path carries when it leaves, linear RGB; of shadow rays, or where it was not kept, `None`.
+    pub throughput: Option<[f32; 3]>,
     /// Its place in orders A and B; `None` where the queue has no such order.
     pub places: [Option<usize>; 2],
 }
@@ -51,6 +53,7 @@ impl PathRay {
                 order.par_iter().position_any(|&index| index as usize == ray)
             }
         };
+        let carried = dump.array::<[f32; 3]>(&Place::Queue(queue, QueueArray::Throughput)).ok();
         let of = |(path, ray)| {
             let length = traced.length(ray);
             Self {
@@ -60,6 +63,7 @@ impl PathRay {
                 segment: Segment::of(traced.unit(), &traced.rays()[ray], length),
                 length,
                 is_at_surface: traced.is_at_surface(ray),
+                throughput: carried.as_ref().and_then(|carried| carried.get(ray).copied()),
                 places: methods.each_ref().map(|method| place(method, ray)),
             }
         };

@@ -18,9 +18,10 @@ use crate::panels::data::Data;
 use crate::panels::panel::Panel;
 use crate::theme::Theme;
 
-const PATH_COLUMNS: [(&str, &str); 5] = [
+const PATH_COLUMNS: [(&str, &str); 6] = [
     ("ray", "Kind and bounce; a click selects it"),
     ("ends", "What the ray met"),
+    ("throughput", "Factor of the light it meets on the way to the pixel: red, green, blue"),
     ("length", "From its origin to where it ended, unit lengths"),
     ("in A", "Its place in order A of its queue"),
     ("in B", "Its place in order B of its queue"),
@@ -225,9 +226,9 @@ fn path(ui: &mut egui::Ui, context: &mut Context, order: &Order, ray: usize) {
     let now = context.selection.queue;
     let Some(found) = context.paths(vec![pixel]) else { return };
     let mut next = None;
-    egui::Grid::new("path").striped(true).num_columns(5).spacing([14.0, 2.0]).show(ui, |ui| {
+    egui::Grid::new("path").striped(true).num_columns(6).spacing([14.0, 2.0]).show(ui, |ui| {
         headings(ui, PATH_COLUMNS);
-        for PathRay { queue, ray, length, is_at_surface, places, .. } in found.iter() {
+        for PathRay { queue, ray, throughput, length, is_at_surface, places, .. } in found.iter() {
             let text = format!("{} {}", queue.kind, queue.bounce);
             if ui.selectable_label(*queue == now, text).clicked() {
                 next = Some((*queue, *ray));
@@ -239,6 +240,8 @@ fn path(ui: &mut egui::Ui, context: &mut Context, order: &Order, ray: usize) {
                 (Kind::Shadow, false) => "at its light",
             };
             ui.label(ends);
+            let throughput = throughput.map(|carried| carried.map(|part| format!("{part:.3}")).join(" "));
+            ui.monospace(throughput.unwrap_or_default());
             ui.monospace(format!("{length:.4}"));
             for place in places {
                 ui.monospace(place.map_or("-".to_owned(), |place| count(place as u64)));
@@ -246,6 +249,9 @@ fn path(ui: &mut egui::Ui, context: &mut Context, order: &Order, ray: usize) {
             ui.end_row();
         }
     });
+    if found.iter().all(|ray| ray.throughput.is_none()) {
+        hint(ui, "throughput was not kept: record with --keep throughput");
+    }
     if let Some((queue, ray)) = next {
         context.go_to(queue);
         context.select_ray(Some(ray));

@@ -41,6 +41,13 @@ pub enum Paint {
     Plain(ShaderColour),
     /// The values of its vertices.
     Values(ColourMap, ValueRange),
+    /// The colours of surfaces.
+    Base {
+        /// Of what has none.
+        plain: ShaderColour,
+        /// What they fade to, and how much of them is left, in place of alpha.
+        faded: ShaderColour,
+    },
 }
 
 /// One thing that is drawn.
@@ -115,6 +122,8 @@ pub struct LayerUniform {
     pub cut: [f32; 4],
     /// The sides of a room, and 1 if its walls are not drawn.
     pub room: [f32; 4],
+    /// What surfaces' own colours fade to, and how much of them is left: 0 for `plain`.
+    pub faded: [f32; 4],
     /// Pixels across and down.
     pub viewport: [f32; 2],
     /// Of lines, pixels.
@@ -135,9 +144,14 @@ impl LayerUniform {
     /// Of a layer of a picture, drawn with this opacity.
     pub fn of(picture: &SpacePicture, layer: &Layer, opacity: f32) -> Self {
         let [width, height] = picture.pixels.map(|pixels| pixels as f32);
-        let (plain, map, range) = match layer.paint {
-            Paint::Plain(colour) => (colour, 0, ValueRange { low: 0.0, high: 1.0 }),
-            Paint::Values(map, range) => ([0.0; 4], map.row() as u32, range),
+        let (plain, faded) = match layer.paint {
+            Paint::Plain(colour) => (colour, [0.0; 4]),
+            Paint::Values(..) => ([0.0; 4], [0.0; 4]),
+            Paint::Base { plain, faded } => (plain, faded),
+        };
+        let (map, range) = match layer.paint {
+            Paint::Values(map, range) => (map.row() as u32, range),
+            Paint::Plain(_) | Paint::Base { .. } => (0, ValueRange { low: 0.0, high: 1.0 }),
         };
         // Rays and what is computed of them are never cut: they are what one looks for inside.
         let cut = match layer.stage {
@@ -152,6 +166,7 @@ impl LayerUniform {
             plain,
             cut: [x, y, z, cut.offset],
             room,
+            faded,
             viewport: [width, height],
             width: layer.width,
             opacity,

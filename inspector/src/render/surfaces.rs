@@ -32,6 +32,8 @@ const PARTS: usize = 1024;
 pub struct Surfaces {
     /// Corners, unit space.
     pub positions: Vec<[f32; 3]>,
+    /// Colour of each, sRGB: the mean of its triangles'. Alpha is 0 where they have none.
+    pub colours: Vec<[u8; 4]>,
     /// Three corners each; in each part, those first that more grids leave.
     pub triangles: Vec<[u32; 3]>,
     parts: Vec<Part>,
@@ -49,15 +51,19 @@ struct Part {
 }
 
 impl Surfaces {
-    /// Of a scene in world space. Triangles that name a corner that does not exist are left out.
-    pub fn new(unit: &UnitSpace, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
-        let exists = |triangle: &&[u32; 3]| triangle.iter().all(|&at| (at as usize) < positions.len());
-        let mut triangles: Vec<[u32; 3]> = triangles.iter().filter(exists).copied().collect();
-        let positions: Vec<[f32; 3]> = positions.iter().map(|&position| unit.point(position)).collect();
-        let of_part = TRIANGLES_PER_PART.max(triangles.len().div_ceil(PARTS));
-        let parts = triangles.par_chunks_mut(of_part).enumerate();
-        let parts = parts.map(|(at, triangles)| Part::sort(&positions, triangles, at * of_part)).collect();
-        Self { positions, triangles, parts }
+    /// Of a scene in world space, with the colour of each triangle or of none. Triangles that name a corner that
+    /// does not exist are left out.
+    pub fn new(
+        unit: &UnitSpace,
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+        colours: &[[u8; 3]],
+    ) -> Self {
+        let (colours, (positions, triangles, parts)) = rayon::join(
+            || of_corners(positions.len(), triangles, colours),
+            || in_parts(unit, positions, triangles),
+        );
+        Self { positions, colours, triangles, parts }
     }
 
     /// What is drawn for a camera and a picture of so many pixels: triangles, and the grid that their corners
@@ -87,6 +93,44 @@ impl Surfaces {
             Some((part.first..part.first + part.left[grid], grid as u32))
         })
     }
+}
+
+/// Corners in unit space, and the triangles that have three, in parts.
+fn in_parts(
+    unit: &UnitSpace,
+    positions: &[[f32; 3]],
+    triangles: &[[u32; 3]],
+) -> (Vec<[f32; 3]>, Vec<[u32; 3]>, Vec<Part>) {
+    let exists = |triangle: &&[u32; 3]| triangle.iter().all(|&at| (at as usize) < positions.len());
+    let mut triangles: Vec<[u32; 3]> = triangles.iter().filter(exists).copied().collect();
+    let positions: Vec<[f32; 3]> = positions.iter().map(|&position| unit.point(position)).collect();
+    let of_part = TRIANGLES_PER_PART.max(triangles.len().div_ceil(PARTS));
+    let parts = triangles.par_chunks_mut(of_part).enumerate();
+    let parts = parts.map(|(at, triangles)| Part::sort(&positions, triangles, at * of_part)).collect();
+    (positions, triangles, parts)
+}
+
+/// The mean colour of the triangles at each corner: what a GPU draws without knowing the number of a triangle.
+fn of_corners(corners: usize, triangles: &[[u32; 3]], colours: &[[u8; 3]]) -> Vec<[u8; 4]> {
+    /// Triangles at a corner that count; their sums fit 16 bits.
+    const MOST: u16 = 256;
+    let mut sums = vec![[0u16; 4]; corners];
+    for (triangle, &[red, green, blue]) in triangles.iter().zip(colours) {
+        for &corner in triangle {
+            let Some(sum) = sums.get_mut(corner as usize).filter(|sum| sum[3] < MOST) else { continue };
+            for (part, of) in sum.iter_mut().zip([red, green, blue, 1]) {
+                *part += u16::from(of);
+            }
+        }
+    }
+    let mean = |[red, green, blue, count]: [u16; 4]| match count {
+        0 => [0; 4],
+        count => {
+            let [red, green, blue] = [red, green, blue].map(|sum| ((sum + count / 2) / count) as u8);
+            [red, green, blue, 255]
+        }
+    };
+    sums.into_iter().map(mean).collect()
 }
 
 /// The coarsest grid whose cells are no larger than this; none is needed for less than the finest.
@@ -165,7 +209,7 @@ mod tests {
                 [[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]]
             })
             .collect();
-        Surfaces::new(&UnitSpace::from_bounds([0.0; 3], [1.0; 3]), &positions, &triangles)
+        Surfaces::new(&UnitSpace::from_bounds([0.0; 3], [1.0; 3]), &positions, &triangles, &[])
     }
 
     fn camera(distance: f32) -> Camera {
@@ -231,9 +275,17 @@ mod tests {
     #[test]
     fn triangles_without_corners_are_left_out() {
         let unit = UnitSpace::from_bounds([0.0; 3], [2.0; 3]);
-        let found = Surfaces::new(&unit, &[[0.0; 3], [2.0; 3], [1.0; 3]], &[[0, 1, 2], [0, 1, 3]]);
+        let found = Surfaces::new(&unit, &[[0.0; 3], [2.0; 3], [1.0; 3]], &[[0, 1, 2], [0, 1, 3]], &[]);
         assert_eq!((found.positions[1], found.triangles.as_slice()), ([1.0; 3], &[[0, 1, 2]][..]));
-        assert!(Surfaces::new(&unit, &[], &[[0, 1, 2]]).parts.is_empty());
+        assert!(Surfaces::new(&unit, &[], &[[0, 1, 2]], &[]).parts.is_empty());
+    }
+
+    #[test]
+    fn a_corner_has_the_mean_of_its_triangles_colours() {
+        let triangles = [[0, 1, 2], [1, 2, 3], [2, 3, 9]];
+        let found = of_corners(5, &triangles, &[[255, 0, 9], [0, 100, 9], [0, 50, 9]]);
+        assert_eq!(found, [[255, 0, 9, 255], [128, 50, 9, 255], [85, 50, 9, 255], [0, 75, 9, 255], [0; 4]]);
+        assert_eq!(of_corners(2, &triangles, &[]), [[0; 4]; 2]);
     }
 
     #[test]

@@ -55,7 +55,10 @@ fn read(dump: &Dump, unit: &UnitSpace, form: MeshForm) -> Result<Geometry, Strin
     let positions: Loaded<[f32; 3]> = dump.array(&Place::Scene(SceneArray::Positions)).map_err(text)?;
     let triangles: Loaded<[u32; 3]> = dump.array(&Place::Scene(SceneArray::Triangles)).map_err(text)?;
     check(&positions, &triangles)?;
-    let surfaces = Surfaces::new(unit, &positions, &triangles);
+    // Recordings before version 8 have none.
+    let colours = Place::Scene(SceneArray::Colours);
+    let colours = dump.has(&colours).then(|| dump.array::<[u8; 3]>(&colours).map_err(text)).transpose()?;
+    let surfaces = Surfaces::new(unit, &positions, &triangles, colours.as_deref().unwrap_or_default());
     Ok(match form {
         MeshForm::Surfaces => Shape::Mesh(surfaces).into(),
         MeshForm::Edges => Shape::edges(&surfaces).into(),

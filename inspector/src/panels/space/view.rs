@@ -168,15 +168,21 @@ impl SpaceView {
     /// The scene's surfaces, as the options show them.
     fn surfaces(&mut self, theme: Theme, context: &Context) -> Option<Layer> {
         self.mesh_problem = None;
-        let (form, stage, opacity, colour) = match self.options.mesh {
+        // Marks that give each place its value paint surfaces themselves.
+        let is_painted = self.options.ends && self.options.near_mean;
+        let plain = theme.mesh();
+        let base = if is_painted { Paint::Plain(plain) } else { Paint::Base { plain, faded: theme.faded() } };
+        let (form, stage, opacity, paint) = match self.options.mesh {
             MeshMode::Hidden => return None,
-            MeshMode::Solid => (MeshForm::Surfaces, Stage::Solid, 1.0, theme.mesh()),
-            MeshMode::Ghost => (MeshForm::Surfaces, Stage::Ghost, self.options.ghost_opacity, theme.mesh()),
-            MeshMode::Wire => (MeshForm::Edges, Stage::Wire, self.options.ghost_opacity, theme.edges()),
+            MeshMode::Solid => (MeshForm::Surfaces, Stage::Solid, 1.0, base),
+            MeshMode::Ghost => (MeshForm::Surfaces, Stage::Ghost, self.options.ghost_opacity, base),
+            MeshMode::Wire => {
+                (MeshForm::Edges, Stage::Wire, self.options.ghost_opacity, Paint::Plain(theme.edges()))
+            }
         };
         let mesh = self.meshes.of(context.recording()?, form, context.waker());
         let mesh = mesh.map_err(|absent| self.mesh_problem = Some(absent)).ok()?;
-        Some(Layer { width: WIRE_WIDTH, ..Layer::of(&mesh, stage, Paint::Plain(colour), opacity) })
+        Some(Layer { width: WIRE_WIDTH, ..Layer::of(&mesh, stage, paint, opacity) })
     }
 
     /// Rays in the last picture, and all rays of the queue.

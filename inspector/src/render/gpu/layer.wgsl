@@ -5,6 +5,7 @@ struct Layer {
     plain: vec4<f32>,
     cut: vec4<f32>,
     room: vec4<f32>,
+    faded: vec4<f32>,
     viewport: vec2<f32>,
     width: f32,
     opacity: f32,

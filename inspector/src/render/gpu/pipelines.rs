@@ -191,9 +191,11 @@ fn parts(way: Way) -> PipelineParts {
     PipelineParts { module, entries, buffers, depth: Some(depth) }
 }
 
-/// Corners of triangles.
-static CORNERS: [Option<wgpu::VertexBufferLayout<'static>>; 1] =
-    [of_each(VertexStepMode::Vertex, 12, &vertex_attr_array![0 => Float32x3])];
+/// Corners of triangles, and their colours.
+static CORNERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+    of_each(VertexStepMode::Vertex, 12, &vertex_attr_array![0 => Float32x3]),
+    of_each(VertexStepMode::Vertex, 4, &vertex_attr_array![1 => Unorm8x4]),
+];
 
 /// Corners that all capsules share, and each capsule.
 static CAPSULES: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [

@@ -84,6 +84,7 @@ mod tests {
             plain,
             cut,
             room,
+            faded,
             viewport,
             width,
             opacity,

@@ -24,6 +24,7 @@ pub(super) struct Uploads {
 enum Uploaded {
     Mesh {
         corners: wgpu::Buffer,
+        colours: wgpu::Buffer,
         triangles: wgpu::Buffer,
     },
     /// Lines, marks or boxes.
@@ -126,8 +127,9 @@ impl Uploads {
             None => all.clone(),
         };
         match (uploaded, layer.geometry.shape()) {
-            (Uploaded::Mesh { corners, triangles }, Shape::Mesh(surfaces)) => {
+            (Uploaded::Mesh { corners, colours, triangles }, Shape::Mesh(surfaces)) => {
                 pass.set_vertex_buffer(0, corners.slice(..));
+                pass.set_vertex_buffer(1, colours.slice(..));
                 pass.set_index_buffer(triangles.slice(..), wgpu::IndexFormat::Uint32);
                 let drawn = surfaces.in_sight(&picture.camera, picture.pixels);
                 drawn.fold((0, 0), |(calls, vertices), (triangles, grid)| {
@@ -181,13 +183,15 @@ fn upload(device: &Device, pipelines: &Pipelines, shape: &Shape) -> Result<(Uplo
         Ok((Uploaded::Points(runs), points.size()))
     };
     match shape {
-        Shape::Mesh(Surfaces { positions, triangles, .. }) => {
+        Shape::Mesh(Surfaces { positions, colours, triangles, .. }) => {
             let corners = bytemuck::cast_slice(positions);
             let corners = buffer(device, "mesh::corners", corners, BufferUsages::VERTEX)?;
+            let colours = bytemuck::cast_slice(colours);
+            let colours = buffer(device, "mesh::colours", colours, BufferUsages::VERTEX)?;
             let triangles = bytemuck::cast_slice(triangles);
             let triangles = buffer(device, "mesh::triangles", triangles, BufferUsages::INDEX)?;
-            let bytes = corners.size() + triangles.size();
-            Ok((Uploaded::Mesh { corners, triangles }, bytes))
+            let bytes = corners.size() + colours.size() + triangles.size();
+            Ok((Uploaded::Mesh { corners, colours, triangles }, bytes))
         }
         Shape::Strip(strip) => points("strip::points", strip),
         Shape::Segments(pairs) => points("segments::points", pairs.as_flattened()),
