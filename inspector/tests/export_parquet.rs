@@ -167,6 +167,24 @@ fn every_sample_and_every_order_is_a_row() {
 }
 
 #[test]
+fn summaries_are_the_same_whatever_rays_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = sample::write(folder.path());
+    let summaries = |name: &str, arguments: &[&str]| {
+        let out = folder.path().join(name);
+        exported(&path, &out, arguments);
+        rows(&out.join("summaries.parquet"))
+    };
+    for width in ["32", "128"] {
+        let all = summaries(&format!("all-{width}"), &["--group-width", width]);
+        let known = ["capsule_area", "direction_spread", "lane_utilisation"];
+        assert!(all.iter().any(|row| known.iter().all(|&name| row[name] != Field::Null)), "{all:?}");
+        let one = ["--group-width", width, "--bounce", "0", "--method", "unsorted"];
+        assert_eq!(summaries(&format!("one-{width}"), &one), all);
+    }
+}
+
+#[test]
 fn files_have_units_and_row_groups_of_whole_groups() {
     let folder = tempfile::tempdir().unwrap();
     let path = sample::write(folder.path());

@@ -6,6 +6,7 @@ use crate::metrics::spread::direction_spread;
 use crate::prefetch::prefetch_at;
 use crate::ray::{Ray, Work};
 use crate::traced::Traced;
+use crate::unit_space::UnitSpace;
 
 /// One group: its capsule, direction spread and lane utilisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,17 +40,22 @@ impl Group {
             prefetch_at(traced.rays(), ray);
             prefetch_at(lengths, ray);
         }
-        let rays: Vec<Ray> = indices.clone().map(|ray| traced.rays()[ray]).collect();
-        let lengths: Vec<f32> = indices.clone().map(|ray| lengths[ray]).collect();
-        let segment = |(ray, &length)| Segment::of(traced.unit(), ray, length);
-        let segments: Vec<Segment> = rays.iter().zip(&lengths).map(segment).collect();
-        let capsule = Capsule::around(&segments)?;
-        let spread = direction_spread(rays.iter().map(|ray| ray.direction))?;
+        let rays: Vec<(Ray, f32)> = indices.clone().map(|ray| (traced.rays()[ray], lengths[ray])).collect();
+        let group = Self::around(traced.unit(), rays.iter().map(|(ray, length)| (ray, *length)))?;
         let lanes = work.and_then(|work| {
-            let mut lanes = LaneUse::new(segments.len());
+            let mut lanes = LaneUse::new(rays.len());
             lanes.add(&indices.map(|ray| work_of(&work[ray])).collect::<Vec<_>>());
             lanes.utilisation()
         });
-        Some(Self { rays: segments.len() as u32, capsule, area: capsule.area(), spread, lanes })
+        Some(Self { lanes, ..group })
+    }
+
+    /// Of these rays with their traced lengths, unit lengths; without lanes. `None` for no rays.
+    pub fn around<'r>(unit: &UnitSpace, rays: impl Iterator<Item = (&'r Ray, f32)> + Clone) -> Option<Self> {
+        let segments: Vec<Segment> =
+            rays.clone().map(|(ray, length)| Segment::of(unit, ray, length)).collect();
+        let capsule = Capsule::around(&segments)?;
+        let spread = direction_spread(rays.map(|(ray, _)| ray.direction))?;
+        Some(Self { rays: segments.len() as u32, capsule, area: capsule.area(), spread, lanes: None })
     }
 }

@@ -41,21 +41,29 @@ pub fn coherence(traced: &Traced, lengths: &[f32], places: &Places, width: usize
     let of_group =
         |group: &[u32]| Group::of(traced, lengths, None, group.iter().map(|&index| index as usize));
     let of_chunk = |indices: &[u32]| -> Vec<Group> { indices.chunks(width).filter_map(of_group).collect() };
-    let mut groups: Vec<Group> = places.chunks(of_chunk).into_iter().flatten().collect();
-    if groups.is_empty() {
-        return None;
+    Coherence::of(places.chunks(of_chunk).into_iter().flatten().collect())
+}
+
+impl Coherence {
+    /// Of all groups of an order, in order; `None` if there are none.
+    pub fn of(mut groups: Vec<Group>) -> Option<Self> {
+        if groups.is_empty() {
+            return None;
+        }
+        let rays: usize = groups.iter().map(|group| group.rays as usize).sum();
+        let mean = |of: fn(&Group) -> f64| {
+            groups.iter().map(|group| of(group) * f64::from(group.rays)).sum::<f64>() / rays as f64
+        };
+        let mean_capsule_area = mean(|group| group.area);
+        let mean_direction_spread = mean(|group| group.spread);
+        groups.sort_by(|a, b| a.area.total_cmp(&b.area));
+        Some(Self {
+            groups: groups.len() as u64,
+            mean_capsule_area,
+            area_quantiles: quantiles(&groups, rays),
+            mean_direction_spread,
+        })
     }
-    let mean = |of: fn(&Group) -> f64| {
-        groups.iter().map(|group| of(group) * f64::from(group.rays)).sum::<f64>() / places.len() as f64
-    };
-    let (mean_capsule_area, mean_direction_spread) = (mean(|group| group.area), mean(|group| group.spread));
-    groups.sort_by(|a, b| a.area.total_cmp(&b.area));
-    Some(Coherence {
-        groups: groups.len() as u64,
-        mean_capsule_area,
-        area_quantiles: quantiles(&groups, places.len()),
-        mean_direction_spread,
-    })
 }
 
 /// The smallest area that so many hundredths of the rays do not exceed; `groups` ascend.
@@ -76,20 +84,42 @@ fn quantiles(groups: &[Group], rays: usize) -> Vec<f64> {
 /// Lane utilisation of an order for every width; none if no ray did any work.
 pub fn lanes(work: &[Work], places: &Places) -> Vec<LaneUtilisation> {
     let of_chunk = |indices: &[u32]| {
-        let works: Vec<u64> = indices.iter().map(|&index| work_of(&work[index as usize])).collect();
-        WIDTHS.map(|width| {
-            let mut lanes = LaneUse::new(width);
-            lanes.add(&works);
-            lanes
-        })
+        let mut lanes = Lanes::default();
+        lanes.add(indices.iter().map(|&index| &work[index as usize]));
+        lanes
     };
-    let mut lanes = WIDTHS.map(LaneUse::new);
-    for chunk in places.chunks(of_chunk) {
-        lanes.iter_mut().zip(&chunk).for_each(|(lanes, chunk)| lanes.merge(chunk));
+    let mut lanes = Lanes::default();
+    places.chunks(of_chunk).iter().for_each(|chunk| lanes.merge(chunk));
+    lanes.utilisation()
+}
+
+/// Lane use for every width.
+#[derive(Debug)]
+pub struct Lanes([LaneUse; WIDTHS.len()]);
+
+impl Default for Lanes {
+    fn default() -> Self {
+        Self(WIDTHS.map(LaneUse::new))
     }
-    let utilisation =
-        |lanes: &LaneUse| Some(LaneUtilisation { width: lanes.width, utilisation: lanes.utilisation()? });
-    lanes.iter().filter_map(utilisation).collect()
+}
+
+impl Lanes {
+    /// Adds consecutive rays of an order: whole groups of every width, unless they are the last.
+    pub fn add<'w>(&mut self, work: impl Iterator<Item = &'w Work>) {
+        let works: Vec<u64> = work.map(work_of).collect();
+        self.0.iter_mut().for_each(|lanes| lanes.add(&works));
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.0.iter_mut().zip(&other.0).for_each(|(lanes, other)| lanes.merge(other));
+    }
+
+    /// The utilisation for every width; none if no ray did any work.
+    pub fn utilisation(&self) -> Vec<LaneUtilisation> {
+        let of =
+            |lanes: &LaneUse| Some(LaneUtilisation { width: lanes.width, utilisation: lanes.utilisation()? });
+        self.0.iter().filter_map(of).collect()
+    }
 }
 
 #[cfg(test)]

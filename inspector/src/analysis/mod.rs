@@ -51,6 +51,7 @@ pub mod visits;
 pub mod work;
 
 use std::path::PathBuf;
+use std::slice;
 
 use formats::reader::{Dump, DumpState};
 use formats::study::Study;
@@ -60,7 +61,7 @@ pub use correlations::CorrelationLine;
 pub use frame::FrameAnalysis;
 pub use metric::Metric;
 pub use options::{AnalysisOptions, Depth, GroupWidth};
-pub use order::OrderAnalysis;
+pub use order::{KnownOrder, KnownOrders, OrderAnalysis};
 pub use queue::QueueAnalysis;
 pub use recording::RecordingAnalysis;
 pub use study::StudyAnalysis;
@@ -112,7 +113,19 @@ pub enum AnalysisError {
 /// If a recording is not finished, or the threads cannot be had. Arrays that were not kept or cannot be
 /// read are no error: what needs them says so.
 pub fn analyse(dumps: &[Dump], options: &AnalysisOptions) -> Result<Analysis, AnalysisError> {
-    analyse_by(dumps, options, |dump| QueueAnalysis::all(dump, options))
+    analyse_by(dumps, options, |dump| QueueAnalysis::all(dump, options, &KnownOrders::new()))
+}
+
+/// Analyses a recording of whose orders something is known, which is not computed again.
+///
+/// # Errors
+/// As [`analyse`].
+pub fn analyse_known(
+    dump: &Dump,
+    options: &AnalysisOptions,
+    known: &KnownOrders,
+) -> Result<Analysis, AnalysisError> {
+    analyse_by(slice::from_ref(dump), options, |dump| QueueAnalysis::all(dump, options, known))
 }
 
 /// Analyses studies: the means over all their recordings, and together the recordings that are given, arrays
@@ -125,7 +138,7 @@ pub fn analyse_studies(studies: &[Study], dumps: &[Dump]) -> Result<Analysis, An
     let mut notices = Vec::new();
     let analysis = analyse_by(dumps, &options, |dump| {
         match studies.iter().find(|study| dump.root().starts_with(&study.root)) {
-            None => QueueAnalysis::all(dump, &options),
+            None => QueueAnalysis::all(dump, &options, &KnownOrders::new()),
             Some(study) => {
                 let (queues, notice) = study::queues(study, dump, &options);
                 notices.extend(notice);

@@ -1,5 +1,8 @@
 //! The numbers of one order of one queue.
 
+use std::cell::LazyCell;
+use std::collections::HashMap;
+
 use formats::key::Termination;
 use formats::key::method::UNSORTED;
 use formats::manifest::{CacheRecord, Manifest, MethodArray, MethodRecord, Place, QueueId, Stage, Way};
@@ -16,6 +19,9 @@ use super::coherence::{Coherence, LaneUtilisation, coherence, lanes};
 use super::options::{AnalysisOptions, Depth};
 use super::timing::{SpeedupLine, StageTime, Time, stages};
 use crate::shown;
+
+/// The places of an order, read only if they are asked for; if it has none, why.
+type LazyPlaces<'a> = LazyCell<Result<Places, String>, Box<dyn FnOnce() -> Result<Places, String> + 'a>>;
 
 /// The numbers of one order of one queue.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -90,6 +96,18 @@ impl From<&CacheRecord> for CacheHits {
     }
 }
 
+/// What is known of an order's arrays, where they were read for something else.
+#[derive(Debug)]
+pub struct KnownOrder {
+    /// How coherent its groups are.
+    pub coherence: Coherence,
+    /// Its lane utilisation; none without the rays' work.
+    pub lanes: Option<Vec<LaneUtilisation>>,
+}
+
+/// Such orders, by their queue and method.
+pub type KnownOrders = HashMap<(QueueId, String), KnownOrder>;
+
 /// A queue and everything that its orders share.
 #[derive(Debug)]
 pub(super) struct QueueContext<'a> {
@@ -99,6 +117,7 @@ pub(super) struct QueueContext<'a> {
     pub(super) samples: &'a Samples<'a>,
     pub(super) arrays: &'a QueueArrays,
     pub(super) options: &'a AnalysisOptions,
+    pub(super) known: &'a KnownOrders,
 }
 
 impl<'a> QueueContext<'a> {
@@ -117,7 +136,8 @@ impl<'a> QueueContext<'a> {
         let own = self.samples.get(self.queue, method);
         let way = self.samples.way(self.queue, method);
         let totals = own.map_or(Vec::new(), |own| own.totals(way));
-        let places = self.places(method);
+        let places = LazyPlaces::new(Box::new(|| self.places(method)));
+        let known = self.known.get(&(self.queue, method.to_owned())).filter(|_| self.arrays.traced.is_ok());
         OrderAnalysis {
             method: shown::name(method),
             base: shown::name(record.map_or(method, |record| &record.base)),
@@ -136,8 +156,8 @@ impl<'a> QueueContext<'a> {
                 self.speedup(method, record, &totals)
             },
             caches: self.caches(method),
-            coherence: self.coherence(&places),
-            lanes: self.lanes(&places),
+            coherence: self.coherence(known, &places),
+            lanes: self.lanes(known, &places),
         }
     }
 
@@ -182,26 +202,32 @@ impl<'a> QueueContext<'a> {
             .map_err(|problem| format!("{}/{place}: {problem}", self.dump.root().display()))
     }
 
-    fn coherence(&self, places: &Result<Places, String>) -> Metric<Coherence> {
+    fn coherence(&self, known: Option<&KnownOrder>, places: &LazyPlaces<'_>) -> Metric<Coherence> {
         let of = |places: &Places| {
             let (traced, lengths) = self.arrays.traced.as_ref().map_err(String::clone)?;
             let width = self.options.group_width.rays();
-            let found = coherence(traced, lengths, places, width).ok_or("there are no rays")?;
-            let is_finite = (found.mean_capsule_area + found.mean_direction_spread).is_finite();
-            let why = || "its rays are not finite; `inspector verify` says which".to_owned();
-            is_finite.then_some(found).ok_or_else(why)
+            coherence(traced, lengths, places, width).ok_or_else(|| "there are no rays".to_owned())
         };
-        places.as_ref().map_err(String::clone).and_then(of).into()
+        let found = match known {
+            Some(known) => Ok(known.coherence.clone()),
+            None => places.as_ref().map_err(String::clone).and_then(of),
+        };
+        let is_finite = |of: &Coherence| (of.mean_capsule_area + of.mean_direction_spread).is_finite();
+        let why = || "its rays are not finite; `inspector verify` says which".to_owned();
+        found.and_then(|found| is_finite(&found).then_some(found).ok_or_else(why)).into()
     }
 
-    fn lanes(&self, places: &Result<Places, String>) -> Metric<Vec<LaneUtilisation>> {
+    fn lanes(&self, known: Option<&KnownOrder>, places: &LazyPlaces<'_>) -> Metric<Vec<LaneUtilisation>> {
         let of = |places: &Places| {
             let work = self.arrays.work.as_ref().map_err(String::clone)?;
-            Some(lanes(work, places))
-                .filter(|lanes| !lanes.is_empty())
-                .ok_or_else(|| "no ray did any work".into())
+            Ok(lanes(work, places))
         };
-        places.as_ref().map_err(String::clone).and_then(of).into()
+        let found = match known.and_then(|known| known.lanes.clone()) {
+            Some(lanes) => Ok(lanes),
+            None => places.as_ref().map_err(String::clone).and_then(of),
+        };
+        let why = || "no ray did any work".to_owned();
+        found.and_then(|lanes| Some(lanes).filter(|lanes| !lanes.is_empty()).ok_or_else(why)).into()
     }
 }
 

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::Metric;
 use super::arrays::QueueArrays;
 use super::options::AnalysisOptions;
-use super::order::{OrderAnalysis, QueueContext};
+use super::order::{KnownOrders, OrderAnalysis, QueueContext};
 use super::tables::{Estimators, TableFill};
 
 /// The numbers of one queue.
@@ -34,16 +34,24 @@ pub struct QueueAnalysis {
 
 impl QueueAnalysis {
     /// All of a recording, in the order in which they were traced.
-    pub(super) fn all(dump: &Dump, options: &AnalysisOptions) -> Vec<Self> {
+    pub(super) fn all(dump: &Dump, options: &AnalysisOptions, known: &KnownOrders) -> Vec<Self> {
         let samples = Samples::of(dump.manifest());
-        dump.manifest().queues.iter().map(|queue| Self::of(dump, queue, &samples, options)).collect()
+        let of = |queue| Self::of(dump, queue, &samples, options, known);
+        dump.manifest().queues.iter().map(of).collect()
     }
 
-    fn of(dump: &Dump, record: &QueueRecord, samples: &Samples<'_>, options: &AnalysisOptions) -> Self {
+    fn of(
+        dump: &Dump,
+        record: &QueueRecord,
+        samples: &Samples<'_>,
+        options: &AnalysisOptions,
+        known: &KnownOrders,
+    ) -> Self {
         let queue = record.id;
         let arrays = QueueArrays::open(dump, record, options.depth);
         let (table, estimators) = arrays.table(dump, queue);
-        let context = QueueContext { dump, queue, rays: record.rays, samples, arrays: &arrays, options };
+        let context =
+            QueueContext { dump, queue, rays: record.rays, samples, arrays: &arrays, options, known };
         let mut methods: Vec<&str> = record.methods.iter().map(String::as_str).collect();
         methods.sort_by_key(|&method| method != UNSORTED);
         let orders = methods.into_iter().map(|method| context.order(method)).collect();

@@ -5,17 +5,21 @@
 //! DIR/timings.parquet     every sample of every time
 //! DIR/summaries.parquet   what `inspector info --metrics` says of each order
 //! ```
-//! - `table`: columns as data, rows by row groups; `rays`, `timings`, `summaries`: what the tables have; `found`: all
-//!   that is known of a ray, side by side
+//! - `table`: columns as data, rows by row groups; `cell`, `runs`, `encode`: cells as bytes; `file`: pages
+//! - `rays`, `timings`, `summaries`: what the tables have; `found`: all that is known of a ray, side by side
 //! - `partition`: folders that say what is in them; `destination`: complete or not there
 //!
 //! Memory: the arrays of a bounce twice, and for each thread those of a method and a row group.
 
+mod cell;
 mod destination;
+mod encode;
+mod file;
 mod found;
 mod partition;
 mod queues;
 mod rays;
+mod runs;
 mod summaries;
 mod table;
 mod timings;
@@ -31,7 +35,7 @@ use serde::Serialize;
 
 use super::rays::RayChoice;
 use crate::analysis::labels::configuration;
-use crate::analysis::{AnalysisOptions, Depth, analyse, check_finished};
+use crate::analysis::{AnalysisOptions, Depth, analyse_known, check_finished};
 use crate::output::sentence;
 use crate::shown;
 use destination::{Destination, SUMMARIES, TIMINGS};
@@ -130,11 +134,9 @@ impl Dataset<'_> {
             recording,
         });
         self.timings.add(&recorded, dump.manifest())?;
-        // A thread for which one has nothing to do works for the other.
-        let (analysis, rays) =
-            rayon::join(|| analyse(slice::from_ref(dump), options), || self.rays.add(dump, &recorded));
-        rays?;
-        analysis?.recordings.iter().try_for_each(|analysis| self.summaries.add(&recorded, analysis))?;
+        let known = self.rays.add(dump, &recorded)?;
+        let analysis = analyse_known(dump, options, &known)?;
+        analysis.recordings.iter().try_for_each(|analysis| self.summaries.add(&recorded, analysis))?;
         self.rays.written.recordings += 1;
         Ok(())
     }

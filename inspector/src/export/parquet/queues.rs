@@ -13,6 +13,7 @@ use super::destination::Destination;
 use super::found::{self, Found};
 use super::rays::OrderedRays;
 use super::{Recorded, Written, partition};
+use crate::analysis::{KnownOrder, KnownOrders};
 use crate::export::rays::RayChoice;
 use crate::model::{Order, Queue};
 
@@ -34,16 +35,26 @@ struct QueueRays<'a> {
     found: Vec<Found>,
 }
 
+/// A file that was written.
+struct RayFile {
+    rows: u64,
+    bytes: u64,
+    /// The order that it has, and what was found of it.
+    order: Option<((QueueId, String), KnownOrder)>,
+}
+
 impl RayFiles<'_> {
-    /// Writes all rays of a recording that are chosen.
+    /// Writes all rays of a recording that are chosen; gives what was found of their orders on the way.
     ///
     /// # Errors
     /// If they cannot be written. What cannot be read is left out.
-    pub(super) fn add(&mut self, dump: &Dump, recorded: &Recorded) -> anyhow::Result<()> {
+    pub(super) fn add(&mut self, dump: &Dump, recorded: &Recorded) -> anyhow::Result<KnownOrders> {
         let chosen = dump.manifest().queues.iter().filter(|queue| self.choice.includes(queue.id));
         let chosen: Vec<&QueueRecord> = chosen.collect();
         let mut bounces = chosen.chunk_by(|a, b| (a.id.pass, a.id.bounce) == (b.id.pass, b.id.bounce));
-        bounces.try_for_each(|queues| self.add_bounce(dump, queues, recorded))
+        let mut known = KnownOrders::new();
+        bounces.try_for_each(|queues| self.add_bounce(dump, queues, recorded, &mut known))?;
+        Ok(known)
     }
 
     /// The rays of a bounce in each order: those of a pass that was not measured in canonical order alone.
@@ -52,6 +63,7 @@ impl RayFiles<'_> {
         dump: &Dump,
         queues: &[&QueueRecord],
         recorded: &Recorded,
+        known: &mut KnownOrders,
     ) -> anyhow::Result<()> {
         let opened: Vec<_> = queues.par_iter().map(|record| self.open(dump, record)).collect();
         let mut queues = Vec::new();
@@ -68,10 +80,11 @@ impl RayFiles<'_> {
             .collect::<Result<_, _>>()?;
         for file in files {
             match file {
-                Ok((rows, bytes)) => {
+                Ok(file) => {
                     self.written.ray_files += 1;
-                    self.written.rays += rows;
-                    self.written.ray_bytes += bytes;
+                    self.written.rays += file.rows;
+                    self.written.ray_bytes += file.bytes;
+                    known.extend(file.order);
                 }
                 Err(reason) => self.leave_out(recorded, &reason),
             }
@@ -96,14 +109,14 @@ impl RayFiles<'_> {
         Ok(QueueRays { id, methods, queue, found })
     }
 
-    /// Writes the rays of a queue in one order; gives rows and bytes, or why there are none.
+    /// Writes the rays of a queue in one order; gives what was written, or why nothing was.
     fn write(
         &self,
         dump: &Dump,
         &QueueRays { id, ref queue, ref found, .. }: &QueueRays<'_>,
         method: &str,
         recorded: &Recorded,
-    ) -> anyhow::Result<Result<(u64, u64), String>> {
+    ) -> anyhow::Result<Result<RayFile, String>> {
         let order = match Order::open(dump, queue.clone(), method) {
             Ok(order) => order,
             Err(reason) => return Ok(Err(format!("{id}: {method}: {reason}"))),
@@ -118,8 +131,9 @@ impl RayFiles<'_> {
             method: dump.manifest().methods.iter().find(|known| known.name == method),
             group_width: self.choice.group_width.rays(),
         };
-        let rows = rows.write(path.clone())?;
+        let (rows, order) = rows.write(path.clone())?;
         let bytes = fs::metadata(&path).with_context(|| format!("cannot find {}", path.display()))?.len();
-        Ok(Ok((rows, bytes)))
+        let order = order.map(|order| ((id, method.to_owned()), order));
+        Ok(Ok(RayFile { rows, bytes, order }))
     }
 }

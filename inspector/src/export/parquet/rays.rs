@@ -1,18 +1,20 @@
 //! Rays in the order of a method: a row each.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use formats::key::Termination;
 use formats::key::termination::bounded_length;
 use formats::manifest::MethodRecord;
-use formats::metrics::capsule::{Capsule, Segment};
-use formats::metrics::spread::direction_spread;
+use formats::metrics::group::Group;
 use formats::prefetch::{AHEAD, prefetch_at};
-use parquet::data_type::ByteArray;
+use formats::ray::Kind;
 
+use super::cell::Cell;
 use super::found::{Found, NONE};
-use super::table::Values::{Few, Near, Runs, Vary};
 use super::table::{Column, TableWriter};
+use crate::analysis::KnownOrder;
+use crate::analysis::coherence::{Coherence, Lanes};
 use crate::model::{Order, Queue};
 
 /// Rows that are made at a time: whole groups of any width, and as many as a cache holds.
@@ -48,13 +50,15 @@ pub(super) struct OrderedRays<'a> {
 }
 
 impl OrderedRays<'_> {
-    /// Writes all rows into a file; gives their number.
+    /// Writes all rows into a file; gives their number and what was found of the order on the way.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub(super) fn write(&self, path: PathBuf) -> anyhow::Result<u64> {
+    pub(super) fn write(&self, path: PathBuf) -> anyhow::Result<(u64, Option<KnownOrder>)> {
         let mut table = TableWriter::create(path, self.columns())?;
         let mut rows = Vec::with_capacity(ROWS_PER_BLOCK);
+        let mut groups = Vec::with_capacity(self.order.len().div_ceil(self.group_width));
+        let mut lanes = Lanes::default();
         for first in (0..self.order.len()).step_by(ROWS_PER_BLOCK) {
             rows.clear();
             let places = first..(first + ROWS_PER_BLOCK).min(self.order.len());
@@ -64,10 +68,13 @@ impl OrderedRays<'_> {
                 self.row(place)
             }));
             self.add_estimates(&mut rows);
-            rows.chunks_mut(self.group_width).for_each(|group| self.add_capsule(group));
+            groups.extend(rows.chunks_mut(self.group_width).filter_map(|group| self.add_capsule(group)));
+            lanes.add(rows.iter().map(|row| &row.found.work));
             table.add(&rows)?;
         }
-        table.finish()
+        let lanes = self.order.queue.work.is_ok().then(|| lanes.utilisation());
+        let order = Coherence::of(groups).map(|coherence| KnownOrder { coherence, lanes });
+        Ok((table.finish()?, order))
     }
 
     fn row(&self, place: usize) -> RayRow {
@@ -80,6 +87,15 @@ impl OrderedRays<'_> {
             estimate: f32::NAN,
             capsule_area: f64::NAN,
             direction_spread: f64::NAN,
+        }
+    }
+
+    /// Whether the method takes rays for some length, and it is known which.
+    fn has_estimates(&self) -> bool {
+        match self.method.map_or(Termination::Unused, |method| method.termination) {
+            Termination::Unused => false,
+            Termination::Adaptive => self.order.queue.table.is_ok(),
+            Termination::Fixed | Termination::Real => true,
         }
     }
 
@@ -103,16 +119,13 @@ impl OrderedRays<'_> {
     }
 
     /// How coherent a group is, for each of its rays.
-    fn add_capsule(&self, group: &mut [RayRow]) {
-        let unit = self.order.queue.traced.unit();
-        let segment = |row: &RayRow| Segment::of(unit, &row.found.ray, row.found.length);
-        let area =
-            Capsule::around(&group.iter().map(segment).collect::<Vec<_>>()).map(|capsule| capsule.area());
-        let spread = direction_spread(group.iter().map(|row| row.found.ray.direction));
-        let (area, spread) = (area.unwrap_or(f64::NAN), spread.unwrap_or(f64::NAN));
-        for row in group {
-            (row.capsule_area, row.direction_spread) = (area, spread);
+    fn add_capsule(&self, rows: &mut [RayRow]) -> Option<Group> {
+        let rays = rows.iter().map(|row| (&row.found.ray, row.found.length));
+        let group = Group::around(self.order.queue.traced.unit(), rays)?;
+        for row in rows {
+            (row.capsule_area, row.direction_spread) = (group.area, group.spread);
         }
+        Some(group)
     }
 
     fn columns(&self) -> Vec<RayColumn<'_>> {
@@ -124,38 +137,27 @@ impl OrderedRays<'_> {
     /// Which ray it is, where it stands, where it starts.
     fn which(&self) -> Vec<RayColumn<'_>> {
         let world = "world units";
-        let (recording, pass) = (ByteArray::from(self.recording), self.order.queue.id.pass);
+        let (recording, pass): (Arc<str>, _) = (self.recording.into(), self.order.queue.id.pass);
         let group_width = self.group_width as u32;
         let has_keys = self.order.keys.is_ok();
         vec![
             RayColumn::constant("recording", "Recording, by its folder", recording),
             RayColumn::constant("pass", "Pass, from 0", pass),
-            RayColumn::known("place", "Place in the order, from 0", Near, |row| row.place),
+            RayColumn::known("place", "Place in the order, from 0", |row| row.place),
             RayColumn::known(
                 "group",
                 "Group in the order, from 0: rays that are traced together",
-                Near,
                 move |row| row.place / group_width,
             ),
-            RayColumn::known("ray", "Canonical index: the place in pixel order", Near, |row| row.ray),
-            RayColumn::known("path", "Path: its pixel, row by row from the top left", Near, |row| {
-                row.found.path
-            }),
-            RayColumn::optional("key", "What the rays are sorted by", Near, move |row| {
-                has_keys.then_some(row.key)
-            }),
-            RayColumn::known("origin_x", "Origin", Vary, |row| row.found.ray.origin[0]).unit(world),
-            RayColumn::known("origin_y", "Origin", Vary, |row| row.found.ray.origin[1]).unit(world),
-            RayColumn::known("origin_z", "Origin", Vary, |row| row.found.ray.origin[2]).unit(world),
-            RayColumn::known("direction_x", "Direction, a unit vector", Vary, |row| {
-                row.found.ray.direction[0]
-            }),
-            RayColumn::known("direction_y", "Direction, a unit vector", Vary, |row| {
-                row.found.ray.direction[1]
-            }),
-            RayColumn::known("direction_z", "Direction, a unit vector", Vary, |row| {
-                row.found.ray.direction[2]
-            }),
+            RayColumn::known("ray", "Canonical index: the place in pixel order", |row| row.ray),
+            RayColumn::known("path", "Path: its pixel, row by row from the top left", |row| row.found.path),
+            if_kept(has_keys, "key", "What the rays are sorted by", |row| Some(row.key)),
+            RayColumn::known("origin_x", "Origin", |row| row.found.ray.origin[0]).unit(world),
+            RayColumn::known("origin_y", "Origin", |row| row.found.ray.origin[1]).unit(world),
+            RayColumn::known("origin_z", "Origin", |row| row.found.ray.origin[2]).unit(world),
+            RayColumn::known("direction_x", "Direction, a unit vector", |row| row.found.ray.direction[0]),
+            RayColumn::known("direction_y", "Direction, a unit vector", |row| row.found.ray.direction[1]),
+            RayColumn::known("direction_z", "Direction, a unit vector", |row| row.found.ray.direction[2]),
         ]
     }
 
@@ -163,6 +165,7 @@ impl OrderedRays<'_> {
     fn what_was_found(&self) -> Vec<RayColumn<'_>> {
         let unit_lengths = "unit lengths: the scene's largest side is 1";
         let queue = &*self.order.queue;
+        let (has_hits, has_materials) = (queue.id.kind == Kind::Closest, queue.materials.is_ok());
         let (has_lights, has_work) = (queue.lights.is_some(), queue.work.is_ok());
         let index = |index: u32| Some(index).filter(|&index| index != NONE);
         let number = |number: f32| Some(number).filter(|number| number.is_finite());
@@ -171,61 +174,55 @@ impl OrderedRays<'_> {
             RayColumn::optional(
                 "t",
                 "Distance to the surface that was hit; null where none was",
-                Vary,
                 move |row| number(row.found.t),
             )
             .unit("world units"),
-            RayColumn::optional(
-                "length",
-                "Traced length, cut where the ray leaves the scene",
-                Vary,
-                move |row| number(row.found.length),
-            )
+            RayColumn::optional("length", "Traced length, cut where the ray leaves the scene", move |row| {
+                number(row.found.length)
+            })
             .unit(unit_lengths),
-            RayColumn::optional(
+            if_kept(
+                self.has_estimates(),
                 "estimate",
                 "Length that the method takes it for; null where it takes none",
-                Vary,
                 move |row| number(row.estimate),
             )
             .unit(unit_lengths),
-            RayColumn::optional(
+            if_kept(
+                has_hits,
                 "triangle",
                 "Triangle that was hit; null for none and for shadow rays",
-                Near,
                 move |row| index(row.found.triangle),
             ),
-            RayColumn::optional("material", "Material of that triangle", Few, move |row| {
+            if_kept(has_hits && has_materials, "material", "Material of that triangle", move |row| {
                 index(row.found.material)
             }),
-            RayColumn::optional("light", "Light that a shadow ray goes to", Few, move |row| {
-                has_lights.then_some(row.found.light)
+            if_kept(has_lights, "light", "Light that a shadow ray goes to", |row| Some(row.found.light)),
+            if_kept(has_work, "nodes", "Nodes of the hierarchy visited; null where not recorded", |row| {
+                Some(row.found.work.nodes)
             }),
-            RayColumn::optional(
-                "nodes",
-                "Nodes of the hierarchy visited; null where not recorded",
-                Near,
-                move |row| has_work.then_some(row.found.work.nodes),
-            ),
-            RayColumn::optional(
-                "triangles_tested",
-                "Triangles tested; null where not recorded",
-                Near,
-                move |row| has_work.then_some(row.found.work.triangles),
-            ),
-            RayColumn::optional(
-                "capsule_area",
-                "Area of the capsule around the ray's group",
-                Runs,
-                move |row| real(row.capsule_area),
-            )
+            if_kept(has_work, "triangles_tested", "Triangles tested; null where not recorded", |row| {
+                Some(row.found.work.triangles)
+            }),
+            RayColumn::repeated("capsule_area", "Area of the capsule around the ray's group", move |row| {
+                real(row.capsule_area)
+            })
             .unit("unit lengths squared"),
-            RayColumn::optional(
+            RayColumn::repeated(
                 "direction_spread",
                 "Direction spread of its group: 0 if all are parallel",
-                Runs,
                 move |row| real(row.direction_spread),
             ),
         ]
     }
+}
+
+/// A column of what some queues have of no ray.
+fn if_kept<'a, T: Cell + 'a>(
+    is_kept: bool,
+    name: &'static str,
+    about: &'static str,
+    of: impl Fn(&RayRow) -> Option<T> + 'a,
+) -> RayColumn<'a> {
+    if is_kept { RayColumn::optional(name, about, of) } else { RayColumn::absent::<T>(name, about) }
 }

@@ -8,7 +8,6 @@ use formats::manifest::{Stage, Way};
 use formats::ray::Kind;
 
 use super::Recorded;
-use super::table::Values::{Few, Vary};
 use super::table::{Column, TableWriter};
 use crate::analysis::summary::RayClass;
 use crate::analysis::timing::SpeedupLine;
@@ -151,13 +150,12 @@ fn what() -> Vec<SummaryColumn> {
         SummaryColumn::text("machine", "Backend, adapter, kernel and threads", |row| Some(&row.of.machine)),
         SummaryColumn::text("recording", "Recording, by its folder", |row| Some(&row.of.recording)),
         SummaryColumn::text("camera", "Camera", |row| Some(&row.camera)),
-        SummaryColumn::optional("seed", "Seed of all random numbers", Few, |row| Some(row.seed)),
+        SummaryColumn::optional("seed", "Seed of all random numbers", |row| Some(row.seed)),
         SummaryColumn::text("kind", "Kind of the rays", |row| Some(row.kind)),
-        SummaryColumn::optional("pass", "Pass, from 0; null for all bounces together", Few, |row| row.pass),
+        SummaryColumn::optional("pass", "Pass, from 0; null for all bounces together", |row| row.pass),
         SummaryColumn::optional(
             "bounce",
             "Bounce; null for all together, of closest rays without bounce 0, the camera rays",
-            Few,
             |row| row.bounce,
         ),
         SummaryColumn::text("method", "Order of the rays", |row| Some(&row.method)),
@@ -167,15 +165,14 @@ fn what() -> Vec<SummaryColumn> {
         SummaryColumn::optional(
             "key_bits",
             "Bits of its keys; null for unsorted and for all bounces",
-            Few,
             |row| row.key_bits,
         ),
-        SummaryColumn::optional("rays", "Rays", Few, |row| Some(row.rays)),
+        SummaryColumn::optional("rays", "Rays", |row| Some(row.rays)),
     ]
 }
 
 fn real(name: &'static str, about: &'static str, of: fn(&SummaryRow) -> Option<f64>) -> SummaryColumn {
-    SummaryColumn::optional(name, about, Vary, of)
+    SummaryColumn::optional(name, about, of)
 }
 
 /// What its times say.

@@ -1,54 +1,21 @@
 //! A table as Parquet: its columns are data, its rows are written a row group at a time.
 
-use std::fs::File;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::Context;
-use parquet::basic::{Compression, Encoding, LogicalType, Repetition, ZstdLevel};
-use parquet::data_type::{
-    BoolType, ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type, Int64Type,
-};
+use parquet::basic::Repetition;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::{WriterProperties, WriterPropertiesPtr};
-use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
-use parquet::schema::types::{ColumnPath, Type, TypePtr};
+use parquet::schema::types::{Type, TypePtr};
+
+use super::cell::Cell;
+use super::encode;
+use super::file::{Chunk, ColumnFile};
+use super::runs::Runs;
 
 /// Rows of a row group: whole groups of 32, 64 and 128 rays; about what engines read at a time.
 pub(super) const ROWS_PER_GROUP: usize = 1 << 17;
-
-type RowGroup<'a> = SerializedRowGroupWriter<'a, File>;
-
-/// What a cell can hold, and how Parquet has it.
-pub(super) trait Cell {
-    /// Its type there.
-    type Stored: DataType;
-    /// What that type stands for; nothing where it says enough.
-    fn meaning() -> Option<LogicalType>;
-    /// The cell as it is there.
-    fn stored(self) -> <Self::Stored as DataType>::T;
-}
-
-macro_rules! cells {
-    ($($type:ty => $stored:ty, $meaning:expr, $convert:expr;)*) => { $(impl Cell for $type {
-        type Stored = $stored;
-        fn meaning() -> Option<LogicalType> { $meaning }
-        fn stored(self) -> <$stored as DataType>::T { $convert(self) }
-    })* };
-}
-
-cells! {
-    u32 => Int32Type, Some(LogicalType::integer(32, false)), |value| value as i32;
-    u64 => Int64Type, Some(LogicalType::integer(64, false)), |value| value as i64;
-    f32 => FloatType, None, std::convert::identity;
-    f64 => DoubleType, None, std::convert::identity;
-    bool => BoolType, None, std::convert::identity;
-    ByteArray => ByteArrayType, Some(LogicalType::String), std::convert::identity;
-}
-
-/// Cells of a constant column that are written at a time.
-const ROWS_AT_ONCE: usize = 1 << 10;
 
 /// What a column takes from rows, and what it has in the rows of the row group so far.
 trait Cells<R> {
@@ -56,25 +23,38 @@ trait Cells<R> {
     fn schema(&self, name: &str) -> Result<TypePtr, ParquetError>;
     /// Takes what rows have in this column.
     fn take(&mut self, rows: &[R]);
-    /// Writes what was taken.
-    fn write(&mut self, group: &mut RowGroup<'_>) -> Result<(), ParquetError>;
+    /// Gives what was taken.
+    fn give(&mut self, chunk: &mut Chunk);
 }
 
 /// Cells of rows each of which has one.
 struct Known<T: Cell, F> {
     of: F,
-    values: Vec<<T::Stored as DataType>::T>,
+    values: Vec<T::Stored>,
 }
 
 /// Cells of rows some of which may have none, which is null.
 struct Optional<T: Cell, F> {
     of: F,
-    values: Vec<<T::Stored as DataType>::T>,
-    /// For each row whether it has one, as its definition level, 0 or 1.
-    levels: Vec<i16>,
+    /// The cell of each row, anything where there is none.
+    values: Vec<T::Stored>,
+    /// For each row whether it has one.
+    present: Vec<bool>,
 }
 
-impl<R, T: Cell, F: FnMut(&R) -> T> Cells<R> for Known<T, F> {
+/// Cells that are the same for many rows on end.
+struct Repeated<T: Cell, F> {
+    of: F,
+    runs: Runs<T>,
+}
+
+/// The same cell in all rows, or none in any.
+struct Constant<T: Cell> {
+    value: Option<T::Stored>,
+    runs: Runs<T>,
+}
+
+impl<R, T: Cell, F: Fn(&R) -> T> Cells<R> for Known<T, F> {
     fn schema(&self, name: &str) -> Result<TypePtr, ParquetError> {
         schema::<T>(name, Repetition::REQUIRED)
     }
@@ -83,89 +63,83 @@ impl<R, T: Cell, F: FnMut(&R) -> T> Cells<R> for Known<T, F> {
         self.values.extend(rows.iter().map(|row| (self.of)(row).stored()));
     }
 
-    fn write(&mut self, group: &mut RowGroup<'_>) -> Result<(), ParquetError> {
-        write::<T>(group, [(&self.values[..], None)])?;
+    fn give(&mut self, chunk: &mut Chunk) {
+        chunk.encoding = T::encode(&self.values, &mut chunk.page);
+        chunk.statistics = Some(T::statistics(&self.values, 0));
         self.values.clear();
-        Ok(())
     }
 }
 
-impl<R, T: Cell, F: FnMut(&R) -> Option<T>> Cells<R> for Optional<T, F> {
+impl<R, T: Cell, F: Fn(&R) -> Option<T>> Cells<R> for Optional<T, F> {
     fn schema(&self, name: &str) -> Result<TypePtr, ParquetError> {
         schema::<T>(name, Repetition::OPTIONAL)
     }
 
     fn take(&mut self, rows: &[R]) {
-        for row in rows {
-            let cell = (self.of)(row);
-            self.levels.push(i16::from(cell.is_some()));
-            self.values.extend(cell.map(T::stored));
-        }
+        self.values.extend(rows.iter().map(|row| (self.of)(row).unwrap_or_default().stored()));
+        self.present.extend(rows.iter().map(|row| (self.of)(row).is_some()));
     }
 
-    fn write(&mut self, group: &mut RowGroup<'_>) -> Result<(), ParquetError> {
-        write::<T>(group, [(&self.values[..], Some(&self.levels[..]))])?;
+    fn give(&mut self, chunk: &mut Chunk) {
+        let known = self.present.iter().filter(|&&is_present| is_present).count();
+        let nulls = self.present.len() - known;
+        if nulls > 0 {
+            let mut next = 0;
+            for (at, &is_present) in self.present.iter().enumerate() {
+                self.values[next] = self.values[at].clone();
+                next += usize::from(is_present);
+            }
+            self.values.truncate(known);
+        }
+        chunk.levels(|levels| match (known, nulls) {
+            (_, 0) => encode::run(known, 1, 1, levels),
+            (0, _) => encode::run(nulls, 0, 1, levels),
+            _ => encode::presence(&self.present, levels),
+        });
+        chunk.encoding = T::encode(&self.values, &mut chunk.page);
+        chunk.statistics = Some(T::statistics(&self.values, nulls));
         self.values.clear();
-        self.levels.clear();
-        Ok(())
+        self.present.clear();
     }
 }
 
-/// The same cell in all rows.
-struct Constant<T: Cell> {
-    /// It, again and again.
-    values: Vec<<T::Stored as DataType>::T>,
-    rows: usize,
+impl<R, T: Cell, F: FnMut(&R) -> Option<T>> Cells<R> for Repeated<T, F> {
+    fn schema(&self, name: &str) -> Result<TypePtr, ParquetError> {
+        schema::<T>(name, Repetition::OPTIONAL)
+    }
+
+    fn take(&mut self, rows: &[R]) {
+        rows.iter().for_each(|row| self.runs.add((self.of)(row).map(T::stored), 1));
+    }
+
+    fn give(&mut self, chunk: &mut Chunk) {
+        self.runs.give(Repetition::OPTIONAL, chunk);
+    }
 }
 
 impl<R, T: Cell> Cells<R> for Constant<T> {
     fn schema(&self, name: &str) -> Result<TypePtr, ParquetError> {
-        schema::<T>(name, Repetition::REQUIRED)
+        schema::<T>(name, self.repetition())
     }
 
     fn take(&mut self, rows: &[R]) {
-        self.rows += rows.len();
+        self.runs.add(self.value.clone(), rows.len());
     }
 
-    fn write(&mut self, group: &mut RowGroup<'_>) -> Result<(), ParquetError> {
-        let parts = (0..self.rows).step_by(self.values.len());
-        let parts = parts.map(|first| &self.values[..self.values.len().min(self.rows - first)]);
-        write::<T>(group, parts.map(|values| (values, None)))?;
-        self.rows = 0;
-        Ok(())
+    fn give(&mut self, chunk: &mut Chunk) {
+        self.runs.give(self.repetition(), chunk);
+    }
+}
+
+impl<T: Cell> Constant<T> {
+    fn repetition(&self) -> Repetition {
+        if self.value.is_some() { Repetition::REQUIRED } else { Repetition::OPTIONAL }
     }
 }
 
 fn schema<T: Cell>(name: &str, repetition: Repetition) -> Result<TypePtr, ParquetError> {
-    let column = Type::primitive_type_builder(name, T::Stored::get_physical_type());
+    let column = Type::primitive_type_builder(name, T::KIND);
     Ok(Arc::new(column.with_repetition(repetition).with_logical_type(T::meaning()).build()?))
-}
-
-/// Writes values of a column, and the levels of those that may be null.
-fn write<'v, T: Cell>(
-    group: &mut RowGroup<'_>,
-    parts: impl IntoIterator<Item = (&'v [<T::Stored as DataType>::T], Option<&'v [i16]>)>,
-) -> Result<(), ParquetError> {
-    let Some(mut column) = group.next_column()? else {
-        return Err(ParquetError::General("a table has more columns than its schema".to_owned()));
-    };
-    for (values, levels) in parts {
-        column.typed::<T::Stored>().write_batch(values, levels, None)?;
-    }
-    column.close()
-}
-
-/// How the values of a column are, which decides how they take least space.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Values {
-    /// A few, again and again: a dictionary.
-    Few,
-    /// The same for many rows on end: as they are, since compression finds that sooner than a dictionary.
-    Runs,
-    /// Whole numbers, each of about as many bits as its distance from the one before: these distances.
-    Near,
-    /// None of these: their first bytes, then their second bytes and so on, of which some are alike.
-    Vary,
 }
 
 /// One column of a table whose rows are `R`.
@@ -176,39 +150,57 @@ pub(super) struct Column<'a, R> {
     pub(super) unit: &'static str,
     /// What it is, in a sentence without its full stop.
     pub(super) about: &'static str,
-    values: Values,
     cells: Box<dyn Cells<R> + 'a>,
 }
 
 impl<'a, R: 'a> Column<'a, R> {
-    fn of(name: &'static str, about: &'static str, values: Values, cells: impl Cells<R> + 'a) -> Self {
-        Self { name, unit: "", about, values, cells: Box::new(cells) }
+    fn of(name: &'static str, about: &'static str, cells: impl Cells<R> + 'a) -> Self {
+        Self { name, unit: "", about, cells: Box::new(cells) }
     }
 
     /// A column that has a value in every row, which costs less to write.
     pub(super) fn known<T: Cell + 'a>(
         name: &'static str,
         about: &'static str,
-        values: Values,
-        of: impl FnMut(&R) -> T + 'a,
+        of: impl Fn(&R) -> T + 'a,
     ) -> Self {
-        Self::of(name, about, values, Known { of, values: Vec::new() })
+        Self::of(name, about, Known { of, values: Vec::with_capacity(ROWS_PER_GROUP) })
     }
 
     /// A column that is null where a row has nothing.
     pub(super) fn optional<T: Cell + 'a>(
         name: &'static str,
         about: &'static str,
-        values: Values,
+        of: impl Fn(&R) -> Option<T> + 'a,
+    ) -> Self {
+        Self::of(
+            name,
+            about,
+            Optional {
+                of,
+                values: Vec::with_capacity(ROWS_PER_GROUP),
+                present: Vec::with_capacity(ROWS_PER_GROUP),
+            },
+        )
+    }
+
+    /// The same where rows that follow each other mostly have the same.
+    pub(super) fn repeated<T: Cell + 'a>(
+        name: &'static str,
+        about: &'static str,
         of: impl FnMut(&R) -> Option<T> + 'a,
     ) -> Self {
-        Self::of(name, about, values, Optional { of, values: Vec::new(), levels: Vec::new() })
+        Self::of(name, about, Repeated { of, runs: Runs::new() })
     }
 
     /// A column with the same value in every row.
     pub(super) fn constant<T: Cell + 'a>(name: &'static str, about: &'static str, value: T) -> Self {
-        let values = vec![value.stored(); ROWS_AT_ONCE];
-        Self::of(name, about, Values::Few, Constant::<T> { values, rows: 0 })
+        Self::of(name, about, Constant { value: Some(value.stored()), runs: Runs::<T>::new() })
+    }
+
+    /// A column that is null in every row.
+    pub(super) fn absent<T: Cell + 'a>(name: &'static str, about: &'static str) -> Self {
+        Self::of(name, about, Constant { value: None, runs: Runs::<T>::new() })
     }
 
     /// A column of names, null where a row has none.
@@ -217,12 +209,11 @@ impl<'a, R: 'a> Column<'a, R> {
         about: &'static str,
         of: for<'r> fn(&'r R) -> Option<&'r str>,
     ) -> Self {
-        // Rows that follow each other mostly share their text.
-        let mut last = ByteArray::from("");
-        Self::optional(name, about, Values::Few, move |row| {
+        let mut last: Arc<str> = Arc::default();
+        Self::repeated(name, about, move |row| {
             let text = of(row)?;
-            if last.data() != text.as_bytes() {
-                last = ByteArray::from(text);
+            if *last != *text {
+                last = text.into();
             }
             Some(last.clone())
         })
@@ -246,7 +237,8 @@ impl<'a, R: 'a> Column<'a, R> {
 pub(super) struct TableWriter<'a, R> {
     path: PathBuf,
     columns: Vec<Column<'a, R>>,
-    file: SerializedFileWriter<File>,
+    file: ColumnFile,
+    chunk: Chunk,
     /// Rows of the row group so far.
     taken: usize,
     written: u64,
@@ -258,14 +250,13 @@ impl<'a, R: 'a> TableWriter<'a, R> {
     /// # Errors
     /// If it cannot be made.
     pub(super) fn create(path: PathBuf, columns: Vec<Column<'a, R>>) -> anyhow::Result<Self> {
-        let cannot = || format!("cannot write {}", path.display());
-        let file = File::create_new(&path).with_context(cannot)?;
-        let fields = columns.iter().map(|column| column.cells.schema(column.name));
-        let fields = fields.collect::<Result<Vec<_>, _>>().with_context(cannot)?;
-        let schema = Type::group_type_builder("rayscope").with_fields(fields).build().with_context(cannot)?;
-        let file = SerializedFileWriter::new(file, Arc::new(schema), properties(&columns));
-        let file = file.with_context(cannot)?;
-        Ok(Self { path, columns, file, taken: 0, written: 0 })
+        let create = || {
+            let fields = columns.iter().map(|column| column.cells.schema(column.name));
+            let schema = Type::group_type_builder("rayscope").with_fields(fields.collect::<Result<_, _>>()?);
+            ColumnFile::create(&path, Arc::new(schema.build()?))
+        };
+        let file = create().with_context(|| format!("cannot write {}", path.display()))?;
+        Ok(Self { path, columns, file, chunk: Chunk::new(), taken: 0, written: 0 })
     }
 
     /// Adds rows: soonest as many at a time as a cache holds.
@@ -286,14 +277,16 @@ impl<'a, R: 'a> TableWriter<'a, R> {
     }
 
     fn write_group(&mut self) -> anyhow::Result<()> {
+        let rows = std::mem::take(&mut self.taken);
         let mut write = || {
-            let mut group = self.file.next_row_group()?;
-            self.columns.iter_mut().try_for_each(|column| column.cells.write(&mut group))?;
-            group.close()
+            for column in &mut self.columns {
+                column.cells.give(&mut self.chunk);
+                self.file.write(rows, &mut self.chunk)?;
+            }
+            self.file.end_group(rows)
         };
         write().with_context(|| format!("cannot write {}", self.path.display()))?;
-        self.written += self.taken as u64;
-        self.taken = 0;
+        self.written += rows as u64;
         Ok(())
     }
 
@@ -305,61 +298,123 @@ impl<'a, R: 'a> TableWriter<'a, R> {
         if self.taken > 0 {
             self.write_group()?;
         }
-        self.file.close().with_context(|| format!("cannot write {}", self.path.display()))?;
+        let about = self.columns.iter().flat_map(Column::metadata).collect();
+        self.file.finish(about).with_context(|| format!("cannot write {}", self.path.display()))?;
         Ok(self.written)
     }
 }
 
-fn properties<R>(columns: &[Column<'_, R>]) -> WriterPropertiesPtr {
-    let mut properties = WriterProperties::builder()
-        .set_created_by(format!("Rayscope {}", env!("CARGO_PKG_VERSION")))
-        .set_compression(Compression::ZSTD(ZstdLevel::default()))
-        .set_data_page_row_count_limit(ROWS_PER_GROUP)
-        .set_key_value_metadata(Some(columns.iter().flat_map(Column::metadata).collect()));
-    for column in columns {
-        let path = ColumnPath::from(column.name);
-        properties = properties.set_column_dictionary_enabled(path.clone(), column.values == Values::Few);
-        let encoding = match column.values {
-            Values::Few | Values::Runs => continue,
-            Values::Near => Encoding::DELTA_BINARY_PACKED,
-            Values::Vary => Encoding::BYTE_STREAM_SPLIT,
-        };
-        properties = properties.set_column_encoding(path, encoding);
-    }
-    Arc::new(properties.build())
-}
-
 #[cfg(test)]
 mod tests {
+    use std::fs::File;
+
     use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::file::statistics::Statistics;
+    use parquet::record::Field;
 
     use super::*;
+
+    /// Of any size, the same in each run.
+    fn mixed(row: u32) -> u64 {
+        let mixed = u64::from(row).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        mixed >> (mixed >> 58)
+    }
+
+    fn columns() -> Vec<Column<'static, u32>> {
+        vec![
+            Column::known("row", "Row", |&row| row),
+            Column::known("narrow", "Whole numbers of any width", |&row| mixed(row) as u32),
+            Column::optional("wide", "Likewise, in three rows of four", |&row| {
+                Some(mixed(row)).filter(|_| row % 4 != 1)
+            }),
+            Column::known("single", "Numbers", |&row| row as f32 - 1e4),
+            Column::optional("double", "Numbers, in no row but the last", |&row| {
+                Some(f64::from(row) / 7.0).filter(|_| row == ROWS - 1)
+            }),
+            Column::repeated("group", "Numbers that are repeated, in two groups of three", |&row| {
+                Some(f64::from(row / 64 % 500)).filter(|_| row / 64 % 3 != 0)
+            }),
+            Column::optional("even", "Whether the row is even", |&row| Some(row % 2 == 0)),
+            Column::text("word", "A word", |&row| Some(["", "one", "two"][row as usize / 1000 % 3])),
+            Column::constant("pass", "Pass", 7u32),
+            Column::absent::<f32>("nothing", "Nothing"),
+        ]
+    }
+
+    fn fields(row: u32) -> Vec<Field> {
+        let or_null = |is_known: bool, field| if is_known { field } else { Field::Null };
+        vec![
+            Field::UInt(row),
+            Field::UInt(mixed(row) as u32),
+            or_null(row % 4 != 1, Field::ULong(mixed(row))),
+            Field::Float(row as f32 - 1e4),
+            or_null(row == ROWS - 1, Field::Double(f64::from(row) / 7.0)),
+            or_null(row / 64 % 3 != 0, Field::Double(f64::from(row / 64 % 500))),
+            Field::Bool(row % 2 == 0),
+            Field::Str(["", "one", "two"][row as usize / 1000 % 3].to_owned()),
+            Field::UInt(7),
+            Field::Null,
+        ]
+    }
+
+    /// A full row group, and one whose last blocks and bytes are not full.
+    const ROWS: u32 = ROWS_PER_GROUP as u32 + 1003;
 
     #[test]
     fn row_groups_are_whole_groups_of_rays_and_lose_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("table.parquet");
-        let columns = vec![
-            Column::known("row", "Row", Values::Near, |row: &u32| *row),
-            Column::optional("even", "The same, if it is even", Values::Few, |row: &u32| {
-                Some(*row).filter(|row| row.is_multiple_of(2))
-            }),
-            Column::constant("pass", "Pass", 7u32),
-        ];
-        let mut table = TableWriter::create(path.clone(), columns).unwrap();
-        let rows: Vec<u32> = (0..ROWS_PER_GROUP as u32 + 1000).collect();
+        let mut table = TableWriter::create(path.clone(), columns()).unwrap();
         // Whatever is added at a time.
+        let rows: Vec<u32> = (0..ROWS).collect();
         rows.chunks(777).try_for_each(|rows| table.add(rows)).unwrap();
-        assert_eq!(table.finish().unwrap(), rows.len() as u64);
+        assert_eq!(table.finish().unwrap(), u64::from(ROWS));
         let reader = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
         let groups: Vec<i64> = reader.metadata().row_groups().iter().map(|group| group.num_rows()).collect();
-        assert_eq!(groups, [ROWS_PER_GROUP as i64, 1000]);
+        assert_eq!(groups, [ROWS_PER_GROUP as i64, 1003]);
         assert!(groups[..1].iter().all(|rows| rows % 128 == 0));
-        for (at, row) in reader.get_row_iter(None).unwrap().enumerate() {
-            let expected = if at.is_multiple_of(2) { at.to_string() } else { "null".to_owned() };
-            assert_eq!(row.unwrap().to_string(), format!("{{row: {at}, even: {expected}, pass: 7}}"));
+        let mut read = 0;
+        for row in reader.get_row_iter(None).unwrap() {
+            let found: Vec<Field> = row.unwrap().into_columns().into_iter().map(|column| column.1).collect();
+            assert_eq!(found, fields(read));
+            read += 1;
         }
+        assert_eq!(read, ROWS);
         let taken = TableWriter::<u32>::create(path, Vec::new()).err().unwrap().to_string();
         assert!(taken.contains("cannot write "), "{taken}");
+    }
+
+    #[test]
+    fn statistics_are_the_ends_of_the_columns() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.parquet");
+        let numbers = vec![
+            // Beyond what fits a number with a sign.
+            Column::optional("whole", "", |&row: &u32| Some(row << 31).filter(|&row| row > 0)),
+            Column::known("negative", "", |&row| -(row as f32)),
+            Column::known("some", "Numbers and what is none", |&row| [1.0, f32::NAN][row as usize % 2]),
+            Column::repeated("double", "", |&row| Some(f64::from(row) - 2.0)),
+            Column::text("word", "", |&row| Some(["a", "c", "b", "d"][row as usize])),
+            Column::absent::<f32>("nothing", ""),
+        ];
+        let mut table = TableWriter::create(path.clone(), numbers).unwrap();
+        table.add(&[0, 1, 2, 3]).unwrap();
+        table.finish().unwrap();
+        let reader = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
+        let ends = |of: &Statistics| {
+            let bytes = |bytes: Option<&[u8]>| bytes.map(<[u8]>::to_vec);
+            (bytes(of.min_bytes_opt()), bytes(of.max_bytes_opt()), of.null_count_opt())
+        };
+        let columns = reader.metadata().row_group(0).columns();
+        let found: Vec<_> = columns.iter().map(|column| ends(column.statistics().unwrap())).collect();
+        let expected = [
+            Statistics::int32(Some(i32::MIN), Some(i32::MIN), None, Some(2), false),
+            Statistics::float(Some(-3.0), Some(-0.0), None, Some(0), false),
+            Statistics::float(None, None, None, Some(0), false),
+            Statistics::double(Some(-2.0), Some(1.0), None, Some(0), false),
+            Statistics::byte_array(Some("a".into()), Some("d".into()), None, Some(0), false),
+            Statistics::float(None, None, None, Some(4), false),
+        ];
+        assert_eq!(found, expected.each_ref().map(ends));
     }
 }

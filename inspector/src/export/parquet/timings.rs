@@ -8,7 +8,6 @@ use formats::manifest::{DisturbedRecord, Manifest, TimingRecord};
 use formats::ray::Kind;
 
 use super::Recorded;
-use super::table::Values::{Few, Vary};
 use super::table::{Column, TableWriter};
 use crate::shown;
 
@@ -87,22 +86,18 @@ fn columns() -> Vec<TimingColumn> {
         TimingColumn::text("scene", "Scene", |row| Some(&row.of.scene)),
         TimingColumn::text("machine", "Backend, adapter, kernel and threads", |row| Some(&row.of.machine)),
         TimingColumn::text("recording", "Recording, by its folder", |row| Some(&row.of.recording)),
-        TimingColumn::optional("pass", "Pass, from 0", Few, |row| Some(row.pass)),
-        TimingColumn::optional("bounce", "Bounce; 0 is the camera rays", Few, |row| Some(row.bounce)),
+        TimingColumn::optional("pass", "Pass, from 0", |row| Some(row.pass)),
+        TimingColumn::optional("bounce", "Bounce; 0 is the camera rays", |row| Some(row.bounce)),
         TimingColumn::text("kind", "Kind of the rays; null for stages that serve both", |row| row.kind),
         TimingColumn::text("method", "Order of the rays", |row| Some(&row.method)),
         TimingColumn::text("stage", "What was timed", |row| Some(row.stage)),
-        TimingColumn::optional(
-            "round",
-            "Round of measuring, from 0: its samples belong together",
-            Few,
-            |row| Some(row.round),
-        ),
-        TimingColumn::optional("ns", "How long it took", Vary, |row| Some(row.ns)).unit("nanoseconds"),
+        TimingColumn::optional("round", "Round of measuring, from 0: its samples belong together", |row| {
+            Some(row.round)
+        }),
+        TimingColumn::optional("ns", "How long it took", |row| Some(row.ns)).unit("nanoseconds"),
         TimingColumn::optional(
             "disturbed",
             "Whether the machine is known to have done other work meanwhile",
-            Few,
             |row| Some(row.is_disturbed),
         ),
     ]
