@@ -48,6 +48,7 @@ impl Places {
     ///
     /// # Panics
     /// If there is no such place.
+    #[inline]
     pub fn ray(&self, place: usize) -> usize {
         match self {
             Self::Canonical(rays) => {

@@ -3,7 +3,7 @@
 //! - [`options`]: group width, threads, how deep to look
 //! - [`metric`]: a number, or why there is none
 //! - [`recording`], [`queue`], [`order`]: the numbers of one recording, queue and order
-//! - `arrays`: the arrays of a queue that its orders share
+//! - `arrays`: the arrays of a queue that its orders share; [`known`]: what need not be read again
 //! - [`timing`]: times, speedups, bandwidths of an order's stages
 //! - [`frame`]: a method over all bounces; [`versus`]: one order against another; [`ranking`]: all of them, the best first
 //! - [`break_even`]: what a sort may cost
@@ -33,6 +33,7 @@ pub mod frame;
 pub mod headline;
 pub mod image_plane;
 pub mod jumps;
+pub mod known;
 pub mod labels;
 pub mod metric;
 pub mod neighbours;
@@ -59,9 +60,10 @@ use serde::Serialize;
 
 pub use correlations::CorrelationLine;
 pub use frame::FrameAnalysis;
+pub use known::KnownQueues;
 pub use metric::Metric;
 pub use options::{AnalysisOptions, Depth, GroupWidth};
-pub use order::{KnownOrder, KnownOrders, OrderAnalysis};
+pub use order::OrderAnalysis;
 pub use queue::QueueAnalysis;
 pub use recording::RecordingAnalysis;
 pub use study::StudyAnalysis;
@@ -113,17 +115,17 @@ pub enum AnalysisError {
 /// If a recording is not finished, or the threads cannot be had. Arrays that were not kept or cannot be
 /// read are no error: what needs them says so.
 pub fn analyse(dumps: &[Dump], options: &AnalysisOptions) -> Result<Analysis, AnalysisError> {
-    analyse_by(dumps, options, |dump| QueueAnalysis::all(dump, options, &KnownOrders::new()))
+    analyse_by(dumps, options, |dump| QueueAnalysis::all(dump, options, &KnownQueues::new()))
 }
 
-/// Analyses a recording of whose orders something is known, which is not computed again.
+/// Analyses a recording of whose queues something is known, which is not computed again.
 ///
 /// # Errors
 /// As [`analyse`].
 pub fn analyse_known(
     dump: &Dump,
     options: &AnalysisOptions,
-    known: &KnownOrders,
+    known: &KnownQueues,
 ) -> Result<Analysis, AnalysisError> {
     analyse_by(slice::from_ref(dump), options, |dump| QueueAnalysis::all(dump, options, known))
 }
@@ -138,7 +140,7 @@ pub fn analyse_studies(studies: &[Study], dumps: &[Dump]) -> Result<Analysis, An
     let mut notices = Vec::new();
     let analysis = analyse_by(dumps, &options, |dump| {
         match studies.iter().find(|study| dump.root().starts_with(&study.root)) {
-            None => QueueAnalysis::all(dump, &options, &KnownOrders::new()),
+            None => QueueAnalysis::all(dump, &options, &KnownQueues::new()),
             Some(study) => {
                 let (queues, notice) = study::queues(study, dump, &options);
                 notices.extend(notice);

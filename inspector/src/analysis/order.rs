@@ -1,7 +1,6 @@
 //! The numbers of one order of one queue.
 
 use std::cell::LazyCell;
-use std::collections::HashMap;
 
 use formats::key::Termination;
 use formats::key::method::UNSORTED;
@@ -16,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::Metric;
 use super::arrays::QueueArrays;
 use super::coherence::{Coherence, LaneUtilisation, coherence, lanes};
+use super::known::{KnownOrder, KnownQueue};
 use super::options::{AnalysisOptions, Depth};
 use super::timing::{SpeedupLine, StageTime, Time, stages};
 use crate::shown;
@@ -96,18 +96,6 @@ impl From<&CacheRecord> for CacheHits {
     }
 }
 
-/// What is known of an order's arrays, where they were read for something else.
-#[derive(Debug)]
-pub struct KnownOrder {
-    /// How coherent its groups are.
-    pub coherence: Coherence,
-    /// Its lane utilisation; none without the rays' work.
-    pub lanes: Option<Vec<LaneUtilisation>>,
-}
-
-/// Such orders, by their queue and method.
-pub type KnownOrders = HashMap<(QueueId, String), KnownOrder>;
-
 /// A queue and everything that its orders share.
 #[derive(Debug)]
 pub(super) struct QueueContext<'a> {
@@ -115,9 +103,9 @@ pub(super) struct QueueContext<'a> {
     pub(super) queue: QueueId,
     pub(super) rays: u64,
     pub(super) samples: &'a Samples<'a>,
-    pub(super) arrays: &'a QueueArrays,
+    pub(super) arrays: &'a QueueArrays<'a>,
     pub(super) options: &'a AnalysisOptions,
-    pub(super) known: &'a KnownOrders,
+    pub(super) known: Option<&'a KnownQueue>,
 }
 
 impl<'a> QueueContext<'a> {
@@ -137,7 +125,7 @@ impl<'a> QueueContext<'a> {
         let way = self.samples.way(self.queue, method);
         let totals = own.map_or(Vec::new(), |own| own.totals(way));
         let places = LazyPlaces::new(Box::new(|| self.places(method)));
-        let known = self.known.get(&(self.queue, method.to_owned())).filter(|_| self.arrays.traced.is_ok());
+        let known = self.known.and_then(|queue| queue.orders.get(method));
         OrderAnalysis {
             method: shown::name(method),
             base: shown::name(record.map_or(method, |record| &record.base)),
@@ -204,7 +192,7 @@ impl<'a> QueueContext<'a> {
 
     fn coherence(&self, known: Option<&KnownOrder>, places: &LazyPlaces<'_>) -> Metric<Coherence> {
         let of = |places: &Places| {
-            let (traced, lengths) = self.arrays.traced.as_ref().map_err(String::clone)?;
+            let (traced, lengths) = self.arrays.traced()?;
             let width = self.options.group_width.rays();
             coherence(traced, lengths, places, width).ok_or_else(|| "there are no rays".to_owned())
         };
@@ -218,10 +206,7 @@ impl<'a> QueueContext<'a> {
     }
 
     fn lanes(&self, known: Option<&KnownOrder>, places: &LazyPlaces<'_>) -> Metric<Vec<LaneUtilisation>> {
-        let of = |places: &Places| {
-            let work = self.arrays.work.as_ref().map_err(String::clone)?;
-            Ok(lanes(work, places))
-        };
+        let of = |places: &Places| Ok(lanes(self.arrays.work()?, places));
         let found = match known.and_then(|known| known.lanes.clone()) {
             Some(lanes) => Ok(lanes),
             None => places.as_ref().map_err(String::clone).and_then(of),

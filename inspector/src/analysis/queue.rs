@@ -9,8 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use super::Metric;
 use super::arrays::QueueArrays;
+use super::known::KnownQueues;
 use super::options::AnalysisOptions;
-use super::order::{KnownOrders, OrderAnalysis, QueueContext};
+use super::order::{OrderAnalysis, QueueContext};
 use super::tables::{Estimators, TableFill};
 
 /// The numbers of one queue.
@@ -34,7 +35,7 @@ pub struct QueueAnalysis {
 
 impl QueueAnalysis {
     /// All of a recording, in the order in which they were traced.
-    pub(super) fn all(dump: &Dump, options: &AnalysisOptions, known: &KnownOrders) -> Vec<Self> {
+    pub(super) fn all(dump: &Dump, options: &AnalysisOptions, known: &KnownQueues) -> Vec<Self> {
         let samples = Samples::of(dump.manifest());
         let of = |queue| Self::of(dump, queue, &samples, options, known);
         dump.manifest().queues.iter().map(of).collect()
@@ -45,18 +46,27 @@ impl QueueAnalysis {
         record: &QueueRecord,
         samples: &Samples<'_>,
         options: &AnalysisOptions,
-        known: &KnownOrders,
+        known: &KnownQueues,
     ) -> Self {
         let queue = record.id;
-        let arrays = QueueArrays::open(dump, record, options.depth);
-        let (table, estimators) = arrays.table(dump, queue);
+        let arrays = QueueArrays::new(dump, record, options.depth);
+        let known = known.get(&queue).filter(|known| known.rays == record.rays);
+        let table = known.map_or_else(|| arrays.table(), |known| known.table.clone());
         let context =
             QueueContext { dump, queue, rays: record.rays, samples, arrays: &arrays, options, known };
         let mut methods: Vec<&str> = record.methods.iter().map(String::as_str).collect();
         methods.sort_by_key(|&method| method != UNSORTED);
         let orders = methods.into_iter().map(|method| context.order(method)).collect();
         let QueueId { pass, bounce, kind } = queue;
-        Self { pass, bounce, kind, rays: record.rays, table, estimators, orders }
+        Self {
+            pass,
+            bounce,
+            kind,
+            rays: record.rays,
+            table: table.fill,
+            estimators: table.estimators,
+            orders,
+        }
     }
 
     /// A method's order, if it was measured.

@@ -20,7 +20,7 @@ use serde::Serialize;
 
 use super::labels::scene_name;
 use super::summary::{RayClass, distinct};
-use super::{AnalysisOptions, KnownOrders, QueueAnalysis};
+use super::{AnalysisOptions, KnownQueues, QueueAnalysis};
 use kept::{kept, place};
 use summary::{RecordingSummary, summary};
 
@@ -83,7 +83,7 @@ pub(super) fn queues(
     dump: &Dump,
     options: &AnalysisOptions,
 ) -> (Vec<QueueAnalysis>, Option<String>) {
-    let make = || QueueAnalysis::all(dump, options, &KnownOrders::new());
+    let make = || QueueAnalysis::all(dump, options, &KnownQueues::new());
     match place(study, dump.root(), "-queues") {
         Ok(path) => kept(&path, || Ok::<_, Infallible>(make())).unwrap_or_else(|never| match never {}),
         Err(error) => (make(), Some(error.to_string())),

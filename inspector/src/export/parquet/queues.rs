@@ -1,5 +1,6 @@
 //! The queues of a recording: a file for each of their orders.
 
+use std::collections::HashMap;
 use std::fs;
 use std::sync::Arc;
 
@@ -13,7 +14,8 @@ use super::destination::Destination;
 use super::found::{self, Found};
 use super::rays::OrderedRays;
 use super::{Recorded, Written, partition};
-use crate::analysis::{KnownOrder, KnownOrders};
+use crate::analysis::KnownQueues;
+use crate::analysis::known::{KnownOrder, KnownQueue, KnownTable};
 use crate::export::rays::RayChoice;
 use crate::model::{Order, Queue};
 
@@ -39,20 +41,22 @@ struct QueueRays<'a> {
 struct RayFile {
     rows: u64,
     bytes: u64,
-    /// The order that it has, and what was found of it.
-    order: Option<((QueueId, String), KnownOrder)>,
+    queue: QueueId,
+    method: String,
+    /// What was found of its order.
+    order: Option<KnownOrder>,
 }
 
 impl RayFiles<'_> {
-    /// Writes all rays of a recording that are chosen; gives what was found of their orders on the way.
+    /// Writes all rays of a recording that are chosen; gives what was found of their queues on the way.
     ///
     /// # Errors
     /// If they cannot be written. What cannot be read is left out.
-    pub(super) fn add(&mut self, dump: &Dump, recorded: &Recorded) -> anyhow::Result<KnownOrders> {
+    pub(super) fn add(&mut self, dump: &Dump, recorded: &Recorded) -> anyhow::Result<KnownQueues> {
         let chosen = dump.manifest().queues.iter().filter(|queue| self.choice.includes(queue.id));
         let chosen: Vec<&QueueRecord> = chosen.collect();
         let mut bounces = chosen.chunk_by(|a, b| (a.id.pass, a.id.bounce) == (b.id.pass, b.id.bounce));
-        let mut known = KnownOrders::new();
+        let mut known = KnownQueues::new();
         bounces.try_for_each(|queues| self.add_bounce(dump, queues, recorded, &mut known))?;
         Ok(known)
     }
@@ -63,13 +67,16 @@ impl RayFiles<'_> {
         dump: &Dump,
         queues: &[&QueueRecord],
         recorded: &Recorded,
-        known: &mut KnownOrders,
+        known: &mut KnownQueues,
     ) -> anyhow::Result<()> {
         let opened: Vec<_> = queues.par_iter().map(|record| self.open(dump, record)).collect();
         let mut queues = Vec::new();
         for opened in opened {
             match opened {
-                Ok(queue) => queues.push(queue),
+                Ok(queue) => {
+                    known.insert(queue.id, self::known(dump, &queue.queue));
+                    queues.push(queue);
+                }
                 Err(reason) => self.leave_out(recorded, &reason),
             }
         }
@@ -84,7 +91,9 @@ impl RayFiles<'_> {
                     self.written.ray_files += 1;
                     self.written.rays += file.rows;
                     self.written.ray_bytes += file.bytes;
-                    known.extend(file.order);
+                    if let (Some(known), Some(order)) = (known.get_mut(&file.queue), file.order) {
+                        known.orders.insert(file.method, order);
+                    }
                 }
                 Err(reason) => self.leave_out(recorded, &reason),
             }
@@ -133,7 +142,12 @@ impl RayFiles<'_> {
         };
         let (rows, order) = rows.write(path.clone())?;
         let bytes = fs::metadata(&path).with_context(|| format!("cannot find {}", path.display()))?.len();
-        let order = order.map(|order| ((id, method.to_owned()), order));
-        Ok(Ok(RayFile { rows, bytes, order }))
+        Ok(Ok(RayFile { rows, bytes, queue: id, method: method.to_owned(), order }))
     }
+}
+
+/// What is known of a queue before its orders are.
+fn known(dump: &Dump, queue: &Queue) -> KnownQueue {
+    let table = KnownTable::of(dump, Ok((&queue.traced, &queue.lengths)), &queue.table);
+    KnownQueue { rays: queue.len() as u64, table, orders: HashMap::new() }
 }

@@ -13,8 +13,8 @@ use formats::ray::Kind;
 use super::cell::Cell;
 use super::found::{Found, NONE};
 use super::table::{Column, TableWriter};
-use crate::analysis::KnownOrder;
 use crate::analysis::coherence::{Coherence, Lanes};
+use crate::analysis::known::KnownOrder;
 use crate::model::{Order, Queue};
 
 /// Rows that are made at a time: whole groups of any width, and as many as a cache holds.
