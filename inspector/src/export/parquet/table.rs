@@ -331,10 +331,10 @@ mod tests {
             Column::optional("double", "Numbers, in no row but the last", |&row| {
                 Some(f64::from(row) / 7.0).filter(|_| row == ROWS - 1)
             }),
-            Column::repeated("group", "Numbers that are repeated, in two groups of three", |&row| {
-                Some(f64::from(row / 64 % 500)).filter(|_| row / 64 % 3 != 0)
+            Column::repeated("group", "Numbers that are repeated, in two groups of three", |&row: &u32| {
+                Some(f64::from(row / 64 % 500)).filter(|_| !(row / 64).is_multiple_of(3))
             }),
-            Column::optional("even", "Whether the row is even", |&row| Some(row % 2 == 0)),
+            Column::optional("even", "Whether the row is even", |&row: &u32| Some(row.is_multiple_of(2))),
             Column::text("word", "A word", |&row| Some(["", "one", "two"][row as usize / 1000 % 3])),
             Column::constant("pass", "Pass", 7u32),
             Column::absent::<f32>("nothing", "Nothing"),
@@ -349,8 +349,8 @@ mod tests {
             or_null(row % 4 != 1, Field::ULong(mixed(row))),
             Field::Float(row as f32 - 1e4),
             or_null(row == ROWS - 1, Field::Double(f64::from(row) / 7.0)),
-            or_null(row / 64 % 3 != 0, Field::Double(f64::from(row / 64 % 500))),
-            Field::Bool(row % 2 == 0),
+            or_null(!(row / 64).is_multiple_of(3), Field::Double(f64::from(row / 64 % 500))),
+            Field::Bool(row.is_multiple_of(2)),
             Field::Str(["", "one", "two"][row as usize / 1000 % 3].to_owned()),
             Field::UInt(7),
             Field::Null,
