@@ -165,9 +165,10 @@ fn surfaces_have_their_colours_fainter_than_data() {
             [red, white].as_flattened().iter().all(|&part| of_page(part) < 170),
             "{mode:?}: {red:?}, {white:?}"
         );
-        // With data on them all are alike.
-        let [red, white, none_then] = shown(Paint::Plain(theme.mesh()));
-        assert_eq!([red, white, none_then], [none; 3]);
+        // With data on them all are alike, but for the angle at which each is seen.
+        let plain = shown(Paint::Plain(theme.mesh()));
+        let is_like = |pixel: [u8; 3]| (0..3).all(|part| pixel[part].abs_diff(none[part]) <= 2);
+        assert!(plain.into_iter().all(is_like), "{mode:?}: {plain:?}, {none:?}");
     }
 }
 

@@ -145,7 +145,7 @@ fn what_is_drawn_is_set_and_counted() {
     }
 }
 
-/// Two views have their lines each, and the surfaces once: 11 corners and 11 triangles.
+/// Two views have their lines each, and the surfaces once: 11 corners, each with a colour, and 11 triangles.
 #[test]
 fn views_share_the_surfaces() {
     let folder = tempfile::tempdir().unwrap();
@@ -159,7 +159,7 @@ fn views_share_the_surfaces() {
         let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         report["draws"]["uploaded_bytes"].as_u64().unwrap()
     };
-    let mesh = 12 * (sample::positions().len() + sample::TRIANGLES.len()) as u64;
+    let mesh = (16 * sample::positions().len() + 12 * sample::TRIANGLES.len()) as u64;
     let of_a_and_b = |both: &str| uploaded(&["--set", both]);
     assert_eq!(2 * of_a_and_b("side_by_side=false") - of_a_and_b("side_by_side=true"), mesh);
 }
