@@ -270,7 +270,8 @@ impl<'a> Walk<'a> {
             near = near.max(if is_negative { high } else { low });
             far = far.min(if is_negative { low } else { high });
         }
-        let near = near.max(self.t_min);
+        // A plane that the ray starts on may be at minus zero, which would come last.
+        let near = if near > self.t_min { near } else { self.t_min };
         (near <= (far * PADDING).min(self.limit())).then_some(near)
     }
 

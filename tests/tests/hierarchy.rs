@@ -96,6 +96,31 @@ fn ways_through_the_hierarchy_are_the_trails_of_the_tracer() {
     }
 }
 
+/// Where a ray starts on a plane of a box that it looks into, it enters at zero, which may be written with a minus.
+#[test]
+fn ways_from_planes_of_boxes_are_those_of_the_tracer() {
+    let name = "builtin:atrium";
+    let folder = tempdir().unwrap();
+    let dump = record(folder.path(), name);
+    let hierarchy = Hierarchy::open(&dump).unwrap();
+    let scene = scenes::load(name).unwrap();
+    let tracer = CpuTracer::new(&scene, &TraceKernel::Wide.hierarchy(&scene).unwrap().unwrap());
+    let blocks = blocks_of_leaves(&dump);
+    let queue = dump.manifest().queues.iter().find(|queue| queue.id.bounce == 1).unwrap().id;
+    let traced = Traced::open(&dump, queue).unwrap();
+    for ray in traced.rays().iter().step_by(7) {
+        for visit in hierarchy.way(ray, queue.kind).visits {
+            let [low, high] = hierarchy.bounds(visit.place);
+            for axis in 0..3 {
+                let mut moved = Ray { t_min: 0.0, ..*ray };
+                moved.origin[axis] = if ray.direction[axis] < 0.0 { high[axis] } else { low[axis] };
+                let trail = reads_of_tracer(&tracer, &moved, queue.kind);
+                assert_eq!(reads_of_way(&hierarchy.way(&moved, queue.kind), &blocks), trail, "{moved:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn work_that_is_not_that_of_the_way_is_found() {
     let folder = tempdir().unwrap();
