@@ -8,8 +8,8 @@ use crate::{Material, Scene, Texture};
 const ALONG_MAX: u32 = 16;
 
 /// Base colour of each triangle, sRGB: the factor of its material times the mean of its texture over the
-/// triangle, both linear, of texels that are no holes where there are any. What is black and a light has the colour
-/// of its light, as bright as there is.
+/// triangle, both linear, of texels that are no holes where there are any. A black surface that emits has the colour
+/// of its light, scaled to a largest channel of 1.
 pub fn of_triangles(scene: &Scene) -> Vec<[u8; 3]> {
     let linear: Vec<f32> = (0..=u8::MAX).map(linear_from_srgb).collect();
     let triangles = scene.triangles.par_iter().zip(&scene.triangle_materials);
@@ -22,8 +22,9 @@ pub fn of_triangles(scene: &Scene) -> Vec<[u8; 3]> {
         });
         let reflected = [0, 1, 2].map(|channel| material.base_color[channel] * mean[channel]);
         let brightest = material.emission.into_iter().fold(0.0, f32::max);
-        let is_lamp = brightest > 0.0 && reflected == [0.0; 3];
-        let seen = if is_lamp { material.emission.map(|channel| channel / brightest) } else { reflected };
+        let is_black_light = brightest > 0.0 && reflected == [0.0; 3];
+        let seen =
+            if is_black_light { material.emission.map(|channel| channel / brightest) } else { reflected };
         seen.map(|channel| srgb_from_linear(&linear, channel))
     };
     triangles.map(colour).collect()
@@ -43,7 +44,7 @@ fn srgb_from_linear(linear: &[f32], value: f32) -> u8 {
     (above - usize::from(is_nearer_below)) as u8
 }
 
-/// Linear mean of a texture over a triangle, from at least a sample for each texel, as long as there are enough.
+/// Linear mean of a texture over a triangle: the more texels it covers the more samples, up to [`ALONG_MAX`] squared.
 fn mean(linear: &[f32], texture: &Texture, material: &Material, uvs: [[f32; 2]; 3]) -> [f32; 3] {
     let size = [texture.width as f32, texture.height as f32];
     let [a, b, c] = uvs.map(|uv| [uv[0] * size[0], uv[1] * size[1]]);

@@ -50,7 +50,7 @@ pub enum SceneArray {
     Triangles,
     /// Material of each triangle, u4 (M,).
     Materials,
-    /// Base colour of each triangle, sRGB, u1 (M, 3).
+    /// Colour of each triangle as one recognises it, sRGB, u1 (M, 3).
     Colours,
     /// Texture coordinates of each vertex, f4 (N, 2); only with an alpha mask.
     Uvs,
