@@ -225,7 +225,7 @@ fn a_path_is_its_rays_in_all_bounces() {
                 let segment = Segment::of(traced.unit(), &traced.rays()[ray], length);
                 // As the sample has it.
                 let carried = [1.0, 0.5f32.powi(queue.bounce as i32), 1.0];
-                let carried = (queue.kind == Kind::Closest).then_some(carried);
+                let carried = (queue.kind == Kind::Closest).then_some(Ok(carried));
                 expected.push((queue, ray, segment, length, is_at_surface, carried, [Some(ray), place]));
             }
         }
@@ -235,7 +235,7 @@ fn a_path_is_its_rays_in_all_bounces() {
         let found: Vec<_> = found
             .iter()
             .map(|ray| {
-                let carried = ray.throughput;
+                let carried = ray.throughput.clone();
                 (ray.queue, ray.ray, ray.segment, ray.length, ray.is_at_surface, carried, ray.places)
             })
             .collect();

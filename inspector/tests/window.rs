@@ -11,7 +11,7 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use formats::manifest::{MethodArray, Place, QueueId};
+use formats::manifest::{MethodArray, Place, QueueArray, QueueId};
 use formats::metrics::capsule::{Capsule, Segment};
 use formats::metrics::order::Places;
 use formats::metrics::quantity::Quantity;
@@ -132,6 +132,19 @@ fn the_ray_panel_says_what_a_path_carries() {
     // As the sample has it at bounces 0 and 1.
     harness.get_by_label("1.000 1.000 1.000");
     harness.get_by_label("1.000 0.500 1.000");
+
+    // What cannot be read is said, not taken for what was not kept.
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    context.select_ray(Some(0));
+    let dump = context.recording().unwrap().dump.clone();
+    let queue = QueueId { kind: Kind::Closest, ..context.selection.queue };
+    let place = Place::Queue(queue, QueueArray::Throughput);
+    let file = std::fs::OpenOptions::new().write(true).open(dump.root().join(place.to_string())).unwrap();
+    file.set_len(7).unwrap();
+    let mut harness = panel("ray", context);
+    settle(&mut harness);
+    harness.get_by_label_contains("throughput.npy is 7 bytes long");
 }
 
 #[test]

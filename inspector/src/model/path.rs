@@ -3,6 +3,7 @@
 use formats::key::method::UNSORTED;
 use formats::manifest::{MethodArray, Place, QueueArray, QueueId};
 use formats::metrics::capsule::Segment;
+use formats::ray::Kind;
 use formats::reader::{Dump, Loaded};
 use formats::traced::Traced;
 use rayon::prelude::*;
@@ -22,8 +23,8 @@ pub struct PathRay {
     pub length: f32,
     /// Whether it ended at a surface.
     pub is_at_surface: bool,
-    /// What its path carries when it leaves, linear RGB; of shadow rays, or where it was not kept, `None`.
-    pub throughput: Option<[f32; 3]>,
+    /// What its path carries when it leaves, linear RGB, or why that is not known; shadow rays have none.
+    pub throughput: Option<Result<[f32; 3], String>>,
     /// Its place in orders A and B; `None` where the queue has no such order.
     pub places: [Option<usize>; 2],
 }
@@ -53,7 +54,12 @@ impl PathRay {
                 order.par_iter().position_any(|&index| index as usize == ray)
             }
         };
-        let carried = dump.array::<[f32; 3]>(&Place::Queue(queue, QueueArray::Throughput)).ok();
+        let place_of_throughput = Place::Queue(queue, QueueArray::Throughput);
+        let carried = (queue.kind == Kind::Closest).then(|| dump.array::<[f32; 3]>(&place_of_throughput));
+        let throughput = |ray: usize| match carried.as_ref()? {
+            Ok(carried) => carried.get(ray).map(|carried| Ok(*carried)),
+            Err(reason) => Some(Err(reason.to_string())),
+        };
         let of = |(path, ray)| {
             let length = traced.length(ray);
             Self {
@@ -63,7 +69,7 @@ impl PathRay {
                 segment: Segment::of(traced.unit(), &traced.rays()[ray], length),
                 length,
                 is_at_surface: traced.is_at_surface(ray),
-                throughput: carried.as_ref().and_then(|carried| carried.get(ray).copied()),
+                throughput: throughput(ray),
                 places: methods.each_ref().map(|method| place(method, ray)),
             }
         };

@@ -240,8 +240,10 @@ fn path(ui: &mut egui::Ui, context: &mut Context, order: &Order, ray: usize) {
                 (Kind::Shadow, false) => "at its light",
             };
             ui.label(ends);
-            let throughput = throughput.map(|carried| carried.map(|part| format!("{part:.3}")).join(" "));
-            ui.monospace(throughput.unwrap_or_default());
+            let carried = throughput.as_ref().and_then(|carried| carried.as_ref().ok());
+            ui.monospace(
+                carried.map_or(String::new(), |carried| carried.map(|part| format!("{part:.3}")).join(" ")),
+            );
             ui.monospace(format!("{length:.4}"));
             for place in places {
                 ui.monospace(place.map_or("-".to_owned(), |place| count(place as u64)));
@@ -249,8 +251,9 @@ fn path(ui: &mut egui::Ui, context: &mut Context, order: &Order, ray: usize) {
             ui.end_row();
         }
     });
-    if found.iter().all(|ray| ray.throughput.is_none()) {
-        hint(ui, "throughput was not kept: record with --keep throughput");
+    let unknown = found.iter().find_map(|ray| ray.throughput.as_ref()?.as_ref().err());
+    if let Some(reason) = unknown {
+        ui.weak(reason);
     }
     if let Some((queue, ray)) = next {
         context.go_to(queue);
