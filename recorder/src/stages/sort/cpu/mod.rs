@@ -33,6 +33,9 @@ pub fn permutation_of(indices: &[u32]) -> Permutation {
     indices.iter().copied().map(AtomicU32::new).collect()
 }
 
+/// Fewest indices whose places are asked for ahead in a pass that writes nothing else: fewer fit the caches.
+const LONG: usize = 1 << 19;
+
 /// Sorts, in memory that it keeps for the next time.
 #[derive(Debug, Default)]
 pub struct Sorter {
@@ -72,6 +75,8 @@ impl Sorter {
         let memory = [&one[..count], &other[..count]];
         match &keys.words {
             Words::Narrow(words) => {
+                // A look takes as long as it may save where one pass sorts all.
+                let digits = if keys.bits <= split::MOST_BITS_OF_LAST { Digits::All } else { *digits };
                 let varying = digits.varying(keys.bits, || varying_bits(words));
                 let pairs = move |range: Range<usize>| {
                     words[range.clone()].iter().zip(range).map(|(&word, index)| pair(word, index))
@@ -173,8 +178,8 @@ impl<R: Fn(usize) -> u32 + Copy + Send + Sync> Sort<'_, R> {
         varying: u32,
     ) {
         let all = 0..self.permutation.len();
-        // A split is a pass more, which two threads hardly win back.
-        let most = if workers.len() <= 2 { local::MOST } else { 2 * split::SMALLEST_BLOCK };
+        // A split is a pass more, which one thread does not win back.
+        let most = if workers.len() == 1 { local::MOST } else { 2 * split::SMALLEST_BLOCK };
         match workers {
             [worker, ..] if all.len() <= most => {
                 worker.sort(pairs(all), varying, self.rest, self.pairs[0], self.permutation)
@@ -193,13 +198,20 @@ impl<R: Fn(usize) -> u32 + Copy + Send + Sync> Sort<'_, R> {
         varying: u32,
     ) {
         let (pairs, permutation) = (self.pairs[target], self.permutation);
-        let digit = Digit::highest(varying, range.len());
+        let digit = Digit::highest(varying, range.len(), self.rest.is_none());
         let below = varying & digit.below();
         assert!(range.end <= pairs.len() && range.end <= permutation.len(), "room for all pairs");
         // What is read stays as it is: keys are borrowed, and pairs belong to the sorter, which writes the others.
         if below == 0 && self.rest.is_none() {
-            // SAFETY: `split` gives places of the range, which ends within the permutation.
-            let write = move |place, pair| unsafe { put_index(permutation, place, pair) };
+            const INDICES_AHEAD: usize = 64 / size_of::<u32>();
+            let is_long = range.len() >= LONG;
+            let write = move |place: usize, pair| {
+                if is_long {
+                    prefetch_at(permutation, place + INDICES_AHEAD);
+                }
+                // SAFETY: `split` gives places of the range, which ends within the permutation.
+                unsafe { put_index(permutation, place, pair) };
+            };
             split(workers, range, digit, read, write);
             return;
         }
@@ -286,8 +298,10 @@ mod tests {
 
     #[test]
     fn sixteen_million_keys_and_more() {
-        let keys = test_keys::random((1 << 24) + 12_345, 24, 3);
-        let found = Sorter::default().sorted(&Keys::of(&keys, 24));
-        assert!(found == expected(&keys));
+        for bits in [12, 24] {
+            let keys = test_keys::random((1 << 24) + 12_345, bits, 3);
+            let found = Sorter::default().sorted(&Keys::of(&keys, bits));
+            assert!(found == expected(&keys), "{bits} bits");
+        }
     }
 }

@@ -10,13 +10,15 @@ use super::local::Worker;
 pub(super) const SMALLEST_BLOCK: usize = 1 << 14;
 /// Most bits of a digit: so many stretches grow at once, each in a page of its own.
 const MOST_BITS: u32 = 8;
+/// Most bits of a digit after which nothing is left to sort by: indices alone are written.
+pub(super) const MOST_BITS_OF_LAST: u32 = 12;
 /// Fewest bits of a digit, where more are left: threads take stretches in turns.
 const FEWEST_BITS: u32 = 4;
 /// How long a stretch should be, for what follows.
 const GOOD_LENGTH: usize = 1 << 13;
 /// How many places ahead in a stretch to ask for memory: what is written next there is in another line.
 pub(super) const AHEAD: usize = 64 / size_of::<u64>();
-const BINS: usize = 1 << MOST_BITS;
+const BINS: usize = 1 << MOST_BITS_OF_LAST;
 
 /// How often each digit occurs in a block, then where its next pair goes.
 pub(super) type Places = [u32; BINS];
@@ -30,12 +32,13 @@ pub(super) struct Digit {
 
 impl Digit {
     /// The highest bits that vary, as many as cut `count` pairs into stretches of a good length, or all that
-    /// are left.
-    pub(super) fn highest(varying: u32, count: usize) -> Self {
+    /// are left, which are more where no other word follows.
+    pub(super) fn highest(varying: u32, count: usize, is_last_word: bool) -> Self {
         let top = u32::BITS - varying.leading_zeros();
         let left = top.saturating_sub(varying.trailing_zeros());
         let wanted = (count / GOOD_LENGTH).max(1).ilog2() + 1;
-        let bits = if left <= MOST_BITS { left } else { wanted.clamp(FEWEST_BITS, MOST_BITS) };
+        let most_at_once = if is_last_word { MOST_BITS_OF_LAST } else { MOST_BITS };
+        let bits = if left <= most_at_once { left } else { wanted.clamp(FEWEST_BITS, MOST_BITS) };
         Self { shift: top - bits, bits }
     }
 
