@@ -3,7 +3,7 @@
 use crate::length_table::LengthTable;
 
 /// How many items ahead: a miss takes about as long as gathering so many.
-pub const AHEAD: usize = 16;
+pub const AHEAD: usize = 32;
 
 /// Asks for the cache line in which a value begins.
 #[inline(always)]
