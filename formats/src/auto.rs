@@ -1,7 +1,7 @@
 //! The method `auto`: which order a queue gets.
 //!
 //! A calibration says what each candidate was worth on queues of known length and coherence. A queue gets the
-//! best one of the calibrated queue that it is most like, or none if no interval lay wholly above 1. Everything is
+//! best one of the calibrated queue that it is most like, or none if no interval lay clearly above 1. Everything is
 //! a function of the rays and the calibration, so that a recording with its calibration can be repeated.
 
 use std::ops::Range;
@@ -19,6 +19,17 @@ const GROUPS: usize = 32;
 
 /// How long a ray is thought to be, in unit lengths, before it is traced: as `two-point` does.
 const LENGTH: f32 = 0.25;
+
+/// What the interval of a candidate's net speedup must lie above: between a calibration and its use the times of
+/// sorting and moving rays drift by a few percent of a trace, which no interval over a few rounds shows.
+const WORTH: f64 = 1.03;
+
+/// How much farther apart, in natural logarithms, than the most similar queue one may be that samples cannot tell
+/// from it: their areas scatter by a tenth and more.
+const BY_CHANCE: f64 = 0.25;
+
+/// The first version of the format whose choices allow for both.
+const ALLOWS_FOR_CHANCE_SINCE: u32 = 9;
 
 /// Where the sample of a queue lies: whole groups, evenly over its canonical order.
 pub fn sample(rays: usize) -> impl Iterator<Item = Range<usize>> {
@@ -44,28 +55,47 @@ pub fn sampled_area(unit: &UnitSpace, rays: &[Ray]) -> f64 {
     areas.sum::<f64>() / (rays.len() / GROUP_RAYS).max(1) as f64
 }
 
-/// Whether an order of any queue of this kind was surely worth its cost: else there is nothing to choose, and no
-/// sample is taken.
-pub fn is_worth_a_look(calibration: &[CalibrationRecord], kind: Kind) -> bool {
-    let of_kind = calibration.iter().filter(|queue| queue.kind == kind);
-    of_kind.flat_map(|queue| &queue.candidates).any(is_sure)
+/// A calibration, and the version of the format whose rule chooses by it.
+#[derive(Clone, Copy, Debug)]
+pub struct Calibrated<'a> {
+    /// What was measured.
+    pub queues: &'a [CalibrationRecord],
+    /// Version of the format.
+    pub version: u32,
 }
 
-/// What may as well have cost something is left alone.
-fn is_sure(candidate: &Candidate) -> bool {
-    candidate.net_low > 1.0
-}
+impl<'a> Calibrated<'a> {
+    /// Whether an order of any queue of this kind was surely worth its cost: else there is nothing to choose, and
+    /// no sample is taken.
+    pub fn is_worth_a_look(&self, kind: Kind) -> bool {
+        self.of(kind).flat_map(|queue| &queue.candidates).any(|candidate| self.is_sure(candidate))
+    }
 
-/// The order of a queue; `None` to leave it alone.
-pub fn decide(calibration: &[CalibrationRecord], kind: Kind, rays: u64, area: f64) -> Option<&Candidate> {
-    let apart = |a: f64, b: f64| (a.max(f64::MIN_POSITIVE) / b.max(f64::MIN_POSITIVE)).ln().abs();
-    let unlike = |other: &CalibrationRecord| apart(rays as f64, other.rays as f64) + apart(area, other.area);
-    let nearest = calibration
-        .iter()
-        .filter(|other| other.kind == kind)
-        .min_by(|a, b| unlike(a).total_cmp(&unlike(b)))?;
-    let candidates = nearest.candidates.iter().filter(|candidate| is_sure(candidate));
-    candidates.reduce(|best, other| if other.net > best.net { other } else { best })
+    /// The order of a queue whose sample has this area; `None` to leave it alone.
+    pub fn decide(&self, bounce: u32, kind: Kind, rays: u64, area: f64) -> Option<&'a Candidate> {
+        let apart = |a: f64, b: f64| (a.max(f64::MIN_POSITIVE) / b.max(f64::MIN_POSITIVE)).ln().abs();
+        let unlike =
+            |other: &CalibrationRecord| apart(rays as f64, other.rays as f64) + apart(area, other.area);
+        let nearest = self.of(kind).min_by(|a, b| unlike(a).total_cmp(&unlike(b)))?;
+        let is_as_near = |other: &CalibrationRecord| unlike(other) <= unlike(nearest) + BY_CHANCE;
+        let same_bounce = self.of(kind).find(|other| other.bounce == bounce && is_as_near(other));
+        let most_alike = if self.allows_for_chance() { same_bounce.unwrap_or(nearest) } else { nearest };
+        let candidates = most_alike.candidates.iter().filter(|candidate| self.is_sure(candidate));
+        candidates.reduce(|best, other| if other.net > best.net { other } else { best })
+    }
+
+    fn of(&self, kind: Kind) -> impl Iterator<Item = &'a CalibrationRecord> {
+        self.queues.iter().filter(move |queue| queue.kind == kind)
+    }
+
+    /// What may as well have cost something is left alone.
+    fn is_sure(&self, candidate: &Candidate) -> bool {
+        candidate.net_low > if self.allows_for_chance() { WORTH } else { 1.0 }
+    }
+
+    fn allows_for_chance(&self) -> bool {
+        self.version >= ALLOWS_FOR_CHANCE_SINCE
+    }
 }
 
 /// The method that was chosen, as a recording with this header has it.
@@ -93,7 +123,7 @@ pub fn method_record(choice: &Choice, header: &Header) -> Result<MethodRecord, S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::manifest::Way;
+    use crate::manifest::{FORMAT_VERSION, Way};
 
     fn calibrated(kind: Kind, rays: u64, area: f64, nets: &[(&str, f64)]) -> CalibrationRecord {
         let candidate = |&(method, net): &(&str, f64)| Candidate {
@@ -109,20 +139,47 @@ mod tests {
         let calibration = [
             calibrated(Kind::Closest, 500_000, 0.01, &[("aila", 0.97), ("costa", 1.01)]),
             calibrated(Kind::Closest, 300_000, 1.0, &[("aila", 1.10), ("costa", 1.25)]),
-            calibrated(Kind::Closest, 1_000, 1.0, &[("aila", 1.06), ("costa", 0.9)]),
+            calibrated(Kind::Closest, 1_000, 1.0, &[("aila", 1.08), ("costa", 0.9)]),
             calibrated(Kind::Shadow, 500_000, 0.01, &[("octahedron", 1.4)]),
         ];
+        let by = |queues| Calibrated { queues, version: FORMAT_VERSION };
         let chosen = |kind, rays, area| {
-            decide(&calibration, kind, rays, area).map(|candidate| candidate.choice.method.as_str())
+            let candidate = by(&calibration).decide(7, kind, rays, area);
+            candidate.map(|candidate| candidate.choice.method.as_str())
         };
         assert_eq!(chosen(Kind::Closest, 500_000, 0.02), None, "none is surely worth its cost");
         assert_eq!(chosen(Kind::Closest, 400_000, 0.5), Some("costa"));
         assert_eq!(chosen(Kind::Closest, 2_000, 0.5), Some("aila"));
         assert_eq!(chosen(Kind::Shadow, 1, 0.0), Some("octahedron"));
-        assert_eq!(decide(&[], Kind::Shadow, 500_000, 1.0), None);
-        assert!(is_worth_a_look(&calibration[..2], Kind::Closest));
-        assert!(!is_worth_a_look(&calibration[..1], Kind::Closest), "no interval lies above 1");
-        assert!(!is_worth_a_look(&calibration[..2], Kind::Shadow), "none was calibrated");
+        assert_eq!(by(&[]).decide(1, Kind::Shadow, 500_000, 1.0), None);
+        assert!(by(&calibration[..2]).is_worth_a_look(Kind::Closest));
+        assert!(!by(&calibration[..1]).is_worth_a_look(Kind::Closest), "no interval lies above 1");
+        assert!(!by(&calibration[..2]).is_worth_a_look(Kind::Shadow), "none was calibrated");
+    }
+
+    /// Samples of two bounces of a room are often as alike as two samples of one bounce.
+    #[test]
+    fn what_samples_cannot_tell_the_bounce_decides_since_version_9() {
+        let mut calibration = [
+            calibrated(Kind::Shadow, 430_000, 2.4, &[("aila", 0.95)]),
+            calibrated(Kind::Shadow, 400_000, 4.0, &[("aila", 1.2)]),
+        ];
+        calibration[1].bounce = 2;
+        let chosen = |version, bounce, area| {
+            Calibrated { queues: &calibration, version }.decide(bounce, Kind::Shadow, 430_000, area).is_some()
+        };
+        assert!(!chosen(9, 1, 3.3), "the first bounce, whose sample is a little more like the second");
+        assert!(chosen(8, 1, 3.3), "so it was before");
+        assert!(chosen(9, 2, 3.3));
+        assert!(chosen(9, 1, 4.2), "too far apart to be a matter of chance");
+    }
+
+    #[test]
+    fn a_gain_that_drift_may_take_back_is_left_since_version_9() {
+        let calibration = [calibrated(Kind::Shadow, 1, 1.0, &[("aila", 1.06)])];
+        let chosen =
+            |version| Calibrated { queues: &calibration, version }.decide(1, Kind::Shadow, 1, 1.0).is_some();
+        assert!(chosen(8) && !chosen(9), "its interval begins at 1.02");
     }
 
     #[test]

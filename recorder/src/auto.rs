@@ -1,9 +1,9 @@
 //! The method `auto` on a machine: its candidates, and what it chooses for a queue.
 
 use anyhow::{Context, Result};
-use formats::auto::{decide, is_worth_a_look, sample, sampled_area};
+use formats::auto::{Calibrated, sample, sampled_area};
 use formats::key::{Extent, KEY_BITS_MIN, LAYOUT_BITS, Method};
-use formats::manifest::{CalibrationRecord, Choice, Way};
+use formats::manifest::{CalibrationRecord, Choice, FORMAT_VERSION, QueueId, Way};
 use formats::ray::Ray;
 use formats::unit_space::UnitSpace;
 
@@ -12,11 +12,12 @@ use crate::clock::{Clock, Sample};
 use crate::options::in_range;
 use crate::stages::setup::{MethodPlan, Setup};
 
-/// What a calibration tries: methods with fewer bits than the usual 32, which cost less to sort.
+/// What a calibration tries: methods with fewer bits than the usual 32, which cost less to sort; 12 take one pass.
 const CANDIDATES: &[(&str, u32)] = &[
-    ("origin", 16),
+    ("origin", 12),
+    ("aila", 12),
+    ("aila", 16),
     ("aila", 24),
-    ("octahedron", 16),
     ("octahedron", 24),
     ("two-point", 24),
     ("costa", 16),
@@ -85,12 +86,13 @@ impl Auto {
         let mut sampled = room(rays.len());
         let mut clock = Clock::of_processor();
         let decision = clock.time(|| {
-            let kind = rays.id().kind;
-            let area = match is_worth_a_look(&self.calibration, kind) {
+            let QueueId { bounce, kind, .. } = rays.id();
+            let calibrated = Calibrated { queues: &self.calibration, version: FORMAT_VERSION };
+            let area = match calibrated.is_worth_a_look(kind) {
                 true => self.area(backend, rays, &mut sampled)?,
                 false => 0.0,
             };
-            let choice = decide(&self.calibration, kind, rays.len() as u64, area);
+            let choice = calibrated.decide(bounce, kind, rays.len() as u64, area);
             let choice = choice.map(|candidate| candidate.choice.clone());
             let order = choice.as_ref().map(|choice| self.order(choice)).transpose()?;
             anyhow::Ok(Decision { area, choice, order })

@@ -13,12 +13,12 @@ use crate::wavefront::Observer;
 
 /// Candidates that are measured in all rounds, after one round that all take part in.
 const FINALISTS: usize = 3;
-/// Rounds that a candidate's worth is taken from: enough for an interval.
-const ROUNDS: u32 = 7;
+/// Rounds that a candidate's worth is taken from: enough to tell a few percent from nothing.
+const ROUNDS: u32 = 11;
 /// How often a ray is traced: once in the warm-up and once more by all, then in each round, twice by each.
 pub const TRACES: u64 = 2 * (2 * CANDIDATES + (1 + ROUNDS as u64) * FINALISTS as u64);
 /// About as many candidates as there are for a queue.
-const CANDIDATES: u64 = 7;
+const CANDIDATES: u64 = 8;
 
 /// Measures the candidates on every queue.
 pub struct Calibrator<'a> {

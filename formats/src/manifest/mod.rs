@@ -29,8 +29,8 @@ pub const IMPORTED_HITS: &str = "imported hits";
 pub const FILE_NAME: &str = "manifest.bin";
 /// The first bytes of a manifest.
 pub const MAGIC: [u8; 8] = *b"RAYDUMP\0";
-/// Version of the format, of which FORMAT.md speaks. A new kind of record or array is a new version.
-pub const FORMAT_VERSION: u32 = 8;
+/// Version of the format, of which FORMAT.md speaks. A new kind of record or array, or another rule for what is in one, is a new version.
+pub const FORMAT_VERSION: u32 = 9;
 /// The oldest version that is read: it lacks some kinds of records, and nothing means something else in it.
 pub const OLDEST_VERSION: u32 = 2;
 /// Magic, version and four reserved bytes that are 0.

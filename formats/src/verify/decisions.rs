@@ -1,9 +1,9 @@
 //! What `auto` chose: what its calibration and the queue's rays say.
 
 use super::{Check, Subject};
-use crate::auto::{decide, is_worth_a_look, method_record, sample, sampled_area};
+use crate::auto::{Calibrated, method_record, sample, sampled_area};
 use crate::key::method::AUTO;
-use crate::manifest::{DecisionRecord, QueueArray};
+use crate::manifest::{DecisionRecord, Manifest, QueueArray};
 use crate::ray::Ray;
 use crate::reader::DumpState;
 
@@ -20,7 +20,7 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
     for decision in &manifest.decisions {
         check.find(subject.decision_problem(decision), || format!("the order of {}", decision.queue));
         // Recorders of before took a sample in any case.
-        if decision.area == 0.0 && !is_worth_a_look(&manifest.calibration, decision.queue.kind) {
+        if decision.area == 0.0 && !calibrated(manifest).is_worth_a_look(decision.queue.kind) {
             continue;
         }
         let Some(rays) = subject.queue_array::<Ray>(decision.queue, QueueArray::Rays) else {
@@ -44,12 +44,17 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
     check
 }
 
+fn calibrated(manifest: &Manifest) -> Calibrated<'_> {
+    Calibrated { queues: &manifest.calibration, version: manifest.version }
+}
+
 impl Subject<'_> {
     fn decision_problem(&self, decision: &DecisionRecord) -> Option<String> {
         let DecisionRecord { queue, area, choice } = decision;
         // A recording that was ended early may lack the record of the queue.
         let Some(record) = self.record_of(*queue) else { return self.unknown_queue(*queue) };
-        let expected = decide(&self.dump.manifest().calibration, queue.kind, record.rays, *area);
+        let calibrated = calibrated(self.dump.manifest());
+        let expected = calibrated.decide(queue.bounce, queue.kind, record.rays, *area);
         let expected = expected.map(|candidate| &candidate.choice);
         (choice.as_ref() != expected)
             .then(|| format!("{choice:?} was chosen, by the calibration it is {expected:?}"))
