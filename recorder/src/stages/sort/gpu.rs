@@ -63,8 +63,8 @@ const SERIAL_TILE_KEYS: u32 = 2048;
 /// How tiles are spread over threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Tiling {
-    /// The kernels that do it.
-    wgsl: &'static str,
+    /// The kernels that do it, in parts.
+    wgsl: [&'static str; 2],
     /// Threads of a workgroup.
     threads: u32,
     /// Threads of a workgroup that scans the tiles of a bin; a power of two.
@@ -79,7 +79,7 @@ impl Tiling {
     /// Workgroups that sort tiles together where subgroups let them, else threads on their own.
     fn of(adapter: &AdapterDescription) -> Self {
         let threads = (SUBGROUPS * adapter.subgroup_min_size).min(MOST_THREADS);
-        let shared = Self::shared(threads, KEYS_PER_THREAD);
+        let shared = Self::shared(threads, KEYS_PER_THREAD, adapter.subgroup_max_size);
         let can_share = adapter.subgroups
             && threads >= adapter.subgroup_max_size
             && shared.shared_bytes() <= adapter.limits.workgroup_bytes;
@@ -94,7 +94,7 @@ impl Tiling {
     /// Each thread walks a tile of its own.
     fn serial(threads: u32, tile_keys: u32) -> Self {
         Self {
-            wgsl: include_str!("serial.wgsl"),
+            wgsl: [include_str!("serial.wgsl"), ""],
             threads,
             scan_threads: 64,
             tile_keys,
@@ -104,9 +104,13 @@ impl Tiling {
 
     /// The threads of a workgroup, [`SUBGROUPS`] subgroups at most, sort a tile together. A power
     /// of two of threads, at most [`BINS`].
-    fn shared(threads: u32, keys_per_thread: u32) -> Self {
+    fn shared(threads: u32, keys_per_thread: u32, most_lanes: u32) -> Self {
+        let lanes = match most_lanes {
+            ..=32 => include_str!("lanes_32.wgsl"),
+            _ => include_str!("lanes_128.wgsl"),
+        };
         Self {
-            wgsl: include_str!("subgroup.wgsl"),
+            wgsl: [lanes, include_str!("subgroup.wgsl")],
             threads,
             scan_threads: threads,
             tile_keys: threads * keys_per_thread,
@@ -282,14 +286,17 @@ impl Sorter {
     }
 }
 
-/// The whole module.
 /// Label and text of the module of each way to tile, for tests that look at every module.
 pub(crate) fn sources() -> Vec<(String, String)> {
-    let tilings =
-        [("sort::serial", Tiling::serial(32, 2048)), ("sort::shared", Tiling::shared(64, KEYS_PER_THREAD))];
+    let tilings = [
+        ("sort::serial", Tiling::serial(32, 2048)),
+        ("sort::shared", Tiling::shared(64, KEYS_PER_THREAD, 32)),
+        ("sort::shared, wide subgroups", Tiling::shared(64, KEYS_PER_THREAD, 64)),
+    ];
     tilings.into_iter().map(|(label, tiling)| (label.to_owned(), wgsl(&tiling))).collect()
 }
 
+/// The whole module.
 fn wgsl(tiling: &Tiling) -> String {
     let constants = [
         ("DIGIT_BITS", DIGIT_BITS),
@@ -308,7 +315,7 @@ fn wgsl(tiling: &Tiling) -> String {
         WORKGROUP_SCAN_WGSL,
         include_str!("pass.wgsl"),
         include_str!("kernel.wgsl"),
-        tiling.wgsl,
+        &tiling.wgsl.concat(),
     ]
     .concat()
 }
@@ -334,8 +341,8 @@ mod tests {
         let adapter = test_gpu().adapter();
         let mut tilings = vec![Tiling::serial(16, 64)];
         if adapter.subgroups {
-            let threads = SUBGROUPS * adapter.subgroup_min_size;
-            tilings.push(Tiling::shared(threads.min(MOST_THREADS), 2));
+            let threads = (SUBGROUPS * adapter.subgroup_min_size).min(MOST_THREADS);
+            tilings.push(Tiling::shared(threads, 2, adapter.subgroup_max_size));
         } else {
             skipped("sorting tiles together", "the adapter has no subgroups");
         }
@@ -364,12 +371,15 @@ mod tests {
             return skipped("tiles of sixteen keys a thread", "the adapter has no subgroups");
         }
         let threads = (SUBGROUPS * adapter.subgroup_min_size).min(MOST_THREADS);
-        let tiling = Tiling::shared(threads, KEYS_PER_THREAD);
-        let mut sorter = Sorter::with_tiling(test_gpu(), tiling).unwrap();
-        let tile = tiling.tile_keys as usize;
-        for count in [tile - 1, tile + 1, 9 * tile + 5] {
-            for (what, bits, keys) in test_keys::cases(count) {
-                check(&mut sorter, &keys, bits, what);
+        // Ballots in one word and in four.
+        for most_lanes in [32, 128].into_iter().filter(|&most| most >= adapter.subgroup_max_size) {
+            let tiling = Tiling::shared(threads, KEYS_PER_THREAD, most_lanes);
+            let mut sorter = Sorter::with_tiling(test_gpu(), tiling).unwrap();
+            let tile = tiling.tile_keys as usize;
+            for count in [tile - 1, tile + 1, 9 * tile + 5] {
+                for (what, bits, keys) in test_keys::cases(count) {
+                    check(&mut sorter, &keys, bits, what);
+                }
             }
         }
     }

@@ -43,32 +43,12 @@ var<workgroup> bin_offsets: array<u32, BINS>;
 // The tile in order: first its keys, then its indices.
 var<workgroup> sorted: array<u32, TILE_KEYS>;
 
-// Bits of the lanes below this one.
-fn lanes_below(lane: u32) -> vec4<u32> {
-    let word = vec4<u32>(0u, 1u, 2u, 3u);
-    let part = vec4<u32>((1u << (lane % 32u)) - 1u);
-    let full = vec4<u32>(0xffffffffu);
-    return select(select(vec4<u32>(0u), part, word == vec4<u32>(lane / 32u)), full, word < vec4<u32>(lane / 32u));
-}
-
-fn count_lanes(lanes: vec4<u32>) -> u32 {
-    let ones = countOneBits(lanes);
-    return ones.x + ones.y + ones.z + ones.w;
-}
-
-fn first_lane(lanes: vec4<u32>) -> u32 {
-    if lanes.x != 0u { return countTrailingZeros(lanes.x); }
-    if lanes.y != 0u { return 32u + countTrailingZeros(lanes.y); }
-    if lanes.z != 0u { return 64u + countTrailingZeros(lanes.z); }
-    return 96u + countTrailingZeros(lanes.w);
-}
-
 // The lanes whose key is valid and has the same bin.
-fn peers_of(bin: u32, valid: bool) -> vec4<u32> {
-    var peers = subgroupBallot(valid);
+fn peers_of(bin: u32, valid: bool) -> Lanes {
+    var peers = ballot(valid);
     for (var bit = 0u; bit < DIGIT_BITS; bit++) {
         let is_set = ((bin >> bit) & 1u) == 1u;
-        let lanes = subgroupBallot(is_set);
+        let lanes = ballot(is_set);
         peers &= select(~lanes, lanes, is_set);
     }
     return peers;
