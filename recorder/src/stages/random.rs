@@ -11,6 +11,7 @@ use super::wgsl::wgsl_f32_array;
 #[derive(Clone, Copy, Debug)]
 pub struct Random(u32);
 
+#[inline(always)]
 fn pcg(value: u32) -> u32 {
     let state = value.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
     let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
@@ -19,6 +20,7 @@ fn pcg(value: u32) -> u32 {
 
 impl Random {
     /// Stream 0 belongs to camera rays, stream b + 1 to the surfaces that bounce b hits.
+    #[inline(always)]
     pub fn new(seed: [u32; 2], pixel: u32, pass: u32, stream: u32) -> Self {
         let salt = pcg(seed[0].wrapping_add(pcg(seed[1])));
         let at = pcg(stream.wrapping_add(pcg(pass.wrapping_add(salt))));
@@ -26,6 +28,7 @@ impl Random {
     }
 
     /// The next number in [0, 1), a multiple of 2⁻²⁴.
+    #[inline(always)]
     pub fn draw(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9);
         (pcg(self.0) >> 8) as f32 * (1.0 / 16_777_216.0)
@@ -39,6 +42,7 @@ pub const SINE: [f32; 5] =
 pub const COSINE: [f32; 5] = [1.0, -1.233_700_6, 0.253_669_5, -0.020_863_48, 0.000_919_260_3];
 
 /// Sine and cosine of a full turn times `turns`, for `turns` in [0, 1].
+#[inline(always)]
 pub fn sine_cosine(turns: f32) -> (f32, f32) {
     let quarters = turns * 4.0;
     let nearest = (quarters + 0.5).floor();
@@ -55,6 +59,7 @@ pub fn sine_cosine(turns: f32) -> (f32, f32) {
 }
 
 /// A direction around +z with density cos/π.
+#[inline(always)]
 pub fn cosine_hemisphere(a: f32, b: f32) -> Vec3 {
     let radius = a.sqrt();
     let (sine, cosine) = sine_cosine(b);

@@ -7,12 +7,14 @@ pub use formats::intersect::{cross3, dot3};
 use glam::Vec3;
 
 /// A vector of length 1; NaN for a zero vector.
+#[inline(always)]
 pub fn normalize3(a: Vec3) -> Vec3 {
     a * (1.0 / dot3(a, a).sqrt())
 }
 
 /// Two unit vectors across the unit vector `n` (Duff et al., "Building an Orthonormal Basis,
 /// Revisited", JCGT 2017).
+#[inline(always)]
 pub fn basis(n: Vec3) -> (Vec3, Vec3) {
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
     let a = -1.0 / (sign + n.z);
@@ -21,6 +23,7 @@ pub fn basis(n: Vec3) -> (Vec3, Vec3) {
 }
 
 /// Perceived brightness of linear RGB (Rec. 709).
+#[inline(always)]
 pub fn luminance(color: Vec3) -> f32 {
     0.2126 * color.x + 0.7152 * color.y + 0.0722 * color.z
 }

@@ -1,11 +1,12 @@
 //! Compact on threads: what the tasks of shading leave moves together, in canonical order.
 
+use bytemuck::Zeroable;
 use formats::pages::make_room;
 use formats::ray::Ray;
 use rayon::prelude::*;
 
 /// What a ray carries beside itself.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Zeroable)]
 pub struct RayState {
     /// Throughput of the path; of a shadow ray the radiance that the film gets if it arrives.
     pub color: [f32; 3],
@@ -30,8 +31,8 @@ impl Paths {
     /// Makes and touches room for so many, of any value.
     pub fn make_room(&mut self, count: usize) {
         make_room(&mut self.rays, count);
-        self.ids.resize(count, 0);
-        self.states.resize(count, RayState::default());
+        make_room(&mut self.ids, count);
+        make_room(&mut self.states, count);
     }
 
     /// Leaves the first so many.
@@ -63,6 +64,11 @@ impl<'a> PathsMut<'a> {
         (Self { rays, ids, states }, Self { rays: rays_after, ids: ids_after, states: states_after })
     }
 
+    /// What comes after the first so many.
+    pub fn after(self, count: usize) -> Self {
+        self.split_at(count).1
+    }
+
     /// Stretches of `chunk` each, the last one shorter.
     pub fn chunks(self, chunk: usize) -> impl IndexedParallelIterator<Item = Self> {
         let rest = self.ids.par_chunks_mut(chunk).zip(self.states.par_chunks_mut(chunk));
@@ -82,8 +88,8 @@ impl<'a> PathsMut<'a> {
 ///
 /// # Panics
 /// If `live` has no room for them.
-pub fn compact(paths: &Paths, chunk: usize, counts: &[u32], live: &mut Paths) -> usize {
-    move_chunks(paths, chunk, 0, counts, live.parts());
+pub fn compact(paths: &Paths, chunk: usize, counts: &[u32], live: PathsMut<'_>) -> usize {
+    move_chunks(paths, chunk, 0, counts, live);
     total(counts)
 }
 

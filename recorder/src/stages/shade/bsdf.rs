@@ -44,6 +44,7 @@ pub struct BsdfSample {
 
 impl Bsdf {
     /// From base colour, metallic and roughness. Metallic 0 with roughness 1 is purely diffuse.
+    #[inline(always)]
     pub fn new(base_color: Vec3, metallic: f32, roughness: f32) -> Self {
         Self {
             diffuse: base_color * (1.0 - metallic),
@@ -53,11 +54,13 @@ impl Bsdf {
         }
     }
 
+    #[inline(always)]
     fn is_mirror(&self) -> bool {
         self.alpha < MIRROR_ALPHA
     }
 
     /// Probability of sampling the specular lobe for an exitant direction.
+    #[inline(always)]
     fn specular_probability(&self, cos_out: f32) -> f32 {
         let specular = luminance(fresnel(self.f0, cos_out));
         let diffuse = luminance(self.diffuse);
@@ -66,6 +69,7 @@ impl Bsdf {
 
     /// Reflectance times cosine, and the density with which [`Bsdf::sample`] finds `incident`.
     /// Zero below the horizon. A mirror's lobe is not part of it.
+    #[inline(always)]
     pub fn evaluate<const GLOSSY: bool>(&self, out: Vec3, incident: Vec3) -> (Vec3, f32) {
         if out.z <= 0.0 || incident.z <= 0.0 {
             return (Vec3::ZERO, 0.0);
@@ -93,6 +97,7 @@ impl Bsdf {
     }
 
     /// Draws an incident direction; `None` if it falls below the horizon. Uses three numbers.
+    #[inline(always)]
     pub fn sample<const GLOSSY: bool>(&self, out: Vec3, random: &mut Random) -> Option<BsdfSample> {
         let (choice, a, b) = (random.draw(), random.draw(), random.draw());
         if out.z <= 0.0 {
@@ -127,6 +132,7 @@ impl Bsdf {
 }
 
 /// Schlick's approximation.
+#[inline(always)]
 fn fresnel(f0: Vec3, cosine: f32) -> Vec3 {
     let m = (1.0 - cosine).clamp(0.0, 1.0);
     let m2 = m * m;
@@ -134,6 +140,7 @@ fn fresnel(f0: Vec3, cosine: f32) -> Vec3 {
 }
 
 /// GGX distribution of normals (Walter et al. 2007, eq. 33).
+#[inline(always)]
 fn ggx_distribution(alpha: f32, cosine: f32) -> f32 {
     let alpha2 = alpha * alpha;
     // 1 − cos² keeps its digits at grazing half vectors where (α² − 1)·cos² + 1 would lose them.
@@ -142,6 +149,7 @@ fn ggx_distribution(alpha: f32, cosine: f32) -> f32 {
 }
 
 /// Smith's Λ for GGX (Heitz 2014, eq. 72).
+#[inline(always)]
 fn smith_lambda(alpha: f32, cosine: f32) -> f32 {
     let cosine2 = cosine * cosine;
     let tangent2 = (1.0 - cosine2).max(0.0) / cosine2.max(1e-12);
@@ -150,6 +158,7 @@ fn smith_lambda(alpha: f32, cosine: f32) -> f32 {
 
 /// A normal with the density of those visible from `out` (Dupuy & Benyoub, "Sampling Visible GGX
 /// Normals with Spherical Caps", HPG 2023).
+#[inline(always)]
 fn visible_normal(alpha: f32, out: Vec3, a: f32, b: f32) -> Vec3 {
     let stretched = normalize3(Vec3::new(out.x * alpha, out.y * alpha, out.z));
     let (sine, cosine) = sine_cosine(a);

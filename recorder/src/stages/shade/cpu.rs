@@ -1,5 +1,6 @@
 //! Shading on threads, with next queues compacted in canonical order.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use formats::prefetch::prefetch;
@@ -7,9 +8,9 @@ use glam::Vec3;
 use rayon::prelude::*;
 use scenes::features::Features;
 
-use super::path::{Outcome, shade_path};
+use super::path::shade_path;
 use super::tables::ShadeTables;
-use crate::stages::compact::cpu::{Paths, compact};
+use crate::stages::compact::cpu::{Paths, PathsMut, compact};
 use crate::stages::shared::ShadeParams;
 use crate::stages::trace::hits::Hits;
 
@@ -27,7 +28,9 @@ pub const SPECIALISED: Features = Features {
 };
 
 /// Paths that one task shades.
-const CHUNK: usize = 1 << 12;
+const CHUNK: usize = 1 << 9;
+/// Tasks of each thread after which what they leave is moved together, while it is in the threads' own caches.
+const TASKS_AT_ONCE: usize = 8;
 /// How many paths ahead the corners of a hit triangle are asked for; its indices twice as many.
 const CORNERS_AHEAD: usize = 4;
 
@@ -59,10 +62,12 @@ pub struct Shader {
 }
 
 impl Shader {
-    /// Makes and touches the memory that shading so many paths takes, and the queues that it leaves.
+    /// Makes and touches the memory that shading takes on these threads, and the queues that so many paths leave.
     pub fn make_room(&mut self, count: usize, live: [&mut Paths; 2]) {
-        self.left.iter_mut().chain(live).for_each(|paths| paths.make_room(count));
-        self.counts.iter_mut().for_each(|counts| counts.resize(count.div_ceil(CHUNK), 0));
+        let tasks = TASKS_AT_ONCE * rayon::current_num_threads();
+        self.counts.iter_mut().for_each(|counts| counts.resize(tasks, 0));
+        self.left.iter_mut().for_each(|paths| paths.make_room(tasks * CHUNK));
+        live.into_iter().for_each(|paths| paths.make_room(count));
     }
 
     /// Shades a queue and adds what it met to `film`; leaves next rays and shadow rays in `live`, which has
@@ -79,55 +84,100 @@ impl Shader {
         film: &Film,
         live: [&mut Paths; 2],
     ) -> [usize; 2] {
-        let specialised = match (features.textures, features.vertex_normals, features.specular) {
-            (false, false, false) => shade_path::<false, false, false>,
-            (false, false, true) => shade_path::<false, false, true>,
-            (false, true, false) => shade_path::<false, true, false>,
-            (false, true, true) => shade_path::<false, true, true>,
-            (true, false, false) => shade_path::<true, false, false>,
-            (true, false, true) => shade_path::<true, false, true>,
-            (true, true, false) => shade_path::<true, true, false>,
-            (true, true, true) => shade_path::<true, true, true>,
+        let shade = match (features.textures, features.vertex_normals, features.specular) {
+            (false, false, false) => best::<false, false, false>(),
+            (false, false, true) => best::<false, false, true>(),
+            (false, true, false) => best::<false, true, false>(),
+            (false, true, true) => best::<false, true, true>(),
+            (true, false, false) => best::<true, false, false>(),
+            (true, false, true) => best::<true, false, true>(),
+            (true, true, false) => best::<true, true, false>(),
+            (true, true, true) => best::<true, true, true>(),
         };
-        let shade_one = |index: usize| -> Outcome {
-            let (ray, state, pixel) = (&paths.rays[index], &paths.states[index], paths.ids[index]);
-            specialised(tables, params, ray, &hits.hit(index), state, pixel)
-        };
-        let [next, shadow] = &mut self.left;
-        let [next_counts, shadow_counts] = &mut self.counts;
-        let left = next.parts().chunks(CHUNK).zip(shadow.parts().chunks(CHUNK));
-        let counts = next_counts.par_iter_mut().zip(shadow_counts.par_iter_mut());
-        left.zip(counts).enumerate().with_max_len(1).for_each(|(chunk, ((mut next, mut shadow), counts))| {
-            let (mut next_count, mut shadow_count) = (0, 0);
-            let first = chunk * CHUNK;
-            for index in first..paths.ids.len().min(first + CHUNK) {
-                ask_ahead(tables, hits, index);
-                let outcome = shade_one(index);
-                let pixel = paths.ids[index];
-                if outcome.emitted != Vec3::ZERO {
-                    add(&film[pixel as usize], outcome.emitted);
-                }
-                if let Some(ray) = outcome.shadow {
-                    shadow.put(shadow_count, pixel, ray);
-                    shadow_count += 1;
-                }
-                if let Some(ray) = outcome.next {
-                    next.put(next_count, pixel, ray);
-                    next_count += 1;
-                }
-            }
-            (*counts.0, *counts.1) = (next_count as u32, shadow_count as u32);
-        });
-        let [next_live, shadow_live] = live;
-        let (next, shadow) = rayon::join(
-            || compact(&self.left[0], CHUNK, &self.counts[0], next_live),
-            || compact(&self.left[1], CHUNK, &self.counts[1], shadow_live),
-        );
-        [next, shadow]
+        let queue = Queue { tables, params, paths, hits, film };
+        let Self { left: [next, shadow], counts: [next_counts, shadow_counts] } = self;
+        let (count, [next_live, shadow_live]) = (paths.ids.len(), live);
+        let mut live = [0; 2];
+        for first in (0..count).step_by(next_counts.len() * CHUNK) {
+            let left = next.parts().chunks(CHUNK).zip(shadow.parts().chunks(CHUNK));
+            let counts = next_counts.par_iter_mut().zip(shadow_counts.par_iter_mut());
+            left.zip(counts).enumerate().with_max_len(1).for_each(|(task, ((next, shadow), counts))| {
+                let [start, end] = [task, task + 1].map(|task| (first + task * CHUNK).min(count));
+                // SAFETY: `best` found that the processor has the instructions.
+                let left = unsafe { shade(&queue, start..end, [next, shadow]) };
+                [*counts.0, *counts.1] = left.map(|count| count as u32);
+            });
+            let (next_more, shadow_more) = rayon::join(
+                || compact(next, CHUNK, next_counts, next_live.parts().after(live[0])),
+                || compact(shadow, CHUNK, shadow_counts, shadow_live.parts().after(live[1])),
+            );
+            live = [live[0] + next_more, live[1] + shadow_more];
+        }
+        live
     }
 }
 
+/// What is shaded.
+struct Queue<'a> {
+    tables: &'a ShadeTables,
+    params: &'a ShadeParams,
+    paths: &'a Paths,
+    hits: &'a Hits,
+    film: &'a Film,
+}
+
+/// Shades the paths of a range; says how many next rays and shadow rays they leave.
+type ShadeRange = unsafe fn(&Queue<'_>, Range<usize>, [PathsMut<'_>; 2]) -> [usize; 2];
+
+/// The same code, compiled for AVX2 where the processor has it: the bits of the results are the same.
+fn best<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>() -> ShadeRange {
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("avx2") {
+        return shade_range_avx2::<TEXTURES, NORMALS, GLOSSY>;
+    }
+    shade_range::<TEXTURES, NORMALS, GLOSSY>
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn shade_range_avx2<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>(
+    queue: &Queue<'_>,
+    range: Range<usize>,
+    left: [PathsMut<'_>; 2],
+) -> [usize; 2] {
+    shade_range::<TEXTURES, NORMALS, GLOSSY>(queue, range, left)
+}
+
+#[inline(always)]
+fn shade_range<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>(
+    queue: &Queue<'_>,
+    range: Range<usize>,
+    [mut next, mut shadow]: [PathsMut<'_>; 2],
+) -> [usize; 2] {
+    let Queue { tables, params, paths, hits, film } = *queue;
+    let (mut next_count, mut shadow_count) = (0, 0);
+    for index in range {
+        ask_ahead(tables, hits, index);
+        let (ray, state, pixel) = (&paths.rays[index], &paths.states[index], paths.ids[index]);
+        let outcome =
+            shade_path::<TEXTURES, NORMALS, GLOSSY>(tables, params, ray, &hits.hit(index), state, pixel);
+        if outcome.emitted != Vec3::ZERO {
+            add(&film[pixel as usize], outcome.emitted);
+        }
+        if let Some(ray) = outcome.shadow {
+            shadow.put(shadow_count, pixel, ray);
+            shadow_count += 1;
+        }
+        if let Some(ray) = outcome.next {
+            next.put(next_count, pixel, ray);
+            next_count += 1;
+        }
+    }
+    [next_count, shadow_count]
+}
+
 /// Asks for the surfaces of the next paths, which lie far apart.
+#[inline(always)]
 fn ask_ahead(tables: &ShadeTables, hits: &Hits, index: usize) {
     let triangle = |ahead: usize| {
         let at = index + ahead;

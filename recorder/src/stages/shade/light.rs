@@ -30,6 +30,7 @@ pub struct LightSample {
 }
 
 /// Radiance of the sky in a direction.
+#[inline(always)]
 pub fn sky_radiance(zenith: Vec3, nadir: Vec3, direction: Vec3) -> Vec3 {
     nadir + (zenith - nadir) * (0.5 * direction.y + 0.5)
 }
@@ -39,6 +40,7 @@ pub const LIGHT_DRAWS: u32 = 4;
 
 /// Picks a light and a direction to it from `point`. Uses [`LIGHT_DRAWS`] numbers; `None` where the pick
 /// brings nothing.
+#[inline(always)]
 pub fn sample_light(tables: &ShadeTables, point: Vec3, random: &mut Random) -> Option<LightSample> {
     let count = tables.emitters.len() as u32;
     let (slot, choice, a, b) = (random.draw(), random.draw(), random.draw(), random.draw());
@@ -62,12 +64,14 @@ pub fn sample_light(tables: &ShadeTables, point: Vec3, random: &mut Random) -> O
 }
 
 impl LightSample {
+    #[inline(always)]
     fn new(emitter: &Emitter, direction: Vec3, t_max: f32, weight: Vec3, density: f32) -> Self {
         Self { direction, t_max, weight, density, light: emitter.light }
     }
 }
 
 /// Uniform over the cone of directions that meet the sphere.
+#[inline(always)]
 fn sample_sphere(emitter: &Emitter, point: Vec3, a: f32, b: f32) -> Option<LightSample> {
     let to_centre = Vec3::from(emitter.position) - point;
     let distance2 = dot3(to_centre, to_centre);
@@ -92,6 +96,7 @@ fn sample_sphere(emitter: &Emitter, point: Vec3, a: f32, b: f32) -> Option<Light
     Some(LightSample::new(emitter, direction, t_max, weight, 0.0))
 }
 
+#[inline(always)]
 fn sample_point(emitter: &Emitter, point: Vec3) -> Option<LightSample> {
     let to_light = Vec3::from(emitter.position) - point;
     let distance2 = dot3(to_light, to_light);
@@ -111,6 +116,7 @@ fn sample_point(emitter: &Emitter, point: Vec3) -> Option<LightSample> {
 }
 
 /// Uniform over the triangle's area.
+#[inline(always)]
 fn sample_triangle(emitter: &Emitter, point: Vec3, a: f32, b: f32) -> Option<LightSample> {
     let [p, q, r] = [emitter.position, emitter.direction, emitter.third_corner].map(Vec3::from);
     let root = a.sqrt();
@@ -135,6 +141,7 @@ fn sample_triangle(emitter: &Emitter, point: Vec3, a: f32, b: f32) -> Option<Lig
 }
 
 /// Uniform over all directions.
+#[inline(always)]
 fn sample_sky(tables: &ShadeTables, emitter: &Emitter, a: f32, b: f32) -> LightSample {
     let z = 1.0 - 2.0 * a;
     let radius = (1.0 - z * z).max(0.0).sqrt();

@@ -27,12 +27,14 @@ pub struct Outcome {
 }
 
 /// Power heuristic with exponent 2 (Veach 1997, §9.2.4): the weight of a sample drawn with density `a`.
+#[inline(always)]
 fn power_heuristic(a: f32, b: f32) -> f32 {
     let a2 = a * a;
     a2 / (a2 + b * b)
 }
 
 /// Shades the hit of one path. `pixel` is the path's index.
+#[inline(always)]
 pub fn shade_path<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>(
     tables: &ShadeTables,
     params: &ShadeParams,
@@ -73,10 +75,12 @@ pub fn shade_path<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>
 }
 
 /// Weight of emission that a ray met which was drawn with `density` (0: camera or mirror).
+#[inline(always)]
 fn emission_weight(density: f32, light_density: f32) -> f32 {
     if density > 0.0 { power_heuristic(density, light_density) } else { 1.0 }
 }
 
+#[inline(always)]
 fn emitted(tables: &ShadeTables, ray: &Ray, hit: &Hit, state: &RayState, surface: &HitSurface) -> Vec3 {
     let radiance = Vec3::from(surface.material.emission);
     let brightness = luminance(radiance);
@@ -95,15 +99,18 @@ struct ShadingFrame {
 }
 
 impl ShadingFrame {
+    #[inline(always)]
     fn new(normal: Vec3) -> Self {
         let (tangent, bitangent) = basis(normal);
         Self { tangent, bitangent, normal }
     }
 
+    #[inline(always)]
     fn to_local(&self, v: Vec3) -> Vec3 {
         Vec3::new(dot3(v, self.tangent), dot3(v, self.bitangent), dot3(v, self.normal))
     }
 
+    #[inline(always)]
     fn to_world(&self, v: Vec3) -> Vec3 {
         self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
     }
@@ -121,6 +128,7 @@ struct Vertex<'a> {
 }
 
 impl Vertex<'_> {
+    #[inline(always)]
     fn shadow_ray<const GLOSSY: bool>(
         &self,
         tables: &ShadeTables,
@@ -143,6 +151,7 @@ impl Vertex<'_> {
         Some((self.ray(light.direction, light.t_max), state))
     }
 
+    #[inline(always)]
     fn next_ray<const GLOSSY: bool>(&self, random: &mut Random) -> Option<(Ray, RayState)> {
         let sample = self.bsdf.sample::<GLOSSY>(self.out, random)?;
         let direction = normalize3(self.frame.to_world(sample.direction));
@@ -161,6 +170,7 @@ impl Vertex<'_> {
         Some((self.ray(direction, f32::INFINITY), state))
     }
 
+    #[inline(always)]
     fn ray(&self, direction: Vec3, t_max: f32) -> Ray {
         let (origin, direction) = (self.surface.origin.to_array(), direction.to_array());
         Ray { origin, t_min: 0.0, direction, t_max }
@@ -168,6 +178,7 @@ impl Vertex<'_> {
 }
 
 /// A ray that carries this colour; none for what brings nothing or is out of range.
+#[inline(always)]
 fn state(color: Vec3) -> Option<RayState> {
     let brightness = luminance(color);
     (brightness > 0.0 && brightness < f32::MAX)

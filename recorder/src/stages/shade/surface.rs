@@ -13,6 +13,7 @@ pub const OFFSET_OF_POINT: f32 = 1.0 / 1_048_576.0;
 pub const OFFSET_OF_TRIANGLE: f32 = 1.0 / 262_144.0;
 
 /// The corners of a triangle of the scene.
+#[inline(always)]
 pub fn triangle_corners(tables: &ShadeTables, triangle: u32) -> [Vec3; 3] {
     let [a, b, c, _] = tables.triangles[triangle as usize];
     [a, b, c].map(|index| Vec3::from(tables.positions[index as usize]))
@@ -25,6 +26,7 @@ pub fn triangle_corners(tables: &ShadeTables, triangle: u32) -> [Vec3; 3] {
 /// off. So the step is proportional to the largest coordinate of the point and to the extent of the
 /// triangle, `pq` and `pr` being two of its edges, as error bounds of the test are (Pharr, Jakob &
 /// Humphreys, Physically Based Rendering, §6.8.3).
+#[inline(always)]
 pub fn offset_origin(point: Vec3, normal: Vec3, pq: Vec3, pr: Vec3) -> Vec3 {
     let largest = |v: Vec3| v.x.abs().max(v.y.abs()).max(v.z.abs());
     let step = largest(point) * OFFSET_OF_POINT + largest(pq).max(largest(pr)) * OFFSET_OF_TRIANGLE;
@@ -49,6 +51,7 @@ pub struct HitSurface {
 }
 
 /// The surface that a ray along `direction` hit.
+#[inline(always)]
 pub fn hit_surface<const TEXTURES: bool, const NORMALS: bool>(
     tables: &ShadeTables,
     direction: Vec3,
@@ -81,6 +84,7 @@ pub fn hit_surface<const TEXTURES: bool, const NORMALS: bool>(
 }
 
 /// Falls back to the geometric normal where vertices have none or the ray would come from behind.
+#[inline(always)]
 fn interpolated_normal(corners: [Vec3; 3], u: f32, v: f32, geometric_normal: Vec3, direction: Vec3) -> Vec3 {
     let [a, b, c] = corners;
     let sum = a * (1.0 - u - v) + b * u + c * v;
@@ -96,6 +100,7 @@ fn interpolated_normal(corners: [Vec3; 3], u: f32, v: f32, geometric_normal: Vec
 }
 
 /// Linear RGB of a material's texture at (u, v), bilinear, repeating.
+#[inline(always)]
 fn texture_color(tables: &ShadeTables, material: &MaterialData, u: f32, v: f32) -> Vec3 {
     let (width, height) = (material.texture_width as i32, material.texture_height as i32);
     let x = (u - u.floor()) * width as f32 - 0.5;
