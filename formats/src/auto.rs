@@ -22,13 +22,13 @@ const LENGTH: f32 = 0.25;
 
 /// What the interval of a candidate's net speedup must lie above: between a calibration and its use the times of
 /// sorting and moving rays drift by a few percent of a trace, which no interval over a few rounds shows.
-const WORTH: f64 = 1.03;
+const NET_LOW_MIN: f64 = 1.03;
 
-/// How much farther apart, in natural logarithms, than the most similar queue one may be that samples cannot tell
-/// from it: their areas scatter by a tenth and more.
+/// Two calibrated queues whose likeness to another differs by less, in natural logarithms, are equally alike:
+/// areas of samples scatter by a tenth and more.
 const BY_CHANCE: f64 = 0.25;
 
-/// The first version of the format whose choices allow for both.
+/// The first version of the format whose choices allow for such drift and scatter.
 const ALLOWS_FOR_CHANCE_SINCE: u32 = 9;
 
 /// Where the sample of a queue lies: whole groups, evenly over its canonical order.
@@ -90,7 +90,7 @@ impl<'a> Calibrated<'a> {
 
     /// What may as well have cost something is left alone.
     fn is_sure(&self, candidate: &Candidate) -> bool {
-        candidate.net_low > if self.allows_for_chance() { WORTH } else { 1.0 }
+        candidate.net_low > if self.allows_for_chance() { NET_LOW_MIN } else { 1.0 }
     }
 
     fn allows_for_chance(&self) -> bool {
@@ -153,7 +153,7 @@ mod tests {
         assert_eq!(chosen(Kind::Shadow, 1, 0.0), Some("octahedron"));
         assert_eq!(by(&[]).decide(1, Kind::Shadow, 500_000, 1.0), None);
         assert!(by(&calibration[..2]).is_worth_a_look(Kind::Closest));
-        assert!(!by(&calibration[..1]).is_worth_a_look(Kind::Closest), "no interval lies above 1");
+        assert!(!by(&calibration[..1]).is_worth_a_look(Kind::Closest), "no interval lies above 1.03");
         assert!(!by(&calibration[..2]).is_worth_a_look(Kind::Shadow), "none was calibrated");
     }
 

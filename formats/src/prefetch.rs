@@ -2,7 +2,7 @@
 
 use crate::length_table::LengthTable;
 
-/// How many items ahead: a miss takes about as long as gathering so many.
+/// How many items ahead: a miss takes about as long as moving so many.
 pub const AHEAD: usize = 32;
 
 /// Asks for the cache line in which a value begins.

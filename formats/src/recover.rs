@@ -66,6 +66,8 @@ pub struct Recovery {
 
 /// What of a manifest is kept.
 struct Kept {
+    /// Of the format, which says by which rules the records are read.
+    version: u32,
     /// Without the end record.
     records: Vec<Record>,
     end: Option<End>,
@@ -201,6 +203,7 @@ fn whole_records(root: &Path, manifest_path: &Path) -> Result<Kept, RecoverError
     }
     leave_out_lost_methods(&mut records, &mut left_out);
     Ok(Kept {
+        version: salvage.version,
         records,
         end,
         cut: salvage.fault.map(|fault| fault.to_string()),
@@ -272,7 +275,7 @@ fn end_manifest(
     }
     let file = File::create_new(&new).map_err(io_error("create", &new))?;
     let mut file = BufWriter::new(file);
-    file.write_all(&manifest::preamble()).map_err(io_error("write", &new))?;
+    file.write_all(&manifest::preamble_of(kept.version)).map_err(io_error("write", &new))?;
     for record in &kept.records {
         file.write_all(&encode(record)?).map_err(io_error("write", &new))?;
     }

@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use formats::manifest::scan::{Frame, scan};
-use formats::manifest::{QueueId, Record};
+use formats::manifest::{PREAMBLE_BYTES, QueueId, Record, preamble_of};
 use formats::ray::Kind;
 use formats::reader::{Dump, DumpState};
 use formats::recover::{RecoverError, Recovery, recover};
@@ -152,6 +152,22 @@ fn each_damaged_record_is_left_out_alone() {
         fs::remove_dir_all(recovery.leftover.unwrap().0).unwrap();
         fs::remove_dir_all(&copy).unwrap();
     }
+}
+
+/// Its records go on being read by the rules of the version that wrote them.
+#[test]
+fn an_older_manifest_stays_one_of_its_version() {
+    let folder = sample::folder_in_memory();
+    let dump = thinned(folder.path(), &[Kind::Closest], &["aila"]);
+    let manifest = dump.join("manifest.bin");
+    let mut bytes = fs::read(&manifest).unwrap();
+    bytes[..PREAMBLE_BYTES].copy_from_slice(&preamble_of(8));
+    fs::write(&manifest, bytes).unwrap();
+    let timing = frames(&dump).into_iter().find(|frame| matches!(frame.record, Record::Timing(_))).unwrap();
+    flip(&manifest, timing.end - 1);
+    recover(&dump).unwrap();
+    assert_eq!(scan(&manifest).unwrap().version, 8);
+    assert_right(&dump, "version 8");
 }
 
 /// A length that leads nowhere: nothing after it can be believed.

@@ -12,8 +12,8 @@ use formats::key::{LightSite, Termination};
 use formats::manifest::scan::scan;
 use formats::manifest::{
     CacheRecord, CalibrationRecord, DecisionRecord, DisturbedRecord, End, Header, MethodRecord, Mismatches,
-    Outcome, Place, QueueArray, QueueId, QueueRecord, Record, Source, Stage, TimingRecord, WayRecord,
-    encode_frame, preamble,
+    Outcome, PREAMBLE_BYTES, Place, QueueArray, QueueId, QueueRecord, Record, Source, Stage, TimingRecord,
+    WayRecord, encode_frame, preamble, preamble_of,
 };
 use formats::ray::Kind;
 use formats::reader::Dump;
@@ -512,6 +512,24 @@ fn what_auto_chose_follows_from_its_calibration() {
         _ => {}
     };
     assert_found(|record| Some(record), &[(other, "auto/permutation.npy: ")]);
+}
+
+#[test]
+fn what_auto_chose_is_held_against_the_rule_of_its_version() {
+    let folder = sample::folder_in_memory();
+    let dump = sample::write(folder.path());
+    edit(&dump, |record| {
+        if let Record::Calibration(calibration) = record {
+            calibration.candidates[0].net_low = 1.02;
+        }
+    });
+    let found = problems(&verify(&Dump::open(&dump).unwrap()));
+    assert!(found.iter().any(|problem| problem.contains("by the calibration it is None")), "{found:#?}");
+    let manifest = dump.join("manifest.bin");
+    let mut bytes = fs::read(&manifest).unwrap();
+    bytes[..PREAMBLE_BYTES].copy_from_slice(&preamble_of(8));
+    fs::write(&manifest, bytes).unwrap();
+    assert_eq!(problems(&verify(&Dump::open(&dump).unwrap())), [""; 0]);
 }
 
 /// What is looked up for each of many times is not searched for: opening looks at each record once, too.

@@ -29,9 +29,11 @@ pub const IMPORTED_HITS: &str = "imported hits";
 pub const FILE_NAME: &str = "manifest.bin";
 /// The first bytes of a manifest.
 pub const MAGIC: [u8; 8] = *b"RAYDUMP\0";
-/// Version of the format, of which FORMAT.md speaks. A new kind of record or array, or another rule for what is in one, is a new version.
+/// Version of the format, of which FORMAT.md speaks. A new kind of record or array is a new version, and so is
+/// another rule for what one says.
 pub const FORMAT_VERSION: u32 = 9;
-/// The oldest version that is read: it lacks some kinds of records, and nothing means something else in it.
+/// The oldest version that is read: it lacks some kinds of records, and what means something else in a version
+/// is read by that version's rule (FORMAT.md, "Versions").
 pub const OLDEST_VERSION: u32 = 2;
 /// Magic, version and four reserved bytes that are 0.
 pub const PREAMBLE_BYTES: usize = 16;
@@ -40,10 +42,15 @@ pub const FRAME_BYTES: usize = 8;
 /// Longest record that is read or written; no header, however many lights there are, comes near it.
 pub const RECORD_BYTES_MAX: usize = 64 << 20;
 
-/// The first [`PREAMBLE_BYTES`] bytes of a manifest.
+/// The first [`PREAMBLE_BYTES`] bytes of a new manifest.
 pub fn preamble() -> [u8; PREAMBLE_BYTES] {
+    preamble_of(FORMAT_VERSION)
+}
+
+/// Those of a manifest of some version.
+pub fn preamble_of(version: u32) -> [u8; PREAMBLE_BYTES] {
     let mut bytes = [0; PREAMBLE_BYTES];
     bytes[..8].copy_from_slice(&MAGIC);
-    bytes[8..12].copy_from_slice(&FORMAT_VERSION.to_le_bytes());
+    bytes[8..12].copy_from_slice(&version.to_le_bytes());
     bytes
 }

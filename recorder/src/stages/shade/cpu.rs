@@ -29,8 +29,8 @@ pub const SPECIALISED: Features = Features {
 
 /// Paths that one task shades.
 const CHUNK: usize = 1 << 9;
-/// Tasks of each thread after which what they leave is moved together, while it is in the threads' own caches.
-const TASKS_AT_ONCE: usize = 8;
+/// Tasks for each thread after which what they leave is moved together, while it is in the threads' own caches.
+const TASKS_PER_THREAD: usize = 8;
 /// How many paths ahead the corners of a hit triangle are asked for; its indices twice as many.
 const CORNERS_AHEAD: usize = 4;
 
@@ -64,7 +64,7 @@ pub struct Shader {
 impl Shader {
     /// Makes and touches the memory that shading takes on these threads, and the queues that so many paths leave.
     pub fn make_room(&mut self, count: usize, live: [&mut Paths; 2]) {
-        let tasks = TASKS_AT_ONCE * rayon::current_num_threads();
+        let tasks = TASKS_PER_THREAD * rayon::current_num_threads();
         self.counts.iter_mut().for_each(|counts| counts.resize(tasks, 0));
         self.left.iter_mut().for_each(|paths| paths.make_room(tasks * CHUNK));
         live.into_iter().for_each(|paths| paths.make_room(count));

@@ -79,7 +79,9 @@ impl Tiling {
     /// Workgroups that sort tiles together where subgroups let them, else threads on their own.
     fn of(adapter: &AdapterDescription) -> Self {
         let threads = (SUBGROUPS * adapter.subgroup_min_size).min(MOST_THREADS);
-        let shared = Self::shared(threads, KEYS_PER_THREAD, adapter.subgroup_max_size);
+        // What Direct3D 12 says of the most lanes is not to be relied on, by its documentation.
+        let most_lanes = if adapter.backend == "dx12" { 128 } else { adapter.subgroup_max_size };
+        let shared = Self::shared(threads, KEYS_PER_THREAD, most_lanes);
         let can_share = adapter.subgroups
             && threads >= adapter.subgroup_max_size
             && shared.shared_bytes() <= adapter.limits.workgroup_bytes;
@@ -315,7 +317,7 @@ fn wgsl(tiling: &Tiling) -> String {
         WORKGROUP_SCAN_WGSL,
         include_str!("pass.wgsl"),
         include_str!("kernel.wgsl"),
-        &tiling.wgsl.concat(),
+        &tiling.wgsl.join("\n"),
     ]
     .concat()
 }

@@ -25,4 +25,3 @@ fn first_lane(lanes: Lanes) -> u32 {
     if lanes.z != 0u { return 64u + countTrailingZeros(lanes.z); }
     return 96u + countTrailingZeros(lanes.w);
 }
-

@@ -18,4 +18,3 @@ fn count_lanes(lanes: Lanes) -> u32 {
 fn first_lane(lanes: Lanes) -> u32 {
     return countTrailingZeros(lanes);
 }
-

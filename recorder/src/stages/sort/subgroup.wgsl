@@ -43,7 +43,7 @@ var<workgroup> bin_offsets: array<u32, BINS>;
 // The tile in order: first its keys, then its indices.
 var<workgroup> sorted: array<u32, TILE_KEYS>;
 
-// The lanes whose key is valid and has the same bin.
+// The lanes (lanes_32.wgsl or lanes_128.wgsl) whose key is valid and has the same bin.
 fn peers_of(bin: u32, valid: bool) -> Lanes {
     var peers = ballot(valid);
     for (var bit = 0u; bit < DIGIT_BITS; bit++) {

@@ -2,7 +2,8 @@
 //!
 //! Pairs are split by their highest digit, and what is longer than a core's own cache once more (`split`).
 //! The rest one thread sorts there, lowest digit first (`local`). So memory beyond that cache is written
-//! twice, where a sort by lowest digits alone writes it once for each. A pair is one number, a word above its
+//! twice, where a sort by lowest digits alone writes it once for each; and once where so few bits are left that
+//! a split writes the indices in order. A pair is one number, a word above its
 //! index, and no two are equal: their order is that of a stable sort, which does not depend on threads.
 //!
 //! Of keys beyond 32 bits the word starts at the highest bit that differs. The rest of the bits are looked up
@@ -198,7 +199,11 @@ impl<R: Fn(usize) -> u32 + Copy + Send + Sync> Sort<'_, R> {
         varying: u32,
     ) {
         let (pairs, permutation) = (self.pairs[target], self.permutation);
-        let digit = Digit::highest(varying, range.len(), self.rest.is_none());
+        let most_bits = match self.rest {
+            None => split::most_bits_of_last(workers.len(), range.len()),
+            Some(_) => split::MOST_BITS,
+        };
+        let digit = Digit::highest(varying, range.len(), most_bits);
         let below = varying & digit.below();
         assert!(range.end <= pairs.len() && range.end <= permutation.len(), "room for all pairs");
         // What is read stays as it is: keys are borrowed, and pairs belong to the sorter, which writes the others.

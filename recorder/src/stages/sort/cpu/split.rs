@@ -8,9 +8,9 @@ use super::local::Worker;
 
 /// Fewest pairs that are worth a thread of their own.
 pub(super) const SMALLEST_BLOCK: usize = 1 << 14;
-/// Most bits of a digit: so many stretches grow at once, each in a page of its own.
-const MOST_BITS: u32 = 8;
-/// Most bits of a digit after which nothing is left to sort by: indices alone are written.
+/// Most bits of a digit that others follow: so many stretches of pairs grow at once, each in a page of its own.
+pub(super) const MOST_BITS: u32 = 8;
+/// Most bits of the last digit, where indices alone are written.
 pub(super) const MOST_BITS_OF_LAST: u32 = 12;
 /// Fewest bits of a digit, where more are left: threads take stretches in turns.
 const FEWEST_BITS: u32 = 4;
@@ -32,12 +32,11 @@ pub(super) struct Digit {
 
 impl Digit {
     /// The highest bits that vary, as many as cut `count` pairs into stretches of a good length, or all that
-    /// are left, which are more where no other word follows.
-    pub(super) fn highest(varying: u32, count: usize, is_last_word: bool) -> Self {
+    /// are left if those are at most `most_at_once`.
+    pub(super) fn highest(varying: u32, count: usize, most_at_once: u32) -> Self {
         let top = u32::BITS - varying.leading_zeros();
         let left = top.saturating_sub(varying.trailing_zeros());
         let wanted = (count / GOOD_LENGTH).max(1).ilog2() + 1;
-        let most_at_once = if is_last_word { MOST_BITS_OF_LAST } else { MOST_BITS };
         let bits = if left <= most_at_once { left } else { wanted.clamp(FEWEST_BITS, MOST_BITS) };
         Self { shift: top - bits, bits }
     }
@@ -70,6 +69,18 @@ impl Stretches {
     }
 }
 
+/// Blocks of pairs that are counted apart, each by a thread.
+fn blocks(threads: usize, pairs: usize) -> usize {
+    threads.min(pairs / SMALLEST_BLOCK).max(1)
+}
+
+/// Most bits of the last digit: one thread adds up what all blocks counted, which must not be more than a block
+/// has pairs.
+pub(super) fn most_bits_of_last(threads: usize, pairs: usize) -> u32 {
+    let blocks = blocks(threads, pairs);
+    if (blocks << MOST_BITS_OF_LAST) * blocks <= pairs { MOST_BITS_OF_LAST } else { MOST_BITS }
+}
+
 /// Hands each pair that `read` gives for a range to `write`, with its place in that range.
 ///
 /// # Panics
@@ -81,7 +92,7 @@ pub(super) fn split<P: Iterator<Item = u64>>(
     read: impl Fn(Range<usize>) -> P + Copy + Send + Sync,
     write: impl Fn(usize, u64) + Copy + Send + Sync,
 ) -> Stretches {
-    let blocks = workers.len().min(range.len() / SMALLEST_BLOCK).max(1);
+    let blocks = blocks(workers.len(), range.len());
     let block = range.len().div_ceil(blocks);
     let block = |number: usize| {
         let first = range.start + number * block;
