@@ -85,14 +85,14 @@ impl Shader {
         live: [&mut Paths; 2],
     ) -> [usize; 2] {
         let shade = match (features.textures, features.vertex_normals, features.specular) {
-            (false, false, false) => best::<false, false, false>(),
-            (false, false, true) => best::<false, false, true>(),
-            (false, true, false) => best::<false, true, false>(),
-            (false, true, true) => best::<false, true, true>(),
-            (true, false, false) => best::<true, false, false>(),
-            (true, false, true) => best::<true, false, true>(),
-            (true, true, false) => best::<true, true, false>(),
-            (true, true, true) => best::<true, true, true>(),
+            (false, false, false) => shade_best::<false, false, false>,
+            (false, false, true) => shade_best::<false, false, true>,
+            (false, true, false) => shade_best::<false, true, false>,
+            (false, true, true) => shade_best::<false, true, true>,
+            (true, false, false) => shade_best::<true, false, false>,
+            (true, false, true) => shade_best::<true, false, true>,
+            (true, true, false) => shade_best::<true, true, false>,
+            (true, true, true) => shade_best::<true, true, true>,
         };
         let queue = Queue { tables, params, paths, hits, film };
         let Self { left: [next, shadow], counts: [next_counts, shadow_counts] } = self;
@@ -103,8 +103,7 @@ impl Shader {
             let counts = next_counts.par_iter_mut().zip(shadow_counts.par_iter_mut());
             left.zip(counts).enumerate().with_max_len(1).for_each(|(task, ((next, shadow), counts))| {
                 let [start, end] = [task, task + 1].map(|task| (first + task * CHUNK).min(count));
-                // SAFETY: `best` found that the processor has the instructions.
-                let left = unsafe { shade(&queue, start..end, [next, shadow]) };
+                let left = shade(&queue, start..end, [next, shadow]);
                 [*counts.0, *counts.1] = left.map(|count| count as u32);
             });
             let (next_more, shadow_more) = rayon::join(
@@ -126,16 +125,19 @@ struct Queue<'a> {
     film: &'a Film,
 }
 
-/// Shades the paths of a range; says how many next rays and shadow rays they leave.
-type ShadeRange = unsafe fn(&Queue<'_>, Range<usize>, [PathsMut<'_>; 2]) -> [usize; 2];
-
-/// The same code, compiled for AVX2 where the processor has it: the bits of the results are the same.
-fn best<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>() -> ShadeRange {
+/// Shades the paths of a range by code for AVX2 where the processor has it, with the same bits; says how many next
+/// rays and shadow rays they leave.
+fn shade_best<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>(
+    queue: &Queue<'_>,
+    range: Range<usize>,
+    left: [PathsMut<'_>; 2],
+) -> [usize; 2] {
     #[cfg(target_arch = "x86_64")]
     if is_x86_feature_detected!("avx2") {
-        return shade_range_avx2::<TEXTURES, NORMALS, GLOSSY>;
+        // SAFETY: the processor has AVX2.
+        return unsafe { shade_range_avx2::<TEXTURES, NORMALS, GLOSSY>(queue, range, left) };
     }
-    shade_range::<TEXTURES, NORMALS, GLOSSY>
+    shade_range::<TEXTURES, NORMALS, GLOSSY>(queue, range, left)
 }
 
 #[cfg(target_arch = "x86_64")]
