@@ -17,21 +17,41 @@ fn bvh2_reference(low: vec4<u32>, high: vec4<u32>) -> u32 {
     return (low.w << 28u) | high.w;
 }
 
+// No reference: leaves end before the last slot that one can name.
+const BVH2_NOTHING = 0xffffffffu;
+
+// References that wait, and where the ray enters them.
+struct Waiting {
+    entries: array<vec2<u32>, BVH2_STACK>,
+    count: u32,
+}
+
+// The next one that is not beyond the hit.
+fn bvh2_next(waiting: ptr<function, Waiting>, query: ptr<function, Query>) -> u32 {
+    let limit = query_limit(query);
+    while (*waiting).count != 0u {
+        (*waiting).count -= 1u;
+        let entry = (*waiting).entries[(*waiting).count];
+        if ANY || bitcast<f32>(entry.y) <= limit {
+            return entry.x;
+        }
+    }
+    return BVH2_NOTHING;
+}
+
+// Lanes search for leaves together and test triangles together: see Aila and Laine 2009, "while-while".
 fn traverse(query: ptr<function, Query>) {
-    var stack: array<vec2<u32>, BVH2_STACK>;
-    var waiting = 0u;
+    var waiting: Waiting;
     var current = bvh2_reference(nodes[0], nodes[1]);
-    loop {
-        let first = current & 0x0fffffffu;
-        let count = current >> 28u;
-        if count == 0u {
+    while current != BVH2_NOTHING {
+        while (current >> 28u) == 0u {
             if COUNT {
                 (*query).work.x += 1u;
             }
-            let low_0 = nodes[2u * first];
-            let high_0 = nodes[2u * first + 1u];
-            let low_1 = nodes[2u * first + 2u];
-            let high_1 = nodes[2u * first + 3u];
+            let low_0 = nodes[2u * current];
+            let high_0 = nodes[2u * current + 1u];
+            let low_1 = nodes[2u * current + 2u];
+            let high_1 = nodes[2u * current + 3u];
             let limit = query_limit(query);
             let slab_0 = bvh2_near(query, bitcast<vec3<f32>>(low_0.xyz), bitcast<vec3<f32>>(high_0.xyz));
             let slab_1 = bvh2_near(query, bitcast<vec3<f32>>(low_1.xyz), bitcast<vec3<f32>>(high_1.xyz));
@@ -41,35 +61,25 @@ fn traverse(query: ptr<function, Query>) {
             let child_1 = bvh2_reference(low_1, high_1);
             if is_hit_0 && is_hit_1 {
                 let second_is_nearer = slab_1.x < slab_0.x;
-                stack[waiting] = vec2(
+                waiting.entries[waiting.count] = vec2(
                     select(child_1, child_0, second_is_nearer),
                     bitcast<u32>(select(slab_1.x, slab_0.x, second_is_nearer)),
                 );
-                waiting += 1u;
+                waiting.count += 1u;
                 current = select(child_0, child_1, second_is_nearer);
-                continue;
-            }
-            if is_hit_0 || is_hit_1 {
+            } else if is_hit_0 || is_hit_1 {
                 current = select(child_1, child_0, is_hit_0);
-                continue;
-            }
-        } else {
-            for (var slot = first; slot < first + count; slot++) {
-                if query_test(query, slot) {
-                    return;
-                }
+            } else {
+                current = bvh2_next(&waiting, query);
             }
         }
-        loop {
-            if waiting == 0u {
+        let first = current & 0x0fffffffu;
+        let count = select(current >> 28u, 0u, current == BVH2_NOTHING);
+        for (var slot = first; slot < first + count; slot++) {
+            if query_test(query, slot) {
                 return;
             }
-            waiting -= 1u;
-            let entry = stack[waiting];
-            if bitcast<f32>(entry.y) <= query_limit(query) {
-                current = entry.x;
-                break;
-            }
         }
+        current = bvh2_next(&waiting, query);
     }
 }

@@ -23,18 +23,12 @@ fn enter_four(ray: WideRay, t_min: f32, limit: f32, near: vec3<u32>, far: vec3<u
     return bits.x | bits.y | bits.z | bits.w;
 }
 
-// One bit per triangle of the leaf children in `hits`.
-fn leaf_triangles(meta_low: u32, meta_high: u32, hits: u32) -> u32 {
-    var triangles = 0u;
-    var rest = hits;
-    while rest != 0u {
-        let slot = firstTrailingBit(rest);
-        rest &= rest - 1u;
-        let word = select(meta_high, meta_low, slot < 4u);
-        let meta_byte = (word >> (8u * (slot & 3u))) & 255u;
-        triangles |= (meta_byte >> 5u) << (meta_byte & 31u);
-    }
-    return triangles;
+// One bit per triangle of the four children in `hits`, which are leaves.
+fn leaf_triangles(meta_bytes: u32, hits: u32) -> u32 {
+    let bytes = unpack4xU8(meta_bytes);
+    let is_hit = (vec4(hits) & vec4(1u, 2u, 4u, 8u)) != vec4(0u);
+    let bits = select(vec4(0u), (bytes >> vec4(5u)) << (bytes & vec4(31u)), is_hit);
+    return bits.x | bits.y | bits.z | bits.w;
 }
 
 // Moves bit `slot` to bit `slot ^ octant`.
@@ -76,7 +70,8 @@ fn traverse(query: ptr<function, Query>) {
         let limit = query_limit(query);
         let hits = enter_four(ray, t_min, limit, vec3(near_x.x, near_y.x, near_z.x), vec3(far_x.x, far_y.x, far_z.x))
             | (enter_four(ray, t_min, limit, vec3(near_x.y, near_y.y, near_z.y), vec3(far_x.y, far_y.y, far_z.y)) << 4u);
-        var rest = leaf_triangles(links.z, links.w, hits & ~imask);
+        let in_leaves = hits & ~imask;
+        var rest = leaf_triangles(links.z, in_leaves) | leaf_triangles(links.w, in_leaves >> 4u);
         while rest != 0u {
             let offset = firstLeadingBit(rest);
             rest ^= 1u << offset;
