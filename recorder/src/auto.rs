@@ -13,7 +13,7 @@ use crate::options::in_range;
 use crate::stages::setup::{MethodPlan, Setup};
 
 /// What a calibration tries: methods with fewer bits than the usual 32, which cost less to sort; 12 take one pass.
-const CANDIDATES: &[(&str, u32)] = &[
+pub const CANDIDATES: &[(&str, u32)] = &[
     ("origin", 12),
     ("aila", 12),
     ("aila", 16),

@@ -4,7 +4,7 @@ use anyhow::Result;
 use formats::manifest::{CalibrationRecord, Candidate, Choice, Stage, Way};
 use formats::metrics::speedup::Speedup;
 
-use crate::auto::{Auto, room};
+use crate::auto::{Auto, CANDIDATES, room};
 use crate::backends::{Backend, Queue};
 use crate::measure::{Measured, Measurement, Queued, Subject};
 use crate::progress::Progress;
@@ -16,9 +16,7 @@ const FINALISTS: usize = 3;
 /// Rounds that a candidate's worth is taken from: enough to tell a few percent from nothing.
 const ROUNDS: u32 = 11;
 /// How often a ray is traced: once in the warm-up and once more by all, then in each round, twice by each.
-pub const TRACES: u64 = 2 * (2 * CANDIDATES + (1 + ROUNDS as u64) * FINALISTS as u64);
-/// About as many candidates as there are for a queue.
-const CANDIDATES: u64 = 8;
+pub const TRACES: u64 = 2 * (2 * CANDIDATES.len() as u64 + (1 + ROUNDS as u64) * FINALISTS as u64);
 
 /// Measures the candidates on every queue.
 pub struct Calibrator<'a> {
