@@ -17,6 +17,21 @@ pub fn prefetch_at<T>(values: &[T], index: usize) {
     prefetch_line(values.as_ptr().wrapping_add(index).cast());
 }
 
+/// The same for a value that is written next: its line comes as the only copy, where another core has one. A store
+/// would have to ask for that by itself, and keep all later ones waiting.
+#[inline(always)]
+pub fn prefetch_to_write<T>(values: &[T], index: usize) {
+    let address = values.as_ptr().wrapping_add(index);
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: this changes nothing that a program can see, whatever the address; x86-64 processors that do not have
+    // the instruction pass over it.
+    unsafe {
+        std::arch::asm!("prefetchw [{}]", in(reg) address, options(nostack, preserves_flags, readonly));
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = address;
+}
+
 /// Asks for all cache lines of a value.
 #[inline(always)]
 pub fn prefetch_whole<T>(value: &T) {

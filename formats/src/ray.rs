@@ -3,8 +3,9 @@
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 
-/// A ray in world space; 32 bytes.
-#[repr(C)]
+/// A ray in world space; 32 bytes, and in memory aligned to them: rays that are read in no order then never lie
+/// in two cache lines.
+#[repr(C, align(32))]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Ray {
     /// Start, world units.

@@ -18,18 +18,15 @@ const CHUNK: usize = 1 << 12;
 pub fn gather(rays: &[Ray], permutation: &[AtomicU32], gathered: &mut [Ray]) {
     assert!(rays.len() == permutation.len() && rays.len() == gathered.len(), "a place for each ray");
     let chunks = permutation.par_chunks(CHUNK).zip(gathered.par_chunks_mut(CHUNK));
-    chunks.for_each(|(places, gathered)| gather_part(rays, places, gathered));
-}
-
-/// The same for some of the places, on one thread; there may be room for more.
-pub fn gather_part(rays: &[Ray], places: &[AtomicU32], gathered: &mut [Ray]) {
-    let ray = |at: usize| &rays[places[at].load(Relaxed) as usize];
-    for (at, gathered) in gathered.iter_mut().enumerate().take(places.len()) {
-        if at + AHEAD < places.len() {
-            prefetch(ray(at + AHEAD));
+    chunks.for_each(|(places, gathered)| {
+        let ray = |at: usize| &rays[places[at].load(Relaxed) as usize];
+        for (at, gathered) in gathered.iter_mut().enumerate() {
+            if at + AHEAD < places.len() {
+                prefetch(ray(at + AHEAD));
+            }
+            *gathered = *ray(at);
         }
-        *gathered = *ray(at);
-    }
+    });
 }
 
 /// The same with all that paths carry.

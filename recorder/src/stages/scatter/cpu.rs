@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
-use formats::prefetch::{AHEAD, prefetch};
+use formats::prefetch::{AHEAD, prefetch_to_write};
 use rayon::prelude::*;
 
 use crate::stages::trace::hits::Hits;
@@ -33,12 +33,12 @@ pub fn scatter(hits: &Hits, permutation: &[AtomicU32], home: &Hits) {
 fn scattered<T: Sync>(hits: &[T], permutation: &[AtomicU32], home: &[T], copy: impl Fn(&T, &T) + Sync) {
     assert!(hits.len() == permutation.len() && hits.len() == home.len(), "a place for each result");
     permutation.par_chunks(CHUNK).zip(hits.par_chunks(CHUNK)).for_each(|(places, hits)| {
-        let place = |at: usize| &home[places[at].load(Relaxed) as usize];
+        let place = |at: usize| places[at].load(Relaxed) as usize;
         for (at, hit) in hits.iter().enumerate() {
             if at + AHEAD < places.len() {
-                prefetch(place(at + AHEAD));
+                prefetch_to_write(home, place(at + AHEAD));
             }
-            copy(hit, place(at));
+            copy(hit, &home[place(at)]);
         }
     });
 }

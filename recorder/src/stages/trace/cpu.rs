@@ -175,7 +175,8 @@ impl CpuTracer {
     /// What is kept of each ray's way beside its hit.
     fn accounts<A: Account>(&self, rays: &[Ray], kind: Kind, account: &A) -> Vec<A> {
         let mut accounts = Vec::with_capacity(rays.len());
-        let part = Part { rays, order: Order::Stored, results: &vec![(); rays.len()] };
+        let places = vec![(); rays.len()];
+        let part = Part::new(rays, &places);
         let keep = |(): &(), _, account| accounts.push(account);
         match kind {
             Kind::Closest => self.search::<_, Shear, _, true, false>(part, account, keep),

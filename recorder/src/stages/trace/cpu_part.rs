@@ -3,54 +3,65 @@
 use std::sync::atomic::AtomicU32;
 use std::sync::atomic::Ordering::Relaxed;
 
-use bytemuck::Zeroable;
-use formats::prefetch::prefetch;
+use formats::prefetch::{prefetch, prefetch_to_write};
 use formats::ray::Ray;
 use rayon::prelude::*;
 
 use super::Order;
-use crate::stages::gather::cpu::gather_part;
+use super::cpu_packet::PacketTree;
 
 /// Rays that a thread takes at once, and no more: in a sorted order whole stretches cost many times as much as
 /// others, and what a thread has begun no other one can take over.
 pub(super) const CHUNK: usize = 256;
 
-/// How many rays ahead the place of a result is asked for.
-const RESULTS_AHEAD: usize = 2;
+/// How many rays ahead a ray and the place of its result are asked for: as many as the widest kernel takes at once.
+const AHEAD: usize = PacketTree::WIDTH;
 
 /// Rays that one thread traces one after the other, and the places of their results.
 pub(super) struct Part<'a, T> {
-    pub rays: &'a [Ray],
-    /// Where the results of the rays lie: as the rays do, or each at its index.
-    pub order: Order<&'a [AtomicU32]>,
-    /// All of a queue's where the order is indirect.
-    pub results: &'a [T],
+    /// Those of the part as they lie, or through indices all of the queue.
+    rays: &'a [Ray],
+    /// Through indices: those of the part, and after them those of the parts that follow.
+    order: Order<&'a [AtomicU32]>,
+    /// Of the same rays.
+    results: &'a [T],
+    len: usize,
 }
 
 impl<'a, T> Part<'a, T> {
-    #[inline(always)]
-    pub(super) fn len(&self) -> usize {
-        self.rays.len()
+    /// Rays that are traced as they lie, and as many results.
+    pub(super) fn new(rays: &'a [Ray], results: &'a [T]) -> Self {
+        Self { rays, order: Order::Stored, results, len: rays.len() }
     }
 
-    /// A ray and the place of its result, which is asked for ahead where it lies elsewhere.
+    #[inline(always)]
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// A ray and the place of its result; what lies elsewhere is asked for ahead.
     #[inline(always)]
     pub(super) fn get(&self, at: usize) -> (&'a Ray, &'a T) {
-        let result = match self.order {
-            Order::Stored => &self.results[at],
+        let index = match self.order {
+            Order::Stored => at,
             Order::Indirect(places) => {
-                if let Some(ahead) = places.get(at + RESULTS_AHEAD) {
-                    prefetch(&self.results[ahead.load(Relaxed) as usize]);
+                // Beyond the part, too: most often the thread takes the next one.
+                if let Some(ahead) = places.get(at + AHEAD) {
+                    let ahead = ahead.load(Relaxed) as usize;
+                    prefetch(&self.rays[ahead]);
+                    prefetch_to_write(self.results, ahead);
                 }
-                &self.results[places[at].load(Relaxed) as usize]
+                places[at].load(Relaxed) as usize
             }
         };
-        (&self.rays[at], result)
+        (&self.rays[index], &self.results[index])
     }
 }
 
-/// Calls `trace` for each part of a queue, on all threads. Rays that lie elsewhere are brought into the cache of
-/// the thread part by part: asked for long ahead, which tracing one after the other cannot do.
+/// Calls `trace` for each part of a queue, on all threads.
+///
+/// # Panics
+/// If there are not as many results or places as rays.
 pub(super) fn for_each_part<T: Sync>(
     rays: &[Ray],
     order: Order<&[AtomicU32]>,
@@ -58,17 +69,17 @@ pub(super) fn for_each_part<T: Sync>(
     trace: impl Fn(Part<'_, T>) + Sync,
 ) {
     assert_eq!(rays.len(), results.len(), "one result per ray");
+    let starts = (0..rays.len().div_ceil(CHUNK)).into_par_iter().with_max_len(1).map(|part| part * CHUNK);
+    let end = |first: usize| rays.len().min(first + CHUNK);
     match order {
         Order::Stored => {
-            let parts = rays.par_chunks(CHUNK).zip(results.par_chunks(CHUNK)).with_max_len(1);
-            parts.for_each(|(rays, results)| trace(Part { rays, order, results }));
+            starts.for_each(|first| trace(Part::new(&rays[first..end(first)], &results[first..end(first)])))
         }
-        Order::Indirect(permutation) => {
-            permutation.par_chunks(CHUNK).with_max_len(1).for_each(|places| {
-                let mut gathered = [Ray::zeroed(); CHUNK];
-                gather_part(rays, places, &mut gathered);
-                let rays = &gathered[..places.len()];
-                trace(Part { rays, order: Order::Indirect(places), results });
+        Order::Indirect(places) => {
+            assert_eq!(rays.len(), places.len(), "one place per ray");
+            starts.for_each(|first| {
+                let order = Order::Indirect(&places[first..]);
+                trace(Part { rays, order, results, len: end(first) - first });
             });
         }
     }
