@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
-use formats::prefetch::prefetch_at;
+use formats::prefetch::{prefetch_at, prefetch_to_write};
 
 use super::split::Places;
 use super::{pair, put, put_index, stored};
@@ -199,7 +199,7 @@ impl Passes {
         counts.iter_mut().for_each(|counts| counts[..=self.mask()].fill(0));
         pairs.enumerate().for_each(|(place, pair)| {
             prefetch_at(spare, place + AHEAD);
-            prefetch_at(permutation, place);
+            prefetch_to_write(permutation, place);
             let mut bits = pair >> self.shift;
             for counts in &mut *counts {
                 counts[bits as usize & self.mask() & (BINS - 1)] += 1;

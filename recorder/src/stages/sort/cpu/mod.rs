@@ -13,7 +13,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
 
 use formats::pages::make_room;
-use formats::prefetch::prefetch_at;
+use formats::prefetch::prefetch_to_write;
 use rayon::prelude::*;
 
 use super::Digits;
@@ -34,8 +34,9 @@ pub fn permutation_of(indices: &[u32]) -> Permutation {
     indices.iter().copied().map(AtomicU32::new).collect()
 }
 
-/// Fewest indices whose places are asked for ahead in a pass that writes nothing else: fewer fit the caches.
-const LONG: usize = 1 << 19;
+/// More indices than these have their places asked for ahead in a pass that writes nothing else: of fewer, 12 bits
+/// of even keys give two threads a cache line each, and what lies ahead is the other's.
+const LONG: usize = 1 << 17;
 
 /// Sorts, in memory that it keeps for the next time.
 #[derive(Debug, Default)]
@@ -209,10 +210,10 @@ impl<R: Fn(usize) -> u32 + Copy + Send + Sync> Sort<'_, R> {
         // What is read stays as it is: keys are borrowed, and pairs belong to the sorter, which writes the others.
         if below == 0 && self.rest.is_none() {
             const INDICES_AHEAD: usize = 64 / size_of::<u32>();
-            let is_long = range.len() >= LONG;
+            let is_long = range.len() > LONG;
             let write = move |place: usize, pair| {
                 if is_long {
-                    prefetch_at(permutation, place + INDICES_AHEAD);
+                    prefetch_to_write(permutation, place + INDICES_AHEAD);
                 }
                 // SAFETY: `split` gives places of the range, which ends within the permutation.
                 unsafe { put_index(permutation, place, pair) };
@@ -221,7 +222,7 @@ impl<R: Fn(usize) -> u32 + Copy + Send + Sync> Sort<'_, R> {
             return;
         }
         let write = move |place: usize, pair| {
-            prefetch_at(pairs, place + split::AHEAD);
+            prefetch_to_write(pairs, place + split::AHEAD);
             // SAFETY: `split` gives places of the range, which ends within the pairs.
             unsafe { put(pairs, place, pair) };
         };

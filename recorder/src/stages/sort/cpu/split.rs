@@ -14,8 +14,9 @@ pub(super) const MOST_BITS: u32 = 8;
 pub(super) const MOST_BITS_OF_LAST: u32 = 12;
 /// Fewest bits of a digit, where more are left: threads take stretches in turns.
 const FEWEST_BITS: u32 = 4;
-/// How long a stretch should be, for what follows.
-const GOOD_LENGTH: usize = 1 << 13;
+/// How long a stretch should be, for what follows, if keys were spread evenly. Those of rays are not: they share
+/// their highest bits, so that a few stretches have most of them.
+const GOOD_LENGTH: usize = 1 << 11;
 /// How many places ahead in a stretch to ask for memory: what is written next there is in another line.
 pub(super) const AHEAD: usize = 64 / size_of::<u64>();
 const BINS: usize = 1 << MOST_BITS_OF_LAST;
