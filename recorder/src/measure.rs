@@ -1,7 +1,8 @@
 //! Measures every order of one queue: key → sort → gather → trace → scatter, in rounds (DESIGN §7).
 //!
-//! A round has the baseline, the control and every method once, in an order drawn for it, so that drift hits
-//! all alike and nothing always follows the same. What a section writes was there and was touched before: the
+//! A round has the baseline, the control and every method once by each way of tracing what was sorted, in an order
+//! drawn for it, so that drift hits all alike and nothing always follows the same. Each way of a method has keys and
+//! a sort of its own before it, and finds in the caches what those left there. What a section writes was there and was touched before: the
 //! first round is not timed, and backends use their memory again. The second decides which way of tracing
 //! sorted rays counts, so that no figure is taken from the samples that it was chosen by.
 
@@ -103,6 +104,18 @@ pub struct Orders<P> {
 }
 
 impl<P> Orders<P> {
+    /// What takes its turn in a round: an order by its place here, and the way if that is not the order's own.
+    fn turns(&self) -> Vec<(usize, Way)> {
+        let ways = |subject| match subject {
+            Subject::Method(_) | Subject::Shuffled | Subject::Foreign(_) => {
+                &[Way::Gathered, Way::Indices][..]
+            }
+            Subject::Unsorted | Subject::Control | Subject::Auto => &[Way::Gathered],
+        };
+        let subjects = self.subjects.iter().enumerate();
+        subjects.flat_map(|(at, &(subject, _))| ways(subject).iter().map(move |&way| (at, way))).collect()
+    }
+
     /// Leaves out those that do not count any more.
     pub fn retain(&mut self, mut counts: impl FnMut(Subject) -> bool) {
         self.subjects.retain(|(subject, _)| counts(*subject));
@@ -166,8 +179,8 @@ impl<B: Backend> Queued<'_, B> {
         }
         let orders = Orders { subjects };
         let mut nowhere = empty(&orders);
-        for (order, entry) in orders.subjects.iter().zip(&mut nowhere) {
-            self.sample(backend, order, entry, 0)?;
+        for (at, way) in orders.turns() {
+            self.sample(backend, &orders.subjects[at], way, &mut nowhere[at], 0)?;
         }
         backend.accumulate(self.rays, self.hits, Table::Scratch)?;
         Ok(orders)
@@ -185,9 +198,11 @@ impl<B: Backend> Queued<'_, B> {
     ) -> Result<QueueMeasurement> {
         let (mut deciding, mut entries) = (empty(orders), empty(orders));
         let seed = seed_of(!measured.seed, self.rays.id());
-        in_rounds(entries.len(), measured.repeats, seed, |at, round| {
+        let turns = orders.turns();
+        in_rounds(turns.len(), measured.repeats, seed, |turn, round| {
+            let (at, way) = turns[turn];
             let entries = if round.is_some() { &mut entries } else { &mut deciding };
-            self.sample(backend, &orders.subjects[at], &mut entries[at], round.unwrap_or(0))
+            self.sample(backend, &orders.subjects[at], way, &mut entries[at], round.unwrap_or(0))
         })?;
         for (entry, deciding) in entries.iter_mut().zip(deciding) {
             let is_taken = |way: Way| way.stages().iter().any(|&stage| !deciding.stages.of(stage).is_empty());
@@ -197,11 +212,12 @@ impl<B: Backend> Queued<'_, B> {
         Ok(entries)
     }
 
-    /// One sample of each stage of an order.
+    /// One sample of each stage of an order by a way.
     fn sample(
         &self,
         backend: &mut B,
         (subject, permutation): &(Subject, Option<B::Permutation>),
+        mut way: Way,
         entry: &mut Measurement,
         round: u32,
     ) -> Result<()> {
@@ -211,50 +227,56 @@ impl<B: Backend> Queued<'_, B> {
             entry.keep(backend, Stage::Trace, round);
             return Ok(());
         }
-        let (mut method, mut ways) = (None, &[Way::Gathered, Way::Indices][..]);
+        // What both ways need is sampled once.
+        let (mut method, counts_both) = (None, way == Way::Gathered);
         match subject {
             Subject::Method(number) => method = Some(*number),
-            Subject::Control => ways = &[Way::Gathered],
             Subject::Auto => {
                 let (decision, taken) = self.auto.context(NOTHING_CHOOSES)?.decide(backend, rays)?;
                 entry.add(taken, Stage::Decide, round);
-                let Some((number, way)) = decision.order else {
+                let Some((number, chosen)) = decision.order else {
                     backend.trace(rays, Order::Stored)?;
                     entry.keep(backend, Stage::Trace, round);
                     return Ok(());
                 };
-                method = Some(number);
-                ways = if way == Way::Gathered { &[Way::Gathered] } else { &[Way::Indices] };
+                (method, way) = (Some(number), chosen);
             }
-            Subject::Unsorted | Subject::Shuffled | Subject::Foreign(_) => {}
+            Subject::Unsorted | Subject::Control | Subject::Shuffled | Subject::Foreign(_) => {}
         }
         let sorted;
         let permutation = match (method, permutation) {
             (Some(number), _) => {
                 let keys = backend.key(rays, Some(hits), number)?;
-                entry.keep(backend, Stage::Key, round);
+                let taken = backend.sample();
                 sorted = backend.sort(&keys)?;
-                entry.keep(backend, Stage::Sort, round);
+                if counts_both {
+                    entry.add(taken, Stage::Key, round);
+                    entry.keep(backend, Stage::Sort, round);
+                }
                 &sorted
             }
             (None, Some(permutation)) => permutation,
             (None, None) => bail!("an order without keys has no permutation"),
         };
-        if ways.contains(&Way::Gathered) {
-            let gathered = backend.gather(rays, permutation)?;
-            entry.keep(backend, Stage::Gather, round);
-            let found = backend.trace(&gathered, Order::Stored)?;
-            entry.keep(backend, Stage::Trace, round);
-            let found = backend.scatter(&found, permutation)?;
-            entry.keep(backend, Stage::Scatter, round);
-            entry.mismatches = entry.mismatches.max(backend.differences(hits, &found)?);
-        }
-        if ways.contains(&Way::Indices) {
-            let found = backend.trace(rays, Order::Indirect(permutation))?;
-            entry.keep(backend, Stage::TraceIndirect, round);
-            entry.mismatches = entry.mismatches.max(backend.differences(hits, &found)?);
-        }
+        let found = match way {
+            Way::Gathered => {
+                let gathered = backend.gather(rays, permutation)?;
+                entry.keep(backend, Stage::Gather, round);
+                let found = backend.trace(&gathered, Order::Stored)?;
+                entry.keep(backend, Stage::Trace, round);
+                let found = backend.scatter(&found, permutation)?;
+                entry.keep(backend, Stage::Scatter, round);
+                found
+            }
+            Way::Indices => {
+                let found = backend.trace(rays, Order::Indirect(permutation))?;
+                entry.keep(backend, Stage::TraceIndirect, round);
+                found
+            }
+        };
+        entry.mismatches = entry.mismatches.max(backend.differences(hits, &found)?);
         if let Subject::Method(number) = subject
+            && counts_both
             && methods[*number].termination == Termination::Adaptive
         {
             backend.accumulate(rays, hits, Table::Scratch)?;
