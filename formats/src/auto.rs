@@ -1,8 +1,9 @@
 //! The method `auto`: which order a queue gets.
 //!
 //! A calibration says what each candidate was worth on queues of known length and coherence. A queue gets the
-//! best one of the calibrated queue that it is most like, or none if no interval lay clearly above 1. Everything is
-//! a function of the rays and the calibration, so that a recording with its calibration can be repeated.
+//! best one of the calibrated queue that it is most like, of several that are level the one with the shortest keys,
+//! or none if no interval lay clearly above 1. Everything is a function of the rays and the calibration, so that a
+//! recording with its calibration can be repeated.
 
 use std::ops::Range;
 
@@ -20,9 +21,12 @@ const GROUPS: usize = 32;
 /// How long a ray is thought to be, in unit lengths, before it is traced: as `two-point` does.
 const LENGTH: f32 = 0.25;
 
-/// What the interval of a candidate's net speedup must lie above: between a calibration and its use the times of
-/// sorting and moving rays drift by a few percent of a trace, which no interval over a few rounds shows.
-const NET_LOW_MIN: f64 = 1.03;
+/// How far net speedups drift between a calibration and its use, which no interval over a few rounds shows: it is
+/// the times of sorting and moving rays that do, with what else goes through the memory.
+const DRIFT: f64 = 0.03;
+
+/// What the interval of a candidate's net speedup must lie above.
+const NET_LOW_MIN: f64 = 1.0 + DRIFT;
 
 /// Two calibrated queues whose likeness to another differs by less, in natural logarithms, are equally alike:
 /// areas of samples scatter by a tenth and more.
@@ -30,6 +34,9 @@ const BY_CHANCE: f64 = 0.25;
 
 /// The first version of the format whose choices allow for such drift and scatter.
 const ALLOWS_FOR_CHANCE_SINCE: u32 = 9;
+
+/// The first version whose choices prefer short keys where drift may be all that others have before them.
+const PREFERS_SHORT_KEYS_SINCE: u32 = 10;
 
 /// Where the sample of a queue lies: whole groups, evenly over its canonical order.
 pub fn sample(rays: usize) -> impl Iterator<Item = Range<usize>> {
@@ -80,8 +87,16 @@ impl<'a> Calibrated<'a> {
         let is_as_near = |other: &CalibrationRecord| unlike(other) <= unlike(nearest) + BY_CHANCE;
         let same_bounce = self.of(kind).find(|other| other.bounce == bounce && is_as_near(other));
         let most_alike = if self.allows_for_chance() { same_bounce.unwrap_or(nearest) } else { nearest };
-        let candidates = most_alike.candidates.iter().filter(|candidate| self.is_sure(candidate));
-        candidates.reduce(|best, other| if other.net > best.net { other } else { best })
+        let sure = || most_alike.candidates.iter().filter(|candidate| self.is_sure(candidate));
+        let best =
+            |best: &'a Candidate, other: &'a Candidate| if other.net > best.net { other } else { best };
+        let fastest = sure().reduce(best)?;
+        if self.version < PREFERS_SHORT_KEYS_SINCE {
+            return Some(fastest);
+        }
+        let level = || sure().filter(|candidate| candidate.net >= fastest.net - DRIFT);
+        let shortest = level().map(|candidate| candidate.choice.key_bits).min()?;
+        level().filter(|candidate| candidate.choice.key_bits == shortest).reduce(best)
     }
 
     fn of(&self, kind: Kind) -> impl Iterator<Item = &'a CalibrationRecord> {
@@ -180,6 +195,25 @@ mod tests {
         let chosen =
             |version| Calibrated { queues: &calibration, version }.decide(1, Kind::Shadow, 1, 1.0).is_some();
         assert!(chosen(8) && !chosen(9), "its interval begins at 1.02");
+    }
+
+    #[test]
+    fn of_orders_that_are_level_the_one_with_the_shortest_keys_is_taken_since_version_10() {
+        let nets = [("aila", 1.30), ("octahedron", 1.28), ("costa", 1.275), ("origin", 1.26)];
+        let mut calibration = [calibrated(Kind::Shadow, 1, 1.0, &nets)];
+        for (candidate, key_bits) in calibration[0].candidates.iter_mut().zip([24, 12, 12, 10]) {
+            candidate.choice.key_bits = key_bits;
+        }
+        let chosen = |version| {
+            let candidate = Calibrated { queues: &calibration, version }.decide(1, Kind::Shadow, 1, 1.0);
+            candidate.map(|candidate| candidate.choice.method.clone()).unwrap()
+        };
+        assert_eq!(chosen(9), "aila");
+        assert_eq!(
+            chosen(10),
+            "octahedron",
+            "0.02 less by half the bits; of 12 bits the fastest, and 10 are too slow"
+        );
     }
 
     #[test]

@@ -18,9 +18,9 @@ pub const CANDIDATES: &[(&str, u32)] = &[
     ("aila", 12),
     ("aila", 16),
     ("aila", 24),
+    ("octahedron", 12),
     ("octahedron", 24),
     ("two-point", 24),
-    ("costa", 16),
     ("light-octahedron", 16),
 ];
 

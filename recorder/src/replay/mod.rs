@@ -19,7 +19,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
 use formats::key::method::{AUTO, CONTROL, SHUFFLED};
 use formats::key::{LayoutText, Method};
-use formats::manifest::{CalibrationRecord, Header, Manifest, MethodRecord, Source};
+use formats::manifest::{CalibrationRecord, FORMAT_VERSION, Header, Manifest, MethodRecord, Source};
 use formats::reader::{Dump, DumpState};
 use formats::text::one_line;
 use formats::writer::DumpWriter;
@@ -145,7 +145,8 @@ fn check(asked: &Dump, source: &Dump) -> Result<()> {
     Ok(())
 }
 
-/// What a recording knows about orders, if it was made as this run is: on the same device, by the same kernel.
+/// What a recording knows about orders, if it was made as this run is: on the same device, by the same kernel, and
+/// by this version, since others time, try and choose other things.
 fn calibration<'a>(
     recorded: &'a Manifest,
     device: &Device,
@@ -153,7 +154,8 @@ fn calibration<'a>(
 ) -> &'a [CalibrationRecord] {
     let (header, kernel) = (&recorded.header, device.kernel(&options.device));
     let description = Description::of(device);
-    let is_same = header.adapter == description.adapter
+    let is_same = recorded.version == FORMAT_VERSION
+        && header.adapter == description.adapter
         && header.options.threads == description.threads
         && header.options.trace_kernel == kernel.name()
         && header.options.two_point_length == options.two_point_length;
