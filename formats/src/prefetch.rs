@@ -26,7 +26,7 @@ pub fn prefetch_to_write<T>(values: &[T], index: usize) {
     // SAFETY: this changes nothing that a program can see, whatever the address; x86-64 processors that do not have
     // the instruction pass over it.
     unsafe {
-        std::arch::asm!("prefetchw [{}]", in(reg) address, options(nostack, preserves_flags, readonly));
+        std::arch::asm!("prefetchw [{}]", in(reg) address, options(nostack, preserves_flags, nomem));
     }
     #[cfg(not(target_arch = "x86_64"))]
     let _ = address;

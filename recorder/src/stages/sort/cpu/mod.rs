@@ -34,10 +34,6 @@ pub fn permutation_of(indices: &[u32]) -> Permutation {
     indices.iter().copied().map(AtomicU32::new).collect()
 }
 
-/// More indices than these have their places asked for ahead in a pass that writes nothing else: of fewer, 12 bits
-/// of even keys give two threads a cache line each, and what lies ahead is the other's.
-const LONG: usize = 1 << 17;
-
 /// Sorts, in memory that it keeps for the next time.
 #[derive(Debug, Default)]
 pub struct Sorter {
@@ -210,7 +206,8 @@ impl<R: Fn(usize) -> u32 + Copy + Send + Sync> Sort<'_, R> {
         // What is read stays as it is: keys are borrowed, and pairs belong to the sorter, which writes the others.
         if below == 0 && self.rest.is_none() {
             const INDICES_AHEAD: usize = 64 / size_of::<u32>();
-            let is_long = range.len() > LONG;
+            // Of fewer, what lies a cache line ahead is another thread's.
+            let is_long = range.len() > workers.len() * digit.values() * INDICES_AHEAD;
             let write = move |place: usize, pair| {
                 if is_long {
                     prefetch_to_write(permutation, place + INDICES_AHEAD);

@@ -42,13 +42,18 @@ impl Digit {
         Self { shift: top - bits, bits }
     }
 
+    /// How many values it has.
+    pub(super) fn values(self) -> usize {
+        1 << self.bits
+    }
+
     /// The bits that are lower.
     pub(super) fn below(self) -> u32 {
         (1 << self.shift) - 1
     }
 
     fn of(self, pair: u64) -> usize {
-        (pair >> (u32::BITS + self.shift)) as usize & ((1 << self.bits) - 1) & (BINS - 1)
+        (pair >> (u32::BITS + self.shift)) as usize & (self.values() - 1) & (BINS - 1)
     }
 }
 
@@ -105,7 +110,7 @@ pub(super) fn split<P: Iterator<Item = u64>>(
     });
     let mut starts = [range.end as u32; BINS + 1];
     let mut place = range.start as u32;
-    for (value, start) in starts.iter_mut().enumerate().take(1 << digit.bits) {
+    for (value, start) in starts.iter_mut().enumerate().take(digit.values()) {
         *start = place;
         for worker in &mut *workers {
             place += std::mem::replace(&mut worker.places[value], place);
@@ -115,7 +120,7 @@ pub(super) fn split<P: Iterator<Item = u64>>(
     workers.par_iter_mut().enumerate().for_each(|(number, worker)| {
         scatter(read(block(number)), digit, &mut worker.places, write);
     });
-    Stretches { starts, number: 1 << digit.bits }
+    Stretches { starts, number: digit.values() }
 }
 
 fn count(pairs: impl Iterator<Item = u64>, digit: Digit, counts: &mut Places) {
