@@ -88,15 +88,15 @@ impl<'a> Calibrated<'a> {
         let same_bounce = self.of(kind).find(|other| other.bounce == bounce && is_as_near(other));
         let most_alike = if self.allows_for_chance() { same_bounce.unwrap_or(nearest) } else { nearest };
         let sure = || most_alike.candidates.iter().filter(|candidate| self.is_sure(candidate));
-        let best =
-            |best: &'a Candidate, other: &'a Candidate| if other.net > best.net { other } else { best };
-        let fastest = sure().reduce(best)?;
+        let fastest = sure().reduce(|best, other| if other.net > best.net { other } else { best })?;
         if self.version < PREFERS_SHORT_KEYS_SINCE {
             return Some(fastest);
         }
-        let level = || sure().filter(|candidate| candidate.net >= fastest.net - DRIFT);
-        let shortest = level().map(|candidate| candidate.choice.key_bits).min()?;
-        level().filter(|candidate| candidate.choice.key_bits == shortest).reduce(best)
+        let level = sure().filter(|candidate| candidate.net >= fastest.net - DRIFT);
+        level.reduce(|best, other| {
+            let bits = other.choice.key_bits.cmp(&best.choice.key_bits);
+            if bits.is_lt() || bits.is_eq() && other.net > best.net { other } else { best }
+        })
     }
 
     fn of(&self, kind: Kind) -> impl Iterator<Item = &'a CalibrationRecord> {
