@@ -371,6 +371,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn what_can_be_traced_in_two_ways_takes_two_turns() {
+        let subjects =
+            [Subject::Unsorted, Subject::Control, Subject::Method(3), Subject::Auto, Subject::Shuffled];
+        let orders = Orders { subjects: subjects.map(|subject| (subject, None::<()>)).into() };
+        let [gathered, indices] = [Way::Gathered, Way::Indices];
+        let of_two_ways = |at| [(at, gathered), (at, indices)];
+        let expected =
+            [&[(0, gathered), (1, gathered)][..], &of_two_ways(2), &[(3, gathered)], &of_two_ways(4)];
+        assert_eq!(orders.turns(), expected.concat());
+    }
+
+    #[test]
     fn each_takes_its_turn_once_a_round_and_nothing_always_follows_the_same() {
         let mut turns = Vec::new();
         in_rounds(3, 40, 7, |at, round| {

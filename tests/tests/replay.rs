@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use formats::manifest::{Outcome, Record, Source};
+use formats::manifest::{FILE_NAME, MAGIC, Outcome, Record, Source};
 use formats::reader::Dump;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
@@ -151,6 +151,22 @@ fn what_auto_chooses_is_repeated_with_its_calibration() {
             }
         }
     }
+}
+
+/// Others time, try and choose other things.
+#[test]
+fn a_calibration_of_another_version_is_not_taken_over() {
+    let folder = recorded("builtin:cornell", "--backend cpu --methods auto --repeats 1");
+    let calibration =
+        |name: &str| Dump::open(&folder.path().join(name)).unwrap().manifest().calibration.clone();
+    let first = calibration("first.raydump");
+    let manifest = folder.path().join("first.raydump").join(FILE_NAME);
+    let mut bytes = fs::read(&manifest).unwrap();
+    bytes[MAGIC.len()] -= 1;
+    fs::write(&manifest, bytes).unwrap();
+    run(folder.path(), "replay first.raydump --out again.raydump --backend cpu");
+    assert_eq!(calibration("first.raydump"), first);
+    assert_ne!(calibration("again.raydump"), first);
 }
 
 #[test]
