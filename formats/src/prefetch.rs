@@ -19,6 +19,10 @@ pub fn prefetch_at<T>(values: &[T], index: usize) {
 
 /// The same for a value that is written next: its line comes as the only copy, where another core has one. A store
 /// would have to ask for that by itself, and keep all later ones waiting.
+#[allow(
+    clippy::pointers_in_nomem_asm_block,
+    reason = "a prefetch neither reads nor writes what it points to"
+)]
 #[inline(always)]
 pub fn prefetch_to_write<T>(values: &[T], index: usize) {
     let address = values.as_ptr().wrapping_add(index);
