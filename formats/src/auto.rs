@@ -25,8 +25,8 @@ const LENGTH: f32 = 0.25;
 /// the times of sorting and moving rays that do, with what else goes through the memory.
 const DRIFT: f64 = 0.03;
 
-/// What the interval of a candidate's net speedup must lie above.
-const NET_LOW_MIN: f64 = 1.0 + DRIFT;
+/// What of it remains beside the longer times of closest rays, and between two orders, that both sort and move.
+const LESS_DRIFT: f64 = 0.015;
 
 /// Two calibrated queues whose likeness to another differs by less, in natural logarithms, are equally alike:
 /// areas of samples scatter by a tenth and more.
@@ -37,6 +37,9 @@ const ALLOWS_FOR_CHANCE_SINCE: u32 = 9;
 
 /// The first version whose choices prefer short keys where drift may be all that others have before them.
 const PREFERS_SHORT_KEYS_SINCE: u32 = 10;
+
+/// The first version whose choices know where less drifts.
+const KNOWS_LESS_DRIFT_SINCE: u32 = 11;
 
 /// Where the sample of a queue lies: whole groups, evenly over its canonical order.
 pub fn sample(rays: usize) -> impl Iterator<Item = Range<usize>> {
@@ -75,7 +78,7 @@ impl<'a> Calibrated<'a> {
     /// Whether an order of any queue of this kind was surely worth its cost: else there is nothing to choose, and
     /// no sample is taken.
     pub fn is_worth_a_look(&self, kind: Kind) -> bool {
-        self.of(kind).flat_map(|queue| &queue.candidates).any(|candidate| self.is_sure(candidate))
+        self.of(kind).flat_map(|queue| &queue.candidates).any(|candidate| self.is_sure(kind, candidate))
     }
 
     /// The order of a queue whose sample has this area; `None` to leave it alone.
@@ -87,12 +90,12 @@ impl<'a> Calibrated<'a> {
         let is_as_near = |other: &CalibrationRecord| unlike(other) <= unlike(nearest) + BY_CHANCE;
         let same_bounce = self.of(kind).find(|other| other.bounce == bounce && is_as_near(other));
         let most_alike = if self.allows_for_chance() { same_bounce.unwrap_or(nearest) } else { nearest };
-        let sure = || most_alike.candidates.iter().filter(|candidate| self.is_sure(candidate));
+        let sure = || most_alike.candidates.iter().filter(|candidate| self.is_sure(kind, candidate));
         let fastest = sure().reduce(|best, other| if other.net > best.net { other } else { best })?;
         if self.version < PREFERS_SHORT_KEYS_SINCE {
             return Some(fastest);
         }
-        let level = sure().filter(|candidate| candidate.net >= fastest.net - DRIFT);
+        let level = sure().filter(|candidate| candidate.net >= fastest.net - self.drift(false));
         level.reduce(|best, other| {
             let bits = other.choice.key_bits.cmp(&best.choice.key_bits);
             if bits.is_lt() || bits.is_eq() && other.net > best.net { other } else { best }
@@ -104,8 +107,13 @@ impl<'a> Calibrated<'a> {
     }
 
     /// What may as well have cost something is left alone.
-    fn is_sure(&self, candidate: &Candidate) -> bool {
-        candidate.net_low > if self.allows_for_chance() { NET_LOW_MIN } else { 1.0 }
+    fn is_sure(&self, kind: Kind, candidate: &Candidate) -> bool {
+        let drift = if self.allows_for_chance() { self.drift(kind == Kind::Shadow) } else { 0.0 };
+        candidate.net_low > 1.0 + drift
+    }
+
+    fn drift(&self, is_large: bool) -> f64 {
+        if is_large || self.version < KNOWS_LESS_DRIFT_SINCE { DRIFT } else { LESS_DRIFT }
     }
 
     fn allows_for_chance(&self) -> bool {
@@ -168,7 +176,7 @@ mod tests {
         assert_eq!(chosen(Kind::Shadow, 1, 0.0), Some("octahedron"));
         assert_eq!(by(&[]).decide(1, Kind::Shadow, 500_000, 1.0), None);
         assert!(by(&calibration[..2]).is_worth_a_look(Kind::Closest));
-        assert!(!by(&calibration[..1]).is_worth_a_look(Kind::Closest), "no interval lies above 1.03");
+        assert!(!by(&calibration[..1]).is_worth_a_look(Kind::Closest), "no interval lies above 1.015");
         assert!(!by(&calibration[..2]).is_worth_a_look(Kind::Shadow), "none was calibrated");
     }
 
@@ -214,6 +222,32 @@ mod tests {
             "octahedron",
             "0.02 less by half the bits; of 12 bits the fastest, and 10 are too slow"
         );
+    }
+
+    #[test]
+    fn less_drifts_of_closest_rays_and_between_two_orders_since_version_11() {
+        let mut calibration = [Kind::Closest, Kind::Shadow].map(|kind| {
+            let mut queue = calibrated(kind, 1, 1.0, &[("aila", 1.065), ("origin", 1.062)]);
+            queue.candidates[1].choice.key_bits = 12;
+            queue
+        });
+        let chosen = |calibration: &[CalibrationRecord], version, kind| {
+            let candidate = Calibrated { queues: calibration, version }.decide(1, kind, 1, 1.0);
+            candidate.map(|candidate| candidate.choice.key_bits)
+        };
+        assert_eq!(chosen(&calibration, 11, Kind::Closest), Some(12), "level, and both begin above 1.015");
+        assert_eq!(chosen(&calibration, 10, Kind::Closest), None, "below 1.03");
+        assert_eq!(chosen(&calibration, 11, Kind::Shadow), None, "below 1.03");
+        let nets = [1.10, 1.08];
+        for queue in &mut calibration {
+            queue.candidates.iter_mut().zip(nets).for_each(|(candidate, net)| {
+                (candidate.net, candidate.net_low) = (net, net - 0.01);
+            });
+        }
+        for kind in [Kind::Closest, Kind::Shadow] {
+            assert_eq!(chosen(&calibration, 10, kind), Some(12), "{kind}: level within 0.03");
+            assert_eq!(chosen(&calibration, 11, kind), Some(16), "{kind}: not within 0.015");
+        }
     }
 
     #[test]

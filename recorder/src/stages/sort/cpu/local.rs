@@ -14,7 +14,7 @@ const FEW: usize = 64;
 /// Fewest pairs for which wide digits pay, which take fewer passes and more counting.
 const MANY: usize = 1 << 12;
 /// Most bits of a digit, of many pairs.
-const MOST_BITS: u32 = 12;
+pub(super) const MOST_BITS: u32 = 12;
 /// Most bits of a digit, of fewer.
 const MOST_BITS_OF_FEWER: u32 = 9;
 const BINS: usize = 1 << MOST_BITS;

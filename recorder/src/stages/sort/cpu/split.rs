@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::local::Worker;
+use super::local::{self, Worker};
 
 /// Fewest pairs that are worth a thread of their own.
 pub(super) const SMALLEST_BLOCK: usize = 1 << 14;
@@ -38,7 +38,8 @@ impl Digit {
         let top = u32::BITS - varying.leading_zeros();
         let left = top.saturating_sub(varying.trailing_zeros());
         let wanted = (count / GOOD_LENGTH).max(1).ilog2() + 1;
-        let bits = if left <= most_at_once { left } else { wanted.clamp(FEWEST_BITS, MOST_BITS) };
+        let bits = wanted.max(left.saturating_sub(local::MOST_BITS)).clamp(FEWEST_BITS, MOST_BITS);
+        let bits = if left <= most_at_once { left } else { bits };
         Self { shift: top - bits, bits }
     }
 
