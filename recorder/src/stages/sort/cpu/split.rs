@@ -32,14 +32,15 @@ pub(super) struct Digit {
 }
 
 impl Digit {
-    /// The highest bits that vary, as many as cut `count` pairs into stretches of a good length, or all that
-    /// are left if those are at most `most_at_once`.
+    /// The highest bits that vary: as many as cut `count` pairs into stretches of a good length, or so many that
+    /// what is left is one digit of one thread; or all that are left if those are at most `most_at_once`.
     pub(super) fn highest(varying: u32, count: usize, most_at_once: u32) -> Self {
         let top = u32::BITS - varying.leading_zeros();
         let left = top.saturating_sub(varying.trailing_zeros());
-        let wanted = (count / GOOD_LENGTH).max(1).ilog2() + 1;
-        let bits = wanted.max(left.saturating_sub(local::MOST_BITS)).clamp(FEWEST_BITS, MOST_BITS);
-        let bits = if left <= most_at_once { left } else { bits };
+        let good = (count / GOOD_LENGTH).max(1).ilog2() + 1;
+        let all_but_one = Some(left.saturating_sub(local::MOST_BITS)).filter(|&bits| bits <= MOST_BITS);
+        let wanted = good.max(all_but_one.unwrap_or(0)).clamp(FEWEST_BITS, MOST_BITS);
+        let bits = if left <= most_at_once { left } else { wanted };
         Self { shift: top - bits, bits }
     }
 
