@@ -520,7 +520,7 @@ fn what_auto_chose_is_held_against_the_rule_of_its_version() {
     let dump = sample::write(folder.path());
     edit(&dump, |record| {
         if let Record::Calibration(calibration) = record {
-            calibration.candidates[0].net_low = 1.02;
+            calibration.candidates[0].net_low = 1.01;
         }
     });
     let found = problems(&verify(&Dump::open(&dump).unwrap()));
