@@ -30,7 +30,7 @@ type Counts = [u32; BINS];
 #[derive(Debug)]
 pub(super) struct Worker {
     /// Of its block in a split.
-    pub(super) places: Places,
+    pub(super) places: Box<Places>,
     by_digits: LowestFirst,
     /// The words of pairs in order.
     words: Vec<AtomicU32>,
@@ -39,7 +39,7 @@ pub(super) struct Worker {
 impl Default for Worker {
     fn default() -> Self {
         Self {
-            places: [0; _],
+            places: Box::new([0; _]),
             by_digits: LowestFirst::default(),
             words: (0..MOST).map(|_| AtomicU32::default()).collect(),
         }

@@ -24,7 +24,12 @@ mod local;
 mod split;
 
 use local::Worker;
-use split::{Digit, split};
+use split::{Digit, Split};
+
+/// Indices of a cache line.
+const LINE: usize = 64 / size_of::<u32>();
+/// So many pairs of a thread must share a digit for what lies a line ahead in their stretch to be written soon.
+const COMPANY: u64 = 100;
 
 /// The canonical index of the ray at each place, written by many threads, each place once.
 pub type Permutation = Vec<AtomicU32>;
@@ -196,34 +201,31 @@ impl<R: Fn(usize) -> u32 + Copy + Send + Sync> Sort<'_, R> {
         varying: u32,
     ) {
         let (pairs, permutation) = (self.pairs[target], self.permutation);
-        let most_bits = match self.rest {
-            None => split::most_bits_of_last(workers.len(), range.len()),
-            Some(_) => split::MOST_BITS,
-        };
-        let digit = Digit::highest(varying, range.len(), most_bits);
-        let below = varying & digit.below();
         assert!(range.end <= pairs.len() && range.end <= permutation.len(), "room for all pairs");
         // What is read stays as it is: keys are borrowed, and pairs belong to the sorter, which writes the others.
-        if below == 0 && self.rest.is_none() {
-            const INDICES_AHEAD: usize = 64 / size_of::<u32>();
-            // Of fewer, what lies a cache line ahead is another thread's.
-            let is_long = range.len() > workers.len() * digit.values() * INDICES_AHEAD;
-            let write = move |place: usize, pair| {
-                if is_long {
-                    prefetch_to_write(permutation, place + INDICES_AHEAD);
+        if self.rest.is_none()
+            && let Some(digit) = Digit::last(varying, range.len(), workers.len())
+        {
+            let split = Split::of(workers, range, digit, read);
+            let is_near = split.company >= COMPANY;
+            split.scatter(read, move |place, pair| {
+                if is_near {
+                    prefetch_to_write(permutation, place + LINE);
                 }
-                // SAFETY: `split` gives places of the range, which ends within the permutation.
+                // SAFETY: a split gives places of the range, which ends within the permutation.
                 unsafe { put_index(permutation, place, pair) };
-            };
-            split(workers, range, digit, read, write);
+            });
             return;
         }
-        let write = move |place: usize, pair| {
+        let digit = Digit::first(varying, range.len());
+        let below = varying & digit.below();
+        let split = Split::of(workers, range, digit, read);
+        let stretches = split.stretches();
+        split.scatter(read, move |place, pair| {
             prefetch_to_write(pairs, place + split::AHEAD);
-            // SAFETY: `split` gives places of the range, which ends within the pairs.
+            // SAFETY: a split gives places of the range, which ends within the pairs.
             unsafe { put(pairs, place, pair) };
-        };
-        let stretches = split(workers, range, digit, read, write);
+        });
         for range in stretches.ranges().filter(|range| range.len() > local::MOST) {
             self.long_again(workers, range, target);
         }
@@ -301,7 +303,7 @@ mod tests {
 
     #[test]
     fn sixteen_million_keys_and_more() {
-        for bits in [12, 24] {
+        for bits in [14, 24] {
             let keys = test_keys::random((1 << 24) + 12_345, bits, 3);
             let found = Sorter::default().sorted(&Keys::of(&keys, bits));
             assert!(found == expected(&keys), "{bits} bits");
