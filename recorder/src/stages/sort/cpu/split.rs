@@ -11,7 +11,7 @@ pub(super) const SMALLEST_BLOCK: usize = 1 << 14;
 /// Most bits of a digit that others follow: so many stretches of pairs grow at once, each in a page of its own.
 pub(super) const MOST_BITS: u32 = 8;
 /// Most bits of the last digit, where indices alone are written.
-pub(super) const MOST_BITS_OF_LAST: u32 = 14;
+pub(super) const MOST_BITS_OF_LAST: u32 = 15;
 /// Fewest bits of a digit, where more are left: threads take stretches in turns.
 const FEWEST_BITS: u32 = 4;
 /// How long a stretch should be, for what follows, if keys were spread evenly. Those of rays are not: they share
@@ -20,6 +20,8 @@ const GOOD_LENGTH: usize = 1 << 11;
 /// How many places ahead in a stretch to ask for memory: what is written next there is in another line.
 pub(super) const AHEAD: usize = 64 / size_of::<u64>();
 const BINS: usize = 1 << MOST_BITS_OF_LAST;
+/// Counts of a cache line.
+const LINE: usize = 64 / size_of::<u32>();
 
 /// How often each digit occurs in a block, then where its next pair goes.
 pub(super) type Places = [u32; BINS];
@@ -157,11 +159,20 @@ fn scatter(pairs: impl Iterator<Item = u64>, digit: Digit, places: &mut Places, 
 fn to_places(workers: &mut [Worker], range: &Range<usize>, digit: Digit) -> u64 {
     let mut place = range.start as u32;
     let mut company = 0;
-    for value in 0..digit.values() {
-        for worker in &mut *workers {
-            let count = std::mem::replace(&mut worker.places[value], place);
-            company += u64::from(count).pow(2);
-            place += count;
+    for first in (0..digit.values()).step_by(LINE) {
+        let values = first..digit.values().min(first + LINE);
+        // Rays start on surfaces, many from the same: few of many values occur.
+        let occurs =
+            |worker: &Worker| worker.places[values.clone()].iter().fold(0, |all, count| all | count) > 0;
+        if digit.bits > MOST_BITS && !workers.iter().any(occurs) {
+            continue;
+        }
+        for value in values {
+            for worker in &mut *workers {
+                let count = std::mem::replace(&mut worker.places[value], place);
+                company += u64::from(count).pow(2);
+                place += count;
+            }
         }
     }
     assert_eq!(place as usize, range.end, "a place for each pair");
