@@ -24,9 +24,10 @@ pub(super) struct Block<const N: usize> {
     tiles: [u32; N],
 }
 
-/// What a layout asks of a block beyond origins and directions.
+/// What a layout asks of a block beyond origins.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Needs {
+    pub(super) direction: bool,
     pub(super) end: bool,
     pub(super) octahedral: bool,
     /// Light coordinates.
@@ -41,6 +42,7 @@ impl Needs {
     pub(super) fn of(coordinates: impl Iterator<Item = Coordinate>) -> Self {
         use Coordinate as C;
         coordinates.fold(Self::default(), |needs, coordinate| Self {
+            direction: needs.direction || coordinate.needs_direction(),
             end: needs.end || coordinate.needs_length(),
             octahedral: needs.octahedral || matches!(coordinate, C::OctahedralU | C::OctahedralV),
             from_light: needs.from_light || matches!(coordinate, C::LightU | C::LightV | C::LightR),
@@ -79,6 +81,13 @@ impl<const N: usize> Block<N> {
         for (at, ray) in rays.iter().take(N).enumerate() {
             let origin = unit.point(ray.origin);
             (0..3).for_each(|axis| self.origin[axis][at] = origin[axis]);
+        }
+    }
+
+    /// Takes their directions, too.
+    #[inline(always)]
+    pub(super) fn load_directions(&mut self, rays: &[Ray]) {
+        for (at, ray) in rays.iter().take(N).enumerate() {
             (0..3).for_each(|axis| self.direction[axis][at] = ray.direction[axis]);
         }
     }

@@ -143,6 +143,9 @@ impl Encoder {
         facts: &Facts<impl Fn(usize) -> f32, impl Fn(usize) -> u32, impl Fn(usize) -> u32>,
     ) {
         block.load(&self.unit, rays);
+        if self.needs.direction {
+            block.load_directions(rays);
+        }
         if self.needs.end {
             block.find_ends(&self.unit, rays, |at| (facts.length)(first + at));
         }

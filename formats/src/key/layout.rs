@@ -92,6 +92,12 @@ impl Coordinate {
         matches!(self, Self::Light | Self::Tile)
     }
 
+    /// Whether it needs the ray's direction.
+    pub fn needs_direction(self) -> bool {
+        use Coordinate as C;
+        !matches!(self, C::OriginX | C::OriginY | C::OriginZ | C::Light | C::Tile)
+    }
+
     /// Whether it needs an estimate of the ray's length.
     pub fn needs_length(self) -> bool {
         matches!(self, Self::EndX | Self::EndY | Self::EndZ)

@@ -137,9 +137,13 @@ impl Backend for CpuBackend {
             let table = LengthTable::from_touched(self.setup.table_bits, cells)?;
             self.tables[Table::Learnt as usize][id.kind as usize] = table;
         }
-        let mut states = vec![RayState::default(); rays.len()];
-        states.iter_mut().zip(lights).for_each(|(state, &light)| state.light = light);
-        let paths = Paths { rays: rays.to_vec(), ids: path_ids.to_vec(), states };
+        let mut paths = Paths {
+            rays: rays.to_vec(),
+            ids: path_ids.to_vec(),
+            lights: lights.to_vec(),
+            states: Vec::new(),
+        };
+        paths.make_room(rays.len());
         Ok(CpuRays { id, paths: Arc::new(paths) })
     }
 
@@ -213,11 +217,7 @@ impl Backend for CpuBackend {
             |index: usize| hits.map_or(0.0, |hits| hits.length(&setup.unit, &rays.rays()[index], index));
         let table = &tables[Table::Learnt as usize][rays.id.kind as usize];
         let length = Lengths::of(plan.termination, plan.two_point_length, table, cells, &real);
-        // States are not touched where they say nothing.
-        let light = |index: usize| match rays.id.kind {
-            Kind::Closest => 0,
-            Kind::Shadow => rays.paths.states[index].light,
-        };
+        let light = |index: usize| rays.paths.lights[index];
         let facts = Facts { length, light, path: |index: usize| rays.paths.ids[index] };
         let (filled, ()) = self.keys[usize::from(plan.key_bits > 32)].filled(|keys| {
             keys.make_room(rays.len(), plan.key_bits);
@@ -265,10 +265,7 @@ impl Backend for CpuBackend {
                 groups.try_for_each(|group| whole(bytemuck::cast_slice(group)))
             }
             Array::PathIds(rays) => whole(bytemuck::cast_slice(&rays.paths.ids)),
-            Array::Lights(rays) => rays.paths.states.chunks(SINK_ITEMS).try_for_each(|states| {
-                let lights: Vec<u32> = states.iter().map(|state| state.light).collect();
-                sink(bytemuck::cast_slice(&lights))
-            }),
+            Array::Lights(rays) => whole(bytemuck::cast_slice(&rays.paths.lights)),
             Array::Throughput(rays) => rays.paths.states.chunks(SINK_ITEMS).try_for_each(|states| {
                 let carried: Vec<[f32; 3]> = states.iter().map(|state| state.color).collect();
                 sink(bytemuck::cast_slice(&carried))

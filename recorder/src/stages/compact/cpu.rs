@@ -12,8 +12,6 @@ pub struct RayState {
     pub color: [f32; 3],
     /// Density over solid angle of a closest ray's direction; 0 for camera rays and mirrors.
     pub density: f32,
-    /// Index of the scene's light to which a shadow ray goes.
-    pub light: u32,
 }
 
 /// Rays with what they carry, in ascending path index; as many of each.
@@ -25,6 +23,8 @@ pub struct Paths {
     pub ids: Vec<u32>,
     /// State of each.
     pub states: Vec<RayState>,
+    /// Index of the scene's light to which each shadow ray goes, by themselves, since keys are made from them.
+    pub lights: Vec<u32>,
 }
 
 impl Paths {
@@ -33,6 +33,7 @@ impl Paths {
         make_room(&mut self.rays, count);
         make_room(&mut self.ids, count);
         make_room(&mut self.states, count);
+        make_room(&mut self.lights, count);
     }
 
     /// Leaves the first so many.
@@ -40,11 +41,13 @@ impl Paths {
         self.rays.truncate(count);
         self.ids.truncate(count);
         self.states.truncate(count);
+        self.lights.truncate(count);
     }
 
     /// All of them, to be written.
     pub fn parts(&mut self) -> PathsMut<'_> {
-        PathsMut { rays: &mut self.rays, ids: &mut self.ids, states: &mut self.states }
+        let Self { rays, ids, states, lights } = self;
+        PathsMut { rays, ids, states, lights }
     }
 }
 
@@ -54,6 +57,7 @@ pub struct PathsMut<'a> {
     rays: &'a mut [Ray],
     ids: &'a mut [u32],
     states: &'a mut [RayState],
+    lights: &'a mut [u32],
 }
 
 impl<'a> PathsMut<'a> {
@@ -61,7 +65,9 @@ impl<'a> PathsMut<'a> {
         let (rays, rays_after) = self.rays.split_at_mut(at);
         let (ids, ids_after) = self.ids.split_at_mut(at);
         let (states, states_after) = self.states.split_at_mut(at);
-        (Self { rays, ids, states }, Self { rays: rays_after, ids: ids_after, states: states_after })
+        let (lights, lights_after) = self.lights.split_at_mut(at);
+        let after = Self { rays: rays_after, ids: ids_after, states: states_after, lights: lights_after };
+        (Self { rays, ids, states, lights }, after)
     }
 
     /// What comes after the first so many.
@@ -71,16 +77,17 @@ impl<'a> PathsMut<'a> {
 
     /// Stretches of `chunk` each, the last one shorter.
     pub fn chunks(self, chunk: usize) -> impl IndexedParallelIterator<Item = Self> {
-        let rest = self.ids.par_chunks_mut(chunk).zip(self.states.par_chunks_mut(chunk));
-        let all = self.rays.par_chunks_mut(chunk).zip(rest);
-        all.map(|(rays, (ids, states))| Self { rays, ids, states })
+        let numbers = self.ids.par_chunks_mut(chunk).zip(self.lights.par_chunks_mut(chunk));
+        let carried = self.rays.par_chunks_mut(chunk).zip(self.states.par_chunks_mut(chunk));
+        carried.zip(numbers).map(|((rays, states), (ids, lights))| Self { rays, ids, states, lights })
     }
 
-    /// Writes one.
-    pub fn put(&mut self, at: usize, id: u32, (ray, state): (Ray, RayState)) {
+    /// Writes one; a closest ray has light 0.
+    pub fn put(&mut self, at: usize, id: u32, (ray, state): (Ray, RayState), light: u32) {
         self.rays[at] = ray;
         self.ids[at] = id;
         self.states[at] = state;
+        self.lights[at] = light;
     }
 }
 
@@ -106,7 +113,8 @@ fn move_chunks(paths: &Paths, chunk: usize, first: usize, counts: &[u32], live: 
             let (live, _) = live.split_at(count as usize);
             live.rays.copy_from_slice(&paths.rays[range.clone()]);
             live.ids.copy_from_slice(&paths.ids[range.clone()]);
-            live.states.copy_from_slice(&paths.states[range]);
+            live.states.copy_from_slice(&paths.states[range.clone()]);
+            live.lights.copy_from_slice(&paths.lights[range]);
         }
         _ => {
             let (before, after) = counts.split_at(counts.len() / 2);

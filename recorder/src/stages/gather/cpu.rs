@@ -45,9 +45,11 @@ pub fn gather_paths(paths: &Paths, permutation: &[AtomicU32], gathered: &mut Pat
                 prefetch(&paths.rays[ahead]);
                 prefetch(&paths.ids[ahead]);
                 prefetch(&paths.states[ahead]);
+                prefetch(&paths.lights[ahead]);
             }
             let from = index(at);
-            gathered.put(at, paths.ids[from], (paths.rays[from], paths.states[from]));
+            let ray = (paths.rays[from], paths.states[from]);
+            gathered.put(at, paths.ids[from], ray, paths.lights[from]);
         }
     });
 }

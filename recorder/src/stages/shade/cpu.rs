@@ -166,12 +166,12 @@ fn shade_range<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>(
         if outcome.emitted != Vec3::ZERO {
             add(&film[pixel as usize], outcome.emitted);
         }
-        if let Some(ray) = outcome.shadow {
-            shadow.put(shadow_count, pixel, ray);
+        if let Some((ray, light)) = outcome.shadow {
+            shadow.put(shadow_count, pixel, ray, light);
             shadow_count += 1;
         }
         if let Some(ray) = outcome.next {
-            next.put(next_count, pixel, ray);
+            next.put(next_count, pixel, ray, 0);
             next_count += 1;
         }
     }

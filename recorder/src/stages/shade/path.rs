@@ -20,8 +20,8 @@ pub const ROULETTE_FREE_BOUNCES: u32 = 2;
 pub struct Outcome {
     /// Light that the film gets at once: emission met by the ray.
     pub emitted: Vec3,
-    /// A ray to a light sample and what it brings.
-    pub shadow: Option<(Ray, RayState)>,
+    /// A ray to a light sample and what it brings, and the index of the light.
+    pub shadow: Option<((Ray, RayState), u32)>,
     /// The path's next ray.
     pub next: Option<(Ray, RayState)>,
 }
@@ -133,7 +133,7 @@ impl Vertex<'_> {
         &self,
         tables: &ShadeTables,
         random: &mut Random,
-    ) -> Option<(Ray, RayState)> {
+    ) -> Option<((Ray, RayState), u32)> {
         let light = sample_light(tables, self.surface.origin, random)?;
         if dot3(light.direction, self.surface.geometric_normal) <= 0.0 || light.t_max <= 0.0 {
             return None;
@@ -146,9 +146,8 @@ impl Vertex<'_> {
         } else {
             1.0
         };
-        let state =
-            RayState { light: light.light, ..state(self.throughput * value * light.weight * weight)? };
-        Some((self.ray(light.direction, light.t_max), state))
+        let state = state(self.throughput * value * light.weight * weight)?;
+        Some(((self.ray(light.direction, light.t_max), state), light.light))
     }
 
     #[inline(always)]
