@@ -95,7 +95,7 @@ impl<'a> Calibrated<'a> {
         if self.version < PREFERS_SHORT_KEYS_SINCE {
             return Some(fastest);
         }
-        let level = sure().filter(|candidate| candidate.net >= fastest.net - self.drift(false));
+        let level = sure().filter(|candidate| candidate.net >= fastest.net - self.less_drift());
         level.reduce(|best, other| {
             let bits = other.choice.key_bits.cmp(&best.choice.key_bits);
             if bits.is_lt() || bits.is_eq() && other.net > best.net { other } else { best }
@@ -108,12 +108,17 @@ impl<'a> Calibrated<'a> {
 
     /// What may as well have cost something is left alone.
     fn is_sure(&self, kind: Kind, candidate: &Candidate) -> bool {
-        let drift = if self.allows_for_chance() { self.drift(kind == Kind::Shadow) } else { 0.0 };
+        let drift = match kind {
+            _ if !self.allows_for_chance() => 0.0,
+            Kind::Shadow => DRIFT,
+            Kind::Closest => self.less_drift(),
+        };
         candidate.net_low > 1.0 + drift
     }
 
-    fn drift(&self, is_large: bool) -> f64 {
-        if is_large || self.version < KNOWS_LESS_DRIFT_SINCE { DRIFT } else { LESS_DRIFT }
+    /// Of closest rays, and between two orders.
+    fn less_drift(&self) -> f64 {
+        if self.version < KNOWS_LESS_DRIFT_SINCE { DRIFT } else { LESS_DRIFT }
     }
 
     fn allows_for_chance(&self) -> bool {

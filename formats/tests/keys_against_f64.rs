@@ -33,6 +33,7 @@ fn bits_of(method: &str, lights: usize) -> Vec<&'static str> {
             bits.extend_from_slice(group);
         }
     };
+    let index_bits = (0..).find(|&bits| 1 << bits >= lights).unwrap_or(0);
     match method {
         "origin" => {
             repeat(&["ox", "oy", "oz"], 21);
@@ -60,14 +61,15 @@ fn bits_of(method: &str, lights: usize) -> Vec<&'static str> {
             repeat(&["ox", "oy"], 1);
         }
         "light-octahedron" => {
-            let mut index_bits = 0;
-            while 1 << index_bits < lights {
-                index_bits += 1;
-            }
             repeat(&["light"], index_bits);
             repeat(&["lu", "lv"], 8);
             repeat(&["lu", "lv", "lr"], 14);
             repeat(&["ox", "oy", "oz"], 2);
+        }
+        "origin-light" => {
+            repeat(&["ox", "oy", "oz"], 3);
+            repeat(&["light"], index_bits);
+            repeat(&["ox", "oy", "oz"], 19);
         }
         "paraboloid" => {
             repeat(&["ox", "oy", "oz"], 4);
@@ -171,6 +173,7 @@ fn every_method_puts_every_bit_where_keys_says() {
         "two-point-adaptive",
         "two-point-real",
         "light-octahedron",
+        "origin-light",
         "paraboloid",
         "grid-spherical",
         "tiled-octahedron",
@@ -231,7 +234,7 @@ fn curves_and_exclusive_ors_are_what_keys_says() {
 
 #[test]
 fn layouts_name_the_same_bits() {
-    let others = ["paraboloid", "grid-spherical", "tiled-octahedron"];
+    let others = ["origin-light", "paraboloid", "grid-spherical", "tiled-octahedron"];
     for name in ["origin", "reis", "costa", "aila", "octahedron", "two-point", "light-octahedron"]
         .into_iter()
         .chain(others)

@@ -13,16 +13,16 @@ use crate::options::in_range;
 use crate::stages::setup::{MethodPlan, Setup};
 
 /// What a calibration tries: methods with fewer bits than the usual 32, which cost less to sort. On threads one pass
-/// sorts 12 bits and two sort 20, on GPUs two sort 16.
+/// sorts 15 bits and two sort 20, on GPUs two sort 16.
 pub const CANDIDATES: &[(&str, u32)] = &[
-    ("origin", 12),
-    ("aila", 12),
-    ("aila", 16),
+    ("origin", 15),
+    ("aila", 15),
     ("aila", 20),
-    ("octahedron", 12),
+    ("octahedron", 15),
     ("octahedron", 20),
     ("two-point", 20),
-    ("light-octahedron", 20),
+    ("origin-light", 15),
+    ("origin-light", 20),
 ];
 
 /// Chooses orders by a calibration.

@@ -15,12 +15,13 @@ use formats::ray::{Hit, Kind, Ray};
 /// Bits of the finest coordinate.
 const FINEST: usize = 22;
 
-/// The names of a method's 64 key bits, most significant first. `lights` matters to `light-octahedron` alone.
+/// The names of a method's 64 key bits, most significant first. `lights` matters to those with a light.
 ///
 /// # Panics
 /// If the method is not known here.
 pub fn layout(method: &str, lights: usize) -> Vec<&'static str> {
     let repeat = |times: usize, words: &'static str| words.split(' ').collect::<Vec<_>>().repeat(times);
+    let light_bits = (0..).find(|&bits| 1usize << bits >= lights).unwrap_or(0);
     let mut bits = match method {
         "origin" => [repeat(21, "ox oy oz"), repeat(1, "ox")].concat(),
         "reis" => [repeat(7, "ox oy oz"), repeat(1, "ox"), repeat(21, "azimuth polar")].concat(),
@@ -37,9 +38,11 @@ pub fn layout(method: &str, lights: usize) -> Vec<&'static str> {
             [repeat(10, "ox oy oz ex ey ez"), repeat(1, "ox oy oz ex")].concat()
         }
         "light-octahedron" => {
-            let light_bits = (0..).find(|&bits| 1usize << bits >= lights).unwrap_or(0);
             [repeat(light_bits, "light"), repeat(8, "lu lv"), repeat(14, "lu lv lr"), repeat(22, "ox oy oz")]
                 .concat()
+        }
+        "origin-light" => {
+            [repeat(3, "ox oy oz"), repeat(light_bits, "light"), repeat(19, "ox oy oz")].concat()
         }
         other => panic!("the method {other} has no layout here"),
     };
@@ -253,5 +256,5 @@ pub fn summed(length: f32) -> u64 {
 
 /// Whether a method has keys for rays of this kind.
 pub fn applies(method: &str, kind: Kind) -> bool {
-    kind == Kind::Shadow || method != "light-octahedron"
+    kind == Kind::Shadow || !["light-octahedron", "origin-light"].contains(&method)
 }

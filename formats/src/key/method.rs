@@ -84,7 +84,7 @@ const TWO_POINT: &str = "(ox oy oz ex ey ez)*10 ox oy oz ex";
 
 /// How many methods of [`BUILTIN`], the first ones, `all` stands for: the paper's and our own. The rows of others
 /// are asked for by name.
-pub const IN_ALL: usize = 9;
+pub const IN_ALL: usize = 10;
 
 /// Name, layout and length estimate of every built-in method (layouts: KEYS).
 pub const BUILTIN: &[(&str, &str, Termination)] = &[
@@ -97,6 +97,7 @@ pub const BUILTIN: &[(&str, &str, Termination)] = &[
     ("two-point-adaptive", TWO_POINT, Termination::Adaptive),
     ("two-point-real", TWO_POINT, Termination::Real),
     ("light-octahedron", "light (lu lv)*8 (lu lv lr)*14 (ox oy oz)*", Termination::Unused),
+    ("origin-light", "(ox oy oz)*3 light (ox oy oz)*", Termination::Unused),
     // Of the paper's first author, whose code has them beside those above.
     ("paraboloid", "(ox oy oz)*4 (ox oy oz pu pv)*10 ox oy", Termination::Unused),
     ("hilbert-origin", "hilbert(ox oy oz)*", Termination::Unused),

@@ -210,7 +210,7 @@ mod tests {
             parse_methods(list, &own).unwrap().into_iter().map(|method| method.name).collect()
         };
         assert_eq!(names("all", &[]).len(), IN_ALL);
-        assert_eq!(names("all", &[]).last().unwrap(), "light-octahedron");
+        assert_eq!(names("all", &[]).last().unwrap(), "origin-light");
         assert_eq!(names("paraboloid,hilbert-origin", &[]).len(), 2);
         assert_eq!(names("unsorted", &[]), Vec::<String>::new());
         assert_eq!(names("aila, costa", &["mine=(ox oy oz)*4"]), ["aila", "costa", "mine"]);
