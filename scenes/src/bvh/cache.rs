@@ -21,11 +21,11 @@ use std::{
 use bytemuck::{Pod, Zeroable};
 use sha2::{Digest, Sha256};
 
-use super::{Bvh, Bvh2Node, BvhError, BvhKind, CwbvhNode, WideNode, build, topology, validate};
+use super::{Bvh, Bvh2Node, BvhError, BvhKind, CwbvhNode, WideNode, build, validate};
 use crate::{Scene, files};
 
 /// Raised with every change to the file's layout, the node formats or the way trees are built.
-const FORMAT_VERSION: u8 = 3;
+const FORMAT_VERSION: u8 = 4;
 
 const MAGIC: [u8; 8] = [b'R', b'S', b'C', b'P', b'B', b'V', b'H', FORMAT_VERSION];
 
@@ -102,7 +102,6 @@ fn content_hash(scene: &Scene, kind: BvhKind) -> [u8; 32] {
     let mut hash = Sha256::new();
     hash.update(MAGIC);
     hash.update(kind.name());
-    hash.update(format!("{:?}", topology::PARAMETERS));
     hash.update((scene.positions.len() as u64).to_le_bytes());
     hash.update(bytemuck::cast_slice::<_, u8>(&scene.positions));
     hash.update((scene.triangles.len() as u64).to_le_bytes());

@@ -14,7 +14,6 @@ use super::{
     Bvh, CwbvhNode,
     boxes::{Boxes, f32_below},
     node::Child,
-    topology::PARAMETERS,
 };
 use crate::bounds::Bounds;
 
@@ -32,7 +31,7 @@ const STEP_OF_MAGNITUDE: f64 = 1.0 / (1u64 << 63) as f64 / 32.0;
 
 /// Groups the binary tree's nodes and quantises their boxes.
 pub(super) fn flatten(tree: Bvh2, boxes: &Boxes) -> Bvh {
-    let wide = bvh2_to_cwbvh(&tree, PARAMETERS.max_prims_per_leaf.min(LEAF_TRIANGLES), true, false);
+    let wide = bvh2_to_cwbvh(&tree, LEAF_TRIANGLES, true, false);
     drop(tree);
     let order = wide.primitive_indices;
     let mut nodes: Vec<CwbvhNode> = bytemuck::cast_vec(wide.nodes);

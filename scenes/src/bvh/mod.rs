@@ -2,7 +2,8 @@
 //! here, checked before anyone traverses them, cached on disk.
 //!
 //! - [`node`]: the node formats, as they lie in memory, in the cache and on the GPU
-//! - [`topology`]: which triangles lie below which node (obvhs: PLOC, reinsertion, collapsing)
+//! - [`top_down`]: a first tree, by the surface area heuristic
+//! - [`topology`]: which triangles lie below which node (that tree; obvhs: reinsertion, collapsing)
 //! - [`boxes`]: exact and padded bounds of triangles
 //! - [`binary`], [`compressed`], [`wide`]: from topology to nodes
 //! - [`validate`]: what traversal relies on
@@ -15,6 +16,7 @@ mod compressed;
 mod node;
 #[cfg(test)]
 mod tests;
+mod top_down;
 mod topology;
 mod validate;
 mod wide;
@@ -30,8 +32,8 @@ use crate::memory::{self, Shortage};
 use crate::shown::shown;
 
 /// What building takes at its peak for each triangle, bytes, at least: a box and its copy in the unit cube
-/// (24 + 32), two nodes (64), the builder's two lists of nodes and one of codes (64 + 16).
-pub const HIERARCHY_BYTES_PER_TRIANGLE: u64 = 200;
+/// (24 + 32), two nodes (96), two lists of indices (8), half a node that is being parted (60).
+pub const HIERARCHY_BYTES_PER_TRIANGLE: u64 = 220;
 
 /// What a triangle takes at least, bytes: three indices, a material, and its share of the hierarchy.
 pub(crate) const BYTES_PER_TRIANGLE: u64 = 16 + HIERARCHY_BYTES_PER_TRIANGLE;

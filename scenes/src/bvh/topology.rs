@@ -1,19 +1,16 @@
-//! Which triangles lie below which node: obvhs' PLOC builder and reinsertion, fed with boxes that
-//! are scaled to the unit cube, and a limit on the depth.
+//! Which triangles lie below which node: a tree from the top down over boxes that are scaled to the unit cube, obvhs'
+//! reinsertion and collapsing, and a limit on the depth.
 //!
-//! obvhs decides on the tree alone; its boxes are thrown away. The parameters are those of its
-//! "medium build".
+//! They decide on the tree alone; the boxes are thrown away.
 
 use glam::Vec3A;
 use obvhs::{
-    BvhBuildParams,
     aabb::Aabb,
     bvh2::{Bvh2, leaf_collapser::collapse, node::Bvh2Node, reinsertion::ReinsertionOptimizer},
-    ploc::PlocBuilder,
 };
 use rayon::prelude::*;
 
-use super::{BVH2_STACK, CWBVH_STACK, WIDE_LEVELS, boxes::Boxes};
+use super::{BVH2_STACK, CWBVH_STACK, WIDE_LEVELS, boxes::Boxes, top_down};
 use crate::bounds::Bounds;
 
 /// The format of a hierarchy.
@@ -47,40 +44,33 @@ impl std::fmt::Display for BvhKind {
     }
 }
 
-/// What is asked of obvhs; a part of the name under which a hierarchy is cached.
-pub(super) const PARAMETERS: BvhBuildParams = BvhBuildParams::medium_build();
+/// Most triangles in a leaf below a [`Bvh2Node`], and what visiting a node costs as a multiple of a triangle's test:
+/// those of obvhs' builds.
+const BVH2_LEAF: (u32, f32) = (8, 3.0);
 
-/// Powers of the inverse of the root of x⁴ = x + 1, times 2^32: their multiples are spread evenly over the
-/// unit cube (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
-const NUDGE_STEPS: [u32; 3] = [0xd1b5_4a33, 0xabc9_8389, 0x8cb9_2ba7];
+/// How many nodes the first batch of reinsertions takes, within so much of all: a better tree is worth some build time
+/// where that is short.
+const BATCH: f32 = 200_000.0;
+const PART_IN_BATCH: (f32, f32) = (0.05, 0.5);
 
-/// Nodes that the first batch of reinsertions takes for wide nodes, as a part of all, and the most of them unless
-/// [`PARAMETERS`] asks for more: a better tree is worth some build time where that is short.
-const WIDE_BATCH: (f32, f32) = (0.5, 200_000.0);
+/// The part of all nodes that the first batch takes once leaves have been collapsed.
+const PART_IN_BATCH_OF_COLLAPSED: f32 = 0.1;
 
 /// How many nodes a batch of reinsertions may look at, as a multiple of all nodes.
 const SEARCH_BUDGET: f32 = 64.0;
 
-/// Builds the tree. For wide nodes every leaf has one triangle (what groups them merges them, too); no leaf is deeper below the root than the kind's traversal stack has entries.
+/// Builds the tree. For wide nodes every leaf has one triangle (what groups them merges them, too); no leaf is deeper
+/// below the root than the kind's traversal stack has entries.
 pub(super) fn find(boxes: &Boxes, kind: BvhKind) -> Bvh2 {
-    let unit = in_unit_cube(&boxes.padded);
-    let count = unit.len();
-    let indices = (0..count as u32).collect();
-    let mut tree = PlocBuilder::with_capacity(count).build(
-        PARAMETERS.ploc_search_distance,
-        &unit,
-        indices,
-        PARAMETERS.sort_precision,
-        PARAMETERS.search_depth_threshold,
-    );
-    drop(unit);
-    let ratio = batch_ratio(tree.nodes.len(), kind);
-    reinsert(&mut tree, ratio);
+    let mut tree = top_down::build(&in_unit_cube(&boxes.padded));
+    let (least, most) = PART_IN_BATCH;
+    let part = (BATCH / tree.nodes.len() as f32).clamp(least, most);
+    reinsert(&mut tree, part);
     match kind {
         BvhKind::Bvh2 => {
-            collapse(&mut tree, PARAMETERS.max_prims_per_leaf, PARAMETERS.collapse_traversal_cost);
-            let again = PARAMETERS.post_collapse_reinsertion_batch_ratio_multiplier;
-            reinsert(&mut tree, PARAMETERS.reinsertion_batch_ratio * again);
+            let (leaf, node_cost) = BVH2_LEAF;
+            collapse(&mut tree, leaf, node_cost);
+            reinsert(&mut tree, PART_IN_BATCH_OF_COLLAPSED);
             limit_depth(&mut tree, BVH2_STACK);
         }
         // A wide node is never deeper than the binary node that it was made from.
@@ -90,22 +80,9 @@ pub(super) fn find(boxes: &Boxes, kind: BvhKind) -> Bvh2 {
     tree
 }
 
-/// The part of all nodes that the first batch of reinsertions takes.
-fn batch_ratio(nodes: usize, kind: BvhKind) -> f32 {
-    let ratio = PARAMETERS.reinsertion_batch_ratio;
-    match kind {
-        BvhKind::Bvh2 | BvhKind::Cwbvh => ratio,
-        BvhKind::Wide => (WIDE_BATCH.1 / nodes as f32).clamp(ratio, WIDE_BATCH.0),
-    }
-}
-
 /// The boxes moved and scaled so that the scene fills the unit cube along its largest extent,
 /// which keeps areas from overflowing, vanishing or cancelling wherever the scene is and however
 /// large it is.
-///
-/// Each box is moved by up to 1/32 of its size, differently for each and along each axis: PLOC merges
-/// one pair per pass where all costs are equal or grow along the curve (a heap or a row of equal boxes, a
-/// mesh scaled to a point), which would take quadratic time and make a list of the tree.
 fn in_unit_cube(boxes: &[Bounds]) -> Vec<Aabb> {
     let scene = boxes.par_iter().copied().reduce(|| Bounds::EMPTY, |a, b| a.union(&b));
     let min = scene.min.map(f64::from);
@@ -115,14 +92,7 @@ fn in_unit_cube(boxes: &[Bounds]) -> Vec<Aabb> {
     let place = |corner: &[f32; 3]| {
         Vec3A::from([0, 1, 2].map(|axis| ((f64::from(corner[axis]) - min[axis]) * scale) as f32))
     };
-    let nudge = |(index, bounds): (usize, &Bounds)| {
-        let (low, high) = (place(&bounds.min), place(&bounds.max));
-        let spread =
-            Vec3A::from(NUDGE_STEPS.map(|step| (index as u32).wrapping_mul(step) as f32 / 2f32.powi(32)));
-        let by = ((high - low) / 32.0 + 2f32.powi(-20)) * spread;
-        Aabb::new(low + by, high + by)
-    };
-    boxes.par_iter().enumerate().map(nudge).collect()
+    boxes.par_iter().map(|bounds| Aabb::new(place(&bounds.min), place(&bounds.max))).collect()
 }
 
 /// Moves subtrees to where they cost less (Meister and Bittner 2018, "Parallel Reinsertion for
