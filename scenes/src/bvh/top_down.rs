@@ -110,7 +110,7 @@ impl Grid {
     /// The bin of a box along each axis; the first one along an axis without extent.
     fn bins(&self, bounds: &Aabb) -> [usize; 3] {
         let place = (doubled_centre(bounds) - self.low) * self.bins_per_unit;
-        // A number that is none becomes 0.
+        // NaN, where all centres are the same, becomes 0.
         place.to_array().map(|place| (place as usize).min(BINS - 1))
     }
 }
