@@ -116,6 +116,8 @@ pub const BUILTIN: &[(&str, &str, Termination)] = &[
 pub enum MethodError {
     #[error("there is no method '{}' (your own are written 'name=layout'); {}", one_line(name, SHOWN), did_you_mean(name, &names()))]
     Unknown { name: String },
+    #[error("'{name}' is an order that no layout makes; only methods with a layout can be asked for here")]
+    WithoutLayout { name: String },
     #[error(
         "'{}' is not a method: write 'name=layout' with a name of small letters, digits and dashes that no built-in method has",
         one_line(definition, SHOWN)
@@ -131,11 +133,14 @@ fn names() -> Vec<&'static str> {
 }
 
 impl Method {
-    /// A built-in method by name (not [`UNSORTED`], which has no key).
+    /// A built-in method by name (none of [`WITHOUT_LAYOUT`], which have no key).
     ///
     /// # Errors
     /// If there is no such method.
     pub fn builtin(name: &str) -> Result<Self, MethodError> {
+        if WITHOUT_LAYOUT.contains(&name) {
+            return Err(MethodError::WithoutLayout { name: name.to_owned() });
+        }
         let unknown = || MethodError::Unknown { name: name.to_owned() };
         let &(name, layout, termination) =
             BUILTIN.iter().find(|(known, ..)| *known == name).ok_or_else(unknown)?;
@@ -237,6 +242,13 @@ mod tests {
                 error.contains(&format!(
                     "'{name}' (your own are written 'name=layout'); did you mean '{meant}'?"
                 )),
+                "{error}"
+            );
+        }
+        for name in WITHOUT_LAYOUT {
+            let error = Method::builtin(name).unwrap_err().to_string();
+            assert!(
+                error.contains("only methods with a layout") && !error.contains("did you mean"),
                 "{error}"
             );
         }

@@ -80,11 +80,6 @@ fn bounds_of(boxes: &[Aabb], part: &[u32]) -> Aabb {
     part.iter().fold(Aabb::empty(), |all, &index| all.union(&boxes[index as usize]))
 }
 
-/// Twice the centre of a box.
-fn doubled_centre(bounds: &Aabb) -> Vec3A {
-    bounds.min + bounds.max
-}
-
 /// Where each bin is.
 struct Grid {
     low: Vec3A,
@@ -95,21 +90,16 @@ impl Grid {
     /// From the lowest to the highest centre along each axis.
     fn around(boxes: &[Aabb], part: &[u32]) -> Self {
         let of_chunk = |part: &[u32]| {
-            part.iter().fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(low, high), &index| {
-                let centre = doubled_centre(&boxes[index as usize]);
-                (low.min(centre), high.max(centre))
-            })
+            let centres = part.iter().map(|&index| Aabb::from_point(boxes[index as usize].center()));
+            centres.fold(Aabb::empty(), |all, centre| all.union(&centre))
         };
-        let (low, high) = part
-            .par_chunks(CHUNK)
-            .map(of_chunk)
-            .reduce(|| (Vec3A::INFINITY, Vec3A::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-        Self { low, bins_per_unit: BINS as f32 / (high - low) }
+        let all = part.par_chunks(CHUNK).map(of_chunk).reduce(Aabb::empty, |a, b| a.union(&b));
+        Self { low: all.min, bins_per_unit: BINS as f32 / all.diagonal() }
     }
 
     /// The bin of a box along each axis; the first one along an axis without extent.
     fn bins(&self, bounds: &Aabb) -> [usize; 3] {
-        let place = (doubled_centre(bounds) - self.low) * self.bins_per_unit;
+        let place = (bounds.center() - self.low) * self.bins_per_unit;
         // NaN, where all centres are the same, becomes 0.
         place.to_array().map(|place| (place as usize).min(BINS - 1))
     }
@@ -207,7 +197,7 @@ mod tests {
         let found = cost(&|bounds| first.aabb().union(bounds).half_area() <= first.aabb().half_area());
         // Planes a little way apart, along an axis.
         for step in 10..270 {
-            let other = cost(&|bounds| doubled_centre(bounds).x / 2.0 < step as f32 / 300.0);
+            let other = cost(&|bounds| bounds.center().x < step as f32 / 300.0);
             assert!(found <= 1.1 * other, "the first cut costs {found}, one at {step} of 300 costs {other}");
         }
     }
