@@ -73,7 +73,7 @@ fn ways_through_the_hierarchy_are_the_trails_of_the_tracer() {
         let dump = record(folder.path(), name);
         let hierarchy = Hierarchy::open(&dump).unwrap();
         let scene = scenes::load(name).unwrap();
-        let bvh = TraceKernel::Wide.hierarchy(&scene).unwrap().unwrap();
+        let (bvh, _) = TraceKernel::Wide.hierarchy(&scene).unwrap().unwrap();
         let tracer = CpuTracer::new(&scene, &bvh);
         let blocks = blocks_of_leaves(&dump);
         let mut compared = 0;
@@ -104,7 +104,8 @@ fn ways_from_planes_of_boxes_are_those_of_the_tracer() {
     let dump = record(folder.path(), name);
     let hierarchy = Hierarchy::open(&dump).unwrap();
     let scene = scenes::load(name).unwrap();
-    let tracer = CpuTracer::new(&scene, &TraceKernel::Wide.hierarchy(&scene).unwrap().unwrap());
+    let (bvh, _) = TraceKernel::Wide.hierarchy(&scene).unwrap().unwrap();
+    let tracer = CpuTracer::new(&scene, &bvh);
     let blocks = blocks_of_leaves(&dump);
     let queue = dump.manifest().queues.iter().find(|queue| queue.id.bounce == 1).unwrap().id;
     let traced = Traced::open(&dump, queue).unwrap();

@@ -231,6 +231,21 @@ fn a_folder_that_may_not_be_written_is_named() {
 }
 
 #[test]
+fn a_hierarchy_that_cannot_be_kept_is_said() {
+    let folder = tempdir().unwrap();
+    fs::write(folder.path().join("cache"), "not a folder").unwrap();
+    let line = "record builtin:cornell --out x --backend cpu --width 16 --height 16 --bounces 1 --repeats 1";
+    let run = |cache: &str| {
+        let mut command = Program::Recorder.command(line.split(' ').chain(["--force"]));
+        finish(command.current_dir(folder.path()).env("XDG_CACHE_HOME", folder.path().join(cache)))
+            .succeeded()
+    };
+    let said = run("cache").stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.contains("builds the hierarchy anew") && said.contains("cache/rayscope/bvh"), "{said}");
+    assert!(!run("other").stdout.contains("anew"));
+}
+
+#[test]
 fn recordings_that_cannot_be_read() {
     let folder = folder_with_recording();
     for command in ["info", "verify", "recover"] {

@@ -60,8 +60,8 @@ pub(super) fn measure_all<M: Measurement + Send>(
     match device {
         Device::Cpu(cpu) => cpu.pool.install(|| {
             let backend = |Configuration { setup, kernel }: &Configuration| {
-                let bvh =
-                    kernel.hierarchy(scene)?.context("threads have no ray queries; use --backend gpu")?;
+                let found = kernel.hierarchy(scene)?;
+                let (bvh, _) = found.context("threads have no ray queries; use --backend gpu")?;
                 let tracer = CpuTracer::for_features(scene, &bvh, &setup.features);
                 let tracer = tracer.with_kernel(*kernel).with_precision(setup.precision);
                 Ok(CpuBackend::new(Arc::clone(setup), Arc::new(tracer)))
@@ -70,7 +70,7 @@ pub(super) fn measure_all<M: Measurement + Send>(
         }),
         Device::Gpu(device) => {
             let backend = |Configuration { setup, kernel }: &Configuration| {
-                let bvh = kernel.hierarchy(scene)?;
+                let bvh = kernel.hierarchy(scene)?.map(|(bvh, _)| bvh);
                 GpuBackend::new(device.gpu.clone(), scene, bvh.as_ref(), Arc::clone(setup), *kernel)
             };
             measurement.run(configurations.iter().map(backend).collect::<Result<_>>()?)

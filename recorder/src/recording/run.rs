@@ -13,6 +13,7 @@ use formats::reader::Dump;
 use formats::summary::Summary;
 use formats::writer::DumpWriter;
 use scenes::Scene;
+use scenes::bvh::Source;
 use sha2::{Digest, Sha256};
 
 use super::{header, scene_arrays};
@@ -96,7 +97,7 @@ impl Run<'_> {
     pub(crate) fn on(self, device: Device) -> Result<Recorded> {
         // The backend comes first: what does not fit a device is refused before anything is written.
         let kernel = device.kernel(&self.options.device);
-        let bvh = kernel.hierarchy(self.scene)?;
+        let (bvh, source) = kernel.hierarchy(self.scene)?.unzip();
         let setup = Arc::clone(&self.setup);
         let tracer = || bvh.as_ref().map(|bvh| Arc::new(CpuTracer::new(self.scene, bvh).with_kernel(kernel)));
         let model = |tracer| CacheModel { tracer, l2_bytes: self.options.device.l2_kib << 10 };
@@ -116,6 +117,9 @@ impl Run<'_> {
         let mut notices = self.header.notices;
         if differing > 0 {
             notices.push(format!("{differing} rays found something else than in the recording"));
+        }
+        if let Some(Source::BuiltNotKept { reason, .. }) = source {
+            notices.push(format!("every run builds the hierarchy anew, since it cannot be kept: {reason}"));
         }
         let methods = [&self.setup.methods[..], &self.foreign.methods].concat();
         Ok(Recorded { path, headline, methods, queues, decisions, notices })

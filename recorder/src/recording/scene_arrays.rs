@@ -52,7 +52,7 @@ pub(super) fn write(capture: &mut Capture, scene: &Scene) -> Result<()> {
 
 /// Writes the hierarchy that the kernel `wide` walks, whichever kernel traces.
 pub(super) fn write_hierarchy(capture: &mut Capture, scene: &Scene) -> Result<()> {
-    let Some(Bvh::Wide { nodes, order }) = TraceKernel::Wide.hierarchy(scene)? else {
+    let Some((Bvh::Wide { nodes, order }, _)) = TraceKernel::Wide.hierarchy(scene)? else {
         bail!("the kernel wide walks no wide hierarchy; please report this");
     };
     let (count, slots) = (nodes.len() as u64, order.len() as u64);

@@ -80,7 +80,7 @@ fn our_tracers(scene: &Scene) -> Result<Vec<(String, Side, Trace)>> {
     let mut tracers: Vec<(String, Side, Trace)> = Vec::new();
     for kernel in TraceKernel::value_variants() {
         let hierarchy = kernel.hierarchy(scene).with_context(|| format!("building for {}", kernel.name()))?;
-        let Some(hierarchy) = hierarchy else { continue };
+        let Some((hierarchy, _)) = hierarchy else { continue };
         let tracer = CpuTracer::new(scene, &hierarchy).with_kernel(*kernel);
         let trace: Trace = Box::new(move |rays, hits| tracer.trace(rays, Order::Stored, hits));
         tracers.push((kernel.name().to_owned(), Side::Ours, trace));

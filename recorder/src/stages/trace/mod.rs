@@ -64,7 +64,7 @@ mod tests;
 
 use formats::intersect::PADDING;
 use scenes::Scene;
-use scenes::bvh::{Bvh, BvhError, BvhKind};
+use scenes::bvh::{Bvh, BvhError, BvhKind, Source};
 
 use crate::device::Gpu;
 
@@ -223,13 +223,13 @@ impl TraceKernel {
         self.row().2
     }
 
-    /// A scene's hierarchy, from the cache where it is there.
+    /// A scene's hierarchy, from the cache where it is there, and where it came from.
     ///
     /// # Errors
     /// If it cannot be built.
-    pub fn hierarchy(self, scene: &Scene) -> Result<Option<Bvh>, BvhError> {
+    pub fn hierarchy(self, scene: &Scene) -> Result<Option<(Bvh, Source)>, BvhError> {
         let folder = scenes::bvh::default_cache_folder();
-        let load = |kind| Ok(scenes::bvh::load_or_build(scene, kind, folder.as_deref())?.0);
+        let load = |kind| scenes::bvh::load_or_build(scene, kind, folder.as_deref());
         self.bvh_kind().map(load).transpose()
     }
 }
