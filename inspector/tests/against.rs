@@ -139,6 +139,35 @@ fn the_frame_is_that_of_the_closing_table_and_of_any_two_methods() {
 }
 
 #[test]
+fn a_frame_has_rays_that_a_method_does_not_order_as_they_lie() {
+    const SHADOW_RAYS_ALONE: &str = "light-octahedron";
+    let folder = tempfile::tempdir().unwrap();
+    let dump = Dump::open(&sample::write(folder.path())).unwrap();
+    let samples = Samples::of(dump.manifest());
+    let queues = dump.manifest().queues.iter().map(|record| record.id);
+    let is_timed = |queue: &QueueId| queue.pass == QUEUE.pass;
+    let queues = queues.filter(|queue| queue.kind == Kind::Shadow || queue.bounce > 0);
+    let queues: Vec<QueueId> = queues.filter(is_timed).collect();
+    let unsorted = |queue| samples.get(queue, UNSORTED).unwrap().traced().to_vec();
+    let own = |queue: QueueId| match queue.kind {
+        Kind::Closest => unsorted(queue),
+        Kind::Shadow => {
+            let own = samples.get(queue, SHADOW_RAYS_ALONE).unwrap();
+            own.totals(samples.way(queue, SHADOW_RAYS_ALONE))
+        }
+    };
+    let sum = |of: &dyn Fn(QueueId) -> Vec<u64>, round: usize| -> u64 {
+        queues.iter().map(|queue| of(*queue)[round]).sum()
+    };
+    let mut ratios =
+        [0, 1, 2, 3, 4, 5, 6].map(|round| sum(&unsorted, round) as f64 / sum(&own, round) as f64);
+    ratios.sort_by(f64::total_cmp);
+    let rows = Frame::of(dump.manifest()).rows;
+    let row = rows.iter().find(|row| row.method == SHADOW_RAYS_ALONE).unwrap();
+    assert_eq!((row.secondary, row.net.unwrap().ratio), (None, ratios[3]));
+}
+
+#[test]
 fn an_order_that_is_made_can_be_a_beside_b() {
     let folder = tempfile::tempdir().unwrap();
     let mut context = opened(folder.path());

@@ -30,7 +30,8 @@ pub struct FrameRow {
     pub secondary: Option<Speedup>,
     /// The same of shadow rays.
     pub shadow: Option<Speedup>,
-    /// Unsorted trace over all stages, of all these rays that it orders; `None` if not all stages are known.
+    /// Unsorted trace over all stages, of both kinds together, those that it does not order left unsorted; `None` if
+    /// not all stages are known.
     pub net: Option<Speedup>,
     /// In a word or three.
     pub verdict: &'static str,
@@ -123,6 +124,21 @@ fn remark(manifest: &Manifest, method: &str) -> Option<&'static str> {
     manifest.foreign_orders().any(|order| order.name == method).then_some("no key time")
 }
 
+/// Unsorted trace over all stages of a method, of all rays that count: a queue that it does not order stays unsorted.
+fn net(manifest: &Manifest, samples: &Samples<'_>, method: &str) -> Option<Speedup> {
+    if remark(manifest, method).is_some() {
+        return None;
+    }
+    let queues = manifest.queues.iter().map(|queue| queue.id).filter(|queue| counts(*queue));
+    let timed = queues.filter_map(|queue| Some((queue, samples.get(queue, UNSORTED)?.traced())));
+    let totals = timed.clone().map(|(queue, unsorted)| match samples.get(queue, method) {
+        Some(own) => own.totals(samples.way(queue, method)),
+        None => unsorted.to_vec(),
+    });
+    let totals: Vec<Vec<u64>> = totals.collect();
+    Speedup::of(&summed(timed.map(|(_, unsorted)| unsorted)), &summed(totals.iter().map(Vec::as_slice)))
+}
+
 /// Times of several queues added up round by round, as many rounds as all of them have, nanoseconds.
 pub fn summed<'t>(times: impl IntoIterator<Item = &'t [u64]>) -> Vec<u64> {
     let add =
@@ -147,8 +163,11 @@ impl Frame {
         });
         let times = FrameTimes::all(manifest);
         let methods = times.chunk_by(|a, b| a.method == b.method);
-        let mut rows: Vec<FrameRow> =
-            methods.map(|both| FrameRow::of(both, remark(manifest, &both[0].method))).collect();
+        let row = |both: &[FrameTimes]| {
+            let method = &both[0].method;
+            FrameRow::of(both, net(manifest, &samples, method), remark(manifest, method))
+        };
+        let mut rows: Vec<FrameRow> = methods.map(row).collect();
         let net = |row: &FrameRow| row.net.map_or(f64::NEG_INFINITY, |net| net.ratio);
         rows.sort_by(|a, b| net(b).total_cmp(&net(a)));
         Self { unsorted, rows }
@@ -160,7 +179,7 @@ impl Frame {
             return "No method was measured on secondary or shadow rays.".to_owned();
         }
         let mut text = String::from(
-            "Whole frame: secondary and shadow rays, times of all bounces summed per round.\n\
+            "Whole frame: all bounces, summed per round; rays with – are left unsorted.\n\
              \x20                     speedup of the trace   net, both, with what sorting costs\n\
              method               secondary     shadow   speedup  95 % interval  verdict\n",
         );
@@ -234,11 +253,9 @@ const PAYS: &str = "pays";
 const COSTS: &str = "costs";
 
 impl FrameRow {
-    /// Of a method's times on either kind of rays.
-    fn of(both: &[FrameTimes], remark: Option<&'static str>) -> Self {
+    /// Of a method's times on either kind of rays, and its net speedup.
+    fn of(both: &[FrameTimes], net: Option<Speedup>, remark: Option<&'static str>) -> Self {
         let trace = |kind: Kind| both.iter().find(|times| times.kind == kind).and_then(FrameTimes::trace);
-        let unsorted = summed(both.iter().map(|times| times.unsorted_ns.as_slice()));
-        let net = Speedup::of(&unsorted, &summed(both.iter().map(|times| times.total_ns.as_slice())));
         let verdict = match net.and_then(|net| net.interval) {
             Some((low, _)) if low > 1.0 => PAYS,
             Some((_, high)) if high < 1.0 => COSTS,

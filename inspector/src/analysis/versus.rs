@@ -24,22 +24,34 @@ pub struct Versus {
     pub trace: Metric<SpeedupLine>,
     /// The same with all that sorting costs on either side.
     pub net: Metric<SpeedupLine>,
-    /// The kinds of rays whose times are in it, but camera rays.
+    /// The kinds of rays whose times are in it.
     pub rays: Vec<RayClass>,
 }
 
 impl Versus {
-    /// On the whole frame: all queues of B but camera rays, their times summed round by round.
+    /// On the whole frame: all queues but camera rays, their times summed round by round. A queue that a method does
+    /// not order is as it lies, unsorted.
     pub fn on_frame([a, b]: [OrderOf<'_>; 2]) -> Self {
-        Self::on([a, b], |queue| RayClass::of(queue).is_some())
+        let is_frame = |queue: &QueueAnalysis| RayClass::of(queue).is_some();
+        let is_there = |of: OrderOf<'_>| {
+            of.recording.measured().any(|queue| is_frame(queue) && queue.order(of.method).is_some())
+        };
+        let order = if is_there(a) && is_there(b) { or_unsorted } else { QueueAnalysis::order as Lookup };
+        Self::by([a, b], is_frame, order)
     }
 
     /// On the queues of B that `is_meant`.
     pub fn on([a, b]: [OrderOf<'_>; 2], is_meant: impl Fn(&QueueAnalysis) -> bool) -> Self {
+        Self::by([a, b], is_meant, QueueAnalysis::order)
+    }
+
+    fn by([a, b]: [OrderOf<'_>; 2], is_meant: impl Fn(&QueueAnalysis) -> bool, order: Lookup) -> Self {
         let queues: Vec<&QueueAnalysis> = b.recording.measured().filter(|queue| is_meant(queue)).collect();
-        let has_b = queues.iter().filter(|queue| queue.order(b.method).is_some());
-        let pairs: Vec<[&OrderAnalysis; 2]> =
-            has_b.clone().filter_map(|queue| Some([same(a, queue)?, queue.order(b.method)?])).collect();
+        let has_b = queues.iter().filter(|queue| order(queue, b.method).is_some());
+        let pairs: Vec<[&OrderAnalysis; 2]> = has_b
+            .clone()
+            .filter_map(|queue| Some([order(same(a, queue)?, a.method)?, order(queue, b.method)?]))
+            .collect();
         let classes: Vec<RayClass> = has_b.clone().filter_map(|queue| RayClass::of(queue)).collect();
         let is_one_run = std::ptr::eq(a.recording, b.recording);
         let speedup = |of: fn(&OrderAnalysis) -> &Metric<SpeedupLine>,
@@ -64,10 +76,18 @@ impl Versus {
     }
 }
 
-/// Order A of the rays of a queue of B.
-fn same<'a>(a: OrderOf<'a>, queue: &QueueAnalysis) -> Option<&'a OrderAnalysis> {
+/// How the order of a method is found among those of a queue.
+type Lookup = for<'q> fn(&'q QueueAnalysis, &str) -> Option<&'q OrderAnalysis>;
+
+/// The order of a method, or unsorted rays where it has none.
+fn or_unsorted<'a>(queue: &'a QueueAnalysis, method: &str) -> Option<&'a OrderAnalysis> {
+    queue.order(method).or_else(|| queue.order(UNSORTED))
+}
+
+/// The rays of a queue of B in the recording of A.
+fn same<'a>(a: OrderOf<'a>, queue: &QueueAnalysis) -> Option<&'a QueueAnalysis> {
     let id = |queue: &QueueAnalysis| (queue.pass, queue.bounce, queue.kind, queue.rays);
-    a.recording.queues.iter().find(|found| id(found) == id(queue))?.order(a.method)
+    a.recording.queues.iter().find(|found| id(found) == id(queue))
 }
 
 /// All that tracing in an order takes: of unsorted rays the trace alone.
