@@ -3,8 +3,10 @@
 //!
 //! Camera rays are traced as they are generated. Every later queue is keyed, sorted and moved with all that its
 //! paths carry, and stays so: shading leaves the next queues in the order of their parents, which are sorted
-//! again. Nothing is brought home, since a path owns its pixel and its random numbers; so all orders give the
-//! same picture, which is checked after every frame. Lengths are learnt where a method reads them.
+//! again. Nothing is brought home, since a path owns its pixel and its random numbers. `auto` does what its
+//! calibration measured: paths stay where they are, rays are traced through indices, or gathered and their hits
+//! brought home. All orders give the same picture, which is checked after every frame. Lengths are learnt where a
+//! method reads them.
 
 use std::sync::Arc;
 
@@ -12,6 +14,7 @@ use anyhow::{Context, Result, bail, ensure};
 use formats::bench_result::{BenchResult, RenderRow, Rows};
 use formats::key::Termination;
 use formats::key::method::UNSORTED;
+use formats::manifest::Way;
 use formats::metrics::speedup::{Instrument, Speedup};
 use formats::ray::Kind;
 use scenes::Scene;
@@ -184,6 +187,12 @@ impl FrameOrder {
     }
 }
 
+/// A queue on its way to the tracer, as it lies or by an order that does not move its paths.
+struct Ordered<B: Backend> {
+    rays: B::Rays,
+    order: Option<(B::Permutation, Way)>,
+}
+
 /// A frame in one order.
 struct Frame<'a, B> {
     backend: &'a mut B,
@@ -204,13 +213,14 @@ impl<'a, B: Backend> Frame<'a, B> {
     fn render(&mut self, run: &RecordOptions) -> Result<()> {
         self.backend.restart()?;
         for pass in 0..run.passes {
-            let mut rays = self.backend.generate(pass)?;
+            let mut queue = Ordered::<B> { rays: self.backend.generate(pass)?, order: None };
             self.spent.shade += self.backend.elapsed_ns();
             for _ in 0..run.bounces {
-                if rays.is_empty() {
+                if queue.rays.is_empty() {
                     break;
                 }
-                let mut hits = self.trace(&rays)?;
+                let mut hits = self.trace(&queue)?;
+                let mut rays = queue.rays;
                 if let FrameOrder::Hits(order) = self.order {
                     (rays, hits) = self.sorted_hits(order, &rays, &hits)?;
                 }
@@ -222,50 +232,55 @@ impl<'a, B: Backend> Frame<'a, B> {
                 if !shaded.shadow.is_empty() {
                     let shadow = self.ordered(shaded.shadow)?;
                     let occlusion = self.trace(&shadow)?;
-                    self.backend.add_light(&shadow, &occlusion)?;
+                    self.backend.add_light(&shadow.rays, &occlusion)?;
                     self.spent.shade += self.backend.elapsed_ns();
                 }
-                rays = self.ordered(shaded.next)?;
+                queue = self.ordered(shaded.next)?;
             }
         }
         Ok(())
     }
 
-    /// A queue in the order in which it is traced and goes on.
-    fn ordered(&mut self, rays: B::Rays) -> Result<B::Rays> {
+    /// A queue in the order in which it is traced, and goes on where its paths are moved.
+    fn ordered(&mut self, rays: B::Rays) -> Result<Ordered<B>> {
+        let FrameOrder::Rays(order) = self.order else { return Ok(Ordered { rays, order: None }) };
         if rays.is_empty() {
-            return Ok(rays);
+            return Ok(Ordered { rays, order: None });
         }
-        let FrameOrder::Rays(order) = self.order else { return Ok(rays) };
-        let method = match order {
-            Subject::Unsorted => return Ok(rays),
+        let permutation = match order {
+            Subject::Unsorted => return Ok(Ordered { rays, order: None }),
             Subject::Shuffled | Subject::Foreign(_) => {
                 bail!("a renderer sorts by methods, and knows no other order")
             }
-            Subject::Control => None,
-            Subject::Method(method) => Some(method),
+            Subject::Control => {
+                self.backend.upload_permutation(&(0..rays.len() as u32).collect::<Vec<_>>())?
+            }
+            Subject::Method(method) if !self.setup.methods[method].applies_to(rays.id().kind) => {
+                return Ok(Ordered { rays, order: None });
+            }
+            Subject::Method(method) => self.permutation(&rays, method)?,
             Subject::Auto => {
                 let auto = self.auto.context("nothing chooses an order")?;
                 let (decision, taken) = auto.decide(self.backend, &rays)?;
                 self.spent.reorder += taken.elapsed_ns;
-                let Some((method, _)) = decision.order else { return Ok(rays) };
-                Some(method)
+                let order = match decision.order {
+                    Some((method, way)) => Some((self.permutation(&rays, method)?, way)),
+                    None => None,
+                };
+                return Ok(Ordered { rays, order });
             }
         };
-        let permutation = match method {
-            None => self.backend.upload_permutation(&(0..rays.len() as u32).collect::<Vec<_>>())?,
-            Some(method) if !self.setup.methods[method].applies_to(rays.id().kind) => return Ok(rays),
-            Some(method) => {
-                let keys = self.backend.key(&rays, None, method)?;
-                self.spent.reorder += self.backend.elapsed_ns();
-                let permutation = self.backend.sort(&keys)?;
-                self.spent.reorder += self.backend.elapsed_ns();
-                permutation
-            }
-        };
-        let ordered = self.backend.reorder(&rays, &permutation)?;
+        let rays = self.backend.reorder(&rays, &permutation)?;
         self.spent.reorder += self.backend.elapsed_ns();
-        Ok(ordered)
+        Ok(Ordered { rays, order: None })
+    }
+
+    fn permutation(&mut self, rays: &B::Rays, method: usize) -> Result<B::Permutation> {
+        let keys = self.backend.key(rays, None, method)?;
+        self.spent.reorder += self.backend.elapsed_ns();
+        let permutation = self.backend.sort(&keys)?;
+        self.spent.reorder += self.backend.elapsed_ns();
+        Ok(permutation)
     }
 
     /// Paths and their hits in an order of hits.
@@ -285,13 +300,29 @@ impl<'a, B: Backend> Frame<'a, B> {
         Ok((sorted, hits))
     }
 
-    fn trace(&mut self, rays: &B::Rays) -> Result<B::Hits> {
-        let hits = self.backend.trace(rays, Order::Stored)?;
-        self.spent.trace += self.backend.elapsed_ns();
+    fn trace(&mut self, Ordered { rays, order }: &Ordered<B>) -> Result<B::Hits> {
+        let hits = match order {
+            None => self.traced(rays, Order::Stored)?,
+            Some((permutation, Way::Indices)) => self.traced(rays, Order::Indirect(permutation))?,
+            Some((permutation, Way::Gathered)) => {
+                let gathered = self.backend.gather(rays, permutation)?;
+                self.spent.reorder += self.backend.elapsed_ns();
+                let hits = self.traced(&gathered, Order::Stored)?;
+                let home = self.backend.scatter(&hits, permutation)?;
+                self.spent.reorder += self.backend.elapsed_ns();
+                home
+            }
+        };
         if self.learns(rays.id().kind) {
             self.backend.accumulate(rays, &hits, Table::Learnt)?;
             self.spent.reorder += self.backend.elapsed_ns();
         }
+        Ok(hits)
+    }
+
+    fn traced(&mut self, rays: &B::Rays, order: Order<&B::Permutation>) -> Result<B::Hits> {
+        let hits = self.backend.trace(rays, order)?;
+        self.spent.trace += self.backend.elapsed_ns();
         Ok(hits)
     }
 
@@ -346,8 +377,17 @@ mod tests {
             let auto = calibrated(backend, setup, run).unwrap();
             let subjects = [Subject::Unsorted, Subject::Control, Subject::Auto].into_iter().chain(methods);
             let orders = subjects.map(FrameOrder::Rays).chain(HitOrder::ALL.map(FrameOrder::Hits));
-            for order in orders {
-                let mut frame = Frame::new(backend, setup, order, Some(&auto));
+            // As if every order had been worth it, traced either way.
+            let sure = [Way::Gathered, Way::Indices].map(|way| {
+                let mut auto = auto.clone();
+                for candidate in auto.calibration.iter_mut().flat_map(|queue| &mut queue.candidates) {
+                    (candidate.choice.way, candidate.net_low) = (way, 2.0);
+                }
+                auto
+            });
+            let sure = sure.iter().map(|auto| (FrameOrder::Rays(Subject::Auto), auto));
+            for (order, auto) in orders.map(|order| (order, &auto)).chain(sure) {
+                let mut frame = Frame::new(backend, setup, order, Some(auto));
                 frame.render(run).unwrap();
                 let (spent, learns) = (frame.spent, Kind::ALL.map(|kind| frame.learns(kind)));
                 let name = order.name(&setup.methods);
