@@ -25,7 +25,7 @@
 //! that leaves a small triangle finds a large one that lies in the same plane, at a distance that is
 //! nothing but rounding: in a room in millimetres some percent of all shadow rays did.
 
-use glam::{Vec3, Vec4, Vec4Swizzles};
+use glam::{Mat4, Vec4, Vec4Swizzles};
 
 use crate::ray::Ray;
 
@@ -50,16 +50,6 @@ pub fn farthest(ray: &Ray) -> f32 {
     ray.t_max.min(f32::MAX)
 }
 
-/// Dot product, summed from x to z.
-pub fn dot3(a: Vec3, b: Vec3) -> f32 {
-    a.x * b.x + a.y * b.y + a.z * b.z
-}
-
-/// Cross product.
-pub fn cross3(a: Vec3, b: Vec3) -> Vec3 {
-    Vec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
-}
-
 /// The coordinates of a triangle's corners, a row per axis; what stands in the fourth column does not matter.
 pub type Rows = [[f32; 4]; 3];
 
@@ -80,14 +70,14 @@ pub struct Shear {
     /// Axes x, y, z after permutation; z is the one with the largest component of the direction,
     /// x and y are swapped where that is negative, so that windings are preserved.
     pub axes: [usize; 3],
-    /// `d_x/d_z`, `d_y/d_z`, `1/d_z` with permuted axes.
-    pub shear: [f32; 3],
+    /// `d_x/d_z`, `d_y/d_z` with permuted axes.
+    pub shear: [f32; 2],
     /// The ray's origin, axes permuted.
     pub origin: [f32; 3],
-    /// The ray's origin and direction, axes as they are.
-    line: [Vec3; 2],
-    /// Reciprocals of the direction, axes permuted.
-    pub inverse: [f32; 3],
+    /// The reciprocal of the direction's largest component.
+    pub inverse_z: f32,
+    /// The ray's origin, direction and reciprocals of that, axes as they are.
+    line: [Vec4; 3],
 }
 
 impl Shear {
@@ -108,74 +98,82 @@ impl Shear {
             (x, y) = (y, x);
         }
         let o = ray.origin;
-        let shear = [d[x] / d[z], d[y] / d[z], 1.0 / d[z]];
         Self {
             axes: [x, y, z],
-            shear,
+            shear: [d[x] / d[z], d[y] / d[z]],
             origin: [o[x], o[y], o[z]],
-            line: [Vec3::from(o), Vec3::from(d)],
-            inverse: [inverse[x], inverse[y], inverse[z]],
+            inverse_z: inverse[z],
+            line: [o, d, inverse].map(|[x, y, z]| Vec4::new(x, y, z, 0.0)),
         }
     }
 
     /// Where the line hits a triangle ahead of the ray's origin; the ray's ends are not looked at.
     #[inline(always)]
     pub fn meet(&self, rows: &Rows) -> Option<Intersection> {
-        let moved = self.moved(rows);
-        let [moved_x, moved_y, z] = moved;
-        let (shear_x, shear_y) = (Vec4::splat(self.shear[0]), Vec4::splat(self.shear[1]));
-        let x = moved_x - shear_x * z;
-        let y = moved_y - shear_y * z;
-        // Weight of a corner: the edge function of the two others.
-        let edges = x.zxyw() * y.yzxw() - y.zxyw() * x.yzxw();
+        let edges = self.edges(rows);
         let corners = 0b111;
         let is_negative = edges.cmplt(Vec4::ZERO).bitmask() & corners != 0;
         let is_positive = edges.cmpgt(Vec4::ZERO).bitmask() & corners != 0;
-        if is_negative && is_positive {
-            return None;
-        }
-        let [a, b, c, _] = edges.to_array();
-        let sum = (a + b) + c;
-        if sum == 0.0 {
+        if is_negative && is_positive || sum(edges) == 0.0 {
             return None;
         }
         // Few triangles come this far, so that what follows costs little.
-        let t = distance(rows, &self.line, self.reached(moved))?;
-        // Quotients of numbers of the same sign: `abs` only removes the sign of a zero, which
-        // depends on the order of an edge's corners.
-        Some(Intersection { t, u: (b / sum).abs(), v: (c / sum).abs() })
+        let t = self.reach(rows)?;
+        let [u, v] = weights(edges);
+        Some(Intersection { t, u, v })
     }
 
     /// The distance alone, to a triangle in whose projection the origin is known to lie.
     #[inline(always)]
     pub fn reach(&self, rows: &Rows) -> Option<f32> {
-        distance(rows, &self.line, self.reached(self.moved(rows)))
+        distance(rows, &self.line, self.axes[2])
+    }
+
+    /// The weights of the second and third corner of a triangle that is hit.
+    #[inline(always)]
+    pub fn weights(&self, rows: &Rows) -> [f32; 2] {
+        weights(self.edges(rows))
     }
 
     /// The corners as seen from the ray's origin, axes permuted. Four lanes at a time; what the last one holds and
-    /// becomes is of no interest.
+    /// becomes is of no interest, here and below.
     #[inline(always)]
     fn moved(&self, rows: &Rows) -> [Vec4; 3] {
-        let moved = |axis: usize| Vec4::from_array(rows[self.axes[axis]]) - Vec4::splat(self.origin[axis]);
-        [moved(0), moved(1), moved(2)]
+        [0, 1, 2].map(|axis| Vec4::from_array(rows[self.axes[axis]]) - Vec4::splat(self.origin[axis]))
     }
 
-    /// Where the line comes to the corners' x, y and z.
+    /// For each corner the edge function of the two others.
     #[inline(always)]
-    fn reached(&self, moved: [Vec4; 3]) -> [Vec3; 3] {
-        [0, 1, 2].map(|axis| (Vec4::splat(self.inverse[axis]) * moved[axis]).truncate())
+    fn edges(&self, rows: &Rows) -> Vec4 {
+        let [moved_x, moved_y, z] = self.moved(rows);
+        let x = moved_x - Vec4::splat(self.shear[0]) * z;
+        let y = moved_y - Vec4::splat(self.shear[1]) * z;
+        x.zxyw() * y.yzxw() - y.zxyw() * x.yzxw()
     }
 }
 
-/// Distance along a line to the triangle's plane; `None` if that is not to be believed. `reached` says where
-/// the line comes to the corners' x, y and z.
+fn sum(edges: Vec4) -> f32 {
+    (edges.x + edges.y) + edges.z
+}
+
+/// Quotients of numbers of the same sign: `abs` only removes the sign of a zero, which depends on the order of an
+/// edge's corners.
 #[inline(always)]
-fn distance(rows: &Rows, [origin, direction]: &[Vec3; 2], reached: [Vec3; 3]) -> Option<f32> {
-    let corner = |at: usize| Vec3::from(rows.map(|row| row[at]));
-    let (p, q, r) = (corner(0), corner(1), corner(2));
-    let squared = |v: Vec3| dot3(v, v);
+fn weights(edges: Vec4) -> [f32; 2] {
+    let sum = sum(edges);
+    [(edges.y / sum).abs(), (edges.z / sum).abs()]
+}
+
+/// Distance along a line, given with its reciprocals and the axis that it runs along most, to the triangle's plane;
+/// `None` if that is not to be believed.
+#[inline(always)]
+fn distance(rows: &Rows, &[origin, direction, inverse]: &[Vec4; 3], axis: usize) -> Option<f32> {
+    let [x, y, z] = rows.map(Vec4::from_array);
+    // Of the edge across from each corner.
+    let [to_x, to_y, to_z] = [x, y, z].map(|row| row.zxyw() - row.yzxw());
+    let [across_p, across_q, across_r, _] = (to_x * to_x + to_y * to_y + to_z * to_z).to_array();
+    let [p, q, r, _] = transposed([x, y, z, Vec4::ZERO]);
     // The corner opposite the longest edge, and the two others.
-    let [across_p, across_q, across_r] = [squared(r - q), squared(p - r), squared(q - p)];
     let (base, next, last) = if across_p >= across_q && across_p >= across_r {
         (p, q, r)
     } else if across_q >= across_r {
@@ -183,20 +181,28 @@ fn distance(rows: &Rows, [origin, direction]: &[Vec3; 2], reached: [Vec3; 3]) ->
     } else {
         (r, p, q)
     };
-    let (a, b, to_base) = (next - base, last - base, base - *origin);
-    let normal = cross3(a, b);
-    let (height, approach) = (dot3(normal, to_base), dot3(normal, *direction));
-    let (a, b) = (a.abs(), b.abs());
-    let sizes = Vec3::new(a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x);
-    let is_certain = height.abs() > GAMMA_8 * dot3(sizes, to_base.abs())
-        && approach.abs() > GAMMA_8 * dot3(sizes, direction.abs());
-    let [x, y, z] = reached;
-    let ahead = z.min_element();
-    let nearest = x.min_element().max(y.min_element()).max(ahead);
-    let farthest = z.max_element();
+    let (a, b, to_base) = (next - base, last - base, base - origin);
+    // The normal of the plane is their difference.
+    let (plus, minus) = (a.yzxw() * b.zxyw(), a.zxyw() * b.yzxw());
+    let (normal, sizes) = (plus - minus, plus.abs() + minus.abs());
+    let products = [normal * to_base, normal * direction, sizes * to_base.abs(), sizes * direction.abs()];
+    let [x, y, z, _] = transposed(products);
+    let [height, approach, height_size, approach_size] = (x + y + z).to_array();
+    let is_certain = height.abs() > GAMMA_8 * height_size && approach.abs() > GAMMA_8 * approach_size;
+    // Where the line comes to the corners' x, y and z.
+    let [p, q, r] = [p, q, r].map(|corner| inverse * (corner - origin));
+    let (first, last) = (p.min(q.min(r)), p.max(q.max(r)));
+    let (ahead, farthest) = (first.to_array()[axis], last.to_array()[axis]);
+    let nearest = first.x.max(first.y).max(first.z);
     let quotient = height / approach;
     let is_ahead = if is_certain { quotient > 0.0 } else { ahead > 0.0 && approach != 0.0 };
     let t = if quotient < farthest { quotient } else { farthest };
     let t = if t > nearest { t } else { nearest };
     (is_ahead && t >= 0.0).then_some(t)
+}
+
+#[inline(always)]
+fn transposed([x, y, z, w]: [Vec4; 4]) -> [Vec4; 4] {
+    let Mat4 { x_axis, y_axis, z_axis, w_axis } = Mat4::from_cols(x, y, z, w).transpose();
+    [x_axis, y_axis, z_axis, w_axis]
 }

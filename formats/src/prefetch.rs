@@ -36,10 +36,10 @@ pub fn prefetch_to_write<T>(values: &[T], index: usize) {
     let _ = address;
 }
 
-/// Asks for all cache lines of a value.
+/// Asks for all cache lines of a value by its index. There need not be such a value.
 #[inline(always)]
-pub fn prefetch_whole<T>(value: &T) {
-    let start: *const u8 = std::ptr::from_ref(value).cast();
+pub fn prefetch_whole_at<T>(values: &[T], index: usize) {
+    let start: *const u8 = values.as_ptr().wrapping_add(index).cast();
     (0..size_of::<T>()).step_by(64).for_each(|at| prefetch_line(start.wrapping_add(at)));
 }
 

@@ -3,8 +3,17 @@
 //! Sums and products by component are `glam`'s; what has an order to choose is here and, under the
 //! same names, in WGSL.
 
-pub use formats::intersect::{cross3, dot3};
 use glam::Vec3;
+
+/// Dot product, summed from x to z.
+pub fn dot3(a: Vec3, b: Vec3) -> f32 {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}
+
+/// Cross product.
+pub fn cross3(a: Vec3, b: Vec3) -> Vec3 {
+    Vec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+}
 
 /// A vector of length 1; NaN for a zero vector.
 #[inline(always)]

@@ -183,33 +183,37 @@ impl<'a, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const 
     /// Tests a triangle; true if the search is over.
     #[inline(always)]
     pub(super) fn test(&mut self, leaf: &LeafTriangle) -> bool {
-        self.triangle_ray.intersect(leaf).is_some_and(|at| self.keep(leaf, at))
+        let at = self.triangle_ray.intersect(leaf);
+        at.filter(|at| self.is_better(leaf, at.t)).is_some_and(|at| self.keep(leaf, at))
     }
 
-    /// The same for a triangle of which [`Query::candidates`] has a bit: where any hit will do, no weights are needed
-    /// but for holes.
+    /// The same for a triangle of which [`Query::candidates`] has a bit: weights are made of hits that count, and
+    /// where any hit will do, only for holes.
     #[inline(always)]
     pub(super) fn test_candidate(&mut self, leaf: &LeafTriangle) -> bool {
-        if MASKS || !ANY {
-            return self.test(leaf);
-        }
-        let at = self.triangle_ray.reach(leaf).map(|t| Intersection { t, u: 0.0, v: 0.0 });
+        let counts = |t| self.is_better(leaf, t);
+        let at = match MASKS || !ANY {
+            true => self.triangle_ray.confirm::<true>(leaf, counts),
+            false => self.triangle_ray.confirm::<false>(leaf, counts),
+        };
         at.is_some_and(|at| self.keep(leaf, at))
     }
 
-    /// Takes a hit if it is the best so far; true if the search is over.
+    /// Whether a hit at that distance is the best so far.
+    #[inline(always)]
+    fn is_better(&self, leaf: &LeafTriangle, t: f32) -> bool {
+        let is_nearer = t < self.best.t || (t == self.best.t && leaf.triangle() < self.best.triangle);
+        t >= self.t_min && is_nearer
+    }
+
+    /// Takes a hit that is better, unless it is in a hole; true if the search is over.
     #[inline(always)]
     fn keep(&mut self, leaf: &LeafTriangle, at: Intersection) -> bool {
-        let triangle = leaf.triangle();
-        let is_nearer = at.t < self.best.t || (at.t == self.best.t && triangle < self.best.triangle);
-        if !(at.t >= self.t_min && is_nearer) {
-            return false;
-        }
         if MASKS && leaf.mask() != 0 && self.masks.is_hole(leaf.mask(), at.u, at.v) {
             return false;
         }
         // No distance is negative here, but it may be a negative zero.
-        self.best = Hit { t: at.t.abs(), triangle, u: at.u, v: at.v };
+        self.best = Hit { t: at.t.abs(), triangle: leaf.triangle(), u: at.u, v: at.v };
         ANY
     }
 

@@ -1,8 +1,9 @@
 //! Traversal of the wide hierarchy on a thread: eight boxes in f32 and four triangles at a time, the children by
 //! distance.
 
-use formats::pages::{on_huge_pages, room_on_huge_pages};
-use formats::prefetch::prefetch_whole;
+use bytemuck::{Pod, Zeroable};
+use formats::pages::room_on_huge_pages;
+use formats::prefetch::{prefetch_at, prefetch_whole_at};
 use scenes::bvh::{WIDE_LEVELS, WideNode};
 
 use super::cpu_query::{Account, Query, Tree};
@@ -11,13 +12,23 @@ use super::triangle::{LeafTriangle, TriangleBlock, TriangleRay};
 /// The nodes, with blocks of triangles in place of leaf slots.
 #[derive(Clone, Debug)]
 pub(super) struct WideTree {
-    nodes: Vec<Node>,
+    /// Of a node [`LINES`] after each other.
+    lines: Vec<Line>,
     blocks: Vec<TriangleBlock>,
 }
 
-/// [`WideNode`]; a leaf's children count blocks and name the first one.
+/// A part of a node. Where a node begins is a shift away from its number, where a multiplication would keep all
+/// that follows waiting.
 #[repr(C, align(32))]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct Line([u32; 8]);
+
+/// How many make a node.
+const LINES: usize = size_of::<Node>() / size_of::<Line>();
+
+/// [`WideNode`]; an inner node is named by its first line, a leaf's children count blocks and name the first one.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(super) struct Node {
     planes: [[[f32; 8]; 2]; 3],
     children: [u32; 8],
@@ -35,24 +46,40 @@ impl WideTree {
         let mut packed = |child: u32| {
             let (count, first) = WideNode::leaf(child);
             if count == 0 {
-                return child;
+                return first * LINES as u32;
             }
             let first_block = blocks.len() as u32;
             let leaf = &triangles[first as usize..(first + count) as usize];
             blocks.extend(leaf.chunks(TriangleBlock::TRIANGLES).map(TriangleBlock::new));
             (blocks.len() as u32 - first_block) << WideNode::FIRST_BITS | first_block
         };
-        let pack = |node: &WideNode| Node { planes: node.planes, children: node.children.map(&mut packed) };
-        let nodes = on_huge_pages(nodes.iter().map(pack));
-        Self { nodes, blocks }
+        let mut pack =
+            |node: &WideNode| Node { planes: node.planes, children: node.children.map(&mut packed) };
+        assert!(nodes.len() * LINES <= 1 << WideNode::FIRST_BITS, "lines of nodes that 28 bits can name");
+        let mut lines = room_on_huge_pages(nodes.len() * LINES);
+        for node in nodes {
+            lines.extend(bytemuck::cast::<_, [Line; LINES]>(pack(node)));
+        }
+        Self { lines, blocks }
+    }
+
+    /// The node that begins with a line.
+    #[inline(always)]
+    fn node(&self, line: u32) -> &Node {
+        let Some(lines) = self.lines[line as usize..].first_chunk::<LINES>() else {
+            unreachable!("a node has all its lines")
+        };
+        bytemuck::cast_ref(lines)
     }
 
     /// Asks for a child ahead of its visit.
     #[inline(always)]
     fn ask(&self, child: u32) {
         match WideNode::leaf(child) {
-            (0, index) => prefetch_whole(&self.nodes[index as usize]),
-            (_, first) => prefetch_whole(&self.blocks[first as usize]),
+            (0, line) => {
+                (0..LINES).step_by(2).for_each(|part| prefetch_at(&self.lines, line as usize + part))
+            }
+            (_, first) => prefetch_whole_at(&self.blocks, first as usize),
         }
     }
 
@@ -74,10 +101,9 @@ impl WideTree {
         let mut current = 0;
         loop {
             let (count, first) = WideNode::leaf(current);
-            let first = first as usize;
             if count == 0 {
-                query.visit(first);
-                let node = &self.nodes[first];
+                query.visit(first as usize / LINES);
+                let node = self.node(first);
                 let (near, hits) = test.test(node, query.limit(), query.padding());
                 if hits != 0 {
                     let ask = |child| self.ask(child);
@@ -89,7 +115,7 @@ impl WideTree {
                     continue;
                 }
             } else {
-                for place in first..first + count as usize {
+                for place in first as usize..(first + count) as usize {
                     let block = &self.blocks[place];
                     query.visit_leaf(place, || block.count());
                     let mut lanes = query.candidates(block);

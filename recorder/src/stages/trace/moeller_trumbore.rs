@@ -45,8 +45,12 @@ impl TriangleRay for PlainRay {
     }
 
     #[inline(always)]
-    fn reach(&self, leaf: &LeafTriangle) -> Option<f32> {
-        Some(self.intersect(leaf)?.t)
+    fn confirm<const WEIGHTS: bool>(
+        &self,
+        leaf: &LeafTriangle,
+        counts: impl FnOnce(f32) -> bool,
+    ) -> Option<Intersection> {
+        self.intersect(leaf).filter(|at| counts(at.t))
     }
 
     #[inline(always)]

@@ -17,8 +17,13 @@ pub trait TriangleRay: Sized {
     /// Where the line hits a triangle, ahead of its origin or not; `t` may be anything, also NaN.
     fn intersect(&self, leaf: &LeafTriangle) -> Option<Intersection>;
 
-    /// The distance alone, to a triangle of which [`TriangleRay::candidates`] has a bit.
-    fn reach(&self, leaf: &LeafTriangle) -> Option<f32>;
+    /// The same for a triangle of which [`TriangleRay::candidates`] has a bit, if the distance `counts`. Without
+    /// `WEIGHTS` those may be anything.
+    fn confirm<const WEIGHTS: bool>(
+        &self,
+        leaf: &LeafTriangle,
+        counts: impl FnOnce(f32) -> bool,
+    ) -> Option<Intersection>;
 
     /// Bit `lane` set for each triangle of a block that may be hit at `farthest` or nearer: all that are, and few
     /// others.
@@ -52,8 +57,14 @@ impl TriangleRay for Shear {
     }
 
     #[inline(always)]
-    fn reach(&self, leaf: &LeafTriangle) -> Option<f32> {
-        self.reach(&leaf.rows)
+    fn confirm<const WEIGHTS: bool>(
+        &self,
+        leaf: &LeafTriangle,
+        counts: impl FnOnce(f32) -> bool,
+    ) -> Option<Intersection> {
+        let t = self.reach(&leaf.rows).filter(|&t| counts(t))?;
+        let [u, v] = if WEIGHTS { self.weights(&leaf.rows) } else { [0.0; 2] };
+        Some(Intersection { t, u, v })
     }
 
     /// By the arithmetic of [`Shear::meet`]: the signs of the edge functions, and the depth of the nearest
@@ -62,7 +73,7 @@ impl TriangleRay for Shear {
     fn candidates(&self, block: &TriangleBlock, farthest: f32) -> u32 {
         let [rows_x, rows_y, rows_z] = self.axes.map(|axis| &block.rows[axis]);
         let [origin_x, origin_y, origin_z] = self.origin.map(Vec4::splat);
-        let [shear_x, shear_y, inverse_z] = [self.shear[0], self.shear[1], self.inverse[2]].map(Vec4::splat);
+        let [shear_x, shear_y, inverse_z] = [self.shear[0], self.shear[1], self.inverse_z].map(Vec4::splat);
         let [z_a, z_b, z_c] = [0, 1, 2].map(|corner| rows_z[corner] - origin_z);
         let sheared = |corner: usize, z: Vec4| {
             (rows_x[corner] - origin_x - shear_x * z, rows_y[corner] - origin_y - shear_y * z)
@@ -96,7 +107,7 @@ impl<V: Vector> TriangleLanes<V, Shear> for ShearLanes<V> {
             axes: [0, 1, 2].map(|axis| rays.map(|ray| ray.axes[axis] as u32)),
             origin: [V::load(&x), V::load(&y), V::load(&z)],
             shear: [V::load(&shear_x), V::load(&shear_y)],
-            inverse_z: V::load(&rays.map(|ray| ray.inverse[2])),
+            inverse_z: V::load(&rays.map(|ray| ray.inverse_z)),
         }
     }
 
