@@ -66,8 +66,9 @@ impl WideTree {
     /// The node that begins with a line.
     #[inline(always)]
     fn node(&self, line: u32) -> &Node {
-        let Some(lines) = self.lines[line as usize..].first_chunk::<LINES>() else {
-            unreachable!("a node has all its lines")
+        let first = line as usize;
+        let Some(lines) = self.lines[first..first + LINES].first_chunk::<LINES>() else {
+            unreachable!("as many as a node has")
         };
         bytemuck::cast_ref(lines)
     }
@@ -100,10 +101,9 @@ impl WideTree {
         let mut waiting = Waiting { stack, count: 0 };
         let mut current = 0;
         loop {
-            let (count, first) = WideNode::leaf(current);
-            if count == 0 {
-                query.visit(first as usize / LINES);
-                let node = self.node(first);
+            if current >> WideNode::FIRST_BITS == 0 {
+                query.visit(current as usize / LINES);
+                let node = self.node(current);
                 let (near, hits) = test.test(node, query.limit(), query.padding());
                 if hits != 0 {
                     let ask = |child| self.ask(child);
@@ -115,6 +115,7 @@ impl WideTree {
                     continue;
                 }
             } else {
+                let (count, first) = WideNode::leaf(current);
                 for place in first as usize..(first + count) as usize {
                     let block = &self.blocks[place];
                     query.visit_leaf(place, || block.count());
@@ -181,7 +182,10 @@ impl Waiting<'_> {
             let slot = hits.trailing_zeros() as usize % 8;
             hits &= hits.wrapping_sub(1);
             let child = node.children[slot];
-            ask(child);
+            // The last one, and so the only one, would hardly be sooner there.
+            if hits != 0 {
+                ask(child);
+            }
             (u64::from(near[slot].to_bits()) << 32 | u64::from(child), hits == 0)
         };
         let (first, is_last) = next();
@@ -221,11 +225,11 @@ impl Waiting<'_> {
     fn cheapest_of(&mut self, node: &Node, mut hits: u32, ask: impl Fn(u32)) -> u32 {
         loop {
             let child = node.children[hits.trailing_zeros() as usize % 8];
-            ask(child);
             hits &= hits - 1;
             if hits == 0 {
                 return child;
             }
+            ask(child);
             self.push(u64::from(child));
         }
     }
@@ -357,9 +361,11 @@ mod avx2 {
             (distance(node.planes[axis][is_negative]), distance(node.planes[axis][1 - is_negative]))
         };
         let (x, y, z) = (slab(0), slab(1), slab(2));
-        let near = _mm256_max_ps(_mm256_max_ps(_mm256_max_ps(x.0, y.0), z.0), ray.t_min);
-        let far = _mm256_min_ps(_mm256_min_ps(x.1, y.1), z.1);
-        let far = _mm256_min_ps(_mm256_mul_ps(far, _mm256_set1_ps(padding)), _mm256_set1_ps(limit));
+        // In two halves each, so that nothing waits longer than it must.
+        let near = _mm256_max_ps(_mm256_max_ps(x.0, y.0), _mm256_max_ps(z.0, ray.t_min));
+        let padded = |far| _mm256_mul_ps(far, _mm256_set1_ps(padding));
+        let far_z = _mm256_min_ps(padded(z.1), _mm256_set1_ps(limit));
+        let far = _mm256_min_ps(padded(_mm256_min_ps(x.1, y.1)), far_z);
         let hits = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32;
         (bytemuck::cast(near), hits)
     }
