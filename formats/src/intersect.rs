@@ -36,6 +36,9 @@ pub const GAMMA_8: f32 = 4.768_374e-7;
 /// tests add up to about 20 where division is exact, 28 where a GPU divides to 2.5 ulp.
 pub const PADDING: f32 = 1.0 + 1.0 / (1 << 19) as f32;
 
+/// A product of three coordinates whose sign no underflow of its parts can have turned, with coordinates below 2^40.
+const LEAST_SIGNED: f32 = 1.0 / (1u128 << 100) as f32;
+
 /// Largest reciprocal of a direction: 2^80.
 pub const RECIPROCAL_LIMIT: f32 = (1u128 << 80) as f32;
 
@@ -133,6 +136,33 @@ impl Shear {
     #[inline(always)]
     pub fn weights(&self, rows: &Rows) -> [f32; 2] {
         weights(self.edges(rows))
+    }
+
+    /// Bit `lane` set for each of four triangles whose plane the ray surely leaves behind: [`Shear::meet`] finds none of
+    /// them that has a corner at the origin's depth or behind. Given are, per axis and corner, the coordinates of all
+    /// four.
+    ///
+    /// Beyond the bounds that `meet` has, too, the signs of a plane's height and approach are those without rounding,
+    /// whichever corner they are taken from.
+    #[inline(always)]
+    pub fn leaves_behind(&self, corners: &[[Vec4; 3]; 3]) -> u32 {
+        let [origin, direction, _] = self.line.map(|line| line.to_array());
+        let a = corners.map(|[base, next, _]| next - base);
+        let b = corners.map(|[base, _, last]| last - base);
+        let to_base = [0, 1, 2].map(|axis| corners[axis][0] - Vec4::splat(origin[axis]));
+        let along = [0, 1, 2].map(|axis| Vec4::splat(direction[axis]));
+        let products = [(1, 2), (2, 0), (0, 1)].map(|(y, z)| [a[y] * b[z], a[z] * b[y]]);
+        let normal = products.map(|[plus, minus]| plus - minus);
+        let sizes = products.map(|[plus, minus]| plus.abs() + minus.abs());
+        let dot = |a: [Vec4; 3], b: [Vec4; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let sign = |of: [Vec4; 3]| {
+            let (value, size) = (dot(normal, of), dot(sizes, of.map(Vec4::abs)));
+            let bound = (GAMMA_8 * size).max(Vec4::splat(LEAST_SIGNED));
+            (value.is_negative_bitmask(), value.abs().cmpgt(bound).bitmask())
+        };
+        let (height, is_height_certain) = sign(to_base);
+        let (approach, is_approach_certain) = sign(along);
+        (height ^ approach) & is_height_certain & is_approach_certain
     }
 
     /// The corners as seen from the ray's origin, axes permuted. Four lanes at a time; what the last one holds and

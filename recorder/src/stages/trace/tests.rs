@@ -7,16 +7,18 @@ use fastrand::Rng;
 use formats::intersect::{Shear, farthest, reciprocal};
 use formats::metrics::lanes::{LaneUse, work_of};
 use formats::ray::{Hit, Kind, Ray, Work};
+use glam::Vec3;
 use scenes::bvh::{BvhKind, build};
 use scenes::{Material, Scene, Texture};
 
 use super::cpu::CpuTracer;
 use super::hits::Hits;
 use super::mask::Masks;
-use super::triangle::{LeafTriangle, TriangleRay};
+use super::triangle::{LeafTriangle, TriangleBlock, TriangleRay};
 use super::{Order, Precision, TraceKernel};
 use crate::stages::compare::cpu::differences as differences_between;
 use crate::stages::scatter::cpu::scatter;
+use crate::stages::shade::surface::offset_origin;
 use crate::stages::sort::cpu::permutation_of;
 
 /// Each coordinate in [0, 1).
@@ -492,4 +494,41 @@ fn lanes_are_all_busy_with_equal_rays_and_one_is_with_one_ray() {
     assert_eq!(measured.work, model.work);
     assert!(measured.capacity > model.capacity, "{measured:?}, {model:?}");
     assert_eq!(CpuTracer::new(&scene, &bvh).lane_use(&rays, Kind::Closest), None);
+}
+
+#[test]
+fn a_block_lets_through_what_is_hit_and_seldom_the_triangle_that_a_ray_leaves() {
+    let mut random = Rng::with_seed(7);
+    let (mut left, mut let_through) = (0, 0);
+    for round in 0..40_000 {
+        let size = 10f32.powf(6.0 * random.f32() - 3.0);
+        let centre = Vec3::from(point(&mut random)) * 10.0 * size;
+        let mut corner = || centre + Vec3::from(point(&mut random)) * size;
+        let triangles: [[Vec3; 3]; 4] = std::array::from_fn(|_| {
+            let [a, b, c] = [corner(), corner(), corner()];
+            // Half of them are slivers.
+            [a, b, if round % 2 == 0 { c } else { a.lerp(b, 0.3) + (c - a) * 1e-4 }]
+        });
+        let [a, b, c] = triangles[0];
+        let (u, v) = (0.5 * random.f32(), 0.5 * random.f32());
+        let normal = (b - a).cross(c - a).normalize();
+        let on_it = a + u * (b - a) + v * (c - a);
+        let off_it = offset_origin(on_it, normal, b - a, c - a);
+        // At a distance at which it is sure to be left, and at those at which it is not.
+        let part = [1.0, 1.0, 0.1, 0.01, 0.0, -0.1, -1.0][round % 7];
+        let ray = ray((on_it + part * (off_it - on_it)).to_array(), direction(&mut random));
+        let shear = Shear::new(&ray, ray.direction.map(reciprocal));
+        let leaves =
+            triangles.map(|corners| LeafTriangle::new(&corners.map(|corner| corner.to_array()), 0, 0));
+        let candidates = shear.candidates(&TriangleBlock::new(&leaves), f32::MAX);
+        for (lane, leaf) in leaves.iter().enumerate() {
+            let is_hit = shear.intersect(leaf).is_some();
+            assert!(!is_hit || candidates >> lane & 1 == 1, "lane {lane} of {triangles:?}, {ray:?}");
+        }
+        if round % 2 == 0 && part == 1.0 && normal.dot(Vec3::from(ray.direction)) > 0.1 {
+            left += 1;
+            let_through += candidates & 1;
+        }
+    }
+    assert!(left > 2_000 && 20 * let_through < left, "{let_through} of {left}");
 }

@@ -68,7 +68,8 @@ impl TriangleRay for Shear {
     }
 
     /// By the arithmetic of [`Shear::meet`]: the signs of the edge functions, and the depth of the nearest
-    /// corner, which no hit is in front of.
+    /// corner, which no hit is in front of. Where that corner is behind the origin, as one is of the triangle that a
+    /// ray leaves, the plane is looked at, too.
     #[inline(always)]
     fn candidates(&self, block: &TriangleBlock, farthest: f32) -> u32 {
         let [rows_x, rows_y, rows_z] = self.axes.map(|axis| &block.rows[axis]);
@@ -85,7 +86,12 @@ impl TriangleRay for Shear {
         let is_inside = a.min(b).min(c).cmpge(Vec4::ZERO) | a.max(b).max(c).cmple(Vec4::ZERO);
         let has_area = ((a + b) + c).cmpne(Vec4::ZERO);
         let ahead = (inverse_z * z_a).min(inverse_z * z_b).min(inverse_z * z_c);
-        (is_inside & has_area & ahead.cmple(Vec4::splat(farthest))).bitmask()
+        let may_be_hit = (is_inside & has_area & ahead.cmple(Vec4::splat(farthest))).bitmask();
+        let is_around = may_be_hit & ahead.is_negative_bitmask();
+        if is_around == 0 {
+            return may_be_hit;
+        }
+        may_be_hit & !(is_around & self.leaves_behind(&block.rows))
     }
 }
 
