@@ -501,9 +501,8 @@ fn a_block_lets_through_what_is_hit_and_seldom_the_triangle_that_a_ray_leaves() 
     let mut random = Rng::with_seed(7);
     let (mut left, mut let_through) = (0, 0);
     for round in 0..40_000 {
-        let size = 10f32.powf(6.0 * random.f32() - 3.0);
-        let centre = Vec3::from(point(&mut random)) * 10.0 * size;
-        let mut corner = || centre + Vec3::from(point(&mut random)) * size;
+        let centre = Vec3::from(point(&mut random)) * 10.0;
+        let mut corner = || centre + Vec3::from(point(&mut random));
         let triangles: [[Vec3; 3]; 4] = std::array::from_fn(|_| {
             let [a, b, c] = [corner(), corner(), corner()];
             // Half of them are slivers.
@@ -516,19 +515,22 @@ fn a_block_lets_through_what_is_hit_and_seldom_the_triangle_that_a_ray_leaves() 
         let off_it = offset_origin(on_it, normal, b - a, c - a);
         // At a distance at which it is sure to be left, and at those at which it is not.
         let part = [1.0, 1.0, 0.1, 0.01, 0.0, -0.1, -1.0][round % 7];
-        let ray = ray((on_it + part * (off_it - on_it)).to_array(), direction(&mut random));
+        // Exact, down to where products of three coordinates are no longer numbers of full precision.
+        let size = (random.i32(-40..=40) as f32).exp2();
+        let origin = size * (on_it + part * (off_it - on_it));
+        let ray = ray(origin.to_array(), direction(&mut random));
         let shear = Shear::new(&ray, ray.direction.map(reciprocal));
-        let leaves =
-            triangles.map(|corners| LeafTriangle::new(&corners.map(|corner| corner.to_array()), 0, 0));
+        let leaves = triangles
+            .map(|corners| LeafTriangle::new(&corners.map(|corner| (size * corner).to_array()), 0, 0));
         let candidates = shear.candidates(&TriangleBlock::new(&leaves), f32::MAX);
         for (lane, leaf) in leaves.iter().enumerate() {
             let is_hit = shear.intersect(leaf).is_some();
             assert!(!is_hit || candidates >> lane & 1 == 1, "lane {lane} of {triangles:?}, {ray:?}");
         }
-        if round % 2 == 0 && part == 1.0 && normal.dot(Vec3::from(ray.direction)) > 0.1 {
+        if size > 1e-6 && round % 2 == 0 && part == 1.0 && normal.dot(Vec3::from(ray.direction)) > 0.1 {
             left += 1;
             let_through += candidates & 1;
         }
     }
-    assert!(left > 2_000 && 20 * let_through < left, "{let_through} of {left}");
+    assert!(left > 1_500 && 20 * let_through < left, "{let_through} of {left}");
 }
