@@ -3,7 +3,14 @@
 //! What stands inside a timed section writes to memory that was there and was touched before, and nothing of
 //! this program runs beside it: see ARCHITECTURE, "The clock's contract".
 
-use std::time::Instant;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::thread::yield_now;
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+
+/// How long a section waits for the threads of its pool to be awake.
+const ROLL_CALL: Duration = Duration::from_millis(1);
 
 /// One time, and what disturbed it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,7 +20,7 @@ pub struct Sample {
     /// Pages that this process touched for the first time meanwhile; 0 where the system does not tell.
     pub page_faults: u64,
     /// Whether threads of this process were made to wait for others, or the machine for its host, as far as
-    /// the system tells.
+    /// the system tells, or did other work when it began.
     pub is_disturbed: bool,
 }
 
@@ -41,13 +48,16 @@ impl Clock {
         self.last
     }
 
-    /// Takes the time of `work`.
+    /// Takes the time of `work`. The threads of the current pool are awake when it begins: a thread that sleeps
+    /// wakes tens of microseconds late, and whether it sleeps depends on what came before.
     pub fn time<T>(&mut self, work: impl FnOnce() -> T) -> T {
         let before = self.machine.read();
+        let all_are_awake = wake_threads();
         let start = Instant::now();
         let value = work();
         let elapsed_ns = start.elapsed().as_nanos() as u64;
         self.last = before.sample(&self.machine.read(), elapsed_ns);
+        self.last.is_disturbed |= !all_are_awake;
         value
     }
 
@@ -61,6 +71,19 @@ impl Clock {
         self.last = before.sample(&self.machine.read(), elapsed_ns);
         Ok(())
     }
+}
+
+/// Wakes the threads of the current pool; whether all came, or one of them has other work.
+fn wake_threads() -> bool {
+    let (threads, awake, start) = (rayon::current_num_threads(), AtomicUsize::new(0), Instant::now());
+    // Each waits for the others, so that none takes the part of two. This allocates nothing.
+    (0..threads).into_par_iter().with_max_len(1).all(|_| {
+        awake.fetch_add(1, Relaxed);
+        while awake.load(Relaxed) < threads && start.elapsed() < ROLL_CALL {
+            yield_now();
+        }
+        awake.load(Relaxed) == threads
+    })
 }
 
 /// What the system has counted up to a moment.
@@ -147,5 +170,34 @@ mod machine {
         pub(super) fn read(&self) -> Counts {
             Counts::default()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use super::*;
+
+    #[test]
+    fn a_section_begins_when_all_threads_are_awake() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        let is_disturbed = || {
+            let mut clock = Clock::of_processor();
+            pool.install(|| clock.time(|| ()));
+            clock.last().is_disturbed
+        };
+        let (start, rest) = (Instant::now(), Duration::from_secs(60));
+        while is_disturbed() {
+            assert!(start.elapsed() < rest, "both have nothing else to do");
+        }
+        let [(began, has_begun), (end, ends)] = [channel(), channel()];
+        pool.spawn(move || {
+            began.send(()).unwrap();
+            ends.recv_timeout(rest).unwrap();
+        });
+        has_begun.recv_timeout(rest).unwrap();
+        assert!((0..10).all(|_| is_disturbed()), "one of them has other work");
+        end.send(()).unwrap();
     }
 }
