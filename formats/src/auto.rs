@@ -7,6 +7,8 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use crate::key::termination::bounded_length;
 use crate::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
 use crate::manifest::{CalibrationRecord, Candidate, Choice, Header, MethodRecord};
@@ -17,6 +19,9 @@ use crate::unit_space::UnitSpace;
 
 /// Groups that are looked at: enough that their mean settles within a tenth, few enough to cost nothing.
 const GROUPS: usize = 32;
+
+/// Groups that are worth a thread's while.
+const FEWEST_GROUPS: usize = 4;
 
 /// How long a ray is thought to be, in unit lengths, before it is traced: as `two-point` does.
 const LENGTH: f32 = 0.25;
@@ -57,12 +62,14 @@ pub fn sampled_area(unit: &UnitSpace, rays: &[Ray]) -> f64 {
         let length = bounded_length(unit, ray, unit.point(ray.origin), LENGTH);
         Segment::of(unit, ray, length)
     };
-    let mut segments = [Segment::default(); GROUP_RAYS];
-    let areas = rays.chunks_exact(GROUP_RAYS).map(|group| {
+    let area = |group: &[Ray]| {
+        let mut segments = [Segment::default(); GROUP_RAYS];
         segments.iter_mut().zip(group).for_each(|(kept, ray)| *kept = segment(ray));
         Capsule::around(&segments).map_or(0.0, |capsule| capsule.area())
-    });
-    areas.sum::<f64>() / (rays.len() / GROUP_RAYS).max(1) as f64
+    };
+    // In parallel, summed in order.
+    let areas: Vec<f64> = rays.par_chunks_exact(GROUP_RAYS).with_min_len(FEWEST_GROUPS).map(area).collect();
+    areas.iter().sum::<f64>() / areas.len().max(1) as f64
 }
 
 /// A calibration, and the version of the format whose rule chooses by it.
