@@ -15,7 +15,7 @@ use super::cpu_bvh2::BinaryTree;
 use super::cpu_cwbvh::CompressedTree;
 use super::cpu_lanes::LaneTree;
 use super::cpu_packet::PacketTree;
-use super::cpu_part::{CHUNK, Part, for_each_part};
+use super::cpu_part::{CHUNK, Part, for_each_part, part_of};
 use super::cpu_query::{Account, Searcher, Steps, Trail, Tree};
 use super::cpu_wide::WideTree;
 use super::hits::{Hits, store};
@@ -117,14 +117,19 @@ impl CpuTracer {
     /// # Panics
     /// If there are not as many results or places as rays.
     pub fn trace(&self, rays: &[Ray], order: Order<&[AtomicU32]>, hits: &Hits) {
+        let chunk = match self.tree {
+            // As lane use is counted by.
+            AnyTree::Lanes(_) | AnyTree::Packet(_) => CHUNK,
+            AnyTree::Binary(_) | AnyTree::Compressed(_) | AnyTree::Wide(_) => part_of(rays.len()),
+        };
         match hits {
             Hits::Closest(hits) => {
                 let keep = |place: &[AtomicU64; 2], hit, ()| store(place, hit);
-                for_each_part(rays, order, hits, |part| self.nearest(part, keep));
+                for_each_part(rays, order, hits, chunk, |part| self.nearest(part, keep));
             }
             Hits::Shadow(distances) => {
                 let keep = |place: &AtomicU32, hit: Hit, ()| place.store(hit.t.to_bits(), Relaxed);
-                for_each_part(rays, order, distances, |part| {
+                for_each_part(rays, order, distances, chunk, |part| {
                     self.search::<_, Shear, _, true, true>(part, &(), keep)
                 });
             }

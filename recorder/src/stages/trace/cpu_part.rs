@@ -14,6 +14,12 @@ use super::cpu_packet::PacketTree;
 /// others, and what a thread has begun no other one can take over.
 pub(super) const CHUNK: usize = 256;
 
+/// Fewest rays of a part: less would take longer to hand out than it saves.
+const FEWEST: usize = 64;
+
+/// Parts that each thread takes of a short queue, so that none waits long for the others at the end.
+const PARTS: usize = 8;
+
 /// How many rays ahead a ray and the place of its result are asked for: as many as the widest kernel takes at once.
 const AHEAD: usize = PacketTree::WIDTH;
 
@@ -58,7 +64,12 @@ impl<'a, T> Part<'a, T> {
     }
 }
 
-/// Calls `trace` for each part of a queue, on all threads.
+/// Rays of a part of a queue, where rays are traced one by one.
+pub(super) fn part_of(rays: usize) -> usize {
+    (rays / (PARTS * rayon::current_num_threads())).clamp(FEWEST, CHUNK)
+}
+
+/// Calls `trace` for each part of a queue, `chunk` rays each, on all threads.
 ///
 /// # Panics
 /// If there are not as many results or places as rays.
@@ -66,11 +77,12 @@ pub(super) fn for_each_part<T: Sync>(
     rays: &[Ray],
     order: Order<&[AtomicU32]>,
     results: &[T],
+    chunk: usize,
     trace: impl Fn(Part<'_, T>) + Sync,
 ) {
     assert_eq!(rays.len(), results.len(), "one result per ray");
-    let starts = (0..rays.len().div_ceil(CHUNK)).into_par_iter().with_max_len(1).map(|part| part * CHUNK);
-    let end = |first: usize| rays.len().min(first + CHUNK);
+    let starts = (0..rays.len().div_ceil(chunk)).into_par_iter().with_max_len(1).map(|part| part * chunk);
+    let end = |first: usize| rays.len().min(first + chunk);
     match order {
         Order::Stored => {
             starts.for_each(|first| trace(Part::new(&rays[first..end(first)], &results[first..end(first)])))
