@@ -20,11 +20,20 @@ fn pcg(value: u32) -> u32 {
 
 impl Random {
     /// Stream 0 belongs to camera rays, stream b + 1 to the surfaces that bounce b hits.
-    #[inline(always)]
     pub fn new(seed: [u32; 2], pixel: u32, pass: u32, stream: u32) -> Self {
+        Self::of_pixel(Self::of_queue(seed, pass, stream), pixel)
+    }
+
+    /// What the streams of all pixels have in common.
+    pub fn of_queue(seed: [u32; 2], pass: u32, stream: u32) -> u32 {
         let salt = pcg(seed[0].wrapping_add(pcg(seed[1])));
-        let at = pcg(stream.wrapping_add(pcg(pass.wrapping_add(salt))));
-        Self(pcg(pixel.wrapping_add(at)))
+        pcg(stream.wrapping_add(pcg(pass.wrapping_add(salt))))
+    }
+
+    /// The stream of a pixel.
+    #[inline(always)]
+    pub fn of_pixel(queue: u32, pixel: u32) -> Self {
+        Self(pcg(pixel.wrapping_add(queue)))
     }
 
     /// The next number in [0, 1), a multiple of 2⁻²⁴.
@@ -50,12 +59,11 @@ pub fn sine_cosine(turns: f32) -> (f32, f32) {
     let x2 = x * x;
     let sine = x * (SINE[0] + x2 * (SINE[1] + x2 * (SINE[2] + x2 * (SINE[3] + x2 * SINE[4]))));
     let cosine = COSINE[0] + x2 * (COSINE[1] + x2 * (COSINE[2] + x2 * (COSINE[3] + x2 * COSINE[4])));
-    match nearest as u32 & 3 {
-        0 => (sine, cosine),
-        1 => (cosine, -sine),
-        2 => (-sine, -cosine),
-        _ => (-cosine, sine),
-    }
+    // Without branches: which quarter it is cannot be guessed.
+    let quarter = nearest as u32;
+    let (sine, cosine) = if quarter & 1 == 0 { (sine, cosine) } else { (cosine, sine) };
+    let signed = |value: f32, quarters: u32| f32::from_bits(value.to_bits() ^ (quarters & 2) << 30);
+    (signed(sine, quarter), signed(cosine, quarter + 1))
 }
 
 /// A direction around +z with density cos/π.

@@ -10,11 +10,12 @@ use crate::stages::vector::normalize3;
 
 /// Writes one ray per pixel, in pixel order, top row first.
 pub fn generate(params: &GenerateParams, rays: &mut [Ray]) {
-    rays.par_iter_mut().enumerate().for_each(|(pixel, ray)| *ray = camera_ray(params, pixel as u32));
+    let queue = Random::of_queue(params.seed, params.pass_index, 0);
+    rays.par_iter_mut().enumerate().for_each(|(pixel, ray)| *ray = camera_ray(params, queue, pixel as u32));
 }
 
-fn camera_ray(params: &GenerateParams, pixel: u32) -> Ray {
-    let mut random = Random::new(params.seed, pixel, params.pass_index, 0);
+fn camera_ray(params: &GenerateParams, queue: u32, pixel: u32) -> Ray {
+    let mut random = Random::of_pixel(queue, pixel);
     let x = (pixel % params.width) as f32 + random.draw();
     let y = (pixel / params.width) as f32 + random.draw();
     let sx = 2.0 * x / params.width as f32 - 1.0;

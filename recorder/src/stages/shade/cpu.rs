@@ -11,6 +11,7 @@ use scenes::features::Features;
 use super::path::shade_path;
 use super::tables::ShadeTables;
 use crate::stages::compact::cpu::{Paths, PathsMut, compact};
+use crate::stages::random::Random;
 use crate::stages::shared::ShadeParams;
 use crate::stages::trace::hits::Hits;
 
@@ -158,11 +159,18 @@ fn shade_range<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>(
 ) -> [usize; 2] {
     let Queue { tables, params, paths, hits, film } = *queue;
     let (mut next_count, mut shadow_count) = (0, 0);
+    let random = Random::of_queue(params.seed, params.pass_index, params.bounce + 1);
     for index in range {
         ask_ahead(tables, hits, index);
         let (ray, state, pixel) = (&paths.rays[index], &paths.states[index], paths.ids[index]);
-        let outcome =
-            shade_path::<TEXTURES, NORMALS, GLOSSY>(tables, params, ray, &hits.hit(index), state, pixel);
+        let outcome = shade_path::<TEXTURES, NORMALS, GLOSSY>(
+            tables,
+            params,
+            ray,
+            &hits.hit(index),
+            state,
+            Random::of_pixel(random, pixel),
+        );
         if outcome.emitted != Vec3::ZERO {
             add(&film[pixel as usize], outcome.emitted);
         }

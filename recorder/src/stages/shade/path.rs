@@ -4,7 +4,7 @@ use formats::ray::{Hit, Ray};
 use glam::Vec3;
 
 use super::bsdf::Bsdf;
-use super::light::{sample_light, sky_radiance};
+use super::light::{LightSample, sample_light, sky_radiance};
 use super::surface::{HitSurface, hit_surface};
 use super::tables::ShadeTables;
 use crate::stages::compact::cpu::RayState;
@@ -33,7 +33,7 @@ fn power_heuristic(a: f32, b: f32) -> f32 {
     a2 / (a2 + b * b)
 }
 
-/// Shades the hit of one path. `pixel` is the path's index.
+/// Shades the hit of one path.
 #[inline(always)]
 pub fn shade_path<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>(
     tables: &ShadeTables,
@@ -41,7 +41,7 @@ pub fn shade_path<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>
     ray: &Ray,
     hit: &Hit,
     state: &RayState,
-    pixel: u32,
+    mut random: Random,
 ) -> Outcome {
     let direction = Vec3::from(ray.direction);
     let throughput = Vec3::from(state.color);
@@ -64,13 +64,14 @@ pub fn shade_path<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>
         frame,
         throughput,
     };
-    let mut random = Random::new(params.seed, pixel, params.pass_index, params.bounce + 1);
-    if !tables.emitters.is_empty() {
-        outcome.shadow = vertex.shadow_ray::<GLOSSY>(tables, &mut random);
-    }
+    let is_lit = !tables.emitters.is_empty();
+    let light = if is_lit { sample_light(tables, vertex.surface.origin, &mut random) } else { None };
+    // Before the light is asked whether it lies above the surface, which is as often so as not: what is begun by
+    // then is not begun again.
     if params.is_last == 0 {
         outcome.next = vertex.next_ray::<GLOSSY>(&mut random);
     }
+    outcome.shadow = light.and_then(|light| vertex.shadow_ray::<GLOSSY>(&light));
     outcome
 }
 
@@ -129,12 +130,7 @@ struct Vertex<'a> {
 
 impl Vertex<'_> {
     #[inline(always)]
-    fn shadow_ray<const GLOSSY: bool>(
-        &self,
-        tables: &ShadeTables,
-        random: &mut Random,
-    ) -> Option<((Ray, RayState), u32)> {
-        let light = sample_light(tables, self.surface.origin, random)?;
+    fn shadow_ray<const GLOSSY: bool>(&self, light: &LightSample) -> Option<((Ray, RayState), u32)> {
         if dot3(light.direction, self.surface.geometric_normal) <= 0.0 || light.t_max <= 0.0 {
             return None;
         }
