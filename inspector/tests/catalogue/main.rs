@@ -11,7 +11,7 @@ use formats::ray::Kind;
 use formats::reader::Dump;
 use inspector::analysis::headline::Headline;
 use inspector::analysis::summary::RayClass;
-use inspector::analysis::{Analysis, AnalysisOptions, Depth, Metric, analyse};
+use inspector::analysis::{Analysis, AnalysisOptions, Depth, Metric, RecordingAnalysis, analyse};
 use inspector::figures::catalogue::{CATALOGUE, Findings, Skipped};
 use inspector::figures::csv;
 use inspector::figures::model::{Content, Figure, Panel, Scale, Series};
@@ -135,26 +135,29 @@ fn every_figure_is_made_and_sound() {
     assert_eq!(styles.len(), 7, "methods that have a style: {styles:?}");
 }
 
+/// The same recording with other speedups of traces.
+fn scaled(recording: &RecordingAnalysis, factor: f64) -> RecordingAnalysis {
+    let mut recording = recording.clone();
+    let orders = recording.queues.iter_mut().flat_map(|queue| &mut queue.orders);
+    let of_orders = orders.map(|order| &mut order.trace_speedup);
+    for speedup in of_orders.chain(recording.frames.iter_mut().map(|frame| &mut frame.trace_speedup)) {
+        if let Metric::Known(line) = speedup {
+            line.ratio *= factor;
+            line.interval = line.interval.map(|(low, high)| (factor * low, factor * high));
+        }
+    }
+    recording
+}
+
 #[test]
 fn speedups_by_kernel_are_those_of_its_recordings() {
     let folder = tempfile::tempdir().unwrap();
     let mut analysis = analysis(folder.path(), Depth::Manifest);
     let first = analysis.recordings[0].clone();
-    let mut other = first.clone();
+    let mut other = scaled(&first, 2.0);
     other.options.trace_kernel = "lanes".into();
-    let doubled = |order: &mut inspector::analysis::OrderAnalysis| {
-        if let Metric::Known(line) = &mut order.trace_speedup {
-            line.ratio *= 2.0;
-        }
-    };
-    other.queues.iter_mut().flat_map(|queue| &mut queue.orders).for_each(doubled);
-    for frame in &mut other.frames {
-        if let Metric::Known(line) = &mut frame.trace_speedup {
-            line.ratio *= 2.0;
-            line.interval = line.interval.map(|(low, high)| (2.0 * low, 2.0 * high));
-        }
-    }
-    analysis.recordings = vec![first, other];
+    other.configuration = "lanes, elsewhere".into();
+    analysis.recordings = vec![first.clone(), other.clone()];
     let made = figure(&Findings { analysis: &analysis, benches: &[] }, "kernel-speedup").unwrap();
     let titles: Vec<&str> = made.panels.iter().map(|panel| panel.title.as_str()).collect();
     assert_eq!(
@@ -171,6 +174,25 @@ fn speedups_by_kernel_are_those_of_its_recordings() {
         for (bvh2, lanes) in bvh2.iter().zip(lanes) {
             assert!((lanes.y / bvh2.y - 2.0).abs() < 1e-9, "{bvh2:?} {lanes:?}");
         }
+    }
+    // Of two scenes each the means: as many panels, and a scene of one kernel alone has no part in them.
+    let of_scene = |recording: &RecordingAnalysis, scene: &str, factor| RecordingAnalysis {
+        scene: scene.into(),
+        ..scaled(recording, factor)
+    };
+    let [second, alone] = ["second", "alone"].map(|scene| of_scene(&first, scene, 4.0));
+    let several = vec![first, other.clone(), second, of_scene(&other, "second", 4.0), alone];
+    let several = Analysis { recordings: several, ..analysis.clone() };
+    let means = figure(&Findings { analysis: &several, benches: &[] }, "kernel-speedup").unwrap();
+    assert_eq!(means.panels.len(), 4);
+    for (single, mean) in made.panels.iter().zip(&means.panels) {
+        let totals = |panel| -> Vec<f64> {
+            let all = series(panel).iter().filter(|series| !series.is_part);
+            all.flat_map(|series| &series.points).map(|point| point.y).collect()
+        };
+        let (single, mean) = (totals(single), totals(mean));
+        assert!(!single.is_empty() && single.len() == mean.len());
+        assert!(single.iter().zip(&mean).all(|(single, mean)| (mean / single - 2.0).abs() < 1e-9));
     }
 }
 

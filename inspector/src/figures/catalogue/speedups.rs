@@ -6,7 +6,6 @@ use super::building::{
     figure, methods, methods_in_rows, of, of_method, queues, reason, recordings, settings,
 };
 use super::{Findings, Made};
-use crate::analysis::labels::scene_name;
 use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
 use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{FrameAnalysis, Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
@@ -45,6 +44,9 @@ impl Counted {
 
 /// How to read such a figure.
 const READING: &str = "Each marker is the whole frame: times of unsorted rays over those in the order, both summed over all bounces, round by round; the thick line is the 95 % interval of that ratio, by bootstrap over rounds. Small dots are the bounces by themselves";
+
+/// The same where there are several recordings.
+const OVER_SCENES: &str = "Of several recordings markers are geometric means, and small dots the recordings.";
 
 /// Unsorted trace over sorted trace.
 pub fn trace(findings: &Findings<'_>) -> Made {
@@ -107,9 +109,8 @@ fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
         }
     }
     let panels = panels.into_iter().map(|panel| panel.with_reference(words.reference, 1.0));
-    let over_scenes = "\"All scenes\": geometric means over scenes, small dots the scenes.";
     let caption = format!(
-        "{}. {READING}. {over_scenes} Secondary rays are closest rays of bounces ≥ 1. None is given for two-point-real, which must trace the rays before it can sort them.",
+        "{}. {READING}. {OVER_SCENES} Secondary rays are closest rays of bounces ≥ 1. None is given for two-point-real, which must trace the rays before it can sort them.",
         words.what
     );
     let reason = reason(
@@ -180,34 +181,40 @@ fn number(y: f64, spread: Option<(f64, f64)>, n: usize, of: Of) -> Point {
     Point { x: 0.0, y, spread, n, of }
 }
 
-/// Trace speedup by kernel: a panel per kernel, scene and kind of rays, of scenes that several kernels traced.
+/// Trace speedup by kernel, of scenes that several kernels traced: a panel per kernel, machine and kind of rays, with
+/// means over recordings where there are several.
 pub fn kernels(findings: &Findings<'_>) -> Made {
     let recordings = recordings(findings);
+    let is_compared = |recording: &RecordingAnalysis| {
+        let mut same_scene = recordings.iter().filter(|other| other.scene == recording.scene);
+        same_scene.any(|other| other.options.trace_kernel != recording.options.trace_kernel)
+    };
+    let compared: Vec<&RecordingAnalysis> =
+        recordings.iter().copied().filter(|recording| is_compared(recording)).collect();
+    let kernels = distinct(compared.iter().map(|recording| recording.options.trace_kernel.as_str()));
+    let configurations = distinct(compared.iter().map(|recording| recording.configuration.as_str()));
     let mut panels = Vec::new();
-    let scenes = distinct(recordings.iter().map(|recording| recording.scene.as_str()));
-    for scene in &scenes {
-        let same: Vec<&&RecordingAnalysis> =
-            recordings.iter().filter(|recording| recording.scene == *scene).collect();
-        let kernels = distinct(same.iter().map(|recording| recording.options.trace_kernel.as_str()));
-        if kernels.len() < 2 {
-            continue;
-        }
-        for recording in same {
-            for rays in RayClass::ALL {
-                let of = if scenes.len() > 1 { format!("{}, ", scene_name(scene)) } else { String::new() };
-                let title = format!("{of}{}: {} rays", recording.options.trace_kernel, rays.name());
-                let (label, paper) = match rays {
-                    RayClass::Secondary => ("Meister et al. 2020, secondary rays: 1.41×", 1.41),
-                    RayClass::Shadow => ("Meister et al. 2020, shadow rays: 2.21×", 2.21),
-                };
-                let series = totals(findings, recording, rays, Counted::Trace);
-                let panel = methods_in_rows(findings, title, Axis::ratios("trace speedup"), series);
-                panels.push(panel.with_reference(label, paper));
-            }
+    for configuration in &configurations {
+        let same = compared.iter().copied().filter(|recording| recording.configuration == *configuration);
+        let same: Vec<&RecordingAnalysis> = same.collect();
+        let is_named = kernels.len() == configurations.len();
+        let name = if is_named { &same[0].options.trace_kernel } else { *configuration };
+        for rays in RayClass::ALL {
+            let (label, paper) = match rays {
+                RayClass::Secondary => ("Meister et al. 2020, secondary rays: 1.41×", 1.41),
+                RayClass::Shadow => ("Meister et al. 2020, shadow rays: 2.21×", 2.21),
+            };
+            let series = match same.as_slice() {
+                [recording] => totals(findings, recording, rays, Counted::Trace),
+                several => means(findings, several, rays, Counted::Trace),
+            };
+            let title = format!("{name}: {} rays", rays.name());
+            let panel = methods_in_rows(findings, title, Axis::ratios("trace speedup"), series);
+            panels.push(panel.with_reference(label, paper));
         }
     }
     let caption = format!(
-        "Trace time of unsorted rays over that of sorted rays, without the cost of sorting, by trace kernel. {READING}. The dashed line is what Meister et al. 2020, \"On Ray Reordering Techniques for Faster GPU Ray Tracing\", give as the mean of their software kernel (CUDA, RTX 2080 Ti, scenes of their own)."
+        "Trace time of unsorted rays over that of sorted rays, without the cost of sorting, by trace kernel. {READING}. {OVER_SCENES} The dashed line is what Meister et al. 2020, \"On Ray Reordering Techniques for Faster GPU Ray Tracing\", give as the mean of their software kernel (CUDA, RTX 2080 Ti, scenes of their own)."
     );
     figure(
         "Trace speedup per kernel and method",
