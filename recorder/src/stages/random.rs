@@ -19,18 +19,19 @@ fn pcg(value: u32) -> u32 {
 }
 
 impl Random {
-    /// Stream 0 belongs to camera rays, stream b + 1 to the surfaces that bounce b hits.
+    /// The stream of a pixel, by itself.
     pub fn new(seed: [u32; 2], pixel: u32, pass: u32, stream: u32) -> Self {
         Self::of_pixel(Self::of_queue(seed, pass, stream), pixel)
     }
 
-    /// What the streams of all pixels have in common.
+    /// What a stream of all pixels has in common. Stream 0 belongs to camera rays, stream b + 1 to the surfaces that
+    /// bounce b hits.
     pub fn of_queue(seed: [u32; 2], pass: u32, stream: u32) -> u32 {
         let salt = pcg(seed[0].wrapping_add(pcg(seed[1])));
         pcg(stream.wrapping_add(pcg(pass.wrapping_add(salt))))
     }
 
-    /// The stream of a pixel.
+    /// The stream of a pixel, of those that have that in common.
     #[inline(always)]
     pub fn of_pixel(queue: u32, pixel: u32) -> Self {
         Self(pcg(pixel.wrapping_add(queue)))
