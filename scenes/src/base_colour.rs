@@ -5,20 +5,21 @@ use rayon::prelude::*;
 use crate::{Material, Scene, Texture};
 
 /// Samples of a triangle along each of two edges, at most.
-const ALONG_MAX: u32 = 16;
+const ALONG_MAX: u32 = 8;
 
 /// Base colour of each triangle, sRGB: the factor of its material times the mean of its texture over the
 /// triangle, both linear, of texels that are no holes where there are any. A black surface that emits has the colour
 /// of its light, scaled to a largest channel of 1.
 pub fn of_triangles(scene: &Scene) -> Vec<[u8; 3]> {
     let linear: Vec<f32> = (0..=u8::MAX).map(linear_from_srgb).collect();
+    let samples: Vec<[f32; 2]> = spread(ALONG_MAX * ALONG_MAX).collect();
     let triangles = scene.triangles.par_iter().zip(&scene.triangle_materials);
     let colour = |(corners, &material): (&[u32; 3], &u32)| {
         let material = &scene.materials[material as usize];
         let texture = material.base_color_texture.filter(|_| !scene.uvs.is_empty());
         let mean = texture.map_or([1.0; 3], |texture| {
             let uvs = corners.map(|corner| scene.uvs[corner as usize]);
-            mean(&linear, &scene.textures[texture as usize], material, uvs)
+            mean(&linear, &samples, &scene.textures[texture as usize], material, uvs)
         });
         let reflected = [0, 1, 2].map(|channel| material.base_color[channel] * mean[channel]);
         let brightest = material.emission.into_iter().fold(0.0, f32::max);
@@ -44,8 +45,14 @@ fn srgb_from_linear(linear: &[f32], value: f32) -> u8 {
     (above - usize::from(is_nearer_below)) as u8
 }
 
-/// Linear mean of a texture over a triangle: the more texels it covers the more samples, up to [`ALONG_MAX`] squared.
-fn mean(linear: &[f32], texture: &Texture, material: &Material, uvs: [[f32; 2]; 3]) -> [f32; 3] {
+/// Linear mean of a texture over a triangle: the more texels it covers the more of the samples are taken.
+fn mean(
+    linear: &[f32],
+    samples: &[[f32; 2]],
+    texture: &Texture,
+    material: &Material,
+    uvs: [[f32; 2]; 3],
+) -> [f32; 3] {
     let size = [texture.width as f32, texture.height as f32];
     let [a, b, c] = uvs.map(|uv| [uv[0] * size[0], uv[1] * size[1]]);
     let apart = |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
@@ -53,7 +60,7 @@ fn mean(linear: &[f32], texture: &Texture, material: &Material, uvs: [[f32; 2]; 
     let along = (longest.ceil() as u32).clamp(2, ALONG_MAX);
     let threshold = material.alpha_threshold();
     let (mut sums, mut counts) = ([[0.0; 3]; 2], [0.0; 2]);
-    for [u, v] in spread(along * along) {
+    for [u, v] in &samples[..(along * along) as usize] {
         let at = |axis: usize| a[axis] + (b[axis] - a[axis]) * u + (c[axis] - a[axis]) * v;
         let texel = texel(texture, [at(0), at(1)]);
         let is_hole = usize::from(u32::from(texel[3]) < threshold);
@@ -80,7 +87,10 @@ fn spread(count: u32) -> impl Iterator<Item = [f32; 2]> {
 
 /// The texel at a place, which wraps around.
 fn texel(texture: &Texture, [x, y]: [f32; 2]) -> [u8; 4] {
-    let wrapped = |along: f32, length: u32| (along.rem_euclid(length as f32) as u32).min(length - 1);
+    let wrapped = |along: f32, length: u32| {
+        let turns = along / length as f32;
+        (((turns - turns.floor()) * length as f32) as u32).min(length - 1)
+    };
     let (column, row) = (wrapped(x, texture.width), wrapped(y, texture.height));
     texture.rgba[(row * texture.width + column) as usize]
 }
@@ -142,8 +152,8 @@ mod tests {
         assert_eq!(over([[0.1, 0.0], [0.4, 0.0], [0.1, 1.0]]), [0; 3]);
         assert_eq!(over([[-0.4, 0.0], [-0.1, 0.0], [-0.4, 1.0]]), [255; 3]);
         let grey = over([[0.0, 0.0], [16.0, 0.0], [0.0, 16.0]])[0];
-        // Of 256 samples 3 % more may be black.
-        assert!(grey.abs_diff(188) < 8, "{grey}");
+        // Of 64 samples 8 % more may be black.
+        assert!(grey.abs_diff(188) < 16, "{grey}");
         // A factor of a quarter of that.
         let dim = Material { base_color: [0.25; 3], ..textured() };
         let half = scene(dim, stripes(), [[0.5, 0.0], [1.0, 0.0], [0.5, 1.0]]);
@@ -152,7 +162,7 @@ mod tests {
 
     #[test]
     fn samples_are_spread_evenly() {
-        for count in [4, 25, 256] {
+        for count in [4, 25, 64] {
             let all: Vec<[f32; 2]> = spread(count).collect();
             assert!(all.iter().all(|[u, v]| *u > 0.0 && *v > 0.0 && u + v <= 1.0));
             for axis in 0..2 {
