@@ -223,10 +223,9 @@ fn what_is_skipped_changes_nothing_but_time_and_bytes() {
             assert!(row.is_same, "{row:?}");
         }
         let what: BTreeSet<&str> = rows.iter().map(|row| row.what.as_str()).collect();
-        let mut expected =
-            vec!["alpha-masks", "textures", "specular", "vertex-normals", "all these features"];
+        let mut expected = vec!["alpha-masks", "textures", "vertex-normals", "all these features"];
         if backend == BackendChoice::Gpu {
-            expected.extend(["sphere-lights", "punctual-lights", "environment"]);
+            expected.extend(["specular", "sphere-lights", "punctual-lights", "environment"]);
         }
         for name in expected {
             assert!(what.contains(name), "{name} is not among {what:?}");

@@ -192,7 +192,7 @@ impl Backend for CpuBackend {
                 shader.make_room(rays.len(), [next, shadow]);
                 let live = clock.time(|| {
                     let queue = (&*rays.paths, &**hits);
-                    shader.shade(&setup.tables, &setup.features, &params, queue, film, [next, shadow])
+                    shader.shade(&setup.tables, &params, queue, film, [next, shadow])
                 });
                 next.truncate(live[0]);
                 shadow.truncate(live[1]);

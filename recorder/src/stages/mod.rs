@@ -6,6 +6,7 @@
 pub mod accumulate;
 pub mod compact;
 pub mod compare;
+pub mod eight;
 pub mod gather;
 pub mod generate;
 pub mod key;

@@ -1,7 +1,9 @@
 //! Random numbers and the few functions of them that sampling needs; the same bits everywhere.
 
-use glam::Vec3;
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, i32x8, u32x8};
 
+use super::eight::Vec3x8;
 use super::wgsl::wgsl_f32_array;
 
 /// A stream of numbers that depends on seed, pixel, pass and stream alone: no state survives a
@@ -45,6 +47,33 @@ impl Random {
     }
 }
 
+/// The streams of eight pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct RandomX8<S: Simd>(u32x8<S>);
+
+#[inline(always)]
+fn pcg_x8<S: Simd>(value: u32x8<S>) -> u32x8<S> {
+    let state = value * 747_796_405 + 2_891_336_453;
+    let word = ((state >> ((state >> 28) + 4)) ^ state) * 277_803_737;
+    (word >> 22) ^ word
+}
+
+impl<S: Simd> RandomX8<S> {
+    /// As [`Random::of_pixel`].
+    #[inline(always)]
+    pub fn of_pixels(queue: u32, pixels: u32x8<S>) -> Self {
+        Self(pcg_x8(pixels + queue))
+    }
+
+    /// As [`Random::draw`].
+    #[inline(always)]
+    pub fn draw(&mut self) -> f32x8<S> {
+        self.0 += 0x9e37_79b9;
+        let drawn: i32x8<S> = (pcg_x8(self.0) >> 8).bitcast();
+        drawn.to_float::<f32x8<S>>() * (1.0 / 16_777_216.0)
+    }
+}
+
 /// Coefficients of sin(πx/2) = x·Σ c[i]·x^2i for |x| ≤ ½, by Taylor; error below 2·10⁻⁹.
 pub const SINE: [f32; 5] =
     [std::f32::consts::FRAC_PI_2, -0.645_964_1, 0.079_692_63, -0.004_681_754, 0.000_160_441_2];
@@ -53,26 +82,29 @@ pub const COSINE: [f32; 5] = [1.0, -1.233_700_6, 0.253_669_5, -0.020_863_48, 0.0
 
 /// Sine and cosine of a full turn times `turns`, for `turns` in [0, 1].
 #[inline(always)]
-pub fn sine_cosine(turns: f32) -> (f32, f32) {
+pub fn sine_cosine<S: Simd>(turns: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
     let quarters = turns * 4.0;
     let nearest = (quarters + 0.5).floor();
     let x = quarters - nearest;
     let x2 = x * x;
     let sine = x * (SINE[0] + x2 * (SINE[1] + x2 * (SINE[2] + x2 * (SINE[3] + x2 * SINE[4]))));
     let cosine = COSINE[0] + x2 * (COSINE[1] + x2 * (COSINE[2] + x2 * (COSINE[3] + x2 * COSINE[4])));
-    // Without branches: which quarter it is cannot be guessed.
-    let quarter = nearest as u32;
-    let (sine, cosine) = if quarter & 1 == 0 { (sine, cosine) } else { (cosine, sine) };
-    let signed = |value: f32, quarters: u32| f32::from_bits(value.to_bits() ^ (quarters & 2) << 30);
+    let quarter: u32x8<S> = nearest.to_int::<i32x8<S>>().bitcast();
+    let is_even = (quarter & 1).simd_eq(0);
+    let (sine, cosine) = (is_even.select(sine, cosine), is_even.select(cosine, sine));
+    let signed = |value: f32x8<S>, quarters: u32x8<S>| {
+        let bits: u32x8<S> = value.bitcast();
+        (bits ^ (quarters & 2) << 30).bitcast()
+    };
     (signed(sine, quarter), signed(cosine, quarter + 1))
 }
 
-/// A direction around +z with density cos/π.
+/// Directions around +z with density cos/π.
 #[inline(always)]
-pub fn cosine_hemisphere(a: f32, b: f32) -> Vec3 {
+pub fn cosine_hemisphere<S: Simd>(a: f32x8<S>, b: f32x8<S>) -> Vec3x8<S> {
     let radius = a.sqrt();
     let (sine, cosine) = sine_cosine(b);
-    Vec3::new(radius * cosine, radius * sine, (1.0 - a).max(0.0).sqrt())
+    Vec3x8::new(radius * cosine, radius * sine, (1.0 - a).max(0.0).sqrt())
 }
 
 /// The same in WGSL.
@@ -82,16 +114,36 @@ pub(super) fn wgsl() -> String {
 
 #[cfg(test)]
 mod tests {
+    use fearless_simd::{Level, dispatch};
+
     use super::*;
 
     #[test]
     fn sine_and_cosine_are_close_to_f64() {
-        for i in 0..=1_000_000u32 {
-            let turns = i as f32 / 1_000_000.0;
-            let (sine, cosine) = sine_cosine(turns);
-            let angle = f64::from(turns) * std::f64::consts::TAU;
-            assert!((f64::from(sine) - angle.sin()).abs() < 5e-7, "sine of {turns} turns");
-            assert!((f64::from(cosine) - angle.cos()).abs() < 5e-7, "cosine of {turns} turns");
+        for first in (0..=1_000_000u32).step_by(8) {
+            let turns: [f32; 8] = std::array::from_fn(|lane| (first + lane as u32) as f32 / 1_000_007.0);
+            let (sines, cosines) = dispatch!(Level::new(), simd => {
+                let (sines, cosines) = sine_cosine(turns.simd_into(simd));
+                (sines.to_array(), cosines.to_array())
+            });
+            for ((turns, sine), cosine) in turns.into_iter().zip(sines).zip(cosines) {
+                let angle = f64::from(turns) * std::f64::consts::TAU;
+                assert!((f64::from(sine) - angle.sin()).abs() < 5e-7, "sine of {turns} turns");
+                assert!((f64::from(cosine) - angle.cos()).abs() < 5e-7, "cosine of {turns} turns");
+            }
+        }
+    }
+
+    #[test]
+    fn eight_streams_are_those_of_their_pixels() {
+        let (queue, pixels) = (Random::of_queue([1, 2], 3, 4), [0, 1, 2, 77, 1 << 20, 5, 6, u32::MAX]);
+        let mut alone = pixels.map(|pixel| Random::of_pixel(queue, pixel));
+        let drawn = dispatch!(Level::new(), simd => {
+            let mut together = RandomX8::of_pixels(queue, pixels.simd_into(simd));
+            [(); 3].map(|()| together.draw().to_array())
+        });
+        for drawn in drawn {
+            assert_eq!(drawn, alone.each_mut().map(Random::draw));
         }
     }
 

@@ -21,16 +21,6 @@ pub fn normalize3(a: Vec3) -> Vec3 {
     a * (1.0 / dot3(a, a).sqrt())
 }
 
-/// Two unit vectors across the unit vector `n` (Duff et al., "Building an Orthonormal Basis,
-/// Revisited", JCGT 2017).
-#[inline(always)]
-pub fn basis(n: Vec3) -> (Vec3, Vec3) {
-    let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
-    let a = -1.0 / (sign + n.z);
-    let b = n.x * n.y * a;
-    (Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3::new(b, sign + n.y * n.y * a, -n.y))
-}
-
 /// Perceived brightness of linear RGB (Rec. 709).
 #[inline(always)]
 pub fn luminance(color: Vec3) -> f32 {

@@ -1,22 +1,27 @@
 //! Shading on threads, with next queues compacted in canonical order.
 
+use std::array::from_fn;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch, u32x8};
 use formats::prefetch::prefetch;
+use formats::ray::Ray;
 use glam::Vec3;
 use rayon::prelude::*;
 use scenes::features::Features;
 
-use super::path::shade_path;
+use super::path::{Arriving, Leaving, shade_paths};
 use super::tables::ShadeTables;
-use crate::stages::compact::cpu::{Paths, PathsMut, compact};
-use crate::stages::random::Random;
+use crate::stages::compact::cpu::{Paths, PathsMut, RayState, compact};
+use crate::stages::eight::LANES;
+use crate::stages::random::{Random, RandomX8};
 use crate::stages::shared::ShadeParams;
 use crate::stages::trace::hits::Hits;
 
-/// What [`shade`] and the tracer on threads are specialised on. Lights are rows of a table there, and what a
-/// scene has none of has no row: a branch that is never taken.
+/// What tracing and the arrays that shading reads are specialised on. Lobes and lights are asked for by eight paths at
+/// once: a branch that is never taken where a scene has none.
 pub const SPECIALISED: Features = Features {
     alpha_masks: true,
     textures: true,
@@ -24,7 +29,7 @@ pub const SPECIALISED: Features = Features {
     sphere_lights: false,
     punctual_lights: false,
     environment: false,
-    specular: true,
+    specular: false,
     vertex_normals: true,
 };
 
@@ -79,22 +84,12 @@ impl Shader {
     pub fn shade(
         &mut self,
         tables: &ShadeTables,
-        features: &Features,
         params: &ShadeParams,
         (paths, hits): (&Paths, &Hits),
         film: &Film,
         live: [&mut Paths; 2],
     ) -> [usize; 2] {
-        let shade = match (features.textures, features.vertex_normals, features.specular) {
-            (false, false, false) => shade_best::<false, false, false>,
-            (false, false, true) => shade_best::<false, false, true>,
-            (false, true, false) => shade_best::<false, true, false>,
-            (false, true, true) => shade_best::<false, true, true>,
-            (true, false, false) => shade_best::<true, false, false>,
-            (true, false, true) => shade_best::<true, false, true>,
-            (true, true, false) => shade_best::<true, true, false>,
-            (true, true, true) => shade_best::<true, true, true>,
-        };
+        let level = Level::new();
         let queue = Queue { tables, params, paths, hits, film };
         let Self { left: [next, shadow], counts: [next_counts, shadow_counts] } = self;
         let (count, [next_live, shadow_live]) = (paths.ids.len(), live);
@@ -104,7 +99,7 @@ impl Shader {
             let counts = next_counts.par_iter_mut().zip(shadow_counts.par_iter_mut());
             left.zip(counts).enumerate().with_max_len(1).for_each(|(task, ((next, shadow), counts))| {
                 let [start, end] = [task, task + 1].map(|task| (first + task * CHUNK).min(count));
-                let left = shade(&queue, start..end, [next, shadow]);
+                let left = dispatch!(level, simd => shade_range(simd, &queue, start..end, [next, shadow]));
                 [*counts.0, *counts.1] = left.map(|count| count as u32);
             });
             let (next_more, shadow_more) = rayon::join(
@@ -126,33 +121,10 @@ struct Queue<'a> {
     film: &'a Film,
 }
 
-/// Shades the paths of a range by code for AVX2 where the processor has it, with the same bits; says how many next
-/// rays and shadow rays they leave.
-fn shade_best<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>(
-    queue: &Queue<'_>,
-    range: Range<usize>,
-    left: [PathsMut<'_>; 2],
-) -> [usize; 2] {
-    #[cfg(target_arch = "x86_64")]
-    if is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has AVX2.
-        return unsafe { shade_range_avx2::<TEXTURES, NORMALS, GLOSSY>(queue, range, left) };
-    }
-    shade_range::<TEXTURES, NORMALS, GLOSSY>(queue, range, left)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn shade_range_avx2<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>(
-    queue: &Queue<'_>,
-    range: Range<usize>,
-    left: [PathsMut<'_>; 2],
-) -> [usize; 2] {
-    shade_range::<TEXTURES, NORMALS, GLOSSY>(queue, range, left)
-}
-
+/// Shades the paths of a range, eight at a time; says how many next rays and shadow rays they leave.
 #[inline(always)]
-fn shade_range<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>(
+fn shade_range<S: Simd>(
+    simd: S,
     queue: &Queue<'_>,
     range: Range<usize>,
     [mut next, mut shadow]: [PathsMut<'_>; 2],
@@ -160,30 +132,83 @@ fn shade_range<const TEXTURES: bool, const NORMALS: bool, const GLOSSY: bool>(
     let Queue { tables, params, paths, hits, film } = *queue;
     let (mut next_count, mut shadow_count) = (0, 0);
     let random = Random::of_queue(params.seed, params.pass_index, params.bounce + 1);
-    for index in range {
-        ask_ahead(tables, hits, index);
-        let (ray, state, pixel) = (&paths.rays[index], &paths.states[index], paths.ids[index]);
-        let outcome = shade_path::<TEXTURES, NORMALS, GLOSSY>(
-            tables,
-            params,
-            ray,
-            &hits.hit(index),
-            state,
-            Random::of_pixel(random, pixel),
-        );
-        if outcome.emitted != Vec3::ZERO {
-            add(&film[pixel as usize], outcome.emitted);
+    for first in range.clone().step_by(LANES) {
+        let lanes = LANES.min(range.end - first);
+        (first..first + lanes).for_each(|index| ask_ahead(tables, hits, index));
+        // The last path stands in for those that are not there.
+        let index: [usize; LANES] = from_fn(|lane| first + lane.min(lanes - 1));
+        let arriving = Arriving {
+            rays: from_fn(|lane| &paths.rays[index[lane]]),
+            hits: from_fn(|lane| hits.hit(index[lane])),
+            states: from_fn(|lane| &paths.states[index[lane]]),
+        };
+        let pixels: [u32; LANES] = from_fn(|lane| paths.ids[index[lane]]);
+        let random = RandomX8::of_pixels(random, u32x8::load_array(simd, pixels));
+        let outcome = shade_paths(tables, params, &arriving, random, simd);
+        let there = |mask: u64| Lanes((mask & ((1 << lanes) - 1)) as u32);
+        let [red, green, blue] = outcome.emitted.to_arrays();
+        let is_dark =
+            outcome.emitted.x.simd_eq(0.0) & outcome.emitted.y.simd_eq(0.0) & outcome.emitted.z.simd_eq(0.0);
+        for lane in there((!is_dark).to_bitmask()) {
+            add(&film[pixels[lane] as usize], Vec3::new(red[lane], green[lane], blue[lane]));
         }
-        if let Some((ray, light)) = outcome.shadow {
-            shadow.put(shadow_count, pixel, ray, light);
+        let origin = outcome.origin.to_arrays();
+        let rays = RaysX8::new(origin, &outcome.shadow);
+        for lane in there(outcome.shadow.is_there.to_bitmask()) {
+            shadow.put(shadow_count, pixels[lane], rays.get(lane), outcome.lights[lane]);
             shadow_count += 1;
         }
-        if let Some(ray) = outcome.next {
-            next.put(next_count, pixel, ray, 0);
+        let rays = RaysX8::new(origin, &outcome.next);
+        for lane in there(outcome.next.is_there.to_bitmask()) {
+            next.put(next_count, pixels[lane], rays.get(lane), 0);
             next_count += 1;
         }
     }
     [next_count, shadow_count]
+}
+
+/// The lanes of the bits that are set, in their order.
+struct Lanes(u32);
+
+impl Iterator for Lanes {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let lane = (self.0 != 0).then_some(self.0.trailing_zeros() as usize % LANES);
+        self.0 &= self.0.wrapping_sub(1);
+        lane
+    }
+}
+
+/// Rays that leave surfaces, lane by lane.
+struct RaysX8 {
+    origin: [[f32; LANES]; 3],
+    direction: [[f32; LANES]; 3],
+    t_max: [f32; LANES],
+    color: [[f32; LANES]; 3],
+    density: [f32; LANES],
+}
+
+impl RaysX8 {
+    #[inline(always)]
+    fn new<S: Simd>(origin: [[f32; LANES]; 3], leaving: &Leaving<S>) -> Self {
+        Self {
+            origin,
+            direction: leaving.direction.to_arrays(),
+            t_max: leaving.t_max.to_array(),
+            color: leaving.color.to_arrays(),
+            density: leaving.density.to_array(),
+        }
+    }
+
+    #[inline(always)]
+    fn get(&self, lane: usize) -> (Ray, RayState) {
+        let vector = |[x, y, z]: &[[f32; LANES]; 3]| [x[lane], y[lane], z[lane]];
+        let (origin, direction) = (vector(&self.origin), vector(&self.direction));
+        let ray = Ray { origin, t_min: 0.0, direction, t_max: self.t_max[lane] };
+        (ray, RayState { color: vector(&self.color), density: self.density[lane] })
+    }
 }
 
 /// Asks for the surfaces of the next paths, which lie far apart.
@@ -209,4 +234,73 @@ pub fn add_light(paths: &Paths, hits: &Hits, film: &Film) {
             add(&film[paths.ids[index] as usize], Vec3::from(paths.states[index].color));
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use formats::ray::{Hit, Kind};
+
+    use super::*;
+
+    /// Paths with rays in any direction that hit anything or nothing, and what they hit.
+    fn anywhere(triangles: usize) -> (Paths, Hits) {
+        // Not a multiple of eight.
+        const COUNT: usize = 4_003;
+        let mut random = fastrand::Rng::with_seed(3);
+        let mut paths = Paths::default();
+        let mut hits = Vec::new();
+        for id in 0..COUNT as u32 {
+            let direction = Vec3::new(random.f32() - 0.5, random.f32() - 0.5, random.f32() - 0.5).normalize();
+            let (origin, direction) = ([0.0; 3], direction.to_array());
+            paths.rays.push(Ray { origin, t_min: 0.0, direction, t_max: f32::INFINITY });
+            paths.ids.push(id);
+            paths.states.push(RayState { color: [0.5, 0.75, 1.0], density: random.f32() });
+            paths.lights.push(0);
+            let (u, v) = (random.f32() * 0.5, random.f32() * 0.5);
+            let hit = Hit { t: 1.0 + random.f32(), triangle: random.u32(0..triangles as u32), u, v };
+            hits.push(if random.u8(0..8) == 0 { Hit::MISS } else { hit });
+        }
+        (paths, Hits::from_bytes(Kind::Closest, bytemuck::cast_slice(&hits)))
+    }
+
+    /// What paths leave and the film gets, all bits of it.
+    fn shaded(level: Level, tables: &ShadeTables, paths: &Paths, hits: &Hits) -> Vec<u32> {
+        let params = ShadeParams { seed: [1, 2], bounce: 2, roulette: 1, ..ShadeParams::default() };
+        let film = dark_film(paths.ids.len());
+        let queue = Queue { tables, params: &params, paths, hits, film: &film };
+        let mut left = [Paths::default(), Paths::default()];
+        left.iter_mut().for_each(|left| left.make_room(paths.ids.len()));
+        let parts = left.each_mut().map(Paths::parts);
+        let counts = dispatch!(level, simd => shade_range(simd, &queue, 0..paths.ids.len(), parts));
+        let mut all: Vec<u32> = film.iter().flat_map(|pixel| light_of(pixel).map(f32::to_bits)).collect();
+        for (mut left, count) in left.into_iter().zip(counts) {
+            assert!(count > 100, "{count} rays");
+            left.truncate(count);
+            all.extend_from_slice(bytemuck::cast_slice(&left.rays));
+            all.extend(left.states.iter().flat_map(|state| state.color.map(f32::to_bits)));
+            all.extend(left.states.iter().map(|state| state.density.to_bits()));
+            all.extend(left.ids.iter().chain(&left.lights));
+        }
+        all
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[test]
+    fn all_instructions_give_the_same_bits() {
+        let best = Level::new();
+        let others = [
+            best.as_sse2().map(Level::Sse2),
+            best.as_sse4_2().map(Level::Sse4_2),
+            best.as_avx2().map(Level::Avx2),
+        ];
+        for name in ["builtin:city?triangles=20000", "builtin:atrium?triangles=20000", "builtin:cornell"] {
+            let scene = scenes::load(name).unwrap();
+            let tables = ShadeTables::new(&scene);
+            let (paths, hits) = anywhere(tables.triangles.len());
+            let expected = shaded(best, &tables, &paths, &hits);
+            for level in others.into_iter().flatten() {
+                assert!(shaded(level, &tables, &paths, &hits) == expected, "{name}: {level:?}");
+            }
+        }
+    }
 }

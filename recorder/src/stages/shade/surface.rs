@@ -1,10 +1,14 @@
-//! The surface at a hit: where it is, how it faces, what colour it has, where rays leave it.
+//! The surfaces at eight hits: where they are, how they face, what colour they have, where rays leave them.
 
+use std::array::from_fn;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch, f32x8, i32x8, u32x8};
 use glam::Vec3;
 
 use super::tables::ShadeTables;
+use crate::stages::eight::{LANES, Vec3x8, cross3, dot3, largest, normalize3};
 use crate::stages::shared::MaterialData;
-use crate::stages::vector::{cross3, dot3, normalize3};
 
 /// How far a ray starts off its surface, in parts of the point's largest coordinate: 8 ulps, since the
 /// point itself is rounded.
@@ -12,14 +16,7 @@ pub const OFFSET_OF_POINT: f32 = 1.0 / 1_048_576.0;
 /// The same in parts of the triangle's largest extent, with which the error of the triangle test grows.
 pub const OFFSET_OF_TRIANGLE: f32 = 1.0 / 262_144.0;
 
-/// The corners of a triangle of the scene.
-#[inline(always)]
-pub fn triangle_corners(tables: &ShadeTables, triangle: u32) -> [Vec3; 3] {
-    let [a, b, c, _] = tables.triangles[triangle as usize];
-    [a, b, c].map(|index| Vec3::from(tables.positions[index as usize]))
-}
-
-/// A point on the side of `normal` from which the triangle test cannot find the triangle again.
+/// Points on the side of `normal` from which the triangle test cannot find the triangle again.
 ///
 /// Offsetting each coordinate by its own ulps (Wächter & Binder, Ray Tracing Gems 2019) is not enough: a
 /// floor at a height of nearly 0 is a large triangle whose other coordinates decide how much the test is
@@ -27,97 +24,151 @@ pub fn triangle_corners(tables: &ShadeTables, triangle: u32) -> [Vec3; 3] {
 /// triangle, `pq` and `pr` being two of its edges, as error bounds of the test are (Pharr, Jakob &
 /// Humphreys, Physically Based Rendering, §6.8.3).
 #[inline(always)]
-pub fn offset_origin(point: Vec3, normal: Vec3, pq: Vec3, pr: Vec3) -> Vec3 {
-    let largest = |v: Vec3| v.x.abs().max(v.y.abs()).max(v.z.abs());
+pub(super) fn offset_origins<S: Simd>(
+    point: Vec3x8<S>,
+    normal: Vec3x8<S>,
+    pq: Vec3x8<S>,
+    pr: Vec3x8<S>,
+) -> Vec3x8<S> {
     let step = largest(point) * OFFSET_OF_POINT + largest(pq).max(largest(pr)) * OFFSET_OF_TRIANGLE;
     point + normal * step
 }
 
-/// A hit surface, seen from the side that the ray came from.
-#[derive(Clone, Copy, Debug)]
-pub struct HitSurface {
-    /// The hit point, from the triangle's corners (more exact than along the ray).
-    pub point: Vec3,
-    /// Where rays leave it.
-    pub origin: Vec3,
-    /// Unit normal of the triangle.
-    pub geometric_normal: Vec3,
-    /// Unit normal to shade with.
-    pub shading_normal: Vec3,
-    /// What it is made of.
-    pub material: MaterialData,
-    /// Linear RGB.
-    pub base_color: Vec3,
+/// The point where rays leave one surface.
+pub fn offset_origin(point: Vec3, normal: Vec3, pq: Vec3, pr: Vec3) -> Vec3 {
+    let [x, y, z] = dispatch!(Level::new(), simd => {
+        let [point, normal, pq, pr] = [point, normal, pq, pr].map(|v| Vec3x8::splat(simd, v));
+        offset_origins(point, normal, pq, pr).to_arrays()
+    });
+    Vec3::new(x[0], y[0], z[0])
 }
 
-/// The surface that a ray along `direction` hit.
+/// Hit surfaces, seen from the side that each ray came from.
+#[derive(Clone, Copy, Debug)]
+pub struct HitSurface<'a, S: Simd> {
+    /// Where rays leave them.
+    pub origin: Vec3x8<S>,
+    /// Unit normals of the triangles.
+    pub geometric_normal: Vec3x8<S>,
+    /// Unit normals to shade with.
+    pub shading_normal: Vec3x8<S>,
+    /// What they are made of.
+    pub materials: [&'a MaterialData; LANES],
+    /// Linear RGB.
+    pub base_color: Vec3x8<S>,
+}
+
+/// The surfaces that rays along `direction` hit.
 #[inline(always)]
-pub fn hit_surface<const TEXTURES: bool, const NORMALS: bool>(
+pub fn hit_surface<S: Simd>(
     tables: &ShadeTables,
-    direction: Vec3,
-    triangle: u32,
-    u: f32,
-    v: f32,
-) -> HitSurface {
-    let [a, b, c, material] = tables.triangles[triangle as usize];
-    let material = tables.materials[material as usize];
-    let [p, q, r] = triangle_corners(tables, triangle);
+    direction: Vec3x8<S>,
+    triangles: u32x8<S>,
+    u: f32x8<S>,
+    v: f32x8<S>,
+) -> HitSurface<'_, S> {
+    let simd = u.token();
+    let triangles: [&[u32; 4]; LANES] = from_fn(|lane| &tables.triangles[triangles[lane] as usize]);
+    let materials = from_fn(|lane| &tables.materials[triangles[lane][3] as usize]);
+    let corner = |corner: usize, of: &[[f32; 3]]| {
+        Vec3x8::from_lanes(simd, |lane| of[triangles[lane][corner] as usize])
+    };
+    let [p, q, r] = [0, 1, 2].map(|at| corner(at, &tables.positions));
     let (pq, pr) = (q - p, r - p);
-    let mut geometric_normal = normalize3(cross3(pq, pr));
-    if dot3(geometric_normal, direction) > 0.0 {
-        geometric_normal = -geometric_normal;
-    }
+    let normal = normalize3(cross3(pq, pr));
+    let geometric_normal = normal.negated_where(dot3(normal, direction).simd_gt(0.0));
     let mut shading_normal = geometric_normal;
-    if NORMALS {
-        let [na, nb, nc] = [a, b, c].map(|index| Vec3::from(tables.normals[index as usize]));
-        shading_normal = interpolated_normal([na, nb, nc], u, v, geometric_normal, direction);
+    if !tables.normals.is_empty() {
+        let corners = [0, 1, 2].map(|at| corner(at, &tables.normals));
+        shading_normal = interpolated_normal(corners, u, v, geometric_normal, direction);
     }
-    let mut base_color = Vec3::from(material.base_color);
-    if TEXTURES && material.texture_width != 0 {
-        let [ta, tb, tc] = [a, b, c].map(|index| tables.uvs[index as usize]);
-        let at = |axis: usize| ta[axis] + (tb[axis] - ta[axis]) * u + (tc[axis] - ta[axis]) * v;
-        base_color *= texture_color(tables, &material, at(0), at(1));
+    let mut base_color = Vec3x8::from_lanes(simd, |lane| materials[lane].base_color);
+    if materials.iter().any(|material| material.texture_width != 0) {
+        let at = |axis: usize| {
+            let corner = |corner: usize| {
+                f32x8::from_fn(simd, |lane| tables.uvs[triangles[lane][corner] as usize][axis])
+            };
+            let [a, b, c] = [0, 1, 2].map(corner);
+            a + (b - a) * u + (c - a) * v
+        };
+        base_color = base_color * texture_color(tables, &materials, at(0), at(1));
     }
     let point = p + pq * u + pr * v;
-    let origin = offset_origin(point, geometric_normal, pq, pr);
-    HitSurface { point, origin, geometric_normal, shading_normal, material, base_color }
+    let origin = offset_origins(point, geometric_normal, pq, pr);
+    HitSurface { origin, geometric_normal, shading_normal, materials, base_color }
 }
 
 /// Falls back to the geometric normal where vertices have none or the ray would come from behind.
 #[inline(always)]
-fn interpolated_normal(corners: [Vec3; 3], u: f32, v: f32, geometric_normal: Vec3, direction: Vec3) -> Vec3 {
-    let [a, b, c] = corners;
+fn interpolated_normal<S: Simd>(
+    [a, b, c]: [Vec3x8<S>; 3],
+    u: f32x8<S>,
+    v: f32x8<S>,
+    geometric_normal: Vec3x8<S>,
+    direction: Vec3x8<S>,
+) -> Vec3x8<S> {
     let sum = a * (1.0 - u - v) + b * u + c * v;
     let length2 = dot3(sum, sum);
-    if length2 < 1e-12 {
-        return geometric_normal;
-    }
-    let mut normal = sum * (1.0 / length2.sqrt());
-    if dot3(normal, geometric_normal) < 0.0 {
-        normal = -normal;
-    }
-    if dot3(normal, direction) > -1e-3 { geometric_normal } else { normal }
+    let normal = sum * (1.0 / length2.sqrt());
+    let normal = normal.negated_where(dot3(normal, geometric_normal).simd_lt(0.0));
+    let is_none = length2.simd_lt(1e-12) | dot3(normal, direction).simd_gt(-1e-3);
+    geometric_normal.where_or(is_none, normal)
 }
 
-/// Linear RGB of a material's texture at (u, v), bilinear, repeating.
+/// Linear RGB of the materials' textures at (u, v), bilinear, repeating; 1 where there is none.
 #[inline(always)]
-fn texture_color(tables: &ShadeTables, material: &MaterialData, u: f32, v: f32) -> Vec3 {
-    let (width, height) = (material.texture_width as i32, material.texture_height as i32);
-    let x = (u - u.floor()) * width as f32 - 0.5;
-    let y = (v - v.floor()) * height as f32 - 0.5;
+fn texture_color<S: Simd>(
+    tables: &ShadeTables,
+    materials: &[&MaterialData; LANES],
+    u: f32x8<S>,
+    v: f32x8<S>,
+) -> Vec3x8<S> {
+    let simd = u.token();
+    let size = |of: fn(&MaterialData) -> u32| i32x8::from_fn(simd, |lane| of(materials[lane]) as i32).max(1);
+    let (width, height) = (size(|material| material.texture_width), size(|material| material.texture_height));
+    let first = i32x8::from_fn(simd, |lane| materials[lane].texture_first as i32);
+    let texture = Texture { texels: &tables.texels, first, width, height };
+    let x = (u - u.floor()) * width.to_float::<f32x8<S>>() - 0.5;
+    let y = (v - v.floor()) * height.to_float::<f32x8<S>>() - 0.5;
     let (left, top) = (x.floor(), y.floor());
     let (fx, fy) = (x - left, y - top);
-    let texel = |x: i32, y: i32| {
-        let column = ((x + width) % width).clamp(0, width - 1);
-        let row = ((y + height) % height).clamp(0, height - 1);
-        let rgba = tables.texels[(material.texture_first as i32 + row * width + column) as usize];
-        let linear = |shift: u32| f32::from_bits(tables.texels[(rgba >> shift & 255) as usize]);
-        Vec3::new(linear(0), linear(8), linear(16))
-    };
-    let (left, top) = (left as i32, top as i32);
-    let above = texel(left, top) * (1.0 - fx) + texel(left + 1, top) * fx;
-    let below = texel(left, top + 1) * (1.0 - fx) + texel(left + 1, top + 1) * fx;
-    above * (1.0 - fy) + below * fy
+    let (left, top): (i32x8<S>, i32x8<S>) = (left.to_int(), top.to_int());
+    let above = texture.texel(left, top) * (1.0 - fx) + texture.texel(left + 1, top) * fx;
+    let below = texture.texel(left, top + 1) * (1.0 - fx) + texture.texel(left + 1, top + 1) * fx;
+    let color = above * (1.0 - fy) + below * fy;
+    let is_plain = i32x8::from_fn(simd, |lane| materials[lane].texture_width as i32).simd_eq(0);
+    Vec3x8::splat(simd, Vec3::ONE).where_or(is_plain, color)
+}
+
+struct Texture<'a, S: Simd> {
+    texels: &'a [u32],
+    first: i32x8<S>,
+    width: i32x8<S>,
+    height: i32x8<S>,
+}
+
+impl<S: Simd> Texture<'_, S> {
+    #[inline(always)]
+    fn texel(&self, x: i32x8<S>, y: i32x8<S>) -> Vec3x8<S> {
+        let at = self.first + wrapped(y, self.height) * self.width + wrapped(x, self.width);
+        let rgba = u32x8::from_fn(x.token(), |lane| self.texels[at[lane] as usize]);
+        Vec3x8::new(self.linear(rgba), self.linear(rgba >> 8), self.linear(rgba >> 16))
+    }
+
+    /// What the lowest bytes stand for.
+    #[inline(always)]
+    fn linear(&self, bytes: u32x8<S>) -> f32x8<S> {
+        let bytes = bytes & 255;
+        f32x8::from_fn(bytes.token(), |lane| f32::from_bits(self.texels[bytes[lane] as usize]))
+    }
+}
+
+/// Places from one before the first to one after the last, as those of a texture that repeats.
+#[inline(always)]
+fn wrapped<S: Simd>(at: i32x8<S>, size: i32x8<S>) -> i32x8<S> {
+    let at = at.simd_lt(0).select(at + size, at);
+    let at = at.simd_ge(size).select(at - size, at);
+    at.max(0).min(size - 1)
 }
 
 #[cfg(test)]
@@ -127,6 +178,7 @@ mod tests {
 
     use super::*;
     use crate::stages::trace::triangle::{LeafTriangle, TriangleRay};
+    use crate::stages::vector::{cross3, dot3, normalize3};
 
     /// Whether a ray meets a triangle.
     fn finds(leaf: &LeafTriangle, origin: Vec3, direction: Vec3) -> bool {
