@@ -5,17 +5,17 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch, u32x8};
+use fearless_simd::{Level, dispatch, mask32x8, u32x8};
 use formats::prefetch::prefetch;
 use formats::ray::Ray;
 use glam::Vec3;
 use rayon::prelude::*;
 use scenes::features::Features;
 
-use super::path::{Arriving, Leaving, shade_paths};
+use super::path::{Arriving, Leaving, Outcome, shade_paths};
 use super::tables::ShadeTables;
 use crate::stages::compact::cpu::{Paths, PathsMut, RayState, compact};
-use crate::stages::eight::LANES;
+use crate::stages::eight::{LANES, Vec3x8};
 use crate::stages::random::{Random, RandomX8};
 use crate::stages::shared::ShadeParams;
 use crate::stages::trace::hits::Hits;
@@ -131,6 +131,7 @@ fn shade_range<S: Simd>(
 ) -> [usize; 2] {
     let Queue { tables, params, paths, hits, film } = *queue;
     let (mut next_count, mut shadow_count) = (0, 0);
+    let (mut origin, mut leaving) = (Stored::default(), StoredRays::default());
     let random = Random::of_queue(params.seed, params.pass_index, params.bounce + 1);
     for first in range.clone().step_by(LANES) {
         let lanes = LANES.min(range.end - first);
@@ -145,22 +146,22 @@ fn shade_range<S: Simd>(
         let pixels: [u32; LANES] = from_fn(|lane| paths.ids[index[lane]]);
         let random = RandomX8::of_pixels(random, u32x8::load_array(simd, pixels));
         let outcome = shade_paths(tables, params, &arriving, random, simd);
-        let there = |mask: u64| Lanes((mask & ((1 << lanes) - 1)) as u32);
-        let [red, green, blue] = outcome.emitted.to_arrays();
-        let is_dark =
-            outcome.emitted.x.simd_eq(0.0) & outcome.emitted.y.simd_eq(0.0) & outcome.emitted.z.simd_eq(0.0);
-        for lane in there((!is_dark).to_bitmask()) {
-            add(&film[pixels[lane] as usize], Vec3::new(red[lane], green[lane], blue[lane]));
+        let there = |mask: mask32x8<S>| Lanes((mask.to_bitmask() & ((1 << lanes) - 1)) as u32);
+        let Outcome { emitted, .. } = &outcome;
+        let is_dark = emitted.x.simd_eq(0.0) & emitted.y.simd_eq(0.0) & emitted.z.simd_eq(0.0);
+        for lane in there(!is_dark) {
+            let light = [emitted.x[lane], emitted.y[lane], emitted.z[lane]];
+            add(&film[pixels[lane] as usize], Vec3::from(light));
         }
-        let origin = outcome.origin.to_arrays();
-        let rays = RaysX8::new(origin, &outcome.shadow);
-        for lane in there(outcome.shadow.is_there.to_bitmask()) {
-            shadow.put(shadow_count, pixels[lane], rays.get(lane), outcome.lights[lane]);
+        origin.set(outcome.origin);
+        leaving.set(&outcome.shadow);
+        for lane in there(outcome.shadow.is_there) {
+            shadow.put(shadow_count, pixels[lane], leaving.ray(&origin, lane), outcome.lights[lane]);
             shadow_count += 1;
         }
-        let rays = RaysX8::new(origin, &outcome.next);
-        for lane in there(outcome.next.is_there.to_bitmask()) {
-            next.put(next_count, pixels[lane], rays.get(lane), 0);
+        leaving.set(&outcome.next);
+        for lane in there(outcome.next.is_there) {
+            next.put(next_count, pixels[lane], leaving.ray(&origin, lane), 0);
             next_count += 1;
         }
     }
@@ -181,33 +182,50 @@ impl Iterator for Lanes {
     }
 }
 
-/// Rays that leave surfaces, lane by lane.
-struct RaysX8 {
-    origin: [[f32; LANES]; 3],
-    direction: [[f32; LANES]; 3],
-    t_max: [f32; LANES],
-    color: [[f32; LANES]; 3],
-    density: [f32; LANES],
-}
+/// Vectors of all lanes, to be read one by one.
+#[derive(Default)]
+struct Stored([[f32; LANES]; 3]);
 
-impl RaysX8 {
+impl Stored {
+    /// Component by component: a copy of the whole would wait until each is in the cache.
     #[inline(always)]
-    fn new<S: Simd>(origin: [[f32; LANES]; 3], leaving: &Leaving<S>) -> Self {
-        Self {
-            origin,
-            direction: leaving.direction.to_arrays(),
-            t_max: leaving.t_max.to_array(),
-            color: leaving.color.to_arrays(),
-            density: leaving.density.to_array(),
-        }
+    fn set<S: Simd>(&mut self, v: Vec3x8<S>) {
+        let [x, y, z] = &mut self.0;
+        v.x.store_array(x);
+        v.y.store_array(y);
+        v.z.store_array(z);
     }
 
     #[inline(always)]
-    fn get(&self, lane: usize) -> (Ray, RayState) {
-        let vector = |[x, y, z]: &[[f32; LANES]; 3]| [x[lane], y[lane], z[lane]];
-        let (origin, direction) = (vector(&self.origin), vector(&self.direction));
+    fn lane(&self, lane: usize) -> [f32; 3] {
+        let [x, y, z] = &self.0;
+        [x[lane], y[lane], z[lane]]
+    }
+}
+
+/// Rays that leave surfaces, to be read one by one.
+#[derive(Default)]
+struct StoredRays {
+    direction: Stored,
+    t_max: [f32; LANES],
+    color: Stored,
+    density: [f32; LANES],
+}
+
+impl StoredRays {
+    #[inline(always)]
+    fn set<S: Simd>(&mut self, leaving: &Leaving<S>) {
+        self.direction.set(leaving.direction);
+        leaving.t_max.store_array(&mut self.t_max);
+        self.color.set(leaving.color);
+        leaving.density.store_array(&mut self.density);
+    }
+
+    #[inline(always)]
+    fn ray(&self, origin: &Stored, lane: usize) -> (Ray, RayState) {
+        let (origin, direction) = (origin.lane(lane), self.direction.lane(lane));
         let ray = Ray { origin, t_min: 0.0, direction, t_max: self.t_max[lane] };
-        (ray, RayState { color: vector(&self.color), density: self.density[lane] })
+        (ray, RayState { color: self.color.lane(lane), density: self.density[lane] })
     }
 }
 
