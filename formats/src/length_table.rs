@@ -50,6 +50,14 @@ pub struct TableCell {
 }
 
 impl TableCell {
+    /// Adds a ray whose length is this fixed-point number, as [`LengthTable::add`] does, to a cell that nobody else
+    /// adds to.
+    #[inline]
+    pub fn add(&mut self, length: u32) {
+        *self.sum.get_mut() += u64::from(length);
+        *self.count.get_mut() += 1;
+    }
+
     /// Sum and count, the dummy ray included. As many additions as would wrap a count are refused before a
     /// recording starts; one that a file claims must not end us.
     fn with_dummy(&self) -> (u64, u32) {
@@ -142,6 +150,11 @@ impl LengthTable {
     /// Address bits.
     pub fn bits(&self) -> u32 {
         self.bits
+    }
+
+    /// The cells, to be added to without company.
+    pub fn cells_mut(&mut self) -> &mut [TableCell] {
+        &mut self.cells
     }
 
     /// Where a cell lies.

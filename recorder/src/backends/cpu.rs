@@ -17,6 +17,7 @@ use super::pool::Pool;
 use super::{gathered, untraced};
 use crate::backends::{Array, Backend, Queue, RecordedRays, Shaded, Sink, Table};
 use crate::clock::{Clock, Sample};
+use crate::stages::accumulate::cpu::Accumulator;
 use crate::stages::compact::cpu::{Paths, RayState};
 use crate::stages::key::cpu::{Lengths, encode};
 use crate::stages::setup::Setup;
@@ -25,7 +26,7 @@ use crate::stages::sort::cpu::{Keys, Permutation, Sorter, Words, permutation_of}
 use crate::stages::trace::Order;
 use crate::stages::trace::cpu::CpuTracer;
 use crate::stages::trace::hits::Hits;
-use crate::stages::{accumulate, compare, gather, generate, scatter, shade};
+use crate::stages::{compare, gather, generate, scatter, shade};
 
 /// Bytes that are handed to a sink at once.
 const SINK_BYTES: usize = 4 << 20;
@@ -41,6 +42,7 @@ pub struct CpuBackend {
     /// By [`Table`] and kind.
     tables: [[LengthTable; 2]; 2],
     film: Film,
+    accumulator: Accumulator,
     sorter: Sorter,
     shader: Shader,
     /// By kind.
@@ -89,6 +91,7 @@ impl CpuBackend {
             cells: encoder(&setup.table_layout, setup.table_bits),
             tables: [tables(), tables()],
             film: dark_film(setup.width as usize * setup.height as usize),
+            accumulator: Accumulator::default(),
             sorter: Sorter::default(),
             shader: Shader::default(),
             paths: [Pool::default(), Pool::default()],
@@ -176,9 +179,10 @@ impl Backend for CpuBackend {
     }
 
     fn accumulate(&mut self, rays: &CpuRays, hits: &Arc<Hits>, table: Table) -> Result<()> {
-        let table = &self.tables[table as usize][rays.id.kind as usize];
-        let length = |index: usize| hits.length(&self.setup.unit, &rays.rays()[index], index);
-        self.clock.time(|| accumulate::cpu::accumulate(table, &self.cells, rays.rays(), length));
+        let Self { setup, accumulator, tables, cells, clock, .. } = self;
+        let table = &mut tables[table as usize][rays.id.kind as usize];
+        accumulator.make_room(rays.len());
+        clock.time(|| accumulator.accumulate(table, cells, &setup.unit, (rays.rays(), hits)));
         Ok(())
     }
 

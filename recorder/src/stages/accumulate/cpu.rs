@@ -1,23 +1,185 @@
-//! Accumulate on threads.
+//! Accumulate on threads, which part the table among themselves: two that add to one cell at a time would hand its cache
+//! line back and forth, and each addition would keep what follows waiting.
 
+use std::array::from_fn;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch, f32x8};
 use formats::key::{Encoder, NO_FACTS};
-use formats::length_table::LengthTable;
-use formats::prefetch::prefetch_cell;
-use formats::ray::Ray;
+use formats::length_table::{LengthTable, TABLE_BITS_MIN, fixed_point};
+use formats::pages::make_room;
+use formats::ray::{Kind, Ray};
+use formats::unit_space::UnitSpace;
 use rayon::prelude::*;
 
-/// Rays that one task adds: few enough that the cells asked for are still there when they are added to.
-const CHUNK: usize = 1 << 10;
+use crate::stages::eight::LANES;
+use crate::stages::trace::hits::Hits;
 
-/// Adds each ray's traced length to its cell. `length` gives it by canonical index, unit lengths.
-pub fn accumulate(table: &LengthTable, cells: &Encoder, rays: &[Ray], length: impl Fn(usize) -> f32 + Sync) {
-    rays.par_chunks(CHUNK).enumerate().for_each(|(number, rays)| {
-        let first = number * CHUNK;
-        let mut cell_of = [0; CHUNK];
-        cells.encode_all(rays, &NO_FACTS, |at, cell| {
-            cell_of[at] = cell as u32;
-            prefetch_cell(table, cell as u32);
+/// Parts of the table, by the highest bits of a cell's address: all tables have so many, and what a part of the usual
+/// ones takes stays in a core's cache.
+const PARTS: usize = 1 << TABLE_BITS_MIN;
+
+/// Rays that one task sorts by part, at most: their cells stay in a core's cache.
+const CHUNK: usize = 1 << 14;
+/// Fewest, so that parts are not shorter than what one looks for them.
+const FEWEST: usize = 1 << 10;
+/// Tasks for each thread, so that none waits long for the others.
+const TASKS_PER_THREAD: usize = 4;
+
+/// Adds traced lengths to a table, in memory that it keeps for the next time.
+#[derive(Debug, Default)]
+pub struct Accumulator {
+    /// Cell and fixed-point length of each ray, those of a chunk by part.
+    sorted: Vec<[u32; 2]>,
+    /// Where each part ends within a chunk, chunk by chunk.
+    ends: Vec<u32>,
+}
+
+impl Accumulator {
+    /// Makes and touches the memory that so many rays take.
+    pub fn make_room(&mut self, rays: usize) {
+        make_room(&mut self.sorted, rays);
+        make_room(&mut self.ends, rays.div_ceil(chunk_of(rays)) * PARTS);
+    }
+
+    /// Adds each ray's traced length to its cell.
+    ///
+    /// # Panics
+    /// If [`Accumulator::make_room`] did not come before.
+    pub fn accumulate(
+        &mut self,
+        table: &mut LengthTable,
+        cells: &Encoder,
+        unit: &UnitSpace,
+        (rays, hits): (&[Ray], &Hits),
+    ) {
+        let level = Level::new();
+        assert_eq!(rays.len(), self.sorted.len(), "room for as many rays");
+        let shift = table.bits() - TABLE_BITS_MIN;
+        let chunk = chunk_of(rays.len());
+        let sorted = self.sorted.par_chunks_mut(chunk).zip(self.ends.par_chunks_mut(PARTS));
+        rays.par_chunks(chunk).zip(sorted).enumerate().for_each(|(number, (rays, (sorted, ends)))| {
+            let mut cell_of = [0; CHUNK];
+            ends.fill(0);
+            cells.encode_all(rays, &NO_FACTS, |at, cell| {
+                cell_of[at] = cell as u32;
+                ends[cell as usize >> shift] += 1;
+            });
+            let mut start = 0;
+            for end in ends.iter_mut() {
+                (*end, start) = (start, start + *end);
+            }
+            let mut length_of = [0.0; CHUNK];
+            let length_of = &mut length_of[..rays.len()];
+            dispatch!(level, simd => lengths(simd, unit, (rays, hits), number * chunk, length_of));
+            for (&cell, &mut length) in cell_of.iter().zip(length_of) {
+                let end = &mut ends[cell as usize >> shift];
+                sorted[*end as usize] = [cell, fixed_point(length)];
+                *end += 1;
+            }
         });
-        (0..rays.len()).for_each(|at| table.add(cell_of[at], length(first + at)));
-    });
+        let parts = table.cells_mut().par_chunks_mut(1 << shift);
+        parts.enumerate().for_each(|(part, cells)| {
+            for (sorted, ends) in self.sorted.chunks(chunk).zip(self.ends.chunks(PARTS)) {
+                let start = if part == 0 { 0 } else { ends[part - 1] };
+                for &[cell, length] in &sorted[start as usize..ends[part] as usize] {
+                    cells[cell as usize % (1 << shift)].add(length);
+                }
+            }
+        });
+    }
+}
+
+/// Finds [`UnitSpace::closest_length`] or [`UnitSpace::shadow_length`] of rays, whose results in their queue begin at
+/// `first`.
+#[inline(always)]
+fn lengths<S: Simd>(
+    simd: S,
+    unit: &UnitSpace,
+    (rays, hits): (&[Ray], &Hits),
+    first: usize,
+    lengths: &mut [f32],
+) {
+    for ((number, rays), lengths) in rays.chunks(LANES).enumerate().zip(lengths.chunks_mut(LANES)) {
+        let found = lengths_of_eight(simd, unit, rays, hits, first + number * LANES);
+        lengths.iter_mut().zip(found).for_each(|(length, found)| *length = found);
+    }
+}
+
+#[inline(always)]
+fn lengths_of_eight<S: Simd>(
+    simd: S,
+    unit: &UnitSpace,
+    rays: &[Ray],
+    hits: &Hits,
+    first: usize,
+) -> [f32; LANES] {
+    // The last ray stands in for those that are not there.
+    let last = rays.len() - 1;
+    let rays: [&Ray; LANES] = from_fn(|lane| &rays[lane.min(last)]);
+    let (mut farthest_near, mut nearest_far) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, f32::INFINITY));
+    for axis in 0..3 {
+        let origin = f32x8::from_fn(simd, |lane| rays[lane].origin[axis]);
+        let (o, side) = ((origin - unit.min[axis]) * unit.scale, unit.sides[axis]);
+        let d = f32x8::from_fn(simd, |lane| rays[lane].direction[axis]);
+        let (to_min, to_max) = ((0.0 - o) / d, (side - o) / d);
+        let is_outside = o.simd_lt(0.0) | o.simd_gt(side);
+        let beside = is_outside.select(-f32x8::splat(simd, f32::INFINITY), f32x8::splat(simd, f32::INFINITY));
+        let is_parallel = d.simd_eq(0.0);
+        nearest_far = nearest_far.min(is_parallel.select(beside, to_min.max(to_max)));
+        farthest_near = farthest_near.max(is_parallel.select(f32x8::splat(simd, 0.0), to_min.min(to_max)));
+    }
+    let is_missed = nearest_far.simd_lt(farthest_near);
+    let exit = is_missed.select(f32x8::splat(simd, 0.0), nearest_far);
+    let distance = f32x8::from_fn(simd, |lane| hits.distance(first + lane.min(last)));
+    let length = distance * unit.scale;
+    let length = match hits.kind() {
+        Kind::Closest => distance.simd_lt(f32::INFINITY).select(length, exit),
+        Kind::Shadow => length.min(f32x8::from_fn(simd, |lane| rays[lane].t_max) * unit.scale).min(exit),
+    };
+    length.to_array()
+}
+
+/// Rays of a task, of so many in all.
+fn chunk_of(rays: usize) -> usize {
+    (rays / (TASKS_PER_THREAD * rayon::current_num_threads())).clamp(FEWEST, CHUNK)
+}
+
+#[cfg(test)]
+mod tests {
+    use formats::ray::Hit;
+
+    use super::*;
+
+    #[test]
+    fn eight_lengths_are_those_of_their_rays() {
+        let unit = UnitSpace::from_bounds([-2.0, 1.0, 10.0], [6.0, 5.0, 12.0]);
+        let mut random = fastrand::Rng::with_seed(5);
+        let (mut rays, mut nearest) = (Vec::new(), Vec::new());
+        for _ in 0..4_003 {
+            // Some outside, on the sides of the box, or along them.
+            let origin = from_fn(|axis| {
+                let at = random.f32() * 1.5 - 0.25;
+                let at = if random.u8(0..4) == 0 { at.round() } else { at };
+                unit.min[axis] + at * unit.sides[axis] / unit.scale
+            });
+            let direction = from_fn(|_| if random.u8(0..4) == 0 { 0.0 } else { random.f32() - 0.5 });
+            let t_max = if random.bool() { f32::INFINITY } else { random.f32() * 20.0 };
+            rays.push(Ray { origin, t_min: 0.0, direction, t_max });
+            let hit = Hit { t: random.f32() * 10.0, triangle: 3, u: 0.0, v: 0.0 };
+            nearest.push(if random.bool() { hit } else { Hit::MISS });
+        }
+        let distances: Vec<f32> = nearest.iter().map(|hit| hit.t).collect();
+        for hits in [
+            Hits::from_bytes(Kind::Closest, bytemuck::cast_slice(&nearest)),
+            Hits::from_bytes(Kind::Shadow, bytemuck::cast_slice(&distances)),
+        ] {
+            let mut found = vec![0.0; rays.len()];
+            dispatch!(Level::new(), simd => lengths(simd, &unit, (&rays, &hits), 0, &mut found));
+            for (index, length) in found.into_iter().enumerate() {
+                let expected = hits.length(&unit, &rays[index], index);
+                assert_eq!(length, expected, "{:?} {:?}", rays[index], nearest[index]);
+            }
+        }
+    }
 }
