@@ -37,8 +37,8 @@ pub const SPECIALISED: Features = Features {
 const CHUNK: usize = 1 << 9;
 /// Tasks for each thread after which what they leave is moved together, while it is in the threads' own caches.
 const TASKS_PER_THREAD: usize = 8;
-/// How many paths ahead the corners of a hit triangle are asked for; its indices twice as many.
-const CORNERS_AHEAD: usize = 4;
+/// How many paths ahead the corners of a hit triangle are asked for, for the next eight; its indices twice as many.
+const CORNERS_AHEAD: usize = LANES;
 
 /// Light that each pixel got, linear RGB, the bits of an f32 each; a pixel is written by one task at a time.
 pub type Film = Vec<[AtomicU32; 3]>;
