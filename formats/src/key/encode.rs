@@ -7,11 +7,16 @@ use super::block::{Block, Needs};
 use super::layout::{CURVE_AXES, Layout, Share, Source};
 use super::spread::Spread;
 use super::{COORDINATE_BITS, Facts, LightSite, Tiles, hilbert};
+use crate::prefetch::prefetch_at;
 use crate::ray::Ray;
 use crate::unit_space::UnitSpace;
 
 /// Rays of a block.
 const BLOCK: usize = 64;
+/// Rays ahead that memory is asked for: more than a page, beyond which processors do not look by themselves.
+const AHEAD: usize = 3 * BLOCK;
+/// Rays of a cache line.
+const LINE: usize = 64 / size_of::<Ray>();
 
 /// Turns rays into keys of `key_bits` bits, right-aligned, by one layout.
 #[derive(Clone, Debug)]
@@ -103,11 +108,12 @@ impl Encoder {
         mut put: impl FnMut(usize, u64),
     ) {
         let mut block = Block::<BLOCK>::empty();
-        for (number, rays) in rays.chunks(BLOCK).enumerate() {
+        for (number, block_rays) in rays.chunks(BLOCK).enumerate() {
             let first = number * BLOCK;
-            self.fill(&mut block, rays, first, facts);
+            (first..first + BLOCK).step_by(LINE).for_each(|at| prefetch_at(rays, at + AHEAD));
+            self.fill(&mut block, block_rays, first, facts);
             let keys = self.keys(&block);
-            keys.iter().take(rays.len()).enumerate().for_each(|(at, &key)| put(first + at, key));
+            keys.iter().take(block_rays.len()).enumerate().for_each(|(at, &key)| put(first + at, key));
         }
     }
 
@@ -120,16 +126,17 @@ impl Encoder {
         mut put: impl FnMut(usize, u64),
     ) {
         let mut block = Block::<BLOCK>::empty();
-        for (number, rays) in rays.chunks(BLOCK).enumerate() {
+        for (number, block_rays) in rays.chunks(BLOCK).enumerate() {
             let first = number * BLOCK;
-            self.fill(&mut block, rays, first, facts);
+            (first..first + BLOCK).step_by(LINE).for_each(|at| prefetch_at(rays, at + AHEAD));
+            self.fill(&mut block, block_rays, first, facts);
             let mut words = [[0; BLOCK]; 2];
             for part in &self.parts {
                 part.each(&block, |spread, numbers| spread.add_to_words(&mut words, numbers));
             }
             let [low, high] = words;
             let keys = low.iter().zip(&high).map(|(&low, &high)| u64::from(high) << 32 | u64::from(low));
-            keys.take(rays.len()).enumerate().for_each(|(at, key)| put(first + at, key));
+            keys.take(block_rays.len()).enumerate().for_each(|(at, key)| put(first + at, key));
         }
     }
 
