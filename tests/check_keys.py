@@ -1,6 +1,6 @@
 """Keys of the rows of others, computed anew from a recording's rays: python3 check_keys.py X.raydump FACTS.json.
 
-FACTS.json has the scene's bounds, the picture's width and height, and the bits of a key. Everything is NumPy in single precision, as plain as KEYS
+FACTS.json has the scene's bounds, the picture's width and height, and the bits of a key. Everything is NumPy in single precision, as plain as docs/keys.md
 says it; a Hilbert curve is walked from level to level by its symmetries. Prints how many keys of each method agree.
 """
 

@@ -1,4 +1,4 @@
-//! The hashed table of mean ray lengths that two-point-adaptive reads (KEYS, "Length table").
+//! The hashed table of mean ray lengths that two-point-adaptive reads (docs/keys.md, "Length table").
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 

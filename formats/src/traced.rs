@@ -1,4 +1,4 @@
-//! Traced lengths: the rays of a queue and what came of them (KEYS, "Traced length").
+//! Traced lengths: the rays of a queue and what came of them (docs/keys.md, "Traced length").
 
 use std::path::PathBuf;
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::ray::{Hit, Ray};
 
-/// The map from world space to unit space (KEYS: `u(p) = (p − box.min)·s`).
+/// The map from world space to unit space (docs/keys.md: `u(p) = (p − box.min)·s`).
 ///
 /// Only subtraction and multiplication of single values, so every device gives the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,6 +1,6 @@
 //! Every method's key, bit by bit, against an oracle in f64 that shares no code with the encoder.
 //!
-//! The oracle spells KEYS out: it lists a layout's bits with plain loops and takes each bit from a
+//! The oracle spells docs/keys.md out: it lists a layout's bits with plain loops and takes each bit from a
 //! coordinate computed in f64. A wrong bit order, a swapped axis or a shifted field shows at once.
 
 mod oracle;

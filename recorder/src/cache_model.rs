@@ -1,4 +1,4 @@
-//! Which part of what an order reads is still in the caches: a model, not a measurement (KEYS).
+//! Which part of what an order reads is still in the caches: a model, not a measurement (docs/keys.md).
 //!
 //! Sampled whole groups of 64 rays walk the hierarchy of the cpu backend in lockstep: first every ray's
 //! first read, then every ray's second, and so on. Their addresses go through two set-associative caches

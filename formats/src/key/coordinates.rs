@@ -5,7 +5,7 @@ use super::{COORDINATE_BITS, LightSite};
 /// One over √3, the longest distance in unit space.
 pub const INVERSE_SQRT_3: f32 = 0.577_350_26;
 
-/// Quantises to 22 bits: equal cells, NaN and negatives to 0, overflow to the last cell (KEYS).
+/// Quantises to 22 bits: equal cells, NaN and negatives to 0, overflow to the last cell (docs/keys.md).
 /// A coordinate of n < 22 bits is the top n of these.
 #[expect(clippy::manual_clamp, reason = "a clamp keeps NaN")]
 #[inline(always)]
@@ -46,7 +46,7 @@ pub fn paraboloid(d: [f32; 3]) -> [f32; 2] {
 
 /// Coordinates of a shadow ray seen from its light: (u, v, r), each in [0, 1].
 ///
-/// `origin` in unit space. See KEYS, light-octahedron.
+/// `origin` in unit space. See docs/keys.md, "Coordinates".
 pub fn from_light(site: &LightSite, origin: [f32; 3], direction: [f32; 3]) -> [f32; 3] {
     match site {
         LightSite::Placed { centre } => seen_from(*centre, origin),

@@ -207,7 +207,7 @@ mod tests {
         Extent { lights: lights().len(), picture: [1920, 1080] }
     }
 
-    /// Bit by bit in f64 and u128, straight from KEYS, sharing no code with the encoder.
+    /// Bit by bit in f64 and u128, straight from docs/keys.md, sharing no code with the encoder.
     fn slow_origin_bits(unit: &UnitSpace, ray: &Ray, key_bits: u32) -> u64 {
         let mut key = 0u64;
         for place in 0..key_bits {

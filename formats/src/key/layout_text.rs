@@ -1,4 +1,4 @@
-//! The words of layouts, as in KEYS and on the command line.
+//! The words of layouts, as in FORMAT.md and on the command line.
 //!
 //! Names separated by blanks; `(…)*n` repeats a group n times, `name*n` a name, and `*` without a number repeats to
 //! the end. Each mention of a name takes that coordinate's next lower bit; `light` stands for as many bits as the

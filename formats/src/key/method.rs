@@ -86,7 +86,7 @@ const TWO_POINT: &str = "(ox oy oz ex ey ez)*10 ox oy oz ex";
 /// are asked for by name.
 pub const IN_ALL: usize = 10;
 
-/// Name, layout and length estimate of every built-in method (layouts: KEYS).
+/// Name, layout and length estimate of every built-in method.
 pub const BUILTIN: &[(&str, &str, Termination)] = &[
     ("origin", "(ox oy oz)*21 ox", Termination::Unused),
     ("reis", "(ox oy oz)*7 ox (theta phi)*21", Termination::Unused),
@@ -206,7 +206,7 @@ mod tests {
         }
     }
 
-    /// KEYS gives the split at 32 bits, origin first.
+    /// Bits of the origin in a key of 32.
     #[test]
     fn the_split_at_32_bits_is_the_documented_one() {
         for (name, origin_bits) in

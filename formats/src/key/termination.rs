@@ -1,4 +1,4 @@
-//! The estimated termination point of the two-point methods (KEYS, "Termination point").
+//! The estimated termination point of the two-point methods (docs/keys.md, "Estimated end").
 
 use super::COORDINATE_BITS;
 use super::coordinates::quantise;

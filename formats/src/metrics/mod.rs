@@ -1,4 +1,4 @@
-//! What recordings are judged by (KEYS, "Coherence of an order").
+//! What recordings are judged by (docs/keys.md, "Coherence of an order").
 //!
 //! - [`order`]: which ray is at each place, and by which key
 //! - [`capsule`], [`spread`], [`lanes`]: how coherent rays are; [`group`]: all of it of one group

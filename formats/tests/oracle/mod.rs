@@ -1,4 +1,4 @@
-//! The coordinates that keys are made of, in f64, spelled out from KEYS; shares no code with the encoder.
+//! The coordinates that keys are made of, in f64, spelled out from docs/keys.md; shares no code with the encoder.
 #![allow(dead_code, reason = "every test file compiles it anew and uses its own share")]
 
 use formats::key::LightSite;

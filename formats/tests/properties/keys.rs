@@ -1,4 +1,4 @@
-//! Keys by any layout: what is decoded is what was encoded, and what KEYS says of every ray.
+//! Keys by any layout: what is decoded is what was encoded, and what docs/keys.md says of every ray.
 
 use formats::key::decode::{DecodedField, decode};
 use formats::key::extent::index_bits;

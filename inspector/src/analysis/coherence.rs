@@ -1,4 +1,4 @@
-//! Capsules, direction spread and lane utilisation of an order (KEYS, "Coherence of an order").
+//! Capsules, direction spread and lane utilisation of an order (docs/keys.md, "Coherence of an order").
 //!
 //! Streamed: places of the order are taken in chunks whose boundaries are fixed, so that sums are added
 //! in the same order for any number of threads.

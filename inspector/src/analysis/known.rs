@@ -62,7 +62,7 @@ impl KnownTable {
     }
 }
 
-/// A quarter of the scene's largest extent (KEYS, "Termination point").
+/// A quarter of the scene's largest extent (docs/keys.md, "Estimated end").
 const DEFAULT_TWO_POINT_LENGTH: f32 = 0.25;
 
 /// The length that two-point assumes in this recording; its default where it was not measured or is

@@ -27,7 +27,7 @@ pub fn can_split(method: &Method) -> bool {
 }
 
 /// The method with keys of `key_bits` bits, `origin_bits` of which are the origin's: bits of the two parts in turn,
-/// as evenly as the numbers allow, the larger part first (KEYS). `None` if it cannot be split, or the key has fewer
+/// as evenly as the numbers allow, the larger part first. `None` if it cannot be split, or the key has fewer
 /// bits.
 ///
 /// # Errors

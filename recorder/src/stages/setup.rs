@@ -19,7 +19,7 @@ pub struct MethodPlan {
     pub name: String,
     /// Method that this is a variant of; its own name if it is none.
     pub base: String,
-    /// What the user typed or KEYS says.
+    /// What the user typed or the methods say.
     pub text: String,
     /// The key's bits.
     pub layout: Layout,

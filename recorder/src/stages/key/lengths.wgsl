@@ -4,7 +4,7 @@ fn fixed_point(length: f32) -> u32 {
     return u32(min(length, LONGEST_SUMMED) * FIXED_POINT_ONE);
 }
 
-// ⌊(high·2³² + low) / count⌋ by long division; the mean fits 32 bits (KEYS).
+// ⌊(high·2³² + low) / count⌋ by long division; the mean fits 32 bits (docs/keys.md).
 fn mean_fixed_point(low: u32, high: u32, count: u32) -> u32 {
     if high == 0u {
         return low / count;

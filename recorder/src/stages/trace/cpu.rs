@@ -1,5 +1,5 @@
-//! Trace on threads: the same arithmetic as the WGSL kernels, with AVX2 for the box tests where
-//! the processor has it.
+//! Trace on threads: the same arithmetic as the WGSL kernels, compiled for AVX2 as well,
+//! where the processor has it.
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
@@ -42,7 +42,7 @@ enum AnyTree {
     Packet(PacketTree),
 }
 
-/// Which instructions the box tests use; the results are the same.
+/// Which instructions a search is compiled for; the results are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Instructions {
     Portable,

@@ -220,7 +220,7 @@ impl<'a, 'm, V: Vector, A: Account, R: TriangleRay, const PADDED: bool, const AN
                 }
             }
             let limit = V::load(&self.limit[half]);
-            candidates |= (self.triangles[half].candidates(picked, limit) & 0xff) << (8 * half);
+            candidates |= self.triangles[half].candidates(picked, limit) << (8 * half);
         }
         for ray in lanes_of(candidates & rays) {
             let is_done = self.queries[ray].test(leaf);

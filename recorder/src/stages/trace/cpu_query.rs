@@ -1,4 +1,4 @@
-//! A ray on its way through a hierarchy on a thread: what both traversals ask of it.
+//! A ray on its way through a hierarchy on a thread: what all traversals ask of it.
 
 use formats::intersect::{Intersection, farthest, reciprocal};
 use formats::ray::{Hit, Ray, Work};

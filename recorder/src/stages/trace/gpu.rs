@@ -52,7 +52,7 @@ impl RayArrays {
     }
 }
 
-/// Results of a queue at canonical places.
+/// Results of rays, each at its ray's place.
 #[derive(Clone, Debug)]
 pub struct Hits {
     /// What its rays asked for.

@@ -7,7 +7,7 @@ use formats::pages::make_room;
 use formats::ray::{Hit, Kind, Ray};
 use formats::unit_space::UnitSpace;
 
-/// Results of a queue at canonical places.
+/// Results of rays, each at its ray's place.
 #[derive(Debug)]
 pub enum Hits {
     /// The nearest hits of closest rays, two halves each.
@@ -96,7 +96,7 @@ impl Hits {
         }
     }
 
-    /// The traced length of a ray, unit lengths (KEYS).
+    /// The traced length of a ray, unit lengths (docs/keys.md).
     #[inline]
     pub fn length(&self, unit: &UnitSpace, ray: &Ray, index: usize) -> f32 {
         match self {

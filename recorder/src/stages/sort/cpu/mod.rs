@@ -191,7 +191,7 @@ impl<R: Fn(usize) -> u32 + Copy + Send + Sync> Sort<'_, R> {
         }
     }
 
-    /// Sorts a range of pairs that do not lie in these of the two.
+    /// Sorts the pairs that `read` gives for a range, by way of `self.pairs[target]`, from which they do not come.
     fn long<P: Iterator<Item = u64>>(
         &self,
         workers: &mut [Worker],
@@ -240,7 +240,7 @@ impl<R: Fn(usize) -> u32 + Copy + Send + Sync> Sort<'_, R> {
         });
     }
 
-    /// Sorts a range of pairs that lie in these of the two, and share all digits so far.
+    /// Sorts a range of the pairs in `self.pairs[source]`, which share all digits so far.
     fn long_again(&self, workers: &mut [Worker], range: Range<usize>, source: usize) {
         let pairs = self.pairs[source];
         let read = move |range: Range<usize>| stored(&pairs[range]);
