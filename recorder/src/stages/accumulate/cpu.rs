@@ -1,10 +1,7 @@
 //! Accumulate on threads, which part the table among themselves: two that add to one cell at a time would hand its cache
 //! line back and forth, and each addition would keep what follows waiting.
 
-use std::array::from_fn;
-
-use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch, f32x8};
+use fearless_simd::{Level, dispatch};
 use formats::key::{Encoder, NO_FACTS};
 use formats::length_table::{LengthTable, TABLE_BITS_MIN, fixed_point};
 use formats::pages::make_room;
@@ -12,7 +9,6 @@ use formats::ray::{Kind, Ray};
 use formats::unit_space::UnitSpace;
 use rayon::prelude::*;
 
-use crate::stages::eight::LANES;
 use crate::stages::trace::hits::Hits;
 
 /// Parts of the table, by the highest bits of a cell's address: all tables have so many, and what a part of the usual
@@ -21,8 +17,10 @@ const PARTS: usize = 1 << TABLE_BITS_MIN;
 
 /// Rays that one task sorts by part, at most: their cells stay in a core's cache.
 const CHUNK: usize = 1 << 14;
-/// Fewest, so that parts are not shorter than what one looks for them.
+/// Fewest: of fewer, finding the 256 parts takes longer than adding their rays.
 const FEWEST: usize = 1 << 10;
+/// Rays whose lengths are found at once.
+const BLOCK: usize = 64;
 /// Tasks for each thread, so that none waits long for the others.
 const TASKS_PER_THREAD: usize = 4;
 
@@ -71,7 +69,7 @@ impl Accumulator {
             }
             let mut length_of = [0.0; CHUNK];
             let length_of = &mut length_of[..rays.len()];
-            dispatch!(level, simd => lengths(simd, unit, (rays, hits), number * chunk, length_of));
+            dispatch!(level, _ => lengths(unit, (rays, hits), number * chunk, length_of));
             for (&cell, &mut length) in cell_of.iter().zip(length_of) {
                 let end = &mut ends[cell as usize >> shift];
                 sorted[*end as usize] = [cell, fixed_point(length)];
@@ -91,53 +89,32 @@ impl Accumulator {
 }
 
 /// Finds [`UnitSpace::closest_length`] or [`UnitSpace::shadow_length`] of rays, whose results in their queue begin at
-/// `first`.
+/// `first`, in loops without branches, which processors with vectors run several rays at a time.
 #[inline(always)]
-fn lengths<S: Simd>(
-    simd: S,
-    unit: &UnitSpace,
-    (rays, hits): (&[Ray], &Hits),
-    first: usize,
-    lengths: &mut [f32],
-) {
-    for ((number, rays), lengths) in rays.chunks(LANES).enumerate().zip(lengths.chunks_mut(LANES)) {
-        let found = lengths_of_eight(simd, unit, rays, hits, first + number * LANES);
-        lengths.iter_mut().zip(found).for_each(|(length, found)| *length = found);
+fn lengths(unit: &UnitSpace, (rays, hits): (&[Ray], &Hits), first: usize, lengths: &mut [f32]) {
+    for (number, (rays, lengths)) in rays.chunks(BLOCK).zip(lengths.chunks_mut(BLOCK)).enumerate() {
+        let (mut origin, mut direction) = ([[0.0; BLOCK]; 3], [[0.0; BLOCK]; 3]);
+        let (mut t_max, mut distance) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for (at, ray) in rays.iter().enumerate() {
+            let point = unit.point(ray.origin);
+            for axis in 0..3 {
+                (origin[axis][at], direction[axis][at]) = (point[axis], ray.direction[axis]);
+            }
+            (t_max[at], distance[at]) = (ray.t_max, hits.distance(first + number * BLOCK + at));
+        }
+        let mut found = [0.0; BLOCK];
+        for at in 0..BLOCK {
+            let of_lane = |axes: &[[f32; BLOCK]; 3]| [axes[0][at], axes[1][at], axes[2][at]];
+            let exit = unit.exit(of_lane(&origin), of_lane(&direction));
+            let length = distance[at] * unit.scale;
+            found[at] = match hits.kind() {
+                Kind::Closest if distance[at] < f32::INFINITY => length,
+                Kind::Closest => exit,
+                Kind::Shadow => length.min(t_max[at] * unit.scale).min(exit),
+            };
+        }
+        lengths.copy_from_slice(&found[..rays.len()]);
     }
-}
-
-#[inline(always)]
-fn lengths_of_eight<S: Simd>(
-    simd: S,
-    unit: &UnitSpace,
-    rays: &[Ray],
-    hits: &Hits,
-    first: usize,
-) -> [f32; LANES] {
-    // The last ray stands in for those that are not there.
-    let last = rays.len() - 1;
-    let rays: [&Ray; LANES] = from_fn(|lane| &rays[lane.min(last)]);
-    let (mut farthest_near, mut nearest_far) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, f32::INFINITY));
-    for axis in 0..3 {
-        let origin = f32x8::from_fn(simd, |lane| rays[lane].origin[axis]);
-        let (o, side) = ((origin - unit.min[axis]) * unit.scale, unit.sides[axis]);
-        let d = f32x8::from_fn(simd, |lane| rays[lane].direction[axis]);
-        let (to_min, to_max) = ((0.0 - o) / d, (side - o) / d);
-        let is_outside = o.simd_lt(0.0) | o.simd_gt(side);
-        let beside = is_outside.select(-f32x8::splat(simd, f32::INFINITY), f32x8::splat(simd, f32::INFINITY));
-        let is_parallel = d.simd_eq(0.0);
-        nearest_far = nearest_far.min(is_parallel.select(beside, to_min.max(to_max)));
-        farthest_near = farthest_near.max(is_parallel.select(f32x8::splat(simd, 0.0), to_min.min(to_max)));
-    }
-    let is_missed = nearest_far.simd_lt(farthest_near);
-    let exit = is_missed.select(f32x8::splat(simd, 0.0), nearest_far);
-    let distance = f32x8::from_fn(simd, |lane| hits.distance(first + lane.min(last)));
-    let length = distance * unit.scale;
-    let length = match hits.kind() {
-        Kind::Closest => distance.simd_lt(f32::INFINITY).select(length, exit),
-        Kind::Shadow => length.min(f32x8::from_fn(simd, |lane| rays[lane].t_max) * unit.scale).min(exit),
-    };
-    length.to_array()
 }
 
 /// Rays of a task, of so many in all.
@@ -147,12 +124,14 @@ fn chunk_of(rays: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use std::array::from_fn;
+
     use formats::ray::Hit;
 
     use super::*;
 
     #[test]
-    fn eight_lengths_are_those_of_their_rays() {
+    fn lengths_are_those_of_their_rays() {
         let unit = UnitSpace::from_bounds([-2.0, 1.0, 10.0], [6.0, 5.0, 12.0]);
         let mut random = fastrand::Rng::with_seed(5);
         let (mut rays, mut nearest) = (Vec::new(), Vec::new());
@@ -175,7 +154,7 @@ mod tests {
             Hits::from_bytes(Kind::Shadow, bytemuck::cast_slice(&distances)),
         ] {
             let mut found = vec![0.0; rays.len()];
-            dispatch!(Level::new(), simd => lengths(simd, &unit, (&rays, &hits), 0, &mut found));
+            dispatch!(Level::new(), _ => lengths(&unit, (&rays, &hits), 0, &mut found));
             for (index, length) in found.into_iter().enumerate() {
                 let expected = hits.length(&unit, &rays[index], index);
                 assert_eq!(length, expected, "{:?} {:?}", rays[index], nearest[index]);
