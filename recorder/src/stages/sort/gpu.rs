@@ -10,7 +10,7 @@ use crate::stages::compact::WORKGROUP_SCAN_WGSL;
 /// Threads of a workgroup that looks for bits that differ.
 const EXAMINE_THREADS: u32 = 128;
 /// Keys that one of them looks at.
-const EXAMINE_KEYS_PER_THREAD: u32 = 64;
+const EXAMINE_KEYS_PER_THREAD: u32 = 16;
 
 /// Keys in canonical order.
 #[derive(Clone, Debug)]
@@ -40,13 +40,28 @@ impl Keys {
     /// # Errors
     /// If there are too many for the adapter.
     pub fn upload(gpu: &Gpu, keys: &[u64], bits: u32) -> Result<Self, GpuError> {
+        let mut uploaded = Self::new(gpu, keys.len())?;
+        uploaded.fill(gpu, keys, bits)?;
+        Ok(uploaded)
+    }
+
+    /// Uploads other keys in their place.
+    ///
+    /// # Errors
+    /// Those of the device.
+    ///
+    /// # Panics
+    /// If there is no room for so many.
+    pub fn fill(&mut self, gpu: &Gpu, keys: &[u64], bits: u32) -> Result<(), GpuError> {
         let words = |shift: u32| keys.iter().map(|key| (key >> shift) as u32).collect::<Vec<_>>();
-        let high = (bits > u32::BITS).then(|| gpu.array_of("sort::high", &words(u32::BITS)));
-        let low = gpu.array_of("sort::low", &words(0))?;
-        Ok(Self { bits, count: keys.len(), low, high: high.transpose()? })
+        (self.bits, self.count) = (bits, keys.len());
+        gpu.write(&self.low, &words(0))?;
+        self.high.iter().try_for_each(|high| gpu.write(high, &words(u32::BITS)))
     }
 }
 
+/// Digits of keys so short that a look at them takes as long as a pass.
+const UNSEEN_DIGITS: u32 = 2;
 /// Words in front of the totals of the bins: bits seen as 1 and as 0 in the low and high words.
 const SEEN_WORDS: usize = 4;
 /// Subgroups of a workgroup that sorts a tile together.
@@ -54,7 +69,7 @@ const SUBGROUPS: u32 = 8;
 /// Most threads of such a workgroup.
 const MOST_THREADS: u32 = 256;
 /// Keys that each of its threads sorts; they stay in registers.
-const KEYS_PER_THREAD: u32 = 16;
+const KEYS_PER_THREAD: u32 = 8;
 /// Most threads of a workgroup whose threads walk tiles of their own.
 const MOST_SERIAL_THREADS: u32 = 32;
 /// Keys of the tile of such a thread: enough that moving its 256 counters does not show.
@@ -156,6 +171,7 @@ struct SortPass {
     count: u32,
     tiles: u32,
     digit: u32,
+    digits: u32,
 }
 
 impl Sorter {
@@ -241,21 +257,19 @@ impl Sorter {
         ];
         let group = self.count.bind(gpu, 0, &resources)?;
         let mut run = gpu.stage("sort");
-        run.clear(&self.totals);
-        if self.digits == Digits::Differing {
+        let passes = keys.bits.div_ceil(DIGIT_BITS);
+        let looks = self.digits == Digits::Differing && passes > UNSEEN_DIGITS;
+        let digits = if looks { 0 } else { (1 << passes) - 1 };
+        if looks {
+            run.clear(&self.totals);
             let examined = count.div_ceil(EXAMINE_THREADS * EXAMINE_KEYS_PER_THREAD);
             for digit in (0..if is_wide { 2 } else { 1 }).map(|word| word * DIGITS_PER_WORD) {
-                run.dispatch(&self.examine, &[&group], &SortPass { count, tiles, digit }, examined);
+                run.dispatch(&self.examine, &[&group], &SortPass { count, tiles, digit, digits }, examined);
             }
-        } else {
-            let all = self.digits.varying(keys.bits, || 0);
-            let [low, high] = [all as u32, (all >> 32) as u32];
-            // As if each of these bits had been seen as 1 and as 0.
-            run.copy(&gpu.array_of("sort::seen", &[low, low, high, high])?, &self.totals, SEEN_WORDS);
         }
         let workgroups = tiles.div_ceil(self.tiling.tiles_per_workgroup);
-        for digit in 0..keys.bits.div_ceil(DIGIT_BITS) {
-            let pass = SortPass { count, tiles, digit };
+        for digit in 0..passes {
+            let pass = SortPass { count, tiles, digit, digits };
             run.dispatch(&self.count, &[&group], &pass, workgroups);
             run.dispatch(&self.scan, &[&group], &pass, BINS as u32);
             run.dispatch(&self.scatter, &[&group], &pass, workgroups);
@@ -367,10 +381,10 @@ mod tests {
 
     /// What graphics cards get, with as many threads as this adapter's subgroups allow.
     #[test]
-    fn tiles_of_sixteen_keys_a_thread_sort_right() {
+    fn tiles_that_a_workgroup_shares_sort_right() {
         let adapter = test_gpu().adapter();
         if !adapter.subgroups {
-            return skipped("tiles of sixteen keys a thread", "the adapter has no subgroups");
+            return skipped("tiles that a workgroup shares", "the adapter has no subgroups");
         }
         let threads = (SUBGROUPS * adapter.subgroup_min_size).min(MOST_THREADS);
         // Ballots in one word and in four.
@@ -398,7 +412,7 @@ mod tests {
         let driver = Some(("VK_DRIVER_FILES", second.as_str())).filter(|_| !second.is_empty());
         for (name, value) in settings.into_iter().chain(driver) {
             let mut child = std::process::Command::new(std::env::current_exe().unwrap());
-            child.args(["tiles_of_sixteen_keys_a_thread_sort_right", "--nocapture"]).env(name, value);
+            child.args(["tiles_that_a_workgroup_shares_sort_right", "--nocapture"]).env(name, value);
             let output = child.output().unwrap();
             let said = String::from_utf8_lossy(&output.stdout);
             assert!(output.status.success() && said.contains("1 passed"), "with {name}={value}: {said}");

@@ -15,13 +15,19 @@ fn examine(
     workgroupBarrier();
     let first = linear_workgroup(group, groups) * EXAMINE_THREADS * EXAMINE_KEYS_PER_THREAD + thread;
     let is_low = sort_pass.digit < DIGITS_PER_WORD;
-    let source = select(FROM_HIGH_WORDS, FROM_LOW_WORDS, is_low);
+    let last = sort_pass.count - 1u;
     var ones = 0u;
     var zeros = 0u;
-    for (var row = 0u; row < EXAMINE_KEYS_PER_THREAD; row++) {
-        let place = first + row * EXAMINE_THREADS;
-        if place < sort_pass.count {
-            let word = key_at(place, source);
+    // Behind the last key stands that key again, which says nothing new: so reads wait for no branch.
+    if is_low {
+        for (var row = 0u; row < EXAMINE_KEYS_PER_THREAD; row++) {
+            let word = low_words[min(first + row * EXAMINE_THREADS, last)];
+            ones |= word;
+            zeros |= ~word;
+        }
+    } else {
+        for (var row = 0u; row < EXAMINE_KEYS_PER_THREAD; row++) {
+            let word = high_words[min(first + row * EXAMINE_THREADS, last)];
             ones |= word;
             zeros |= ~word;
         }

@@ -10,6 +10,8 @@ struct SortPass {
     tiles: u32,
     // Which digit to sort by: 0 to 3 of the low word, 4 to 7 of the high word, lowest first.
     digit: u32,
+    // The digits that get a pass, a bit each; 0 where a look at the keys says.
+    digits: u32,
 }
 
 struct Totals {
@@ -70,8 +72,11 @@ fn differing_digits(word: u32) -> u32 {
 }
 
 fn plan_pass() -> Plan {
-    // If all keys are equal, one pass over a constant digit writes the canonical order.
-    let digits = max(1u, differing_digits(0u) | (differing_digits(1u) << DIGITS_PER_WORD));
+    var digits = sort_pass.digits;
+    if digits == 0u {
+        // If all keys are equal, one pass over a constant digit writes the canonical order.
+        digits = max(1u, differing_digits(0u) | (differing_digits(1u) << DIGITS_PER_WORD));
+    }
     let before = digits & ((1u << sort_pass.digit) - 1u);
     let after = digits & ~((2u << sort_pass.digit) - 1u);
     let is_low = sort_pass.digit < DIGITS_PER_WORD;

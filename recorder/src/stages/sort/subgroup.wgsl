@@ -5,6 +5,28 @@
 
 const ROWS: u32 = TILE_KEYS / TILE_THREADS;
 
+// The keys of a thread, `step` apart. All of them are asked for before one is waited for: no branch lies between two
+// reads, and behind the last key stands that key again.
+fn load_keys(keys: ptr<function, array<u32, ROWS>>, first: u32, step: u32, source: u32) {
+    let last = sort_pass.count - 1u;
+    switch source {
+        case FROM_A: { for (var row = 0u; row < ROWS; row++) { (*keys)[row] = keys_a[min(first + row * step, last)]; } }
+        case FROM_B: { for (var row = 0u; row < ROWS; row++) { (*keys)[row] = keys_b[min(first + row * step, last)]; } }
+        case FROM_LOW_WORDS: { for (var row = 0u; row < ROWS; row++) { (*keys)[row] = low_words[min(first + row * step, last)]; } }
+        default: { for (var row = 0u; row < ROWS; row++) { (*keys)[row] = high_words[min(first + row * step, last)]; } }
+    }
+}
+
+// Their indices.
+fn load_indices(indices: ptr<function, array<u32, ROWS>>, first: u32, step: u32, source: u32) {
+    let last = sort_pass.count - 1u;
+    switch source {
+        case FROM_A: { for (var row = 0u; row < ROWS; row++) { (*indices)[row] = order_a[min(first + row * step, last)]; } }
+        case FROM_B: { for (var row = 0u; row < ROWS; row++) { (*indices)[row] = order_b[min(first + row * step, last)]; } }
+        default: { for (var row = 0u; row < ROWS; row++) { (*indices)[row] = first + row * step; } }
+    }
+}
+
 var<workgroup> bin_counts: array<atomic<u32>, BINS>;
 
 @compute @workgroup_size(TILE_THREADS)
@@ -21,11 +43,13 @@ fn count(
     for (var bin = thread; bin < BINS; bin += TILE_THREADS) {
         atomicStore(&bin_counts[bin], 0u);
     }
+    let first = tile * TILE_KEYS + thread;
+    var keys: array<u32, ROWS>;
+    load_keys(&keys, first, TILE_THREADS, plan.source);
     workgroupBarrier();
     for (var row = 0u; row < ROWS; row++) {
-        let place = tile * TILE_KEYS + row * TILE_THREADS + thread;
-        if place < sort_pass.count {
-            atomicAdd(&bin_counts[bin_of(key_at(place, plan.source))], 1u);
+        if first + row * TILE_THREADS < sort_pass.count {
+            atomicAdd(&bin_counts[bin_of(keys[row])], 1u);
         }
     }
     workgroupBarrier();
@@ -54,8 +78,25 @@ fn peers_of(bin: u32, valid: bool) -> Lanes {
     return peers;
 }
 
+var<workgroup> subgroup_sums: array<u32, SUBGROUPS>;
+
+// The sum over the threads before this one, subgroup by subgroup.
+fn sum_before(value: u32, subgroup: u32, lane: u32, lanes: u32) -> u32 {
+    var sum = subgroupExclusiveAdd(value);
+    if lane == lanes - 1u {
+        subgroup_sums[subgroup] = sum + value;
+    }
+    workgroupBarrier();
+    for (var other = 0u; other < subgroup; other++) {
+        sum += subgroup_sums[other];
+    }
+    workgroupBarrier();
+    return sum;
+}
+
 // From counts to starts: of the bins in the tile, and of each subgroup in the bins.
-fn place_bins(tile: u32, thread: u32) {
+fn place_bins(tile: u32, subgroup: u32, lane: u32, lanes: u32) {
+    let thread = subgroup * lanes + lane;
     // Each thread takes a run of bins, in order, so that a sum over threads gives the starts.
     let run = BINS / TILE_THREADS;
     var sum = 0u;
@@ -69,14 +110,13 @@ fn place_bins(tile: u32, thread: u32) {
         bin_starts[bin] = sum;
         sum += in_bin;
     }
-    let in_tile = exclusive_sum(sum, thread);
+    let in_tile = sum_before(sum, subgroup, lane, lanes);
     var total = 0u;
     for (var bin = thread * run; bin < (thread + 1u) * run; bin++) {
         bin_starts[bin] += in_tile;
         total += totals.bins[bin];
     }
-    workgroupBarrier();
-    var bin_start = exclusive_sum(total, thread);
+    var bin_start = sum_before(total, subgroup, lane, lanes);
     for (var bin = thread * run; bin < (thread + 1u) * run; bin++) {
         bin_offsets[bin] = bin_start + tile_counts[bin * sort_pass.tiles + tile] - bin_starts[bin];
         bin_start += totals.bins[bin];
@@ -101,20 +141,18 @@ fn scatter(
     for (var entry = thread; entry < SUBGROUPS * BINS; entry += TILE_THREADS) {
         atomicStore(&subgroup_counts[entry], 0u);
     }
-    workgroupBarrier();
-
     // A subgroup has a stretch of the tile of its own and walks it row by row.
     let first = tile * TILE_KEYS + subgroup * lanes * ROWS + lane;
     var keys: array<u32, ROWS>;
+    var indices: array<u32, ROWS>;
+    load_keys(&keys, first, lanes, plan.source);
+    load_indices(&indices, first, lanes, plan.source);
+    workgroupBarrier();
+
     var ranks: array<u32, ROWS>;
     for (var row = 0u; row < ROWS; row++) {
-        let place = first + row * lanes;
-        let valid = place < sort_pass.count;
-        var key = 0u;
-        if valid {
-            key = key_at(place, plan.source);
-        }
-        let bin = bin_of(key);
+        let valid = first + row * lanes < sort_pass.count;
+        let bin = bin_of(keys[row]);
         let peers = peers_of(bin, valid);
         let leader = first_lane(peers);
         var before = 0u;
@@ -123,11 +161,10 @@ fn scatter(
         }
         // A lane without a key has no peers and may ask anyone; it does not use the answer.
         before = subgroupShuffle(before, select(lane, leader, valid));
-        keys[row] = key;
         ranks[row] = before + count_lanes(peers & lanes_below(lane));
     }
     workgroupBarrier();
-    place_bins(tile, thread);
+    place_bins(tile, subgroup, lane, lanes);
 
     for (var row = 0u; row < ROWS; row++) {
         let bin = bin_of(keys[row]);
@@ -144,9 +181,8 @@ fn scatter(
     }
     workgroupBarrier();
     for (var row = 0u; row < ROWS; row++) {
-        let place = first + row * lanes;
-        if place < sort_pass.count {
-            sorted[ranks[row]] = index_at(place, plan.source);
+        if first + row * lanes < sort_pass.count {
+            sorted[ranks[row]] = indices[row];
         }
     }
     workgroupBarrier();
