@@ -1,7 +1,7 @@
 //! The stages of the GPU against those on threads, each given the other's inputs: bit for bit.
 //!
 //! Rays, results and length tables are read back from the GPU; threads make keys, permutations and
-//! tables of the same inputs. Needs a device with IEEE arithmetic, such as lavapipe.
+//! tables of the same inputs. Needs a device whose self-check finds the arithmetic of rays and keys exact.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -16,6 +16,7 @@ use recorder::backends::gpu::GpuBackend;
 use recorder::backends::{Array, Backend, Queue, RecordedRays, Table, collected};
 use recorder::cli::parse_record;
 use recorder::device::{AdapterRequest, Gpu};
+use recorder::machine::GpuDevice;
 use recorder::options::RecordOptions;
 use recorder::recording;
 use recorder::stages::random::Random;
@@ -60,6 +61,13 @@ fn kernel(options: &RecordOptions) -> TraceKernel {
     options.device.trace.unwrap_or(TraceKernel::Cwbvh)
 }
 
+/// As every run opens it.
+fn open() -> Gpu {
+    let gpu = Gpu::open(&AdapterRequest::Any)
+        .unwrap_or_else(|error| panic!("GPU tests need an adapter; tests/run installs one: {error}"));
+    GpuDevice::checked(gpu).unwrap().gpu
+}
+
 struct Machine {
     scene: Scene,
     setup: Arc<Setup>,
@@ -72,9 +80,7 @@ fn machine(options: &RecordOptions) -> Machine {
     let setup = Arc::new(recording::setup(&scene, &scene.cameras[0], options).unwrap());
     let kind = kernel(options).bvh_kind().unwrap();
     let bvh = scenes::bvh::build(&scene, kind).unwrap();
-    let gpu = Gpu::open(&AdapterRequest::Any)
-        .unwrap_or_else(|error| panic!("GPU tests need an adapter; tests/run installs one: {error}"));
-    let gpu = GpuBackend::new(gpu, &scene, Some(&bvh), Arc::clone(&setup), kernel(options)).unwrap();
+    let gpu = GpuBackend::new(open(), &scene, Some(&bvh), Arc::clone(&setup), kernel(options)).unwrap();
     Machine { scene, setup, bvh, gpu }
 }
 
@@ -249,8 +255,7 @@ fn every_precision_finds_the_same_on_both_backends() {
         let Machine { scene, setup, bvh, .. } = machine(&options);
         for precision in Precision::ALL {
             let setup = Arc::new(Setup { precision, ..Setup::clone(&setup) });
-            let gpu = Gpu::open(&AdapterRequest::Any).unwrap();
-            let mut gpu = GpuBackend::new(gpu, &scene, Some(&bvh), setup, trace).unwrap();
+            let mut gpu = GpuBackend::new(open(), &scene, Some(&bvh), setup, trace).unwrap();
             let rays = gpu.generate(0).unwrap();
             let hits = gpu.trace(&rays, Order::Stored).unwrap();
             let found: Vec<u8> = read(&mut gpu, Array::Hits(&hits));
@@ -326,9 +331,8 @@ fn keys_of_odd_rays_are_equal_in_boxes_of_any_extent() {
         let setup = recording::setup(&scene, &scene.cameras[0], &options).unwrap();
         let setup = Arc::new(Setup { unit: UnitSpace::from_bounds(min, max), ..setup });
         let bvh = scenes::bvh::build(&scene, BvhKind::Cwbvh).unwrap();
-        let gpu = Gpu::open(&AdapterRequest::Any).unwrap();
         let mut gpu =
-            GpuBackend::new(gpu, &scene, Some(&bvh), Arc::clone(&setup), TraceKernel::Cwbvh).unwrap();
+            GpuBackend::new(open(), &scene, Some(&bvh), Arc::clone(&setup), TraceKernel::Cwbvh).unwrap();
         let rays = upload(&mut gpu, &odd_rays(min, max), None);
         let hits = gpu.trace(&rays, Order::Stored).unwrap();
         let table = LengthTable::new(setup.table_bits);

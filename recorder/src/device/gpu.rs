@@ -6,7 +6,7 @@ use std::thread::ThreadId;
 
 use super::adapter::choose;
 use super::timing::Timestamps;
-use super::{AdapterDescription, AdapterRequest, GpuError, limits};
+use super::{AdapterDescription, AdapterRequest, GpuError, Rounding, limits};
 
 /// A device that is open, with the queue that work is sent to. Clones are the same device.
 #[derive(Clone, Debug)]
@@ -17,7 +17,7 @@ pub struct Gpu {
     faults: Arc<Mutex<Faults>>,
     /// Those that no run holds.
     timestamps: Arc<Mutex<Vec<Timestamps>>>,
-    rounds_as_written: bool,
+    rounding: Rounding,
 }
 
 /// What wgpu reported outside of any return value, until the call that caused it picks it up.
@@ -88,7 +88,7 @@ impl Gpu {
             adapter: description,
             faults,
             timestamps: Arc::default(),
-            rounds_as_written: false,
+            rounding: Rounding::UNKNOWN,
         })
     }
 
@@ -107,16 +107,15 @@ impl Gpu {
         &self.adapter
     }
 
-    /// The same device, known to round both products of a·b − c·d: kernels leave out what guards against a
-    /// device that contracts it.
+    /// The same device, known to round so: its kernels have the guards that it needs, and no others.
     #[must_use]
-    pub fn rounding_as_written(self) -> Self {
-        Self { rounds_as_written: true, ..self }
+    pub fn with_rounding(self, rounding: Rounding) -> Self {
+        Self { rounding, ..self }
     }
 
-    /// Whether both products of a·b − c·d are known to be rounded.
-    pub fn rounds_as_written(&self) -> bool {
-        self.rounds_as_written
+    /// How it is thought to round.
+    pub fn rounding(&self) -> Rounding {
+        self.rounding
     }
 
     /// Whether the device was opened with these features.

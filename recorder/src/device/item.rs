@@ -3,7 +3,7 @@
 
 use super::limits::IMMEDIATE_BYTES;
 use super::parameters::{Chunk, Parameters, WgslType};
-use super::{Binding, Gpu, GpuError, Kernel, KernelSource};
+use super::{Binding, Gpu, GpuError, Kernel, KernelSource, Rounding};
 
 /// Threads of a workgroup.
 pub(super) const THREADS: u32 = 64;
@@ -136,11 +136,13 @@ impl Module {
         &self.label
     }
 
-    /// The whole module.
-    pub fn wgsl(&self) -> String {
+    /// The whole module, for a device that rounds so.
+    pub fn wgsl(&self, rounding: Rounding) -> String {
         let Self { declarations, body, parameters, .. } = self;
+        // A dispatch has fewer items than that.
+        let arithmetic = rounding.wgsl(&format!("{parameters}.count >> 31u"));
         format!(
-            "{declarations}{body}
+            "{declarations}{arithmetic}{body}
 @compute @workgroup_size({THREADS})
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>, @builtin(local_invocation_index) lane: u32) {{
     let item = (group.y * groups.x + group.x) * {THREADS}u + lane;
@@ -161,7 +163,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
         let bindings: Vec<Binding> = self.bindings.iter().map(|(binding, _)| *binding).collect();
         let source = KernelSource {
             label: &self.label,
-            wgsl: &self.wgsl(),
+            wgsl: &self.wgsl(gpu.rounding()),
             entry_point: "main",
             groups: &[&bindings],
             immediate_bytes: self.immediate_bytes,

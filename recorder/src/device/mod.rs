@@ -7,6 +7,7 @@
 //! - [`kernel`]: WGSL to pipeline, bindings, grids beyond 65,535 workgroups
 //! - [`item`]: kernels that run once for each item of a queue, and why they need no index checks
 //! - `parameters`: what kernels are told
+//! - [`rounding`]: arithmetic that is rounded as it is written, on every device
 //! - [`run`]: the dispatches of one stage, recorded, submitted and timed as one figure
 //! - `timing`: the device's own clock
 //! - [`readback`]: GPU memory to the CPU through a ring of staging buffers
@@ -20,6 +21,7 @@ pub mod kernel;
 pub mod limits;
 mod parameters;
 pub mod readback;
+pub mod rounding;
 pub mod run;
 mod timing;
 
@@ -31,6 +33,7 @@ pub use item::{ItemKernel, Module};
 pub use kernel::{Binding, Kernel, KernelSource};
 pub use parameters::{Chunk, ITEMS, Parameters, WgslType};
 pub use readback::Readback;
+pub use rounding::Rounding;
 pub use run::StageRun;
 
 /// The device that the tests of one process share: any adapter, software ones too.

@@ -76,7 +76,7 @@ impl Description {
             },
             limits: limits.map(|(name, limit)| (name.to_owned(), limit)).to_vec(),
             self_check: self_check.checks.clone(),
-            ieee_arithmetic: self_check.ieee_division && !self_check.contracts,
+            ieee_arithmetic: self_check.ieee_arithmetic,
             time_source: if adapter.timestamps {
                 "gpu timestamps"
             } else {

@@ -44,6 +44,15 @@ pub struct GpuDevice {
 }
 
 impl GpuDevice {
+    /// What passes its self-check, with the guards that its rounding needs.
+    ///
+    /// # Errors
+    /// Those of [`SelfCheck::run`].
+    pub fn checked(gpu: Gpu) -> Result<Self, GpuError> {
+        let self_check = SelfCheck::run(&gpu)?;
+        Ok(Self { gpu: gpu.with_rounding(self_check.rounding), self_check })
+    }
+
     /// Refuses scenes so small that products of lengths are denormal, where the device takes those for 0.
     fn check_extent(&self, scene: &Scene) -> Result<()> {
         let extent = scene.bounds().extent().into_iter().fold(0.0, f32::max);
@@ -93,9 +102,7 @@ fn open_gpu(request: &AdapterRequest, trace: Option<TraceKernel>) -> Result<Devi
         Some(TraceKernel::RayQuery) => Gpu::open_with_ray_query(request)?,
         _ => Gpu::open(request)?,
     };
-    let self_check = SelfCheck::run(&gpu)?;
-    let gpu = if self_check.contracts { gpu } else { gpu.rounding_as_written() };
-    Ok(Device::Gpu(Box::new(GpuDevice { gpu, self_check })))
+    Ok(Device::Gpu(Box::new(GpuDevice::checked(gpu)?)))
 }
 
 fn open_cpu(options: &DeviceOptions, passed_over: Option<String>) -> Result<Device> {

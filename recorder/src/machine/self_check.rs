@@ -3,7 +3,7 @@
 use formats::manifest::Check;
 use serde::Serialize;
 
-use crate::device::{Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource};
+use crate::device::{Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource, Rounding};
 use crate::stages::sort::gpu::{Keys, Sorter};
 
 /// Keys of the trial sort.
@@ -19,8 +19,11 @@ pub const SMALLEST_FLUSHED_SCENE: f32 = 1e-4;
 /// Loops that a device must finish; some drivers stop at 65,535.
 const LOOPS: [u32; 4] = [65_535, 65_536, 70_003, 200_003];
 
-/// The kernels.
-pub(crate) const WGSL: &str = include_str!("self_check.wgsl");
+/// The kernels, for a device that rounds so.
+pub(crate) fn wgsl(rounding: Rounding) -> String {
+    // Nobody counts there.
+    rounding.wgsl("atomicLoad(&counters[3])") + include_str!("self_check.wgsl")
+}
 
 /// It is as it must be.
 const PASSED: &str = "passed";
@@ -34,10 +37,11 @@ const DIFFERS: &str = "differs";
 pub struct SelfCheck {
     /// Every check, in the order in which they ran.
     pub checks: Vec<Check>,
-    /// Whether quotients and square roots are the nearest floats.
-    pub ieee_division: bool,
-    /// Whether a·b − c·d is rounded once less than written.
-    pub contracts: bool,
+    /// What kernels that trace rays and make keys must guard against.
+    #[serde(skip)]
+    pub rounding: Rounding,
+    /// Whether with these guards they compute what IEEE 754 has, bit for bit.
+    pub ieee_arithmetic: bool,
     /// Whether numbers below 1.2e-38 become 0.
     pub flushes_denormals: bool,
 }
@@ -66,13 +70,15 @@ impl SelfCheck {
     pub fn look(gpu: &Gpu) -> Result<Self, GpuError> {
         let mut checks = vec![long_loops(gpu)?, barriers(gpu)?, atomics(gpu)?];
         checks.extend([sort(gpu, 32)?, sort(gpu, 64)?, timestamps(gpu)?]);
-        let rounding = rounding(gpu)?;
-        let is_exact = |check: &Check| check.outcome == PASSED;
-        let ieee_division = rounding[..2].iter().all(is_exact);
-        let contracts = !is_exact(&rounding[2]);
-        let flushes_denormals = !is_exact(&rounding[3]);
-        checks.extend(rounding);
-        Ok(Self { checks, ieee_division, contracts, flushes_denormals })
+        let found = rounding(gpu)?;
+        let differs = |check: &Check| check.outcome != PASSED;
+        let rounding =
+            Rounding { contracts: differs(&found[2]), divides_roughly: found[..2].iter().any(differs) };
+        let flushes_denormals = differs(&found[3]);
+        checks.extend(found);
+        checks.push(kernel_rounding(gpu, rounding)?);
+        let ieee_arithmetic = checks.last().is_some_and(|check| !differs(check));
+        Ok(Self { checks, rounding, ieee_arithmetic, flushes_denormals })
     }
 }
 
@@ -83,9 +89,20 @@ fn run(
     inputs: &[u32],
     workgroups: u32,
 ) -> Result<(Vec<u32>, Vec<u32>, u64), GpuError> {
+    run_rounding(gpu, gpu.rounding(), entry_point, inputs, workgroups)
+}
+
+/// The same on a device that rounds so.
+fn run_rounding(
+    gpu: &Gpu,
+    rounding: Rounding,
+    entry_point: &str,
+    inputs: &[u32],
+    workgroups: u32,
+) -> Result<(Vec<u32>, Vec<u32>, u64), GpuError> {
     let source = KernelSource {
         label: &format!("self_check::{entry_point}"),
-        wgsl: WGSL,
+        wgsl: &wgsl(rounding),
         entry_point,
         groups: &[&[Binding::Read, Binding::ReadWrite, Binding::ReadWrite]],
         immediate_bytes: 0,
@@ -164,31 +181,47 @@ fn timestamps(gpu: &Gpu) -> Result<Check, GpuError> {
     Ok(check)
 }
 
+/// Rows of four floats within a few powers of two of 1, where every mantissa occurs.
+fn rows() -> Vec<[f32; 4]> {
+    let mut random = numbers(5);
+    let mut float = || f32::from_bits(0x3e00_0000 + (random.next().unwrap_or_default() >> 6));
+    (0..ROUNDING_ROWS).map(|_| std::array::from_fn(|_| float())).collect()
+}
+
+/// What IEEE 754 has for a row: quotient, square root, a·b − c·d.
+fn expected([a, b, c, d]: &[f32; 4]) -> [f32; 3] {
+    [a / b, a.sqrt(), a * b - c * d]
+}
+
 /// Division, square root, contraction, denormal numbers.
 fn rounding(gpu: &Gpu) -> Result<[Check; 4], GpuError> {
-    let mut random = numbers(5);
-    let mut float = || {
-        let number = random.next().unwrap_or_default();
-        // Within a few powers of two of 1, where every mantissa occurs.
-        f32::from_bits(0x3e00_0000 + (number >> 6))
-    };
-    let rows: Vec<[f32; 4]> = (0..ROUNDING_ROWS).map(|_| std::array::from_fn(|_| float())).collect();
+    let rows = rows();
     let (outputs, ..) = run(gpu, "rounding", bytemuck::cast_slice(&rows), ROUNDING_ROWS / 64)?;
-    let count = |column: usize, expected: &dyn Fn(&[f32; 4]) -> f32| {
+    let compare = |name, column: usize| {
         let found = outputs.chunks_exact(4).map(|row| row[column]);
-        found.zip(&rows).filter(|(found, row)| *found != expected(row).to_bits()).count()
-    };
-    let compare = |name, column, expected: &dyn Fn(&[f32; 4]) -> f32| {
-        let wrong = count(column, expected);
-        let detail = format!("{wrong} of {ROUNDING_ROWS} results are not those of IEEE 754");
-        check(name, if wrong == 0 { PASSED } else { DIFFERS }, detail)
+        let wrong = found.zip(&rows).filter(|(found, row)| *found != expected(row)[column].to_bits()).count();
+        rounding_check(name, wrong)
     };
     Ok([
-        compare("division", 0, &|[a, b, ..]| a / b),
-        compare("square root", 1, &|[a, ..]| a.sqrt()),
-        compare("no contraction of a·b − c·d", 2, &|[a, b, c, d]| a * b - c * d),
+        compare("division", 0),
+        compare("square root", 1),
+        compare("no contraction of a·b − c·d", 2),
         denormals(gpu)?,
     ])
+}
+
+/// The same in the words of kernels, with the guards that the device needs.
+fn kernel_rounding(gpu: &Gpu, rounding: Rounding) -> Result<Check, GpuError> {
+    let rows = rows();
+    let (entry_point, inputs) = ("kernel_rounding", bytemuck::cast_slice(&rows));
+    let (outputs, ..) = run_rounding(gpu, rounding, entry_point, inputs, ROUNDING_ROWS / 64)?;
+    let is_wrong = |(found, row): &(&[u32], &[f32; 4])| found[..3] != expected(row).map(f32::to_bits);
+    Ok(rounding_check("rays and keys", outputs.chunks_exact(4).zip(&rows).filter(is_wrong).count()))
+}
+
+fn rounding_check(name: &str, wrong: usize) -> Check {
+    let detail = format!("{wrong} of {ROUNDING_ROWS} results are not those of IEEE 754");
+    check(name, if wrong == 0 { PASSED } else { DIFFERS }, detail)
 }
 
 fn denormals(gpu: &Gpu) -> Result<Check, GpuError> {
@@ -228,6 +261,7 @@ mod tests {
         let start = std::time::Instant::now();
         let found = SelfCheck::run(gpu).unwrap();
         println!("{found:#?} in {:?}", start.elapsed());
-        assert_eq!(found.checks.len(), 10);
+        assert_eq!(found.checks.len(), 11);
+        assert!(found.ieee_arithmetic, "rays and keys are not those of threads on this device");
     }
 }

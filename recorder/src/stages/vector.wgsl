@@ -1,11 +1,11 @@
 // Vector products with a fixed order of evaluation: the same on threads is `stages::vector`.
 
 fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
+    return rounded(a.x * b.x) + rounded(a.y * b.y) + rounded(a.z * b.z);
 }
 
 fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
-    return vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    return rounded3(a.yzx * b.zxy) - rounded3(a.zxy * b.yzx);
 }
 
 fn normalize3(a: vec3<f32>) -> vec3<f32> {

@@ -6,11 +6,11 @@ use formats::ray::Kind;
 use formats::unit_space::UnitSpace;
 use rayon::prelude::*;
 
-use crate::device::{Gpu, ItemKernel, Module, limits};
+use crate::device::{Gpu, ItemKernel, Module, Rounding, limits};
 use crate::machine::self_check;
 use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::trace::variant::TraceVariant;
-use crate::stages::trace::{EdgeForm, LeafForm, Order, Precision, TraceKernel};
+use crate::stages::trace::{LeafForm, Order, Precision, TraceKernel};
 use crate::stages::{accumulate, compact, compare, gather, generate, key, scatter, shade, sort};
 
 /// The kernels that do not trace or sort.
@@ -132,20 +132,20 @@ impl Kernels {
 /// of them.
 pub fn all_shader_sources() -> Vec<(String, String)> {
     let modules = every_module();
+    let every_guard = Rounding { contracts: true, divides_roughly: true };
     let numbered = modules
         .iter()
         .enumerate()
-        .map(|(number, module)| (format!("{} #{number}", module.label()), module.wgsl()));
+        .map(|(number, module)| (format!("{} #{number}", module.label()), module.wgsl(every_guard)));
     let mut sources: Vec<_> = numbered.collect();
     sources.extend(sort::gpu::sources());
     sources.push(("compact::places".to_owned(), compact::gpu::wgsl()));
-    sources.push(("self_check".to_owned(), self_check::WGSL.to_owned()));
+    sources.push(("self_check".to_owned(), self_check::wgsl(every_guard)));
     sources
 }
 
 /// Modules for made-up runs that between them need every line of WGSL.
 fn every_module() -> Vec<Module> {
-    let forms = [(LeafForm::Gathered, EdgeForm::Plain), (LeafForm::Indexed, EdgeForm::Canonical)];
     let mut modules = Vec::new();
     for all_features in [false, true] {
         for key_bits in [32, 64] {
@@ -156,17 +156,9 @@ fn every_module() -> Vec<Module> {
                 for order in [Order::Stored, Order::Indirect(())] {
                     for precision in Precision::ALL {
                         let (masks, count_work) = (all_features, all_features);
-                        for (leaves, edges) in forms {
-                            let variant = TraceVariant {
-                                kernel,
-                                kind,
-                                order,
-                                leaves,
-                                edges,
-                                masks,
-                                count_work,
-                                precision,
-                            };
+                        for leaves in [LeafForm::Gathered, LeafForm::Indexed] {
+                            let variant =
+                                TraceVariant { kernel, kind, order, leaves, masks, count_work, precision };
                             modules.push(variant.module());
                         }
                     }

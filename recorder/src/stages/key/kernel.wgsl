@@ -15,7 +15,7 @@ struct Facts {
 }
 
 fn unit_ray(origin: vec3<f32>, direction: vec3<f32>, t_max: f32) -> UnitRay {
-    return UnitRay((origin - unit.min) * unit.scale, direction, t_max * unit.scale);
+    return UnitRay(rounded3(rounded3(origin - unit.min) * unit.scale), direction, t_max * unit.scale);
 }
 
 fn quantise(value: f32) -> u32 {
@@ -38,7 +38,7 @@ fn octahedral(d: vec3<f32>) -> vec2<f32> {
     if sum == 0.0 {
         return vec2(0.5);
     }
-    var p = vec2(d.x / sum, d.y / sum);
+    var p = vec2(quotient(d.x, sum), quotient(d.y, sum));
     if d.z < 0.0 {
         p = vec2((1.0 - abs(p.y)) * sign_of(d.x), (1.0 - abs(p.x)) * sign_of(d.y));
     }
@@ -47,7 +47,7 @@ fn octahedral(d: vec3<f32>) -> vec2<f32> {
 
 fn paraboloid(d: vec3<f32>) -> vec2<f32> {
     let k = abs(d.z) + 1.0;
-    return vec2(d.x / k * 0.25 + select(0.75, 0.25, d.z < 0.0), d.y / k * 0.5 + 0.5);
+    return vec2(quotient(d.x, k) * 0.25 + select(0.75, 0.25, d.z < 0.0), quotient(d.y, k) * 0.5 + 0.5);
 }
 
 fn azimuth(x: f32, y: f32) -> f32 {
@@ -57,13 +57,13 @@ fn azimuth(x: f32, y: f32) -> f32 {
     if larger == 0.0 {
         return 0.5;
     }
-    let z = min(ax, ay) / larger;
+    let z = quotient(min(ax, ay), larger);
     let z2 = z * z;
     var sum = ARCTANGENT[7];
     for (var i = 6; i >= 0; i--) {
-        sum = sum * z2 + ARCTANGENT[i];
+        sum = rounded(sum * z2) + ARCTANGENT[i];
     }
-    var angle = z * (sum * z2 + 1.0);
+    var angle = rounded(z * rounded(rounded(sum * z2) + 1.0));
     if ay > ax {
         angle = FRAC_PI_2 - angle;
     }
@@ -73,16 +73,16 @@ fn azimuth(x: f32, y: f32) -> f32 {
     if y < 0.0 {
         angle = -angle;
     }
-    return angle * (0.5 * FRAC_1_PI) + 0.5;
+    return rounded(angle * (0.5 * FRAC_1_PI)) + 0.5;
 }
 
 fn polar(z: f32) -> f32 {
     let a = min(abs(z), 1.0);
     var sum = ARCCOSINE[7];
     for (var i = 6; i >= 0; i--) {
-        sum = sum * a + ARCCOSINE[i];
+        sum = rounded(sum * a) + ARCCOSINE[i];
     }
-    var angle = sqrt(1.0 - a) * sum;
+    var angle = rounded(root(1.0 - a) * sum);
     if z < 0.0 {
         angle = PI - angle;
     }
@@ -97,8 +97,8 @@ fn exit_along(origin: f32, direction: f32, side: f32, bounds: vec2<f32>) -> vec2
         }
         return bounds;
     }
-    let to_min = (0.0 - origin) / direction;
-    let to_max = (side - origin) / direction;
+    let to_min = quotient(0.0 - origin, direction);
+    let to_max = quotient(side - origin, direction);
     return vec2(max(bounds.x, min(to_min, to_max)), min(bounds.y, max(to_min, to_max)));
 }
 
@@ -143,5 +143,5 @@ fn parity_above(word: u32) -> u32 {
 }
 
 fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
+    return rounded(a.x * b.x) + rounded(a.y * b.y) + rounded(a.z * b.z);
 }

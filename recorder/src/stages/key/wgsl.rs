@@ -177,13 +177,13 @@ fn from_light_function(lights: &[LightSite]) -> String {
             .to_owned();
     if has(|site| matches!(site, LightSite::Directional { .. })) {
         text.push_str(
-            "    if site.shape == SITE_DIRECTIONAL {\n        return vec3(\n            cartesian(dot3(ray.origin, site.tangent) * INVERSE_SQRT_3),\n            cartesian(dot3(ray.origin, site.bitangent) * INVERSE_SQRT_3),\n            cartesian(dot3(ray.origin, site.place) * INVERSE_SQRT_3),\n        );\n    }\n",
+            "    if site.shape == SITE_DIRECTIONAL {\n        return vec3(\n            cartesian(rounded(dot3(ray.origin, site.tangent) * INVERSE_SQRT_3)),\n            cartesian(rounded(dot3(ray.origin, site.bitangent) * INVERSE_SQRT_3)),\n            cartesian(rounded(dot3(ray.origin, site.place) * INVERSE_SQRT_3)),\n        );\n    }\n",
         );
     }
     if has(|site| matches!(site, LightSite::Environment)) {
         text.push_str("    if site.shape == SITE_ENVIRONMENT {\n        return vec3(octahedral(ray.direction), 0.0);\n    }\n");
     }
-    text.push_str("    let d = ray.origin - site.place;\n    return vec3(octahedral(d), sqrt(dot3(d, d)) * INVERSE_SQRT_3);\n}\n");
+    text.push_str("    let d = ray.origin - site.place;\n    return vec3(octahedral(d), root(dot3(d, d)) * INVERSE_SQRT_3);\n}\n");
     text
 }
 

@@ -199,6 +199,7 @@ fn constants() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::device::Rounding;
 
     /// What stands in the modules if and only if a scene has the feature; alpha masks are the trace kernel's.
     const MARKS: [(&str, &[&str]); 7] = [
@@ -215,7 +216,7 @@ mod tests {
     fn a_feature_is_in_the_module_if_and_only_if_the_scene_has_it() {
         let found = |features: &Features, mark: &str| {
             let modules = [surface_module(features), shadow_module(features), next_module(features)];
-            modules.iter().any(|module| module.wgsl().contains(mark))
+            modules.iter().any(|module| module.wgsl(Rounding::UNKNOWN).contains(mark))
         };
         for (name, feature) in Features::each() {
             let Some((_, marks)) = MARKS.iter().find(|(marked, _)| *marked == name) else {

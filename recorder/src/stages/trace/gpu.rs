@@ -10,7 +10,7 @@ use super::driver::DriverHierarchy;
 use super::leaves::Leaves;
 use super::mask::Masks;
 use super::variant::TraceVariant;
-use super::{EdgeForm, Order, Precision, TraceKernel};
+use super::{Order, Precision, TraceKernel};
 use crate::device::{DeviceArray, Gpu, GpuError, ITEMS, ItemKernel};
 use crate::stages::shared::MaskedTriangle;
 
@@ -267,7 +267,6 @@ impl Tracer {
             kind,
             order,
             leaves: self.leaves.form(),
-            edges: EdgeForm::of(gpu),
             masks: self.masks.is_some(),
             count_work,
             precision: if kind == Kind::Closest { self.precision } else { Precision::default() },
@@ -284,7 +283,8 @@ impl Tracer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::test_gpu;
+    use crate::device::{Rounding, test_gpu};
+    use crate::machine::self_check::SelfCheck;
     use crate::stages::trace::cpu::CpuTracer;
     use crate::stages::trace::{LeafForm, hits};
 
@@ -302,11 +302,13 @@ mod tests {
     }
 
     #[test]
-    fn leaves_and_edges_of_either_form_find_what_threads_find() {
+    fn leaves_of_either_form_and_guarded_products_find_what_threads_find() {
         let scene = scenes::load("builtin:city?triangles=5000").unwrap();
-        let (guarded, rays, features) = (test_gpu(), rays(&scene), Features::of(&scene));
-        let plain = &guarded.clone().rounding_as_written();
-        let uploaded = RayArrays::upload(guarded, "test", &rays).unwrap();
+        let (gpu, rays, features) = (test_gpu(), rays(&scene), Features::of(&scene));
+        let needed = SelfCheck::run(gpu).unwrap().rounding;
+        let plain = &gpu.clone().with_rounding(needed);
+        let guarded = &gpu.clone().with_rounding(Rounding { contracts: true, ..needed });
+        let uploaded = RayArrays::upload(gpu, "test", &rays).unwrap();
         for kernel in [TraceKernel::Cwbvh, TraceKernel::Bvh2] {
             let bvh = scenes::bvh::build(&scene, kernel.bvh_kind().unwrap()).unwrap();
             let threads = CpuTracer::new(&scene, &bvh);
@@ -329,9 +331,9 @@ mod tests {
                     assert_eq!(
                         bytemuck::cast_slice::<u32, u8>(&words),
                         expected.bytes(0..rays.len()),
-                        "{kind} rays by {} with {form:?} leaves and {:?} edges",
+                        "{kind} rays by {} with {form:?} leaves, {:?}",
                         kernel.name(),
-                        EdgeForm::of(gpu)
+                        gpu.rounding()
                     );
                 }
             }

@@ -10,9 +10,9 @@ fn is_hole(triangle: u32, u: f32, v: f32) -> bool {
         return false;
     }
     let mask = load_mask(at);
-    let w = (1.0 - u) - v;
-    let x = (w * mask.uv_a.x + u * mask.uv_b.x) + v * mask.uv_c.x;
-    let y = (w * mask.uv_a.y + u * mask.uv_b.y) + v * mask.uv_c.y;
+    let w = rounded((1.0 - u) - v);
+    let x = (rounded(w * mask.uv_a.x) + rounded(u * mask.uv_b.x)) + rounded(v * mask.uv_c.x);
+    let y = (rounded(w * mask.uv_a.y) + rounded(u * mask.uv_b.y)) + rounded(v * mask.uv_c.y);
     let place = mask.first + mask_texel(y, mask.height) * mask.width + mask_texel(x, mask.width);
     let alpha = (masks[place / 4u] >> (8u * (place % 4u))) & 255u;
     return alpha < mask.threshold;

@@ -66,26 +66,7 @@ use formats::intersect::PADDING;
 use scenes::Scene;
 use scenes::bvh::{Bvh, BvhError, BvhKind, Source};
 
-use crate::device::Gpu;
-
 pub use self::leaves::LeafForm;
-
-/// How the edge functions p.x·q.y − p.y·q.x of a triangle are evaluated on the GPU.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EdgeForm {
-    /// In an order of the two corners that does not depend on which triangle asks, so that a device that
-    /// contracts rounds alike on both sides of an edge.
-    Canonical,
-    /// In the order in which they come, as on threads: the same bits for less where nothing is contracted.
-    Plain,
-}
-
-impl EdgeForm {
-    /// The cheaper one with which a device is watertight.
-    fn of(gpu: &Gpu) -> Self {
-        if gpu.rounds_as_written() { Self::Plain } else { Self::Canonical }
-    }
-}
 
 /// How triangles are tested.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

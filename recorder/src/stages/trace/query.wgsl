@@ -3,9 +3,13 @@
 struct Intersection {
     is_hit: bool,
     t: f32,
-    u: f32,
-    v: f32,
+    // Weights of the second and third corner, and what they are to be divided by: that is for hits that count.
+    b: f32,
+    c: f32,
+    sum: f32,
 }
+
+const NO_INTERSECTION = Intersection(false, 0.0, 0.0, 0.0, 1.0);
 
 struct Query {
     origin: vec3<f32>,
@@ -22,7 +26,7 @@ struct Query {
 
 fn reciprocal(d: f32) -> f32 {
     if abs(d) > RECIPROCAL_THRESHOLD {
-        return 1.0 / d;
+        return quotient(1.0, d);
     }
     return bitcast<f32>(bitcast<u32>(RECIPROCAL_LIMIT) | (bitcast<u32>(d) & 0x80000000u));
 }
@@ -46,13 +50,17 @@ fn query_limit(query: ptr<function, Query>) -> f32 {
 // Takes a hit if it is nearer; true if the search is over.
 fn query_offer(query: ptr<function, Query>, at: Intersection, triangle: u32) -> bool {
     let is_nearer = at.t < (*query).best_t || (at.t == (*query).best_t && triangle < (*query).best_triangle);
-    if !(at.is_hit && at.t >= (*query).t_min && is_nearer) || is_hole(triangle, at.u, at.v) {
+    if !(at.is_hit && at.t >= (*query).t_min && is_nearer) {
+        return false;
+    }
+    let uv = weights(at);
+    if is_hole(triangle, uv.x, uv.y) {
         return false;
     }
     (*query).best_t = abs(at.t);
     (*query).best_triangle = triangle;
-    (*query).best_u = at.u;
-    (*query).best_v = at.v;
+    (*query).best_u = uv.x;
+    (*query).best_v = uv.y;
     return ANY;
 }
 
@@ -62,6 +70,6 @@ fn query_test(query: ptr<function, Query>, slot: u32) -> bool {
         (*query).work.y += 1u;
     }
     let leaf = leaf_at(slot);
-    let at = intersect((*query).triangle_ray, leaf.a, leaf.b, leaf.c);
+    let at = intersect((*query).triangle_ray, leaf.a, leaf.b, leaf.c, (*query).best_t);
     return query_offer(query, at, leaf.triangle);
 }

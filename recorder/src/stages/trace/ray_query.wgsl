@@ -10,7 +10,7 @@ const TERMINATE_ON_FIRST_HIT = 4u;
 
 fn scene_intersection(query: ptr<function, Query>, triangle: u32) -> Intersection {
     let leaf = leaf_at(triangle);
-    return intersect((*query).triangle_ray, leaf.a, leaf.b, leaf.c);
+    return intersect((*query).triangle_ray, leaf.a, leaf.b, leaf.c, (*query).best_t);
 }
 
 fn is_accepted(query: ptr<function, Query>, at: Intersection) -> bool {
@@ -20,7 +20,8 @@ fn is_accepted(query: ptr<function, Query>, at: Intersection) -> bool {
 // Whether the driver may commit to a triangle.
 fn is_confirmed(query: ptr<function, Query>, triangle: u32) -> bool {
     let at = scene_intersection(query, triangle);
-    return is_accepted(query, at) && !is_hole(triangle, at.u, at.v);
+    let uv = weights(at);
+    return is_accepted(query, at) && !is_hole(triangle, uv.x, uv.y);
 }
 
 // Takes what the driver committed to; false if our test rejects it.
@@ -34,8 +35,9 @@ fn is_taken(query: ptr<function, Query>, committed: RayIntersection) -> bool {
     }
     (*query).best_triangle = committed.primitive_index;
     (*query).best_t = abs(at.t);
-    (*query).best_u = at.u;
-    (*query).best_v = at.v;
+    let uv = weights(at);
+    (*query).best_u = uv.x;
+    (*query).best_v = uv.y;
     return true;
 }
 

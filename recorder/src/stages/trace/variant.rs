@@ -4,7 +4,7 @@ use formats::intersect::{GAMMA_8, RECIPROCAL_LIMIT};
 use formats::ray::{Hit, Kind};
 use scenes::bvh::{BVH2_STACK, CWBVH_STACK};
 
-use super::{EdgeForm, LeafForm, Order, Precision, TraceKernel, TriangleTest};
+use super::{LeafForm, Order, Precision, TraceKernel, TriangleTest};
 use crate::device::Module;
 use crate::stages::shared::MaskedTriangle;
 use crate::stages::wgsl::wgsl_constants;
@@ -20,8 +20,6 @@ pub struct TraceVariant {
     pub order: Order<()>,
     /// What leaves hold.
     pub leaves: LeafForm,
-    /// How edges of triangles are evaluated.
-    pub edges: EdgeForm,
     /// Whether the scene has alpha masks.
     pub masks: bool,
     /// Writes counters instead of results.
@@ -52,21 +50,6 @@ fn write_result(place: u32, query: ptr<function, Query>) {
 const WORK_RESULT: &str = "
 fn write_result(place: u32, query: ptr<function, Query>) {
     results[place] = (*query).work;
-}
-";
-
-const CANONICAL_EDGE: &str = "
-fn edge(p: vec2<f32>, q: vec2<f32>) -> f32 {
-    let is_swapped = p.x > q.x || (p.x == q.x && p.y > q.y);
-    let a = select(p, q, is_swapped);
-    let b = select(q, p, is_swapped);
-    let area = a.x * b.y - a.y * b.x;
-    return select(area, -area, is_swapped);
-}
-";
-const PLAIN_EDGE: &str = "
-fn edge(p: vec2<f32>, q: vec2<f32>) -> f32 {
-    return p.x * q.y - p.y * q.x;
 }
 ";
 
@@ -101,10 +84,6 @@ impl TraceVariant {
         module = match self.kernel.bvh_kind() {
             None => module.driver_hierarchy("hierarchy"),
             Some(_) => module.table::<[u32; 4]>("nodes"),
-        };
-        module = match self.edges {
-            EdgeForm::Canonical => module.text(CANONICAL_EDGE),
-            EdgeForm::Plain => module.text(PLAIN_EDGE),
         };
         module
             .text(&self.constants())
@@ -142,17 +121,16 @@ mod tests {
     use clap::ValueEnum;
 
     use super::*;
+    use crate::device::Rounding;
 
     #[test]
     fn alpha_masks_are_in_the_module_if_and_only_if_the_scene_has_them() {
-        let edges = EdgeForm::Canonical;
         let (kind, order, leaves, count_work) = (Kind::Closest, Order::Stored, LeafForm::Gathered, false);
         for &kernel in TraceKernel::value_variants().iter().filter(|kernel| kernel.is_for_gpus()) {
             for masks in [false, true] {
                 let precision = Precision::default();
-                let variant =
-                    TraceVariant { kernel, kind, order, leaves, edges, masks, count_work, precision };
-                let text = variant.module().wgsl();
+                let variant = TraceVariant { kernel, kind, order, leaves, masks, count_work, precision };
+                let text = variant.module().wgsl(Rounding::UNKNOWN);
                 for mark in ["masks:", "load_mask", "MaskedTriangle"] {
                     assert_eq!(text.contains(mark), masks, "{mark} by {}", kernel.name());
                 }
