@@ -46,6 +46,10 @@ const PREFERS_SHORT_KEYS_SINCE: u32 = 10;
 /// The first version whose choices know where less drifts.
 const KNOWS_LESS_DRIFT_SINCE: u32 = 11;
 
+/// The first version that knows a queue by its bounce and number of rays, where it can: on a graphics card a look at
+/// rays waits for all that was submitted before, and took a fifth of what the rays took.
+const KNOWS_THE_BOUNCE_SINCE: u32 = 12;
+
 /// Where the sample of a queue lies: whole groups, evenly over its canonical order.
 pub fn sample(rays: usize) -> impl Iterator<Item = Range<usize>> {
     let groups = (rays / GROUP_RAYS).min(GROUPS);
@@ -82,21 +86,22 @@ pub struct Calibrated<'a> {
 }
 
 impl<'a> Calibrated<'a> {
-    /// Whether an order of any queue of this kind was surely worth its cost: else there is nothing to choose, and
-    /// no sample is taken.
-    pub fn is_worth_a_look(&self, kind: Kind) -> bool {
-        self.of(kind).flat_map(|queue| &queue.candidates).any(|candidate| self.is_sure(kind, candidate))
+    /// Whether a sample has anything to say: not of a queue of a calibrated bounce with about as many rays, nor where
+    /// no order of any queue of this kind was surely worth its cost.
+    pub fn is_worth_a_look(&self, bounce: u32, kind: Kind, rays: u64) -> bool {
+        let mut candidates = self.of(kind).flat_map(|queue| &queue.candidates);
+        self.known(bounce, kind, rays).is_none() && candidates.any(|candidate| self.is_sure(kind, candidate))
     }
 
     /// The order of a queue whose sample has this area; `None` to leave it alone.
     pub fn decide(&self, bounce: u32, kind: Kind, rays: u64, area: f64) -> Option<&'a Candidate> {
-        let apart = |a: f64, b: f64| (a.max(f64::MIN_POSITIVE) / b.max(f64::MIN_POSITIVE)).ln().abs();
         let unlike =
             |other: &CalibrationRecord| apart(rays as f64, other.rays as f64) + apart(area, other.area);
         let nearest = self.of(kind).min_by(|a, b| unlike(a).total_cmp(&unlike(b)))?;
         let is_as_near = |other: &CalibrationRecord| unlike(other) <= unlike(nearest) + BY_CHANCE;
         let same_bounce = self.of(kind).find(|other| other.bounce == bounce && is_as_near(other));
-        let most_alike = if self.allows_for_chance() { same_bounce.unwrap_or(nearest) } else { nearest };
+        let alike = if self.allows_for_chance() { same_bounce.unwrap_or(nearest) } else { nearest };
+        let most_alike = self.known(bounce, kind, rays).unwrap_or(alike);
         let sure = || most_alike.candidates.iter().filter(|candidate| self.is_sure(kind, candidate));
         let fastest = sure().reduce(|best, other| if other.net > best.net { other } else { best })?;
         if self.version < PREFERS_SHORT_KEYS_SINCE {
@@ -107,6 +112,14 @@ impl<'a> Calibrated<'a> {
             let bits = other.choice.key_bits.cmp(&best.choice.key_bits);
             if bits.is_lt() || bits.is_eq() && other.net > best.net { other } else { best }
         })
+    }
+
+    /// The calibrated queue of the same bounce, if it has about as many rays.
+    fn known(&self, bounce: u32, kind: Kind, rays: u64) -> Option<&'a CalibrationRecord> {
+        let is_it = |other: &CalibrationRecord| {
+            other.bounce == bounce && apart(rays as f64, other.rays as f64) <= BY_CHANCE
+        };
+        self.of(kind).find(|other| self.version >= KNOWS_THE_BOUNCE_SINCE && is_it(other))
     }
 
     fn of(&self, kind: Kind) -> impl Iterator<Item = &'a CalibrationRecord> {
@@ -131,6 +144,11 @@ impl<'a> Calibrated<'a> {
     fn allows_for_chance(&self) -> bool {
         self.version >= ALLOWS_FOR_CHANCE_SINCE
     }
+}
+
+/// How far two quantities are apart, in natural logarithms.
+fn apart(a: f64, b: f64) -> f64 {
+    (a.max(f64::MIN_POSITIVE) / b.max(f64::MIN_POSITIVE)).ln().abs()
 }
 
 /// The method that was chosen, as a recording with this header has it.
@@ -187,9 +205,34 @@ mod tests {
         assert_eq!(chosen(Kind::Closest, 2_000, 0.5), Some("aila"));
         assert_eq!(chosen(Kind::Shadow, 1, 0.0), Some("octahedron"));
         assert_eq!(by(&[]).decide(1, Kind::Shadow, 500_000, 1.0), None);
-        assert!(by(&calibration[..2]).is_worth_a_look(Kind::Closest));
-        assert!(!by(&calibration[..1]).is_worth_a_look(Kind::Closest), "no interval lies above 1.015");
-        assert!(!by(&calibration[..2]).is_worth_a_look(Kind::Shadow), "none was calibrated");
+        let is_worth_a_look = |queues, bounce, kind, rays| by(queues).is_worth_a_look(bounce, kind, rays);
+        assert!(is_worth_a_look(&calibration[..2], 7, Kind::Closest, 500_000));
+        assert!(
+            !is_worth_a_look(&calibration[..1], 7, Kind::Closest, 500_000),
+            "no interval lies above 1.015"
+        );
+        assert!(!is_worth_a_look(&calibration[..2], 7, Kind::Shadow, 500_000), "none was calibrated");
+    }
+
+    #[test]
+    fn a_queue_is_known_by_its_bounce_and_about_its_number_of_rays_since_version_12() {
+        let mut calibration = [
+            calibrated(Kind::Closest, 500_000, 1.0, &[("aila", 1.2)]),
+            calibrated(Kind::Closest, 500_000, 9.0, &[("costa", 1.2)]),
+        ];
+        calibration[1].bounce = 2;
+        let by = |version| Calibrated { queues: &calibration, version };
+        let chosen = |version, bounce, rays| {
+            let candidate = by(version).decide(bounce, Kind::Closest, rays, 0.0);
+            candidate.map(|candidate| candidate.choice.method.clone()).unwrap()
+        };
+        assert_eq!(chosen(12, 2, 400_000), "costa");
+        assert_eq!(chosen(11, 2, 400_000), "aila", "an area of 0 is more like 1 than 9");
+        assert_eq!(chosen(12, 2, 300_000), "aila", "too few rays to be the same queue");
+        assert!(!by(12).is_worth_a_look(2, Kind::Closest, 400_000));
+        for (version, bounce, rays) in [(11, 2, 400_000), (12, 2, 300_000), (12, 3, 500_000)] {
+            assert!(by(version).is_worth_a_look(bounce, Kind::Closest, rays), "{version}, {bounce}, {rays}");
+        }
     }
 
     /// Samples of two bounces of a room are often as alike as two samples of one bounce.

@@ -79,7 +79,7 @@ impl Auto {
         Self { calibration, unit: setup.unit, first: setup.named().len(), candidates }
     }
 
-    /// Looks at the sample of a queue, if there is anything to choose, and chooses, timed on the processor's clock.
+    /// Looks at the sample of a queue, if that has anything to say, and chooses, timed on the processor's clock.
     ///
     /// # Errors
     /// Any of the backend.
@@ -89,11 +89,12 @@ impl Auto {
         let decision = clock.time(|| {
             let QueueId { bounce, kind, .. } = rays.id();
             let calibrated = Calibrated { queues: &self.calibration, version: FORMAT_VERSION };
-            let area = match calibrated.is_worth_a_look(kind) {
+            let count = rays.len() as u64;
+            let area = match calibrated.is_worth_a_look(bounce, kind, count) {
                 true => self.area(backend, rays, &mut sampled)?,
                 false => 0.0,
             };
-            let choice = calibrated.decide(bounce, kind, rays.len() as u64, area);
+            let choice = calibrated.decide(bounce, kind, count, area);
             let choice = choice.map(|candidate| candidate.choice.clone());
             let order = choice.as_ref().map(|choice| self.order(choice)).transpose()?;
             anyhow::Ok(Decision { area, choice, order })

@@ -3,7 +3,7 @@
 use super::{Check, Subject};
 use crate::auto::{Calibrated, method_record, sample, sampled_area};
 use crate::key::method::AUTO;
-use crate::manifest::{DecisionRecord, Manifest, QueueArray};
+use crate::manifest::{DecisionRecord, Manifest, QueueArray, QueueId};
 use crate::ray::Ray;
 use crate::reader::DumpState;
 
@@ -19,8 +19,10 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
     }
     for decision in &manifest.decisions {
         check.find(subject.decision_problem(decision), || format!("the order of {}", decision.queue));
+        let QueueId { bounce, kind, .. } = decision.queue;
+        let rays = subject.record_of(decision.queue).map_or(0, |record| record.rays);
         // Recorders of before took a sample in any case.
-        if decision.area == 0.0 && !calibrated(manifest).is_worth_a_look(decision.queue.kind) {
+        if decision.area == 0.0 && !calibrated(manifest).is_worth_a_look(bounce, kind, rays) {
             continue;
         }
         let Some(rays) = subject.queue_array::<Ray>(decision.queue, QueueArray::Rays) else {
