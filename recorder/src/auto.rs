@@ -86,7 +86,7 @@ impl Auto {
     pub fn decide<B: Backend>(&self, backend: &mut B, rays: &B::Rays) -> Result<(Decision, Sample)> {
         let mut sampled = room(rays.len());
         let mut clock = Clock::of_processor();
-        let decision = clock.time(|| {
+        let (area, candidate, order) = clock.time(|| {
             let QueueId { bounce, kind, .. } = rays.id();
             let calibrated = Calibrated { queues: &self.calibration, version: FORMAT_VERSION };
             let count = rays.len() as u64;
@@ -94,11 +94,11 @@ impl Auto {
                 true => self.area(backend, rays, &mut sampled)?,
                 false => 0.0,
             };
-            let choice = calibrated.decide(bounce, kind, count, area);
-            let choice = choice.map(|candidate| candidate.choice.clone());
-            let order = choice.as_ref().map(|choice| self.order(choice)).transpose()?;
-            anyhow::Ok(Decision { area, choice, order })
+            let candidate = calibrated.decide(bounce, kind, count, area);
+            let order = candidate.map(|candidate| self.order(&candidate.choice)).transpose()?;
+            anyhow::Ok((area, candidate, order))
         })?;
+        let decision = Decision { area, choice: candidate.map(|candidate| candidate.choice.clone()), order };
         Ok((decision, clock.last()))
     }
 
