@@ -95,13 +95,10 @@ impl<'a> Calibrated<'a> {
 
     /// The order of a queue whose sample has this area; `None` to leave it alone.
     pub fn decide(&self, bounce: u32, kind: Kind, rays: u64, area: f64) -> Option<&'a Candidate> {
-        let unlike =
-            |other: &CalibrationRecord| apart(rays as f64, other.rays as f64) + apart(area, other.area);
-        let nearest = self.of(kind).min_by(|a, b| unlike(a).total_cmp(&unlike(b)))?;
-        let is_as_near = |other: &CalibrationRecord| unlike(other) <= unlike(nearest) + BY_CHANCE;
-        let same_bounce = self.of(kind).find(|other| other.bounce == bounce && is_as_near(other));
-        let alike = if self.allows_for_chance() { same_bounce.unwrap_or(nearest) } else { nearest };
-        let most_alike = self.known(bounce, kind, rays).unwrap_or(alike);
+        let most_alike = match self.known(bounce, kind, rays) {
+            Some(known) => known,
+            None => self.most_alike(bounce, kind, rays, area)?,
+        };
         let sure = || most_alike.candidates.iter().filter(|candidate| self.is_sure(kind, candidate));
         let fastest = sure().reduce(|best, other| if other.net > best.net { other } else { best })?;
         if self.version < PREFERS_SHORT_KEYS_SINCE {
@@ -112,6 +109,16 @@ impl<'a> Calibrated<'a> {
             let bits = other.choice.key_bits.cmp(&best.choice.key_bits);
             if bits.is_lt() || bits.is_eq() && other.net > best.net { other } else { best }
         })
+    }
+
+    /// The calibrated queue that one with such a sample is most like.
+    fn most_alike(&self, bounce: u32, kind: Kind, rays: u64, area: f64) -> Option<&'a CalibrationRecord> {
+        let unlike =
+            |other: &CalibrationRecord| apart(rays as f64, other.rays as f64) + apart(area, other.area);
+        let nearest = self.of(kind).min_by(|a, b| unlike(a).total_cmp(&unlike(b)))?;
+        let is_as_near = |other: &CalibrationRecord| unlike(other) <= unlike(nearest) + BY_CHANCE;
+        let same_bounce = self.of(kind).find(|other| other.bounce == bounce && is_as_near(other));
+        Some(if self.allows_for_chance() { same_bounce.unwrap_or(nearest) } else { nearest })
     }
 
     /// The calibrated queue of the same bounce, if it has about as many rays.
