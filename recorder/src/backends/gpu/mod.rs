@@ -54,8 +54,7 @@ pub struct GpuBackend {
     /// Made when they are first needed.
     scratch_tables: Option<[GpuTable; 2]>,
     counter: DeviceArray<u32>,
-    gathered: Pool<RayArrays>,
-    gathered_paths: Pool<PathArrays>,
+    queues: Queues,
     /// By kind.
     hits: [Pool<Hits>; 2],
     keys: Pool<Keys>,
@@ -101,13 +100,29 @@ impl PathArrays {
     }
 }
 
-impl GpuRays {
+/// Room for queues, which is used again: drivers clear new memory while it is first used.
+struct Queues {
+    /// Rays that there is room for in each.
+    pixels: usize,
+    rays: Pool<RayArrays>,
+    paths: Pool<PathArrays>,
+}
+
+impl Queues {
     /// Room for a queue.
-    fn new(gpu: &Gpu, id: QueueId, count: usize) -> Result<Self, GpuError> {
-        let paths = Some(Arc::new(PathArrays::new(gpu, count)?));
-        Ok(Self { id, count, rays: Arc::new(RayArrays::new(gpu, "queue", count)?), paths })
+    fn queue(&mut self, gpu: &Gpu, id: QueueId, count: usize) -> Result<GpuRays, GpuError> {
+        let paths = self.paths.get(|| PathArrays::new(gpu, self.pixels))?;
+        Ok(GpuRays { paths: Some(paths), ..self.without_paths(gpu, id, count)? })
     }
 
+    /// Room for rays alone.
+    fn without_paths(&mut self, gpu: &Gpu, id: QueueId, count: usize) -> Result<GpuRays, GpuError> {
+        let rays = self.rays.get(|| RayArrays::new(gpu, "queue", self.pixels))?;
+        Ok(GpuRays { id, count, rays, paths: None })
+    }
+}
+
+impl GpuRays {
     /// What the rays carry.
     fn paths(&self) -> Result<&PathArrays> {
         self.paths.as_deref().with_context(|| gathered(self.id))
@@ -138,8 +153,7 @@ impl GpuBackend {
             film: gpu.array("film", pixels)?,
             scratch_tables: None,
             counter: gpu.array("compare::counter", 1)?,
-            gathered: Pool::default(),
-            gathered_paths: Pool::default(),
+            queues: Queues { pixels, rays: Pool::default(), paths: Pool::default() },
             hits: [Pool::default(), Pool::default()],
             keys: Pool::default(),
             permutations: Pool::default(),
@@ -228,7 +242,7 @@ impl Backend for GpuBackend {
     fn generate(&mut self, pass: u32) -> Result<GpuRays> {
         let params = generate::params(&self.setup, pass);
         let id = QueueId { pass, bounce: 0, kind: Kind::Closest };
-        let rays = GpuRays::new(&self.gpu, id, params.count as usize)?;
+        let rays = self.queues.queue(&self.gpu, id, params.count as usize)?;
         let paths = rays.paths()?;
         let [origins, directions] = rays.rays.bindings();
         let resources = [origins, directions, paths.ids.binding(), paths.states.binding()];
@@ -283,10 +297,10 @@ impl Backend for GpuBackend {
         let id = rays.id;
         ensure!(id.kind == Kind::Closest, "{id} was to be shaded, which only closest rays are");
         let params = shade::params(&self.setup, id);
-        let Self { gpu, kernels, shading, film, clock, .. } = self;
+        let Self { gpu, kernels, shading, film, clock, queues, .. } = self;
         let mut shaded = None;
         clock.keep(|| {
-            let (left, elapsed_ns) = shading.run(gpu, kernels, params, (rays, hits), film)?;
+            let (left, elapsed_ns) = shading.run(gpu, kernels, queues, params, (rays, hits), film)?;
             shaded = Some(left);
             anyhow::Ok(elapsed_ns)
         })?;
@@ -341,21 +355,20 @@ impl Backend for GpuBackend {
     }
 
     fn gather(&mut self, rays: &GpuRays, permutation: &GpuPermutation) -> Result<GpuRays> {
-        let pixels = self.pixels();
-        let gathered = self.gathered.get(|| RayArrays::new(&self.gpu, "gather", pixels))?;
+        let gathered = self.queues.without_paths(&self.gpu, rays.id, rays.count)?;
         let [origins, directions] = rays.rays.bindings();
-        let [to_origins, to_directions] = gathered.bindings();
+        let [to_origins, to_directions] = gathered.rays.bindings();
         let resources = [permutation.permutation.binding(), origins, directions, to_origins, to_directions];
         self.clock.keep(|| self.kernels.gather[0].run(&self.gpu, &resources, rays.count, ITEMS))?;
-        Ok(GpuRays { id: rays.id, count: rays.count, rays: gathered, paths: None })
+        Ok(gathered)
     }
 
     fn reorder(&mut self, rays: &GpuRays, permutation: &GpuPermutation) -> Result<GpuRays> {
-        let (pixels, paths, gpu) = (self.pixels(), rays.paths()?, &self.gpu);
-        let to_rays = self.gathered.get(|| RayArrays::new(gpu, "gather", pixels))?;
-        let to_paths = self.gathered_paths.get(|| PathArrays::new(gpu, pixels))?;
+        let (paths, gpu) = (rays.paths()?, &self.gpu);
+        let reordered = self.queues.queue(gpu, rays.id, rays.count)?;
+        let to_paths = reordered.paths()?;
         let [origins, directions] = rays.rays.bindings();
-        let [to_origins, to_directions] = to_rays.bindings();
+        let [to_origins, to_directions] = reordered.rays.bindings();
         let order = || permutation.permutation.binding();
         let ray = [order(), origins, directions, to_origins, to_directions];
         let path = [
@@ -370,7 +383,7 @@ impl Backend for GpuBackend {
         let mut run = gpu.stage("gather");
         run.for_items(&bound, ITEMS);
         self.clock.keep(|| run.finish())?;
-        Ok(GpuRays { id: rays.id, count: rays.count, rays: to_rays, paths: Some(to_paths) })
+        Ok(reordered)
     }
 
     fn differences(&mut self, hits: &Lent<Hits>, others: &Lent<Hits>) -> Result<u64> {

@@ -4,9 +4,9 @@ use anyhow::Result;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 
-use super::GpuRays;
 use super::kernels::Kernels;
 use super::scene::SceneArrays;
+use super::{GpuRays, Queues};
 use crate::backends::Shaded;
 use crate::device::item::ITEMS_PER_SUBMISSION;
 use crate::device::{DeviceArray, Gpu, ITEMS};
@@ -69,6 +69,7 @@ impl Shading {
         &self,
         gpu: &Gpu,
         kernels: &Kernels,
+        queues: &mut Queues,
         params: ShadeParams,
         (rays, hits): (&GpuRays, &Hits),
         film: &DeviceArray<[f32; 4]>,
@@ -104,9 +105,9 @@ impl Shading {
         run.for_items(&[surface, shadow, next], params);
         let shade_ns = run.finish()?;
         let id = QueueId { kind: Kind::Shadow, ..rays.id };
-        let (shadow, shadow_ns) = self.compact(gpu, kernels, &self.shadow, rays, id)?;
+        let (shadow, shadow_ns) = self.compact(gpu, kernels, queues, &self.shadow, rays, id)?;
         let id = QueueId { bounce: rays.id.bounce + 1, ..rays.id };
-        let (next, next_ns) = self.compact(gpu, kernels, &self.next, rays, id)?;
+        let (next, next_ns) = self.compact(gpu, kernels, queues, &self.next, rays, id)?;
         Ok((Shaded { next, shadow }, shade_ns + shadow_ns + next_ns))
     }
 
@@ -115,12 +116,13 @@ impl Shading {
         &self,
         gpu: &Gpu,
         kernels: &Kernels,
+        queues: &mut Queues,
         candidates: &Candidates,
         rays: &GpuRays,
         id: QueueId,
     ) -> Result<(GpuRays, u64)> {
         let scanned = self.scan.run(gpu, &candidates.directions, &self.places, rays.count)?;
-        let live = GpuRays::new(gpu, id, scanned.total as usize)?;
+        let live = queues.queue(gpu, id, scanned.total as usize)?;
         let from = [candidates.directions.binding(), self.places.binding()];
         let [live_origins, live_directions] = live.rays.bindings();
         let ray = [self.origins.binding(), live_origins, live_directions];
