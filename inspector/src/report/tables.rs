@@ -1,7 +1,7 @@
 //! Which tables recordings and benchmarks give: the numbers that a paper on reordering reports.
 
 use formats::bench_result::{BenchResult, Rows, SortRow};
-use formats::key::method::{CONTROL, UNSORTED};
+use formats::key::method::{AUTO, CONTROL, UNSORTED};
 use formats::manifest::Stage;
 use formats::metrics::correlation::Correlation;
 use formats::metrics::speedup::median;
@@ -187,6 +187,7 @@ fn overhead(analysis: &Analysis, rays: RayClass) -> Option<Table> {
     }
     let columns = [
         "method",
+        "decide",
         "key",
         "sort",
         "gather",
@@ -211,9 +212,16 @@ fn overhead_row(recording: &RecordingAnalysis, frame: &FrameAnalysis) -> Option<
     };
     let unsorted = recording.frame(frame.rays, UNSORTED)?;
     let unsorted = unsorted.stages.iter().find(|found| found.stage == Stage::Trace)?.median_ns / 1e6;
-    let parts = [Stage::Key, Stage::Sort, Stage::Gather, Stage::Scatter, Stage::Accumulate].map(time);
+    let parts =
+        [Stage::Decide, Stage::Key, Stage::Sort, Stage::Gather, Stage::Scatter, Stage::Accumulate].map(time);
     let sum: f64 = parts.iter().flatten().sum();
-    let sorted = time(Stage::Trace).or_else(|| time(Stage::TraceIndirect))?;
+    let [stored, indirect] = [Stage::Trace, Stage::TraceIndirect].map(time);
+    // Others are traced either way, to be compared; `auto` traces each queue one way.
+    let sorted = if frame.method == AUTO {
+        stored.unwrap_or(0.0) + indirect.unwrap_or(0.0)
+    } else {
+        stored.or(indirect)?
+    };
     let part = |part: &Option<f64>| match part {
         Some(ms) => Cell::plain(format!("{ms:.2} ({:.0} %)", ms / sum.max(f64::MIN_POSITIVE) * 100.0)),
         None => Cell::plain("–"),
