@@ -4,10 +4,8 @@
 //!
 //! The ray is sheared and scaled so that it runs along +z from the origin; a triangle is hit if
 //! the origin lies in its projection. Both triangles at an edge see the same two sheared corners
-//! and compute the same edge function up to its sign, so no ray passes between them. On a GPU
-//! that contracts `a·b − c·d` that would only hold for one order of the two corners, so there the WGSL
-//! takes them in lexicographic order and flips the sign; without contraction, as here and on devices whose
-//! self-check finds none, both orders give the same bits.
+//! and compute the same edge function up to its sign, so no ray passes between them: both products of
+//! `a·b − c·d` are rounded, on GPUs that would contract it, too (`recorder::device::rounding`).
 //!
 //! We deviate from the paper in one point: where an edge function is zero we do not fall back to
 //! double precision but count the edge in, on both sides. Rays exactly through an edge then hit

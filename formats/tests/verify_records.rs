@@ -514,6 +514,29 @@ fn what_auto_chose_follows_from_its_calibration() {
     assert_found(|record| Some(record), &[(other, "auto/permutation.npy: ")]);
 }
 
+/// Nor is one asked for where the queue has rays and no record, as when a recording was ended early.
+#[test]
+fn a_queue_of_a_calibrated_bounce_needs_no_sample() {
+    let folder = sample::folder_in_memory();
+    let dump = sample::write(folder.path());
+    edit(&dump, |record| match record {
+        Record::Calibration(calibration) => calibration.bounce = 1,
+        Record::Decision(decision) => decision.area = 0.0,
+        _ => {}
+    });
+    assert_eq!(problems(&verify(&Dump::open(&dump).unwrap())), [""; 0]);
+    let manifest = dump.join("manifest.bin");
+    let mut bytes = preamble().to_vec();
+    let frames = scan(&manifest).unwrap().frames;
+    let is_left = |record: &Record| !matches!(record, Record::Queue(_));
+    for frame in frames.iter().filter(|frame| is_left(&frame.record)) {
+        bytes.extend(encode_frame(&frame.record).unwrap());
+    }
+    fs::write(&manifest, bytes).unwrap();
+    let found = problems(&verify(&Dump::open(&dump).unwrap()));
+    assert!(!found.iter().any(|problem| problem.contains("sample")), "{found:#?}");
+}
+
 #[test]
 fn what_auto_chose_is_held_against_the_rule_of_its_version() {
     let folder = sample::folder_in_memory();

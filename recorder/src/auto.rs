@@ -13,7 +13,7 @@ use crate::options::in_range;
 use crate::stages::setup::{MethodPlan, Setup};
 
 /// What a calibration tries: methods with fewer bits than the usual 32, which cost less to sort. On threads one pass
-/// sorts 15 bits and two sort 20, on GPUs two sort 16.
+/// sorts 15 bits and two sort 20; on GPUs two and three do.
 pub const CANDIDATES: &[(&str, u32)] = &[
     ("origin", 15),
     ("aila", 15),

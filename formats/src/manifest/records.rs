@@ -62,7 +62,7 @@ pub struct Header {
     /// What the self-check of the adapter found, and of hits that came with imported rays
     /// ([`IMPORTED_HITS`](super::IMPORTED_HITS)).
     pub self_check: Vec<Check>,
-    /// Whether the self-check found IEEE division and no contraction of a·b + c: if so, every key
+    /// Whether what traces rays and makes keys rounds as IEEE 754 has it, by itself or guarded: if so, every key
     /// must equal the one that [`Encoder`](crate::key::Encoder) makes; if not, differences are counted.
     pub ieee_arithmetic: bool,
     /// What the scene needed.
@@ -424,7 +424,7 @@ pub struct DecisionRecord {
     /// The queue.
     #[serde(flatten)]
     pub queue: QueueId,
-    /// Mean capsule area of its sample, unit space; 0 where none was taken, since there was nothing to choose.
+    /// Mean capsule area of its sample, unit space; 0 where none was taken: the queue was known by its bounce and rays, or there was nothing to choose.
     pub area: f64,
     /// What was chosen; `None` to leave the queue alone.
     pub choice: Option<Choice>,

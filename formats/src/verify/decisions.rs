@@ -20,12 +20,16 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
     for decision in &manifest.decisions {
         check.find(subject.decision_problem(decision), || format!("the order of {}", decision.queue));
         let QueueId { bounce, kind, .. } = decision.queue;
-        let rays = subject.record_of(decision.queue).map_or(0, |record| record.rays);
+        let rays = subject.queue_array::<Ray>(decision.queue, QueueArray::Rays);
+        // A recording that was ended early may lack the record.
+        let recorded = subject.record_of(decision.queue).map(|record| record.rays);
+        let count = recorded.or(rays.as_ref().map(|rays| rays.len() as u64));
+        let needs_none = |count| !calibrated(manifest).is_worth_a_look(bounce, kind, count);
         // Recorders of before took a sample in any case.
-        if decision.area == 0.0 && !calibrated(manifest).is_worth_a_look(bounce, kind, rays) {
+        if decision.area == 0.0 && count.is_some_and(needs_none) {
             continue;
         }
-        let Some(rays) = subject.queue_array::<Ray>(decision.queue, QueueArray::Rays) else {
+        let Some(rays) = rays else {
             check.not_checked.push(format!("the order of {}: rays were not kept", decision.queue));
             continue;
         };

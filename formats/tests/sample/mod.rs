@@ -422,7 +422,9 @@ fn write_auto(writer: &mut DumpWriter, queue: &Queue) -> Result<(), WriteError> 
     let choice = Choice { method: method.name, key_bits, way: Way::Indices };
     let candidates = vec![Candidate { choice: choice.clone(), net: 1.25, net_low: 1.2 }];
     let QueueId { pass, bounce, kind } = queue.id;
-    writer.record(&Record::Calibration(CalibrationRecord { bounce, kind, rays, area, candidates }))?;
+    // Of another bounce, so that the sample says which queue it is most like.
+    let calibrated = CalibrationRecord { bounce: bounce + 1, kind, rays, area, candidates };
+    writer.record(&Record::Calibration(calibrated))?;
     writer.record(&Record::Decision(DecisionRecord { queue: queue.id, area, choice: Some(choice) }))?;
     for (stage, ns) in
         [(Stage::Decide, 10), (Stage::Key, 400), (Stage::Sort, 500), (Stage::TraceIndirect, 11_000)]

@@ -200,7 +200,7 @@ fn overhead(analysis: &Analysis, rays: RayClass) -> Option<Table> {
     ];
     table(
         format!("Overhead, {} rays, ms", rays.name()),
-        "The method that is best net, and two-point-adaptive, as in the talk: medians over rounds of sums over bounces, in parentheses the share of what sorting costs. Where rays are traced through indices, nothing is gathered or scattered, and that trace has it in itself.",
+        "The method that is best net, and two-point-adaptive, as in the talk: medians over rounds of sums over bounces, in parentheses the share of what sorting costs. Where rays are traced through indices, nothing is gathered or scattered, and that trace has it in itself. `auto` traces each queue one way: its sorted trace is the sum, with queues that it left alone.",
         header("recording", columns),
         rows,
     )

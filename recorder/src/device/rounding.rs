@@ -1,5 +1,6 @@
-//! Arithmetic that is rounded as it is written, on every device: what traces rays and makes keys is written in it, so
-//! that all find the same hits and keys as threads do. WGSL promises neither.
+//! Arithmetic that is rounded as it is written: what traces rays and makes keys is written in it, so that every device
+//! finds the hits and keys that threads find. WGSL promises neither quotients as IEEE 754 has them nor that a product
+//! is rounded before it is added to.
 
 /// What a device rounds otherwise than IEEE 754 has it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -423,7 +423,7 @@ impl Backend for GpuBackend {
             Array::Hits(hits) => {
                 readback.read_chunks(&hits.words, 0..hits.count * Hits::words_each(hits.kind), sink)
             }
-            Array::Keys(keys) => match &keys.high {
+            Array::Keys(keys) => match keys.high.as_ref().filter(|_| keys.bits > u32::BITS) {
                 Some(high) => self.read_halves([&keys.low, high], keys.count, sink),
                 None => readback.read_chunks(&keys.low, 0..keys.count, sink),
             },

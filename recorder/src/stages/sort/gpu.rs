@@ -21,7 +21,7 @@ pub struct Keys {
     pub count: usize,
     /// The low 32 bits of every key.
     pub low: DeviceArray<u32>,
-    /// The high 32 bits, where keys are longer than 32 bits.
+    /// The high 32 bits, where keys are longer than 32 bits, or may come to be.
     pub high: Option<DeviceArray<u32>>,
 }
 
@@ -40,7 +40,8 @@ impl Keys {
     /// # Errors
     /// If there are too many for the adapter.
     pub fn upload(gpu: &Gpu, keys: &[u64], bits: u32) -> Result<Self, GpuError> {
-        let mut uploaded = Self::new(gpu, keys.len())?;
+        let high = (bits > u32::BITS).then(|| gpu.array("key::high", keys.len())).transpose()?;
+        let mut uploaded = Self { bits, count: keys.len(), low: gpu.array("key::low", keys.len())?, high };
         uploaded.fill(gpu, keys, bits)?;
         Ok(uploaded)
     }
@@ -136,10 +137,10 @@ impl Tiling {
     }
 
     /// Bytes of workgroup memory that sorting a tile together takes: the tile, the bins of each subgroup,
-    /// their starts and offsets, and what the threads sum up.
+    /// their starts and offsets, and the sums of the subgroups.
     fn shared_bytes(&self) -> u32 {
         let bins = BINS as u32 * (SUBGROUPS + 2);
-        (self.tile_keys + bins + self.scan_threads) * size_of::<u32>() as u32
+        (self.tile_keys + bins + SUBGROUPS) * size_of::<u32>() as u32
     }
 }
 
@@ -203,8 +204,8 @@ impl Sorter {
                 groups,
                 immediate_bytes: size_of::<SortPass>() as u32,
             };
-            // SAFETY: places are below `count` and tiles below `tiles`, to which `sort` sizes the
-            // arrays; slots come from sums of counts and stay below `count`; all loops count up to
+            // SAFETY: places are below `count`, or clamped to the last of them where there is one (without keys there
+            // are no workgroups), and tiles below `tiles`, to which `sort` sizes the arrays; slots come from sums of counts and stay below `count`; all loops count up to
             // bounds, and divisors are constants.
             unsafe { Kernel::trusted(gpu, &source) }
         };

@@ -1,6 +1,6 @@
 // What all kernels of the sort share: the arrays, and what a pass finds out about itself.
 //
-// Which digits differ is known on the device alone, so every pass is dispatched, and each decides
+// Where a look at the keys says which digits differ, the device alone knows: every pass is dispatched, and decides
 // there whether it runs, which arrays it reads and which it writes. No thread waits for the CPU.
 
 struct SortPass {
@@ -100,23 +100,6 @@ fn plan_pass() -> Plan {
 
 fn bin_of(key: u32) -> u32 {
     return extractBits(key, sort_pass.digit % DIGITS_PER_WORD * DIGIT_BITS, DIGIT_BITS);
-}
-
-fn key_at(place: u32, source: u32) -> u32 {
-    switch source {
-        case FROM_A: { return keys_a[place]; }
-        case FROM_B: { return keys_b[place]; }
-        case FROM_LOW_WORDS: { return low_words[place]; }
-        default: { return high_words[place]; }
-    }
-}
-
-fn index_at(place: u32, source: u32) -> u32 {
-    switch source {
-        case FROM_A: { return order_a[place]; }
-        case FROM_B: { return order_b[place]; }
-        default: { return place; }
-    }
 }
 
 fn write_pair(place: u32, pair: Pair, plan: Plan) {

@@ -4,6 +4,23 @@
 // [bin][thread]: a thread uses its own column alone, so no barrier is needed.
 var<workgroup> columns: array<u32, BINS * TILE_THREADS>;
 
+fn key_at(place: u32, source: u32) -> u32 {
+    switch source {
+        case FROM_A: { return keys_a[place]; }
+        case FROM_B: { return keys_b[place]; }
+        case FROM_LOW_WORDS: { return low_words[place]; }
+        default: { return high_words[place]; }
+    }
+}
+
+fn index_at(place: u32, source: u32) -> u32 {
+    switch source {
+        case FROM_A: { return order_a[place]; }
+        case FROM_B: { return order_b[place]; }
+        default: { return place; }
+    }
+}
+
 @compute @workgroup_size(TILE_THREADS)
 fn count(
     @builtin(workgroup_id) group: vec3<u32>,

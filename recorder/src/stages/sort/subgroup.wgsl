@@ -159,7 +159,7 @@ fn scatter(
         if valid && lane == leader {
             before = atomicAdd(&subgroup_counts[subgroup * BINS + bin], count_lanes(peers));
         }
-        // A lane without a key has no peers and may ask anyone; it does not use the answer.
+        // A lane without a key is nobody's peer and may ask anyone; it does not use the answer.
         before = subgroupShuffle(before, select(lane, leader, valid));
         ranks[row] = before + count_lanes(peers & lanes_below(lane));
     }

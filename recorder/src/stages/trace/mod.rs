@@ -1,7 +1,7 @@
 //! Trace: the nearest hit of each ray of a queue, or for shadow rays any hit.
 //!
-//! Three hierarchies ([`scenes::bvh`]) and two backends follow the same arithmetic, so that on devices with IEEE
-//! division that do not contract `a·b + c` nearest hits are equal bit for bit, and with the same hierarchy what
+//! Three hierarchies ([`scenes::bvh`]) and two backends follow the same arithmetic, so that on devices
+//! whose self-check finds rays and keys exact nearest hits are equal bit for bit, and with the same hierarchy what
 //! blocks a shadow ray and the work counters are, too, but for `packet`, which has an order of its own. A ray's
 //! result depends on that ray alone, also where others are traced with it.
 //!

@@ -13,6 +13,7 @@ fn weights(at: Intersection) -> vec2<f32> {
     return vec2(at.b, at.c);
 }
 
+// Tests every triangle to the end, whatever the limit.
 fn intersect(ray: TriangleRay, corner_a: vec3<f32>, corner_b: vec3<f32>, corner_c: vec3<f32>, limit: f32) -> Intersection {
     let ab = corner_b - corner_a;
     let ac = corner_c - corner_a;

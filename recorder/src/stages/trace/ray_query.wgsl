@@ -20,8 +20,11 @@ fn is_accepted(query: ptr<function, Query>, at: Intersection) -> bool {
 // Whether the driver may commit to a triangle.
 fn is_confirmed(query: ptr<function, Query>, triangle: u32) -> bool {
     let at = scene_intersection(query, triangle);
+    if !is_accepted(query, at) {
+        return false;
+    }
     let uv = weights(at);
-    return is_accepted(query, at) && !is_hole(triangle, uv.x, uv.y);
+    return !is_hole(triangle, uv.x, uv.y);
 }
 
 // Takes what the driver committed to; false if our test rejects it.
