@@ -30,7 +30,8 @@ struct Faults {
 }
 
 impl Gpu {
-    /// Opens an adapter with all of its own limits but one, [`limits::STORAGE_BUFFERS`], and the features that the stages use.
+    /// Opens an adapter with all of its own limits but one, [`limits::STORAGE_BUFFERS`], and the features
+    /// that the stages use.
     ///
     /// # Errors
     /// When there is no such adapter, or it cannot be opened.

@@ -76,33 +76,23 @@ impl SelfCheck {
             Rounding { contracts: differs(&found[2]), divides_roughly: found[..2].iter().any(differs) };
         let flushes_denormals = differs(&found[3]);
         checks.extend(found);
-        checks.push(kernel_rounding(gpu, rounding)?);
-        let ieee_arithmetic = checks.last().is_some_and(|check| !differs(check));
+        let kernels = kernel_rounding(&gpu.clone().with_rounding(rounding))?;
+        let ieee_arithmetic = !differs(&kernels);
+        checks.push(kernels);
         Ok(Self { checks, rounding, ieee_arithmetic, flushes_denormals })
     }
 }
 
-/// Runs one kernel over `inputs`; returns its outputs and counters.
+/// Runs one kernel over `inputs`; returns its outputs, its counters and its nanoseconds.
 fn run(
     gpu: &Gpu,
     entry_point: &str,
     inputs: &[u32],
     workgroups: u32,
 ) -> Result<(Vec<u32>, Vec<u32>, u64), GpuError> {
-    run_rounding(gpu, gpu.rounding(), entry_point, inputs, workgroups)
-}
-
-/// The same on a device that rounds so.
-fn run_rounding(
-    gpu: &Gpu,
-    rounding: Rounding,
-    entry_point: &str,
-    inputs: &[u32],
-    workgroups: u32,
-) -> Result<(Vec<u32>, Vec<u32>, u64), GpuError> {
     let source = KernelSource {
         label: &format!("self_check::{entry_point}"),
-        wgsl: &wgsl(rounding),
+        wgsl: &wgsl(gpu.rounding()),
         entry_point,
         groups: &[&[Binding::Read, Binding::ReadWrite, Binding::ReadWrite]],
         immediate_bytes: 0,
@@ -211,10 +201,9 @@ fn rounding(gpu: &Gpu) -> Result<[Check; 4], GpuError> {
 }
 
 /// The same in the words of kernels, with the guards that the device needs.
-fn kernel_rounding(gpu: &Gpu, rounding: Rounding) -> Result<Check, GpuError> {
+fn kernel_rounding(gpu: &Gpu) -> Result<Check, GpuError> {
     let rows = rows();
-    let (entry_point, inputs) = ("kernel_rounding", bytemuck::cast_slice(&rows));
-    let (outputs, ..) = run_rounding(gpu, rounding, entry_point, inputs, ROUNDING_ROWS / 64)?;
+    let (outputs, ..) = run(gpu, "kernel_rounding", bytemuck::cast_slice(&rows), ROUNDING_ROWS / 64)?;
     let is_wrong = |(found, row): &(&[u32], &[f32; 4])| found[..3] != expected(row).map(f32::to_bits);
     Ok(rounding_check("rays and keys", outputs.chunks_exact(4).zip(&rows).filter(is_wrong).count()))
 }

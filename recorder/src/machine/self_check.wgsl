@@ -45,27 +45,27 @@ fn atomics(@builtin(global_invocation_id) id: vec3<u32>) {
     atomicAdd(&counters[2], 1u);
 }
 
+// Four floats.
+fn row_at(place: u32) -> vec4<f32> {
+    let first = 4u * place;
+    return bitcast<vec4<f32>>(vec4(inputs[first], inputs[first + 1u], inputs[first + 2u], inputs[first + 3u]));
+}
+
 // Quotient, square root, a·b − c·d and a product, of four floats each, as the device does them.
 @compute @workgroup_size(64)
 fn rounding(@builtin(global_invocation_id) id: vec3<u32>) {
-    let a = bitcast<f32>(inputs[4u * id.x]);
-    let b = bitcast<f32>(inputs[4u * id.x + 1u]);
-    let c = bitcast<f32>(inputs[4u * id.x + 2u]);
-    let d = bitcast<f32>(inputs[4u * id.x + 3u]);
-    outputs[4u * id.x] = bitcast<u32>(a / b);
-    outputs[4u * id.x + 1u] = bitcast<u32>(sqrt(a));
-    outputs[4u * id.x + 2u] = bitcast<u32>(a * b - c * d);
-    outputs[4u * id.x + 3u] = bitcast<u32>(a * 1e-30);
+    let row = row_at(id.x);
+    outputs[4u * id.x] = bitcast<u32>(row.x / row.y);
+    outputs[4u * id.x + 1u] = bitcast<u32>(sqrt(row.x));
+    outputs[4u * id.x + 2u] = bitcast<u32>(row.x * row.y - row.z * row.w);
+    outputs[4u * id.x + 3u] = bitcast<u32>(row.x * 1e-30);
 }
 
 // The same but the product, as kernels write them where it matters.
 @compute @workgroup_size(64)
 fn kernel_rounding(@builtin(global_invocation_id) id: vec3<u32>) {
-    let a = bitcast<f32>(inputs[4u * id.x]);
-    let b = bitcast<f32>(inputs[4u * id.x + 1u]);
-    let c = bitcast<f32>(inputs[4u * id.x + 2u]);
-    let d = bitcast<f32>(inputs[4u * id.x + 3u]);
-    outputs[4u * id.x] = bitcast<u32>(quotient(a, b));
-    outputs[4u * id.x + 1u] = bitcast<u32>(root(a));
-    outputs[4u * id.x + 2u] = bitcast<u32>(rounded(a * b) - rounded(c * d));
+    let row = row_at(id.x);
+    outputs[4u * id.x] = bitcast<u32>(quotient(row.x, row.y));
+    outputs[4u * id.x + 1u] = bitcast<u32>(root(row.x));
+    outputs[4u * id.x + 2u] = bitcast<u32>(rounded(row.x * row.y) - rounded(row.z * row.w));
 }

@@ -164,21 +164,16 @@ impl GpuBackend {
         })
     }
 
-    /// Rays that arrays must have room for.
-    fn pixels(&self) -> usize {
-        self.setup.width as usize * self.setup.height as usize
-    }
-
     /// Room for results of a queue.
     fn results(&mut self, kind: Kind, count: usize) -> Result<Lent<Hits>> {
-        let pixels = self.pixels();
+        let pixels = self.queues.pixels;
         let memory = self.hits[kind as usize].get(|| Hits::new(&self.gpu, "trace::hits", kind, pixels))?;
         Ok(Lent::new(memory, |hits| Hits { count, ..hits.clone() }))
     }
 
     /// Room for a permutation.
     fn places(&mut self, count: usize) -> Result<GpuPermutation> {
-        let pixels = self.pixels();
+        let pixels = self.queues.pixels;
         let permutation = self.permutations.get(|| self.gpu.array("sort::permutation", pixels))?;
         Ok(GpuPermutation { permutation, count })
     }
@@ -334,7 +329,7 @@ impl Backend for GpuBackend {
         if inputs.paths {
             resources.push(rays.paths()?.ids.binding());
         }
-        let (pixels, is_wide) = (self.pixels(), plan.key_bits > u32::BITS);
+        let (pixels, is_wide) = (self.queues.pixels, plan.key_bits > u32::BITS);
         let memory = self.keys.get(|| Keys::new(&self.gpu, pixels))?;
         let keys = Lent::new(memory, |keys| Keys {
             bits: plan.key_bits,

@@ -204,9 +204,9 @@ impl Sorter {
                 groups,
                 immediate_bytes: size_of::<SortPass>() as u32,
             };
-            // SAFETY: places are below `count`, or clamped to the last of them where there is one (without keys there
-            // are no workgroups), and tiles below `tiles`, to which `sort` sizes the arrays; slots come from sums of counts and stay below `count`; all loops count up to
-            // bounds, and divisors are constants.
+            // SAFETY: places are below `count`, or clamped to the last of them where there is one (without keys
+            // there are no workgroups), and tiles below `tiles`, to which `sort` sizes the arrays; slots come from
+            // sums of counts and stay below `count`; all loops count up to bounds, and divisors are constants.
             unsafe { Kernel::trusted(gpu, &source) }
         };
         Ok(Self {

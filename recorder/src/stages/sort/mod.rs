@@ -2,8 +2,9 @@
 //!
 //! Keys of up to 32 bits are one word, longer ones two, so that no 64-bit integers are needed on
 //! the GPU. A first look at the keys finds the bits that differ at all; no other digit gets a
-//! pass. (Keys that are short get no look: up to 15 bits on threads, where one pass sorts them, and up to two digits on GPUs.) What comes out is the
-//! permutation alone: `permutation[i]` is the canonical index of the key at place i.
+//! pass. (Keys that are short get no look: up to 15 bits on threads, where one pass sorts them, and up
+//! to two digits on GPUs.) What comes out is the permutation alone: `permutation[i]` is the canonical
+//! index of the key at place i.
 //!
 //! Both sorts move pairs of one 32-bit word and the index. A second word is fetched for the order
 //! that the first one gave: fewer bytes than carrying both all the way.
