@@ -187,15 +187,16 @@ impl LengthTable {
 
     /// The cells with a count of 2 or more, ascending: what a dump stores.
     pub fn touched(&self) -> Vec<LengthCell> {
-        self.cells
-            .iter()
-            .zip(0..)
-            .filter(|(stored, _)| stored.count.load(Ordering::Relaxed) > 0)
-            .map(|(stored, cell)| {
-                let (sum, count) = stored.with_dummy();
-                LengthCell { cell, count, sum }
-            })
-            .collect()
+        self.touched_cells().collect()
+    }
+
+    /// The same, one after the other.
+    pub fn touched_cells(&self) -> impl Iterator<Item = LengthCell> {
+        let is_touched = |(stored, _): &(&TableCell, u32)| stored.count.load(Ordering::Relaxed) > 0;
+        self.cells.iter().zip(0..).filter(is_touched).map(|(stored, cell)| {
+            let (sum, count) = stored.with_dummy();
+            LengthCell { cell, count, sum }
+        })
     }
 }
 

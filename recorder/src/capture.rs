@@ -9,9 +9,9 @@ use formats::npy::{Dtype, Element};
 use formats::writer::{DumpWriter, WriteError};
 
 /// Buffers that may wait for the disk: with [`BUFFER_BYTES`] each, what capture adds to memory.
-const BUFFERS: usize = 16;
+const BUFFERS: usize = 64;
 /// Bytes of a buffer.
-const BUFFER_BYTES: usize = 4 << 20;
+const BUFFER_BYTES: usize = 1 << 20;
 
 enum Message {
     Begin(Place, Dtype, Vec<u64>),

@@ -12,7 +12,7 @@ use formats::ray::{Kind, Ray};
 use formats::reader::Dump;
 
 use crate::auto::{Auto, Decision};
-use crate::backends::{Array, Backend, Queue, collected};
+use crate::backends::{Array, Backend, Queue, collect};
 use crate::cache_model::CacheModel;
 use crate::capture::Capture;
 use crate::comparison::compare;
@@ -92,6 +92,10 @@ pub struct Recorder<'a> {
     pub differing: u64,
     /// The last queue of each kind whose arrays are kept.
     last_kept: [Option<QueueId>; 2],
+    /// What was copied from the backend last.
+    cells: Vec<LengthCell>,
+    rays: Vec<Ray>,
+    places: Vec<u32>,
 }
 
 impl<'a> Recorder<'a> {
@@ -105,6 +109,9 @@ impl<'a> Recorder<'a> {
             decisions: Vec::new(),
             differing: 0,
             last_kept: [None; 2],
+            cells: Vec::new(),
+            rays: Vec::new(),
+            places: Vec::new(),
         }
     }
 
@@ -123,8 +130,7 @@ impl<'a> Recorder<'a> {
             return Ok(());
         }
         for id in self.last_kept.into_iter().flatten() {
-            let cells = collected(backend, Array::Lengths(id.kind))?;
-            self.write_cells(id, QueueArray::FinalLengths, &cells)?;
+            self.write_cells(backend, id, QueueArray::FinalLengths)?;
         }
         Ok(())
     }
@@ -137,8 +143,9 @@ impl<'a> Recorder<'a> {
         self.is_measured(id) || self.plan.keep_passes == KeepPasses::All
     }
 
-    fn write_cells(&mut self, id: QueueId, array: QueueArray, cells: &[LengthCell]) -> Result<()> {
-        self.capture.whole_array(Place::Queue(id, array), &[cells.len() as u64], cells)
+    fn write_cells<B: Backend>(&mut self, backend: &mut B, id: QueueId, array: QueueArray) -> Result<()> {
+        collect(backend, Array::Lengths(id.kind), &mut self.cells)?;
+        self.capture.whole_array(Place::Queue(id, array), &[self.cells.len() as u64], &self.cells)
     }
 
     fn keep_queue<B: Backend>(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
@@ -170,18 +177,16 @@ impl<'a> Recorder<'a> {
             self.capture.array(Place::Queue(id, name), dtype, shape, |sink| backend.read(array, sink))?;
         }
         if keep.lengths {
-            let cells = collected(backend, Array::Lengths(id.kind))?;
-            self.write_cells(id, QueueArray::Lengths, &cells)?;
+            self.write_cells(backend, id, QueueArray::Lengths)?;
         }
         Ok(())
     }
 
-    /// What the cache model says of canonical order; returns the rays, for the other orders.
-    fn model_baseline<B: Backend>(&mut self, backend: &mut B, rays: &B::Rays) -> Result<Vec<Ray>> {
-        let Some(model) = &self.plan.cache_model else { return Ok(Vec::new()) };
-        let copied: Vec<Ray> = collected(backend, Array::Rays(rays))?;
-        self.capture.record(Record::Cache(model.record(rays.id(), UNSORTED, &copied, |at| at)))?;
-        Ok(copied)
+    /// What the cache model says of canonical order; copies the rays, for the other orders.
+    fn model_baseline<B: Backend>(&mut self, backend: &mut B, rays: &B::Rays) -> Result<()> {
+        let Some(model) = &self.plan.cache_model else { return Ok(()) };
+        collect(backend, Array::Rays(rays), &mut self.rays)?;
+        self.capture.record(Record::Cache(model.record(rays.id(), UNSORTED, &self.rays, |at| at)))
     }
 
     fn write_timings(&mut self, id: QueueId, measurements: &QueueMeasurement) -> Result<()> {
@@ -272,13 +277,13 @@ impl Recorder<'_> {
         hits: &B::Hits,
     ) -> Result<QueueMeasurement> {
         let (plan, id) = (self.plan, rays.id());
-        let copied = self.model_baseline(backend, rays)?;
+        self.model_baseline(backend, rays)?;
         let queue =
             Queued { rays, hits, methods: &plan.methods, foreign: plan.foreign, auto: plan.auto.as_ref() };
         self.write_decision(backend, rays)?;
         self.keep_foreign(id)?;
         let orders = queue.warm_up(backend, &plan.measured, |backend, subject, keys, permutation| {
-            self.keep_order(backend, rays, &copied, subject, (keys, permutation))
+            self.keep_order(backend, rays, subject, (keys, permutation))
         })?;
         self.capture.drain()?;
         let measurements = queue.measure(backend, &plan.measured, &orders)?;
@@ -297,13 +302,11 @@ impl Recorder<'_> {
         self.capture.record(Record::Decision(decision))
     }
 
-    /// Writes keys and permutation, and what caches make of the order; `copied` are the queue's rays, empty
-    /// without the cache model.
+    /// Writes keys and permutation, and what caches make of the order.
     fn keep_order<B: Backend>(
         &mut self,
         backend: &mut B,
         rays: &B::Rays,
-        copied: &[Ray],
         subject: Subject,
         (keys, permutation): (Option<&B::Keys>, &B::Permutation),
     ) -> Result<()> {
@@ -325,7 +328,8 @@ impl Recorder<'_> {
             })?;
         }
         if let Some(model) = &self.plan.cache_model {
-            let places: Vec<u32> = collected(backend, Array::Permutation(permutation))?;
+            let Self { places, rays: copied, .. } = self;
+            collect(backend, Array::Permutation(permutation), places)?;
             self.capture
                 .record(Record::Cache(model.record(rays.id(), name, copied, |at| places[at] as usize)))?;
         }

@@ -28,10 +28,10 @@ use crate::stages::trace::cpu::CpuTracer;
 use crate::stages::trace::hits::Hits;
 use crate::stages::{compare, gather, generate, scatter, shade};
 
-/// Bytes that are handed to a sink at once.
-const SINK_BYTES: usize = 4 << 20;
+/// Bytes that are handed to a sink at once: so few that memory which they are copied to need not be new.
+const SINK_BYTES: usize = 1 << 20;
 /// Items that are, where they are copied for it.
-const SINK_ITEMS: usize = 1 << 18;
+const SINK_ITEMS: usize = 1 << 16;
 
 /// Runs every stage on the threads of the current rayon pool.
 pub struct CpuBackend {
@@ -293,8 +293,14 @@ impl Backend for CpuBackend {
                 sink(bytemuck::cast_slice(&places))
             }),
             Array::Lengths(kind) => {
-                let cells = self.tables[Table::Learnt as usize][kind as usize].touched();
-                whole(bytemuck::cast_slice(&cells))
+                let table = &self.tables[Table::Learnt as usize][kind as usize];
+                let (mut cells, mut piece) = (table.touched_cells().peekable(), Vec::new());
+                while cells.peek().is_some() {
+                    piece.clear();
+                    piece.extend(cells.by_ref().take(SINK_ITEMS));
+                    sink(bytemuck::cast_slice(&piece))?;
+                }
+                Ok(())
             }
             Array::Film => self.film.chunks(SINK_ITEMS).try_for_each(|pixels| {
                 let pixels: Vec<[f32; 3]> = pixels.iter().map(light_of).collect();

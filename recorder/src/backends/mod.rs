@@ -125,11 +125,24 @@ pub enum Array<'a, B: Backend + ?Sized> {
 /// Any of the backend.
 pub fn collected<T: Pod, B: Backend>(backend: &mut B, array: Array<'_, B>) -> Result<Vec<T>> {
     let mut elements = Vec::new();
+    collect(backend, array, &mut elements)?;
+    Ok(elements)
+}
+
+/// The same in place of what `elements` had before, in its memory: new memory costs more than the copy.
+///
+/// # Errors
+/// Any of the backend.
+pub fn collect<T: Pod, B: Backend>(
+    backend: &mut B,
+    array: Array<'_, B>,
+    elements: &mut Vec<T>,
+) -> Result<()> {
+    elements.clear();
     backend.read(array, &mut |bytes| {
         elements.extend(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned::<T>));
         Ok(())
-    })?;
-    Ok(elements)
+    })
 }
 
 /// The picture after so many passes, linear RGB, top row first.
