@@ -1,6 +1,6 @@
 // Quotients and roots that are the nearest floats, but for one in ten million, for devices whose own are off by a few
 // units in the last place: Markstein 2000, "IA-64 and Elementary Functions". `fma` gives what is left of a quotient
-// without an error; a driver that makes two operations of it fails the self-check "rays and keys".
+// without an error; where a driver makes two operations of it, the self-check says that rays and keys differ.
 
 fn exponent(x: f32) -> i32 {
     return i32((bitcast<u32>(x) >> 23u) & 255u);
