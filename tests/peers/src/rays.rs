@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Result, ensure};
 use formats::manifest::{Place, QueueArray, QueueId, SceneArray};
 use formats::ray::{Kind, Ray};
 use formats::reader::Dump;
@@ -18,6 +18,10 @@ pub struct Queue {
     pub rays: Vec<Ray>,
 }
 
+/// So many rays a queue has at least, if there are so many: of a shorter one, traced again and again, a processor
+/// learns by heart where each ray branches.
+const ENOUGH: usize = 1 << 16;
+
 /// Name, kind and bounce; see [`shuffled`] for those that are.
 const QUEUES: [(&str, Kind, u32); 5] = [
     ("camera", Kind::Closest, 0),
@@ -27,8 +31,8 @@ const QUEUES: [(&str, Kind, u32); 5] = [
     ("secondary-shadow", Kind::Shadow, 2),
 ];
 
-/// The triangles of a recording, without its alpha masks, which peers have no word for, and the queues of its
-/// last pass whose names are wanted, all of them if none is.
+/// The triangles of a recording, without its alpha masks, which peers have no word for, and the queues whose names
+/// are wanted, all of them if none is: of the last pass, and of those before it that were kept until rays are enough.
 ///
 /// # Errors
 /// If the recording cannot be read or has no such queue.
@@ -37,24 +41,27 @@ pub fn read(path: &Path, wanted: &[String]) -> Result<(Scene, Vec<Queue>)> {
     let positions = dump.array::<[f32; 3]>(&Place::Scene(SceneArray::Positions))?.to_vec();
     let triangles = dump.array::<[u32; 3]>(&Place::Scene(SceneArray::Triangles))?.to_vec();
     let header = &dump.manifest().header;
-    let pass = header.options.passes - 1;
+    let passes = 0..header.options.passes;
     let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|wanted| wanted == name);
     let queue = |(name, kind, bounce)| {
-        let place = Place::Queue(QueueId { pass, bounce, kind }, QueueArray::Rays);
-        let rays = dump.array::<Ray>(&place).with_context(|| {
-            format!("no {name} rays in {}; record at least 3 bounces of a scene with lights", path.display())
-        })?;
-        let rays = if name == "shuffled" { shuffled(&rays) } else { rays.to_vec() };
+        let mut rays = Vec::new();
+        for pass in passes.clone().rev() {
+            let place = Place::Queue(QueueId { pass, bounce, kind }, QueueArray::Rays);
+            if rays.len() < ENOUGH && dump.has(&place) {
+                rays.extend_from_slice(&dump.array::<Ray>(&place)?);
+            }
+        }
+        ensure!(
+            !rays.is_empty(),
+            "no {name} rays in {}; record at least 3 bounces of a scene with lights",
+            path.display()
+        );
+        if name == "shuffled" {
+            fastrand::Rng::with_seed(1).shuffle(&mut rays);
+        }
         Ok(Queue { name, kind, rays })
     };
     let queues: Result<Vec<Queue>> =
         QUEUES.into_iter().filter(|(name, ..)| is_wanted(name)).map(queue).collect();
     Ok((Scene::of_geometry(header.scene.name.clone(), positions, triangles), queues?))
-}
-
-/// Without any order.
-fn shuffled(rays: &[Ray]) -> Vec<Ray> {
-    let mut shuffled = rays.to_vec();
-    fastrand::Rng::with_seed(1).shuffle(&mut shuffled);
-    shuffled
 }

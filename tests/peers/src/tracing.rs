@@ -19,7 +19,7 @@ use crate::rays::{self, Queue};
 /// Traces rays on the threads of the current pool, the nearest hit of each or any, as its results ask.
 pub type Trace = Box<dyn Fn(&[Ray], &Hits) + Send + Sync>;
 
-/// Rays that a thread takes at once, as in our tracer.
+/// Rays that a thread takes at once, as in our tracer where a queue is long.
 const CHUNK: usize = 256;
 
 /// Traces the wanted queues of a recording with every tracer.
