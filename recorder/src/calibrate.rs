@@ -11,6 +11,9 @@ use crate::progress::Progress;
 use crate::stages::setup::Setup;
 use crate::wavefront::Observer;
 
+/// Fewest rays that candidates are tried on. No shorter queue was found to gain what keys and a sort of it cost, and
+/// of many orders that are measured on so few rays one looks good by chance.
+const FEWEST_RAYS: usize = 1 << 13;
 /// Candidates that are measured in all rounds, after one round that all take part in.
 const FINALISTS: usize = 3;
 /// Rounds that a candidate's worth is taken from: enough to tell a few percent from nothing.
@@ -31,27 +34,7 @@ impl<B: Backend> Observer<B> for Calibrator<'_> {
     fn measure(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
         let (id, count) = (rays.id(), rays.len());
         self.progress.traced(id, count);
-        let first = self.setup.named().len();
-        let candidates = (first..self.setup.methods.len()).map(Subject::Method);
-        let orders = [Subject::Unsorted].into_iter().chain(candidates).collect();
-        let queue = Queued { rays, hits, methods: &self.setup.methods, foreign: &[], auto: None };
-        let mut measured = Measured { orders, repeats: 0, seed: self.setup.seed };
-        let mut orders = queue.warm_up(backend, &measured, |_, _, _, _| Ok(()))?;
-        let mut all = queue.measure(backend, &measured, &orders)?;
-        all.retain(|entry| entry.subject != Subject::Unsorted);
-        all.sort_by_key(|entry| entry.deciding_ns.into_iter().min());
-        all.truncate(FINALISTS);
-        orders.retain(|subject| {
-            subject == Subject::Unsorted || all.iter().any(|entry| entry.subject == subject)
-        });
-        measured.repeats = ROUNDS;
-        let found = queue.measure(backend, &measured, &orders)?;
-        let unsorted: Vec<u64> = found
-            .iter()
-            .filter(|entry| entry.subject == Subject::Unsorted)
-            .flat_map(|entry| entry.stages.of(Stage::Trace).to_vec())
-            .collect();
-        let candidates = found.iter().filter_map(|entry| self.candidate(entry, &unsorted)).collect();
+        let candidates = if count < FEWEST_RAYS { Vec::new() } else { self.candidates(backend, rays, hits)? };
         let area = self.auto.area(backend, rays, &mut room(count))?;
         self.found.push(CalibrationRecord {
             bounce: id.bounce,
@@ -84,6 +67,36 @@ pub fn calibrate<B: Backend>(
 }
 
 impl Calibrator<'_> {
+    /// What the best candidates were worth on a queue.
+    fn candidates<B: Backend>(
+        &self,
+        backend: &mut B,
+        rays: &B::Rays,
+        hits: &B::Hits,
+    ) -> Result<Vec<Candidate>> {
+        let first = self.setup.named().len();
+        let candidates = (first..self.setup.methods.len()).map(Subject::Method);
+        let orders = [Subject::Unsorted].into_iter().chain(candidates).collect();
+        let queue = Queued { rays, hits, methods: &self.setup.methods, foreign: &[], auto: None };
+        let mut measured = Measured { orders, repeats: 0, seed: self.setup.seed };
+        let mut orders = queue.warm_up(backend, &measured, |_, _, _, _| Ok(()))?;
+        let mut all = queue.measure(backend, &measured, &orders)?;
+        all.retain(|entry| entry.subject != Subject::Unsorted);
+        all.sort_by_key(|entry| entry.deciding_ns.into_iter().min());
+        all.truncate(FINALISTS);
+        orders.retain(|subject| {
+            subject == Subject::Unsorted || all.iter().any(|entry| entry.subject == subject)
+        });
+        measured.repeats = ROUNDS;
+        let found = queue.measure(backend, &measured, &orders)?;
+        let unsorted: Vec<u64> = found
+            .iter()
+            .filter(|entry| entry.subject == Subject::Unsorted)
+            .flat_map(|entry| entry.stages.of(Stage::Trace).to_vec())
+            .collect();
+        Ok(found.iter().filter_map(|entry| self.candidate(entry, &unsorted)).collect())
+    }
+
     /// What an order was worth, by its better way.
     fn candidate(&self, entry: &Measurement, unsorted: &[u64]) -> Option<Candidate> {
         let Subject::Method(number) = entry.subject else { return None };

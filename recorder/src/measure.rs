@@ -75,7 +75,8 @@ pub struct Measurement {
     pub stages: StageSamples,
     /// Rounds in which a stage was disturbed.
     pub disturbed: BTreeMap<Stage, Vec<u32>>,
-    /// Most results of any of its traces that differed from those of canonical order.
+    /// Most results of any of its traces, those that are not timed among them, that differed from those of canonical
+    /// order.
     pub mismatches: u64,
     /// Nanoseconds of the round that decides which way counts, in all by each way; 0 for one not taken.
     pub deciding_ns: [u64; 2],
@@ -98,9 +99,16 @@ pub struct Queued<'a, B: Backend> {
     pub auto: Option<&'a Auto>,
 }
 
-/// The orders of a queue, with those that need no key.
-pub struct Orders<P> {
-    subjects: Vec<(Subject, Option<P>)>,
+/// The orders of a queue.
+pub struct Orders<P>(Vec<Ordered<P>>);
+
+/// An order, warmed up.
+struct Ordered<P> {
+    subject: Subject,
+    /// Where it needs no key.
+    permutation: Option<P>,
+    /// Most results of its first traces that differed from those of canonical order.
+    mismatches: u64,
 }
 
 impl<P> Orders<P> {
@@ -112,13 +120,13 @@ impl<P> Orders<P> {
             }
             Subject::Unsorted | Subject::Control | Subject::Auto => &[Way::Gathered],
         };
-        let subjects = self.subjects.iter().enumerate();
-        subjects.flat_map(|(at, &(subject, _))| ways(subject).iter().map(move |&way| (at, way))).collect()
+        let orders = self.0.iter().enumerate();
+        orders.flat_map(|(at, order)| ways(order.subject).iter().map(move |&way| (at, way))).collect()
     }
 
     /// Leaves out those that do not count any more.
     pub fn retain(&mut self, mut counts: impl FnMut(Subject) -> bool) {
-        self.subjects.retain(|(subject, _)| counts(*subject));
+        self.0.retain(|order| counts(order.subject));
     }
 }
 
@@ -135,7 +143,7 @@ impl<B: Backend> Queued<'_, B> {
         mut ordered: impl FnMut(&mut B, Subject, Option<&B::Keys>, &B::Permutation) -> Result<()>,
     ) -> Result<Orders<B::Permutation>> {
         let (id, count) = (self.rays.id(), self.rays.len() as u32);
-        let mut subjects = Vec::new();
+        let mut orders = Orders(Vec::new());
         for &subject in &measured.orders {
             let permutation = match subject {
                 Subject::Unsorted => None,
@@ -175,12 +183,12 @@ impl<B: Backend> Queued<'_, B> {
                     None
                 }
             };
-            subjects.push((subject, permutation));
+            orders.0.push(Ordered { subject, permutation, mismatches: 0 });
         }
-        let orders = Orders { subjects };
         let mut nowhere = empty(&orders);
         for (at, way) in orders.turns() {
-            self.sample(backend, &orders.subjects[at], way, &mut nowhere[at], 0)?;
+            self.sample(backend, &orders.0[at], way, &mut nowhere[at], 0)?;
+            orders.0[at].mismatches = nowhere[at].mismatches;
         }
         backend.accumulate(self.rays, self.hits, Table::Scratch)?;
         Ok(orders)
@@ -202,12 +210,13 @@ impl<B: Backend> Queued<'_, B> {
         in_rounds(turns.len(), measured.repeats, seed, |turn, round| {
             let (at, way) = turns[turn];
             let entries = if round.is_some() { &mut entries } else { &mut deciding };
-            self.sample(backend, &orders.subjects[at], way, &mut entries[at], round.unwrap_or(0))
+            self.sample(backend, &orders.0[at], way, &mut entries[at], round.unwrap_or(0))
         })?;
         for (entry, deciding) in entries.iter_mut().zip(deciding) {
             let is_taken = |way: Way| way.stages().iter().any(|&stage| !deciding.stages.of(stage).is_empty());
             let sum = |way: Way| if is_taken(way) { deciding.stages.totals(way).iter().sum() } else { 0 };
             entry.deciding_ns = [Way::Gathered, Way::Indices].map(sum);
+            entry.mismatches = entry.mismatches.max(deciding.mismatches);
         }
         Ok(entries)
     }
@@ -216,12 +225,13 @@ impl<B: Backend> Queued<'_, B> {
     fn sample(
         &self,
         backend: &mut B,
-        (subject, permutation): &(Subject, Option<B::Permutation>),
+        Ordered { subject, permutation, .. }: &Ordered<B::Permutation>,
         mut way: Way,
         entry: &mut Measurement,
         round: u32,
     ) -> Result<()> {
         let Self { rays, hits, methods, .. } = *self;
+        backend.forget(rays)?;
         if *subject == Subject::Unsorted {
             backend.trace(rays, Order::Stored)?;
             entry.keep(backend, Stage::Trace, round);
@@ -301,14 +311,14 @@ impl Measurement {
 
 /// Entries without samples.
 fn empty<P>(orders: &Orders<P>) -> QueueMeasurement {
-    let entry = |&(subject, _): &(Subject, Option<P>)| Measurement {
+    let entry = |&Ordered { subject, mismatches, .. }: &Ordered<P>| Measurement {
         subject,
         stages: StageSamples::default(),
         disturbed: BTreeMap::new(),
-        mismatches: 0,
+        mismatches,
         deciding_ns: [0; 2],
     };
-    orders.subjects.iter().map(entry).collect()
+    orders.0.iter().map(entry).collect()
 }
 
 /// A seed that depends on the queue.
@@ -374,7 +384,8 @@ mod tests {
     fn what_can_be_traced_in_two_ways_takes_two_turns() {
         let subjects =
             [Subject::Unsorted, Subject::Control, Subject::Method(3), Subject::Auto, Subject::Shuffled];
-        let orders = Orders { subjects: subjects.map(|subject| (subject, None::<()>)).into() };
+        let ordered = |subject| Ordered { subject, permutation: None::<()>, mismatches: 0 };
+        let orders = Orders(subjects.map(ordered).into());
         let [gathered, indices] = [Way::Gathered, Way::Indices];
         let of_two_ways = |at| [(at, gathered), (at, indices)];
         let expected =

@@ -6,13 +6,13 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use formats::manifest::{FILE_NAME, MAGIC, Outcome, Record, Source};
+use formats::manifest::{CalibrationRecord, FILE_NAME, MAGIC, Outcome, Record, Source};
 use formats::reader::Dump;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 use tests::crafted::{copy, edit_manifest, edit_records};
 use tests::programs::{Program, finish};
-use tests::recordings::{arrays, record};
+use tests::recordings::{SMALL, arrays, record};
 
 const FAILED: i32 = 1;
 const USAGE: i32 = 2;
@@ -121,16 +121,23 @@ fn the_control_is_a_row_where_it_is_named() {
 #[test]
 fn what_auto_chooses_is_repeated_with_its_calibration() {
     for (backend, kernels) in [("cpu", ["wide", "bvh2"]), ("gpu", ["cwbvh", "bvh2"])] {
-        let folder = recorded("builtin:cornell", &format!("--backend {backend} --methods auto --repeats 2"));
+        let folder = tempdir().unwrap();
+        // Camera rays alone are as many as candidates are tried on.
+        let size = SMALL.replace("--width 64 --height 36", "--width 128 --height 72");
+        let line = format!(
+            "record builtin:cornell --out first.raydump --backend {backend} --methods auto --repeats 2"
+        );
+        Program::Recorder.run(folder.path(), &format!("{line} {size}")).succeeded();
         let records = |name: &str| {
             let dump = Dump::open(&folder.path().join(name)).unwrap();
             (dump.manifest().calibration.clone(), dump.manifest().decisions.clone())
         };
         let (calibration, decisions) = records("first.raydump");
-        assert!(
-            calibration.iter().all(|queue| queue.candidates.len() >= 3 && queue.area > 0.0),
-            "{calibration:?}"
-        );
+        let is_short = |queue: &&CalibrationRecord| queue.rays < 8192;
+        let (short, long): (Vec<_>, Vec<_>) = calibration.iter().partition(is_short);
+        assert!(short.iter().all(|queue| queue.candidates.is_empty()), "{short:?}");
+        assert!(long.iter().all(|queue| queue.candidates.len() >= 3), "{long:?}");
+        assert!(short.len() > 1 && !long.is_empty() && calibration.iter().all(|queue| queue.area > 0.0));
         assert!(decisions.len() > 3 && decisions.len() == calibration.len(), "{decisions:?}");
         for kernel in kernels {
             let line = format!(

@@ -25,6 +25,7 @@ use crate::stages::shade::cpu::{Film, Shader, add_light, dark_film, light_of};
 use crate::stages::sort::cpu::{Keys, Permutation, Sorter, Words, permutation_of};
 use crate::stages::trace::Order;
 use crate::stages::trace::cpu::CpuTracer;
+use crate::stages::trace::cpu_strangers::Strangers;
 use crate::stages::trace::hits::Hits;
 use crate::stages::{compare, gather, generate, scatter, shade};
 
@@ -54,6 +55,7 @@ pub struct CpuBackend {
     /// Of up to 32 bits, and wider ones.
     keys: [Pool<Keys>; 2],
     permutations: Pool<Permutation>,
+    strangers: Strangers,
     clock: Clock,
 }
 
@@ -99,6 +101,7 @@ impl CpuBackend {
             hits: [Pool::default(), Pool::default()],
             keys: [Pool::default(), Pool::default()],
             permutations: Pool::default(),
+            strangers: Strangers::default(),
             clock: Clock::of_processor(),
             tracer,
             setup,
@@ -140,14 +143,15 @@ impl Backend for CpuBackend {
             let table = LengthTable::from_touched(self.setup.table_bits, cells)?;
             self.tables[Table::Learnt as usize][id.kind as usize] = table;
         }
-        let mut paths = Paths {
-            rays: rays.to_vec(),
-            ids: path_ids.to_vec(),
-            lights: lights.to_vec(),
-            states: Vec::new(),
-        };
-        paths.make_room(rays.len());
-        Ok(CpuRays { id, paths: Arc::new(paths) })
+        let (paths, ()) = self.paths[id.kind as usize].filled(|paths| {
+            paths.make_room(rays.len());
+            paths.rays.copy_from_slice(rays);
+            paths.ids.copy_from_slice(path_ids);
+            paths.lights.fill(0);
+            paths.lights[..lights.len()].copy_from_slice(lights);
+            paths.states.fill(RayState::default());
+        });
+        Ok(CpuRays { id, paths })
     }
 
     fn upload_permutation(&mut self, indices: &[u32]) -> Result<Arc<Permutation>> {
@@ -167,6 +171,11 @@ impl Backend for CpuBackend {
             self.clock.time(|| self.tracer.trace(rays.rays(), order, hits));
         });
         Ok(filled)
+    }
+
+    fn forget(&mut self, rays: &CpuRays) -> Result<()> {
+        self.strangers.trace(&self.tracer, rays.rays(), rays.id.kind);
+        Ok(())
     }
 
     fn scatter(&mut self, hits: &Arc<Hits>, permutation: &Arc<Permutation>) -> Result<Arc<Hits>> {

@@ -198,6 +198,9 @@ pub trait Backend {
     fn upload_keys(&mut self, keys: &[u64], bits: u32) -> Result<Self::Keys>;
     /// Traces rays; results lie as the rays do.
     fn trace(&mut self, rays: &Self::Rays, order: Order<&Self::Permutation>) -> Result<Self::Hits>;
+    /// Makes a device that learns what it does again and again, as processors do, forget a queue: before a turn in
+    /// which its trace is timed. Nothing that the queue or its tables have changes.
+    fn forget(&mut self, rays: &Self::Rays) -> Result<()>;
     /// Adds traced lengths to a table of the queue's kind.
     fn accumulate(&mut self, rays: &Self::Rays, hits: &Self::Hits, table: Table) -> Result<()>;
     /// Shades the hits of closest rays: light to the film, next rays, shadow rays.

@@ -107,7 +107,7 @@ impl<B: Backend> Observer<B> for KernelsAndOrders<'_, B> {
         let seed = seed_of(run.seed, id);
         let mut samples = sampled(kernels.len() * width, run.repeats, seed, |at| {
             let (kernel, order) = (at / width, at % width);
-            let permutation = order.checked_sub(1).map(|method| &kernels[kernel][method]);
+            let permutation = &kernels[kernel][order];
             match kernel.checked_sub(1) {
                 None => sample(backend, rays, permutation),
                 Some(other) => sample(&mut self.others[other], &queues[other], permutation),
@@ -116,7 +116,7 @@ impl<B: Backend> Observer<B> for KernelsAndOrders<'_, B> {
         .into_iter();
         let mut lanes = Vec::new();
         for (kernel, permutations) in kernels.iter().enumerate() {
-            for permutation in [None].into_iter().chain(permutations.iter().map(Some)) {
+            for permutation in permutations {
                 lanes.push(match kernel.checked_sub(1) {
                     None => lane_row(backend, rays, permutation)?,
                     Some(other) => lane_row(&mut self.others[other], &queues[other], permutation)?,
@@ -145,24 +145,27 @@ impl<B: Backend> Observer<B> for KernelsAndOrders<'_, B> {
     }
 }
 
-/// The order of every method.
+/// Canonical order, and the order of every method.
 fn prepare<B: Backend>(
     backend: &mut B,
     rays: &B::Rays,
     hits: &B::Hits,
     methods: &[usize],
 ) -> Result<Vec<B::Permutation>> {
-    let mut order = |&method: &usize| {
+    let mut orders = vec![backend.upload_permutation(&(0..rays.len() as u32).collect::<Vec<_>>())?];
+    for &method in methods {
         let keys = backend.key(rays, Some(hits), method)?;
-        backend.sort(&keys)
-    };
-    methods.iter().map(&mut order).collect()
+        orders.push(backend.sort(&keys)?);
+    }
+    Ok(orders)
 }
 
-/// Nanoseconds of a trace in canonical order, or of rays gathered by a permutation.
-fn sample<B: Backend>(backend: &mut B, rays: &B::Rays, permutation: Option<&B::Permutation>) -> Result<u64> {
-    let gathered = permutation.map(|permutation| backend.gather(rays, permutation)).transpose()?;
-    backend.trace(gathered.as_ref().unwrap_or(rays), Order::Stored)?;
+/// Nanoseconds of a trace of rays that were gathered before, those in canonical order like all others: what was just
+/// written is read faster.
+fn sample<B: Backend>(backend: &mut B, rays: &B::Rays, permutation: &B::Permutation) -> Result<u64> {
+    backend.forget(rays)?;
+    let gathered = backend.gather(rays, permutation)?;
+    backend.trace(&gathered, Order::Stored)?;
     Ok(backend.elapsed_ns())
 }
 
@@ -170,10 +173,9 @@ fn sample<B: Backend>(backend: &mut B, rays: &B::Rays, permutation: Option<&B::P
 fn lane_row<B: Backend>(
     backend: &mut B,
     rays: &B::Rays,
-    permutation: Option<&B::Permutation>,
+    permutation: &B::Permutation,
 ) -> Result<Option<LaneRow>> {
-    let gathered = permutation.map(|permutation| backend.gather(rays, permutation)).transpose()?;
-    let rays = gathered.as_ref().unwrap_or(rays);
+    let rays = &backend.gather(rays, permutation)?;
     let found: Vec<[u64; 3]> = collected(backend, Array::LaneUse(rays))?;
     let Some(&[width, work, capacity]) = found.first() else { return Ok(None) };
     let measured = LaneUse { width: width as usize, work, capacity };

@@ -263,6 +263,10 @@ impl Backend for GpuBackend {
         Ok(hits)
     }
 
+    fn forget(&mut self, _rays: &GpuRays) -> Result<()> {
+        Ok(())
+    }
+
     fn scatter(&mut self, hits: &Lent<Hits>, permutation: &GpuPermutation) -> Result<Lent<Hits>> {
         let home = self.results(hits.kind, hits.count)?;
         let resources = [permutation.permutation.binding(), hits.words.binding(), home.words.binding()];

@@ -48,6 +48,7 @@ mod cpu_lanes;
 mod cpu_packet;
 mod cpu_part;
 mod cpu_query;
+pub mod cpu_strangers;
 mod cpu_vector;
 mod cpu_wide;
 mod driver;
