@@ -11,7 +11,7 @@ use formats::writer::{DumpWriter, WriteError};
 /// Buffers that may wait for the disk: with [`BUFFER_BYTES`] each, what capture adds to memory.
 const BUFFERS: usize = 64;
 /// Bytes of a buffer.
-const BUFFER_BYTES: usize = 1 << 20;
+pub const BUFFER_BYTES: usize = 1 << 20;
 
 enum Message {
     Begin(Place, Dtype, Vec<u64>),
@@ -143,6 +143,17 @@ impl Capture {
     fn join(&mut self) -> Result<std::path::PathBuf> {
         let thread = self.thread.take().ok_or_else(|| anyhow!("writing the recording failed before"))?;
         Ok(thread.join().map_err(|_| anyhow!("the capture thread panicked"))??)
+    }
+}
+
+/// What was handed over before an error is written to its end, so that `recover` finds it.
+impl Drop for Capture {
+    fn drop(&mut self) {
+        self.messages = None;
+        if let Some(thread) = self.thread.take() {
+            // The error that ended the recording is the one to be told.
+            drop(thread.join());
+        }
     }
 }
 

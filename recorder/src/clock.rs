@@ -51,8 +51,10 @@ impl Clock {
     /// Takes the time of `work`. The threads of the current pool are awake when it begins: a thread that sleeps
     /// wakes tens of microseconds late, and whether it sleeps depends on what came before.
     pub fn time<T>(&mut self, work: impl FnOnce() -> T) -> T {
-        let before = self.machine.read();
+        let mut before = self.machine.read();
         let all_are_awake = wake_threads();
+        // Threads that wait for each other make way, which counts as being put aside.
+        before.switches = self.machine.switches();
         let start = Instant::now();
         let value = work();
         let elapsed_ns = start.elapsed().as_nanos() as u64;
@@ -110,7 +112,7 @@ mod machine {
     use std::fs::File;
     use std::os::unix::fs::FileExt;
 
-    use nix::sys::resource::{UsageWho, getrusage};
+    use nix::sys::resource::{Usage, UsageWho, getrusage};
 
     use super::Counts;
 
@@ -130,9 +132,16 @@ mod machine {
             Self { is_read: false, ticks: None }
         }
 
+        fn usage(&self) -> Option<Usage> {
+            self.is_read.then(|| getrusage(UsageWho::RUSAGE_SELF).ok()).flatten()
+        }
+
+        pub(super) fn switches(&self) -> u64 {
+            self.usage().map_or(0, |usage| usage.involuntary_context_switches() as u64)
+        }
+
         pub(super) fn read(&self) -> Counts {
-            let usage = self.is_read.then(|| getrusage(UsageWho::RUSAGE_SELF).ok()).flatten();
-            let Some(usage) = usage else { return Counts::default() };
+            let Some(usage) = self.usage() else { return Counts::default() };
             Counts {
                 page_faults: usage.minor_page_faults() as u64,
                 switches: usage.involuntary_context_switches() as u64,
@@ -169,6 +178,10 @@ mod machine {
 
         pub(super) fn read(&self) -> Counts {
             Counts::default()
+        }
+
+        pub(super) fn switches(&self) -> u64 {
+            0
         }
     }
 }

@@ -253,6 +253,10 @@ impl<B: Backend> Observer<B> for Recorder<'_> {
             if self.is_measured(id) { self.measure_orders(backend, rays, hits)? } else { Vec::new() };
         if self.keeps(id) {
             self.capture.record(Record::Queue(self.queue_record(id, count, &measurements)))?;
+            // The first stage of the measured pass is timed, too.
+            if id.pass + 2 == self.plan.passes {
+                self.capture.drain()?;
+            }
         }
         if self.is_measured(id) {
             self.measured.push(MeasuredQueue { id, rays: count, measurements });

@@ -7,6 +7,11 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use formats::manifest::{Place, QueueArray, QueueId};
+use formats::ray::Kind;
+use formats::reader::Dump;
+use formats::writer::DumpWriter;
+use recorder::capture::Capture;
 use tempfile::tempdir;
 use tests::programs::Program;
 use tests::recordings::{arrays, assert_same, record};
@@ -66,6 +71,23 @@ fn a_source_is_never_replaced() {
     }
     let left: Vec<_> = fs::read_dir(path).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(left.len(), 5, "{left:?}");
+}
+
+/// An error of a device ends a recording so.
+#[test]
+fn what_was_handed_over_before_an_error_is_written() {
+    const IDS: usize = 8 << 20;
+    let folder = tempdir().unwrap();
+    record(folder.path(), "a", "builtin:cornell", CPU);
+    let header = Dump::open(&folder.path().join("a.raydump")).unwrap().manifest().header.clone();
+    let writer = DumpWriter::create(&folder.path().join("b.raydump"), header, false).unwrap();
+    let id = QueueId { pass: 0, bounce: 0, kind: Kind::Closest };
+    let place = Place::Queue(id, QueueArray::PathIds);
+    let mut capture = Capture::start(writer).unwrap();
+    capture.whole_array(place.clone(), &[IDS as u64], &vec![7_u32; IDS]).unwrap();
+    drop(capture);
+    let partial = Dump::open(&folder.path().join("b.raydump.partial")).unwrap();
+    assert!(partial.array::<u32>(&place).unwrap().iter().all(|&id| id == 7));
 }
 
 #[test]

@@ -18,6 +18,7 @@ use scenes::Scene;
 use super::backends::{self, Measurement};
 use super::{folder_bytes, result};
 use crate::backends::Backend;
+use crate::capture::BUFFER_BYTES;
 use crate::clock::Clock;
 use crate::foreign::Foreign;
 use crate::machine::{self, Device};
@@ -25,9 +26,6 @@ use crate::measure::sampled;
 use crate::options::{Keep, RecordOptions};
 use crate::recording::{RaySource, Run, choose_camera, header, setup};
 use crate::stages::setup::Setup;
-
-/// Bytes handed to the system at a time when bytes are written alone: those of a buffer of a recording.
-const PIECE_BYTES: usize = 4 << 20;
 
 /// What to measure.
 #[derive(Clone, Debug)]
@@ -154,14 +152,14 @@ impl Turns<'_> {
 
 /// Writes so many bytes to a file, brings them to the disk and removes it; the removal is not timed.
 fn write_alone(path: &Path, bytes: u64, clock: &mut Clock) -> Result<()> {
-    let mut piece = vec![0; PIECE_BYTES];
+    let mut piece = vec![0; BUFFER_BYTES];
     // Zeros are what some disks do not write.
     fastrand::Rng::with_seed(0).fill(&mut piece);
     let write = || {
         let mut file = File::create(path)?;
         let mut left = bytes;
         while left > 0 {
-            let part = &piece[..left.min(PIECE_BYTES as u64) as usize];
+            let part = &piece[..left.min(BUFFER_BYTES as u64) as usize];
             file.write_all(part)?;
             left -= part.len() as u64;
         }

@@ -10,6 +10,7 @@ mod processors;
 pub mod self_check;
 
 use anyhow::{Context, Result, bail};
+use formats::length_table::TableCell;
 use scenes::Scene;
 use sysinfo::System;
 
@@ -114,14 +115,14 @@ fn open_cpu(options: &DeviceOptions, passed_over: Option<String>) -> Result<Devi
     Ok(Device::Cpu(CpuDevice { pool, passed_over }))
 }
 
-/// Bytes of CPU memory that a run needs per pixel: queues of three bounces and two of shadow rays with state,
-/// the two that shading leaves before they are compacted, a sorted copy; results of both kinds for the loop, a
-/// method and its way home; keys, permutations, pairs of the sort, the film.
-const CPU_BYTES_PER_PIXEL: u64 = 5 * 56 + 2 * 56 + 32 + 4 * (16 + 4) + 8 + 4 * 4 + 2 * 8 + 12;
+/// Bytes of CPU memory that a run needs per pixel: queues of three bounces and two of shadow rays with state, a
+/// sorted copy; results of both kinds for the loop, a method and its way home; keys, permutations, pairs of the
+/// sort, lengths by their cells, the film.
+const CPU_BYTES_PER_PIXEL: u64 = 5 * 56 + 32 + 4 * (16 + 4) + 8 + 4 * 4 + 2 * 8 + 8 + 12;
 /// Bytes of CPU memory that a scene needs per triangle: its arrays twice, leaf triangles, nodes.
 const CPU_BYTES_PER_TRIANGLE: u64 = 2 * 64 + 48 + 80;
 /// Bytes of CPU memory of a cell of the length tables: two tables, and two to time adding to them.
-const CPU_BYTES_PER_CELL: u64 = 4 * 12;
+const CPU_BYTES_PER_CELL: u64 = 4 * size_of::<TableCell>() as u64;
 /// Bytes per item of the largest arrays on the GPU: a half of a ray, four words of a triangle.
 const GPU_BYTES_PER_ITEM: u64 = 16;
 

@@ -189,6 +189,7 @@ impl Run<'_> {
         for calibration in plan.auto.iter().flat_map(|auto| &auto.calibration) {
             capture.record(Record::Calibration(calibration.clone()))?;
         }
+        capture.drain()?;
         let mut recorder = Recorder::new(&plan, &mut capture, &progress);
         match &self.rays {
             RaySource::Paths => wavefront::run(backend, 0..options.passes, options.bounces, &mut recorder)?,
@@ -208,7 +209,7 @@ impl Run<'_> {
     }
 
     /// What `auto` chooses by: measured on the pass after the last one, whose rays are not recorded, or on the
-    /// recorded queues; then the run begins anew.
+    /// recorded queues of the last one; then the run begins anew.
     fn calibrated<B: Backend>(&self, backend: &mut B, progress: &Progress) -> Result<Auto> {
         if !self.calibration.is_empty() {
             return Ok(Auto::new(&self.setup, self.calibration.clone()));
@@ -216,7 +217,11 @@ impl Run<'_> {
         let (pass, bounces) = (self.options.passes, self.options.bounces);
         calibrate::calibrate(backend, &self.setup, progress, |backend, calibrator| match &self.rays {
             RaySource::Paths => wavefront::run(backend, pass..pass + 1, bounces, calibrator),
-            RaySource::Recorded(queues) => wavefront::run_recorded(backend, queues, calibrator),
+            RaySource::Recorded(queues) => {
+                let measured: Vec<_> =
+                    queues.iter().copied().filter(|queue| queue.id.pass + 1 == pass).collect();
+                wavefront::run_recorded(backend, &measured, calibrator)
+            }
         })
     }
 
