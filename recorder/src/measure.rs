@@ -4,7 +4,8 @@
 //! drawn for it, so that drift hits all alike and nothing always follows the same. Each way of a method has keys and
 //! a sort of its own before it, and finds in the caches what those left there. What a section writes was there and was touched before: the
 //! first round is not timed, and backends use their memory again. The second decides which way of tracing
-//! sorted rays counts, so that no figure is taken from the samples that it was chosen by.
+//! sorted rays counts, so that no figure is taken from the samples that it was chosen by. A turn begins with a device
+//! that has forgotten how the queue was traced before, where it could know a short one by heart.
 
 use std::collections::BTreeMap;
 

@@ -264,6 +264,7 @@ impl Backend for GpuBackend {
     }
 
     fn forget(&mut self, _rays: &GpuRays) -> Result<()> {
+        // Graphics cards do not guess branches.
         Ok(())
     }
 
