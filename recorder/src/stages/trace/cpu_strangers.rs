@@ -1,7 +1,7 @@
 //! Rays of no queue, traced so that a processor does not know a short queue by heart.
 //!
-//! A queue that is traced again and again teaches a processor where each of its rays branches, the orders that take
-//! more turns better than others, until it has more rays than what guesses branches can keep. A tracer traces it once.
+//! A queue that is traced again and again teaches a processor where each of its rays branches, in some orders better
+//! than in others, unless it has more rays than what guesses branches can keep. A renderer traces it once.
 
 use formats::ray::{Kind, Ray};
 
