@@ -11,8 +11,8 @@ use crate::progress::Progress;
 use crate::stages::setup::Setup;
 use crate::wavefront::Observer;
 
-/// Fewest rays that candidates are tried on. No shorter queue was found to gain what keys and a sort of it cost, and
-/// of many orders that are measured on so few rays one looks good by chance.
+/// Fewest rays that candidates are tried on. No shorter queue gained what keys and a sort of it cost in two
+/// recordings, and of many orders that are measured on so few rays one looks good by chance.
 const FEWEST_RAYS: usize = 1 << 13;
 /// Candidates that are measured in all rounds, after one round that all take part in.
 const FINALISTS: usize = 3;

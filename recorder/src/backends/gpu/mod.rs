@@ -264,7 +264,7 @@ impl Backend for GpuBackend {
     }
 
     fn forget(&mut self, _rays: &GpuRays) -> Result<()> {
-        // Graphics cards do not guess branches.
+        // Graphics cards do not guess branches; of software adapters it was not measured.
         Ok(())
     }
 
