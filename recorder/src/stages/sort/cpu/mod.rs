@@ -113,9 +113,9 @@ impl Sorter {
     }
 }
 
-/// A word above its index.
+/// A word above its index, whose higher bits are cut off, so that code which asks for the word alone has no index.
 fn pair(word: u32, index: usize) -> u64 {
-    u64::from(word) << u32::BITS | index as u64
+    u64::from(word) << u32::BITS | u64::from(index as u32)
 }
 
 /// Puts a pair where it belongs. Checking every place would take up to a tenth of a sort's time.

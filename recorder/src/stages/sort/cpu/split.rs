@@ -2,9 +2,8 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::local::{self, Worker};
+use crate::stages::together::together;
 
 /// Fewest pairs that are worth a thread of their own.
 pub(super) const SMALLEST_BLOCK: usize = 1 << 14;
@@ -70,7 +69,7 @@ impl Digit {
     }
 
     fn of(self, pair: u64) -> usize {
-        (pair >> (u32::BITS + self.shift)) as usize & (self.values() - 1) & (BINS - 1)
+        ((pair >> u32::BITS) as u32 >> self.shift) as usize & ((self.values() - 1) & (BINS - 1))
     }
 }
 
@@ -114,9 +113,7 @@ impl<'a> Split<'a> {
         let number = Blocks::number(workers.len(), range.len());
         let blocks = Blocks { length: range.len().div_ceil(number), range };
         let workers = &mut workers[..number];
-        workers.par_iter_mut().enumerate().for_each(|(number, worker)| {
-            count(read(blocks.get(number)), digit, &mut worker.places);
-        });
+        together(workers, |number, worker| count(read(blocks.get(number)), digit, &mut worker.places));
         let company = to_places(workers, &blocks.range, digit);
         Self { workers, blocks, digit, company }
     }
@@ -136,8 +133,8 @@ impl<'a> Split<'a> {
         write: impl Fn(usize, u64) + Copy + Send + Sync,
     ) {
         let Self { workers, blocks, digit, .. } = self;
-        workers.par_iter_mut().enumerate().for_each(|(number, worker)| {
-            scatter(read(blocks.get(number)), digit, &mut worker.places, write);
+        together(workers, |number, worker| {
+            scatter(read(blocks.get(number)), digit, &mut worker.places, write)
         });
     }
 }
