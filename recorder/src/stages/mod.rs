@@ -16,7 +16,6 @@ pub mod setup;
 pub mod shade;
 pub mod shared;
 pub mod sort;
-pub mod together;
 pub mod trace;
 pub mod vector;
 pub mod wgsl;

@@ -22,6 +22,7 @@ pub use keys::{Keys, Words};
 mod keys;
 mod local;
 mod split;
+mod together;
 
 use local::Worker;
 use split::{Digit, Split};
@@ -113,7 +114,8 @@ impl Sorter {
     }
 }
 
-/// A word above its index, whose higher bits are cut off, so that code which asks for the word alone has no index.
+/// A word above the lower 32 bits of its index. All of them are there; cut off, they tell the compiler that the
+/// higher half is the word alone, so that a loop over words makes no pairs.
 fn pair(word: u32, index: usize) -> u64 {
     u64::from(word) << u32::BITS | u64::from(index as u32)
 }

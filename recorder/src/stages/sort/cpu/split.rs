@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::local::{self, Worker};
-use crate::stages::together::together;
+use super::together::together;
 
 /// Fewest pairs that are worth a thread of their own.
 pub(super) const SMALLEST_BLOCK: usize = 1 << 14;

@@ -5,7 +5,7 @@ use std::thread::yield_now;
 
 use rayon::prelude::*;
 
-/// How often a thread makes way for others before it waits no longer: some hundred microseconds.
+/// How often a thread makes way for others before it waits no longer: 0.1 to 0.2 ms.
 const PATIENCE: usize = 300;
 
 /// Calls `work` with the number of each item and the item, of which there is one for each thread of the current
@@ -15,7 +15,7 @@ const PATIENCE: usize = 300;
 /// threads do not end at once, the section itself ends late, and the next one begins late. Here they stay awake
 /// until the last has ended, unless that takes longer. They do not wait for a thread that has yet to wake: one of
 /// them takes its item.
-pub fn together<T: Send>(items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
+pub(super) fn together<T: Send>(items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
     let (count, begun, ended) = (items.len(), AtomicUsize::new(0), AtomicUsize::new(0));
     items.par_iter_mut().enumerate().with_max_len(1).for_each(|(number, item)| {
         begun.fetch_add(1, Relaxed);
