@@ -5,16 +5,21 @@
 //! paths carry, and stays so: shading leaves the next queues in the order of their parents, which are sorted
 //! again. Nothing is brought home, since a path owns its pixel and its random numbers. `auto` does what its
 //! calibration measured: paths stay where they are, rays are traced through indices, or gathered and their hits
-//! brought home. All orders give the same picture, which is checked after every frame. Lengths are learnt where a
+//! brought home. All orders give the same picture, which is checked after the rounds. Lengths are learnt where a
 //! method reads them.
+//!
+//! Within the rounds the processor does nothing but hand out work and decide: a graphics card that waits for it lowers
+//! its clock, step by step, until frames take three times as long.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail, ensure};
 use formats::bench_result::{BenchResult, RenderRow, Rows};
 use formats::key::Termination;
 use formats::key::method::UNSORTED;
-use formats::manifest::Way;
+use formats::manifest::{QueueId, Way};
 use formats::metrics::speedup::{Instrument, Speedup};
 use formats::ray::Kind;
 use scenes::Scene;
@@ -110,25 +115,24 @@ impl Measurement for Frames<'_> {
             false => None,
             true => Some(calibrated(backend, setup, run)?),
         };
-        let mut expected = None;
+        let mut made: Vec<Made<B>> = orders.iter().map(|_| Made::<B>::new()).collect();
         let frames = sampled(orders.len(), run.repeats, run.seed, |at| {
-            let mut frame = Frame::new(backend, setup, orders[at], auto.as_ref());
+            let mut frame = Frame::new(backend, setup, (orders[at], auto.as_ref()), &mut made[at]);
             frame.render(run)?;
-            let spent = frame.spent;
-            let found = picture(backend, run.passes)?;
-            let expected = expected.get_or_insert_with(|| found.clone());
-            if run.device.trace != Some(TraceKernel::RayQuery) {
-                check_same(expected, &found, orders[at].name(&setup.methods))?;
-            }
-            Ok(spent)
+            Ok(frame.spent)
         })?;
         let of = |at: usize, part: fn(&Spent) -> u64| frames[at].iter().map(part).collect::<Vec<_>>();
-        let mut tallies = Vec::with_capacity(orders.len());
-        for &order in &orders {
-            let mut frame = Frame::new(backend, setup, order, auto.as_ref());
+        let (mut tallies, mut expected) = (Vec::with_capacity(orders.len()), None);
+        for (&order, made) in orders.iter().zip(&mut made) {
+            let mut frame = Frame::new(backend, setup, (order, auto.as_ref()), made);
             frame.tally = Some(Tally::default());
             frame.render(run)?;
             tallies.push(frame.tally);
+            let found = picture(backend, run.passes)?;
+            let expected = expected.get_or_insert_with(|| found.clone());
+            if run.device.trace != Some(TraceKernel::RayQuery) {
+                check_same(expected, &found, order.name(&setup.methods))?;
+            }
         }
         let over_unsorted = |at: usize, part: fn(&Spent) -> u64| {
             (at > 0).then(|| Speedup::of(&of(0, part), &of(at, part))).flatten()
@@ -158,12 +162,12 @@ fn traced_after(setup: &Setup) -> impl Iterator<Item = usize> {
     (0..setup.named().len()).filter(|&number| setup.methods[number].termination != Termination::Real)
 }
 
-/// What `auto` chooses by: orders measured on the pass after those of a frame.
+/// What `auto` chooses by: orders measured on passes after those of a frame.
 fn calibrated<B: Backend>(backend: &mut B, setup: &Setup, run: &RecordOptions) -> Result<Auto> {
     let pass = run.passes;
-    let progress = Progress::new(run.bounces, vec![calibrate::TRACES]);
+    let progress = Progress::new(run.bounces, calibrate::TRACES.to_vec());
     let auto = calibrate::calibrate(backend, setup, &progress, |backend, calibrator| {
-        wavefront::run(backend, pass..pass + 1, run.bounces, calibrator)
+        wavefront::run(backend, pass..pass + calibrate::PASSES, run.bounces, calibrator)
     });
     progress.finish();
     auto
@@ -193,20 +197,29 @@ struct Ordered<B: Backend> {
     order: Option<(B::Permutation, Way)>,
 }
 
+/// Permutations of the queues of one order that the processor makes: in the round that does not count.
+type Made<B> = BTreeMap<QueueId, <B as Backend>::Permutation>;
+
 /// A frame in one order.
-struct Frame<'a, B> {
+struct Frame<'a, B: Backend> {
     backend: &'a mut B,
     setup: &'a Setup,
     order: FrameOrder,
     auto: Option<&'a Auto>,
+    made: &'a mut Made<B>,
     spent: Spent,
     /// What neighbours have in common, where that is counted.
     tally: Option<Tally>,
 }
 
 impl<'a, B: Backend> Frame<'a, B> {
-    fn new(backend: &'a mut B, setup: &'a Setup, order: FrameOrder, auto: Option<&'a Auto>) -> Self {
-        Self { backend, setup, order, auto, spent: Spent::default(), tally: None }
+    fn new(
+        backend: &'a mut B,
+        setup: &'a Setup,
+        (order, auto): (FrameOrder, Option<&'a Auto>),
+        made: &'a mut Made<B>,
+    ) -> Self {
+        Self { backend, setup, order, auto, made, spent: Spent::default(), tally: None }
     }
 
     /// The loop of a renderer.
@@ -247,18 +260,22 @@ impl<'a, B: Backend> Frame<'a, B> {
         if rays.is_empty() {
             return Ok(Ordered { rays, order: None });
         }
+        let sorted;
         let permutation = match order {
             Subject::Unsorted => return Ok(Ordered { rays, order: None }),
             Subject::Shuffled | Subject::Foreign(_) => {
                 bail!("a renderer sorts by methods, and knows no other order")
             }
             Subject::Control => {
-                self.backend.upload_permutation(&(0..rays.len() as u32).collect::<Vec<_>>())?
+                made(self.made, self.backend, rays.id(), |_| Ok((0..rays.len() as u32).collect()))?
             }
             Subject::Method(method) if !self.setup.methods[method].applies_to(rays.id().kind) => {
                 return Ok(Ordered { rays, order: None });
             }
-            Subject::Method(method) => self.permutation(&rays, method)?,
+            Subject::Method(method) => {
+                sorted = self.permutation(&rays, method)?;
+                &sorted
+            }
             Subject::Auto => {
                 let auto = self.auto.context("nothing chooses an order")?;
                 let (decision, taken) = auto.decide(self.backend, &rays)?;
@@ -270,7 +287,7 @@ impl<'a, B: Backend> Frame<'a, B> {
                 return Ok(Ordered { rays, order });
             }
         };
-        let rays = self.backend.reorder(&rays, &permutation)?;
+        let rays = self.backend.reorder(&rays, permutation)?;
         self.spent.reorder += self.backend.elapsed_ns();
         Ok(Ordered { rays, order: None })
     }
@@ -291,11 +308,13 @@ impl<'a, B: Backend> Frame<'a, B> {
         let sorted = self.backend.reorder(rays, &permutation)?;
         self.spent.reorder += self.backend.elapsed_ns();
         // Scattering by the inverse of a permutation is gathering by it.
-        let indices: Vec<u32> = collected(self.backend, Array::Permutation(&permutation))?;
-        let mut inverse = vec![0; indices.len()];
-        (0..).zip(&indices).for_each(|(place, &index)| inverse[index as usize] = place);
-        let inverse = self.backend.upload_permutation(&inverse)?;
-        let hits = self.backend.scatter(hits, &inverse)?;
+        let inverse = made(self.made, self.backend, rays.id(), |backend| {
+            let indices: Vec<u32> = collected(backend, Array::Permutation(&permutation))?;
+            let mut inverse = vec![0; indices.len()];
+            (0..).zip(&indices).for_each(|(place, &index)| inverse[index as usize] = place);
+            Ok(inverse)
+        })?;
+        let hits = self.backend.scatter(hits, inverse)?;
         self.spent.reorder += self.backend.elapsed_ns();
         Ok((sorted, hits))
     }
@@ -331,6 +350,22 @@ impl<'a, B: Backend> Frame<'a, B> {
         let FrameOrder::Rays(Subject::Method(method)) = self.order else { return false };
         let method = &self.setup.methods[method];
         method.termination == Termination::Adaptive && method.applies_to(kind)
+    }
+}
+
+/// A permutation of a queue, made when it is first asked for: its order is the same in every frame.
+fn made<'a, B: Backend>(
+    made: &'a mut Made<B>,
+    backend: &mut B,
+    id: QueueId,
+    indices: impl FnOnce(&mut B) -> Result<Vec<u32>>,
+) -> Result<&'a B::Permutation> {
+    match made.entry(id) {
+        Entry::Occupied(entry) => Ok(entry.into_mut()),
+        Entry::Vacant(entry) => {
+            let indices = indices(backend)?;
+            Ok(entry.insert(backend.upload_permutation(&indices)?))
+        }
     }
 }
 
@@ -387,7 +422,9 @@ mod tests {
             });
             let sure = sure.iter().map(|auto| (FrameOrder::Rays(Subject::Auto), auto));
             for (order, auto) in orders.map(|order| (order, &auto)).chain(sure) {
-                let mut frame = Frame::new(backend, setup, order, Some(auto));
+                let mut made = Made::<B>::new();
+                Frame::new(backend, setup, (order, Some(auto)), &mut made).render(run).unwrap();
+                let mut frame = Frame::new(backend, setup, (order, Some(auto)), &mut made);
                 frame.render(run).unwrap();
                 let (spent, learns) = (frame.spent, Kind::ALL.map(|kind| frame.learns(kind)));
                 let name = order.name(&setup.methods);

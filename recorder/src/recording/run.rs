@@ -208,15 +208,15 @@ impl Run<'_> {
         Ok((path, measured, decisions, differing))
     }
 
-    /// What `auto` chooses by: measured on the pass after the last one, whose rays are not recorded, or on the
-    /// recorded queues of the last one; then the run begins anew.
+    /// What `auto` chooses by: measured on passes after the last one, whose rays are not recorded, or on the recorded
+    /// queues of the last one; then the run begins anew.
     fn calibrated<B: Backend>(&self, backend: &mut B, progress: &Progress) -> Result<Auto> {
         if !self.calibration.is_empty() {
             return Ok(Auto::new(&self.setup, self.calibration.clone()));
         }
         let (pass, bounces) = (self.options.passes, self.options.bounces);
         calibrate::calibrate(backend, &self.setup, progress, |backend, calibrator| match &self.rays {
-            RaySource::Paths => wavefront::run(backend, pass..pass + 1, bounces, calibrator),
+            RaySource::Paths => wavefront::run(backend, pass..pass + calibrate::PASSES, bounces, calibrator),
             RaySource::Recorded(queues) => {
                 let measured: Vec<_> =
                     queues.iter().copied().filter(|queue| queue.id.pass + 1 == pass).collect();
@@ -229,16 +229,15 @@ impl Run<'_> {
         let repeats = u64::from(self.options.repeats);
         // Two rounds come before those that count; the control and the baseline are traced once in each.
         let traces = (2 + repeats) * 2 * (1 + self.setup.named().len() as u64);
-        let passes = match &self.rays {
-            RaySource::Paths => self.options.passes,
-            RaySource::Recorded(_) => 1,
+        let (passes, calibration) = match &self.rays {
+            RaySource::Paths => (self.options.passes, &calibrate::TRACES[..]),
+            RaySource::Recorded(_) => (1, &calibrate::TRACES[..1]),
         };
-        let calibration = (self.options.auto && self.calibration.is_empty()).then_some(calibrate::TRACES);
+        let is_calibrated = self.options.auto && self.calibration.is_empty();
+        let calibration = if is_calibrated { calibration } else { &[] };
         let unmeasured = (1..passes).map(|_| 0);
-        Progress::new(
-            self.options.bounces,
-            calibration.into_iter().chain(unmeasured).chain([traces]).collect(),
-        )
+        let passes = calibration.iter().copied().chain(unmeasured).chain([traces]).collect();
+        Progress::new(self.options.bounces, passes)
     }
 
     fn write_image<B: Backend>(&self, backend: &mut B, capture: &mut Capture) -> Result<ImageDigest> {
