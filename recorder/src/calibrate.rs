@@ -6,9 +6,9 @@ use formats::metrics::speedup::Speedup;
 
 use crate::auto::{Auto, CANDIDATES, room};
 use crate::backends::{Backend, Queue};
-use crate::measure::{Measured, Measurement, Queued, Subject};
+use crate::measure::{Measured, Measurement, QueueMeasurement, Queued, Subject};
 use crate::progress::Progress;
-use crate::stages::setup::{MethodPlan, Setup};
+use crate::stages::setup::Setup;
 use crate::wavefront::Observer;
 
 /// Fewest rays that candidates are tried on. No shorter queue gained what keys and a sort of it cost in two
@@ -18,8 +18,9 @@ const FEWEST_RAYS: usize = 1 << 13;
 const FINALISTS: usize = 3;
 /// Rounds of a pass that a candidate's worth is taken from: enough to tell a few percent from nothing.
 const ROUNDS: u32 = 9;
-/// Passes that are measured. A candidate is worth what it was on the worse of them: on a graphics card a trace ends
-/// with its slowest ray, and whether an order has that one earlier than canonical order is chance.
+/// Passes that are measured, whose rounds count together. On a graphics card a trace ends with its slowest ray, and
+/// whether an order has that one earlier than canonical order is chance: two passes that say different things give an
+/// interval that holds both.
 pub const PASSES: u32 = 2;
 /// How often a ray of each pass is traced, twice by each order: once in the warm-up and once more by all, in the
 /// second pass by those that are left, and then in each round.
@@ -35,7 +36,15 @@ pub struct Calibrator<'a> {
     /// What takes samples.
     auto: &'a Auto,
     progress: &'a Progress,
-    found: Vec<CalibrationRecord>,
+    found: Vec<Found>,
+}
+
+/// What was found of a queue of each pass.
+struct Found {
+    /// Without candidates until all passes were seen.
+    queue: CalibrationRecord,
+    /// Canonical order and the finalists; nothing of a short queue.
+    entries: QueueMeasurement,
 }
 
 impl<B: Backend> Observer<B> for Calibrator<'_> {
@@ -44,16 +53,15 @@ impl<B: Backend> Observer<B> for Calibrator<'_> {
         self.progress.traced(rays.id(), count);
         let queue = Queued { rays, hits, methods: &self.setup.methods, foreign: &[], auto: None };
         let is_long = count >= FEWEST_RAYS;
-        match self.found.iter().position(|found| (found.bounce, found.kind) == (bounce, kind)) {
+        match self.found.iter().position(|found| (found.queue.bounce, found.queue.kind) == (bounce, kind)) {
             None => {
-                let candidates = if is_long { self.candidates(backend, &queue)? } else { Vec::new() };
+                let entries = if is_long { self.finalists(backend, &queue)? } else { Vec::new() };
                 let area = self.auto.area(backend, rays, &mut room(count))?;
-                self.found.push(CalibrationRecord { bounce, kind, rays: count as u64, area, candidates });
+                let queue =
+                    CalibrationRecord { bounce, kind, rays: count as u64, area, candidates: Vec::new() };
+                self.found.push(Found { queue, entries });
             }
-            Some(at) if is_long => {
-                let candidates = self.on_the_worse(backend, &queue, &self.found[at].candidates)?;
-                self.found[at].candidates = candidates;
-            }
+            Some(at) if is_long => self.measure_again(backend, &queue, at)?,
             Some(_) => {}
         }
         self.progress.measured(rays.id(), count);
@@ -75,15 +83,17 @@ pub fn calibrate<B: Backend>(
     let mut auto = Auto::new(setup, Vec::new());
     let mut calibrator = Calibrator { setup, auto: &auto, progress, found: Vec::new() };
     run(backend, &mut calibrator)?;
-    auto.calibration = calibrator.found;
+    auto.calibration = calibrator.records();
     backend.restart()?;
     Ok(auto)
 }
 
 impl Calibrator<'_> {
-    /// What the best candidates were worth on a queue.
-    fn candidates<B: Backend>(&self, backend: &mut B, queue: &Queued<'_, B>) -> Result<Vec<Candidate>> {
-        let mut measured = self.measured(|_| true, 0);
+    /// The best candidates on a queue, and canonical order.
+    fn finalists<B: Backend>(&self, backend: &mut B, queue: &Queued<'_, B>) -> Result<QueueMeasurement> {
+        let candidates = (self.setup.named().len()..self.setup.methods.len()).map(Subject::Method);
+        let orders = [Subject::Unsorted].into_iter().chain(candidates).collect();
+        let mut measured = Measured { orders, repeats: 0, seed: self.setup.seed };
         let mut orders = queue.warm_up(backend, &measured, |_, _, _, _| Ok(()))?;
         let mut all = queue.measure(backend, &measured, &orders)?;
         all.retain(|entry| entry.subject != Subject::Unsorted);
@@ -93,37 +103,30 @@ impl Calibrator<'_> {
             subject == Subject::Unsorted || all.iter().any(|entry| entry.subject == subject)
         });
         measured.repeats = ROUNDS;
-        Ok(self.worths(&queue.measure(backend, &measured, &orders)?))
+        queue.measure(backend, &measured, &orders)
     }
 
-    /// What candidates were worth on the worse of the queue that they were found on and its like of another pass.
-    fn on_the_worse<B: Backend>(
-        &self,
-        backend: &mut B,
-        queue: &Queued<'_, B>,
-        candidates: &[Candidate],
-    ) -> Result<Vec<Candidate>> {
-        let is_one = |plan: &MethodPlan| {
-            let is_it = |choice: &Choice| choice.method == plan.name && choice.key_bits == plan.key_bits;
-            candidates.iter().any(|candidate| is_it(&candidate.choice))
-        };
-        let measured = self.measured(is_one, ROUNDS);
+    /// Adds rounds of the same orders on the queue of another pass.
+    fn measure_again<B: Backend>(&mut self, backend: &mut B, queue: &Queued<'_, B>, at: usize) -> Result<()> {
+        let entries = &mut self.found[at].entries;
+        let orders = entries.iter().map(|entry| entry.subject).collect();
+        let measured = Measured { orders, repeats: ROUNDS, seed: self.setup.seed };
         let orders = queue.warm_up(backend, &measured, |_, _, _, _| Ok(()))?;
-        let again = self.worths(&queue.measure(backend, &measured, &orders)?);
-        let worse = |candidate: &Candidate| {
-            let again = again.iter().find(|again| again.choice == candidate.choice)?;
-            let (net, net_low) = (candidate.net.min(again.net), candidate.net_low.min(again.net_low));
-            Some(Candidate { net, net_low, ..candidate.clone() })
-        };
-        Ok(candidates.iter().filter_map(worse).collect())
+        for (entry, again) in entries.iter_mut().zip(queue.measure(backend, &measured, &orders)?) {
+            for (stage, samples) in again.stages.iter() {
+                entry.stages.of_mut(stage).extend(samples);
+            }
+        }
+        Ok(())
     }
 
-    /// Canonical order, and those candidates.
-    fn measured(&self, is_one: impl Fn(&MethodPlan) -> bool, repeats: u32) -> Measured {
-        let first = self.setup.named().len();
-        let numbers = (first..self.setup.methods.len()).filter(|&number| is_one(&self.setup.methods[number]));
-        let orders = [Subject::Unsorted].into_iter().chain(numbers.map(Subject::Method)).collect();
-        Measured { orders, repeats, seed: self.setup.seed }
+    /// What is kept of all queues.
+    fn records(&self) -> Vec<CalibrationRecord> {
+        let record = |Found { queue, entries }: &Found| CalibrationRecord {
+            candidates: self.worths(entries),
+            ..queue.clone()
+        };
+        self.found.iter().map(record).collect()
     }
 
     /// What orders were worth by each way.
@@ -160,7 +163,7 @@ mod tests {
     use crate::stages::trace::cpu::CpuTracer;
 
     #[test]
-    fn candidates_are_worth_what_they_were_on_the_worse_of_two_passes() {
+    fn two_passes_that_disagree_give_an_interval_that_holds_both() {
         let scene = scenes::load("builtin:cornell").unwrap();
         let bvh = scenes::bvh::build(&scene, scenes::bvh::BvhKind::Bvh2).unwrap();
         let setup = Setup { width: 128, height: 128, ..Setup::made_up(false, 32) };
@@ -187,19 +190,21 @@ mod tests {
             calibrator.measure(&mut backend, &queue, &hits).unwrap();
         };
         show(&mut calibrator, 0);
-        let before = &mut calibrator.found[0].candidates;
-        assert_eq!(before.len(), 2 * FINALISTS, "each by both ways");
-        (before[0].net, before[0].net_low) = (100.0, 90.0);
-        (before[1].net, before[1].net_low) = (0.0, 0.0);
-        let before = before.clone();
+        // As if canonical order had been slow in the first pass.
+        let unsorted = &mut calibrator.found[0].entries[0];
+        assert_eq!(unsorted.subject, Subject::Unsorted);
+        unsorted.stages.of_mut(Stage::Trace).iter_mut().for_each(|ns| *ns *= 1000);
+        let first = calibrator.records();
         show(&mut calibrator, 1);
-        let [CalibrationRecord { candidates, .. }] = &calibrator.found[..] else {
-            panic!("one record for both passes: {:?}", calibrator.found)
-        };
-        let choices =
-            |candidates: &[Candidate]| candidates.iter().map(|of| of.choice.clone()).collect::<Vec<_>>();
-        assert_eq!(choices(candidates), choices(&before));
-        assert!(candidates[0].net < 100.0 && candidates[0].net_low < 90.0, "{:?}", candidates[0]);
-        assert_eq!((candidates[1].net, candidates[1].net_low), (0.0, 0.0));
+        let both = calibrator.records();
+        let [first, both] = [&first, &both].map(|records| match &records[..] {
+            [CalibrationRecord { candidates, .. }] => candidates,
+            _ => panic!("one record for both passes: {records:?}"),
+        });
+        assert_eq!(first.len(), 2 * FINALISTS, "each by both ways");
+        for (first, both) in first.iter().zip(both) {
+            assert_eq!(first.choice, both.choice);
+            assert!(both.net_low < first.net_low / 50.0, "{first:?}, {both:?}");
+        }
     }
 }
