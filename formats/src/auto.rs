@@ -50,6 +50,13 @@ const KNOWS_LESS_DRIFT_SINCE: u32 = 11;
 /// rays waits for all that was submitted before, and took a fifth of what the rays took.
 const KNOWS_THE_BOUNCE_SINCE: u32 = 12;
 
+/// The first version that leaves short queues alone without asking.
+const LEAVES_SHORT_ALONE_SINCE: u32 = 13;
+
+/// Fewest rays that get an order. No shorter queue gained what keys and a sort of it cost in two recordings, and of
+/// many orders that are measured on so few rays one looks good by chance.
+pub const FEWEST_RAYS: u64 = 1 << 13;
+
 /// Where the sample of a queue lies: whole groups, evenly over its canonical order.
 pub fn sample(rays: usize) -> impl Iterator<Item = Range<usize>> {
     let groups = (rays / GROUP_RAYS).min(GROUPS);
@@ -86,15 +93,32 @@ pub struct Calibrated<'a> {
 }
 
 impl<'a> Calibrated<'a> {
-    /// Whether a sample has anything to say: not of a queue of a calibrated bounce with about as many rays, nor where
-    /// no order of any queue of this kind was surely worth its cost.
+    /// Whether a sample has anything to say: not of a short queue, nor of one of a calibrated bounce with about as many
+    /// rays, nor where no order of any queue of this kind was surely worth its cost.
+    #[inline]
     pub fn is_worth_a_look(&self, bounce: u32, kind: Kind, rays: u64) -> bool {
+        !self.is_short(rays) && self.is_unknown(bounce, kind, rays)
+    }
+
+    /// The order of a queue whose sample has this area; `None` to leave it alone.
+    #[inline]
+    pub fn decide(&self, bounce: u32, kind: Kind, rays: u64, area: f64) -> Option<&'a Candidate> {
+        if self.is_short(rays) { None } else { self.best(bounce, kind, rays, area) }
+    }
+
+    /// Such a queue is traced in less time than memory takes to bring what the calibration says of it.
+    #[inline]
+    fn is_short(&self, rays: u64) -> bool {
+        self.version >= LEAVES_SHORT_ALONE_SINCE && rays < FEWEST_RAYS
+    }
+
+    /// Whether the area has its say.
+    fn is_unknown(&self, bounce: u32, kind: Kind, rays: u64) -> bool {
         let mut candidates = self.of(kind).flat_map(|queue| &queue.candidates);
         self.known(bounce, kind, rays).is_none() && candidates.any(|candidate| self.is_sure(kind, candidate))
     }
 
-    /// The order of a queue whose sample has this area; `None` to leave it alone.
-    pub fn decide(&self, bounce: u32, kind: Kind, rays: u64, area: f64) -> Option<&'a Candidate> {
+    fn best(&self, bounce: u32, kind: Kind, rays: u64, area: f64) -> Option<&'a Candidate> {
         let most_alike = match self.known(bounce, kind, rays) {
             Some(known) => known,
             None => self.most_alike(bounce, kind, rays, area)?,
@@ -199,7 +223,7 @@ mod tests {
         let calibration = [
             calibrated(Kind::Closest, 500_000, 0.01, &[("aila", 0.97), ("costa", 1.01)]),
             calibrated(Kind::Closest, 300_000, 1.0, &[("aila", 1.10), ("costa", 1.25)]),
-            calibrated(Kind::Closest, 1_000, 1.0, &[("aila", 1.08), ("costa", 0.9)]),
+            calibrated(Kind::Closest, 20_000, 1.0, &[("aila", 1.08), ("costa", 0.9)]),
             calibrated(Kind::Shadow, 500_000, 0.01, &[("octahedron", 1.4)]),
         ];
         let by = |queues| Calibrated { queues, version: FORMAT_VERSION };
@@ -209,8 +233,8 @@ mod tests {
         };
         assert_eq!(chosen(Kind::Closest, 500_000, 0.02), None, "none is surely worth its cost");
         assert_eq!(chosen(Kind::Closest, 400_000, 0.5), Some("costa"));
-        assert_eq!(chosen(Kind::Closest, 2_000, 0.5), Some("aila"));
-        assert_eq!(chosen(Kind::Shadow, 1, 0.0), Some("octahedron"));
+        assert_eq!(chosen(Kind::Closest, 40_000, 0.5), Some("aila"));
+        assert_eq!(chosen(Kind::Shadow, FEWEST_RAYS, 0.0), Some("octahedron"));
         assert_eq!(by(&[]).decide(1, Kind::Shadow, 500_000, 1.0), None);
         let is_worth_a_look = |queues, bounce, kind, rays| by(queues).is_worth_a_look(bounce, kind, rays);
         assert!(is_worth_a_look(&calibration[..2], 7, Kind::Closest, 500_000));
@@ -242,6 +266,18 @@ mod tests {
         }
     }
 
+    #[test]
+    fn short_queues_are_left_alone_since_version_13() {
+        let calibration = [calibrated(Kind::Closest, FEWEST_RAYS, 1.0, &[("aila", 1.2)])];
+        for (version, rays, is_left) in
+            [(13, FEWEST_RAYS - 1, true), (13, FEWEST_RAYS, false), (12, 100, false)]
+        {
+            let by = Calibrated { queues: &calibration, version };
+            assert_eq!(by.decide(1, Kind::Closest, rays, 1.0).is_none(), is_left, "{version}, {rays} rays");
+            assert_eq!(by.is_worth_a_look(7, Kind::Closest, rays), !is_left, "{version}, {rays} rays");
+        }
+    }
+
     /// Samples of two bounces of a room are often as alike as two samples of one bounce.
     #[test]
     fn what_samples_cannot_tell_the_bounce_decides_since_version_9() {
@@ -261,21 +297,22 @@ mod tests {
 
     #[test]
     fn a_gain_that_drift_may_take_back_is_left_since_version_9() {
-        let calibration = [calibrated(Kind::Shadow, 1, 1.0, &[("aila", 1.06)])];
-        let chosen =
-            |version| Calibrated { queues: &calibration, version }.decide(1, Kind::Shadow, 1, 1.0).is_some();
+        let calibration = [calibrated(Kind::Shadow, 10_000, 1.0, &[("aila", 1.06)])];
+        let chosen = |version| {
+            Calibrated { queues: &calibration, version }.decide(1, Kind::Shadow, 10_000, 1.0).is_some()
+        };
         assert!(chosen(8) && !chosen(9), "its interval begins at 1.02");
     }
 
     #[test]
     fn of_orders_that_are_level_the_one_with_the_shortest_keys_is_taken_since_version_10() {
         let nets = [("aila", 1.30), ("octahedron", 1.28), ("costa", 1.275), ("origin", 1.26)];
-        let mut calibration = [calibrated(Kind::Shadow, 1, 1.0, &nets)];
+        let mut calibration = [calibrated(Kind::Shadow, 10_000, 1.0, &nets)];
         for (candidate, key_bits) in calibration[0].candidates.iter_mut().zip([24, 12, 12, 10]) {
             candidate.choice.key_bits = key_bits;
         }
         let chosen = |version| {
-            let candidate = Calibrated { queues: &calibration, version }.decide(1, Kind::Shadow, 1, 1.0);
+            let candidate = Calibrated { queues: &calibration, version }.decide(1, Kind::Shadow, 10_000, 1.0);
             candidate.map(|candidate| candidate.choice.method.clone()).unwrap()
         };
         assert_eq!(chosen(9), "aila");
@@ -289,12 +326,12 @@ mod tests {
     #[test]
     fn less_drifts_of_closest_rays_and_between_two_orders_since_version_11() {
         let mut calibration = [Kind::Closest, Kind::Shadow].map(|kind| {
-            let mut queue = calibrated(kind, 1, 1.0, &[("aila", 1.065), ("origin", 1.062)]);
+            let mut queue = calibrated(kind, 10_000, 1.0, &[("aila", 1.065), ("origin", 1.062)]);
             queue.candidates[1].choice.key_bits = 12;
             queue
         });
         let chosen = |calibration: &[CalibrationRecord], version, kind| {
-            let candidate = Calibrated { queues: calibration, version }.decide(1, kind, 1, 1.0);
+            let candidate = Calibrated { queues: calibration, version }.decide(1, kind, 10_000, 1.0);
             candidate.map(|candidate| candidate.choice.key_bits)
         };
         assert_eq!(chosen(&calibration, 11, Kind::Closest), Some(12), "level, and both begin above 1.015");

@@ -253,7 +253,7 @@ fn lying_records_are_refused() {
     rewrite(&put(name - 8, b"\xff\xff\x00\x00\x00\x00\x00\x00"), "go on after its end");
     rewrite(&put(shape, b"\xff\xff\xff\xff\xff\xff\xff\xff"), "more than there can be");
     rewrite(&put(shape, b"\x0c"), "said to have");
-    rewrite(&put(0, b"\x63"), "kind 99, which format version 12 does not have");
+    rewrite(&put(0, b"\x63"), "kind 99, which format version 13 does not have");
     rewrite(&|bytes| bytes.push(0), "its fields take");
     rewrite(&|bytes| bytes.clear(), "damaged");
     rewrite(&|bytes| *bytes = original[24..array.offset as usize].to_vec(), "damaged");

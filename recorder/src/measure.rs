@@ -232,28 +232,32 @@ impl<B: Backend> Queued<'_, B> {
         round: u32,
     ) -> Result<()> {
         let Self { rays, hits, methods, .. } = *self;
-        backend.forget(rays)?;
-        if *subject == Subject::Unsorted {
-            backend.trace(rays, Order::Stored)?;
-            entry.keep(backend, Stage::Trace, round);
-            return Ok(());
-        }
-        // What both ways need is sampled once.
-        let (mut method, counts_both) = (None, way == Way::Gathered);
-        match subject {
-            Subject::Method(number) => method = Some(*number),
+        // Before the device forgets: the clock of a decision reads the system's counters, which leaves traces in the
+        // caches that a short queue feels.
+        let decided = match subject {
             Subject::Auto => {
                 let (decision, taken) = self.auto.context(NOTHING_CHOOSES)?.decide(backend, rays)?;
                 entry.add(taken, Stage::Decide, round);
-                let Some((number, chosen)) = decision.order else {
-                    backend.trace(rays, Order::Stored)?;
-                    entry.keep(backend, Stage::Trace, round);
-                    return Ok(());
-                };
-                (method, way) = (Some(number), chosen);
+                decision.order
             }
-            Subject::Unsorted | Subject::Control | Subject::Shuffled | Subject::Foreign(_) => {}
-        }
+            _ => None,
+        };
+        backend.forget(rays)?;
+        // What both ways need is sampled once.
+        let counts_both = way == Way::Gathered;
+        let method = match (subject, decided) {
+            (Subject::Unsorted, _) | (Subject::Auto, None) => {
+                backend.trace(rays, Order::Stored)?;
+                entry.keep(backend, Stage::Trace, round);
+                return Ok(());
+            }
+            (_, Some((number, chosen))) => {
+                way = chosen;
+                Some(number)
+            }
+            (Subject::Method(number), None) => Some(*number),
+            (Subject::Control | Subject::Shuffled | Subject::Foreign(_), None) => None,
+        };
         let sorted;
         let permutation = match (method, permutation) {
             (Some(number), _) => {

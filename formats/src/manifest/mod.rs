@@ -31,7 +31,7 @@ pub const FILE_NAME: &str = "manifest.bin";
 pub const MAGIC: [u8; 8] = *b"RAYDUMP\0";
 /// Version of the format, of which FORMAT.md speaks. A new kind of record or array is a new version, and so is
 /// another rule for what one says.
-pub const FORMAT_VERSION: u32 = 12;
+pub const FORMAT_VERSION: u32 = 13;
 /// The oldest version that is read: it lacks some kinds of records, and what means something else in a version
 /// is read by that version's rule (FORMAT.md, "Versions").
 pub const OLDEST_VERSION: u32 = 2;
