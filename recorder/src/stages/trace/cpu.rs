@@ -16,7 +16,7 @@ use super::cpu_cwbvh::CompressedTree;
 use super::cpu_lanes::LaneTree;
 use super::cpu_packet::PacketTree;
 use super::cpu_part::{CHUNK, Part, for_each_part, part_of};
-use super::cpu_query::{Account, Searcher, Steps, Trail, Tree};
+use super::cpu_query::{Account, Compiled, Searcher, Steps, Trail, Tree, Variant};
 use super::cpu_wide::WideTree;
 use super::hits::{Hits, store};
 use super::mask::Masks;
@@ -234,20 +234,24 @@ impl CpuTracer {
         let masks = &self.masks;
         match (self.instructions, masks.is_empty()) {
             (Instructions::Portable, true) => {
-                tree.search::<A, R, T, PADDED, ANY, false, false>(masks, part, account, keep);
+                tree.search::<Compiled<A, R, PADDED, ANY, false, false>, T>(masks, part, account, keep);
             }
             (Instructions::Portable, false) => {
-                tree.search::<A, R, T, PADDED, ANY, true, false>(masks, part, account, keep);
+                tree.search::<Compiled<A, R, PADDED, ANY, true, false>, T>(masks, part, account, keep);
             }
             #[cfg(target_arch = "x86_64")]
             // SAFETY: this variant is made where the processor has these instructions.
             (Instructions::Avx2, true) => unsafe {
-                search_avx2::<H, A, R, T, PADDED, ANY, false>(tree, masks, part, account, keep);
+                search_avx2::<H, Compiled<A, R, PADDED, ANY, false, true>, T>(
+                    tree, masks, part, account, keep,
+                );
             },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
             (Instructions::Avx2, false) => unsafe {
-                search_avx2::<H, A, R, T, PADDED, ANY, true>(tree, masks, part, account, keep);
+                search_avx2::<H, Compiled<A, R, PADDED, ANY, true, true>, T>(
+                    tree, masks, part, account, keep,
+                );
             },
         }
     }
@@ -255,20 +259,12 @@ impl CpuTracer {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn search_avx2<
-    H: Searcher,
-    A: Account,
-    R: TriangleRay,
-    T,
-    const PADDED: bool,
-    const ANY: bool,
-    const MASKS: bool,
->(
+fn search_avx2<H: Searcher, S: Variant, T>(
     tree: &H,
     masks: &Masks,
     part: Part<'_, T>,
-    account: &A,
-    keep: impl FnMut(&T, Hit, A),
+    account: &S::Account,
+    keep: impl FnMut(&T, Hit, S::Account),
 ) {
-    tree.search::<A, R, T, PADDED, ANY, MASKS, true>(masks, part, account, keep);
+    tree.search::<S, T>(masks, part, account, keep);
 }

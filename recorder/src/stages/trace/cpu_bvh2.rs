@@ -3,8 +3,8 @@
 use formats::pages::on_huge_pages;
 use scenes::bvh::{BVH2_STACK, Bvh2Node};
 
-use super::cpu_query::{Account, Query, Tree};
-use super::triangle::{LeafTriangle, TriangleRay};
+use super::cpu_query::{Query, Tree, Variant};
+use super::triangle::LeafTriangle;
 
 /// Bits of a reference that hold the first leaf slot or node pair; those above hold the number of
 /// triangles, 0 for an inner node.
@@ -101,18 +101,7 @@ impl BinaryTree {
     }
 
     #[inline(always)]
-    fn walk<
-        T: PairTest,
-        A: Account,
-        R: TriangleRay,
-        const PADDED: bool,
-        const ANY: bool,
-        const MASKS: bool,
-    >(
-        &self,
-        query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
-        stack: &mut <Self as Tree>::Stack,
-    ) {
+    fn walk<T: PairTest, S: Variant>(&self, query: &mut Query<'_, S>, stack: &mut <Self as Tree>::Stack) {
         let test = T::new(query.origin, query.inverse, query.t_min);
         let mut waiting = 0;
         let mut current = self.root;
@@ -169,23 +158,12 @@ impl Tree for BinaryTree {
     }
 
     #[inline(always)]
-    fn traverse<
-        A: Account,
-        R: TriangleRay,
-        const PADDED: bool,
-        const ANY: bool,
-        const MASKS: bool,
-        const AVX2: bool,
-    >(
-        &self,
-        query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
-        stack: &mut Self::Stack,
-    ) {
+    fn traverse<S: Variant>(&self, query: &mut Query<'_, S>, stack: &mut Self::Stack) {
         #[cfg(target_arch = "x86_64")]
-        if AVX2 {
-            return self.walk::<Avx2, A, R, PADDED, ANY, MASKS>(query, stack);
+        if S::AVX2 {
+            return self.walk::<Avx2, S>(query, stack);
         }
-        self.walk::<Portable, A, R, PADDED, ANY, MASKS>(query, stack);
+        self.walk::<Portable, S>(query, stack);
     }
 }
 

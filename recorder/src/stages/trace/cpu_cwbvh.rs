@@ -4,8 +4,8 @@
 use formats::pages::on_huge_pages;
 use scenes::bvh::{CWBVH_STACK, CwbvhNode};
 
-use super::cpu_query::{Account, Query, Tree};
-use super::triangle::{LeafTriangle, TriangleRay};
+use super::cpu_query::{Query, Tree, Variant};
+use super::triangle::LeafTriangle;
 
 /// The nodes, and the triangles by leaf slots.
 #[derive(Clone, Debug)]
@@ -36,16 +36,9 @@ impl CompressedTree {
     }
 
     #[inline(always)]
-    fn walk<
-        T: CompressedTest,
-        A: Account,
-        R: TriangleRay,
-        const PADDED: bool,
-        const ANY: bool,
-        const MASKS: bool,
-    >(
+    fn walk<T: CompressedTest, S: Variant>(
         &self,
-        query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
+        query: &mut Query<'_, S>,
         stack: &mut <Self as Tree>::Stack,
     ) {
         let test = T::new(query.origin, query.inverse, query.t_min);
@@ -102,23 +95,12 @@ impl Tree for CompressedTree {
     }
 
     #[inline(always)]
-    fn traverse<
-        A: Account,
-        R: TriangleRay,
-        const PADDED: bool,
-        const ANY: bool,
-        const MASKS: bool,
-        const AVX2: bool,
-    >(
-        &self,
-        query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
-        stack: &mut Self::Stack,
-    ) {
+    fn traverse<S: Variant>(&self, query: &mut Query<'_, S>, stack: &mut Self::Stack) {
         #[cfg(target_arch = "x86_64")]
-        if AVX2 {
-            return self.walk::<Avx2, A, R, PADDED, ANY, MASKS>(query, stack);
+        if S::AVX2 {
+            return self.walk::<Avx2, S>(query, stack);
         }
-        self.walk::<Portable, A, R, PADDED, ANY, MASKS>(query, stack);
+        self.walk::<Portable, S>(query, stack);
     }
 }
 

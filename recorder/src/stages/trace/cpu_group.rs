@@ -3,33 +3,22 @@
 use formats::ray::Hit;
 
 use super::cpu_part::Part;
-use super::cpu_query::{Account, Query};
+use super::cpu_query::{Query, Variant};
 use super::cpu_vector::Vector;
 use super::mask::Masks;
-use super::triangle::TriangleRay;
 
 /// Up to `W` neighbours of an order, and the places of their results. Where there are fewer, the last one stands
 /// in for the others, which never work.
-pub(super) struct Group<'a, Q, T, const W: usize> {
-    pub queries: [Q; W],
+pub(super) struct Group<'a, S: Variant, T, const W: usize> {
+    pub queries: [Query<'a, S>; W],
     places: [&'a T; W],
     count: usize,
 }
 
-impl<
-    'a,
-    T,
-    A: Account,
-    R: TriangleRay,
-    const PADDED: bool,
-    const ANY: bool,
-    const MASKS: bool,
-    const W: usize,
-> Group<'a, Query<'a, A, R, PADDED, ANY, MASKS>, T, W>
-{
+impl<'a, S: Variant, T, const W: usize> Group<'a, S, T, W> {
     /// From a place of a part on, which is in it.
     #[inline(always)]
-    pub(super) fn new(part: &Part<'a, T>, first: usize, account: &A, masks: &'a Masks) -> Self {
+    pub(super) fn new(part: &Part<'a, T>, first: usize, account: &S::Account, masks: &'a Masks) -> Self {
         let count = W.min(part.len() - first);
         let found: [_; W] = std::array::from_fn(|lane| part.get(first + lane.min(count - 1)));
         Self {
@@ -47,7 +36,7 @@ impl<
 
     /// Hands over what the rays found.
     #[inline(always)]
-    pub(super) fn keep(self, mut keep: impl FnMut(&T, Hit, A)) {
+    pub(super) fn keep(self, mut keep: impl FnMut(&T, Hit, S::Account)) {
         for (query, place) in self.queries.into_iter().zip(self.places).take(self.count) {
             let (hit, account) = query.result();
             keep(place, hit, account);
@@ -65,9 +54,7 @@ pub(super) struct BoxLanes<V> {
 impl<V: Vector> BoxLanes<V> {
     /// Of eight rays.
     #[inline(always)]
-    pub(super) fn new<A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const MASKS: bool>(
-        rays: [&Query<'_, A, R, PADDED, ANY, MASKS>; 8],
-    ) -> Self {
+    pub(super) fn new<S: Variant>(rays: [&Query<'_, S>; 8]) -> Self {
         let [ox, oy, oz] = [0, 1, 2].map(|axis| rays.map(|ray| ray.origin[axis]));
         let [ix, iy, iz] = [0, 1, 2].map(|axis| rays.map(|ray| ray.inverse[axis]));
         Self {

@@ -14,7 +14,7 @@ use scenes::bvh::BVH2_STACK;
 use super::cpu_bvh2::BinaryTree;
 use super::cpu_group::{BoxLanes, Group, lanes_of};
 use super::cpu_part::Part;
-use super::cpu_query::{Account, Query, Searcher};
+use super::cpu_query::{Query, Searcher, Variant};
 #[cfg(target_arch = "x86_64")]
 use super::cpu_vector::Avx2;
 use super::cpu_vector::{Portable, Vector};
@@ -35,56 +35,36 @@ type Stacks = [[(u32, f32); BVH2_STACK]; 8];
 
 impl Searcher for LaneTree {
     #[inline(always)]
-    fn search<
-        A: Account,
-        R: TriangleRay,
-        T,
-        const PADDED: bool,
-        const ANY: bool,
-        const MASKS: bool,
-        const AVX2: bool,
-    >(
+    fn search<S: Variant, T>(
         &self,
         masks: &Masks,
         part: Part<'_, T>,
-        account: &A,
-        mut keep: impl FnMut(&T, Hit, A),
+        account: &S::Account,
+        mut keep: impl FnMut(&T, Hit, S::Account),
     ) {
         let mut stacks = [[(0, 0.0); BVH2_STACK]; 8];
         for first in (0..part.len()).step_by(Self::WIDTH) {
-            let mut group =
-                Group::<Query<'_, A, R, PADDED, ANY, MASKS>, T, 8>::new(&part, first, account, masks);
+            let mut group = Group::<S, T, 8>::new(&part, first, account, masks);
             let working = group.working();
             #[cfg(target_arch = "x86_64")]
-            if AVX2 {
-                Lockstep::<Avx2, _, _, PADDED, ANY, MASKS>::new(&self.0, &mut group.queries, &mut stacks)
-                    .walk(working);
+            if S::AVX2 {
+                Lockstep::<Avx2, S>::new(&self.0, &mut group.queries, &mut stacks).walk(working);
                 group.keep(&mut keep);
                 continue;
             }
-            Lockstep::<Portable, _, _, PADDED, ANY, MASKS>::new(&self.0, &mut group.queries, &mut stacks)
-                .walk(working);
+            Lockstep::<Portable, S>::new(&self.0, &mut group.queries, &mut stacks).walk(working);
             group.keep(&mut keep);
         }
     }
 }
 
 /// Eight rays on their way.
-struct Lockstep<
-    'a,
-    'm,
-    V: Vector,
-    A: Account,
-    R: TriangleRay,
-    const PADDED: bool,
-    const ANY: bool,
-    const MASKS: bool,
-> {
+struct Lockstep<'a, 'm, V: Vector, S: Variant> {
     tree: &'a BinaryTree,
-    queries: &'a mut [Query<'m, A, R, PADDED, ANY, MASKS>; 8],
+    queries: &'a mut [Query<'m, S>; 8],
     stacks: &'a mut Stacks,
     boxes: BoxLanes<V>,
-    triangles: R::Lanes<V>,
+    triangles: <S::Ray as TriangleRay>::Lanes<V>,
     /// Per lane how many wait, where it is (of a leaf what is left), and beyond what it need not look.
     waiting: [usize; 8],
     current: [u32; 8],
@@ -94,18 +74,12 @@ struct Lockstep<
     leaves: u32,
 }
 
-impl<'a, 'm, V: Vector, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const MASKS: bool>
-    Lockstep<'a, 'm, V, A, R, PADDED, ANY, MASKS>
-{
+impl<'a, 'm, V: Vector, S: Variant> Lockstep<'a, 'm, V, S> {
     #[inline(always)]
-    fn new(
-        tree: &'a BinaryTree,
-        queries: &'a mut [Query<'m, A, R, PADDED, ANY, MASKS>; 8],
-        stacks: &'a mut Stacks,
-    ) -> Self {
+    fn new(tree: &'a BinaryTree, queries: &'a mut [Query<'m, S>; 8], stacks: &'a mut Stacks) -> Self {
         Self {
             boxes: BoxLanes::new(queries.each_ref()),
-            triangles: R::Lanes::<V>::new(queries.each_ref().map(Query::triangle_ray)),
+            triangles: TriangleLanes::new(queries.each_ref().map(Query::triangle_ray)),
             waiting: [0; 8],
             current: [tree.root(); 8],
             limit: queries.each_ref().map(Query::limit),

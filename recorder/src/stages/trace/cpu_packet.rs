@@ -16,7 +16,7 @@ use scenes::bvh::BVH2_STACK;
 use super::cpu_bvh2::{BinaryTree, Pair};
 use super::cpu_group::{BoxLanes, Group, lanes_of};
 use super::cpu_part::Part;
-use super::cpu_query::{Account, Query, Searcher};
+use super::cpu_query::{Query, Searcher, Variant};
 #[cfg(target_arch = "x86_64")]
 use super::cpu_vector::Avx2;
 use super::cpu_vector::{Portable, Vector};
@@ -34,50 +34,34 @@ impl PacketTree {
 
 impl Searcher for PacketTree {
     #[inline(always)]
-    fn search<
-        A: Account,
-        R: TriangleRay,
-        T,
-        const PADDED: bool,
-        const ANY: bool,
-        const MASKS: bool,
-        const AVX2: bool,
-    >(
+    fn search<S: Variant, T>(
         &self,
         masks: &Masks,
         part: Part<'_, T>,
-        account: &A,
-        mut keep: impl FnMut(&T, Hit, A),
+        account: &S::Account,
+        mut keep: impl FnMut(&T, Hit, S::Account),
     ) {
         #[cfg(target_arch = "x86_64")]
-        if AVX2 {
-            return search::<Avx2, A, R, T, PADDED, ANY, MASKS>(&self.0, masks, &part, account, &mut keep);
+        if S::AVX2 {
+            return search::<Avx2, S, T>(&self.0, masks, &part, account, &mut keep);
         }
-        search::<Portable, A, R, T, PADDED, ANY, MASKS>(&self.0, masks, &part, account, &mut keep);
+        search::<Portable, S, T>(&self.0, masks, &part, account, &mut keep);
     }
 }
 
 #[inline(always)]
-fn search<
-    V: Vector,
-    A: Account,
-    R: TriangleRay,
-    T,
-    const PADDED: bool,
-    const ANY: bool,
-    const MASKS: bool,
->(
+fn search<V: Vector, S: Variant, T>(
     tree: &BinaryTree,
     masks: &Masks,
     part: &Part<'_, T>,
-    account: &A,
-    keep: &mut impl FnMut(&T, Hit, A),
+    account: &S::Account,
+    keep: &mut impl FnMut(&T, Hit, S::Account),
 ) {
     let mut stack = [Waiting { reference: 0, rays: 0, near: [V::splat(0.0); 2] }; BVH2_STACK];
     for first in (0..part.len()).step_by(PacketTree::WIDTH) {
-        let mut group = Group::<Query<'_, A, R, PADDED, ANY, MASKS>, T, 16>::new(part, first, account, masks);
+        let mut group = Group::<S, T, 16>::new(part, first, account, masks);
         let working = group.working();
-        Packet::<V, _, _, PADDED, ANY, MASKS>::new(&mut group.queries, working).walk(tree, &mut stack);
+        Packet::<V, S>::new(&mut group.queries, working).walk(tree, &mut stack);
         group.keep(&mut *keep);
     }
 }
@@ -91,36 +75,25 @@ struct Waiting<V> {
 }
 
 /// Sixteen rays on their way.
-struct Packet<
-    'a,
-    'm,
-    V: Vector,
-    A: Account,
-    R: TriangleRay,
-    const PADDED: bool,
-    const ANY: bool,
-    const MASKS: bool,
-> {
-    queries: &'a mut [Query<'m, A, R, PADDED, ANY, MASKS>; 16],
+struct Packet<'a, 'm, V: Vector, S: Variant> {
+    queries: &'a mut [Query<'m, S>; 16],
     boxes: [BoxLanes<V>; 2],
-    triangles: [R::Lanes<V>; 2],
+    triangles: [<S::Ray as TriangleRay>::Lanes<V>; 2],
     /// Beyond what each ray need not look.
     limit: [[f32; 8]; 2],
     /// The rays that are not done.
     working: u32,
 }
 
-impl<'a, 'm, V: Vector, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const MASKS: bool>
-    Packet<'a, 'm, V, A, R, PADDED, ANY, MASKS>
-{
+impl<'a, 'm, V: Vector, S: Variant> Packet<'a, 'm, V, S> {
     #[inline(always)]
-    fn new(queries: &'a mut [Query<'m, A, R, PADDED, ANY, MASKS>; 16], working: u32) -> Self {
+    fn new(queries: &'a mut [Query<'m, S>; 16], working: u32) -> Self {
         let halves = [0, 8].map(|first| std::array::from_fn::<_, 8, _>(|lane| &queries[first + lane]));
         Self {
             boxes: [BoxLanes::new(halves[0]), BoxLanes::new(halves[1])],
             triangles: [
-                R::Lanes::<V>::new(halves[0].map(Query::triangle_ray)),
-                R::Lanes::<V>::new(halves[1].map(Query::triangle_ray)),
+                TriangleLanes::new(halves[0].map(Query::triangle_ray)),
+                TriangleLanes::new(halves[1].map(Query::triangle_ray)),
             ],
             limit: halves.map(|half| half.map(Query::limit)),
             queries,
@@ -137,7 +110,7 @@ impl<'a, 'm, V: Vector, A: Account, R: TriangleRay, const PADDED: bool, const AN
                 let pair = tree.pair(first);
                 let near = self.visit(pair, first, rays);
                 if near[0].1 | near[1].1 != 0 {
-                    let next = goes_second::<V, ANY>(pair, &near);
+                    let next = goes_second::<V, S>(pair, &near);
                     let (next, other) = (usize::from(next), usize::from(!next));
                     if near[other].1 != 0 {
                         // The depth was checked when the tree was built; the mask only saves a check.
@@ -232,13 +205,13 @@ impl<'a, 'm, V: Vector, A: Account, R: TriangleRay, const PADDED: bool, const AN
 
 /// Whether a packet goes to the second child first, one of which at least is entered.
 #[inline(always)]
-fn goes_second<V: Vector, const ANY: bool>(pair: &Pair, near: &[([V; 2], u32); 2]) -> bool {
+fn goes_second<V: Vector, S: Variant>(pair: &Pair, near: &[([V; 2], u32); 2]) -> bool {
     let [(near_first, enter_first), (near_second, enter_second)] = near;
     let both = enter_first & enter_second;
     if *enter_first == 0 || *enter_second == 0 {
         return *enter_first == 0;
     }
-    if ANY {
+    if S::ANY {
         return pair.is_second_smaller();
     }
     let is_first_nearer = near_first[0].le(near_second[0]) | near_first[1].le(near_second[1]) << 8;

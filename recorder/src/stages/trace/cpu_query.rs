@@ -1,5 +1,7 @@
 //! A ray on its way through a hierarchy on a thread: what all traversals ask of it.
 
+use std::marker::PhantomData;
+
 use formats::intersect::{Intersection, farthest, reciprocal};
 use formats::ray::{Hit, Ray, Work};
 
@@ -92,40 +94,61 @@ impl Account for Trail {
     }
 }
 
+/// What a search is compiled for, so that it looks at nothing that it need not.
+pub(super) trait Variant {
+    /// What is kept of a ray's way.
+    type Account: Account;
+    /// The triangle test.
+    type Ray: TriangleRay;
+    /// Whether boxes are padded: see [`BoxTest`].
+    const PADDED: bool;
+    /// Whether the search ends at the first hit.
+    const ANY: bool;
+    /// Whether triangles may have holes.
+    const MASKS: bool;
+    /// Whether the caller has these instructions; the results are the same.
+    const AVX2: bool;
+}
+
+/// Each [`Variant`], by what it says.
+pub(super) struct Compiled<A, R, const PADDED: bool, const ANY: bool, const MASKS: bool, const AVX2: bool>(
+    PhantomData<(A, R)>,
+);
+
+impl<A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const MASKS: bool, const AVX2: bool>
+    Variant for Compiled<A, R, PADDED, ANY, MASKS, AVX2>
+{
+    type Account = A;
+    type Ray = R;
+    const PADDED: bool = PADDED;
+    const ANY: bool = ANY;
+    const MASKS: bool = MASKS;
+    const AVX2: bool = AVX2;
+}
+
 /// A ray on its way through a hierarchy, and what it has found.
-///
-/// `R`: triangle test. `PADDED`: see [`BoxTest`]. `ANY`: ends at the first hit. `MASKS`: looks for holes.
-pub(super) struct Query<
-    'a,
-    A: Account,
-    R: TriangleRay,
-    const PADDED: bool,
-    const ANY: bool,
-    const MASKS: bool,
-> {
+pub(super) struct Query<'a, S: Variant> {
     /// Where the ray starts.
     pub origin: [f32; 3],
     /// Reciprocals of its direction.
     pub inverse: [f32; 3],
     /// Nearest distance that counts.
     pub t_min: f32,
-    triangle_ray: R,
+    triangle_ray: S::Ray,
     best: Hit,
-    account: A,
+    account: S::Account,
     masks: &'a Masks,
 }
 
-impl<'a, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const MASKS: bool>
-    Query<'a, A, R, PADDED, ANY, MASKS>
-{
+impl<'a, S: Variant> Query<'a, S> {
     #[inline(always)]
-    pub(super) fn new(ray: &Ray, account: A, masks: &'a Masks) -> Self {
+    pub(super) fn new(ray: &Ray, account: S::Account, masks: &'a Masks) -> Self {
         let inverse = ray.direction.map(reciprocal);
         Self {
             origin: ray.origin,
             inverse,
             t_min: ray.t_min,
-            triangle_ray: R::new(ray, inverse),
+            triangle_ray: S::Ray::new(ray, inverse),
             best: Hit { t: farthest(ray), ..Hit::MISS },
             account,
             masks,
@@ -135,7 +158,7 @@ impl<'a, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const 
     /// The factor on far planes and on the nearest hit.
     #[inline(always)]
     pub(super) const fn padding(&self) -> f32 {
-        if PADDED { BoxTest::Padded } else { BoxTest::Plain }.padding()
+        if S::PADDED { BoxTest::Padded } else { BoxTest::Plain }.padding()
     }
 
     /// Boxes beyond this distance need not be entered.
@@ -152,7 +175,7 @@ impl<'a, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const 
 
     /// As triangle tests take the ray.
     #[inline(always)]
-    pub(super) fn triangle_ray(&self) -> &R {
+    pub(super) fn triangle_ray(&self) -> &S::Ray {
         &self.triangle_ray
     }
 
@@ -177,7 +200,7 @@ impl<'a, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const 
     /// Number of a triangle's alpha mask; 0 if it has none.
     #[inline(always)]
     pub(super) fn mask(&self, triangle: u32) -> u32 {
-        if MASKS { self.masks.number(triangle) } else { 0 }
+        if S::MASKS { self.masks.number(triangle) } else { 0 }
     }
 
     /// Tests a triangle; true if the search is over.
@@ -192,7 +215,7 @@ impl<'a, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const 
     #[inline(always)]
     pub(super) fn test_candidate(&mut self, leaf: &LeafTriangle) -> bool {
         let counts = |t| self.is_better(leaf, t);
-        let at = match MASKS || !ANY {
+        let at = match S::MASKS || !S::ANY {
             true => self.triangle_ray.confirm::<true>(leaf, counts),
             false => self.triangle_ray.confirm::<false>(leaf, counts),
         };
@@ -209,16 +232,16 @@ impl<'a, A: Account, R: TriangleRay, const PADDED: bool, const ANY: bool, const 
     /// Takes a hit that is better, unless it is in a hole; true if the search is over.
     #[inline(always)]
     fn keep(&mut self, leaf: &LeafTriangle, at: Intersection) -> bool {
-        if MASKS && leaf.mask() != 0 && self.masks.is_hole(leaf.mask(), at.u, at.v) {
+        if S::MASKS && leaf.mask() != 0 && self.masks.is_hole(leaf.mask(), at.u, at.v) {
             return false;
         }
         // No distance is negative here, but it may be a negative zero.
         self.best = Hit { t: at.t.abs(), triangle: leaf.triangle(), u: at.u, v: at.v };
-        ANY
+        S::ANY
     }
 
     #[inline(always)]
-    pub(super) fn result(self) -> (Hit, A) {
+    pub(super) fn result(self) -> (Hit, S::Account) {
         (if self.best.is_hit() { self.best } else { Hit::MISS }, self.account)
     }
 }
@@ -234,64 +257,36 @@ pub(super) trait Tree: Sync {
     /// A stack; what it holds matters to none.
     fn stack() -> Self::Stack;
 
-    /// Finds what the query asks for. `AVX2`: the caller has these instructions; the results are the same.
-    fn traverse<
-        A: Account,
-        R: TriangleRay,
-        const PADDED: bool,
-        const ANY: bool,
-        const MASKS: bool,
-        const AVX2: bool,
-    >(
-        &self,
-        query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
-        stack: &mut Self::Stack,
-    );
+    /// Finds what the query asks for.
+    fn traverse<S: Variant>(&self, query: &mut Query<'_, S>, stack: &mut Self::Stack);
 }
 
 /// Traces the rays of a part: each by itself through a [`Tree`], or several at once.
 pub(super) trait Searcher: Sync {
-    /// Finds what each ray asks for; `keep` takes the place of its result, its hit and its account. `AVX2`: as in
-    /// [`Tree::traverse`].
-    fn search<
-        A: Account,
-        R: TriangleRay,
-        T,
-        const PADDED: bool,
-        const ANY: bool,
-        const MASKS: bool,
-        const AVX2: bool,
-    >(
+    /// Finds what each ray asks for; `keep` takes the place of its result, its hit and its account.
+    fn search<S: Variant, T>(
         &self,
         masks: &Masks,
         part: Part<'_, T>,
-        account: &A,
-        keep: impl FnMut(&T, Hit, A),
+        account: &S::Account,
+        keep: impl FnMut(&T, Hit, S::Account),
     );
 }
 
 impl<H: Tree> Searcher for H {
     #[inline(always)]
-    fn search<
-        A: Account,
-        R: TriangleRay,
-        T,
-        const PADDED: bool,
-        const ANY: bool,
-        const MASKS: bool,
-        const AVX2: bool,
-    >(
+    fn search<S: Variant, T>(
         &self,
         masks: &Masks,
         part: Part<'_, T>,
-        account: &A,
-        mut keep: impl FnMut(&T, Hit, A),
+        account: &S::Account,
+        mut keep: impl FnMut(&T, Hit, S::Account),
     ) {
         let mut stack = H::stack();
         for at in 0..part.len() {
             let (ray, place) = part.get(at);
-            let mut query = Query::<A, R, PADDED, ANY, MASKS>::new(ray, account.clone(), masks);
-            self.traverse::<A, R, PADDED, ANY, MASKS, AVX2>(&mut query, &mut stack);
+            let mut query = Query::<S>::new(ray, account.clone(), masks);
+            self.traverse(&mut query, &mut stack);
             let (hit, account) = query.result();
             keep(place, hit, account);
         }

@@ -6,8 +6,8 @@ use formats::pages::room_on_huge_pages;
 use formats::prefetch::{prefetch_at, prefetch_whole_at};
 use scenes::bvh::{WIDE_LEVELS, WideNode};
 
-use super::cpu_query::{Account, Query, Tree};
-use super::triangle::{LeafTriangle, TriangleBlock, TriangleRay};
+use super::cpu_query::{Query, Tree, Variant};
+use super::triangle::{LeafTriangle, TriangleBlock};
 
 /// The nodes, with blocks of triangles in place of leaf slots.
 #[derive(Clone, Debug)]
@@ -85,18 +85,7 @@ impl WideTree {
     }
 
     #[inline(always)]
-    fn walk<
-        T: WideTest,
-        A: Account,
-        R: TriangleRay,
-        const PADDED: bool,
-        const ANY: bool,
-        const MASKS: bool,
-    >(
-        &self,
-        query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
-        stack: &mut <Self as Tree>::Stack,
-    ) {
+    fn walk<T: WideTest, S: Variant>(&self, query: &mut Query<'_, S>, stack: &mut <Self as Tree>::Stack) {
         let test = T::new(query.origin, query.inverse, query.t_min);
         let mut waiting = Waiting { stack, count: 0 };
         let mut current = 0;
@@ -107,7 +96,7 @@ impl WideTree {
                 let (near, hits) = test.test(node, query.limit(), query.padding());
                 if hits != 0 {
                     let ask = |child| self.ask(child);
-                    current = if ANY {
+                    current = if S::ANY {
                         waiting.cheapest_of(node, hits, ask)
                     } else {
                         waiting.nearest_of(node, &near, hits, ask)
@@ -147,23 +136,12 @@ impl Tree for WideTree {
     }
 
     #[inline(always)]
-    fn traverse<
-        A: Account,
-        R: TriangleRay,
-        const PADDED: bool,
-        const ANY: bool,
-        const MASKS: bool,
-        const AVX2: bool,
-    >(
-        &self,
-        query: &mut Query<'_, A, R, PADDED, ANY, MASKS>,
-        stack: &mut Self::Stack,
-    ) {
+    fn traverse<S: Variant>(&self, query: &mut Query<'_, S>, stack: &mut Self::Stack) {
         #[cfg(target_arch = "x86_64")]
-        if AVX2 {
-            return self.walk::<Avx2, A, R, PADDED, ANY, MASKS>(query, stack);
+        if S::AVX2 {
+            return self.walk::<Avx2, S>(query, stack);
         }
-        self.walk::<Portable, A, R, PADDED, ANY, MASKS>(query, stack);
+        self.walk::<Portable, S>(query, stack);
     }
 }
 
