@@ -2,10 +2,11 @@
 //!
 //! A round has the baseline, the control and every method once by each way of tracing what was sorted, in an order
 //! drawn for it, so that drift hits all alike and nothing always follows the same. Each way of a method has keys and
-//! a sort of its own before it, and finds in the caches what those left there. What a section writes was there and was touched before: the
-//! first round is not timed, and backends use their memory again. The second decides which way of tracing
-//! sorted rays counts, so that no figure is taken from the samples that it was chosen by. A turn begins with a device
-//! that has forgotten how the queue was traced before, where it could know a short one by heart.
+//! a sort of its own before it, and finds in the caches what those left there. What a section writes was there and
+//! was touched before: the first round is not timed, and backends use their memory again. The second decides which
+//! way of tracing sorted rays counts, so that no figure is taken from the samples that it was chosen by. A turn
+//! decides, where something is to be decided, and goes on with a device that has forgotten how the queue was traced
+//! before, where it could know a short one by heart.
 
 use std::collections::BTreeMap;
 
@@ -382,39 +383,4 @@ pub fn queue_name(bounce: u32, kind: Kind) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_can_be_traced_in_two_ways_takes_two_turns() {
-        let subjects =
-            [Subject::Unsorted, Subject::Control, Subject::Method(3), Subject::Auto, Subject::Shuffled];
-        let ordered = |subject| Ordered { subject, permutation: None::<()>, mismatches: 0 };
-        let orders = Orders(subjects.map(ordered).into());
-        let [gathered, indices] = [Way::Gathered, Way::Indices];
-        let of_two_ways = |at| [(at, gathered), (at, indices)];
-        let expected =
-            [&[(0, gathered), (1, gathered)][..], &of_two_ways(2), &[(3, gathered)], &of_two_ways(4)];
-        assert_eq!(orders.turns(), expected.concat());
-    }
-
-    #[test]
-    fn each_takes_its_turn_once_a_round_and_nothing_always_follows_the_same() {
-        let mut turns = Vec::new();
-        in_rounds(3, 40, 7, |at, round| {
-            turns.push((round, at));
-            Ok(())
-        })
-        .unwrap();
-        let mut orders = std::collections::BTreeSet::new();
-        for (number, round) in turns.chunks(3).enumerate() {
-            assert!(round.iter().all(|turn| turn.0 == (number as u32).checked_sub(1)), "{round:?}");
-            let order: Vec<usize> = round.iter().map(|turn| turn.1).collect();
-            assert_eq!(order.iter().sum::<usize>(), 3, "each of 0, 1 and 2: {order:?}");
-            orders.insert(order);
-        }
-        assert_eq!((turns.len(), orders.len()), (3 * 41, 6), "{orders:?}");
-        let samples = sampled(2, 3, 0, |at| Ok(at + 5)).unwrap();
-        assert_eq!(samples, [[5; 3], [6; 3]], "the first round does not count");
-    }
-}
+mod tests;

@@ -1,0 +1,195 @@
+//! Turns and rounds, and what a backend is asked for in them.
+
+use std::sync::Arc;
+
+use formats::auto::FEWEST_RAYS;
+use formats::manifest::{CalibrationRecord, Candidate, Choice};
+use formats::ray::Ray;
+
+use super::*;
+use crate::backends::cpu::CpuBackend;
+use crate::backends::{Array, RecordedRays, Shaded, Sink};
+use crate::stages::setup::Setup;
+use crate::stages::trace::cpu::CpuTracer;
+
+#[test]
+fn what_can_be_traced_in_two_ways_takes_two_turns() {
+    let subjects =
+        [Subject::Unsorted, Subject::Control, Subject::Method(3), Subject::Auto, Subject::Shuffled];
+    let ordered = |subject| Ordered { subject, permutation: None::<()>, mismatches: 0 };
+    let orders = Orders(subjects.map(ordered).into());
+    let [gathered, indices] = [Way::Gathered, Way::Indices];
+    let of_two_ways = |at| [(at, gathered), (at, indices)];
+    let expected = [&[(0, gathered), (1, gathered)][..], &of_two_ways(2), &[(3, gathered)], &of_two_ways(4)];
+    assert_eq!(orders.turns(), expected.concat());
+}
+
+#[test]
+fn each_takes_its_turn_once_a_round_and_nothing_always_follows_the_same() {
+    let mut turns = Vec::new();
+    in_rounds(3, 40, 7, |at, round| {
+        turns.push((round, at));
+        Ok(())
+    })
+    .unwrap();
+    let mut orders = std::collections::BTreeSet::new();
+    for (number, round) in turns.chunks(3).enumerate() {
+        assert!(round.iter().all(|turn| turn.0 == (number as u32).checked_sub(1)), "{round:?}");
+        let order: Vec<usize> = round.iter().map(|turn| turn.1).collect();
+        assert_eq!(order.iter().sum::<usize>(), 3, "each of 0, 1 and 2: {order:?}");
+        orders.insert(order);
+    }
+    assert_eq!((turns.len(), orders.len()), (3 * 41, 6), "{orders:?}");
+    let samples = sampled(2, 3, 0, |at| Ok(at + 5)).unwrap();
+    assert_eq!(samples, [[5; 3], [6; 3]], "the first round does not count");
+}
+
+/// Notes the verbs of a turn.
+struct Noting {
+    backend: CpuBackend,
+    verbs: Vec<&'static str>,
+}
+
+type Rays = <CpuBackend as Backend>::Rays;
+type Hits = <CpuBackend as Backend>::Hits;
+type Keys = <CpuBackend as Backend>::Keys;
+type Permutation = <CpuBackend as Backend>::Permutation;
+
+impl Backend for Noting {
+    type Rays = Rays;
+    type Hits = Hits;
+    type Keys = Keys;
+    type Permutation = Permutation;
+
+    fn sample(&self) -> Sample {
+        self.backend.sample()
+    }
+
+    fn restart(&mut self) -> Result<()> {
+        self.backend.restart()
+    }
+
+    fn generate(&mut self, pass: u32) -> Result<Rays> {
+        self.backend.generate(pass)
+    }
+
+    fn upload(&mut self, queue: RecordedRays<'_>) -> Result<Rays> {
+        self.backend.upload(queue)
+    }
+
+    fn upload_permutation(&mut self, indices: &[u32]) -> Result<Permutation> {
+        self.backend.upload_permutation(indices)
+    }
+
+    fn upload_keys(&mut self, keys: &[u64], bits: u32) -> Result<Keys> {
+        self.backend.upload_keys(keys, bits)
+    }
+
+    fn trace(&mut self, rays: &Rays, order: Order<&Permutation>) -> Result<Hits> {
+        self.verbs.push("trace");
+        self.backend.trace(rays, order)
+    }
+
+    fn forget(&mut self, rays: &Rays) -> Result<()> {
+        self.verbs.push("forget");
+        self.backend.forget(rays)
+    }
+
+    fn accumulate(&mut self, rays: &Rays, hits: &Hits, table: Table) -> Result<()> {
+        self.backend.accumulate(rays, hits, table)
+    }
+
+    fn shade(&mut self, rays: &Rays, hits: &Hits) -> Result<Shaded<Rays>> {
+        self.backend.shade(rays, hits)
+    }
+
+    fn add_light(&mut self, rays: &Rays, hits: &Hits) -> Result<()> {
+        self.backend.add_light(rays, hits)
+    }
+
+    fn key(&mut self, rays: &Rays, hits: Option<&Hits>, method: usize) -> Result<Keys> {
+        self.verbs.push("key");
+        self.backend.key(rays, hits, method)
+    }
+
+    fn sort(&mut self, keys: &Keys) -> Result<Permutation> {
+        self.verbs.push("sort");
+        self.backend.sort(keys)
+    }
+
+    fn scatter(&mut self, hits: &Hits, permutation: &Permutation) -> Result<Hits> {
+        self.verbs.push("scatter");
+        self.backend.scatter(hits, permutation)
+    }
+
+    fn gather(&mut self, rays: &Rays, permutation: &Permutation) -> Result<Rays> {
+        self.verbs.push("gather");
+        self.backend.gather(rays, permutation)
+    }
+
+    fn reorder(&mut self, rays: &Rays, permutation: &Permutation) -> Result<Rays> {
+        self.backend.reorder(rays, permutation)
+    }
+
+    fn differences(&mut self, hits: &Hits, others: &Hits) -> Result<u64> {
+        self.backend.differences(hits, others)
+    }
+
+    fn read(&mut self, array: Array<'_, Self>, sink: &mut Sink<'_>) -> Result<()> {
+        let Array::Sample(rays) = array else { bail!("a turn reads nothing but a sample") };
+        self.verbs.push("decide");
+        self.backend.read(Array::Sample(rays), sink)
+    }
+}
+
+/// A decision between the two would be timed with the trace: its clock leaves traces in the caches.
+#[test]
+fn a_turn_decides_then_forgets_then_does_what_is_timed() {
+    let scene = scenes::load("builtin:cornell").unwrap();
+    let bvh = scenes::bvh::build(&scene, scenes::bvh::BvhKind::Bvh2).unwrap();
+    let setup = Arc::new(Setup { width: 128, height: 128, ..Setup::made_up(false, 32) });
+    let backend = CpuBackend::new(setup.clone(), Arc::new(CpuTracer::new(&scene, &bvh)));
+    let mut backend = Noting { backend, verbs: Vec::new() };
+    let ray = Ray { origin: [0.0; 3], t_min: 0.0, direction: [0.0, 0.0, 1.0], t_max: 1.0 };
+    let rays = vec![ray; FEWEST_RAYS as usize];
+    let (path_ids, lights): (Vec<u32>, Vec<u32>) = (0..rays.len() as u32).map(|at| (at, 0)).unzip();
+    let id = QueueId { pass: 0, bounce: 1, kind: Kind::Shadow };
+    let queue = RecordedRays { id, rays: &rays, path_ids: &path_ids, lights: &lights, lengths: None };
+    let rays = backend.upload(queue).unwrap();
+    let hits = backend.trace(&rays, Order::Stored).unwrap();
+    // The queue is unlike the one for which an order is worth it, which takes a look to know, and is left alone.
+    let choice = Choice { method: "aila".to_owned(), key_bits: 32, way: Way::Gathered };
+    let candidates = vec![Candidate { choice, net: 1.5, net_low: 1.4 }];
+    let calibrated = |rays, candidates| CalibrationRecord {
+        bounce: 7,
+        kind: Kind::Shadow,
+        rays,
+        area: rays as f64,
+        candidates,
+    };
+    let auto = Auto::new(&setup, vec![calibrated(FEWEST_RAYS, Vec::new()), calibrated(1 << 40, candidates)]);
+    let orders = vec![Subject::Unsorted, Subject::Control, Subject::Auto, Subject::Method(2)];
+    let measured = Measured { orders, repeats: 3, seed: 0 };
+    let queue = Queued { rays: &rays, hits: &hits, methods: &setup.methods, foreign: &[], auto: Some(&auto) };
+    let orders = queue.warm_up(&mut backend, &measured, |_, _, _, _| Ok(())).unwrap();
+    backend.verbs.clear();
+    queue.measure(&mut backend, &measured, &orders).unwrap();
+    let mut turns: BTreeMap<String, usize> = BTreeMap::new();
+    let mut verbs = backend.verbs.into_iter().peekable();
+    while let Some(first) = verbs.next() {
+        let mut turn = vec![first];
+        let is_begun = |turn: &[&str], verb: &str| verb == "decide" || verb == "forget" && turn != ["decide"];
+        while let Some(verb) = verbs.next_if(|verb| !is_begun(&turn, verb)) {
+            turn.push(verb);
+        }
+        *turns.entry(turn.join(" ")).or_default() += 1;
+    }
+    let expected = [
+        "decide forget trace",
+        "forget gather trace scatter",
+        "forget key sort gather trace scatter",
+        "forget key sort trace",
+        "forget trace",
+    ];
+    assert_eq!(turns, expected.map(|turn| (turn.to_owned(), 4)).into());
+}
