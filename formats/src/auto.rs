@@ -50,12 +50,8 @@ const KNOWS_LESS_DRIFT_SINCE: u32 = 11;
 /// rays waits for all that was submitted before, and took a fifth of what the rays took.
 const KNOWS_THE_BOUNCE_SINCE: u32 = 12;
 
-/// The first version that leaves short queues alone without asking.
+/// The first version that leaves queues alone which are shorter than all that orders were measured on.
 const LEAVES_SHORT_ALONE_SINCE: u32 = 13;
-
-/// Fewest rays that get an order. No shorter queue gained what keys and a sort of it cost in two recordings, and of
-/// many orders that are measured on so few rays one looks good by chance.
-pub const FEWEST_RAYS: u64 = 1 << 13;
 
 /// Where the sample of a queue lies: whole groups, evenly over its canonical order.
 pub fn sample(rays: usize) -> impl Iterator<Item = Range<usize>> {
@@ -93,32 +89,30 @@ pub struct Calibrated<'a> {
 }
 
 impl<'a> Calibrated<'a> {
+    /// Fewest rays that get an order: about as many as the shortest queue that any was measured on.
+    pub fn fewest_rays(&self) -> u64 {
+        let measured = self.queues.iter().filter(|queue| !queue.candidates.is_empty());
+        match measured.map(|queue| queue.rays).min() {
+            _ if self.version < LEAVES_SHORT_ALONE_SINCE => 0,
+            Some(shortest) => (shortest as f64 * (-BY_CHANCE).exp()).ceil() as u64,
+            None => u64::MAX,
+        }
+    }
+
     /// Whether a sample has anything to say: not of a short queue, nor of one of a calibrated bounce with about as many
     /// rays, nor where no order of any queue of this kind was surely worth its cost.
-    #[inline]
     pub fn is_worth_a_look(&self, bounce: u32, kind: Kind, rays: u64) -> bool {
-        !self.is_short(rays) && self.is_unknown(bounce, kind, rays)
+        let mut candidates = self.of(kind).flat_map(|queue| &queue.candidates);
+        rays >= self.fewest_rays()
+            && self.known(bounce, kind, rays).is_none()
+            && candidates.any(|candidate| self.is_sure(kind, candidate))
     }
 
     /// The order of a queue whose sample has this area; `None` to leave it alone.
-    #[inline]
     pub fn decide(&self, bounce: u32, kind: Kind, rays: u64, area: f64) -> Option<&'a Candidate> {
-        if self.is_short(rays) { None } else { self.best(bounce, kind, rays, area) }
-    }
-
-    /// Such a queue is traced in less time than memory takes to bring what the calibration says of it.
-    #[inline]
-    fn is_short(&self, rays: u64) -> bool {
-        self.version >= LEAVES_SHORT_ALONE_SINCE && rays < FEWEST_RAYS
-    }
-
-    /// Whether the area has its say.
-    fn is_unknown(&self, bounce: u32, kind: Kind, rays: u64) -> bool {
-        let mut candidates = self.of(kind).flat_map(|queue| &queue.candidates);
-        self.known(bounce, kind, rays).is_none() && candidates.any(|candidate| self.is_sure(kind, candidate))
-    }
-
-    fn best(&self, bounce: u32, kind: Kind, rays: u64, area: f64) -> Option<&'a Candidate> {
+        if rays < self.fewest_rays() {
+            return None;
+        }
         let most_alike = match self.known(bounce, kind, rays) {
             Some(known) => known,
             None => self.most_alike(bounce, kind, rays, area)?,
@@ -223,7 +217,7 @@ mod tests {
         let calibration = [
             calibrated(Kind::Closest, 500_000, 0.01, &[("aila", 0.97), ("costa", 1.01)]),
             calibrated(Kind::Closest, 300_000, 1.0, &[("aila", 1.10), ("costa", 1.25)]),
-            calibrated(Kind::Closest, 20_000, 1.0, &[("aila", 1.08), ("costa", 0.9)]),
+            calibrated(Kind::Closest, 1_000, 1.0, &[("aila", 1.08), ("costa", 0.9)]),
             calibrated(Kind::Shadow, 500_000, 0.01, &[("octahedron", 1.4)]),
         ];
         let by = |queues| Calibrated { queues, version: FORMAT_VERSION };
@@ -233,8 +227,8 @@ mod tests {
         };
         assert_eq!(chosen(Kind::Closest, 500_000, 0.02), None, "none is surely worth its cost");
         assert_eq!(chosen(Kind::Closest, 400_000, 0.5), Some("costa"));
-        assert_eq!(chosen(Kind::Closest, 40_000, 0.5), Some("aila"));
-        assert_eq!(chosen(Kind::Shadow, FEWEST_RAYS, 0.0), Some("octahedron"));
+        assert_eq!(chosen(Kind::Closest, 2_000, 0.5), Some("aila"));
+        assert_eq!(chosen(Kind::Shadow, 1_000, 0.0), Some("octahedron"));
         assert_eq!(by(&[]).decide(1, Kind::Shadow, 500_000, 1.0), None);
         let is_worth_a_look = |queues, bounce, kind, rays| by(queues).is_worth_a_look(bounce, kind, rays);
         assert!(is_worth_a_look(&calibration[..2], 7, Kind::Closest, 500_000));
@@ -267,15 +261,19 @@ mod tests {
     }
 
     #[test]
-    fn short_queues_are_left_alone_since_version_13() {
-        let calibration = [calibrated(Kind::Closest, FEWEST_RAYS, 1.0, &[("aila", 1.2)])];
-        for (version, rays, is_left) in
-            [(13, FEWEST_RAYS - 1, true), (13, FEWEST_RAYS, false), (12, 100, false)]
-        {
+    fn queues_shorter_than_all_that_were_measured_are_left_alone_since_version_13() {
+        let calibration = [
+            calibrated(Kind::Closest, 100, 1.0, &[]),
+            calibrated(Kind::Closest, 10_000, 1.0, &[("aila", 1.2)]),
+            calibrated(Kind::Shadow, 20_000, 1.0, &[("aila", 1.2)]),
+        ];
+        for (version, rays, is_left) in [(13, 7_788, true), (13, 7_789, false), (12, 7_788, false)] {
             let by = Calibrated { queues: &calibration, version };
-            assert_eq!(by.decide(1, Kind::Closest, rays, 1.0).is_none(), is_left, "{version}, {rays} rays");
+            assert_eq!(by.decide(7, Kind::Closest, rays, 1.0).is_none(), is_left, "{version}, {rays} rays");
             assert_eq!(by.is_worth_a_look(7, Kind::Closest, rays), !is_left, "{version}, {rays} rays");
         }
+        let nothing = Calibrated { queues: &calibration[..1], version: 13 };
+        assert_eq!(nothing.fewest_rays(), u64::MAX);
     }
 
     /// Samples of two bounces of a room are often as alike as two samples of one bounce.
@@ -297,22 +295,21 @@ mod tests {
 
     #[test]
     fn a_gain_that_drift_may_take_back_is_left_since_version_9() {
-        let calibration = [calibrated(Kind::Shadow, 10_000, 1.0, &[("aila", 1.06)])];
-        let chosen = |version| {
-            Calibrated { queues: &calibration, version }.decide(1, Kind::Shadow, 10_000, 1.0).is_some()
-        };
+        let calibration = [calibrated(Kind::Shadow, 1, 1.0, &[("aila", 1.06)])];
+        let chosen =
+            |version| Calibrated { queues: &calibration, version }.decide(1, Kind::Shadow, 1, 1.0).is_some();
         assert!(chosen(8) && !chosen(9), "its interval begins at 1.02");
     }
 
     #[test]
     fn of_orders_that_are_level_the_one_with_the_shortest_keys_is_taken_since_version_10() {
         let nets = [("aila", 1.30), ("octahedron", 1.28), ("costa", 1.275), ("origin", 1.26)];
-        let mut calibration = [calibrated(Kind::Shadow, 10_000, 1.0, &nets)];
+        let mut calibration = [calibrated(Kind::Shadow, 1, 1.0, &nets)];
         for (candidate, key_bits) in calibration[0].candidates.iter_mut().zip([24, 12, 12, 10]) {
             candidate.choice.key_bits = key_bits;
         }
         let chosen = |version| {
-            let candidate = Calibrated { queues: &calibration, version }.decide(1, Kind::Shadow, 10_000, 1.0);
+            let candidate = Calibrated { queues: &calibration, version }.decide(1, Kind::Shadow, 1, 1.0);
             candidate.map(|candidate| candidate.choice.method.clone()).unwrap()
         };
         assert_eq!(chosen(9), "aila");
@@ -326,12 +323,12 @@ mod tests {
     #[test]
     fn less_drifts_of_closest_rays_and_between_two_orders_since_version_11() {
         let mut calibration = [Kind::Closest, Kind::Shadow].map(|kind| {
-            let mut queue = calibrated(kind, 10_000, 1.0, &[("aila", 1.065), ("origin", 1.062)]);
+            let mut queue = calibrated(kind, 1, 1.0, &[("aila", 1.065), ("origin", 1.062)]);
             queue.candidates[1].choice.key_bits = 12;
             queue
         });
         let chosen = |calibration: &[CalibrationRecord], version, kind| {
-            let candidate = Calibrated { queues: calibration, version }.decide(1, kind, 10_000, 1.0);
+            let candidate = Calibrated { queues: calibration, version }.decide(1, kind, 1, 1.0);
             candidate.map(|candidate| candidate.choice.key_bits)
         };
         assert_eq!(chosen(&calibration, 11, Kind::Closest), Some(12), "level, and both begin above 1.015");

@@ -30,6 +30,9 @@ pub const CANDIDATES: &[(&str, u32)] = &[
 pub struct Auto {
     /// What was measured before.
     pub calibration: Vec<CalibrationRecord>,
+    /// What the calibration says of short queues, which are traced in less time than memory takes to bring the rest of
+    /// it.
+    fewest_rays: u64,
     unit: UnitSpace,
     /// Number of the first candidate among the methods of the run.
     first: usize,
@@ -76,7 +79,8 @@ impl Auto {
     /// For a run whose methods end with the candidates.
     pub fn new(setup: &Setup, calibration: Vec<CalibrationRecord>) -> Self {
         let candidates = setup.candidates().iter().map(|plan| (plan.name.clone(), plan.key_bits)).collect();
-        Self { calibration, unit: setup.unit, first: setup.named().len(), candidates }
+        let fewest_rays = Calibrated { queues: &calibration, version: FORMAT_VERSION }.fewest_rays();
+        Self { calibration, fewest_rays, unit: setup.unit, first: setup.named().len(), candidates }
     }
 
     /// Looks at the sample of a queue, if that has anything to say, and chooses, timed on the processor's clock.
@@ -87,6 +91,9 @@ impl Auto {
         let mut sampled = room(rays.len());
         let mut clock = Clock::of_processor();
         let (area, candidate, order) = clock.time(|| {
+            if (rays.len() as u64) < self.fewest_rays {
+                return anyhow::Ok((0.0, None, None));
+            }
             let QueueId { bounce, kind, .. } = rays.id();
             let calibrated = Calibrated { queues: &self.calibration, version: FORMAT_VERSION };
             let count = rays.len() as u64;

@@ -1,7 +1,6 @@
 //! What orders are worth on this machine, measured before a recording: what `auto` chooses by.
 
 use anyhow::Result;
-use formats::auto::FEWEST_RAYS;
 use formats::manifest::{CalibrationRecord, Candidate, Choice, QueueId, Stage, Way};
 use formats::metrics::speedup::Speedup;
 
@@ -12,6 +11,9 @@ use crate::progress::Progress;
 use crate::stages::setup::Setup;
 use crate::wavefront::Observer;
 
+/// Fewest rays that candidates are tried on. No shorter queue gained what keys and a sort of it cost in two
+/// recordings, and of many orders that are measured on so few rays one looks good by chance.
+const FEWEST_RAYS: usize = 1 << 13;
 /// Candidates that are measured in all rounds, after one round that all take part in.
 const FINALISTS: usize = 3;
 /// Rounds of a pass that a candidate's worth is taken from: enough to tell a few percent from nothing.
@@ -50,7 +52,7 @@ impl<B: Backend> Observer<B> for Calibrator<'_> {
         let (QueueId { bounce, kind, .. }, count) = (rays.id(), rays.len());
         self.progress.traced(rays.id(), count);
         let queue = Queued { rays, hits, methods: &self.setup.methods, foreign: &[], auto: None };
-        let is_long = count as u64 >= FEWEST_RAYS;
+        let is_long = count >= FEWEST_RAYS;
         match self.found.iter().position(|found| (found.queue.bounce, found.queue.kind) == (bounce, kind)) {
             None => {
                 let entries = if is_long { self.finalists(backend, &queue)? } else { Vec::new() };
@@ -78,12 +80,12 @@ pub fn calibrate<B: Backend>(
     progress: &Progress,
     run: impl FnOnce(&mut B, &mut Calibrator<'_>) -> Result<()>,
 ) -> Result<Auto> {
-    let mut auto = Auto::new(setup, Vec::new());
+    let auto = Auto::new(setup, Vec::new());
     let mut calibrator = Calibrator { setup, auto: &auto, progress, found: Vec::new() };
     run(backend, &mut calibrator)?;
-    auto.calibration = calibrator.records();
+    let calibration = calibrator.records();
     backend.restart()?;
-    Ok(auto)
+    Ok(Auto::new(setup, calibration))
 }
 
 impl Calibrator<'_> {
@@ -178,7 +180,7 @@ mod tests {
             direction: [0.0, 0.0, 1.0],
             t_max: 1.0,
         };
-        let rays: Vec<Ray> = (0..FEWEST_RAYS as usize).map(ray).collect();
+        let rays: Vec<Ray> = (0..FEWEST_RAYS).map(ray).collect();
         let (path_ids, lights): (Vec<u32>, Vec<u32>) = (0..rays.len() as u32).map(|at| (at, 0)).unzip();
         let mut show = |calibrator: &mut Calibrator<'_>, pass| {
             let id = QueueId { pass, bounce: 1, kind: Kind::Shadow };

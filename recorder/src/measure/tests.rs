@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use formats::auto::FEWEST_RAYS;
 use formats::manifest::{CalibrationRecord, Candidate, Choice};
 use formats::ray::Ray;
 
@@ -147,11 +146,11 @@ impl Backend for Noting {
 fn a_turn_decides_then_forgets_then_does_what_is_timed() {
     let scene = scenes::load("builtin:cornell").unwrap();
     let bvh = scenes::bvh::build(&scene, scenes::bvh::BvhKind::Bvh2).unwrap();
-    let setup = Arc::new(Setup { width: 128, height: 128, ..Setup::made_up(false, 32) });
+    let setup = Arc::new(Setup::made_up(false, 32));
     let backend = CpuBackend::new(setup.clone(), Arc::new(CpuTracer::new(&scene, &bvh)));
     let mut backend = Noting { backend, verbs: Vec::new() };
     let ray = Ray { origin: [0.0; 3], t_min: 0.0, direction: [0.0, 0.0, 1.0], t_max: 1.0 };
-    let rays = vec![ray; FEWEST_RAYS as usize];
+    let rays = vec![ray; 100];
     let (path_ids, lights): (Vec<u32>, Vec<u32>) = (0..rays.len() as u32).map(|at| (at, 0)).unzip();
     let id = QueueId { pass: 0, bounce: 1, kind: Kind::Shadow };
     let queue = RecordedRays { id, rays: &rays, path_ids: &path_ids, lights: &lights, lengths: None };
@@ -160,14 +159,9 @@ fn a_turn_decides_then_forgets_then_does_what_is_timed() {
     // The queue is unlike the one for which an order is worth it, which takes a look to know, and is left alone.
     let choice = Choice { method: "aila".to_owned(), key_bits: 32, way: Way::Gathered };
     let candidates = vec![Candidate { choice, net: 1.5, net_low: 1.4 }];
-    let calibrated = |rays, candidates| CalibrationRecord {
-        bounce: 7,
-        kind: Kind::Shadow,
-        rays,
-        area: rays as f64,
-        candidates,
-    };
-    let auto = Auto::new(&setup, vec![calibrated(FEWEST_RAYS, Vec::new()), calibrated(1 << 40, candidates)]);
+    let calibrated =
+        |rays, area, candidates| CalibrationRecord { bounce: 7, kind: Kind::Shadow, rays, area, candidates };
+    let auto = Auto::new(&setup, vec![calibrated(100, 0.0, Vec::new()), calibrated(50, 1e9, candidates)]);
     let orders = vec![Subject::Unsorted, Subject::Control, Subject::Auto, Subject::Method(2)];
     let measured = Measured { orders, repeats: 3, seed: 0 };
     let queue = Queued { rays: &rays, hits: &hits, methods: &setup.methods, foreign: &[], auto: Some(&auto) };
