@@ -228,7 +228,7 @@ impl<B: Backend> Queued<'_, B> {
         &self,
         backend: &mut B,
         Ordered { subject, permutation, .. }: &Ordered<B::Permutation>,
-        mut way: Way,
+        way: Way,
         entry: &mut Measurement,
         round: u32,
     ) -> Result<()> {
@@ -246,18 +246,15 @@ impl<B: Backend> Queued<'_, B> {
         backend.forget(rays)?;
         // What both ways need is sampled once.
         let counts_both = way == Way::Gathered;
-        let method = match (subject, decided) {
+        let (method, way) = match (subject, decided) {
             (Subject::Unsorted, _) | (Subject::Auto, None) => {
                 backend.trace(rays, Order::Stored)?;
                 entry.keep(backend, Stage::Trace, round);
                 return Ok(());
             }
-            (_, Some((number, chosen))) => {
-                way = chosen;
-                Some(number)
-            }
-            (Subject::Method(number), None) => Some(*number),
-            (Subject::Control | Subject::Shuffled | Subject::Foreign(_), None) => None,
+            (_, Some((number, chosen))) => (Some(number), chosen),
+            (Subject::Method(number), None) => (Some(*number), way),
+            (Subject::Control | Subject::Shuffled | Subject::Foreign(_), None) => (None, way),
         };
         let sorted;
         let permutation = match (method, permutation) {

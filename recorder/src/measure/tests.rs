@@ -141,7 +141,7 @@ impl Backend for Noting {
     }
 }
 
-/// A decision between the two would be timed with the trace: its clock leaves traces in the caches.
+/// A decision after `forget` would slow the trace that follows: its clock disturbs the caches.
 #[test]
 fn a_turn_decides_then_forgets_then_does_what_is_timed() {
     let scene = scenes::load("builtin:cornell").unwrap();

@@ -240,7 +240,7 @@ impl CpuTracer {
                 tree.search::<Compiled<A, R, PADDED, ANY, true, false>, T>(masks, part, account, keep);
             }
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: this variant is made where the processor has these instructions.
+            // SAFETY: `Instructions::Avx2` is chosen only where the processor has these instructions.
             (Instructions::Avx2, true) => unsafe {
                 search_avx2::<H, Compiled<A, R, PADDED, ANY, false, true>, T>(
                     tree, masks, part, account, keep,
@@ -266,5 +266,6 @@ fn search_avx2<H: Searcher, S: Variant, T>(
     account: &S::Account,
     keep: impl FnMut(&T, Hit, S::Account),
 ) {
+    const { assert!(S::AVX2, "else the instructions are not used") };
     tree.search::<S, T>(masks, part, account, keep);
 }

@@ -94,7 +94,7 @@ impl Account for Trail {
     }
 }
 
-/// What a search is compiled for, so that it looks at nothing that it need not.
+/// What a search is compiled for, so that it looks at nothing that it need not; `S` where a type has one.
 pub(super) trait Variant {
     /// What is kept of a ray's way.
     type Account: Account;
@@ -106,11 +106,11 @@ pub(super) trait Variant {
     const ANY: bool;
     /// Whether triangles may have holes.
     const MASKS: bool;
-    /// Whether the caller has these instructions; the results are the same.
+    /// Whether the caller has AVX2 and what comes with it; the results are the same.
     const AVX2: bool;
 }
 
-/// Each [`Variant`], by what it says.
+/// The [`Variant`] with these answers.
 pub(super) struct Compiled<A, R, const PADDED: bool, const ANY: bool, const MASKS: bool, const AVX2: bool>(
     PhantomData<(A, R)>,
 );
