@@ -89,7 +89,8 @@ pub struct Calibrated<'a> {
 }
 
 impl<'a> Calibrated<'a> {
-    /// Fewest rays that get an order: about as many as the shortest queue that any was measured on.
+    /// Fewest rays that get an order: about as many as the shortest queue that any was measured on; [`u64::MAX`] if none
+    /// was.
     pub fn fewest_rays(&self) -> u64 {
         let measured = self.queues.iter().filter(|queue| !queue.candidates.is_empty());
         match measured.map(|queue| queue.rays).min() {
