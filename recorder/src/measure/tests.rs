@@ -6,6 +6,7 @@ use formats::manifest::{CalibrationRecord, Candidate, Choice};
 use formats::ray::Ray;
 
 use super::*;
+use crate::auto;
 use crate::backends::cpu::CpuBackend;
 use crate::backends::{Array, RecordedRays, Shaded, Sink};
 use crate::stages::setup::Setup;
@@ -141,12 +142,14 @@ impl Backend for Noting {
     }
 }
 
-/// A decision after `forget` would slow the trace that follows: its clock disturbs the caches.
-#[test]
-fn a_turn_decides_then_forgets_then_does_what_is_timed() {
+/// What is asked for in the turns of measuring a queue whose order a calibration of another bounce decides: canonical
+/// order, the control, what was chosen and a method.
+fn turns(calibration: Vec<CalibrationRecord>) -> BTreeMap<String, usize> {
     let scene = scenes::load("builtin:cornell").unwrap();
     let bvh = scenes::bvh::build(&scene, scenes::bvh::BvhKind::Bvh2).unwrap();
-    let setup = Arc::new(Setup::made_up(false, 32));
+    let setup = Setup::made_up(false, 32);
+    let candidates = auto::candidates(&calibration, setup.extent(), 0.25).unwrap();
+    let setup = Arc::new(setup.with_candidates(candidates));
     let backend = CpuBackend::new(setup.clone(), Arc::new(CpuTracer::new(&scene, &bvh)));
     let mut backend = Noting { backend, verbs: Vec::new() };
     let ray = Ray { origin: [0.0; 3], t_min: 0.0, direction: [0.0, 0.0, 1.0], t_max: 1.0 };
@@ -156,19 +159,14 @@ fn a_turn_decides_then_forgets_then_does_what_is_timed() {
     let queue = RecordedRays { id, rays: &rays, path_ids: &path_ids, lights: &lights, lengths: None };
     let rays = backend.upload(queue).unwrap();
     let hits = backend.trace(&rays, Order::Stored).unwrap();
-    // The queue is unlike the one for which an order is worth it, which takes a look to know, and is left alone.
-    let choice = Choice { method: "aila".to_owned(), key_bits: 32, way: Way::Gathered };
-    let candidates = vec![Candidate { choice, net: 1.5, net_low: 1.4 }];
-    let calibrated =
-        |rays, area, candidates| CalibrationRecord { bounce: 7, kind: Kind::Shadow, rays, area, candidates };
-    let auto = Auto::new(&setup, vec![calibrated(100, 0.0, Vec::new()), calibrated(50, 1e9, candidates)]);
+    let auto = Auto::new(&setup, calibration);
     let orders = vec![Subject::Unsorted, Subject::Control, Subject::Auto, Subject::Method(2)];
     let measured = Measured { orders, repeats: 3, seed: 0 };
     let queue = Queued { rays: &rays, hits: &hits, methods: &setup.methods, foreign: &[], auto: Some(&auto) };
     let orders = queue.warm_up(&mut backend, &measured, |_, _, _, _| Ok(())).unwrap();
     backend.verbs.clear();
     queue.measure(&mut backend, &measured, &orders).unwrap();
-    let mut turns: BTreeMap<String, usize> = BTreeMap::new();
+    let mut turns = BTreeMap::new();
     let mut verbs = backend.verbs.into_iter().peekable();
     while let Some(first) = verbs.next() {
         let mut turn = vec![first];
@@ -178,12 +176,33 @@ fn a_turn_decides_then_forgets_then_does_what_is_timed() {
         }
         *turns.entry(turn.join(" ")).or_default() += 1;
     }
-    let expected = [
-        "decide forget trace",
-        "forget gather trace scatter",
-        "forget key sort gather trace scatter",
-        "forget key sort trace",
-        "forget trace",
+    turns
+}
+
+/// A decision after `forget` would slow the trace that follows: its clock disturbs the caches.
+#[test]
+fn a_turn_decides_then_forgets_then_does_what_is_timed() {
+    let candidate = |way| {
+        let choice = Choice { method: "aila".to_owned(), key_bits: 15, way };
+        Candidate { choice, net: 1.5, net_low: 1.4 }
+    };
+    // As many rays and the area of rays that are all alike, so that a look says which one the queue is like.
+    let alike =
+        |candidates| CalibrationRecord { bounce: 7, kind: Kind::Shadow, rays: 100, area: 0.0, candidates };
+    let unlike = |candidates| CalibrationRecord { area: 1e9, ..alike(candidates) };
+    let cases = [
+        (vec![alike(Vec::new()), unlike(vec![candidate(Way::Gathered)])], "decide forget trace"),
+        (vec![alike(vec![candidate(Way::Gathered)])], "decide forget key sort gather trace scatter"),
+        (vec![alike(vec![candidate(Way::Indices)])], "decide forget key sort trace"),
     ];
-    assert_eq!(turns, expected.map(|turn| (turn.to_owned(), 4)).into());
+    for (calibration, decided) in cases {
+        let expected = [
+            decided,
+            "forget gather trace scatter",
+            "forget key sort gather trace scatter",
+            "forget key sort trace",
+            "forget trace",
+        ];
+        assert_eq!(turns(calibration), expected.map(|turn| (turn.to_owned(), 4)).into());
+    }
 }
