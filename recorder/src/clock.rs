@@ -51,14 +51,14 @@ impl Clock {
     /// Takes the time of `work`. The threads of the current pool are awake when it begins: a thread that sleeps
     /// wakes tens of microseconds late, and whether it sleeps depends on what came before.
     pub fn time<T>(&mut self, work: impl FnOnce() -> T) -> T {
-        let mut before = self.machine.read();
+        let mut before = self.machine.read(Instant::now());
         let all_are_awake = wake_threads();
         // Threads that wait for each other make way, which counts as being put aside.
         before.switches = self.machine.switches();
         let start = Instant::now();
         let value = work();
         let elapsed_ns = start.elapsed().as_nanos() as u64;
-        self.last = before.sample(&self.machine.read(), elapsed_ns);
+        self.last = before.sample(&self.machine.read(Instant::now()), elapsed_ns);
         self.last.is_disturbed |= !all_are_awake;
         value
     }
@@ -68,9 +68,9 @@ impl Clock {
     /// # Errors
     /// Any of `work`.
     pub fn keep<E>(&mut self, work: impl FnOnce() -> Result<u64, E>) -> Result<(), E> {
-        let before = self.machine.read();
+        let before = self.machine.read(Instant::now());
         let elapsed_ns = work()?;
-        self.last = before.sample(&self.machine.read(), elapsed_ns);
+        self.last = before.sample(&self.machine.read(Instant::now()), elapsed_ns);
         Ok(())
     }
 }
@@ -111,25 +111,32 @@ impl Counts {
 mod machine {
     use std::fs::File;
     use std::os::unix::fs::FileExt;
+    use std::time::{Duration, Instant};
 
     use nix::sys::resource::{Usage, UsageWho, getrusage};
 
     use super::Counts;
 
+    /// How long one tick is.
+    const TICK: Duration = Duration::from_millis(10);
+
     #[derive(Debug)]
     pub(super) struct Counters {
         is_read: bool,
-        /// `/proc/stat`, whose first line says for all processors together how ticks were spent.
-        ticks: Option<File>,
+        /// `/proc/stat`, whose first line says for all processors together how ticks were spent. It is read once a
+        /// tick at most: that takes longer than tracing a short queue, and leaves traces in the caches that one feels.
+        pub(super) ticks: Option<File>,
+        /// What was stolen, and when that was read.
+        stolen: Option<(Instant, u64)>,
     }
 
     impl Counters {
         pub(super) fn open() -> Self {
-            Self { is_read: true, ticks: File::open("/proc/stat").ok() }
+            Self { is_read: true, ticks: File::open("/proc/stat").ok(), stolen: None }
         }
 
         pub(super) fn none() -> Self {
-            Self { is_read: false, ticks: None }
+            Self { is_read: false, ticks: None, stolen: None }
         }
 
         fn usage(&self) -> Option<Usage> {
@@ -140,17 +147,24 @@ mod machine {
             self.usage().map_or(0, |usage| usage.involuntary_context_switches() as u64)
         }
 
-        pub(super) fn read(&self) -> Counts {
+        pub(super) fn read(&mut self, now: Instant) -> Counts {
             let Some(usage) = self.usage() else { return Counts::default() };
             Counts {
                 page_faults: usage.minor_page_faults() as u64,
                 switches: usage.involuntary_context_switches() as u64,
-                stolen: self.stolen().unwrap_or(0),
+                stolen: self.stolen(now),
+            }
+        }
+
+        fn stolen(&mut self, now: Instant) -> u64 {
+            match self.stolen {
+                Some((read, stolen)) if now < read + TICK => stolen,
+                _ => self.stolen.insert((now, self.read_stolen().unwrap_or(0))).1,
             }
         }
 
         /// The eighth number of the first line.
-        fn stolen(&self) -> Option<u64> {
+        fn read_stolen(&self) -> Option<u64> {
             let mut bytes = [0; 256];
             let count = self.ticks.as_ref()?.read_at(&mut bytes, 0).ok()?;
             let line = std::str::from_utf8(&bytes[..count]).ok()?.lines().next()?;
@@ -162,6 +176,8 @@ mod machine {
 /// Systems that are not asked.
 #[cfg(not(target_os = "linux"))]
 mod machine {
+    use std::time::Instant;
+
     use super::Counts;
 
     #[derive(Debug)]
@@ -176,7 +192,7 @@ mod machine {
             Self
         }
 
-        pub(super) fn read(&self) -> Counts {
+        pub(super) fn read(&mut self, _: Instant) -> Counts {
             Counts::default()
         }
 
@@ -191,6 +207,24 @@ mod tests {
     use std::sync::mpsc::channel;
 
     use super::*;
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_the_host_took_is_read_once_a_tick_at_most() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("stat");
+        let mut counters = machine::Counters::open();
+        let start = Instant::now();
+        let mut stolen = |ticks, after| {
+            std::fs::write(&path, format!("cpu  1 2 3 4 5 6 7 {ticks} 8 9\ncpu0 0\n")).unwrap();
+            counters.ticks = Some(std::fs::File::open(&path).unwrap());
+            counters.read(start + Duration::from_millis(after)).stolen
+        };
+        assert_eq!(
+            [stolen(40, 0), stolen(41, 9), stolen(42, 10), stolen(43, 11), stolen(44, 30)],
+            [40, 40, 42, 42, 44]
+        );
+    }
 
     #[test]
     fn a_section_begins_when_all_threads_are_awake() {
