@@ -31,12 +31,18 @@ pub enum QueueFault {
     /// An entry that nothing can be traced or looked up with.
     #[error("{queue}/{}.npy: {problem}", array.name())]
     Entry { queue: QueueId, array: QueueArray, problem: String },
+    #[error("{queue}: there are {passes} passes and {bounces} bounces")]
+    Outside { queue: QueueId, passes: u32, bounces: u32 },
 }
 
 /// What the entries of a queue's arrays must be.
 #[derive(Clone, Copy, Debug)]
 pub struct QueueRules {
     queue: QueueId,
+    /// Its pass lies below this.
+    passes: u32,
+    /// Its bounce lies below this.
+    bounces: u32,
     /// Path indices lie below this.
     pixels: u64,
     /// Light indices lie below this.
@@ -50,6 +56,8 @@ impl QueueRules {
     pub fn new(queue: QueueId, header: &Header) -> Self {
         Self {
             queue,
+            passes: header.options.passes,
+            bounces: header.options.bounces,
             pixels: u64::from(header.options.width) * u64::from(header.options.height),
             lights: header.lights.len(),
             is_endless: queue.kind == Kind::Closest && header.source == Source::Traced,
@@ -114,8 +122,12 @@ impl QueueRules {
     /// pixels also holds the rays to what was made room for.
     ///
     /// # Errors
-    /// The first fault of each array's length, then of each array's entries.
+    /// That the recording has no such queue; or the first fault of each array's length, then of each array's entries.
     pub fn check(&self, queue: QueueRays<'_>, expected: u64) -> Result<(), QueueFault> {
+        let &Self { queue: id, passes, bounces, .. } = self;
+        if id.pass >= passes || id.bounce >= bounces {
+            return Err(QueueFault::Outside { queue: id, passes, bounces });
+        }
         let QueueRays { rays, path_ids, lights } = queue;
         let mut counts = vec![(QueueArray::Rays, rays.len()), (QueueArray::PathIds, path_ids.len())];
         if self.queue.kind == Kind::Shadow {
@@ -157,6 +169,8 @@ mod tests {
 
     const RULES: QueueRules = QueueRules {
         queue: QueueId { pass: 0, bounce: 1, kind: Kind::Shadow },
+        passes: 1,
+        bounces: 2,
         pixels: 4,
         lights: 2,
         is_endless: false,

@@ -1,8 +1,8 @@
 //! Orders that another tracer gave its queues: measured as they are, without a key of ours.
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use formats::key::{Extent, Layout, LayoutText};
-use formats::manifest::{MethodArray, MethodRecord, Place, QueueId};
+use formats::manifest::{MethodArray, MethodRecord, Place, QueueId, QueueRecord};
 use formats::npy::Dtype;
 use formats::permutation::check_bijection;
 use formats::reader::Dump;
@@ -23,13 +23,12 @@ impl Foreign {
     /// The orders of another tracer that a recording holds. `notices` gets a sentence for each that cannot be measured.
     ///
     /// # Errors
-    /// If an array of one is damaged, or its layout is none.
+    /// If an array of one is damaged or has not an entry for each ray, or its layout is none.
     pub fn recorded(dump: &Dump, extent: Extent, notices: &mut Vec<String>) -> Result<Self> {
         let mut foreign = Self::default();
         let manifest = dump.manifest();
         for record in manifest.foreign_orders() {
-            let found =
-                manifest.queues.iter().map(|queue| ForeignOrder::recorded(dump, queue.id, &record.name));
+            let found = manifest.queues.iter().map(|queue| ForeignOrder::recorded(dump, queue, &record.name));
             let orders: Vec<ForeignOrder> = found.filter_map(Result::transpose).collect::<Result<_>>()?;
             if orders.is_empty() {
                 notices.push(format!(
@@ -95,7 +94,8 @@ pub struct ForeignOrder {
 
 impl ForeignOrder {
     /// That of a recorded queue, if its permutation was kept.
-    fn recorded(dump: &Dump, queue: QueueId, name: &str) -> Result<Option<Self>> {
+    fn recorded(dump: &Dump, record: &QueueRecord, name: &str) -> Result<Option<Self>> {
+        let queue = record.id;
         let place = |array| Place::Method(queue, name.to_owned(), array);
         if !dump.has(&place(MethodArray::Permutation)) {
             return Ok(None);
@@ -107,6 +107,11 @@ impl ForeignOrder {
             Some(_) => Some(ForeignKeys::Narrow(dump.checked_array(&keys)?.to_vec())),
         };
         let permutation = dump.checked_array(&place(MethodArray::Permutation))?.to_vec();
+        let counts = keys.iter().map(|keys| (MethodArray::Keys, keys.count()));
+        for (array, found) in counts.chain([(MethodArray::Permutation, permutation.len())]) {
+            let (place, rays) = (place(array), record.rays);
+            ensure!(found as u64 == rays, "{place} has {found} entries, but the queue has {rays} rays");
+        }
         Ok(Some(Self { queue, name: name.to_owned(), permutation, is_permutation: false, keys }))
     }
 }

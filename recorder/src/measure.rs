@@ -10,7 +10,7 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use fastrand::Rng;
 use formats::key::Termination;
 use formats::key::method::{AUTO, CONTROL, SHUFFLED, UNSORTED};
@@ -161,6 +161,7 @@ impl<B: Backend> Queued<'_, B> {
                 Subject::Foreign(number) => {
                     let order = foreign::of(self.foreign, id, &self.methods[number].name);
                     let Some(order) = order else { continue };
+                    ensure!(order.permutation.len() == count as usize, "an order of another queue");
                     let permutation = backend.upload_permutation(&order.permutation)?;
                     ordered(backend, subject, None, &permutation)?;
                     Some(permutation)

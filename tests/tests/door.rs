@@ -7,9 +7,9 @@ use std::path::Path;
 
 use formats::length_table::LengthCell;
 use formats::manifest::{Header, Record};
-use formats::npy::MaterialMask;
+use formats::npy::{self, Dtype, MaterialMask};
 use formats::ray::{Hit, Ray};
-use tempfile::tempdir;
+use tempfile::{TempDir, tempdir};
 use tests::crafted::{copy, edit_array, edit_records};
 use tests::programs::Program;
 use tests::recordings::record;
@@ -121,9 +121,11 @@ fn arrays() -> Vec<Case> {
 
 fn headers() -> Vec<Case> {
     vec![
-        ("width", &["0"], header(|header| header.options.width = 0)),
+        ("width", &["0 ×"], header(|header| header.options.width = 0)),
         ("pixels", &["path_ids.npy"], header(|header| header.options.height = 1)),
         ("bounces", &["bounces"], header(|header| header.options.bounces = 0)),
+        ("fewer-bounces", &["2 passes and 1 bounces"], header(|header| header.options.bounces = 1)),
+        ("fewer-passes", &["1 passes and 3 bounces"], header(|header| header.options.passes = 1)),
         ("passes", &["passes"], header(|header| header.options.passes = u32::MAX)),
         ("repeats", &["repeats"], header(|header| header.options.repeats = 0)),
         ("key-bits", &["bits"], header(|header| header.options.key_bits = 65)),
@@ -145,6 +147,20 @@ fn cutoffs(cutoff: f32) -> Box<dyn Fn(&Path)> {
     })
 }
 
+fn orders() -> Vec<Case> {
+    let edited = |array: &str, edit: fn(&mut Vec<u32>)| -> Box<dyn Fn(&Path)> {
+        let array = format!("pass-000/bounce-01/closest/mine/{array}.npy");
+        Box::new(move |path| edit_array(path, &array, edit))
+    };
+    let words: [&'static [&'static str]; 2] =
+        [&["mine/permutation.npy has", "but the queue has"], &["mine/keys.npy has", "but the queue has"]];
+    vec![
+        ("fewer-places", words[0], edited("permutation", |places| _ = places.remove(0))),
+        ("more-places", words[0], edited("permutation", |places| places.push(places.len() as u32))),
+        ("more-keys", words[1], edited("keys", |keys| keys.push(0))),
+    ]
+}
+
 fn masks() -> Vec<Case> {
     vec![
         ("no-cutoff", &["masks.npy", "material 0 is NaN"], cutoffs(f32::NAN)),
@@ -152,7 +168,7 @@ fn masks() -> Vec<Case> {
         ("high-cutoff", &["masks.npy", "1.01"], cutoffs(1.01)),
         (
             "no-materials",
-            &["material", "0"],
+            &["has a material", "there are 0"],
             Box::new(|path| edit_array(path, "scene/masks.npy", Vec::<MaterialMask>::clear)),
         ),
         (
@@ -163,9 +179,34 @@ fn masks() -> Vec<Case> {
     ]
 }
 
-fn is_refused(scene: &str, cases: &[Case], backends: &[&str]) {
+/// The queues of a recording by themselves, with an order, and what was imported of them as `right`.
+fn imported() -> TempDir {
+    let folder = recorded("builtin:cornell");
+    let (source, queue) =
+        (folder.path().join(format!("right.raydump/{QUEUE}/closest/rays.npy")), "queues/bounce-01/closest");
+    let order = folder.path().join(queue).join("mine");
+    fs::create_dir_all(&order).unwrap();
+    fs::copy(&source, folder.path().join(queue).join("rays.npy")).unwrap();
+    let [rays] = npy::parse_header(&fs::read(source).unwrap()).unwrap().shape[..] else {
+        panic!("rays are a list")
+    };
+    let reversed: Vec<u32> = (0..rays as u32).rev().collect();
+    for array in ["permutation.npy", "keys.npy"] {
+        let npy = [&npy::header(Dtype::U4, &[rays]), bytemuck::cast_slice(&reversed)].concat();
+        fs::write(order.join(array), npy).unwrap();
+    }
+    let line = "import --scene builtin:cornell --backend cpu --repeats 1 --methods aila --queues queues --out right --force";
+    Program::Recorder.run(folder.path(), line).succeeded();
+    folder
+}
+
+fn recorded(scene: &str) -> TempDir {
     let folder = tempdir().unwrap();
     record(folder.path(), "right", scene, "--backend cpu --repeats 1 --methods aila");
+    folder
+}
+
+fn is_refused(folder: &TempDir, cases: &[Case], backends: &[&str]) {
     for (name, words, edit) in cases {
         let path = copy(&folder.path().join("right.raydump"), name);
         edit(&path);
@@ -186,17 +227,22 @@ fn is_refused(scene: &str, cases: &[Case], backends: &[&str]) {
 
 #[test]
 fn arrays_are_checked_before_any_kernel_runs() {
-    is_refused("builtin:cornell", &arrays(), &["cpu", "gpu"]);
+    is_refused(&recorded("builtin:cornell"), &arrays(), &["cpu", "gpu"]);
 }
 
 #[test]
 fn headers_are_checked_and_the_command_line_is_not_blamed() {
-    is_refused("builtin:cornell", &headers(), &["cpu"]);
+    is_refused(&recorded("builtin:cornell"), &headers(), &["cpu"]);
+}
+
+#[test]
+fn orders_of_other_tracers_are_those_of_their_queue() {
+    is_refused(&imported(), &orders(), &["cpu", "gpu"]);
 }
 
 #[test]
 fn masks_are_checked() {
-    is_refused("builtin:atrium", &masks(), &["cpu"]);
+    is_refused(&recorded("builtin:atrium"), &masks(), &["cpu"]);
 }
 
 /// A replay finds what is behind a hole; `verify` says that no ray can have been stopped there.

@@ -171,8 +171,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
         // SAFETY: modules are made of this crate's own WGSL alone.
         // - Items: `main` ends where the chunk does, chunks end with the items, and `ItemKernel::bind` has
         //   checked that every array with an element for each of them is so long.
-        // - Permutations are bijections that the sort made or an upload has checked; places in a compacted
-        //   queue are those of a prefix sum, below its total; cells of the length table have as many bits as
+        // - Permutations are bijections of their queue's rays that the sort made or `foreign` has checked; places
+        //   in a compacted queue are those of a prefix sum, below its total; cells of the length table have as many bits as
         //   the table.
         // - Path indices are below the number of pixels and lights are the scene's: `generate` counts pixels,
         //   `shade` copies indices and takes lights from the scene's table, and `RecordedRays::check` looks at
