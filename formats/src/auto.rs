@@ -26,32 +26,54 @@ const FEWEST_GROUPS: usize = 4;
 /// How long a ray is thought to be, in unit lengths, before it is traced: as `two-point` does.
 const LENGTH: f32 = 0.25;
 
-/// How far net speedups drift between a calibration and its use, which no interval over a few rounds shows: it is
-/// the times of sorting and moving rays that do, with what else goes through the memory.
-const DRIFT: f64 = 0.03;
+/// What a version of the format chooses by.
+#[derive(Clone, Copy, Debug)]
+struct Rule {
+    /// How far net speedups drift between a calibration and its use, which no interval over a few rounds shows: it is
+    /// the times of sorting and moving rays that do, with what else goes through the memory. Of shadow rays, and of
+    /// closest rays, whose longer times drift less. What an interval does not have beyond 1 is left alone.
+    drift: [f64; 2],
+    /// Orders whose net speedups are as near the best one's are level, and the shortest keys are taken: what drifts
+    /// may be all that others have before them.
+    level: Option<f64>,
+    /// Whether a queue nearly as similar as the most similar is taken where it is of the same bounce.
+    prefers_the_bounce: bool,
+    /// Whether a queue is known by its bounce and number of rays, where it can: on a graphics card a look at rays waits
+    /// for all that was submitted before, and took a fifth of what the rays took.
+    knows_the_bounce: bool,
+    /// Whether queues are left alone that are shorter than all that orders were measured on.
+    leaves_short_alone: bool,
+}
 
-/// What of it remains beside the longer times of closest rays, and between two orders, that both sort and move.
-const LESS_DRIFT: f64 = 0.015;
+impl Rule {
+    /// That of a version of the format.
+    fn of(version: u32) -> Self {
+        let at_first = Self {
+            drift: [0.0, 0.0],
+            level: None,
+            prefers_the_bounce: false,
+            knows_the_bounce: false,
+            leaves_short_alone: false,
+        };
+        let of_9 = Self { drift: [0.03, 0.03], prefers_the_bounce: true, ..at_first };
+        let of_10 = Self { level: Some(0.03), ..of_9 };
+        let of_11 = Self { drift: [0.03, 0.015], level: Some(0.015), ..of_10 };
+        let of_12 = Self { knows_the_bounce: true, ..of_11 };
+        let of_13 = Self { leaves_short_alone: true, ..of_12 };
+        match version {
+            ..9 => at_first,
+            9 => of_9,
+            10 => of_10,
+            11 => of_11,
+            12 => of_12,
+            13.. => of_13,
+        }
+    }
+}
 
 /// Two calibrated queues whose likeness to another differs by less, in natural logarithms, are equally alike:
 /// areas of samples scatter by a tenth and more.
 const BY_CHANCE: f64 = 0.25;
-
-/// The first version of the format whose choices allow for such drift and scatter.
-const ALLOWS_FOR_CHANCE_SINCE: u32 = 9;
-
-/// The first version whose choices prefer short keys where drift may be all that others have before them.
-const PREFERS_SHORT_KEYS_SINCE: u32 = 10;
-
-/// The first version whose choices know where less drifts.
-const KNOWS_LESS_DRIFT_SINCE: u32 = 11;
-
-/// The first version that knows a queue by its bounce and number of rays, where it can: on a graphics card a look at
-/// rays waits for all that was submitted before, and took a fifth of what the rays took.
-const KNOWS_THE_BOUNCE_SINCE: u32 = 12;
-
-/// The first version that leaves queues alone which are shorter than all that orders were measured on.
-const LEAVES_SHORT_ALONE_SINCE: u32 = 13;
 
 /// Where the sample of a queue lies: whole groups, evenly over its canonical order.
 pub fn sample(rays: usize) -> impl Iterator<Item = Range<usize>> {
@@ -94,7 +116,7 @@ impl<'a> Calibrated<'a> {
     pub fn fewest_rays(&self) -> u64 {
         let measured = self.queues.iter().filter(|queue| !queue.candidates.is_empty());
         match measured.map(|queue| queue.rays).min() {
-            _ if self.version < LEAVES_SHORT_ALONE_SINCE => 0,
+            _ if !self.rule().leaves_short_alone => 0,
             Some(shortest) => (shortest as f64 * (-BY_CHANCE).exp()).ceil() as u64,
             None => u64::MAX,
         }
@@ -120,11 +142,8 @@ impl<'a> Calibrated<'a> {
         };
         let sure = || most_alike.candidates.iter().filter(|candidate| self.is_sure(kind, candidate));
         let fastest = sure().reduce(|best, other| if other.net > best.net { other } else { best })?;
-        if self.version < PREFERS_SHORT_KEYS_SINCE {
-            return Some(fastest);
-        }
-        let level = sure().filter(|candidate| candidate.net >= fastest.net - self.less_drift());
-        level.reduce(|best, other| {
+        let Some(level) = self.rule().level else { return Some(fastest) };
+        sure().filter(|candidate| candidate.net >= fastest.net - level).reduce(|best, other| {
             let bits = other.choice.key_bits.cmp(&best.choice.key_bits);
             if bits.is_lt() || bits.is_eq() && other.net > best.net { other } else { best }
         })
@@ -137,7 +156,7 @@ impl<'a> Calibrated<'a> {
         let nearest = self.of(kind).min_by(|a, b| unlike(a).total_cmp(&unlike(b)))?;
         let is_as_near = |other: &CalibrationRecord| unlike(other) <= unlike(nearest) + BY_CHANCE;
         let same_bounce = self.of(kind).find(|other| other.bounce == bounce && is_as_near(other));
-        Some(if self.allows_for_chance() { same_bounce.unwrap_or(nearest) } else { nearest })
+        Some(if self.rule().prefers_the_bounce { same_bounce.unwrap_or(nearest) } else { nearest })
     }
 
     /// The calibrated queue of the same bounce, if it has about as many rays.
@@ -145,7 +164,7 @@ impl<'a> Calibrated<'a> {
         let is_it = |other: &CalibrationRecord| {
             other.bounce == bounce && apart(rays as f64, other.rays as f64) <= BY_CHANCE
         };
-        self.of(kind).find(|other| self.version >= KNOWS_THE_BOUNCE_SINCE && is_it(other))
+        self.of(kind).find(|other| self.rule().knows_the_bounce && is_it(other))
     }
 
     fn of(&self, kind: Kind) -> impl Iterator<Item = &'a CalibrationRecord> {
@@ -154,21 +173,16 @@ impl<'a> Calibrated<'a> {
 
     /// What may as well have cost something is left alone.
     fn is_sure(&self, kind: Kind, candidate: &Candidate) -> bool {
+        let [shadow, closest] = self.rule().drift;
         let drift = match kind {
-            _ if !self.allows_for_chance() => 0.0,
-            Kind::Shadow => DRIFT,
-            Kind::Closest => self.less_drift(),
+            Kind::Shadow => shadow,
+            Kind::Closest => closest,
         };
         candidate.net_low > 1.0 + drift
     }
 
-    /// Of closest rays, and between two orders.
-    fn less_drift(&self) -> f64 {
-        if self.version < KNOWS_LESS_DRIFT_SINCE { DRIFT } else { LESS_DRIFT }
-    }
-
-    fn allows_for_chance(&self) -> bool {
-        self.version >= ALLOWS_FOR_CHANCE_SINCE
+    fn rule(&self) -> Rule {
+        Rule::of(self.version)
     }
 }
 

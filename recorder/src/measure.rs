@@ -10,7 +10,7 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use fastrand::Rng;
 use formats::key::Termination;
 use formats::key::method::{AUTO, CONTROL, SHUFFLED, UNSORTED};
@@ -107,10 +107,30 @@ pub struct Orders<P>(Vec<Ordered<P>>);
 /// An order, warmed up.
 struct Ordered<P> {
     subject: Subject,
-    /// Where it needs no key.
-    permutation: Option<P>,
+    /// Where there is none, it is chosen in each turn.
+    source: Option<Source<P>>,
     /// Most results of its first traces that differed from those of canonical order.
     mismatches: u64,
+}
+
+/// Where the permutation of an order comes from.
+enum Source<P> {
+    /// There is none: rays are traced as they lie.
+    AsTheyLie,
+    /// It is given.
+    Given(P),
+    /// The keys of a method are sorted, by its number.
+    Keys(usize),
+}
+
+impl<P> Source<P> {
+    fn as_ref(&self) -> Source<&P> {
+        match self {
+            Self::AsTheyLie => Source::AsTheyLie,
+            Self::Given(permutation) => Source::Given(permutation),
+            Self::Keys(number) => Source::Keys(*number),
+        }
+    }
 }
 
 impl<P> Orders<P> {
@@ -147,8 +167,8 @@ impl<B: Backend> Queued<'_, B> {
         let (id, count) = (self.rays.id(), self.rays.len() as u32);
         let mut orders = Orders(Vec::new());
         for &subject in &measured.orders {
-            let permutation = match subject {
-                Subject::Unsorted => None,
+            let source = match subject {
+                Subject::Unsorted => Some(Source::AsTheyLie),
                 Subject::Control | Subject::Shuffled => {
                     let mut indices: Vec<u32> = (0..count).collect();
                     if subject == Subject::Shuffled {
@@ -156,7 +176,7 @@ impl<B: Backend> Queued<'_, B> {
                     }
                     let permutation = backend.upload_permutation(&indices)?;
                     ordered(backend, subject, None, &permutation)?;
-                    Some(permutation)
+                    Some(Source::Given(permutation))
                 }
                 Subject::Foreign(number) => {
                     let order = foreign::of(self.foreign, id, &self.methods[number].name);
@@ -164,7 +184,7 @@ impl<B: Backend> Queued<'_, B> {
                     ensure!(order.permutation.len() == count as usize, "an order of another queue");
                     let permutation = backend.upload_permutation(&order.permutation)?;
                     ordered(backend, subject, None, &permutation)?;
-                    Some(permutation)
+                    Some(Source::Given(permutation))
                 }
                 Subject::Auto => {
                     let auto = self.auto.context(NOTHING_CHOOSES)?;
@@ -183,10 +203,10 @@ impl<B: Backend> Queued<'_, B> {
                     let keys = backend.key(self.rays, Some(self.hits), number)?;
                     let permutation = backend.sort(&keys)?;
                     ordered(backend, subject, Some(&keys), &permutation)?;
-                    None
+                    Some(Source::Keys(number))
                 }
             };
-            orders.0.push(Ordered { subject, permutation, mismatches: 0 });
+            orders.0.push(Ordered { subject, source, mismatches: 0 });
         }
         let mut nowhere = empty(&orders);
         for (at, way) in orders.turns() {
@@ -224,42 +244,38 @@ impl<B: Backend> Queued<'_, B> {
         Ok(entries)
     }
 
-    /// One sample of each stage of an order by a way.
+    /// One turn: a sample of each stage of an order by a way, or by that which is chosen with it.
     fn sample(
         &self,
         backend: &mut B,
-        Ordered { subject, permutation, .. }: &Ordered<B::Permutation>,
+        Ordered { subject, source, .. }: &Ordered<B::Permutation>,
         way: Way,
         entry: &mut Measurement,
         round: u32,
     ) -> Result<()> {
         let Self { rays, hits, methods, .. } = *self;
-        // Before the device forgets: the clock of a decision reads the system's counters, which leaves traces in the
-        // caches that a short queue feels.
-        let decided = match subject {
-            Subject::Auto => {
+        // What both ways of an order need is sampled once.
+        let counts_both = way == Way::Gathered;
+        // Chosen before the device forgets: the clock of a decision reads the system's counters, which leaves traces
+        // in the caches that a short queue feels.
+        let (source, way) = match source {
+            Some(source) => (source.as_ref(), way),
+            None => {
                 let (decision, taken) = self.auto.context(NOTHING_CHOOSES)?.decide(backend, rays)?;
                 entry.add(taken, Stage::Decide, round);
-                decision.order
+                decision.order.map_or((Source::AsTheyLie, way), |(number, way)| (Source::Keys(number), way))
             }
-            _ => None,
         };
         backend.forget(rays)?;
-        // What both ways need is sampled once.
-        let counts_both = way == Way::Gathered;
-        let (method, way) = match (subject, decided) {
-            (Subject::Unsorted, _) | (Subject::Auto, None) => {
+        let sorted;
+        let permutation = match source {
+            Source::AsTheyLie => {
                 backend.trace(rays, Order::Stored)?;
                 entry.keep(backend, Stage::Trace, round);
                 return Ok(());
             }
-            (_, Some((number, chosen))) => (Some(number), chosen),
-            (Subject::Method(number), None) => (Some(*number), way),
-            (Subject::Control | Subject::Shuffled | Subject::Foreign(_), None) => (None, way),
-        };
-        let sorted;
-        let permutation = match (method, permutation) {
-            (Some(number), _) => {
+            Source::Given(permutation) => permutation,
+            Source::Keys(number) => {
                 let keys = backend.key(rays, Some(hits), number)?;
                 let taken = backend.sample();
                 sorted = backend.sort(&keys)?;
@@ -269,25 +285,8 @@ impl<B: Backend> Queued<'_, B> {
                 }
                 &sorted
             }
-            (None, Some(permutation)) => permutation,
-            (None, None) => bail!("an order without keys has no permutation"),
         };
-        let found = match way {
-            Way::Gathered => {
-                let gathered = backend.gather(rays, permutation)?;
-                entry.keep(backend, Stage::Gather, round);
-                let found = backend.trace(&gathered, Order::Stored)?;
-                entry.keep(backend, Stage::Trace, round);
-                let found = backend.scatter(&found, permutation)?;
-                entry.keep(backend, Stage::Scatter, round);
-                found
-            }
-            Way::Indices => {
-                let found = backend.trace(rays, Order::Indirect(permutation))?;
-                entry.keep(backend, Stage::TraceIndirect, round);
-                found
-            }
-        };
+        let found = self.traced(backend, permutation, way, entry, round)?;
         entry.mismatches = entry.mismatches.max(backend.differences(hits, &found)?);
         if let Subject::Method(number) = subject
             && counts_both
@@ -297,6 +296,33 @@ impl<B: Backend> Queued<'_, B> {
             entry.keep(backend, Stage::Accumulate, round);
         }
         Ok(())
+    }
+
+    /// What the rays find in an order, at home in canonical order.
+    fn traced(
+        &self,
+        backend: &mut B,
+        permutation: &B::Permutation,
+        way: Way,
+        entry: &mut Measurement,
+        round: u32,
+    ) -> Result<B::Hits> {
+        match way {
+            Way::Gathered => {
+                let gathered = backend.gather(self.rays, permutation)?;
+                entry.keep(backend, Stage::Gather, round);
+                let found = backend.trace(&gathered, Order::Stored)?;
+                entry.keep(backend, Stage::Trace, round);
+                let found = backend.scatter(&found, permutation)?;
+                entry.keep(backend, Stage::Scatter, round);
+                Ok(found)
+            }
+            Way::Indices => {
+                let found = backend.trace(self.rays, Order::Indirect(permutation))?;
+                entry.keep(backend, Stage::TraceIndirect, round);
+                Ok(found)
+            }
+        }
     }
 }
 

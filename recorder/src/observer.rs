@@ -37,10 +37,8 @@ pub struct Plan<'a> {
     pub keep: Keep,
     /// Passes to keep them of.
     pub keep_passes: KeepPasses,
-    /// Whether results may differ between orders (the driver's own traversal).
-    pub tolerates_mismatches: bool,
-    /// Whether the trace kernel counts its work.
-    pub counts_work: bool,
+    /// Whether the trace kernel is ours: it counts its work, and finds the same in every order.
+    pub kernel_is_ours: bool,
     /// Says what caches would make of each order, if that is kept.
     pub cache_model: Option<CacheModel>,
     /// Orders that came with the queues.
@@ -168,7 +166,7 @@ impl<'a> Recorder<'a> {
             (keep.rays, QueueArray::PathIds, Dtype::U4, Array::PathIds(rays)),
             (keep.rays && !is_closest, QueueArray::Lights, Dtype::U4, Array::Lights(rays)),
             (keep.hits || differs, results, result_type, Array::Hits(hits)),
-            (keep.work && self.plan.counts_work, QueueArray::Work, Dtype::Work, Array::Work(rays)),
+            (keep.work && self.plan.kernel_is_ours, QueueArray::Work, Dtype::Work, Array::Work(rays)),
             (keep.throughput && is_closest, QueueArray::Throughput, Dtype::F4, Array::Throughput(rays)),
         ];
         for (_, name, dtype, array) in arrays.into_iter().filter(|(is_kept, ..)| *is_kept) {
@@ -366,7 +364,7 @@ impl Recorder<'_> {
 
     fn check_mismatches(&self, id: QueueId, measurements: &QueueMeasurement) -> Result<()> {
         for entry in measurements {
-            if entry.mismatches > 0 && !self.plan.tolerates_mismatches {
+            if entry.mismatches > 0 && self.plan.kernel_is_ours {
                 bail!(
                     "{}: {} rays traced in the order of '{}' found something else than in canonical order; \
                      a ray's result must depend on that ray alone, so this is a fault of the driver or of this program: please report it",

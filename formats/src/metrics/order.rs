@@ -2,8 +2,10 @@
 
 use rayon::prelude::*;
 
+use crate::key::method::UNSORTED;
+use crate::manifest::{MethodArray, Place, QueueId};
 use crate::permutation::check_bijection;
-use crate::reader::Loaded;
+use crate::reader::{Dump, Loaded};
 
 /// Places that a thread takes at a time: a multiple of every group width and of every lane width.
 const CHUNK: usize = 8192;
@@ -20,6 +22,20 @@ pub enum Places {
 }
 
 impl Places {
+    /// Of the order by a method, or canonical order, of a queue of `rays` rays.
+    ///
+    /// # Errors
+    /// If its permutation was not kept, is damaged, or does not hold each ray once.
+    pub fn open(dump: &Dump, queue: QueueId, method: &str, rays: usize) -> Result<Self, String> {
+        if method == UNSORTED {
+            return Ok(Self::Canonical(rays));
+        }
+        let place = Place::Method(queue, method.to_owned(), MethodArray::Permutation);
+        let permutation = dump.array(&place).map_err(|error| error.to_string())?;
+        Self::sorted(permutation, rays)
+            .map_err(|problem| format!("{}/{place}: {problem}", dump.root().display()))
+    }
+
     /// Of a permutation of `rays` rays.
     ///
     /// # Errors

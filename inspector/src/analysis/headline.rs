@@ -1,7 +1,7 @@
 //! One view, unsorted and sorted: how large the capsule is of the group that each pixel's ray is traced with.
 
 use formats::key::method::UNSORTED;
-use formats::manifest::{MethodArray, Place, QueueArray, QueueId};
+use formats::manifest::{Place, QueueArray, QueueId};
 use formats::metrics::group::Group;
 use formats::metrics::order::Places;
 use formats::ray::Kind;
@@ -110,20 +110,10 @@ impl<'a> Pixels<'a> {
         };
         let of_chunk = |rays: &[u32]| rays.chunks(self.group_width).flat_map(of_group).collect::<Vec<_>>();
         let mut areas = vec![None; self.count];
-        for (path, area) in self.places(&order.method)?.chunks(of_chunk).into_iter().flatten() {
+        let places = Places::open(self.dump, self.queue, &order.method, self.traced.rays().len())?;
+        for (path, area) in places.chunks(of_chunk).into_iter().flatten() {
             areas[path as usize] = area;
         }
         Ok(View { method: order.method.clone(), mrays_per_second: time.mrays_per_second, areas })
-    }
-
-    fn places(&self, method: &str) -> Result<Places, String> {
-        let rays = self.traced.rays().len();
-        if method == UNSORTED {
-            return Ok(Places::Canonical(rays));
-        }
-        let place = Place::Method(self.queue, method.to_owned(), MethodArray::Permutation);
-        let permutation = self.dump.array(&place).map_err(|error| error.to_string())?;
-        Places::sorted(permutation, rays)
-            .map_err(|problem| format!("{}/{place}: {problem}", self.dump.root().display()))
     }
 }

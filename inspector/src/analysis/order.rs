@@ -4,7 +4,7 @@ use std::cell::LazyCell;
 
 use formats::key::Termination;
 use formats::key::method::UNSORTED;
-use formats::manifest::{CacheRecord, Manifest, MethodArray, MethodRecord, Place, QueueId, Stage, Way};
+use formats::manifest::{CacheRecord, Manifest, MethodRecord, QueueId, Stage, Way};
 use formats::metrics::bandwidth::{KeyTraffic, Traffic};
 use formats::metrics::order::Places;
 use formats::metrics::samples::Samples;
@@ -181,13 +181,7 @@ impl<'a> QueueContext<'a> {
         if self.options.depth == Depth::Manifest {
             return Err(QueueArrays::NOT_READ.to_owned());
         }
-        if method == UNSORTED {
-            return Ok(Places::Canonical(rays));
-        }
-        let place = Place::Method(self.queue, method.to_owned(), MethodArray::Permutation);
-        let permutation = self.dump.array(&place).map_err(|error| error.to_string())?;
-        Places::sorted(permutation, rays)
-            .map_err(|problem| format!("{}/{place}: {problem}", self.dump.root().display()))
+        Places::open(self.dump, self.queue, method, rays)
     }
 
     fn coherence(&self, known: Option<&KnownOrder>, places: &LazyPlaces<'_>) -> Metric<Coherence> {

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use formats::key::decode::{FieldReader, decode};
-use formats::key::method::{UNSORTED, WITHOUT_LAYOUT};
+use formats::key::method::WITHOUT_LAYOUT;
 use formats::key::{Coordinate, Extent, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutText};
 use formats::manifest::{MethodArray, MethodRecord, Place};
 use formats::metrics::group::Group;
@@ -63,15 +63,9 @@ impl Order {
     /// # Errors
     /// If its permutation was not kept or is none.
     pub fn open(dump: &Dump, queue: Arc<Queue>, method: &str) -> Result<Self, String> {
-        let place = |array| Place::Method(queue.id, method.to_owned(), array);
-        let places = if method == UNSORTED {
-            Places::Canonical(queue.len())
-        } else {
-            let permutation =
-                dump.array(&place(MethodArray::Permutation)).map_err(|error| error.to_string())?;
-            Places::sorted(permutation, queue.len())?
-        };
-        let keys = keys(dump, &queue, method, &place(MethodArray::Keys));
+        let places = Places::open(dump, queue.id, method, queue.len())?;
+        let keys = Place::Method(queue.id, method.to_owned(), MethodArray::Keys);
+        let keys = self::keys(dump, &queue, method, &keys);
         Ok(Self::new(queue, method, places, keys))
     }
 

@@ -24,7 +24,7 @@ use crate::foreign::Foreign;
 use crate::machine::{self, Device};
 use crate::measure::sampled;
 use crate::options::{Keep, RecordOptions};
-use crate::recording::{RaySource, Run, choose_camera, header, setup};
+use crate::recording::{RaySource, Run, header, prepared};
 use crate::stages::setup::Setup;
 
 /// What to measure.
@@ -51,9 +51,7 @@ pub fn run(bench: &CaptureBench) -> Result<BenchResult> {
         let out = folder.path().join("capture.raydump");
         let options = RecordOptions { scene: name.clone(), out, ..bench.run.clone() };
         let scene = scenes::load(name)?;
-        let camera = choose_camera(&scene, options.camera.as_deref())?;
-        let setup = Arc::new(setup(&scene, &camera, &options)?);
-        device.check_capacity(&setup, &scene, &options)?;
+        let setup = prepared(&device, &scene, &options)?;
         eprintln!("{}", scene.name);
         let turns = Turns { device: &device, scene: &scene, setup: &setup, options: &options };
         let row = backends::measure(&device, &scene, &setup, &[device.kernel(&options.device)], turns)?;
@@ -135,6 +133,7 @@ impl Turns<'_> {
             scene,
             setup,
             options,
+            kernel: device.kernel(&options.device),
             header,
             rays,
             foreign: &Foreign::default(),

@@ -5,7 +5,6 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use formats::bench_result::growth::{GrowthPoint, GrowthRow};
@@ -19,7 +18,7 @@ use crate::backends::{Backend, Queue, Table};
 use crate::clock::Clock;
 use crate::machine::{self, Device};
 use crate::options::{DeviceOptions, RecordOptions};
-use crate::recording::{choose_camera, setup};
+use crate::recording::prepared;
 use crate::wavefront::{self, Observer};
 
 /// Built-in scenes whose triangles grow: one from very few, one to very many.
@@ -157,9 +156,7 @@ impl Series<'_> {
 
     /// Passes over a scene; n is the number of their rays where that is what grows.
     fn point(&mut self, device: &Device, scene: &Scene, n: u64, run: &RecordOptions) -> Result<()> {
-        let camera = choose_camera(scene, run.camera.as_deref())?;
-        let setup = Arc::new(setup(scene, &camera, run)?);
-        device.check_capacity(&setup, scene, run)?;
+        let setup = prepared(device, scene, run)?;
         let kernels = [device.kernel(&run.device)];
         let passes = backends::measure(device, scene, &setup, &kernels, Passes { run })?;
         let n = if self.size == Size::Rays { passes.rays } else { n };

@@ -1,7 +1,5 @@
 //! What the instrument misses by: orders whose speedup is known, measured like any method (A/A).
 
-use std::sync::Arc;
-
 use anyhow::{Context, Result};
 use formats::bench_result::{BenchResult, InstrumentRow, Rows};
 use formats::manifest::Stage;
@@ -14,7 +12,7 @@ use crate::backends::{Backend, Queue};
 use crate::machine;
 use crate::measure::{Measured, QueueMeasurement, Queued, Subject};
 use crate::options::RecordOptions;
-use crate::recording::{choose_camera, setup};
+use crate::recording::prepared;
 use crate::wavefront::{self, Observer};
 
 /// What to measure.
@@ -37,9 +35,7 @@ pub fn run(bench: &InstrumentBench) -> Result<BenchResult> {
     let mut rows = Vec::new();
     for name in &bench.scenes {
         let scene = scenes::load(name)?;
-        let camera = choose_camera(&scene, bench.run.camera.as_deref())?;
-        let setup = Arc::new(setup(&scene, &camera, &bench.run)?);
-        device.check_capacity(&setup, &scene, &bench.run)?;
+        let setup = prepared(&device, &scene, &bench.run)?;
         let paths = OverPaths { bench, scene: &scene };
         rows.extend(backends::measure(&device, &scene, &setup, &[device.kernel(&bench.run.device)], paths)?);
     }

@@ -13,7 +13,6 @@
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
-use std::sync::Arc;
 
 use anyhow::{Context, Result, bail, ensure};
 use formats::bench_result::{BenchResult, RenderRow, Rows};
@@ -34,7 +33,7 @@ use crate::machine;
 use crate::measure::{Subject, sampled};
 use crate::options::RecordOptions;
 use crate::progress::Progress;
-use crate::recording::{choose_camera, setup};
+use crate::recording::prepared;
 use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::trace::{Order, TraceKernel};
 use crate::wavefront;
@@ -62,13 +61,11 @@ pub fn run(bench: &RenderBench) -> Result<BenchResult> {
     let (mut rows, mut controls) = (Vec::new(), Vec::new());
     for name in &bench.scenes {
         let scene = scenes::load(name)?;
-        let camera = choose_camera(&scene, run.camera.as_deref())?;
-        let setup = Arc::new(setup(&scene, &camera, &run)?);
-        device.check_capacity(&setup, &scene, &run)?;
+        let setup = prepared(&device, &scene, &run)?;
         eprintln!("{}", scene.name);
-        let frames = Frames { run: &run, scene: &scene, setup: &setup };
-        let (of_scene, control) =
-            backends::measure(&device, &scene, &setup, &[device.kernel(&run.device)], frames)?;
+        let kernel = device.kernel(&run.device);
+        let frames = Frames { run: &run, scene: &scene, setup: &setup, kernel };
+        let (of_scene, control) = backends::measure(&device, &scene, &setup, &[kernel], frames)?;
         rows.extend(of_scene);
         controls.push(control);
     }
@@ -97,6 +94,7 @@ struct Frames<'a> {
     run: &'a RecordOptions,
     scene: &'a Scene,
     setup: &'a Setup,
+    kernel: TraceKernel,
 }
 
 impl Measurement for Frames<'_> {
@@ -130,7 +128,7 @@ impl Measurement for Frames<'_> {
             tallies.push(frame.tally);
             let found = picture(backend, run.passes)?;
             let expected = expected.get_or_insert_with(|| found.clone());
-            if run.device.trace != Some(TraceKernel::RayQuery) {
+            if self.kernel.is_ours() {
                 check_same(expected, &found, order.name(&setup.methods))?;
             }
         }
@@ -386,11 +384,14 @@ fn check_same(expected: &[[f32; 3]], found: &[[f32; 3]], order: &str) -> Result<
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use formats::key::Method;
     use formats::length_table::LengthCell;
 
     use super::*;
     use crate::options::{BackendChoice, DeviceOptions};
+    use crate::recording::{choose_camera, setup};
 
     struct AgainstTheLoop<'a> {
         run: &'a RecordOptions,

@@ -1,7 +1,5 @@
 //! Trace rate per scene, kernel, bounce, kind and order, all of them on the same rays, in rounds.
 
-use std::sync::Arc;
-
 use anyhow::Result;
 use formats::bench_result::{BenchResult, LaneRow, Rows, TraceRow};
 use formats::key::method::UNSORTED;
@@ -17,7 +15,7 @@ use crate::backends::{Array, Backend, Queue, collected};
 use crate::machine;
 use crate::measure::{sampled, seed_of};
 use crate::options::{DeviceOptions, RecordOptions};
-use crate::recording::{choose_camera, setup};
+use crate::recording::prepared;
 use crate::stages::setup::Setup;
 use crate::stages::trace::{Order, TraceKernel};
 use crate::wavefront::{self, Observer};
@@ -46,9 +44,7 @@ pub fn run(bench: &TraceBench) -> Result<BenchResult> {
     let bench = &TraceBench { kernels, ..bench.clone() };
     for name in &bench.scenes {
         let scene = scenes::load(name)?;
-        let camera = choose_camera(&scene, bench.run.camera.as_deref())?;
-        let setup = Arc::new(setup(&scene, &camera, &bench.run)?);
-        device.check_capacity(&setup, &scene, &bench.run)?;
+        let setup = prepared(&device, &scene, &bench.run)?;
         let paths = OverPaths { bench, scene: &scene, setup: &setup };
         rows.extend(backends::measure(&device, &scene, &setup, &bench.kernels, paths)?);
     }

@@ -9,14 +9,14 @@ pub mod description;
 mod processors;
 pub mod self_check;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use formats::length_table::TableCell;
 use scenes::Scene;
 use sysinfo::System;
 
 use self::self_check::{SMALLEST_FLUSHED_SCENE, SelfCheck};
 use crate::device::{AdapterRequest, Gpu, GpuError};
-use crate::options::{BackendChoice, DeviceOptions, RecordOptions};
+use crate::options::{BackendChoice, DeviceOptions};
 use crate::stages::setup::Setup;
 use crate::stages::trace::TraceKernel;
 
@@ -144,9 +144,13 @@ impl Device {
     ///
     /// # Errors
     /// If it does not fit, with the limit.
-    pub fn check_capacity(&self, setup: &Setup, scene: &Scene, options: &RecordOptions) -> Result<()> {
+    pub fn check_capacity(&self, setup: &Setup, scene: &Scene) -> Result<()> {
         let pixels = u64::from(setup.width) * u64::from(setup.height);
         let size = format!("{}×{}", setup.width, setup.height);
+        ensure!(
+            pixels <= u64::from(u32::MAX),
+            "{size} pixels are more than path indices of 32 bits can name; ask for a smaller picture"
+        );
         match self {
             Self::Cpu(_) => {
                 let triangles = scene.triangles.len() as u64;
@@ -189,9 +193,6 @@ impl Device {
                     }
                 }
             }
-        }
-        if options.keep.rays && pixels >= u64::from(u32::MAX) {
-            bail!("{size} pixels are more than path indices of 32 bits can name; ask for a smaller picture");
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use anyhow::bail;
 use formats::manifest::{CalibrationRecord, Candidate, Choice};
 use formats::ray::Ray;
 
@@ -16,7 +17,7 @@ use crate::stages::trace::cpu::CpuTracer;
 fn what_can_be_traced_in_two_ways_takes_two_turns() {
     let subjects =
         [Subject::Unsorted, Subject::Control, Subject::Method(3), Subject::Auto, Subject::Shuffled];
-    let ordered = |subject| Ordered { subject, permutation: None::<()>, mismatches: 0 };
+    let ordered = |subject| Ordered { subject, source: None::<Source<()>>, mismatches: 0 };
     let orders = Orders(subjects.map(ordered).into());
     let [gathered, indices] = [Way::Gathered, Way::Indices];
     let of_two_ways = |at| [(at, gathered), (at, indices)];

@@ -21,7 +21,7 @@ pub(crate) use run::{RaySource, Run};
 
 use crate::auto::candidates;
 use crate::foreign::Foreign;
-use crate::machine;
+use crate::machine::{self, Device};
 use crate::options::RecordOptions;
 use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::shade::tables::ShadeTables;
@@ -38,10 +38,8 @@ pub fn record(options: &RecordOptions) -> Result<Recorded> {
     if let Some(radius) = options.light_radius {
         scene.give_points_a_radius(radius);
     }
-    let camera = choose_camera(&scene, options.camera.as_deref())?;
     let device = machine::open(&options.device)?;
-    let setup = Arc::new(setup(&scene, &camera, options)?);
-    device.check_capacity(&setup, &scene, options)?;
+    let setup = prepared(&device, &scene, options)?;
     let mut notices = scene.notices.clone();
     notices.extend(device.notices());
     let header = header(&scene, &setup, options, &device, notices, Source::Traced);
@@ -50,6 +48,7 @@ pub fn record(options: &RecordOptions) -> Result<Recorded> {
         scene: &scene,
         setup,
         options,
+        kernel: device.kernel(&options.device),
         header,
         rays,
         foreign: &Foreign::default(),
@@ -91,6 +90,17 @@ pub(crate) fn choose_camera(scene: &Scene, name: Option<&str>) -> Result<Camera>
             )
         }
     }
+}
+
+/// What kernels depend on, for a scene that fits the device, seen by the camera that was asked for.
+///
+/// # Errors
+/// If there is no such camera, it does not fit, or a layout needs a picture and the rays have none.
+pub(crate) fn prepared(device: &Device, scene: &Scene, options: &RecordOptions) -> Result<Arc<Setup>> {
+    let camera = choose_camera(scene, options.camera.as_deref())?;
+    let setup = Arc::new(setup(scene, &camera, options)?);
+    device.check_capacity(&setup, scene)?;
+    Ok(setup)
 }
 
 /// What kernels depend on, for a scene seen by one of its cameras.

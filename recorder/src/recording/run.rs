@@ -75,6 +75,8 @@ pub(crate) struct Run<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) setup: Arc<Setup>,
     pub(crate) options: &'a RecordOptions,
+    /// What was asked for, or the fastest on the device.
+    pub(crate) kernel: TraceKernel,
     pub(crate) header: Header,
     pub(crate) rays: RaySource<'a>,
     /// Orders that came with them.
@@ -96,7 +98,7 @@ impl Run<'_> {
     /// One sentence on what went wrong with the device or the disk.
     pub(crate) fn on(self, device: Device) -> Result<Recorded> {
         // The backend comes first: what does not fit a device is refused before anything is written.
-        let kernel = device.kernel(&self.options.device);
+        let kernel = self.kernel;
         let (bvh, source) = kernel.hierarchy(self.scene)?.unzip();
         let setup = Arc::clone(&self.setup);
         let tracer = || bvh.as_ref().map(|bvh| Arc::new(CpuTracer::new(self.scene, bvh).with_kernel(kernel)));
@@ -134,8 +136,7 @@ impl Run<'_> {
             lists_control: options.control,
             keep: options.keep,
             keep_passes: options.keep_passes,
-            tolerates_mismatches: options.device.trace == Some(TraceKernel::RayQuery),
-            counts_work: options.device.trace != Some(TraceKernel::RayQuery),
+            kernel_is_ours: self.kernel.is_ours(),
             cache_model,
             foreign: &self.foreign.orders,
             auto: None,

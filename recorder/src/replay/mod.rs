@@ -110,7 +110,7 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
         setup = setup.with_candidates(candidates(calibration, extent, length)?);
     }
     let setup = Arc::new(setup);
-    device.check_capacity(&setup, &scene, &run_options)?;
+    device.check_capacity(&setup, &scene)?;
     let mut notices: Vec<String> = device.notices();
     notices.extend(apart(dump.root(), &options.out)?);
     let foreign = Foreign::recorded(dump, setup.extent(), &mut notices).with_context(cannot)?;
@@ -126,7 +126,8 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let rays = RaySource::Recorded(queues.iter().map(RecordedQueue::rays).collect());
     let (scene, options, foreign, recorded) = (&scene, &run_options, &foreign, Some(dump));
     let calibration = calibration.to_vec();
-    Run { scene, setup, options, header, rays, foreign, recorded, calibration, start }.on(device)
+    let kernel = device.kernel(&options.device);
+    Run { scene, setup, options, kernel, header, rays, foreign, recorded, calibration, start }.on(device)
 }
 
 /// Refuses a recording that is not finished, or says what no recorder writes.

@@ -3,6 +3,7 @@
 use anyhow::Result;
 use formats::bench_result::error::KeyBitsRow;
 use formats::key::method::UNSORTED;
+use formats::manifest::Stage;
 use formats::metrics::GROUP_RAYS;
 use formats::metrics::capsule::{Capsule, Segment};
 use formats::ray::{Kind, Ray};
@@ -13,10 +14,9 @@ use super::super::backends::{self, Measurement};
 use super::Bench;
 use super::estimator::traced_lengths;
 use crate::backends::{Array, Backend, Queue, collected};
-use crate::measure::{in_rounds, seed_of};
+use crate::measure::{Measured, Queued, Subject};
 use crate::replay::variants::Sweep;
 use crate::stages::setup::Setup;
-use crate::stages::trace::Order;
 use crate::wavefront::{self, Observer};
 
 /// The queues that are measured, or those of the last bounce if there are fewer: incoherent rays, and the
@@ -71,62 +71,40 @@ impl<B: Backend> Observer<B> for Orders<'_> {
         let copied: Vec<Ray> = collected(backend, Array::Rays(rays))?;
         let lengths = traced_lengths(backend, id.kind, &unit, &copied, hits)?;
         let area = |order: &[u32]| mean_capsule_area(&unit, &copied, &lengths, order);
-        let canonical: Vec<u32> = (0..copied.len() as u32).collect();
-        let row = |method: &str, key_bits, capsule_area| KeyBitsRow {
-            scene: self.bench.scene.name.clone(),
-            bounce: id.bounce,
-            kind: id.kind,
-            method: method.to_owned(),
-            key_bits,
-            rays: copied.len() as u64,
-            capsule_area,
-            key_ns: Vec::new(),
-            sort_ns: Vec::new(),
-            trace_ns: Vec::new(),
-        };
-        let first = self.rows.len();
-        let mut applicable = Vec::new();
-        self.rows.push(row(UNSORTED, 0, area(&canonical)));
-        for (number, plan) in self.setup.methods.iter().enumerate() {
-            if !plan.applies_to(id.kind) {
-                continue;
-            }
-            let keys = backend.key(rays, Some(hits), number)?;
-            let order = backend.sort(&keys)?;
-            let permutation: Vec<u32> = collected(backend, Array::Permutation(&order))?;
-            applicable.push(number);
-            self.rows.push(row(&plan.base, plan.key_bits, area(&permutation)));
+        let methods = (0..self.setup.methods.len()).map(Subject::Method);
+        // Canonical order is gathered like the others: what was just written is read faster.
+        let orders = [Subject::Control].into_iter().chain(methods).collect();
+        let measured = Measured { orders, repeats: run.repeats, seed: run.seed };
+        let queue = Queued { rays, hits, methods: &self.setup.methods, foreign: &[], auto: None };
+        let mut areas = Vec::new();
+        let orders = queue.warm_up(backend, &measured, |backend, _, _, permutation| {
+            areas.push(area(&collected(backend, Array::Permutation(permutation))?));
+            Ok(())
+        })?;
+        for (entry, capsule_area) in queue.measure(backend, &measured, &orders)?.into_iter().zip(areas) {
+            let (method, key_bits) = match entry.subject {
+                Subject::Method(number) => {
+                    let plan = &self.setup.methods[number];
+                    (plan.base.as_str(), plan.key_bits)
+                }
+                _ => (UNSORTED, 0),
+            };
+            let samples_ns = |stage| entry.stages.of(stage).to_vec();
+            self.rows.push(KeyBitsRow {
+                scene: self.bench.scene.name.clone(),
+                bounce: id.bounce,
+                kind: id.kind,
+                method: method.to_owned(),
+                key_bits,
+                rays: copied.len() as u64,
+                capsule_area,
+                key_ns: samples_ns(Stage::Key),
+                sort_ns: samples_ns(Stage::Sort),
+                trace_ns: samples_ns(Stage::Trace),
+            });
         }
-        let (rows, mut not_timed) = (&mut self.rows[first..], row(UNSORTED, 0, 0.0));
-        in_rounds(rows.len(), run.repeats, seed_of(run.seed, id), |at, round| {
-            let row = if round.is_some() { &mut rows[at] } else { &mut not_timed };
-            match at.checked_sub(1) {
-                None => sample(backend, rays, row),
-                Some(method) => sorted_sample(backend, rays, hits, applicable[method], row),
-            }
-        })
+        Ok(())
     }
-}
-
-fn sample<B: Backend>(backend: &mut B, rays: &B::Rays, row: &mut KeyBitsRow) -> Result<()> {
-    backend.trace(rays, Order::Stored)?;
-    row.trace_ns.push(backend.elapsed_ns());
-    Ok(())
-}
-
-fn sorted_sample<B: Backend>(
-    backend: &mut B,
-    rays: &B::Rays,
-    hits: &B::Hits,
-    method: usize,
-    row: &mut KeyBitsRow,
-) -> Result<()> {
-    let keys = backend.key(rays, Some(hits), method)?;
-    row.key_ns.push(backend.elapsed_ns());
-    let order = backend.sort(&keys)?;
-    row.sort_ns.push(backend.elapsed_ns());
-    let gathered = backend.gather(rays, &order)?;
-    sample(backend, &gathered, row)
 }
 
 /// Mean capsule area of an order, weighted by rays, unit space; 0 for no rays.

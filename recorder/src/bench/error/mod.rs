@@ -18,12 +18,12 @@ use anyhow::Result;
 use formats::bench_result::error::ErrorRows;
 use formats::bench_result::{BenchResult, Rows};
 use formats::unit_space::UnitSpace;
-use scenes::{Camera, Scene};
+use scenes::Scene;
 
 use super::result;
 use crate::machine::{self, Device};
 use crate::options::RecordOptions;
-use crate::recording::{choose_camera, setup};
+use crate::recording::prepared;
 use crate::stages::setup::Setup;
 
 /// A curve of run time against error.
@@ -75,7 +75,6 @@ struct Bench<'a> {
     options: &'a ErrorBench,
     device: &'a Device,
     scene: &'a Scene,
-    camera: &'a Camera,
 }
 
 /// Measures every curve that is asked for.
@@ -87,9 +86,7 @@ pub fn run(options: &ErrorBench) -> Result<BenchResult> {
     let mut rows = ErrorRows::default();
     for name in &options.scenes {
         let scene = scenes::load(name)?;
-        let camera = choose_camera(&scene, options.run.camera.as_deref())?;
-        let bench = Bench { options, device: &device, scene: &scene, camera: &camera };
-        device.check_capacity(&*bench.setup(&options.run)?, &scene, &options.run)?;
+        let bench = Bench { options, device: &device, scene: &scene };
         for curve in &options.curves {
             eprintln!("{}: {curve:?}", scene.name);
             match curve {
@@ -105,7 +102,7 @@ pub fn run(options: &ErrorBench) -> Result<BenchResult> {
 
 impl Bench<'_> {
     fn setup(&self, run: &RecordOptions) -> Result<Arc<Setup>> {
-        Ok(Arc::new(setup(self.scene, self.camera, run)?))
+        prepared(self.device, self.scene, run)
     }
 
     fn unit(&self) -> UnitSpace {

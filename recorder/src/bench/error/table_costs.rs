@@ -10,6 +10,7 @@ use super::super::backends::{self, Measurement};
 use super::super::queues::Copied;
 use super::Bench;
 use crate::backends::{Backend, Table};
+use crate::measure::sampled;
 use crate::stages::setup::Setup;
 use crate::stages::trace::Order;
 
@@ -85,24 +86,23 @@ impl Measurement for Timing<'_> {
         for queue in self.queues {
             let rays = backend.upload(queue.queue(None))?;
             let hits = backend.trace(&rays, Order::Stored)?;
-            let (mut accumulate_ns, mut key_ns) = (Vec::new(), Vec::new());
-            for _ in 0..=self.repeats {
+            let rounds = sampled(1, self.repeats, 0, |_| {
+                let mut accumulate_ns = None;
                 if self.method == ADAPTIVE {
                     backend.accumulate(&rays, &hits, Table::Scratch)?;
-                    accumulate_ns.push(backend.elapsed_ns());
+                    accumulate_ns = Some(backend.elapsed_ns());
                 }
                 backend.key(&rays, Some(&hits), self.method)?;
-                key_ns.push(backend.elapsed_ns());
-            }
-            // The first round touches the memory.
-            let timed = |samples_ns: Vec<u64>| samples_ns.into_iter().skip(1).collect();
+                Ok((accumulate_ns, backend.elapsed_ns()))
+            })?;
+            let (accumulate_ns, key_ns): (Vec<_>, Vec<u64>) = rounds.into_iter().flatten().unzip();
             costs.push(Cost {
                 kind: queue.id.kind,
                 method: self.name,
                 bits: self.bits,
                 rays: queue.rays.len() as u64,
-                accumulate_ns: timed(accumulate_ns),
-                key_ns: timed(key_ns),
+                accumulate_ns: accumulate_ns.into_iter().flatten().collect(),
+                key_ns,
             });
         }
         Ok(costs)

@@ -19,7 +19,7 @@ use scenes::Scene;
 use super::result;
 use crate::machine::{self, Device};
 use crate::options::RecordOptions;
-use crate::recording::{choose_camera, setup};
+use crate::recording::prepared;
 use crate::stages::setup::Setup;
 
 /// What to measure: scenes one after the other.
@@ -50,9 +50,7 @@ pub fn run(options: &SkipBench) -> Result<BenchResult> {
     for name in &options.scenes {
         let run = RecordOptions { scene: name.clone(), ..options.run.clone() };
         let scene = scenes::load(name)?;
-        let camera = choose_camera(&scene, run.camera.as_deref())?;
-        let setup = Arc::new(setup(&scene, &camera, &run)?);
-        device.check_capacity(&setup, &scene, &run)?;
+        let setup = prepared(&device, &scene, &run)?;
         let bench = Bench { run: &run, device: &device, scene: &scene, setup: &setup };
         for part in [features::rows, queues::rows, files::rows] {
             rows.extend(part(bench)?);

@@ -11,7 +11,6 @@ mod rays;
 mod verdict;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
@@ -29,7 +28,7 @@ use crate::backends::RecordedRays;
 use crate::foreign::Foreign;
 use crate::machine;
 use crate::options::RecordOptions;
-use crate::recording::{RaySource, Recorded, Run, choose_camera, header, setup};
+use crate::recording::{RaySource, Recorded, Run, header, prepared};
 use crate::stages::setup::Setup;
 
 /// Everything that `recorder import` was asked for.
@@ -76,10 +75,8 @@ pub fn import(options: &ImportOptions) -> Result<Recorded> {
         ..options.run.clone()
     };
     let scene = scenes::load(&run.scene)?;
-    let camera = choose_camera(&scene, run.camera.as_deref())?;
     let device = machine::open(&run.device)?;
-    let setup = Arc::new(setup(&scene, &camera, &run)?);
-    device.check_capacity(&setup, &scene, &run)?;
+    let setup = prepared(&device, &scene, &run)?;
     find_lights(&mut queues, &setup, &scene)?;
     let mut notices = scene.notices.clone();
     notices.extend(device.notices());
@@ -104,9 +101,9 @@ pub fn import(options: &ImportOptions) -> Result<Recorded> {
         lengths: None,
     });
     let rays = RaySource::Recorded(recorded.collect());
-    let (foreign, options, calibration) = (&foreign, &run, Vec::new());
-    let run =
-        Run { scene: &scene, setup, options, header, rays, foreign, recorded: None, calibration, start };
+    let (scene, foreign, options, kernel) = (&scene, &foreign, &run, device.kernel(&run.device));
+    let (recorded, calibration) = (None, Vec::new());
+    let run = Run { scene, setup, options, kernel, header, rays, foreign, recorded, calibration, start };
     let mut recorded = run.on(device)?;
     let said = verdict.map(|Check { name, outcome, detail }| format!("{name}: {outcome} ({detail})"));
     recorded.notices.extend(said);

@@ -195,6 +195,11 @@ impl TraceKernel {
         self.row().1
     }
 
+    /// Whether it is ours: counts what it visits and finds the same on all devices, as the driver's does not.
+    pub fn is_ours(self) -> bool {
+        self.bvh_kind().is_some()
+    }
+
     /// Whether GPUs have it.
     pub fn is_for_gpus(self) -> bool {
         self.wgsl().is_some()
