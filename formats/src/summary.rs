@@ -8,6 +8,7 @@ use crate::manifest::{
     Adapter, ArrayRecord, CacheRecord, CalibrationRecord, Check, DecisionRecord, Features, Manifest, Options,
     Outcome, QueueRecord, Source, TimingRecord,
 };
+use crate::metrics::frame::Frame;
 use crate::metrics::speedup::{interquartile_range, median};
 use crate::ray::Kind;
 
@@ -46,6 +47,8 @@ pub struct Summary {
     pub self_check: Vec<Check>,
     /// What else was said to the user.
     pub notices: Vec<String>,
+    /// What sorting was worth: each method over all bounces.
+    pub frame: Frame,
     /// The queues, in the order in which they were traced.
     pub queues: Vec<QueueRecord>,
     /// The timings.
@@ -173,6 +176,7 @@ impl Summary {
             wall_ns: end.map(|end| end.wall_ns).filter(|&wall_ns| wall_ns > 0),
             self_check: header.self_check.clone(),
             notices: header.notices.clone(),
+            frame: Frame::of(manifest),
             queues: manifest.queues.clone(),
             timings: manifest.timings.iter().map(TimingLine::from).collect(),
             caches: manifest.caches.clone(),

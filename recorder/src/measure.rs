@@ -1,4 +1,8 @@
-//! Measures every order of one queue: key → sort → gather → trace → scatter, in rounds (DESIGN §7).
+//! Measures every order of one queue: key → sort → gather → trace → scatter, in rounds.
+//!
+//! The stages are those that Meister et al. (2020) count: computing keys, sorting them, reordering rays or tracing them
+//! through indices, and for adaptive ends adding lengths to the table. The speedup of the trace is what their tables have;
+//! net counts the rest, too.
 //!
 //! A round has the baseline, the control and every method once by each way of tracing what was sorted, in an order
 //! drawn for it, so that drift hits all alike and nothing always follows the same. Each way of a method has keys and

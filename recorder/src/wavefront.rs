@@ -1,4 +1,9 @@
-//! The loop: a path tracer in verbs, written once for any backend (DESIGN §2).
+//! The loop: a path tracer in verbs, written once for any backend.
+//!
+//! It sorts nothing. Meister et al. (2020, "On Ray Reordering Techniques for Faster GPU Ray Tracing") put keys and a sort
+//! before each trace; here [`crate::measure::Queued`] does so with every queue that the loop shows its observer, in all
+//! orders on the same rays, and the queue stays as it is. The loop that keeps its rays sorted, as a renderer would, is
+//! that of `bench::render`.
 
 use std::ops::Range;
 

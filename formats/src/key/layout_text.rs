@@ -127,7 +127,13 @@ impl LayoutText {
         self.append(&self.items, numbers, LAYOUT_BITS as usize, &mut bits)?;
         if bits.is_empty() {
             let whole = (0, self.text.chars().count().max(1));
-            return Err(self.error("a layout needs at least one coordinate", whole));
+            let message = match self.items.is_empty() {
+                true => "a layout needs at least one coordinate",
+                false => {
+                    "a layout needs a coordinate beside 'light' and 'tile', which have no bits where there is one of them"
+                }
+            };
+            return Err(self.error(message, whole));
         }
         let cuts_tail = bits.iter().flatten().any(|&(source, _)| numbered(source).is_some());
         if let Some(&(_, span)) = bits.get(LAYOUT_BITS as usize).and_then(|bit| bit.first())
@@ -157,8 +163,10 @@ impl LayoutText {
                         return Err(self.error(&message, span));
                     }
                 } else if *count > COORDINATE_BITS * axes.len() as u32 {
+                    let is_endless = self.items.iter().any(|item| matches!(item, Item::Group(_, None)));
+                    let hint = if is_endless { "; '*' without a number goes on to 64 bits" } else { "" };
                     let message = format!(
-                        "'{source}' is mentioned more than {COORDINATE_BITS} times, and a coordinate has no more bits than that"
+                        "'{source}' is mentioned more than {COORDINATE_BITS} times, and a coordinate has no more bits than that{hint}"
                     );
                     return Err(self.error(&message, span));
                 }
@@ -344,7 +352,7 @@ mod tests {
             ("u tile(64x8", 2, 4, "no ')'"),
             ("tile(8x8) ox tile(8x4)", 13, 4, "only once"),
             ("ox (tile(8x8) oy)*2", 4, 4, "only once"),
-            ("tile(8x8)", 0, 9, "at least one"),
+            ("tile(8x8)", 0, 9, "beside 'light' and 'tile'"),
             ("hilbert(ox tile)", 11, 4, "no coordinate"),
             ("ox ^ tile(8x8)", 5, 9, "0 bits and the one before 1"),
             ("ox \u{1b}", 3, 1, "found '\\u{1b}'"),

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::samples::Samples;
 use super::speedup::{Speedup, median};
 use crate::key::Termination;
-use crate::key::method::{CONTROL, UNSORTED};
+use crate::key::method::{AUTO, CONTROL, UNSORTED};
 use crate::manifest::{Manifest, QueueId};
 use crate::ray::Kind;
 use crate::text::{one_line, wrapped};
@@ -20,13 +20,15 @@ pub const COLUMNS: usize = 80;
 const MOST_ROWS: usize = 12;
 /// Characters of the longest name.
 const NAME: usize = 20;
+/// Characters of the longest name in a sentence.
+const LONG_NAME: usize = 60;
 
 /// One method over all bounces. Camera rays, which lie as the picture does, do not count.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FrameRow {
     /// Its name.
     pub method: String,
-    /// Unsorted trace over trace in its order, closest rays of bounces ≥ 1; `None` if it has none.
+    /// Unsorted trace over trace in its order, closest rays of bounces ≥ 1; `None` if it orders none of them.
     pub secondary: Option<Speedup>,
     /// The same of shadow rays.
     pub shadow: Option<Speedup>,
@@ -38,9 +40,10 @@ pub struct FrameRow {
 }
 
 /// The methods of a recording over all bounces.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Frame {
     /// Million unsorted rays a second: secondary, shadow.
+    #[serde(rename = "unsorted_mrays_per_second")]
     pub unsorted: [Option<f64>; 2],
     /// The methods, the best net speedup first; then those without one.
     pub rows: Vec<FrameRow>,
@@ -124,6 +127,13 @@ fn remark(manifest: &Manifest, method: &str) -> Option<&'static str> {
     manifest.foreign_orders().any(|order| order.name == method).then_some("no key time")
 }
 
+/// Whether `auto` left all rays of this kind alone that count.
+fn leaves_alone(manifest: &Manifest, method: &str, kind: Kind) -> bool {
+    let mut decisions = manifest.decisions.iter();
+    let is_chosen = decisions.any(|one| one.queue.kind == kind && counts(one.queue) && one.choice.is_some());
+    method == AUTO && !is_chosen
+}
+
 /// Unsorted trace over all stages of a method, of all rays that count: a queue that it does not order stays unsorted.
 fn net(manifest: &Manifest, samples: &Samples<'_>, method: &str) -> Option<Speedup> {
     if remark(manifest, method).is_some() {
@@ -165,7 +175,18 @@ impl Frame {
         let methods = times.chunk_by(|a, b| a.method == b.method);
         let row = |both: &[FrameTimes]| {
             let method = &both[0].method;
-            FrameRow::of(both, net(manifest, &samples, method), remark(manifest, method))
+            let orders: Vec<FrameTimes> =
+                both.iter().filter(|times| !leaves_alone(manifest, method, times.kind)).cloned().collect();
+            if orders.is_empty() {
+                return FrameRow {
+                    method: method.clone(),
+                    secondary: None,
+                    shadow: None,
+                    net: None,
+                    verdict: "left alone",
+                };
+            }
+            FrameRow::of(method, &orders, net(manifest, &samples, method), remark(manifest, method))
         };
         let mut rows: Vec<FrameRow> = methods.map(row).collect();
         let net = |row: &FrameRow| row.net.map_or(f64::NEG_INFINITY, |net| net.ratio);
@@ -208,11 +229,16 @@ impl Frame {
             return "Nothing says what sorting costs here: no method with a net speedup was measured."
                 .to_owned();
         };
-        let name = one_line(&best.method, NAME);
+        let name = one_line(&best.method, LONG_NAME);
         let ratio = net.ratio;
         let Some((low, high)) = net.interval else {
+            let so = if ratio > 1.0 {
+                "so that it may be chance"
+            } else {
+                "but nothing was faster than unsorted rays"
+            };
             return format!(
-                "The best net speedup is that of {name}, {ratio:.2}×; fewer than 6 repeats have no interval, so that it may be chance."
+                "The best net speedup is that of {name}, {ratio:.2}×; fewer than 6 repeats have no interval, {so}."
             );
         };
         let with = |verdict: &str| known().filter(|(row, _)| row.verdict == verdict).count();
@@ -240,6 +266,18 @@ impl Frame {
     }
 }
 
+/// A name as the table has room for, its end in any case: variants of a sweep differ there.
+fn shortened(name: &str) -> String {
+    let name = one_line(name, 2 * COLUMNS);
+    let (most, characters) = (NAME - 1, name.chars().count());
+    if characters <= most {
+        return name;
+    }
+    let (head, tail) = (most / 2, most - 1 - most / 2);
+    let first = name.chars().take(head);
+    first.chain(['…']).chain(name.chars().skip(characters - tail)).collect()
+}
+
 /// How many methods cost more than they save.
 fn costly(count: usize) -> String {
     match count {
@@ -254,7 +292,7 @@ const COSTS: &str = "costs";
 
 impl FrameRow {
     /// Of a method's times on either kind of rays, and its net speedup.
-    fn of(both: &[FrameTimes], net: Option<Speedup>, remark: Option<&'static str>) -> Self {
+    fn of(method: &str, both: &[FrameTimes], net: Option<Speedup>, remark: Option<&'static str>) -> Self {
         let trace = |kind: Kind| both.iter().find(|times| times.kind == kind).and_then(FrameTimes::trace);
         let verdict = match net.and_then(|net| net.interval) {
             Some((low, _)) if low > 1.0 => PAYS,
@@ -263,7 +301,7 @@ impl FrameRow {
             None => "",
         };
         Self {
-            method: both.first().map_or(String::new(), |times| times.method.clone()),
+            method: method.to_owned(),
             secondary: trace(Kind::Closest),
             shadow: trace(Kind::Shadow),
             net,
@@ -276,7 +314,7 @@ impl FrameRow {
             |speedup: Option<Speedup>| speedup.map_or("–".to_owned(), |one| format!("{:.2}×", one.ratio));
         let interval = self.net.and_then(|net| net.interval);
         let interval = interval.map_or(String::new(), |(low, high)| format!("{low:.2} to {high:.2}"));
-        let name = one_line(&self.method, NAME - 1);
+        let name = shortened(&self.method);
         let line = format!(
             "{name:<NAME$}{:>10} {:>10} {:>9}  {interval:<13}  {}",
             times(self.secondary),
@@ -321,6 +359,15 @@ mod tests {
     }
 
     #[test]
+    fn variants_of_a_sweep_are_told_apart() {
+        let names = ["two-point-length-0-05", "two-point-length-0-25", "octahedron-split-12-20", "aila"];
+        assert_eq!(
+            names.map(shortened),
+            ["two-point…ngth-0-05", "two-point…ngth-0-25", "octahedro…lit-12-20", "aila"]
+        );
+    }
+
+    #[test]
     fn the_sentence_says_what_the_best_interval_does() {
         let meaning = |net: Option<Speedup>, verdict| {
             let costly = row("costly", speedup(0.8, 0.7, 0.9), COSTS);
@@ -335,6 +382,8 @@ mod tests {
         assert!(said.starts_with("Sorting pays: with sure"), "{said}");
         assert!(meaning(speedup(1.25, 0.9, 1.5), "level").starts_with("Sorting is not shown to pay"));
         assert!(meaning(speedup(0.9, 0.85, 0.95), COSTS).starts_with("Sorting does not pay"));
-        assert!(meaning(Some(Speedup { ratio: 2.0, interval: None }), "").contains("fewer than 6 repeats"));
+        let few = |ratio| meaning(Some(Speedup { ratio, interval: None }), "");
+        assert!(few(2.0).contains("fewer than 6 repeats") && few(2.0).contains("chance"));
+        assert!(few(0.9).contains("nothing was faster"));
     }
 }

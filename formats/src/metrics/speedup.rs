@@ -1,4 +1,4 @@
-//! Speedups with bootstrap confidence intervals (DESIGN §7).
+//! Speedups with bootstrap confidence intervals.
 
 use std::collections::BTreeMap;
 

@@ -14,7 +14,7 @@ use crate::stages::trace::TraceKernel;
 use crate::stages::trace::cpu::CpuTracer;
 
 /// Something to measure on any backend.
-pub(super) trait Measurement {
+pub(super) trait OnBackends {
     /// What it gives.
     type Output: Send;
 
@@ -35,7 +35,7 @@ pub(super) struct Configuration {
 ///
 /// # Errors
 /// As [`measure_all`].
-pub(super) fn measure<M: Measurement + Send>(
+pub(super) fn measure<M: OnBackends + Send>(
     device: &Device,
     scene: &Scene,
     setup: &Arc<Setup>,
@@ -51,7 +51,7 @@ pub(super) fn measure<M: Measurement + Send>(
 ///
 /// # Errors
 /// If a hierarchy cannot be built, a backend not be made, and any of the measurement.
-pub(super) fn measure_all<M: Measurement + Send>(
+pub(super) fn measure_all<M: OnBackends + Send>(
     device: &Device,
     scene: &Scene,
     configurations: &[Configuration],

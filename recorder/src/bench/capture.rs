@@ -15,7 +15,7 @@ use formats::manifest::Source;
 use formats::metrics::speedup::{Instrument, Speedup, median};
 use scenes::Scene;
 
-use super::backends::{self, Measurement};
+use super::backends::{self, OnBackends};
 use super::{folder_bytes, result};
 use crate::backends::Backend;
 use crate::capture::BUFFER_BYTES;
@@ -81,7 +81,7 @@ struct Turns<'a> {
     options: &'a RecordOptions,
 }
 
-impl Measurement for Turns<'_> {
+impl OnBackends for Turns<'_> {
     type Output = CaptureRow;
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<CaptureRow> {

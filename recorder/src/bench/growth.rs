@@ -12,7 +12,7 @@ use formats::bench_result::{BenchResult, Rows};
 use formats::manifest::Stage;
 use scenes::{Light, Scene, builtin, bvh};
 
-use super::backends::{self, Measurement};
+use super::backends::{self, OnBackends};
 use super::result;
 use crate::backends::{Backend, Queue, Table};
 use crate::clock::Clock;
@@ -202,7 +202,7 @@ struct Passes<'a> {
     run: &'a RecordOptions,
 }
 
-impl Measurement for Passes<'_> {
+impl OnBackends for Passes<'_> {
     type Output = Took;
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Took> {

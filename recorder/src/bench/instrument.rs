@@ -6,7 +6,7 @@ use formats::manifest::Stage;
 use formats::metrics::speedup::{Instrument, Speedup};
 use scenes::Scene;
 
-use super::backends::{self, Measurement};
+use super::backends::{self, OnBackends};
 use super::result;
 use crate::backends::{Backend, Queue};
 use crate::machine;
@@ -48,7 +48,7 @@ struct OverPaths<'a> {
     scene: &'a Scene,
 }
 
-impl Measurement for OverPaths<'_> {
+impl OnBackends for OverPaths<'_> {
     type Output = Vec<InstrumentRow>;
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<InstrumentRow>> {

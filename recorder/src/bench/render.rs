@@ -23,7 +23,7 @@ use formats::metrics::speedup::{Instrument, Speedup};
 use formats::ray::Kind;
 use scenes::Scene;
 
-use super::backends::{self, Measurement};
+use super::backends::{self, OnBackends};
 use super::hit_orders::{HitOrder, Tally};
 use super::result;
 use crate::auto::Auto;
@@ -97,7 +97,7 @@ struct Frames<'a> {
     kernel: TraceKernel,
 }
 
-impl Measurement for Frames<'_> {
+impl OnBackends for Frames<'_> {
     type Output = (Vec<RenderRow>, Speedup);
 
     /// Rows, and what the control's frames but for moving paths come to, which must be 1.
@@ -398,7 +398,7 @@ mod tests {
         setup: &'a Setup,
     }
 
-    impl Measurement for AgainstTheLoop<'_> {
+    impl OnBackends for AgainstTheLoop<'_> {
         type Output = ();
 
         fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<()> {

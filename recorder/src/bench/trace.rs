@@ -8,7 +8,7 @@ use formats::metrics::lanes::{LaneUse, work_of};
 use formats::ray::Work;
 use scenes::Scene;
 
-use super::backends::{self, Measurement};
+use super::backends::{self, OnBackends};
 use super::queues::Copied;
 use super::result;
 use crate::backends::{Array, Backend, Queue, collected};
@@ -58,7 +58,7 @@ struct OverPaths<'a> {
     setup: &'a Setup,
 }
 
-impl Measurement for OverPaths<'_> {
+impl OnBackends for OverPaths<'_> {
     type Output = Vec<TraceRow>;
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<TraceRow>> {

@@ -64,7 +64,7 @@ pub(super) struct RecordArguments {
     #[arg(long)]
     camera: Option<String>,
     /// Radius of lights that the scene file makes points, world units: 0.05 in the paper; points if not given.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     light_radius: Option<f32>,
     /// Methods to compare, `all` or a list such as aila,two-point,auto; auto is what a calibration finds best for
     /// each queue; unsorted is always measured, control (canonical order, measured like a method), shuffled (a random
@@ -79,7 +79,7 @@ pub(super) struct RecordArguments {
     #[arg(long, default_value_t = 32)]
     key_bits: u32,
     /// Length that two-point assumes, in units of the scene's largest extent.
-    #[arg(long, default_value_t = 0.25)]
+    #[arg(long, default_value_t = 0.25, allow_negative_numbers = true)]
     two_point_length: f32,
     /// Address bits of the length tables, 8 to 24.
     #[arg(long, default_value_t = 20)]

@@ -67,7 +67,10 @@ impl Keep {
     /// An unknown word.
     pub fn parse(list: &str) -> Result<Self, OptionError> {
         let mut keep = Self::default();
-        for word in list.split(',').map(str::trim).filter(|word| *word != "none") {
+        if list.trim() == "none" {
+            return Ok(keep);
+        }
+        for word in list.split(',').map(str::trim) {
             *keep.flag(word).ok_or_else(|| OptionError::Keep { word: word.to_owned() })? = true;
         }
         Ok(keep)

@@ -82,7 +82,7 @@ pub fn parse_methods(list: &str, own: &[String]) -> Result<Vec<Method>, OptionEr
     for name in list.split(',').map(str::trim) {
         match name {
             "all" => BUILTIN[..IN_ALL].iter().try_for_each(|(name, ..)| add(Method::builtin(name)?))?,
-            UNSORTED | "" => {}
+            UNSORTED => {}
             _ => add(Method::builtin(name)?)?,
         }
     }
@@ -110,8 +110,10 @@ pub struct AskedOrders {
 pub fn parse_orders(list: &str, own: &[String]) -> Result<AskedOrders, OptionError> {
     let names = || list.split(',').map(str::trim);
     let named: Vec<&str> = names().filter(|name| ![AUTO, CONTROL, SHUFFLED].contains(name)).collect();
+    // Orders without a layout may be all that is asked for, a list of nothing is none.
+    let named = if named.is_empty() { UNSORTED.to_owned() } else { named.join(",") };
     Ok(AskedOrders {
-        methods: parse_methods(&named.join(","), own)?,
+        methods: parse_methods(&named, own)?,
         control: names().any(|name| name == CONTROL),
         shuffled: names().any(|name| name == SHUFFLED),
         auto: names().any(|name| name == AUTO || name == "all"),

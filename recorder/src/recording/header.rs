@@ -1,5 +1,7 @@
 //! What the manifest says about a run before its first array.
 
+use std::collections::BTreeSet;
+
 use formats::key::method::{AUTO, CONTROL, SHUFFLED, UNSORTED};
 use formats::manifest::{
     Backend, CameraPose, Features as FeatureNames, Header, MethodRecord, Options, SceneSummary, Source,
@@ -119,17 +121,28 @@ pub(super) fn headline(header: &Header, setup: &Setup) -> Vec<String> {
         ),
         format!("device   {} ({backend}), trace kernel {}", header.adapter.name, options.trace_kernel),
         format!(
-            "run      {}×{}, {} bounces, {} passes, {} repeats, {}-bit keys, seed {}",
+            "run      {}×{}, {}, {}, {}, {}-bit keys, seed {}",
             setup.width,
             setup.height,
-            setup.bounces,
-            options.passes,
-            options.repeats,
-            options.key_bits,
+            counted(setup.bounces, "bounce", "bounces"),
+            counted(options.passes, "pass", "passes"),
+            counted(options.repeats, "repeat", "repeats"),
+            key_bits(setup, options.key_bits),
             setup.seed
         ),
-        format!("scene uses {}; skipped: {}", list(&header.features.used), list(&header.features.skipped)),
+        format!("scene uses {}; it has no {}", list(&header.features.used), list(&header.features.skipped)),
     ]
+}
+
+fn counted(number: u32, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
+}
+
+/// The bits of keys of a run, in ascending order; those that were asked for where no method has keys.
+fn key_bits(setup: &Setup, asked: u32) -> String {
+    let bits: BTreeSet<u32> = setup.named().iter().map(|method| method.key_bits).collect();
+    let bits = if bits.is_empty() { [asked].into() } else { bits };
+    bits.iter().map(u32::to_string).collect::<Vec<_>>().join("/")
 }
 
 fn list(words: &[String]) -> String {

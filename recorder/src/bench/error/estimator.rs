@@ -15,7 +15,7 @@ use formats::ray::{Kind, Ray};
 use formats::unit_space::UnitSpace;
 use rayon::prelude::*;
 
-use super::super::backends::{self, Measurement};
+use super::super::backends::{self, OnBackends};
 use super::super::queues::{Copied, strata};
 use super::Bench;
 use super::table_costs::{Address, CONSTANT, Cost, FIXED, TABLE_BITS, costs};
@@ -98,7 +98,7 @@ struct Learning<'a> {
     learnt: Learnt,
 }
 
-impl Measurement for Learning<'_> {
+impl OnBackends for Learning<'_> {
     type Output = Learnt;
 
     fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Learnt> {

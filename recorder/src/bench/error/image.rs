@@ -13,7 +13,7 @@ use formats::manifest::{Stage, Way};
 use formats::metrics::speedup::Speedup;
 use formats::ray::Kind;
 
-use super::super::backends::{self, Measurement};
+use super::super::backends::{self, OnBackends};
 use super::Bench;
 use crate::backends::{Backend, Queue, picture};
 use crate::measure::{Measured, Queued, Subject};
@@ -69,7 +69,7 @@ struct Reference {
     bounces: u32,
 }
 
-impl Measurement for Reference {
+impl OnBackends for Reference {
     type Output = Vec<[f32; 3]>;
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<[f32; 3]>> {
@@ -101,7 +101,7 @@ struct Pictures<'a> {
     noise: Vec<f64>,
 }
 
-impl Measurement for Pictures<'_> {
+impl OnBackends for Pictures<'_> {
     type Output = Vec<ImageRow>;
 
     fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Vec<ImageRow>> {

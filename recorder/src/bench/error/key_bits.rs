@@ -10,7 +10,7 @@ use formats::ray::{Kind, Ray};
 use formats::unit_space::UnitSpace;
 use rayon::prelude::*;
 
-use super::super::backends::{self, Measurement};
+use super::super::backends::{self, OnBackends};
 use super::Bench;
 use super::estimator::traced_lengths;
 use crate::backends::{Array, Backend, Queue, collected};
@@ -46,7 +46,7 @@ struct Orders<'a> {
     rows: Vec<KeyBitsRow>,
 }
 
-impl Measurement for Orders<'_> {
+impl OnBackends for Orders<'_> {
     type Output = Vec<KeyBitsRow>;
 
     fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Vec<KeyBitsRow>> {

@@ -12,7 +12,7 @@ use formats::ray::{Hit, Kind, Ray};
 use rayon::prelude::*;
 use scenes::Scene;
 
-use super::super::backends::{Configuration, Measurement, measure, measure_all};
+use super::super::backends::{Configuration, OnBackends, measure, measure_all};
 use super::super::queues::strata;
 use super::Bench;
 use crate::backends::{Array, Backend, Queue, RecordedRays, collected};
@@ -77,7 +77,7 @@ struct Sample {
     rays: Vec<Ray>,
 }
 
-impl Measurement for Sample {
+impl OnBackends for Sample {
     type Output = Vec<Ray>;
 
     fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Vec<Ray>> {
@@ -109,7 +109,7 @@ struct Traced {
     samples_ns: Vec<u64>,
 }
 
-impl Measurement for Tracing<'_> {
+impl OnBackends for Tracing<'_> {
     type Output = Vec<Traced>;
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<Traced>> {

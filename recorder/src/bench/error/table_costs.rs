@@ -6,7 +6,7 @@ use anyhow::Result;
 use formats::key::{Encoder, Layout};
 use formats::ray::Kind;
 
-use super::super::backends::{self, Measurement};
+use super::super::backends::{self, OnBackends};
 use super::super::queues::Copied;
 use super::Bench;
 use crate::backends::{Backend, Table};
@@ -77,7 +77,7 @@ struct Timing<'a> {
     bits: u32,
 }
 
-impl Measurement for Timing<'_> {
+impl OnBackends for Timing<'_> {
     type Output = Vec<Cost>;
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<Cost>> {

@@ -7,7 +7,7 @@ use formats::bench_result::skip::SkipRow;
 use formats::manifest::Stage;
 use scenes::features::Features;
 
-use super::super::backends::{Configuration, Measurement, measure_all};
+use super::super::backends::{Configuration, OnBackends, measure_all};
 use super::Bench;
 use crate::backends::{Backend, picture};
 use crate::machine::Device;
@@ -85,7 +85,7 @@ struct Sides<'a> {
     bench: Bench<'a>,
 }
 
-impl Measurement for Sides<'_> {
+impl OnBackends for Sides<'_> {
     type Output = Vec<Side>;
 
     /// Passes on each backend, in rounds.

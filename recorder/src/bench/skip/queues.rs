@@ -6,7 +6,7 @@ use formats::length_table::LengthCell;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 
-use super::super::backends::{self, Measurement};
+use super::super::backends::{self, OnBackends};
 use super::super::sort::{random_keys, sorted_by};
 use super::Bench;
 use crate::backends::{Array, Backend, RecordedRays, Table, collected, picture};
@@ -57,7 +57,7 @@ struct OverPaths<'a> {
     bench: Bench<'a>,
 }
 
-impl Measurement for OverPaths<'_> {
+impl OnBackends for OverPaths<'_> {
     type Output = Vec<SkipRow>;
 
     fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<SkipRow>> {

@@ -24,6 +24,18 @@ use super::moeller_trumbore::PlainRay;
 use super::triangle::{LeafTriangle, TriangleRay};
 use super::{BoxTest, Order, Precision, TraceKernel, TriangleTest};
 
+// What a search is compiled for, by name: boxes that are padded or not, what it asks for, scenes with masks or
+// without, instructions.
+const PADDED: bool = true;
+const PLAIN: bool = false;
+const ANY_HIT: bool = true;
+const NEAREST: bool = false;
+const MASKED: bool = true;
+const UNMASKED: bool = false;
+#[cfg(target_arch = "x86_64")]
+const AVX2: bool = true;
+const PORTABLE: bool = false;
+
 /// Traces rays through a hierarchy on the threads of the current rayon pool.
 #[derive(Clone, Debug)]
 pub struct CpuTracer {
@@ -130,7 +142,7 @@ impl CpuTracer {
             Hits::Shadow(distances) => {
                 let keep = |place: &AtomicU32, hit: Hit, ()| place.store(hit.t.to_bits(), Relaxed);
                 for_each_part(rays, order, distances, chunk, |part| {
-                    self.search::<_, Shear, _, true, true>(part, &(), keep)
+                    self.search::<_, Shear, _, PADDED, ANY_HIT>(part, &(), keep)
                 });
             }
         }
@@ -184,8 +196,8 @@ impl CpuTracer {
         let part = Part::new(rays, &places);
         let keep = |(): &(), _, account| accounts.push(account);
         match kind {
-            Kind::Closest => self.search::<_, Shear, _, true, false>(part, account, keep),
-            Kind::Shadow => self.search::<_, Shear, _, true, true>(part, account, keep),
+            Kind::Closest => self.search::<_, Shear, _, PADDED, NEAREST>(part, account, keep),
+            Kind::Shadow => self.search::<_, Shear, _, PADDED, ANY_HIT>(part, account, keep),
         }
         accounts
     }
@@ -194,37 +206,45 @@ impl CpuTracer {
         let Precision { triangles, boxes } = self.precision;
         match (triangles, boxes) {
             (TriangleTest::Watertight, BoxTest::Padded) => {
-                self.search::<_, Shear, _, true, false>(part, &(), keep)
+                self.search::<_, Shear, _, PADDED, NEAREST>(part, &(), keep)
             }
             (TriangleTest::Watertight, BoxTest::Plain) => {
-                self.search::<_, Shear, _, false, false>(part, &(), keep)
+                self.search::<_, Shear, _, PLAIN, NEAREST>(part, &(), keep)
             }
             (TriangleTest::MoellerTrumbore, BoxTest::Padded) => {
-                self.search::<_, PlainRay, _, true, false>(part, &(), keep);
+                self.search::<_, PlainRay, _, PADDED, NEAREST>(part, &(), keep);
             }
             (TriangleTest::MoellerTrumbore, BoxTest::Plain) => {
-                self.search::<_, PlainRay, _, false, false>(part, &(), keep);
+                self.search::<_, PlainRay, _, PLAIN, NEAREST>(part, &(), keep);
             }
         }
     }
 
     /// Traces some rays; `keep` takes the place of a ray's result, its hit and its account.
-    fn search<A: Account, R: TriangleRay, T, const PADDED: bool, const ANY: bool>(
+    fn search<A: Account, R: TriangleRay, T, const IS_PADDED: bool, const IS_ANY: bool>(
         &self,
         part: Part<'_, T>,
         account: &A,
         keep: impl FnMut(&T, Hit, A),
     ) {
         match &self.tree {
-            AnyTree::Binary(tree) => self.search_in::<_, A, R, T, PADDED, ANY>(tree, part, account, keep),
-            AnyTree::Compressed(tree) => self.search_in::<_, A, R, T, PADDED, ANY>(tree, part, account, keep),
-            AnyTree::Wide(tree) => self.search_in::<_, A, R, T, PADDED, ANY>(tree, part, account, keep),
-            AnyTree::Lanes(tree) => self.search_in::<_, A, R, T, PADDED, ANY>(tree, part, account, keep),
-            AnyTree::Packet(tree) => self.search_in::<_, A, R, T, PADDED, ANY>(tree, part, account, keep),
+            AnyTree::Binary(tree) => {
+                self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep)
+            }
+            AnyTree::Compressed(tree) => {
+                self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep)
+            }
+            AnyTree::Wide(tree) => self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep),
+            AnyTree::Lanes(tree) => {
+                self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep)
+            }
+            AnyTree::Packet(tree) => {
+                self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep)
+            }
         }
     }
 
-    fn search_in<H: Searcher, A: Account, R: TriangleRay, T, const PADDED: bool, const ANY: bool>(
+    fn search_in<H: Searcher, A: Account, R: TriangleRay, T, const IS_PADDED: bool, const IS_ANY: bool>(
         &self,
         tree: &H,
         part: Part<'_, T>,
@@ -234,22 +254,26 @@ impl CpuTracer {
         let masks = &self.masks;
         match (self.instructions, masks.is_empty()) {
             (Instructions::Portable, true) => {
-                tree.search::<Compiled<A, R, PADDED, ANY, false, false>, T>(masks, part, account, keep);
+                tree.search::<Compiled<A, R, IS_PADDED, IS_ANY, UNMASKED, PORTABLE>, T>(
+                    masks, part, account, keep,
+                );
             }
             (Instructions::Portable, false) => {
-                tree.search::<Compiled<A, R, PADDED, ANY, true, false>, T>(masks, part, account, keep);
+                tree.search::<Compiled<A, R, IS_PADDED, IS_ANY, MASKED, PORTABLE>, T>(
+                    masks, part, account, keep,
+                );
             }
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `Instructions::Avx2` is chosen only where the processor has these instructions.
             (Instructions::Avx2, true) => unsafe {
-                search_avx2::<H, Compiled<A, R, PADDED, ANY, false, true>, T>(
+                search_avx2::<H, Compiled<A, R, IS_PADDED, IS_ANY, UNMASKED, AVX2>, T>(
                     tree, masks, part, account, keep,
                 );
             },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
             (Instructions::Avx2, false) => unsafe {
-                search_avx2::<H, Compiled<A, R, PADDED, ANY, true, true>, T>(
+                search_avx2::<H, Compiled<A, R, IS_PADDED, IS_ANY, MASKED, AVX2>, T>(
                     tree, masks, part, account, keep,
                 );
             },
