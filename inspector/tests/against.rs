@@ -138,6 +138,24 @@ fn the_frame_is_that_of_the_closing_table_and_of_any_two_methods() {
     assert_eq!(frame.net.known().unwrap().ratio, ratios[ratios.len() / 2]);
 }
 
+/// B, the table's numbers and its order are those of the strip, and B is the method that `info` names.
+#[test]
+fn b_and_the_table_go_by_the_number_in_the_strip() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let dump = Dump::open(context.recording().unwrap().dump.root()).unwrap();
+    let said = Frame::of(dump.manifest()).text();
+    assert!(said.contains(&format!("with {} these rays", context.selection.method)), "{said}");
+    let ranking = context.ranking(1);
+    let nets: Vec<f64> = ranking.iter().filter_map(|order| order.gain(&order.net)).collect();
+    assert!(nets.len() > 3 && nets.is_sorted_by(|a, b| a >= b), "{nets:?}");
+    for order in ranking.iter().filter(|order| order.method != UNSORTED) {
+        context.selection.order_by(&order.method);
+        let [frame, _] = context.versus().unwrap();
+        assert_eq!((&order.net, &order.trace), (&frame.net, &frame.trace), "{}", order.method);
+    }
+}
+
 #[test]
 fn a_frame_has_rays_that_a_method_does_not_order_as_they_lie() {
     const SHADOW_RAYS_ALONE: &str = "light-octahedron";

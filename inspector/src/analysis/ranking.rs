@@ -6,13 +6,13 @@ use formats::key::method::{CONTROL, UNSORTED};
 
 use super::coherence::{Coherence, LaneUtilisation};
 use super::summary::RayClass;
-use super::timing::SpeedupLine;
-use super::{FrameAnalysis, Metric, OrderAnalysis, RecordingAnalysis};
+use super::timing::{SpeedupLine, Verdict};
+use super::{Metric, OrderAnalysis, RecordingAnalysis, Versus};
 
 /// Lanes of a warp.
 const WARP: usize = 32;
 
-/// One of the orders. Speedups are over unsorted rays, of all bounces of the kind.
+/// One of the orders. Speedups are over unsorted rays, on the whole frame: closest and shadow rays of all bounces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RankedOrder {
     /// The method, `unsorted`, or an order that was made and not measured.
@@ -21,7 +21,7 @@ pub struct RankedOrder {
     pub net: Metric<SpeedupLine>,
     /// Of the trace alone.
     pub trace: Metric<SpeedupLine>,
-    /// Net speedup of each bounce, or that of the trace where there is none.
+    /// Net speedup of each bounce of the selected kind, or that of the trace where there is none.
     pub by_bounce: Vec<f64>,
     /// Of a queue: mean capsule area over that of unsorted rays; `None` while it is awaited.
     pub area: Option<Metric<f64>>,
@@ -34,22 +34,35 @@ pub fn rank(orders: &mut [RankedOrder]) {
     orders.sort_by(RankedOrder::by_gain);
 }
 
-/// The method that gains most net over all bounces of some rays, or else most in tracing; `None` if none was timed.
-pub fn best<'a>(times: &RecordingAnalysis, rays: RayClass, methods: &'a [String]) -> Option<&'a str> {
-    let of = |pick: fn(&FrameAnalysis) -> &Metric<SpeedupLine>| {
-        let ratio = |method: &str| pick(times.frame(rays, method)?).known().map(|line| line.ratio);
+/// Of `methods`, the one that is best on the whole frame, by what each gains over unsorted rays: that which gains most
+/// net, one that surely pays before one that may do so by chance, as the sentence that ends `inspector info` has it;
+/// or else most in tracing. `None` if none was timed.
+pub fn best<'a>(over_unsorted: &[(String, Versus)], methods: &'a [String]) -> Option<&'a str> {
+    let of = |pick: fn(&Versus) -> &Metric<SpeedupLine>| {
+        let line = |method: &str| {
+            let (_, versus) = over_unsorted.iter().find(|(name, _)| name == method)?;
+            pick(versus).known()
+        };
         // The control is canonical order through the same stages: what it gains is the instrument's error.
         let methods = methods.iter().filter(|method| *method != CONTROL);
-        let ratios = methods.filter_map(|method| Some((method, ratio(method)?)));
-        ratios.max_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(method, _)| method.as_str())
+        let lines = methods.filter_map(|method| Some((method, line(method)?)));
+        let pays = |line: &SpeedupLine| line.verdict == Verdict::Faster;
+        let best = lines.max_by(|(_, a), (_, b)| pays(a).cmp(&pays(b)).then(a.ratio.total_cmp(&b.ratio)));
+        best.map(|(method, _)| method.as_str())
     };
-    of(|frame| &frame.net_speedup).or_else(|| of(|frame| &frame.trace_speedup))
+    of(|versus| &versus.net).or_else(|| of(|versus| &versus.trace))
 }
 
 impl RankedOrder {
-    /// What was measured of a method over all bounces of some rays; nothing, for this reason, where it was not.
-    pub fn timed(times: Option<&RecordingAnalysis>, rays: RayClass, method: String, reason: &str) -> Self {
-        let frame = times.and_then(|times| times.frame(rays, &method));
+    /// What was measured of a method, on the whole frame and bounce by bounce of some rays; nothing, for this reason,
+    /// where it was not.
+    pub fn timed(
+        times: Option<&RecordingAnalysis>,
+        frame: Option<&Versus>,
+        rays: RayClass,
+        method: String,
+        reason: &str,
+    ) -> Self {
         let line = |of: Option<&Metric<SpeedupLine>>| of.cloned().unwrap_or_else(|| Metric::missing(reason));
         let queues = times.into_iter().flat_map(RecordingAnalysis::measured);
         let queues = queues.filter(|queue| RayClass::of(queue) == Some(rays));
@@ -57,8 +70,8 @@ impl RankedOrder {
             order.net_speedup.known().or(order.trace_speedup.known()).map(|line| line.ratio)
         };
         Self {
-            net: line(frame.map(|frame| &frame.net_speedup)),
-            trace: line(frame.map(|frame| &frame.trace_speedup)),
+            net: line(frame.map(|frame| &frame.net)),
+            trace: line(frame.map(|frame| &frame.trace)),
             by_bounce: queues.filter_map(|queue| queue.order(&method).and_then(gain)).collect(),
             area: None,
             lanes: None,
@@ -117,7 +130,6 @@ fn descending(one: Option<f64>, other: Option<f64>) -> Ordering {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::timing::Verdict;
 
     fn order(method: &str, net: Option<f64>, trace: Option<f64>, area: Option<f64>) -> RankedOrder {
         let line = |ratio: Option<f64>| {
@@ -148,5 +160,24 @@ mod tests {
         rank(&mut orders);
         let names = orders.each_ref().map(|order| order.method.as_str());
         assert_eq!(names, ["fast", UNSORTED, "slow", "trace", "two-point-real", "what-if", "untimed"]);
+    }
+
+    #[test]
+    fn the_best_surely_pays_or_gains_most() {
+        let frame = |method: &str, ratio: f64, verdict| {
+            let net = Metric::Known(SpeedupLine { ratio, interval: None, verdict, n: 7 });
+            (method.to_owned(), Versus { trace: net.clone(), net, rays: Vec::new() })
+        };
+        let level = Verdict::NoSignificantDifference;
+        let all = [
+            frame(CONTROL, 1.5, Verdict::Faster),
+            frame("lucky", 1.3, level),
+            frame("sure", 1.2, Verdict::Faster),
+            frame("surer", 1.1, Verdict::Faster),
+        ];
+        let methods = all.each_ref().map(|(method, _)| method.clone());
+        assert_eq!(best(&all, &methods), Some("sure"));
+        assert_eq!(best(&all, &methods[..2]), Some("lucky"), "the control is no method");
+        assert_eq!(best(&all, &methods[..1]), None);
     }
 }

@@ -4,7 +4,7 @@ use formats::key::method::UNSORTED;
 use serde::Serialize;
 
 use super::frame::{summed, traced};
-use super::summary::RayClass;
+use super::summary::{RayClass, distinct};
 use super::timing::{SpeedupLine, Time, Verdict};
 use super::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 
@@ -38,6 +38,17 @@ impl Versus {
         };
         let order = if is_there(a) && is_there(b) { or_unsorted } else { QueueAnalysis::order as Lookup };
         Self::by([a, b], is_frame, order)
+    }
+
+    /// Each method of a recording over unsorted rays on the whole frame, in the order in which they come up.
+    pub fn over_unsorted(recording: &RecordingAnalysis) -> Vec<(String, Self)> {
+        let queues = recording.measured().filter(|queue| RayClass::of(queue).is_some());
+        let methods = distinct(queues.flat_map(|queue| &queue.orders).map(|order| order.method.as_str()));
+        let of = |method: &str| {
+            let orders = [UNSORTED, method].map(|method| OrderOf { recording, method });
+            (method.to_owned(), Self::on_frame(orders))
+        };
+        methods.into_iter().filter(|method| *method != UNSORTED).map(of).collect()
     }
 
     /// On the queues of B that `is_meant`.

@@ -29,10 +29,11 @@ impl Context {
             let reason = match (times, &*method) {
                 (_, WHAT_IF) => "it was made here, not measured; `recorder replay` measures it",
                 (None, _) => "the recording is not finished",
-                _ => "it was not measured on these rays",
+                _ => "it was not measured on secondary or shadow rays",
             };
             let found = of(&method);
-            let order = RankedOrder::timed(times, rays, method, reason);
+            let frame = recording.over_unsorted(&method);
+            let order = RankedOrder::timed(times, frame, rays, method, reason);
             match (found, &unknown) {
                 (Some(found), _) => order.with(&found.coherence, &found.lanes, unsorted),
                 (None, Some(Absent::Impossible(why))) => {

@@ -15,7 +15,7 @@ use formats::unit_space::UnitSpace;
 use crate::analysis::image_plane::ImagePlane;
 use crate::analysis::ranking::best;
 use crate::analysis::summary::RayClass;
-use crate::analysis::{self, Depth, QueueAnalysis, RecordingAnalysis};
+use crate::analysis::{self, Depth, QueueAnalysis, RecordingAnalysis, Versus};
 use crate::shown;
 
 /// An open recording with its times.
@@ -30,6 +30,8 @@ pub struct Recording {
     /// What its header says, with names that can be shown.
     pub shown: Header,
     queues: Vec<QueueRecord>,
+    /// What each method gains over unsorted rays on the whole frame.
+    over_unsorted: Vec<(String, Versus)>,
     /// A number of its own, another one each time that it is read again.
     pub opening: u64,
     /// The scene's hierarchy, read by the first that needs it.
@@ -47,13 +49,15 @@ impl Recording {
             analysis::AnalysisOptions { depth: Depth::Manifest, ..analysis::AnalysisOptions::default() };
         let analysis = analysis::analyse(std::slice::from_ref(&dump), &options).ok();
         let times = analysis.and_then(|analysis| analysis.recordings.into_iter().next());
+        let over_unsorted = times.as_ref().map_or_else(Vec::new, Versus::over_unsorted);
         let name = dump.root().file_stem();
         let label = name.map_or_else(String::new, |name| shown::name(&name.to_string_lossy()));
         let shown = shown::header(&dump.manifest().header);
         let queues = queues(&dump);
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let opening = NEXT.fetch_add(1, Ordering::Relaxed);
-        Ok(Self { dump: Arc::new(dump), times, label, shown, queues, opening, hierarchy: Arc::default() })
+        let (dump, hierarchy) = (Arc::new(dump), Arc::default());
+        Ok(Self { dump, times, label, shown, queues, over_unsorted, opening, hierarchy })
     }
 
     /// Reads it again, by its final name if its recorder has ended since.
@@ -92,13 +96,16 @@ impl Recording {
         self.times.as_ref()?.queues.iter().find(is_of)
     }
 
-    /// The method of a queue that gains most net over all bounces of its kind, or else most in tracing; the first
-    /// one if none was timed.
+    /// What a method gains over unsorted rays on the whole frame; `None` if it was not measured there.
+    pub fn over_unsorted(&self, method: &str) -> Option<&Versus> {
+        self.over_unsorted.iter().find(|(name, _)| name == method).map(|(_, versus)| versus)
+    }
+
+    /// The method of a queue that gains most on the whole frame, see [`best`]; the first one if none was timed.
     pub fn best_method(&self, queue: QueueId) -> &str {
         let methods = self.methods(queue);
-        let best = self.times.as_ref().and_then(|times| best(times, class_of(queue.kind), methods));
         let first = || methods.iter().find(|method| *method != UNSORTED).map(String::as_str);
-        best.or_else(first).unwrap_or(UNSORTED)
+        best(&self.over_unsorted, methods).or_else(first).unwrap_or(UNSORTED)
     }
 
     /// What the manifest says of a method; `None` for `unsorted`.

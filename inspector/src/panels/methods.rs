@@ -1,4 +1,4 @@
-//! All orders in one table, the one that gains most first: a click makes one B, with shift A.
+//! All orders in one table, the one that gains most on the whole frame first: a click makes one B, with shift A.
 
 use egui::{Align, Label, Layout, RichText, Ui, pos2, vec2};
 use egui_extras::{Column, TableBuilder, TableRow};
@@ -9,7 +9,6 @@ use crate::analysis::Metric;
 use crate::analysis::ranking::RankedOrder;
 use crate::analysis::timing::{SpeedupLine, Verdict};
 use crate::model::Context;
-use crate::model::recording::class_of;
 use crate::model::what_if::WHAT_IF;
 use crate::output::times;
 use crate::panels::data::Data;
@@ -27,10 +26,14 @@ const COLUMNS: [(&str, f32, &str); 7] = [
     (
         "net",
         52.0,
-        "Unsorted trace over all that tracing in this order takes, key and sort included; all bounces; \u{2248} is no significant difference",
+        "Unsorted trace over all that tracing in this order takes, key and sort included, on the whole frame, as in the strip; \u{2248} is no significant difference",
     ),
-    ("trace", 52.0, "Unsorted trace over the trace in this order alone; all bounces"),
-    ("by bounce", 66.0, "Net speedup from bounce to bounce; the line across is 1: as fast as unsorted"),
+    ("trace", 52.0, "Unsorted trace over the trace in this order alone, on the whole frame"),
+    (
+        "by bounce",
+        66.0,
+        "Net speedup from bounce to bounce of the selected kind of rays; the line across is 1: as fast as unsorted",
+    ),
     (
         "area",
         52.0,
@@ -54,9 +57,8 @@ impl Panel for MethodsPanel {
         if ranking.is_empty() {
             return hint(ui, "no method was measured on these rays; the last pass is the measured one");
         }
-        let rays = class_of(context.selection.queue.kind).name();
         ui.horizontal_wrapped(|ui| {
-            ui.label(format!("Speedup over unsorted, {rays} rays, all bounces."));
+            ui.label("Speedup over unsorted, whole frame (secondary + shadow rays).");
             ui.weak("Click: B. Shift-click: A.");
         });
         let mut chosen = None;
