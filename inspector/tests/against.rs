@@ -156,6 +156,26 @@ fn b_and_the_table_go_by_the_number_in_the_strip() {
     }
 }
 
+/// B is the best order of the recording that is looked at, until another one is chosen.
+#[test]
+fn of_several_recordings_b_is_the_best_of_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = sample::write(folder.path());
+    let queues: Vec<QueueId> =
+        Dump::open(&whole).unwrap().manifest().queues.iter().map(|record| record.id).collect();
+    let other = sample::thinned(&whole, "other", &queues, &["two-point"]);
+    let mut context = Context::open(&[other, whole]);
+    assert!(context.problems.is_empty(), "{:?}", context.problems);
+    let best = context.recording().unwrap().best_method(context.selection.queue).to_owned();
+    assert_ne!(best, "two-point", "the sample has a better one");
+    assert_eq!(context.selection.method, best);
+    context.select_recording(0);
+    assert_eq!(context.selection.method, "two-point");
+    context.order_by(UNSORTED);
+    context.select_recording(1);
+    assert_eq!(context.selection.method, UNSORTED, "what was chosen stays");
+}
+
 #[test]
 fn a_frame_has_rays_that_a_method_does_not_order_as_they_lie() {
     const SHADOW_RAYS_ALONE: &str = "light-octahedron";

@@ -60,6 +60,8 @@ pub struct Context {
     pub problems: Vec<Problem>,
     /// What the what-if order is made by, once it was asked for.
     pub what_if: Option<what_if::Settings>,
+    /// Whether B was chosen, and stays where another recording is looked at; otherwise it is the best order there.
+    pub(crate) is_b_chosen: bool,
     pub(super) derived: Derived,
     openings: Vec<(QueueKey, Arc<Opening>)>,
     queues: Background<QueueKey, Opened<Queue>>,
@@ -92,7 +94,7 @@ impl Context {
         }
     }
 
-    /// Looks at another recording, at the same queue and order if it has them.
+    /// Looks at another recording, at the same queue and the order that was chosen if it has them.
     pub fn select_recording(&mut self, at: usize) {
         let Some(recording) = self.recordings.get(at) else { return };
         let is_first = self.recordings.len() == 1;
@@ -103,7 +105,7 @@ impl Context {
         if let Some(queue) = queue {
             self.selection.queue = queue;
         }
-        if is_first {
+        if !self.is_b_chosen {
             self.order_by_best();
         }
         self.keep_orders();
@@ -308,6 +310,7 @@ impl Context {
 
     /// Looks at another order of the same rays.
     pub fn order_by(&mut self, method: &str) {
+        self.is_b_chosen = true;
         self.selection.order_by(method);
         self.select_rays(self.selection.rays());
     }

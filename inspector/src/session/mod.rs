@@ -294,6 +294,7 @@ impl SavedSelection {
         }
         context.go_to(queue);
         context.selection.group_width = width;
+        context.is_b_chosen = true;
         context.selection.order_by(&self.method);
         context.hold_against(self.baseline_recording, &self.baseline);
         if context.selection.baseline.method != self.baseline {

@@ -49,7 +49,8 @@ pub(crate) struct Shot {
     /// The kind of rays [default: closest].
     #[arg(long, value_parser = arguments::kind())]
     kind: Option<Kind>,
-    /// The order: a method, or unsorted [default: the method that gains most net].
+    /// The order: a method, or unsorted [default: the method that gains most net on the whole frame, of the
+    /// recording that is looked at].
     #[arg(long)]
     method: Option<String>,
     /// Selects a ray by its canonical index.
