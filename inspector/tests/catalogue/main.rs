@@ -486,6 +486,42 @@ fn frames_are_stacked_from_their_parts_beside_their_speedup() {
     assert!(made.caption.contains("none 4.5, material 1.0"), "{}", made.caption);
 }
 
+/// Of many recordings each panel has rows for the methods that are best there, and no row is empty.
+#[test]
+fn no_panel_of_many_is_without_its_methods() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut analysis = analysis(folder.path(), Depth::Manifest);
+    let whole = analysis.recordings[0].clone();
+    let mut few = whole.clone();
+    // What is best of all there stands last elsewhere; and a control that seems to gain most.
+    let is_kept = |method: &str| ["unsorted", "two-point-adaptive", "aila"].contains(&method);
+    few.queues.iter_mut().for_each(|queue| queue.orders.retain(|order| is_kept(&order.method)));
+    few.frames.retain(|frame| is_kept(&frame.method));
+    let orders = few.queues.iter_mut().flat_map(|queue| &mut queue.orders);
+    for order in orders.filter(|order| order.method == "aila") {
+        (order.method, order.base) = ("control".into(), "control".into());
+    }
+    for frame in few.frames.iter_mut().filter(|frame| frame.method == "aila") {
+        (frame.method, frame.base) = ("control".into(), "control".into());
+        let Metric::Known(line) = &mut frame.net_speedup else { panic!("it was timed") };
+        line.ratio = 9.0;
+    }
+    analysis.recordings = vec![whole.clone(), whole, few];
+    for (name, expected) in
+        [("overhead", vec!["unsorted", "two-point-adaptive"]), ("break-even", vec!["two-point-adaptive"])]
+    {
+        let made = figure(&Findings { analysis: &analysis, benches: &[] }, name).unwrap();
+        for (at, panel) in made.panels.iter().enumerate() {
+            let Scale::Categories(rows) = &panel.x.scale else { panic!("methods") };
+            let points = || series(panel).iter().flat_map(|series| &series.points);
+            let is_empty = |row: &usize| !points().any(|point| point.x == *row as f64);
+            assert_eq!((0..rows.len()).find(is_empty), None, "{name}, panel {at}: {rows:?}");
+            assert!(rows.len() <= 6 && (at < 4 || *rows == expected), "{name}, panel {at}: {rows:?}");
+        }
+        assert_eq!(made.panels.len(), 6);
+    }
+}
+
 /// A recording of variants alone is left out beside others, but shown where there is nothing else; tables
 /// and pictures that two recordings share are shown once.
 #[test]

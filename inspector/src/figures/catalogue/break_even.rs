@@ -2,7 +2,7 @@
 
 use formats::manifest::Stage;
 
-use super::building::{self, figure, leading, left_out, methods, reason, recordings, settings};
+use super::building::{self, figure, is_method, leading, left_out, methods, reason, recordings, settings};
 use super::{Findings, Made};
 use crate::analysis::RecordingAnalysis;
 use crate::analysis::break_even::BreakEven;
@@ -20,7 +20,7 @@ type Number = (f64, Option<(f64, f64)>);
 /// What tracing saves and what sorting takes, nanoseconds a ray, per method.
 pub fn break_even(findings: &Findings<'_>) -> Made {
     let (mut panels, mut limits) = (Vec::new(), Vec::new());
-    let (recordings, leading) = (recordings(findings), leading(findings));
+    let recordings = recordings(findings);
     for recording in &recordings {
         let mut of_recording = Vec::new();
         for rays in RayClass::ALL {
@@ -29,6 +29,7 @@ pub fn break_even(findings: &Findings<'_>) -> Made {
                 .filter_map(|method| Some((method, BreakEven::of(recording, rays, method)?)));
             let mut found: Vec<(&str, BreakEven)> = found.collect();
             of_recording.extend(limit(rays, &found));
+            let leading = leading(findings, recording, rays);
             found.retain(|(method, _)| leading.contains(method));
             let title = if recordings.len() > 1 { recording.label.as_str() } else { "" };
             panels.push(panel(recording, title, rays, &found));
@@ -47,7 +48,8 @@ pub fn break_even(findings: &Findings<'_>) -> Made {
 
 /// What a sort may take at most: by the method that saves most.
 fn limit(rays: RayClass, found: &[(&str, BreakEven)]) -> Option<String> {
-    let (method, best) = found.iter().max_by(|(_, a), (_, b)| a.saved_ns.total_cmp(&b.saved_ns))?;
+    let methods = found.iter().filter(|(method, _)| is_method(method));
+    let (method, best) = methods.max_by(|(_, a), (_, b)| a.saved_ns.total_cmp(&b.saved_ns))?;
     let rays = rays.name();
     Some(if best.saved_ns > 0.0 {
         format!("{:.1} ns a {rays} ray ({method})", best.saved_ns)
@@ -86,7 +88,7 @@ mod tests {
     #[test]
     fn what_a_sort_may_take_is_what_the_best_method_saves() {
         let saving = |saved_ns| BreakEven { saved_ns, interval: None, cost_ns: 1.0, n: 1 };
-        let found = [("a", saving(-1.0)), ("f", saving(9.0)), ("h", saving(2.0))];
+        let found = [("a", saving(-1.0)), ("f", saving(9.0)), ("h", saving(2.0)), ("control", saving(99.0))];
         assert_eq!(limit(RayClass::Shadow, &found).unwrap(), "9.0 ns a shadow ray (f)");
         assert_eq!(limit(RayClass::Shadow, &[("a", saving(-1.0))]).unwrap(), "nothing with shadow rays");
     }

@@ -1,7 +1,7 @@
 //! What the figures share: series by method, settings, and the rule that nothing empty is drawn.
 
 use formats::bench_result::BenchResult;
-use formats::key::method::UNSORTED;
+use formats::key::method::{CONTROL, UNSORTED};
 use formats::metrics::speedup::{median, quantile};
 
 use super::{Findings, Made};
@@ -29,8 +29,8 @@ pub fn figure(
     Ok(Figure { name: String::new(), title: title.into(), caption: caption.into(), settings, panels })
 }
 
-/// Gives all panels in rows the rows of the one that has most, if that has theirs: they can then be compared across
-/// panels, and are named once.
+/// Gives all panels in rows the rows of the one that has most, if those are theirs and few more: they can then be
+/// compared across panels, and are named once.
 fn share_rows(panels: &mut [Panel]) {
     let rows = |panel: &Panel| match &panel.x.scale {
         Scale::Categories(names) if panel.content.is_in_rows() => Some(names.clone()),
@@ -38,7 +38,7 @@ fn share_rows(panels: &mut [Panel]) {
     };
     let Some(all) = panels.iter().filter_map(rows).max_by_key(Vec::len) else { return };
     for panel in panels {
-        let Some(own) = rows(panel) else { continue };
+        let Some(own) = rows(panel).filter(|own| has_most(own, &all)) else { continue };
         let places: Option<Vec<usize>> =
             own.iter().map(|name| all.iter().position(|other| other == name)).collect();
         let Some(places) = places.filter(|places| places.is_sorted()) else { continue };
@@ -49,6 +49,11 @@ fn share_rows(panels: &mut [Panel]) {
             }
         }
     }
+}
+
+/// Whether so few rows are missing that their empty places are no loss: a quarter at most.
+fn has_most(own: &[String], all: &[String]) -> bool {
+    4 * own.len() >= 3 * all.len()
 }
 
 fn without_empty(mut panel: Panel) -> Option<Panel> {
@@ -145,9 +150,14 @@ fn measured_methods<'a>(findings: &Findings<'a>) -> Vec<(&'a str, bool)> {
 /// Variants, which sweeps show, are among them only if nothing else was measured.
 pub fn methods<'a>(findings: &Findings<'a>) -> Vec<&'a str> {
     let measured = measured_methods(findings);
-    let has_plain = measured.iter().any(|(method, is_variant)| !is_variant && *method != UNSORTED);
+    let has_plain = measured.iter().any(|(method, is_variant)| !is_variant && is_method(method));
     let shown = measured.into_iter().filter(|(_, is_variant)| !(has_plain && *is_variant));
     shown.map(|(method, _)| method).collect()
+}
+
+/// Neither `unsorted` nor the control, which are what methods are held against.
+pub fn is_method(name: &str) -> bool {
+    ![UNSORTED, CONTROL].contains(&name)
 }
 
 /// Recordings that have a row for every method in figures with panels for each.
@@ -155,23 +165,23 @@ const MOST_WITH_ALL: usize = 2;
 /// Methods besides `unsorted` otherwise, so that five recordings fit on a page.
 const MOST_METHODS: usize = 5;
 
-/// Of [`methods`], those that have rows in figures with panels for each recording: all, or of many recordings those
-/// that are best net.
-pub fn leading<'a>(findings: &Findings<'a>) -> Vec<&'a str> {
-    let all = methods(findings);
+/// Of [`methods`], those that have rows in a panel of these rays of a recording: all that were measured there, or,
+/// where there are many recordings, `unsorted` and those that are best net there.
+pub fn leading<'a>(findings: &Findings<'a>, recording: &RecordingAnalysis, rays: RayClass) -> Vec<&'a str> {
+    let mut rows = methods(findings);
+    rows.retain(|method| recording.frame(rays, method).is_some());
     if recordings(findings).len() <= MOST_WITH_ALL {
-        return all;
+        return rows;
     }
     let net = |method: &str| {
-        let frames = findings.analysis.recordings.iter().flat_map(|recording| &recording.frames);
-        let lines =
-            frames.filter(|frame| frame.method == method).filter_map(|frame| frame.net_speedup.known());
-        MeanSpeedup::of(lines).map_or(0.0, |mean| mean.mean)
+        let frame = recording.frame(rays, method).and_then(|frame| frame.net_speedup.known());
+        frame.map_or(0.0, |line| line.ratio)
     };
-    let mut best: Vec<&str> = all.iter().copied().filter(|method| *method != UNSORTED).collect();
+    let mut best: Vec<&str> = rows.iter().copied().filter(|method| is_method(method)).collect();
     best.sort_by(|a, b| net(b).total_cmp(&net(a)));
     best.truncate(MOST_METHODS);
-    all.into_iter().filter(|method| *method == UNSORTED || best.contains(method)).collect()
+    rows.retain(|method| *method == UNSORTED || best.contains(method));
+    rows
 }
 
 /// What a caption says of that.
@@ -179,15 +189,17 @@ pub fn left_out(findings: &Findings<'_>) -> String {
     if recordings(findings).len() <= MOST_WITH_ALL {
         return String::new();
     }
-    format!(" Of more than {MOST_WITH_ALL} recordings the {MOST_METHODS} methods that are best net.")
+    format!(
+        " Of more than {MOST_WITH_ALL} recordings each panel has the {MOST_METHODS} methods that are best net there."
+    )
 }
 
-/// The recordings of such figures: those in which one of [`methods`] was measured besides `unsorted`, or
-/// all if there is none.
+/// The recordings of such figures: those in which one of [`methods`] was measured besides `unsorted` and the control,
+/// or all if there is none.
 pub fn recordings<'a>(findings: &Findings<'a>) -> Vec<&'a RecordingAnalysis> {
     let methods = methods(findings);
     let is_shown =
-        |order: &OrderAnalysis| order.method != UNSORTED && methods.contains(&order.method.as_str());
+        |order: &OrderAnalysis| is_method(&order.method) && methods.contains(&order.method.as_str());
     let all = || findings.analysis.recordings.iter();
     let shown: Vec<&RecordingAnalysis> = all()
         .filter(|recording| recording.measured().any(|queue| queue.orders.iter().any(is_shown)))

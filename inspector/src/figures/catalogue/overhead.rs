@@ -30,8 +30,7 @@ pub fn overhead(findings: &Findings<'_>) -> Made {
 fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis, rays: RayClass) -> Panel {
     let measured: Vec<&QueueAnalysis> = queues(recording, rays).collect();
     let unsorted = stage_time(&measured, UNSORTED, Stage::Trace).map_or(f64::NAN, |(ns, _)| ns);
-    let has_method = |method: &&str| measured.iter().any(|queue| queue.order(method).is_some());
-    let methods: Vec<&str> = leading(findings).into_iter().filter(has_method).collect();
+    let methods = leading(findings, recording, rays);
     let series = |(at, stage): (usize, Stage)| -> Series {
         let points = methods.iter().enumerate().filter_map(|(place, method)| {
             let (ns, n) = stage_time(&measured, method, stage)?;
