@@ -1,6 +1,8 @@
 //! Analyses as text: methods beside each other, and what is missing for it.
 
+use formats::key::method::CONTROL;
 use formats::metrics::correlation::Correlation;
+use formats::metrics::speedup::INTERVAL_ROUNDS;
 use formats::text::one_line;
 
 use crate::analysis::study::StudyGroup;
@@ -99,25 +101,24 @@ fn speedup(speedup: &Metric<MeanSpeedup>) -> String {
     }
 }
 
-/// How many of the net speedups mean anything.
+/// How many of the net speedups mean anything. The control, which has none to gain, is not counted.
 fn significance(summaries: &[MethodSummary], rays: RayClass) -> Option<String> {
-    let known = || {
-        summaries
-            .iter()
-            .filter(|summary| summary.rays == rays)
-            .filter_map(|summary| summary.net_speedup.known())
-    };
-    let total: usize = known().map(|mean| mean.n).sum();
-    let faster: usize = known().map(|mean| mean.faster).sum();
-    let slower: usize = known().map(|mean| mean.slower).sum();
-    (total > 0).then(|| {
-        format!(
-            "{} rays, with all costs: {} measured, {faster} faster, {slower} slower, {} with no significant difference",
-            rays.name(),
-            counted(total as u64, "order", "orders"),
-            total - faster - slower
-        )
-    })
+    let own = summaries.iter().filter(|summary| summary.rays == rays && summary.method != CONTROL);
+    let known: Vec<&MeanSpeedup> = own.filter_map(|summary| summary.net_speedup.known()).collect();
+    let sum = |of: fn(&MeanSpeedup) -> usize| known.iter().map(|mean| of(mean)).sum::<usize>();
+    let [total, untested] = [sum(|mean| mean.n), sum(|mean| mean.untested)];
+    let [faster, slower] = [sum(|mean| mean.faster), sum(|mean| mean.slower)];
+    let mut said = vec![counted(total as u64, "order", "orders") + " measured"];
+    if total > untested {
+        let level = total - untested - faster - slower;
+        said.push(format!("{faster} faster, {slower} slower, {level} with no significant difference"));
+    }
+    said.extend(match untested {
+        0 => None,
+        all if all == total => Some(format!("not tested: fewer than {INTERVAL_ROUNDS} repeats")),
+        some => Some(format!("{some} not tested: fewer than {INTERVAL_ROUNDS} repeats")),
+    });
+    (total > 0).then(|| format!("{} rays, with all costs: {}", rays.name(), said.join(", ")))
 }
 
 /// What the arrays say: coherence of each order, length tables, correlations, and what is not known.
@@ -210,4 +211,50 @@ fn reasons(analysis: &Analysis) -> Option<String> {
 
 fn percent(share: f64) -> String {
     format!("{:.1} %", share * 100.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn summary(method: &str, [faster, untested]: [usize; 2]) -> MethodSummary {
+        let net = MeanSpeedup {
+            mean: 1.1,
+            lowest: 1.1,
+            highest: 1.1,
+            interval: None,
+            n: 1,
+            faster,
+            slower: 0,
+            untested,
+        };
+        MethodSummary {
+            configuration: "one".to_owned(),
+            rays: RayClass::Shadow,
+            method: method.to_owned(),
+            recordings: 1,
+            trace_speedup: Metric::Known(net),
+            net_speedup: Metric::Known(net),
+            capsule_area_ratio: Metric::missing("not read"),
+        }
+    }
+
+    #[test]
+    fn what_was_not_tested_is_no_difference_that_was_not_found() {
+        let control = summary(CONTROL, [0, 0]);
+        let said = |methods: [[usize; 2]; 2]| {
+            let [aila, mine] = methods.map(|of| summary("aila", of));
+            significance(&[control.clone(), aila, mine], RayClass::Shadow).unwrap()
+        };
+        let start = "shadow rays, with all costs: 2 orders measured";
+        let untested = "not tested: fewer than 6 repeats";
+        let faster = "1 faster, 0 slower";
+        assert_eq!(said([[0, 1], [0, 1]]), format!("{start}, {untested}"));
+        assert_eq!(said([[1, 0], [0, 0]]), format!("{start}, {faster}, 1 with no significant difference"));
+        assert_eq!(
+            said([[1, 0], [0, 1]]),
+            format!("{start}, {faster}, 0 with no significant difference, 1 {untested}")
+        );
+        assert_eq!(significance(&[control], RayClass::Shadow), None);
+    }
 }

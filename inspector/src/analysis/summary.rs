@@ -76,6 +76,8 @@ pub struct MeanSpeedup {
     pub faster: usize,
     /// Those that are slower, by their interval.
     pub slower: usize,
+    /// Those without an interval, of too few rounds.
+    pub untested: usize,
 }
 
 impl MeanSpeedup {
@@ -95,6 +97,7 @@ impl MeanSpeedup {
             n: speedups.len(),
             faster: with(Verdict::Faster),
             slower: with(Verdict::Slower),
+            untested: with(Verdict::Unknown),
         })
     }
 }
@@ -163,10 +166,12 @@ mod tests {
             line(2.0, Verdict::Faster),
             line(0.5, Verdict::Slower),
             line(8.0, Verdict::NoSignificantDifference),
+            line(2.0, Verdict::Unknown),
         ];
         let mean = MeanSpeedup::of(&lines).unwrap();
         assert!((mean.mean - 2.0).abs() < 1e-12);
-        assert_eq!((mean.lowest, mean.highest, mean.n, mean.faster, mean.slower), (0.5, 8.0, 3, 1, 1));
+        assert_eq!((mean.lowest, mean.highest, mean.n), (0.5, 8.0, 4));
+        assert_eq!((mean.faster, mean.slower, mean.untested), (1, 1, 1));
         assert_eq!(MeanSpeedup::of(&[]), None);
     }
 }
