@@ -1,5 +1,7 @@
 //! One view, unsorted and sorted, each with its rate.
 
+use formats::key::method::UNSORTED;
+
 use super::building::{figure, methods, recordings, settings};
 use super::{Findings, Made};
 use crate::analysis::Metric;
@@ -7,6 +9,7 @@ use crate::analysis::headline::{Headline, View};
 use crate::colour_map::ColourMap;
 use crate::figures::axis::number;
 use crate::figures::model::{Axis, Content, Panel, Picture};
+use crate::output::times;
 
 /// Pixels without a ray.
 const NO_RAY: [u8; 3] = [0; 3];
@@ -31,7 +34,7 @@ pub fn headline(findings: &Findings<'_>) -> Made {
         }
     }
     let caption = format!(
-        "Each pixel has the colour of the capsule around the {} secondary rays that its ray is traced together with, in pixel order and sorted by the method whose trace is the fastest: from dark blue (small: rays that stay close to each other) to yellow (large), by the logarithm of the area. Black: no ray. Rates are of the trace alone. Areas in unit space, {}.",
+        "Each pixel has the colour of the capsule around the {} secondary rays that its ray is traced together with, in pixel order and sorted by the method whose trace is the fastest: from dark blue (small: rays that stay close to each other) to yellow (large), by the logarithm of the area. Black: no ray. Rates are of the trace alone: of unsorted rays by its median, of sorted ones by that and the speedup in parentheses, the median over rounds, by which the method was chosen. Areas in unit space, {}.",
         findings.analysis.group_width,
         ranges.join("; ")
     );
@@ -62,7 +65,8 @@ fn panel(of: &str, found: &Headline, view: &View, (low, high): (f64, f64)) -> Pa
         rgb: view.areas.iter().map(colour).collect(),
         colour_bar: None,
     };
-    let title = format!("{of}{}: {} Mrays/s", view.method, rate(view.mrays_per_second));
+    let speedup = if view.method == UNSORTED { String::new() } else { format!(" ({})", times(view.speedup)) };
+    let title = format!("{of}{}: {} Mrays/s{speedup}", view.method, rate(view.mrays_per_second));
     Panel::new(title, Axis::from_zero(""), Axis::from_zero(""), Content::Picture(picture))
 }
 
