@@ -10,7 +10,7 @@ use egui_kittest::kittest::Queryable;
 use formats::key::Facts;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
-use inspector::analysis::GroupWidth;
+use inspector::analysis::{GroupWidth, Metric};
 use inspector::model::Absent;
 use inspector::model::derived::Filtered;
 use inspector::model::key::{ReadKey, field_text};
@@ -146,6 +146,22 @@ fn the_order_that_is_made_stands_beside_recorded_ones() {
     let other = context.awaited_order().unwrap();
     assert_ne!(made.serial, other.serial);
     assert!((0..made.len()).any(|place| made.places.ray(place) != other.places.ray(place)));
+}
+
+/// Nothing is awaited of an order that cannot be made.
+#[test]
+fn a_layout_that_is_wrong_has_no_numbers_and_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let header = &context.recording().unwrap().dump.manifest().header;
+    let settings = Settings::builtin("origin", header).unwrap();
+    context.what_if = Some(Settings { text: "foo*3 (".to_owned(), ..settings });
+    let mut harness = panel("methods", context);
+    let ranking = harness.state_mut().context.ranking(u64::MAX);
+    let order = ranking.iter().find(|order| order.method == WHAT_IF).unwrap();
+    for why in [order.area.as_ref().and_then(Metric::reason), order.lanes.as_ref().and_then(Metric::reason)] {
+        assert!(why.is_some_and(|why| why.contains("foo")), "{why:?}");
+    }
 }
 
 #[test]

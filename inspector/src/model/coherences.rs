@@ -99,14 +99,17 @@ impl Coherences {
 fn of_order(dump: &Dump, queue: &Arc<Queue>, method: &str, width: GroupWidth) -> OrderCoherence {
     match Order::open(dump, queue.clone(), method) {
         Ok(order) => OrderCoherence::of(&order, width),
-        Err(reason) => {
-            let (coherence, lanes) = (Metric::missing(&reason), Metric::missing(&reason));
-            OrderCoherence { method: method.to_owned(), coherence, lanes }
-        }
+        Err(reason) => OrderCoherence::missing(method, &reason),
     }
 }
 
 impl OrderCoherence {
+    /// Of an order that cannot be shown, for this reason.
+    pub fn missing(method: &str, reason: &str) -> Self {
+        let (coherence, lanes) = (Metric::missing(reason), Metric::missing(reason));
+        Self { method: method.to_owned(), coherence, lanes }
+    }
+
     /// Of an order in groups of this width.
     pub fn of(order: &Order, width: GroupWidth) -> Self {
         let queue = &order.queue;

@@ -3,6 +3,7 @@
 use formats::key::method::UNSORTED;
 
 use super::absent::Absent;
+use super::coherences::OrderCoherence;
 use super::context::Context;
 use super::recording::class_of;
 use super::what_if::WHAT_IF;
@@ -17,8 +18,11 @@ impl Context {
         let unknown = coherences.as_ref().err().cloned();
         let mut known = coherences.unwrap_or_default();
         if methods.iter().any(|method| method == WHAT_IF) {
-            // Its panel says why it cannot be made.
-            known.extend(self.what_if_coherence().ok().cloned());
+            known.extend(match self.what_if_coherence() {
+                Ok(found) => Some(found.clone()),
+                Err(Absent::Impossible(why)) => Some(OrderCoherence::missing(WHAT_IF, &why)),
+                Err(Absent::Awaited) => None,
+            });
         }
         let Some(recording) = self.recording() else { return Vec::new() };
         let rays = class_of(self.selection.queue.kind);
