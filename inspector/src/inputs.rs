@@ -7,10 +7,10 @@ use formats::reader::Dump;
 use formats::study::Study;
 
 use crate::analysis::summary::distinct;
-use crate::analysis::{Analysis, analyse_studies};
+use crate::analysis::{Analysis, analyse_studies, check_finished};
 use crate::figures::catalogue::{CATALOGUE, FigureMaker, Findings, Skipped};
 use crate::figures::model::Figure;
-use crate::output::say;
+use crate::output::{say, sentence};
 
 /// Scenes of a study whose first views have figures and tables of their own.
 const MOST_SCENES: usize = 8;
@@ -20,26 +20,53 @@ pub(crate) struct Inputs {
     pub(crate) recordings: Vec<Dump>,
     pub(crate) studies: Vec<Study>,
     pub(crate) benches: Vec<BenchResult>,
+    /// Why others cannot be used, a sentence each.
+    pub(crate) left_out: Vec<String>,
 }
 
 impl Inputs {
-    /// Opens each path: a file is a benchmark result, a folder a study or a recording.
+    /// Opens each path: a file is a benchmark result, a folder a study or a recording. What cannot be used is left
+    /// out, and said at once.
+    ///
+    /// # Errors
+    /// If nothing of it can be used.
     pub(crate) fn open(paths: &[PathBuf]) -> anyhow::Result<Self> {
-        let mut inputs = Self { recordings: Vec::new(), studies: Vec::new(), benches: Vec::new() };
+        let mut inputs =
+            Self { recordings: Vec::new(), studies: Vec::new(), benches: Vec::new(), left_out: Vec::new() };
         for path in paths {
-            if path.is_file() {
-                inputs.benches.push(BenchResult::read(path)?);
-            } else if Study::is_at(path) {
-                let study = Study::open(path)?;
-                for recording in first_views(&study) {
-                    inputs.recordings.push(Dump::open(&recording)?);
-                }
-                inputs.studies.push(study);
-            } else {
-                inputs.recordings.push(Dump::open(path)?);
+            if let Err(error) = inputs.add(path) {
+                inputs.left_out.push(sentence(&error));
             }
         }
+        let Self { recordings, studies, benches, left_out } = &inputs;
+        let is_empty = recordings.is_empty() && studies.is_empty() && benches.is_empty();
+        anyhow::ensure!(!is_empty, "{}", left_out.join("; "));
+        left_out.iter().for_each(|why| say(&format!("left out: {why}")));
         Ok(inputs)
+    }
+
+    fn add(&mut self, path: &Path) -> anyhow::Result<()> {
+        if path.is_file() {
+            self.benches.push(BenchResult::read(path)?);
+        } else if Study::is_at(path) {
+            let study = Study::open(path)?;
+            for recording in first_views(&study) {
+                if let Err(error) = self.add_recording(&recording) {
+                    self.left_out.push(sentence(&error));
+                }
+            }
+            self.studies.push(study);
+        } else {
+            self.add_recording(path)?;
+        }
+        Ok(())
+    }
+
+    fn add_recording(&mut self, path: &Path) -> anyhow::Result<()> {
+        let dump = Dump::open(path)?;
+        check_finished(std::slice::from_ref(&dump))?;
+        self.recordings.push(dump);
+        Ok(())
     }
 
     /// The numbers of all recordings, arrays included.

@@ -61,17 +61,18 @@ pub(crate) struct Plot {
 pub(crate) struct Made {
     pub(crate) files: Vec<PathBuf>,
     skipped: Vec<Skipped>,
+    /// Why inputs could not be used.
+    left_out: Vec<String>,
 }
 
 /// Writes the files of every figure, or of those that are named.
 pub(crate) fn plot(Plot { sources, figures, width }: &Plot) -> anyhow::Result<()> {
     check_names(figures)?;
-    print_made(&make(&sources.inputs, figures, *width, &sources.out)?, sources.json)
+    print_made(&make(&Inputs::open(&sources.inputs)?, figures, *width, &sources.out)?, sources.json)
 }
 
 /// Writes the files of every figure, or of those that are named, into a folder.
-pub(crate) fn make(inputs: &[PathBuf], names: &[String], width: Width, out: &Path) -> anyhow::Result<Made> {
-    let inputs = Inputs::open(inputs)?;
+pub(crate) fn make(inputs: &Inputs, names: &[String], width: Width, out: &Path) -> anyhow::Result<Made> {
     make_folder(out)?;
     let (figures, skipped) = inputs.figures(&inputs.analysis()?, names)?;
     let mut written = Vec::new();
@@ -79,7 +80,7 @@ pub(crate) fn make(inputs: &[PathBuf], names: &[String], width: Width, out: &Pat
         say(&figure.name);
         written.extend(files::write(figure, width, out)?);
     }
-    Ok(Made { files: written, skipped })
+    Ok(Made { files: written, skipped, left_out: inputs.left_out.clone() })
 }
 
 /// Writes one page with every figure, every table and how to repeat it, and the tables for other documents.
@@ -93,6 +94,7 @@ pub(crate) fn report(sources: &Sources) -> anyhow::Result<()> {
         pictures: photographs(&figures),
         findings: findings(&analysis),
         tables: tables(&analysis, &inputs.benches),
+        left_out: inputs.left_out.clone(),
         facts: inputs.recordings.iter().zip(&analysis.recordings).map(facts).collect(),
         figures,
         skipped,
@@ -105,7 +107,8 @@ pub(crate) fn report(sources: &Sources) -> anyhow::Result<()> {
             written.push(files::replace(&sources.out.join(name), text.as_bytes())?);
         }
     }
-    print_made(&Made { files: written, skipped: report.skipped }, sources.json)
+    let Report { skipped, left_out, .. } = report;
+    print_made(&Made { files: written, skipped, left_out }, sources.json)
 }
 
 /// The pictures of the scenes, as a figure has them.
@@ -180,10 +183,11 @@ fn make_folder(out: &Path) -> anyhow::Result<()> {
 }
 
 fn print_made(made: &Made, json: bool) -> anyhow::Result<()> {
+    let Made { files, skipped, left_out } = made;
     if json {
-        return print_json(made);
+        print_json(made)?;
+        return all_used(left_out);
     }
-    let Made { files, skipped } = made;
     let mut lines: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
     lines.extend(skipped.iter().map(|one| format!("left out: {}: {}", one.figure, one.reason)));
     if skipped.iter().any(|one| one.reason.contains(".npy")) {
@@ -193,6 +197,13 @@ fn print_made(made: &Made, json: bool) -> anyhow::Result<()> {
     lines.push(format!("{} written", counted(files.len() as u64, "file", "files")));
     print(&lines.join("\n"))?;
     anyhow::ensure!(!files.is_empty(), "nothing could be drawn of what was given");
+    all_used(left_out)
+}
+
+/// What could not be used was said when it was opened; that there was some is a failure.
+fn all_used(left_out: &[String]) -> anyhow::Result<()> {
+    let count = counted(left_out.len() as u64, "input", "inputs");
+    anyhow::ensure!(left_out.is_empty(), "{count} could not be used; all of this is of the others");
     Ok(())
 }
 

@@ -71,6 +71,31 @@ fn what_is_no_finished_recording_is_refused() {
     assert_refused(&partial, &out, &["killed.raydump.partial is not finished", "inspector recover"]);
 }
 
+/// The rest is done, what was left out is said, and the exit code is that of a failure.
+#[test]
+fn one_bad_input_does_not_stop_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = sample::write(folder.path());
+    let bad = folder.path().join("bad.raydump");
+    fs::create_dir(&bad).unwrap();
+    fs::write(bad.join("manifest.bin"), "").unwrap();
+    let out = folder.path().join("out");
+    for (command, options, made) in [
+        ("plot", &["--figure", "overhead"][..], "overhead.svg"),
+        ("report", &[], "report.html"),
+        ("plot", &["--figure", "overhead", "--json"], "overhead.svg"),
+    ] {
+        let options = [&[recording.to_str().unwrap()], options].concat();
+        let (code, said, error) = run(command, &bad, &out, &options);
+        assert_eq!(code, 1, "{command}: {error}");
+        let left_out = error.lines().find(|line| line.starts_with("left out: ")).unwrap_or_default();
+        assert!(left_out.contains("bad.raydump"), "{command}: {error}");
+        assert!(error.contains("error: 1 input could not be used"), "{command}: {error}");
+        assert!(said.contains(made), "{command}: {said}");
+        fs::remove_file(out.join(made)).unwrap();
+    }
+}
+
 #[test]
 fn json_that_is_no_benchmark_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -66,6 +66,7 @@ fn sample() -> Report {
             figure("rates", Content::Lines(vec![series(1)]), Scale::Linear { from_zero: false }),
             figure("table", Content::Picture(picture), Scale::Linear { from_zero: true }),
         ],
+        left_out: vec![format!("no recording {HOSTILE}")],
         skipped: vec![Skipped { figure: "correlation".into(), reason: format!("no capsules {HOSTILE}") }],
         commands: vec!["inspector report a.raydump --out page".into(), HOSTILE.into()],
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use super::{App, Shown};
 use crate::figures::style::Width;
-use crate::inputs::quoted;
+use crate::inputs::{Inputs, quoted};
 use crate::model::Absent;
 use crate::model::background::Background;
 use crate::plot;
@@ -38,8 +38,15 @@ impl Exports {
 impl Export {
     /// Writes the files; how many there are.
     fn write(&self) -> Result<usize, String> {
-        let made = plot::make(&self.inputs, &[self.name.to_owned()], Width::OneColumn, &self.folder);
-        made.map(|made| made.files.len()).map_err(|error| error.to_string())
+        let made = || {
+            let inputs = Inputs::open(&self.inputs)?;
+            // All of them are open in the window.
+            if let Some(why) = inputs.left_out.first() {
+                anyhow::bail!("{why}");
+            }
+            plot::make(&inputs, &[self.name.to_owned()], Width::OneColumn, &self.folder)
+        };
+        made().map(|made| made.files.len()).map_err(|error| error.to_string())
     }
 
     /// The command that does the same.

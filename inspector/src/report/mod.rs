@@ -30,6 +30,8 @@ pub struct Report {
     pub tables: Vec<Table>,
     /// The figures; the first of [`LEADS`] that is there comes before the tables.
     pub figures: Vec<Figure>,
+    /// Why other recordings are not in it, a sentence each.
+    pub left_out: Vec<String>,
     /// What was recorded, where and how: names and values.
     pub facts: Vec<(String, String)>,
     /// Figures that could not be made.
@@ -134,6 +136,8 @@ pub fn html(report: &Report) -> Result<String, FigureError> {
         format!("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", escape(name), escape(value))
     });
     section(&mut page, "<h2>What was recorded</h2>\n<table class=\"facts\">\n", rows, "</table>\n");
+    let items = report.left_out.iter().map(|why| format!("<li>{}</li>\n", escape(why)));
+    section(&mut page, "<h2>Recordings left out</h2>\n<ul>\n", items, "</ul>\n");
     let items = report.skipped.iter().map(|Skipped { figure, reason }| {
         format!("<li><b>{}</b>: {}</li>\n", escape(figure), escape(reason))
     });
