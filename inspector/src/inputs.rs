@@ -7,7 +7,7 @@ use formats::reader::Dump;
 use formats::study::Study;
 
 use crate::analysis::summary::distinct;
-use crate::analysis::{Analysis, analyse_studies, check_finished};
+use crate::analysis::{Analysis, analyse_studies, check_finished, lacking};
 use crate::figures::catalogue::{CATALOGUE, FigureMaker, Findings, Skipped};
 use crate::figures::model::Figure;
 use crate::output::{say, sentence};
@@ -69,11 +69,14 @@ impl Inputs {
         Ok(())
     }
 
-    /// The numbers of all recordings, arrays included.
+    /// The numbers of all recordings, arrays included. What some queues lack is said.
     pub(crate) fn analysis(&self) -> anyhow::Result<Analysis> {
         let analysis = analyse_studies(&self.studies, &self.recordings)?;
         for notice in analysis.study.iter().flat_map(|study| &study.notices) {
             say(notice);
+        }
+        for lacking in analysis.recordings.iter().flat_map(lacking::all) {
+            say(&format!("cannot be read: {lacking}"));
         }
         Ok(analysis)
     }

@@ -10,7 +10,7 @@
 //! - [`coherence`]: capsules, direction spread and lane utilisation, streamed over arrays
 //! - [`tables`]: fill of the length table, errors of estimated lengths
 //! - [`summary`], [`correlations`]: over all recordings; [`study`]: over those of studies
-//! - [`labels`]: what recordings are called beside each other
+//! - [`labels`]: what recordings are called beside each other; [`lacking`]: what some queues lack of what others have
 //! - [`work`]: nodes and triangles of the recording's own kernel
 //! - [`picture`]: the image and what each pixel cost; [`image_plane`]: which path starts where on it
 //! - [`jumps`], [`neighbours`], [`estimates`], [`visits`], [`costliest`]: of the rays of one queue, the longest jumps,
@@ -35,6 +35,7 @@ pub mod image_plane;
 pub mod jumps;
 pub mod known;
 pub mod labels;
+pub mod lacking;
 pub mod metric;
 pub mod neighbours;
 pub mod options;

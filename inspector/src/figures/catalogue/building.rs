@@ -251,6 +251,18 @@ pub fn panel_title(findings: &Findings<'_>, recording: &RecordingAnalysis, rays:
     }
 }
 
+/// What a caption says of numbers that a figure is without, see [`lacking`](crate::analysis::lacking).
+pub fn without<'a>(
+    recordings: impl IntoIterator<Item = &'a RecordingAnalysis>,
+    lacking: impl Fn(&RecordingAnalysis) -> Vec<String>,
+) -> String {
+    let lacking: Vec<String> = recordings.into_iter().flat_map(lacking).collect();
+    if lacking.is_empty() {
+        return String::new();
+    }
+    format!(" Without what cannot be read: {}.", lacking.join("; "))
+}
+
 /// Scene, machine and settings of each recording, a line each.
 pub fn settings(findings: &Findings<'_>) -> Vec<String> {
     let line = |recording: &RecordingAnalysis| {

@@ -5,12 +5,12 @@ use formats::metrics::correlation::Correlation;
 use formats::ray::Kind;
 
 use super::building::{
-    by_label, by_method, each, figure, method_style, of, panel_title, reason, recordings, settings,
+    by_label, by_method, each, figure, method_style, of, panel_title, reason, recordings, settings, without,
     without_repeated,
 };
 use super::{Findings, Made};
 use crate::analysis::correlations::{AreaAndTime, correlation, points};
-use crate::analysis::{Metric, QueueAnalysis, RecordingAnalysis};
+use crate::analysis::{Metric, QueueAnalysis, RecordingAnalysis, lacking};
 use crate::figures::model::{Axis, Content, Panel, Point};
 
 /// Mean capsule area of each order against the time that its trace takes, both over those of unsorted rays.
@@ -23,12 +23,17 @@ pub fn against_time(findings: &Findings<'_>) -> Made {
         panels.push(scatter(findings, recording, &points, panel_title(findings, recording, &coefficients)));
     }
     let caption = format!(
-        "Each marker is one order of one queue (bounce, kind, method): the mean area of the capsules around groups of {} rays, weighted by rays, against its trace time, both over those of the same queue unsorted. Left of 1: more coherent; below 1: faster. Correlation: {}.",
+        "Each marker is one order of one queue (bounce, kind, method): the mean area of the capsules around groups of {} rays, weighted by rays, against its trace time, both over those of the same queue unsorted. Left of 1: more coherent; below 1: faster. Correlation: {}.{}",
         findings.analysis.group_width,
-        found.join("; ")
+        found.join("; "),
+        without(recordings(findings), areas)
     );
     let reason = reason(findings, |order| &order.coherence, "no trace was timed");
     figure("Mean capsule area against trace time", caption, settings(findings), panels, reason)
+}
+
+fn areas(recording: &RecordingAnalysis) -> Vec<String> {
+    lacking::of_orders(recording, |order| &order.coherence)
 }
 
 fn coefficients(correlation: &Metric<Correlation>) -> String {
@@ -66,8 +71,9 @@ fn scatter(
 /// Which share of the rays is in capsules of at most some area: bounce 1, or the first that there is.
 pub fn distribution(findings: &Findings<'_>) -> Made {
     let caption = format!(
-        "Share of the rays whose group of {} has a capsule of at most this area, in unit space. The farther left a curve, the more coherent the order.",
-        findings.analysis.group_width
+        "Share of the rays whose group of {} has a capsule of at most this area, in unit space. The farther left a curve, the more coherent the order.{}",
+        findings.analysis.group_width,
+        without(with_own_orders(findings), areas)
     );
     figure(
         "Share of rays by the area of their group's capsule",

@@ -2,10 +2,11 @@
 
 use super::building::{
     each, figure, methods, methods_in_rows, of, of_method, panel_title, queues, reason, recordings, settings,
+    without,
 };
 use super::{Findings, Made};
 use crate::analysis::summary::RayClass;
-use crate::analysis::{OrderAnalysis, QueueAnalysis, RecordingAnalysis};
+use crate::analysis::{OrderAnalysis, QueueAnalysis, RecordingAnalysis, lacking};
 use crate::figures::model::{Axis, Of, Panel, Point, Series};
 
 /// Lanes that wait for each other: those of most GPUs.
@@ -23,7 +24,8 @@ pub fn lanes(findings: &Findings<'_>) -> Made {
     figure(
         "Lane utilisation per method, a model",
         format!(
-            "A model of control-flow divergence: work of all rays (nodes visited and triangles tested) over what it would be if each ray took as long as the slowest of its {LANES}. Means over bounces, weighted by rays; small dots are the bounces, or of more than {MOST_DETAILED} recordings these."
+            "A model of control-flow divergence: work of all rays (nodes visited and triangles tested) over what it would be if each ray took as long as the slowest of its {LANES}. Means over bounces, weighted by rays; small dots are the bounces, or of more than {MOST_DETAILED} recordings these.{}",
+            without(recordings(findings), |recording| lacking::of_orders(recording, |order| &order.lanes))
         ),
         settings(findings),
         panels_of(findings, share, "", "lane utilisation (%)"),

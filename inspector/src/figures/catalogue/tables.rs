@@ -3,11 +3,13 @@
 use formats::metrics::estimator::EstimateError;
 use formats::ray::Kind;
 
-use super::building::{each, figure, method_style, of, panel_title, range, settings, without_repeated};
+use super::building::{
+    each, figure, method_style, of, panel_title, range, settings, without, without_repeated,
+};
 use super::{Findings, Made};
 use crate::analysis::summary::distinct;
 use crate::analysis::tables::Estimators;
-use crate::analysis::{QueueAnalysis, RecordingAnalysis};
+use crate::analysis::{QueueAnalysis, RecordingAnalysis, lacking};
 use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
 
 /// Share of the table's cells that a ray was added to.
@@ -28,7 +30,11 @@ pub fn fill(findings: &Findings<'_>) -> Made {
     });
     figure(
         "Fill of the length table over bounces and passes",
-        "Share of the length table's cells that at least one ray was added to before the bounce was sorted. Closest and shadow rays have a table each, which lives on from pass to pass.",
+        format!(
+            "Share of the length table's cells that at least one ray was added to before the bounce was sorted. Closest and shadow rays have a table each, which lives on from pass to pass.{}",
+            without(with_own_tables(findings), |recording| lacking::of_queues(recording, |queue| &queue
+                .table))
+        ),
         settings(findings),
         panels,
         reason(findings, |queue| queue.table.reason()),
@@ -64,7 +70,12 @@ pub fn errors(findings: &Findings<'_>) -> Made {
     });
     figure(
         "Errors of estimated ray lengths over bounces and passes",
-        "Mean of |estimate − traced length| in unit lengths, for the mean of a ray's cell in the length table (two-point-adaptive) and for one length for all rays (two-point); both cut by the ray's own end and the scene's box, as in the keys. Whiskers reach from the median error to the root of the mean square.",
+        format!(
+            "Mean of |estimate − traced length| in unit lengths, for the mean of a ray's cell in the length table (two-point-adaptive) and for one length for all rays (two-point); both cut by the ray's own end and the scene's box, as in the keys. Whiskers reach from the median error to the root of the mean square.{}",
+            without(with_own_tables(findings), |recording| {
+                lacking::of_queues(recording, |queue| &queue.estimators)
+            })
+        ),
         settings(findings),
         panels,
         reason(findings, |queue| queue.estimators.reason()),
