@@ -214,7 +214,7 @@ fn facts((dump, analysis): (&Dump, &RecordingAnalysis)) -> (String, String) {
     let driver = &header.adapter.driver;
     let driver = if driver.is_empty() { String::new() } else { format!(", {driver}") };
     let line = format!(
-        "{}, camera {}, {}×{}, {}, {}, {}, seed {}; {}{driver}; {}-bit keys; timed by {}; version {}",
+        "{}, camera {}, {}×{}, {}, {}, {}, seed {}; {}{driver}; {} keys; timed by {}; version {}",
         counted(header.scene.triangles, "triangle", "triangles"),
         options.camera,
         options.width,
@@ -224,7 +224,7 @@ fn facts((dump, analysis): (&Dump, &RecordingAnalysis)) -> (String, String) {
         counted(options.repeats.into(), "repeat", "repeats"),
         options.seed,
         analysis.configuration,
-        options.key_bits,
+        analysis.key_bits(),
         header.time_source,
         header.program_version,
     );

@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::frame::{FrameAnalysis, control};
 use super::labels;
 use super::queue::QueueAnalysis;
-use super::summary::RayClass;
+use super::summary::{RayClass, distinct};
 use super::timing::SpeedupLine;
 use crate::shown;
 
@@ -79,6 +79,18 @@ impl RecordingAnalysis {
     /// Unsorted trace over that of the control, of some rays.
     pub fn control(&self, rays: RayClass) -> Option<&SpeedupLine> {
         self.controls.iter().find(|(of, _)| *of == rays).map(|(_, line)| line)
+    }
+
+    /// How long keys are: those that were asked for or, in a sweep, those of the variants.
+    pub fn key_bits(&self) -> String {
+        let orders = self.measured().flat_map(|queue| &queue.orders);
+        let variants = orders.filter(|order| order.base != order.method);
+        let mut bits = distinct(variants.filter_map(|order| order.key_bits));
+        bits.sort_unstable();
+        if bits.is_empty() {
+            bits.push(self.options.key_bits);
+        }
+        bits.iter().map(|bits| format!("{bits}-bit")).collect::<Vec<_>>().join(", ")
     }
 
     /// The queues in which methods were measured.

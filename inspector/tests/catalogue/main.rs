@@ -340,6 +340,34 @@ fn variants_of_a_base_make_a_sweep() {
     );
 }
 
+/// A figure's settings are those of the recordings that are in it, and of a sweep all its bits.
+#[test]
+fn settings_are_those_of_what_is_in_a_figure() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut analysis = analysis(folder.path(), Depth::Arrays);
+    let mut other = analysis.recordings[0].clone();
+    (other.label, other.scene, other.content_hash) = ("other".into(), "other".into(), "other".into());
+    other.root = folder.path().join("nowhere.raydump");
+    let orders = other.queues.iter_mut().flat_map(|queue| &mut queue.orders);
+    orders.for_each(|order| order.lanes = Metric::missing("not kept"));
+    analysis.recordings.push(other);
+    for order in analysis.recordings[0].queues.iter_mut().flat_map(|queue| &mut queue.orders) {
+        if let Some(bits) = order.key_bits.filter(|_| ["aila", "mine"].contains(&order.method.as_str())) {
+            (order.method, order.base) = (format!("aila-{bits}-bits"), "aila".into());
+            order.two_point_length = None;
+        }
+    }
+    let settings =
+        |name: &str| figure(&Findings { analysis: &analysis, benches: &[] }, name).unwrap().settings;
+    for name in ["key-bits", "lane-utilisation", "headline", "pixel-cost"] {
+        let settings = settings(name);
+        assert_eq!(settings.len(), 1, "{name}: {settings:?}");
+        assert!(settings[0].contains(" 16-bit, 32-bit keys,"), "{name}: {settings:?}");
+    }
+    let both = settings("overhead");
+    assert!(both.len() == 2 && both[1].contains(" 32-bit keys,"), "{both:?}");
+}
+
 /// Times by hand: the figure agrees with the net speedups, in nanoseconds a ray, by the trace that counts.
 #[test]
 fn a_sort_pays_where_it_takes_less_than_it_saves() {

@@ -16,7 +16,7 @@ pub fn bandwidth(findings: &Findings<'_>) -> Made {
     figure(
         "Achieved bandwidth per stage",
         "Bytes that a stage must read and write, over its median time, all secondary and shadow rays of all methods together; small dots are methods. A lower bound: the hierarchy that trace reads is not counted. Sort counts a histogram, a read and a write per 8 bits of the key. It skips passes over digits that all keys share, so that a queue whose keys do is shown faster than memory was; camera rays, whose keys mostly do, are left out.",
-        settings(findings),
+        settings(recordings(findings)),
         recordings(findings).into_iter().map(|recording| panel(findings, recording)),
         "no stage of any method was timed",
     )

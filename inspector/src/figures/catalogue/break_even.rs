@@ -43,7 +43,7 @@ pub fn break_even(findings: &Findings<'_>) -> Made {
     );
     let reason =
         reason(findings, |order| &order.net_speedup, "no method was measured on secondary or shadow rays");
-    figure("What a sort may cost, per ray", caption, settings(findings), panels, reason)
+    figure("What a sort may cost, per ray", caption, settings(recordings), panels, reason)
 }
 
 /// What a sort may take at most: by the method that saves most.

@@ -207,7 +207,7 @@ pub fn recordings<'a>(findings: &Findings<'a>) -> Vec<&'a RecordingAnalysis> {
     if shown.is_empty() { all().collect() } else { shown }
 }
 
-/// Recordings without those whose numbers are all among those of one before them of the same scene.
+/// Recordings with numbers, without those whose are all among those of one before them of the same scene.
 pub fn without_repeated<'a, T: PartialEq>(
     recordings: Vec<&'a RecordingAnalysis>,
     numbers: impl Fn(&'a RecordingAnalysis) -> Vec<T>,
@@ -215,6 +215,9 @@ pub fn without_repeated<'a, T: PartialEq>(
     let mut kept: Vec<(&RecordingAnalysis, Vec<T>)> = Vec::new();
     for recording in recordings {
         let own = numbers(recording);
+        if own.is_empty() {
+            continue;
+        }
         let repeats = |(earlier, known): &(&RecordingAnalysis, Vec<T>)| {
             earlier.content_hash == recording.content_hash && own.iter().all(|number| known.contains(number))
         };
@@ -223,6 +226,17 @@ pub fn without_repeated<'a, T: PartialEq>(
         }
     }
     kept.into_iter().map(|(recording, _)| recording).collect()
+}
+
+/// Of [`recordings`], those that have this number of an order.
+pub fn with_number<'a, T: 'a>(
+    findings: &Findings<'a>,
+    number: impl Fn(&'a OrderAnalysis) -> &'a Metric<T>,
+) -> Vec<&'a RecordingAnalysis> {
+    let has = |recording: &&'a RecordingAnalysis| {
+        recording.measured().flat_map(|queue| &queue.orders).any(|order| number(order).known().is_some())
+    };
+    recordings(findings).into_iter().filter(has).collect()
 }
 
 /// A panel with a row for each method that has a number.
@@ -263,8 +277,8 @@ pub fn without<'a>(
     format!(" Without what cannot be read: {}.", lacking.join("; "))
 }
 
-/// Scene, machine and settings of each recording, a line each.
-pub fn settings(findings: &Findings<'_>) -> Vec<String> {
+/// Scene, machine and settings of each recording that is in a figure, a line each.
+pub fn settings<'a>(recordings: impl IntoIterator<Item = &'a RecordingAnalysis>) -> Vec<String> {
     let line = |recording: &RecordingAnalysis| {
         let options = &recording.options;
         let driver = if recording.adapter.driver.is_empty() {
@@ -273,7 +287,7 @@ pub fn settings(findings: &Findings<'_>) -> Vec<String> {
             format!(", {}", recording.adapter.driver)
         };
         format!(
-            "{}: scene {} ({} triangles), camera {}, {}{driver}; {}×{}, {} bounces, {} passes, {} repeats, {}-bit keys, table of 2^{} cells by {}, seed {}; timed by {}",
+            "{}: scene {} ({} triangles), camera {}, {}{driver}; {}×{}, {} bounces, {} passes, {} repeats, {} keys, table of 2^{} cells by {}, seed {}; timed by {}",
             recording.label,
             recording.scene,
             recording.triangles,
@@ -284,14 +298,14 @@ pub fn settings(findings: &Findings<'_>) -> Vec<String> {
             options.bounces,
             options.passes,
             options.repeats,
-            options.key_bits,
+            recording.key_bits(),
             options.table_bits,
             options.table_method,
             options.seed,
             recording.time_source
         )
     };
-    findings.analysis.recordings.iter().map(line).collect()
+    recordings.into_iter().map(line).collect()
 }
 
 /// Machine and settings of each benchmark, a line each.

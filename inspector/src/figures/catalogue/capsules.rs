@@ -15,9 +15,12 @@ use crate::figures::model::{Axis, Content, Panel, Point};
 
 /// Mean capsule area of each order against the time that its trace takes, both over those of unsorted rays.
 pub fn against_time(findings: &Findings<'_>) -> Made {
-    let (mut panels, mut found) = (Vec::new(), Vec::new());
+    let (mut panels, mut found, mut shown) = (Vec::new(), Vec::new(), Vec::new());
     for recording in recordings(findings) {
         let points = points(recording);
+        if !points.is_empty() {
+            shown.push(recording);
+        }
         let coefficients = coefficients(&correlation(&points, None));
         found.push(format!("{}: {coefficients}", recording.label));
         panels.push(scatter(findings, recording, &points, panel_title(findings, recording, &coefficients)));
@@ -29,7 +32,7 @@ pub fn against_time(findings: &Findings<'_>) -> Made {
         without(recordings(findings), areas)
     );
     let reason = reason(findings, |order| &order.coherence, "no trace was timed");
-    figure("Mean capsule area against trace time", caption, settings(findings), panels, reason)
+    figure("Mean capsule area against trace time", caption, settings(shown), panels, reason)
 }
 
 fn areas(recording: &RecordingAnalysis) -> Vec<String> {
@@ -78,7 +81,7 @@ pub fn distribution(findings: &Findings<'_>) -> Made {
     figure(
         "Share of rays by the area of their group's capsule",
         caption,
-        settings(findings),
+        settings(with_own_orders(findings)),
         each(Kind::ALL, &with_own_orders(findings), |recording, kind| shares(findings, recording, kind)),
         reason(findings, |order| &order.coherence, "no queue was measured"),
     )

@@ -19,11 +19,12 @@ const CUT_SHARE: f64 = 0.01;
 /// The same pixels twice, by how large their groups' capsules are.
 pub fn headline(findings: &Findings<'_>) -> Made {
     let (mut panels, mut ranges, mut reasons) = (Vec::new(), Vec::new(), Vec::new());
-    let recordings = recordings(findings);
+    let (recordings, mut shown) = (recordings(findings), Vec::new());
     let methods = methods(findings);
     for recording in &recordings {
         match Headline::of(recording, &methods, findings.analysis.group_width) {
             Metric::Known(found) => {
+                shown.push(*recording);
                 let of = if recordings.len() > 1 { format!("{}, ", recording.label) } else { String::new() };
                 let range = range(&found);
                 let (low, high) = range;
@@ -39,7 +40,7 @@ pub fn headline(findings: &Findings<'_>) -> Made {
         ranges.join("; ")
     );
     let reason = reasons.into_iter().next().unwrap_or_else(|| "there is no recording".to_owned());
-    figure("One view, unsorted and sorted", caption, settings(findings), panels, reason)
+    figure("One view, unsorted and sorted", caption, settings(shown), panels, reason)
 }
 
 /// The areas of the first colour and of the last, of both views.

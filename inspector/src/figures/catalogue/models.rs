@@ -2,7 +2,7 @@
 
 use super::building::{
     each, figure, methods, methods_in_rows, of, of_method, panel_title, queues, reason, recordings, settings,
-    without,
+    with_number, without,
 };
 use super::{Findings, Made};
 use crate::analysis::summary::RayClass;
@@ -27,7 +27,7 @@ pub fn lanes(findings: &Findings<'_>) -> Made {
             "A model of control-flow divergence: work of all rays (nodes visited and triangles tested) over what it would be if each ray took as long as the slowest of its {LANES}. Means over bounces, weighted by rays; small dots are the bounces, or of more than {MOST_DETAILED} recordings these.{}",
             without(recordings(findings), |recording| lacking::of_orders(recording, |order| &order.lanes))
         ),
-        settings(findings),
+        settings(with_number(findings, |order| &order.lanes)),
         panels_of(findings, share, "", "lane utilisation (%)"),
         reason(findings, |order| &order.lanes, "no queue was measured"),
     )
@@ -43,7 +43,7 @@ pub fn caches(findings: &Findings<'_>) -> Made {
         format!(
             "A model: node and triangle addresses of sampled groups, replayed through two set-associative caches. Means over bounces, weighted by accesses; small dots are the bounces, or of more than {MOST_DETAILED} recordings these."
         ),
-        settings(findings),
+        settings(with_number(findings, |order| &order.caches)),
         panels.into_iter().flat_map(|(share, level)| panels_of(findings, share, level, "hit ratio (%)")),
         reason(findings, |order| &order.caches, "no queue was measured"),
     )

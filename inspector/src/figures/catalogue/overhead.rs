@@ -19,7 +19,7 @@ pub fn overhead(findings: &Findings<'_>) -> Made {
             "Median times of the stages, summed over bounces, as multiples of the trace of unsorted rays: a row that ends left of the line pays off. Gather, trace and scatter count, or the trace through indices: what the recording chose for the method.{}",
             left_out(findings)
         ),
-        settings(findings),
+        settings(recordings(findings)),
         recordings(findings)
             .into_iter()
             .flat_map(|recording| RayClass::ALL.map(|rays| panel(findings, recording, rays))),

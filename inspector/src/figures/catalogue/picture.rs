@@ -15,7 +15,7 @@ const SHOWN_SHARE: f64 = 0.99;
 /// The image, and the nodes and triangles behind each of its pixels.
 pub fn pixel_cost(findings: &Findings<'_>) -> Made {
     let (mut panels, mut reasons) = (Vec::new(), Vec::new());
-    let mut shown: Vec<PixelCost> = Vec::new();
+    let (mut shown, mut shown_of): (Vec<PixelCost>, Vec<&RecordingAnalysis>) = Default::default();
     for recording in &findings.analysis.recordings {
         let cost = Dump::open(&recording.root).map_or_else(Metric::missing, |dump| PixelCost::of(&dump));
         match cost {
@@ -24,6 +24,7 @@ pub fn pixel_cost(findings: &Findings<'_>) -> Made {
             Metric::Known(cost) => {
                 panels.extend(beside(findings, recording, &cost));
                 shown.push(cost);
+                shown_of.push(recording);
             }
             Metric::Missing { missing } => reasons.push(missing),
         }
@@ -31,7 +32,7 @@ pub fn pixel_cost(findings: &Findings<'_>) -> Made {
     figure(
         "The picture, and the work behind each pixel",
         "Left the picture (Reinhard's tone map of its luminance), right the hierarchy nodes visited and triangles tested for each pixel, over all bounces and both kinds of rays of one pass. The last colour stands for all that is above it.",
-        settings(findings),
+        settings(shown_of),
         panels,
         reasons.into_iter().next().unwrap_or_else(|| "there is no recording".to_owned()),
     )

@@ -15,7 +15,7 @@ pub fn rays_per_second(findings: &Findings<'_>) -> Made {
     figure(
         "Trace rate per bounce and method, over that of unsorted rays",
         caption(findings),
-        settings(findings),
+        settings(recordings(findings)),
         each(Kind::ALL, &recordings(findings), panel),
         "no trace was timed",
     )

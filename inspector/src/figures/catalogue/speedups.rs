@@ -118,7 +118,7 @@ fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
         move |order| counted.of_queue(order),
         "no method was measured on secondary or shadow rays",
     );
-    figure(words.title, caption, settings(findings), panels, reason)
+    figure(words.title, caption, settings(recordings), panels, reason)
 }
 
 /// The totals of a recording and the speedups of its bounces, a series each for each method.
@@ -219,7 +219,7 @@ pub fn kernels(findings: &Findings<'_>) -> Made {
     figure(
         "Trace speedup per kernel and method",
         caption,
-        settings(findings),
+        settings(compared),
         panels,
         "it takes two or more trace kernels on one scene: replay a recording with another --trace",
     )

@@ -7,7 +7,7 @@ use super::building::{figure, mean_speedup, method_style, queues, settings};
 use super::{Findings, Made};
 use crate::analysis::summary::{RayClass, distinct};
 use crate::analysis::timing::SpeedupLine;
-use crate::analysis::{Metric, OrderAnalysis};
+use crate::analysis::{Metric, OrderAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Of, Panel, Series};
 
 /// What is varied, as a number that can be put in order.
@@ -65,6 +65,9 @@ impl Sweep {
                 self.panel(findings, rays, "net speedup", |order| &order.net_speedup),
             ]
         });
+        let (panels, shown): (Vec<Panel>, Vec<Vec<&RecordingAnalysis>>) = panels.unzip();
+        let all = findings.analysis.recordings.iter();
+        let shown = all.filter(|one| shown.iter().flatten().any(|shown| std::ptr::eq(*shown, *one)));
         let caption = format!(
             "{caption} Geometric means over bounces; whiskers reach from the lowest to the highest bounce."
         );
@@ -72,17 +75,19 @@ impl Sweep {
             "no method was measured with two or more values of {}; `recorder replay` can do that",
             self.axis
         );
-        figure(title, caption, settings(findings), panels, reason)
+        figure(title, caption, settings(shown), panels, reason)
     }
 
-    fn panel(
+    /// A panel, and the recordings whose numbers are in it.
+    fn panel<'a>(
         &self,
-        findings: &Findings<'_>,
+        findings: &Findings<'a>,
         rays: RayClass,
         axis: &str,
         speedup: fn(&OrderAnalysis) -> &Metric<SpeedupLine>,
-    ) -> Panel {
+    ) -> (Panel, Vec<&'a RecordingAnalysis>) {
         let mut lines: BTreeMap<Line<'_>, BTreeMap<u64, Vec<&SpeedupLine>>> = BTreeMap::new();
+        let mut recordings: Vec<(Line<'_>, &RecordingAnalysis)> = Vec::new();
         for recording in &findings.analysis.recordings {
             for order in queues(recording, rays).flat_map(|queue| &queue.orders) {
                 let (Some(varied), Some(found)) = ((self.of)(order), speedup(order).known()) else {
@@ -92,10 +97,12 @@ impl Sweep {
                 let (scene, hash) = (recording.scene.as_str(), recording.content_hash.as_str());
                 let line = (scene, hash, recording.configuration.as_str(), order.base.as_str(), other);
                 // Bits of numbers that are not negative are in their order.
+                recordings.push((line, recording));
                 lines.entry(line).or_default().entry(varied.to_bits()).or_default().push(found);
             }
         }
         lines.retain(|_, points| points.len() > 1);
+        recordings.retain(|(line, _)| lines.contains_key(line));
         let measured = lines.values().flat_map(BTreeMap::keys).map(|&varied| f64::from_bits(varied));
         let several_scenes = distinct(lines.keys().map(|line| line.1)).len() > 1;
         let several_machines = distinct(lines.keys().map(|line| line.2)).len() > 1;
@@ -116,12 +123,13 @@ impl Sweep {
             let points = points.collect();
             Series { style: method_style(findings, base), points, label: label.join(", "), is_part: false }
         });
-        Panel::new(
+        let panel = Panel::new(
             format!("{} rays: {axis}", rays.name()),
             Axis::marked(self.axis, measured),
             Axis::linear(&format!("{axis} (×)")),
             Content::Lines(series.collect()),
         )
-        .with_reference("unsorted", 1.0)
+        .with_reference("unsorted", 1.0);
+        (panel, recordings.into_iter().map(|(_, recording)| recording).collect())
     }
 }

@@ -35,7 +35,7 @@ pub fn fill(findings: &Findings<'_>) -> Made {
             without(with_own_tables(findings), |recording| lacking::of_queues(recording, |queue| &queue
                 .table))
         ),
-        settings(findings),
+        settings(with_own_tables(findings)),
         panels,
         reason(findings, |queue| queue.table.reason()),
     )
@@ -76,7 +76,7 @@ pub fn errors(findings: &Findings<'_>) -> Made {
                 lacking::of_queues(recording, |queue| &queue.estimators)
             })
         ),
-        settings(findings),
+        settings(with_own_tables(findings)),
         panels,
         reason(findings, |queue| queue.estimators.reason()),
     )
