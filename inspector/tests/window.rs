@@ -20,6 +20,8 @@ use formats::reader::{Dump, Loaded};
 use formats::traced::Traced;
 use formats::writer::DumpWriter;
 use inspector::analysis::coherence::coherence;
+use inspector::analysis::summary::RayClass;
+use inspector::analysis::timing::{SpeedupLine, Verdict};
 use inspector::analysis::{GroupWidth, Metric};
 use inspector::app::App;
 use inspector::model::Context;
@@ -76,6 +78,21 @@ fn every_panel_shows_a_recording() {
         let colours: BTreeSet<[u8; 4]> = image.pixels().map(|pixel| pixel.0).collect();
         assert!(colours.len() > 2, "{name} is empty");
     }
+}
+
+#[test]
+fn a_control_that_is_off_is_a_problem() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let verdict = Verdict::NoSignificantDifference;
+    let line = |ratio| SpeedupLine { ratio, interval: Some((0.9, 1.4)), verdict, n: 7 };
+    context.recordings[0].times.as_mut().unwrap().controls =
+        vec![(RayClass::Secondary, line(1.2)), (RayClass::Shadow, line(1.01))];
+    let harness = panel("problems", context);
+    assert!(harness.query_all_by_label_contains("the control is off by +20 %").next().is_some());
+    assert!(harness.query_all_by_label_contains("of secondary rays it is 1.20").next().is_some());
+    assert!(harness.query_all_by_label_contains("shadow rays").next().is_none(), "1.01 is right");
+    assert!(harness.query_all_by_label("No problems.").next().is_none());
 }
 
 #[test]

@@ -12,6 +12,9 @@ const RESAMPLES: usize = 2000;
 /// Fewest rounds that a median has a 95 % interval from: the extremes of five hold it in 94 of 100 cases.
 pub const INTERVAL_ROUNDS: usize = 6;
 
+/// How far from 1 a control over a whole frame is at most where nothing else runs: it was 0.99 to 1.01.
+const CONTROL_BIAS: f64 = 0.03;
+
 /// How many times as fast a method is, and within which interval with 95 % confidence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Speedup {
@@ -46,6 +49,12 @@ impl Speedup {
     /// Whether the interval excludes 1; without an interval nothing is known.
     pub fn is_significant(&self) -> bool {
         self.interval.is_some_and(|(low, high)| low > 1.0 || high < 1.0)
+    }
+
+    /// Whether, as that of a control over a whole frame, it says that other speedups cannot be trusted: its interval
+    /// excludes 1, or it misses 1 by more than it does on a machine on which nothing else runs.
+    pub fn is_bad_control(&self) -> bool {
+        self.is_significant() || (self.ratio - 1.0).abs() > CONTROL_BIAS
     }
 }
 
@@ -239,6 +248,13 @@ mod tests {
         assert!(!noise.is_significant(), "{noise:?}");
         assert_eq!(Speedup::of(&[100; 5], &[50; 5]).unwrap(), Speedup { ratio: 2.0, interval: None });
         assert_eq!(Speedup::of(&[], &[50]), None);
+    }
+
+    #[test]
+    fn a_control_is_bad_if_it_surely_or_clearly_misses_one() {
+        let is_bad = |ratio, interval| Speedup { ratio, interval }.is_bad_control();
+        assert!(is_bad(1.01, Some((1.005, 1.02))) && is_bad(1.2, Some((0.9, 1.4))) && is_bad(0.8, None));
+        assert!(!is_bad(1.01, Some((0.99, 1.02))) && !is_bad(0.99, None));
     }
 
     #[test]

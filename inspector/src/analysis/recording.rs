@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use formats::manifest::{Adapter, Options};
 use formats::metrics::samples::Samples;
+use formats::metrics::speedup::Speedup;
 use formats::reader::Dump;
 use formats::summary::hexadecimal;
 use serde::Serialize;
@@ -79,6 +80,13 @@ impl RecordingAnalysis {
     /// Unsorted trace over that of the control, of some rays.
     pub fn control(&self, rays: RayClass) -> Option<&SpeedupLine> {
         self.controls.iter().find(|(of, _)| *of == rays).map(|(_, line)| line)
+    }
+
+    /// The controls that miss 1 by so much that other speedups cannot be trusted.
+    pub fn bad_controls(&self) -> impl Iterator<Item = &(RayClass, SpeedupLine)> {
+        let is_bad =
+            |line: &SpeedupLine| Speedup { ratio: line.ratio, interval: line.interval }.is_bad_control();
+        self.controls.iter().filter(move |(_, line)| is_bad(line))
     }
 
     /// How long keys are: those that were asked for or, in a sweep, those of the variants.
