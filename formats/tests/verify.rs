@@ -9,7 +9,7 @@ use std::path::Path;
 use formats::length_table::LengthCell;
 use formats::manifest::scan::scan;
 use formats::manifest::{
-    MethodArray, Place, QueueArray, QueueId, Record, SceneArray, encode_frame, preamble,
+    MethodArray, Place, QueueArray, QueueId, Record, SceneArray, Source, encode_frame, preamble,
 };
 use formats::npy;
 use formats::ray::{Hit, Kind, Ray};
@@ -110,6 +110,40 @@ fn damaged_files_are_found() {
     assert_found("files", "rays.npy", |path| {
         fs::remove_file(path.join(queue(QueueArray::Rays).to_string())).unwrap();
     });
+}
+
+/// What is damaged, or in a source that is not there, was kept all the same.
+#[test]
+fn why_something_was_not_checked_is_said() {
+    let not_checked = |path: &Path, name: &str| {
+        let report = check(path);
+        report.checks.into_iter().find(|check| check.name == name).unwrap().not_checked
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = sample::write(folder.path());
+    let rays = path.join(queue(QueueArray::Rays).to_string());
+    fs::OpenOptions::new().write(true).open(rays).unwrap().set_len(2000).unwrap();
+    for (name, what) in [("rays", "rays"), ("keys", "the rays"), ("length tables", "its traced lengths")] {
+        let said = not_checked(&path, name);
+        let damaged = format!("{what} were damaged");
+        assert!(!said.is_empty() && said.iter().all(|line| line.contains(&damaged)), "{name}: {said:?}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = sample::write(folder.path());
+    let manifest = path.join("manifest.bin");
+    let mut bytes = preamble().to_vec();
+    for mut frame in scan(&manifest).unwrap().frames {
+        match &mut frame.record {
+            Record::Header(header) => {
+                header.source = Source::Replayed { name: "gone.raydump".into(), manifest_sha256: [7; 32] };
+            }
+            Record::Array(array) if matches!(array.place, Place::Scene(_)) => continue,
+            _ => {}
+        }
+        bytes.extend(encode_frame(&frame.record).unwrap());
+    }
+    fs::write(&manifest, bytes).unwrap();
+    assert_eq!(not_checked(&path, "scene"), ["the scene was in the source, which is missing"]);
 }
 
 #[test]

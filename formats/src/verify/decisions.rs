@@ -30,7 +30,8 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
             continue;
         }
         let Some(rays) = rays else {
-            check.not_checked.push(format!("the order of {}: rays were not kept", decision.queue));
+            let absence = subject.queue_absence(decision.queue, QueueArray::Rays);
+            check.not_checked.push(format!("the order of {}: rays were {absence}", decision.queue));
             continue;
         };
         let sampled: Vec<Ray> = sample(rays.len()).flat_map(|range| &rays[range]).copied().collect();

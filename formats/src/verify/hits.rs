@@ -20,7 +20,8 @@ pub(super) fn check(subject: &Subject<'_>) -> [Check; 2] {
     let mut distances_check = Check::new("distances");
     let scene = Geometry::of(subject);
     if scene.is_none() {
-        hits_check.not_checked.push("points on triangles: the scene was not kept".to_owned());
+        let absence = subject.geometry_absence();
+        hits_check.not_checked.push(format!("points on triangles: the scene was {absence}"));
     }
     for &queue in subject.queues.keys() {
         let Some(traced) = subject.traced(queue) else { continue };

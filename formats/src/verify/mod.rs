@@ -33,8 +33,9 @@ pub use report::{Check, Findings, Report};
 
 use crate::key::Encoder;
 use crate::length_table::{LengthCell, LengthTable};
-use crate::manifest::{MethodRecord, Place, QueueArray, QueueId, QueueRecord};
+use crate::manifest::{MethodRecord, Place, QueueArray, QueueId, QueueRecord, SceneArray, Source};
 use crate::npy::Element;
+use crate::ray::Kind;
 use crate::reader::{Dump, Loaded, ReadError};
 use crate::stored_table::{self, StoredTableError};
 use crate::traced::{Traced, TracedError};
@@ -57,6 +58,8 @@ pub fn verify(dump: &Dump) -> Report {
     checks.insert(0, files::check(subject));
     Report { checks }
 }
+
+const NOT_KEPT: &str = "not kept";
 
 /// The dump that is checked, and what most checks need of it.
 struct Subject<'a> {
@@ -118,6 +121,43 @@ impl<'a> Subject<'a> {
 
     fn queue_array<T: Element>(&self, queue: QueueId, array: QueueArray) -> Option<Loaded<T>> {
         self.array(&Place::Queue(queue, array))
+    }
+
+    /// Where an array is that [`Subject::array`] did not find, after "it was".
+    fn absence(&self, place: &Place) -> &'static str {
+        let is_replay = matches!(self.dump.manifest().header.source, Source::Replayed { .. });
+        if self.faults.borrow().contains_key(place) {
+            "damaged"
+        } else if is_replay && self.dump.source().is_none() && self.dump.record(place).is_none() {
+            "in the source, which is missing"
+        } else {
+            NOT_KEPT
+        }
+    }
+
+    /// The same of an array of a queue.
+    fn queue_absence(&self, queue: QueueId, array: QueueArray) -> &'static str {
+        self.absence(&Place::Queue(queue, array))
+    }
+
+    /// The same of what traced lengths are made from.
+    fn traced_absence(&self, queue: QueueId) -> &'static str {
+        let results = match queue.kind {
+            Kind::Closest => QueueArray::Hits,
+            Kind::Shadow => QueueArray::Distances,
+        };
+        self.absence_of([QueueArray::Rays, results].map(|array| Place::Queue(queue, array)))
+    }
+
+    /// The same of the scene's triangles and their corners.
+    fn geometry_absence(&self) -> &'static str {
+        self.absence_of([SceneArray::Positions, SceneArray::Triangles].map(Place::Scene))
+    }
+
+    /// The same of arrays that are needed together.
+    fn absence_of(&self, places: [Place; 2]) -> &'static str {
+        let mut absences = places.iter().map(|place| self.absence(place));
+        absences.find(|absence| *absence != NOT_KEPT).unwrap_or(NOT_KEPT)
     }
 
     /// Whether the adapter's arithmetic is such that every number must be met exactly.

@@ -71,7 +71,8 @@ fn check_permutation(
                 }
             },
             None => {
-                let reason = || format!("{place}: its keys were not kept");
+                let keys = Place::Method(queue, method.to_owned(), MethodArray::Keys);
+                let reason = || format!("{place}: its keys were {}", subject.absence(&keys));
                 let has_keys = subject.methods.get(method).is_none_or(|record| record.has_layout());
                 check.not_checked.extend((method != SHUFFLED && has_keys).then(reason));
                 Ok(())
@@ -161,7 +162,7 @@ enum Length {
 }
 
 impl<'a> Recomputed<'a> {
-    /// The error says what was not kept.
+    /// The error says what is not there.
     fn new(
         subject: &Subject<'_>,
         queue: QueueId,
@@ -169,18 +170,21 @@ impl<'a> Recomputed<'a> {
         rays: Option<&'a [Ray]>,
     ) -> Result<Self, String> {
         let header = &subject.dump.manifest().header;
-        let rays = rays.ok_or("the rays were not kept")?;
+        let absent = |what: &str, array| format!("the {what} {}", subject.queue_absence(queue, array));
+        let rays = rays.ok_or_else(|| absent("rays were", QueueArray::Rays))?;
         let parsed = LayoutText::parse(&method.text).and_then(|text| text.expand(header.extent()));
         let layout = parsed.map_err(|error| error.message)?;
         let lights = if layout.uses(Coordinate::needs_light) {
             let lights = subject.queue_array::<u32>(queue, QueueArray::Lights);
-            Some(lights.filter(|lights| lights.len() == rays.len()).ok_or("the lights were not kept")?)
+            let lights = lights.filter(|lights| lights.len() == rays.len());
+            Some(lights.ok_or_else(|| absent("lights were", QueueArray::Lights))?)
         } else {
             None
         };
         let path_ids = if layout.uses(Coordinate::needs_path) {
             let ids = subject.queue_array::<u32>(queue, QueueArray::PathIds);
-            Some(ids.filter(|ids| ids.len() == rays.len()).ok_or("the path ids were not kept")?)
+            let ids = ids.filter(|ids| ids.len() == rays.len());
+            Some(ids.ok_or_else(|| absent("path ids were", QueueArray::PathIds))?)
         } else {
             None
         };
@@ -189,13 +193,14 @@ impl<'a> Recomputed<'a> {
             Termination::Fixed => Length::Fixed(method.two_point_length),
             Termination::Adaptive => {
                 let stored = subject.queue_array(queue, QueueArray::Lengths);
-                let stored = stored.ok_or("the length table was not kept")?;
+                let stored = stored.ok_or_else(|| absent("length table was", QueueArray::Lengths))?;
                 let cells = subject.cell_encoder().ok_or("the length table has no usable layout")?;
                 let table = subject.table(&stored).map_err(|_| "the length table is damaged")?;
                 Length::Adaptive { cells, table }
             }
             Termination::Real => {
-                Length::Real(subject.traced(queue).ok_or("the traced lengths were not kept")?)
+                let absent = || format!("the traced lengths were {}", subject.traced_absence(queue));
+                Length::Real(subject.traced(queue).ok_or_else(absent)?)
             }
         };
         let encoder = Encoder::new(&layout, method.key_bits, subject.unit, &header.lights);

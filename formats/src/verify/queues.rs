@@ -63,7 +63,8 @@ fn check_entries<T: Element>(
 ) {
     let Some(entries) = subject.queue_array::<T>(queue, array) else {
         if array == QueueArray::Rays {
-            check.not_checked.push(format!("{queue}: rays were not kept"));
+            let absence = subject.queue_absence(queue, array);
+            check.not_checked.push(format!("{queue}: rays were {absence}"));
         }
         return;
     };

@@ -38,7 +38,7 @@ pub struct Check {
     pub problems: Findings,
     /// Numbers that differ as they may on an adapter without IEEE arithmetic.
     pub differences: Findings,
-    /// What could not be checked, and why: what was not kept.
+    /// What could not be checked, and why: what was not kept, is damaged, or is in a source that is missing.
     pub not_checked: Vec<String>,
 }
 

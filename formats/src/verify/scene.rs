@@ -110,7 +110,8 @@ fn check_scene(subject: &Subject<'_>) -> Check {
     let positions = subject.array::<[f32; 3]>(&array(SceneArray::Positions));
     let triangles = subject.array::<[u32; 3]>(&array(SceneArray::Triangles));
     let (Some(positions), Some(triangles)) = (positions, triangles) else {
-        check.not_checked.push("the scene was not kept".to_owned());
+        let absence = subject.geometry_absence();
+        check.not_checked.push(format!("the scene was {absence}"));
         return check;
     };
     let is_inside = |point: &[f32; 3]| {
@@ -214,7 +215,7 @@ fn check_image(subject: &Subject<'_>) -> Check {
     // A replay has no picture of its own.
     let is_own = subject.dump.record(&Place::Image).is_some();
     let Some(image) = subject.array::<f32>(&Place::Image).filter(|_| is_own) else {
-        check.not_checked.push("the picture was not kept".to_owned());
+        check.not_checked.push(format!("the picture was {}", subject.absence(&Place::Image)));
         return check;
     };
     let is_finite = |at: usize| image[at].is_finite() && image[at] >= 0.0;

@@ -35,7 +35,8 @@ fn check_kind(subject: &Subject<'_>, kind: Kind, cells: &Encoder, check: &mut Ch
         let Some(stored) = subject.array::<LengthCell>(&place) else {
             // Passes that were not kept have no arrays at all, and need no word.
             if !subject.queues[&queue].places.is_empty() {
-                check.not_checked.push(format!("{queue}: its length table was not kept"));
+                let absence = subject.absence(&place);
+                check.not_checked.push(format!("{queue}: its length table was {absence}"));
             }
             before = None;
             is_first = false;
@@ -69,7 +70,10 @@ fn check_kind(subject: &Subject<'_>, kind: Kind, cells: &Encoder, check: &mut Ch
                     compare(subject, &place, &stored, expected, queue, check);
                 }
             }
-            None => check.not_checked.push(format!("{queue}: its traced lengths were not kept")),
+            None => {
+                let absence = subject.traced_absence(queue);
+                check.not_checked.push(format!("{queue}: its traced lengths were {absence}"));
+            }
         }
     }
 }
