@@ -20,6 +20,7 @@ use inspector::report::tables::tables;
 mod benches;
 #[path = "../../../formats/tests/sample/mod.rs"]
 mod sample;
+mod several;
 
 fn analysis(folder: &Path, depth: Depth) -> Analysis {
     let dump = Dump::open(&sample::write(folder)).unwrap();
@@ -340,34 +341,6 @@ fn variants_of_a_base_make_a_sweep() {
     );
 }
 
-/// A figure's settings are those of the recordings that are in it, and of a sweep all its bits.
-#[test]
-fn settings_are_those_of_what_is_in_a_figure() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut analysis = analysis(folder.path(), Depth::Arrays);
-    let mut other = analysis.recordings[0].clone();
-    (other.label, other.scene, other.content_hash) = ("other".into(), "other".into(), "other".into());
-    other.root = folder.path().join("nowhere.raydump");
-    let orders = other.queues.iter_mut().flat_map(|queue| &mut queue.orders);
-    orders.for_each(|order| order.lanes = Metric::missing("not kept"));
-    analysis.recordings.push(other);
-    for order in analysis.recordings[0].queues.iter_mut().flat_map(|queue| &mut queue.orders) {
-        if let Some(bits) = order.key_bits.filter(|_| ["aila", "mine"].contains(&order.method.as_str())) {
-            (order.method, order.base) = (format!("aila-{bits}-bits"), "aila".into());
-            order.two_point_length = None;
-        }
-    }
-    let settings =
-        |name: &str| figure(&Findings { analysis: &analysis, benches: &[] }, name).unwrap().settings;
-    for name in ["key-bits", "lane-utilisation", "headline", "pixel-cost"] {
-        let settings = settings(name);
-        assert_eq!(settings.len(), 1, "{name}: {settings:?}");
-        assert!(settings[0].contains(" 16-bit, 32-bit keys,"), "{name}: {settings:?}");
-    }
-    let both = settings("overhead");
-    assert!(both.len() == 2 && both[1].contains(" 32-bit keys,"), "{both:?}");
-}
-
 /// Times by hand: the figure agrees with the net speedups, in nanoseconds a ray, by the trace that counts.
 #[test]
 fn a_sort_pays_where_it_takes_less_than_it_saves() {
@@ -515,67 +488,6 @@ fn frames_are_stacked_from_their_parts_beside_their_speedup() {
     assert_eq!(numbers(speedups), [("whole frame".to_owned(), vec![1.0 / 0.9])]);
     assert_eq!(series(speedups)[0].points[0].x, 1.0, "in the row of its stack");
     assert!(made.caption.contains("none 4.5, material 1.0"), "{}", made.caption);
-}
-
-/// Of many recordings each panel has rows for the methods that are best there, and no row is empty.
-#[test]
-fn no_panel_of_many_is_without_its_methods() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut analysis = analysis(folder.path(), Depth::Manifest);
-    let whole = analysis.recordings[0].clone();
-    let mut few = whole.clone();
-    // What is best of all there stands last elsewhere; and a control that seems to gain most.
-    let is_kept = |method: &str| ["unsorted", "two-point-adaptive", "aila"].contains(&method);
-    few.queues.iter_mut().for_each(|queue| queue.orders.retain(|order| is_kept(&order.method)));
-    few.frames.retain(|frame| is_kept(&frame.method));
-    let orders = few.queues.iter_mut().flat_map(|queue| &mut queue.orders);
-    for order in orders.filter(|order| order.method == "aila") {
-        (order.method, order.base) = ("control".into(), "control".into());
-    }
-    for frame in few.frames.iter_mut().filter(|frame| frame.method == "aila") {
-        (frame.method, frame.base) = ("control".into(), "control".into());
-        let Metric::Known(line) = &mut frame.net_speedup else { panic!("it was timed") };
-        line.ratio = 9.0;
-    }
-    analysis.recordings = vec![whole.clone(), whole, few];
-    for (name, expected) in
-        [("overhead", vec!["unsorted", "two-point-adaptive"]), ("break-even", vec!["two-point-adaptive"])]
-    {
-        let made = figure(&Findings { analysis: &analysis, benches: &[] }, name).unwrap();
-        for (at, panel) in made.panels.iter().enumerate() {
-            let Scale::Categories(rows) = &panel.x.scale else { panic!("methods") };
-            let points = || series(panel).iter().flat_map(|series| &series.points);
-            let is_empty = |row: &usize| !points().any(|point| point.x == *row as f64);
-            assert_eq!((0..rows.len()).find(is_empty), None, "{name}, panel {at}: {rows:?}");
-            assert!(rows.len() <= 6 && (at < 4 || *rows == expected), "{name}, panel {at}: {rows:?}");
-        }
-        assert_eq!(made.panels.len(), 6);
-    }
-}
-
-/// A recording of variants alone is left out beside others, but shown where there is nothing else; tables
-/// and pictures that two recordings share are shown once.
-#[test]
-fn replays_do_not_repeat_what_their_source_shows() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut analysis = analysis(folder.path(), Depth::Arrays);
-    let panels = |analysis: &Analysis| {
-        let findings = Findings { analysis, benches: &[] };
-        ["overhead", "lane-utilisation", "table-fill", "pixel-cost"]
-            .map(|name| figure(&findings, name).unwrap().panels.len())
-    };
-    let alone = panels(&analysis);
-    let mut replay = analysis.recordings[0].clone();
-    replay.label = "replay".into();
-    for order in replay.queues.iter_mut().flat_map(|queue| &mut queue.orders) {
-        if order.method != "unsorted" {
-            order.method = format!("{}-8-bits", order.base);
-        }
-    }
-    analysis.recordings.push(replay);
-    assert_eq!(panels(&analysis), alone);
-    analysis.recordings.remove(0);
-    assert_eq!(panels(&analysis), alone);
 }
 
 #[test]
