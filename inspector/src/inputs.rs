@@ -76,7 +76,7 @@ impl Inputs {
             say(notice);
         }
         for lacking in analysis.recordings.iter().flat_map(lacking::all) {
-            say(&format!("cannot be read: {lacking}"));
+            say(&format!("missing: {lacking}"));
         }
         Ok(analysis)
     }

@@ -127,7 +127,7 @@ fn assert_left_out(recording: &Path, out: &Path, figure: &str, parts: &[&str]) {
     assert!(said.contains("recorder record --keep") && said.contains("lies beside the replay"), "{said}");
     let (code, _, error) = run("plot", recording, out, &["--figure", figure]);
     // Besides what other figures are without.
-    let errors = error.lines().filter(|line| !line.starts_with("cannot be read: "));
+    let errors = error.lines().filter(|line| !line.starts_with("missing: "));
     assert_eq!((code, errors.count()), (1, 1), "{error}");
     assert!(error.contains(&format!("no figure {figure} of these")), "{error}");
 }
@@ -159,19 +159,19 @@ fn what_is_damaged_is_named_in_captions() {
         (fs::read_to_string(out.join(format!("{figure}.txt"))).unwrap(), error)
     };
     let (whole, said) = caption("capsule-area");
-    assert!(!whole.contains("cannot be read") && !said.contains("cannot be read"), "{whole}{said}");
+    assert!(!whole.contains("Missing: ") && !said.contains("missing: "), "{whole}{said}");
     let queue = "pass-001/bounce-01/closest";
     let rays = recording.join(queue).join("rays.npy");
     fs::OpenOptions::new().write(true).open(&rays).unwrap().set_len(2000).unwrap();
     for figure in ["capsule-area", "capsule-area-distribution", "estimator-error"] {
         let (caption, said) = caption(figure);
         for text in [&caption, &said] {
-            assert!(text.contains("cannot be read: "), "{figure}: {text}");
+            assert!(text.contains("issing: "), "{figure}: {text}");
             assert!(text.contains(queue) && text.contains("is 2000 bytes long"), "{figure}: {text}");
         }
     }
     let (caption, _) = caption("lane-utilisation");
-    assert!(!caption.contains("cannot be read"), "it is of the rays' work: {caption}");
+    assert!(!caption.contains("Missing: "), "it is of the rays' work: {caption}");
 }
 
 /// A recording of one queue that refers to the sample, whose arrays it lacks.

@@ -24,8 +24,8 @@ pub fn of_queues<T>(
     recording: &RecordingAnalysis,
     number: impl Fn(&QueueAnalysis) -> &Metric<T>,
 ) -> Vec<String> {
-    let is_known = recording.measured().any(|queue| number(queue).known().is_some());
-    let lacking = recording.measured().filter(|_| is_known);
+    let is_known = measured(recording).any(|queue| number(queue).known().is_some());
+    let lacking = measured(recording).filter(|_| is_known);
     lacking.filter_map(|queue| Some(sentence(recording, queue, number(queue).reason()?))).collect()
 }
 
@@ -38,6 +38,11 @@ pub fn all(recording: &RecordingAnalysis) -> Vec<String> {
         of_queues(recording, |queue| &queue.estimators),
     ];
     distinct(found.into_iter().flatten())
+}
+
+/// An empty queue lacks nothing.
+fn measured(recording: &RecordingAnalysis) -> impl Iterator<Item = &QueueAnalysis> {
+    recording.measured().filter(|queue| queue.rays > 0)
 }
 
 fn sentence(recording: &RecordingAnalysis, queue: &QueueAnalysis, why: &str) -> String {

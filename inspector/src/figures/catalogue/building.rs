@@ -274,7 +274,7 @@ pub fn without<'a>(
     if lacking.is_empty() {
         return String::new();
     }
-    format!(" Without what cannot be read: {}.", lacking.join("; "))
+    format!(" Missing: {}.", lacking.join("; "))
 }
 
 /// Scene, machine and settings of each recording that is in a figure, a line each.
