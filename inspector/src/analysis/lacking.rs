@@ -12,7 +12,7 @@ pub fn of_orders<T>(
     number: impl Fn(&OrderAnalysis) -> &Metric<T>,
 ) -> Vec<String> {
     let orders =
-        || recording.measured().flat_map(|queue| queue.orders.iter().map(move |order| (queue, order)));
+        || measured(recording).flat_map(|queue| queue.orders.iter().map(move |order| (queue, order)));
     let known = orders().filter(|(_, order)| number(order).known().is_some());
     let known = distinct(known.map(|(_, order)| order.method.as_str()));
     let lacking = orders().filter(|(_, order)| known.contains(&order.method.as_str()));

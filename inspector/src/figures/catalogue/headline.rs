@@ -2,7 +2,7 @@
 
 use formats::key::method::UNSORTED;
 
-use super::building::{figure, methods, recordings, settings};
+use super::building::{figure, is_method, methods, recordings, settings};
 use super::{Findings, Made};
 use crate::analysis::Metric;
 use crate::analysis::headline::{Headline, View};
@@ -20,7 +20,7 @@ const CUT_SHARE: f64 = 0.01;
 pub fn headline(findings: &Findings<'_>) -> Made {
     let (mut panels, mut ranges, mut reasons) = (Vec::new(), Vec::new(), Vec::new());
     let (recordings, mut shown) = (recordings(findings), Vec::new());
-    let methods = methods(findings);
+    let methods: Vec<&str> = methods(findings).into_iter().filter(|method| is_method(method)).collect();
     for recording in &recordings {
         match Headline::of(recording, &methods, findings.analysis.group_width) {
             Metric::Known(found) => {

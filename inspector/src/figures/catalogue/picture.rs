@@ -15,7 +15,7 @@ const SHOWN_SHARE: f64 = 0.99;
 /// The image, and the nodes and triangles behind each of its pixels.
 pub fn pixel_cost(findings: &Findings<'_>) -> Made {
     let (mut panels, mut reasons) = (Vec::new(), Vec::new());
-    let (mut shown, mut shown_of): (Vec<PixelCost>, Vec<&RecordingAnalysis>) = Default::default();
+    let (mut shown, mut shown_of) = (Vec::<PixelCost>::new(), Vec::new());
     for recording in &findings.analysis.recordings {
         let cost = Dump::open(&recording.root).map_or_else(Metric::missing, |dump| PixelCost::of(&dump));
         match cost {
