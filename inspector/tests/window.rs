@@ -89,7 +89,7 @@ fn a_control_that_is_off_is_a_problem() {
     context.recordings[0].times.as_mut().unwrap().controls =
         vec![(RayClass::Secondary, line(1.2)), (RayClass::Shadow, line(1.01))];
     let harness = panel("problems", context);
-    assert!(harness.query_all_by_label_contains("the control is off by +20 %").next().is_some());
+    assert!(harness.query_all_by_label_contains("the control is off by +20.0 %").next().is_some());
     assert!(harness.query_all_by_label_contains("of secondary rays it is 1.20").next().is_some());
     assert!(harness.query_all_by_label_contains("shadow rays").next().is_none(), "1.01 is right");
     assert!(harness.query_all_by_label("No problems.").next().is_none());

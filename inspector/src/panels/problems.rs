@@ -39,7 +39,7 @@ fn bad_controls(recording: &Recording) -> Vec<Problem> {
         let (ratio, interval) = (times(line.ratio), line.interval_text());
         let separator = if interval.is_empty() { "" } else { " " };
         Problem {
-            what: format!("{}: the control is off by {:+.0} %", recording.label, 100.0 * (line.ratio - 1.0)),
+            what: format!("{}: the control is off by {:+.1} %", recording.label, 100.0 * (line.ratio - 1.0)),
             why: format!(
                 "Canonical order through the same steps must take as long as unsorted rays; of {} rays it is {ratio}{separator}{interval}. \
                  Speedups of this recording are no truer than that: record it again with nothing else running, and with more --repeats.",
