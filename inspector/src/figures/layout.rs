@@ -267,7 +267,9 @@ impl<'a> Plot<'a> {
         let y_label = text::wrap(&upwards.label, TEXT_SIZE, height + 20.0);
         let across_label = if repeats.across { "" } else { across.label.as_str() };
         let x_label = text::wrap_evenly(across_label, TEXT_SIZE, width + margins.left.min(margins.right));
-        let title_room = margins.left + width + margins.right - EDGE;
+        let left = widest_label(&y) + text::height(&y_label, TEXT_SIZE) + TICK_GAP + 3.0;
+        // It is centred above what the panel has itself: a panel below may have longer names.
+        let title_room = left + width + margins.right - EDGE;
         let title = text::wrap_evenly(&panel.title, TITLE_SIZE, title_room);
         let colour_bar = colour_bar(panel, height);
         let bar_room = colour_bar.as_ref().map_or(0.0, |(mapping, label)| {
@@ -281,10 +283,8 @@ impl<'a> Plot<'a> {
         // The last label may reach over the end of the axis.
         let overhang = tick_labels::overhang(&x, width);
         let words = tick_labels::height(&x) + text::height(&x_label, TEXT_SIZE);
-        let needed = Margins {
-            left: widest_label(&y) + text::height(&y_label, TEXT_SIZE) + TICK_GAP + 3.0,
-            right: (EDGE + bar_room).max(overhang + 1.0).max(line_names::room(&line_names)),
-        };
+        let needed =
+            Margins { left, right: (EDGE + bar_room).max(overhang + 1.0).max(line_names::room(&line_names)) };
         let (place, top) = ((0.0, 0.0), text::height(&title, TITLE_SIZE) + EDGE);
         let bottom = (words + TICK_GAP + 1.5).max(bar_label - height);
         let plot = Self {

@@ -46,6 +46,7 @@ pub(super) fn all() -> Vec<Figure> {
         distributions(),
         markup(),
         two_in_a_row(),
+        names_above_none(),
     ]
 }
 
@@ -261,4 +262,20 @@ fn two_in_a_row() -> Figure {
         Panel::new(title, Axis::categories("", METHODS), Axis::from_zero("ns per ray"), dots)
     };
     figure("two-in-a-row", SCENES.into_iter().take(4).map(panel).collect())
+}
+
+/// Panels of which one in the right column names its rows and the one below it need not.
+fn names_above_none() -> Figure {
+    let panel = |title: &str, rows: &[&str]| {
+        let value = |_, row: usize| point(row as f64, 1.0 + noise(row), 0.0);
+        let dots = Content::Dots(named(&["what it takes"], rows.len(), value).collect());
+        Panel::new(title, Axis::categories("", rows.iter().copied()), Axis::from_zero("time"), dots)
+    };
+    let panels = vec![
+        panel("sponza: secondary rays", &["unsorted", "two-point"]),
+        panel("sponza: shadow rays", &["unsorted", "light-octahedron"]),
+        panel("sponza (replay elsewhere): secondary rays", &["unsorted", "two-point"]),
+        panel("sponza (replay elsewhere): shadow rays", &["unsorted", "two-point"]),
+    ];
+    figure("names-above-none", panels)
 }
