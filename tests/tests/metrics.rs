@@ -44,3 +44,19 @@ fn numpy_computes_the_same_metrics() {
     let outcome = check(folder.path(), &wrong.to_string());
     outcome.failed_with(1, &["capsule area of"]);
 }
+
+/// Its queues are too short to be worth a key, so that their times say nothing of an order.
+#[test]
+fn what_auto_leaves_alone_has_no_speedup() {
+    let folder = tempdir().unwrap();
+    let json =
+        record(folder.path(), "short", "builtin:cornell", "--backend cpu --repeats 1 --methods aila,auto");
+    let row = |method: &str| {
+        let rows = json["frame"]["rows"].as_array().unwrap();
+        rows.iter().find(|row| row["method"] == method).unwrap_or_else(|| panic!("no {method}: {rows:?}"))
+    };
+    assert_eq!(row("auto")["verdict"], "left alone");
+    for number in ["secondary", "shadow", "net"] {
+        assert!(row("auto")[number].is_null() && row("aila")[number]["ratio"].is_f64(), "{number}");
+    }
+}

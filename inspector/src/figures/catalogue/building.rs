@@ -9,6 +9,7 @@ use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
 use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Figure, Of, Panel, Point, Scale, Series};
+use crate::output::counted;
 
 /// A figure of these panels, without what is empty. Its name is that in the catalogue.
 ///
@@ -287,7 +288,7 @@ pub fn settings<'a>(recordings: impl IntoIterator<Item = &'a RecordingAnalysis>)
             format!(", {}", recording.adapter.driver)
         };
         format!(
-            "{}: scene {} ({} triangles), camera {}, {}{driver}; {}×{}, {} bounces, {} passes, {} repeats, {} keys, table of 2^{} cells by {}, seed {}; timed by {}",
+            "{}: scene {} ({} triangles), camera {}, {}{driver}; {}×{}, {}, {}, {}, {} keys, table of 2^{} cells by {}, seed {}; timed by {}",
             recording.label,
             recording.scene,
             recording.triangles,
@@ -295,9 +296,9 @@ pub fn settings<'a>(recordings: impl IntoIterator<Item = &'a RecordingAnalysis>)
             recording.configuration,
             options.width,
             options.height,
-            options.bounces,
-            options.passes,
-            options.repeats,
+            counted(options.bounces.into(), "bounce", "bounces"),
+            counted(options.passes.into(), "pass", "passes"),
+            counted(options.repeats.into(), "repeat", "repeats"),
             recording.key_bits(),
             options.table_bits,
             options.table_method,
