@@ -23,6 +23,21 @@ pub fn record(folder: &Path, name: &str, scene: &str, options: &str) -> Value {
     Program::Recorder.run(folder, &line).succeeded().json()
 }
 
+/// What `inspector info --json` says of a recording without what another run of it has otherwise: times and what follows
+/// from them, paths, what the machine said of itself.
+///
+/// # Panics
+/// If the inspector fails.
+pub fn without_times(folder: &Path, recording: &str) -> Value {
+    let mut said = Program::Inspector.run(folder, &format!("info {recording} --json")).succeeded().json();
+    for key in ["dump", "wall_ns", "timings", "frame", "self_check"] {
+        said[key] = Value::Null;
+    }
+    // A replay names its source by a checksum of all that it says, times included.
+    said["source"]["sha256"] = Value::Null;
+    said
+}
+
 /// Contents of every array of a recording, by its path from the recording's folder.
 ///
 /// # Panics

@@ -9,10 +9,10 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-use serde_json::{Value, json};
+use serde_json::json;
 use tempfile::tempdir;
 use tests::programs::{Outcome, Program, finish};
-use tests::recordings::{arrays, assert_same};
+use tests::recordings::{arrays, assert_same, without_times};
 use tests::scene_files::{glb, triangle_bytes, triangle_json};
 use tests::slurm::Cluster;
 
@@ -56,17 +56,6 @@ fn records(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let jobs = fs::read_dir(folder.join("made/jobs")).unwrap().map(|entry| entry.unwrap());
     let record = |job: &fs::DirEntry| fs::read(job.path().join("job.json")).unwrap();
     jobs.map(|job| (job.file_name().into_string().unwrap(), record(&job))).collect()
-}
-
-/// What a recording says of itself, but for times and what follows from them.
-fn without_times(folder: &Path, recording: &str) -> Value {
-    let mut said = Program::Inspector.run(folder, &format!("info {recording} --json")).succeeded().json();
-    for key in ["dump", "wall_ns", "timings", "self_check"] {
-        said[key] = json!(null);
-    }
-    // A replay names its source by a checksum of all that it says, times included.
-    said["source"]["sha256"] = json!(null);
-    said
 }
 
 /// Checks that the jobs in `made` are those that a run on this machine alone makes.

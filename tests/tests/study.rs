@@ -8,11 +8,11 @@ use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-use serde_json::{Value, json};
+use serde_json::Value;
 use tempfile::tempdir;
 use tests::full_disk::on_small_disk;
 use tests::programs::{Outcome, Program, finish};
-use tests::recordings::{arrays, assert_same};
+use tests::recordings::{arrays, assert_same, without_times};
 use tests::scene_files::{glb, triangle_bytes, triangle_json};
 use tests::sources::root;
 
@@ -288,17 +288,6 @@ fn a_full_disk_is_a_sentence_and_what_fits_is_made() {
 fn start(folder: &Path, out: &str) -> Child {
     let mut command = Program::Recorder.command(["study", "run", "study.toml", "--out", out]);
     command.current_dir(folder).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
-}
-
-/// What a recording says of itself, but for times and what follows from them.
-fn without_times(folder: &Path, recording: &str) -> Value {
-    let mut said = Program::Inspector.run(folder, &format!("info {recording} --json")).succeeded().json();
-    for key in ["dump", "wall_ns", "timings", "self_check"] {
-        said[key] = json!(null);
-    }
-    // A replay names its source by a checksum of all that it says, times included.
-    said["source"]["sha256"] = json!(null);
-    said
 }
 
 #[test]

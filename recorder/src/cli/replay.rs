@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 use formats::key::Method;
+use formats::key::method::UNSORTED;
 use formats::length_table::TABLE_BITS_DEFAULT;
 use formats::manifest::check::REPEATS_MAX;
 
@@ -94,7 +95,7 @@ impl ReplayArguments {
             table_method.as_ref().unwrap_or(&default),
         )?;
         let wants_methods = self.methods.is_some() || !self.own_methods.is_empty();
-        let list = self.methods.as_deref().unwrap_or_default();
+        let list = self.methods.as_deref().unwrap_or(UNSORTED);
         Ok(ReplayOptions {
             source: self.source.clone(),
             out: self.out.clone(),
