@@ -8,7 +8,7 @@ use std::path::Path;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use formats::key::method::UNSORTED;
+use formats::key::method::{AUTO, UNSORTED};
 use formats::manifest::QueueId;
 use formats::metrics::frame::{Frame, summed};
 use formats::metrics::samples::Samples;
@@ -174,6 +174,19 @@ fn of_several_recordings_b_is_the_best_of_each() {
     context.order_by(UNSORTED);
     context.select_recording(1);
     assert_eq!(context.selection.method, UNSORTED, "what was chosen stays");
+}
+
+/// Whatever its times are, they say nothing of an order.
+#[test]
+fn auto_that_left_all_alone_is_not_b() {
+    let folder = tempfile::tempdir().unwrap();
+    // Without the record of what it chose.
+    let alone = sample::thinned(&sample::write(folder.path()), "alone", &[QUEUE], &["two-point", AUTO]);
+    let mut context = Context::open(&[alone]);
+    assert_eq!(context.selection.method, "two-point");
+    let ranking = context.ranking(1);
+    let auto = ranking.iter().find(|order| order.method == AUTO).unwrap();
+    assert_eq!((auto.net.known(), auto.trace.known()), (None, None), "{ranking:?}");
 }
 
 #[test]

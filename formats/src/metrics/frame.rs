@@ -127,6 +127,11 @@ fn remark(manifest: &Manifest, method: &str) -> Option<&'static str> {
     manifest.foreign_orders().any(|order| order.name == method).then_some("no key time")
 }
 
+/// Whether a method is `auto` and left all rays alone that count, so that its times are those of no order.
+pub fn leaves_all_alone(manifest: &Manifest, method: &str) -> bool {
+    Kind::ALL.iter().all(|kind| leaves_alone(manifest, method, *kind))
+}
+
 /// Whether `auto` left all rays of this kind alone that count.
 fn leaves_alone(manifest: &Manifest, method: &str, kind: Kind) -> bool {
     let mut decisions = manifest.decisions.iter();

@@ -1,6 +1,6 @@
 //! All orders of the selected queue by what they gain, as far as it is known.
 
-use formats::key::method::UNSORTED;
+use formats::key::method::{AUTO, UNSORTED};
 
 use super::absent::Absent;
 use super::coherences::OrderCoherence;
@@ -33,6 +33,7 @@ impl Context {
             let reason = match (times, &*method) {
                 (_, WHAT_IF) => "it was made here, not measured; `recorder replay` measures it",
                 (None, _) => "the recording is not finished",
+                (_, AUTO) => "it left all secondary and shadow rays alone",
                 _ => "it was not measured on secondary or shadow rays",
             };
             let found = of(&method);

@@ -8,6 +8,7 @@ use formats::folder::dump_of_partial;
 use formats::hierarchy::Hierarchy;
 use formats::key::method::{UNSORTED, is_method_name};
 use formats::manifest::{Header, MethodRecord, QueueId, QueueRecord, Source};
+use formats::metrics::frame::leaves_all_alone;
 use formats::ray::Kind;
 use formats::reader::{Dump, ReadError};
 use formats::unit_space::UnitSpace;
@@ -30,7 +31,7 @@ pub struct Recording {
     /// What its header says, with names that can be shown.
     pub shown: Header,
     queues: Vec<QueueRecord>,
-    /// What each method gains over unsorted rays on the whole frame.
+    /// What each method that orders any rays gains over unsorted ones on the whole frame.
     over_unsorted: Vec<(String, Versus)>,
     /// A number of its own, another one each time that it is read again.
     pub opening: u64,
@@ -49,7 +50,8 @@ impl Recording {
             analysis::AnalysisOptions { depth: Depth::Manifest, ..analysis::AnalysisOptions::default() };
         let analysis = analysis::analyse(std::slice::from_ref(&dump), &options).ok();
         let times = analysis.and_then(|analysis| analysis.recordings.into_iter().next());
-        let over_unsorted = times.as_ref().map_or_else(Vec::new, Versus::over_unsorted);
+        let mut over_unsorted = times.as_ref().map_or_else(Vec::new, Versus::over_unsorted);
+        over_unsorted.retain(|(method, _)| !leaves_all_alone(dump.manifest(), method));
         let name = dump.root().file_stem();
         let label = name.map_or_else(String::new, |name| shown::name(&name.to_string_lossy()));
         let shown = shown::header(&dump.manifest().header);
@@ -96,7 +98,7 @@ impl Recording {
         self.times.as_ref()?.queues.iter().find(is_of)
     }
 
-    /// What a method gains over unsorted rays on the whole frame; `None` if it was not measured there.
+    /// What a method gains over unsorted rays on the whole frame; `None` if it orders none of its rays.
     pub fn over_unsorted(&self, method: &str) -> Option<&Versus> {
         self.over_unsorted.iter().find(|(name, _)| name == method).map(|(_, versus)| versus)
     }
