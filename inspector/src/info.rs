@@ -67,31 +67,30 @@ pub(crate) fn run(path: &Path, json: bool, details: bool, options: &AnalysisOpti
     let dump = Dump::open(path)?;
     let summary = Summary::new(path, dump.manifest());
     let source_is = SourceIs::of(&dump);
-    if json && options.depth == Depth::Manifest {
-        return print_json(&Printed { summary: &summary, source_is, metrics: None });
-    }
-    let is_partial = dump.state() == DumpState::Partial;
-    let shown = shown::header(&dump.manifest().header);
-    if !details && options.depth == Depth::Manifest {
-        let mut parts = vec![in_short(&summary, &shown, source_is), Frame::of(dump.manifest()).text()];
-        parts.extend(without_cost(dump.manifest()));
-        parts.push("More: --details (settings, queues, stages, arrays), --metrics (capsules, lanes)".into());
-        return print(&parts.join("\n\n"));
-    }
-    let mut parts = vec![facts(&summary, &shown, source_is), queues(&summary), timings(&summary)];
+    let reads_arrays = options.depth == Depth::Arrays;
     // What there is so far of a recording can be shown, but has no means yet.
-    if !is_partial || options.depth == Depth::Arrays {
-        let analysis = analyse(std::slice::from_ref(&dump), options)?;
-        if json {
-            return print_json(&Printed { summary: &summary, source_is, metrics: Some(&analysis) });
-        }
-        parts.push(method_table::methods(&analysis));
-        parts.extend(without_cost(dump.manifest()));
-        if options.depth == Depth::Arrays {
-            parts.push(method_table::arrays(&analysis));
-        }
+    let has_means = reads_arrays || (details && dump.state() != DumpState::Partial);
+    let analysis = has_means.then(|| analyse(std::slice::from_ref(&dump), options)).transpose()?;
+    if json {
+        return print_json(&Printed { summary: &summary, source_is, metrics: analysis.as_ref() });
     }
-    parts.push(arrays(&summary));
+    let shown = shown::header(&dump.manifest().header);
+    let mut parts = if details {
+        vec![facts(&summary, &shown, source_is), queues(&summary), timings(&summary)]
+    } else {
+        vec![in_short(&summary, &shown, source_is), Frame::of(dump.manifest()).text()]
+    };
+    parts.extend(analysis.as_ref().filter(|_| details).map(method_table::methods));
+    parts.extend(without_cost(dump.manifest()));
+    parts
+        .extend(analysis.as_ref().filter(|_| reads_arrays).map(|found| method_table::arrays(found, details)));
+    parts.push(match (details, reads_arrays) {
+        (true, _) => arrays(&summary),
+        (false, true) => "More: --details (each bounce by itself)".into(),
+        (false, false) => {
+            "More: --details (settings, queues, stages, arrays), --metrics (capsules, lanes)".into()
+        }
+    });
     print(&parts.join("\n\n"))
 }
 

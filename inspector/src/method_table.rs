@@ -3,10 +3,12 @@
 use formats::key::method::CONTROL;
 use formats::metrics::correlation::Correlation;
 use formats::metrics::speedup::INTERVAL_ROUNDS;
+use formats::ray::Kind;
 use formats::text::one_line;
 
 use crate::analysis::study::StudyGroup;
 use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
+use crate::analysis::tables::Estimators;
 use crate::analysis::{Analysis, CorrelationLine, MethodSummary, Metric, OrderAnalysis, QueueAnalysis};
 use crate::output::{counted, table};
 use crate::shown;
@@ -121,10 +123,98 @@ fn significance(summaries: &[MethodSummary], rays: RayClass) -> Option<String> {
     (total > 0).then(|| format!("{} rays, with all costs: {}", rays.name(), said.join(", ")))
 }
 
-/// What the arrays say: coherence of each order, length tables, correlations, and what is not known.
-pub(crate) fn arrays(analysis: &Analysis) -> String {
-    let parts = [orders(analysis), tables(analysis), correlations(analysis), reasons(analysis)];
+/// What the arrays say: coherence of each order, length tables, correlations, and what is not known; over all bounces,
+/// or of each one.
+pub(crate) fn arrays(analysis: &Analysis, by_bounce: bool) -> String {
+    let [coherence, lengths] = match by_bounce {
+        false => [coherence(analysis), lengths(analysis)],
+        true => [orders(analysis), tables(analysis)],
+    };
+    let parts = [coherence, lengths, correlations(analysis), reasons(analysis)];
     parts.into_iter().flatten().collect::<Vec<_>>().join("\n\n")
+}
+
+/// The mean of a number over queues, weighted by their rays; `None` if a queue lacks it, or there are none.
+fn mean<'q>(
+    queues: impl Iterator<Item = &'q QueueAnalysis>,
+    of: impl Fn(&QueueAnalysis) -> Option<f64>,
+) -> Option<f64> {
+    let add = |(sum, rays), queue: &QueueAnalysis| {
+        Some((sum + of(queue)? * queue.rays as f64, rays + queue.rays as f64))
+    };
+    let (sum, rays) = queues.map(Some).try_fold((0.0, 0.0), |sums, queue| add(sums, queue?))?;
+    (rays > 0.0).then_some(sum / rays)
+}
+
+/// A line per method, its means over bounces: 80 columns. The smallest capsules of secondary rays come first.
+fn coherence(analysis: &Analysis) -> Option<String> {
+    let queues = |rays: RayClass| {
+        let measured = analysis.recordings.iter().flat_map(|recording| recording.measured());
+        measured.filter(move |queue| RayClass::of(queue) == Some(rays))
+    };
+    // Capsule area, direction spread, utilisation of 32 lanes.
+    let means = |rays: RayClass, method: &str| {
+        let own = || queues(rays).filter(|queue| queue.order(method).is_some());
+        let of_order = |of: fn(&OrderAnalysis) -> Option<f64>| mean(own(), |queue| of(queue.order(method)?));
+        [
+            of_order(|order| Some(order.coherence.known()?.mean_capsule_area)),
+            of_order(|order| Some(order.coherence.known()?.mean_direction_spread)),
+            of_order(|order| {
+                order.lanes.known()?.iter().find(|lanes| lanes.width == 32).map(|lanes| lanes.utilisation)
+            }),
+        ]
+    };
+    let all = RayClass::ALL.into_iter().flat_map(queues).flat_map(|queue| &queue.orders);
+    let methods = distinct(all.map(|order| order.method.as_str()));
+    let mut rows: Vec<(&str, [[Option<f64>; 3]; 2])> = methods
+        .into_iter()
+        .map(|method| (method, RayClass::ALL.map(|rays| means(rays, method))))
+        .filter(|(_, means)| means.iter().flatten().any(Option::is_some))
+        .collect();
+    let area = |means: &[[Option<f64>; 3]; 2]| means.map(|[area, ..]| area.unwrap_or(f64::INFINITY));
+    rows.sort_by(|(_, a), (_, b)| {
+        let ([a, a_shadow], [b, b_shadow]) = (area(a), area(b));
+        a.total_cmp(&b).then(a_shadow.total_cmp(&b_shadow))
+    });
+    let mut lines = vec![
+        format!(
+            "Coherence of groups of {} rays: means over all rays; lanes: 32 of them, a model.",
+            analysis.group_width
+        ),
+        "                     secondary rays            shadow rays".to_owned(),
+        "method               capsule  spread   lanes   capsule  spread   lanes".to_owned(),
+    ];
+    for (method, both) in &rows {
+        let cells = both.map(|[area, spread, lanes]| {
+            let number = |of: Option<f64>| of.map_or("–".to_owned(), |of| format!("{of:.3}"));
+            let lanes = lanes.map_or("–".to_owned(), percent);
+            format!("{:>7} {:>7} {lanes:>7}", number(area), number(spread))
+        });
+        lines.push(format!("{:<20} {}", one_line(method, 19), cells.join("   ")));
+    }
+    (!rows.is_empty()).then(|| lines.join("\n"))
+}
+
+/// Whether the length table knows more than one length for all rays does: a line per kind.
+fn lengths(analysis: &Analysis) -> Option<String> {
+    let line = |kind: Kind| {
+        let queues = || {
+            let all = analysis.recordings.iter().flat_map(|recording| recording.measured());
+            all.filter(move |queue| queue.kind == kind && queue.estimators.known().is_some())
+        };
+        let fill = mean(queues(), |queue| Some(queue.table.known()?.fill))?;
+        let error = |of: fn(&Estimators) -> f64| mean(queues(), |queue| queue.estimators.known().map(of));
+        let (table, constant) = (error(|of| of.table.mean_absolute)?, error(|of| of.constant.mean_absolute)?);
+        Some(format!("{:<20} {table:>10.4} {constant:>15.4} {:>12}", format!("{kind} rays"), percent(fill)))
+    };
+    let lines: Vec<String> = Kind::ALL.into_iter().filter_map(line).collect();
+    (!lines.is_empty()).then(|| {
+        format!(
+            "Estimated lengths: mean |estimate − traced length|, unit lengths, over all rays.\n\
+             \x20                        table    one constant   table full\n{}",
+            lines.join("\n")
+        )
+    })
 }
 
 fn orders(analysis: &Analysis) -> Option<String> {

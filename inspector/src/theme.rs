@@ -2,6 +2,7 @@
 
 use egui::{Color32, Theme as Mode};
 
+use crate::analysis::timing::STAGES;
 use crate::figures::style;
 
 /// A colour as shaders take it: red, green, blue, alpha, 0 to 1, in sRGB.
@@ -117,11 +118,21 @@ impl Theme {
         if colour == Color32::BLACK && self.mode == Mode::Dark { self.reference() } else { colour }
     }
 
-    /// A stage, by its place among all: of a ramp that no series has, as in the figures.
+    /// A stage, by its place among all: of a ramp that no series has, as in the figures; on a dark page tracing is
+    /// dark, as it is pale on a light one.
     pub fn stage(self, place: usize) -> Color32 {
-        let [red, green, blue] = style::style(style::STAGE_STYLES + place).colour.0;
-        // Made for white paper: on a dark page the dark ones are those that are not seen.
-        let lifted = |part: u8| self.pick(part.saturating_add((255 - part) / 4), part);
-        Color32::from_rgb(lifted(red), lifted(green), lifted(blue))
+        const ON_DARK: [[u8; 3]; STAGES.len()] = [
+            [0xf0, 0xf0, 0xf0], // decide
+            [0x8e, 0x5c, 0xd0], // key
+            [0xa9, 0x9e, 0xe0], // sort
+            [0xcf, 0xcf, 0xee], // gather
+            [0x3e, 0x44, 0x4a], // trace
+            [0x9a, 0xa5, 0xae], // scatter
+            [0x50, 0x58, 0x60], // trace through indices
+            [0x6e, 0x80, 0x8e], // accumulate
+        ];
+        let on_light = style::style(style::STAGE_STYLES + place).colour.0;
+        let [red, green, blue] = self.pick(ON_DARK[place % ON_DARK.len()], on_light);
+        Color32::from_rgb(red, green, blue)
     }
 }

@@ -226,10 +226,21 @@ fn info_shows_means_and_with_metrics_the_arrays() {
     assert!(text.lines().count() <= 25 && text.lines().all(|line| line.chars().count() <= 80), "{text}");
     let text = info(&path, &["--details"]);
     assert!(text.contains("Methods: the whole frame") && !text.contains("capsule area"), "{text}");
-    let text = info(&path, &["--metrics", "--threads", "1"]);
+    let text = info(&path, &["--metrics", "--details", "--threads", "1"]);
     for part in ["capsule area", "direction spread", "table fill", "Pearson", "lanes of 8"] {
         assert!(text.contains(part), "{part}: {text}");
     }
+    let text = info(&path, &["--metrics"]);
+    assert!(text.lines().count() <= 60 && text.lines().all(|line| line.chars().count() <= 80), "{text}");
+    let analysis = analysed(&[Dump::open(&path).unwrap()], GroupWidth::Rays64, 1);
+    let row = text.lines().rfind(|line| line.starts_with("two-point ")).unwrap();
+    let (mut sum, mut rays) = (0.0, 0.0);
+    for queue in analysis.recordings[0].queues.iter().filter(|queue| queue.kind == Kind::Shadow) {
+        let Some(order) = queue.order("two-point") else { continue };
+        sum += order.coherence.known().unwrap().mean_capsule_area * queue.rays as f64;
+        rays += queue.rays as f64;
+    }
+    assert_eq!(row.split_whitespace().nth(5).unwrap(), format!("{:.3}", sum / rays), "{text}");
     let value: serde_json::Value = serde_json::from_str(&info(&path, &["--json"])).unwrap();
     assert!(value.get("metrics").is_none() && value.get("timings").is_some());
     let value: serde_json::Value = serde_json::from_str(&info(&path, &["--json", "--metrics"])).unwrap();

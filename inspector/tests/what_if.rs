@@ -148,6 +148,37 @@ fn the_order_that_is_made_stands_beside_recorded_ones() {
     assert!((0..made.len()).any(|place| made.places.ray(place) != other.places.ray(place)));
 }
 
+/// Of each bit the area is that of the order by keys that end there, which the encoder makes by itself.
+#[test]
+fn a_bit_is_worth_what_keys_that_end_there_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(folder.path());
+    let header = context.recording().unwrap().dump.manifest().header.clone();
+    let area = |context: &mut Context| loop {
+        match context.what_if_coherence() {
+            Err(Absent::Awaited) => context.finish(),
+            found => break found.unwrap().coherence.known().unwrap().mean_capsule_area,
+        };
+    };
+    for (text, filled) in [("(ox oy oz ex ey ez)*4", 24), ("hilbert(dx dy dz)*4", 12)] {
+        let settings = Settings { key_bits: 24, ..Settings::named(text, &header) };
+        context.what_if = Some(settings.clone());
+        let found = loop {
+            match context.what_if_bits() {
+                Err(Absent::Awaited) => context.finish(),
+                found => break found.unwrap(),
+            };
+        };
+        for key_bits in 8..=24 {
+            context.what_if = Some(Settings { key_bits, ..settings.clone() });
+            let bit = &found.bits[key_bits as usize - 1];
+            assert_eq!(bit.mean_capsule_area, area(&mut context), "{text}, {key_bits} bits");
+        }
+        assert!(found.bits[23].mean_capsule_area < found.unsorted_area, "{text}");
+        assert!(found.bits[filled..].iter().all(|bit| found.is_idle(bit)), "{text}");
+    }
+}
+
 /// Nothing is awaited of an order that cannot be made.
 #[test]
 fn a_layout_that_is_wrong_has_no_numbers_and_says_why() {

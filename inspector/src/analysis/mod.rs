@@ -13,6 +13,7 @@
 //! - [`labels`]: what recordings are called beside each other; [`lacking`]: what some queues lack of what others have
 //! - [`work`]: nodes and triangles of the recording's own kernel
 //! - [`picture`]: the image and what each pixel cost; [`image_plane`]: which path starts where on it
+//! - [`key_bits`]: what each bit of an order's keys is worth
 //! - [`jumps`], [`neighbours`], [`estimates`], [`visits`], [`costliest`]: of the rays of one queue, the longest jumps,
 //!   means over near ones, estimated against traced lengths, the boxes that they enter, the triangles that cost most
 //! - [`comparison`], [`differences`]: two orders ray by ray; two recordings as a table of what differs
@@ -33,6 +34,7 @@ pub mod frame;
 pub mod headline;
 pub mod image_plane;
 pub mod jumps;
+pub mod key_bits;
 pub mod known;
 pub mod labels;
 pub mod lacking;

@@ -115,6 +115,22 @@ pub const STAGES: [Stage; 8] = [
     Stage::Accumulate,
 ];
 
+/// The stages as bars stack them, each with its place in [`STAGES`]: tracing first, then what an order adds to it, so
+/// that it is seen how much of what the trace saves is left.
+pub fn stacked() -> impl Iterator<Item = (usize, Stage)> {
+    let is_trace = |(_, stage): &(usize, Stage)| matches!(stage, Stage::Trace | Stage::TraceIndirect);
+    let all = || STAGES.into_iter().enumerate();
+    all().filter(is_trace).chain(all().filter(move |stage| !is_trace(stage)))
+}
+
+/// What a stage is called in legends.
+pub fn stage_name(stage: Stage) -> &'static str {
+    match stage {
+        Stage::TraceIndirect => "trace through indices",
+        other => other.name(),
+    }
+}
+
 /// The times of an order's stages, those that were taken.
 pub fn stages(samples: &StageSamples, traffic: &Traffic, rays: u64) -> Vec<StageTime> {
     let of = |stage: Stage| {

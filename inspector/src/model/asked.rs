@@ -18,10 +18,12 @@ use super::groups::Groups;
 use super::numbers::Numbers;
 use super::order::Order;
 use super::path::PathRay;
+use super::queue::Queue;
 use super::rows::{Rows, Sorting};
 use super::selection::Selection;
 use crate::analysis::costliest::{CostlyTriangle, costliest};
 use crate::analysis::estimates::Estimates;
+use crate::analysis::key_bits::KeyBits;
 use crate::analysis::visits::Visits;
 
 impl Context {
@@ -128,6 +130,22 @@ impl Context {
         let wanted = (order.serial, width);
         let find = move || OrderCoherence::of(&order, width);
         self.derived.what_if_coherence.of(wanted, &self.derived.waker, find)
+    }
+
+    /// What each bit of the what-if order's keys is worth.
+    ///
+    /// # Errors
+    /// Why that cannot be said, or not yet.
+    pub fn what_if_bits(&mut self) -> Result<Arc<KeyBits>, Absent> {
+        let (order, width) = (self.what_if_order()?, self.selection.group_width);
+        let wanted = (order.serial, width);
+        let find = move || {
+            let (keys, layout) = order.keys.as_ref().map_err(String::clone)?;
+            let Queue { traced, lengths, .. } = &*order.queue;
+            let found = KeyBits::of(traced, lengths, (keys, layout.key_bits), width.rays());
+            found.map(Arc::new).ok_or_else(|| "there are no rays, or some are not finite".to_owned())
+        };
+        opened(self.derived.what_if_bits.of(wanted, &self.derived.waker, find))
     }
 
     /// How coherent the queue's recorded orders are, as far as it is known in this frame, and how many orders

@@ -13,6 +13,7 @@ use super::what_if::Settings;
 use crate::analysis::GroupWidth;
 use crate::analysis::costliest::CostlyTriangle;
 use crate::analysis::estimates::Estimates;
+use crate::analysis::key_bits::KeyBits;
 use crate::analysis::visits::Visits;
 use crate::filter::{Expression, FilterError, Passing};
 
@@ -38,6 +39,7 @@ pub struct Derived {
     pub(super) rows: Background<WantedRows, Arc<Rows>>,
     pub(super) what_if: Background<(u64, QueueId, Settings), Result<Arc<Order>, String>>,
     pub(super) what_if_coherence: Background<Grouped, OrderCoherence>,
+    pub(super) what_if_bits: Background<Grouped, Result<Arc<KeyBits>, String>>,
     pub(super) estimates: Background<(u64, QueueId), Result<Arc<Estimates>, String>>,
     pub(super) paths: Background<WantedPaths, Arc<[PathRay]>>,
     pub(super) costliest: Background<(u64, QueueId), Result<Costliest, String>>,

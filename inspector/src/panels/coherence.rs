@@ -4,7 +4,7 @@ use egui_plot::{Line, Plot, PlotPoints, PlotResponse, VLine};
 use formats::metrics::quantity::Quantity;
 
 use super::brush::brush;
-use super::notes::{found, group_widths, hint, power_of_ten};
+use super::notes::{found, group_widths, hint, legend, power_of_ten};
 use super::worst::{WorstGroups, costliest_triangles};
 use crate::model::Context;
 use crate::model::coherences::OrderCoherence;
@@ -21,7 +21,9 @@ pub(super) struct CoherencePanel {
 
 impl Panel for CoherencePanel {
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let method = context.selection.method.clone();
+        let b = context.selection.method.clone();
+        let a = context.selection.baseline.clone();
+        let a = a.recording.is_none().then_some(a.method).filter(|a| *a != b);
         let known =
             context.coherences(ui.ctx().cumulative_frame_nr()).map(|(known, all)| (known.to_vec(), all));
         let Some((orders, total)) = found(ui, known) else { return };
@@ -34,9 +36,18 @@ impl Panel for CoherencePanel {
                 ui.weak(format!("{} of {total} orders so far", orders.len()));
             }
         });
-        let styles: Vec<usize> = orders.iter().map(|order| context.style_of(&order.method)).collect();
+        let median = |method: &str| {
+            let order = orders.iter().find(|order| order.method == method)?;
+            order.coherence.known()?.area_quantiles.get(50).copied()
+        };
+        ui.horizontal_wrapped(|ui| compared(ui, context, a.as_deref(), &b, median));
+        let style = |order: &OrderCoherence| {
+            let is_chosen = order.method == b || Some(&order.method) == a.as_ref();
+            is_chosen.then(|| context.style_of(&order.method))
+        };
+        let styles: Vec<Option<usize>> = orders.iter().map(style).collect();
         let played = played_area(context);
-        let plot = distribution(ui, &orders, (&styles, &method, played), 0.5 * ui.available_height());
+        let plot = distribution(ui, &orders, &styles, played, 0.5 * ui.available_height());
         let area_at = |x: f32| 10f64.powf(plot.transform.value_from_position(egui::pos2(x, 0.0)).x);
         brush(ui, &plot.response, (Quantity::Area, area_at), context);
         ui.horizontal_wrapped(|ui| {
@@ -99,24 +110,46 @@ fn played_area(context: &mut Context) -> Option<f64> {
     order.group(place / width.rays(), width).map(|group| group.area)
 }
 
+/// By how much the groups of B are smaller than those of A, and which lines they are.
+fn compared(
+    ui: &mut egui::Ui,
+    context: &Context,
+    a: Option<&str>,
+    b: &str,
+    median: impl Fn(&str) -> Option<f64>,
+) {
+    let theme = Theme::of(ui.ctx());
+    let known = |method: &str| Some((method.to_owned(), median(method)?));
+    for (method, area) in a.and_then(known).into_iter().chain(known(b)) {
+        legend(ui, theme.series(context.style_of(&method)), &format!("{method}: median {area:.3}"));
+    }
+    if let Some((of_a, of_b)) = a.and_then(&median).zip(median(b)).filter(|(_, of_b)| *of_b > 0.0) {
+        ui.strong(format!("{:.1} times as small", of_a / of_b));
+    }
+    ui.weak("others grey");
+}
+
 /// Share of the rays whose groups have a smaller capsule, for each order.
 fn distribution(
     ui: &mut egui::Ui,
     orders: &[OrderCoherence],
-    (styles, chosen, played): (&[usize], &str, Option<f64>),
+    styles: &[Option<usize>],
+    played: Option<f64>,
     height: f32,
 ) -> PlotResponse<()> {
     let theme = Theme::of(ui.ctx());
-    let line = |(order, style): (&OrderCoherence, &usize)| {
+    let line = |(order, style): (&OrderCoherence, &Option<usize>)| {
         let coherence = order.coherence.known()?;
         let steps = coherence.area_quantiles.len().saturating_sub(1).max(1) as f64;
         let quantiles = coherence.area_quantiles.iter().enumerate();
         let points = quantiles.map(|(at, area)| [area.max(LEAST_AREA).log10(), 100.0 * at as f64 / steps]);
-        let width = if order.method == chosen { 3.5 } else { 1.3 };
+        let (colour, width) = style.map_or((theme.left_out(), 1.0), |style| (theme.series(style), 3.0));
         let line = Line::new(order.method.clone(), points.collect::<PlotPoints<'_>>());
-        Some(line.color(theme.series(*style)).width(width))
+        Some((style.is_some(), line.color(colour).width(width)))
     };
-    let lines: Vec<Line<'_>> = orders.iter().zip(styles).filter_map(line).collect();
+    let mut lines: Vec<(bool, Line<'_>)> = orders.iter().zip(styles).filter_map(line).collect();
+    // A and B are drawn over the others.
+    lines.sort_by_key(|(is_chosen, _)| *is_chosen);
     Plot::new("areas")
         .height(height.max(80.0))
         .allow_scroll(false)
@@ -127,7 +160,7 @@ fn distribution(
         .y_axis_label("rays below, %")
         .x_axis_formatter(|mark, _| power_of_ten(mark.value))
         .show(ui, |plot| {
-            for line in lines {
+            for (_, line) in lines {
                 plot.line(line);
             }
             if let Some(area) = played {

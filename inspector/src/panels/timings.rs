@@ -1,11 +1,12 @@
-//! The stages of each method against tracing unsorted rays: what lies left of the line pays off.
+//! The stages of each method against tracing unsorted rays, the fastest first: what ends left of the line pays off.
 
-use egui_plot::{AxisHints, Bar, BarChart, Plot, VLine};
+use egui::{Align2, RichText};
+use egui_plot::{AxisHints, Bar, BarChart, Plot, PlotPoint, Text, VLine};
 use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 
 use super::notes::{hint, legend, name_at};
-use crate::analysis::timing::STAGES;
+use crate::analysis::timing::{Verdict, stacked, stage_name};
 use crate::analysis::{OrderAnalysis, QueueAnalysis};
 use crate::model::Context;
 use crate::panels::data::Data;
@@ -16,6 +17,9 @@ pub(super) struct TimingsPanel;
 
 /// Height of a bar and its name, points: enough for both to be read.
 const BAR_ROW: f32 = 19.0;
+
+/// How far the axis goes beyond the longest bar, so that the net speedups have room.
+const ROOM_FOR_NET: f64 = 1.12;
 
 /// Height of the axis below the bars and the names above them, points.
 const AXIS: f32 = 64.0;
@@ -67,33 +71,38 @@ fn quantities(order: &OrderAnalysis) -> Vec<Vec<String>> {
     stages.chain(speedups).map(|(quantity, value)| row(quantity, value)).collect()
 }
 
-/// The stages that tracing in an order takes, in milliseconds, by its way.
-fn stack(order: &OrderAnalysis) -> [f64; STAGES.len()] {
-    let time = |stage: Stage| {
-        let found = order.stages.iter().find(|found| found.stage == stage);
-        found.map(|found| found.time.median_ns / 1e6)
-    };
-    STAGES.map(|stage| time(stage).filter(|_| order.way.counts(stage)).unwrap_or(0.0))
+/// A stage of the way that an order is traced, in milliseconds.
+fn milliseconds(order: &OrderAnalysis, stage: Stage) -> f64 {
+    let found = order.stage(stage).filter(|_| order.way.counts(stage));
+    found.map_or(0.0, |found| found.time.median_ns / 1e6)
 }
 
 fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
     let theme = Theme::of(ui.ctx());
-    let orders: Vec<&OrderAnalysis> = queue.orders.iter().rev().collect();
-    let stacks: Vec<[f64; STAGES.len()]> = orders.iter().map(|order| stack(order)).collect();
+    // From below: the slowest, …, the fastest, unsorted.
+    let total = |order: &OrderAnalysis| stacked().map(|(_, stage)| milliseconds(order, stage)).sum::<f64>();
+    let mut orders: Vec<(&OrderAnalysis, f64)> =
+        queue.orders.iter().map(|order| (order, total(order))).collect();
+    orders.sort_by(|(a, a_takes), (b, b_takes)| {
+        (a.method == UNSORTED).cmp(&(b.method == UNSORTED)).then(b_takes.total_cmp(a_takes))
+    });
     let mut charts: Vec<BarChart> = Vec::new();
-    let names: Vec<String> = orders.iter().map(|order| order.method.clone()).collect();
-    let unsorted = queue.orders.iter().find(|order| order.method == UNSORTED).map(stack);
-    let break_even = unsorted.map(|stack| stack.iter().sum::<f64>());
+    let names: Vec<String> = orders.iter().map(|(order, _)| order.method.clone()).collect();
+    let break_even = orders.last().filter(|(order, _)| order.method == UNSORTED).map(|(_, takes)| *takes);
     let line = ui.horizontal_wrapped(|ui| {
-        for at in (0..STAGES.len()).filter(|&at| stacks.iter().any(|stack| stack[at] > 0.0)) {
-            let (name, colour) = (STAGES[at].name().replace('_', " "), theme.stage(at));
-            legend(ui, colour, &name);
-            let bars = stacks.iter().enumerate();
-            let bars = bars.map(|(row, stack)| Bar::new(row as f64, stack[at]).width(0.7).fill(colour));
+        for (at, stage) in stacked() {
+            let times: Vec<f64> = orders.iter().map(|(order, _)| milliseconds(order, stage)).collect();
+            if times.iter().all(|time| *time == 0.0) {
+                continue;
+            }
+            let (name, colour) = (stage_name(stage), theme.stage(at));
+            legend(ui, colour, name);
+            let bars = times.iter().enumerate();
+            let bars = bars.map(|(row, time)| Bar::new(row as f64, *time).width(0.7).fill(colour));
             let chart = BarChart::new(name, bars.collect()).color(colour).horizontal();
             charts.push(chart.stack_on(&charts.iter().collect::<Vec<_>>()));
         }
-        ui.label("- - -  break-even: the trace of unsorted rays");
+        ui.label("- - -  break-even: the trace of unsorted rays;  at the right: net speedup");
     });
     let height = height - line.response.rect.height() - ui.spacing().item_spacing.y;
     let width = longest_name(ui, &names);
@@ -102,12 +111,14 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
         .min_thickness(width)
         .label_spacing(4.0..=8.0)
         .formatter(move |mark, _| name_at(&names, mark.value));
+    let longest = orders.iter().map(|(_, takes)| *takes).fold(0.0, f64::max);
     Plot::new("timings")
         .height(height.max(80.0))
         .allow_scroll(false)
         .allow_zoom(false)
         .allow_drag(false)
         .include_x(0.0)
+        .include_x(longest * ROOM_FOR_NET)
         .set_margin_fraction(egui::vec2(0.02, 0.03))
         .show_grid([true, false])
         .custom_x_axes(vec![AxisHints::new_x().label("milliseconds").label_spacing(30.0..=60.0)])
@@ -120,6 +131,13 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
             if let Some(break_even) = break_even {
                 let line = VLine::new("break-even: unsorted trace", break_even).color(theme.reference());
                 plot.vline(line.style(egui_plot::LineStyle::dashed_dense()).width(1.5));
+            }
+            for (row, (order, _)) in orders.iter().enumerate() {
+                let Some(net) = order.net_speedup.known() else { continue };
+                let colour = if net.verdict == Verdict::Faster { theme.faster() } else { theme.reference() };
+                let text = RichText::new(format!("  {:.2}×", net.ratio)).color(colour);
+                let text = Text::new("net speedup", PlotPoint::new(longest, row as f64), text);
+                plot.text(text.anchor(Align2::LEFT_CENTER));
             }
         });
 }

@@ -1,16 +1,23 @@
 //! What if the recorded rays were sorted by another method, other key bits or another layout: made at once.
-//! Other panels show it like a recorded order.
+//! Other panels show it like a recorded order; here is which of its bits do the work.
 
 use egui::{DragValue, RichText};
+use egui_plot::{AxisHints, Bar, BarChart, HLine, LineStyle, Plot};
 use formats::key::layout::Field;
 use formats::key::{Bit, Coordinate, Extent, KEY_BITS_MIN, LAYOUT_BITS, Layout, LayoutError};
 
 use super::filter_box::typed;
-use super::notes::{choose, found};
+use super::notes::{choose, found, legend, name_at};
+use crate::analysis::key_bits::{KeyBit, KeyBits};
 use crate::model::Context;
 use crate::model::what_if::{Estimate, Settings, WHAT_IF};
+use crate::output::counted;
+use crate::panels::data::Data;
 use crate::panels::panel::Panel;
 use crate::theme::Theme;
+
+/// Height of the chart, points.
+const HEIGHT: f32 = 200.0;
 
 #[derive(Default)]
 pub(super) struct WhatIfPanel;
@@ -27,18 +34,30 @@ impl Panel for WhatIfPanel {
         egui::ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
             ui.horizontal_wrapped(|ui| start_from(ui, context, &mut settings));
             let layout = edit(ui, &mut settings, extent);
-            if let Ok(layout) = &layout {
-                bits(ui, layout, settings.key_bits);
-            }
+            let key_bits = settings.key_bits;
             if context.selection.method == WHAT_IF && context.what_if.as_ref() != Some(&settings) {
                 // Its number is that of another group in the order that will be made.
                 context.selection.group = None;
             }
             context.what_if = Some(settings);
-            if layout.is_ok() {
+            if let Ok(layout) = layout {
+                bits(ui, context, &layout, key_bits);
                 ui.weak("It is a row of the table of methods: a click there makes it B, with shift A.");
             }
         });
+    }
+
+    fn data(&mut self, context: &mut Context) -> Result<Data, String> {
+        let extent = context.recording().ok_or("no recording is open")?.dump.manifest().header.extent();
+        let settings = context.what_if.clone().ok_or("no what-if order was made")?;
+        let layout = settings.layout(extent).map_err(|error| error.message)?;
+        let found = context.what_if_bits()?;
+        let names = names(&layout, found.bits.len());
+        let rows = found.bits.iter().zip(names).enumerate().map(|(at, (bit, name))| {
+            vec![(at + 1).to_string(), name, bit.ones.to_string(), bit.mean_capsule_area.to_string()]
+        });
+        let rows: Vec<Vec<String>> = rows.collect();
+        Ok(Data::new(&["bit", "from", "keys_with_it", "mean_capsule_area_up_to_it"], rows.into_iter()))
     }
 }
 
@@ -112,23 +131,79 @@ fn estimate(ui: &mut egui::Ui, settings: &mut Settings) {
     }
 }
 
-/// What each bit that the key has comes from.
-fn bits(ui: &mut egui::Ui, layout: &Layout, key_bits: u32) {
+/// How many bits of the key come from where, each with the colour of its bars.
+fn shares(ui: &mut egui::Ui, fields: &[Field]) {
     let theme = Theme::of(ui.ctx());
-    let fields = layout.fields(key_bits);
-    let number = |bit: &Bit| fields.iter().position(|field| field.bit == *bit);
     ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 3.0;
-        for bit in layout.bits().iter().take(key_bits as usize) {
-            let text = RichText::new(bit.to_string()).monospace().small();
-            ui.label(text.color(theme.series_text(number(bit).unwrap_or(0))));
+        for (number, field) in fields.iter().enumerate() {
+            legend(ui, theme.series(number), &format!("{} of {}", field.positions.len(), field.bit));
         }
-    })
-    .response
-    .on_hover_text("What each bit comes from, most significant bit first");
-    let share = |field: &Field| format!("{} of {}", field.positions.len(), field.bit);
-    let shares: Vec<String> = fields.iter().map(share).collect();
-    let unused = (key_bits as usize).saturating_sub(layout.bits().len());
-    let unused = if unused > 0 { format!(", {unused} always 0") } else { String::new() };
-    ui.weak(format!("bits: {}{unused}", shares.join(", ")));
+    });
+}
+
+/// What the bits are worth, in words.
+fn worth(found: &KeyBits, names: &[String]) -> String {
+    let all = counted(found.bits.len() as u64, "bit", "bits");
+    let enough = match found.enough() {
+        Some(enough) => {
+            format!("{enough} of {all} give nine tenths of what all of them take from the mean capsule area")
+        }
+        None => format!("The {all} do not make the mean capsule area smaller"),
+    };
+    let bits = found.bits.iter().zip(names);
+    let idle: Vec<&str> = bits.filter(|(bit, _)| found.is_idle(bit)).map(|(_, name)| name.as_str()).collect();
+    match idle.len() {
+        0 => format!("{enough}; each of them differs between keys."),
+        n => {
+            let are = if n == 1 { "is" } else { "are" };
+            format!("{enough}; {n} {are} the same in all keys (hollow): {}.", idle.join(", "))
+        }
+    }
+}
+
+/// Which bits of the key do the work: the mean capsule area of the order by each bit and those before it.
+fn bits(ui: &mut egui::Ui, context: &mut Context, layout: &Layout, key_bits: u32) {
+    let fields = layout.fields(key_bits);
+    shares(ui, &fields);
+    let Some(found) = found(ui, context.what_if_bits()) else { return };
+    let names = names(layout, found.bits.len());
+    ui.label(worth(&found, &names));
+    let theme = Theme::of(ui.ctx());
+    let number = |at: usize| fields.iter().position(|field| layout.bits().get(at) == Some(&field.bit));
+    let bar = |(at, bit): (usize, &KeyBit)| {
+        let colour = number(at).map_or(theme.left_out(), |number| theme.series(number));
+        let fill = if found.is_idle(bit) { egui::Color32::TRANSPARENT } else { colour };
+        let set = 100.0 * bit.ones as f64 / found.rays as f64;
+        Bar::new(at as f64, bit.mean_capsule_area / found.unsorted_area.max(f64::MIN_POSITIVE))
+            .width(0.8)
+            .fill(fill)
+            .stroke(egui::Stroke::new(1.0, colour))
+            .name(format!("bit {}: {}, set in {set:.1} % of the keys", at + 1, names[at]))
+    };
+    let bars = BarChart::new("bits", found.bits.iter().enumerate().map(bar).collect());
+    let below = AxisHints::new_x().label_spacing(12.0..=18.0);
+    Plot::new("bits")
+        .height(HEIGHT)
+        .allow_scroll(false)
+        .allow_zoom(false)
+        .allow_drag(false)
+        .include_y(0.0)
+        .show_grid([false, true])
+        .custom_y_axes(vec![AxisHints::new_y().label("area, unsorted = 1").label_spacing(8.0..=16.0)])
+        .custom_x_axes(vec![
+            below
+                .formatter(move |mark, _| name_at(&names, mark.value))
+                .label("keys end after this bit, the most significant first"),
+        ])
+        .x_grid_spacer(egui_plot::uniform_grid_spacer(|_| [1.0, 1.0, 1.0]))
+        .show(ui, |plot| {
+            plot.bar_chart(bars);
+            plot.hline(HLine::new("unsorted", 1.0).color(theme.reference()).style(LineStyle::dashed_dense()));
+        });
+}
+
+/// Where each bit comes from, in words.
+fn names(layout: &Layout, bits: usize) -> Vec<String> {
+    let name = |at| layout.bits().get(at).map_or("always 0".to_owned(), Bit::to_string);
+    (0..bits).map(name).collect()
 }

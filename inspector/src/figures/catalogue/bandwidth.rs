@@ -3,11 +3,10 @@
 use formats::manifest::Stage;
 
 use super::building::{by_method, figure, methods, of, recordings, settings};
-use super::overhead::stage_name;
 use super::{Findings, Made};
 use crate::analysis::RecordingAnalysis;
 use crate::analysis::summary::RayClass;
-use crate::analysis::timing::STAGES;
+use crate::analysis::timing::{STAGES, stage_name};
 use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
 use crate::figures::style::STAGE_STYLES;
 

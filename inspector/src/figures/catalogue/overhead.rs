@@ -6,7 +6,7 @@ use formats::manifest::Stage;
 use super::building::{figure, leading, left_out, of, panel_title, queues, recordings, settings};
 use super::{Findings, Made};
 use crate::analysis::summary::RayClass;
-use crate::analysis::timing::STAGES;
+use crate::analysis::timing::{stacked, stage_name};
 use crate::analysis::{QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
 use crate::figures::style::STAGE_STYLES;
@@ -44,7 +44,7 @@ fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis, rays: RayClass)
         panel_title(findings, recording, &format!("{} rays", rays.name())),
         Axis::categories("", methods.iter().copied()),
         Axis::from_zero("time (unsorted trace = 1)"),
-        Content::Stacks(STAGES.into_iter().enumerate().map(series).collect()),
+        Content::Stacks(stacked().map(series).collect()),
     )
     .with_reference("break-even: trace of unsorted rays", 1.0)
 }
@@ -59,12 +59,4 @@ fn stage_time(queues: &[&QueueAnalysis], method: &str, stage: Stage) -> Option<(
         .collect();
     let ns = times.iter().map(|(ns, _)| ns).sum();
     Some((ns, times.iter().map(|(_, n)| *n).min()?))
-}
-
-/// What a stage is called in legends.
-pub fn stage_name(stage: Stage) -> &'static str {
-    match stage {
-        Stage::TraceIndirect => "trace through indices",
-        other => other.name(),
-    }
 }
