@@ -178,8 +178,17 @@ pub enum NpyError {
     Text,
     #[error("the NPY header's '{key}' is missing or wrong; expected {expected}")]
     Entry { key: &'static str, expected: &'static str },
-    #[error("the element type {} is none that a recording holds", shown(found))]
+    #[error("the element type {} is none that a recording holds{}", shown(found), remedy(found))]
     Dtype { found: String },
+}
+
+/// What to do about an element type that NumPy makes where nothing else is asked for.
+fn remedy(found: &str) -> &'static str {
+    match found {
+        "<f8" => "; numpy's .astype('<f4') makes floats of 32 bits",
+        "<i8" | "<i4" | "<u8" => "; numpy's .astype('<u4') makes indices of 32 bits",
+        _ => "",
+    }
 }
 
 /// Bytes of an array's data; `None` if they do not fit an `u64`.
@@ -260,8 +269,8 @@ fn parse_dictionary(text: &[u8]) -> Result<(Dtype, Vec<u64>), NpyError> {
     let descr = entry("descr", "a type string or a list of fields")?;
     let dtype = Dtype::ALL.into_iter().find(|dtype| without_blanks(&dtype.literal()) == descr);
     let dtype = dtype.ok_or_else(|| NpyError::Dtype { found: descr.trim_matches('\'').to_owned() })?;
-    let expected = "False";
-    if entry("fortran_order", expected)? != expected {
+    let expected = "False (numpy.ascontiguousarray puts an array in that order)";
+    if entry("fortran_order", expected)? != "False" {
         return Err(NpyError::Entry { key: "fortran_order", expected });
     }
     let expected = "a tuple of at most 4 lengths";
@@ -357,8 +366,9 @@ mod tests {
             (b"\x93NUMPY\x01\x00\x76".to_vec(), "only 9"),
             (b"\x93NUMPY\x01\x00\x76\x00{'descr'".to_vec(), "only 18"),
             (b"\x93NUMPY\x02\x00\xff\xff\xff\xff".to_vec(), "4294967307 bytes long"),
-            (wrap("{'descr': '<f4', 'fortran_order': True, 'shape': (3,)}"), "fortran_order"),
+            (wrap("{'descr': '<f4', 'fortran_order': True, 'shape': (3,)}"), "ascontiguousarray"),
             (wrap("{'descr': '>f4', 'fortran_order': False, 'shape': (3,)}"), "type >f4"),
+            (wrap("{'descr': '<f8', 'fortran_order': False, 'shape': (3,)}"), ".astype('<f4')"),
             (wrap("{'descr': '<f4', 'fortran_order': False, 'shape': (-3,)}"), "'shape'"),
             (wrap("{'shape': (3,), 'fortran_order': False, 'shape': (3,)}"), "'descr'"),
             (wrap("{'descr': '<f4', 'fortran_order': False, 'shape': (3,), 'shape': (3,)}"), "'shape'"),

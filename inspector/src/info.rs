@@ -130,6 +130,9 @@ fn without_cost(manifest: &Manifest) -> Option<String> {
     })
 }
 
+/// Most notices that are shown among other things.
+const MOST_NOTICES: usize = 3;
+
 /// State, scene, machine and settings, as much as a screen has room for.
 fn in_short(summary: &Summary, shown: &Header, source_is: Option<SourceIs>) -> String {
     let mut lines = vec![("recording", format!("{} ({})", summary.dump, state(summary)))];
@@ -137,6 +140,9 @@ fn in_short(summary: &Summary, shown: &Header, source_is: Option<SourceIs>) -> S
     lines.push(("scene", scene_line(summary, shown)));
     lines.push(("backend", machine_line(shown)));
     lines.push(("options", options_line(&shown.options)));
+    lines.extend(shown.notices.iter().take(MOST_NOTICES).map(|notice| ("notice", notice.clone())));
+    let more = shown.notices.len().saturating_sub(MOST_NOTICES);
+    lines.extend((more > 0).then(|| ("", format!("… and {more} more (--details)"))));
     let fitted = |(name, value): (&str, String)| wrapped(&format!("{name:<11} {value}"), COLUMNS, 12);
     lines.into_iter().map(fitted).collect::<Vec<_>>().join("\n")
 }

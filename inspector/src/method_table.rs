@@ -186,7 +186,11 @@ fn coherence(analysis: &Analysis) -> Option<String> {
     ];
     for (method, both) in &rows {
         let cells = both.map(|[area, spread, lanes]| {
-            let number = |of: Option<f64>| of.map_or("–".to_owned(), |of| format!("{of:.3}"));
+            let number = |of: Option<f64>| match of {
+                None => "–".to_owned(),
+                Some(of) if of < 1000.0 => format!("{of:.3}"),
+                Some(of) => format!("{of:.1e}"),
+            };
             let lanes = lanes.map_or("–".to_owned(), percent);
             format!("{:>7} {:>7} {lanes:>7}", number(area), number(spread))
         });

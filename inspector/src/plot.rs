@@ -147,9 +147,7 @@ fn of_study(group: &StudyGroup) -> Option<String> {
 
 /// What a recording says of sorting.
 fn of_recording(recording: &RecordingAnalysis) -> Option<String> {
-    let is_method = |frame: &&FrameAnalysis| {
-        ![UNSORTED, CONTROL].contains(&frame.method.as_str()) && frame.base == frame.method
-    };
+    let is_method = |frame: &&FrameAnalysis| frame.is_candidate() && frame.base == frame.method;
     let nets = |rays: RayClass| {
         let own = recording.frames.iter().filter(|frame| frame.rays == rays).filter(is_method);
         own.filter_map(|frame| {
@@ -167,8 +165,11 @@ type Net<'a> = (&'a str, f64, Option<(f64, f64)>);
 /// The best method of each kind of rays, and whether it is shown to pay.
 fn finding<'a>(of: &str, nets: impl Fn(RayClass) -> Vec<Net<'a>>) -> Option<String> {
     let best = |rays: RayClass| {
-        let (method, ratio, interval) = nets(rays).into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let pays = interval.is_some_and(|(low, _)| low > 1.0);
+        let pays = |interval: Option<(f64, f64)>| interval.is_some_and(|(low, _)| low > 1.0);
+        // One that surely pays goes before one that gains more, perhaps by chance.
+        let by_gain = |a: &Net<'_>, b: &Net<'_>| pays(a.2).cmp(&pays(b.2)).then(a.1.total_cmp(&b.1));
+        let (method, ratio, interval) = nets(rays).into_iter().max_by(by_gain)?;
+        let pays = pays(interval);
         let interval = interval.map_or(String::new(), |(low, high)| format!(" [{low:.2}, {high:.2}]"));
         let verdict = if pays { "" } else { ", which is not shown to pay" };
         Some(format!("{} rays: {method}, {ratio:.2}× net{interval}{verdict}", rays.name()))

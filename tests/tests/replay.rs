@@ -364,6 +364,10 @@ limits = np.full((5000, 1), 0.01), np.full((5000, 1), 0.4)
 np.save('shadow.npy', np.hstack([origin, limits[0], direction, limits[1]]).astype('<f4'))
 many = random.uniform(-0.5, 0.5, (70_000, 6))
 np.save('many.npy', many.astype('<f4'))
+far = origin.copy()
+far[:3] += 1000
+np.save('far.npy', np.hstack([far, direction]).astype('<f4'))
+np.save('fortran.npy', np.asfortranarray(np.hstack([origin, direction]).astype('<f4')))
 direction[17] = 0
 np.save('zero.npy', np.hstack([origin, direction]).astype('<f4'))
 origin[18] = np.nan
@@ -395,6 +399,9 @@ fn rays_of_another_program() {
     run(folder.path(), &format!("{import} --rays many.npy --out many.raydump --methods aila"));
     let json = run(folder.path(), "replay many.raydump --out many-again.raydump --backend cpu --key-bits 16");
     assert_eq!(json["queues"][0]["rays"], 70_000);
+    let json = run(folder.path(), &format!("{import} --rays far.npy --out far.raydump --methods aila"));
+    let notice = json["notices"][0].as_str().unwrap();
+    assert!(notice.starts_with("3 of 5000 rays start far outside of the scene"), "{notice}");
     let line = "shot many.raydump --view order --size 320x240 --out order.png";
     Program::Inspector.run(folder.path(), line).succeeded();
     let line =
@@ -403,7 +410,8 @@ fn rays_of_another_program() {
     for (rays, words) in [
         ("zero", ["zero.npy", "ray 17"]),
         ("nan", ["nan.npy", "ray 17"]),
-        ("double", ["double.npy", "<f8"]),
+        ("double", ["double.npy", ".astype('<f4')"]),
+        ("fortran", ["fortran.npy", "ascontiguousarray"]),
         ("columns", ["columns.npy", "(N, 6)"]),
         ("absent", ["absent.npy", "cannot read"]),
     ] {

@@ -19,7 +19,7 @@ pub const COLUMNS: usize = 80;
 /// Most methods that are shown.
 const MOST_ROWS: usize = 12;
 /// Characters of the longest name.
-const NAME: usize = 20;
+const NAME: usize = 19;
 /// Characters of the longest name in a sentence.
 const LONG_NAME: usize = 60;
 
@@ -32,8 +32,12 @@ pub struct FrameRow {
     pub secondary: Option<Speedup>,
     /// The same of shadow rays.
     pub shadow: Option<Speedup>,
-    /// Unsorted trace over all stages, of both kinds together, those that it does not order left unsorted; `None` if
-    /// not all stages are known.
+    /// Unsorted trace over all stages, closest rays of bounces ≥ 1; `None` if it orders none of them, or not all
+    /// stages are known.
+    pub net_secondary: Option<Speedup>,
+    /// The same of shadow rays.
+    pub net_shadow: Option<Speedup>,
+    /// The same of both kinds together, those that it does not order left unsorted.
     pub net: Option<Speedup>,
     /// In a word or three.
     pub verdict: &'static str,
@@ -45,6 +49,8 @@ pub struct Frame {
     /// Million unsorted rays a second: secondary, shadow.
     #[serde(rename = "unsorted_mrays_per_second")]
     pub unsorted: [Option<f64>; 2],
+    /// How far the control is from a speedup of 1, that of the kind which is farther; 0 without a control.
+    pub instrument_error: f64,
     /// The methods, the best net speedup first; then those without one.
     pub rows: Vec<FrameRow>,
 }
@@ -139,12 +145,14 @@ fn leaves_alone(manifest: &Manifest, method: &str, kind: Kind) -> bool {
     method == AUTO && !is_chosen
 }
 
-/// Unsorted trace over all stages of a method, of all rays that count: a queue that it does not order stays unsorted.
-fn net(manifest: &Manifest, samples: &Samples<'_>, method: &str) -> Option<Speedup> {
+/// Unsorted trace over all stages of a method, of all rays of some kinds that count: a queue that it does not order
+/// stays unsorted.
+fn net(manifest: &Manifest, samples: &Samples<'_>, method: &str, kinds: &[Kind]) -> Option<Speedup> {
     if remark(manifest, method).is_some() {
         return None;
     }
-    let queues = manifest.queues.iter().map(|queue| queue.id).filter(|queue| counts(*queue));
+    let queues = manifest.queues.iter().map(|queue| queue.id);
+    let queues = queues.filter(|queue| counts(*queue) && kinds.contains(&queue.kind));
     let timed = queues.filter_map(|queue| Some((queue, samples.get(queue, UNSORTED)?.traced())));
     let totals = timed.clone().map(|(queue, unsorted)| match samples.get(queue, method) {
         Some(own) => own.totals(samples.way(queue, method)),
@@ -177,26 +185,31 @@ impl Frame {
             (rays > 0).then(|| rays as f64 / ns.max(1.0) * 1e3)
         });
         let times = FrameTimes::all(manifest);
+        let error = instrument_error(&times);
         let methods = times.chunk_by(|a, b| a.method == b.method);
         let row = |both: &[FrameTimes]| {
-            let method = &both[0].method;
-            let orders: Vec<FrameTimes> =
-                both.iter().filter(|times| !leaves_alone(manifest, method, times.kind)).cloned().collect();
-            if orders.is_empty() {
-                return FrameRow {
-                    method: method.clone(),
-                    secondary: None,
-                    shadow: None,
-                    net: None,
-                    verdict: "left alone",
-                };
+            let method = both[0].method.as_str();
+            let ordered = both.iter().filter(|times| !leaves_alone(manifest, method, times.kind));
+            let ordered: Vec<&FrameTimes> = ordered.collect();
+            let of = |kind: Kind| ordered.iter().find(|times| times.kind == kind);
+            let trace = |kind: Kind| of(kind).and_then(|times| times.trace());
+            let net_of = |kind: Kind| of(kind).and_then(|_| net(manifest, &samples, method, &[kind]));
+            let net = if ordered.is_empty() { None } else { net(manifest, &samples, method, &Kind::ALL) };
+            let verdict = if ordered.is_empty() { "left alone" } else { verdict(net, error) };
+            FrameRow {
+                method: method.to_owned(),
+                secondary: trace(Kind::Closest),
+                shadow: trace(Kind::Shadow),
+                net_secondary: net_of(Kind::Closest),
+                net_shadow: net_of(Kind::Shadow),
+                net,
+                verdict: remark(manifest, method).unwrap_or(verdict),
             }
-            FrameRow::of(method, &orders, net(manifest, &samples, method), remark(manifest, method))
         };
         let mut rows: Vec<FrameRow> = methods.map(row).collect();
         let net = |row: &FrameRow| row.net.map_or(f64::NEG_INFINITY, |net| net.ratio);
         rows.sort_by(|a, b| net(b).total_cmp(&net(a)));
-        Self { unsorted, rows }
+        Self { unsorted, instrument_error: error, rows }
     }
 
     /// The table and what it means, at most [`COLUMNS`] wide and 20 lines high.
@@ -206,12 +219,16 @@ impl Frame {
         }
         let mut text = String::from(
             "Whole frame: all bounces, summed per round; rays with – are left unsorted.\n\
-             \x20                     speedup of the trace   net, both, with what sorting costs\n\
-             method               secondary     shadow   speedup  95 % interval  verdict\n",
+             \x20                   trace alone          net, with what sorting costs\n\
+             method             secondary    shadow  second. shadow   both  95 %\n",
         );
-        let rate = |rate: Option<f64>| rate.map_or("–".to_owned(), |rate| format!("{rate:.2} M/s"));
+        let rate = |rate: Option<f64>| match rate {
+            None => "–".to_owned(),
+            Some(rate) if rate < 100.0 => format!("{rate:.2} M/s"),
+            Some(rate) => format!("{rate:.0} M/s"),
+        };
         let [secondary, shadow] = self.unsorted.map(rate);
-        let _ = writeln!(text, "{UNSORTED:<NAME$}{secondary:>10} {shadow:>10}");
+        let _ = writeln!(text, "{UNSORTED:<NAME$}{secondary:>9}{shadow:>10}");
         // A control and a bound have their place however many methods there are.
         let (with_net, without): (Vec<_>, Vec<_>) = self.rows.iter().partition(|row| row.net.is_some());
         let most = MOST_ROWS.saturating_sub(without.len()).max(1);
@@ -248,7 +265,11 @@ impl Frame {
         };
         let with = |verdict: &str| known().filter(|(row, _)| row.verdict == verdict).count();
         let all = known().count();
-        if low > 1.0 {
+        let error = match self.instrument_error {
+            small if small < 0.005 => String::new(),
+            error => format!("; the control is off by {:.1} %", 100.0 * error),
+        };
+        if best.verdict == PAYS {
             let others = match all {
                 1 => String::new(),
                 _ => format!("; so it does with {} of {all} methods; {}", with(PAYS), costly(with(COSTS))),
@@ -256,7 +277,7 @@ impl Frame {
             format!(
                 "Sorting pays: with {name} these rays are done {ratio:.2} times as fast, key, sort and all included{others}."
             )
-        } else if high < 1.0 {
+        } else if best.verdict == COSTS {
             format!("Sorting does not pay: even {name} takes longer than it saves ({ratio:.2}×).")
         } else {
             let others = match all {
@@ -264,7 +285,7 @@ impl Frame {
                 _ => format!("the best of {all} methods, {name},"),
             };
             format!(
-                "Sorting is not shown to pay: {others} is level with unsorted rays ({ratio:.2}×); {}.",
+                "Sorting is not shown to pay: {others} cannot be told from unsorted rays ({ratio:.2}×, {low:.2} to {high:.2}){error}; {}.",
                 costly(with(COSTS))
             )
         }
@@ -295,39 +316,40 @@ fn costly(count: usize) -> String {
 const PAYS: &str = "pays";
 const COSTS: &str = "costs";
 
-impl FrameRow {
-    /// Of a method's times on either kind of rays, and its net speedup.
-    fn of(method: &str, both: &[FrameTimes], net: Option<Speedup>, remark: Option<&'static str>) -> Self {
-        let trace = |kind: Kind| both.iter().find(|times| times.kind == kind).and_then(FrameTimes::trace);
-        let verdict = match net.and_then(|net| net.interval) {
-            Some((low, _)) if low > 1.0 => PAYS,
-            Some((_, high)) if high < 1.0 => COSTS,
-            Some(_) => "level",
-            None => "",
-        };
-        Self {
-            method: method.to_owned(),
-            secondary: trace(Kind::Closest),
-            shadow: trace(Kind::Shadow),
-            net,
-            verdict: remark.unwrap_or(verdict),
-        }
+/// What an interval says beside the instrument's error.
+fn verdict(net: Option<Speedup>, error: f64) -> &'static str {
+    match net.and_then(|net| net.interval) {
+        Some((low, _)) if low > 1.0 + error => PAYS,
+        Some((_, high)) if high < 1.0 - error => COSTS,
+        Some(_) => "level",
+        None => "",
     }
+}
 
+/// How far canonical order through the same stages is from a speedup of 1.
+fn instrument_error(times: &[FrameTimes]) -> f64 {
+    let control = times.iter().filter(|times| times.method == CONTROL).filter_map(FrameTimes::trace);
+    control.map(|line| (line.ratio - 1.0).abs()).fold(0.0, f64::max)
+}
+
+impl FrameRow {
     fn text(&self) -> String {
         let times =
             |speedup: Option<Speedup>| speedup.map_or("–".to_owned(), |one| format!("{:.2}×", one.ratio));
         let interval = self.net.and_then(|net| net.interval);
-        let interval = interval.map_or(String::new(), |(low, high)| format!("{low:.2} to {high:.2}"));
-        let name = shortened(&self.method);
-        let line = format!(
-            "{name:<NAME$}{:>10} {:>10} {:>9}  {interval:<13}  {}",
+        let interval = interval.map_or(String::new(), |(low, high)| format!("{low:.2}–{high:.2}  "));
+        format!(
+            "{:<NAME$}{:>9}{:>10}{:>9}{:>7}{:>7}  {interval}{}",
+            shortened(&self.method),
             times(self.secondary),
             times(self.shadow),
+            times(self.net_secondary),
+            times(self.net_shadow),
             times(self.net),
             self.verdict
-        );
-        line.trim_end().to_owned()
+        )
+        .trim_end()
+        .to_owned()
     }
 }
 
@@ -339,8 +361,21 @@ mod tests {
         Some(Speedup { ratio, interval: Some((low, high)) })
     }
 
+    fn frame(rows: Vec<FrameRow>) -> Frame {
+        Frame { unsorted: [Some(123.456), None], instrument_error: 0.0, rows }
+    }
+
     fn row(method: &str, net: Option<Speedup>, verdict: &'static str) -> FrameRow {
-        FrameRow { method: method.into(), secondary: speedup(1.5, 1.4, 1.6), shadow: None, net, verdict }
+        let trace = speedup(1.5, 1.4, 1.6);
+        FrameRow {
+            method: method.into(),
+            secondary: trace,
+            shadow: None,
+            net_secondary: net,
+            net_shadow: None,
+            net,
+            verdict,
+        }
     }
 
     #[test]
@@ -356,11 +391,32 @@ mod tests {
         let mut rows: Vec<FrameRow> =
             (0..40).map(|_| row(&long, speedup(12.25, 10.75, 14.5), PAYS)).collect();
         rows.push(row(CONTROL, None, "1 is right"));
-        let text = Frame { unsorted: [Some(123.456), None], rows }.text();
+        let text = frame(rows).text();
         assert!(text.lines().count() <= 20, "{text}");
         assert!(text.lines().all(|line| line.chars().count() <= COLUMNS), "{text}");
         assert!(text.contains("… and 29 more") && text.contains("1 is right"), "{text}");
-        assert!(text.contains("123.46 M/s"), "{text}");
+        assert!(text.contains("123 M/s"), "{text}");
+    }
+
+    #[test]
+    fn what_the_control_misses_is_no_gain() {
+        let net = speedup(1.02, 1.01, 1.04);
+        assert_eq!([0.0, 0.016].map(|error| verdict(net, error)), [PAYS, "level"]);
+        let net = speedup(0.98, 0.96, 0.99);
+        assert_eq!([0.0, 0.016].map(|error| verdict(net, error)), [COSTS, "level"]);
+        let times = |method: &str, kind, traced_ns: u64| FrameTimes {
+            kind,
+            method: method.into(),
+            unsorted_ns: vec![100; 7],
+            traced_ns: vec![traced_ns; 7],
+            total_ns: Vec::new(),
+        };
+        let all = [
+            times("aila", Kind::Closest, 50),
+            times(CONTROL, Kind::Closest, 100),
+            times(CONTROL, Kind::Shadow, 125),
+        ];
+        assert_eq!([&all[..], &all[..1]].map(instrument_error), [1.0 - 100.0 / 125.0, 0.0]);
     }
 
     #[test]
@@ -368,7 +424,7 @@ mod tests {
         let names = ["two-point-length-0-05", "two-point-length-0-25", "octahedron-split-12-20", "aila"];
         assert_eq!(
             names.map(shortened),
-            ["two-point…ngth-0-05", "two-point…ngth-0-25", "octahedro…lit-12-20", "aila"]
+            ["two-point…gth-0-05", "two-point…gth-0-25", "octahedro…it-12-20", "aila"]
         );
     }
 
@@ -376,17 +432,20 @@ mod tests {
     fn the_sentence_says_what_the_best_interval_does() {
         let meaning = |net: Option<Speedup>, verdict| {
             let costly = row("costly", speedup(0.8, 0.7, 0.9), COSTS);
-            Frame { unsorted: [None; 2], rows: vec![row("aila", net, verdict), costly] }.meaning()
+            frame(vec![row("aila", net, verdict), costly]).meaning()
         };
         let pays = meaning(speedup(1.25, 1.125, 1.5), PAYS);
         assert!(pays.starts_with("Sorting pays: with aila") && pays.contains("1.25 times"), "{pays}");
         assert!(pays.contains("1 of 2 methods; one costs more"), "{pays}");
         let sure = row("sure", speedup(1.1, 1.05, 1.15), PAYS);
         let rows = vec![row("lucky", speedup(1.2, 0.7, 1.7), "level"), sure];
-        let said = Frame { unsorted: [None; 2], rows }.meaning();
+        let said = frame(rows).meaning();
         assert!(said.starts_with("Sorting pays: with sure"), "{said}");
         assert!(meaning(speedup(1.25, 0.9, 1.5), "level").starts_with("Sorting is not shown to pay"));
         assert!(meaning(speedup(0.9, 0.85, 0.95), COSTS).starts_with("Sorting does not pay"));
+        let shy =
+            Frame { instrument_error: 0.016, ..frame(vec![row("aila", speedup(1.02, 1.0, 1.04), "level")]) };
+        assert!(shy.meaning().contains("the control is off by 1.6 %"), "{}", shy.meaning());
         let few = |ratio| meaning(Some(Speedup { ratio, interval: None }), "");
         assert!(few(2.0).contains("fewer than 6 repeats") && few(2.0).contains("chance"));
         assert!(few(0.9).contains("nothing was faster"));

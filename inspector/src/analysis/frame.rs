@@ -1,7 +1,7 @@
 //! The whole frame: a method over all bounces of a recording, whose times are summed round by round, so that
 //! a bounce counts by the time that it takes.
 
-use formats::key::method::{CONTROL, UNSORTED};
+use formats::key::method::{AUTO, CONTROL, UNSORTED};
 use formats::manifest::{QueueId, Stage};
 use formats::metrics::frame;
 use formats::metrics::samples::Samples;
@@ -22,6 +22,8 @@ pub struct FrameAnalysis {
     pub base: String,
     /// Bounces in which it was measured.
     pub bounces: usize,
+    /// Whether it is `auto` and sorted none of these rays: its times are then those of unsorted rays.
+    pub left_alone: bool,
     /// Stages that its total counts, in the order in which they run, summed over bounces.
     pub stages: Vec<FrameStage>,
     /// Unsorted trace over trace in this order.
@@ -44,6 +46,11 @@ pub struct FrameStage {
 }
 
 impl FrameAnalysis {
+    /// Whether it is an order of its own that may be called the best: neither canonical order nor left so by `auto`.
+    pub fn is_candidate(&self) -> bool {
+        ![UNSORTED, CONTROL].contains(&self.method.as_str()) && !self.left_alone
+    }
+
     /// Every kind of rays and method of some queues, in the order in which they come up.
     pub(super) fn all(queues: &[QueueAnalysis]) -> Vec<Self> {
         let mut frames = Vec::new();
@@ -68,6 +75,8 @@ impl FrameAnalysis {
             method: method.to_owned(),
             base: first.base.clone(),
             bounces: measured.len(),
+            left_alone: method == AUTO
+                && measured.iter().all(|(_, order)| order.stage(Stage::Sort).is_none()),
             stages: stages.collect(),
             trace_speedup: speedup(&measured, |order| &order.trace_speedup, traced),
             net_speedup: speedup(&measured, |order| &order.net_speedup, |order| order.total.as_ref()),

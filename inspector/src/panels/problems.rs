@@ -13,14 +13,15 @@ pub(super) struct ProblemsPanel;
 
 impl Panel for ProblemsPanel {
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let controls: Vec<Problem> = context.recordings.iter().flat_map(bad_controls).collect();
-        if context.problems.is_empty() && controls.is_empty() {
+        let of_recording = |recording| bad_controls(recording).into_iter().chain(noted(recording));
+        let recorded: Vec<Problem> = context.recordings.iter().flat_map(of_recording).collect();
+        if context.problems.is_empty() && recorded.is_empty() {
             ui.label("No problems.");
             return;
         }
         let colour = Theme::of(ui.ctx()).problem();
         egui::ScrollArea::vertical().show(ui, |ui| {
-            for problem in context.problems.iter().chain(&controls) {
+            for problem in context.problems.iter().chain(&recorded) {
                 ui.label(egui::RichText::new(&problem.what).strong().color(colour));
                 ui.add(egui::Label::new(shown::sentence(problem.why.clone())).wrap());
                 ui.add_space(6.0);
@@ -30,6 +31,12 @@ impl Panel for ProblemsPanel {
             }
         });
     }
+}
+
+/// What the recorder noted.
+fn noted(recording: &Recording) -> impl Iterator<Item = Problem> {
+    let notices = recording.dump.manifest().header.notices.iter();
+    notices.map(|notice| Problem { what: format!("{}: noted", recording.label), why: notice.clone() })
 }
 
 /// What the controls of a recording say of its times.

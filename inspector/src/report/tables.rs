@@ -10,6 +10,7 @@ use formats::ray::Kind;
 use super::table::{Cell, Table};
 use crate::analysis::study::StudyGroup;
 use crate::analysis::summary::{RayClass, distinct};
+use crate::analysis::timing::Verdict;
 use crate::analysis::{Analysis, FrameAnalysis, Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 use crate::figures::catalogue::building::machine;
 use crate::figures::catalogue::study::label;
@@ -55,18 +56,30 @@ fn of_frame(frame: &FrameAnalysis) -> Option<(f64, f64)> {
     Some((frame.trace_speedup.known()?.ratio, frame.net_speedup.known()?.ratio))
 }
 
-fn both((trace, net): (f64, f64)) -> String {
-    format!("{trace:.2} / {net:.2}")
+/// A row of trace and net speedups. The largest of the net speedups that come with them is marked.
+fn row_of(name: &str, cells: impl IntoIterator<Item = (Cell, Option<f64>)>) -> Vec<Cell> {
+    let cells: Vec<(Cell, Option<f64>)> = cells.into_iter().collect();
+    let best = cells.iter().filter_map(|(_, net)| *net).fold(f64::NEG_INFINITY, f64::max);
+    let marked = cells.into_iter().map(|(cell, net)| Cell { is_best: net == Some(best), ..cell });
+    std::iter::once(Cell::plain(name)).chain(marked).collect()
 }
 
-/// A row of numbers, the best by its second number marked.
-fn row_of(name: &str, numbers: &[Option<(f64, f64)>]) -> Vec<Cell> {
-    let best = numbers.iter().flatten().map(|(_, net)| *net).fold(f64::NEG_INFINITY, f64::max);
-    let cell = |number: &Option<(f64, f64)>| match number {
-        Some(number) => Cell { text: both(*number), is_best: number.1 == best },
-        None => Cell::plain("–"),
-    };
-    std::iter::once(Cell::plain(name)).chain(numbers.iter().map(cell)).collect()
+fn both(trace: f64, net: f64) -> Cell {
+    Cell::plain(format!("{trace:.2} / {net:.2}"))
+}
+
+/// A cell of a recording's row, with its net speedup if it is shown to pay: only such ones are called the best.
+fn speedup_cell(frame: Option<&FrameAnalysis>) -> (Cell, Option<f64>) {
+    match frame {
+        Some(frame) if frame.left_alone => (Cell::plain("left alone"), None),
+        frame => match frame.and_then(|frame| Some((frame, of_frame(frame)?))) {
+            None => (Cell::plain("–"), None),
+            Some((frame, (trace, net))) => {
+                let line = frame.net_speedup.known().filter(|line| line.verdict == Verdict::Faster);
+                (both(trace, net), line.map(|line| line.ratio))
+            }
+        },
+    }
 }
 
 /// Means over a study: a row a method, a column a machine and kind of recording.
@@ -135,12 +148,11 @@ fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
         let same = analysis.recordings.iter().filter(|recording| recording.configuration == *configuration);
         let mut count = 0;
         for recording in same {
-            let number = |method: &&str| of_frame(recording.frame(rays, method)?);
-            let numbers: Vec<_> = methods.iter().map(number).collect();
-            if numbers.iter().all(Option::is_none) {
+            let frames: Vec<_> = methods.iter().map(|method| recording.frame(rays, method)).collect();
+            if frames.iter().all(|frame| frame.and_then(of_frame).is_none()) {
                 continue;
             }
-            let mut row = row_of(&recording.label, &numbers);
+            let mut row = row_of(&recording.label, frames.into_iter().map(speedup_cell));
             let control = recording.control(rays);
             row.push(Cell::plain(control.map_or("–".to_owned(), |line| format!("{:.2}", line.ratio))));
             rows.push(row);
@@ -152,18 +164,25 @@ fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
                     (summary.rays, &summary.configuration, summary.method.as_str())
                         == (rays, configuration, *method)
                 };
-                let summary = analysis.summaries.iter().find(is_own)?;
-                Some((summary.trace_speedup.known()?.mean, summary.net_speedup.known()?.mean))
+                let summary = analysis.summaries.iter().find(is_own);
+                let known =
+                    summary.and_then(|one| Some((one.trace_speedup.known()?, one.net_speedup.known()?)));
+                match known {
+                    None => (Cell::plain("–"), None),
+                    Some((trace, net)) => {
+                        let pays = net.mean > 1.0 && net.faster > net.slower;
+                        (both(trace.mean, net.mean), pays.then_some(net.mean))
+                    }
+                }
             };
-            let numbers: Vec<_> = methods.iter().map(mean).collect();
-            let mut row = row_of(&format!("mean: {configuration}"), &numbers);
+            let mut row = row_of(&format!("mean: {configuration}"), methods.iter().map(mean));
             row.push(Cell::default());
             rows.push(row);
         }
     }
     table(
         format!("Trace / net speedup, {} rays", rays.name()),
-        "Unsorted trace over sorted trace, and over all that the method costs: the whole frame, times of all bounces summed round by round. Means are geometric. The control is canonical order measured like a method: what it misses 1 by is the instrument's error.",
+        "Unsorted trace over sorted trace, and over all that the method costs: the whole frame, times of all bounces summed round by round. Marked is the best of those that are shown to pay. Means are geometric, over recordings, those that `auto` left alone with what they measured. The control is canonical order measured like a method: what it misses 1 by is the instrument's error.",
         header("recording", methods.iter().copied().chain([CONTROL])),
         rows,
     )
@@ -173,11 +192,10 @@ fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
 fn overhead(analysis: &Analysis, rays: RayClass) -> Option<Table> {
     let mut rows = Vec::new();
     for recording in &analysis.recordings {
-        let own = recording.frames.iter().filter(|frame| {
-            frame.rays == rays
-                && frame.base == frame.method
-                && ![UNSORTED, CONTROL].contains(&frame.method.as_str())
-        });
+        let own = recording
+            .frames
+            .iter()
+            .filter(|frame| frame.rays == rays && frame.base == frame.method && frame.is_candidate());
         let net = |frame: &&FrameAnalysis| of_frame(frame).map_or(f64::NEG_INFINITY, |(_, net)| net);
         let best = own.filter(|frame| of_frame(frame).is_some()).max_by(|a, b| net(a).total_cmp(&net(b)));
         let paper = recording.frame(rays, "two-point-adaptive");

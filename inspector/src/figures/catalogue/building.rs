@@ -7,7 +7,7 @@ use formats::metrics::speedup::{median, quantile};
 use super::{Findings, Made};
 use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
 use crate::analysis::timing::SpeedupLine;
-use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
+use crate::analysis::{FrameAnalysis, Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Figure, Of, Panel, Point, Scale, Series};
 use crate::output::counted;
 
@@ -178,7 +178,8 @@ pub fn leading<'a>(findings: &Findings<'a>, recording: &RecordingAnalysis, rays:
         let frame = recording.frame(rays, method).and_then(|frame| frame.net_speedup.known());
         frame.map_or(0.0, |line| line.ratio)
     };
-    let mut best: Vec<&str> = rows.iter().copied().filter(|method| is_method(method)).collect();
+    let is_candidate = |method: &&str| recording.frame(rays, method).is_some_and(FrameAnalysis::is_candidate);
+    let mut best: Vec<&str> = rows.iter().copied().filter(is_candidate).collect();
     best.sort_by(|a, b| net(b).total_cmp(&net(a)));
     best.truncate(MOST_METHODS);
     rows.retain(|method| *method == UNSORTED || best.contains(method));
@@ -242,15 +243,24 @@ pub fn with_number<'a, T: 'a>(
 
 /// A panel with a row for each method that has a number.
 pub fn methods_in_rows(findings: &Findings<'_>, title: String, axis: Axis, series: Vec<Series>) -> Panel {
+    let rows = rows_of(findings, &series);
+    in_rows(&rows, title, axis, series)
+}
+
+/// The methods that have a number.
+pub fn rows_of<'a>(findings: &Findings<'a>, series: &[Series]) -> Vec<&'a str> {
     let has_number =
         |method: &&str| series.iter().any(|series| series.label == **method && !series.points.is_empty());
-    let shown: Vec<&str> = methods(findings).into_iter().filter(has_number).collect();
-    let mut series = series;
+    methods(findings).into_iter().filter(has_number).collect()
+}
+
+/// A panel with these rows, which panels beside each other share.
+pub fn in_rows(rows: &[&str], title: String, axis: Axis, mut series: Vec<Series>) -> Panel {
     for series in &mut series {
-        let row = shown.iter().position(|method| *method == series.label).unwrap_or(0);
+        let row = rows.iter().position(|method| *method == series.label).unwrap_or(0);
         series.points.iter_mut().for_each(|point| point.x = row as f64);
     }
-    Panel::new(title, Axis::categories("", shown), axis, Content::Dots(series))
+    Panel::new(title, Axis::categories("", rows.iter().copied()), axis, Content::Dots(series))
 }
 
 /// The measured queues of a recording with these rays.

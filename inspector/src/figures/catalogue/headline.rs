@@ -66,7 +66,8 @@ fn panel(of: &str, found: &Headline, view: &View, (low, high): (f64, f64)) -> Pa
         rgb: view.areas.iter().map(colour).collect(),
         colour_bar: None,
     };
-    let speedup = if view.method == UNSORTED { String::new() } else { format!(" ({})", times(view.speedup)) };
+    let speedup =
+        if view.method == UNSORTED { String::new() } else { format!(" (trace {})", times(view.speedup)) };
     let title = format!("{of}{}: {} Mrays/s{speedup}", view.method, rate(view.mrays_per_second));
     Panel::new(title, Axis::from_zero(""), Axis::from_zero(""), Content::Picture(picture))
 }

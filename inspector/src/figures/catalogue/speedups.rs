@@ -3,7 +3,7 @@
 use formats::key::method::UNSORTED;
 
 use super::building::{
-    figure, methods, methods_in_rows, of, of_method, queues, reason, recordings, settings,
+    figure, in_rows, methods, methods_in_rows, of, of_method, queues, reason, recordings, rows_of, settings,
 };
 use super::{Findings, Made};
 use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
@@ -91,21 +91,29 @@ fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
             let machine = if configurations.len() > 1 { format!(", {configuration}") } else { String::new() };
             format!("{of}{} rays{machine}", rays.name())
         };
-        let axes = || Axis::ratios(words.axis);
+        // Panels of both kinds of rays stand beside each other, with the same rows, unless there are no others.
+        let is_single = same.len() == 1 && configurations.len() == 1;
+        let both = |name: &str, series: [Vec<Series>; 2]| {
+            let shared = rows_of(findings, &series.concat());
+            RayClass::ALL
+                .into_iter()
+                .zip(series)
+                .map(move |(rays, series)| {
+                    let rows = if is_single { rows_of(findings, &series) } else { shared.clone() };
+                    in_rows(&rows, title(name, rays), Axis::ratios(words.axis), series)
+                })
+                .collect::<Vec<_>>()
+        };
         if same.len() > 1 {
-            for rays in RayClass::ALL {
-                let series = means(findings, &same, rays, counted);
-                panels.push(methods_in_rows(findings, title("All scenes: ", rays), axes(), series));
-            }
+            let means = RayClass::ALL.map(|rays| means(findings, &same, rays, counted));
+            panels.extend(both("All scenes: ", means));
         }
         let are_too_many = same.len() > 1 && recordings.len() > MOST_DETAILED;
         let detailed = if are_too_many { &[] } else { same.as_slice() };
         for recording in detailed {
             let of = if same.len() > 1 { format!("{}: ", recording.label) } else { String::new() };
-            for rays in RayClass::ALL {
-                let series = totals(findings, recording, rays, counted);
-                panels.push(methods_in_rows(findings, title(&of, rays), axes(), series));
-            }
+            let totals = RayClass::ALL.map(|rays| totals(findings, recording, rays, counted));
+            panels.extend(both(&of, totals));
         }
     }
     let panels = panels.into_iter().map(|panel| panel.with_reference(words.reference, 1.0));

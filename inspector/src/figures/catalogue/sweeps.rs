@@ -57,6 +57,9 @@ struct Sweep {
 /// Whose line a point is on: scene, its content's hash, machine, method, and what is not varied.
 type Line<'a> = (&'a str, &'a str, &'a str, &'a str, Option<u64>);
 
+/// A speedup: its line, the bits of the varied number, and what it is.
+type Found<'a> = (Line<'a>, u64, &'a SpeedupLine);
+
 impl Sweep {
     fn figure(&self, findings: &Findings<'_>, title: &str, caption: &str) -> Made {
         let panels = RayClass::ALL.into_iter().flat_map(|rays| {
@@ -78,6 +81,22 @@ impl Sweep {
         figure(title, caption, settings(shown), panels, reason)
     }
 
+    /// What a recording has. Bits of numbers that are not negative are in their order.
+    fn found<'a>(
+        &self,
+        recording: &'a RecordingAnalysis,
+        rays: RayClass,
+        speedup: fn(&OrderAnalysis) -> &Metric<SpeedupLine>,
+    ) -> Vec<Found<'a>> {
+        let of = |order: &'a OrderAnalysis| {
+            let (scene, hash) = (recording.scene.as_str(), recording.content_hash.as_str());
+            let other = (self.other)(order).map(f64::to_bits);
+            let line = (scene, hash, recording.configuration.as_str(), order.base.as_str(), other);
+            Some((line, (self.of)(order)?.to_bits(), speedup(order).known()?))
+        };
+        queues(recording, rays).flat_map(|queue| &queue.orders).filter_map(of).collect()
+    }
+
     /// A panel, and the recordings whose numbers are in it.
     fn panel<'a>(
         &self,
@@ -88,17 +107,18 @@ impl Sweep {
     ) -> (Panel, Vec<&'a RecordingAnalysis>) {
         let mut lines: BTreeMap<Line<'_>, BTreeMap<u64, Vec<&SpeedupLine>>> = BTreeMap::new();
         let mut recordings: Vec<(Line<'_>, &RecordingAnalysis)> = Vec::new();
-        for recording in &findings.analysis.recordings {
-            for order in queues(recording, rays).flat_map(|queue| &queue.orders) {
-                let (Some(varied), Some(found)) = ((self.of)(order), speedup(order).known()) else {
-                    continue;
-                };
-                let other = (self.other)(order).map(f64::to_bits);
-                let (scene, hash) = (recording.scene.as_str(), recording.content_hash.as_str());
-                let line = (scene, hash, recording.configuration.as_str(), order.base.as_str(), other);
-                // Bits of numbers that are not negative are in their order.
-                recordings.push((line, recording));
-                lines.entry(line).or_default().entry(varied.to_bits()).or_default().push(found);
+        let found: Vec<_> =
+            findings.analysis.recordings.iter().map(|one| (one, self.found(one, rays, speedup))).collect();
+        let sweeps = |line: &Line<'_>, found: &[Found<'_>]| {
+            distinct(found.iter().filter(|one| one.0 == *line).map(|one| one.1)).len() > 1
+        };
+        for (recording, own) in &found {
+            for (line, varied, speedup) in own {
+                // One with a single value beside a sweep has rounds, and often rays, of its own.
+                if sweeps(line, own) || !found.iter().any(|(_, other)| sweeps(line, other)) {
+                    recordings.push((*line, recording));
+                    lines.entry(*line).or_default().entry(*varied).or_default().push(speedup);
+                }
             }
         }
         lines.retain(|_, points| points.len() > 1);
