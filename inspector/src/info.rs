@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::analysis::{Analysis, AnalysisOptions, Depth, StudyAnalysis, analyse};
 use crate::method_table;
-use crate::output::{count, counted, print, print_json, say, size, table, time};
+use crate::output::{count, counted, print, print_json, say, size, sum, table, time};
 use crate::shown;
 
 /// What `--json` prints: the summary's fields, and more.
@@ -369,11 +369,6 @@ fn arrays(summary: &Summary) -> String {
     }
     let bytes = sum(summary.arrays.iter().map(|array| array.bytes));
     format!("Arrays: {} files, {}\n{table}", count(summary.arrays.len() as u64), size(bytes))
-}
-
-/// A sum of what a file says, which may be anything.
-fn sum(numbers: impl Iterator<Item = u64>) -> u64 {
-    numbers.fold(0, u64::saturating_add)
 }
 
 /// An element type, records by their fields: `{t, triangle, u, v}`.

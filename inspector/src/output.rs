@@ -104,6 +104,11 @@ pub(crate) fn counted(number: u64, one: &str, many: &str) -> String {
     format!("{} {}", count(number), if number == 1 { one } else { many })
 }
 
+/// A sum of what files say, which may be anything.
+pub(crate) fn sum(numbers: impl Iterator<Item = u64>) -> u64 {
+    numbers.fold(0, u64::saturating_add)
+}
+
 /// A ratio for people: `1.39×`.
 pub(crate) fn times(ratio: f64) -> String {
     let decimals = if ratio < 0.0995 { 3 } else { 2 - usize::from(ratio >= 9.995) };

@@ -279,6 +279,8 @@ fn look(dump: &Path, out: &Path) {
             "export", dump_text, "--out", out_text, "--format", format, "--kind", kind, "--method", method,
         ]);
     }
+    let dataset = out.join("dataset");
+    run(&["export", dump_text, "--out", dataset.to_str().unwrap(), "--format", "parquet", "--force"]);
     let mut app = App::new(&[dump.to_owned()], wgpu::TextureFormat::Rgba8Unorm);
     app.context.selection.order_by("two-point-adaptive");
     let mut panels: Vec<_> =

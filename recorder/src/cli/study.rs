@@ -284,7 +284,7 @@ fn result_words(found: &[(&Job, &State)], out: &Path) -> String {
     }
     let records = || found.iter().filter_map(|(_, state)| state.record());
     let (seconds, written) =
-        records().fold((0.0, 0), |(s, b), record| (s + record.seconds, b + record.bytes));
+        records().fold((0.0, 0_u64), |(s, b), record| (s + record.seconds, b.saturating_add(record.bytes)));
     lines.push(format!(
         "{} of {} jobs in {}: {}, {}",
         counts.join(", "),

@@ -12,6 +12,7 @@ use super::table::{Column, TableWriter};
 use crate::analysis::summary::RayClass;
 use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{FrameAnalysis, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
+use crate::output::sum;
 
 /// Lanes of the utilisation that is kept: those of a warp.
 const LANES: usize = 32;
@@ -130,7 +131,7 @@ fn of_frame(frame: &FrameAnalysis, queues: &[QueueAnalysis]) -> SummaryRow {
         },
         method: frame.method.clone(),
         base: frame.base.clone(),
-        rays: measured.map(|queue| queue.rays).sum(),
+        rays: sum(measured.map(|queue| queue.rays)),
         trace_ns: stage(Stage::Trace).map(|trace| trace.median_ns),
         trace_speedup: frame.trace_speedup.known().copied(),
         net_speedup: frame.net_speedup.known().copied(),

@@ -8,6 +8,7 @@ use super::building::{bench_settings, figure, machine, method_style, rate};
 use super::{Findings, Made};
 use crate::analysis::summary::distinct;
 use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
+use crate::output::sum;
 
 /// Keys sorted a second, by their number and bits: a panel per machine.
 pub fn sort(findings: &Findings<'_>) -> Made {
@@ -90,7 +91,7 @@ fn trace_panel(findings: &Findings<'_>, rows: &[&TraceRow], title: String) -> Pa
             let of = of(row, Some(row.bounce));
             rate(place as f64, row.rays, &row.samples_ns, of).map(|point| Point { spread: None, ..point })
         };
-        let rays: u64 = own.iter().map(|row| row.rays).sum();
+        let rays = sum(own.iter().map(|row| row.rays));
         let ns: f64 = own.iter().filter_map(|row| median(&row.samples_ns)).sum();
         let n = own.iter().map(|row| row.samples_ns.len()).min().unwrap_or(0);
         let first = own.first().filter(|_| ns > 0.0);
