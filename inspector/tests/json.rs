@@ -56,7 +56,7 @@ fn header() -> Header {
         adapter: Adapter {
             name: "card".into(),
             driver: "driver 1".into(),
-            device_type: "discrete-gpu".into(),
+            device_type: "discrete".into(),
             backend: "vulkan".into(),
         },
         limits: Vec::new(),
@@ -133,7 +133,7 @@ fn the_promised_fields_are_there() {
     for (object, field, expected) in [
         ("adapter", "name", json!("card")),
         ("adapter", "driver", json!("driver 1")),
-        ("adapter", "device_type", json!("discrete-gpu")),
+        ("adapter", "device_type", json!("discrete")),
         ("scene", "name", json!("cornell")),
         ("scene", "triangles", json!(38)),
     ] {

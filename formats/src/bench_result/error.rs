@@ -30,7 +30,7 @@ pub struct PrecisionRow {
     pub scene: String,
     /// Its triangles.
     pub triangles: u64,
-    /// Trace kernel: `cwbvh`, `bvh2` or `ray-query`.
+    /// Trace kernel: `wide`, `cwbvh`, `bvh2` or `ray-query`.
     pub kernel: String,
     /// `watertight` or `moeller-trumbore`; `driver` where the driver tests.
     pub triangle_test: String,

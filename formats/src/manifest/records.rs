@@ -127,7 +127,7 @@ pub struct Options {
     pub table_method: String,
     /// That layout as text (see [`LayoutText`](crate::key::LayoutText)).
     pub table_layout: String,
-    /// Trace kernel: `cwbvh`, `bvh2` or `ray-query`.
+    /// Trace kernel: `wide`, `cwbvh`, `bvh2`, `lanes`, `packet` or `ray-query`.
     pub trace_kernel: String,
     /// Threads of the cpu backend; 0 for the gpu backend.
     pub threads: u32,
@@ -198,7 +198,7 @@ pub struct Adapter {
     pub name: String,
     /// Driver with its version; empty for the cpu backend.
     pub driver: String,
-    /// `discrete-gpu`, `integrated-gpu`, `virtual-gpu`, `cpu` or `other`.
+    /// `discrete`, `integrated`, `virtual`, `software` or `other`; `cpu` for the cpu backend.
     pub device_type: String,
     /// Interface that it was reached by, such as `vulkan`; `threads` for the cpu backend.
     pub backend: String,

@@ -15,7 +15,7 @@ pub enum AdapterRequest {
     Named(String),
 }
 
-/// What an adapter is and how much it allows; this goes into the manifest.
+/// What an adapter is and how much it allows; manifests have some of it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct AdapterDescription {
     /// The card, as the driver calls it.
