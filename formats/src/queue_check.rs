@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::manifest::{Header, QueueArray, QueueId, Source};
 use crate::ray::{Kind, Ray};
+use crate::text::counted;
 
 /// How far the length of a unit vector may be from 1.
 const UNIT_TOLERANCE: f64 = 1e-4;
@@ -31,7 +32,11 @@ pub enum QueueFault {
     /// An entry that nothing can be traced or looked up with.
     #[error("{queue}/{}.npy: {problem}", array.name())]
     Entry { queue: QueueId, array: QueueArray, problem: String },
-    #[error("{queue}: there are {passes} passes and {bounces} bounces")]
+    #[error(
+        "{queue}: the recording has {} and {}",
+        counted((*passes).into(), "pass", "passes"),
+        counted((*bounces).into(), "bounce", "bounces")
+    )]
     Outside { queue: QueueId, passes: u32, bounces: u32 },
 }
 

@@ -1,4 +1,4 @@
-//! Text that came from a file or was typed, on its way to a terminal.
+//! Text that came from a file or was typed, on its way to a terminal; counts for people.
 
 use std::borrow::Cow;
 
@@ -75,6 +75,24 @@ pub fn wrapped(text: &str, columns: usize, indent: usize) -> String {
     lines
 }
 
+/// A count with its digits in groups of three: `2,073,600`.
+pub fn count(number: u64) -> String {
+    let digits = number.to_string();
+    let mut grouped = String::new();
+    for (at, digit) in digits.chars().enumerate() {
+        if at > 0 && (digits.len() - at).is_multiple_of(3) {
+            grouped.push(',');
+        }
+        grouped.push(digit);
+    }
+    grouped
+}
+
+/// A count and what is counted: `1 light`, `3 lights`.
+pub fn counted(number: u64, one: &str, many: &str) -> String {
+    format!("{} {}", count(number), if number == 1 { one } else { many })
+}
+
 /// The known word that a mistyped one is most like, if it is like any.
 pub fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     // Half of a word may be wrong, so that 'len' is 'length'; nothing is like a single letter, or like what nobody
@@ -138,6 +156,15 @@ mod tests {
         assert_eq!(wrapped("one two", 7, 0), "one two");
         assert_eq!(wrapped("endless words", 3, 0), "endless\nwords");
         assert_eq!(wrapped("note     kept", 20, 9), "note     kept");
+    }
+
+    #[test]
+    fn counts_are_written_for_people() {
+        assert_eq!([count(0), count(999), count(1000), count(2_073_600)], ["0", "999", "1,000", "2,073,600"]);
+        assert_eq!(
+            [0, 1, 2000].map(|number| counted(number, "pass", "passes")),
+            ["0 passes", "1 pass", "2,000 passes"]
+        );
     }
 
     #[test]

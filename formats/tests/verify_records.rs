@@ -132,11 +132,11 @@ fn queues_outside_of_the_recording_are_found() {
     let cases: &[Case<Header>] = &[
         (
             |header| header.options.passes = 1,
-            "pass-001/bounce-00/closest: pass 1, bounce 0 of a recording of 1 passes and 2 bounces",
+            "pass-001/bounce-00/closest: pass 1, bounce 0 of a recording of 1 pass and 2 bounces",
         ),
         (
             |header| header.options.bounces = 1,
-            "pass-000/bounce-01/closest: pass 0, bounce 1 of a recording of 2 passes and 1 bounces",
+            "pass-000/bounce-01/closest: pass 0, bounce 1 of a recording of 2 passes and 1 bounce",
         ),
     ];
     assert_found(header, cases);

@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use anyhow::Context;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
+pub(crate) use formats::text::{count, counted};
 use formats::text::{printable, printable_json};
 use serde::Serialize;
 
@@ -74,19 +75,6 @@ pub(crate) fn size(bytes: u64) -> String {
     format!("{value:.1} {}", UNITS[unit])
 }
 
-/// A count with its digits in groups of three: `2,073,600`.
-pub(crate) fn count(number: u64) -> String {
-    let digits = number.to_string();
-    let mut grouped = String::new();
-    for (at, digit) in digits.chars().enumerate() {
-        if at > 0 && (digits.len() - at).is_multiple_of(3) {
-            grouped.push(',');
-        }
-        grouped.push(digit);
-    }
-    grouped
-}
-
 /// Which of many: `1st`, `12th`, `66th`.
 pub(crate) fn ordinal(number: usize) -> String {
     let ending = match (number % 100, number % 10) {
@@ -97,11 +85,6 @@ pub(crate) fn ordinal(number: usize) -> String {
         _ => "th",
     };
     format!("{}{ending}", count(number as u64))
-}
-
-/// A count and what is counted: `1 light`, `3 lights`.
-pub(crate) fn counted(number: u64, one: &str, many: &str) -> String {
-    format!("{} {}", count(number), if number == 1 { one } else { many })
 }
 
 /// A sum of what files say, which may be anything.
@@ -144,11 +127,6 @@ mod tests {
     fn numbers_are_written_for_people() {
         assert_eq!([size(0), size(1023), size(1024)], ["0 B", "1023 B", "1.0 KiB"]);
         assert_eq!([size(1 << 20), size((1 << 30) - 1)], ["1.0 MiB", "1.0 GiB"]);
-        assert_eq!([count(0), count(999), count(1000), count(2_073_600)], ["0", "999", "1,000", "2,073,600"]);
-        assert_eq!(
-            [counted(1, "pass", "passes"), counted(2000, "pass", "passes")],
-            ["1 pass", "2,000 passes"]
-        );
         assert_eq!([time(12.0), time(1234.0), time(99_900_000.0)], ["12.0 ns", "1.23 µs", "99.9 ms"]);
         assert_eq!(time(123e9), "123 s");
         assert_eq!([times(0.01234), times(1.386), times(9.996)], ["0.012×", "1.39×", "10.0×"]);

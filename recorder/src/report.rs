@@ -7,7 +7,7 @@ use formats::manifest::{DecisionRecord, Stage, Way};
 use formats::metrics::frame::{COLUMNS, Frame};
 use formats::metrics::speedup::{Instrument, Speedup, median};
 use formats::reader::Dump;
-use formats::text::wrapped;
+use formats::text::{counted, wrapped};
 
 use crate::bench::rate;
 use crate::measure::{Measurement, Subject, has_speedup, queue_name};
@@ -122,13 +122,15 @@ pub fn instrument_line(instrument: &Instrument) -> String {
     let intervals = match median_half_width {
         None => ", without intervals: they need at least 6 repeats".to_owned(),
         Some(half_width) => format!(
-            "; {hold_one} of {experiments} intervals hold 1, half of them are narrower than ±{:.1} %",
+            "; {hold_one} of {} 1, half of them are narrower than ±{:.1} %",
+            counted(experiments as u64, "interval holds", "intervals hold"),
             100.0 * half_width
         ),
     };
     format!(
-        "instrument: the control (canonical order, gathered) is off by {:+.1} % over {experiments} queues{intervals}",
-        100.0 * pooled_bias
+        "instrument: the control (canonical order, gathered) is off by {:+.1} % over {}{intervals}",
+        100.0 * pooled_bias,
+        counted(experiments as u64, "queue", "queues")
     )
 }
 

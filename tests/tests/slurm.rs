@@ -167,5 +167,5 @@ fn what_slurm_does_not_take_is_a_sentence() {
     let said = waiting.wait_with_output().unwrap();
     assert_eq!(said.status.code(), Some(FAILED));
     let said = String::from_utf8(said.stderr).unwrap();
-    assert!(said.ends_with("error: 1 of 1 jobs are not finished; see made/slurm\n"), "{said}");
+    assert!(said.ends_with("error: 1 of 1 job is not finished; see made/slurm\n"), "{said}");
 }

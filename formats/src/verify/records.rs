@@ -9,7 +9,7 @@ use crate::manifest::{
 };
 use crate::ray::Kind;
 use crate::reader::DumpState;
-use crate::text::shown;
+use crate::text::{counted, shown};
 
 /// Rays of a group whose caches are modelled.
 const GROUP_RAYS: u64 = 64;
@@ -87,7 +87,9 @@ impl Subject<'_> {
     fn outside(&self, pass: u32, bounce: u32) -> Option<String> {
         let &Options { passes, bounces, .. } = self.options();
         (pass >= passes || bounce >= bounces).then(|| {
-            format!("pass {pass}, bounce {bounce} of a recording of {passes} passes and {bounces} bounces")
+            let passes = counted(passes.into(), "pass", "passes");
+            let bounces = counted(bounces.into(), "bounce", "bounces");
+            format!("pass {pass}, bounce {bounce} of a recording of {passes} and {bounces}")
         })
     }
 

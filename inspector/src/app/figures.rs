@@ -8,6 +8,7 @@ use crate::figures::style::Width;
 use crate::inputs::{Inputs, quoted};
 use crate::model::Absent;
 use crate::model::background::Background;
+use crate::output::counted;
 use crate::plot;
 
 /// A figure that was asked for.
@@ -78,7 +79,8 @@ impl App {
         self.exports.waiting.pop_front();
         match result {
             Ok(files) => {
-                let said = format!("{files} files of {} are in {}", export.name, export.folder.display());
+                let files = counted(files as u64, "file", "files");
+                let said = format!("{}: {files} in {}", export.name, export.folder.display());
                 self.shown = Some(Shown { said, command: export.command() });
             }
             Err(why) => self.problem(format!("there is no figure {}", export.name), why),

@@ -2,11 +2,13 @@
 
 use std::collections::BTreeSet;
 
+use formats::ray::Work;
+
 use crate::analysis::GroupWidth;
 use crate::figures::style::COLOURS;
 use crate::model::key::{ReadKey, field_text};
 use crate::model::{Absent, Context, Order};
-use crate::output::count;
+use crate::output::{count, counted};
 use crate::theme::Theme;
 
 /// A name with its colour before it.
@@ -125,13 +127,18 @@ pub(super) fn select(ui: &egui::Ui, context: &mut Context, ray: Option<usize>) {
     }
 }
 
+/// What a ray cost: `12 nodes, 1 triangle`.
+pub(super) fn cost(Work { nodes, triangles }: Work) -> String {
+    let nodes = counted(nodes.into(), "node", "nodes");
+    format!("{nodes}, {}", counted(triangles.into(), "triangle", "triangles"))
+}
+
 /// A ray in three lines: its place and pixel, what it cost, its key.
 pub(super) fn about_ray(order: &Order, ray: usize) -> String {
     let Some(&place) = order.place_of_ray().get(ray) else { return String::new() };
     let place = format!("ray {} at place {}", count(ray as u64), count(u64::from(place)));
     let work = order.queue.work.as_ref().ok().and_then(|work| work.get(ray));
-    let work =
-        work.map_or(String::new(), |work| format!(", {} nodes, {} triangles", work.nodes, work.triangles));
+    let work = work.map_or(String::new(), |&work| format!(", {}", cost(work)));
     match ReadKey::of(order, ray) {
         Ok(key) => {
             let fields: Vec<String> = key.fields.iter().map(field_text).collect();

@@ -7,7 +7,7 @@ use formats::key::decode::DecodedField;
 use formats::ray::Kind;
 use formats::traced::Results;
 
-use super::notes::{found, headings, hint};
+use super::notes::{cost, found, headings, hint};
 use crate::analysis::GroupWidth;
 use crate::model::groups::Groups;
 use crate::model::key::ReadKey;
@@ -152,8 +152,7 @@ fn facts(order: &Order, index: usize) -> Vec<(&'static str, String)> {
         rows.push(("table says", format!("{:.5}", table.mean(ray))));
     }
     if let Ok(work) = &queue.work {
-        let work = work[index];
-        rows.push(("work", format!("{} nodes, {} triangles", work.nodes, work.triangles)));
+        rows.push(("work", cost(work[index])));
     }
     rows
 }

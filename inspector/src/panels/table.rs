@@ -289,7 +289,8 @@ fn described(cells: &[LengthCell], cell: u32) -> String {
         Ok(at) if cells[at].count >= 2 => {
             let LengthCell { count: with_dummy, sum, .. } = cells[at];
             let mean = mean_length(sum, with_dummy);
-            format!("cell {cell:05x}: {} rays, mean length {mean:.4}", count(u64::from(with_dummy) - 1))
+            let rays = counted(u64::from(with_dummy) - 1, "ray", "rays");
+            format!("cell {cell:05x}: {rays}, mean length {mean:.4}")
         }
         _ => format!("cell {cell:05x}: no ray yet, so a length of 0.25 is assumed"),
     }

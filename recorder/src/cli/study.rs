@@ -7,6 +7,7 @@ use clap::{Args, Subcommand};
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, ContentArrangement, Table};
 use formats::study::SLURM_NAME;
+use formats::text::counted;
 use indicatif::HumanBytes;
 use serde_json::{Value, json};
 
@@ -161,7 +162,8 @@ fn show_plan(arguments: &PlanArguments) -> Result<()> {
             column.set_cell_alignment(CellAlignment::Right);
         }
     }
-    print(format_args!("{table}\n{} jobs: {}", jobs.len(), left_words(left, &experience)))
+    let of_jobs = counted(jobs.len() as u64, "job", "jobs");
+    print(format_args!("{table}\n{of_jobs}: {}", left_words(left, &experience)))
 }
 
 fn make(arguments: &RunArguments) -> Result<()> {
@@ -196,14 +198,16 @@ fn make(arguments: &RunArguments) -> Result<()> {
         .filter(|(_, state)| matches!(state, State::Failed(_)))
         .map(|(job, _)| job)
         .collect();
+    let all = counted(chosen.len() as u64, "job", "jobs");
     if let Some(first) = failed.first() {
         let log = folder(out, first).join(LOG_NAME);
-        bail!("{} of {} jobs failed; see {}", failed.len(), chosen.len(), log.display());
+        bail!("{} of {all} failed; see {}", failed.len(), log.display());
     }
     let unfinished = states.iter().filter(|state| !matches!(state, State::Finished(_))).count();
     if unfinished > 0 {
         let logs = out.join(SLURM_NAME);
-        bail!("{unfinished} of {} jobs are not finished; see {}", chosen.len(), logs.display());
+        let all = counted(chosen.len() as u64, "job is", "jobs are");
+        bail!("{unfinished} of {all} not finished; see {}", logs.display());
     }
     Ok(())
 }
@@ -228,7 +232,8 @@ fn by_slurm(arguments: &RunArguments, jobs: &[Job]) -> Result<Option<Vec<State>>
         wait: arguments.wait,
     };
     let submitted = |number: &str| {
-        let words = format!("Slurm has {} of {} jobs as array {number}", numbers.len(), jobs.len());
+        let all = counted(jobs.len() as u64, "job", "jobs");
+        let words = format!("Slurm has {} of {all} as array {number}", numbers.len());
         match (arguments.wait, planned.json) {
             (true, _) => say(format_args!("{words}; waiting for them")),
             (false, true) => return print_json(&json!({ "array": number, "jobs": numbers })),
@@ -286,9 +291,9 @@ fn result_words(found: &[(&Job, &State)], out: &Path) -> String {
     let (seconds, written) =
         records().fold((0.0, 0_u64), |(s, b), record| (s + record.seconds, b.saturating_add(record.bytes)));
     lines.push(format!(
-        "{} of {} jobs in {}: {}, {}",
+        "{} of {} in {}: {}, {}",
         counts.join(", "),
-        found.len(),
+        counted(found.len() as u64, "job", "jobs"),
         out.display(),
         duration(seconds),
         HumanBytes(written)

@@ -6,7 +6,7 @@ use formats::key::method::{AUTO, CONTROL, SHUFFLED, UNSORTED};
 use formats::manifest::{
     Backend, CameraPose, Features as FeatureNames, Header, MethodRecord, Options, SceneSummary, Source,
 };
-use formats::text::one_line;
+use formats::text::{counted, one_line};
 use scenes::Scene;
 
 use crate::machine::Device;
@@ -108,7 +108,7 @@ pub(super) fn method_record(plan: &MethodPlan) -> MethodRecord {
 pub(super) fn headline(header: &Header, setup: &Setup) -> Vec<String> {
     let options = &header.options;
     let backend = if header.backend == Backend::Cpu {
-        format!("cpu, {} threads", options.threads)
+        format!("cpu, {}", counted(options.threads.into(), "thread", "threads"))
     } else {
         "gpu".to_owned()
     };
@@ -124,18 +124,14 @@ pub(super) fn headline(header: &Header, setup: &Setup) -> Vec<String> {
             "run      {}×{}, {}, {}, {}, {}-bit keys, seed {}",
             setup.width,
             setup.height,
-            counted(setup.bounces, "bounce", "bounces"),
-            counted(options.passes, "pass", "passes"),
-            counted(options.repeats, "repeat", "repeats"),
+            counted(setup.bounces.into(), "bounce", "bounces"),
+            counted(options.passes.into(), "pass", "passes"),
+            counted(options.repeats.into(), "repeat", "repeats"),
             key_bits(setup, options.key_bits),
             setup.seed
         ),
         format!("scene uses {}; it has no {}", list(&header.features.used), list(&header.features.skipped)),
     ]
-}
-
-fn counted(number: u32, one: &str, many: &str) -> String {
-    format!("{number} {}", if number == 1 { one } else { many })
 }
 
 /// The bits of keys of a run, in ascending order; those that were asked for where no method has keys.

@@ -11,6 +11,7 @@ use formats::manifest::{
 };
 use formats::reader::Dump;
 use formats::summary::Summary;
+use formats::text::counted;
 use formats::writer::DumpWriter;
 use scenes::Scene;
 use scenes::bvh::Source;
@@ -118,7 +119,8 @@ impl Run<'_> {
         let headline = header::headline(&self.header, &self.setup);
         let mut notices = self.header.notices;
         if differing > 0 {
-            notices.push(format!("{differing} rays found something else than in the recording"));
+            let rays = counted(differing, "ray", "rays");
+            notices.push(format!("{rays} found something else than in the recording"));
         }
         if let Some(Source::BuiltNotKept { reason, .. }) = source {
             notices.push(format!("every run builds the hierarchy anew, since it cannot be kept: {reason}"));

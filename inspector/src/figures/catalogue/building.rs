@@ -332,7 +332,7 @@ pub fn bench_settings<'a>(benches: impl IntoIterator<Item = &'a BenchResult>) ->
 pub fn machine(bench: &BenchResult) -> String {
     let mut parts = vec![bench.backend.clone(), bench.adapter.clone()];
     parts.extend((!bench.driver.is_empty()).then(|| bench.driver.clone()));
-    parts.extend((bench.threads > 0).then(|| format!("{} threads", bench.threads)));
+    parts.extend((bench.threads > 0).then(|| counted(bench.threads.into(), "thread", "threads")));
     parts.join(", ")
 }
 

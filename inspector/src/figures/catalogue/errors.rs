@@ -12,6 +12,7 @@ use super::building::{bench_settings, by_label, figure, machine, method_style, r
 use super::{Findings, Made};
 use crate::analysis::summary::distinct;
 use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
+use crate::output::counted;
 
 const NO_CURVE: &str = "there is no result of `recorder bench error --json` with this curve";
 /// A table's name for the length that two-point assumes.
@@ -325,7 +326,7 @@ pub fn image(findings: &Findings<'_>) -> Made {
     let of = |row: &ImageRow| Of {
         scene: row.scene.clone(),
         method: row.method.clone(),
-        ..Of::detail(format!("{} samples per pixel", row.passes))
+        ..Of::detail(counted(row.passes.into(), "sample per pixel", "samples per pixel"))
     };
     let methods =
         distinct(all.iter().filter(|(_, row)| row.speedup.is_some()).map(|(_, row)| row.method.as_str()));

@@ -5,6 +5,7 @@ use super::{Findings, Made};
 use crate::analysis::study::{StudyGroup, StudyMean, StudyRow};
 use crate::analysis::summary::{RayClass, distinct};
 use crate::figures::model::{Axis, Of, Panel, Point, Series};
+use crate::output::counted;
 
 /// Groups that have panels: those of the most views.
 const MOST_GROUPS: usize = 2;
@@ -34,9 +35,10 @@ pub fn speedups(findings: &Findings<'_>) -> Made {
             panels.push(panel(findings, group, rays, net, |row| row.net.as_ref()));
         }
     }
-    let settings = groups
-        .iter()
-        .map(|group| format!("{}: {} views of {}", label(group), group.views, group.scenes.join(", ")));
+    let settings = groups.iter().map(|group| {
+        let views = counted(group.views as u64, "view", "views");
+        format!("{}: {views} of {}", label(group), group.scenes.join(", "))
+    });
     figure(
         "Speedups over the scenes and views of a study",
         "Each marker is a geometric mean over scenes: of each recording the median over rounds of unsorted over sorted time, all bounces summed, of each scene the geometric mean over its views (cameras and seeds). The thick line is its 95 % interval, by bootstrap over views and rounds, the scenes as they are. Small dots are the scenes. Net counts all that sorting takes.",
