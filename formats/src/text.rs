@@ -1,4 +1,4 @@
-//! Text that came from a file or was typed, on its way to a terminal; counts for people.
+//! Text that came from a file or was typed, on its way to a terminal or a shell; counts for people.
 
 use std::borrow::Cow;
 
@@ -73,6 +73,15 @@ pub fn wrapped(text: &str, columns: usize, indent: usize) -> String {
         used += length;
     }
     lines
+}
+
+/// A word as it is typed into a shell: in quotes where a shell would split it or see more than text.
+pub fn shell_word(word: &str) -> Cow<'_, str> {
+    let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_=./:,+@%".contains(letter);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return Cow::Borrowed(word);
+    }
+    Cow::Owned(format!("'{}'", word.replace('\'', r"'\''")))
 }
 
 /// A count with its digits in groups of three: `2,073,600`.
@@ -156,6 +165,20 @@ mod tests {
         assert_eq!(wrapped("one two", 7, 0), "one two");
         assert_eq!(wrapped("endless words", 3, 0), "endless\nwords");
         assert_eq!(wrapped("note     kept", 20, 9), "note     kept");
+    }
+
+    #[test]
+    fn words_are_quoted_for_a_shell() {
+        for (word, typed) in [
+            ("a/b-1.raydump", "a/b-1.raydump"),
+            ("a b.glb", "'a b.glb'"),
+            ("--method=mine=(ox)*4", "'--method=mine=(ox)*4'"),
+            ("it's", r"'it'\''s'"),
+            ("größer", "'größer'"),
+            ("", "''"),
+        ] {
+            assert_eq!(shell_word(word), typed);
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use formats::bench_result::BenchResult;
 use formats::reader::Dump;
 use formats::study::Study;
+use formats::text::shell_word;
 
 use crate::analysis::summary::distinct;
 use crate::analysis::{Analysis, analyse_studies, check_finished, lacking};
@@ -137,28 +138,12 @@ pub(crate) fn check_names(names: &[String]) -> anyhow::Result<()> {
 
 /// A path as a shell takes it.
 pub(crate) fn quoted(path: &Path) -> String {
-    quoted_text(&path.display().to_string())
-}
-
-/// A word as a shell takes it.
-pub(crate) fn quoted_text(text: &str) -> String {
-    let is_plain = |character: char| character.is_alphanumeric() || "-_./:=+,@".contains(character);
-    if !text.is_empty() && text.chars().all(is_plain) {
-        text.to_owned()
-    } else {
-        format!("'{}'", text.replace('\'', "'\\''"))
-    }
+    shell_word(&path.display().to_string()).into_owned()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn paths_are_quoted_where_a_shell_would_split_them() {
-        assert_eq!(quoted(Path::new("a/b-1.raydump")), "a/b-1.raydump");
-        assert_eq!(quoted(Path::new("it's here")), "'it'\\''s here'");
-    }
 
     #[test]
     fn unknown_figures_are_named() {

@@ -7,6 +7,7 @@ use formats::key::Termination;
 use formats::key::method::{CONTROL, Method, UNSORTED};
 use formats::manifest::{Header, Manifest, MethodRecord, Options, Source, Stage};
 use formats::reader::Dump;
+use formats::text::shell_word;
 use serde::Serialize;
 
 use crate::analysis::study::StudyGroup;
@@ -17,7 +18,7 @@ use crate::figures::catalogue::study::label;
 use crate::figures::files;
 use crate::figures::model::{Content, Figure, Panel, Picture};
 use crate::figures::style::Width;
-use crate::inputs::{Inputs, check_names, quoted, quoted_text};
+use crate::inputs::{Inputs, check_names, quoted};
 use crate::output::{counted, print, print_json, say};
 use crate::report::table::{latex, markdown};
 use crate::report::tables::tables;
@@ -286,8 +287,8 @@ fn path_options(options: &Options) -> String {
         options.passes,
         options.seed,
         quoted(Path::new(&options.camera)),
-        quoted_text(&options.keep.join(",")),
-        quoted_text(&options.keep_passes),
+        shell_word(&options.keep.join(",")),
+        shell_word(&options.keep_passes),
     )
 }
 
@@ -307,8 +308,8 @@ fn measuring_options(manifest: &Manifest, header: &Header) -> String {
     };
     let own = bases.iter().filter(|&&name| is_own(name)).filter_map(|name| {
         let method = manifest.methods.iter().find(|method| method.base == *name)?;
-        let own = quoted_text(&shown::sentence(format!("{name}={}", method.text)));
-        Some(format!(" --method {own}"))
+        let own = shown::sentence(format!("{name}={}", method.text));
+        Some(format!(" --method {}", shell_word(&own)))
     });
     let variants = || manifest.methods.iter().filter(|method| method.base != method.name);
     let mut key_bits: Vec<u32> = variants().map(|method| method.key_bits).collect();
@@ -328,7 +329,7 @@ fn measuring_options(manifest: &Manifest, header: &Header) -> String {
         "--backend {} --trace {}{threads} --repeats {} --methods {}{} --key-bits {} --two-point-length {}{} \
          --table-bits {} --table-method {}",
         header.backend.name(),
-        quoted_text(&options.trace_kernel),
+        shell_word(&options.trace_kernel),
         options.repeats,
         builtin.join(","),
         own.collect::<String>(),
@@ -336,7 +337,7 @@ fn measuring_options(manifest: &Manifest, header: &Header) -> String {
         list(lengths, options.two_point_length),
         split.unwrap_or_default(),
         options.table_bits,
-        quoted_text(&options.table_method),
+        shell_word(&options.table_method),
     )
 }
 

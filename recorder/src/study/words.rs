@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use clap::ArgAction;
-use formats::text::{did_you_mean, one_line};
+use formats::text::{did_you_mean, one_line, shell_word};
 use toml::Value;
 
 use crate::options::RecordOptions;
@@ -96,21 +96,5 @@ pub fn sentence(error: &anyhow::Error) -> String {
 
 /// Words as they would be typed into a shell.
 pub fn typed(words: &[String]) -> String {
-    let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_=./:,+@%".contains(letter);
-    let quoted = |word: &String| match !word.is_empty() && word.chars().all(is_plain) {
-        true => word.clone(),
-        false => format!("'{}'", word.replace('\'', r"'\''")),
-    };
-    words.iter().map(quoted).collect::<Vec<_>>().join(" ")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_are_quoted_for_a_shell() {
-        let words = ["record", "a b.glb", "--method=mine=(ox)*4", "it's", ""].map(str::to_owned);
-        assert_eq!(typed(&words), r"record 'a b.glb' '--method=mine=(ox)*4' 'it'\''s' ''");
-    }
+    words.iter().map(|word| shell_word(word)).collect::<Vec<_>>().join(" ")
 }
