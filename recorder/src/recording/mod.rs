@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use formats::key::Extent;
+use formats::key::{Extent, LightSite};
 use formats::manifest::Source;
 use formats::unit_space::UnitSpace;
 use formats::writer::DumpWriter;
@@ -110,12 +110,34 @@ pub(crate) fn prepared(device: &Device, scene: &Scene, options: &RecordOptions) 
 pub fn setup(scene: &Scene, camera: &Camera, options: &RecordOptions) -> Result<Setup> {
     let bounds = scene.bounds();
     let unit = UnitSpace::from_bounds(bounds.min, bounds.max);
-    let extent = Extent { lights: scene.lights.len(), picture: [options.width, options.height] };
+    let setup = without_methods(scene, camera, options, unit, Setup::light_sites(scene, &unit))?;
+    let extent = setup.extent();
     let plan = |method| MethodPlan::new(method, extent, options.key_bits, options.two_point_length);
-    let setup = Setup {
+    let methods = options.methods.iter().map(plan).collect::<Result<_, _>>()?;
+    let setup = Setup { methods, ..setup };
+    Ok(if options.auto {
+        setup.with_candidates(candidates(&[], extent, options.two_point_length)?)
+    } else {
+        setup
+    })
+}
+
+/// What kernels depend on, without methods. Unit space and lights are given, since recordings have no arrays of
+/// lights: a replay takes both from the header.
+///
+/// # Errors
+/// None: options have checked the table's method.
+pub(crate) fn without_methods(
+    scene: &Scene,
+    camera: &Camera,
+    options: &RecordOptions,
+    unit: UnitSpace,
+    light_sites: Vec<LightSite>,
+) -> Result<Setup> {
+    Ok(Setup {
         tables: Arc::new(ShadeTables::new(scene)),
         features: Features::of(scene),
-        light_sites: Setup::light_sites(scene, &unit),
+        light_sites,
         unit,
         camera: camera.clone(),
         width: options.width,
@@ -123,15 +145,10 @@ pub fn setup(scene: &Scene, camera: &Camera, options: &RecordOptions) -> Result<
         bounces: options.bounces,
         seed: options.seed,
         roulette: options.russian_roulette,
-        methods: options.methods.iter().map(plan).collect::<Result<_, _>>()?,
+        methods: Vec::new(),
         candidates: 0,
         table_bits: options.table_bits,
         table_layout: options.table_method.layout.expand(Extent::NOTHING)?,
         precision: Precision::default(),
-    };
-    Ok(if options.auto {
-        setup.with_candidates(candidates(&[], extent, options.two_point_length)?)
-    } else {
-        setup
     })
 }

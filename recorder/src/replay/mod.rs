@@ -22,6 +22,7 @@ use formats::key::{LayoutText, Method};
 use formats::manifest::{CalibrationRecord, FORMAT_VERSION, Header, Manifest, MethodRecord, Source};
 use formats::reader::{Dump, DumpState};
 use formats::text::one_line;
+use formats::unit_space::UnitSpace;
 use formats::writer::DumpWriter;
 use scenes::Camera;
 
@@ -30,7 +31,7 @@ use crate::foreign::Foreign;
 use crate::machine::description::Description;
 use crate::machine::{self, Device};
 use crate::options::{AskedOrders, DeviceOptions, Keep, KeepPasses, RecordOptions};
-use crate::recording::{RaySource, Recorded, Run, header, setup};
+use crate::recording::{RaySource, Recorded, Run, header, without_methods};
 use crate::stages::trace::TraceKernel;
 use queues::RecordedQueue;
 use variants::Sweep;
@@ -96,14 +97,11 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let scene = geometry::scene(dump).with_context(cannot)?;
     let camera = camera(recorded);
     let device = machine::open(&run_options.device)?;
-    let mut setup = setup(&scene, &camera, &run_options)?;
-    setup.light_sites = recorded.lights.clone();
-    setup.unit =
-        formats::unit_space::UnitSpace::from_bounds(recorded.scene.bounds_min, recorded.scene.bounds_max);
+    let unit = UnitSpace::from_bounds(recorded.scene.bounds_min, recorded.scene.bounds_max);
+    let mut setup = without_methods(&scene, &camera, &run_options, unit, recorded.lights.clone())?;
     let fixed_length = recorded.options.two_point_length;
     setup.methods =
         options.sweep.plans(&run_options.methods, setup.extent(), recorded.options.key_bits, fixed_length)?;
-    setup.candidates = 0;
     let calibration = calibration(asked.manifest(), &device, &run_options);
     if run_options.auto {
         let (extent, length) = (setup.extent(), run_options.two_point_length);
