@@ -49,9 +49,6 @@ pub(super) struct CaptureArguments {
     key_bits: u32,
     #[command(flatten)]
     device: DeviceOptions,
-    /// Print the results as one JSON object on stdout.
-    #[arg(long)]
-    pub(super) json: bool,
 }
 
 impl CaptureArguments {

@@ -64,9 +64,6 @@ pub(super) struct ErrorArguments {
     camera: Option<String>,
     #[command(flatten)]
     device: DeviceOptions,
-    /// Print the results as one JSON object on stdout.
-    #[arg(long)]
-    pub(super) json: bool,
 }
 
 impl ErrorArguments {

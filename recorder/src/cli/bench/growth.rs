@@ -29,9 +29,6 @@ pub(super) struct GrowthArguments {
     repeats: u32,
     #[command(flatten)]
     device: DeviceOptions,
-    /// Print the results as one JSON object on stdout.
-    #[arg(long)]
-    pub(super) json: bool,
 }
 
 impl GrowthArguments {

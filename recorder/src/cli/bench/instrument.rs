@@ -38,9 +38,6 @@ pub(super) struct InstrumentArguments {
     camera: Option<String>,
     #[command(flatten)]
     device: DeviceOptions,
-    /// Print the results as one JSON object on stdout.
-    #[arg(long)]
-    pub(super) json: bool,
 }
 
 impl InstrumentArguments {

@@ -48,6 +48,9 @@ Examples:
 pub(super) struct BenchArguments {
     #[command(subcommand)]
     what: What,
+    /// Print the results as one JSON object on stdout.
+    #[arg(long, global = true)]
+    json: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -85,9 +88,6 @@ struct SortArguments {
     repeats: u32,
     #[command(flatten)]
     device: DeviceOptions,
-    /// Print the results as one JSON object on stdout.
-    #[arg(long)]
-    json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -124,9 +124,6 @@ struct TraceArguments {
     key_bits: u32,
     #[command(flatten)]
     device: DeviceOptions,
-    /// Print the results as one JSON object on stdout.
-    #[arg(long)]
-    json: bool,
 }
 
 impl SortArguments {
@@ -173,18 +170,18 @@ impl TraceArguments {
 }
 
 pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
-    let (result, json) = match &arguments.what {
-        What::Sort(arguments) => (sort::run(&arguments.bench()?)?, arguments.json),
-        What::Trace(arguments) => (trace::run(&arguments.bench()?)?, arguments.json),
-        What::Error(arguments) => (crate::bench::error::run(&arguments.bench()?)?, arguments.json),
-        What::Skip(arguments) => (crate::bench::skip::run(&arguments.bench()?)?, arguments.json),
-        What::Instrument(arguments) => (crate::bench::instrument::run(&arguments.bench()?)?, arguments.json),
-        What::Render(arguments) => (crate::bench::render::run(&arguments.bench()?)?, arguments.json),
-        What::Capture(arguments) => (crate::bench::capture::run(&arguments.bench()?)?, arguments.json),
-        What::Growth(arguments) => (crate::bench::growth::run(&arguments.bench()?)?, arguments.json),
-        What::Startup(arguments) => (crate::bench::startup::run(&arguments.bench()?)?, arguments.json),
+    let result = match &arguments.what {
+        What::Sort(arguments) => sort::run(&arguments.bench()?)?,
+        What::Trace(arguments) => trace::run(&arguments.bench()?)?,
+        What::Error(arguments) => crate::bench::error::run(&arguments.bench()?)?,
+        What::Skip(arguments) => crate::bench::skip::run(&arguments.bench()?)?,
+        What::Instrument(arguments) => crate::bench::instrument::run(&arguments.bench()?)?,
+        What::Render(arguments) => crate::bench::render::run(&arguments.bench()?)?,
+        What::Capture(arguments) => crate::bench::capture::run(&arguments.bench()?)?,
+        What::Growth(arguments) => crate::bench::growth::run(&arguments.bench()?)?,
+        What::Startup(arguments) => crate::bench::startup::run(&arguments.bench()?)?,
     };
-    if json {
+    if arguments.json {
         return print_json(&result);
     }
     let shown = match &result.rows {

@@ -50,9 +50,6 @@ pub(super) struct RenderArguments {
     camera: Option<String>,
     #[command(flatten)]
     device: DeviceOptions,
-    /// Print the results as one JSON object on stdout.
-    #[arg(long)]
-    pub(super) json: bool,
 }
 
 impl RenderArguments {

@@ -32,9 +32,6 @@ pub(super) struct SkipArguments {
     camera: Option<String>,
     #[command(flatten)]
     device: DeviceOptions,
-    /// Print the results as one JSON object on stdout.
-    #[arg(long)]
-    pub(super) json: bool,
 }
 
 impl SkipArguments {
