@@ -70,14 +70,14 @@ pub struct Visit {
 
 /// The way of a ray through a hierarchy.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Way {
+pub struct Traversal {
     /// What it entered, in order.
     pub visits: Vec<Visit>,
     /// What it met.
     pub hit: Hit,
 }
 
-impl Way {
+impl Traversal {
     /// What is counted of it.
     pub fn work(&self) -> Work {
         let nodes = self.visits.iter().filter(|visit| visit.node.is_some()).count() as u32;
@@ -179,7 +179,7 @@ impl Hierarchy {
 
     /// The way of a ray, as the kernel `wide` goes it: the nearest child first, and with shadow rays, which end at
     /// the first hit, the last one.
-    pub fn way(&self, ray: &Ray, kind: Kind) -> Way {
+    pub fn traversal(&self, ray: &Ray, kind: Kind) -> Traversal {
         let mut walk = Walk::new(self, ray, kind);
         let mut waiting = vec![Waiting { near: 0.0, child: 0, place: None, level: 0 }];
         while let Some(next) = waiting.pop() {
@@ -201,7 +201,7 @@ impl Hierarchy {
             }
         }
         let hit = if walk.best.is_hit() { walk.best } else { Hit::MISS };
-        Way { visits: walk.visits, hit }
+        Traversal { visits: walk.visits, hit }
     }
 }
 

@@ -125,7 +125,7 @@ fn boxes_are_drawn_that_a_ray_and_its_group_enter() {
     let mut entered: BTreeMap<Option<usize>, (u32, u32)> = BTreeMap::new();
     for place in 0..context.selection.group_width.rays().min(order.len()) {
         let ray = &order.queue.traced.rays()[order.places.ray(place)];
-        for visit in hierarchy.way(ray, order.queue.id.kind).visits {
+        for visit in hierarchy.traversal(ray, order.queue.id.kind).visits {
             let (rays, is_of_first) = entered.entry(visit.place).or_default();
             *rays += 1;
             *is_of_first += u32::from(place == 0);

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use formats::hierarchy::{Hierarchy, Visit, Way};
+use formats::hierarchy::{Hierarchy, Traversal, Visit};
 use formats::manifest::{Place, SceneArray};
 use formats::ray::{Kind, Ray, Work};
 use formats::reader::{Dump, Loaded};
@@ -44,8 +44,8 @@ fn blocks_of_leaves(dump: &Dump) -> Vec<u64> {
     starts.collect()
 }
 
-/// The same of a way.
-fn reads_of_way(way: &Way, blocks: &[u64]) -> Vec<Read> {
+/// The same of a traversal.
+fn reads_of(traversal: &Traversal, blocks: &[u64]) -> Vec<Read> {
     let reads = |visit: &Visit| match visit.node {
         Some(node) => vec![Read::Node(node as u64)],
         None => {
@@ -53,7 +53,7 @@ fn reads_of_way(way: &Way, blocks: &[u64]) -> Vec<Read> {
             (first..first + u64::from(visit.triangles.div_ceil(BLOCK))).map(Read::Block).collect()
         }
     };
-    way.visits.iter().flat_map(reads).collect()
+    traversal.visits.iter().flat_map(reads).collect()
 }
 
 fn record(folder: &Path, scene: &str) -> Dump {
@@ -80,14 +80,14 @@ fn ways_through_the_hierarchy_are_the_trails_of_the_tracer() {
         for queue in &dump.manifest().queues {
             let traced = Traced::open(&dump, queue.id).unwrap();
             for (index, ray) in traced.rays().iter().enumerate() {
-                let way = hierarchy.way(ray, queue.id.kind);
+                let traversal = hierarchy.traversal(ray, queue.id.kind);
                 let trail = reads_of_tracer(&tracer, ray, queue.id.kind);
-                assert_eq!(reads_of_way(&way, &blocks), trail, "{name}, {}, ray {index}", queue.id);
+                assert_eq!(reads_of(&traversal, &blocks), trail, "{name}, {}, ray {index}", queue.id);
                 match traced.results() {
-                    Results::Hits(hits) => assert_eq!(way.hit, hits[index]),
-                    Results::Distances(distances) => assert_eq!(way.hit.t, distances[index]),
+                    Results::Hits(hits) => assert_eq!(traversal.hit, hits[index]),
+                    Results::Distances(distances) => assert_eq!(traversal.hit.t, distances[index]),
                 }
-                let [low, high] = hierarchy.bounds(way.visits.last().and_then(|visit| visit.place));
+                let [low, high] = hierarchy.bounds(traversal.visits.last().and_then(|visit| visit.place));
                 assert!((0..3).all(|axis| low[axis] < high[axis]));
                 compared += trail.len();
             }
@@ -110,13 +110,13 @@ fn ways_from_planes_of_boxes_are_those_of_the_tracer() {
     let queue = dump.manifest().queues.iter().find(|queue| queue.id.bounce == 1).unwrap().id;
     let traced = Traced::open(&dump, queue).unwrap();
     for ray in traced.rays().iter().step_by(7) {
-        for visit in hierarchy.way(ray, queue.kind).visits {
+        for visit in hierarchy.traversal(ray, queue.kind).visits {
             let [low, high] = hierarchy.bounds(visit.place);
             for axis in 0..3 {
                 let mut moved = Ray { t_min: 0.0, ..*ray };
                 moved.origin[axis] = if ray.direction[axis] < 0.0 { high[axis] } else { low[axis] };
                 let trail = reads_of_tracer(&tracer, &moved, queue.kind);
-                assert_eq!(reads_of_way(&hierarchy.way(&moved, queue.kind), &blocks), trail, "{moved:?}");
+                assert_eq!(reads_of(&hierarchy.traversal(&moved, queue.kind), &blocks), trail, "{moved:?}");
             }
         }
     }

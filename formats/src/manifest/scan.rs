@@ -160,7 +160,7 @@ pub fn salvage(path: &Path) -> Result<Scan, ManifestError> {
         let next = records.next()?;
         salvage.version = records.version;
         // Without its header no record has a meaning, and the end record has none after it.
-        let may_go_on = !salvage.frames.is_empty() && !records.order.has_ended;
+        let may_go_on = !salvage.frames.is_empty() && !records.sequence.has_ended;
         match next {
             Next::Record(frame) => {
                 salvage.passed_over.extend(salvage.fault.take());
@@ -190,7 +190,7 @@ struct Records<'a, R> {
     bytes: u64,
     /// Where the next record starts; 0 before the preamble.
     offset: u64,
-    order: Order,
+    sequence: Sequence,
     version: u32,
     path: &'a Path,
 }
@@ -207,7 +207,7 @@ enum Next {
 
 impl<'a, R: Read> Records<'a, R> {
     fn new(reader: R, bytes: u64, path: &'a Path) -> Self {
-        Self { reader, bytes, offset: 0, order: Order::default(), version: 0, path }
+        Self { reader, bytes, offset: 0, sequence: Sequence::default(), version: 0, path }
     }
 
     fn next(&mut self) -> Result<Next, ManifestError> {
@@ -239,7 +239,7 @@ impl<'a, R: Read> Records<'a, R> {
         {
             return Err(ManifestError::UnknownRecord { path: self.path.to_owned(), offset, kind });
         }
-        let record = codec::decode(&payload).and_then(|record| self.order.check(&record).map(|()| record));
+        let record = codec::decode(&payload).and_then(|record| self.sequence.check(&record).map(|()| record));
         Ok(match record {
             Ok(record) => Next::Record(Frame { offset, end: self.offset, record }),
             Err(problem) => Next::Damaged(Fault::Damaged { offset, problem }),
@@ -300,13 +300,13 @@ fn read_payload(reader: &mut impl Read, offset: u64, left: u64) -> io::Result<Re
 
 /// The rules about records that follow one another.
 #[derive(Default)]
-struct Order {
+struct Sequence {
     has_header: bool,
     has_ended: bool,
     names: BTreeSet<String>,
 }
 
-impl Order {
+impl Sequence {
     fn check(&mut self, record: &Record) -> Result<(), String> {
         if self.has_ended {
             return Err("it follows the end record".into());

@@ -43,25 +43,25 @@ pub(super) fn check(subject: &Subject<'_>) -> Option<Check> {
         let work = subject.queue_array::<Work>(queue, QueueArray::Work);
         // `queues` finds arrays that do not belong together.
         let Some(work) = work.filter(|work| work.len() == rays.len()) else { continue };
-        let way = |index: usize| hierarchy.way(&rays[index], queue.kind);
+        let traversal = |index: usize| hierarchy.traversal(&rays[index], queue.kind);
         let is_right = |index: usize| {
-            let way = way(index);
+            let traversal = traversal(index);
             let is_found = match traced.results() {
-                Results::Hits(hits) => hits[index] == way.hit,
-                Results::Distances(distances) => distances[index] == way.hit.t,
+                Results::Hits(hits) => hits[index] == traversal.hit,
+                Results::Distances(distances) => distances[index] == traversal.hit.t,
             };
-            is_found && work[index] == way.work()
+            is_found && work[index] == traversal.work()
         };
         check.each(rays.len(), is_right, |index| {
-            let (found, way) = (work[index], way(index));
+            let (found, traversal) = (work[index], traversal(index));
             format!(
                 "{queue}/work.npy: ray {index} has {} nodes and {} triangles, its way through the hierarchy {} and {}, \
                  where it meets {:?}",
                 found.nodes,
                 found.triangles,
-                way.work().nodes,
-                way.work().triangles,
-                way.hit
+                traversal.work().nodes,
+                traversal.work().triangles,
+                traversal.hit
             )
         });
     }

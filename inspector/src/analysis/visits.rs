@@ -32,12 +32,12 @@ pub struct Visits {
 impl Visits {
     /// Of the rays of a group, canonical indices, of which one is looked at.
     pub fn of(hierarchy: &Hierarchy, traced: &Traced, kind: Kind, group: &[usize], ray: usize) -> Self {
-        let way = |&of: &usize| (of == ray, hierarchy.way(&traced.rays()[of], kind));
-        let ways: Vec<_> = group.par_iter().map(way).collect();
+        let traversal = |&of: &usize| (of == ray, hierarchy.traversal(&traced.rays()[of], kind));
+        let traversals: Vec<_> = group.par_iter().map(traversal).collect();
         let mut boxes: Vec<EnteredBox> = Vec::new();
         let mut known = HashMap::new();
-        for (is_of_ray, way) in &ways {
-            for &Visit { place, level, .. } in &way.visits {
+        for (is_of_ray, traversal) in &traversals {
+            for &Visit { place, level, .. } in &traversal.visits {
                 let at = *known.entry(place).or_insert_with(|| {
                     let [low, high] = hierarchy.bounds(place).map(|corner| traced.unit().point(corner));
                     let corners = (low, high);
@@ -49,7 +49,7 @@ impl Visits {
             }
         }
         boxes.sort_by_key(|entered| entered.level);
-        let work = ways.iter().find(|(is_of_ray, _)| *is_of_ray).map(|(_, way)| way.work());
+        let work = traversals.iter().find(|(is_of_ray, _)| *is_of_ray).map(|(_, traversal)| traversal.work());
         Self { boxes, work: work.unwrap_or_default() }
     }
 

@@ -21,7 +21,7 @@ use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
 use serde::Serialize;
 
 use self::errors::Refusal;
-use self::pipelines::{Lines, Pipelines, Seen, Way};
+use self::pipelines::{Drawing, Lines, Pipelines, Seen};
 use self::target::Target;
 use self::uploads::Uploads;
 use super::geometry::Shape;
@@ -114,7 +114,7 @@ struct Draw<'a> {
 }
 
 impl Draw<'_> {
-    fn way(&self) -> Way {
+    fn drawing(&self) -> Drawing {
         let Layer { geometry, stage, .. } = self.layer;
         let seen = match stage {
             Stage::OnTop => Seen::OnTop,
@@ -122,14 +122,14 @@ impl Draw<'_> {
             _ => Seen::InFront,
         };
         match (geometry.shape(), stage) {
-            (Shape::Mesh(_), Stage::Ghost) => Way::Ghost,
-            (Shape::Mesh(_), _) => Way::Solid,
-            (Shape::Segments(_), Stage::Wire) => Way::Lines(Lines::Edges, seen),
-            (Shape::Segments(_), Stage::Arrows) => Way::Lines(Lines::Arrows, seen),
-            (Shape::Segments(_), Stage::Marks) => Way::Lines(Lines::Marks, seen),
-            (Shape::Strip(_) | Shape::Segments(_), _) => Way::Lines(Lines::Plain, seen),
-            (Shape::Boxes(_), _) => Way::Boxes,
-            (Shape::Capsules(_), _) => Way::Capsules,
+            (Shape::Mesh(_), Stage::Ghost) => Drawing::Ghost,
+            (Shape::Mesh(_), _) => Drawing::Solid,
+            (Shape::Segments(_), Stage::Wire) => Drawing::Lines(Lines::Edges, seen),
+            (Shape::Segments(_), Stage::Arrows) => Drawing::Lines(Lines::Arrows, seen),
+            (Shape::Segments(_), Stage::Marks) => Drawing::Lines(Lines::Marks, seen),
+            (Shape::Strip(_) | Shape::Segments(_), _) => Drawing::Lines(Lines::Plain, seen),
+            (Shape::Boxes(_), _) => Drawing::Boxes,
+            (Shape::Capsules(_), _) => Drawing::Capsules,
         }
     }
 }
@@ -168,7 +168,7 @@ impl CallbackTrait for PictureCallback {
         let (refusal, waker) = &self.refusal;
         refusal.set(refused, waker);
         let draws = draws(&self.picture);
-        draws.iter().for_each(|draw| pipelines.make(device, draw.way()));
+        draws.iter().for_each(|draw| pipelines.make(device, draw.drawing()));
         view.counts = view.draw(queue, encoder, (pipelines, uploads), &self.picture, &draws);
         view.counts.uploaded_bytes += uploaded;
         view.drawn = Some(self.picture.clone());
@@ -227,7 +227,7 @@ impl DrawnView {
         let mut pass = self.target.pass(encoder, picture.background);
         for (at, draw) in draws.iter().enumerate() {
             pass.set_bind_group(0, &self.layers, &[at as u32 * UNIFORM_STRIDE as u32]);
-            let (calls, vertices) = uploads.draw(&mut pass, pipelines, (draw.layer, draw.way()), picture);
+            let (calls, vertices) = uploads.draw(&mut pass, pipelines, (draw.layer, draw.drawing()), picture);
             counts.draw_calls += calls;
             counts.vertices += vertices;
         }

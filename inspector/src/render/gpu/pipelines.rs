@@ -19,7 +19,7 @@ pub(super) const SAMPLES: u32 = 4;
 
 /// A way of drawing: each has a pipeline, made when something is first drawn so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Way {
+pub(super) enum Drawing {
     Solid,
     Ghost,
     Lines(Lines, Seen),
@@ -53,7 +53,7 @@ pub(super) enum Seen {
 
 /// The pipelines that were used so far, and what they share.
 pub(super) struct Pipelines {
-    made: BTreeMap<Way, wgpu::RenderPipeline>,
+    made: BTreeMap<Drawing, wgpu::RenderPipeline>,
     modules: BTreeMap<Module, wgpu::ShaderModule>,
     pub(super) copy: wgpu::RenderPipeline,
     layer_layout: wgpu::BindGroupLayout,
@@ -93,10 +93,10 @@ impl Pipelines {
     }
 
     /// Makes what draws in this way, unless it was made before.
-    pub(super) fn make(&mut self, device: &Device, way: Way) {
+    pub(super) fn make(&mut self, device: &Device, drawing: Drawing) {
         let Self { made, modules, layer_layout, points_layout, .. } = self;
-        made.entry(way).or_insert_with(|| {
-            let parts = parts(way);
+        made.entry(drawing).or_insert_with(|| {
+            let parts = parts(drawing);
             let shader = modules.entry(parts.module).or_insert_with(|| module(device, parts.module));
             let points = Some(&*points_layout).filter(|_| parts.buffers.is_empty());
             let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -109,13 +109,13 @@ impl Pipelines {
                 blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
                 write_mask: wgpu::ColorWrites::ALL,
             };
-            pipeline(device, &format!("view::{way:?}"), Some(&layout), shader, &parts, target)
+            pipeline(device, &format!("view::{drawing:?}"), Some(&layout), shader, &parts, target)
         });
     }
 
     /// What draws in this way, once it was made.
-    pub(super) fn get(&self, way: Way) -> Option<&wgpu::RenderPipeline> {
-        self.made.get(&way)
+    pub(super) fn get(&self, drawing: Drawing) -> Option<&wgpu::RenderPipeline> {
+        self.made.get(&drawing)
     }
 
     /// A buffer of uniforms and the colour maps, for all pipelines but the last.
@@ -164,29 +164,29 @@ impl Pipelines {
     }
 }
 
-/// How the pipeline of a way differs from the others.
-fn parts(way: Way) -> PipelineParts {
-    let (module, entries) = match way {
-        Way::Solid | Way::Ghost => (Module::Mesh, ["mesh_vertex", "mesh_fragment"]),
-        Way::Lines(Lines::Plain, _) => (Module::Lines, ["line_vertex", "line_fragment"]),
-        Way::Lines(Lines::Edges, _) => (Module::Lines, ["edge_vertex", "edge_fragment"]),
-        Way::Lines(Lines::Arrows, _) => (Module::Arrows, ["arrow_vertex", "arrow_fragment"]),
-        Way::Lines(Lines::Marks, _) => (Module::Marks, ["mark_vertex", "mark_fragment"]),
-        Way::Boxes => (Module::Boxes, ["box_vertex", "box_fragment"]),
-        Way::Capsules => (Module::Capsules, ["capsule_vertex", "capsule_fragment"]),
+/// How the pipeline of a way of drawing differs from the others.
+fn parts(drawing: Drawing) -> PipelineParts {
+    let (module, entries) = match drawing {
+        Drawing::Solid | Drawing::Ghost => (Module::Mesh, ["mesh_vertex", "mesh_fragment"]),
+        Drawing::Lines(Lines::Plain, _) => (Module::Lines, ["line_vertex", "line_fragment"]),
+        Drawing::Lines(Lines::Edges, _) => (Module::Lines, ["edge_vertex", "edge_fragment"]),
+        Drawing::Lines(Lines::Arrows, _) => (Module::Arrows, ["arrow_vertex", "arrow_fragment"]),
+        Drawing::Lines(Lines::Marks, _) => (Module::Marks, ["mark_vertex", "mark_fragment"]),
+        Drawing::Boxes => (Module::Boxes, ["box_vertex", "box_fragment"]),
+        Drawing::Capsules => (Module::Capsules, ["capsule_vertex", "capsule_fragment"]),
     };
-    let buffers: &[_] = match way {
-        Way::Solid | Way::Ghost => &CORNERS,
-        Way::Lines(..) | Way::Boxes => &[],
-        Way::Capsules => &CAPSULES,
+    let buffers: &[_] = match drawing {
+        Drawing::Solid | Drawing::Ghost => &CORNERS,
+        Drawing::Lines(..) | Drawing::Boxes => &[],
+        Drawing::Capsules => &CAPSULES,
     };
-    let depth = match way {
-        Way::Solid => (CompareFunction::Less, true),
-        Way::Ghost | Way::Capsules => (CompareFunction::Less, false),
-        Way::Boxes => (CompareFunction::LessEqual, false),
-        Way::Lines(_, Seen::InFront) => (CompareFunction::LessEqual, true),
-        Way::Lines(_, Seen::Behind) => (CompareFunction::Greater, false),
-        Way::Lines(_, Seen::OnTop) => (CompareFunction::Always, false),
+    let depth = match drawing {
+        Drawing::Solid => (CompareFunction::Less, true),
+        Drawing::Ghost | Drawing::Capsules => (CompareFunction::Less, false),
+        Drawing::Boxes => (CompareFunction::LessEqual, false),
+        Drawing::Lines(_, Seen::InFront) => (CompareFunction::LessEqual, true),
+        Drawing::Lines(_, Seen::Behind) => (CompareFunction::Greater, false),
+        Drawing::Lines(_, Seen::OnTop) => (CompareFunction::Always, false),
     };
     PipelineParts { module, entries, buffers, depth: Some(depth) }
 }

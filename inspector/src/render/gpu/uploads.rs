@@ -11,7 +11,7 @@ use wgpu::{BufferUsages, Device, ErrorFilter};
 use super::super::geometry::{Geometry, Shape, Vertex, capsule_template};
 use super::super::picture::{Layer, SpacePicture};
 use super::super::surfaces::Surfaces;
-use super::pipelines::{Lines, POINT_BYTES, Pipelines, Way};
+use super::pipelines::{Drawing, Lines, POINT_BYTES, Pipelines};
 
 pub(super) struct Uploads {
     uploaded: BTreeMap<u64, Uploaded>,
@@ -116,11 +116,11 @@ impl Uploads {
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         pipelines: &Pipelines,
-        (layer, way): (&Layer, Way),
+        (layer, drawing): (&Layer, Drawing),
         picture: &SpacePicture,
     ) -> (u64, u64) {
         let Some(uploaded) = self.uploaded.get(&layer.geometry.id()) else { return (0, 0) };
-        let Some(pipeline) = pipelines.get(way) else { return (0, 0) };
+        let Some(pipeline) = pipelines.get(drawing) else { return (0, 0) };
         pass.set_pipeline(pipeline);
         let part = |all: &Range<u32>| match &layer.part {
             Some(part) => part.start.max(all.start)..part.end.min(all.end),
@@ -139,9 +139,9 @@ impl Uploads {
                 })
             }
             (Uploaded::Points(runs), _) => {
-                let corners = match way {
-                    Way::Boxes => BOX_CORNERS,
-                    Way::Lines(Lines::Arrows, _) => ARROW_CORNERS,
+                let corners = match drawing {
+                    Drawing::Boxes => BOX_CORNERS,
+                    Drawing::Lines(Lines::Arrows, _) => ARROW_CORNERS,
                     _ => QUAD_CORNERS,
                 };
                 let drawn =
