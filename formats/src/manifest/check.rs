@@ -18,8 +18,12 @@ pub const REPEATS_MAX: u32 = 10_000;
 
 /// The trace kernels of this version.
 const TRACE_KERNELS: &[&str] = &["wide", "cwbvh", "bvh2", "lanes", "packet", "ray-query"];
+/// Of `--keep-passes`: the last pass, in which methods are measured.
+pub const MEASURED_PASS: &str = "measured";
+/// Of `--keep-passes`: every one.
+pub const ALL_PASSES: &str = "all";
 /// Which passes may be kept.
-const KEPT_PASSES: &[&str] = &["measured", "all"];
+const KEPT_PASSES: &[&str] = &[MEASURED_PASS, ALL_PASSES];
 /// The words of `--keep`, in the order in which they are listed.
 pub const KEEP_WORDS: [&str; 11] = [
     "rays",

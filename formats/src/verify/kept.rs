@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use super::{Check, Subject};
-use crate::key::method::{AUTO, CONTROL, SHUFFLED, UNSORTED};
-use crate::manifest::check::PASSES_MAX;
+use crate::key::method::{UNSORTED, WITHOUT_LAYOUT};
+use crate::manifest::check::{ALL_PASSES, PASSES_MAX};
 use crate::manifest::{
     CacheRecord, Manifest, MethodArray, Place, QueueArray, QueueId, QueueRecord, SceneArray, Source,
     TimingRecord,
@@ -70,8 +70,7 @@ fn promised_of<'a>(manifest: &'a Manifest, queue: &'a QueueRecord) -> impl Itera
     let unclaimed = manifest.methods.iter().filter(|record| !record.has_layout());
     let unclaimed: BTreeSet<&str> = unclaimed.map(|record| record.name.as_str()).collect();
     let of_methods = queue.methods.iter().filter(|method| *method != UNSORTED).flat_map(move |method| {
-        let has_no_key =
-            [AUTO, CONTROL, SHUFFLED].contains(&method.as_str()) || unclaimed.contains(method.as_str());
+        let has_no_key = WITHOUT_LAYOUT.contains(&method.as_str()) || unclaimed.contains(method.as_str());
         let has_key = move |array: &MethodArray| *array != MethodArray::Keys || !has_no_key;
         let arrays = MethodArray::ALL.into_iter().filter(has_key);
         arrays.map(|array| Place::Method(queue.id, method.clone(), array))
@@ -89,7 +88,7 @@ fn check_passes(manifest: &Manifest, check: &mut Check) {
     let options = &manifest.header.options;
     // More are a fault of the header.
     for pass in 0..options.passes.min(PASSES_MAX) {
-        let is_kept = options.keep_passes == "all" || pass + 1 == options.passes;
+        let is_kept = options.keep_passes == ALL_PASSES || pass + 1 == options.passes;
         let is_there = manifest.queues.iter().any(|queue| queue.id.pass == pass);
         check.require(is_kept == is_there, || {
             let found = if is_there { "queues" } else { "no queue" };

@@ -1,6 +1,6 @@
 //! Which arrays a recording keeps, and of which passes.
 
-use formats::manifest::check::KEEP_WORDS;
+use formats::manifest::check::{ALL_PASSES, KEEP_WORDS, MEASURED_PASS};
 
 use super::error::OptionError;
 
@@ -8,9 +8,21 @@ use super::error::OptionError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum KeepPasses {
     /// The last one, in which methods are measured.
+    #[value(name = MEASURED_PASS)]
     Measured,
     /// Every one.
+    #[value(name = ALL_PASSES)]
     All,
+}
+
+impl KeepPasses {
+    /// Its word on the command line and in manifests.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Measured => MEASURED_PASS,
+            Self::All => ALL_PASSES,
+        }
+    }
 }
 
 /// Arrays that are kept.

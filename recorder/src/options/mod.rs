@@ -10,7 +10,7 @@ pub use keep::{Keep, KeepPasses};
 
 use std::path::PathBuf;
 
-use formats::key::method::{AUTO, BUILTIN, CONTROL, IN_ALL, SHUFFLED, UNSORTED};
+use formats::key::method::{AUTO, BUILTIN, CONTROL, IN_ALL, SHUFFLED, UNSORTED, WITHOUT_LAYOUT};
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS, Method};
 use formats::length_table::{TABLE_BITS_DEFAULT, TABLE_BITS_MAX, TABLE_BITS_MIN};
 use formats::manifest::check::{BOUNCES_MAX, PASSES_MAX, REPEATS_MAX};
@@ -109,7 +109,7 @@ pub struct AskedOrders {
 /// As [`parse_methods`].
 pub fn parse_orders(list: &str, own: &[String]) -> Result<AskedOrders, OptionError> {
     let names = || list.split(',').map(str::trim);
-    let named: Vec<&str> = names().filter(|name| ![AUTO, CONTROL, SHUFFLED].contains(name)).collect();
+    let named: Vec<&str> = names().filter(|name| !WITHOUT_LAYOUT.contains(name)).collect();
     // Orders without a layout may be all that is asked for, a list of nothing is none.
     let named = if named.is_empty() { UNSORTED.to_owned() } else { named.join(",") };
     Ok(AskedOrders {

@@ -87,8 +87,7 @@ fn manifest_options(setup: &Setup, options: &RecordOptions, kernel: TraceKernel,
         trace_kernel: kernel.name().to_owned(),
         threads,
         keep: options.keep.words(),
-        keep_passes: if options.keep_passes == crate::options::KeepPasses::All { "all" } else { "measured" }
-            .to_owned(),
+        keep_passes: options.keep_passes.word().to_owned(),
         russian_roulette: options.russian_roulette,
     }
 }

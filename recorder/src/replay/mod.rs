@@ -19,6 +19,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
 use formats::key::method::{AUTO, CONTROL, SHUFFLED};
 use formats::key::{LayoutText, Method};
+use formats::manifest::check::ALL_PASSES;
 use formats::manifest::{CalibrationRecord, FORMAT_VERSION, Header, Manifest, MethodRecord, Source};
 use formats::reader::{Dump, DumpState};
 use formats::text::one_line;
@@ -220,7 +221,7 @@ fn run_options<'a>(
         table_method,
         device: DeviceOptions { trace, ..options.device.clone() },
         keep,
-        keep_passes: if before.keep_passes == "all" { KeepPasses::All } else { KeepPasses::Measured },
+        keep_passes: if before.keep_passes == ALL_PASSES { KeepPasses::All } else { KeepPasses::Measured },
         russian_roulette: before.russian_roulette,
         force: options.force,
     })
