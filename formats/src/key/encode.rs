@@ -185,18 +185,6 @@ mod tests {
     use crate::key::method::BUILTIN;
     use crate::key::{Extent, Method};
 
-    fn ray(i: u32) -> Ray {
-        let part = |salt: u32| (i.wrapping_add(1).wrapping_mul(salt) >> 8) as f32 / (1u32 << 24) as f32;
-        let [x, y, z] = [part(2_654_435_761) - 0.5, part(2_246_822_519) - 0.5, part(3_266_489_917) - 0.5];
-        let length = (x * x + y * y + z * z).sqrt().max(1e-6);
-        Ray {
-            origin: [part(668_265_263) * 4.0 - 1.0, part(374_761_393) * 2.0, part(1_274_126_177) * 3.0 + 7.0],
-            t_min: 0.0,
-            direction: [x / length, y / length, z / length],
-            t_max: if i.is_multiple_of(3) { 0.7 } else { f32::INFINITY },
-        }
-    }
-
     /// One of each kind.
     fn lights() -> [LightSite; 3] {
         let placed = LightSite::Placed { centre: [0.5, 0.2, 0.4] };
@@ -205,56 +193,6 @@ mod tests {
 
     fn extent() -> Extent {
         Extent { lights: lights().len(), picture: [1920, 1080] }
-    }
-
-    /// Bit by bit in f64 and u128, straight from docs/keys.md, sharing no code with the encoder.
-    fn slow_origin_bits(unit: &UnitSpace, ray: &Ray, key_bits: u32) -> u64 {
-        let mut key = 0u64;
-        for place in 0..key_bits {
-            let (axis, level) = ((place % 3) as usize, place / 3);
-            let u = f64::from((ray.origin[axis] - unit.min[axis]) * unit.scale).clamp(0.0, 1.0 - 1e-12);
-            let bit = (u * 2f64.powi(level as i32 + 1)).floor() as u64 & 1;
-            key = key << 1 | bit;
-        }
-        key
-    }
-
-    #[test]
-    fn origin_keys_are_morton_codes() {
-        let unit = UnitSpace::from_bounds([-1.0, 0.0, 7.0], [3.0, 2.0, 10.0]);
-        let layout = Method::builtin("origin").unwrap().layout.expand(Extent::NOTHING).unwrap();
-        for key_bits in [8, 16, 31, 32, 33, 63, 64] {
-            let encoder = Encoder::new(&layout, key_bits, unit, &[]);
-            for i in 0..2000 {
-                let ray = ray(i);
-                assert_eq!(
-                    encoder.encode(&ray, Facts::default()),
-                    slow_origin_bits(&unit, &ray, key_bits),
-                    "ray {i}, {key_bits} bits"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn short_keys_are_prefixes_of_long_ones() {
-        let unit = UnitSpace::from_bounds([-1.0, 0.0, 7.0], [3.0, 2.0, 10.0]);
-        let lights = lights();
-        for (name, ..) in BUILTIN {
-            let layout = Method::builtin(name).unwrap().layout.expand(extent()).unwrap();
-            let long = Encoder::new(&layout, 64, unit, &lights);
-            for key_bits in 8..64 {
-                let short = Encoder::new(&layout, key_bits, unit, &lights);
-                for i in 0..50 {
-                    let (ray, facts) = (ray(i), Facts { length: 0.3, light: i % 3, path: i * 1000 });
-                    assert_eq!(
-                        short.encode(&ray, facts),
-                        long.encode(&ray, facts) >> (64 - key_bits),
-                        "{name}"
-                    );
-                }
-            }
-        }
     }
 
     #[test]

@@ -2,7 +2,8 @@
 
 use formats::key::decode::{DecodedField, decode};
 use formats::key::extent::index_bits;
-use formats::key::{Coordinate, Encoder, Extent, Facts, LAYOUT_BITS, Layout, LayoutText, LightSite};
+use formats::key::method::BUILTIN;
+use formats::key::{Coordinate, Encoder, Extent, Facts, LAYOUT_BITS, Layout, LayoutText, LightSite, Method};
 use formats::ray::Ray;
 use formats::unit_space::UnitSpace;
 use proptest::prelude::*;
@@ -91,12 +92,26 @@ fn width(name: &str, lights: usize) -> u32 {
     }
 }
 
-/// Layouts that are valid, for as many lights as there are.
+/// Layouts that are valid, for as many lights as there are, and those of methods: most of these fill a key.
 fn layouts() -> impl Strategy<Value = Layout> {
-    words().prop_filter_map("not a layout", |(text, words)| {
+    let of_words = words().prop_filter_map("not a layout", |(text, words)| {
         spelled_out(&words, lights().len())?;
         LayoutText::parse(&text).unwrap().expand(extent(lights().len())).ok()
-    })
+    });
+    // Not those of other tiles, nor those that an exclusive or hides.
+    let is_read = |layout: &Layout| {
+        layout.tiles().is_none() && layout.bits().iter().all(|bit| bit.sources().len() == 1)
+    };
+    let extent = extent(lights().len());
+    let builtin =
+        BUILTIN.iter().map(|(name, ..)| Method::builtin(name).unwrap().layout.expand(extent).unwrap());
+    let of_methods: Vec<Layout> = builtin.filter(is_read).collect();
+    prop_oneof![3 => of_words, 1 => prop::sample::select(of_methods)]
+}
+
+/// Any width, and often the largest.
+fn key_bits() -> impl Strategy<Value = u32> {
+    prop_oneof![3 => 8..=LAYOUT_BITS, 1 => Just(LAYOUT_BITS)]
 }
 
 /// Boxes with extents, flat ones, and those of no extent at all.
@@ -220,7 +235,7 @@ proptest! {
     #[test]
     fn decoding_gives_the_cell_of_every_coordinate(
         layout in layouts(),
-        key_bits in 8..=LAYOUT_BITS,
+        key_bits in key_bits(),
         (bounds, ray) in bounds().prop_flat_map(|bounds| (Just(bounds), ray_in(bounds))),
         light in 0u32..3,
     ) {
@@ -246,7 +261,7 @@ proptest! {
     #[test]
     fn odd_rays_have_the_keys_that_the_definition_gives(
         layout in layouts(),
-        key_bits in 8..=LAYOUT_BITS,
+        key_bits in key_bits(),
         (bounds, ray) in bounds().prop_flat_map(|bounds| (Just(bounds), odd_ray(bounds))),
         light in 0u32..3,
     ) {
