@@ -93,9 +93,11 @@ fn header(record: &mut Record) -> Option<&mut Header> {
     if let Record::Header(header) = record { Some(header) } else { None }
 }
 
+/// Whatever the header says, nothing panics and nothing huge is allocated.
 #[test]
 fn absurd_headers_are_found() {
     let cases: &[Case<Header>] = &[
+        (|header| header.options.width = 0, "0 × 12 pixels, expected"),
         (|header| header.options.height = 0, "16 × 0 pixels"),
         (|header| header.options.bounces = 0, "0 bounces, expected 1 to 99"),
         (|header| header.options.passes = 0, "0 passes, expected 1 to 999"),
@@ -104,6 +106,8 @@ fn absurd_headers_are_found() {
         (|header| header.options.key_bits = 0, "0 key bits"),
         (|header| header.options.key_bits = 65, "65 key bits, expected 8 to 64"),
         (|header| header.options.table_bits = 7, "7 table bits"),
+        (|header| header.options.table_bits = 60, "60 table bits"),
+        (|header| header.options.table_layout = "light".into(), "gives every ray a cell"),
         (|header| header.options.two_point_length = f32::NAN, "length of two-point is NaN, expected 0 to 2"),
         (|header| header.options.two_point_length = 2.5, "2.5"),
         (|header| header.options.two_point_length = -0.5, "-0.5"),
@@ -114,6 +118,7 @@ fn absurd_headers_are_found() {
         (|header| header.camera.yfov_radians = 0.0, "field of view is 0 radians"),
         (|header| header.camera.yfov_radians = f32::NAN, "field of view is NaN"),
         (|header| header.camera.yfov_radians = 3.2, "less than π"),
+        (|header| header.scene.bounds_max[1] = f32::NAN, "box goes from"),
         (|header| header.scene.bounds_max[2] = f32::INFINITY, "box goes from"),
         (|header| header.scene.bounds_min = [5.0; 3], "the lowest first"),
         (|header| (header.scene.bounds_min, header.scene.bounds_max) = ([-3e38; 3], [3e38; 3]), "box"),
@@ -121,6 +126,7 @@ fn absurd_headers_are_found() {
         (|header| header.options.table_method = "nope".into(), "addressed by 'nope'"),
         (|header| header.options.table_method = "two-point".into(), "addressed by 'two-point'"),
         (|header| header.options.methods.push("nope".into()), "no record of method nope"),
+        (|header| header.lights.clear(), "for 0 lights"),
         (|header| header.lights[0] = LightSite::Placed { centre: [f32::NAN; 3] }, "light 0 is"),
         (|header| header.lights[2] = LightSite::directional([f32::INFINITY; 3]), "light 2 is"),
     ];
@@ -146,6 +152,7 @@ fn queues_outside_of_the_recording_are_found() {
 fn impossible_queues_are_found() {
     let cases: &[Case<QueueRecord>] = &[
         (|queue| queue.rays = 193, "193 rays, expected at most 16 × 12"),
+        (|queue| queue.rays += 1, "entries, its record has"),
         (|queue| queue.methods.push("nope".into()), "no record of method nope"),
         (
             |queue| queue.mismatches.iter_mut().for_each(|found| found.rays = 193),
@@ -167,6 +174,18 @@ fn impossible_queues_are_found() {
 /// A method record, where there is one.
 fn method(record: &mut Record) -> Option<&mut MethodRecord> {
     if let Record::Method(method) = record { Some(method) } else { None }
+}
+
+#[test]
+fn absurd_methods_are_found() {
+    let cases: &[Case<MethodRecord>] = &[
+        (|method| method.key_bits = 65, "method aila: keys of 65 bits"),
+        (|method| method.text = "oq".into(), "method aila: unknown coordinate"),
+        (|method| method.text = "(ox)*23".into(), "method aila: 'ox' is mentioned more than 22"),
+        (|method| method.layout.reverse(), "method aila: its bits are not those"),
+        (|method| method.name.insert_str(0, "x-"), "there is no record of this method"),
+    ];
+    assert_found(method, cases);
 }
 
 #[test]
