@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use fastrand::Rng;
 use formats::manifest::scan::{Frame, scan};
-use formats::manifest::{ArrayRecord, End, Outcome, Place, QueueId, Record, encode_frame, preamble};
+use formats::manifest::{ArrayRecord, End, Outcome, Place, QueueId, Record};
 use formats::ray::Kind;
 use formats::reader::{Dump, ReadError};
 use formats::recover::recover;
@@ -200,15 +200,15 @@ fn names_from_a_file_stay_in_one_line() {
         },
     ];
     for (at, edit) in edits.into_iter().enumerate() {
-        let mut bytes = preamble().to_vec();
+        let mut records = Vec::new();
         for frame in &frames {
             let mut record = frame.record.clone();
             edit(&mut record);
             // A name that comes a second time is refused by name.
-            let twice = if matches!(record, Record::Method(_)) && at == 1 { 2 } else { 1 };
-            (0..twice).for_each(|_| bytes.extend(encode_frame(&record).unwrap()));
+            let times = if matches!(record, Record::Method(_)) && at == 1 { 2 } else { 1 };
+            records.extend(vec![record; times]);
         }
-        fs::write(dump.join("manifest.bin"), bytes).unwrap();
+        sample::write_manifest(&dump, &records);
         use_everything(&dump);
         if let Ok(dump) = Dump::open(&dump) {
             assert_sentence(&dump.array::<f32>(&Place::Image).unwrap_err().to_string());
@@ -228,13 +228,9 @@ fn sources_are_looked_for_in_the_same_folder_alone() {
     let manifest_sha256 = Dump::open(&source).unwrap().manifest_sha256().unwrap();
     let has_source = |name: &str| {
         let source = formats::manifest::Source::Replayed { name: name.to_owned(), manifest_sha256 };
-        let mut bytes = preamble().to_vec();
         let header = formats::manifest::Header { source, ..sample::header() };
         let end = End { outcome: Outcome::Complete, image: None, wall_ns: 0 };
-        for record in [Record::Header(Box::new(header)), Record::End(end)] {
-            bytes.extend(encode_frame(&record).unwrap());
-        }
-        fs::write(replay.join("manifest.bin"), bytes).unwrap();
+        sample::write_manifest(&replay, &[Record::Header(Box::new(header)), Record::End(end)]);
         use_everything(&replay);
         let dump = Dump::open(&replay).unwrap();
         let error = dump.array::<f32>(&Place::Image).err();

@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use formats::manifest::scan::{Frame, scan};
-use formats::manifest::{PREAMBLE_BYTES, QueueId, Record, preamble_of};
+use formats::manifest::{QueueId, Record};
 use formats::ray::Kind;
 use formats::reader::{Dump, DumpState};
 use formats::recover::{RecoverError, Recovery, recover};
@@ -160,9 +160,7 @@ fn an_older_manifest_stays_one_of_its_version() {
     let folder = sample::folder_in_memory();
     let dump = thinned(folder.path(), &[Kind::Closest], &["aila"]);
     let manifest = dump.join("manifest.bin");
-    let mut bytes = fs::read(&manifest).unwrap();
-    bytes[..PREAMBLE_BYTES].copy_from_slice(&preamble_of(8));
-    fs::write(&manifest, bytes).unwrap();
+    sample::set_version(&dump, 8);
     let timing = frames(&dump).into_iter().find(|frame| matches!(frame.record, Record::Timing(_))).unwrap();
     flip(&manifest, timing.end - 1);
     recover(&dump).unwrap();

@@ -7,10 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use formats::length_table::LengthCell;
-use formats::manifest::scan::scan;
-use formats::manifest::{
-    MethodArray, Place, QueueArray, QueueId, Record, SceneArray, Source, encode_frame, preamble,
-};
+use formats::manifest::{ArrayRecord, MethodArray, Place, QueueArray, QueueId, Record, SceneArray, Source};
 use formats::npy;
 use formats::ray::{Hit, Kind, Ray};
 use formats::reader::Dump;
@@ -41,17 +38,6 @@ fn problems(report: &Report, name: &str) -> String {
     check.problems.first.join("\n")
 }
 
-/// Rewrites the records of a manifest.
-fn edit_manifest(path: &Path, mut edit: impl FnMut(&mut Record)) {
-    let manifest = path.join("manifest.bin");
-    let mut bytes = preamble().to_vec();
-    for mut frame in scan(&manifest).unwrap().frames {
-        edit(&mut frame.record);
-        bytes.extend(encode_frame(&frame.record).unwrap());
-    }
-    fs::write(&manifest, bytes).unwrap();
-}
-
 /// Changes the data of an array and its checksum, so that only its meaning is wrong.
 fn edit_array<T: bytemuck::Pod>(path: &Path, place: &Place, edit: impl FnOnce(&mut [T])) {
     let file = path.join(place.to_string());
@@ -61,7 +47,7 @@ fn edit_array<T: bytemuck::Pod>(path: &Path, place: &Place, edit: impl FnOnce(&m
     edit(&mut values);
     let data: &[u8] = bytemuck::cast_slice(&values);
     fs::write(&file, [&bytes[..data_offset], data].concat()).unwrap();
-    edit_manifest(path, |record| match record {
+    sample::edit_records(path, |record| match record {
         Record::Array(array) if array.place == *place => array.crc32c = crc32c::crc32c(data),
         _ => {}
     });
@@ -130,19 +116,11 @@ fn why_something_was_not_checked_is_said() {
     }
     let folder = tempfile::tempdir().unwrap();
     let path = sample::write(folder.path());
-    let manifest = path.join("manifest.bin");
-    let mut bytes = preamble().to_vec();
-    for mut frame in scan(&manifest).unwrap().frames {
-        match &mut frame.record {
-            Record::Header(header) => {
-                header.source = Source::Replayed { name: "gone.raydump".into(), manifest_sha256: [7; 32] };
-            }
-            Record::Array(array) if matches!(array.place, Place::Scene(_)) => continue,
-            _ => {}
-        }
-        bytes.extend(encode_frame(&frame.record).unwrap());
-    }
-    fs::write(&manifest, bytes).unwrap();
+    sample::edit_manifest(&path, |records| {
+        let Some(Record::Header(header)) = records.first_mut() else { panic!("no header") };
+        header.source = Source::Replayed { name: "gone.raydump".into(), manifest_sha256: [7; 32] };
+        records.retain(|record| !matches!(record, Record::Array(ArrayRecord { place: Place::Scene(_), .. })));
+    });
     assert_eq!(not_checked(&path, "scene"), ["the scene was in the source, which is missing"]);
 }
 
@@ -192,7 +170,7 @@ fn differing_keys_are_counted_where_arithmetic_is_not_ieee() {
     edit_array::<u64>(&path, &method("two-point", MethodArray::Keys), |keys| {
         keys.iter_mut().for_each(|key| *key ^= 1)
     });
-    edit_manifest(&path, |record| {
+    sample::edit_records(&path, |record| {
         if let Record::Header(header) = record {
             header.ieee_arithmetic = false;
         }
@@ -298,15 +276,11 @@ fn a_scene_lacks_colours_since_version_8() {
     let path = sample::write(folder.path());
     let colours = Place::Scene(SceneArray::Colours);
     fs::remove_file(path.join(colours.to_string())).unwrap();
-    let manifest = path.join("manifest.bin");
-    let frames = scan(&manifest).unwrap().frames.into_iter().map(|frame| frame.record);
-    let others = frames.filter(|record| !matches!(record, Record::Array(array) if array.place == colours));
-    let records: Vec<u8> = others.flat_map(|record| encode_frame(&record).unwrap()).collect();
-    for (version, expected) in [(8u32, "there is no scene/colours.npy"), (7, "")] {
-        let mut bytes = preamble().to_vec();
-        bytes[8..12].copy_from_slice(&version.to_le_bytes());
-        bytes.extend(&records);
-        fs::write(&manifest, bytes).unwrap();
+    sample::edit_manifest(&path, |records| {
+        records.retain(|record| !matches!(record, Record::Array(array) if array.place == colours));
+    });
+    for (version, expected) in [(8, "there is no scene/colours.npy"), (7, "")] {
+        sample::set_version(&path, version);
         assert_eq!(problems(&check(&path), "kept").split(", but").next(), Some(expected));
     }
 }

@@ -4,7 +4,6 @@
 mod sample;
 
 use std::fs;
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -12,23 +11,11 @@ use formats::key::{LightSite, Termination};
 use formats::manifest::scan::scan;
 use formats::manifest::{
     CacheRecord, CalibrationRecord, DecisionRecord, DisturbedRecord, End, Header, MethodRecord, Mismatches,
-    Outcome, PREAMBLE_BYTES, Place, QueueArray, QueueId, QueueRecord, Record, Source, Stage, TimingRecord,
-    WayRecord, encode_frame, preamble, preamble_of,
+    Outcome, Place, QueueArray, QueueId, QueueRecord, Record, Source, Stage, TimingRecord, WayRecord,
 };
 use formats::ray::Kind;
 use formats::reader::Dump;
 use formats::verify::{Report, verify};
-
-/// Rewrites the records of a manifest.
-fn edit(dump: &Path, mut edit: impl FnMut(&mut Record)) {
-    let manifest = dump.join("manifest.bin");
-    let mut bytes = preamble().to_vec();
-    for mut frame in scan(&manifest).unwrap().frames {
-        edit(&mut frame.record);
-        bytes.extend(encode_frame(&frame.record).unwrap());
-    }
-    fs::write(&manifest, bytes).unwrap();
-}
 
 fn problems(report: &Report) -> Vec<String> {
     report.checks.iter().flat_map(|check| check.problems.first.clone()).collect()
@@ -43,7 +30,7 @@ fn assert_found<T>(part_of: fn(&mut Record) -> Option<&mut T>, cases: &[Case<T>]
     let dump = sample::write(folder.path());
     let manifest = fs::read(dump.join("manifest.bin")).unwrap();
     for (change, said) in cases {
-        edit(&dump, |record| part_of(record).into_iter().for_each(change));
+        sample::edit_records(&dump, |record| part_of(record).into_iter().for_each(change));
         let found = problems(&verify(&Dump::open(&dump).unwrap()));
         assert!(found.iter().any(|problem| problem.contains(said)), "expected {said}: {found:#?}");
         fs::write(dump.join("manifest.bin"), &manifest).unwrap();
@@ -264,13 +251,10 @@ fn impossible_caches_are_found() {
 fn times_of_a_queue_without_a_record_are_found() {
     let folder = sample::folder_in_memory();
     let dump = sample::write(folder.path());
-    let manifest = dump.join("manifest.bin");
-    let frames = scan(&manifest).unwrap().frames;
     let gone = QueueId { pass: 1, bounce: 0, kind: Kind::Shadow };
-    let kept =
-        frames.iter().filter(|frame| !matches!(&frame.record, Record::Queue(queue) if queue.id == gone));
-    let bytes: Vec<u8> = kept.flat_map(|frame| encode_frame(&frame.record).unwrap()).collect();
-    fs::write(&manifest, [&preamble()[..], &bytes].concat()).unwrap();
+    sample::edit_manifest(&dump, |records| {
+        records.retain(|record| !matches!(record, Record::Queue(queue) if queue.id == gone));
+    });
     let found = problems(&verify(&Dump::open(&dump).unwrap()));
     assert!(
         found.iter().any(|problem| problem.contains("no record of queue pass-001/bounce-00/shadow")),
@@ -290,9 +274,7 @@ fn a_replay_without_its_source_is_not_right() {
         let mut header = Header { source: Source::Replayed { name, manifest_sha256 }, ..sample::header() };
         header.options.methods.truncate(1);
         let end = End { outcome: Outcome::Complete, image: None, wall_ns: 1 };
-        let records = [Record::Header(Box::new(header)), Record::End(end)];
-        let bytes = records.iter().flat_map(|record| encode_frame(record).unwrap());
-        fs::write(replay.join("manifest.bin"), [preamble().to_vec(), bytes.collect()].concat()).unwrap();
+        sample::write_manifest(&replay, &[Record::Header(Box::new(header)), Record::End(end)]);
     };
     let found = || problems(&verify(&Dump::open(&replay).unwrap()));
     write("sample.raydump".into());
@@ -322,15 +304,13 @@ fn a_damaged_array_of_the_source_is_found() {
     let name = "sample.raydump".to_owned();
     let mut header = Header { source: Source::Replayed { name, manifest_sha256 }, ..sample::header() };
     header.options.keep.clear();
-    let frames = scan(&source.join("manifest.bin")).unwrap().frames;
-    let queues = frames
-        .into_iter()
-        .map(|frame| frame.record)
-        .filter(|record| matches!(record, Record::Queue(_) | Record::Method(_) | Record::Timing(_)));
-    let end = Record::End(End { outcome: Outcome::Complete, image: None, wall_ns: 1 });
-    let records = [Record::Header(Box::new(header))].into_iter().chain(queues).chain([end]);
-    let bytes = records.flat_map(|record| encode_frame(&record).unwrap());
-    fs::write(replay.join("manifest.bin"), [preamble().to_vec(), bytes.collect()].concat()).unwrap();
+    fs::copy(source.join("manifest.bin"), replay.join("manifest.bin")).unwrap();
+    sample::edit_manifest(&replay, |records| {
+        let end = Record::End(End { outcome: Outcome::Complete, image: None, wall_ns: 1 });
+        records.retain(|record| matches!(record, Record::Queue(_) | Record::Method(_) | Record::Timing(_)));
+        records.insert(0, Record::Header(Box::new(header)));
+        records.push(end);
+    });
     let check = || problems(&verify(&Dump::open(&replay).unwrap()));
     assert_eq!(check(), [""; 0]);
     let queue = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
@@ -401,7 +381,7 @@ fn long_names_are_cut() {
     let manifest = fs::read(dump.join("manifest.bin")).unwrap();
     for (change, part) in cases {
         let mut names = 0..;
-        edit(&dump, |record| {
+        sample::edit_records(&dump, |record| {
             let number: u32 = names.next().unwrap();
             change(record, format!("{}{number}", "x".repeat(500_000)));
         });
@@ -449,10 +429,7 @@ fn what_was_kept_is_there() {
     let dump = sample::write(folder.path());
     let manifest = fs::read(dump.join("manifest.bin")).unwrap();
     let without = |is_gone: &dyn Fn(&Record) -> bool| {
-        let frames = scan(&dump.join("manifest.bin")).unwrap().frames;
-        let kept = frames.iter().filter(|frame| !is_gone(&frame.record));
-        let bytes: Vec<u8> = kept.flat_map(|frame| encode_frame(&frame.record).unwrap()).collect();
-        fs::write(dump.join("manifest.bin"), [&preamble()[..], &bytes].concat()).unwrap();
+        sample::edit_manifest(&dump, |records| records.retain(|record| !is_gone(record)));
         let found = problems(&verify(&Dump::open(&dump).unwrap()));
         fs::write(dump.join("manifest.bin"), &manifest).unwrap();
         found
@@ -490,14 +467,10 @@ fn what_was_kept_is_there() {
 fn a_time_is_told_once() {
     let folder = sample::folder_in_memory();
     let dump = sample::write(folder.path());
-    let manifest = dump.join("manifest.bin");
-    let frames = scan(&manifest).unwrap().frames;
-    let twice = |record: &Record| 1 + usize::from(matches!(record, Record::Timing(_)));
-    let bytes: Vec<u8> = frames
-        .iter()
-        .flat_map(|frame| encode_frame(&frame.record).unwrap().repeat(twice(&frame.record)))
-        .collect();
-    fs::write(&manifest, [&preamble()[..], &bytes].concat()).unwrap();
+    let times = |record: &Record| 1 + usize::from(matches!(record, Record::Timing(_)));
+    sample::edit_manifest(&dump, |records| {
+        *records = records.iter().flat_map(|record| vec![record.clone(); times(record)]).collect();
+    });
     let error = Dump::open(&dump).unwrap_err().to_string();
     assert!(
         error.contains("it describes times of trace by unsorted in pass 1")
@@ -538,20 +511,13 @@ fn what_auto_chose_follows_from_its_calibration() {
 fn a_queue_of_a_calibrated_bounce_needs_no_sample() {
     let folder = sample::folder_in_memory();
     let dump = sample::write(folder.path());
-    edit(&dump, |record| match record {
+    sample::edit_records(&dump, |record| match record {
         Record::Calibration(calibration) => calibration.bounce = 1,
         Record::Decision(decision) => decision.area = 0.0,
         _ => {}
     });
     assert_eq!(problems(&verify(&Dump::open(&dump).unwrap())), [""; 0]);
-    let manifest = dump.join("manifest.bin");
-    let mut bytes = preamble().to_vec();
-    let frames = scan(&manifest).unwrap().frames;
-    let is_left = |record: &Record| !matches!(record, Record::Queue(_));
-    for frame in frames.iter().filter(|frame| is_left(&frame.record)) {
-        bytes.extend(encode_frame(&frame.record).unwrap());
-    }
-    fs::write(&manifest, bytes).unwrap();
+    sample::edit_manifest(&dump, |records| records.retain(|record| !matches!(record, Record::Queue(_))));
     let found = problems(&verify(&Dump::open(&dump).unwrap()));
     assert!(!found.iter().any(|problem| problem.contains("sample")), "{found:#?}");
 }
@@ -560,17 +526,14 @@ fn a_queue_of_a_calibrated_bounce_needs_no_sample() {
 fn what_auto_chose_is_held_against_the_rule_of_its_version() {
     let folder = sample::folder_in_memory();
     let dump = sample::write(folder.path());
-    edit(&dump, |record| {
+    sample::edit_records(&dump, |record| {
         if let Record::Calibration(calibration) = record {
             calibration.candidates[0].net_low = 1.01;
         }
     });
     let found = problems(&verify(&Dump::open(&dump).unwrap()));
     assert!(found.iter().any(|problem| problem.contains("by the calibration it is None")), "{found:#?}");
-    let manifest = dump.join("manifest.bin");
-    let mut bytes = fs::read(&manifest).unwrap();
-    bytes[..PREAMBLE_BYTES].copy_from_slice(&preamble_of(8));
-    fs::write(&manifest, bytes).unwrap();
+    sample::set_version(&dump, 8);
     assert_eq!(problems(&verify(&Dump::open(&dump).unwrap())), [""; 0]);
 }
 
@@ -580,8 +543,7 @@ fn many_methods_are_verified_as_fast_as_read() {
     const COUNT: usize = 60_000;
     let folder = sample::folder_in_memory();
     let dump = sample::write(folder.path());
-    let manifest = dump.join("manifest.bin");
-    let frames = scan(&manifest).unwrap().frames;
+    let frames = scan(&dump.join("manifest.bin")).unwrap().frames;
     let part =
         |of: fn(&Record) -> bool| frames.iter().find(|frame| of(&frame.record)).unwrap().record.clone();
     let Record::Method(method) = part(|record| matches!(record, Record::Method(_))) else { unreachable!() };
@@ -592,14 +554,13 @@ fn many_methods_are_verified_as_fast_as_read() {
         let timing = TimingRecord { method: name.clone(), stage: Stage::Sort, ..timing.clone() };
         [Record::Method(method), Record::Timing(timing)]
     });
-    let mut records: Vec<Record> = frames.iter().map(|frame| frame.record.clone()).collect();
     let id = QueueId { pass: timing.pass, bounce: timing.bounce, kind: timing.kind.unwrap() };
-    let of_time = records.iter_mut().filter_map(queue).find(|queue| queue.id == id);
-    of_time.unwrap().methods.extend(names.clone());
-    let end = records.pop();
-    let records = records.into_iter().chain(many).chain(end);
-    let bytes: Vec<u8> = records.flat_map(|record| encode_frame(&record).unwrap()).collect();
-    fs::write(&manifest, [&preamble()[..], &bytes].concat()).unwrap();
+    sample::edit_manifest(&dump, |records| {
+        let of_time = records.iter_mut().filter_map(queue).find(|queue| queue.id == id);
+        of_time.unwrap().methods.extend(names.clone());
+        let end = records.pop();
+        records.extend(many.chain(end));
+    });
     let start = Instant::now();
     let opened = Dump::open(&dump).unwrap();
     let opening = start.elapsed();

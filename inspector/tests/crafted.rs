@@ -14,7 +14,6 @@ use egui_kittest::Harness;
 use formats::manifest::scan::scan;
 use formats::manifest::{
     ArrayRecord, CacheRecord, End, Header, MethodRecord, QueueId, QueueRecord, Record, TimingRecord,
-    encode_frame, preamble,
 };
 use formats::npy;
 use formats::ray::Kind;
@@ -73,9 +72,7 @@ impl Recording {
             }
             at += 1;
         }
-        let mut manifest = preamble().to_vec();
-        self.records.iter().for_each(|record| manifest.extend(encode_frame(record).unwrap()));
-        fs::write(folder.join("manifest.bin"), manifest).unwrap();
+        sample::write_manifest(folder, &self.records);
     }
 }
 

@@ -6,8 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use formats::manifest::scan::scan;
-use formats::manifest::{Header, Record, Source, encode_frame, preamble};
+use formats::manifest::{Header, Record, Source};
 use formats::reader::Dump;
 
 #[path = "../../formats/tests/sample/mod.rs"]
@@ -28,13 +27,10 @@ fn text(bytes: &[u8]) -> String {
 
 /// Writes a header in place of a recording's own.
 fn with_header(dump: &Path, change: impl FnOnce(&mut Header)) {
-    let mut records: Vec<Record> =
-        scan(&dump.join("manifest.bin")).unwrap().frames.into_iter().map(|frame| frame.record).collect();
-    let Some(Record::Header(header)) = records.first_mut() else { panic!("no header") };
-    change(header);
-    let mut manifest = preamble().to_vec();
-    records.iter().for_each(|record| manifest.extend(encode_frame(record).unwrap()));
-    fs::write(dump.join("manifest.bin"), manifest).unwrap();
+    sample::edit_manifest(dump, |records| {
+        let Some(Record::Header(header)) = records.first_mut() else { panic!("no header") };
+        change(header);
+    });
 }
 
 /// The sample, and beside it a copy of its manifest that says it is a replay of it.

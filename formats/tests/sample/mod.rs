@@ -1,6 +1,8 @@
 //! A small dump that is right in every respect, made without a tracer: brute force in f64.
 #![allow(clippy::unwrap_used, reason = "this is test code, although not in test functions")]
-#![allow(dead_code, reason = "every test file compiles it anew and uses its own share")]
+#![allow(dead_code, unused_imports, reason = "every test file compiles it anew and uses its own share")]
+
+mod edit;
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +11,6 @@ use formats::key::method::AUTO;
 use formats::key::{Encoder, Extent, Facts, LightSite, Method, Termination};
 use formats::length_table::LengthTable;
 use formats::manifest::check::KEEP_WORDS;
-use formats::manifest::scan::scan;
 use formats::manifest::{
     Adapter, Backend, CacheRecord, CalibrationRecord, CameraPose, Candidate, Check, Choice, DecisionRecord,
     DisturbedRecord, End, Features, Header, ImageDigest, MethodArray, MethodRecord, Mismatches, Options,
@@ -18,10 +19,11 @@ use formats::manifest::{
 };
 use formats::npy::{Dtype, MaterialMask};
 use formats::ray::{Hit, Kind, Ray, Work};
-use formats::reader::Dump;
 use formats::unit_space::UnitSpace;
 use formats::writer::{DumpWriter, WriteError};
 use sha2::{Digest, Sha256};
+
+pub(crate) use edit::{edit_manifest, edit_records, set_version, thinned, write_manifest};
 
 pub(crate) const WIDTH: u32 = 16;
 pub(crate) const HEIGHT: u32 = 12;
@@ -547,51 +549,4 @@ pub(crate) fn write(folder: &Path) -> PathBuf {
     let mut writer = DumpWriter::create(&folder.join("sample"), header(), false).unwrap();
     let end = write_all(&mut writer).unwrap();
     writer.finish(end).unwrap()
-}
-
-/// Beside the dump `whole`, a right dump with these of its queues and methods alone, and no picture.
-pub(crate) fn thinned(whole: &Path, name: &str, queues: &[QueueId], methods: &[&str]) -> PathBuf {
-    let is_kept = |place: &Place| match place {
-        Place::Scene(_) => true,
-        Place::Image => false,
-        Place::Queue(queue, _) => queues.contains(queue),
-        Place::Method(queue, method, _) => queues.contains(queue) && methods.contains(&method.as_str()),
-    };
-    let source = Dump::open(whole).unwrap();
-    let mut header = header();
-    header.options.methods.retain(|method| method == "unsorted" || methods.contains(&method.as_str()));
-    header.options.keep.retain(|word| word != "image" && word != "caches");
-    if !queues.iter().any(|queue| queue.pass == 0) {
-        header.options.keep_passes = "measured".to_owned();
-    }
-    let mut writer = DumpWriter::create(&whole.with_file_name(name), header, false).unwrap();
-    for frame in scan(&whole.join("manifest.bin")).unwrap().frames {
-        match frame.record {
-            Record::Method(method) if methods.contains(&method.name.as_str()) => {
-                writer.record(&Record::Method(method)).unwrap();
-            }
-            Record::Array(array) if is_kept(&array.place) => {
-                let mut file = writer.array(&array.place, array.dtype, &array.shape).unwrap();
-                file.write(&source.bytes(&array).unwrap()).unwrap();
-                file.finish().unwrap();
-            }
-            Record::Queue(mut queue) if queues.contains(&queue.id) => {
-                queue.methods.retain(|method| method == "unsorted" || methods.contains(&method.as_str()));
-                queue.mismatches.retain(|mismatches| methods.contains(&mismatches.method.as_str()));
-                writer.record(&Record::Queue(queue)).unwrap();
-            }
-            Record::Timing(timing) if timing.kind.is_some() => {
-                let TimingRecord { pass, bounce, ref method, .. } = timing;
-                let of = |queue: &QueueId| {
-                    (queue.pass, queue.bounce, Some(queue.kind)) == (pass, bounce, timing.kind)
-                };
-                let is_kept = method == "unsorted" || methods.contains(&method.as_str());
-                if is_kept && queues.iter().any(of) {
-                    writer.record(&Record::Timing(timing)).unwrap();
-                }
-            }
-            _ => {}
-        }
-    }
-    writer.finish(End { outcome: Outcome::Complete, image: None, wall_ns: 1 }).unwrap()
 }

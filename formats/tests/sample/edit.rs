@@ -1,0 +1,88 @@
+//! The sample with other records, or with fewer.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use formats::manifest::scan::scan;
+use formats::manifest::{
+    End, FILE_NAME, Outcome, PREAMBLE_BYTES, Place, QueueId, Record, TimingRecord, encode_frame, preamble,
+    preamble_of,
+};
+use formats::reader::Dump;
+use formats::writer::DumpWriter;
+
+use super::header;
+
+/// Writes the manifest anew from what `edit` makes of its records.
+pub(crate) fn edit_manifest(dump: &Path, edit: impl FnOnce(&mut Vec<Record>)) {
+    let frames = scan(&dump.join(FILE_NAME)).unwrap().frames;
+    let mut records: Vec<Record> = frames.into_iter().map(|frame| frame.record).collect();
+    edit(&mut records);
+    write_manifest(dump, &records);
+}
+
+/// Applies `edit` to every record of the manifest.
+pub(crate) fn edit_records(dump: &Path, edit: impl FnMut(&mut Record)) {
+    edit_manifest(dump, |records| records.iter_mut().for_each(edit));
+}
+
+/// Writes a manifest of these records.
+pub(crate) fn write_manifest(dump: &Path, records: &[Record]) {
+    let frames = records.iter().flat_map(|record| encode_frame(record).unwrap());
+    fs::write(dump.join(FILE_NAME), preamble().into_iter().chain(frames).collect::<Vec<u8>>()).unwrap();
+}
+
+/// Makes the manifest one of another version, whose records are the same.
+pub(crate) fn set_version(dump: &Path, version: u32) {
+    let manifest = dump.join(FILE_NAME);
+    let mut bytes = fs::read(&manifest).unwrap();
+    bytes[..PREAMBLE_BYTES].copy_from_slice(&preamble_of(version));
+    fs::write(&manifest, bytes).unwrap();
+}
+
+/// Beside the dump `whole`, a right dump with these of its queues and methods alone, and no picture.
+pub(crate) fn thinned(whole: &Path, name: &str, queues: &[QueueId], methods: &[&str]) -> PathBuf {
+    let is_kept = |place: &Place| match place {
+        Place::Scene(_) => true,
+        Place::Image => false,
+        Place::Queue(queue, _) => queues.contains(queue),
+        Place::Method(queue, method, _) => queues.contains(queue) && methods.contains(&method.as_str()),
+    };
+    let source = Dump::open(whole).unwrap();
+    let mut header = header();
+    header.options.methods.retain(|method| method == "unsorted" || methods.contains(&method.as_str()));
+    header.options.keep.retain(|word| word != "image" && word != "caches");
+    if !queues.iter().any(|queue| queue.pass == 0) {
+        header.options.keep_passes = "measured".to_owned();
+    }
+    let mut writer = DumpWriter::create(&whole.with_file_name(name), header, false).unwrap();
+    for frame in scan(&whole.join(FILE_NAME)).unwrap().frames {
+        match frame.record {
+            Record::Method(method) if methods.contains(&method.name.as_str()) => {
+                writer.record(&Record::Method(method)).unwrap();
+            }
+            Record::Array(array) if is_kept(&array.place) => {
+                let mut file = writer.array(&array.place, array.dtype, &array.shape).unwrap();
+                file.write(&source.bytes(&array).unwrap()).unwrap();
+                file.finish().unwrap();
+            }
+            Record::Queue(mut queue) if queues.contains(&queue.id) => {
+                queue.methods.retain(|method| method == "unsorted" || methods.contains(&method.as_str()));
+                queue.mismatches.retain(|mismatches| methods.contains(&mismatches.method.as_str()));
+                writer.record(&Record::Queue(queue)).unwrap();
+            }
+            Record::Timing(timing) if timing.kind.is_some() => {
+                let TimingRecord { pass, bounce, ref method, .. } = timing;
+                let of = |queue: &QueueId| {
+                    (queue.pass, queue.bounce, Some(queue.kind)) == (pass, bounce, timing.kind)
+                };
+                let is_kept = method == "unsorted" || methods.contains(&method.as_str());
+                if is_kept && queues.iter().any(of) {
+                    writer.record(&Record::Timing(timing)).unwrap();
+                }
+            }
+            _ => {}
+        }
+    }
+    writer.finish(End { outcome: Outcome::Complete, image: None, wall_ns: 1 }).unwrap()
+}
