@@ -3,8 +3,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use std::path::Path;
-
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -25,28 +23,8 @@ mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
 
-use headless::{State, panel, panel_made, renderer, settle};
-
-const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
-
-fn opened(folder: &Path) -> Context {
-    let mut context = Context::open(&[sample::write(folder)]);
-    assert!(context.problems.is_empty(), "{:?}", context.problems);
-    context.go_to(QUEUE);
-    context
-}
-
-fn window(context: Context) -> Harness<'static, App> {
-    let (renderer, format) = renderer();
-    let app = App::showing(context, format.into());
-    let mut harness = Harness::builder()
-        .with_size([1280.0, 720.0])
-        .with_accessibility_check(false)
-        .renderer(renderer)
-        .build_ui_state(|ui, app: &mut App| app.show(ui), app);
-    settle(&mut harness);
-    harness
-}
+use headless::{State, opened, panel, panel_made, settle, window};
+use sample::QUEUE;
 
 /// The ratios on the screen that have the sign of a ratio.
 fn ratios(harness: &Harness<'_, App>) -> Vec<String> {
@@ -75,7 +53,8 @@ fn row<'a>(harness: &'a Harness<'_, App>, method: &'a str) -> egui_kittest::Node
 #[test]
 fn a_row_that_is_clicked_is_b_and_with_shift_a_and_the_strip_follows() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = window(opened(folder.path()));
+    let context = opened(sample::write(folder.path()), QUEUE);
+    let mut harness = window(|format| App::showing(context, format.into()));
     let names = |harness: &Harness<'_, App>| {
         let selection = &harness.state().context.selection;
         (selection.baseline.method.clone(), selection.method.clone())
@@ -100,7 +79,7 @@ fn a_row_that_is_clicked_is_b_and_with_shift_a_and_the_strip_follows() {
 #[test]
 fn the_frame_is_that_of_the_closing_table_and_of_any_two_methods() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = opened(sample::write(folder.path()), QUEUE);
     let dump = Dump::open(context.recording().unwrap().dump.root()).unwrap();
     let mut compared = 0;
     for row in Frame::of(dump.manifest()).rows {
@@ -142,7 +121,7 @@ fn the_frame_is_that_of_the_closing_table_and_of_any_two_methods() {
 #[test]
 fn b_and_the_table_go_by_the_number_in_the_strip() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = opened(sample::write(folder.path()), QUEUE);
     let dump = Dump::open(context.recording().unwrap().dump.root()).unwrap();
     let said = Frame::of(dump.manifest()).text();
     assert!(said.contains(&format!("with {} these rays", context.selection.method)), "{said}");
@@ -221,7 +200,7 @@ fn a_frame_has_rays_that_a_method_does_not_order_as_they_lie() {
 #[test]
 fn an_order_that_is_made_can_be_a_beside_b() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = opened(sample::write(folder.path()), QUEUE);
     context.selection.order_by("aila");
     let header = &context.recording().unwrap().dump.manifest().header;
     context.what_if = Some(Settings::builtin("origin", header).unwrap());
@@ -243,7 +222,7 @@ fn an_order_that_is_made_can_be_a_beside_b() {
 #[test]
 fn the_table_has_all_orders_the_best_first() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = opened(sample::write(folder.path()), QUEUE);
     let header = &context.recording().unwrap().dump.manifest().header;
     context.what_if = Some(Settings::builtin("origin", header).unwrap());
     let harness = panel("methods", context);
@@ -260,7 +239,7 @@ fn the_table_has_all_orders_the_best_first() {
 #[test]
 fn the_range_of_colours_stays_while_orders_change() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = opened(sample::write(folder.path()), QUEUE);
     context.selection.order_by("two-point");
     let mut harness = panel_made("scene", [900.0, 640.0], context, |panel| {
         let mut state = panel.state();
@@ -284,7 +263,8 @@ fn the_range_of_colours_stays_while_orders_change() {
 #[test]
 fn escape_closes_one_thing_after_the_other() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = window(opened(folder.path()));
+    let context = opened(sample::write(folder.path()), QUEUE);
+    let mut harness = window(|format| App::showing(context, format.into()));
     harness.state_mut().context.select_rays(vec![3, 5]);
     harness.get_by_label("File").click();
     settle(&mut harness);
@@ -305,9 +285,9 @@ fn escape_closes_one_thing_after_the_other() {
 #[test]
 fn a_session_of_before_has_its_two_orders() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = opened(sample::write(folder.path()), QUEUE);
     context.selection.order_by("aila");
-    let mut harness = window(context);
+    let mut harness = window(|format| App::showing(context, format.into()));
     let drawn_on = harness.ctx.clone();
     let mut session = serde_json::to_value(harness.state().session(&drawn_on)).unwrap();
     session["version"] = 2.into();

@@ -8,8 +8,6 @@ use std::path::{Path, PathBuf};
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use formats::manifest::QueueId;
-use formats::ray::Kind;
 use inspector::app::App;
 use inspector::app::demo::Demo;
 use inspector::figures::catalogue::CATALOGUE;
@@ -21,21 +19,8 @@ mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
 
-use headless::{renderer, settle};
-
-const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
-
-fn window(app: impl FnOnce(wgpu::TextureFormat) -> App) -> Harness<'static, App> {
-    let (renderer, format) = renderer();
-    let app = app(format);
-    let mut harness = Harness::builder()
-        .with_size([1280.0, 720.0])
-        .with_accessibility_check(false)
-        .renderer(renderer)
-        .build_ui_state(|ui, app: &mut App| app.show(ui), app);
-    settle(&mut harness);
-    harness
-}
+use headless::{settle, window};
+use sample::QUEUE;
 
 fn on(paths: &[PathBuf]) -> Harness<'static, App> {
     window(|format| App::new(paths, format))

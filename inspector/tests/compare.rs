@@ -33,8 +33,8 @@ mod headless;
 mod sample;
 
 use headless::{State, panel_made, shown_by};
+use sample::QUEUE;
 
-const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
 const SHADOW: QueueId = QueueId { kind: Kind::Shadow, ..QUEUE };
 
 /// The ray that hits something else in the altered recording, and the one whose key is another.

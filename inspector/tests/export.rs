@@ -8,11 +8,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use formats::manifest::{MethodArray, Place, QueueArray, QueueId};
-use formats::ray::{Hit, Kind, Ray};
+use formats::manifest::{MethodArray, Place, QueueArray};
+use formats::ray::{Hit, Ray};
 use formats::reader::Dump;
-
-const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
+use sample::QUEUE;
 
 fn inspector(arguments: &[&str], paths: &[&Path]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_inspector")).args(arguments).args(paths).output().unwrap()

@@ -16,8 +16,7 @@ use formats::study::{JOB_VERSION, JobRecord};
 use formats::writer::DumpWriter;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::{Field, Row};
-
-const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
+use sample::QUEUE;
 
 fn export(input: &Path, out: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_inspector"));

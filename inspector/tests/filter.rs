@@ -4,7 +4,6 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::collections::BTreeSet;
-use std::path::Path;
 use std::sync::Arc;
 
 use egui::accesskit::Role;
@@ -33,17 +32,8 @@ mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
 
-use headless::{State, panel, settle, shown_by};
-
-const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
-
-fn opened(folder: &Path, queue: QueueId, method: &str) -> Context {
-    let mut context = Context::open(&[sample::write(folder)]);
-    assert!(context.problems.is_empty(), "{:?}", context.problems);
-    context.go_to(queue);
-    context.selection.order_by(method);
-    context
-}
+use headless::{State, ordered, panel, settle, shown_by};
+use sample::QUEUE;
 
 fn numbers(context: &mut Context) -> Numbers {
     let order = context.awaited_order().unwrap();
@@ -69,7 +59,7 @@ fn places(text: &str, numbers: &Numbers) -> Vec<u32> {
 #[test]
 fn names_mean_what_the_recording_holds() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path(), QUEUE, "two-point");
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     let numbers = numbers(&mut context);
     let order = &*numbers.order;
     let queue = &order.queue;
@@ -154,7 +144,8 @@ fn what_takes_groups_finds_them_first() {
 #[test]
 fn lights_belong_to_shadow_rays() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path(), QueueId { kind: Kind::Shadow, ..QUEUE }, "light-octahedron");
+    let mut context =
+        ordered(sample::write(folder.path()), QueueId { kind: Kind::Shadow, ..QUEUE }, "light-octahedron");
     let numbers = numbers(&mut context);
     let order = &*numbers.order;
     let lights = order.queue.lights.as_ref().unwrap();
@@ -169,7 +160,7 @@ fn lights_belong_to_shadow_rays() {
 #[test]
 fn materials_are_those_of_the_triangles_hit() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path(), QUEUE, "aila");
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "aila");
     let place = Place::Scene(SceneArray::Materials);
     let materials = context.recording().unwrap().dump.array::<u32>(&place).unwrap();
     let numbers = numbers(&mut context);
@@ -188,7 +179,7 @@ fn materials_are_those_of_the_triangles_hit() {
 #[test]
 fn the_rays_of_a_cell_have_its_mean() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path(), QUEUE, "aila");
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "aila");
     let numbers = numbers(&mut context);
     let cells = numbers.order.queue.cells.as_ref().unwrap();
     let mut found = 0;
@@ -204,7 +195,7 @@ fn the_rays_of_a_cell_have_its_mean() {
 #[test]
 fn what_keys_do_not_hold_is_said() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path(), QUEUE, "aila");
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "aila");
     let aila = numbers(&mut context);
     let expression = Expression::parse("t > 1 && field(ex) > 3").unwrap();
     let error = aila.passing(&expression).unwrap_err();
@@ -297,7 +288,7 @@ fn runner(cases: u32) -> TestRunner {
 #[test]
 fn filters_are_their_oracle() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path(), QUEUE, "mine");
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "mine");
     let numbers = numbers(&mut context);
     let check = |condition: Sample| {
         let expected = kept(&numbers.order, |place, _| (condition.of)(&numbers, place) == 1.0);
@@ -327,7 +318,7 @@ fn no_text_is_a_panic() {
 #[test]
 fn rows_are_sorted_stably_and_filtered() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path(), QUEUE, "two-point");
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     let numbers = numbers(&mut context);
     let filter = numbers.passing(&Expression::parse("x > 4").unwrap()).unwrap();
     for &by in Quantity::ALL {
@@ -365,7 +356,7 @@ fn type_filter(harness: &mut Harness<'_, State>, text: &str) {
 #[test]
 fn a_filter_that_is_wrong_is_said_where_it_is_typed() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("rays", opened(folder.path(), QUEUE, "aila"));
+    let mut harness = panel("rays", ordered(sample::write(folder.path()), QUEUE, "aila"));
     type_filter(&mut harness, "bounse == 1");
     let said = "character 1: found 'bounse', which no ray has; did you mean 'bounce'?";
     assert!(harness.query_all_by_label(said).next().is_some(), "{said} is not shown");
@@ -379,7 +370,7 @@ fn a_filter_that_is_wrong_is_said_where_it_is_typed() {
 #[test]
 fn a_filter_links_table_and_space() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("rays", opened(folder.path(), QUEUE, "two-point"));
+    let mut harness = panel("rays", ordered(sample::write(folder.path()), QUEUE, "two-point"));
     type_filter(&mut harness, "length < 0.25 && hit");
     let context = &mut harness.state_mut().context;
     let numbers = numbers(context);
@@ -412,7 +403,7 @@ fn a_filter_links_table_and_space() {
 #[test]
 fn a_filter_greys_the_other_pixels() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("pixels", opened(folder.path(), QUEUE, "two-point"));
+    let mut harness = panel("pixels", ordered(sample::write(folder.path()), QUEUE, "two-point"));
     let mut grey = |text: &str| -> Vec<u32> {
         harness.state_mut().context.selection.filter.set(text);
         settle(&mut harness);
@@ -431,7 +422,7 @@ fn a_filter_greys_the_other_pixels() {
 #[test]
 fn a_header_sorts_and_again_the_other_way() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("rays", opened(folder.path(), QUEUE, "two-point"));
+    let mut harness = panel("rays", ordered(sample::write(folder.path()), QUEUE, "two-point"));
     let numbers = numbers(&mut harness.state_mut().context);
     let lengths = (0..numbers.order.len()).map(|place| value(&numbers, Quantity::Length, place));
     let lengths: BTreeSet<u32> = lengths.map(|length| (length as f32).to_bits()).collect();
@@ -451,7 +442,7 @@ fn a_header_sorts_and_again_the_other_way() {
 #[test]
 fn rows_in_sight_are_copied_as_text() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("rays", opened(folder.path(), QUEUE, "two-point"));
+    let mut harness = panel("rays", ordered(sample::write(folder.path()), QUEUE, "two-point"));
     let ray = numbers(&mut harness.state_mut().context).order.places.ray(2);
     harness.get_by_label("copy").click();
     harness.step();

@@ -3,13 +3,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use std::path::Path;
-
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use formats::key::Facts;
-use formats::manifest::QueueId;
-use formats::ray::Kind;
 use inspector::analysis::{GroupWidth, Metric};
 use inspector::model::Absent;
 use inspector::model::derived::Filtered;
@@ -24,23 +20,14 @@ mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
 
-use headless::{click, layers, panel, settle};
-
-const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
-
-fn opened(folder: &Path) -> Context {
-    let mut context = Context::open(&[sample::write(folder)]);
-    assert!(context.problems.is_empty(), "{:?}", context.problems);
-    context.go_to(QUEUE);
-    context.selection.order_by("two-point");
-    context
-}
+use headless::{click, layers, ordered, panel, settle};
+use sample::QUEUE;
 
 /// Of every method on every queue: keys and places, bit for bit, as they were recorded.
 #[test]
 fn recorded_settings_give_recorded_keys_and_places() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     let dump = context.recording().unwrap().dump.clone();
     let mut compared = 0;
     for record in &dump.manifest().queues {
@@ -73,7 +60,7 @@ fn recorded_settings_give_recorded_keys_and_places() {
 #[test]
 fn curves_and_lengths_are_typed_and_explained() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     let header = context.recording().unwrap().dump.manifest().header.clone();
     let mut made = |text: &str| {
         let mut settings = Settings::named(text, &header);
@@ -112,7 +99,7 @@ fn curves_and_lengths_are_typed_and_explained() {
 #[test]
 fn what_the_recording_lacks_is_said() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     let header = &context.recording().unwrap().dump.manifest().header;
     context.what_if = Settings::builtin("light-octahedron", header);
     context.selection.order_by(WHAT_IF);
@@ -124,7 +111,7 @@ fn what_the_recording_lacks_is_said() {
 #[test]
 fn the_order_that_is_made_stands_beside_recorded_ones() {
     let folder = tempfile::tempdir().unwrap();
-    let mut made = panel("what-if", opened(folder.path()));
+    let mut made = panel("what-if", ordered(sample::write(folder.path()), QUEUE, "two-point"));
     let context = std::mem::take(&mut made.state_mut().context);
     let mut harness = panel("methods", context);
     let context = &mut harness.state_mut().context;
@@ -152,7 +139,7 @@ fn the_order_that_is_made_stands_beside_recorded_ones() {
 #[test]
 fn a_bit_is_worth_what_keys_that_end_there_are() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     let header = context.recording().unwrap().dump.manifest().header.clone();
     let area = |context: &mut Context| loop {
         match context.what_if_coherence() {
@@ -183,7 +170,7 @@ fn a_bit_is_worth_what_keys_that_end_there_are() {
 #[test]
 fn a_layout_that_is_wrong_has_no_numbers_and_says_why() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     let header = &context.recording().unwrap().dump.manifest().header;
     let settings = Settings::builtin("origin", header).unwrap();
     context.what_if = Some(Settings { text: "foo*3 (".to_owned(), ..settings });
@@ -198,7 +185,7 @@ fn a_layout_that_is_wrong_has_no_numbers_and_says_why() {
 #[test]
 fn a_layout_that_is_wrong_is_said_where_it_is_typed() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     let header = &context.recording().unwrap().dump.manifest().header;
     let settings = Settings::builtin("origin", header).unwrap();
     context.what_if = Some(Settings { text: "ox oy ".to_owned(), ..settings });
@@ -218,7 +205,7 @@ fn a_layout_that_is_wrong_is_said_where_it_is_typed() {
 #[test]
 fn a_group_of_the_worst_is_a_capsule_in_space() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     context.selection.group_width = GroupWidth::Rays32;
     let mut harness = panel("coherence", context);
     let context = &mut harness.state_mut().context;
@@ -245,7 +232,7 @@ fn a_group_of_the_worst_is_a_capsule_in_space() {
 #[test]
 fn a_cell_that_is_clicked_is_its_rays() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("length-table", opened(folder.path()));
+    let mut harness = panel("length-table", ordered(sample::write(folder.path()), QUEUE, "two-point"));
     let at = egui::pos2(200.0, 300.0);
     click(&mut harness, at);
     let context = &mut harness.state_mut().context;
@@ -289,7 +276,7 @@ fn a_cell_that_is_clicked_is_its_rays() {
 #[test]
 fn estimates_are_those_of_the_table() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     let estimates = loop {
         match context.estimates() {
             Ok(estimates) => break estimates,

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
@@ -35,17 +35,8 @@ mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
 
-use headless::{State, click, layers, panel, panel_made, renderer, settle};
-
-const QUEUE: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
-
-fn opened(folder: &Path) -> Context {
-    let mut context = Context::open(&[sample::write(folder)]);
-    assert!(context.problems.is_empty(), "{:?}", context.problems);
-    context.go_to(QUEUE);
-    context.selection.order_by("two-point");
-    context
-}
+use headless::{State, click, layers, ordered, panel, panel_made, settle, window};
+use sample::QUEUE;
 
 /// What must be read in each panel, with a recording and without.
 const READ: [(&str, &str, &str); 10] = [
@@ -72,7 +63,7 @@ fn every_panel_has_a_test() {
 fn every_panel_shows_a_recording() {
     for (name, text, _) in READ {
         let folder = tempfile::tempdir().unwrap();
-        let mut harness = panel(name, opened(folder.path()));
+        let mut harness = panel(name, ordered(sample::write(folder.path()), QUEUE, "two-point"));
         assert!(harness.query_all_by_label(text).next().is_some(), "{name} does not show {text:?}");
         let image = harness.render().unwrap();
         let colours: BTreeSet<[u8; 4]> = image.pixels().map(|pixel| pixel.0).collect();
@@ -83,7 +74,7 @@ fn every_panel_shows_a_recording() {
 #[test]
 fn a_control_that_is_off_is_a_problem() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     let verdict = Verdict::NoSignificantDifference;
     let line = |ratio| SpeedupLine { ratio, interval: Some((0.9, 1.4)), verdict, n: 7 };
     context.recordings[0].times.as_mut().unwrap().controls =
@@ -106,7 +97,7 @@ fn every_panel_says_what_it_lacks() {
 #[test]
 fn a_row_that_is_clicked_is_the_ray_in_space() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("rays", opened(folder.path()));
+    let mut harness = panel("rays", ordered(sample::write(folder.path()), QUEUE, "two-point"));
     let order = harness.state_mut().context.awaited_order().unwrap();
     let ray = order.places.ray(5);
     let pixel = order.queue.path_ids[ray];
@@ -124,7 +115,7 @@ fn a_row_that_is_clicked_is_the_ray_in_space() {
 #[test]
 fn a_group_that_is_chosen_is_a_capsule_in_space() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("ray", opened(folder.path()));
+    let mut harness = panel("ray", ordered(sample::write(folder.path()), QUEUE, "two-point"));
     harness.get_by_label("worst group").click();
     settle(&mut harness);
     let context = &mut harness.state_mut().context;
@@ -142,7 +133,7 @@ fn a_group_that_is_chosen_is_a_capsule_in_space() {
 #[test]
 fn the_ray_panel_says_what_a_path_carries() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     context.select_ray(Some(0));
     let mut harness = panel("ray", context);
     settle(&mut harness);
@@ -152,7 +143,7 @@ fn the_ray_panel_says_what_a_path_carries() {
 
     // What cannot be read is said, not taken for what was not kept.
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     context.select_ray(Some(0));
     let dump = context.recording().unwrap().dump.clone();
     let queue = QueueId { kind: Kind::Closest, ..context.selection.queue };
@@ -167,7 +158,7 @@ fn the_ray_panel_says_what_a_path_carries() {
 #[test]
 fn a_pixel_that_is_clicked_is_a_ray() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("pixels", opened(folder.path()));
+    let mut harness = panel("pixels", ordered(sample::write(folder.path()), QUEUE, "two-point"));
     let at = egui::pos2(300.0, 300.0);
     click(&mut harness, at);
     let context = &mut harness.state_mut().context;
@@ -186,7 +177,7 @@ fn rays_are_brushed_in_charts() {
         ("length-table", Quantity::Length, 300.0),
     ] {
         let folder = tempfile::tempdir().unwrap();
-        let context = opened(folder.path());
+        let context = ordered(sample::write(folder.path()), QUEUE, "two-point");
         let mut harness = panel_made(name, [900.0, 640.0], context, |panel| {
             let state = match name {
                 "pixels" => serde_json::json!({ "colouring": "length" }),
@@ -234,7 +225,7 @@ fn rays_are_brushed_in_charts() {
 #[test]
 fn pictures_are_enlarged_where_the_pointer_is() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("pixels", opened(folder.path()));
+    let mut harness = panel("pixels", ordered(sample::write(folder.path()), QUEUE, "two-point"));
     let pixel_at = |harness: &mut Harness<'_, State>, at: egui::Pos2| {
         click(harness, at);
         let context = &mut harness.state_mut().context;
@@ -267,7 +258,7 @@ fn pictures_are_enlarged_where_the_pointer_is() {
 #[test]
 fn the_fill_of_the_table_is_played_to_its_end() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = panel("length-table", opened(folder.path()));
+    let mut harness = panel("length-table", ordered(sample::write(folder.path()), QUEUE, "two-point"));
     let queues: Vec<QueueId> = {
         let open = harness.state().context.recording().unwrap();
         let mut queues: Vec<_> = open.queues().iter().map(|record| record.id).collect();
@@ -315,7 +306,7 @@ fn imported_rays_are_shown_in_rows() {
 #[test]
 fn vertices_are_those_of_the_analysis() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     let dump = Dump::open(context.recording().unwrap().dump.root()).unwrap();
     let traced = Traced::open(&dump, QUEUE).unwrap();
     let place = Place::Method(QUEUE, "two-point".to_owned(), MethodArray::Permutation);
@@ -368,15 +359,8 @@ fn what_is_no_recording_is_said_and_survived() {
     let bad = folder.path().join("bad.raydump");
     std::fs::create_dir(&bad).unwrap();
     std::fs::write(bad.join("manifest.bin"), b"not a manifest").unwrap();
-    let (renderer, format) = renderer();
     let paths: Vec<PathBuf> = vec![bad, folder.path().join("absent.raydump"), good];
-    let app = App::new(&paths, format);
-    let mut harness = Harness::builder()
-        .with_size([1280.0, 720.0])
-        .with_accessibility_check(false)
-        .renderer(renderer)
-        .build_ui_state(|ui, app: &mut App| app.show(ui), app);
-    harness.run_steps(3);
+    let mut harness = window(|format| App::new(&paths, format));
     harness.render().unwrap();
     let app = harness.state();
     assert_eq!((app.context.recordings.len(), app.context.problems.len()), (1, 2));
@@ -387,7 +371,7 @@ fn what_is_no_recording_is_said_and_survived() {
 #[test]
 fn arrays_that_are_missing_are_said_in_their_place() {
     let folder = tempfile::tempdir().unwrap();
-    let context = opened(folder.path());
+    let context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     let root = context.recording().unwrap().dump.root().to_owned();
     let hits = root.join(QUEUE.to_string()).join("hits.npy");
     std::fs::remove_file(&hits).unwrap();
@@ -417,7 +401,7 @@ fn arrays_that_are_missing_are_said_in_their_place() {
 #[test]
 fn what_is_read_ahead_is_there_when_it_is_asked_for() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     context.read_ahead();
     context.finish();
     let (queue, order) = (context.queue().unwrap(), context.order().unwrap());
@@ -433,7 +417,7 @@ fn what_is_read_ahead_is_there_when_it_is_asked_for() {
 #[test]
 fn areas_are_found_after_a_picture_without_them() {
     let folder = tempfile::tempdir().unwrap();
-    let mut context = opened(folder.path());
+    let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     context.read_ahead();
     context.finish();
     let waker = context.waker().clone();

@@ -408,8 +408,9 @@ fn write_timings(writer: &mut DumpWriter, id: QueueId, method: &str, number: u64
     Ok(())
 }
 
-/// The queue that `auto` gives an order: that of the first method.
-const AUTO_QUEUE: QueueId = QueueId { pass: PASSES - 1, bounce: 1, kind: Kind::Closest };
+/// The last queue of closest hits, measured in the order of every method that they have; `auto` gives it that of
+/// the first.
+pub(crate) const QUEUE: QueueId = QueueId { pass: PASSES - 1, bounce: 1, kind: Kind::Closest };
 
 fn write_auto(writer: &mut DumpWriter, queue: &Queue) -> Result<(), WriteError> {
     let (method, key_bits) = methods().remove(0);
@@ -464,7 +465,7 @@ fn write_measured(
             measured.push(method.name.clone());
         }
     }
-    if queue.id == AUTO_QUEUE {
+    if queue.id == QUEUE {
         write_auto(writer, queue)?;
         measured.push(AUTO.to_owned());
     }

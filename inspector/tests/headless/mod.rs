@@ -1,10 +1,13 @@
-//! A panel without a screen, and what space shows of a selection, each waited for.
+//! A panel and a window without a screen, and what space shows of a selection, each waited for.
 
 #![allow(dead_code, reason = "each test program uses a part")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+use std::path::PathBuf;
+
 use egui_kittest::Harness;
 use egui_kittest::wgpu::WgpuTestRenderer;
+use formats::manifest::QueueId;
 use inspector::app::App;
 use inspector::model::{Absent, Context};
 use inspector::panels::space::layers::Layers;
@@ -19,6 +22,21 @@ const STILL_FRAMES: usize = 4;
 pub(crate) struct State {
     pub(crate) panel: Box<dyn Panel>,
     pub(crate) context: Context,
+}
+
+/// A recording without problems, at this queue.
+pub(crate) fn opened(dump: PathBuf, queue: QueueId) -> Context {
+    let mut context = Context::open(&[dump]);
+    assert!(context.problems.is_empty(), "{:?}", context.problems);
+    context.go_to(queue);
+    context
+}
+
+/// The same, and in this order.
+pub(crate) fn ordered(dump: PathBuf, queue: QueueId, method: &str) -> Context {
+    let mut context = opened(dump, queue);
+    context.selection.order_by(method);
+    context
 }
 
 /// A renderer and the format that it draws in.
@@ -50,6 +68,19 @@ pub(crate) fn panel_made(
             |ui, state: &mut State| state.panel.show(ui, &mut state.context),
             State { panel, context },
         );
+    settle(&mut harness);
+    harness
+}
+
+/// A window of 1280 by 720 points.
+pub(crate) fn window(app: impl FnOnce(wgpu::TextureFormat) -> App) -> Harness<'static, App> {
+    let (renderer, format) = renderer();
+    let app = app(format);
+    let mut harness = Harness::builder()
+        .with_size([1280.0, 720.0])
+        .with_accessibility_check(false)
+        .renderer(renderer)
+        .build_ui_state(|ui, app: &mut App| app.show(ui), app);
     settle(&mut harness);
     harness
 }
