@@ -1,7 +1,7 @@
 //! Whatever is damaged, `recover` keeps all that is whole, and `verify` accepts it.
 #![allow(clippy::unwrap_used, reason = "this is test code, also outside test functions")]
 
-mod sample;
+mod hostile;
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -13,6 +13,7 @@ use formats::ray::Kind;
 use formats::reader::{Dump, DumpState};
 use formats::recover::{RecoverError, Recovery, recover};
 use formats::verify::verify;
+use hostile::{assert_sentence, sample, use_everything};
 
 fn frames(dump: &Path) -> Vec<Frame> {
     scan(&dump.join("manifest.bin")).unwrap().frames
@@ -54,14 +55,17 @@ fn flip(file: &Path, at: u64) {
 }
 
 fn assert_right(dump: &Path, what: &str) {
-    let report = verify(&Dump::open(dump).unwrap());
-    let problems: Vec<_> = report.checks.iter().flat_map(|check| &check.problems.first).collect();
-    assert!(report.is_ok(), "{what}: {problems:#?}");
+    let problems = || {
+        let checks = verify(&Dump::open(dump).unwrap()).checks;
+        checks.into_iter().flat_map(|check| check.problems.first).collect::<Vec<_>>()
+    };
+    assert!(use_everything(dump), "{what}: {:#?}", problems());
 }
 
 /// Recovers what lies in `dump`, whose arrays but `lost` are whole.
 fn assert_recovers(dump: &Path, whole: &BTreeSet<String>, lost: &BTreeSet<String>) -> Recovery {
     let recovery = recover(dump).unwrap();
+    recovery.left_out.iter().chain(&recovery.cut).for_each(|damage| assert_sentence(damage));
     let kept: BTreeSet<String> = whole.difference(lost).cloned().collect();
     assert_eq!(arrays(dump), kept, "without {lost:?}");
     assert_eq!(recovery.arrays, kept.len());
@@ -212,6 +216,7 @@ fn a_manifest_cut_at_every_byte_is_recovered() {
                     arrays == 0 && matches!(error, RecoverError::Nothing { .. }),
                     "cut at {cut}: {error}"
                 );
+                assert_sentence(&error.to_string());
             }
         }
     }
