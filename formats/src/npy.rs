@@ -360,7 +360,7 @@ mod tests {
             bytes.extend_from_slice(text.as_bytes());
             bytes
         };
-        let cases: [(Vec<u8>, &str); 14] = [
+        let cases: [(Vec<u8>, &str); 15] = [
             (b"NUMPY".to_vec(), "magic"),
             (b"\x93NUMPY\x07\x00".to_vec(), "version 7.0"),
             (b"\x93NUMPY\x01\x00\x76".to_vec(), "only 9"),
