@@ -1,20 +1,27 @@
-//! A progress bar on stderr: how much of the run is done, rays per second, time left.
+//! A progress bar on stderr: how much of the run is done, rays per second, time left; a line a minute where stderr is
+//! no terminal.
 
 use std::cell::Cell;
 use std::fmt::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
+
+use crate::output::say;
 
 /// What a bar counts to.
 const LENGTH: f64 = 1e6;
 /// The share of rays that are expected to go on from bounce to bounce. The total does not depend on how many do.
 const GO_ON: f64 = 0.8;
 
-/// Progress of a run over passes, in traces that are expected. Hidden where stderr is not a terminal.
+/// Between two lines, where there is no bar.
+const SILENCE: Duration = Duration::from_secs(60);
+
+/// Progress of a run over passes, in traces that are expected.
 pub struct Progress {
     bar: ProgressBar,
     bounces: u32,
@@ -24,6 +31,8 @@ pub struct Progress {
     rays: Arc<AtomicU64>,
     /// The number of the pass that runs, and its last queue.
     last: Cell<Option<(usize, QueueId)>>,
+    /// How long it ran when a line was written last.
+    said: Cell<Duration>,
 }
 
 impl Progress {
@@ -41,7 +50,7 @@ impl Progress {
         if let Ok(style) = style {
             bar.set_style(style.with_key("rate", rate));
         }
-        Self { bar, bounces, traces, rays, last: Cell::new(None) }
+        Self { bar, bounces, traces, rays, last: Cell::default(), said: Cell::default() }
     }
 
     /// A queue of `rays` was traced once.
@@ -52,9 +61,16 @@ impl Progress {
             Some((pass, last)) => pass + usize::from(last.pass != id.pass || id <= last),
         };
         self.last.set(Some((pass, id)));
-        self.bar.set_message(format!("pass {} bounce {} {}", id.pass, id.bounce, id.kind));
+        let queue = format!("pass {} bounce {} {}", id.pass, id.bounce, id.kind);
         self.rays.fetch_add(rays as u64, Ordering::Relaxed);
-        self.bar.set_position(self.position(pass, id, 1.0));
+        let position = self.position(pass, id, 1.0);
+        let elapsed = self.bar.elapsed();
+        if self.bar.is_hidden() && elapsed >= self.said.get() + SILENCE {
+            self.said.set(elapsed);
+            say(format!("{} s: {:.0} % done, {queue}", elapsed.as_secs(), 100.0 * position as f64 / LENGTH));
+        }
+        self.bar.set_message(queue);
+        self.bar.set_position(position);
     }
 
     /// That queue was measured with all methods.

@@ -197,7 +197,7 @@ impl App {
                 None => Err("there is no such panel".to_owned()),
             };
             if let Err(why) = restored {
-                self.problem(format!("the session's panel {name} is not as it was"), why);
+                self.problem(format!("the panel {name} cannot be as the session says"), why);
             }
         }
         self.greet();

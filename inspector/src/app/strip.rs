@@ -11,6 +11,7 @@ use crate::analysis::Versus;
 use crate::analysis::summary::RayClass;
 use crate::analysis::timing::{SpeedupLine, Verdict};
 use crate::model::selection::Selection;
+use crate::model::what_if::WHAT_IF;
 use crate::model::{Context, Recording};
 use crate::output::{counted, times};
 use crate::panels::notes::{choose, swatch};
@@ -60,6 +61,10 @@ impl Strip {
             return;
         }
         let key = ([a.opening, b.opening], [baseline.method.clone(), method.clone()], *queue);
+        if [method, &baseline.method].iter().any(|method| *method == WHAT_IF) {
+            ui.label("The what-if order is made here and not timed: Methods has its area and SIMD beside the others'.");
+            return;
+        }
         if self.known.as_ref().is_none_or(|(known, _)| *known != key) {
             self.known = Some((key, context.versus()));
         }
@@ -68,8 +73,12 @@ impl Strip {
             return;
         };
         let kinds: Vec<&str> = frame.rays.iter().map(|rays| rays.name()).collect();
-        let alone = if kinds.len() < RayClass::ALL.len() { " alone" } else { "" };
-        let frame_of = format!("B over A, whole frame ({} rays{alone})", kinds.join(" + "));
+        let kinds = match kinds.len() {
+            0 => String::new(),
+            some if some < RayClass::ALL.len() => format!(" ({} rays alone)", kinds.join(" + ")),
+            _ => format!(" ({} rays)", kinds.join(" + ")),
+        };
+        let frame_of = format!("B over A, whole frame{kinds}");
         outcome(ui, &frame_of, frame, LARGE);
         ui.separator();
         outcome(

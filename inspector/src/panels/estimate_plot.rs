@@ -23,17 +23,20 @@ pub(super) struct EstimatePlot {
     made: Option<((usize, QueueId, bool), TextureHandle)>,
 }
 
+/// How good the table's estimates are, in words; nothing while that is not known.
+pub(super) fn worth(ui: &mut egui::Ui, context: &mut Context) {
+    let Ok(estimates) = context.estimates() else { return };
+    let [within, untouched] =
+        [estimates.within_factor_two, estimates.untouched].map(|share| format!("{:.1} %", 100.0 * share));
+    ui.label(format!("Its estimates: {within} of the rays within a factor of two"))
+        .on_hover_text("Rays whose estimate is at least half and at most twice their traced length");
+    ui.weak(format!("{untouched} from untouched cells"))
+        .on_hover_text("Rays whose estimate is that of a cell that no ray was added to yet: 0.25");
+}
+
 impl EstimatePlot {
     pub(super) fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         let Some(estimates) = found(ui, context.estimates()) else { return };
-        let [within, untouched] =
-            [estimates.within_factor_two, estimates.untouched].map(|share| format!("{:.1} %", 100.0 * share));
-        ui.horizontal_wrapped(|ui| {
-            ui.label(format!("{within} of the rays within a factor of two"))
-                .on_hover_text("Rays whose estimate is at least half and at most twice their traced length");
-            ui.weak(format!("{untouched} from untouched cells"))
-                .on_hover_text("Rays whose estimate is that of a cell that no ray was added to yet: 0.25");
-        });
         let theme = Theme::of(ui.ctx());
         let key = (context.selection.recording, context.selection.queue, ui.visuals().dark_mode);
         if self.made.as_ref().is_none_or(|(known, _)| *known != key) {

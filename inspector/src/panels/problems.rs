@@ -13,15 +13,13 @@ pub(super) struct ProblemsPanel;
 
 impl Panel for ProblemsPanel {
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let of_recording = |recording| bad_controls(recording).into_iter().chain(noted(recording));
-        let recorded: Vec<Problem> = context.recordings.iter().flat_map(of_recording).collect();
-        if context.problems.is_empty() && recorded.is_empty() {
-            ui.label("No problems.");
-            return;
-        }
+        let controls: Vec<Problem> = context.recordings.iter().flat_map(bad_controls).collect();
         let colour = Theme::of(ui.ctx()).problem();
         egui::ScrollArea::vertical().show(ui, |ui| {
-            for problem in context.problems.iter().chain(&recorded) {
+            if context.problems.is_empty() && controls.is_empty() {
+                ui.label("No problems.");
+            }
+            for problem in context.problems.iter().chain(&controls) {
                 ui.label(egui::RichText::new(&problem.what).strong().color(colour));
                 ui.add(egui::Label::new(shown::sentence(problem.why.clone())).wrap());
                 ui.add_space(6.0);
@@ -29,14 +27,14 @@ impl Panel for ProblemsPanel {
             if !context.problems.is_empty() && ui.button("Dismiss").clicked() {
                 context.problems.clear();
             }
+            for recording in &context.recordings {
+                for notice in &recording.shown.notices {
+                    let noted = format!("{}, noted when it was made: {notice}", recording.label);
+                    ui.add(egui::Label::new(noted).wrap());
+                }
+            }
         });
     }
-}
-
-/// What the recorder noted.
-fn noted(recording: &Recording) -> impl Iterator<Item = Problem> {
-    let notices = recording.dump.manifest().header.notices.iter();
-    notices.map(|notice| Problem { what: format!("{}: noted", recording.label), why: notice.clone() })
 }
 
 /// What the controls of a recording say of its times.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::colour_bar;
-use super::estimate_plot::EstimatePlot;
+use super::estimate_plot::{self, EstimatePlot};
 use super::notes::{found, select};
 use super::picture::{Painted, Picture};
 use super::table_fill::{self, FillPlot};
@@ -70,6 +70,7 @@ impl Panel for TablePanel {
             let touched = format!("{touched} of {all} cells touched; parts without any are left out");
             ui.add(egui::Label::new(egui::RichText::new(touched).weak()).truncate());
         });
+        ui.horizontal_wrapped(|ui| estimate_plot::worth(ui, context));
         match self.view {
             TableView::Estimates => self.estimates.show(ui, context),
             TableView::Mean | TableView::Count => self.cells(ui, context, &queue),

@@ -423,7 +423,7 @@ fn a_view_has_the_areas_of_its_groups_and_the_rates_of_its_traces() {
         let speedup = order.trace_speedup.known().map(|line| line.ratio);
         let rate = trace.time.mrays_per_second * speedup.unwrap_or(1.0);
         assert!((10.0..100.0).contains(&rate), "{rate}");
-        let said = speedup.map_or(String::new(), |speedup| format!(" ({speedup:.2}\u{d7})"));
+        let said = speedup.map_or(String::new(), |speedup| format!(" (trace {speedup:.2}\u{d7})"));
         assert_eq!(panel.title, format!("{}: {rate:.1} Mrays/s{said}", view.method));
         let Content::Picture(picture) = &panel.content else { panic!("a picture") };
         let is_dark = |(colour, area): (&[u8; 3], &Option<f64>)| (*colour == [0; 3]) == area.is_none();
