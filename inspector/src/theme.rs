@@ -11,6 +11,9 @@ pub type ShaderColour = [f32; 4];
 /// Pictures as they are.
 pub const UNTINTED: Color32 = Color32::WHITE;
 
+/// Within marks of which only the edge is drawn.
+pub const HOLLOW: Color32 = Color32::TRANSPARENT;
+
 /// Size of small text, points: still read on a screen of low resolution.
 const SMALL_TEXT: f32 = 11.0;
 

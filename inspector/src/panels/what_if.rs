@@ -14,7 +14,7 @@ use crate::model::what_if::{Estimate, Settings, WHAT_IF};
 use crate::output::counted;
 use crate::panels::data::Data;
 use crate::panels::panel::Panel;
-use crate::theme::Theme;
+use crate::theme::{HOLLOW, Theme};
 
 /// Height of the chart, points.
 const HEIGHT: f32 = 200.0;
@@ -172,7 +172,7 @@ fn bits(ui: &mut egui::Ui, context: &mut Context, layout: &Layout, key_bits: u32
     let number = |at: usize| fields.iter().position(|field| layout.bits().get(at) == Some(&field.bit));
     let bar = |(at, bit): (usize, &KeyBit)| {
         let colour = number(at).map_or(theme.left_out(), |number| theme.series(number));
-        let fill = if found.is_idle(bit) { egui::Color32::TRANSPARENT } else { colour };
+        let fill = if found.is_idle(bit) { HOLLOW } else { colour };
         let set = 100.0 * bit.ones as f64 / found.rays as f64;
         Bar::new(at as f64, bit.mean_capsule_area / found.unsorted_area.max(f64::MIN_POSITIVE))
             .width(0.8)
