@@ -11,6 +11,9 @@ pub type ShaderColour = [f32; 4];
 /// Pictures as they are.
 pub const UNTINTED: Color32 = Color32::WHITE;
 
+/// Words on the bars of a series.
+pub const ON_BARS: Color32 = Color32::WHITE;
+
 /// Within marks of which only the edge is drawn.
 pub const HOLLOW: Color32 = Color32::TRANSPARENT;
 

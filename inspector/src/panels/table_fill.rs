@@ -1,14 +1,17 @@
 //! How full the length table is from bounce to bounce and from pass to pass.
 
-use egui_plot::{AxisHints, Bar, BarChart, Plot};
+use egui::Align2;
+use egui_plot::{AxisHints, Bar, BarChart, Plot, PlotPoint, Text};
 use formats::manifest::{Place, QueueArray, QueueId};
 
 use super::notes::name_at;
 use crate::model::{Context, Recording};
-use crate::theme::Theme;
+use crate::theme::{ON_BARS, Theme};
 
 /// Height of the chart, points.
 pub(super) const HEIGHT: f32 = 96.0;
+/// Most bars whose numbers have room in them.
+const MOST_WRITTEN: usize = 12;
 /// Between two bounces that are played, seconds: long enough for each to be looked at.
 const PACE: f64 = 0.8;
 
@@ -60,6 +63,10 @@ impl FillPlot {
                 .x_grid_spacer(egui_plot::uniform_grid_spacer(|_| [1.0, 1.0, 1.0]))
                 .show(ui, |plot| {
                     plot.bar_chart(bars);
+                    for (row, (_, fill)) in fills.iter().enumerate().filter(|_| fills.len() <= MOST_WRITTEN) {
+                        let text = Text::new("fill", PlotPoint::new(row as f64, *fill), format!("{fill:.2}"));
+                        plot.text(text.anchor(Align2::CENTER_TOP).color(ON_BARS));
+                    }
                     plot.pointer_coordinate()
                 });
             if let Some(point) = plot.inner.filter(|_| plot.response.clicked()) {
