@@ -183,8 +183,13 @@ fn signals_end_a_recording_with_a_sentence_and_a_second_recorder_waits_its_turn(
         let output = child.wait_with_output().unwrap();
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.signal(), Some(number), "{said}");
-        assert_eq!(said.lines().count(), 1, "{said}");
-        assert!(said.contains("inspector recover") && said.contains("long.raydump.partial"), "{said}");
+        // A slow machine says once a minute how far it is.
+        let words: Vec<&str> = said.lines().filter(|line| !line.contains("% done, ")).collect();
+        assert_eq!(words.len(), 1, "{said}");
+        assert!(
+            words[0].contains("inspector recover") && words[0].contains("long.raydump.partial"),
+            "{said}"
+        );
         Program::Inspector.run(folder.path(), "recover long.raydump.partial").succeeded();
         Program::Inspector.run(folder.path(), "verify long.raydump").succeeded();
         fs::remove_dir_all(folder.path().join("long.raydump")).unwrap();
