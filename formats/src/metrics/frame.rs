@@ -267,7 +267,7 @@ impl Frame {
         let all = known().count();
         let error = match self.instrument_error {
             small if small < 0.005 => String::new(),
-            error => format!("; the control is off by {:.1} %", 100.0 * error),
+            error => format!("; the control is off by {:.1} %, which an interval must exceed", 100.0 * error),
         };
         if best.verdict == PAYS {
             let others = match all {
@@ -275,7 +275,7 @@ impl Frame {
                 _ => format!("; so it does with {} of {all} methods; {}", with(PAYS), costly(with(COSTS))),
             };
             format!(
-                "Sorting pays: with {name} these rays are done {ratio:.2} times as fast, key, sort and all included{others}."
+                "Sorting pays: with {name} these rays are done {ratio:.2} times as fast, key, sort and all included{others}{error}."
             )
         } else if best.verdict == COSTS {
             format!("Sorting does not pay: even {name} takes longer than it saves ({ratio:.2}×).")
