@@ -137,7 +137,8 @@ fn of_study(group: &StudyGroup) -> Option<String> {
         let own = group.methods(rays).filter(|row| row.method != CONTROL);
         own.filter_map(|row| {
             let net = row.net.as_ref()?.mean;
-            Some((row.method.as_str(), net.ratio, net.interval))
+            let pays = net.interval.is_some_and(|(low, _)| low > 1.0);
+            Some((row.method.as_str(), net.ratio, net.interval, pays))
         })
         .collect()
     };
@@ -153,24 +154,23 @@ fn of_recording(recording: &RecordingAnalysis) -> Option<String> {
         let own = recording.frames.iter().filter(|frame| frame.rays == rays).filter(is_method);
         own.filter_map(|frame| {
             let net = frame.net_speedup.known()?;
-            Some((frame.method.as_str(), net.ratio, net.interval))
+            let pays = recording.is_shown_to_pay(rays, net);
+            Some((frame.method.as_str(), net.ratio, net.interval, pays))
         })
         .collect()
     };
     finding(&format!("{}, best over the whole frame", recording.label), nets)
 }
 
-/// A method, its net speedup and the interval of that.
-type Net<'a> = (&'a str, f64, Option<(f64, f64)>);
+/// A method, its net speedup, the interval of that, and whether it is shown to pay.
+type Net<'a> = (&'a str, f64, Option<(f64, f64)>, bool);
 
 /// The best method of each kind of rays, and whether it is shown to pay.
 fn finding<'a>(of: &str, nets: impl Fn(RayClass) -> Vec<Net<'a>>) -> Option<String> {
     let best = |rays: RayClass| {
-        let pays = |interval: Option<(f64, f64)>| interval.is_some_and(|(low, _)| low > 1.0);
         // One that surely pays goes before one that gains more, perhaps by chance.
-        let by_gain = |a: &Net<'_>, b: &Net<'_>| pays(a.2).cmp(&pays(b.2)).then(a.1.total_cmp(&b.1));
-        let (method, ratio, interval) = nets(rays).into_iter().max_by(by_gain)?;
-        let pays = pays(interval);
+        let by_gain = |a: &Net<'_>, b: &Net<'_>| a.3.cmp(&b.3).then(a.1.total_cmp(&b.1));
+        let (method, ratio, interval, pays) = nets(rays).into_iter().max_by(by_gain)?;
         let interval = interval.map_or(String::new(), |(low, high)| format!(" [{low:.2}, {high:.2}]"));
         let verdict = if pays { "" } else { ", which is not shown to pay" };
         Some(format!("{} rays: {method}, {ratio:.2}× net{interval}{verdict}", rays.name()))

@@ -185,7 +185,7 @@ impl Frame {
             (rays > 0).then(|| rays as f64 / ns.max(1.0) * 1e3)
         });
         let times = FrameTimes::all(manifest);
-        let error = instrument_error(&times);
+        let error = error_of(&times);
         let methods = times.chunk_by(|a, b| a.method == b.method);
         let row = |both: &[FrameTimes]| {
             let method = both[0].method.as_str();
@@ -326,8 +326,13 @@ fn verdict(net: Option<Speedup>, error: f64) -> &'static str {
     }
 }
 
+/// The instrument's error on a recording, as [`Frame::instrument_error`] has it.
+pub fn instrument_error(manifest: &Manifest) -> f64 {
+    error_of(&FrameTimes::all(manifest))
+}
+
 /// How far canonical order through the same stages is from a speedup of 1.
-fn instrument_error(times: &[FrameTimes]) -> f64 {
+fn error_of(times: &[FrameTimes]) -> f64 {
     let control = times.iter().filter(|times| times.method == CONTROL).filter_map(FrameTimes::trace);
     control.map(|line| (line.ratio - 1.0).abs()).fold(0.0, f64::max)
 }
@@ -416,7 +421,7 @@ mod tests {
             times(CONTROL, Kind::Closest, 100),
             times(CONTROL, Kind::Shadow, 125),
         ];
-        assert_eq!([&all[..], &all[..1]].map(instrument_error), [1.0 - 100.0 / 125.0, 0.0]);
+        assert_eq!([&all[..], &all[..1]].map(error_of), [1.0 - 100.0 / 125.0, 0.0]);
     }
 
     #[test]

@@ -82,6 +82,12 @@ impl RecordingAnalysis {
         self.controls.iter().find(|(of, _)| *of == rays).map(|(_, line)| line)
     }
 
+    /// Whether a net speedup of these rays is beyond what the control misses 1 by.
+    pub fn is_shown_to_pay(&self, rays: RayClass, net: &SpeedupLine) -> bool {
+        let error = self.control(rays).map_or(0.0, |control| (control.ratio - 1.0).abs());
+        net.interval.is_some_and(|(low, _)| low > 1.0 + error)
+    }
+
     /// The controls that miss 1 by so much that other speedups cannot be trusted.
     pub fn bad_controls(&self) -> impl Iterator<Item = &(RayClass, SpeedupLine)> {
         let is_bad =

@@ -10,7 +10,7 @@ use formats::ray::Kind;
 use super::table::{Cell, Table};
 use crate::analysis::study::StudyGroup;
 use crate::analysis::summary::{RayClass, distinct};
-use crate::analysis::timing::Verdict;
+use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{Analysis, FrameAnalysis, Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 use crate::figures::catalogue::building::machine;
 use crate::figures::catalogue::study::label;
@@ -69,13 +69,14 @@ fn both(trace: f64, net: f64) -> Cell {
 }
 
 /// A cell of a recording's row, with its net speedup if it is shown to pay: only such ones are called the best.
-fn speedup_cell(frame: Option<&FrameAnalysis>) -> (Cell, Option<f64>) {
+fn speedup_cell(recording: &RecordingAnalysis, frame: Option<&FrameAnalysis>) -> (Cell, Option<f64>) {
     match frame {
         Some(frame) if frame.left_alone => (Cell::plain("left alone"), None),
         frame => match frame.and_then(|frame| Some((frame, of_frame(frame)?))) {
             None => (Cell::plain("–"), None),
             Some((frame, (trace, net))) => {
-                let line = frame.net_speedup.known().filter(|line| line.verdict == Verdict::Faster);
+                let pays = |line: &&SpeedupLine| recording.is_shown_to_pay(frame.rays, line);
+                let line = frame.net_speedup.known().filter(pays);
                 (both(trace, net), line.map(|line| line.ratio))
             }
         },
@@ -152,7 +153,8 @@ fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
             if frames.iter().all(|frame| frame.and_then(of_frame).is_none()) {
                 continue;
             }
-            let mut row = row_of(&recording.label, frames.into_iter().map(speedup_cell));
+            let mut row =
+                row_of(&recording.label, frames.into_iter().map(|frame| speedup_cell(recording, frame)));
             let control = recording.control(rays);
             row.push(Cell::plain(control.map_or("–".to_owned(), |line| format!("{:.2}", line.ratio))));
             rows.push(row);

@@ -11,7 +11,10 @@ use formats::ray::Kind;
 use formats::reader::Dump;
 use inspector::analysis::headline::Headline;
 use inspector::analysis::summary::RayClass;
-use inspector::analysis::{Analysis, AnalysisOptions, Depth, Metric, RecordingAnalysis, analyse};
+use inspector::analysis::timing::SpeedupLine;
+use inspector::analysis::{
+    Analysis, AnalysisOptions, Depth, FrameAnalysis, Metric, RecordingAnalysis, analyse,
+};
 use inspector::figures::catalogue::{CATALOGUE, Findings, Skipped};
 use inspector::figures::csv;
 use inspector::figures::model::{Content, Figure, Panel, Scale, Series};
@@ -339,6 +342,39 @@ fn variants_of_a_base_make_a_sweep() {
         labels.contains(&"aila") && !labels.contains(&"mine"),
         "a variant belongs to its sweep: {labels:?}"
     );
+    // A recording of the same scene with a single number of bits has no part in a sweep.
+    let mut single = analysis.recordings[0].clone();
+    for queue in &mut single.queues {
+        queue.orders.retain(|order| order.method == "aila");
+        for line in queue.orders.iter_mut().map(|order| &mut order.trace_speedup) {
+            *line = Metric::Known(SpeedupLine { ratio: 9.0, ..*line.known().unwrap() });
+        }
+    }
+    analysis.recordings.push(single);
+    let beside = self::figure(&Findings { analysis: &analysis, benches: &[] }, "key-bits").unwrap();
+    assert_eq!(beside.panels[0], figure.panels[0]);
+}
+
+/// What `auto` left alone is a word in the table, and not the best.
+#[test]
+fn nothing_is_the_best_of_a_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut analysis = analysis(folder.path(), Depth::Manifest);
+    let frames = &mut analysis.recordings[0].frames;
+    let is_auto = |frame: &FrameAnalysis| frame.method == "auto" && frame.rays == RayClass::Secondary;
+    frames
+        .retain(|frame| frame.rays == RayClass::Secondary && (is_auto(frame) || frame.method == "unsorted"));
+    let row = |analysis: &Analysis| tables(analysis, &[])[0].rows[0].clone();
+    let sorted = row(&analysis);
+    assert!(sorted.iter().any(|cell| cell.is_best), "{sorted:?}");
+    analysis.recordings[0]
+        .frames
+        .iter_mut()
+        .filter(|frame| is_auto(frame))
+        .for_each(|frame| frame.left_alone = true);
+    let alone = row(&analysis);
+    assert!(alone.iter().any(|cell| cell.text == "left alone"), "{alone:?}");
+    assert!(alone.iter().all(|cell| !cell.is_best), "{alone:?}");
 }
 
 /// Times by hand: the figure agrees with the net speedups, in nanoseconds a ray, by the trace that counts.

@@ -1,7 +1,7 @@
 //! Sweeps: methods that are variants of one base, by key bits, by the origin's share of them and by the length that
 //! they assume.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::building::{figure, mean_speedup, method_style, queues, settings};
 use super::{Findings, Made};
@@ -60,6 +60,15 @@ type Line<'a> = (&'a str, &'a str, &'a str, &'a str, Option<u64>);
 /// A speedup: its line, the bits of the varied number, and what it is.
 type Found<'a> = (Line<'a>, u64, &'a SpeedupLine);
 
+/// The lines of which a recording has more than one value.
+fn swept<'a>(found: &[Found<'a>]) -> BTreeSet<Line<'a>> {
+    let mut values: BTreeMap<Line<'_>, BTreeSet<u64>> = BTreeMap::new();
+    for (line, varied, _) in found {
+        values.entry(*line).or_default().insert(*varied);
+    }
+    values.into_iter().filter(|(_, values)| values.len() > 1).map(|(line, _)| line).collect()
+}
+
 impl Sweep {
     fn figure(&self, findings: &Findings<'_>, title: &str, caption: &str) -> Made {
         let panels = RayClass::ALL.into_iter().flat_map(|rays| {
@@ -109,13 +118,12 @@ impl Sweep {
         let mut recordings: Vec<(Line<'_>, &RecordingAnalysis)> = Vec::new();
         let found: Vec<_> =
             findings.analysis.recordings.iter().map(|one| (one, self.found(one, rays, speedup))).collect();
-        let sweeps = |line: &Line<'_>, found: &[Found<'_>]| {
-            distinct(found.iter().filter(|one| one.0 == *line).map(|one| one.1)).len() > 1
-        };
-        for (recording, own) in &found {
+        let swept: Vec<BTreeSet<Line<'_>>> = found.iter().map(|(_, own)| swept(own)).collect();
+        let all_swept: BTreeSet<&Line<'_>> = swept.iter().flatten().collect();
+        for ((recording, own), swept) in found.iter().zip(&swept) {
             for (line, varied, speedup) in own {
                 // One with a single value beside a sweep has rounds, and often rays, of its own.
-                if sweeps(line, own) || !found.iter().any(|(_, other)| sweeps(line, other)) {
+                if swept.contains(line) || !all_swept.contains(line) {
                     recordings.push((*line, recording));
                     lines.entry(*line).or_default().entry(*varied).or_default().push(speedup);
                 }
