@@ -6,9 +6,15 @@ use super::{Coordinate, LightSite, Tiles, angle, termination};
 use crate::ray::Ray;
 use crate::unit_space::UnitSpace;
 
+/// Begins with a cache line, so that no eight lanes lie across two.
+#[repr(align(64))]
+pub(super) struct Aligned<T>(pub(super) T);
+
 /// Up to `N` rays; what lies in lanes without a ray is of no account.
+///
+/// In this order, all arrays begin with a cache line.
+#[repr(C, align(64))]
 pub(super) struct Block<const N: usize> {
-    count: usize,
     /// In unit space.
     origin: [[f32; N]; 3],
     direction: [[f32; N]; 3],
@@ -22,6 +28,7 @@ pub(super) struct Block<const N: usize> {
     from_light: [[u32; N]; 3],
     /// Number of the tile that each ray's path lies in.
     tiles: [u32; N],
+    count: usize,
 }
 
 /// What a layout asks of a block beyond origins.
@@ -52,12 +59,10 @@ impl Needs {
     }
 }
 
-/// A value for each lane. Part of its caller, so that it is compiled for the same processor.
+/// Writes a number for each lane. Part of its caller, so that it is compiled for the same processor.
 #[inline(always)]
-fn lanes<T: Copy + Default, const N: usize>(value: impl Fn(usize) -> T) -> [T; N] {
-    let mut lanes = [T::default(); N];
-    lanes.iter_mut().enumerate().for_each(|(at, lane)| *lane = value(at));
-    lanes
+fn each<const N: usize>(numbers: &mut [u32; N], of_lane: impl Fn(usize) -> u32) {
+    numbers.iter_mut().enumerate().for_each(|(at, number)| *number = of_lane(at));
 }
 
 impl<const N: usize> Block<N> {
@@ -78,18 +83,36 @@ impl<const N: usize> Block<N> {
     #[inline(always)]
     pub(super) fn load(&mut self, unit: &UnitSpace, rays: &[Ray]) {
         self.count = rays.len().min(N);
-        for (at, ray) in rays.iter().take(N).enumerate() {
+        self.load_from(0, unit, rays);
+    }
+
+    /// Takes those from a lane on.
+    #[inline(always)]
+    fn load_from(&mut self, lane: usize, unit: &UnitSpace, rays: &[Ray]) {
+        for (at, ray) in (lane..N).zip(rays.iter().skip(lane)) {
             let origin = unit.point(ray.origin);
             (0..3).for_each(|axis| self.origin[axis][at] = origin[axis]);
+            (0..3).for_each(|axis| self.direction[axis][at] = ray.direction[axis]);
         }
     }
 
-    /// Takes their directions, too.
-    #[inline(always)]
-    pub(super) fn load_directions(&mut self, rays: &[Ray]) {
-        for (at, ray) in rays.iter().take(N).enumerate() {
-            (0..3).for_each(|axis| self.direction[axis][at] = ray.direction[axis]);
+    /// The same as [`Block::load`], eight rays at a time.
+    #[cfg(target_arch = "x86_64")]
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    pub(super) fn load_avx2(&mut self, unit: &UnitSpace, rays: &[Ray], with_directions: bool) {
+        self.count = rays.len().min(N);
+        let (groups, _) = rays[..self.count].as_chunks();
+        for (number, group) in groups.iter().enumerate() {
+            let lanes = number * avx2::LANES..(number + 1) * avx2::LANES;
+            let origin = avx2::origins(unit, group);
+            (0..3).for_each(|axis| self.origin[axis][lanes.clone()].copy_from_slice(&origin[axis]));
+            if with_directions {
+                let direction = avx2::directions(group);
+                (0..3).for_each(|axis| self.direction[axis][lanes.clone()].copy_from_slice(&direction[axis]));
+            }
         }
+        self.load_from(groups.len() * avx2::LANES, unit, rays);
     }
 
     #[inline(always)]
@@ -169,41 +192,107 @@ impl<const N: usize> Block<N> {
         }
     }
 
-    /// A coordinate of every ray as an integer.
+    /// Writes a coordinate of every ray as an integer. Never a part of its caller: compilers would make all
+    /// coordinates there, and then choose.
+    #[inline(never)]
+    pub(super) fn quantise(&self, coordinate: Coordinate, numbers: &mut [u32; N]) {
+        self.quantise_here(coordinate, numbers);
+    }
+
+    /// The same compiled for AVX2.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(never)]
+    #[target_feature(enable = "avx2")]
+    pub(super) fn quantise_avx2(&self, coordinate: Coordinate, numbers: &mut [u32; N]) {
+        self.quantise_here(coordinate, numbers);
+    }
+
     #[inline(always)]
-    pub(super) fn quantised(&self, coordinate: Coordinate) -> [u32; N] {
+    fn quantise_here(&self, coordinate: Coordinate, numbers: &mut [u32; N]) {
         use Coordinate as C;
         match coordinate {
-            C::OriginX => self.quantised_origin(0),
-            C::OriginY => self.quantised_origin(1),
-            C::OriginZ => self.quantised_origin(2),
-            C::EndX => self.end[0],
-            C::EndY => self.end[1],
-            C::EndZ => self.end[2],
-            C::DirectionX => self.quantised_direction(0),
-            C::DirectionY => self.quantised_direction(1),
-            C::DirectionZ => self.quantised_direction(2),
-            C::OctahedralU => self.octahedral[0],
-            C::OctahedralV => self.octahedral[1],
-            C::ParaboloidU => lanes(|at| quantise(paraboloid(self.direction(at))[0])),
-            C::ParaboloidV => lanes(|at| quantise(paraboloid(self.direction(at))[1])),
-            C::Azimuth => lanes(|at| quantise(angle::azimuth(self.direction[0][at], self.direction[1][at]))),
-            C::Polar => lanes(|at| quantise(angle::polar(self.direction[2][at]))),
-            C::Light => self.lights,
-            C::LightU => self.from_light[0],
-            C::LightV => self.from_light[1],
-            C::LightR => self.from_light[2],
-            C::Tile => self.tiles,
+            C::OriginX => self.quantise_origin(0, numbers),
+            C::OriginY => self.quantise_origin(1, numbers),
+            C::OriginZ => self.quantise_origin(2, numbers),
+            C::EndX => *numbers = self.end[0],
+            C::EndY => *numbers = self.end[1],
+            C::EndZ => *numbers = self.end[2],
+            C::DirectionX => self.quantise_direction(0, numbers),
+            C::DirectionY => self.quantise_direction(1, numbers),
+            C::DirectionZ => self.quantise_direction(2, numbers),
+            C::OctahedralU => *numbers = self.octahedral[0],
+            C::OctahedralV => *numbers = self.octahedral[1],
+            C::ParaboloidU => each(numbers, |at| quantise(paraboloid(self.direction(at))[0])),
+            C::ParaboloidV => each(numbers, |at| quantise(paraboloid(self.direction(at))[1])),
+            C::Azimuth => {
+                each(numbers, |at| quantise(angle::azimuth(self.direction[0][at], self.direction[1][at])));
+            }
+            C::Polar => each(numbers, |at| quantise(angle::polar(self.direction[2][at]))),
+            C::Light => *numbers = self.lights,
+            C::LightU => *numbers = self.from_light[0],
+            C::LightV => *numbers = self.from_light[1],
+            C::LightR => *numbers = self.from_light[2],
+            C::Tile => *numbers = self.tiles,
         }
     }
 
     #[inline(always)]
-    fn quantised_origin(&self, axis: usize) -> [u32; N] {
-        lanes(|at| quantise(self.origin[axis][at]))
+    fn quantise_origin(&self, axis: usize, numbers: &mut [u32; N]) {
+        each(numbers, |at| quantise(self.origin[axis][at]));
     }
 
     #[inline(always)]
-    fn quantised_direction(&self, axis: usize) -> [u32; N] {
-        lanes(|at| quantise(cartesian(self.direction[axis][at])))
+    fn quantise_direction(&self, axis: usize, numbers: &mut [u32; N]) {
+        each(numbers, |at| quantise(cartesian(self.direction[axis][at])));
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod avx2 {
+    use std::arch::x86_64::*;
+
+    use crate::ray::Ray;
+    use crate::unit_space::UnitSpace;
+
+    /// Rays that are taken at once.
+    pub(super) const LANES: usize = 8;
+
+    /// Origins of rays in unit space, axis by axis.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    pub(super) fn origins(unit: &UnitSpace, rays: &[Ray; LANES]) -> [[f32; LANES]; 3] {
+        let scale = _mm256_set1_ps(unit.scale);
+        let mut axes = columns(rays, 0);
+        for (axis, &min) in axes.iter_mut().zip(&unit.min) {
+            *axis = _mm256_mul_ps(_mm256_sub_ps(*axis, _mm256_set1_ps(min)), scale);
+        }
+        bytemuck::cast(axes)
+    }
+
+    /// Directions of rays, axis by axis.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    pub(super) fn directions(rays: &[Ray; LANES]) -> [[f32; LANES]; 3] {
+        bytemuck::cast(columns(rays, 1))
+    }
+
+    /// The first three numbers of a half of each ray, number by number.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn columns(rays: &[Ray; LANES], half: usize) -> [__m256; 3] {
+        let rays: &[[[f32; 4]; 2]; LANES] = bytemuck::cast_ref(rays);
+        let row = |at: usize| bytemuck::cast::<[f32; 4], __m128>(rays[at][half]);
+        // Of a ray and of the one four after it.
+        let pair = |at: usize| _mm256_set_m128(row(at + 4), row(at));
+        let [a, b, c, d] = [pair(0), pair(1), pair(2), pair(3)];
+        let [low, low_after] = [_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d)];
+        let [high, high_after] = [_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d)];
+        const FIRST: i32 = 0b01_00_01_00;
+        const SECOND: i32 = 0b11_10_11_10;
+        [
+            _mm256_shuffle_ps::<FIRST>(low, low_after),
+            _mm256_shuffle_ps::<SECOND>(low, low_after),
+            _mm256_shuffle_ps::<FIRST>(high, high_after),
+        ]
     }
 }

@@ -3,10 +3,10 @@
 //! Many rays are encoded coordinate by coordinate over short blocks. Where the processor has AVX2, the same code is
 //! compiled for it, with a way of its own to spread bits.
 
-use super::block::{Block, Needs};
+use super::block::{Aligned, Block, Needs};
 use super::layout::{CURVE_AXES, Layout, Share, Source};
 use super::spread::Spread;
-use super::{COORDINATE_BITS, Facts, LightSite, Tiles, hilbert};
+use super::{COORDINATE_BITS, Coordinate, Facts, LightSite, Tiles, hilbert};
 use crate::prefetch::prefetch_at;
 use crate::ray::Ray;
 use crate::unit_space::UnitSpace;
@@ -17,6 +17,26 @@ const BLOCK: usize = 64;
 const AHEAD: usize = 3 * BLOCK;
 /// Rays of a cache line.
 const LINE: usize = 64 / size_of::<Ray>();
+
+/// A word that keys are written to.
+pub trait Word {
+    /// The lowest bits of a key.
+    fn of(key: u64) -> Self;
+}
+
+impl Word for u32 {
+    #[inline(always)]
+    fn of(key: u64) -> Self {
+        key as Self
+    }
+}
+
+impl Word for u64 {
+    #[inline(always)]
+    fn of(key: u64) -> Self {
+        key
+    }
+}
 
 /// Turns rays into keys of `key_bits` bits, right-aligned, by one layout.
 #[derive(Clone, Debug)]
@@ -43,16 +63,23 @@ impl Part {
         Self { source: share.source, width: share.width, spreads: spreads.collect() }
     }
 
-    /// Hands the numbers that each axis spreads to `add`.
+    /// Hands the numbers that each axis spreads to `add`; `quantise` writes a coordinate of all rays.
     #[inline(always)]
-    fn each<const N: usize>(&self, block: &Block<N>, mut add: impl FnMut(&Spread, &[u32; N])) {
+    fn each<const N: usize>(
+        &self,
+        quantise: impl Fn(Coordinate, &mut [u32; N]),
+        mut add: impl FnMut(&Spread, &[u32; N]),
+    ) {
         if let ([axis], [spread]) = (self.source.axes(), self.spreads.as_slice()) {
-            return add(spread, &block.quantised(*axis));
+            let mut numbers = Aligned([0; N]);
+            quantise(*axis, &mut numbers.0);
+            return add(spread, &numbers.0);
         }
         let mut words = [[0; N]; CURVE_AXES];
         let words = &mut words[..self.spreads.len()];
         for (word, &axis) in words.iter_mut().zip(self.source.axes()) {
-            *word = block.quantised(axis).map(|number| number >> (COORDINATE_BITS - self.width));
+            quantise(axis, word);
+            word.iter_mut().for_each(|number| *number >>= COORDINATE_BITS - self.width);
         }
         hilbert::to_curve(words, self.width);
         self.spreads.iter().zip(words.iter()).for_each(|(spread, word)| add(spread, word));
@@ -78,81 +105,83 @@ impl Encoder {
     pub fn encode(&self, ray: &Ray, facts: Facts) -> u64 {
         let mut block = Block::<1>::empty();
         let of_one = Facts { length: |_| facts.length, light: |_| facts.light, path: |_| facts.path };
-        self.fill(&mut block, std::slice::from_ref(ray), 0, &of_one);
+        let ray = std::slice::from_ref(ray);
+        block.load(&self.unit, ray);
+        self.derive(&mut block, ray, 0, &of_one);
         let [key] = self.keys(&block);
         key
     }
 
-    /// Keys of many rays: `put(i, key)` for each i in order.
+    /// Keys of many rays, a key for each; of keys that are wider than a word, its lowest bits.
     ///
     /// # Panics
-    /// As [`Encoder::encode`].
-    pub fn encode_all(
+    /// As [`Encoder::encode`], or if there are not as many keys as rays.
+    pub fn encode_all<W: Word>(
         &self,
         rays: &[Ray],
         facts: &Facts<impl Fn(usize) -> f32, impl Fn(usize) -> u32, impl Fn(usize) -> u32>,
-        put: impl FnMut(usize, u64),
+        keys: &mut [W],
     ) {
+        assert_eq!(rays.len(), keys.len(), "a key for each ray");
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has AVX2.
-            return unsafe { self.encode_all_avx2(rays, facts, put) };
+            return unsafe { self.encode_all_avx2(rays, facts, keys) };
         }
-        self.encode_all_portably(rays, facts, put);
+        self.encode_all_portably(rays, facts, keys);
     }
 
-    fn encode_all_portably(
+    fn encode_all_portably<W: Word>(
         &self,
         rays: &[Ray],
         facts: &Facts<impl Fn(usize) -> f32, impl Fn(usize) -> u32, impl Fn(usize) -> u32>,
-        mut put: impl FnMut(usize, u64),
+        keys: &mut [W],
     ) {
         let mut block = Block::<BLOCK>::empty();
-        for (number, block_rays) in rays.chunks(BLOCK).enumerate() {
+        for (number, (block_rays, keys)) in rays.chunks(BLOCK).zip(keys.chunks_mut(BLOCK)).enumerate() {
             let first = number * BLOCK;
             (first..first + BLOCK).step_by(LINE).for_each(|at| prefetch_at(rays, at + AHEAD));
-            self.fill(&mut block, block_rays, first, facts);
-            let keys = self.keys(&block);
-            keys.iter().take(block_rays.len()).enumerate().for_each(|(at, &key)| put(first + at, key));
+            block.load(&self.unit, block_rays);
+            self.derive(&mut block, block_rays, first, facts);
+            keys.iter_mut().zip(self.keys(&block)).for_each(|(word, key)| *word = W::of(key));
         }
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
-    fn encode_all_avx2(
+    fn encode_all_avx2<W: Word>(
         &self,
         rays: &[Ray],
         facts: &Facts<impl Fn(usize) -> f32, impl Fn(usize) -> u32, impl Fn(usize) -> u32>,
-        mut put: impl FnMut(usize, u64),
+        keys: &mut [W],
     ) {
         let mut block = Block::<BLOCK>::empty();
-        for (number, block_rays) in rays.chunks(BLOCK).enumerate() {
+        for (number, (block_rays, keys)) in rays.chunks(BLOCK).zip(keys.chunks_mut(BLOCK)).enumerate() {
             let first = number * BLOCK;
             (first..first + BLOCK).step_by(LINE).for_each(|at| prefetch_at(rays, at + AHEAD));
-            self.fill(&mut block, block_rays, first, facts);
-            let mut words = [[0; BLOCK]; 2];
+            block.load_avx2(&self.unit, block_rays, self.needs.direction);
+            self.derive(&mut block, block_rays, first, facts);
+            let mut words = Aligned([[0; BLOCK]; 2]);
             for part in &self.parts {
-                part.each(&block, |spread, numbers| spread.add_to_words(&mut words, numbers));
+                let quantise = |axis, numbers: &mut _| block.quantise_avx2(axis, numbers);
+                part.each(quantise, |spread, numbers| spread.add_to_words(&mut words.0, numbers));
             }
-            let [low, high] = words;
-            let keys = low.iter().zip(&high).map(|(&low, &high)| u64::from(high) << 32 | u64::from(low));
-            keys.take(block_rays.len()).enumerate().for_each(|(at, key)| put(first + at, key));
+            let [low, high] = &words.0;
+            for ((word, low), high) in keys.iter_mut().zip(low).zip(high) {
+                *word = W::of(u64::from(*high) << 32 | u64::from(*low));
+            }
         }
     }
 
-    /// What the keys of up to `N` rays are made from, the first of which has number `first`.
+    /// Derives what the keys of the rays in a block are made from, the first of which has number `first`.
     #[inline(always)]
-    fn fill<const N: usize>(
+    fn derive<const N: usize>(
         &self,
         block: &mut Block<N>,
         rays: &[Ray],
         first: usize,
         facts: &Facts<impl Fn(usize) -> f32, impl Fn(usize) -> u32, impl Fn(usize) -> u32>,
     ) {
-        block.load(&self.unit, rays);
-        if self.needs.direction {
-            block.load_directions(rays);
-        }
         if self.needs.end {
             block.find_ends(&self.unit, rays, |at| (facts.length)(first + at));
         }
@@ -173,7 +202,8 @@ impl Encoder {
     fn keys<const N: usize>(&self, block: &Block<N>) -> [u64; N] {
         let mut keys = [0; N];
         for part in &self.parts {
-            part.each(block, |spread, numbers| spread.add_to(&mut keys, numbers));
+            let quantise = |axis, numbers: &mut _| block.quantise(axis, numbers);
+            part.each(quantise, |spread, numbers| spread.add_to(&mut keys, numbers));
         }
         keys
     }
@@ -216,7 +246,8 @@ mod tests {
             direction: [random(), random(), random()],
             t_max: if random() > 0.0 { f32::INFINITY } else { 0.5 },
         };
-        let mut rays: Vec<Ray> = (0..4000).map(|_| ray()).collect();
+        // Not a multiple of eight.
+        let mut rays: Vec<Ray> = (0..4003).map(|_| ray()).collect();
         let odd = [0.0, -0.0, 1.0, -1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e-40, -3e38];
         for ray in &mut rays[1000..] {
             for value in ray.origin.iter_mut().chain(&mut ray.direction).chain([&mut ray.t_max]) {
@@ -247,17 +278,16 @@ mod tests {
             let layout = Method::builtin(name).unwrap().layout.expand(extent()).unwrap();
             for key_bits in [8, 17, 32, 33, 64] {
                 let encoder = Encoder::new(&layout, key_bits, unit, &lights);
-                let (mut keys, mut portably) = (Vec::new(), Vec::new());
-                encoder.encode_all(&rays, &facts, |at, key| {
-                    assert_eq!(at, keys.len());
-                    keys.push(key);
-                });
-                encoder.encode_all_portably(&rays, &facts, |_, key| portably.push(key));
                 let single = rays.iter().enumerate();
-                let single = single.map(|(at, ray)| encoder.encode(ray, of(at)));
-                let single: Vec<u64> = single.collect();
+                let single: Vec<u64> = single.map(|(at, ray)| encoder.encode(ray, of(at))).collect();
+                let (mut keys, mut narrow) = (vec![0u64; rays.len()], vec![0u32; rays.len()]);
+                encoder.encode_all(&rays, &facts, &mut keys);
                 assert_eq!(keys, single, "{name} at {key_bits} bits");
-                assert_eq!(portably, single, "{name} at {key_bits} bits, portably");
+                encoder.encode_all_portably(&rays, &facts, &mut keys);
+                assert_eq!(keys, single, "{name} at {key_bits} bits, portably");
+                encoder.encode_all(&rays, &facts, &mut narrow);
+                let is_same = |(&narrow, &key): (&u32, &u64)| narrow == key as u32;
+                assert!(narrow.iter().zip(&keys).all(is_same), "{name} at {key_bits} bits, narrow");
             }
         }
     }

@@ -23,7 +23,7 @@ pub mod method;
 mod spread;
 pub mod termination;
 
-pub use encode::Encoder;
+pub use encode::{Encoder, Word};
 pub use extent::{Extent, Tiles};
 pub use facts::{Facts, NO_FACTS};
 pub use layout::{Bit, Coordinate, Layout, Source};

@@ -212,7 +212,9 @@ fn key(layout: &Layout, key_bits: u32, bounds: &Bounds, ray: &Ray, light: u32) -
     let facts = Facts { length: LENGTH, light, path: path_of(light) };
     let key = encoder.encode(ray, facts);
     let of_many = Facts { length: |_| LENGTH, light: |_| light, path: |_| path_of(light) };
-    encoder.encode_all(&[*ray], &of_many, |_, other| assert_eq!(other, key, "as a block"));
+    let mut of_block = [0u64];
+    encoder.encode_all(&[*ray], &of_many, &mut of_block);
+    assert_eq!(of_block, [key], "as a block");
     let whole = Encoder::new(layout, LAYOUT_BITS, unit, &lights()).encode(ray, facts);
     assert_eq!(key, whole >> (LAYOUT_BITS - key_bits), "as a prefix");
     key

@@ -160,13 +160,12 @@ impl Settings {
         keys.par_chunks_mut(RAYS_PER_TASK).zip(rays.par_chunks(RAYS_PER_TASK)).enumerate().for_each(
             |(task, (keys, rays))| {
                 let first = task * RAYS_PER_TASK;
-                let put = |at: usize, key| keys[at] = key;
                 let facts = Facts {
                     length: |at| length(first + at),
                     light: |at| light(first + at),
                     path: |at| path(first + at),
                 };
-                encoder.encode_all(rays, &facts, put);
+                encoder.encode_all(rays, &facts, keys);
             },
         );
         Ok((keys, KeyLayout { layout, key_bits: self.key_bits, text: self.text.clone() }))

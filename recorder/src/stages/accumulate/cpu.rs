@@ -59,10 +59,9 @@ impl Accumulator {
         rays.par_chunks(chunk).zip(sorted).enumerate().for_each(|(number, (rays, (sorted, ends)))| {
             let mut cell_of = [0; CHUNK];
             ends.fill(0);
-            cells.encode_all(rays, &NO_FACTS, |at, cell| {
-                cell_of[at] = cell as u32;
-                ends[cell as usize >> shift] += 1;
-            });
+            let cell_of = &mut cell_of[..rays.len()];
+            cells.encode_all(rays, &NO_FACTS, cell_of);
+            cell_of.iter().for_each(|&cell| ends[cell as usize >> shift] += 1);
             let mut start = 0;
             for end in ends.iter_mut() {
                 (*end, start) = (start, start + *end);
@@ -70,7 +69,7 @@ impl Accumulator {
             let mut length_of = [0.0; CHUNK];
             let length_of = &mut length_of[..rays.len()];
             dispatch!(level, _ => lengths(unit, (rays, hits), number * chunk, length_of));
-            for (&cell, &mut length) in cell_of.iter().zip(length_of) {
+            for (&mut cell, &mut length) in cell_of.iter_mut().zip(length_of) {
                 let end = &mut ends[cell as usize >> shift];
                 sorted[*end as usize] = [cell, fixed_point(length)];
                 *end += 1;

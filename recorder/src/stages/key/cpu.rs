@@ -1,6 +1,6 @@
 //! Keys on threads.
 
-use formats::key::{Encoder, Facts, NO_FACTS, Termination};
+use formats::key::{Encoder, Facts, NO_FACTS, Termination, Word};
 use formats::length_table::LengthTable;
 use formats::prefetch::prefetch_cell;
 use formats::ray::Ray;
@@ -50,17 +50,16 @@ pub fn encode(
     keys: &mut Keys,
 ) {
     match &mut keys.words {
-        Words::Narrow(keys) => encode_into(encoder, rays, facts, keys, |key| key as u32),
-        Words::Wide(keys) => encode_into(encoder, rays, facts, keys, |key| key),
+        Words::Narrow(keys) => encode_into(encoder, rays, facts, keys),
+        Words::Wide(keys) => encode_into(encoder, rays, facts, keys),
     }
 }
 
-fn encode_into<T: Send>(
+fn encode_into<W: Word + Send>(
     encoder: &Encoder,
     rays: &[Ray],
     facts: &Facts<Lengths<'_>, impl Fn(usize) -> u32 + Sync, impl Fn(usize) -> u32 + Sync>,
-    keys: &mut [T],
-    narrowed: impl Fn(u64) -> T + Sync,
+    keys: &mut [W],
 ) {
     assert_eq!(rays.len(), keys.len(), "a key for each ray");
     rays.par_chunks(CHUNK).zip(keys.par_chunks_mut(CHUNK)).enumerate().for_each(|(number, (rays, keys))| {
@@ -75,16 +74,15 @@ fn encode_into<T: Send>(
             Lengths::Real(real) => real(first + at),
         };
         let (light, path) = (|at| (facts.light)(first + at), |at| (facts.path)(first + at));
-        encoder.encode_all(rays, &Facts { length, light, path }, |at, key| keys[at] = narrowed(key));
+        encoder.encode_all(rays, &Facts { length, light, path }, keys);
     });
 }
 
-/// Asks the table for all rays of a chunk at once: its cells lie far apart.
+/// Asks the table for all rays of a chunk: its cells lie far apart.
 fn mean_lengths(table: &LengthTable, cells: &Encoder, rays: &[Ray], means: &mut [f32; CHUNK]) {
     let mut cell_of = [0; CHUNK];
-    cells.encode_all(rays, &NO_FACTS, |at, cell| {
-        cell_of[at] = cell as u32;
-        prefetch_cell(table, cell as u32);
-    });
-    means.iter_mut().zip(&cell_of).take(rays.len()).for_each(|(mean, &cell)| *mean = table.mean(cell));
+    let cell_of = &mut cell_of[..rays.len()];
+    cells.encode_all(rays, &NO_FACTS, cell_of);
+    cell_of.iter().for_each(|&cell| prefetch_cell(table, cell));
+    means.iter_mut().zip(cell_of).for_each(|(mean, cell)| *mean = table.mean(*cell));
 }
