@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use crate::key::LightSite;
 use crate::manifest::{
     Adapter, ArrayRecord, CacheRecord, CalibrationRecord, Check, DecisionRecord, Features, Manifest, Options,
     Outcome, QueueRecord, Source, TimingRecord,
@@ -74,6 +75,8 @@ pub struct SceneLine {
     pub vertices: u64,
     /// Number of lights.
     pub lights: usize,
+    /// Where each is, in unit space.
+    pub light_sites: Vec<LightSite>,
     /// Hash of its content, hexadecimal.
     pub content_hash: String,
     /// Lowest corner of its bounding box, world units.
@@ -160,6 +163,7 @@ impl Summary {
                 triangles: header.scene.triangles,
                 vertices: header.scene.vertices,
                 lights: header.lights.len(),
+                light_sites: header.lights.clone(),
                 content_hash: hexadecimal(&header.scene.content_hash),
                 bounds_min: header.scene.bounds_min,
                 bounds_max: header.scene.bounds_max,

@@ -136,6 +136,7 @@ fn the_promised_fields_are_there() {
         ("adapter", "device_type", json!("discrete")),
         ("scene", "name", json!("cornell")),
         ("scene", "triangles", json!(38)),
+        ("scene", "light_sites", json!(["environment"])),
     ] {
         assert_eq!(found[object][field], expected, "{object}.{field}");
     }

@@ -8,14 +8,12 @@
 //! - [`crafted`]: recordings that somebody changed, with right checksums
 //! - [`slurm`]: a cluster on this machine
 //! - [`scene_files`]: small GLB files, sound and broken
-//! - [`keys`]: keys and lengths once more, written from their definition alone
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 pub mod crafted;
 pub mod drivers;
 pub mod full_disk;
-pub mod keys;
 pub mod programs;
 pub mod recordings;
 pub mod scene_files;

@@ -1,9 +1,10 @@
 //! Where a light is, as far as keys need to know.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// How a light lies in unit space. Shadow rays carry the index of their light.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum LightSite {
     /// A light with a place.
     Placed {
