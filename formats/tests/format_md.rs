@@ -1,4 +1,5 @@
-//! FORMAT.md says what is true: its Python reader reads a dump, its table lists the arrays as written.
+//! FORMAT.md says what is true: its Python reader reads a dump, its table lists the arrays as written. So does the table
+//! of layouts in docs/keys.md.
 #![allow(clippy::unwrap_used, reason = "this is test code, also outside test functions")]
 
 mod sample;
@@ -8,6 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use formats::key::method::BUILTIN;
 use formats::manifest::{ArrayRecord, Record};
 use formats::reader::Dump;
 
@@ -171,4 +173,20 @@ fn the_table_lists_every_array_with_its_type() {
     }
     let all: BTreeSet<String> = documented.into_iter().map(|(pattern, _)| pattern).collect();
     assert_eq!(seen, all, "the sample has every documented array");
+}
+
+#[test]
+fn keys_md_has_the_layouts() {
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/keys.md")).unwrap();
+    let (_, table) = text.split_once("## Layouts\n").unwrap();
+    let rows =
+        table.lines().take_while(|line| !line.starts_with("## ")).filter(|line| line.starts_with("| `"));
+    let written: Vec<[&str; 2]> = rows
+        .map(|row| {
+            let mut words = row.split('`').skip(1).step_by(2);
+            std::array::from_fn(|_| words.next().unwrap())
+        })
+        .collect();
+    let expected: Vec<[&str; 2]> = BUILTIN.iter().map(|&(name, layout, _)| [name, layout]).collect();
+    assert_eq!(written, expected);
 }

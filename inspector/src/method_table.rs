@@ -275,8 +275,12 @@ fn correlations(analysis: &Analysis) -> Option<String> {
         Some(format!("{}, {kind}: Pearson {pearson:.2}, Spearman {spearman:.2}, n = {n}", line.of))
     };
     let lines: Vec<String> = analysis.correlations.iter().filter_map(line).collect();
-    (!lines.is_empty())
-        .then(|| format!("Mean capsule area with trace time per ray, over orders\n{}", lines.join("\n")))
+    (!lines.is_empty()).then(|| {
+        format!(
+            "Correlation of mean capsule area with trace time, both unsorted = 1\n{}",
+            lines.join("\n")
+        )
+    })
 }
 
 /// Why numbers are missing: for each kind of number the first reason, and how many queues lack it.

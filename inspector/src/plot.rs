@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use crate::analysis::study::StudyGroup;
 use crate::analysis::summary::{RayClass, distinct};
+use crate::analysis::timing::Verdict;
 use crate::analysis::{Analysis, FrameAnalysis, RecordingAnalysis};
 use crate::figures::catalogue::Skipped;
 use crate::figures::catalogue::study::label;
@@ -137,8 +138,7 @@ fn of_study(group: &StudyGroup) -> Option<String> {
         let own = group.methods(rays).filter(|row| row.method != CONTROL);
         own.filter_map(|row| {
             let net = row.net.as_ref()?.mean;
-            let pays = net.interval.is_some_and(|(low, _)| low > 1.0);
-            Some((row.method.as_str(), net.ratio, net.interval, pays))
+            Some((row.method.as_str(), net.ratio, net.interval, group.is_shown_to_pay(row)))
         })
         .collect()
     };
@@ -154,8 +154,7 @@ fn of_recording(recording: &RecordingAnalysis) -> Option<String> {
         let own = recording.frames.iter().filter(|frame| frame.rays == rays).filter(is_method);
         own.filter_map(|frame| {
             let net = frame.net_speedup.known()?;
-            let pays = recording.is_shown_to_pay(rays, net);
-            Some((frame.method.as_str(), net.ratio, net.interval, pays))
+            Some((frame.method.as_str(), net.ratio, net.interval, net.verdict == Verdict::Faster))
         })
         .collect()
     };

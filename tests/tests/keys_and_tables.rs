@@ -12,7 +12,8 @@ use tests::recordings::record;
 use tests::sources::root;
 
 /// Rows that `all` does not stand for.
-const OTHERS: &str = "paraboloid,hilbert-origin,hilbert-two-point,two-point-xor,grid-spherical,tiled-octahedron";
+const OTHERS: &str =
+    "paraboloid,hilbert-origin,hilbert-two-point,two-point-xor,grid-spherical,tiled-octahedron";
 /// The pictures here are smaller than a tile of that row.
 const SMALL_TILES: &str = "small-tiles=tile(7x10)(u(v))*4";
 
@@ -20,12 +21,7 @@ const SMALL_TILES: &str = "small-tiles=tile(7x10)(u(v))*4";
 fn check(scene: &str, options: &str, key_bits: u32) {
     let folder = tempdir().unwrap();
     let methods = format!("--methods all,{OTHERS} --method {SMALL_TILES}");
-    record(
-        folder.path(),
-        "keys",
-        scene,
-        &format!("--repeats 1 --key-bits {key_bits} {methods} {options}"),
-    );
+    record(folder.path(), "keys", scene, &format!("--repeats 1 --key-bits {key_bits} {methods} {options}"));
     Program::Inspector.run(folder.path(), "verify keys.raydump").succeeded();
     let info = Program::Inspector.run(folder.path(), "info keys.raydump --json").succeeded().json();
     fs::write(folder.path().join("keys.json"), info.to_string()).unwrap();

@@ -1,5 +1,5 @@
 //! Methods: a layout of key bits and, where it needs one, an estimate of the ray's length. Those of Meister et al. (2020)
-//! are built in, docs/keys.md names who each is of.
+//! are built in, docs/keys.md says where each layout is from.
 //!
 //! Adding a method is adding a row to [`BUILTIN`]; users add theirs with [`Method::from_user`].
 

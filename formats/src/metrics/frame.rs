@@ -267,7 +267,10 @@ impl Frame {
         let all = known().count();
         let error = match self.instrument_error {
             small if small < 0.005 => String::new(),
-            error => format!("; the control is off by {:.1} %, which an interval must exceed", 100.0 * error),
+            error => format!(
+                "; over the frame the control is off by {:.1} %, which an interval must exceed",
+                100.0 * error
+            ),
         };
         if best.verdict == PAYS {
             let others = match all {
@@ -324,11 +327,6 @@ fn verdict(net: Option<Speedup>, error: f64) -> &'static str {
         Some(_) => "level",
         None => "",
     }
-}
-
-/// The instrument's error on a recording, as [`Frame::instrument_error`] has it.
-pub fn instrument_error(manifest: &Manifest) -> f64 {
-    error_of(&FrameTimes::all(manifest))
 }
 
 /// How far canonical order through the same stages is from a speedup of 1.

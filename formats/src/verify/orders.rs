@@ -1,11 +1,13 @@
 //! Keys recomputed from the stored rays, and permutations: bijective, ascending in the keys, stable.
 
+use rayon::prelude::*;
+
 use super::report::findings;
 use super::scene::method_problem;
 use super::{Check, Findings, Queue, Subject};
 use crate::auto;
 use crate::key::method::{AUTO, CONTROL, SHUFFLED};
-use crate::key::{Coordinate, Encoder, Facts, LayoutText, Termination};
+use crate::key::{Coordinate, Encoder, Facts, LayoutText, NO_FACTS, Termination};
 use crate::length_table::LengthTable;
 use crate::manifest::{MethodArray, MethodRecord, Place, QueueArray, QueueId};
 use crate::metrics::order::Keys;
@@ -14,6 +16,9 @@ use crate::permutation::{check_bijection, check_order};
 use crate::ray::Ray;
 use crate::reader::Loaded;
 use crate::traced::Traced;
+
+/// Rays whose keys a task makes.
+const RAYS_PER_TASK: usize = 1 << 12;
 
 pub(super) fn check(subject: &Subject<'_>) -> [Check; 2] {
     let mut keys_check = Check::new("keys");
@@ -64,7 +69,10 @@ fn check_permutation(
             None if method == AUTO => match chosen_keys(subject, queue, rays) {
                 Ok(None) => check_order(&permutation, |_| 0),
                 Ok(Some(keys)) if keys.rays.len() != permutation.len() => Ok(()),
-                Ok(Some(keys)) => check_order(&permutation, |ray| keys.key(ray).unwrap_or(0)),
+                Ok(Some(keys)) => {
+                    let keys = keys.all();
+                    check_order(&permutation, |ray| keys[ray])
+                }
                 Err(reason) => {
                     check.not_checked.push(format!("{place}: {reason}"));
                     Ok(())
@@ -126,13 +134,16 @@ fn check_keys(subject: &Subject<'_>, queue: QueueId, name: &str, rays: Option<&[
         return;
     }
     check.checked += keys.len() as u64;
+    let all = recomputed.all();
     let found = findings(
         keys.len(),
-        |ray| recomputed.key(ray) == Some(keys.at(ray)),
+        |ray| recomputed.has_light(ray) && all[ray] == keys.at(ray),
         |ray| {
-            let expected = recomputed
-                .key(ray)
-                .map_or("none, as its light does not exist".to_owned(), |key| format!("{key:#x}"));
+            let expected = if recomputed.has_light(ray) {
+                format!("{:#x}", all[ray])
+            } else {
+                "none, as its light does not exist".to_owned()
+            };
             format!("{place}: ray {ray} has key {:#x}, expected {expected}", keys.at(ray))
         },
     );
@@ -208,19 +219,35 @@ impl<'a> Recomputed<'a> {
         Ok(Self { encoder, rays, lights, light_count, path_ids, length })
     }
 
-    /// The key of a ray; `None` if it goes to a light that does not exist.
-    fn key(&self, index: usize) -> Option<u64> {
-        let ray = &self.rays[index];
-        let light = self.lights.as_ref().map_or(0, |lights| lights[index]);
-        if self.lights.is_some() && light >= self.light_count {
-            return None;
+    /// Whether the light that a ray goes to exists, where keys are made from it.
+    fn has_light(&self, ray: usize) -> bool {
+        self.lights.as_ref().is_none_or(|lights| lights[ray] < self.light_count)
+    }
+
+    /// The keys of all rays; of those without a light any key.
+    fn all(&self) -> Vec<u64> {
+        let mut keys = vec![0; self.rays.len()];
+        if self.lights.is_some() && self.light_count == 0 {
+            return keys;
         }
-        let length = match &self.length {
-            Length::Fixed(length) => *length,
-            Length::Adaptive { cells, table } => table.mean(cells.encode(ray, Facts::default()) as u32),
-            Length::Real(traced) => traced.length(index),
-        };
-        let path = self.path_ids.as_ref().map_or(0, |ids| ids[index]);
-        Some(self.encoder.encode(ray, Facts { length, light, path }))
+        let last = self.light_count.saturating_sub(1);
+        let parts = keys.par_chunks_mut(RAYS_PER_TASK).zip(self.rays.par_chunks(RAYS_PER_TASK));
+        parts.enumerate().for_each(|(task, (keys, rays))| {
+            let first = task * RAYS_PER_TASK;
+            let light = |at: usize| self.lights.as_ref().map_or(0, |lights| lights[first + at].min(last));
+            let path = |at: usize| self.path_ids.as_ref().map_or(0, |ids| ids[first + at]);
+            let mut cell_of = Vec::new();
+            if let Length::Adaptive { cells, .. } = &self.length {
+                cell_of.resize(rays.len(), 0);
+                cells.encode_all(rays, &NO_FACTS, &mut cell_of);
+            }
+            let length = |at: usize| match &self.length {
+                Length::Fixed(length) => *length,
+                Length::Adaptive { table, .. } => table.mean(cell_of[at]),
+                Length::Real(traced) => traced.length(first + at),
+            };
+            self.encoder.encode_all(rays, &Facts { length, light, path }, keys);
+        });
+        keys
     }
 }

@@ -47,7 +47,7 @@ fn check_kind(subject: &Subject<'_>, kind: Kind, cells: &Encoder, check: &mut Ch
             Ok(table) => table,
             Err(error) => {
                 check.problems.add(format!("{place}: {error}"));
-                before = None;
+                (before, is_first) = (None, false);
                 continue;
             }
         };

@@ -1,5 +1,4 @@
 //! The coordinates that keys are made of, in f64, spelled out from docs/keys.md; shares no code with the encoder.
-#![allow(dead_code, reason = "every test file compiles it anew and uses its own share")]
 
 use formats::key::LightSite;
 use formats::ray::Ray;
@@ -72,31 +71,6 @@ fn seen(o: [f64; 3], d: [f64; 3], light: &LightSite) -> [f64; 3] {
             [a, b, 0.0]
         }
     }
-}
-
-/// The bits of the place along a Hilbert curve, a digit per level, from coordinates' bits by level: the curve of a
-/// cell is that of the cell above, seen with axes exchanged and mirrored.
-pub(crate) fn hilbert_digits(levels: &[Vec<bool>]) -> Vec<bool> {
-    let axes = levels.first().map_or(0, Vec::len);
-    let mut view: Vec<(usize, bool)> = (0..axes).map(|axis| (axis, false)).collect();
-    let (mut digits, mut is_reversed) = (Vec::new(), false);
-    for level in levels {
-        let seen: Vec<bool> = view.iter().map(|&(axis, is_mirrored)| level[axis] != is_mirrored).collect();
-        let mut gray = false;
-        for &bit in &seen {
-            gray ^= bit;
-            digits.push(gray ^ is_reversed);
-        }
-        is_reversed ^= gray;
-        for (axis, &bit) in seen.iter().enumerate() {
-            if bit {
-                view[0].1 ^= true;
-            } else {
-                view.swap(0, axis);
-            }
-        }
-    }
-    digits
 }
 
 /// The value of a coordinate, in [0, 1] where it is in range. `length` is the estimate, unit lengths.

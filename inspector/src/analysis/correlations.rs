@@ -1,7 +1,7 @@
 //! How capsule area and trace time go together, over scenes, bounces, kinds and methods: both over those of the same
 //! queue unsorted, since queues differ in both for reasons of their own.
 
-use formats::key::method::UNSORTED;
+use formats::key::method::{AUTO, CONTROL, UNSORTED};
 use formats::manifest::Stage;
 use formats::metrics::correlation::Correlation;
 use formats::ray::Kind;
@@ -57,11 +57,16 @@ impl<'a> AreaAndTime<'a> {
     }
 }
 
-/// Every order of a recording whose capsules and trace time are known, `unsorted` included, variants of methods not.
+/// Every order of a recording whose capsules and trace time are known, variants of methods not. Nor is canonical order,
+/// as `unsorted`, `control` or what `auto` left alone: one more point at (1, 1) for each queue says nothing.
 pub fn points(recording: &RecordingAnalysis) -> Vec<AreaAndTime<'_>> {
+    let is_order = |order: &&OrderAnalysis| {
+        let is_left_alone = order.method == AUTO && order.stage(Stage::Sort).is_none();
+        order.base == order.method && ![UNSORTED, CONTROL].contains(&order.method.as_str()) && !is_left_alone
+    };
     let mut points = Vec::new();
     for queue in recording.measured() {
-        let orders = queue.orders.iter().filter(|order| order.base == order.method);
+        let orders = queue.orders.iter().filter(is_order);
         points.extend(orders.filter_map(|order| AreaAndTime::of(recording, queue, order)));
     }
     points

@@ -28,7 +28,7 @@ pub struct FrameAnalysis {
     pub stages: Vec<FrameStage>,
     /// Unsorted trace over trace in this order.
     pub trace_speedup: Metric<SpeedupLine>,
-    /// Unsorted trace over all stages.
+    /// Unsorted trace over all stages, beside the control.
     pub net_speedup: Metric<SpeedupLine>,
     /// Mean capsule area of a ray over that in the unsorted order.
     pub capsule_area_ratio: Metric<f64>,
@@ -51,21 +51,23 @@ impl FrameAnalysis {
         ![UNSORTED, CONTROL].contains(&self.method.as_str()) && !self.left_alone
     }
 
-    /// Every kind of rays and method of some queues, in the order in which they come up.
-    pub(super) fn all(queues: &[QueueAnalysis]) -> Vec<Self> {
+    /// Every kind of rays and method of some queues, in the order in which they come up, beside the controls.
+    pub(super) fn all(queues: &[QueueAnalysis], controls: &[(RayClass, SpeedupLine)]) -> Vec<Self> {
         let mut frames = Vec::new();
         for rays in RayClass::ALL {
             let own: Vec<&QueueAnalysis> =
                 queues.iter().filter(|queue| RayClass::of(queue) == Some(rays)).collect();
+            let control = controls.iter().find(|(of, _)| *of == rays);
+            let error = control.map_or(0.0, |(_, line)| (line.ratio - 1.0).abs());
             let orders = own.iter().flat_map(|queue| &queue.orders);
             for method in distinct(orders.map(|order| order.method.as_str())) {
-                frames.extend(Self::of(&own, rays, method));
+                frames.extend(Self::of(&own, rays, method, error));
             }
         }
         frames
     }
 
-    fn of(queues: &[&QueueAnalysis], rays: RayClass, method: &str) -> Option<Self> {
+    fn of(queues: &[&QueueAnalysis], rays: RayClass, method: &str, error: f64) -> Option<Self> {
         let measured: Vec<(&QueueAnalysis, &OrderAnalysis)> =
             queues.iter().filter_map(|queue| Some((*queue, queue.order(method)?))).collect();
         let (_, first) = measured.first()?;
@@ -79,7 +81,8 @@ impl FrameAnalysis {
                 && measured.iter().all(|(_, order)| order.stage(Stage::Sort).is_none()),
             stages: stages.collect(),
             trace_speedup: speedup(&measured, |order| &order.trace_speedup, traced),
-            net_speedup: speedup(&measured, |order| &order.net_speedup, |order| order.total.as_ref()),
+            net_speedup: speedup(&measured, |order| &order.net_speedup, |order| order.total.as_ref())
+                .map(|line| line.beyond(error)),
             capsule_area_ratio: area_ratio(&measured),
         })
     }

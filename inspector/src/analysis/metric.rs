@@ -25,6 +25,14 @@ impl<T> Metric<T> {
         Self::Missing { missing: shown::sentence(reason.to_string()) }
     }
 
+    /// The same of what is known.
+    pub fn map<U>(self, of: impl FnOnce(T) -> U) -> Metric<U> {
+        match self {
+            Self::Known(value) => Metric::Known(of(value)),
+            Self::Missing { missing } => Metric::Missing { missing },
+        }
+    }
+
     /// The number, if there is one.
     pub fn known(&self) -> Option<&T> {
         match self {

@@ -6,7 +6,7 @@ use formats::key::method::{CONTROL, UNSORTED};
 
 use super::coherence::{Coherence, LaneUtilisation};
 use super::summary::RayClass;
-use super::timing::SpeedupLine;
+use super::timing::{SpeedupLine, Verdict};
 use super::{Metric, OrderAnalysis, RecordingAnalysis, Versus};
 
 /// Lanes of a warp.
@@ -35,9 +35,9 @@ pub fn rank(orders: &mut [RankedOrder]) {
 }
 
 /// Of `methods`, the one that is best on the whole frame, by what each gains over unsorted rays: that which gains most
-/// net, one that surely pays (by more than the instrument's `error`) before one that may do so by chance, as the
-/// sentence that ends `inspector info` has it; or else most in tracing. `None` if none was timed.
-pub fn best<'a>(over_unsorted: &[(String, Versus)], methods: &'a [String], error: f64) -> Option<&'a str> {
+/// net, one that surely pays before one that may do so by chance, as the sentence that ends `inspector info` has it; or
+/// else most in tracing. `None` if none was timed.
+pub fn best<'a>(over_unsorted: &[(String, Versus)], methods: &'a [String]) -> Option<&'a str> {
     let of = |pick: fn(&Versus) -> &Metric<SpeedupLine>| {
         let line = |method: &str| {
             let (_, versus) = over_unsorted.iter().find(|(name, _)| name == method)?;
@@ -46,7 +46,7 @@ pub fn best<'a>(over_unsorted: &[(String, Versus)], methods: &'a [String], error
         // The control is canonical order through the same stages: what it gains is the instrument's error.
         let methods = methods.iter().filter(|method| *method != CONTROL);
         let lines = methods.filter_map(|method| Some((method, line(method)?)));
-        let pays = |line: &SpeedupLine| line.interval.is_some_and(|(low, _)| low > 1.0 + error);
+        let pays = |line: &SpeedupLine| line.verdict == Verdict::Faster;
         let best = lines.max_by(|(_, a), (_, b)| pays(a).cmp(&pays(b)).then(a.ratio.total_cmp(&b.ratio)));
         best.map(|(method, _)| method.as_str())
     };
@@ -130,7 +130,6 @@ fn descending(one: Option<f64>, other: Option<f64>) -> Ordering {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::timing::Verdict;
 
     fn order(method: &str, net: Option<f64>, trace: Option<f64>, area: Option<f64>) -> RankedOrder {
         let line = |ratio: Option<f64>| {
@@ -165,21 +164,19 @@ mod tests {
 
     #[test]
     fn the_best_surely_pays_or_gains_most() {
-        let frame = |method: &str, ratio: f64, low: f64| {
-            let (interval, verdict) = (Some((low, 2.0 * ratio)), Verdict::Unknown);
-            let net = Metric::Known(SpeedupLine { ratio, interval, verdict, n: 7 });
-            (method.to_owned(), Versus { trace: net.clone(), net, rays: Vec::new() })
+        let all = |error: f64| {
+            let frame = |(method, ratio, low): (&str, f64, f64)| {
+                let (interval, verdict) = (Some((low, 2.0 * ratio)), Verdict::NoSignificantDifference);
+                let verdict = if low > 1.0 { Verdict::Faster } else { verdict };
+                let net = Metric::Known(SpeedupLine { ratio, interval, verdict, n: 7 }.beyond(error));
+                (method.to_owned(), Versus { trace: net.clone(), net, rays: Vec::new() })
+            };
+            [(CONTROL, 1.5, 1.4), ("lucky", 1.3, 0.9), ("sure", 1.2, 1.02), ("surer", 1.1, 1.08)].map(frame)
         };
-        let all = [
-            frame(CONTROL, 1.5, 1.4),
-            frame("lucky", 1.3, 0.9),
-            frame("sure", 1.2, 1.02),
-            frame("surer", 1.1, 1.08),
-        ];
-        let methods = all.each_ref().map(|(method, _)| method.clone());
-        assert_eq!(best(&all, &methods, 0.0), Some("sure"));
-        assert_eq!(best(&all, &methods, 0.05), Some("surer"), "what the control misses is no gain");
-        assert_eq!(best(&all, &methods[..2], 0.0), Some("lucky"), "the control is no method");
-        assert_eq!(best(&all, &methods[..1], 0.0), None);
+        let methods = all(0.0).map(|(method, _)| method);
+        assert_eq!(best(&all(0.0), &methods), Some("sure"));
+        assert_eq!(best(&all(0.05), &methods), Some("surer"), "what the control misses is no gain");
+        assert_eq!(best(&all(0.0), &methods[..2]), Some("lucky"), "the control is no method");
+        assert_eq!(best(&all(0.0), &methods[..1]), None);
     }
 }

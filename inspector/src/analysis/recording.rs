@@ -53,6 +53,9 @@ impl RecordingAnalysis {
         let header = shown::header(&manifest.header);
         let samples = Samples::of(manifest);
         let configuration = labels::configuration(&header);
+        let control_of = |rays| Some((rays, control(&samples, &queues, rays)?));
+        let controls: Vec<(RayClass, SpeedupLine)> =
+            RayClass::ALL.into_iter().filter_map(control_of).collect();
         Self {
             label,
             root: dump.root().to_owned(),
@@ -63,11 +66,8 @@ impl RecordingAnalysis {
             adapter: header.adapter,
             options: header.options,
             time_source: header.time_source,
-            frames: FrameAnalysis::all(&queues),
-            controls: RayClass::ALL
-                .into_iter()
-                .filter_map(|rays| Some((rays, control(&samples, &queues, rays)?)))
-                .collect(),
+            frames: FrameAnalysis::all(&queues, &controls),
+            controls,
             queues,
         }
     }
@@ -82,10 +82,10 @@ impl RecordingAnalysis {
         self.controls.iter().find(|(of, _)| *of == rays).map(|(_, line)| line)
     }
 
-    /// Whether a net speedup of these rays is beyond what the control misses 1 by.
-    pub fn is_shown_to_pay(&self, rays: RayClass, net: &SpeedupLine) -> bool {
-        let error = self.control(rays).map_or(0.0, |control| (control.ratio - 1.0).abs());
-        net.interval.is_some_and(|(low, _)| low > 1.0 + error)
+    /// The most that the controls of some rays miss 1 by; 0 where none was measured.
+    pub fn instrument_error(&self, rays: &[RayClass]) -> f64 {
+        let own = self.controls.iter().filter(|(of, _)| rays.contains(of));
+        own.map(|(_, line)| (line.ratio - 1.0).abs()).fold(0.0, f64::max)
     }
 
     /// The controls that miss 1 by so much that other speedups cannot be trusted.

@@ -55,6 +55,8 @@ pub enum Verdict {
     Slower,
     /// The interval contains 1.
     NoSignificantDifference,
+    /// It does not, but begins or ends no farther from 1 than the control of these rays lies.
+    WithinControl,
     /// There are too few samples for an interval.
     Unknown,
 }
@@ -66,6 +68,7 @@ impl Verdict {
             Self::Faster => "faster",
             Self::Slower => "slower",
             Self::NoSignificantDifference => "no significant difference",
+            Self::WithinControl => "within what the control is off by",
             Self::Unknown => "too few rounds for an interval",
         }
     }
@@ -88,6 +91,16 @@ impl SpeedupLine {
     /// Its interval for people, nothing if it has none.
     pub fn interval_text(&self) -> String {
         self.interval.map_or(String::new(), |(low, high)| format!("[{low:.2}, {high:.2}]"))
+    }
+
+    /// The same beside a control that misses 1 by `error`.
+    pub fn beyond(self, error: f64) -> Self {
+        let verdict = match (self.verdict, self.interval) {
+            (Verdict::Faster, Some((low, _))) if low <= 1.0 + error => Verdict::WithinControl,
+            (Verdict::Slower, Some((_, high))) if high >= 1.0 - error => Verdict::WithinControl,
+            (verdict, _) => verdict,
+        };
+        Self { verdict, ..self }
     }
 
     /// Of `method` over `baseline`; `None` if either has no samples.

@@ -22,7 +22,7 @@ pub struct OrderOf<'a> {
 pub struct Versus {
     /// Trace in order A over trace in order B.
     pub trace: Metric<SpeedupLine>,
-    /// The same with all that sorting costs on either side.
+    /// The same with all that sorting costs on either side, beside the controls of these rays.
     pub net: Metric<SpeedupLine>,
     /// The kinds of rays whose times are in it.
     pub rays: Vec<RayClass>,
@@ -71,18 +71,16 @@ impl Versus {
                 return Metric::missing("A and B were not both measured on the same rays");
             }
             let line = speedup(&pairs, of, time);
-            match line {
-                // Rounds of two runs are no pairs: what slowed one down did not slow the other.
-                Metric::Known(line) if !is_one_run => {
-                    Metric::Known(SpeedupLine { interval: None, verdict: Verdict::Unknown, ..line })
-                }
-                line => line,
-            }
+            // Rounds of two runs are no pairs: what slowed one down did not slow the other.
+            let unpaired = |line| SpeedupLine { interval: None, verdict: Verdict::Unknown, ..line };
+            if is_one_run { line } else { line.map(unpaired) }
         };
+        let rays: Vec<RayClass> = RayClass::ALL.into_iter().filter(|class| classes.contains(class)).collect();
+        let error = b.recording.instrument_error(&rays);
         Self {
             trace: speedup(|order| &order.trace_speedup, traced),
-            net: speedup(|order| &order.net_speedup, total),
-            rays: RayClass::ALL.into_iter().filter(|class| classes.contains(class)).collect(),
+            net: speedup(|order| &order.net_speedup, total).map(|line| line.beyond(error)),
+            rays,
         }
     }
 }

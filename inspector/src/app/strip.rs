@@ -191,13 +191,13 @@ fn speedup(ui: &mut Ui, line: &Metric<SpeedupLine>, (what, about): (&str, &str),
             let colour = match line.verdict {
                 Verdict::Faster => theme.faster(),
                 Verdict::Slower => theme.problem(),
-                Verdict::NoSignificantDifference | Verdict::Unknown => ui.visuals().strong_text_color(),
+                _ => ui.visuals().strong_text_color(),
             };
             ui.label(RichText::new(times(line.ratio)).size(size).color(colour));
             ui.label(what);
             let said = match line.verdict {
                 Verdict::Faster | Verdict::Slower => String::new(),
-                Verdict::NoSignificantDifference | Verdict::Unknown => format!(" {}", line.verdict.words()),
+                verdict => format!(" {}", verdict.words()),
             };
             ui.label(line.interval_text() + &said)
         }

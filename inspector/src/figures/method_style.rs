@@ -6,7 +6,7 @@ use crate::analysis::RecordingAnalysis;
 use crate::analysis::summary::distinct;
 
 /// The number of a method's style: its place among `unsorted`, the built-in ones of `all`, and others that were
-/// measured.
+/// measured; after all of them for one that was not, as a study's control.
 pub fn method_style<'a>(
     recordings: impl Iterator<Item = &'a RecordingAnalysis> + Clone,
     method: &str,
@@ -17,8 +17,8 @@ pub fn method_style<'a>(
         return place;
     }
     let measured = measured_methods(recordings).into_iter().map(|(name, _)| name);
-    let place = distinct(builtin.into_iter().chain(measured)).into_iter().position(|name| name == method);
-    place.unwrap_or(IN_ALL + 1)
+    let names = distinct(builtin.into_iter().chain(measured));
+    names.iter().position(|name| *name == method).unwrap_or(names.len())
 }
 
 /// Every method that was measured, each once, with whether it is a variant of another in all its orders:

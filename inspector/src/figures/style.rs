@@ -162,7 +162,7 @@ pub fn style(number: usize) -> Style {
     Style {
         colour: PALETTE[number % COLOURS],
         marker: MARKERS[(number + round) % MARKERS.len()],
-        dash: DASHES[(number + round) % DASHES.len()],
+        dash: DASHES[(number + 2 * round) % DASHES.len()],
     }
 }
 

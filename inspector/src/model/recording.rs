@@ -8,7 +8,7 @@ use formats::folder::dump_of_partial;
 use formats::hierarchy::Hierarchy;
 use formats::key::method::{UNSORTED, is_method_name};
 use formats::manifest::{Header, MethodRecord, QueueId, QueueRecord, Source};
-use formats::metrics::frame::{instrument_error, leaves_all_alone};
+use formats::metrics::frame::leaves_all_alone;
 use formats::ray::Kind;
 use formats::reader::{Dump, ReadError};
 use formats::unit_space::UnitSpace;
@@ -33,8 +33,6 @@ pub struct Recording {
     queues: Vec<QueueRecord>,
     /// What each method that orders any rays gains over unsorted ones on the whole frame.
     over_unsorted: Vec<(String, Versus)>,
-    /// How far its control is from a speedup of 1.
-    instrument_error: f64,
     /// A number of its own, another one each time that it is read again.
     pub opening: u64,
     /// The scene's hierarchy, read by the first that needs it.
@@ -54,7 +52,6 @@ impl Recording {
         let times = analysis.and_then(|analysis| analysis.recordings.into_iter().next());
         let mut over_unsorted = times.as_ref().map_or_else(Vec::new, Versus::over_unsorted);
         over_unsorted.retain(|(method, _)| !leaves_all_alone(dump.manifest(), method));
-        let instrument_error = instrument_error(dump.manifest());
         let name = dump.root().file_stem();
         let label = name.map_or_else(String::new, |name| shown::name(&name.to_string_lossy()));
         let shown = shown::header(&dump.manifest().header);
@@ -62,7 +59,7 @@ impl Recording {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let opening = NEXT.fetch_add(1, Ordering::Relaxed);
         let (dump, hierarchy) = (Arc::new(dump), Arc::default());
-        Ok(Self { dump, times, label, shown, queues, over_unsorted, instrument_error, opening, hierarchy })
+        Ok(Self { dump, times, label, shown, queues, over_unsorted, opening, hierarchy })
     }
 
     /// Reads it again, by its final name if its recorder has ended since.
@@ -110,7 +107,7 @@ impl Recording {
     pub fn best_method(&self, queue: QueueId) -> &str {
         let methods = self.methods(queue);
         let first = || methods.iter().find(|method| *method != UNSORTED).map(String::as_str);
-        best(&self.over_unsorted, methods, self.instrument_error).or_else(first).unwrap_or(UNSORTED)
+        best(&self.over_unsorted, methods).or_else(first).unwrap_or(UNSORTED)
     }
 
     /// What the manifest says of a method; `None` for `unsorted`.

@@ -157,7 +157,8 @@ fn speedup(ui: &mut Ui, order: &RankedOrder, of: &Metric<SpeedupLine>) {
     match of {
         _ if order.method == UNSORTED => drop(plain(ui, times(1.0))),
         Metric::Known(line) => {
-            let sign = if line.verdict == Verdict::NoSignificantDifference { "\u{2248}" } else { "" };
+            let is_level = [Verdict::NoSignificantDifference, Verdict::WithinControl].contains(&line.verdict);
+            let sign = if is_level { "\u{2248}" } else { "" };
             plain(ui, format!("{sign}{}", times(line.ratio))).on_hover_text(format!(
                 "{} {} (n = {})",
                 line.verdict.words(),

@@ -1,4 +1,4 @@
-//! The stages of each method against tracing unsorted rays, the fastest first: what ends left of the line pays off.
+//! The stages of each method against tracing unsorted rays, the fastest first: what ends left of the line is faster than unsorted rays in the median.
 
 use egui::{Align2, RichText};
 use egui_plot::{AxisHints, Bar, BarChart, Plot, PlotPoint, Text, VLine};

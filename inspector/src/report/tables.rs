@@ -10,7 +10,7 @@ use formats::ray::Kind;
 use super::table::{Cell, Table};
 use crate::analysis::study::StudyGroup;
 use crate::analysis::summary::{RayClass, distinct};
-use crate::analysis::timing::SpeedupLine;
+use crate::analysis::timing::Verdict;
 use crate::analysis::{Analysis, FrameAnalysis, Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 use crate::figures::catalogue::building::machine;
 use crate::figures::catalogue::study::label;
@@ -69,14 +69,13 @@ fn both(trace: f64, net: f64) -> Cell {
 }
 
 /// A cell of a recording's row, with its net speedup if it is shown to pay: only such ones are called the best.
-fn speedup_cell(recording: &RecordingAnalysis, frame: Option<&FrameAnalysis>) -> (Cell, Option<f64>) {
+fn speedup_cell(frame: Option<&FrameAnalysis>) -> (Cell, Option<f64>) {
     match frame {
         Some(frame) if frame.left_alone => (Cell::plain("left alone"), None),
         frame => match frame.and_then(|frame| Some((frame, of_frame(frame)?))) {
             None => (Cell::plain("–"), None),
             Some((frame, (trace, net))) => {
-                let pays = |line: &&SpeedupLine| recording.is_shown_to_pay(frame.rays, line);
-                let line = frame.net_speedup.known().filter(pays);
+                let line = frame.net_speedup.known().filter(|line| line.verdict == Verdict::Faster);
                 (both(trace, net), line.map(|line| line.ratio))
             }
         },
@@ -109,7 +108,8 @@ fn study_table(title: &str, groups: &[&StudyGroup], rays: RayClass) -> Option<Ta
             let Some(row) = group.methods(rays).find(|row| row.method == method) else {
                 return Cell::plain("–");
             };
-            let best = group.methods(rays).find(|row| row.net.is_some()).map(|row| row.method.as_str());
+            let best = group.methods(rays).find(|row| row.method != CONTROL && group.is_shown_to_pay(row));
+            let best = best.map(|row| row.method.as_str());
             let trace = row.trace.mean.ratio;
             let net = row.net.as_ref().map(|net| {
                 let interval = net.mean.interval.map(|(low, high)| format!(" [{low:.2}, {high:.2}]"));
@@ -122,7 +122,7 @@ fn study_table(title: &str, groups: &[&StudyGroup], rays: RayClass) -> Option<Ta
     };
     table(
         format!("{title}: trace / net speedup, {} rays", rays.name()),
-        "Geometric means over scenes of geometric means over their views (cameras and seeds), of each recording the whole frame; 95 % intervals by bootstrap over views and rounds.",
+        "Geometric means over scenes of geometric means over their views (cameras and seeds), of each recording the whole frame; 95 % intervals by bootstrap over views and rounds. Marked is the best of those whose interval lies beyond 1 and what the control misses it by.",
         header(
             "method",
             groups.iter().map(|group| {
@@ -153,8 +153,7 @@ fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
             if frames.iter().all(|frame| frame.and_then(of_frame).is_none()) {
                 continue;
             }
-            let mut row =
-                row_of(&recording.label, frames.into_iter().map(|frame| speedup_cell(recording, frame)));
+            let mut row = row_of(&recording.label, frames.into_iter().map(speedup_cell));
             let control = recording.control(rays);
             row.push(Cell::plain(control.map_or("–".to_owned(), |line| format!("{:.2}", line.ratio))));
             rows.push(row);
@@ -172,7 +171,7 @@ fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
                 match known {
                     None => (Cell::plain("–"), None),
                     Some((trace, net)) => {
-                        let pays = net.mean > 1.0 && net.faster > net.slower;
+                        let pays = net.faster == net.n;
                         (both(trace.mean, net.mean), pays.then_some(net.mean))
                     }
                 }
@@ -184,7 +183,7 @@ fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
     }
     table(
         format!("Trace / net speedup, {} rays", rays.name()),
-        "Unsorted trace over sorted trace, and over all that the method costs: the whole frame, times of all bounces summed round by round. Marked is the best of those that are shown to pay. Means are geometric, over recordings, those that `auto` left alone with what they measured. The control is canonical order measured like a method: what it misses 1 by is the instrument's error.",
+        "Unsorted trace over sorted trace, and over all that the method costs: the whole frame, times of all bounces summed round by round. Marked is the best of those that are shown to pay. Means are geometric, over recordings, those that `auto` left alone with what they measured, and marked where each one pays. The control is canonical order measured like a method: what it misses 1 by is the instrument's error.",
         header("recording", methods.iter().copied().chain([CONTROL])),
         rows,
     )
@@ -216,11 +215,12 @@ fn overhead(analysis: &Analysis, rays: RayClass) -> Option<Table> {
         "together",
         "unsorted trace",
         "sorted trace",
-        "trace speedup",
+        "trace speedup, gathered",
+        "net speedup",
     ];
     table(
         format!("Overhead, {} rays, ms", rays.name()),
-        "The method that is best net, and two-point-adaptive, as in the talk: medians over rounds of sums over bounces, in parentheses the share of what sorting costs. Where rays are traced through indices, nothing is gathered or scattered, and that trace has it in itself. `auto` traces each queue one way: its sorted trace is the sum, with queues that it left alone.",
+        "The method that is best net, and two-point-adaptive, as in the talk: medians over rounds of sums over bounces, in parentheses the share of what sorting costs. Where rays are traced through indices, nothing is gathered or scattered, and that trace has it in itself; its speedup is less than that of gathered rays. `auto` traces each queue one way: its sorted trace is the sum, with queues that it left alone.",
         header("recording", columns),
         rows,
     )
@@ -248,11 +248,12 @@ fn overhead_row(recording: &RecordingAnalysis, frame: &FrameAnalysis) -> Option<
     };
     let names = [recording.label.clone(), frame.method.clone()].into_iter().map(Cell::plain);
     let rest = [format!("{sum:.2}"), format!("{unsorted:.2}"), format!("{sorted:.2}")];
-    let speedup = of_frame(frame).map_or("–".to_owned(), |(trace, _)| format!("{trace:.2}"));
+    let speedups = of_frame(frame).map_or([None; 2], |(trace, net)| [Some(trace), Some(net)]);
+    let speedups = speedups.map(|one| one.map_or("–".to_owned(), |ratio| format!("{ratio:.2}")));
     Some(
         names
             .chain(parts.iter().map(part))
-            .chain(rest.into_iter().chain([speedup]).map(Cell::plain))
+            .chain(rest.into_iter().chain(speedups).map(Cell::plain))
             .collect(),
     )
 }

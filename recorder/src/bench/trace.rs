@@ -37,8 +37,9 @@ pub struct TraceBench {
 /// One sentence on what went wrong with scene or device.
 pub fn run(bench: &TraceBench) -> Result<BenchResult> {
     let mut rows = Vec::new();
-    let needs_queries = bench.kernels.contains(&TraceKernel::RayQuery);
-    let kernel = needs_queries.then_some(TraceKernel::RayQuery);
+    // A device that has queries has every kernel of GPUs; one that no GPU has is for threads, as `record` takes it.
+    let is_first = |kernel: &&TraceKernel| **kernel == TraceKernel::RayQuery || !kernel.is_for_gpus();
+    let kernel = bench.kernels.iter().find(is_first).copied();
     let device = machine::open(&DeviceOptions { trace: kernel, ..bench.run.device.clone() })?;
     let kernels = if bench.kernels.is_empty() { device.kernels() } else { bench.kernels.clone() };
     let bench = &TraceBench { kernels, ..bench.clone() };

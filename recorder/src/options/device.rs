@@ -70,8 +70,8 @@ impl DeviceOptions {
         let for_threads = self.trace.filter(|kernel| !kernel.is_for_gpus());
         let message = if self.pin && !cfg!(target_os = "linux") {
             "--pin ties threads to processors, which this system is not asked for; leave it out"
-        } else if self.pin && self.backend == BackendChoice::Gpu {
-            "--pin ties the threads of the cpu backend, but --backend gpu asks for a GPU; leave one of them out"
+        } else if self.pin && self.asks_for_gpu() {
+            "--pin ties the threads of the cpu backend, but --backend gpu or --adapter asks for a GPU; leave one of them out"
         } else if is_cpu && self.trace == Some(TraceKernel::RayQuery) {
             "--trace ray-query needs a GPU that has ray queries; use --backend gpu, or --trace wide, cwbvh, bvh2, lanes or packet"
         } else if let Some(kernel) = for_threads.filter(|_| self.asks_for_gpu()) {

@@ -157,6 +157,14 @@ impl StudyGroup {
         self.rows.iter().all(|row| row.is_variant || row.method == CONTROL)
     }
 
+    /// Whether a method's net speedup lies beyond 1 and what the control of these rays misses it by.
+    pub fn is_shown_to_pay(&self, row: &StudyRow) -> bool {
+        let control = self.rows.iter().find(|other| other.rays == row.rays && other.method == CONTROL);
+        let error = control.map_or(0.0, |control| (control.trace.mean.ratio - 1.0).abs());
+        let interval = row.net.as_ref().and_then(|net| net.mean.interval);
+        interval.is_some_and(|(low, _)| low > 1.0 + error)
+    }
+
     /// The rows of a kind of rays: methods, or in a sweep their variants.
     pub fn methods(&self, rays: RayClass) -> impl Iterator<Item = &StudyRow> {
         let is_sweep = self.is_sweep();
@@ -263,5 +271,12 @@ mod tests {
         assert_eq!((aila.trace.views, aila.capsule_area_ratio), (4, Some(0.5)));
         assert_eq!((control.method.as_str(), &control.net), ("control", &None));
         assert_eq!(second.rows[0].trace.mean.ratio, 4.0);
+        // The control has twice the speed, too: a gain is beyond that.
+        let pays = |low| {
+            let mut row = aila.clone();
+            row.net.as_mut().unwrap().mean.interval = Some((low, 3.0));
+            first.is_shown_to_pay(&row)
+        };
+        assert!(pays(2.1) && !pays(1.9) && !first.is_shown_to_pay(aila));
     }
 }

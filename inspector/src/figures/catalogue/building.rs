@@ -247,20 +247,23 @@ pub fn methods_in_rows(findings: &Findings<'_>, title: String, axis: Axis, serie
     in_rows(&rows, title, axis, series)
 }
 
-/// The methods that have a number.
-pub fn rows_of<'a>(findings: &Findings<'a>, series: &[Series]) -> Vec<&'a str> {
-    let has_number =
-        |method: &&str| series.iter().any(|series| series.label == **method && !series.points.is_empty());
-    methods(findings).into_iter().filter(has_number).collect()
+/// The methods that have a number, those after all others that no recording of the figure has as an order: a study's
+/// control.
+pub fn rows_of(findings: &Findings<'_>, series: &[Series]) -> Vec<String> {
+    let numbered = series.iter().filter(|series| !series.points.is_empty());
+    let numbered = distinct(numbered.map(|series| series.label.as_str()));
+    let known = methods(findings).into_iter().filter(|method| numbered.contains(method));
+    distinct(known.chain(numbered.iter().copied())).into_iter().map(str::to_owned).collect()
 }
 
 /// A panel with these rows, which panels beside each other share.
-pub fn in_rows(rows: &[&str], title: String, axis: Axis, mut series: Vec<Series>) -> Panel {
-    for series in &mut series {
-        let row = rows.iter().position(|method| *method == series.label).unwrap_or(0);
-        series.points.iter_mut().for_each(|point| point.x = row as f64);
-    }
-    Panel::new(title, Axis::categories("", rows.iter().copied()), axis, Content::Dots(series))
+pub fn in_rows(rows: &[String], title: String, axis: Axis, mut series: Vec<Series>) -> Panel {
+    series.retain_mut(|series| {
+        let row = rows.iter().position(|method| *method == series.label);
+        series.points.iter_mut().for_each(|point| point.x = row.unwrap_or_default() as f64);
+        row.is_some()
+    });
+    Panel::new(title, Axis::categories("", rows), axis, Content::Dots(series))
 }
 
 /// The measured queues of a recording with these rays.
@@ -353,4 +356,24 @@ pub fn range(numbers: &[f64]) -> Option<(f64, f64)> {
     let low = numbers.iter().copied().fold(f64::INFINITY, f64::min);
     let high = numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     (numbers.len() > 1).then_some((low, high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_has_no_row_is_on_no_other_ones() {
+        let series = ["aila", "control", "stray"].map(|label| Series {
+            label: label.to_owned(),
+            style: 0,
+            points: vec![Point { x: 7.0, y: 1.0, spread: None, n: 1, of: Of::default() }],
+            is_part: false,
+        });
+        let rows = ["aila", "control"].map(str::to_owned);
+        let panel = in_rows(&rows, String::new(), Axis::ratios(""), series.into());
+        let Content::Dots(series) = panel.content else { panic!("no dots") };
+        let places = series.iter().map(|series| (series.label.as_str(), series.points[0].x));
+        assert_eq!(places.collect::<Vec<_>>(), [("aila", 0.0), ("control", 1.0)]);
+    }
 }

@@ -1,6 +1,5 @@
 //! Capsule area against trace time, and its distribution.
 
-use formats::key::method::UNSORTED;
 use formats::metrics::correlation::Correlation;
 use formats::ray::Kind;
 
@@ -58,7 +57,7 @@ fn scatter(
         let QueueAnalysis { bounce, kind, .. } = at.queue;
         let of = of(recording, kind, Some(*bounce), &at.order.method);
         let n = at.trace.samples_ns.len();
-        (at.order.method != UNSORTED).then_some(Point { x: at.area, y: at.time, spread: None, n, of })
+        Some(Point { x: at.area, y: at.time, spread: None, n, of })
     };
     let all: Vec<&AreaAndTime<'_>> = points.iter().collect();
     let series = by_label(&all, |at| &at.order.base, |base| method_style(findings, base), point);

@@ -16,7 +16,7 @@ pub fn overhead(findings: &Findings<'_>) -> Made {
     figure(
         "Where the time goes, per method",
         format!(
-            "Median times of the stages, summed over bounces, as multiples of the trace of unsorted rays: a row that ends left of the line pays off. Gather, trace and scatter count, or the trace through indices: what the recording chose for the method.{}",
+            "Median times of the stages, summed over bounces, as multiples of the trace of unsorted rays: a row that ends left of the line is faster in the median, and whether it is beyond chance says `net-speedup`. Gather, trace and scatter count, or the trace through indices: what the recording chose for the method.{}",
             left_out(findings)
         ),
         settings(recordings(findings)),

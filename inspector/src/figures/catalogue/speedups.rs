@@ -106,7 +106,7 @@ fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
         };
         if same.len() > 1 {
             let means = RayClass::ALL.map(|rays| means(findings, &same, rays, counted));
-            panels.extend(both("All scenes: ", means));
+            panels.extend(both("All recordings: ", means));
         }
         let are_too_many = same.len() > 1 && recordings.len() > MOST_DETAILED;
         let detailed = if are_too_many { &[] } else { same.as_slice() };

@@ -64,25 +64,28 @@ fn encode_into<W: Word + Send>(
     assert_eq!(rays.len(), keys.len(), "a key for each ray");
     rays.par_chunks(CHUNK).zip(keys.par_chunks_mut(CHUNK)).enumerate().for_each(|(number, (rays, keys))| {
         let first = number * CHUNK;
-        let mut means = [0.0; CHUNK];
-        if let Lengths::Adaptive(table, cells) = &facts.length {
-            mean_lengths(table, cells, rays, &mut means);
-        }
-        let length = |at: usize| match &facts.length {
-            Lengths::Fixed(length) => *length,
-            Lengths::Adaptive(..) => means[at],
-            Lengths::Real(real) => real(first + at),
-        };
         let (light, path) = (|at| (facts.light)(first + at), |at| (facts.path)(first + at));
-        encoder.encode_all(rays, &Facts { length, light, path }, keys);
+        match facts.length {
+            Lengths::Fixed(length) => {
+                encoder.encode_all(rays, &Facts { length: |_| length, light, path }, keys);
+            }
+            Lengths::Adaptive(table, cells) => {
+                let means = mean_lengths(table, cells, rays);
+                encoder.encode_all(rays, &Facts { length: |at| means[at], light, path }, keys);
+            }
+            Lengths::Real(real) => {
+                encoder.encode_all(rays, &Facts { length: |at| real(first + at), light, path }, keys);
+            }
+        }
     });
 }
 
-/// Asks the table for all rays of a chunk: its cells lie far apart.
-fn mean_lengths(table: &LengthTable, cells: &Encoder, rays: &[Ray], means: &mut [f32; CHUNK]) {
-    let mut cell_of = [0; CHUNK];
+/// What the table says of all rays of a chunk, whose cells lie far apart.
+fn mean_lengths(table: &LengthTable, cells: &Encoder, rays: &[Ray]) -> [f32; CHUNK] {
+    let (mut cell_of, mut means) = ([0; CHUNK], [0.0; CHUNK]);
     let cell_of = &mut cell_of[..rays.len()];
     cells.encode_all(rays, &NO_FACTS, cell_of);
     cell_of.iter().for_each(|&cell| prefetch_cell(table, cell));
     means.iter_mut().zip(cell_of).for_each(|(mean, cell)| *mean = table.mean(*cell));
+    means
 }
