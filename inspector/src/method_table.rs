@@ -276,10 +276,7 @@ fn correlations(analysis: &Analysis) -> Option<String> {
     };
     let lines: Vec<String> = analysis.correlations.iter().filter_map(line).collect();
     (!lines.is_empty()).then(|| {
-        format!(
-            "Correlation of mean capsule area with trace time, both unsorted = 1\n{}",
-            lines.join("\n")
-        )
+        format!("Correlation of mean capsule area with trace time, both unsorted = 1\n{}", lines.join("\n"))
     })
 }
 

@@ -1,10 +1,10 @@
 //! Means over a study: trace and net speedup by method, over scenes and their views.
 
-use super::building::{figure, method_style, methods_in_rows};
+use super::building::{figure, in_rows, method_style, rows_of};
 use super::{Findings, Made};
 use crate::analysis::study::{StudyGroup, StudyMean, StudyRow};
 use crate::analysis::summary::{RayClass, distinct};
-use crate::figures::model::{Axis, Of, Panel, Point, Series};
+use crate::figures::model::{Axis, Of, Point, Series};
 use crate::output::counted;
 
 /// Groups that have panels: those of the most views.
@@ -27,13 +27,15 @@ pub fn speedups(findings: &Findings<'_>) -> Made {
     };
     let mut panels = Vec::new();
     for group in &groups {
-        for rays in RayClass::ALL {
-            let name = rays.name();
-            let trace = title(group, format!("{name} rays, trace"));
-            panels.push(panel(findings, group, rays, trace, |row| Some(&row.trace)));
-            let net = title(group, format!("{name} rays, net"));
-            panels.push(panel(findings, group, rays, net, |row| row.net.as_ref()));
-        }
+        let parts: [(&str, Part); 2] = [("trace", |row| Some(&row.trace)), ("net", |row| row.net.as_ref())];
+        let of = |rays| parts.map(|(name, part)| (rays, name, series(findings, group, rays, part)));
+        let all = RayClass::ALL.map(of).concat();
+        // Panels beside each other have the same rows.
+        let rows = rows_of(findings, &all.iter().flat_map(|(.., series)| series.clone()).collect::<Vec<_>>());
+        panels.extend(all.into_iter().map(|(rays, name, series)| {
+            let title = title(group, format!("{} rays, {name}", rays.name()));
+            in_rows(&rows, title, Axis::ratios("speedup"), series).with_reference("unsorted", 1.0)
+        }));
     }
     let settings = groups.iter().map(|group| {
         let views = counted(group.views as u64, "view", "views");
@@ -57,13 +59,11 @@ pub fn label(group: &StudyGroup) -> String {
     }
 }
 
-fn panel(
-    findings: &Findings<'_>,
-    group: &StudyGroup,
-    rays: RayClass,
-    title: String,
-    of: impl Fn(&StudyRow) -> Option<&StudyMean>,
-) -> Panel {
+/// A mean of a row.
+type Part = fn(&StudyRow) -> Option<&StudyMean>;
+
+/// Means and, behind them, those of each scene.
+fn series(findings: &Findings<'_>, group: &StudyGroup, rays: RayClass, of: Part) -> Vec<Series> {
     let point = |row: &StudyRow, scene: &str, y, spread, n| {
         let of = Of {
             scene: scene.to_owned(),
@@ -89,6 +89,5 @@ fn panel(
             mean.scenes.iter().map(|(scene, ratio)| point(row, &group.scenes[*scene], *ratio, None, 1));
         series(row, true, points.collect())
     };
-    let series = rows().map(mean).chain(rows().map(scenes)).collect();
-    methods_in_rows(findings, title, Axis::ratios("speedup"), series).with_reference("unsorted", 1.0)
+    rows().map(mean).chain(rows().map(scenes)).collect()
 }
