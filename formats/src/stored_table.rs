@@ -43,7 +43,7 @@ pub struct StoredTable {
 }
 
 impl StoredTable {
-    /// Reads the table of a queue. Memory: 12 bytes a cell, touched or not.
+    /// Reads the table of a queue. Memory: 16 bytes a cell, touched or not.
     ///
     /// # Errors
     /// If it was not kept, cannot be read, or is damaged.

@@ -214,8 +214,9 @@ fn lengths(analysis: &Analysis) -> Option<String> {
     let lines: Vec<String> = Kind::ALL.into_iter().filter_map(line).collect();
     (!lines.is_empty()).then(|| {
         format!(
-            "Estimated lengths: mean |estimate − traced length|, unit lengths, over all rays.\n\
-             \x20                        table    one constant   table full\n{}",
+            "Estimated lengths: mean |estimate − traced length|, unit lengths, over all rays;\n\
+             cells of the table that are in use when a bounce is sorted, in the mean.\n\
+             \x20                        table    one constant       in use\n{}",
             lines.join("\n")
         )
     })

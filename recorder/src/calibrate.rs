@@ -22,9 +22,9 @@ const ROUNDS: u32 = 9;
 /// whether an order has that one earlier than canonical order is chance: two passes that say different things give an
 /// interval that holds both.
 pub const PASSES: u32 = 2;
-/// How often a ray of each pass is traced, by each order in two ways: in the first pass by all candidates in the warm-up
-/// and in the round that finds the best, and in each pass by those in the round that decides and those that count; in
-/// the second they have a warm-up of their own.
+/// How often a ray of each pass is traced, by each order in two ways. First pass: all candidates in the warm-up and in
+/// the round that finds the best, then these in a round that decides and those that count. Second pass: the best in
+/// a warm-up, in a round that decides and those that count.
 pub const TRACES: [u64; PASSES as usize] = {
     let (all, best, rounds) = (CANDIDATES.len() as u64, FINALISTS as u64, 1 + ROUNDS as u64);
     [2 * (2 * all + rounds * best), 2 * (best + rounds * best)]

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use formats::metrics::lanes::work_of;
 use formats::ray::{Hit, Work};
 
 /// A triangle, and what the rays cost that end at it.
@@ -19,15 +20,14 @@ pub struct CostlyTriangle {
 
 /// The triangles whose rays cost most together, most first, of equal ones the lowest; and the steps of all rays.
 pub fn costliest(hits: &[Hit], work: &[Work], most: usize) -> (Vec<CostlyTriangle>, u64) {
-    let steps_of = |work: &Work| u64::from(work.nodes) + u64::from(work.triangles);
     let mut found: HashMap<u32, CostlyTriangle> = HashMap::new();
     for (ray, (hit, of_ray)) in hits.iter().zip(work).enumerate() {
         let triangle = Some(hit.triangle).filter(|_| hit.is_hit());
         let first = CostlyTriangle { triangle, rays: 0, steps: 0, costliest_ray: ray };
         let known = found.entry(hit.triangle).or_insert(first);
         known.rays += 1;
-        known.steps += steps_of(of_ray);
-        if steps_of(of_ray) > steps_of(&work[known.costliest_ray]) {
+        known.steps += work_of(of_ray);
+        if work_of(of_ray) > work_of(&work[known.costliest_ray]) {
             known.costliest_ray = ray;
         }
     }

@@ -31,7 +31,7 @@ pub fn fill(findings: &Findings<'_>) -> Made {
     figure(
         "Fill of the length table over bounces and passes",
         format!(
-            "Share of the length table's cells that at least one ray was added to before the bounce was sorted. Closest and shadow rays have a table each, which lives on from pass to pass.{}",
+            "Share of the length table's cells that at least one ray was added to before the bounce was sorted. Closest and shadow rays have a table each, which lives on from pass to pass; passes that were not kept (`--keep-passes all`) are not shown. Along axes that are shorter than the longest one, cells beyond the scene's box stay empty: 100 % is out of reach.{}",
             without(with_own_tables(findings), |recording| lacking::of_queues(recording, |queue| &queue
                 .table))
         ),

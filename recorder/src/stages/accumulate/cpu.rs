@@ -27,6 +27,10 @@ const TASKS_PER_THREAD: usize = 4;
 /// Adds traced lengths to a table, in memory that it keeps for the next time.
 #[derive(Debug, Default)]
 pub struct Accumulator {
+    /// Cell of each ray.
+    cells: Vec<u32>,
+    /// Traced length of each, unit lengths.
+    lengths: Vec<f32>,
     /// Cell and fixed-point length of each ray, those of a chunk by part.
     sorted: Vec<[u32; 2]>,
     /// Where each part ends within a chunk, chunk by chunk.
@@ -38,6 +42,8 @@ impl Accumulator {
     pub fn make_room(&mut self, rays: usize) {
         make_room(&mut self.sorted, rays);
         make_room(&mut self.ends, rays.div_ceil(chunk_of(rays)) * PARTS);
+        make_room(&mut self.cells, rays);
+        make_room(&mut self.lengths, rays);
     }
 
     /// Adds each ray's traced length to its cell.
@@ -56,20 +62,18 @@ impl Accumulator {
         let shift = table.bits() - TABLE_BITS_MIN;
         let chunk = chunk_of(rays.len());
         let sorted = self.sorted.par_chunks_mut(chunk).zip(self.ends.par_chunks_mut(PARTS));
-        rays.par_chunks(chunk).zip(sorted).enumerate().for_each(|(number, (rays, (sorted, ends)))| {
-            let mut cell_of = [0; CHUNK];
+        let found = self.cells.par_chunks_mut(chunk).zip(self.lengths.par_chunks_mut(chunk));
+        let tasks = rays.par_chunks(chunk).zip(sorted).zip(found).enumerate();
+        tasks.for_each(|(number, ((rays, (sorted, ends)), (cell_of, length_of)))| {
             ends.fill(0);
-            let cell_of = &mut cell_of[..rays.len()];
             cells.encode_all(rays, &NO_FACTS, cell_of);
             cell_of.iter().for_each(|&cell| ends[cell as usize >> shift] += 1);
             let mut start = 0;
             for end in ends.iter_mut() {
                 (*end, start) = (start, start + *end);
             }
-            let mut length_of = [0.0; CHUNK];
-            let length_of = &mut length_of[..rays.len()];
             dispatch!(level, _ => lengths(unit, (rays, hits), number * chunk, length_of));
-            for (&mut cell, &mut length) in cell_of.iter_mut().zip(length_of) {
+            for (&cell, &length) in cell_of.iter().zip(length_of.iter()) {
                 let end = &mut ends[cell as usize >> shift];
                 sorted[*end as usize] = [cell, fixed_point(length)];
                 *end += 1;

@@ -115,7 +115,7 @@ impl BinaryTree {
                 if is_hit == 0b11 {
                     let is_swapped = near[1] < near[0];
                     let farther = if is_swapped { (first, near[0]) } else { (second, near[1]) };
-                    // The depth was checked when the tree was built; the mask only saves a check.
+                    // The depth was checked when the tree was built; the remainder only saves a check.
                     stack[waiting % BVH2_STACK] = farther;
                     waiting += 1;
                     current = if is_swapped { second } else { first };

@@ -74,7 +74,7 @@ impl CompressedTree {
             let place = group.1.ilog2();
             group.1 ^= 1 << place;
             if group.1 >> 24 != 0 {
-                // The depth was checked when the tree was built; the mask only saves a check.
+                // The depth was checked when the tree was built; the remainder only saves a check.
                 stack[waiting % CWBVH_STACK] = group;
                 waiting += 1;
             }

@@ -152,7 +152,7 @@ impl<'a, 'm, V: Vector, S: Variant> Lockstep<'a, 'm, V, S> {
                 continue;
             }
             let [next, other] = [is(goes_second), 1 - is(goes_second)];
-            // The depth was checked when the tree was built; the mask only saves a check.
+            // The depth was checked when the tree was built; the remainder only saves a check.
             self.stacks[lane][self.waiting[lane] % BVH2_STACK] =
                 (pairs[lane].references[other], near[other][lane]);
             self.waiting[lane] += is(hits_first & hits_second);

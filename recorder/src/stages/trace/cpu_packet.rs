@@ -113,7 +113,7 @@ impl<'a, 'm, V: Vector, S: Variant> Packet<'a, 'm, V, S> {
                     let next = goes_second::<V, S>(pair, &near);
                     let (next, other) = (usize::from(next), usize::from(!next));
                     if near[other].1 != 0 {
-                        // The depth was checked when the tree was built; the mask only saves a check.
+                        // The depth was checked when the tree was built; the remainder only saves a check.
                         stack[waiting % BVH2_STACK] = Waiting {
                             reference: pair.references[other],
                             rays: near[other].1,

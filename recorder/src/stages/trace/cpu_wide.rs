@@ -224,7 +224,7 @@ impl Waiting<'_> {
         self.count += 1;
     }
 
-    /// The depth was checked when the tree was built; the mask only saves a check.
+    /// The depth was checked when the tree was built; the remainder only saves a check.
     #[inline(always)]
     fn push(&mut self, entry: u64) {
         self.stack[self.count % STACK] = entry;
