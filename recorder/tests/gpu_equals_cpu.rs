@@ -24,6 +24,7 @@ use recorder::stages::setup::Setup;
 use recorder::stages::trace::cpu::CpuTracer;
 use recorder::stages::trace::hits::Hits;
 use recorder::stages::trace::{Order, Precision, TraceKernel};
+use recorder::wavefront;
 use scenes::Scene;
 use scenes::bvh::{Bvh, BvhKind};
 
@@ -367,4 +368,20 @@ fn tables_of_one_cell_and_of_misses_alone_are_equal() {
     gpu.accumulate(&rays, &hits, Table::Learnt).unwrap();
     add_lengths(&setup, &table, &copied);
     assert_eq!(read::<LengthCell>(&mut gpu, Array::Lengths(Kind::Closest)), table.touched());
+}
+
+#[test]
+fn a_picture_begins_with_tables_that_nothing_was_added_to() {
+    let Machine { mut gpu, .. } = machine(&options("builtin:cornell", &[]));
+    let picture = |gpu: &mut GpuBackend| {
+        gpu.restart().unwrap();
+        let tables =
+            |gpu: &mut GpuBackend| Kind::ALL.map(|kind| read::<LengthCell>(gpu, Array::Lengths(kind)));
+        let before = tables(gpu);
+        wavefront::run(gpu, 0..1, 2, &mut ()).unwrap();
+        (before, tables(gpu), read::<[f32; 3]>(gpu, Array::Film))
+    };
+    let (first, second) = (picture(&mut gpu), picture(&mut gpu));
+    assert!(first.0.iter().all(Vec::is_empty) && first.1.iter().all(|cells| cells.len() > 100));
+    assert!(first == second, "the second picture is not the first one");
 }

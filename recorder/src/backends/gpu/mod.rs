@@ -53,6 +53,8 @@ pub struct GpuBackend {
     tables: [GpuTable; 2],
     /// Made when they are first needed.
     scratch_tables: Option<[GpuTable; 2]>,
+    /// What each table is when a picture begins; likewise.
+    untouched: Option<GpuTable>,
     counter: DeviceArray<u32>,
     queues: Queues,
     /// By kind.
@@ -152,6 +154,7 @@ impl GpuBackend {
             light_sites: gpu.array_of("key::light_sites", &sites)?,
             film: gpu.array("film", pixels)?,
             scratch_tables: None,
+            untouched: None,
             counter: gpu.array("compare::counter", 1)?,
             queues: Queues { pixels, rays: Pool::default(), paths: Pool::default() },
             hits: [Pool::default(), Pool::default()],
@@ -214,9 +217,14 @@ impl Backend for GpuBackend {
 
     fn restart(&mut self) -> Result<()> {
         let bits = self.setup.table_bits;
-        self.tables = [GpuTable::new(&self.gpu, bits)?, GpuTable::new(&self.gpu, bits)?];
+        // Within rounds a card does not wait for megabytes from the processor.
+        let untouched = match &mut self.untouched {
+            Some(untouched) => untouched,
+            none => none.insert(GpuTable::new(&self.gpu, bits)?),
+        };
         let mut run = self.gpu.stage("film");
         run.clear(&self.film);
+        self.tables.iter().for_each(|table| table.copy(&mut run, untouched));
         Ok(run.submit()?)
     }
 

@@ -2,7 +2,7 @@
 
 use formats::length_table::{DUMMY_SUM, LengthCell, LengthTable};
 
-use crate::device::{DeviceArray, Gpu, GpuError};
+use crate::device::{DeviceArray, Gpu, GpuError, StageRun};
 
 /// Sums, low word first, and counts.
 pub(super) struct GpuTable {
@@ -23,6 +23,12 @@ impl GpuTable {
             sums: gpu.array_of("length_table::sums", &vec![words(DUMMY_SUM); cells])?,
             counts: gpu.array_of("length_table::counts", &vec![1u32; cells])?,
         })
+    }
+
+    /// Takes the cells of another table of as many.
+    pub(super) fn copy(&self, run: &mut StageRun<'_>, from: &Self) {
+        run.copy(&from.sums, &self.sums, from.sums.len());
+        run.copy(&from.counts, &self.counts, from.counts.len());
     }
 
     /// Sums and counts, to be bound.

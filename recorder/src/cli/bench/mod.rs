@@ -163,8 +163,12 @@ impl TraceArguments {
             ..RecordOptions::base()?
         };
         run.check()?;
-        let mut kernels = self.kernels.clone();
-        kernels.dedup();
+        let mut kernels = Vec::new();
+        for &kernel in &self.kernels {
+            if !kernels.contains(&kernel) {
+                kernels.push(kernel);
+            }
+        }
         Ok(TraceBench { scenes: self.scenes.clone(), kernels, run })
     }
 }
