@@ -221,7 +221,8 @@ def main(folder, metrics_file):
             check_speedups(compare, where, order_line, unsorted, medians)
             if method == "unsorted":
                 first = area, medians[(*where, "trace")]
-            points.append((place[2], area / first[0], medians[(*where, "trace")] / first[1]))
+            else:
+                points.append((place[2], area / first[0], medians[(*where, "trace")] / first[1]))
     check_summaries(compare, recording, metrics["summaries"])
     check_correlations(compare, points, metrics["correlations"])
     for what in ("capsule area", "lane utilisation", "net speedup", "total net_speedup", "Spearman"):

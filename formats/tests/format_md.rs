@@ -81,7 +81,7 @@ print(end['outcome'], end['image']['sha256'], end['wall_ns'])
 timing = next(fields for kind, fields in records if kind == 'timing')
 print(timing['pass'], timing['bounce'], timing['kind'], timing['method'], timing['stage'], timing['samples_ns'])
 for path, array in arrays.items():
-    assert isinstance(array, numpy.memmap), path
+    assert isinstance(array, numpy.memmap) and array.offset % 64 == 0, path
     data = numpy.frombuffer(array.tobytes(), numpy.uint8).astype(numpy.uint64)
     print(path, (data * (numpy.arange(data.size, dtype=numpy.uint64) % 251 + 1)).sum())
 ";

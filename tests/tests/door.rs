@@ -91,6 +91,14 @@ fn arrays() -> Vec<Case> {
             }),
         ),
         (
+            "full-cell",
+            &["lengths.npy", "cannot be added"],
+            Box::new(|path| {
+                let array = format!("{QUEUE}/closest/lengths.npy");
+                edit_array(path, &array, |cells: &mut Vec<LengthCell>| cells[0].count = u32::MAX);
+            }),
+        ),
+        (
             "cell",
             &["lengths.npy", "cell 4000000000"],
             Box::new(|path| {

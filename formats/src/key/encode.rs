@@ -1,7 +1,7 @@
 //! From rays to keys: the encoder that layouts drive.
 //!
 //! Many rays are encoded coordinate by coordinate over short blocks. Where the processor has AVX2, the same code is
-//! compiled for it, with a way of its own to spread bits.
+//! compiled for it, with ways of its own to take rays and to spread bits.
 
 use super::block::{Aligned, Block, Needs};
 use super::layout::{CURVE_AXES, Layout, Share, Source};

@@ -182,8 +182,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
         //   links of a hierarchy lie inside it, that it is a tree, and that its depth fits the stack. Mask
         //   texels are clamped. What the driver's own hierarchy finds is the driver's to vouch for.
         // - Loops end after a constant number of rounds, or with the tree. The one divisor that is no constant
-        //   is the count of a cell, which is never 0: `LengthTable::from_touched` refuses 0 and so large ones that
-        //   a queue could wrap them.
+        //   is the count of a cell, which is never 0: `LengthTable::from_touched` refuses it, and a replay what
+        //   the rays of a queue would wrap.
         let kernel = unsafe { Kernel::trusted(gpu, &source)? };
         let lengths = self.bindings.iter().map(|(_, length)| *length).collect();
         Ok(ItemKernel { kernel, lengths })

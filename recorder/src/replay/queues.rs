@@ -1,6 +1,6 @@
 //! The queues of a recording, found fit for kernels before anything runs on them.
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use formats::length_table::LengthCell;
 use formats::manifest::{Place, QueueArray, QueueId, QueueRecord};
 use formats::npy::Element;
@@ -45,6 +45,14 @@ impl RecordedQueue {
         }
         if let Some(cells) = &queue.cells {
             stored_table::from_cells(header, cells).with_context(|| format!("{id}/lengths.npy"))?;
+            let most = u64::from(u32::MAX) - queue.rays.len() as u64;
+            if let Some(full) = cells.iter().find(|cell| u64::from(cell.count) > most) {
+                bail!(
+                    "{id}/lengths.npy: cell {} counts {} rays, to which those of the queue cannot be added",
+                    full.cell,
+                    full.count
+                );
+            }
         }
         Ok(queue)
     }
