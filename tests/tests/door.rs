@@ -27,6 +27,10 @@ fn numbers(array: &'static str, edit: fn(&mut Vec<u32>)) -> Box<dyn Fn(&Path)> {
     Box::new(move |path| edit_array(path, &format!("{QUEUE}/{array}.npy"), edit))
 }
 
+fn cells(edit: fn(&mut Vec<LengthCell>)) -> Box<dyn Fn(&Path)> {
+    Box::new(move |path| edit_array(path, &format!("{QUEUE}/closest/lengths.npy"), edit))
+}
+
 fn header(edit: fn(&mut Header)) -> Box<dyn Fn(&Path)> {
     Box::new(move |path| {
         edit_records(path, |record| {
@@ -90,22 +94,8 @@ fn arrays() -> Vec<Case> {
                 edit_array(path, &array, |distances: &mut Vec<f32>| distances.push(1.0));
             }),
         ),
-        (
-            "full-cell",
-            &["lengths.npy", "cannot be added"],
-            Box::new(|path| {
-                let array = format!("{QUEUE}/closest/lengths.npy");
-                edit_array(path, &array, |cells: &mut Vec<LengthCell>| cells[0].count = u32::MAX);
-            }),
-        ),
-        (
-            "cell",
-            &["lengths.npy", "cell 4000000000"],
-            Box::new(|path| {
-                let array = format!("{QUEUE}/closest/lengths.npy");
-                edit_array(path, &array, |cells: &mut Vec<LengthCell>| cells[0].cell = 4_000_000_000);
-            }),
-        ),
+        ("full-cell", &["lengths.npy", "cannot be added"], cells(|cells| cells[0].count = u32::MAX)),
+        ("cell", &["lengths.npy", "cell 4000000000"], cells(|cells| cells[0].cell = 4_000_000_000)),
         ("fewer-counted", &["entries, but the queue has"], queue_count(|rays| rays - 1)),
         ("huge-count", &["entries, but the queue has"], queue_count(|_| u64::MAX)),
         (
