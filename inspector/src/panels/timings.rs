@@ -1,4 +1,5 @@
-//! The stages of each method against tracing unsorted rays, the fastest first: what ends left of the line is faster than unsorted rays in the median.
+//! The stages of each method against tracing unsorted rays, the fastest first: what ends left of the line is faster in
+//! the median.
 
 use egui::{Align2, RichText};
 use egui_plot::{AxisHints, Bar, BarChart, Plot, PlotPoint, Text, VLine};

@@ -37,7 +37,7 @@ pub struct TraceBench {
 /// One sentence on what went wrong with scene or device.
 pub fn run(bench: &TraceBench) -> Result<BenchResult> {
     let mut rows = Vec::new();
-    // A device that has queries has every kernel of GPUs; one that no GPU has is for threads, as `record` takes it.
+    // What decides on the device: a GPU with queries has every kernel of GPUs, others are for threads alone.
     let is_first = |kernel: &&TraceKernel| **kernel == TraceKernel::RayQuery || !kernel.is_for_gpus();
     let kernel = bench.kernels.iter().find(is_first).copied();
     let device = machine::open(&DeviceOptions { trace: kernel, ..bench.run.device.clone() })?;
