@@ -1,4 +1,5 @@
-//! The sort on the GPU: reduce, then scan; no workgroup ever waits for another.
+//! The sort on the GPU: one sweep a pass where subgroups sort tiles together, else reduce, then scan. No workgroup
+//! ever has to wait for another.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -7,10 +8,10 @@ use crate::device::kernel::{LINEAR_WORKGROUP_WGSL, constants_wgsl};
 use crate::device::{AdapterDescription, Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource};
 use crate::stages::compact::WORKGROUP_SCAN_WGSL;
 
-/// Threads of a workgroup that looks for bits that differ.
-const EXAMINE_THREADS: u32 = 128;
+/// Threads of a workgroup that looks at keys before the first pass.
+const LOOK_THREADS: u32 = 256;
 /// Keys that one of them looks at.
-const EXAMINE_KEYS_PER_THREAD: u32 = 16;
+const LOOK_KEYS_PER_THREAD: u32 = 16;
 
 /// Keys in canonical order.
 #[derive(Clone, Debug)]
@@ -61,7 +62,7 @@ impl Keys {
     }
 }
 
-/// Digits of keys so short that a look at them takes as long as a pass.
+/// Digits of keys so short that a look that only says which bits differ takes as long as a pass.
 const UNSEEN_DIGITS: u32 = 2;
 /// Words in front of the totals of the bins: bits seen as 1 and as 0 in the low and high words.
 const SEEN_WORDS: usize = 4;
@@ -70,10 +71,16 @@ const SUBGROUPS: u32 = 8;
 /// Most threads of such a workgroup.
 const MOST_THREADS: u32 = 256;
 /// Keys that each of its threads sorts; they stay in registers.
-const KEYS_PER_THREAD: u32 = 8;
+const KEYS_PER_THREAD: u32 = 12;
+/// Tiles that a thread asks at once for what they have counted.
+const ASKED_AT_ONCE: u32 = 2;
+/// How often it asks a tile that has not answered before its workgroup counts that tile itself.
+const PATIENCE: u32 = 64;
 /// Most threads of a workgroup whose threads walk tiles of their own.
 const MOST_SERIAL_THREADS: u32 = 32;
-/// Keys of the tile of such a thread: enough that moving its 256 counters does not show.
+/// Threads of a workgroup that scans the tiles of a bin; a power of two.
+const SCAN_THREADS: u32 = 64;
+/// Keys of the tile of a thread on its own: enough that moving its 256 counters does not show.
 const SERIAL_TILE_KEYS: u32 = 2048;
 
 /// How tiles are spread over threads.
@@ -83,12 +90,12 @@ struct Tiling {
     wgsl: [&'static str; 2],
     /// Threads of a workgroup.
     threads: u32,
-    /// Threads of a workgroup that scans the tiles of a bin; a power of two.
-    scan_threads: u32,
     /// Keys of a tile.
     tile_keys: u32,
     /// Tiles that one workgroup takes care of.
     tiles_per_workgroup: u32,
+    /// [`PATIENCE`] where a pass is one sweep; none where it is reduce, then scan.
+    patience: Option<u32>,
 }
 
 impl Tiling {
@@ -112,11 +119,11 @@ impl Tiling {
     /// Each thread walks a tile of its own.
     fn serial(threads: u32, tile_keys: u32) -> Self {
         Self {
-            wgsl: [include_str!("serial.wgsl"), ""],
+            wgsl: [WORKGROUP_SCAN_WGSL, include_str!("serial.wgsl")],
             threads,
-            scan_threads: 64,
             tile_keys,
             tiles_per_workgroup: threads,
+            patience: None,
         }
     }
 
@@ -130,17 +137,18 @@ impl Tiling {
         Self {
             wgsl: [lanes, include_str!("subgroup.wgsl")],
             threads,
-            scan_threads: threads,
             tile_keys: threads * keys_per_thread,
             tiles_per_workgroup: 1,
+            patience: Some(PATIENCE),
         }
     }
 
     /// Bytes of workgroup memory that sorting a tile together takes: the tile, the bins of each subgroup,
-    /// their starts and offsets, and the sums of the subgroups.
+    /// their starts and offsets, those of a tile that is waited for and which one that is, and the sums of the
+    /// subgroups.
     fn shared_bytes(&self) -> u32 {
-        let bins = BINS as u32 * (SUBGROUPS + 2);
-        (self.tile_keys + bins + SUBGROUPS) * size_of::<u32>() as u32
+        let bins = BINS as u32 * (SUBGROUPS + 3);
+        (self.tile_keys + bins + SUBGROUPS + 2) * size_of::<u32>() as u32
     }
 }
 
@@ -148,13 +156,20 @@ impl Tiling {
 #[derive(Debug)]
 pub struct Sorter {
     tiling: Tiling,
-    examine: Kernel,
-    count: Kernel,
-    scan: Kernel,
-    scatter: Kernel,
+    look: Kernel,
+    pass: PassKernels,
     totals: DeviceArray<u32>,
+    /// Which half of the totals the next sort finds cleared.
+    half: u32,
     room: Option<Room>,
     digits: Digits,
+}
+
+/// What a pass dispatches, in this order.
+#[derive(Debug)]
+enum PassKernels {
+    Sweep(Kernel),
+    ReduceThenScan { count: Kernel, scan: Kernel, scatter: Kernel },
 }
 
 /// Arrays whose size depends on the number of keys.
@@ -162,6 +177,7 @@ pub struct Sorter {
 struct Room {
     keys: [DeviceArray<u32>; 2],
     order: DeviceArray<u32>,
+    /// What tiles have counted: once, or for a sweep in two turns.
     tile_counts: DeviceArray<u32>,
 }
 
@@ -173,6 +189,8 @@ struct SortPass {
     tiles: u32,
     digit: u32,
     digits: u32,
+    skips: u32,
+    half: u32,
 }
 
 impl Sorter {
@@ -185,7 +203,11 @@ impl Sorter {
     }
 
     fn with_tiling(gpu: &Gpu, tiling: Tiling) -> Result<Self, GpuError> {
-        let wgsl = wgsl(&tiling);
+        let mut wgsl = wgsl(&tiling);
+        if tiling.patience.is_some() {
+            wgsl = write_out(&wgsl, "LOOK_KEYS_PER_THREAD", LOOK_KEYS_PER_THREAD);
+            wgsl = write_out(&wgsl, "ROWS", tiling.tile_keys / tiling.threads);
+        }
         let groups: &[&[Binding]] = &[&[
             Binding::Read,
             Binding::Read,
@@ -205,17 +227,27 @@ impl Sorter {
                 immediate_bytes: size_of::<SortPass>() as u32,
             };
             // SAFETY: places are below `count`, or clamped to the last of them where there is one (without keys
-            // there are no workgroups), and tiles below `tiles`, to which `sort` sizes the arrays; slots come from
-            // sums of counts and stay below `count`; all loops count up to bounds, and divisors are constants.
+            // there are no workgroups), or in a tile before the last, which is full; tiles are below `tiles`, to
+            // which `sort` sizes the arrays; slots come from sums of counts and stay below `count`. Loops count up
+            // to bounds, but for two of a sweep: polls end after `PATIENCE` without an answer, of which there is
+            // one for each tile before, and each other round counts a tile before that some thread still lacked.
+            // Divisors are constants.
             unsafe { Kernel::trusted(gpu, &source) }
+        };
+        let pass = match tiling.patience {
+            Some(_) => PassKernels::Sweep(compile("sweep")?),
+            None => PassKernels::ReduceThenScan {
+                count: compile("count")?,
+                scan: compile("scan")?,
+                scatter: compile("scatter")?,
+            },
         };
         Ok(Self {
             tiling,
-            examine: compile("examine")?,
-            count: compile("count")?,
-            scan: compile("scan")?,
-            scatter: compile("scatter")?,
-            totals: gpu.array("sort::totals", SEEN_WORDS + BINS)?,
+            look: compile("look")?,
+            pass,
+            totals: gpu.array("sort::totals", 2 * (SEEN_WORDS + (u64::BITS / DIGIT_BITS) as usize * BINS))?,
+            half: 0,
             room: None,
             digits: Digits::Differing,
         })
@@ -256,24 +288,31 @@ impl Sorter {
             room.tile_counts.binding(),
             self.totals.binding(),
         ];
-        let group = self.count.bind(gpu, 0, &resources)?;
+        let group = self.look.bind(gpu, 0, &resources)?;
         let mut run = gpu.stage("sort");
         let passes = keys.bits.div_ceil(DIGIT_BITS);
-        let looks = self.digits == Digits::Differing && passes > UNSEEN_DIGITS;
-        let digits = if looks { 0 } else { (1 << passes) - 1 };
-        if looks {
-            run.clear(&self.totals);
-            let examined = count.div_ceil(EXAMINE_THREADS * EXAMINE_KEYS_PER_THREAD);
-            for digit in (0..if is_wide { 2 } else { 1 }).map(|word| word * DIGITS_PER_WORD) {
-                run.dispatch(&self.examine, &[&group], &SortPass { count, tiles, digit, digits }, examined);
+        // A look that counts the bins of a sweep finds out what differs on the way.
+        let sweeps = matches!(self.pass, PassKernels::Sweep(_));
+        let skips = self.digits == Digits::Differing && (sweeps || passes > UNSEEN_DIGITS);
+        let (digits, skips, half) = ((1 << passes) - 1, u32::from(skips), self.half);
+        let pass_of = |digit| SortPass { count, tiles, digit, digits, skips, half };
+        if sweeps || skips == 1 {
+            self.half = 1 - half;
+            let workgroups = count.div_ceil(LOOK_THREADS * LOOK_KEYS_PER_THREAD);
+            for word in 0..if is_wide { 2 } else { 1 } {
+                run.dispatch(&self.look, &[&group], &pass_of(word * DIGITS_PER_WORD), workgroups);
             }
         }
         let workgroups = tiles.div_ceil(self.tiling.tiles_per_workgroup);
-        for digit in 0..passes {
-            let pass = SortPass { count, tiles, digit, digits };
-            run.dispatch(&self.count, &[&group], &pass, workgroups);
-            run.dispatch(&self.scan, &[&group], &pass, BINS as u32);
-            run.dispatch(&self.scatter, &[&group], &pass, workgroups);
+        for pass in (0..passes).map(pass_of) {
+            match &self.pass {
+                PassKernels::Sweep(sweep) => run.dispatch(sweep, &[&group], &pass, workgroups),
+                PassKernels::ReduceThenScan { count, scan, scatter } => {
+                    run.dispatch(count, &[&group], &pass, workgroups);
+                    run.dispatch(scan, &[&group], &pass, BINS as u32);
+                    run.dispatch(scatter, &[&group], &pass, workgroups);
+                }
+            }
         }
         run.finish()
     }
@@ -290,13 +329,14 @@ impl Sorter {
 
     /// The arrays that depend on the number of keys, made anew unless those there are large enough.
     fn make_room(&mut self, gpu: &Gpu, count: usize, tiles: usize) -> Result<Room, GpuError> {
+        let turns = if self.tiling.patience.is_some() { 2 } else { 1 };
         // Taken out first: large arrays must not be there twice.
         let room = match self.room.take().filter(|room| room.order.len() >= count) {
             Some(room) => room,
             None => Room {
                 keys: [gpu.array("sort::keys_a", count)?, gpu.array("sort::keys_b", count)?],
                 order: gpu.array("sort::order_b", count)?,
-                tile_counts: gpu.array("sort::tile_counts", tiles * BINS)?,
+                tile_counts: gpu.array("sort::tile_counts", turns * tiles * BINS)?,
             },
         };
         Ok(self.room.insert(room).clone())
@@ -319,22 +359,40 @@ fn wgsl(tiling: &Tiling) -> String {
         ("DIGIT_BITS", DIGIT_BITS),
         ("DIGITS_PER_WORD", DIGITS_PER_WORD),
         ("BINS", BINS as u32),
-        ("SCAN_THREADS", tiling.scan_threads),
-        ("EXAMINE_THREADS", EXAMINE_THREADS),
-        ("EXAMINE_KEYS_PER_THREAD", EXAMINE_KEYS_PER_THREAD),
+        ("SCAN_THREADS", SCAN_THREADS),
+        ("LOOK_THREADS", LOOK_THREADS),
+        ("LOOK_KEYS_PER_THREAD", LOOK_KEYS_PER_THREAD),
         ("TILE_THREADS", tiling.threads),
         ("TILE_KEYS", tiling.tile_keys),
         ("SUBGROUPS", SUBGROUPS),
+        ("ASKED_AT_ONCE", ASKED_AT_ONCE),
+        ("PATIENCE", tiling.patience.unwrap_or_default()),
     ];
-    [
-        &constants_wgsl(&constants),
-        LINEAR_WORKGROUP_WGSL,
-        WORKGROUP_SCAN_WGSL,
-        include_str!("pass.wgsl"),
-        include_str!("kernel.wgsl"),
-        &tiling.wgsl.join("\n"),
-    ]
-    .concat()
+    [&constants_wgsl(&constants), LINEAR_WORKGROUP_WGSL, include_str!("pass.wgsl"), &tiling.wgsl.join("\n")]
+        .concat()
+}
+
+/// Writes the loops out that count `row` up to `bound`: drivers keep an array that a loop indexes in memory, but a
+/// thread's keys in registers if no loop does, and then overlap what its rows wait for.
+fn write_out(wgsl: &str, bound: &str, turns: u32) -> String {
+    let head = format!("for (var row = 0u; row < {bound}; row++) {{");
+    let mut parts = wgsl.split(&head);
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let mut depth = 1;
+        let (body, rest) = part.split_at(
+            part.find(|letter| {
+                depth += i32::from(letter == '{') - i32::from(letter == '}');
+                depth == 0
+            })
+            .expect("braces of WGSL are closed"),
+        );
+        for turn in 0..turns {
+            text += &format!("{{ const row = {turn}u;{body}}}\n");
+        }
+        text += &rest[1..];
+    }
+    text
 }
 
 #[cfg(test)]
@@ -380,7 +438,8 @@ mod tests {
         }
     }
 
-    /// What graphics cards get, with as many threads as this adapter's subgroups allow.
+    /// What graphics cards get, with as many threads as this adapter's subgroups allow, but fewer keys a thread,
+    /// since every row is compiled by itself.
     #[test]
     fn tiles_that_a_workgroup_shares_sort_right() {
         let adapter = test_gpu().adapter();
@@ -390,12 +449,16 @@ mod tests {
         let threads = (SUBGROUPS * adapter.subgroup_min_size).min(MOST_THREADS);
         // Ballots in one word and in four.
         for most_lanes in [32, 128].into_iter().filter(|&most| most >= adapter.subgroup_max_size) {
-            let tiling = Tiling::shared(threads, KEYS_PER_THREAD, most_lanes);
-            let mut sorter = Sorter::with_tiling(test_gpu(), tiling).unwrap();
-            let tile = tiling.tile_keys as usize;
-            for count in [tile - 1, tile + 1, 9 * tile + 5] {
-                for (what, bits, keys) in test_keys::cases(count) {
-                    check(&mut sorter, &keys, bits, what);
+            // Without patience each workgroup counts every tile before its own, unless that is through.
+            for (patience, keys_per_thread) in [(PATIENCE, 4), (0, 2)] {
+                let shared = Tiling::shared(threads, keys_per_thread, most_lanes);
+                let tiling = Tiling { patience: Some(patience), ..shared };
+                let mut sorter = Sorter::with_tiling(test_gpu(), tiling).unwrap();
+                let tile = tiling.tile_keys as usize;
+                for count in [tile - 1, tile + 1, 9 * tile + 5] {
+                    for (what, bits, keys) in test_keys::cases(count) {
+                        check(&mut sorter, &keys, bits, what);
+                    }
                 }
             }
         }

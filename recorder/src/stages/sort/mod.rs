@@ -9,8 +9,8 @@
 //! Both sorts move pairs of one 32-bit word and the index. A second word is fetched for the order
 //! that the first one gave: fewer bytes than carrying both all the way.
 //!
-//! - [`gpu`]: lowest digit first, 8 bits a pass; reduce, then scan (Merrill and Grimshaw 2011),
-//!   without waiting between workgroups
+//! - [`gpu`]: lowest digit first, 8 bits a pass: one sweep (Adinets and Merrill 2022) that needs no workgroup to
+//!   wait for another, or on software adapters reduce, then scan (Merrill and Grimshaw 2011)
 //! - [`cpu`]: highest digit first, until what shares it fits a core's own cache
 
 pub mod cpu;

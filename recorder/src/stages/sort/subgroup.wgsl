@@ -1,9 +1,93 @@
-// Tiles for graphics cards: one workgroup counts and sorts a tile together. Threads of a subgroup
-// find their peers, those with the same digit, by ballots (Ashkiani et al. 2016), so that ranks are
-// stable; the tile is put in order in workgroup memory, so that what is written together lies
-// together. Works for every size of subgroup, as long as subgroups are full and at most SUBGROUPS.
+// One sweep, for graphics cards (Adinets and Merrill 2022): one look counts the keys of every digit's bins, then a
+// pass is one dispatch. A workgroup puts a tile in order, says how many keys of each bin it has, and sums up what the
+// tiles before it say. It waits for none of them: what has not been said within PATIENCE polls it counts itself, so
+// that a pass ends on any device, whatever order its workgroups run in.
+//
+// Threads of a subgroup find their peers, those with the same digit, by ballots (Ashkiani et al. 2016), so that ranks
+// are stable; the tile is put in order in workgroup memory, so that what is written together lies together. Works for
+// every size of subgroup, as long as subgroups are full and at most SUBGROUPS.
 
 const ROWS: u32 = TILE_KEYS / TILE_THREADS;
+
+// [turn][tile][bin], turns 0 and 1 alternating over the passes that run: what a tile has said about a bin. 0 is
+// nothing; else the low bits are a number of keys: those in the tile, or with those of all tiles before it.
+@group(0) @binding(6) var<storage, read_write> tile_states: array<atomic<u32>>;
+
+const IN_TILE: u32 = 1u << 30u;
+const UP_TO_TILE: u32 = 2u << 30u;
+const STATE_KEYS: u32 = IN_TILE - 1u;
+
+var<workgroup> seen_here: array<atomic<u32>, 2>;
+var<workgroup> digit_counts: array<atomic<u32>, DIGITS_PER_WORD * BINS>;
+
+// Counts the keys in the bins of all digits of a word, and finds out which bits of it differ.
+@compute @workgroup_size(LOOK_THREADS)
+fn look(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    for (var entry = thread; entry < DIGITS_PER_WORD * BINS; entry += LOOK_THREADS) {
+        atomicStore(&digit_counts[entry], 0u);
+    }
+    if thread < 2u {
+        atomicStore(&seen_here[thread], 0u);
+    }
+    workgroupBarrier();
+    let workgroup = linear_workgroup(group, groups);
+    let first = workgroup * LOOK_THREADS * LOOK_KEYS_PER_THREAD + thread;
+    let is_low = sort_pass.digit < DIGITS_PER_WORD;
+    let last = sort_pass.count - 1u;
+    var keys: array<u32, LOOK_KEYS_PER_THREAD>;
+    // Behind the last key stands that key again: so reads wait for no branch.
+    for (var row = 0u; row < LOOK_KEYS_PER_THREAD; row++) {
+        let place = min(first + row * LOOK_THREADS, last);
+        if is_low { keys[row] = low_words[place]; } else { keys[row] = high_words[place]; }
+    }
+    var ones = 0u;
+    var zeros = 0u;
+    let digits = countOneBits(extractBits(sort_pass.digits, sort_pass.digit, DIGITS_PER_WORD));
+    for (var row = 0u; row < LOOK_KEYS_PER_THREAD; row++) {
+        ones |= keys[row];
+        zeros |= ~keys[row];
+        let valid = first + row * LOOK_THREADS <= last;
+        for (var digit = 0u; digit < digits; digit++) {
+            let bin = digit * BINS + extractBits(keys[row], digit * DIGIT_BITS, DIGIT_BITS);
+            if valid {
+                atomicAdd(&digit_counts[bin], 1u);
+            }
+        }
+    }
+    atomicOr(&seen_here[0], ones);
+    atomicOr(&seen_here[1], zeros);
+    workgroupBarrier();
+    for (var entry = thread; entry < digits * BINS; entry += LOOK_THREADS) {
+        let count = atomicLoad(&digit_counts[entry]);
+        if count != 0u {
+            atomicAdd(&totals[sort_pass.half].bins[sort_pass.digit * BINS + entry], count);
+        }
+    }
+    if thread < 2u {
+        atomicOr(&totals[sort_pass.half].seen[select(2u, 0u, is_low) + thread], atomicLoad(&seen_here[thread]));
+    }
+    if workgroup == 0u {
+        clear_next_totals(thread, LOOK_THREADS);
+    }
+    // Nothing has been said before the first pass.
+    let threads = groups.x * groups.y * LOOK_THREADS;
+    for (var entry = workgroup * LOOK_THREADS + thread; entry < sort_pass.tiles * BINS; entry += threads) {
+        atomicStore(&tile_states[entry], 0u);
+    }
+}
+
+fn key_at(place: u32, source: u32) -> u32 {
+    switch source {
+        case FROM_A: { return keys_a[place]; }
+        case FROM_B: { return keys_b[place]; }
+        case FROM_LOW_WORDS: { return low_words[place]; }
+        default: { return high_words[place]; }
+    }
+}
 
 // The keys of a thread, `step` apart. All of them are asked for before one is waited for: no branch lies between two
 // reads, and behind the last key stands that key again.
@@ -27,41 +111,10 @@ fn load_indices(indices: ptr<function, array<u32, ROWS>>, first: u32, step: u32,
     }
 }
 
-var<workgroup> bin_counts: array<atomic<u32>, BINS>;
-
-@compute @workgroup_size(TILE_THREADS)
-fn count(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let plan = plan_pass();
-    let tile = linear_workgroup(group, groups);
-    if !plan.runs || tile >= sort_pass.tiles {
-        return;
-    }
-    for (var bin = thread; bin < BINS; bin += TILE_THREADS) {
-        atomicStore(&bin_counts[bin], 0u);
-    }
-    let first = tile * TILE_KEYS + thread;
-    var keys: array<u32, ROWS>;
-    load_keys(&keys, first, TILE_THREADS, plan.source);
-    workgroupBarrier();
-    for (var row = 0u; row < ROWS; row++) {
-        if first + row * TILE_THREADS < sort_pass.count {
-            atomicAdd(&bin_counts[bin_of(keys[row])], 1u);
-        }
-    }
-    workgroupBarrier();
-    for (var bin = thread; bin < BINS; bin += TILE_THREADS) {
-        tile_counts[bin * sort_pass.tiles + tile] = atomicLoad(&bin_counts[bin]);
-    }
-}
-
 // [subgroup][bin]: keys of a bin in a subgroup's stretch; then, those in the stretches before.
 var<workgroup> subgroup_counts: array<atomic<u32>, SUBGROUPS * BINS>;
-// Where a bin begins in the sorted tile.
-var<workgroup> bin_starts: array<u32, BINS>;
+// Where a bin begins in the sorted tile, and where the last one ends.
+var<workgroup> bin_starts: array<u32, BINS + 1u>;
 // Where a bin of this tile begins among all keys, less its start in the tile.
 var<workgroup> bin_offsets: array<u32, BINS>;
 // The tile in order: first its keys, then its indices.
@@ -94,11 +147,34 @@ fn sum_before(value: u32, subgroup: u32, lane: u32, lanes: u32) -> u32 {
     return sum;
 }
 
-// From counts to starts: of the bins in the tile, and of each subgroup in the bins.
-fn place_bins(tile: u32, subgroup: u32, lane: u32, lanes: u32) {
+// What a tile says of a bin in which it has `count` keys; the first tile has none before it.
+fn said(tile: u32, count: u32) -> u32 {
+    return select(IN_TILE, UP_TO_TILE, tile == 0u) | count;
+}
+
+// Where the bins begin among all keys.
+fn start_bins(subgroup: u32, lane: u32, lanes: u32) {
     let thread = subgroup * lanes + lane;
     // Each thread takes a run of bins, in order, so that a sum over threads gives the starts.
     let run = BINS / TILE_THREADS;
+    var sum = 0u;
+    for (var bin = thread * run; bin < (thread + 1u) * run; bin++) {
+        bin_offsets[bin] = sum;
+        sum += atomicLoad(&totals[sort_pass.half].bins[sort_pass.digit * BINS + bin]);
+    }
+    let before = sum_before(sum, subgroup, lane, lanes);
+    for (var bin = thread * run; bin < (thread + 1u) * run; bin++) {
+        bin_offsets[bin] += before;
+    }
+}
+
+// From counts to starts: of the bins in the tile, and of each subgroup in the bins. Says what the tile has counted,
+// and clears its places of the next turn.
+fn place_bins(tile: u32, states: u32, subgroup: u32, lane: u32, lanes: u32) {
+    let thread = subgroup * lanes + lane;
+    let run = BINS / TILE_THREADS;
+    let own = tile * BINS;
+    let next = sort_pass.tiles * BINS - states + own;
     var sum = 0u;
     for (var bin = thread * run; bin < (thread + 1u) * run; bin++) {
         var in_bin = 0u;
@@ -107,25 +183,75 @@ fn place_bins(tile: u32, subgroup: u32, lane: u32, lanes: u32) {
             atomicStore(&subgroup_counts[subgroup * BINS + bin], in_bin);
             in_bin += in_stretch;
         }
+        atomicStore(&tile_states[states + own + bin], said(tile, in_bin));
+        atomicStore(&tile_states[next + bin], 0u);
         bin_starts[bin] = sum;
         sum += in_bin;
     }
-    let in_tile = sum_before(sum, subgroup, lane, lanes);
-    var total = 0u;
+    let before = sum_before(sum, subgroup, lane, lanes);
     for (var bin = thread * run; bin < (thread + 1u) * run; bin++) {
-        bin_starts[bin] += in_tile;
-        total += totals.bins[bin];
+        bin_starts[bin] += before;
+        bin_offsets[bin] -= bin_starts[bin];
     }
-    var bin_start = sum_before(total, subgroup, lane, lanes);
-    for (var bin = thread * run; bin < (thread + 1u) * run; bin++) {
-        bin_offsets[bin] = bin_start + tile_counts[bin * sort_pass.tiles + tile] - bin_starts[bin];
-        bin_start += totals.bins[bin];
+    if thread == TILE_THREADS - 1u {
+        bin_starts[BINS] = before + sum;
     }
     workgroupBarrier();
 }
 
+// 1 + the last tile that some thread waits for; 0 if none does.
+var<workgroup> waited_for: atomic<u32>;
+var<workgroup> bin_counts: array<atomic<u32>, BINS>;
+
+// The keys of a bin in the tiles before `tile`; each thread asks for another bin.
+fn keys_before(bin: u32, tile: u32, states: u32, thread: u32, source: u32) -> u32 {
+    var before = 0u;
+    // Tiles that are still to be asked: those before `end`.
+    var end = tile;
+    loop {
+        for (var polls = 0u; end > 0u && polls < PATIENCE; polls++) {
+            // Several at once, since an answer takes long.
+            var answers: array<u32, ASKED_AT_ONCE>;
+            for (var ask = 0u; ask < ASKED_AT_ONCE; ask++) {
+                answers[ask] = atomicLoad(&tile_states[states + (max(end, ask + 1u) - ask - 1u) * BINS + bin]);
+            }
+            for (var ask = 0u; ask < ASKED_AT_ONCE && end > 0u && answers[ask] != 0u; ask++) {
+                before += answers[ask] & STATE_KEYS;
+                end = select(0u, end - 1u, answers[ask] < UP_TO_TILE);
+                polls = 0u;
+            }
+        }
+        if end > 0u {
+            atomicMax(&waited_for, end);
+        }
+        workgroupBarrier();
+        let missing = atomicLoad(&waited_for);
+        if missing == 0u {
+            break;
+        }
+        // Its keys are as they were before the pass, which never writes where it reads.
+        for (var other = thread; other < BINS; other += TILE_THREADS) {
+            atomicStore(&bin_counts[other], 0u);
+        }
+        workgroupBarrier();
+        if thread == 0u {
+            atomicStore(&waited_for, 0u);
+        }
+        let first = (missing - 1u) * TILE_KEYS;
+        for (var place = first + thread; place < first + TILE_KEYS; place += TILE_THREADS) {
+            atomicAdd(&bin_counts[bin_of(key_at(place, source))], 1u);
+        }
+        workgroupBarrier();
+        if end == missing {
+            before += atomicLoad(&bin_counts[bin]);
+            end -= 1u;
+        }
+    }
+    return before;
+}
+
 @compute @workgroup_size(TILE_THREADS)
-fn scatter(
+fn sweep(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
@@ -138,16 +264,17 @@ fn scatter(
     if !plan.runs || tile >= sort_pass.tiles {
         return;
     }
-    for (var entry = thread; entry < SUBGROUPS * BINS; entry += TILE_THREADS) {
-        atomicStore(&subgroup_counts[entry], 0u);
-    }
     // A subgroup has a stretch of the tile of its own and walks it row by row.
     let first = tile * TILE_KEYS + subgroup * lanes * ROWS + lane;
     var keys: array<u32, ROWS>;
-    var indices: array<u32, ROWS>;
     load_keys(&keys, first, lanes, plan.source);
-    load_indices(&indices, first, lanes, plan.source);
-    workgroupBarrier();
+    for (var entry = thread; entry < SUBGROUPS * BINS; entry += TILE_THREADS) {
+        atomicStore(&subgroup_counts[entry], 0u);
+    }
+    if thread == 0u {
+        atomicStore(&waited_for, 0u);
+    }
+    start_bins(subgroup, lane, lanes);
 
     var ranks: array<u32, ROWS>;
     for (var row = 0u; row < ROWS; row++) {
@@ -164,8 +291,12 @@ fn scatter(
         ranks[row] = before + count_lanes(peers & lanes_below(lane));
     }
     workgroupBarrier();
-    place_bins(tile, subgroup, lane, lanes);
+    let states = plan.turn * sort_pass.tiles * BINS;
+    place_bins(tile, states, subgroup, lane, lanes);
 
+    // Asked for only now, since registers are scarce while keys are ranked.
+    var indices: array<u32, ROWS>;
+    load_indices(&indices, first, lanes, plan.source);
     for (var row = 0u; row < ROWS; row++) {
         let bin = bin_of(keys[row]);
         ranks[row] += bin_starts[bin] + atomicLoad(&subgroup_counts[subgroup * BINS + bin]);
@@ -173,11 +304,23 @@ fn scatter(
             sorted[ranks[row]] = keys[row];
         }
     }
-    workgroupBarrier();
+    for (var round = 0u; round < BINS / TILE_THREADS; round++) {
+        let bin = round * TILE_THREADS + thread;
+        let before = keys_before(bin, tile, states, thread, plan.source);
+        let up_to_tile = before + bin_starts[bin + 1u] - bin_starts[bin];
+        atomicStore(&tile_states[states + tile * BINS + bin], UP_TO_TILE | up_to_tile);
+        bin_offsets[bin] += before;
+        workgroupBarrier();
+    }
     let in_tile = min(TILE_KEYS, sort_pass.count - tile * TILE_KEYS);
-    var sorted_keys: array<u32, ROWS>;
+    var slots: array<u32, ROWS>;
     for (var row = 0u; row < ROWS; row++) {
-        sorted_keys[row] = sorted[row * TILE_THREADS + thread];
+        let rank = row * TILE_THREADS + thread;
+        let key = sorted[rank];
+        slots[row] = bin_offsets[bin_of(key)] + rank;
+        if rank < in_tile && plan.word_written == SAME_WORD {
+            write_word(slots[row], key, plan);
+        }
     }
     workgroupBarrier();
     for (var row = 0u; row < ROWS; row++) {
@@ -189,8 +332,10 @@ fn scatter(
     for (var row = 0u; row < ROWS; row++) {
         let rank = row * TILE_THREADS + thread;
         if rank < in_tile {
-            let slot = bin_offsets[bin_of(sorted_keys[row])] + rank;
-            write_pair(slot, Pair(sorted_keys[row], sorted[rank]), plan);
+            write_index(slots[row], sorted[rank], plan);
+            if plan.word_written == HIGH_WORD {
+                write_word(slots[row], high_words[sorted[rank]], plan);
+            }
         }
     }
 }
