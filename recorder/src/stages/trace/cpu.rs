@@ -89,11 +89,13 @@ impl CpuTracer {
         let leaf = |&triangle: &u32| {
             LeafTriangle::new(&scene.corners(triangle as usize), triangle, masks.number(triangle))
         };
-        let triangles: Vec<_> = bvh.order().par_iter().map(leaf).collect();
+        let leaves = || bvh.order().par_iter().map(leaf).collect();
         let tree = match bvh {
-            Bvh::Bvh2 { nodes, .. } => AnyTree::Binary(BinaryTree::new(nodes, triangles)),
-            Bvh::Cwbvh { nodes, .. } => AnyTree::Compressed(CompressedTree::new(nodes, triangles)),
-            Bvh::Wide { nodes, .. } => AnyTree::Wide(WideTree::new(nodes, &triangles)),
+            Bvh::Bvh2 { nodes, .. } => AnyTree::Binary(BinaryTree::new(nodes, leaves())),
+            Bvh::Cwbvh { nodes, .. } => AnyTree::Compressed(CompressedTree::new(nodes, leaves())),
+            Bvh::Wide { nodes, order } => {
+                AnyTree::Wide(WideTree::new(nodes, |slot| leaf(&order[slot as usize])))
+            }
         };
         let instructions = Instructions::best();
         Self { tree, masks, instructions, precision: Precision::default() }

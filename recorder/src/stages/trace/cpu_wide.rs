@@ -1,9 +1,12 @@
 //! Traversal of the wide hierarchy on a thread: eight boxes in f32 and four triangles at a time, the children by
 //! distance.
 
+use std::ops::Range;
+
 use bytemuck::{Pod, Zeroable};
 use formats::pages::room_on_huge_pages;
 use formats::prefetch::{prefetch_at, prefetch_whole_at};
+use rayon::prelude::*;
 use scenes::bvh::{WIDE_LEVELS, WideNode};
 
 use super::cpu_query::{Query, Tree, Variant};
@@ -37,30 +40,51 @@ pub(super) struct Node {
 /// Each level leaves at most seven children that wait; the last one pushes up to eight.
 const STACK: usize = (7 * (WIDE_LEVELS + 1) + 8).next_power_of_two();
 
+/// Blocks of a leaf; none of an inner node.
+fn blocks_in(child: u32) -> u32 {
+    WideNode::leaf(child).0.div_ceil(TriangleBlock::TRIANGLES)
+}
+
+/// The leaf slots of each of them.
+fn blocks_of(child: u32) -> impl Iterator<Item = Range<u32>> {
+    let (count, first) = WideNode::leaf(child);
+    let starts = (first..first + count).step_by(TriangleBlock::TRIANGLES as usize);
+    starts.map(move |start| start..(start + TriangleBlock::TRIANGLES).min(first + count))
+}
+
 impl WideTree {
-    /// From nodes as they come from the builder.
-    pub(super) fn new(nodes: &[WideNode], triangles: &[LeafTriangle]) -> Self {
-        let blocks_of = |&child: &u32| (WideNode::leaf(child).0 as usize).div_ceil(TriangleBlock::TRIANGLES);
-        let children = nodes.iter().flat_map(|node| &node.children);
-        let mut blocks = room_on_huge_pages(children.map(blocks_of).sum());
-        let mut packed = |child: u32| {
-            let (count, first) = WideNode::leaf(child);
-            if count == 0 {
-                return first * LINES as u32;
-            }
-            let first_block = blocks.len() as u32;
-            let leaf = &triangles[first as usize..(first + count) as usize];
-            blocks.extend(leaf.chunks(TriangleBlock::TRIANGLES).map(TriangleBlock::new));
-            (blocks.len() as u32 - first_block) << WideNode::FIRST_BITS | first_block
-        };
-        let mut pack =
-            |node: &WideNode| Node { planes: node.planes, children: node.children.map(&mut packed) };
+    /// From nodes as they come from the builder; `triangle` gives that of a leaf slot.
+    pub(super) fn new(nodes: &[WideNode], triangle: impl Fn(u32) -> LeafTriangle + Sync) -> Self {
         assert!(nodes.len() * LINES <= 1 << WideNode::FIRST_BITS, "lines of nodes that 28 bits can name");
-        let mut lines = room_on_huge_pages(nodes.len() * LINES);
-        for node in nodes {
-            lines.extend(bytemuck::cast::<_, [Line; LINES]>(pack(node)));
+        // The slots of each block, in the order in which nodes name them.
+        let leaves: Vec<Range<u32>> =
+            nodes.par_iter().flat_map_iter(|node| node.children.into_iter().flat_map(blocks_of)).collect();
+        let mut blocks = room_on_huge_pages(leaves.len());
+        let block = |slots: &Range<u32>| TriangleBlock::new(slots.clone().map(&triangle));
+        leaves.par_iter().map(block).collect_into_vec(&mut blocks);
+        // The first block of each node.
+        let mut firsts: Vec<u32> =
+            nodes.par_iter().map(|node| node.children.map(blocks_in).iter().sum()).collect();
+        let mut first_block = 0;
+        for first in &mut firsts {
+            first_block += std::mem::replace(first, first_block);
         }
-        Self { lines, blocks }
+        let pack = |(node, &first): (&WideNode, &u32)| {
+            let mut first_block = first;
+            let children = node.children.map(|child| {
+                let (count, first) = WideNode::leaf(child);
+                if count == 0 {
+                    return first * LINES as u32;
+                }
+                let blocks = blocks_in(child);
+                first_block += blocks;
+                blocks << WideNode::FIRST_BITS | (first_block - blocks)
+            });
+            Node { planes: node.planes, children }
+        };
+        let mut packed = room_on_huge_pages(nodes.len());
+        nodes.par_iter().zip(&firsts).map(pack).collect_into_vec(&mut packed);
+        Self { lines: bytemuck::cast_vec(packed), blocks }
     }
 
     /// The node that begins with a line.
@@ -110,7 +134,7 @@ impl WideTree {
                     query.visit_leaf(place, || block.count());
                     let mut lanes = query.candidates(block);
                     while lanes != 0 {
-                        let lane = lanes.trailing_zeros() as usize % TriangleBlock::TRIANGLES;
+                        let lane = (lanes.trailing_zeros() % TriangleBlock::TRIANGLES) as usize;
                         lanes &= lanes - 1;
                         if query.test_candidate(&block.triangle(lane, |triangle| query.mask(triangle))) {
                             return;

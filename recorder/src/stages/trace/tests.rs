@@ -522,7 +522,7 @@ fn a_block_lets_through_what_is_hit_and_seldom_the_triangle_that_a_ray_leaves() 
         let shear = Shear::new(&ray, ray.direction.map(reciprocal));
         let leaves = triangles
             .map(|corners| LeafTriangle::new(&corners.map(|corner| (size * corner).to_array()), 0, 0));
-        let candidates = shear.candidates(&TriangleBlock::new(&leaves), f32::MAX);
+        let candidates = shear.candidates(&TriangleBlock::new(leaves), f32::MAX);
         for (lane, leaf) in leaves.iter().enumerate() {
             let is_hit = shear.intersect(leaf).is_some();
             assert!(!is_hit || candidates >> lane & 1 == 1, "lane {lane} of {triangles:?}, {ray:?}");

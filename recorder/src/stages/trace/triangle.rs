@@ -206,15 +206,15 @@ pub struct TriangleBlock {
 
 impl TriangleBlock {
     /// How many triangles it has room for.
-    pub const TRIANGLES: usize = 4;
+    pub const TRIANGLES: u32 = 4;
 
     /// None.
     pub const EMPTY: Self = Self { rows: [[Vec4::ZERO; 3]; 3], triangles: [Hit::NONE; 4] };
 
     /// From one to four.
-    pub fn new(leaves: &[LeafTriangle]) -> Self {
+    pub fn new(leaves: impl IntoIterator<Item = LeafTriangle>) -> Self {
         let mut block = Self::EMPTY;
-        for (lane, leaf) in leaves.iter().enumerate() {
+        for (lane, leaf) in leaves.into_iter().enumerate() {
             for (rows, row) in block.rows.iter_mut().zip(&leaf.rows) {
                 rows.iter_mut().zip(row).for_each(|(rows, &value)| rows[lane] = value);
             }
