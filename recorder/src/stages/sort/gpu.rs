@@ -74,7 +74,7 @@ const MOST_THREADS: u32 = 256;
 const KEYS_PER_THREAD: u32 = 12;
 /// Tiles that a thread asks at once for what they have counted.
 const ASKED_AT_ONCE: u32 = 2;
-/// How often it asks a tile that has not answered before its workgroup counts that tile itself.
+/// How often it asks after an answer before its workgroup counts the next tile itself.
 const PATIENCE: u32 = 64;
 /// Most threads of a workgroup whose threads walk tiles of their own.
 const MOST_SERIAL_THREADS: u32 = 32;
@@ -228,10 +228,11 @@ impl Sorter {
             };
             // SAFETY: places are below `count`, or clamped to the last of them where there is one (without keys
             // there are no workgroups), or in a tile before the last, which is full; tiles are below `tiles`, to
-            // which `sort` sizes the arrays; slots come from sums of counts and stay below `count`. Loops count up
-            // to bounds, but for two of a sweep: polls end after `PATIENCE` without an answer, of which there is
-            // one for each tile before, and each other round counts a tile before that some thread still lacked.
-            // Divisors are constants.
+            // which `sort` sizes the arrays. Slots are sums of counts, of totals that the sort before cleared and of
+            // fewer than 2^30 keys, and stay below `count`. Subgroups are full, as in workgroups of a multiple of
+            // their size; the self-check sorts. Loops count up to bounds, but for two of a sweep: one polls, up to
+            // `PATIENCE` times after each answer, of which there is one for each tile before; the loop around it
+            // lowers the largest `end` in each round. Divisors are constants.
             unsafe { Kernel::trusted(gpu, &source) }
         };
         let pass = match tiling.patience {
@@ -266,7 +267,8 @@ impl Sorter {
     /// Those of the device.
     ///
     /// # Panics
-    /// If an array is shorter than the count of keys, or keys of more than 32 bits have no high words.
+    /// If an array is shorter than the count of keys, there are 2^30 of them, or keys of more than 32 bits have no
+    /// high words.
     pub fn sort(&mut self, gpu: &Gpu, keys: &Keys, permutation: &DeviceArray<u32>) -> Result<u64, GpuError> {
         let count = keys.count;
         let is_wide = keys.bits > u32::BITS;
@@ -275,7 +277,8 @@ impl Sorter {
         for array in [&keys.low, high, permutation] {
             assert!(count <= array.len(), "{count} keys, {} in {}", array.len(), array.label());
         }
-        let count = u32::try_from(count).expect("binding limits keep arrays below 2^32 elements");
+        // The upper bits of what a tile says are not counts.
+        let count = u32::try_from(count).ok().filter(|&count| count < 1 << 30).expect("fewer than 2^30 keys");
         let tiles = count.div_ceil(self.tiling.tile_keys);
         let room = self.make_room(gpu, count as usize, tiles as usize)?;
         let resources = [
@@ -290,14 +293,17 @@ impl Sorter {
         ];
         let group = self.look.bind(gpu, 0, &resources)?;
         let mut run = gpu.stage("sort");
+        if count == 0 {
+            return run.finish();
+        }
         let passes = keys.bits.div_ceil(DIGIT_BITS);
         // A look that counts the bins of a sweep finds out what differs on the way.
         let sweeps = matches!(self.pass, PassKernels::Sweep(_));
         let skips = self.digits == Digits::Differing && (sweeps || passes > UNSEEN_DIGITS);
         let (digits, skips, half) = ((1 << passes) - 1, u32::from(skips), self.half);
         let pass_of = |digit| SortPass { count, tiles, digit, digits, skips, half };
-        if sweeps || skips == 1 {
-            self.half = 1 - half;
+        let looks = sweeps || skips == 1;
+        if looks {
             let workgroups = count.div_ceil(LOOK_THREADS * LOOK_KEYS_PER_THREAD);
             for word in 0..if is_wide { 2 } else { 1 } {
                 run.dispatch(&self.look, &[&group], &pass_of(word * DIGITS_PER_WORD), workgroups);
@@ -314,7 +320,12 @@ impl Sorter {
                 }
             }
         }
-        run.finish()
+        let elapsed_ns = run.finish()?;
+        if looks {
+            // The other half is clear now, and this one is not.
+            self.half = 1 - half;
+        }
+        Ok(elapsed_ns)
     }
 
     /// The stable order of keys, in an array of its own.
@@ -449,10 +460,9 @@ mod tests {
         let threads = (SUBGROUPS * adapter.subgroup_min_size).min(MOST_THREADS);
         // Ballots in one word and in four.
         for most_lanes in [32, 128].into_iter().filter(|&most| most >= adapter.subgroup_max_size) {
-            // Without patience each workgroup counts every tile before its own, unless that is through.
-            for (patience, keys_per_thread) in [(PATIENCE, 4), (0, 2)] {
-                let shared = Tiling::shared(threads, keys_per_thread, most_lanes);
-                let tiling = Tiling { patience: Some(patience), ..shared };
+            // With no patience but for one question a workgroup asks tiles and counts them itself in turns.
+            for patience in [PATIENCE, 1] {
+                let tiling = Tiling { patience: Some(patience), ..Tiling::shared(threads, 2, most_lanes) };
                 let mut sorter = Sorter::with_tiling(test_gpu(), tiling).unwrap();
                 let tile = tiling.tile_keys as usize;
                 for count in [tile - 1, tile + 1, 9 * tile + 5] {
@@ -493,10 +503,13 @@ mod tests {
 
     #[test]
     fn a_sorter_serves_few_keys_after_many_and_many_after_few() {
-        let mut sorter = Sorter::new(test_gpu()).unwrap();
-        for count in [10, 70_003, 5, 150_001] {
-            check(&mut sorter, &test_keys::random(count, 32, 1), 32, "random keys");
-            check(&mut sorter, &test_keys::random(count, 64, 2), 64, "random keys");
+        for tiling in small_tilings() {
+            let mut sorter = Sorter::with_tiling(test_gpu(), tiling).unwrap();
+            for count in [10, 70_003, 0, 5, 0, 0, 150_001] {
+                for bits in [32, 12, 64] {
+                    check(&mut sorter, &test_keys::random(count, bits, 1), bits, "random keys");
+                }
+            }
         }
     }
 

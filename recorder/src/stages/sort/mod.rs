@@ -3,14 +3,14 @@
 //! Keys of up to 32 bits are one word, longer ones two, so that no 64-bit integers are needed on
 //! the GPU. A first look at the keys finds the bits that differ at all; no other digit gets a
 //! pass. (Keys that are short get no look: up to 15 bits on threads, where one pass sorts them, and up
-//! to two digits on GPUs.) What comes out is the permutation alone: `permutation[i]` is the canonical
+//! to two digits on GPUs that do not sweep.) What comes out is the permutation alone: `permutation[i]` is the canonical
 //! index of the key at place i.
 //!
 //! Both sorts move pairs of one 32-bit word and the index. A second word is fetched for the order
 //! that the first one gave: fewer bytes than carrying both all the way.
 //!
 //! - [`gpu`]: lowest digit first, 8 bits a pass: one sweep (Adinets and Merrill 2022) that needs no workgroup to
-//!   wait for another, or on software adapters reduce, then scan (Merrill and Grimshaw 2011)
+//!   wait for another; where subgroups do not fit, reduce, then scan (Merrill and Grimshaw 2011)
 //! - [`cpu`]: highest digit first, until what shares it fits a core's own cache
 
 pub mod cpu;
@@ -25,7 +25,7 @@ pub enum Digits {
     /// Those in which some bit differs, which a first look at the keys finds.
     #[default]
     Differing,
-    /// All that a key has, unseen: of short keys, or to measure what the look saves.
+    /// All that a key has: of short keys, or to measure what leaving some out saves.
     All,
 }
 

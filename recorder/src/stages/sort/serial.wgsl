@@ -1,5 +1,5 @@
-// Reduce, then scan, for adapters that compute on the CPU: each thread walks a stretch of keys of its own, with
-// counters of its own, and no thread waits for another.
+// Reduce, then scan, for adapters that compute on the CPU or whose subgroups do not fit: each thread walks a stretch
+// of keys of its own, with counters of its own, and no thread waits for another.
 
 // [bin][tile]: keys of a bin in a tile; after the scan, those of the bin in the tiles before.
 @group(0) @binding(6) var<storage, read_write> tile_counts: array<u32>;

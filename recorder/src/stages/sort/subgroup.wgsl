@@ -70,6 +70,9 @@ fn look(
     if thread < 2u {
         atomicOr(&totals[sort_pass.half].seen[select(2u, 0u, is_low) + thread], atomicLoad(&seen_here[thread]));
     }
+    if !is_low {
+        return;
+    }
     if workgroup == 0u {
         clear_next_totals(thread, LOOK_THREADS);
     }
@@ -133,7 +136,7 @@ fn peers_of(bin: u32, valid: bool) -> Lanes {
 
 var<workgroup> subgroup_sums: array<u32, SUBGROUPS>;
 
-// The sum over the threads before this one, subgroup by subgroup.
+// The sum over the threads before this one, subgroup by subgroup. A barrier must come before the next call.
 fn sum_before(value: u32, subgroup: u32, lane: u32, lanes: u32) -> u32 {
     var sum = subgroupExclusiveAdd(value);
     if lane == lanes - 1u {
@@ -143,7 +146,6 @@ fn sum_before(value: u32, subgroup: u32, lane: u32, lanes: u32) -> u32 {
     for (var other = 0u; other < subgroup; other++) {
         sum += subgroup_sums[other];
     }
-    workgroupBarrier();
     return sum;
 }
 
@@ -174,13 +176,14 @@ fn place_bins(tile: u32, states: u32, subgroup: u32, lane: u32, lanes: u32) {
     let thread = subgroup * lanes + lane;
     let run = BINS / TILE_THREADS;
     let own = tile * BINS;
+    // Of the two turns the other one.
     let next = sort_pass.tiles * BINS - states + own;
     var sum = 0u;
     for (var bin = thread * run; bin < (thread + 1u) * run; bin++) {
         var in_bin = 0u;
-        for (var subgroup = 0u; subgroup < SUBGROUPS; subgroup++) {
-            let in_stretch = atomicLoad(&subgroup_counts[subgroup * BINS + bin]);
-            atomicStore(&subgroup_counts[subgroup * BINS + bin], in_bin);
+        for (var stretch = 0u; stretch < SUBGROUPS; stretch++) {
+            let in_stretch = atomicLoad(&subgroup_counts[stretch * BINS + bin]);
+            atomicStore(&subgroup_counts[stretch * BINS + bin], in_bin);
             in_bin += in_stretch;
         }
         atomicStore(&tile_states[states + own + bin], said(tile, in_bin));
@@ -246,6 +249,11 @@ fn keys_before(bin: u32, tile: u32, states: u32, thread: u32, source: u32) -> u3
             before += atomicLoad(&bin_counts[bin]);
             end -= 1u;
         }
+        // Said for the tile, which may have said that much or more meanwhile.
+        for (var other = thread; other < BINS; other += TILE_THREADS) {
+            let count = atomicLoad(&bin_counts[other]);
+            atomicMax(&tile_states[states + (missing - 1u) * BINS + other], said(missing - 1u, count));
+        }
     }
     return before;
 }
@@ -286,7 +294,8 @@ fn sweep(
         if valid && lane == leader {
             before = atomicAdd(&subgroup_counts[subgroup * BINS + bin], count_lanes(peers));
         }
-        // A lane without a key is nobody's peer and may ask anyone; it does not use the answer.
+        // A lane without a key is nobody's peer and may ask anyone; it does not use the answer. The next row comes
+        // after this one's counts, since it waits for what they gave.
         before = subgroupShuffle(before, select(lane, leader, valid));
         ranks[row] = before + count_lanes(peers & lanes_below(lane));
     }
@@ -316,6 +325,7 @@ fn sweep(
     var slots: array<u32, ROWS>;
     for (var row = 0u; row < ROWS; row++) {
         let rank = row * TILE_THREADS + thread;
+        // Behind the keys of the last tile: some number, which is not used.
         let key = sorted[rank];
         slots[row] = bin_offsets[bin_of(key)] + rank;
         if rank < in_tile && plan.word_written == SAME_WORD {
