@@ -229,10 +229,11 @@ impl Sorter {
             // SAFETY: places are below `count`, or clamped to the last of them where there is one (without keys
             // there are no workgroups), or in a tile before the last, which is full; tiles are below `tiles`, to
             // which `sort` sizes the arrays. Slots are sums of counts, of totals that the sort before cleared and of
-            // fewer than 2^30 keys, and stay below `count`. Subgroups are full, as in workgroups of a multiple of
-            // their size; the self-check sorts. Loops count up to bounds, but for two of a sweep: one polls, up to
-            // `PATIENCE` times after each answer, of which there is one for each tile before; the loop around it
-            // lowers the largest `end` in each round. Divisors are constants.
+            // fewer than 2^30 keys, and stay below `count`. Subgroups are full in workgroups of a multiple of
+            // their size, as far as drivers keep to that; sorts of the self-check would show it. Loops count up to
+            // bounds, but for two of a sweep: one polls, up to `PATIENCE` times after each answer, of which there is
+            // one for each tile before; the loop around it lowers the largest `end` in each round. Divisors are
+            // constants.
             unsafe { Kernel::trusted(gpu, &source) }
         };
         let pass = match tiling.patience {

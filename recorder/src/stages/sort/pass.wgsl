@@ -114,6 +114,15 @@ fn bin_of(key: u32) -> u32 {
     return extractBits(key, sort_pass.digit % DIGITS_PER_WORD * DIGIT_BITS, DIGIT_BITS);
 }
 
+fn key_at(place: u32, source: u32) -> u32 {
+    switch source {
+        case FROM_A: { return keys_a[place]; }
+        case FROM_B: { return keys_b[place]; }
+        case FROM_LOW_WORDS: { return low_words[place]; }
+        default: { return high_words[place]; }
+    }
+}
+
 fn write_index(place: u32, index: u32, plan: Plan) {
     if plan.writes_a { order_a[place] = index; } else { order_b[place] = index; }
 }

@@ -52,15 +52,6 @@ fn look(
 // [bin][thread]: a thread uses its own column alone, so no barrier is needed.
 var<workgroup> columns: array<u32, BINS * TILE_THREADS>;
 
-fn key_at(place: u32, source: u32) -> u32 {
-    switch source {
-        case FROM_A: { return keys_a[place]; }
-        case FROM_B: { return keys_b[place]; }
-        case FROM_LOW_WORDS: { return low_words[place]; }
-        default: { return high_words[place]; }
-    }
-}
-
 fn index_at(place: u32, source: u32) -> u32 {
     switch source {
         case FROM_A: { return order_a[place]; }

@@ -83,15 +83,6 @@ fn look(
     }
 }
 
-fn key_at(place: u32, source: u32) -> u32 {
-    switch source {
-        case FROM_A: { return keys_a[place]; }
-        case FROM_B: { return keys_b[place]; }
-        case FROM_LOW_WORDS: { return low_words[place]; }
-        default: { return high_words[place]; }
-    }
-}
-
 // The keys of a thread, `step` apart. All of them are asked for before one is waited for: no branch lies between two
 // reads, and behind the last key stands that key again.
 fn load_keys(keys: ptr<function, array<u32, ROWS>>, first: u32, step: u32, source: u32) {
