@@ -40,6 +40,11 @@ pub(super) struct Node {
 /// Each level leaves at most seven children that wait; the last one pushes up to eight.
 const STACK: usize = (7 * (WIDE_LEVELS + 1) + 8).next_power_of_two();
 
+/// Children that wait. As aligned as a cache line: else the compiler aligns what a thread keeps beside it, vectors
+/// that it has no registers for, to 16 bytes, and every other one of 32 lies in two lines.
+#[repr(C, align(64))]
+pub(super) struct Stack([u64; STACK]);
+
 /// Blocks of a leaf; none of an inner node.
 fn blocks_in(child: u32) -> u32 {
     WideNode::leaf(child).0.div_ceil(TriangleBlock::TRIANGLES)
@@ -110,39 +115,38 @@ impl WideTree {
 
     #[inline(always)]
     fn walk<T: WideTest, S: Variant>(&self, query: &mut Query<'_, S>, stack: &mut <Self as Tree>::Stack) {
-        let test = T::new(query.origin, query.inverse, query.t_min);
-        let mut waiting = Waiting { stack, count: 0 };
+        let test = T::new(query.origin, query.inverse, query.t_min, query.padding());
+        let mut waiting = Waiting { stack: &mut stack.0, count: 0 };
         let mut current = 0;
         loop {
-            if current >> WideNode::FIRST_BITS == 0 {
+            while current >> WideNode::FIRST_BITS == 0 {
                 query.visit(current as usize / LINES);
                 let node = self.node(current);
-                let (near, hits) = test.test(node, query.limit(), query.padding());
-                if hits != 0 {
-                    let ask = |child| self.ask(child);
-                    current = if S::ANY {
-                        waiting.cheapest_of(node, hits, ask)
-                    } else {
-                        waiting.nearest_of(node, &near, hits, ask)
-                    };
-                    continue;
-                }
-            } else {
-                let (count, first) = WideNode::leaf(current);
-                for place in first as usize..(first + count) as usize {
-                    let block = &self.blocks[place];
-                    query.visit_leaf(place, || block.count());
-                    let mut lanes = query.candidates(block);
-                    while lanes != 0 {
-                        let lane = (lanes.trailing_zeros() % TriangleBlock::TRIANGLES) as usize;
-                        lanes &= lanes - 1;
-                        if query.test_candidate(&block.triangle(lane, |triangle| query.mask(triangle))) {
-                            return;
-                        }
+                let (near, hits) = test.test(node, query.limit());
+                let ask = |child| self.ask(child);
+                current = match hits {
+                    0 => match waiting.pop::<S>(query.limit()) {
+                        Some(child) => child,
+                        None => return,
+                    },
+                    _ if S::ANY => waiting.cheapest_of(node, hits, ask),
+                    _ => waiting.nearest_of(node, &near, hits, ask),
+                };
+            }
+            let (count, first) = WideNode::leaf(current);
+            for place in first as usize..(first + count) as usize {
+                let block = &self.blocks[place];
+                query.visit_leaf(place, || block.count());
+                let mut lanes = query.candidates(block);
+                while lanes != 0 {
+                    let lane = (lanes.trailing_zeros() % TriangleBlock::TRIANGLES) as usize;
+                    lanes &= lanes - 1;
+                    if query.test_candidate(&block.triangle(lane, |triangle| query.mask(triangle))) {
+                        return;
                     }
                 }
             }
-            match waiting.pop(query.limit()) {
+            match waiting.pop::<S>(query.limit()) {
                 Some(child) => current = child,
                 None => return,
             }
@@ -153,10 +157,10 @@ impl WideTree {
 impl Tree for WideTree {
     const BYTES: [usize; 2] = [size_of::<Node>(), size_of::<TriangleBlock>()];
 
-    type Stack = [u64; STACK];
+    type Stack = Stack;
 
     fn stack() -> Self::Stack {
-        [0; STACK]
+        Stack([0; STACK])
     }
 
     #[inline(always)]
@@ -255,13 +259,13 @@ impl Waiting<'_> {
         self.count += 1;
     }
 
-    /// The next child that is not beyond `limit`.
+    /// The next child that is not beyond `limit`, as all are until any hit is found.
     #[inline(always)]
-    fn pop(&mut self, limit: f32) -> Option<u32> {
+    fn pop<S: Variant>(&mut self, limit: f32) -> Option<u32> {
         while self.count > 0 {
             self.count -= 1;
             let entry = self.stack[self.count % STACK];
-            if f32::from_bits((entry >> 32) as u32) <= limit {
+            if S::ANY || f32::from_bits((entry >> 32) as u32) <= limit {
                 return Some(entry as u32);
             }
         }
@@ -271,39 +275,42 @@ impl Waiting<'_> {
 
 /// A way to test the eight boxes of a node.
 pub(super) trait WideTest {
-    /// Prepares for a ray.
-    fn new(origin: [f32; 3], inverse: [f32; 3], t_min: f32) -> Self;
+    /// Prepares for a ray; `padding` scales where it leaves a box.
+    fn new(origin: [f32; 3], inverse: [f32; 3], t_min: f32, padding: f32) -> Self;
 
-    /// Where the ray enters each child's box, and bit `slot` set if it does before `limit`; `padding` scales where
-    /// it leaves.
-    fn test(&self, node: &Node, limit: f32, padding: f32) -> ([f32; 8], u32);
+    /// Where the ray enters each child's box, and bit `slot` set if it does before it leaves and before `limit`.
+    fn test(&self, node: &Node, limit: f32) -> ([f32; 8], u32);
 }
 
 /// One box after the other.
 pub(super) struct Portable {
     origin: [f32; 3],
     inverse: [f32; 3],
+    /// The reciprocals for far planes.
+    padded: [f32; 3],
     t_min: f32,
 }
 
 impl WideTest for Portable {
-    fn new(origin: [f32; 3], inverse: [f32; 3], t_min: f32) -> Self {
-        Self { origin, inverse, t_min: t_min + 0.0 }
+    fn new(origin: [f32; 3], inverse: [f32; 3], t_min: f32, padding: f32) -> Self {
+        Self { origin, inverse, padded: inverse.map(|inverse| inverse * padding), t_min: t_min + 0.0 }
     }
 
-    fn test(&self, node: &Node, limit: f32, padding: f32) -> ([f32; 8], u32) {
+    fn test(&self, node: &Node, limit: f32) -> ([f32; 8], u32) {
         let (mut near, mut far) = ([f32::NEG_INFINITY; 8], [f32::INFINITY; 8]);
         for axis in 0..3 {
             let is_negative = usize::from(self.inverse[axis] < 0.0);
-            let distance = |plane: f32| (plane - self.origin[axis]) * self.inverse[axis];
+            let distance = |plane: f32, inverse: f32| (plane - self.origin[axis]) * inverse;
+            let [near_planes, far_planes] =
+                [is_negative, 1 - is_negative].map(|side| &node.planes[axis][side]);
             for slot in 0..8 {
-                near[slot] = near[slot].max(distance(node.planes[axis][is_negative][slot]));
-                far[slot] = far[slot].min(distance(node.planes[axis][1 - is_negative][slot]));
+                near[slot] = near[slot].max(distance(near_planes[slot], self.inverse[axis]));
+                far[slot] = far[slot].min(distance(far_planes[slot], self.padded[axis]));
             }
         }
         // The same zero as the instruction gives, which takes its second operand.
         let near = near.map(|near| if near > self.t_min { near } else { self.t_min });
-        let is_hit = |slot: usize| near[slot] <= (far[slot] * padding).min(limit);
+        let is_hit = |slot: usize| near[slot] <= far[slot].min(limit);
         (near, (0..8).fold(0, |hits, slot| hits | u32::from(is_hit(slot)) << slot))
     }
 }
@@ -320,54 +327,58 @@ mod avx2 {
     /// Eight boxes at once; made and used by functions with AVX2 alone.
     pub(in super::super) struct Avx2 {
         origin: [__m256; 3],
-        inverse: [__m256; 3],
+        /// Reciprocals with their signs turned, for near planes and, padded, for far ones.
+        inverse: [[__m256; 2]; 3],
         t_min: __m256,
-        /// Per axis 0 if the low planes are the near ones, else 1.
-        is_negative: [usize; 3],
+        /// Where near planes lie, 0 or [`SIDE`], and where far ones do.
+        sides: [[usize; 2]; 3],
     }
+
+    /// Bytes of the planes of one side.
+    const SIDE: usize = size_of::<[f32; 8]>();
 
     impl WideTest for Avx2 {
         #[inline(always)]
-        fn new(origin: [f32; 3], inverse: [f32; 3], t_min: f32) -> Self {
+        fn new(origin: [f32; 3], inverse: [f32; 3], t_min: f32, padding: f32) -> Self {
             // SAFETY: the caller has AVX2, by this type's contract.
-            unsafe { prepare(origin, inverse, t_min) }
+            unsafe { prepare(origin, inverse, t_min, padding) }
         }
 
         #[inline(always)]
-        fn test(&self, node: &Node, limit: f32, padding: f32) -> ([f32; 8], u32) {
+        fn test(&self, node: &Node, limit: f32) -> ([f32; 8], u32) {
             // SAFETY: the caller has AVX2, by this type's contract.
-            unsafe { test(self, node, limit, padding) }
+            unsafe { test(self, node, limit) }
         }
     }
 
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn prepare([ox, oy, oz]: [f32; 3], [ix, iy, iz]: [f32; 3], t_min: f32) -> Avx2 {
+    fn prepare(origin: [f32; 3], inverse: [f32; 3], t_min: f32, padding: f32) -> Avx2 {
         Avx2 {
-            origin: [_mm256_set1_ps(ox), _mm256_set1_ps(oy), _mm256_set1_ps(oz)],
-            inverse: [_mm256_set1_ps(ix), _mm256_set1_ps(iy), _mm256_set1_ps(iz)],
+            origin: origin.map(|origin| _mm256_set1_ps(origin)),
+            inverse: inverse.map(|inverse| [_mm256_set1_ps(-inverse), _mm256_set1_ps(-inverse * padding)]),
             t_min: _mm256_set1_ps(t_min + 0.0),
-            is_negative: [ix, iy, iz].map(|inverse| usize::from(inverse < 0.0)),
+            sides: inverse.map(|inverse| if inverse < 0.0 { [SIDE, 0] } else { [0, SIDE] }),
         }
     }
 
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn test(ray: &Avx2, node: &Node, limit: f32, padding: f32) -> ([f32; 8], u32) {
+    fn test(ray: &Avx2, node: &Node, limit: f32) -> ([f32; 8], u32) {
+        let planes: &[u8; 6 * SIDE] = bytemuck::cast_ref(&node.planes);
         let slab = |axis: usize| {
-            let is_negative = ray.is_negative[axis] & 1;
-            let distance = |planes: [f32; 8]| {
-                let planes: __m256 = bytemuck::cast(planes);
-                _mm256_mul_ps(_mm256_sub_ps(planes, ray.origin[axis]), ray.inverse[axis])
+            // Both signs are turned, since it is the second operand that instructions take from memory.
+            let distance = |side: usize| {
+                let first = 2 * axis * SIDE + (ray.sides[axis][side] & SIDE);
+                let planes: __m256 = bytemuck::pod_read_unaligned(&planes[first..first + SIDE]);
+                _mm256_mul_ps(_mm256_sub_ps(ray.origin[axis], planes), ray.inverse[axis][side])
             };
-            (distance(node.planes[axis][is_negative]), distance(node.planes[axis][1 - is_negative]))
+            (distance(0), distance(1))
         };
         let (x, y, z) = (slab(0), slab(1), slab(2));
         // In two halves each, so that nothing waits longer than it must.
         let near = _mm256_max_ps(_mm256_max_ps(x.0, y.0), _mm256_max_ps(z.0, ray.t_min));
-        let padded = |far| _mm256_mul_ps(far, _mm256_set1_ps(padding));
-        let far_z = _mm256_min_ps(padded(z.1), _mm256_set1_ps(limit));
-        let far = _mm256_min_ps(padded(_mm256_min_ps(x.1, y.1)), far_z);
+        let far = _mm256_min_ps(_mm256_min_ps(x.1, y.1), _mm256_min_ps(z.1, _mm256_set1_ps(limit)));
         let hits = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32;
         (bytemuck::cast(near), hits)
     }
