@@ -37,12 +37,11 @@ impl Description {
             system.refresh_cpu_all();
             system.cpus().first().map(|cpu| cpu.brand().trim().to_owned())
         });
+        let brand = name.filter(|name| !name.is_empty());
         Self {
             backend: Backend::Cpu,
             adapter: Adapter {
-                name: name
-                    .filter(|name| !name.is_empty())
-                    .unwrap_or_else(|| std::env::consts::ARCH.to_owned()),
+                name: super::processors::name(brand.as_deref().unwrap_or(std::env::consts::ARCH)),
                 driver: String::new(),
                 device_type: "cpu".into(),
                 backend: "threads".into(),

@@ -2,6 +2,25 @@
 
 use anyhow::Result;
 
+/// A processor by its name and, where the system tells them, family and model: in a virtual machine all of a maker's
+/// often have one name.
+pub(super) fn name(brand: &str) -> String {
+    let facts = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    match family_and_model(&facts) {
+        Some(which) => format!("{brand}, {which}"),
+        None => brand.to_owned(),
+    }
+}
+
+/// Of the first processor that Linux on x86 tells of.
+fn family_and_model(facts: &str) -> Option<String> {
+    let value = |name: &str| {
+        let fields = facts.lines().filter_map(|line| line.split_once(':'));
+        fields.map(|(key, value)| (key.trim(), value.trim())).find(|(key, _)| *key == name)
+    };
+    Some(format!("family {}, model {}", value("cpu family")?.1, value("model")?.1))
+}
+
 /// What of the machine times depend on beside its processor, by name; nothing where the system does not tell.
 ///
 /// `smt`: 1 where a core runs several threads. `huge_pages`: 0 never, 1 where a program asks, 2 always.
@@ -44,4 +63,16 @@ pub(super) fn pin(pool: &rayon::ThreadPool) -> Result<()> {
 #[cfg(not(target_os = "linux"))]
 pub(super) fn pin(_: &rayon::ThreadPool) -> Result<()> {
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn processors_of_one_name_are_told_apart_by_family_and_model() {
+        let facts = "processor\t: 0\ncpu family\t: 25\nmodel\t\t: 17\nmodel name\t: AMD EPYC\n";
+        assert_eq!(family_and_model(facts).as_deref(), Some("family 25, model 17"));
+        assert_eq!(family_and_model("processor\t: 0\nBogoMIPS\t: 50.00\n"), None);
+    }
 }
