@@ -3,8 +3,9 @@
 use anyhow::Result;
 use formats::manifest::{CalibrationRecord, Candidate, Choice, QueueId, Stage, Way};
 use formats::metrics::speedup::Speedup;
+use formats::ray::Kind;
 
-use crate::auto::{Auto, CANDIDATES, room};
+use crate::auto::{Auto, room, tried_on};
 use crate::backends::{Backend, Queue};
 use crate::measure::{Measured, Measurement, QueueMeasurement, Queued, Subject};
 use crate::progress::Progress;
@@ -22,11 +23,11 @@ const ROUNDS: u32 = 9;
 /// whether an order has that one earlier than canonical order is chance: two passes that say different things give an
 /// interval that holds both.
 pub const PASSES: u32 = 2;
-/// How often a ray of each pass is traced, by each order in two ways. First pass: all candidates in the warm-up and in
-/// the round that finds the best, then these in a round that decides and those that count. Second pass: the best in
-/// a warm-up, in a round that decides and those that count.
+/// How often a closest ray of each pass is traced, by each order in two ways; a shadow ray has fewer candidates. First
+/// pass: all candidates in the warm-up and in the round that finds the best, then these in a round that decides and
+/// those that count. Second pass: the best in a warm-up, in a round that decides and those that count.
 pub const TRACES: [u64; PASSES as usize] = {
-    let (all, best, rounds) = (CANDIDATES.len() as u64, FINALISTS as u64, 1 + ROUNDS as u64);
+    let (all, best, rounds) = (tried_on(Kind::Closest).len() as u64, FINALISTS as u64, 1 + ROUNDS as u64);
     [2 * (2 * all + rounds * best), 2 * (best + rounds * best)]
 };
 
@@ -89,10 +90,19 @@ pub fn calibrate<B: Backend>(
 }
 
 impl Calibrator<'_> {
+    /// The candidates for rays of a kind.
+    fn tried_on(&self, kind: Kind) -> impl Iterator<Item = Subject> {
+        let is_tried = move |&number: &usize| {
+            let plan = &self.setup.methods[number];
+            tried_on(kind).contains(&(plan.name.as_str(), plan.key_bits))
+        };
+        (self.setup.named().len()..self.setup.methods.len()).filter(is_tried).map(Subject::Method)
+    }
+
     /// The best candidates on a queue, and canonical order.
     fn finalists<B: Backend>(&self, backend: &mut B, queue: &Queued<'_, B>) -> Result<QueueMeasurement> {
-        let candidates = (self.setup.named().len()..self.setup.methods.len()).map(Subject::Method);
-        let orders = [Subject::Unsorted].into_iter().chain(candidates).collect();
+        let tried = self.tried_on(queue.rays.id().kind);
+        let orders = [Subject::Unsorted].into_iter().chain(tried).collect();
         let mut measured = Measured { orders, repeats: 0, seed: self.setup.seed };
         let mut orders = queue.warm_up(backend, &measured, |_, _, _, _| Ok(()))?;
         let mut all = queue.measure(backend, &measured, &orders)?;
@@ -153,7 +163,7 @@ impl Calibrator<'_> {
 mod tests {
     use std::sync::Arc;
 
-    use formats::ray::{Kind, Ray};
+    use formats::ray::Ray;
 
     use super::*;
     use crate::auto;
@@ -174,6 +184,7 @@ mod tests {
         let progress = Progress::new(2, TRACES.to_vec());
         let mut calibrator =
             Calibrator { setup: &setup, auto: &auto, progress: &progress, found: Vec::new() };
+        assert_eq!(Kind::ALL.map(|kind| calibrator.tried_on(kind).count()), [6, 4], "of seven");
         let ray = |at: usize| Ray {
             origin: [at as f32 * 1e-5, 0.0, 0.0],
             t_min: 0.0,
