@@ -15,12 +15,19 @@ const STAGING_BYTES: u64 = 16 << 20;
 const RING: usize = 3;
 
 /// Reads arrays piece by piece; copies of the next pieces are under way while one is handled, and
-/// memory stays at three pieces of at most 16 MiB, for any size of the array.
+/// memory stays at three pieces of at most 16 MiB, for any size of the array. It is kept for the next array, since
+/// drivers take milliseconds to make what a processor reads.
 #[derive(Debug)]
-pub struct Readback<'gpu> {
-    gpu: &'gpu Gpu,
+pub struct Readback {
     staging_bytes: u64,
     free: Vec<wgpu::Buffer>,
+}
+
+/// A stretch of memory on the GPU.
+struct Part<'a> {
+    buffer: &'a wgpu::Buffer,
+    offset: u64,
+    bytes: u64,
 }
 
 /// A piece on its way.
@@ -31,15 +38,17 @@ pub(super) struct InFlight {
     mapped: mpsc::Receiver<Result<(), wgpu::BufferAsyncError>>,
 }
 
-impl<'gpu> Readback<'gpu> {
+impl Default for Readback {
     /// A ring whose buffers are made when they are first needed.
-    pub fn new(gpu: &'gpu Gpu) -> Self {
-        Self::with_staging_bytes(gpu, STAGING_BYTES)
+    fn default() -> Self {
+        Self::with_staging_bytes(STAGING_BYTES)
     }
+}
 
+impl Readback {
     /// A ring with smaller pieces; a positive multiple of 256 bytes.
-    fn with_staging_bytes(gpu: &'gpu Gpu, staging_bytes: u64) -> Self {
-        Self { gpu, staging_bytes, free: Vec::new() }
+    fn with_staging_bytes(staging_bytes: u64) -> Self {
+        Self { staging_bytes, free: Vec::new() }
     }
 
     /// Hands the bytes of the elements in `range` to `take`, in order and in pieces; all but the
@@ -52,19 +61,17 @@ impl<'gpu> Readback<'gpu> {
     /// If the range is not inside the array or does not begin and end at multiples of four bytes.
     pub fn read_chunks<T: Pod, E: From<GpuError>>(
         &mut self,
+        gpu: &Gpu,
         array: &DeviceArray<T>,
         range: Range<usize>,
         mut take: impl FnMut(&[u8]) -> Result<(), E>,
     ) -> Result<(), E> {
-        assert!(
-            range.start <= range.end && range.end <= array.len(),
-            "{range:?} of {} elements of {}",
-            array.len(),
-            array.label()
-        );
-        let bytes = (range.start * size_of::<T>()) as u64..(range.end * size_of::<T>()) as u64;
-        let running = format!("reading {}", array.label());
-        self.stream(&running, array.buffer(), bytes, &mut take)
+        let Part { buffer, offset, bytes } = part(array, range);
+        let starts = (0..bytes).step_by(self.staging_bytes as usize);
+        let most = self.staging_bytes;
+        let pieces =
+            starts.map(|start| [Part { buffer, offset: offset + start, bytes: (bytes - start).min(most) }]);
+        self.stream(gpu, &format!("reading {}", array.label()), pieces, &mut take)
     }
 
     /// The elements in `range`.
@@ -76,13 +83,14 @@ impl<'gpu> Readback<'gpu> {
     /// As [`Readback::read_chunks`].
     pub fn read_vec<T: Pod>(
         &mut self,
+        gpu: &Gpu,
         array: &DeviceArray<T>,
         range: Range<usize>,
     ) -> Result<Vec<T>, GpuError> {
         let mut elements = vec![T::zeroed(); range.len()];
         let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut elements);
         let mut offset = 0;
-        self.read_chunks(array, range, |piece| {
+        self.read_chunks(gpu, array, range, |piece| {
             bytes[offset..offset + piece.len()].copy_from_slice(piece);
             offset += piece.len();
             Ok::<(), GpuError>(())
@@ -90,97 +98,94 @@ impl<'gpu> Readback<'gpu> {
         Ok(elements)
     }
 
-    /// The elements in several ranges of two arrays, side by side: all of it in one copy.
+    /// Hands over elements of two arrays side by side: in each piece those of several ranges, in order.
     ///
     /// # Errors
-    /// Those of the device.
+    /// As [`Readback::read_chunks`].
     ///
     /// # Panics
     /// As [`Readback::read_chunks`].
-    pub fn read_pairs<T: Pod>(
+    pub fn read_pairs<T: Pod, E: From<GpuError>>(
         &mut self,
-        [first, second]: [&DeviceArray<T>; 2],
-        ranges: &[Range<usize>],
-    ) -> Result<Vec<[T; 2]>, GpuError> {
-        let count: usize = ranges.iter().map(Range::len).sum();
-        if count == 0 {
-            return Ok(Vec::new());
-        }
-        let (gpu, size) = (self.gpu, size_of::<T>());
-        let running = format!("reading a sample of {}", first.label());
-        let staging = make_staging(gpu, (2 * count * size) as u64)?;
-        let label = wgpu::CommandEncoderDescriptor { label: Some("readback::sample") };
-        let mut encoder = gpu.device().create_command_encoder(&label);
-        let mut at = 0;
-        for array in [first, second] {
-            for range in ranges {
-                assert!(
-                    range.end <= array.len(),
-                    "{range:?} of {} elements of {}",
-                    array.len(),
-                    array.label()
-                );
-                let bytes = (range.len() * size) as u64;
-                encoder.copy_buffer_to_buffer(
-                    array.buffer(),
-                    (range.start * size) as u64,
-                    &staging,
-                    at,
-                    bytes,
-                );
-                at += bytes;
+        gpu: &Gpu,
+        arrays: [&DeviceArray<T>; 2],
+        pieces: impl Iterator<Item: IntoIterator<Item = Range<usize>> + Clone>,
+        mut take: impl FnMut(&[u8]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let pieces = pieces.map(|ranges| {
+            let of_one = |array| ranges.clone().into_iter().map(move |range| part(array, range));
+            arrays.into_iter().flat_map(of_one).collect::<Vec<_>>()
+        });
+        let mut pairs = Vec::new();
+        self.stream(gpu, &format!("reading {}", arrays[0].label()), pieces, &mut |bytes| {
+            let (first, second) = bytes.split_at(bytes.len() / 2);
+            let halves = first.chunks_exact(size_of::<T>()).zip(second.chunks_exact(size_of::<T>()));
+            pairs.resize(bytes.len(), 0);
+            for (pair, (first, second)) in pairs.chunks_exact_mut(2 * size_of::<T>()).zip(halves) {
+                pair[..size_of::<T>()].copy_from_slice(first);
+                pair[size_of::<T>()..].copy_from_slice(second);
             }
-        }
-        let submission = gpu.submit(&running, encoder.finish())?;
-        let mut pairs = vec![[T::zeroed(); 2]; count];
-        InFlight::of(gpu, &running, staging, at, submission)?.receive(gpu, &running, &mut |bytes| {
-            let elements = bytes.chunks_exact(size).map(bytemuck::pod_read_unaligned::<T>);
-            elements.enumerate().for_each(|(at, element)| pairs[at % count][at / count] = element);
-            Ok::<(), GpuError>(())
-        })?;
-        Ok(pairs)
+            take(&pairs)
+        })
     }
 
-    fn stream<E: From<GpuError>>(
+    /// Hands over pieces in order, each the bytes of its parts after each other.
+    fn stream<'a, P: AsRef<[Part<'a>]>, E: From<GpuError>>(
         &mut self,
+        gpu: &Gpu,
         running: &str,
-        source: &wgpu::Buffer,
-        mut bytes: Range<u64>,
+        pieces: impl Iterator<Item = P>,
         take: &mut impl FnMut(&[u8]) -> Result<(), E>,
     ) -> Result<(), E> {
+        // Nothing can be mapped of no bytes.
+        let mut pieces = pieces.filter(|piece| piece.as_ref().iter().any(|part| part.bytes > 0));
         let mut in_flight = VecDeque::with_capacity(RING);
         loop {
-            while in_flight.len() < RING && !bytes.is_empty() {
-                let piece = (bytes.end - bytes.start).min(self.staging_bytes);
-                in_flight.push_back(self.send(running, source, bytes.start, piece)?);
-                bytes.start += piece;
+            while in_flight.len() < RING
+                && let Some(piece) = pieces.next()
+            {
+                in_flight.push_back(self.send(gpu, running, piece.as_ref())?);
             }
             let Some(next) = in_flight.pop_front() else {
                 return Ok(());
             };
-            self.free.push(next.receive(self.gpu, running, take)?);
+            self.free.push(next.receive(gpu, running, take)?);
         }
     }
 
     /// Starts the copy of one piece.
-    fn send(
-        &mut self,
-        running: &str,
-        source: &wgpu::Buffer,
-        offset: u64,
-        bytes: u64,
-    ) -> Result<InFlight, GpuError> {
-        let gpu = self.gpu;
+    fn send(&mut self, gpu: &Gpu, running: &str, parts: &[Part<'_>]) -> Result<InFlight, GpuError> {
+        let bytes = parts.iter().map(|part| part.bytes).sum();
         let staging = match self.free.iter().position(|staging| staging.size() >= bytes) {
             Some(index) => self.free.swap_remove(index),
-            None => make_staging(gpu, bytes.next_power_of_two().min(self.staging_bytes).max(bytes))?,
+            None => {
+                // In the place of a smaller one, so that there are never more than the ring has.
+                self.free.pop();
+                make_staging(gpu, bytes.next_power_of_two().min(self.staging_bytes).max(bytes))?
+            }
         };
         let label = wgpu::CommandEncoderDescriptor { label: Some("readback::copy") };
         let mut encoder = gpu.device().create_command_encoder(&label);
-        encoder.copy_buffer_to_buffer(source, offset, &staging, 0, bytes);
+        let mut at = 0;
+        for part in parts {
+            encoder.copy_buffer_to_buffer(part.buffer, part.offset, &staging, at, part.bytes);
+            at += part.bytes;
+        }
         let submission = gpu.submit(running, encoder.finish())?;
         InFlight::of(gpu, running, staging, bytes, submission)
     }
+}
+
+/// Where elements of an array lie.
+fn part<T: Pod>(array: &DeviceArray<T>, range: Range<usize>) -> Part<'_> {
+    assert!(
+        range.start <= range.end && range.end <= array.len(),
+        "{range:?} of {} elements of {}",
+        array.len(),
+        array.label()
+    );
+    let size = size_of::<T>() as u64;
+    Part { buffer: array.buffer(), offset: range.start as u64 * size, bytes: range.len() as u64 * size }
 }
 
 impl InFlight {
@@ -226,7 +231,7 @@ impl Gpu {
     /// # Errors
     /// Those of the device.
     pub fn read_vec<T: Pod>(&self, array: &DeviceArray<T>) -> Result<Vec<T>, GpuError> {
-        Readback::new(self).read_vec(array, 0..array.len())
+        Readback::default().read_vec(self, array, 0..array.len())
     }
 }
 
@@ -253,12 +258,35 @@ mod tests {
         let data: Vec<u32> = (0..10_007_u32).map(|i| i.wrapping_mul(0x9E37_79B9)).collect();
         let array = gpu.array_of("test::data", &data).unwrap();
         for staging_bytes in [256, 1024, 40_028, 1 << 20] {
-            let mut readback = Readback::with_staging_bytes(gpu, staging_bytes);
+            let mut readback = Readback::with_staging_bytes(staging_bytes);
             for range in [0..10_007, 0..0, 5..6, 63..65, 100..9_999] {
-                let read = readback.read_vec(&array, range.clone()).unwrap();
+                let read = readback.read_vec(gpu, &array, range.clone()).unwrap();
                 assert_eq!(read, data[range.clone()], "{range:?} by {staging_bytes}");
             }
             assert!(readback.free.len() <= RING);
+        }
+    }
+
+    #[test]
+    fn elements_of_two_arrays_come_back_side_by_side() {
+        let gpu = test_gpu();
+        let halves = [0_u64, 1 << 40].map(|side| (0..10_007).map(|i| side + i).collect::<Vec<u64>>());
+        let arrays = halves.each_ref().map(|half| gpu.array_of("test::half", half).unwrap());
+        let mut readback = Readback::with_staging_bytes(1024);
+        let pieces = [vec![0..3, 9_000..10_007], vec![], vec![5..5, 9..9], vec![7..8, 2..3, 2..3]];
+        for repeats in [1, RING + 1] {
+            let (mut read, mut expected) = (Vec::new(), Vec::new());
+            let wanted = pieces.iter().cycle().take(pieces.len() * repeats).cloned();
+            for at in wanted.clone().flatten().flatten() {
+                expected.extend(halves.each_ref().map(|half| half[at]));
+            }
+            let take = |bytes: &[u8]| {
+                read.extend(bytes.chunks_exact(8).map(bytemuck::pod_read_unaligned::<u64>));
+                Ok::<(), GpuError>(())
+            };
+            readback.read_pairs(gpu, arrays.each_ref(), wanted, take).unwrap();
+            assert_eq!(read, expected);
+            assert!(readback.free.len() <= RING, "{}", readback.free.len());
         }
     }
 
@@ -267,15 +295,15 @@ mod tests {
         let gpu = test_gpu();
         let data: Vec<u32> = (0..1000).collect();
         let array = gpu.array_of("test::data", &data).unwrap();
-        let mut readback = Readback::with_staging_bytes(gpu, 256);
+        let mut readback = Readback::with_staging_bytes(256);
         let mut pieces = 0;
-        let result = readback.read_chunks(&array, 0..1000, |_| {
+        let result = readback.read_chunks(gpu, &array, 0..1000, |_| {
             pieces += 1;
             if pieces == 2 { Err(GpuError::NoAdapter) } else { Ok(()) }
         });
         assert!(matches!(result, Err(GpuError::NoAdapter)));
         assert_eq!(pieces, 2);
-        assert_eq!(readback.read_vec(&array, 0..1000).unwrap(), data);
+        assert_eq!(readback.read_vec(gpu, &array, 0..1000).unwrap(), data);
     }
 
     #[test]

@@ -10,10 +10,10 @@ pub mod scene;
 mod shading;
 mod table;
 
+use std::iter::once;
 use std::sync::Arc;
 
 use anyhow::{Context, Result, ensure};
-use bytemuck::Pod;
 use formats::auto::sample;
 use formats::length_table::LengthTable;
 use formats::manifest::QueueId;
@@ -37,8 +37,8 @@ use crate::stages::trace::gpu::{Hits, RayArrays, Tracer};
 use crate::stages::trace::{Order, TraceKernel};
 use crate::stages::{generate, key, shade};
 
-/// Items that are read back at once where halves have to be joined.
-const JOIN_ITEMS: usize = 1 << 18;
+/// Items that are read back at once where halves have to be joined: as much as a core's own cache holds.
+const JOIN_ITEMS: usize = 1 << 16;
 
 /// Runs every stage as a compute kernel.
 pub struct GpuBackend {
@@ -61,6 +61,7 @@ pub struct GpuBackend {
     hits: [Pool<Hits>; 2],
     keys: Pool<Keys>,
     permutations: Pool<DeviceArray<u32>>,
+    readback: Readback,
     clock: Clock,
 }
 
@@ -160,6 +161,7 @@ impl GpuBackend {
             hits: [Pool::default(), Pool::default()],
             keys: Pool::default(),
             permutations: Pool::default(),
+            readback: Readback::default(),
             clock: Clock::of_device(),
             tables,
             setup,
@@ -179,24 +181,6 @@ impl GpuBackend {
         let pixels = self.queues.pixels;
         let permutation = self.permutations.get(|| self.gpu.array("sort::permutation", pixels))?;
         Ok(GpuPermutation { permutation, count })
-    }
-
-    /// Hands over items whose halves lie in two arrays.
-    fn read_halves<T: Pod>(
-        &self,
-        [first, second]: [&DeviceArray<T>; 2],
-        count: usize,
-        sink: &mut Sink<'_>,
-    ) -> Result<()> {
-        let mut readback = Readback::new(&self.gpu);
-        for start in (0..count).step_by(JOIN_ITEMS) {
-            let range = start..count.min(start + JOIN_ITEMS);
-            let halves =
-                readback.read_vec(first, range.clone())?.into_iter().zip(readback.read_vec(second, range)?);
-            let joined: Vec<T> = halves.flat_map(|(first, second)| [first, second]).collect();
-            sink(bytemuck::cast_slice(&joined))?;
-        }
-        Ok(())
     }
 }
 
@@ -405,45 +389,50 @@ impl Backend for GpuBackend {
     }
 
     fn read(&mut self, array: Array<'_, Self>, sink: &mut Sink<'_>) -> Result<()> {
-        let mut readback = Readback::new(&self.gpu);
+        let Self { gpu, readback, .. } = self;
+        let stretches = |count: usize| {
+            let starts = (0..count).step_by(JOIN_ITEMS);
+            starts.map(move |start| once(start..count.min(start + JOIN_ITEMS)))
+        };
         match array {
             Array::Rays(GpuRays { rays, count, .. }) => {
-                self.read_halves([&rays.origins, &rays.directions], *count, sink)
+                readback.read_pairs(gpu, [&rays.origins, &rays.directions], stretches(*count), sink)
             }
             Array::Sample(GpuRays { rays, count, .. }) => {
-                let halves = [&rays.origins, &rays.directions];
-                sink(bytemuck::cast_slice(&readback.read_pairs(halves, &sample(*count).collect::<Vec<_>>())?))
+                let sampled = once(sample(*count).collect::<Vec<_>>());
+                readback.read_pairs(gpu, [&rays.origins, &rays.directions], sampled, sink)
             }
-            Array::PathIds(rays) => readback.read_chunks(&rays.paths()?.ids, 0..rays.count, sink),
-            Array::Lights(rays) => readback.read_chunks(&rays.paths()?.states, 0..rays.count, |bytes| {
+            Array::PathIds(rays) => readback.read_chunks(gpu, &rays.paths()?.ids, 0..rays.count, sink),
+            Array::Lights(rays) => readback.read_chunks(gpu, &rays.paths()?.states, 0..rays.count, |bytes| {
                 let lights: Vec<u8> =
                     bytes.chunks_exact(16).flat_map(|state| &state[12..]).copied().collect();
                 sink(&lights)
             }),
             Array::Throughput(rays) => {
-                readback.read_chunks(&rays.paths()?.states, 0..rays.count, |bytes| sink(&first_three(bytes)))
+                let states = &rays.paths()?.states;
+                readback.read_chunks(gpu, states, 0..rays.count, |bytes| sink(&first_three(bytes)))
             }
             Array::Work(rays) => {
-                let work = self.tracer.work(&self.gpu, rays.id.kind, &rays.rays, rays.count)?;
-                readback.read_chunks(&work, 0..rays.count, sink)
+                let work = self.tracer.work(gpu, rays.id.kind, &rays.rays, rays.count)?;
+                readback.read_chunks(gpu, &work, 0..rays.count, sink)
             }
             Array::LaneUse(_) => Ok(()),
             Array::Hits(hits) => {
-                readback.read_chunks(&hits.words, 0..hits.count * Hits::words_each(hits.kind), sink)
+                readback.read_chunks(gpu, &hits.words, 0..hits.count * Hits::words_each(hits.kind), sink)
             }
             Array::Keys(keys) => match keys.high.as_ref().filter(|_| keys.bits > u32::BITS) {
-                Some(high) => self.read_halves([&keys.low, high], keys.count, sink),
-                None => readback.read_chunks(&keys.low, 0..keys.count, sink),
+                Some(high) => readback.read_pairs(gpu, [&keys.low, high], stretches(keys.count), sink),
+                None => readback.read_chunks(gpu, &keys.low, 0..keys.count, sink),
             },
             Array::Permutation(GpuPermutation { permutation, count }) => {
-                readback.read_chunks(permutation, 0..*count, sink)
+                readback.read_chunks(gpu, permutation, 0..*count, sink)
             }
             Array::Lengths(kind) => {
-                let cells = self.tables[kind as usize].touched(&self.gpu)?;
+                let cells = self.tables[kind as usize].touched(gpu)?;
                 sink(bytemuck::cast_slice(&cells))
             }
             Array::Film => {
-                readback.read_chunks(&self.film, 0..self.film.len(), |bytes| sink(&first_three(bytes)))
+                readback.read_chunks(gpu, &self.film, 0..self.film.len(), |bytes| sink(&first_three(bytes)))
             }
         }
     }

@@ -93,7 +93,7 @@ impl Scan {
         run.dispatch(&self.place_items, &[&group], &span, tiles);
         let elapsed_ns = run.finish()?;
         let last = tiles as usize;
-        let total = Readback::new(gpu).read_vec(&tile_places, last..last + 1)?[0];
+        let total = Readback::default().read_vec(gpu, &tile_places, last..last + 1)?[0];
         Ok(Scanned { total, elapsed_ns })
     }
 }
