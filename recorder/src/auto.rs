@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use formats::auto::{Calibrated, sample, sampled_area};
 use formats::key::{Extent, KEY_BITS_MIN, LAYOUT_BITS, Method};
-use formats::manifest::{CalibrationRecord, Choice, FORMAT_VERSION, QueueId, Way};
+use formats::manifest::{self, CalibrationRecord, Choice, FORMAT_VERSION, QueueId, Way};
 use formats::ray::{Kind, Ray};
 use formats::unit_space::UnitSpace;
 
@@ -12,18 +12,21 @@ use crate::clock::{Clock, Sample};
 use crate::options::in_range;
 use crate::stages::setup::{MethodPlan, Setup};
 
-/// What a calibration tries on closest and on shadow rays: methods with fewer bits than the usual 32, which cost less to
-/// sort. On threads one pass sorts 15 bits and two sort 20; on GPUs two and three do. Shadow rays, which take less time,
-/// gain by 20 bits what the second pass costs.
-const CANDIDATES: [&[(&str, u32)]; 2] = [
+/// Methods, and the bits of their keys, that a calibration tries on closest and on shadow rays.
+type Tried = [&'static [(&'static str, u32)]; 2];
+
+/// One pass sorts 15 bits and two sort 20. Shadow rays, which take less time, gain by 20 what the second pass costs.
+const ON_THREADS: Tried = [
     &[("origin", 15), ("aila", 15), ("aila", 20), ("octahedron", 15), ("octahedron", 20), ("two-point", 20)],
     &[("origin", 15), ("aila", 15), ("octahedron", 15), ("origin-light", 15)],
 ];
 
-/// Names and bits of the orders that a calibration tries on rays of a kind.
-pub const fn tried_on(kind: Kind) -> &'static [(&'static str, u32)] {
-    CANDIDATES[kind as usize]
-}
+/// A pass sorts 8 bits and takes little beside a trace: closest rays gain by three passes more than those cost, shadow
+/// rays hardly (docs/measurements/h100.md).
+const ON_GPUS: Tried = [
+    &[("aila", 16), ("aila", 24), ("octahedron", 24), ("two-point", 24), ("two-point", 32)],
+    &[("aila", 16), ("origin-light", 16), ("origin-light", 24), ("light-octahedron", 16)],
+];
 
 /// Chooses orders by a calibration.
 #[derive(Clone, Debug)]
@@ -49,28 +52,44 @@ pub struct Decision {
     pub order: Option<(usize, Way)>,
 }
 
-/// The candidates of a run: those of a calibration that there is, or all.
+/// The candidates of a run, each for the kinds of rays that it is a candidate for: those of a calibration that there is,
+/// or those that one tries on a backend.
 ///
 /// # Errors
 /// If a calibration names a method or bits that there are not.
-pub fn candidates(calibration: &[CalibrationRecord], extent: Extent, length: f32) -> Result<Vec<MethodPlan>> {
-    let measured = calibration.iter().flat_map(|queue| &queue.candidates).map(|candidate| &candidate.choice);
-    let mut all: Vec<(&str, u32)> =
-        measured.map(|choice| (choice.method.as_str(), choice.key_bits)).collect();
+pub fn candidates(
+    backend: manifest::Backend,
+    calibration: &[CalibrationRecord],
+    extent: Extent,
+    length: f32,
+) -> Result<Vec<MethodPlan>> {
+    let tried = match backend {
+        manifest::Backend::Cpu => ON_THREADS,
+        manifest::Backend::Gpu => ON_GPUS,
+    };
+    let mut all: Vec<(Kind, &str, u32)> = Vec::new();
     if calibration.is_empty() {
-        all = CANDIDATES.concat();
-    }
-    let mut wanted: Vec<(&str, u32)> = Vec::new();
-    for candidate in all {
-        if !wanted.contains(&candidate) {
-            wanted.push(candidate);
+        for kind in Kind::ALL {
+            all.extend(tried[kind as usize].iter().map(|&(name, bits)| (kind, name, bits)));
         }
     }
-    let plan = |&(name, bits): &(&str, u32)| {
+    for CalibrationRecord { kind, candidates, .. } in calibration {
+        let choices = candidates.iter().map(|candidate| &candidate.choice);
+        all.extend(choices.map(|choice| (*kind, choice.method.as_str(), choice.key_bits)));
+    }
+    let mut plans: Vec<MethodPlan> = Vec::new();
+    for (kind, name, bits) in all {
         in_range("key-bits", bits, KEY_BITS_MIN, LAYOUT_BITS)?;
-        Ok(MethodPlan::new(&Method::builtin(name)?, extent, bits, length)?)
-    };
-    wanted.iter().map(plan).collect()
+        let method = Method::builtin(name)?;
+        let known = plans.iter().position(|plan| plan.name == name && plan.key_bits == bits);
+        let at = known.unwrap_or(plans.len());
+        if known.is_none() {
+            let plan = MethodPlan::new(&method, extent, bits, length)?;
+            plans.push(MethodPlan { for_kinds: [false; 2], ..plan });
+        }
+        plans[at].for_kinds[kind as usize] |= method.applies_to(kind);
+    }
+    Ok(plans)
 }
 
 /// Room for the sample of a queue, touched before a clock starts.

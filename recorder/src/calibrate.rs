@@ -5,7 +5,7 @@ use formats::manifest::{CalibrationRecord, Candidate, Choice, QueueId, Stage, Wa
 use formats::metrics::speedup::Speedup;
 use formats::ray::Kind;
 
-use crate::auto::{Auto, room, tried_on};
+use crate::auto::{Auto, room};
 use crate::backends::{Backend, Queue};
 use crate::measure::{Measured, Measurement, QueueMeasurement, Queued, Subject};
 use crate::progress::Progress;
@@ -26,10 +26,17 @@ pub const PASSES: u32 = 2;
 /// How often a closest ray of each pass is traced, by each order in two ways; a shadow ray has fewer candidates. First
 /// pass: all candidates in the warm-up and in the round that finds the best, then these in a round that decides and
 /// those that count. Second pass: the best in a warm-up, in a round that decides and those that count.
-pub const TRACES: [u64; PASSES as usize] = {
-    let (all, best, rounds) = (tried_on(Kind::Closest).len() as u64, FINALISTS as u64, 1 + ROUNDS as u64);
+pub fn traces(setup: &Setup) -> [u64; PASSES as usize] {
+    let (all, best, rounds) =
+        (tried_on(setup, Kind::Closest).count() as u64, FINALISTS as u64, 1 + ROUNDS as u64);
     [2 * (2 * all + rounds * best), 2 * (best + rounds * best)]
-};
+}
+
+/// The candidates for rays of a kind.
+fn tried_on(setup: &Setup, kind: Kind) -> impl Iterator<Item = Subject> {
+    let candidates = setup.named().len()..setup.methods.len();
+    candidates.filter(move |&number| setup.methods[number].applies_to(kind)).map(Subject::Method)
+}
 
 /// Measures the candidates on every queue.
 pub struct Calibrator<'a> {
@@ -90,18 +97,9 @@ pub fn calibrate<B: Backend>(
 }
 
 impl Calibrator<'_> {
-    /// The candidates for rays of a kind.
-    fn tried_on(&self, kind: Kind) -> impl Iterator<Item = Subject> {
-        let is_tried = move |&number: &usize| {
-            let plan = &self.setup.methods[number];
-            tried_on(kind).contains(&(plan.name.as_str(), plan.key_bits))
-        };
-        (self.setup.named().len()..self.setup.methods.len()).filter(is_tried).map(Subject::Method)
-    }
-
     /// The best candidates on a queue, and canonical order.
     fn finalists<B: Backend>(&self, backend: &mut B, queue: &Queued<'_, B>) -> Result<QueueMeasurement> {
-        let tried = self.tried_on(queue.rays.id().kind);
+        let tried = tried_on(self.setup, queue.rays.id().kind);
         let orders = [Subject::Unsorted].into_iter().chain(tried).collect();
         let mut measured = Measured { orders, repeats: 0, seed: self.setup.seed };
         let mut orders = queue.warm_up(backend, &measured, |_, _, _, _| Ok(()))?;
@@ -163,6 +161,7 @@ impl Calibrator<'_> {
 mod tests {
     use std::sync::Arc;
 
+    use formats::manifest;
     use formats::ray::Ray;
 
     use super::*;
@@ -177,14 +176,21 @@ mod tests {
         let scene = scenes::load("builtin:cornell").unwrap();
         let bvh = scenes::bvh::build(&scene, scenes::bvh::BvhKind::Bvh2).unwrap();
         let setup = Setup { width: 128, height: 128, ..Setup::made_up(false, 32) };
-        let candidates = auto::candidates(&[], setup.extent(), 0.25).unwrap();
+        let tried = |backend| auto::candidates(backend, &[], setup.extent(), 0.25).unwrap();
+        let of_kinds = |backend| {
+            let is_for = |kind| tried(backend).iter().filter(|plan| plan.applies_to(kind)).count();
+            (tried(backend).len(), Kind::ALL.map(is_for))
+        };
+        assert_eq!(of_kinds(manifest::Backend::Cpu), (7, [6, 4]));
+        assert_eq!(of_kinds(manifest::Backend::Gpu), (8, [5, 4]));
+        let candidates = tried(manifest::Backend::Cpu);
         let setup = Arc::new(setup.with_candidates(candidates));
         let mut backend = CpuBackend::new(setup.clone(), Arc::new(CpuTracer::new(&scene, &bvh)));
         let auto = Auto::new(&setup, Vec::new());
-        let progress = Progress::new(2, TRACES.to_vec());
+        let progress = Progress::new(2, traces(&setup).to_vec());
         let mut calibrator =
             Calibrator { setup: &setup, auto: &auto, progress: &progress, found: Vec::new() };
-        assert_eq!(Kind::ALL.map(|kind| calibrator.tried_on(kind).count()), [6, 4], "of seven");
+        assert_eq!(Kind::ALL.map(|kind| tried_on(&setup, kind).count()), [6, 4]);
         let ray = |at: usize| Ray {
             origin: [at as f32 * 1e-5, 0.0, 0.0],
             t_min: 0.0,

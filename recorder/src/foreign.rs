@@ -73,7 +73,7 @@ fn plan(record: &MethodRecord, extent: Extent) -> Result<MethodPlan> {
         termination: record.termination,
         key_bits: record.key_bits,
         two_point_length: record.two_point_length,
-        for_closest: true,
+        for_kinds: [true; 2],
     })
 }
 

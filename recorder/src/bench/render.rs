@@ -163,7 +163,7 @@ fn traced_after(setup: &Setup) -> impl Iterator<Item = usize> {
 /// What `auto` chooses by: orders measured on passes after those of a frame.
 fn calibrated<B: Backend>(backend: &mut B, setup: &Setup, run: &RecordOptions) -> Result<Auto> {
     let pass = run.passes;
-    let progress = Progress::new(run.bounces, calibrate::TRACES.to_vec());
+    let progress = Progress::new(run.bounces, calibrate::traces(setup).to_vec());
     let auto = calibrate::calibrate(backend, setup, &progress, |backend, calibrator| {
         wavefront::run(backend, pass..pass + calibrate::PASSES, run.bounces, calibrator)
     });
@@ -384,14 +384,12 @@ fn check_same(expected: &[[f32; 3]], found: &[[f32; 3]], order: &str) -> Result<
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
 
     use formats::key::Method;
     use formats::length_table::LengthCell;
 
     use super::*;
     use crate::options::{BackendChoice, DeviceOptions};
-    use crate::recording::{choose_camera, setup};
 
     struct AgainstTheLoop<'a> {
         run: &'a RecordOptions,
@@ -459,8 +457,7 @@ mod tests {
             let device = machine::open(&run.device).unwrap();
             for name in ["builtin:cornell", "builtin:atrium", "builtin:apartment"] {
                 let scene = scenes::load(name).unwrap();
-                let camera = choose_camera(&scene, None).unwrap();
-                let setup = Arc::new(setup(&scene, &camera, &run).unwrap());
+                let setup = prepared(&device, &scene, &run).unwrap();
                 let work = AgainstTheLoop { run: &run, setup: &setup };
                 backends::measure(&device, &scene, &setup, &[device.kernel(&run.device)], work).unwrap();
             }

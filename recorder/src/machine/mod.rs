@@ -11,6 +11,7 @@ pub mod self_check;
 
 use anyhow::{Context, Result, bail, ensure};
 use formats::length_table::TableCell;
+use formats::manifest::Backend;
 use scenes::Scene;
 use sysinfo::System;
 
@@ -127,6 +128,14 @@ const CPU_BYTES_PER_CELL: u64 = 4 * size_of::<TableCell>() as u64;
 const GPU_BYTES_PER_ITEM: u64 = 16;
 
 impl Device {
+    /// Threads or a GPU.
+    pub fn backend(&self) -> Backend {
+        match self {
+            Self::Cpu(_) => Backend::Cpu,
+            Self::Gpu(_) => Backend::Gpu,
+        }
+    }
+
     /// The trace kernels of our own that trace rays one by one here, the fastest first.
     pub fn kernels(&self) -> Vec<TraceKernel> {
         match self {

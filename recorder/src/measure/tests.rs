@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::bail;
-use formats::manifest::{CalibrationRecord, Candidate, Choice};
+use formats::manifest::{self, CalibrationRecord, Candidate, Choice};
 use formats::ray::Ray;
 
 use super::*;
@@ -149,7 +149,7 @@ fn turns(calibration: Vec<CalibrationRecord>) -> BTreeMap<String, usize> {
     let scene = scenes::load("builtin:cornell").unwrap();
     let bvh = scenes::bvh::build(&scene, scenes::bvh::BvhKind::Bvh2).unwrap();
     let setup = Setup::made_up(false, 32);
-    let candidates = auto::candidates(&calibration, setup.extent(), 0.25).unwrap();
+    let candidates = auto::candidates(manifest::Backend::Cpu, &calibration, setup.extent(), 0.25).unwrap();
     let setup = Arc::new(setup.with_candidates(candidates));
     let backend = CpuBackend::new(setup.clone(), Arc::new(CpuTracer::new(&scene, &bvh)));
     let mut backend = Noting { backend, verbs: Vec::new() };

@@ -98,7 +98,12 @@ pub(crate) fn choose_camera(scene: &Scene, name: Option<&str>) -> Result<Camera>
 /// If there is no such camera, it does not fit, or a layout needs a picture and the rays have none.
 pub(crate) fn prepared(device: &Device, scene: &Scene, options: &RecordOptions) -> Result<Arc<Setup>> {
     let camera = choose_camera(scene, options.camera.as_deref())?;
-    let setup = Arc::new(setup(scene, &camera, options)?);
+    let mut setup = setup(scene, &camera, options)?;
+    if options.auto {
+        let (extent, length) = (setup.extent(), options.two_point_length);
+        setup = setup.with_candidates(candidates(device.backend(), &[], extent, length)?);
+    }
+    let setup = Arc::new(setup);
     device.check_capacity(&setup, scene)?;
     Ok(setup)
 }
@@ -114,12 +119,7 @@ pub fn setup(scene: &Scene, camera: &Camera, options: &RecordOptions) -> Result<
     let extent = setup.extent();
     let plan = |method| MethodPlan::new(method, extent, options.key_bits, options.two_point_length);
     let methods = options.methods.iter().map(plan).collect::<Result<_, _>>()?;
-    let setup = Setup { methods, ..setup };
-    Ok(if options.auto {
-        setup.with_candidates(candidates(&[], extent, options.two_point_length)?)
-    } else {
-        setup
-    })
+    Ok(Setup { methods, ..setup })
 }
 
 /// What kernels depend on, without methods. Unit space and lights are given, since recordings have no arrays of

@@ -232,9 +232,10 @@ impl Run<'_> {
         let repeats = u64::from(self.options.repeats);
         // Two rounds come before those that count; the control and the baseline are traced once in each.
         let traces = (2 + repeats) * 2 * (1 + self.setup.named().len() as u64);
+        let calibration = calibrate::traces(&self.setup);
         let (passes, calibration) = match &self.rays {
-            RaySource::Paths => (self.options.passes, &calibrate::TRACES[..]),
-            RaySource::Recorded(_) => (1, &calibrate::TRACES[..1]),
+            RaySource::Paths => (self.options.passes, &calibration[..]),
+            RaySource::Recorded(_) => (1, &calibration[..1]),
         };
         let is_calibrated = self.options.auto && self.calibration.is_empty();
         let calibration = if is_calibrated { calibration } else { &[] };

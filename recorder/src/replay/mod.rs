@@ -106,7 +106,7 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let calibration = calibration(asked.manifest(), &device, &run_options);
     if run_options.auto {
         let (extent, length) = (setup.extent(), run_options.two_point_length);
-        setup = setup.with_candidates(candidates(calibration, extent, length)?);
+        setup = setup.with_candidates(candidates(device.backend(), calibration, extent, length)?);
     }
     let setup = Arc::new(setup);
     device.check_capacity(&setup, &scene)?;

@@ -29,8 +29,8 @@ pub struct MethodPlan {
     pub key_bits: u32,
     /// Length that a fixed estimate assumes, unit lengths.
     pub two_point_length: f32,
-    /// Whether closest rays have such keys.
-    pub for_closest: bool,
+    /// Whether closest rays have such keys, and whether shadow rays do.
+    pub for_kinds: [bool; 2],
 }
 
 impl MethodPlan {
@@ -52,13 +52,13 @@ impl MethodPlan {
             termination: method.termination,
             key_bits,
             two_point_length,
-            for_closest: method.applies_to(Kind::Closest),
+            for_kinds: Kind::ALL.map(|kind| method.applies_to(kind)),
         })
     }
 
     /// Whether the method makes sense for this kind of ray.
     pub fn applies_to(&self, kind: Kind) -> bool {
-        kind == Kind::Shadow || self.for_closest
+        self.for_kinds[kind as usize]
     }
 }
 

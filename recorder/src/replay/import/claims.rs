@@ -136,6 +136,6 @@ fn unclaimed(name: &str, orders: &[&ForeignOrder], options: &RecordOptions) -> R
         termination: Termination::Unused,
         key_bits,
         two_point_length: options.two_point_length,
-        for_closest: true,
+        for_kinds: [true; 2],
     })
 }
