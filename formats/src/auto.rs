@@ -137,7 +137,7 @@ impl<'a> Calibrated<'a> {
             return None;
         }
         let most_alike = match self.known(bounce, kind, rays) {
-            Some(known) => known,
+            Some(known) => &self.queues[known],
             None => self.most_alike(bounce, kind, rays, area)?,
         };
         let sure = || most_alike.candidates.iter().filter(|candidate| self.is_sure(kind, candidate));
@@ -159,12 +159,13 @@ impl<'a> Calibrated<'a> {
         Some(if self.rule().prefers_the_bounce { same_bounce.unwrap_or(nearest) } else { nearest })
     }
 
-    /// The calibrated queue of the same bounce, if it has about as many rays.
-    fn known(&self, bounce: u32, kind: Kind, rays: u64) -> Option<&'a CalibrationRecord> {
+    /// Number of the calibrated queue of the same bounce, if it has about as many rays: such a queue gets what that one
+    /// does, whatever its sample says.
+    pub fn known(&self, bounce: u32, kind: Kind, rays: u64) -> Option<usize> {
         let is_it = |other: &CalibrationRecord| {
-            other.bounce == bounce && apart(rays as f64, other.rays as f64) <= BY_CHANCE
+            (other.bounce, other.kind) == (bounce, kind) && apart(rays as f64, other.rays as f64) <= BY_CHANCE
         };
-        self.of(kind).find(|other| self.rule().knows_the_bounce && is_it(other))
+        self.queues.iter().position(is_it).filter(|_| self.rule().knows_the_bounce)
     }
 
     fn of(&self, kind: Kind) -> impl Iterator<Item = &'a CalibrationRecord> {

@@ -31,11 +31,12 @@ const ON_GPUS: Tried = [
 /// Chooses orders by a calibration.
 #[derive(Clone, Debug)]
 pub struct Auto {
-    /// What was measured before.
-    pub calibration: Vec<CalibrationRecord>,
+    calibration: Vec<CalibrationRecord>,
     /// Fewest rays that get an order. At hand, since a lookup in the calibration waits for memory, 2 µs that a queue of
     /// a few hundred rays feels.
     fewest_rays: u64,
+    /// What a queue gets that is known by its bounce and number of rays, for each of the calibration. At hand, too.
+    known: Vec<Option<(usize, Way)>>,
     unit: UnitSpace,
     /// Number of the first candidate among the methods of the run.
     first: usize,
@@ -100,10 +101,34 @@ pub fn room(rays: usize) -> Vec<Ray> {
 
 impl Auto {
     /// For a run whose methods end with the candidates.
-    pub fn new(setup: &Setup, calibration: Vec<CalibrationRecord>) -> Self {
+    ///
+    /// # Errors
+    /// If the calibration names others.
+    pub fn new(setup: &Setup, calibration: Vec<CalibrationRecord>) -> Result<Self> {
         let candidates = setup.candidates().iter().map(|plan| (plan.name.clone(), plan.key_bits)).collect();
-        let fewest_rays = Calibrated { queues: &calibration, version: FORMAT_VERSION }.fewest_rays();
-        Self { calibration, fewest_rays, unit: setup.unit, first: setup.named().len(), candidates }
+        let first = setup.named().len();
+        let calibrated = Calibrated { queues: &calibration, version: FORMAT_VERSION };
+        let fewest_rays = calibrated.fewest_rays();
+        let mut auto = Self {
+            calibration: Vec::new(),
+            fewest_rays,
+            known: Vec::new(),
+            unit: setup.unit,
+            first,
+            candidates,
+        };
+        let known = calibration.iter().map(|queue| {
+            let candidate = calibrated.decide(queue.bounce, queue.kind, queue.rays, queue.area);
+            candidate.map(|candidate| auto.order(&candidate.choice)).transpose()
+        });
+        auto.known = known.collect::<Result<_>>()?;
+        auto.calibration = calibration;
+        Ok(auto)
+    }
+
+    /// What was measured before.
+    pub fn calibration(&self) -> &[CalibrationRecord] {
+        &self.calibration
     }
 
     /// Looks at the sample of a queue, if that has anything to say, and chooses, timed on the processor's clock.
@@ -113,23 +138,27 @@ impl Auto {
     pub fn decide<B: Backend>(&self, backend: &mut B, rays: &B::Rays) -> Result<(Decision, Sample)> {
         let mut sampled = room(rays.len());
         let mut clock = Clock::of_processor();
-        let (area, candidate, order) = clock.time(|| {
-            if (rays.len() as u64) < self.fewest_rays {
-                return anyhow::Ok((0.0, None, None));
+        let (area, order) = clock.time(|| {
+            let (QueueId { bounce, kind, .. }, count) = (rays.id(), rays.len() as u64);
+            if count < self.fewest_rays {
+                return anyhow::Ok((0.0, None));
             }
-            let QueueId { bounce, kind, .. } = rays.id();
             let calibrated = Calibrated { queues: &self.calibration, version: FORMAT_VERSION };
-            let count = rays.len() as u64;
+            if let Some(at) = calibrated.known(bounce, kind, count) {
+                return Ok((0.0, self.known[at]));
+            }
             let area = match calibrated.is_worth_a_look(bounce, kind, count) {
                 true => self.area(backend, rays, &mut sampled)?,
                 false => 0.0,
             };
             let candidate = calibrated.decide(bounce, kind, count, area);
-            let order = candidate.map(|candidate| self.order(&candidate.choice)).transpose()?;
-            anyhow::Ok((area, candidate, order))
+            Ok((area, candidate.map(|candidate| self.order(&candidate.choice)).transpose()?))
         })?;
-        let decision = Decision { area, choice: candidate.map(|candidate| candidate.choice.clone()), order };
-        Ok((decision, clock.last()))
+        let choice = order.map(|(number, way)| {
+            let (method, key_bits) = self.candidates[number - self.first].clone();
+            Choice { method, key_bits, way }
+        });
+        Ok((Decision { area, choice, order }, clock.last()))
     }
 
     /// Mean capsule area of the sample of a queue.

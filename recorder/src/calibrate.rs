@@ -88,12 +88,12 @@ pub fn calibrate<B: Backend>(
     progress: &Progress,
     run: impl FnOnce(&mut B, &mut Calibrator<'_>) -> Result<()>,
 ) -> Result<Auto> {
-    let auto = Auto::new(setup, Vec::new());
+    let auto = Auto::new(setup, Vec::new())?;
     let mut calibrator = Calibrator { setup, auto: &auto, progress, found: Vec::new() };
     run(backend, &mut calibrator)?;
     let calibration = calibrator.records();
     backend.restart()?;
-    Ok(Auto::new(setup, calibration))
+    Auto::new(setup, calibration)
 }
 
 impl Calibrator<'_> {
@@ -186,7 +186,7 @@ mod tests {
         let candidates = tried(manifest::Backend::Cpu);
         let setup = Arc::new(setup.with_candidates(candidates));
         let mut backend = CpuBackend::new(setup.clone(), Arc::new(CpuTracer::new(&scene, &bvh)));
-        let auto = Auto::new(&setup, Vec::new());
+        let auto = Auto::new(&setup, Vec::new()).unwrap();
         let progress = Progress::new(2, traces(&setup).to_vec());
         let mut calibrator =
             Calibrator { setup: &setup, auto: &auto, progress: &progress, found: Vec::new() };

@@ -413,11 +413,11 @@ mod tests {
             let orders = subjects.map(FrameOrder::Rays).chain(HitOrder::ALL.map(FrameOrder::Hits));
             // As if every order had been worth it, traced either way.
             let sure = [Way::Gathered, Way::Indices].map(|way| {
-                let mut auto = auto.clone();
-                for candidate in auto.calibration.iter_mut().flat_map(|queue| &mut queue.candidates) {
+                let mut calibration = auto.calibration().to_vec();
+                for candidate in calibration.iter_mut().flat_map(|queue| &mut queue.candidates) {
                     (candidate.choice.way, candidate.net_low) = (way, 2.0);
                 }
-                auto
+                Auto::new(setup, calibration).unwrap()
             });
             let sure = sure.iter().map(|auto| (FrameOrder::Rays(Subject::Auto), auto));
             for (order, auto) in orders.map(|order| (order, &auto)).chain(sure) {

@@ -160,7 +160,7 @@ fn turns(calibration: Vec<CalibrationRecord>) -> BTreeMap<String, usize> {
     let queue = RecordedRays { id, rays: &rays, path_ids: &path_ids, lights: &lights, lengths: None };
     let rays = backend.upload(queue).unwrap();
     let hits = backend.trace(&rays, Order::Stored).unwrap();
-    let auto = Auto::new(&setup, calibration);
+    let auto = Auto::new(&setup, calibration).unwrap();
     let orders = vec![Subject::Unsorted, Subject::Control, Subject::Auto, Subject::Method(2)];
     let measured = Measured { orders, repeats: 3, seed: 0 };
     let queue = Queued { rays: &rays, hits: &hits, methods: &setup.methods, foreign: &[], auto: Some(&auto) };

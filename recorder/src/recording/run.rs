@@ -189,7 +189,7 @@ impl Run<'_> {
         for method in self.setup.named().iter().chain(&self.foreign.methods) {
             capture.record(Record::Method(header::method_record(method)))?;
         }
-        for calibration in plan.auto.iter().flat_map(|auto| &auto.calibration) {
+        for calibration in plan.auto.iter().flat_map(Auto::calibration) {
             capture.record(Record::Calibration(calibration.clone()))?;
         }
         capture.drain()?;
@@ -215,7 +215,7 @@ impl Run<'_> {
     /// queues of the last one; then the run begins anew.
     fn calibrated<B: Backend>(&self, backend: &mut B, progress: &Progress) -> Result<Auto> {
         if !self.calibration.is_empty() {
-            return Ok(Auto::new(&self.setup, self.calibration.clone()));
+            return Auto::new(&self.setup, self.calibration.clone());
         }
         let (pass, bounces) = (self.options.passes, self.options.bounces);
         calibrate::calibrate(backend, &self.setup, progress, |backend, calibrator| match &self.rays {
