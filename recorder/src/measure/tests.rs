@@ -207,3 +207,18 @@ fn a_turn_decides_then_forgets_then_does_what_is_timed() {
         assert_eq!(turns(calibration), expected.map(|turn| (turn.to_owned(), 4)).into());
     }
 }
+
+#[test]
+fn a_queue_of_a_calibrated_bounce_and_length_gets_its_order_without_a_look() {
+    let choice = Choice { method: "aila".to_owned(), key_bits: 15, way: Way::Indices };
+    let candidates = vec![Candidate { choice, net: 1.5, net_low: 1.4 }];
+    let known = CalibrationRecord { bounce: 1, kind: Kind::Shadow, rays: 110, area: 1e9, candidates };
+    // `auto` and the method through indices; canonical order; the control; the method gathered.
+    let expected = [
+        ("forget key sort trace", 8),
+        ("forget trace", 4),
+        ("forget gather trace scatter", 4),
+        ("forget key sort gather trace scatter", 4),
+    ];
+    assert_eq!(turns(vec![known]), expected.map(|(turn, count)| (turn.to_owned(), count)).into());
+}
