@@ -144,7 +144,7 @@ impl CpuTracer {
             Hits::Shadow(distances) => {
                 let keep = |place: &AtomicU32, hit: Hit, ()| place.store(hit.t.to_bits(), Relaxed);
                 for_each_part(rays, order, distances, chunk, |part| {
-                    self.search::<_, Shear, _, PADDED, ANY_HIT>(part, &(), keep)
+                    self.search::<_, _, PADDED, ANY_HIT>(part, &(), keep)
                 });
             }
         }
@@ -198,8 +198,8 @@ impl CpuTracer {
         let part = Part::new(rays, &places);
         let keep = |(): &(), _, account| accounts.push(account);
         match kind {
-            Kind::Closest => self.search::<_, Shear, _, PADDED, NEAREST>(part, account, keep),
-            Kind::Shadow => self.search::<_, Shear, _, PADDED, ANY_HIT>(part, account, keep),
+            Kind::Closest => self.search::<_, _, PADDED, NEAREST>(part, account, keep),
+            Kind::Shadow => self.search::<_, _, PADDED, ANY_HIT>(part, account, keep),
         }
         accounts
     }
@@ -208,45 +208,60 @@ impl CpuTracer {
         let Precision { triangles, boxes } = self.precision;
         match (triangles, boxes) {
             (TriangleTest::Watertight, BoxTest::Padded) => {
-                self.search::<_, Shear, _, PADDED, NEAREST>(part, &(), keep)
+                self.search::<_, _, PADDED, NEAREST>(part, &(), keep)
             }
             (TriangleTest::Watertight, BoxTest::Plain) => {
-                self.search::<_, Shear, _, PLAIN, NEAREST>(part, &(), keep)
+                self.search::<_, _, PLAIN, NEAREST>(part, &(), keep)
             }
             (TriangleTest::MoellerTrumbore, BoxTest::Padded) => {
-                self.search::<_, PlainRay, _, PADDED, NEAREST>(part, &(), keep);
+                self.search_one_by_one::<_, PlainRay, _, PADDED, NEAREST>(part, &(), keep);
             }
             (TriangleTest::MoellerTrumbore, BoxTest::Plain) => {
-                self.search::<_, PlainRay, _, PLAIN, NEAREST>(part, &(), keep);
+                self.search_one_by_one::<_, PlainRay, _, PLAIN, NEAREST>(part, &(), keep);
             }
         }
     }
 
-    /// Traces some rays; `keep` takes the place of a ray's result, its hit and its account.
-    fn search<A: Account, R: TriangleRay, T, const IS_PADDED: bool, const IS_ANY: bool>(
+    /// Traces some rays with the watertight test, the only one with which rays are traced together; `keep` takes
+    /// the place of a ray's result, its hit and its account.
+    fn search<A: Account, T, const IS_PADDED: bool, const IS_ANY: bool>(
         &self,
         part: Part<'_, T>,
         account: &A,
         keep: impl FnMut(&T, Hit, A),
     ) {
         match &self.tree {
-            AnyTree::Binary(tree) => {
+            AnyTree::Lanes(tree) => {
+                self.search_in::<_, A, Shear, T, IS_PADDED, IS_ANY>(tree, part, account, keep)
+            }
+            AnyTree::Packet(tree) => {
+                self.search_in::<_, A, Shear, T, IS_PADDED, IS_ANY>(tree, part, account, keep)
+            }
+            AnyTree::Binary(_) | AnyTree::Compressed(_) | AnyTree::Wide(_) => {
+                self.search_one_by_one::<A, Shear, T, IS_PADDED, IS_ANY>(part, account, keep)
+            }
+        }
+    }
+
+    /// The same with any triangle test, each ray by itself.
+    fn search_one_by_one<A: Account, R: TriangleRay, T, const IS_PADDED: bool, const IS_ANY: bool>(
+        &self,
+        part: Part<'_, T>,
+        account: &A,
+        keep: impl FnMut(&T, Hit, A),
+    ) {
+        match &self.tree {
+            AnyTree::Binary(tree) | AnyTree::Lanes(LaneTree(tree)) | AnyTree::Packet(PacketTree(tree)) => {
                 self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep)
             }
             AnyTree::Compressed(tree) => {
                 self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep)
             }
             AnyTree::Wide(tree) => self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep),
-            AnyTree::Lanes(tree) => {
-                self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep)
-            }
-            AnyTree::Packet(tree) => {
-                self.search_in::<_, A, R, T, IS_PADDED, IS_ANY>(tree, part, account, keep)
-            }
         }
     }
 
-    fn search_in<H: Searcher, A: Account, R: TriangleRay, T, const IS_PADDED: bool, const IS_ANY: bool>(
+    fn search_in<H: Searcher<R>, A: Account, R: TriangleRay, T, const IS_PADDED: bool, const IS_ANY: bool>(
         &self,
         tree: &H,
         part: Part<'_, T>,
@@ -285,7 +300,7 @@ impl CpuTracer {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn search_avx2<H: Searcher, S: Variant, T>(
+fn search_avx2<H: Searcher<S::Ray>, S: Variant, T>(
     tree: &H,
     masks: &Masks,
     part: Part<'_, T>,

@@ -8,6 +8,7 @@
 //! and needs no order of eight children. Each ray does what it would do alone by the kernel `bvh2`, in the
 //! same order, so that hits, distances of shadow rays and work are the same.
 
+use formats::intersect::Shear;
 use formats::ray::Hit;
 use scenes::bvh::BVH2_STACK;
 
@@ -19,7 +20,7 @@ use super::cpu_query::{Query, Searcher, Variant};
 use super::cpu_vector::Avx2;
 use super::cpu_vector::{Portable, Vector};
 use super::mask::Masks;
-use super::triangle::{TriangleLanes, TriangleRay};
+use super::triangle::ShearLanes;
 
 /// The binary hierarchy, walked by eight rays at a time.
 #[derive(Clone, Debug)]
@@ -33,9 +34,9 @@ impl LaneTree {
 /// For each lane what waits: references, and where the ray enters.
 type Stacks = [[(u32, f32); BVH2_STACK]; 8];
 
-impl Searcher for LaneTree {
+impl Searcher<Shear> for LaneTree {
     #[inline(always)]
-    fn search<S: Variant, T>(
+    fn search<S: Variant<Ray = Shear>, T>(
         &self,
         masks: &Masks,
         part: Part<'_, T>,
@@ -64,7 +65,7 @@ struct Lockstep<'a, 'm, V: Vector, S: Variant> {
     queries: &'a mut [Query<'m, S>; 8],
     stacks: &'a mut Stacks,
     boxes: BoxLanes<V>,
-    triangles: <S::Ray as TriangleRay>::Lanes<V>,
+    triangles: ShearLanes<V>,
     /// Per lane how many wait, where it is (of a leaf what is left), and beyond what it need not look.
     waiting: [usize; 8],
     current: [u32; 8],
@@ -74,12 +75,12 @@ struct Lockstep<'a, 'm, V: Vector, S: Variant> {
     leaves: u32,
 }
 
-impl<'a, 'm, V: Vector, S: Variant> Lockstep<'a, 'm, V, S> {
+impl<'a, 'm, V: Vector, S: Variant<Ray = Shear>> Lockstep<'a, 'm, V, S> {
     #[inline(always)]
     fn new(tree: &'a BinaryTree, queries: &'a mut [Query<'m, S>; 8], stacks: &'a mut Stacks) -> Self {
         Self {
             boxes: BoxLanes::new(queries.each_ref()),
-            triangles: TriangleLanes::new(queries.each_ref().map(Query::triangle_ray)),
+            triangles: ShearLanes::new(queries.each_ref().map(Query::triangle_ray)),
             waiting: [0; 8],
             current: [tree.root(); 8],
             limit: queries.each_ref().map(Query::limit),

@@ -10,6 +10,7 @@
 //!
 //! **Work** is what a ray takes in a packet of its own: what it takes among others depends on them.
 
+use formats::intersect::Shear;
 use formats::ray::Hit;
 use scenes::bvh::BVH2_STACK;
 
@@ -21,7 +22,7 @@ use super::cpu_query::{Query, Searcher, Variant};
 use super::cpu_vector::Avx2;
 use super::cpu_vector::{Portable, Vector};
 use super::mask::Masks;
-use super::triangle::{LeafTriangle, TriangleLanes, TriangleRay};
+use super::triangle::{LeafTriangle, ShearLanes};
 
 /// The binary hierarchy, walked by packets.
 #[derive(Clone, Debug)]
@@ -32,9 +33,9 @@ impl PacketTree {
     pub(super) const WIDTH: usize = 16;
 }
 
-impl Searcher for PacketTree {
+impl Searcher<Shear> for PacketTree {
     #[inline(always)]
-    fn search<S: Variant, T>(
+    fn search<S: Variant<Ray = Shear>, T>(
         &self,
         masks: &Masks,
         part: Part<'_, T>,
@@ -50,7 +51,7 @@ impl Searcher for PacketTree {
 }
 
 #[inline(always)]
-fn search<V: Vector, S: Variant, T>(
+fn search<V: Vector, S: Variant<Ray = Shear>, T>(
     tree: &BinaryTree,
     masks: &Masks,
     part: &Part<'_, T>,
@@ -78,22 +79,22 @@ struct Waiting<V> {
 struct Packet<'a, 'm, V: Vector, S: Variant> {
     queries: &'a mut [Query<'m, S>; 16],
     boxes: [BoxLanes<V>; 2],
-    triangles: [<S::Ray as TriangleRay>::Lanes<V>; 2],
+    triangles: [ShearLanes<V>; 2],
     /// Beyond what each ray need not look.
     limit: [[f32; 8]; 2],
     /// The rays that are not done.
     working: u32,
 }
 
-impl<'a, 'm, V: Vector, S: Variant> Packet<'a, 'm, V, S> {
+impl<'a, 'm, V: Vector, S: Variant<Ray = Shear>> Packet<'a, 'm, V, S> {
     #[inline(always)]
     fn new(queries: &'a mut [Query<'m, S>; 16], working: u32) -> Self {
         let halves = [0, 8].map(|first| std::array::from_fn::<_, 8, _>(|lane| &queries[first + lane]));
         Self {
             boxes: [BoxLanes::new(halves[0]), BoxLanes::new(halves[1])],
             triangles: [
-                TriangleLanes::new(halves[0].map(Query::triangle_ray)),
-                TriangleLanes::new(halves[1].map(Query::triangle_ray)),
+                ShearLanes::new(halves[0].map(Query::triangle_ray)),
+                ShearLanes::new(halves[1].map(Query::triangle_ray)),
             ],
             limit: halves.map(|half| half.map(Query::limit)),
             queries,

@@ -261,10 +261,10 @@ pub(super) trait Tree: Sync {
     fn traverse<S: Variant>(&self, query: &mut Query<'_, S>, stack: &mut Self::Stack);
 }
 
-/// Traces the rays of a part: each by itself through a [`Tree`], or several at once.
-pub(super) trait Searcher: Sync {
+/// Traces the rays of a part by a triangle test `R`: each by itself through a [`Tree`], or several at once.
+pub(super) trait Searcher<R: TriangleRay>: Sync {
     /// Finds what each ray asks for; `keep` takes the place of its result, its hit and its account.
-    fn search<S: Variant, T>(
+    fn search<S: Variant<Ray = R>, T>(
         &self,
         masks: &Masks,
         part: Part<'_, T>,
@@ -273,9 +273,9 @@ pub(super) trait Searcher: Sync {
     );
 }
 
-impl<H: Tree> Searcher for H {
+impl<H: Tree, R: TriangleRay> Searcher<R> for H {
     #[inline(always)]
-    fn search<S: Variant, T>(
+    fn search<S: Variant<Ray = R>, T>(
         &self,
         masks: &Masks,
         part: Part<'_, T>,

@@ -2,7 +2,7 @@
 //! with the same results.
 
 /// Eight numbers.
-pub trait Vector: Copy {
+pub(super) trait Vector: Copy {
     /// The same number eight times.
     fn splat(value: f32) -> Self;
     /// These.

@@ -7,8 +7,7 @@ use formats::intersect::Intersection;
 use formats::ray::Ray;
 use glam::Vec3;
 
-use super::cpu_vector::Vector;
-use super::triangle::{LeafTriangle, TriangleBlock, TriangleLanes, TriangleRay};
+use super::triangle::{LeafTriangle, TriangleBlock, TriangleRay};
 use crate::stages::vector::{cross3, dot3};
 
 /// A ray as it is.
@@ -19,8 +18,6 @@ pub struct PlainRay {
 }
 
 impl TriangleRay for PlainRay {
-    type Lanes<V: Vector> = AnyTriangle;
-
     #[inline(always)]
     fn new(ray: &Ray, _inverse: [f32; 3]) -> Self {
         Self { origin: Vec3::from(ray.origin), direction: Vec3::from(ray.direction) }
@@ -56,23 +53,5 @@ impl TriangleRay for PlainRay {
     #[inline(always)]
     fn candidates(&self, block: &TriangleBlock, _farthest: f32) -> u32 {
         (1 << block.count()) - 1
-    }
-}
-
-/// Any ray may hit any triangle.
-#[derive(Clone, Copy, Debug)]
-pub struct AnyTriangle;
-
-impl<V: Vector> TriangleLanes<V, PlainRay> for AnyTriangle {
-    fn new(_rays: [&PlainRay; 8]) -> Self {
-        Self
-    }
-
-    fn axes(&self) -> &[[u32; 8]; 3] {
-        &[[0; 8], [1; 8], [2; 8]]
-    }
-
-    fn candidates(&self, _corners: [[V; 3]; 3], _farthest: V) -> u32 {
-        0xff
     }
 }

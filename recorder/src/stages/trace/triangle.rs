@@ -8,9 +8,6 @@ use super::cpu_vector::Vector;
 
 /// A ray as a triangle test takes it.
 pub trait TriangleRay: Sized {
-    /// Eight rays side by side.
-    type Lanes<V: Vector>: TriangleLanes<V, Self>;
-
     /// Prepares for a ray with a direction that is not zero, given its reciprocals.
     fn new(ray: &Ray, inverse: [f32; 3]) -> Self;
 
@@ -30,22 +27,7 @@ pub trait TriangleRay: Sized {
     fn candidates(&self, block: &TriangleBlock, farthest: f32) -> u32;
 }
 
-/// Rays side by side, each with a triangle of its own.
-pub trait TriangleLanes<V: Vector, R> {
-    /// Of eight rays.
-    fn new(rays: [&R; 8]) -> Self;
-
-    /// Which axis of a ray's triangle is its first, second and third; a lane per ray.
-    fn axes(&self) -> &[[u32; 8]; 3];
-
-    /// Bit `lane` set for each ray that may hit its triangle at `farthest` or nearer: all that do, and few others.
-    /// The corners have their coordinates in the order of [`TriangleLanes::axes`].
-    fn candidates(&self, corners: [[V; 3]; 3], farthest: V) -> u32;
-}
-
 impl TriangleRay for Shear {
-    type Lanes<V: Vector> = ShearLanes<V>;
-
     #[inline(always)]
     fn new(ray: &Ray, inverse: [f32; 3]) -> Self {
         Shear::new(ray, inverse)
@@ -95,18 +77,19 @@ impl TriangleRay for Shear {
     }
 }
 
-/// The transformations of eight rays.
+/// The transformations of eight rays side by side, each with a triangle of its own.
 #[derive(Clone, Copy, Debug)]
-pub struct ShearLanes<V> {
+pub(super) struct ShearLanes<V> {
     axes: [[u32; 8]; 3],
     origin: [V; 3],
     shear: [V; 2],
     inverse_z: V,
 }
 
-impl<V: Vector> TriangleLanes<V, Shear> for ShearLanes<V> {
+impl<V: Vector> ShearLanes<V> {
+    /// Of eight rays.
     #[inline(always)]
-    fn new(rays: [&Shear; 8]) -> Self {
+    pub(super) fn new(rays: [&Shear; 8]) -> Self {
         let [x, y, z] = [0, 1, 2].map(|axis| rays.map(|ray| ray.origin[axis]));
         let [shear_x, shear_y] = [0, 1].map(|axis| rays.map(|ray| ray.shear[axis]));
         Self {
@@ -117,14 +100,16 @@ impl<V: Vector> TriangleLanes<V, Shear> for ShearLanes<V> {
         }
     }
 
+    /// Which axis of a ray's triangle is its first, second and third; a lane per ray.
     #[inline(always)]
-    fn axes(&self) -> &[[u32; 8]; 3] {
+    pub(super) fn axes(&self) -> &[[u32; 8]; 3] {
         &self.axes
     }
 
-    /// As [`Shear::candidates`].
+    /// Bit `lane` set for each ray that may hit its triangle at `farthest` or nearer: all that do, and few others,
+    /// as [`Shear::candidates`]. The corners have their coordinates in the order of [`ShearLanes::axes`].
     #[inline(always)]
-    fn candidates(&self, corners: [[V; 3]; 3], farthest: V) -> u32 {
+    pub(super) fn candidates(&self, corners: [[V; 3]; 3], farthest: V) -> u32 {
         let [a, b, c] = corners;
         let ([x_a, y_a, z_a], [x_b, y_b, z_b], [x_c, y_c, z_c]) =
             (self.sheared(a), self.sheared(b), self.sheared(c));
@@ -138,9 +123,7 @@ impl<V: Vector> TriangleLanes<V, Shear> for ShearLanes<V> {
         let ahead = self.inverse_z.mul(z_a).min(self.inverse_z.mul(z_b)).min(self.inverse_z.mul(z_c));
         is_inside & !has_no_area & ahead.le(farthest)
     }
-}
 
-impl<V: Vector> ShearLanes<V> {
     /// A corner beside the ray, and how far along its third axis.
     #[inline(always)]
     fn sheared(&self, [x, y, z]: [V; 3]) -> [V; 3] {
