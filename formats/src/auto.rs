@@ -30,8 +30,8 @@ const LENGTH: f32 = 0.25;
 #[derive(Clone, Copy, Debug)]
 struct Rule {
     /// How far net speedups drift between a calibration and its use, which no interval over a few rounds shows: it is
-    /// the times of sorting and moving rays that do, with what else goes through the memory. Of shadow rays, and of
-    /// closest rays, whose longer times drift less. What an interval does not have beyond 1 is left alone.
+    /// the times of sorting and moving rays that do, with what else goes through the memory. By kind: the longer times
+    /// of closest rays drift less. What an interval does not have beyond 1 is left alone.
     drift: [f64; 2],
     /// Orders whose net speedups are as near the best one's are level, and the shortest keys are taken: what drifts
     /// may be all that others have before them.
@@ -57,7 +57,7 @@ impl Rule {
         };
         let of_9 = Self { drift: [0.03, 0.03], prefers_the_bounce: true, ..at_first };
         let of_10 = Self { level: Some(0.03), ..of_9 };
-        let of_11 = Self { drift: [0.03, 0.015], level: Some(0.015), ..of_10 };
+        let of_11 = Self { drift: [0.015, 0.03], level: Some(0.015), ..of_10 };
         let of_12 = Self { knows_the_bounce: true, ..of_11 };
         let of_13 = Self { leaves_short_alone: true, ..of_12 };
         match version {
@@ -174,12 +174,7 @@ impl<'a> Calibrated<'a> {
 
     /// What may as well have cost something is left alone.
     fn is_sure(&self, kind: Kind, candidate: &Candidate) -> bool {
-        let [shadow, closest] = self.rule().drift;
-        let drift = match kind {
-            Kind::Shadow => shadow,
-            Kind::Closest => closest,
-        };
-        candidate.net_low > 1.0 + drift
+        candidate.net_low > 1.0 + self.rule().drift[kind as usize]
     }
 
     fn rule(&self) -> Rule {

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use formats::auto::{Calibrated, sample, sampled_area};
 use formats::key::{Extent, KEY_BITS_MIN, LAYOUT_BITS, Method};
-use formats::manifest::{self, CalibrationRecord, Choice, FORMAT_VERSION, QueueId, Way};
+use formats::manifest::{self, CalibrationRecord, Candidate, Choice, FORMAT_VERSION, QueueId, Way};
 use formats::ray::{Kind, Ray};
 use formats::unit_space::UnitSpace;
 
@@ -105,25 +105,17 @@ impl Auto {
     /// # Errors
     /// If the calibration names others.
     pub fn new(setup: &Setup, calibration: Vec<CalibrationRecord>) -> Result<Self> {
-        let candidates = setup.candidates().iter().map(|plan| (plan.name.clone(), plan.key_bits)).collect();
+        let plans = setup.candidates().iter();
+        let candidates: Vec<(String, u32)> = plans.map(|plan| (plan.name.clone(), plan.key_bits)).collect();
         let first = setup.named().len();
         let calibrated = Calibrated { queues: &calibration, version: FORMAT_VERSION };
         let fewest_rays = calibrated.fewest_rays();
-        let mut auto = Self {
-            calibration: Vec::new(),
-            fewest_rays,
-            known: Vec::new(),
-            unit: setup.unit,
-            first,
-            candidates,
-        };
         let known = calibration.iter().map(|queue| {
             let candidate = calibrated.decide(queue.bounce, queue.kind, queue.rays, queue.area);
-            candidate.map(|candidate| auto.order(&candidate.choice)).transpose()
+            candidate.map(|candidate| order_of(&candidate.choice, first, &candidates)).transpose()
         });
-        auto.known = known.collect::<Result<_>>()?;
-        auto.calibration = calibration;
-        Ok(auto)
+        let known = known.collect::<Result<Vec<_>>>()?;
+        Ok(Self { calibration, fewest_rays, known, unit: setup.unit, first, candidates })
     }
 
     /// What was measured before.
@@ -152,7 +144,8 @@ impl Auto {
                 false => 0.0,
             };
             let candidate = calibrated.decide(bounce, kind, count, area);
-            Ok((area, candidate.map(|candidate| self.order(&candidate.choice)).transpose()?))
+            let order = |candidate: &Candidate| order_of(&candidate.choice, self.first, &self.candidates);
+            Ok((area, candidate.map(order).transpose()?))
         })?;
         let choice = order.map(|(number, way)| {
             let (method, key_bits) = self.candidates[number - self.first].clone();
@@ -175,10 +168,11 @@ impl Auto {
         })?;
         Ok(sampled_area(&self.unit, sampled))
     }
+}
 
-    fn order(&self, choice: &Choice) -> Result<(usize, Way)> {
-        let is_it = |(name, bits): &(String, u32)| *name == choice.method && *bits == choice.key_bits;
-        let at = self.candidates.iter().position(is_it).context("a calibration names other orders")?;
-        Ok((self.first + at, choice.way))
-    }
+/// Number of the chosen method where these candidates are the methods from number `first` on, and the way.
+fn order_of(choice: &Choice, first: usize, candidates: &[(String, u32)]) -> Result<(usize, Way)> {
+    let is_it = |(name, bits): &(String, u32)| *name == choice.method && *bits == choice.key_bits;
+    let at = candidates.iter().position(is_it).context("a calibration names other orders")?;
+    Ok((first + at, choice.way))
 }

@@ -8,6 +8,7 @@ use formats::permutation::check_bijection;
 use formats::reader::Dump;
 
 use crate::stages::setup::MethodPlan;
+use crate::stages::sort::cpu::Words;
 
 /// The orders of an import, or those that a replay carries along.
 #[derive(Clone, Debug, Default)]
@@ -88,8 +89,8 @@ pub struct ForeignOrder {
     pub permutation: Vec<u32>,
     /// Whether it has each ray once.
     pub is_permutation: bool,
-    /// An entry for each ray, if the keys are there.
-    pub keys: Option<ForeignKeys>,
+    /// In canonical order, an entry for each ray, if the keys are there.
+    pub keys: Option<Words>,
 }
 
 impl ForeignOrder {
@@ -103,43 +104,16 @@ impl ForeignOrder {
         let keys = place(MethodArray::Keys);
         let keys = match dump.record(&keys).map(|record| record.dtype) {
             None => None,
-            Some(Dtype::U8) => Some(ForeignKeys::Wide(dump.checked_array(&keys)?.to_vec())),
-            Some(_) => Some(ForeignKeys::Narrow(dump.checked_array(&keys)?.to_vec())),
+            Some(Dtype::U8) => Some(Words::Wide(dump.checked_array(&keys)?.to_vec())),
+            Some(_) => Some(Words::Narrow(dump.checked_array(&keys)?.to_vec())),
         };
         let permutation = dump.checked_array(&place(MethodArray::Permutation))?.to_vec();
-        let counts = keys.iter().map(|keys| (MethodArray::Keys, keys.count()));
+        let counts = keys.iter().map(|keys| (MethodArray::Keys, keys.len()));
         for (array, found) in counts.chain([(MethodArray::Permutation, permutation.len())]) {
             let (place, rays) = (place(array), record.rays);
             ensure!(found as u64 == rays, "{place} has {found} entries, but the queue has {rays} rays");
         }
         Ok(Some(Self { queue, name: name.to_owned(), permutation, is_permutation: false, keys }))
-    }
-}
-
-/// Keys in canonical order, as they came.
-#[derive(Clone, Debug)]
-pub enum ForeignKeys {
-    /// `<u4`.
-    Narrow(Vec<u32>),
-    /// `<u8`.
-    Wide(Vec<u64>),
-}
-
-impl ForeignKeys {
-    /// How many there are.
-    pub fn count(&self) -> usize {
-        match self {
-            Self::Narrow(keys) => keys.len(),
-            Self::Wide(keys) => keys.len(),
-        }
-    }
-
-    /// Bits of each.
-    pub fn bits(&self) -> u32 {
-        match self {
-            Self::Narrow(_) => 32,
-            Self::Wide(_) => 64,
-        }
     }
 }
 

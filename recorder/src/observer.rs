@@ -16,7 +16,7 @@ use crate::backends::{Array, Backend, Queue, collect};
 use crate::cache_model::CacheModel;
 use crate::capture::Capture;
 use crate::comparison::compare;
-use crate::foreign::{ForeignKeys, ForeignOrder};
+use crate::foreign::ForeignOrder;
 use crate::measure::{Measured, Measurement, QueueMeasurement, Queued, Subject, queue_name};
 use crate::options::{Keep, KeepPasses};
 use crate::progress::Progress;
@@ -346,14 +346,9 @@ impl Recorder<'_> {
         {
             let at = |array| Place::Method(id, name.clone(), array);
             let shape = [permutation.len() as u64];
-            match keys.as_ref().filter(|_| keep.keys) {
-                Some(ForeignKeys::Narrow(keys)) => {
-                    self.capture.whole_array(at(MethodArray::Keys), &shape, keys)?;
-                }
-                Some(ForeignKeys::Wide(keys)) => {
-                    self.capture.whole_array(at(MethodArray::Keys), &shape, keys)?;
-                }
-                None => {}
+            if let Some(keys) = keys.as_ref().filter(|_| keep.keys) {
+                let place = at(MethodArray::Keys);
+                self.capture.array(place, keys.dtype(), &shape, |sink| sink(keys.bytes()))?;
             }
             if keep.permutations {
                 self.capture.whole_array(at(MethodArray::Permutation), &shape, permutation)?;

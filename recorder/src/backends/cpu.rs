@@ -22,7 +22,7 @@ use crate::stages::compact::cpu::{Paths, RayState};
 use crate::stages::key::cpu::{Lengths, encode};
 use crate::stages::setup::Setup;
 use crate::stages::shade::cpu::{Film, Shader, add_light, dark_film, light_of};
-use crate::stages::sort::cpu::{Keys, Permutation, Sorter, Words, permutation_of};
+use crate::stages::sort::cpu::{Keys, Permutation, Sorter, permutation_of};
 use crate::stages::trace::Order;
 use crate::stages::trace::cpu::CpuTracer;
 use crate::stages::trace::cpu_strangers::Strangers;
@@ -293,10 +293,7 @@ impl Backend for CpuBackend {
             Array::Hits(hits) => (0..hits.len())
                 .step_by(SINK_ITEMS)
                 .try_for_each(|first| sink(&hits.bytes(first..hits.len().min(first + SINK_ITEMS)))),
-            Array::Keys(keys) => match &keys.words {
-                Words::Narrow(words) => whole(bytemuck::cast_slice(words)),
-                Words::Wide(words) => whole(bytemuck::cast_slice(words)),
-            },
+            Array::Keys(keys) => whole(keys.words.bytes()),
             Array::Permutation(permutation) => permutation.chunks(SINK_ITEMS).try_for_each(|places| {
                 let places: Vec<u32> = places.iter().map(|place| place.load(Relaxed)).collect();
                 sink(bytemuck::cast_slice(&places))

@@ -107,10 +107,10 @@ fn claimed(
         };
         let expected = if key_bits <= 32 { 32 } else { 64 };
         ensure!(
-            keys.bits() == expected,
+            keys.stored_bits() == expected,
             "{FILE} says that the keys of {name} have {key_bits} bits, which are stored in <u{}, but those in {queue} are <u{}",
             expected / 8,
-            keys.bits() / 8
+            keys.stored_bits() / 8
         );
         ensure!(
             method.applies_to(queue.kind),
@@ -122,7 +122,7 @@ fn claimed(
 
 /// An order of whose keys nothing is said.
 fn unclaimed(name: &str, orders: &[&ForeignOrder], options: &RecordOptions) -> Result<MethodPlan> {
-    let mut bits = orders.iter().filter_map(|order| Some(order.keys.as_ref()?.bits()));
+    let mut bits = orders.iter().filter_map(|order| Some(order.keys.as_ref()?.stored_bits()));
     let key_bits = bits.next().unwrap_or(u32::BITS);
     ensure!(
         bits.all(|other| other == key_bits),

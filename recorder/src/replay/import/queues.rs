@@ -14,7 +14,8 @@ use formats::text::one_line;
 use sha2::{Digest, Sha256};
 
 use super::{ImportFrom, claims, rays};
-use crate::foreign::{ForeignKeys, ForeignOrder};
+use crate::foreign::ForeignOrder;
+use crate::stages::sort::cpu::Words;
 
 /// Path indices lie below this, the pixels of a picture of 8192 × 8192, since something is kept for each.
 const PATHS_MAX: usize = 1 << 26;
@@ -222,10 +223,10 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>> {
     read_plain(path, u64::MAX).with_context(|| format!("cannot read {}", path.display()))
 }
 
-fn keys(bytes: &[u8], count: usize) -> Result<ForeignKeys> {
+fn keys(bytes: &[u8], count: usize) -> Result<Words> {
     Ok(match npy::parse_header(bytes)?.dtype {
-        Dtype::U8 => ForeignKeys::Wide(entries_of(bytes, count)?),
-        _ => ForeignKeys::Narrow(entries_of(bytes, count)?),
+        Dtype::U8 => Words::Wide(entries_of(bytes, count)?),
+        _ => Words::Narrow(entries_of(bytes, count)?),
     })
 }
 

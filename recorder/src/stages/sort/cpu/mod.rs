@@ -62,7 +62,7 @@ impl Sorter {
     /// # Panics
     /// If there are 2^32 keys or more.
     pub fn make_room(&mut self, keys: &Keys, permutation: &mut Permutation) {
-        let count = keys.len();
+        let count = keys.words.len();
         assert!(u32::try_from(count).is_ok(), "{count} keys are more than 32-bit indices can name");
         make_room(permutation, count);
         self.workers.resize_with(rayon::current_num_threads(), Worker::default);
