@@ -48,9 +48,9 @@ pub fn text(recorded: &Recorded, details: bool) -> Result<String> {
         lines.extend(decisions(recorded));
         lines.extend(mismatches(recorded));
         lines.extend(disturbances(recorded));
+        lines.extend(instrument(recorded).map(|line| wrapped(&line, COLUMNS, 0)));
     }
     lines.push(format!("\n{}\n", Frame::of(dump.manifest()).text()));
-    lines.extend(instrument(recorded).map(|line| wrapped(&line, COLUMNS, 0)));
     lines.push(format!("recording: {}", recorded.path.display()));
     Ok(lines.join("\n"))
 }

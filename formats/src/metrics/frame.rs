@@ -12,7 +12,7 @@ use crate::key::Termination;
 use crate::key::method::{AUTO, CONTROL, UNSORTED};
 use crate::manifest::{Manifest, QueueId};
 use crate::ray::Kind;
-use crate::text::{one_line, wrapped};
+use crate::text::{count, counted, one_line, wrapped};
 
 /// Columns of a terminal.
 pub const COLUMNS: usize = 80;
@@ -218,9 +218,9 @@ impl Frame {
             return "No method was measured on secondary or shadow rays.".to_owned();
         }
         let mut text = String::from(
-            "Whole frame: all bounces, summed per round; rays with – are left unsorted.\n\
-             \x20                   trace alone          net, with what sorting costs\n\
-             method             secondary    shadow  second. shadow   both  95 %\n",
+            "Whole frame: all bounces, summed per round; – left unsorted, * beyond chance.\n\
+             \x20                   trace alone         net, with what sorting costs\n\
+             method             secondary    shadow second. shadow    both  95 %\n",
         );
         let rate = |rate: Option<f64>| match rate {
             None => "–".to_owned(),
@@ -233,7 +233,7 @@ impl Frame {
         let (with_net, without): (Vec<_>, Vec<_>) = self.rows.iter().partition(|row| row.net.is_some());
         let most = MOST_ROWS.saturating_sub(without.len()).max(1);
         for row in with_net.iter().take(most).chain(&without) {
-            let _ = writeln!(text, "{}", row.text());
+            let _ = writeln!(text, "{}", row.text(self.instrument_error));
         }
         if with_net.len() > most {
             let _ = writeln!(text, "… and {} more, none of them better (--details)", with_net.len() - most);
@@ -275,7 +275,12 @@ impl Frame {
         if best.verdict == PAYS {
             let others = match all {
                 1 => String::new(),
-                _ => format!("; so it does with {} of {all} methods; {}", with(PAYS), costly(with(COSTS))),
+                _ => format!(
+                    "; so it does with {} of {}; {}",
+                    count(with(PAYS) as u64 - 1),
+                    counted(all as u64 - 1, "other", "others"),
+                    costly(with(COSTS))
+                ),
             };
             format!(
                 "Sorting pays: with {name} these rays are done {ratio:.2} times as fast, key, sort and all included{others}{error}."
@@ -288,10 +293,26 @@ impl Frame {
                 _ => format!("the best of {all} methods, {name},"),
             };
             format!(
-                "Sorting is not shown to pay: {others} cannot be told from unsorted rays ({ratio:.2}×, {low:.2} to {high:.2}){error}; {}.",
-                costly(with(COSTS))
+                "Sorting is not shown to pay: {others} cannot be told from unsorted rays ({ratio:.2}×, {low:.2} to {high:.2}){error}; {}.{}",
+                costly(with(COSTS)),
+                self.of_one_kind()
             )
         }
+    }
+
+    /// Where sorting does not pay over the frame: the kind of rays of which alone it does, if there is one.
+    fn of_one_kind(&self) -> String {
+        let best = |name: &str, net: fn(&FrameRow) -> Option<Speedup>| {
+            let sure = self.rows.iter().filter(|row| verdict(net(row), self.instrument_error) == PAYS);
+            let nets = sure.filter_map(|row| Some((row, net(row)?)));
+            let (row, Speedup { ratio, interval }) =
+                nets.max_by(|(_, a), (_, b)| a.ratio.total_cmp(&b.ratio))?;
+            let (low, high) = interval?;
+            let method = one_line(&row.method, LONG_NAME);
+            Some(format!(" Of {name} rays alone it pays: {ratio:.2}× by {method}, {low:.2} to {high:.2}."))
+        };
+        let kinds = [best("secondary", |row| row.net_secondary), best("shadow", |row| row.net_shadow)];
+        kinds.into_iter().flatten().collect()
     }
 }
 
@@ -310,9 +331,9 @@ fn shortened(name: &str) -> String {
 /// How many methods cost more than they save.
 fn costly(count: usize) -> String {
     match count {
-        0 => "none costs more than it saves".to_owned(),
-        1 => "one costs more than it saves".to_owned(),
-        _ => format!("{count} cost more than they save"),
+        0 => "none surely costs more".to_owned(),
+        1 => "one surely costs more".to_owned(),
+        _ => format!("{count} surely cost more"),
     }
 }
 
@@ -336,19 +357,24 @@ fn error_of(times: &[FrameTimes]) -> f64 {
 }
 
 impl FrameRow {
-    fn text(&self) -> String {
-        let times =
-            |speedup: Option<Speedup>| speedup.map_or("–".to_owned(), |one| format!("{:.2}×", one.ratio));
+    /// A line; nets of one kind and of both are marked where they are beyond the error of the instrument.
+    fn text(&self, error: f64) -> String {
+        let times = |speedup: Option<Speedup>, mark: &str| {
+            speedup.map_or(format!("–{mark}"), |one| format!("{:.2}×{mark}", one.ratio))
+        };
+        let net = |net: Option<Speedup>| {
+            times(net, if [PAYS, COSTS].contains(&verdict(net, error)) { "*" } else { " " })
+        };
         let interval = self.net.and_then(|net| net.interval);
         let interval = interval.map_or(String::new(), |(low, high)| format!("{low:.2}–{high:.2}  "));
         format!(
-            "{:<NAME$}{:>9}{:>10}{:>9}{:>7}{:>7}  {interval}{}",
+            "{:<NAME$}{:>9}{:>10}{:>9}{:>7}{:>8} {interval}{}",
             shortened(&self.method),
-            times(self.secondary),
-            times(self.shadow),
-            times(self.net_secondary),
-            times(self.net_shadow),
-            times(self.net),
+            times(self.secondary, ""),
+            times(self.shadow, ""),
+            net(self.net_secondary),
+            net(self.net_shadow),
+            net(self.net),
             self.verdict
         )
         .trim_end()
@@ -439,7 +465,7 @@ mod tests {
         };
         let pays = meaning(speedup(1.25, 1.125, 1.5), PAYS);
         assert!(pays.starts_with("Sorting pays: with aila") && pays.contains("1.25 times"), "{pays}");
-        assert!(pays.contains("1 of 2 methods; one costs more"), "{pays}");
+        assert!(pays.contains("with 0 of 1 other; one surely costs more"), "{pays}");
         let sure = row("sure", speedup(1.1, 1.05, 1.15), PAYS);
         let rows = vec![row("lucky", speedup(1.2, 0.7, 1.7), "level"), sure];
         let said = frame(rows).meaning();
@@ -452,5 +478,17 @@ mod tests {
         let few = |ratio| meaning(Some(Speedup { ratio, interval: None }), "");
         assert!(few(2.0).contains("fewer than 6 repeats") && few(2.0).contains("chance"));
         assert!(few(0.9).contains("nothing was faster"));
+    }
+
+    #[test]
+    fn what_pays_on_one_kind_of_rays_alone_is_said_and_marked() {
+        let mut auto = row("auto", speedup(1.04, 0.99, 1.11), "level");
+        auto.net_shadow = speedup(1.12, 1.06, 1.13);
+        let unsure = Frame { instrument_error: 0.08, ..frame(vec![auto.clone()]) };
+        let sure = frame(vec![auto]);
+        let said = " Of shadow rays alone it pays: 1.12× by auto, 1.06 to 1.13.";
+        assert_eq!([&sure, &unsure].map(|frame| frame.meaning().ends_with(said)), [true, false]);
+        assert_eq!([&sure, &unsure].map(|frame| frame.text().contains("1.12×*")), [true, false]);
+        assert!(!sure.text().contains("1.04×*"), "{}", sure.text());
     }
 }
