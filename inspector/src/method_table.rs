@@ -25,7 +25,11 @@ pub(crate) fn methods(analysis: &Analysis) -> String {
     let mut table = table(&header, 2);
     for summary in &analysis.summaries {
         let row = [summary.rays.name().to_owned(), summary.method.clone()];
-        table.add_row(row.into_iter().chain(means(summary)).take(header.len()));
+        let mut cells = means(summary);
+        if is_left_alone(analysis, summary) {
+            cells[1..3].fill("left alone".to_owned());
+        }
+        table.add_row(row.into_iter().chain(cells).take(header.len()));
     }
     let mut lines = vec![
         "Methods: the whole frame (all bounces together), with its interval or, of several recordings, the geometric mean (lowest to highest)".to_owned(),
@@ -77,6 +81,13 @@ pub(crate) fn study_group(group: &StudyGroup) -> String {
         lines.push(format!("… and {} more", methods.len() - MOST_METHODS));
     }
     lines.join("\n")
+}
+
+/// Whether these are `auto`'s, which sorted none of these rays in any recording.
+fn is_left_alone(analysis: &Analysis, summary: &MethodSummary) -> bool {
+    let mut frames =
+        analysis.recordings.iter().filter_map(|one| one.frame(summary.rays, &summary.method)).peekable();
+    frames.peek().is_some() && frames.all(|frame| frame.left_alone)
 }
 
 /// Recordings, trace speedup, net speedup, capsule area.

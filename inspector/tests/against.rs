@@ -3,11 +3,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+use std::path::Path;
+
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use formats::key::method::{AUTO, UNSORTED};
-use formats::manifest::QueueId;
+use formats::manifest::{QueueId, Record};
 use formats::metrics::frame::{Frame, summed};
 use formats::metrics::samples::Samples;
 use formats::ray::Kind;
@@ -233,6 +235,27 @@ fn the_table_has_all_orders_the_best_first() {
         assert!(top(&name) >= top(best), "{name} is above {best}");
     }
     assert!(top(WHAT_IF) > top(UNSORTED), "what was not measured is below what was");
+}
+
+/// Unsorted rays beside themselves would answer nothing.
+#[test]
+fn auto_is_not_compared_where_it_left_rays_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = sample::write(folder.path());
+    let best =
+        |dump: &Path| opened(dump.to_owned(), QUEUE).recording().unwrap().best_method(QUEUE).to_owned();
+    sample::edit_records(&dump, |record| {
+        if let Record::Queue(queue) = record {
+            queue.methods.retain(|method| method != "mine");
+        }
+    });
+    assert_eq!(best(&dump), AUTO);
+    sample::edit_records(&dump, |record| {
+        if let Record::Decision(decision) = record {
+            decision.choice = None;
+        }
+    });
+    assert_ne!(best(&dump), AUTO);
 }
 
 /// Colours stand for the same numbers in all orders of a queue.

@@ -1,7 +1,7 @@
 //! How capsule area and trace time go together, over scenes, bounces, kinds and methods: both over those of the same
 //! queue unsorted, since queues differ in both for reasons of their own.
 
-use formats::key::method::{AUTO, CONTROL, UNSORTED};
+use formats::key::method::{CONTROL, UNSORTED};
 use formats::manifest::Stage;
 use formats::metrics::correlation::Correlation;
 use formats::ray::Kind;
@@ -61,8 +61,8 @@ impl<'a> AreaAndTime<'a> {
 /// as `unsorted`, `control` or what `auto` left alone: one more point at (1, 1) for each queue says nothing.
 pub fn points(recording: &RecordingAnalysis) -> Vec<AreaAndTime<'_>> {
     let is_order = |order: &&OrderAnalysis| {
-        let is_left_alone = order.method == AUTO && order.stage(Stage::Sort).is_none();
-        order.base == order.method && ![UNSORTED, CONTROL].contains(&order.method.as_str()) && !is_left_alone
+        let is_canonical = [UNSORTED, CONTROL].contains(&order.method.as_str()) || order.is_left_alone();
+        order.base == order.method && !is_canonical
     };
     let mut points = Vec::new();
     for queue in recording.measured() {

@@ -1,7 +1,7 @@
 //! The whole frame: a method over all bounces of a recording, whose times are summed round by round, so that
 //! a bounce counts by the time that it takes.
 
-use formats::key::method::{AUTO, CONTROL, UNSORTED};
+use formats::key::method::{CONTROL, UNSORTED};
 use formats::manifest::{QueueId, Stage};
 use formats::metrics::frame;
 use formats::metrics::samples::Samples;
@@ -77,8 +77,7 @@ impl FrameAnalysis {
             method: method.to_owned(),
             base: first.base.clone(),
             bounces: measured.len(),
-            left_alone: method == AUTO
-                && measured.iter().all(|(_, order)| order.stage(Stage::Sort).is_none()),
+            left_alone: measured.iter().all(|(_, order)| order.is_left_alone()),
             stages: stages.collect(),
             trace_speedup: speedup(&measured, |order| &order.trace_speedup, traced),
             net_speedup: speedup(&measured, |order| &order.net_speedup, |order| order.total.as_ref())

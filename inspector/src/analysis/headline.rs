@@ -1,5 +1,7 @@
 //! One view, unsorted and sorted: how large the capsule is of the group that each pixel's ray is traced with.
 
+use std::cmp::Ordering;
+
 use formats::key::method::UNSORTED;
 use formats::manifest::{Place, QueueArray, QueueId};
 use formats::metrics::group::Group;
@@ -11,7 +13,7 @@ use formats::traced::Traced;
 use super::frame::traced;
 use super::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 
-/// The first queue of secondary rays, in canonical order and in the one that is traced fastest.
+/// The first queue of secondary rays, in canonical order and in the one that gains most.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Headline {
     /// Pixels across.
@@ -31,6 +33,8 @@ pub struct View {
     pub method: String,
     /// Trace of unsorted rays over that in this order, median over rounds; 1 for unsorted ones.
     pub speedup: f64,
+    /// The same over all that the order costs; `None` if that is not known.
+    pub net: Option<f64>,
     /// Rays traced a second in this order, millions: unsorted ones by the median of their trace, sorted ones as many
     /// times that as the speedup says, so that both say the same.
     pub mrays_per_second: f64,
@@ -40,7 +44,8 @@ pub struct View {
 }
 
 impl Headline {
-    /// Of a recording, by the method of `methods` that has the best trace speedup of that queue.
+    /// Of a recording, by the method of `methods` that has the best net speedup of that queue, or else the best of the
+    /// trace.
     pub fn of(recording: &RecordingAnalysis, methods: &[&str], group_width: usize) -> Metric<Self> {
         let read = || -> Result<Self, String> {
             let is_first = |queue: &&QueueAnalysis| queue.kind == Kind::Closest && queue.bounce > 0;
@@ -48,27 +53,33 @@ impl Headline {
             let queue = queue.ok_or("no method was measured on secondary rays")?;
             let unsorted = queue.order(UNSORTED).ok_or("the trace of unsorted rays was not timed")?;
             let rate = traced(unsorted).ok_or("the trace of unsorted rays was not timed")?.mrays_per_second;
-            let (sorted, speedup) =
-                fastest(queue, methods).ok_or("no method has a trace speedup of secondary rays")?;
+            let sorted = best(queue, methods).ok_or("no method has a trace speedup of secondary rays")?;
             let dump = Dump::open(&recording.root).map_err(|error| error.to_string())?;
             let pixels = Pixels::open(&dump, recording, queue, group_width)?;
             let (width, height) = (recording.options.width, recording.options.height);
-            let view = |order: &OrderAnalysis, speedup| -> Result<View, String> {
+            let view = |order: &OrderAnalysis, speedup: f64, net| -> Result<View, String> {
                 let (method, areas) = (order.method.clone(), pixels.areas(&order.method)?);
-                Ok(View { method, speedup, mrays_per_second: rate * speedup, areas })
+                Ok(View { method, speedup, net, mrays_per_second: rate * speedup, areas })
             };
-            let views = [view(unsorted, 1.0)?, view(sorted, speedup)?];
+            let (order, speedup, net) = sorted;
+            let views = [view(unsorted, 1.0, None)?, view(order, speedup, net)?];
             Ok(Self { width, height, bounce: queue.bounce, views })
         };
         read().into()
     }
 }
 
-/// The order that is traced fastest, and how many times as fast as unsorted rays.
-fn fastest<'a>(queue: &'a QueueAnalysis, methods: &[&str]) -> Option<(&'a OrderAnalysis, f64)> {
-    let orders = queue.orders.iter().filter(|order| methods.contains(&order.method.as_str()));
-    let known = orders.filter_map(|order| Some((order, order.trace_speedup.known()?.ratio)));
-    known.max_by(|(_, a), (_, b)| a.total_cmp(b))
+/// The order that gains most, how many times as fast as unsorted rays it is traced, and net of all.
+fn best<'a>(queue: &'a QueueAnalysis, methods: &[&str]) -> Option<(&'a OrderAnalysis, f64, Option<f64>)> {
+    let is_meant =
+        |order: &&OrderAnalysis| methods.contains(&order.method.as_str()) && !order.is_left_alone();
+    let known = queue.orders.iter().filter(is_meant).filter_map(|order| {
+        Some((order, order.trace_speedup.known()?.ratio, order.net_speedup.known().map(|line| line.ratio)))
+    });
+    // None is less than any number.
+    known.max_by(|(_, a, net_a), (_, b, net_b)| {
+        net_a.partial_cmp(net_b).unwrap_or(Ordering::Equal).then(a.total_cmp(b))
+    })
 }
 
 /// What the views of a queue share.

@@ -3,7 +3,7 @@
 use std::cell::LazyCell;
 
 use formats::key::Termination;
-use formats::key::method::UNSORTED;
+use formats::key::method::{AUTO, UNSORTED};
 use formats::manifest::{CacheRecord, Manifest, MethodRecord, QueueId, Stage, Way};
 use formats::metrics::bandwidth::{KeyTraffic, Traffic};
 use formats::metrics::order::Places;
@@ -59,6 +59,11 @@ impl OrderAnalysis {
     /// A stage, if it was timed.
     pub fn stage(&self, stage: Stage) -> Option<&StageTime> {
         self.stages.iter().find(|found| found.stage == stage)
+    }
+
+    /// Whether it is `auto` and sorted none of these rays.
+    pub fn is_left_alone(&self) -> bool {
+        self.method == AUTO && self.stage(Stage::Sort).is_none()
     }
 }
 

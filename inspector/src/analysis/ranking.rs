@@ -37,14 +37,14 @@ pub fn rank(orders: &mut [RankedOrder]) {
 /// Of `methods`, the one that is best on the whole frame, by what each gains over unsorted rays: that which gains most
 /// net, one that surely pays before one that may do so by chance, as the sentence that ends `inspector info` has it; or
 /// else most in tracing. `None` if none was timed.
-pub fn best<'a>(over_unsorted: &[(String, Versus)], methods: &'a [String]) -> Option<&'a str> {
+pub fn best<'a>(over_unsorted: &[(String, Versus)], methods: &[&'a String]) -> Option<&'a str> {
     let of = |pick: fn(&Versus) -> &Metric<SpeedupLine>| {
         let line = |method: &str| {
             let (_, versus) = over_unsorted.iter().find(|(name, _)| name == method)?;
             pick(versus).known()
         };
         // The control is canonical order through the same stages: what it gains is the instrument's error.
-        let methods = methods.iter().filter(|method| *method != CONTROL);
+        let methods = methods.iter().copied().filter(|method| *method != CONTROL);
         let lines = methods.filter_map(|method| Some((method, line(method)?)));
         let pays = |line: &SpeedupLine| line.verdict == Verdict::Faster;
         let best = lines.max_by(|(_, a), (_, b)| pays(a).cmp(&pays(b)).then(a.ratio.total_cmp(&b.ratio)));
@@ -174,6 +174,7 @@ mod tests {
             [(CONTROL, 1.5, 1.4), ("lucky", 1.3, 0.9), ("sure", 1.2, 1.02), ("surer", 1.1, 1.08)].map(frame)
         };
         let methods = all(0.0).map(|(method, _)| method);
+        let methods = methods.each_ref();
         assert_eq!(best(&all(0.0), &methods), Some("sure"));
         assert_eq!(best(&all(0.05), &methods), Some("surer"), "what the control misses is no gain");
         assert_eq!(best(&all(0.0), &methods[..2]), Some("lucky"), "the control is no method");

@@ -57,7 +57,7 @@ pub enum Verdict {
     NoSignificantDifference,
     /// It does not, but begins or ends no farther from 1 than the control of these rays lies.
     WithinControl,
-    /// There are too few samples for an interval.
+    /// There are too few samples for an interval, or samples of two runs, which are no pairs.
     Unknown,
 }
 
@@ -69,7 +69,7 @@ impl Verdict {
             Self::Slower => "slower",
             Self::NoSignificantDifference => "no significant difference",
             Self::WithinControl => "within what the control is off by",
-            Self::Unknown => "too few rounds for an interval",
+            Self::Unknown => "no interval (too few rounds, or two runs)",
         }
     }
 }

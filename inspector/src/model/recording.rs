@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use formats::folder::dump_of_partial;
 use formats::hierarchy::Hierarchy;
-use formats::key::method::{UNSORTED, is_method_name};
+use formats::key::method::{AUTO, UNSORTED, is_method_name};
 use formats::manifest::{Header, MethodRecord, QueueId, QueueRecord, Source};
 use formats::metrics::frame::leaves_all_alone;
 use formats::ray::Kind;
@@ -103,11 +103,15 @@ impl Recording {
         self.over_unsorted.iter().find(|(name, _)| name == method).map(|(_, versus)| versus)
     }
 
-    /// The method of a queue that gains most on the whole frame, see [`best`]; the first one if none was timed.
+    /// The method of a queue that gains most on the whole frame, see [`best`], and not `auto` where it left this queue
+    /// alone; the first one if none was timed.
     pub fn best_method(&self, queue: QueueId) -> &str {
-        let methods = self.methods(queue);
-        let first = || methods.iter().find(|method| *method != UNSORTED).map(String::as_str);
-        best(&self.over_unsorted, methods).or_else(first).unwrap_or(UNSORTED)
+        let mut decisions = self.dump.manifest().decisions.iter();
+        let is_left_alone = decisions.any(|one| one.queue == queue && one.choice.is_none());
+        let methods = self.methods(queue).iter().filter(|method| !(is_left_alone && *method == AUTO));
+        let methods: Vec<&String> = methods.collect();
+        let first = || methods.iter().find(|method| **method != UNSORTED).map(|method| method.as_str());
+        best(&self.over_unsorted, &methods).or_else(first).unwrap_or(UNSORTED)
     }
 
     /// What the manifest says of a method; `None` for `unsorted`.

@@ -149,9 +149,11 @@ impl Shot {
             (selection.ray, selection.group) = (None, None);
             selection.others.clear();
             let (queue, known) = (selection.queue(), recording.methods(selection.queue()));
-            let best = recording.best_method(queue);
-            for (method, usual) in [(&mut selection.method, best), (&mut selection.baseline, UNSORTED)] {
-                if !known.contains(method) && *method != WHAT_IF {
+            let (best, best_before) = (recording.best_method(queue), recording.best_method(before));
+            for (method, usual, usual_before) in
+                [(&mut selection.method, best, best_before), (&mut selection.baseline, UNSORTED, UNSORTED)]
+            {
+                if (!known.contains(method) || *method == usual_before) && *method != WHAT_IF {
                     usual.clone_into(method);
                 }
             }

@@ -366,6 +366,8 @@ fn nothing_is_the_best_of_a_row() {
         .retain(|frame| frame.rays == RayClass::Secondary && (is_auto(frame) || frame.method == "unsorted"));
     let row = |analysis: &Analysis| tables(analysis, &[])[0].rows[0].clone();
     let sorted = row(&analysis);
+    let net = figure(&Findings { analysis: &analysis, benches: &[] }, "net-speedup").unwrap();
+    assert!(series(&net.panels[0]).iter().any(|series| series.label == "auto"));
     assert!(sorted.iter().any(|cell| cell.is_best), "{sorted:?}");
     analysis.recordings[0]
         .frames
@@ -373,6 +375,11 @@ fn nothing_is_the_best_of_a_row() {
         .filter(|frame| is_auto(frame))
         .for_each(|frame| frame.left_alone = true);
     let alone = row(&analysis);
+    let net = figure(&Findings { analysis: &analysis, benches: &[] }, "net-speedup").unwrap();
+    assert!(
+        series(&net.panels[0]).iter().all(|series| series.label != "auto"),
+        "what was not sorted gains nothing"
+    );
     assert!(alone.iter().any(|cell| cell.text == "left alone"), "{alone:?}");
     assert!(alone.iter().all(|cell| !cell.is_best), "{alone:?}");
 }
@@ -459,15 +466,16 @@ fn a_view_has_the_areas_of_its_groups_and_the_rates_of_its_traces() {
         let speedup = order.trace_speedup.known().map(|line| line.ratio);
         let rate = trace.time.mrays_per_second * speedup.unwrap_or(1.0);
         assert!((10.0..100.0).contains(&rate), "{rate}");
-        let said = speedup.map_or(String::new(), |speedup| format!(" (trace {speedup:.2}\u{d7})"));
+        let net = order.net_speedup.known().map(|line| format!(", net {:.2}\u{d7}", line.ratio));
+        let net = net.unwrap_or_default();
+        let said = speedup.map_or(String::new(), |speedup| format!(" (trace {speedup:.2}\u{d7}{net})"));
         assert_eq!(panel.title, format!("{}: {rate:.1} Mrays/s{said}", view.method));
         let Content::Picture(picture) = &panel.content else { panic!("a picture") };
         let is_dark = |(colour, area): (&[u8; 3], &Option<f64>)| (*colour == [0; 3]) == area.is_none();
         assert!(picture.rgb.iter().zip(&view.areas).all(is_dark), "pixels without a ray are dark");
     }
-    let speedup =
-        |method: &str| queue.order(method).unwrap().trace_speedup.known().map_or(0.0, |line| line.ratio);
-    assert!(methods.iter().all(|method| speedup(method) <= speedup(&views[1].method)), "{}", views[1].method);
+    let net = |method: &str| queue.order(method).unwrap().net_speedup.known().map_or(0.0, |line| line.ratio);
+    assert!(methods.iter().all(|method| net(method) <= net(&views[1].method)), "{}", views[1].method);
     assert_eq!(views[0].method, "unsorted");
 }
 

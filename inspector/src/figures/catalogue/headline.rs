@@ -35,7 +35,7 @@ pub fn headline(findings: &Findings<'_>) -> Made {
         }
     }
     let caption = format!(
-        "Each pixel has the colour of the capsule around the {} secondary rays that its ray is traced together with, in pixel order and sorted by the method whose trace is the fastest: from dark blue (small: rays that stay close to each other) to yellow (large), by the logarithm of the area. Black: no ray. Rates are of the trace alone: of unsorted rays by its median, of sorted ones by that and the speedup in parentheses, the median over rounds, by which the method was chosen. Areas in unit space, {}.",
+        "Each pixel has the colour of the capsule around the {} secondary rays that its ray is traced together with, in pixel order and sorted by the method that gains most, net of all that sorting costs (or in tracing, where that is not known): from dark blue (small: rays that stay close to each other) to yellow (large), by the logarithm of the area. Black: no ray. Rates are of the trace alone: of unsorted rays by its median, of sorted ones by that and the trace speedup in parentheses; speedups are those of this queue, medians over rounds. Areas in unit space, {}.",
         findings.analysis.group_width,
         ranges.join("; ")
     );
@@ -66,8 +66,11 @@ fn panel(of: &str, found: &Headline, view: &View, (low, high): (f64, f64)) -> Pa
         rgb: view.areas.iter().map(colour).collect(),
         colour_bar: None,
     };
-    let speedup =
-        if view.method == UNSORTED { String::new() } else { format!(" (trace {})", times(view.speedup)) };
+    let net = view.net.map_or(String::new(), |net| format!(", net {}", times(net)));
+    let speedup = match &*view.method {
+        UNSORTED => String::new(),
+        _ => format!(" (trace {}{net})", times(view.speedup)),
+    };
     let title = format!("{of}{}: {} Mrays/s{speedup}", view.method, rate(view.mrays_per_second));
     Panel::new(title, Axis::from_zero(""), Axis::from_zero(""), Content::Picture(picture))
 }

@@ -118,7 +118,7 @@ fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
     }
     let panels = panels.into_iter().map(|panel| panel.with_reference(words.reference, 1.0));
     let caption = format!(
-        "{}. {READING}. {OVER_SCENES} Secondary rays are closest rays of bounces ≥ 1. None is given for two-point-real, which must trace the rays before it can sort them.",
+        "{}. {READING}. {OVER_SCENES} Secondary rays are closest rays of bounces ≥ 1. None is given for two-point-real, which must trace the rays before it can sort them, nor for auto where it left all of them alone.",
         words.what
     );
     let reason = reason(
@@ -151,7 +151,11 @@ fn totals(
         let points = queues(recording, rays).filter_map(bounce).collect();
         Series { is_part: true, ..of_method(findings, method, points) }
     };
-    let sorted: Vec<&str> = methods(findings).into_iter().filter(|method| *method != UNSORTED).collect();
+    let is_order = |method: &&str| {
+        let is_left_alone = recording.frame(rays, method).is_some_and(|frame| frame.left_alone);
+        *method != UNSORTED && !is_left_alone
+    };
+    let sorted: Vec<&str> = methods(findings).into_iter().filter(is_order).collect();
     sorted
         .iter()
         .filter_map(|method| total(method))
