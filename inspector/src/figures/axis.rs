@@ -145,8 +145,11 @@ const RATIO_STEPS: [&[f64]; 5] = [
     &[1.0],
 ];
 
+/// Marks of an axis of ratios for each label that there is room for.
+const MARKS_PER_LABEL: usize = 4;
+
 /// An axis around all ratios and 1, with marks at plain ones: those above 1, and below 1 the same of a half, a
-/// quarter and so on.
+/// quarter and so on. As many are labelled as there is room for, and those between them marked.
 fn ratios(low: f64, high: f64, room: usize) -> Mapping {
     // So that some marks beside 1 are seen, too.
     let (low, high) = (low.min(0.94), high.max(1.06));
@@ -161,7 +164,14 @@ fn ratios(low: f64, high: f64, room: usize) -> Mapping {
     };
     let fine = RATIO_STEPS.iter().map(|steps| of_steps(steps, 1));
     let coarse = (1..=10).map(|power| of_steps(&RATIO_STEPS[4], 1 << power));
-    let ticks = fine.chain(coarse).find(|ticks| ticks.len() <= room).unwrap_or_default();
+    let labelled = fine.clone().chain(coarse).find(|ticks| ticks.len() <= room).unwrap_or_default();
+    let is_between = |marks: &Vec<Tick>| {
+        marks.len() <= MARKS_PER_LABEL * room && labelled.iter().all(|tick| marks.contains(tick))
+    };
+    let mut ticks = fine.into_iter().find(is_between).unwrap_or_else(|| labelled.clone());
+    for tick in ticks.iter_mut().filter(|tick| !labelled.contains(tick)) {
+        tick.label.clear();
+    }
     Mapping { range, ticks, is_logarithmic: true }
 }
 
@@ -421,6 +431,10 @@ mod tests {
         };
         assert_eq!(shown(&[1.0], 6), "0.95× 1× 1.05×");
         assert_eq!(shown(&[0.9, 1.32], 6), "0.9× 0.95× 1× 1.1× 1.2× 1.3×");
+        let few = Mapping::new(&Scale::Ratio, [0.45, 1.7], 3);
+        assert_eq!(labels(&few), ["½×", "1×"]);
+        let marks: Vec<f64> = few.ticks.iter().map(|tick| tick.value).collect();
+        assert_eq!(marks, [0.45, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.2, 1.4, 1.6]);
         let mapping = Mapping::new(&Scale::Ratio, [0.5, 2.0], 6);
         let [half, one, two] = [0.5, 1.0, 2.0].map(|value| mapping.place(value).unwrap());
         assert!((half + two - 2.0 * one).abs() < 1e-12, "a half is as far from 1 as twice");

@@ -53,10 +53,15 @@ pub(crate) fn wrap(text: &str, size: f64, room: f64) -> String {
     lines.join("\n")
 }
 
-/// As [`wrap`], with lines as even as their number lets them be: no word stands alone below a full line.
+/// As [`wrap`], with lines as even as their number lets them be: no word stands alone below a full line. Two lines
+/// part after a colon if both fit.
 pub(crate) fn wrap_evenly(text: &str, size: f64, room: f64) -> String {
     let lines = |room: f64| wrap(text, size, room).lines().count();
     let (fewest, mut narrow, mut wide) = (lines(room), 0.0, room);
+    let at_colon = text.replacen(": ", ":\n", 1);
+    if fewest == 2 && at_colon != text && width(&at_colon, size) <= room {
+        return at_colon;
+    }
     while fewest > 1 && wide - narrow > 0.5 {
         let middle = 0.5 * (narrow + wide);
         if lines(middle) > fewest { narrow = middle } else { wide = middle }
@@ -106,7 +111,10 @@ mod tests {
         let text = "kitchen: closest rays, bounce 1";
         let room = width("kitchen: closest rays, bounce", 8.0) + 1.0;
         assert_eq!(wrap(text, 8.0, room), "kitchen: closest rays, bounce\n1");
-        assert_eq!(wrap_evenly(text, 8.0, room), "kitchen: closest\nrays, bounce 1");
+        assert_eq!(wrap_evenly(text, 8.0, room), "kitchen:\nclosest rays, bounce 1");
+        let text = text.replace(':', "");
+        assert_eq!(wrap_evenly(&text, 8.0, room), "kitchen closest\nrays, bounce 1");
+        let text = &*text;
         assert_eq!(wrap_evenly(text, 8.0, 500.0), text);
         assert_eq!(wrap_evenly("unbreakable", 8.0, 1.0), "unbreakable");
     }
