@@ -4,7 +4,7 @@ use formats::key::method::CONTROL;
 use formats::metrics::correlation::Correlation;
 use formats::metrics::speedup::INTERVAL_ROUNDS;
 use formats::ray::Kind;
-use formats::text::one_line;
+use formats::text::{count, one_line};
 
 use crate::analysis::study::StudyGroup;
 use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
@@ -215,19 +215,25 @@ fn lengths(analysis: &Analysis) -> Option<String> {
     let line = |kind: Kind| {
         let queues = || {
             let all = analysis.recordings.iter().flat_map(|recording| recording.measured());
+            let has_lengths =
+                |queue: &&QueueAnalysis| queue.table.known().is_some_and(|table| table.touched > 0);
             all.filter(move |queue| queue.kind == kind && queue.estimators.known().is_some())
+                .filter(has_lengths)
         };
-        let fill = mean(queues(), |queue| Some(queue.table.known()?.fill))?;
+        let tables = queues().filter_map(|queue| queue.table.known());
+        let fullest = tables.max_by(|a, b| a.fill.total_cmp(&b.fill))?;
         let error = |of: fn(&Estimators) -> f64| mean(queues(), |queue| queue.estimators.known().map(of));
         let (table, constant) = (error(|of| of.table.mean_absolute)?, error(|of| of.constant.mean_absolute)?);
-        Some(format!("{:<20} {table:>10.4} {constant:>15.4} {:>12}", format!("{kind} rays"), percent(fill)))
+        let cells =
+            format!("{} of {} ({})", count(fullest.touched), count(fullest.cells), percent(fullest.fill));
+        Some(format!("{:<15} {table:>10.4} {constant:>15.4} {cells:>34}", format!("{kind} rays")))
     };
     let lines: Vec<String> = Kind::ALL.into_iter().filter_map(line).collect();
     (!lines.is_empty()).then(|| {
         format!(
-            "Estimated lengths: mean |estimate − traced length|, unit lengths, over all rays;\n\
-             cells of the table that are in use when a bounce is sorted, in the mean.\n\
-             \x20                        table    one constant       in use\n{}",
+            "Estimated lengths: mean |estimate − traced length|, unit lengths, over bounces\n\
+             that find lengths in the table; its cells in use at the last of them.\n\
+             \x20                    table    one constant                       cells in use\n{}",
             lines.join("\n")
         )
     })
