@@ -5,6 +5,9 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use formats::key::method::AUTO;
+use formats::manifest::Record;
+
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
 
@@ -238,6 +241,37 @@ fn a_session_is_drawn_with_changes_and_of_another_recording() {
     assert!(draw(None, &[&session[..], &["--method", "mine"]].concat()) != drawn);
     std::fs::remove_dir_all(&dump).unwrap();
     assert!(draw(Some(&other), &session) == drawn, "it takes the place of the session's");
+}
+
+/// Order B is the best of the queue that is asked for, but for what a session chose.
+#[test]
+fn b_follows_the_queue_unless_it_was_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = sample::write(folder.path());
+    sample::edit_records(&dump, |record| {
+        if let Record::Queue(queue) = record {
+            queue.methods.retain(|method| method != "mine" && method != AUTO);
+        }
+    });
+    let (out, file) = (folder.path().join("x.png"), folder.path().join("view.json"));
+    let selection = r#""recording": 0, "pass": 1, "bounce": 1, "kind": "closest",
+        "method": "two-point-adaptive", "group_width": "64", "ray": null, "group": null, "cell": null"#;
+    let session = format!(
+        r#"{{ "version": 1, "recordings": ["sample.raydump"], "selection": {{ {selection} }}, "theme": "dark",
+            "layout": null, "panels": {{}} }}"#
+    );
+    std::fs::write(&file, session).unwrap();
+    let shadow = |more: &[&str]| {
+        let usual = ["shot", "--view", "order", "--kind", "shadow", "--theme", "dark", "--size", "320x240"];
+        let output = inspector(&usual, &dump).arg("--out").arg(&out).args(more).output().unwrap();
+        assert!(output.status.success(), "{more:?}: {}", text(&output));
+        std::fs::read(&out).unwrap()
+    };
+    let [best, chosen] =
+        ["light-octahedron", "two-point-adaptive"].map(|method| shadow(&["--method", method]));
+    assert!(best != chosen, "two orders look the same");
+    assert!(shadow(&[]) == best, "B is that of the closest rays");
+    assert!(shadow(&["--session", file.to_str().unwrap()]) == chosen, "the session's B is lost");
 }
 
 #[test]

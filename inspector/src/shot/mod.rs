@@ -149,11 +149,13 @@ impl Shot {
             (selection.ray, selection.group) = (None, None);
             selection.others.clear();
             let (queue, known) = (selection.queue(), recording.methods(selection.queue()));
-            let (best, best_before) = (recording.best_method(queue), recording.best_method(before));
-            for (method, usual, usual_before) in
-                [(&mut selection.method, best, best_before), (&mut selection.baseline, UNSORTED, UNSORTED)]
-            {
-                if (!known.contains(method) || *method == usual_before) && *method != WHAT_IF {
+            let best = recording.best_method(queue);
+            // What a session chose stays, if this queue has it.
+            for (method, usual, is_chosen) in [
+                (&mut selection.method, best, context.is_b_chosen),
+                (&mut selection.baseline, UNSORTED, true),
+            ] {
+                if !(is_chosen && known.contains(method)) && *method != WHAT_IF {
                     usual.clone_into(method);
                 }
             }
