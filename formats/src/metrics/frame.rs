@@ -12,7 +12,7 @@ use crate::key::Termination;
 use crate::key::method::{AUTO, CONTROL, UNSORTED};
 use crate::manifest::{Manifest, QueueId};
 use crate::ray::Kind;
-use crate::text::{count, counted, one_line, wrapped};
+use crate::text::{counted, one_line, wrapped};
 
 /// Columns of a terminal.
 pub const COLUMNS: usize = 80;
@@ -273,14 +273,10 @@ impl Frame {
             ),
         };
         if best.verdict == PAYS {
-            let others = match all {
-                1 => String::new(),
-                _ => format!(
-                    "; so it does with {} of {}; {}",
-                    count(with(PAYS) as u64 - 1),
-                    counted(all as u64 - 1, "other", "others"),
-                    costly(with(COSTS))
-                ),
+            let others = match (with(PAYS) - 1, counted(all as u64 - 1, "other", "others")) {
+                _ if all == 1 => String::new(),
+                (0, others) => format!("; so it does with none of {others}; {}", costly(with(COSTS))),
+                (too, others) => format!("; so it does with {too} of {others}; {}", costly(with(COSTS))),
             };
             format!(
                 "Sorting pays: with {name} these rays are done {ratio:.2} times as fast, key, sort and all included{others}{error}."

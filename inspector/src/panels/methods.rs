@@ -18,6 +18,8 @@ use crate::theme::Theme;
 
 /// Height of a row, points.
 const ROW: f32 = 20.0;
+/// What lines by bounce reach from 1 at least, so that what noise does looks small.
+const LEAST_REACH: f64 = 1.1;
 
 /// Names of the columns, their widths in points, and what they are.
 const COLUMNS: [(&str, f32, &str); 7] = [
@@ -32,7 +34,7 @@ const COLUMNS: [(&str, f32, &str); 7] = [
     (
         "by bounce",
         66.0,
-        "Net speedup from bounce to bounce of the selected kind of rays; the line across is 1: as fast as unsorted",
+        "Net speedup from bounce to bounce of the selected kind of rays, all rows on one scale; the line across is 1: as fast as unsorted",
     ),
     (
         "area",
@@ -61,6 +63,9 @@ impl Panel for MethodsPanel {
             ui.label("Speedup over unsorted, whole frame (secondary + shadow rays).");
             ui.weak("Click: B. Shift-click: A.");
         });
+        let by_bounce =
+            ranking.iter().flat_map(|order| &order.by_bounce).map(|ratio| logarithm(*ratio).abs());
+        let reach = by_bounce.fold(LEAST_REACH.log2(), f64::max);
         let mut chosen = None;
         egui::ScrollArea::horizontal().auto_shrink([false, false]).show(ui, |ui| {
             let mut table = TableBuilder::new(ui)
@@ -77,7 +82,7 @@ impl Panel for MethodsPanel {
                 body.rows(ROW, ranking.len(), |mut row| {
                     let order = &ranking[row.index()];
                     row.set_selected(order.method == context.selection.method);
-                    cells(&mut row, order, context);
+                    cells(&mut row, order, reach, context);
                     if row.response().clicked() {
                         chosen = Some(order.method.clone());
                     }
@@ -114,7 +119,7 @@ fn header(mut row: TableRow<'_, '_>) {
     }
 }
 
-fn cells(row: &mut TableRow<'_, '_>, order: &RankedOrder, context: &Context) {
+fn cells(row: &mut TableRow<'_, '_>, order: &RankedOrder, reach: f64, context: &Context) {
     let style = context.style_of(&order.method);
     let selection = &context.selection;
     let is_a = selection.baseline.recording.is_none() && selection.baseline.method == order.method;
@@ -132,7 +137,7 @@ fn cells(row: &mut TableRow<'_, '_>, order: &RankedOrder, context: &Context) {
     for of in [&order.net, &order.trace] {
         row.col(|ui| speedup(ui, order, of));
     }
-    row.col(|ui| sparkline(ui, &order.by_bounce, Theme::of(ui.ctx()).series(style)));
+    row.col(|ui| sparkline(ui, &order.by_bounce, reach, Theme::of(ui.ctx()).series(style)));
     row.col(|ui| of_rays(ui, order.area.as_ref(), times));
     row.col(|ui| of_rays(ui, order.lanes.as_ref(), |lanes| format!("{:.0} %", 100.0 * lanes)));
 }
@@ -178,11 +183,17 @@ fn of_rays(ui: &mut Ui, of: Option<&Metric<f64>>, text: fn(f64) -> String) {
     }
 }
 
-/// Speedups from bounce to bounce, on a logarithmic scale from a half to twice that all rows share.
-fn sparkline(ui: &mut Ui, by_bounce: &[f64], colour: egui::Color32) {
-    let (rect, _) = ui.allocate_exact_size(vec2(58.0, ROW - 4.0), egui::Sense::hover());
+/// Of a speedup; of none, as far down as anything goes.
+fn logarithm(ratio: f64) -> f64 {
+    ratio.max(f64::MIN_POSITIVE).log2()
+}
+
+/// Speedups from bounce to bounce, on a logarithmic scale that reaches as far up from 1 as down.
+fn sparkline(ui: &mut Ui, by_bounce: &[f64], reach: f64, colour: egui::Color32) {
+    let (rect, response) = ui.allocate_exact_size(vec2(58.0, ROW - 4.0), egui::Sense::hover());
+    response.on_hover_text(by_bounce.iter().map(|ratio| times(*ratio)).collect::<Vec<_>>().join("  "));
     let y_of = |ratio: f64| {
-        let part = 0.5 - 0.5 * ratio.max(f64::MIN_POSITIVE).log2().clamp(-1.0, 1.0) as f32;
+        let part = 0.5 - 0.5 * (logarithm(ratio) / reach) as f32;
         rect.top() + part * rect.height()
     };
     let weak = ui.visuals().weak_text_color().gamma_multiply(0.5);

@@ -68,6 +68,7 @@ fn quantities(order: &OrderAnalysis) -> Vec<Vec<String>> {
     let speedups = [("trace_speedup", &order.trace_speedup), ("net_speedup", &order.net_speedup)];
     let speedups = speedups
         .into_iter()
+        .filter(|_| !order.is_left_alone())
         .filter_map(|(name, speedup)| speedup.known().map(|speedup| (name.to_owned(), speedup.ratio)));
     stages.chain(speedups).map(|(quantity, value)| row(quantity, value)).collect()
 }
@@ -103,7 +104,9 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
             let chart = BarChart::new(name, bars.collect()).color(colour).horizontal();
             charts.push(chart.stack_on(&charts.iter().collect::<Vec<_>>()));
         }
-        ui.label("- - -  break-even: the trace of unsorted rays;  at the right: net speedup");
+        ui.label(
+            "- - -  break-even: the trace of unsorted rays;  at the right: net speedup, median over rounds",
+        );
     });
     let height = height - line.response.rect.height() - ui.spacing().item_spacing.y;
     let width = longest_name(ui, &names);
@@ -135,8 +138,16 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
             }
             for (row, (order, _)) in orders.iter().enumerate() {
                 let Some(net) = order.net_speedup.known() else { continue };
-                let colour = if net.verdict == Verdict::Faster { theme.faster() } else { theme.reference() };
-                let text = RichText::new(format!("  {:.2}×", net.ratio)).color(colour);
+                let colour = match net.verdict {
+                    Verdict::Faster if !order.is_left_alone() => theme.faster(),
+                    _ => theme.reference(),
+                };
+                let text = if order.is_left_alone() {
+                    "left alone".to_owned()
+                } else {
+                    format!("{:.2}×", net.ratio)
+                };
+                let text = RichText::new(format!("  {text}")).color(colour);
                 let text = Text::new("net speedup", PlotPoint::new(longest, row as f64), text);
                 plot.text(text.anchor(Align2::LEFT_CENTER));
             }
