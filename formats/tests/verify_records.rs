@@ -57,7 +57,7 @@ fn baseline(record: &mut Record) -> Option<&mut TimingRecord> {
 /// The record of one queue's unsorted rays, since one is told once.
 fn disturbed(record: &mut Record) -> Option<&mut DisturbedRecord> {
     let Record::Disturbed(disturbed) = record else { return None };
-    ((disturbed.bounce, disturbed.kind) == (1, Kind::Shadow)).then_some(disturbed)
+    ((disturbed.queue.bounce, disturbed.queue.kind) == (1, Kind::Shadow)).then_some(disturbed)
 }
 
 fn way(record: &mut Record) -> Option<&mut WayRecord> {
@@ -240,7 +240,7 @@ fn impossible_caches_are_found() {
         (|cache| cache.l2_hits = u64::MAX, "hits of 1000 accesses"),
         (|cache| (cache.rays, cache.groups) = (500, 8), "500 rays were sampled, of 192"),
         (|cache| cache.groups = 0, "0 groups of 64 rays, 64 each"),
-        (|cache| cache.bounce += 5, "bounce 5 of a recording"),
+        (|cache| cache.queue.bounce += 5, "bounce 5 of a recording"),
         (|cache| cache.method = format!("{}x", cache.method), "no record of method unsortedx"),
     ];
     assert_found(cache, cases);

@@ -327,8 +327,7 @@ fn completed(mut recording: Recording, whole: &Path) -> Recording {
     let end = recording.records.pop().unwrap();
     for frame in scan(&whole.join("manifest.bin")).unwrap().frames {
         let is_kept = |method: &str| ["unsorted", "aila", "two-point-adaptive"].contains(&method);
-        let is_more =
-            matches!(&frame.record, Record::Cache(cache) if cache.bounce == 1 && is_kept(&cache.method));
+        let is_more = matches!(&frame.record, Record::Cache(cache) if cache.queue.bounce == 1 && is_kept(&cache.method));
         recording.records.extend(is_more.then_some(frame.record));
     }
     recording.records.push(end);

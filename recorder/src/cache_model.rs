@@ -49,9 +49,7 @@ impl CacheModel {
         let places = sampled_places(rays.len()).into_iter().flatten();
         let sampled: Vec<Ray> = places.map(|at| rays[place(at)]).collect();
         let mut record = CacheRecord {
-            pass: id.pass,
-            bounce: id.bounce,
-            kind: id.kind,
+            queue: id,
             method: method.to_owned(),
             groups: sampled.len().div_ceil(GROUP_RAYS) as u64,
             rays: sampled.len() as u64,

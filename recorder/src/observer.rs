@@ -196,9 +196,7 @@ impl<'a> Recorder<'a> {
             }
             for (&stage, rounds) in disturbed {
                 self.capture.record(Record::Disturbed(DisturbedRecord {
-                    pass: id.pass,
-                    bounce: id.bounce,
-                    kind: id.kind,
+                    queue: id,
                     method: name.to_owned(),
                     stage,
                     samples: rounds.clone(),

@@ -254,12 +254,9 @@ impl MethodRecord {
 /// replayed through two set-associative caches. A model, not a measurement.
 #[derive(Clone, Debug, PartialEq, Eq, Encode, Decode, Serialize)]
 pub struct CacheRecord {
-    /// Pass.
-    pub pass: u32,
-    /// Bounce.
-    pub bounce: u32,
-    /// Kind of the queue.
-    pub kind: Kind,
+    /// The queue.
+    #[serde(flatten)]
+    pub queue: QueueId,
     /// Method whose order was traced; `unsorted` for canonical order.
     pub method: String,
     /// Groups that were sampled.
@@ -346,12 +343,8 @@ pub struct TimingRecord {
 /// Samples of a timing that were taken while the machine did other work.
 #[derive(Clone, Debug, PartialEq, Eq, Encode, Decode)]
 pub struct DisturbedRecord {
-    /// Pass of the timing.
-    pub pass: u32,
-    /// Its bounce.
-    pub bounce: u32,
-    /// Its kind.
-    pub kind: Kind,
+    /// The timing's queue.
+    pub queue: QueueId,
     /// Its method.
     pub method: String,
     /// Its stage.

@@ -9,7 +9,7 @@ use super::check::REPEATS_MAX;
 use super::codec;
 use super::{
     ArrayRecord, CacheRecord, CalibrationRecord, DecisionRecord, DisturbedRecord, End, FORMAT_VERSION,
-    FRAME_BYTES, Header, MAGIC, MethodRecord, OLDEST_VERSION, PREAMBLE_BYTES, Place, QueueId, QueueRecord,
+    FRAME_BYTES, Header, MAGIC, MethodRecord, OLDEST_VERSION, PREAMBLE_BYTES, Place, QueueRecord,
     RECORD_BYTES_MAX, Record, Source, Stage, TimingRecord, WayRecord,
 };
 use crate::key::method::{BUILTIN, is_method_name};
@@ -336,17 +336,12 @@ impl Sequence {
                 self.has_ended = true;
                 return Ok(());
             }
-            Record::Cache(CacheRecord { pass, bounce, kind, method, .. }) => {
-                format!("caches of {method} in {}", QueueId { pass: *pass, bounce: *bounce, kind: *kind })
-            }
-            Record::Disturbed(DisturbedRecord { pass, bounce, kind, method, stage, samples }) => {
+            Record::Cache(CacheRecord { queue, method, .. }) => format!("caches of {method} in {queue}"),
+            Record::Disturbed(DisturbedRecord { queue, method, stage, samples }) => {
                 if !samples.is_sorted_by(|a, b| a < b) {
                     return Err("its samples do not ascend".into());
                 }
-                format!(
-                    "disturbed times of {} by {method} in pass {pass}, bounce {bounce}, {kind} rays,",
-                    stage.name()
-                )
+                format!("disturbed times of {} by {method} in {queue}", stage.name())
             }
             Record::Way(WayRecord { method, .. }) => format!("the way of {method}"),
             Record::Calibration(CalibrationRecord { bounce, kind, candidates, .. }) => {

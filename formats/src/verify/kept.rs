@@ -6,8 +6,7 @@ use super::{Check, Subject};
 use crate::key::method::{UNSORTED, WITHOUT_LAYOUT};
 use crate::manifest::check::{ALL_PASSES, PASSES_MAX};
 use crate::manifest::{
-    CacheRecord, Manifest, MethodArray, Place, QueueArray, QueueId, QueueRecord, SceneArray, Source,
-    TimingRecord,
+    Manifest, MethodArray, Place, QueueArray, QueueId, QueueRecord, SceneArray, Source, TimingRecord,
 };
 use crate::reader::DumpState;
 use crate::text::shown;
@@ -115,10 +114,7 @@ fn check_orders(manifest: &Manifest, keeps_caches: bool, check: &mut Check) {
         let &TimingRecord { pass, bounce, kind, ref method, .. } = timing;
         Some((QueueId { pass, bounce, kind: kind? }, method.as_str()))
     });
-    let caches = manifest.caches.iter().map(|cache| {
-        let &CacheRecord { pass, bounce, kind, ref method, .. } = cache;
-        (QueueId { pass, bounce, kind }, method.as_str())
-    });
+    let caches = manifest.caches.iter().map(|cache| (cache.queue, cache.method.as_str()));
     let (times, caches): (BTreeSet<_>, BTreeSet<_>) = (times.collect(), caches.collect());
     for QueueRecord { id, methods, .. } in &manifest.queues {
         for method in methods {

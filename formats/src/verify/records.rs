@@ -47,12 +47,12 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
     let timed: BTreeMap<_, _> =
         manifest.timings.iter().map(|timing| (about(timing), timing.samples_ns.len())).collect();
     for disturbed in &manifest.disturbed {
-        let &DisturbedRecord { pass, bounce, kind, stage, ref method, ref samples } = disturbed;
+        let &DisturbedRecord { queue, stage, ref method, ref samples } = disturbed;
+        let QueueId { pass, bounce, kind } = queue;
         let count = timed.get(&(pass, bounce, Some(kind), stage, method.as_str()));
         let last = samples.last().map_or(0, |&last| last as usize);
         check.require(count.is_some_and(|&count| last < count), || {
             let found = count.map_or("no such time".to_owned(), |count| format!("a time of {count} samples"));
-            let queue = QueueId { pass, bounce, kind };
             format!("disturbed samples of {} by {} in {queue}: there is {found}", stage.name(), shown(method))
         });
     }
@@ -60,9 +60,8 @@ pub(super) fn check(subject: &Subject<'_>) -> Check {
         check.find(subject.unknown_method(&way.method), || "the ways of methods".to_owned());
     }
     for cache in &manifest.caches {
-        let &CacheRecord { pass, bounce, kind, ref method, .. } = cache;
         check.find(subject.cache_problem(cache), || {
-            format!("caches of {} in {}", shown(method), QueueId { pass, bounce, kind })
+            format!("caches of {} in {}", shown(&cache.method), cache.queue)
         });
     }
     check
@@ -172,8 +171,7 @@ impl Subject<'_> {
     }
 
     fn cache_problem(&self, cache: &CacheRecord) -> Option<String> {
-        let &CacheRecord { pass, bounce, kind, rays, accesses, l1_hits, l2_hits, ref method, .. } = cache;
-        let queue = QueueId { pass, bounce, kind };
+        let &CacheRecord { queue, rays, accesses, l1_hits, l2_hits, ref method, .. } = cache;
         let hits = l1_hits.checked_add(l2_hits);
         let wrong = if [u64::from(cache.line_bytes), cache.l1_bytes, cache.l2_bytes].contains(&0) {
             Some("a cache or its lines have no bytes".to_owned())
@@ -185,7 +183,7 @@ impl Subject<'_> {
             let most = self.record_of(queue).map_or(u64::MAX, |queue| queue.rays);
             (rays > most).then(|| format!("{rays} rays were sampled, of {most}"))
         };
-        self.outside(pass, bounce)
+        self.outside(queue.pass, queue.bounce)
             .or_else(|| self.unknown_method(method))
             .or_else(|| self.unknown_queue(queue))
             .or_else(|| self.unmeasured(queue, method))

@@ -397,9 +397,7 @@ fn write_timings(writer: &mut DumpWriter, id: QueueId, method: &str, number: u64
     }
     if method == "unsorted" {
         writer.record(&Record::Disturbed(DisturbedRecord {
-            pass: id.pass,
-            bounce: id.bounce,
-            kind: id.kind,
+            queue: id,
             method: method.to_owned(),
             stage: Stage::Trace,
             samples: vec![1],
@@ -479,9 +477,7 @@ fn write_measured(
     }
     for method in &measured {
         let model = |hits| CacheRecord {
-            pass: queue.id.pass,
-            bounce: queue.id.bounce,
-            kind: queue.id.kind,
+            queue: queue.id,
             method: method.clone(),
             groups: 1,
             rays: queue.rays.len().min(64) as u64,

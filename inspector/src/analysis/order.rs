@@ -172,10 +172,7 @@ impl<'a> QueueContext<'a> {
     }
 
     fn caches(&self, method: &str) -> Metric<CacheHits> {
-        let is_order = |cache: &&CacheRecord| {
-            let queue = QueueId { pass: cache.pass, bounce: cache.bounce, kind: cache.kind };
-            queue == self.queue && cache.method == method
-        };
+        let is_order = |cache: &&CacheRecord| cache.queue == self.queue && cache.method == method;
         let record = self.manifest().caches.iter().find(is_order);
         record.map(CacheHits::from).ok_or("the recorder did not run the cache model").into()
     }
@@ -224,9 +221,7 @@ mod tests {
     #[test]
     fn cache_ratios_by_hand() {
         let mut record = CacheRecord {
-            pass: 0,
-            bounce: 0,
-            kind: Kind::Closest,
+            queue: QueueId { pass: 0, bounce: 0, kind: Kind::Closest },
             method: "aila".into(),
             groups: 1,
             rays: 64,

@@ -48,8 +48,8 @@ impl Timings {
         manifest: &'m Manifest,
     ) -> anyhow::Result<()> {
         let of = |record: &'m DisturbedRecord| {
-            let DisturbedRecord { pass, bounce, kind, method, stage, samples } = record;
-            ((*pass, *bounce, Some(*kind), method.as_str(), *stage), samples.as_slice())
+            let DisturbedRecord { queue, method, stage, samples } = record;
+            ((queue.pass, queue.bounce, Some(queue.kind), method.as_str(), *stage), samples.as_slice())
         };
         let disturbed: BTreeMap<_, &[u32]> = manifest.disturbed.iter().map(of).collect();
         for record in &manifest.timings {
