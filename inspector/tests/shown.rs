@@ -17,7 +17,8 @@ use inspector::model::Context;
 use inspector::model::colour_by::ColourBy;
 use inspector::panels::space::options::{CapsuleChoice, SpaceOptions, VisitChoice};
 use inspector::render::geometry::Shape;
-use inspector::render::picture::{Layer, Stage};
+use inspector::render::picture::{Layer, Paint, Stage};
+use inspector::render::range::ValueRange;
 
 mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
@@ -253,12 +254,14 @@ fn the_path_of_the_selected_ray_is_drawn_by_bounce() {
     let pixel = context.awaited_order().unwrap().queue.path_ids[3];
     let drawn = layers(&mut context, &SpaceOptions { path: true, ..nothing() });
     let path = context.paths(vec![pixel]).unwrap();
+    let last = context.recording().unwrap().dump.manifest().header.options.bounces - 1;
     for kind in [Kind::Closest, Kind::Shadow] {
         let of_kind = || path.iter().filter(|ray| ray.queue.kind == kind);
         let bounces: Vec<f32> = of_kind().map(|ray| ray.queue.bounce as f32).collect();
         let is_drawn = drawn.iter().any(|layer| match layer.geometry.shape() {
             Shape::Segments(lines) if layer.stage == Stage::OnTop => {
-                lines.iter().map(|line| line[1].value).eq(bounces.iter().copied())
+                matches!(layer.paint, Paint::Values(_, range) if range == ValueRange { low: 0.0, high: last as f32 })
+                    && lines.iter().map(|line| line[1].value).eq(bounces.iter().copied())
                     && lines
                         .iter()
                         .zip(of_kind())

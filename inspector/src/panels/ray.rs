@@ -144,8 +144,9 @@ fn facts(order: &Order, index: usize) -> Vec<(&'static str, String)> {
         ("ray", format!("{} of {}", count(index as u64), count(order.len() as u64))),
         ("place", count(u64::from(place))),
         ("origin", vector(ray.origin)),
+        ("unit space", vector(queue.traced.unit().point(ray.origin))),
         ("direction", vector(ray.direction)),
-        ("length", format!("{:.5} of the scene", queue.lengths[index])),
+        ("length", format!("{:.5}, unit space", queue.lengths[index])),
         ("found", result),
     ];
     if let Ok(table) = &queue.table {
@@ -166,7 +167,7 @@ fn key(ui: &mut egui::Ui, order: &Order, ray: usize) {
         }
     };
     let theme = Theme::of(ui.ctx());
-    ui.label(format!("Key {}, {} bits", key.hexadecimal(), key.key_bits))
+    ui.label(format!("Key {}, {} bits; coordinates in 0 to 1", key.hexadecimal(), key.key_bits))
         .on_hover_text("Each bit with the colour of the coordinate that it comes from");
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 0.0;

@@ -3,7 +3,7 @@
 use egui::{Id, Response, Slider, Ui, pos2};
 use formats::metrics::quantity::Quantity;
 
-use super::layers::{AREAS, BOUNCES};
+use super::layers::AREAS;
 use super::options::{SpaceOptions, VisitChoice};
 use super::view::SpaceView;
 use crate::model::Context;
@@ -85,7 +85,7 @@ fn colour_bars(ui: &mut Ui, view: &mut SpaceView) {
     let areas = bar(AREAS, "capsule area, unit space", Some(10.0));
     let areas = options.capsules.then_some(areas);
     let cells = layers.cells().map(|(range, ..)| bar(range, "mean length in the cell, unit lengths", None));
-    let path = layers.paths().map(|_| bar(BOUNCES, "bounce", None));
+    let path = layers.paths().and_then(|_| layers.bounces()).map(|range| bar(range, "bounce", None));
     let visits = layers.visits().map(|(_, range)| {
         let of_ray = options.visits == VisitChoice::Ray;
         let title = if of_ray { "level below the root" } else { "rays of the group that enter the box" };

@@ -86,6 +86,7 @@ struct WantedSelected {
     cell: Option<u32>,
     /// The paths of the ray or its group, if they are shown.
     paths: Option<Arc<[PathRay]>>,
+    bounces: ValueRange,
     /// The boxes that are visited, if they are shown, and down to which level.
     visits: Option<(VisitChoice, Arc<Visits>, u32)>,
     theme: Theme,
@@ -106,9 +107,6 @@ struct Made {
     cells: Option<(Geometry, ValueRange, usize)>,
     values: Values,
 }
-
-/// Bounces that colours tell apart.
-pub(super) const BOUNCES: ValueRange = ValueRange { low: 0.0, high: 8.0 };
 
 /// A number for each ray of a queue, by its canonical index: what rays may be coloured by.
 #[derive(Clone, Debug)]
@@ -175,6 +173,11 @@ impl Layers {
     /// The rays of the paths in the last picture.
     pub(super) fn paths(&self) -> Option<&[PathRay]> {
         self.selected.as_ref()?.0.paths.as_deref()
+    }
+
+    /// The bounces of the recording in the last picture, which colours tell apart.
+    pub(super) fn bounces(&self) -> Option<ValueRange> {
+        Some(self.selected.as_ref()?.0.bounces)
     }
 
     /// The boxes in the last picture, and the range of what colours them.
@@ -259,8 +262,10 @@ impl Layers {
         if matches!(&visits, Some((VisitChoice::Group, ..))) {
             groups.insert(order.group_of(ray, of_order.1));
         }
-        let key =
-            WantedSelected { order: of_order, rays, groups, cell, paths, visits, theme, map: options.map };
+        let bounces = context.recording().map_or(1, |open| open.dump.manifest().header.options.bounces);
+        let bounces = ValueRange { low: 0.0, high: bounces.saturating_sub(1).max(1) as f32 };
+        let (of, map) = (of_order, options.map);
+        let key = WantedSelected { order: of, rays, groups, cell, paths, bounces, visits, theme, map };
         if self.selected.as_ref().is_none_or(|(known, _)| *known != key) {
             let selected = selected(&order, &key, context);
             self.selected = Some((key, selected));
@@ -305,7 +310,7 @@ impl Layers {
         let (Some((wanted, made)), Some((key, selected))) = (&self.made, &self.selected) else {
             return Vec::new();
         };
-        let range = self.range_of(options, made, order);
+        let range = self.range_of(options, made, order, key.bounces);
         self.range = Some(range);
         let places = scrubbed(options, order.len());
         let part = made.places.between(&places);
@@ -353,10 +358,16 @@ impl Layers {
     }
 
     /// What the ends of the colours of rays stand for.
-    fn range_of(&self, options: &SpaceOptions, made: &Made, order: &Order) -> ValueRange {
+    fn range_of(
+        &self,
+        options: &SpaceOptions,
+        made: &Made,
+        order: &Order,
+        bounces: ValueRange,
+    ) -> ValueRange {
         match (options.range, &self.ray_values, options.colour_by) {
             (None, Some(RayValues { range: Some(range), .. }), _) => *range,
-            (_, None, ColourBy::Quantity(Quantity::Bounce)) => BOUNCES,
+            (_, None, ColourBy::Quantity(Quantity::Bounce)) => bounces,
             (_, None, ColourBy::Quantity(Quantity::Place)) => {
                 ValueRange { low: 0.0, high: order.len().saturating_sub(1).max(1) as f32 }
             }
@@ -492,7 +503,7 @@ fn selected(order: &Order, wanted: &WantedSelected, context: &Context) -> Vec<La
     let (width, mark) = if is_one { (SELECTED_WIDTH, MARK_WIDTH) } else { (JUMP_WIDTH, 0.5 * MARK_WIDTH) };
     for (kind, line_width) in [(Kind::Closest, width), (Kind::Shadow, 1.0)] {
         let [lines, ends] = path(rays, kind);
-        let paint = Paint::Values(map, BOUNCES);
+        let paint = Paint::Values(map, wanted.bounces);
         layers.push(Layer { width: line_width, ..Layer::of(&lines.into(), Stage::OnTop, paint, 1.0) });
         let marks = Layer::of(&ends.into(), Stage::Marks, paint, 1.0);
         layers.push(Layer { width: mark, hidden_opacity: 1.0, ..marks });
