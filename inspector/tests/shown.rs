@@ -8,7 +8,8 @@ use std::process::Command;
 
 use egui_kittest::kittest::{NodeT, Queryable};
 use formats::hierarchy::Hierarchy;
-use formats::manifest::{MethodArray, Place, QueueArray, QueueId};
+use formats::key::method::AUTO;
+use formats::manifest::{MethodArray, Place, QueueArray, QueueId, Record, Stage as StageName, TimingRecord};
 use formats::metrics::capsule::Segment;
 use formats::ray::Kind;
 use formats::reader::{Dump, Loaded};
@@ -24,7 +25,7 @@ mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
 
-use headless::{layers, panel, settle};
+use headless::{State, layers, panel, settle};
 
 fn opened(folder: &std::path::Path) -> Context {
     let mut context = Context::open(&[sample::write(folder)]);
@@ -468,4 +469,24 @@ fn what_the_pointer_is_on_is_said() {
         }
     }
     assert!(said > 1, "the pointer was on {said} rays");
+}
+
+/// The times of `auto` without those of a sort are its trace of unsorted rays and nothing more.
+#[test]
+fn what_auto_left_alone_has_no_speedup_among_the_times() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = sample::write(folder.path());
+    let speedups = || {
+        let context = Context::open(std::slice::from_ref(&path));
+        let mut harness = panel("timings", context);
+        let State { panel, context } = harness.state_mut();
+        let table = panel.data(context).ok().unwrap().text();
+        table.lines().filter(|line| line.starts_with("auto\t") && line.contains("speedup")).count()
+    };
+    assert_eq!(speedups(), 2, "of the trace and net");
+    sample::edit_manifest(&path, |records| {
+        let is_sort = |timing: &TimingRecord| timing.method == AUTO && timing.stage == StageName::Sort;
+        records.retain(|record| !matches!(record, Record::Timing(timing) if is_sort(timing)));
+    });
+    assert_eq!(speedups(), 0);
 }
