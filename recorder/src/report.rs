@@ -32,6 +32,8 @@ const ABOUT_DETAILS: &str = "\nMedians in ms; speedups against unsorted in the s
 const INDENT: usize = 9;
 /// Spread of a median's rounds, in percent of it, from which on a word is said.
 const WIDE_SPREAD: f64 = 10.0;
+/// One of so many is much.
+const MUCH: usize = 4;
 
 /// What was recorded and what sorting was worth, in a screen; with `details` the stages of every queue, too.
 ///
@@ -47,9 +49,9 @@ pub fn text(recorded: &Recorded, details: bool) -> Result<String> {
         lines.push(table(recorded).to_string());
         lines.extend(decisions(recorded));
         lines.extend(mismatches(recorded));
-        lines.extend(disturbances(recorded));
         lines.extend(instrument(recorded).map(|line| wrapped(&line, COLUMNS, 0)));
     }
+    lines.extend(disturbances(recorded, details).map(|line| wrapped(&line, COLUMNS, 0)));
     lines.push(format!("\n{}\n", Frame::of(dump.manifest()).text()));
     lines.push(format!("recording: {}", recorded.path.display()));
     Ok(lines.join("\n"))
@@ -134,8 +136,8 @@ pub fn instrument_line(instrument: &Instrument) -> String {
     )
 }
 
-/// What stood in the way of the measurement, and what would help.
-fn disturbances(recorded: &Recorded) -> Vec<String> {
+/// What stood in the way of the measurement, and what would help; without `details` only if that is much.
+fn disturbances(recorded: &Recorded, details: bool) -> impl Iterator<Item = String> {
     let entries = || recorded.queues.iter().flat_map(|queue| &queue.measurements);
     let samples: usize =
         entries().flat_map(|entry| entry.stages.iter()).map(|(_, samples)| samples.len()).sum();
@@ -143,20 +145,20 @@ fn disturbances(recorded: &Recorded) -> Vec<String> {
     let traces = || entries().map(|entry| entry.stages.of(Stage::Trace));
     let spread = |samples: &&[u64]| rate(1, samples).is_some_and(|(_, spread)| spread > WIDE_SPREAD);
     let (wide, all) = (traces().filter(spread).count(), traces().count());
-    let mut lines = Vec::new();
-    if disturbed > 0 {
-        lines.push(format!(
+    let is_said = |few: usize, all: usize| few > 0 && (details || few * MUCH > all);
+    let disturbed = is_said(disturbed, samples).then(|| {
+        format!(
             "{disturbed} of {samples} samples were taken while the machine did other work; they count, and are \
              marked in the recording"
-        ));
-    }
-    if wide > 0 {
-        lines.push(format!(
+        )
+    });
+    let wide = is_said(wide, all).then(|| {
+        format!(
             "{wide} of {all} trace times spread by more than {WIDE_SPREAD} % of their median: an idle machine, \
              --pin and more --repeats help"
-        ));
-    }
-    lines
+        )
+    });
+    disturbed.into_iter().chain(wide)
 }
 
 fn milliseconds(samples_ns: &[u64]) -> String {

@@ -195,7 +195,7 @@ impl Frame {
             let trace = |kind: Kind| of(kind).and_then(|times| times.trace());
             let net_of = |kind: Kind| of(kind).and_then(|_| net(manifest, &samples, method, &[kind]));
             let net = if ordered.is_empty() { None } else { net(manifest, &samples, method, &Kind::ALL) };
-            let verdict = if ordered.is_empty() { "left alone" } else { verdict(net, error) };
+            let verdict = if ordered.is_empty() { LEFT_ALONE } else { verdict(net, error) };
             FrameRow {
                 method: method.to_owned(),
                 secondary: trace(Kind::Closest),
@@ -215,7 +215,8 @@ impl Frame {
     /// The table and what it means, at most [`COLUMNS`] wide and 20 lines high.
     pub fn text(&self) -> String {
         if self.rows.is_empty() {
-            return "No method was measured on secondary or shadow rays.".to_owned();
+            return "No method was measured on secondary or shadow rays, which are all that counts here."
+                .to_owned();
         }
         let mut text = String::from(
             "Whole frame: all bounces, summed per round; – left unsorted, * beyond chance.\n\
@@ -236,7 +237,8 @@ impl Frame {
             let _ = writeln!(text, "{}", row.text(self.instrument_error));
         }
         if with_net.len() > most {
-            let _ = writeln!(text, "… and {} more, none of them better (--details)", with_net.len() - most);
+            let _ =
+                writeln!(text, "… and {} more, none of them better net (--details)", with_net.len() - most);
         }
         text.push_str(&wrapped(&self.meaning(), COLUMNS, 0));
         text
@@ -248,11 +250,20 @@ impl Frame {
         // One that surely pays goes before one that gains more, perhaps by chance.
         let pays = known().find(|(row, _)| row.verdict == PAYS);
         let Some((best, net)) = pays.or_else(|| known().next()) else {
-            return "Nothing says what sorting costs here: no method with a net speedup was measured."
-                .to_owned();
+            let is_alone = self.rows.iter().any(|row| row.verdict == LEFT_ALONE);
+            return if is_alone {
+                "By its calibration sorting does not pay here: auto left all of these rays alone."
+            } else {
+                "Nothing says what sorting costs here: no method with a net speedup was measured."
+            }
+            .to_owned();
         };
         let name = one_line(&best.method, LONG_NAME);
         let ratio = net.ratio;
+        let error = match self.instrument_error {
+            small if small < 0.005 => String::new(),
+            error => format!("; over the frame the control is off by {:.1} %", 100.0 * error),
+        };
         let Some((low, high)) = net.interval else {
             let so = if ratio > 1.0 {
                 "so that it may be chance"
@@ -260,22 +271,19 @@ impl Frame {
                 "but nothing was faster than unsorted rays"
             };
             return format!(
-                "The best net speedup is that of {name}, {ratio:.2}×; fewer than 6 repeats have no interval, {so}."
+                "The best net speedup is that of {name}, {ratio:.2}×; fewer than 6 repeats have no interval, {so}{error}."
             );
         };
         let with = |verdict: &str| known().filter(|(row, _)| row.verdict == verdict).count();
         let all = known().count();
-        let error = match self.instrument_error {
-            small if small < 0.005 => String::new(),
-            error => format!(
-                "; over the frame the control is off by {:.1} %, which an interval must exceed",
-                100.0 * error
-            ),
+        let error = match error.as_str() {
+            "" => error,
+            error => format!("{error}, which an interval must exceed"),
         };
         if best.verdict == PAYS {
             let others = match (with(PAYS) - 1, counted(all as u64 - 1, "other", "others")) {
                 _ if all == 1 => String::new(),
-                (0, others) => format!("; so it does with none of {others}; {}", costly(with(COSTS))),
+                (0, _) => format!("; no other method is shown to pay; {}", costly(with(COSTS))),
                 (too, others) => format!("; so it does with {too} of {others}; {}", costly(with(COSTS))),
             };
             format!(
@@ -333,6 +341,7 @@ fn costly(count: usize) -> String {
     }
 }
 
+const LEFT_ALONE: &str = "left alone";
 const PAYS: &str = "pays";
 const COSTS: &str = "costs";
 
@@ -353,24 +362,22 @@ fn error_of(times: &[FrameTimes]) -> f64 {
 }
 
 impl FrameRow {
-    /// A line; nets of one kind and of both are marked where they are beyond the error of the instrument.
+    /// A line; speedups are marked where they are beyond chance and the error of the instrument.
     fn text(&self, error: f64) -> String {
-        let times = |speedup: Option<Speedup>, mark: &str| {
-            speedup.map_or(format!("–{mark}"), |one| format!("{:.2}×{mark}", one.ratio))
-        };
-        let net = |net: Option<Speedup>| {
-            times(net, if [PAYS, COSTS].contains(&verdict(net, error)) { "*" } else { " " })
+        let times = |speedup: Option<Speedup>| {
+            let mark = if [PAYS, COSTS].contains(&verdict(speedup, error)) { "*" } else { " " };
+            speedup.map_or("– ".to_owned(), |one| format!("{:.2}×{mark}", one.ratio))
         };
         let interval = self.net.and_then(|net| net.interval);
         let interval = interval.map_or(String::new(), |(low, high)| format!("{low:.2}–{high:.2}  "));
         format!(
             "{:<NAME$}{:>9}{:>10}{:>9}{:>7}{:>8} {interval}{}",
             shortened(&self.method),
-            times(self.secondary, ""),
-            times(self.shadow, ""),
-            net(self.net_secondary),
-            net(self.net_shadow),
-            net(self.net),
+            times(self.secondary),
+            times(self.shadow),
+            times(self.net_secondary),
+            times(self.net_shadow),
+            times(self.net),
             self.verdict
         )
         .trim_end()
@@ -461,7 +468,7 @@ mod tests {
         };
         let pays = meaning(speedup(1.25, 1.125, 1.5), PAYS);
         assert!(pays.starts_with("Sorting pays: with aila") && pays.contains("1.25 times"), "{pays}");
-        assert!(pays.contains("with 0 of 1 other; one surely costs more"), "{pays}");
+        assert!(pays.contains("no other method is shown to pay; one surely costs more"), "{pays}");
         let sure = row("sure", speedup(1.1, 1.05, 1.15), PAYS);
         let rows = vec![row("lucky", speedup(1.2, 0.7, 1.7), "level"), sure];
         let said = frame(rows).meaning();
@@ -474,6 +481,11 @@ mod tests {
         let few = |ratio| meaning(Some(Speedup { ratio, interval: None }), "");
         assert!(few(2.0).contains("fewer than 6 repeats") && few(2.0).contains("chance"));
         assert!(few(0.9).contains("nothing was faster"));
+        let rough = row("aila", Some(Speedup { ratio: 1.1, interval: None }), "");
+        let rough = Frame { instrument_error: 0.58, ..frame(vec![rough]) };
+        assert!(rough.meaning().ends_with("chance; over the frame the control is off by 58.0 %."));
+        let alone = FrameRow { secondary: None, ..row("auto", None, LEFT_ALONE) };
+        assert!(frame(vec![alone]).meaning().contains("auto left all of these rays alone"));
     }
 
     #[test]

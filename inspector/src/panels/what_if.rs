@@ -64,7 +64,8 @@ impl Panel for WhatIfPanel {
 /// What the panel begins with: the selected order, or else a method that is built in.
 fn first(context: &Context) -> Option<Settings> {
     let recording = context.recording()?;
-    let selected = recording.method(&context.selection.method).map(Settings::of);
+    let selected = recording.method(&context.selection.method).filter(|record| record.has_layout());
+    let selected = selected.map(Settings::of);
     selected.or_else(|| Settings::builtin("two-point", &recording.dump.manifest().header))
 }
 
@@ -72,8 +73,8 @@ fn first(context: &Context) -> Option<Settings> {
 fn start_from(ui: &mut egui::Ui, context: &Context, settings: &mut Settings) {
     let Some(recording) = context.recording() else { return };
     let header = &recording.dump.manifest().header;
-    let recorded =
-        recording.dump.manifest().methods.iter().map(|record| (record.name.clone(), Settings::of(record)));
+    let recorded = recording.dump.manifest().methods.iter().filter(|record| record.has_layout());
+    let recorded = recorded.map(|record| (record.name.clone(), Settings::of(record)));
     let is_recorded = |name: &str| recording.method(name).is_some();
     let builtin = Settings::builtin_names().filter(|name| !is_recorded(name));
     let builtin = builtin.filter_map(|name| Some((name.to_owned(), Settings::builtin(name, header)?)));

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use formats::manifest::check::BOUNCES_MAX;
 use formats::ray::Kind;
 
@@ -22,8 +22,9 @@ direction that was given. Shadow rays go to the light that they pass nearest to.
 A folder of queues has for each queue a folder bounce-BB/closest or bounce-BB/shadow with
   rays.npy           as above, in the order of path_ids
   path_ids.npy       <u4 (N,), ascending; 0 to N - 1 if missing
-  hits.npy           for closest rays, as recordings hold them: judged against exact arithmetic
-  distances.npy      for shadow rays, <f4 (N,), +inf where the light is seen: likewise
+  hits.npy           for closest rays, as in a recording, but t in lengths of the direction that was given:
+                     judged against exact arithmetic
+  distances.npy      for shadow rays, <f4 (N,), likewise; +inf where the light is seen
   lights.npy         for shadow rays, <u4 (N,)
   NAME/permutation.npy   <u4 (N,), the index of the ray at each place of an order of yours
   NAME/keys.npy          <u4 or <u8 (N,), its keys
@@ -45,15 +46,16 @@ enum KindArgument {
 }
 
 #[derive(Debug, Args)]
+#[command(group(ArgGroup::new("input").required(true)))]
 pub(super) struct ImportArguments {
     /// A .gltf or .glb file, or builtin:NAME.
     #[arg(long)]
     scene: String,
     /// A file of rays.
-    #[arg(long, value_name = "RAYS.npy", required_unless_present = "queues", conflicts_with = "queues")]
+    #[arg(long, value_name = "RAYS.npy", group = "input")]
     rays: Option<PathBuf>,
     /// A folder of queues, with the orders that another tracer gave them.
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(long, value_name = "FOLDER", group = "input")]
     queues: Option<PathBuf>,
     /// What the rays of a file ask for.
     #[arg(long, value_enum, default_value_t = KindArgument::Closest, conflicts_with = "queues")]
@@ -93,9 +95,10 @@ impl ImportArguments {
     fn options(&self) -> Result<ImportOptions, OptionError> {
         in_range("bounce", self.bounce, 0, BOUNCES_MAX - 1)?;
         let keep = Keep::parse(&self.keep)?;
-        if keep.throughput {
-            let message = "--keep throughput: rays of another tracer come without what their paths carry";
-            return Err(OptionError::Conflict { message: message.to_owned() });
+        let lacks = [(keep.throughput, "throughput: rays"), (keep.image, "image: rays")];
+        if let Some((_, what)) = lacks.into_iter().find(|(is_asked, _)| *is_asked) {
+            let message = format!("--keep {what} of another tracer come without what their paths carry");
+            return Err(OptionError::Conflict { message });
         }
         let AskedOrders { methods, control, shuffled, auto } =
             parse_orders(&self.methods, &self.own_methods)?;

@@ -195,15 +195,36 @@ capture.order(2, 'shadow', 'height', np.argsort(keys, kind='stable'), keys)
     Program::Inspector.run(folder.path(), line).succeeded();
 }
 
+/// A file of as many rays, all the same.
+fn rays(count: usize, x: f32) -> Vec<u8> {
+    let mut bytes = npy::header(Dtype::F4, &[count as u64, 6]);
+    let ray = [x, 0.2, 0.2, 0.0, 0.0, 1.0f32];
+    (0..count).for_each(|_| bytes.extend_from_slice(bytemuck::cast_slice(&ray)));
+    bytes
+}
+
+#[test]
+fn what_rays_may_have_wrong_is_said() {
+    let folder = tempdir().unwrap();
+    for (queue, count) in [("bounce-00/closest", 5), ("bounce-01/shadow", 3)] {
+        let queue = folder.path().join("queues").join(queue);
+        fs::create_dir_all(&queue).unwrap();
+        fs::write(queue.join("rays.npy"), rays(count, 0.25)).unwrap();
+    }
+    let line = format!("{IMPORT} --queues queues --out odd");
+    let said = Program::Recorder.run(folder.path(), &line).succeeded().in_a_line();
+    for words in [
+        "3 of 3 shadow rays have no end",
+        "bounce 1, shadow: fewer rays than before, of paths 0 to 2",
+        "rays start between (0.2500, 0.2000, 0.2000) and (0.2500, 0.2000, 0.2000); the scene lies between",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+}
+
 #[test]
 fn folders_that_cannot_be_taken_are_refused_with_a_sentence() {
     let folder = tempdir().unwrap();
-    let rays = |count: usize, value: f32| {
-        let mut bytes = npy::header(Dtype::F4, &[count as u64, 6]);
-        let ray = [value, 0.2, 0.2, 0.0, 0.0, 1.0f32];
-        (0..count).for_each(|_| bytes.extend_from_slice(bytemuck::cast_slice(&ray)));
-        bytes
-    };
     let words = |values: &[u32]| {
         let mut bytes = npy::header(Dtype::U4, &[values.len() as u64]);
         bytes.extend_from_slice(bytemuck::cast_slice(values));

@@ -3,9 +3,11 @@
 //! - `queues`: what came, from a file of rays or a folder of queues
 //! - `rays`: the forms that rays are read in
 //! - `claims`: what the folder says of its keys
+//! - `doubts`: what the rays may have wrong
 //! - `verdict`: hits that came with the rays, judged by the oracle
 
 mod claims;
+mod doubts;
 mod queues;
 mod rays;
 mod verdict;
@@ -80,7 +82,7 @@ pub fn import(options: &ImportOptions) -> Result<Recorded> {
     find_lights(&mut queues, &setup, &scene)?;
     let mut notices = scene.notices.clone();
     notices.extend(device.notices());
-    notices.extend(far_away(&queues, &scene));
+    notices.extend(doubts::of(&queues, &scene, &setup.light_sites));
     let foreign = foreign(&mut queues, &setup, &run, &mut notices)?;
     let name = from.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let sha256 = queues.sha256();
@@ -109,35 +111,6 @@ pub fn import(options: &ImportOptions) -> Result<Recorded> {
     let said = verdict.map(|Check { name, outcome, detail }| format!("{name}: {outcome} ({detail})"));
     recorded.notices.extend(said);
     Ok(recorded)
-}
-
-/// Share of the scene's largest side that a ray may start outside of its box without a word: a camera may.
-const NEAR: f64 = 1.0;
-
-/// How many rays start far outside of the scene, if any do: keys end at its box, and one such ray has a capsule that
-/// outweighs all others.
-fn far_away(queues: &Queues, scene: &Scene) -> Option<String> {
-    let bounds = scene.bounds();
-    let (low, high) = (bounds.min.map(f64::from), bounds.max.map(f64::from));
-    let side = (0..3).map(|axis| high[axis] - low[axis]).fold(f64::MIN_POSITIVE, f64::max);
-    let outside = |ray: &Ray| {
-        let beyond = |axis: usize| {
-            let at = f64::from(ray.origin[axis]);
-            (low[axis] - at).max(at - high[axis])
-        };
-        (0..3).map(beyond).fold(0.0, f64::max) / side
-    };
-    let rays = || queues.list.iter().flat_map(|queue| &queue.rays);
-    let far: Vec<f64> = rays().map(outside).filter(|sides| *sides > NEAR).collect();
-    let farthest = far.iter().copied().fold(0.0, f64::max);
-    (!far.is_empty()).then(|| {
-        format!(
-            "{} of {} rays start far outside of the scene, the farthest {farthest:.2e} times its largest side from \
-             its box: they have the keys of rays at its border, and means of capsule areas are mostly theirs",
-            far.len(),
-            rays().count()
-        )
-    })
 }
 
 /// Gives each shadow ray of a queue without lights the one that it was most likely sent to.
