@@ -23,14 +23,17 @@ pub struct BreakEven {
     pub interval: Option<(f64, f64)>,
     /// All that its total counts besides that trace.
     pub cost_ns: f64,
+    /// The trace of unsorted rays.
+    pub unsorted_ns: f64,
     /// Samples of the method.
     pub n: usize,
 }
 
 impl BreakEven {
-    /// Of a method, if it and the trace of unsorted rays were timed.
+    /// Of a method, if it and the trace of unsorted rays were timed; none of `auto` where it sorted nothing.
     pub fn of(recording: &RecordingAnalysis, rays: RayClass, method: &str) -> Option<Self> {
-        let net = recording.frame(rays, method)?.net_speedup.known()?.ratio;
+        let frame = recording.frame(rays, method).filter(|frame| !frame.left_alone)?;
+        let net = frame.net_speedup.known()?.ratio;
         let queues = recording.measured().filter(|queue| RayClass::of(queue) == Some(rays));
         let measured: Vec<(&QueueAnalysis, &OrderAnalysis)> =
             queues.filter_map(|queue| Some((queue, queue.order(method)?))).collect();
@@ -44,6 +47,7 @@ impl BreakEven {
             saved_ns: saved(ratio),
             interval: interval.map(|(low, high)| (saved(low), saved(high))),
             cost_ns: unsorted_ns * (1.0 / net - 1.0 / ratio),
+            unsorted_ns,
             n,
         };
         (found.saved_ns + found.cost_ns).is_finite().then_some(found)

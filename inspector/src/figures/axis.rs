@@ -76,7 +76,11 @@ impl Mapping {
     /// A logarithmic axis that ends beside the outermost numbers; itself if that would leave fewer than two labels.
     fn cut(self, low: f64, high: f64) -> Self {
         let padding = (high / low).powf(PADDING);
-        let range = (low / padding, high * padding);
+        self.inside((low / padding, high * padding))
+    }
+
+    /// What is inside of a smaller range; itself if that has fewer than two labels.
+    fn inside(self, range: (f64, f64)) -> Self {
         let is_inside = |tick: &&Tick| (range.0..=range.1).contains(&tick.value);
         if self.labelled().filter(is_inside).count() < 2 {
             return self;
@@ -219,7 +223,18 @@ fn linear(low: f64, high: f64, from_zero: bool, room: usize, least_step: f64) ->
         step *= 2.0;
     }
     let (first, last) = ((low / step + 1e-9).floor(), (high / step - 1e-9).ceil());
-    Mapping { range: (first * step, last * step), ticks: steps(first, last, step), is_logarithmic: false }
+    let whole = Mapping {
+        range: (first * step, last * step),
+        ticks: steps(first, last, step),
+        is_logarithmic: false,
+    };
+    if !from_zero {
+        return whole;
+    }
+    // Beyond the outermost numbers there is nothing to see.
+    let padding = PADDING * (high - low);
+    let range = (whole.range.0.max(low - padding), whole.range.1.min(high + padding));
+    whole.inside(range)
 }
 
 /// An axis of whole numbers that ends beside the last one; none if fewer than two would be labelled.
@@ -379,11 +394,11 @@ mod tests {
 
     #[test]
     fn even_axes_have_round_labels() {
-        assert_eq!(labels(&Mapping::new(&FROM_ZERO, [1.7], 5)), ["0", "0.5", "1.0", "1.5", "2.0"]);
+        assert_eq!(labels(&Mapping::new(&FROM_ZERO, [1.7], 5)), ["0", "0.5", "1.0", "1.5"]);
         assert_eq!(labels(&Mapping::new(&FROM_ZERO, [3914.0], 4)), ["0", "1,000", "2,000", "3,000", "4,000"]);
-        assert_eq!(labels(&Mapping::new(&FROM_ZERO, [-0.9, 0.9], 4)), ["−1.0", "−0.5", "0", "0.5", "1.0"]);
-        assert_eq!(labels(&Mapping::new(&FROM_ZERO, [2.4e9], 3)), ["0", "1e9", "2e9", "3e9"]);
-        assert_eq!(labels(&Mapping::new(&FROM_ZERO, [2.4e-7], 3)), ["0", "1e−7", "2e−7", "3e−7"]);
+        assert_eq!(labels(&Mapping::new(&FROM_ZERO, [-0.9, 0.9], 4)), ["−0.5", "0", "0.5"]);
+        assert_eq!(labels(&Mapping::new(&FROM_ZERO, [2.4e9], 3)), ["0", "1e9", "2e9"]);
+        assert_eq!(labels(&Mapping::new(&FROM_ZERO, [2.4e-7], 3)), ["0", "1e−7", "2e−7"]);
         assert_eq!(labels(&Mapping::exact(0.0, 1024.0, 4)), ["0", "500", "1,000"]);
         // A share is never more than all.
         for (room, share) in (2..12).flat_map(|room| [60.0, 99.9, 100.0].map(|share| (room, share))) {

@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use formats::manifest::{Stage, Way};
-use formats::metrics::speedup::median;
 use formats::ray::Kind;
 use formats::reader::Dump;
+use inspector::analysis::break_even::BreakEven;
 use inspector::analysis::headline::Headline;
 use inspector::analysis::summary::RayClass;
 use inspector::analysis::timing::SpeedupLine;
@@ -200,37 +200,40 @@ fn speedups_by_kernel_are_those_of_its_recordings() {
     }
 }
 
+/// A row of stages ends where the net speedup says, and its trace where `break-even` does.
 #[test]
-fn a_stack_is_as_high_as_the_total_and_its_line_the_unsorted_trace() {
+fn a_stack_agrees_with_other_figures() {
     let folder = tempfile::tempdir().unwrap();
-    let analysis = analysis(folder.path(), Depth::Manifest);
-    let findings = Findings { analysis: &analysis, benches: &[] };
-    let figure = figure(&findings, "overhead").unwrap();
-    let shadow = figure.panels.iter().find(|panel| panel.title.contains("shadow")).unwrap();
-    let Scale::Categories(methods) = &shadow.x.scale else { panic!("methods") };
-    let queues = || analysis.recordings[0].measured().filter(|queue| queue.kind == Kind::Shadow);
-    let unsorted: f64 = queues().map(|queue| queue.orders[0].stages[0].time.median_ns).sum();
-    for (place, method) in methods.iter().enumerate() {
-        let points = series(shadow).iter().flat_map(|series| &series.points);
-        let height: f64 = points.filter(|point| point.x == place as f64).map(|point| point.y).sum();
-        let orders = queues().flat_map(|queue| &queue.orders).filter(|order| order.method == *method);
-        // Sums of medians are not medians of sums, but here every stage has its samples in one order.
-        let stages = |order: &inspector::analysis::OrderAnalysis| {
-            let of = |stage: Stage| {
-                let found = order.stages.iter().find(|found| found.stage == stage);
-                found.map_or(0.0, |found| median(&found.time.samples_ns).unwrap())
-            };
-            let gathered = of(Stage::Gather) + of(Stage::Trace) + of(Stage::Scatter);
-            let indirect = of(Stage::TraceIndirect);
-            let traced = if indirect > 0.0 && indirect < gathered { indirect } else { gathered };
-            of(Stage::Key) + of(Stage::Sort) + traced + of(Stage::Accumulate)
-        };
-        let expected: f64 = orders.map(stages).sum::<f64>() / unsorted;
-        assert!((height - expected).abs() < 1e-9, "{method}: {height}, expected {expected}");
+    let mut analysis = analysis(folder.path(), Depth::Manifest);
+    // Not what medians of stages say.
+    for frame in analysis.recordings[0].frames.iter_mut().filter(|frame| frame.method == "aila") {
+        let Metric::Known(line) = &mut frame.net_speedup else { panic!("it was timed") };
+        line.ratio *= 0.75;
     }
-    let unsorted = series(shadow).iter().find(|series| series.label == "trace").unwrap();
-    let first = unsorted.points.iter().find(|point| point.x == 0.0).unwrap();
-    assert_eq!((methods[0].as_str(), shadow.reference.as_ref().unwrap().y), ("unsorted", first.y));
+    let figure = figure(&Findings { analysis: &analysis, benches: &[] }, "overhead").unwrap();
+    let recording = &analysis.recordings[0];
+    for (panel, rays) in figure.panels.iter().zip(RayClass::ALL) {
+        let Scale::Categories(methods) = &panel.x.scale else { panic!("methods") };
+        assert!(methods.contains(&"aila".to_owned()) && !methods.contains(&"unsorted".to_owned()));
+        assert_eq!(panel.reference.as_ref().unwrap().y, 1.0);
+        for (place, method) in methods.iter().enumerate() {
+            let sum = |of_trace: Option<bool>| -> f64 {
+                let is_meant =
+                    |series: &&Series| of_trace.is_none_or(|is| series.label.starts_with("trace") == is);
+                let points = series(panel).iter().filter(is_meant).flat_map(|series| &series.points);
+                points.filter(|point| point.x == place as f64).map(|point| point.y).sum()
+            };
+            let net = recording.frame(rays, method).unwrap().net_speedup.known().unwrap().ratio;
+            assert!((sum(None) * net - 1.0).abs() < 1e-9, "{method}: {}", sum(None));
+            let even = BreakEven::of(recording, rays, method).unwrap();
+            if even.cost_ns > 0.0 {
+                let traced = 1.0 - even.saved_ns / even.unsorted_ns;
+                assert!((sum(Some(true)) - traced).abs() < 1e-9, "{method}: {}", sum(Some(true)));
+            }
+            let points = series(panel).iter().flat_map(|series| &series.points);
+            assert!(points.filter(|point| point.x == place as f64).all(|point| point.y >= 0.0), "{method}");
+        }
+    }
 }
 
 /// A mean over bounces counts each ray once, and each bounce is shown beside it.

@@ -27,9 +27,8 @@ fn no_panel_of_many_is_without_its_methods() {
         line.ratio = 9.0;
     }
     analysis.recordings = vec![whole.clone(), whole, few];
-    for (name, expected) in
-        [("overhead", vec!["unsorted", "two-point-adaptive"]), ("break-even", vec!["two-point-adaptive"])]
-    {
+    let expected = ["two-point-adaptive"];
+    for name in ["overhead", "break-even"] {
         let made = figure(&Findings { analysis: &analysis, benches: &[] }, name).unwrap();
         for (at, panel) in made.panels.iter().enumerate() {
             let Scale::Categories(rows) = &panel.x.scale else { panic!("methods") };
@@ -88,6 +87,9 @@ fn replays_do_not_repeat_what_their_source_shows() {
         if order.method != "unsorted" {
             order.method = format!("{}-8-bits", order.base);
         }
+    }
+    for frame in replay.frames.iter_mut().filter(|frame| frame.method != "unsorted") {
+        frame.method = format!("{}-8-bits", frame.base);
     }
     analysis.recordings.push(replay);
     assert_eq!(panels(&analysis), alone);

@@ -28,11 +28,12 @@ pub fn break_even(findings: &Findings<'_>) -> Made {
                 .into_iter()
                 .filter_map(|method| Some((method, BreakEven::of(recording, rays, method)?)));
             let mut found: Vec<(&str, BreakEven)> = found.collect();
-            of_recording.extend(limit(rays, &found));
             let leading = leading(findings, recording, rays);
             found.retain(|(method, _)| leading.contains(method));
-            let title = if recordings.len() > 1 { recording.label.as_str() } else { "" };
-            panels.push(panel(recording, title, rays, &found));
+            of_recording.extend(limit(rays, &found));
+            // An axis of its own: what scenes save is far apart.
+            let name = if recordings.len() > 1 { format!("{}, ", recording.label) } else { String::new() };
+            panels.push(panel(recording, &name, rays, &found));
         }
         limits.push(format!("{}: {}", recording.label, of_recording.join(", ")));
     }
@@ -58,7 +59,7 @@ fn limit(rays: RayClass, found: &[(&str, BreakEven)]) -> Option<String> {
     })
 }
 
-fn panel(recording: &RecordingAnalysis, title: &str, rays: RayClass, found: &[(&str, BreakEven)]) -> Panel {
+fn panel(recording: &RecordingAnalysis, name: &str, rays: RayClass, found: &[(&str, BreakEven)]) -> Panel {
     let series = |label: &str, style: usize, number: fn(&BreakEven) -> Number| {
         let point = |(row, (method, of)): (usize, &(&str, BreakEven))| {
             let (y, spread) = number(of);
@@ -71,9 +72,9 @@ fn panel(recording: &RecordingAnalysis, title: &str, rays: RayClass, found: &[(&
     // The colour of sorting in other figures.
     let cost_style = STAGE_STYLES + STAGES.iter().position(|stage| *stage == Stage::Sort).unwrap_or(0);
     Panel::new(
-        title,
+        "",
         Axis::categories("", found.iter().map(|(method, _)| *method)),
-        Axis::from_zero(&format!("ns per {} ray", rays.name())),
+        Axis::from_zero(&format!("{name}ns per {} ray", rays.name())),
         Content::Dots(vec![
             series("sorting takes", cost_style, |of| (of.cost_ns, None)),
             series("sorting saves", SAVED_STYLE, |of| (of.saved_ns, of.interval)),
@@ -87,7 +88,8 @@ mod tests {
 
     #[test]
     fn what_a_sort_may_take_is_what_the_best_method_saves() {
-        let saving = |saved_ns| BreakEven { saved_ns, interval: None, cost_ns: 1.0, n: 1 };
+        let saving =
+            |saved_ns| BreakEven { saved_ns, interval: None, cost_ns: 1.0, unsorted_ns: 100.0, n: 1 };
         let found = [("a", saving(-1.0)), ("f", saving(9.0)), ("h", saving(2.0)), ("control", saving(99.0))];
         assert_eq!(limit(RayClass::Shadow, &found).unwrap(), "9.0 ns a shadow ray (f)");
         assert_eq!(limit(RayClass::Shadow, &[("a", saving(-1.0))]).unwrap(), "nothing with shadow rays");

@@ -163,11 +163,11 @@ pub fn is_method(name: &str) -> bool {
 
 /// Recordings that have a row for every method in figures with panels for each.
 const MOST_WITH_ALL: usize = 2;
-/// Methods besides `unsorted` otherwise, so that five recordings fit on a page.
+/// Methods otherwise, so that five recordings fit on a page.
 const MOST_METHODS: usize = 5;
 
 /// Of [`methods`], those that have rows in a panel of these rays of a recording: all that were measured there, or,
-/// where there are many recordings, `unsorted` and those that are best net there.
+/// where there are many recordings, those that are best net there.
 pub fn leading<'a>(findings: &Findings<'a>, recording: &RecordingAnalysis, rays: RayClass) -> Vec<&'a str> {
     let mut rows = methods(findings);
     rows.retain(|method| recording.frame(rays, method).is_some());
@@ -182,7 +182,7 @@ pub fn leading<'a>(findings: &Findings<'a>, recording: &RecordingAnalysis, rays:
     let mut best: Vec<&str> = rows.iter().copied().filter(is_candidate).collect();
     best.sort_by(|a, b| net(b).total_cmp(&net(a)));
     best.truncate(MOST_METHODS);
-    rows.retain(|method| *method == UNSORTED || best.contains(method));
+    rows.retain(|method| best.contains(method));
     rows
 }
 

@@ -1,13 +1,14 @@
 //! What each stage of a method takes, against the trace that it is to make faster.
 
-use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 
-use super::building::{figure, leading, left_out, of, panel_title, queues, recordings, settings};
+use super::building::{figure, leading, left_out, of, panel_title, recordings, settings};
 use super::{Findings, Made};
+use crate::analysis::RecordingAnalysis;
+use crate::analysis::break_even::BreakEven;
+use crate::analysis::frame::FrameStage;
 use crate::analysis::summary::RayClass;
 use crate::analysis::timing::{stacked, stage_name};
-use crate::analysis::{QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
 use crate::figures::style::STAGE_STYLES;
 
@@ -16,7 +17,7 @@ pub fn overhead(findings: &Findings<'_>) -> Made {
     figure(
         "Where the time goes, per method",
         format!(
-            "Median times of the stages, summed over bounces, as multiples of the trace of unsorted rays: a row that ends left of the line is faster in the median, and whether it is beyond chance says `net-speedup`. Gather, trace and scatter count, or the trace through indices: what the recording chose for the method.{}",
+            "Time of all stages over all bounces, as a multiple of the trace of unsorted rays. A row ends at one over the net speedup, left of the line where that is above 1; `net-speedup` has its interval. What is traced, and what is added to it, are those of `break-even`, shared out among stages by their median times. Gather, trace and scatter count, or the trace through indices: what the recording chose for the method. None is given for two-point-real, which must trace the rays before it can sort them, nor for auto where it left all of them alone.{}",
             left_out(findings)
         ),
         settings(recordings(findings)),
@@ -28,35 +29,46 @@ pub fn overhead(findings: &Findings<'_>) -> Made {
 }
 
 fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis, rays: RayClass) -> Panel {
-    let measured: Vec<&QueueAnalysis> = queues(recording, rays).collect();
-    let unsorted = stage_time(&measured, UNSORTED, Stage::Trace).map_or(f64::NAN, |(ns, _)| ns);
-    let methods = leading(findings, recording, rays);
+    let shares = |method| Some((method, shares(recording, rays, method)?));
+    let methods: Vec<(&str, Vec<(&FrameStage, f64)>)> =
+        leading(findings, recording, rays).into_iter().filter_map(shares).collect();
     let series = |(at, stage): (usize, Stage)| -> Series {
-        let points = methods.iter().enumerate().filter_map(|(place, method)| {
-            let (ns, n) = stage_time(&measured, method, stage)?;
+        let points = methods.iter().enumerate().filter_map(|(place, (method, shares))| {
+            let (found, share) = shares.iter().find(|(found, _)| found.stage == stage)?;
             let of = Of { detail: stage_name(stage).to_owned(), ..of(recording, rays.name(), None, method) };
-            Some(Point { x: place as f64, y: ns / unsorted, spread: None, n, of })
+            Some(Point { x: place as f64, y: *share, spread: None, n: found.n, of })
         });
         let style = STAGE_STYLES + at;
         Series { label: stage_name(stage).to_owned(), style, points: points.collect(), is_part: false }
     };
     Panel::new(
         panel_title(findings, recording, &format!("{} rays", rays.name())),
-        Axis::categories("", methods.iter().copied()),
+        Axis::categories("", methods.iter().map(|(method, _)| *method)),
         Axis::from_zero("time (unsorted trace = 1)"),
         Content::Stacks(stacked().map(series).collect()),
     )
     .with_reference("break-even: trace of unsorted rays", 1.0)
 }
 
-/// Sum over queues of a stage's median times, and its samples; `None` if it is not part of the way taken.
-fn stage_time(queues: &[&QueueAnalysis], method: &str, stage: Stage) -> Option<(f64, usize)> {
-    let orders = queues.iter().filter_map(|queue| queue.order(method));
-    let times: Vec<(f64, usize)> = orders
-        .filter(|order| order.way.counts(stage))
-        .filter_map(|order| order.stage(stage))
-        .map(|found| (found.time.median_ns, found.time.samples_ns.len()))
-        .collect();
-    let ns = times.iter().map(|(ns, _)| ns).sum();
-    Some((ns, times.iter().map(|(_, n)| *n).min()?))
+/// The stages of a method, and how long each takes of the trace of unsorted rays.
+fn shares<'a>(
+    recording: &'a RecordingAnalysis,
+    rays: RayClass,
+    method: &str,
+) -> Option<Vec<(&'a FrameStage, f64)>> {
+    let BreakEven { saved_ns, cost_ns, unsorted_ns, .. } = BreakEven::of(recording, rays, method)?;
+    let stages = &recording.frame(rays, method)?.stages;
+    let is_trace = |stage: &FrameStage| matches!(stage.stage, Stage::Trace | Stage::TraceIndirect);
+    let sum = |of_trace: bool| -> f64 {
+        stages.iter().filter(|stage| is_trace(stage) == of_trace).map(|stage| stage.median_ns).sum()
+    };
+    let (traces, others) = (sum(true), sum(false));
+    // Ratios of few rounds may leave less than nothing for the rest.
+    let cost = if others > 0.0 { cost_ns.max(0.0) } else { 0.0 };
+    let trace = unsorted_ns - saved_ns + cost_ns - cost;
+    let share = |stage: &'a FrameStage| {
+        let (ns, all) = if is_trace(stage) { (trace, traces) } else { (cost, others) };
+        (stage, ns / unsorted_ns * stage.median_ns / all.max(f64::MIN_POSITIVE))
+    };
+    Some(stages.iter().map(share).collect())
 }
