@@ -170,6 +170,11 @@ fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
                     summary.and_then(|one| Some((one.trace_speedup.known()?, one.net_speedup.known()?)));
                 match known {
                     None => (Cell::plain("–"), None),
+                    // A mean over other recordings is not to be compared.
+                    Some((trace, net)) if net.n < count => {
+                        let Cell { text, .. } = both(trace.mean, net.mean);
+                        (Cell::plain(format!("{text} ({} of {count})", net.n)), None)
+                    }
                     Some((trace, net)) => {
                         let pays = net.faster == net.n;
                         (both(trace.mean, net.mean), pays.then_some(net.mean))

@@ -3,6 +3,7 @@
 use inspector::analysis::{Analysis, Depth, Metric};
 use inspector::figures::catalogue::Findings;
 use inspector::figures::model::Scale;
+use inspector::report::tables::tables;
 
 use super::{analysis, figure, series};
 
@@ -95,4 +96,36 @@ fn replays_do_not_repeat_what_their_source_shows() {
     assert_eq!(panels(&analysis), alone);
     analysis.recordings.remove(0);
     assert_eq!(panels(&analysis), alone);
+}
+
+/// One that a recording lacks has the dots of the others and no mean, which would be over other scenes.
+#[test]
+fn means_are_of_what_all_recordings_have() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut analysis = analysis(folder.path(), Depth::Arrays);
+    let whole = analysis.recordings[0].clone();
+    let mut few = whole.clone();
+    few.queues.iter_mut().for_each(|queue| queue.orders.retain(|order| order.method != "aila"));
+    few.frames.retain(|frame| frame.method != "aila");
+    analysis.recordings = vec![whole.clone(), whole, few];
+    for name in ["trace-speedup", "net-speedup", "lane-utilisation"] {
+        let made = figure(&Findings { analysis: &analysis, benches: &[] }, name).unwrap();
+        let count = |method: &str, is_part: bool| -> usize {
+            let own = series(&made.panels[0]).iter();
+            let own = own.filter(|series| series.label == method && series.is_part == is_part);
+            own.map(|series| series.points.len()).sum()
+        };
+        assert!(made.panels[0].title.starts_with("All recordings"), "{name}");
+        assert_eq!(["aila", "two-point"].map(|method| count(method, false)), [0, 1], "{name}");
+        assert_eq!(["aila", "two-point"].map(|method| count(method, true)), [2, 3], "{name}");
+    }
+    for summary in &mut analysis.summaries {
+        if let Metric::Known(mean) = &mut summary.net_speedup {
+            mean.n = if summary.method == "aila" { 2 } else { 3 };
+        }
+    }
+    let rows = tables(&analysis, &[]).into_iter().flat_map(|table| table.rows);
+    let means: Vec<_> = rows.filter(|row| row[0].text.starts_with("mean: ")).flatten().collect();
+    let of_two: Vec<_> = means.iter().filter(|cell| cell.text.ends_with(" (2 of 3)")).collect();
+    assert!(of_two.len() == 2 && of_two.iter().all(|cell| !cell.is_best), "secondary and shadow: {means:?}");
 }

@@ -6,7 +6,7 @@
 //! - [`capsules`]: capsule area against trace time, its distribution
 //! - [`sweeps`]: key bits, assumed length
 //! - [`tables`]: fill of the length table, errors of estimated lengths
-//! - [`models`]: lane utilisation, cache hit ratios
+//! - [`models`]: lane utilisation, cache misses
 //! - [`benches`]: sort throughput, trace rate
 //! - [`errors`]: run time against error, what skipping saves
 //! - [`shading`]: frames whose hits are sorted before they are shaded
@@ -106,7 +106,7 @@ pub const CATALOGUE: &[FigureMaker] = &[
     maker("table-fill", "fill of the length table over bounces and passes", tables::fill),
     maker("estimator-error", "errors of estimated ray lengths over bounces and passes", tables::errors),
     maker("lane-utilisation", "share of 32 lanes that work (a model)", models::lanes),
-    maker("cache-hit-ratio", "cache lines found in L1 and L2 (a model)", models::caches),
+    maker("cache-misses", "cache lines not found in L1 and L2 (a model)", models::caches),
     maker("bandwidth", "achieved bandwidth per stage", bandwidth::bandwidth),
     maker("sort-throughput", "keys sorted a second, by number and bits", benches::sort),
     maker("trace-rate", "rays traced a second, by kernel, rays and order", benches::trace),

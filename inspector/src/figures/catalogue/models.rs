@@ -1,5 +1,7 @@
 //! Models of divergence and of caches, per method.
 
+use formats::key::method::UNSORTED;
+
 use super::building::{
     each, figure, methods, methods_in_rows, of, of_method, panel_title, queues, reason, recordings, settings,
     with_number, without,
@@ -24,7 +26,7 @@ pub fn lanes(findings: &Findings<'_>) -> Made {
     figure(
         "Lane utilisation per method, a model",
         format!(
-            "A model of control-flow divergence: work of all rays (nodes visited and triangles tested) over what it would be if each ray took as long as the slowest of its {LANES}. Means over bounces, weighted by rays; small dots are the bounces, or of more than {MOST_DETAILED} recordings these.{}",
+            "A model of control-flow divergence: work of all rays (nodes visited and triangles tested) over what it would be if each ray took as long as the slowest of its {LANES}. Means over bounces, weighted by rays; small dots are the bounces, or of more than {MOST_DETAILED} recordings these, with means of methods that all of them have.{}",
             without(recordings(findings), |recording| lacking::of_orders(recording, |order| &order.lanes))
         ),
         settings(with_number(findings, |order| &order.lanes)),
@@ -33,18 +35,18 @@ pub fn lanes(findings: &Findings<'_>) -> Made {
     )
 }
 
-/// Share of cache lines that were found.
+/// Share of cache lines that were not found.
 pub fn caches(findings: &Findings<'_>) -> Made {
-    let first: Share = |_, order| order.caches.known().map(|hits| (hits.l1, hits.accesses as f64));
-    let either: Share = |_, order| order.caches.known().map(|hits| (hits.either, hits.accesses as f64));
-    let panels = [(first, ", L1"), (either, ", L1 or L2")];
+    let first: Share = |_, order| order.caches.known().map(|hits| (1.0 - hits.l1, hits.accesses as f64));
+    let either: Share = |_, order| order.caches.known().map(|hits| (1.0 - hits.either, hits.accesses as f64));
+    let panels = [(first, ", not in L1"), (either, ", in neither L1 nor L2")];
     figure(
-        "Cache hit ratio per method, a model",
+        "Cache misses per method, a model",
         format!(
-            "A model: node and triangle addresses of sampled groups, replayed through two set-associative caches. Means over bounces, weighted by accesses; small dots are the bounces, or of more than {MOST_DETAILED} recordings these."
+            "A model: node and triangle addresses of sampled groups, replayed through two set-associative caches. Means over bounces, weighted by accesses; small dots are the bounces, or of more than {MOST_DETAILED} recordings these, with means of methods that all of them have."
         ),
         settings(with_number(findings, |order| &order.caches)),
-        panels.into_iter().flat_map(|(share, level)| panels_of(findings, share, level, "hit ratio (%)")),
+        panels.into_iter().flat_map(|(share, level)| panels_of(findings, share, level, "misses (%)")),
         reason(findings, |order| &order.caches, "no queue was measured"),
     )
 }
@@ -72,7 +74,7 @@ fn panels_of(findings: &Findings<'_>, share: Share, what: &str, axis: &str) -> V
     })
 }
 
-/// The mean of a method over recordings, after those, percent.
+/// The mean of a method over recordings, if all that were measured have it, after those, percent.
 fn mean_and_recordings(
     findings: &Findings<'_>,
     recordings: &[&RecordingAnalysis],
@@ -80,16 +82,17 @@ fn mean_and_recordings(
     method: &str,
     share: Share,
 ) -> Option<[Series; 2]> {
-    let of_recording = |recording: &&RecordingAnalysis| {
-        let [_, all] = mean_and_bounces(findings, recording, rays, method, share)?;
-        all.points.into_iter().next()
+    let of_recordings = |method: &str| -> Vec<Point> {
+        let of = |recording: &&RecordingAnalysis| mean_and_bounces(findings, recording, rays, method, share);
+        recordings.iter().filter_map(of).flat_map(|[_, all]| all.points).collect()
     };
-    let parts: Vec<Point> = recordings.iter().filter_map(of_recording).collect();
+    let (parts, all) = (of_recordings(method), of_recordings(UNSORTED).len());
     let y = parts.iter().map(|point| point.y).sum::<f64>() / parts.len() as f64;
     let of = Of { kind: rays.name().to_owned(), method: method.to_owned(), ..Of::detail("all recordings") };
     let mean = (!parts.is_empty()).then_some(Point { x: 0.0, y, spread: None, n: parts.len(), of })?;
+    let means = if parts.len() < all { Vec::new() } else { vec![mean] };
     let parts = Series { is_part: true, ..of_method(findings, method, parts) };
-    Some([parts, of_method(findings, method, vec![mean])])
+    Some([parts, of_method(findings, method, means)])
 }
 
 /// The mean of a method over bounces, after the bounces, percent.

@@ -46,7 +46,7 @@ impl Counted {
 const READING: &str = "Each marker is the whole frame: times of unsorted rays over those in the order, both summed over all bounces, round by round; the thick line is the 95 % interval of that ratio, by bootstrap over rounds. Small dots are the bounces by themselves";
 
 /// The same where there are several recordings.
-const OVER_SCENES: &str = "Of several recordings markers are geometric means, and small dots the recordings.";
+const OVER_SCENES: &str = "Of several recordings markers are geometric means, of methods that all of them have, and small dots the recordings.";
 
 /// Unsorted trace over sorted trace.
 pub fn trace(findings: &Findings<'_>) -> Made {
@@ -54,7 +54,7 @@ pub fn trace(findings: &Findings<'_>) -> Made {
         title: "Trace speedup per scene and method",
         axis: "trace speedup",
         reference: "unsorted",
-        what: "Trace time of unsorted rays over that of sorted rays, without the cost of sorting",
+        what: "Trace time of unsorted rays over that of sorted rays, gathered in their order, without the cost of sorting",
     };
     speedups(findings, Counted::Trace, &words)
 }
@@ -118,7 +118,7 @@ fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
     }
     let panels = panels.into_iter().map(|panel| panel.with_reference(words.reference, 1.0));
     let caption = format!(
-        "{}. {READING}. {OVER_SCENES} Secondary rays are closest rays of bounces ≥ 1. None is given for two-point-real, which must trace the rays before it can sort them, nor for auto where it left all of them alone.",
+        "{}. {READING}. {OVER_SCENES} Secondary rays are closest rays of bounces ≥ 1. The control is canonical order through the same stages: what its trace misses 1 by is the instrument's error, and net it has the cost of gather and scatter. None is given for two-point-real, which must trace the rays before it can sort them, nor, by recording, for auto where it left all of them alone.",
         words.what
     );
     let reason = reason(
@@ -163,13 +163,15 @@ fn totals(
         .collect()
 }
 
-/// Geometric means of the totals of several recordings, and those totals.
+/// Geometric means of the totals of several recordings, where all have one, and those totals: means over other
+/// recordings would not be comparable.
 fn means(
     findings: &Findings<'_>,
     recordings: &[&RecordingAnalysis],
     rays: RayClass,
     counted: Counted,
 ) -> Vec<Series> {
+    let all = recordings.iter().filter(|recording| recording.frame(rays, UNSORTED).is_some()).count();
     let mean_and_scenes = |method: &str| -> Option<[Series; 2]> {
         let totals = recordings
             .iter()
@@ -182,7 +184,8 @@ fn means(
         let parts = Series { is_part: true, ..of_method(findings, method, scenes.collect()) };
         let (kind, method) = (rays.name().to_owned(), method.to_owned());
         let point = number(mean.mean, None, mean.n, Of { kind, method, ..Of::detail("all scenes") });
-        Some([Series { points: vec![point], is_part: false, ..parts.clone() }, parts])
+        let points = if mean.n == all { vec![point] } else { Vec::new() };
+        Some([Series { points, is_part: false, ..parts.clone() }, parts])
     };
     let sorted = methods(findings).into_iter().filter(|method| *method != UNSORTED);
     sorted.filter_map(mean_and_scenes).flatten().collect()
