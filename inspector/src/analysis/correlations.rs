@@ -72,13 +72,9 @@ pub fn points(recording: &RecordingAnalysis) -> Vec<AreaAndTime<'_>> {
     points
 }
 
-/// The correlation of some orders, those of one kind or all.
-pub fn correlation(points: &[AreaAndTime<'_>], kind: Option<Kind>) -> Metric<Correlation> {
-    let pairs: Vec<(f64, f64)> = points
-        .iter()
-        .filter(|point| kind.is_none_or(|kind| point.queue.kind == kind))
-        .map(|point| (point.area, point.time))
-        .collect();
+/// The correlation of some orders.
+pub fn correlation<'a>(points: impl Iterator<Item = &'a AreaAndTime<'a>>) -> Metric<Correlation> {
+    let pairs: Vec<(f64, f64)> = points.map(|point| (point.area, point.time)).collect();
     Correlation::of(&pairs).ok_or(TOO_FEW).into()
 }
 
@@ -87,7 +83,8 @@ pub fn correlations(recordings: &[RecordingAnalysis]) -> Vec<CorrelationLine> {
     let mut lines = Vec::new();
     let mut add = |of: &str, points: &[AreaAndTime<'_>]| {
         for kind in [Some(Kind::Closest), Some(Kind::Shadow), None] {
-            lines.push(CorrelationLine { of: of.to_owned(), kind, correlation: correlation(points, kind) });
+            let own = points.iter().filter(|point| kind.is_none_or(|kind| point.queue.kind == kind));
+            lines.push(CorrelationLine { of: of.to_owned(), kind, correlation: correlation(own) });
         }
     };
     for recording in recordings {

@@ -20,12 +20,20 @@ pub fn against_time(findings: &Findings<'_>) -> Made {
         if !points.is_empty() {
             shown.push(recording);
         }
-        let coefficients = coefficients(&correlation(&points, None));
-        found.push(format!("{}: {coefficients}", recording.label));
-        panels.push(scatter(findings, recording, &points, panel_title(findings, recording, &coefficients)));
+        for kind in Kind::ALL {
+            let points: Vec<_> = points.iter().filter(|point| point.queue.kind == kind).collect();
+            if points.is_empty() {
+                continue;
+            }
+            let title = format!("{kind} rays: {}", coefficients(&correlation(points.iter().copied())));
+            let of_recording = format!("{}, {title}", recording.label);
+            let title = if recordings(findings).len() > 1 { of_recording.clone() } else { title };
+            found.push(of_recording);
+            panels.push(scatter(findings, recording, &points, title));
+        }
     }
     let caption = format!(
-        "Each marker is one order of one queue (bounce, kind, method): the mean area of the capsules around groups of {} rays, weighted by rays, against its trace time, both over those of the same queue unsorted. Left of 1: more coherent; below 1: faster. Correlation: {}.{}",
+        "Each marker is one order of one queue (bounce, kind, method): the mean area of the capsules around groups of {} rays, weighted by rays, against its trace time, both over those of the same queue unsorted. Camera rays are among the closest ones. Left of 1: more coherent; below 1: faster. Correlation, of the ratios themselves: {}.{}",
         findings.analysis.group_width,
         found.join("; "),
         without(recordings(findings), areas)
@@ -50,7 +58,7 @@ fn coefficients(correlation: &Metric<Correlation>) -> String {
 fn scatter(
     findings: &Findings<'_>,
     recording: &RecordingAnalysis,
-    points: &[AreaAndTime<'_>],
+    points: &[&AreaAndTime<'_>],
     title: String,
 ) -> Panel {
     let point = |at: &AreaAndTime<'_>| {
@@ -59,8 +67,7 @@ fn scatter(
         let n = at.trace.samples_ns.len();
         Some(Point { x: at.area, y: at.time, spread: None, n, of })
     };
-    let all: Vec<&AreaAndTime<'_>> = points.iter().collect();
-    let series = by_label(&all, |at| &at.order.base, |base| method_style(findings, base), point);
+    let series = by_label(points, |at| &at.order.base, |base| method_style(findings, base), point);
     Panel::new(
         title,
         Axis::logarithmic("capsule area (unsorted = 1)", 10),
