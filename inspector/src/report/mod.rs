@@ -91,6 +91,10 @@ pre { background: var(--soft); border: 1px solid var(--line); padding: .8rem; ov
   body { max-width: none; padding: 0; font-size: 10pt; }
   nav { display: none; }
   .paper { border: none; padding: 0; }
+  .paper svg { max-height: 22cm; }
+  .wide { overflow-x: visible; }
+  .wide table { font-size: 6.5pt; }
+  .wide th, .wide td { padding: .1rem .2rem; white-space: normal; overflow-wrap: anywhere; }
 }
 ";
 

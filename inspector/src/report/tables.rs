@@ -225,7 +225,7 @@ fn overhead(analysis: &Analysis, rays: RayClass) -> Option<Table> {
     ];
     table(
         format!("Overhead, {} rays, ms", rays.name()),
-        "The method that is best net, and two-point-adaptive, as in the talk: medians over rounds of sums over bounces, in parentheses the share of what sorting costs. Where rays are traced through indices, nothing is gathered or scattered, and the sorted trace has it in itself; the trace speedup is that of gathered rays, as in the other tables. `auto` traces each queue one way: its sorted trace is the sum, with queues that it left alone.",
+        "The method that is best net, and two-point-adaptive, which the paper proposes: medians over rounds of sums over bounces, in parentheses the share of what sorting costs. Where rays are traced through indices, nothing is gathered or scattered, and the sorted trace has it in itself; the trace speedup is that of gathered rays, as in the other tables. `auto` traces each queue one way: its sorted trace is the sum, with queues that it left alone.",
         header("recording", columns),
         rows,
     )
