@@ -21,8 +21,9 @@ pub struct BreakEven {
     pub saved_ns: f64,
     /// 95 % interval of it; `null` with fewer than six rounds.
     pub interval: Option<(f64, f64)>,
-    /// All that its total counts besides that trace.
-    pub cost_ns: f64,
+    /// All that its total counts besides that trace; `null` of an order of another tracer, whose key and sort were not
+    /// timed.
+    pub cost_ns: Option<f64>,
     /// The trace of unsorted rays.
     pub unsorted_ns: f64,
     /// Samples of the method.
@@ -33,7 +34,7 @@ impl BreakEven {
     /// Of a method, if it and the trace of unsorted rays were timed; none of `auto` where it sorted nothing.
     pub fn of(recording: &RecordingAnalysis, rays: RayClass, method: &str) -> Option<Self> {
         let frame = recording.frame(rays, method).filter(|frame| !frame.left_alone)?;
-        let net = frame.net_speedup.known()?.ratio;
+        frame.trace_speedup.known()?;
         let queues = recording.measured().filter(|queue| RayClass::of(queue) == Some(rays));
         let measured: Vec<(&QueueAnalysis, &OrderAnalysis)> =
             queues.filter_map(|queue| Some((queue, queue.order(method)?))).collect();
@@ -46,11 +47,11 @@ impl BreakEven {
         let found = Self {
             saved_ns: saved(ratio),
             interval: interval.map(|(low, high)| (saved(low), saved(high))),
-            cost_ns: unsorted_ns * (1.0 / net - 1.0 / ratio),
+            cost_ns: frame.net_speedup.known().map(|net| unsorted_ns * (1.0 / net.ratio - 1.0 / ratio)),
             unsorted_ns,
             n,
         };
-        (found.saved_ns + found.cost_ns).is_finite().then_some(found)
+        (found.saved_ns + found.cost_ns.unwrap_or(0.0)).is_finite().then_some(found)
     }
 }
 

@@ -226,7 +226,7 @@ fn a_stack_agrees_with_other_figures() {
             let net = recording.frame(rays, method).unwrap().net_speedup.known().unwrap().ratio;
             assert!((sum(None) * net - 1.0).abs() < 1e-9, "{method}: {}", sum(None));
             let even = BreakEven::of(recording, rays, method).unwrap();
-            if even.cost_ns > 0.0 {
+            if even.cost_ns.unwrap() > 0.0 {
                 let traced = 1.0 - even.saved_ns / even.unsorted_ns;
                 assert!((sum(Some(true)) - traced).abs() < 1e-9, "{method}: {}", sum(Some(true)));
             }
@@ -385,6 +385,29 @@ fn nothing_is_the_best_of_a_row() {
     );
     assert!(alone.iter().any(|cell| cell.text == "left alone"), "{alone:?}");
     assert!(alone.iter().all(|cell| !cell.is_best), "{alone:?}");
+}
+
+/// Of an order of another tracer it is known what it saves alone: that is what its key and sort may take.
+#[test]
+fn what_saves_is_shown_where_nobody_knows_what_it_takes() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut analysis = analysis(folder.path(), Depth::Manifest);
+    for frame in analysis.recordings[0].frames.iter_mut().filter(|frame| frame.method == "aila") {
+        frame.net_speedup = Metric::missing("not timed");
+    }
+    let findings = Findings { analysis: &analysis, benches: &[] };
+    let [even, overhead] = ["break-even", "overhead"].map(|name| figure(&findings, name).unwrap());
+    let row = |panel: &Panel| match &panel.x.scale {
+        Scale::Categories(methods) => methods.iter().position(|method| method == "aila"),
+        _ => None,
+    };
+    for panel in &even.panels {
+        let place = row(panel).unwrap() as f64;
+        let count = |series: &Series| series.points.iter().filter(|point| point.x == place).count();
+        let counts = series(panel).iter().map(|one| (one.label.as_str(), count(one)));
+        assert_eq!(counts.collect::<Vec<_>>(), [("sorting takes", 0), ("sorting saves", 1)]);
+    }
+    assert!(overhead.panels.iter().all(|panel| row(panel).is_none()));
 }
 
 /// Times by hand: the figure agrees with the net speedups, in nanoseconds a ray, by the trace that counts.

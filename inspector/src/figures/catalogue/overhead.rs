@@ -57,6 +57,7 @@ fn shares<'a>(
     method: &str,
 ) -> Option<Vec<(&'a FrameStage, f64)>> {
     let BreakEven { saved_ns, cost_ns, unsorted_ns, .. } = BreakEven::of(recording, rays, method)?;
+    let cost_ns = cost_ns?;
     let stages = &recording.frame(rays, method)?.stages;
     let is_trace = |stage: &FrameStage| matches!(stage.stage, Stage::Trace | Stage::TraceIndirect);
     let sum = |of_trace: bool| -> f64 {
