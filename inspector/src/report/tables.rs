@@ -64,21 +64,24 @@ fn row_of(name: &str, cells: impl IntoIterator<Item = (Cell, Option<f64>)>) -> V
     std::iter::once(Cell::plain(name)).chain(marked).collect()
 }
 
-fn both(trace: f64, net: f64) -> Cell {
-    Cell::plain(format!("{trace:.2} / {net:.2}"))
+/// The net speedup of an order of another tracer is not known.
+fn both(trace: f64, net: Option<f64>) -> Cell {
+    Cell::plain(format!("{trace:.2} / {}", net.map_or("–".to_owned(), |net| format!("{net:.2}"))))
 }
 
 /// A cell of a recording's row, with its net speedup if it is shown to pay: only such ones are called the best.
 fn speedup_cell(frame: Option<&FrameAnalysis>) -> (Cell, Option<f64>) {
     match frame {
         Some(frame) if frame.left_alone => (Cell::plain("left alone"), None),
-        frame => match frame.and_then(|frame| Some((frame, of_frame(frame)?))) {
-            None => (Cell::plain("–"), None),
-            Some((frame, (trace, net))) => {
-                let line = frame.net_speedup.known().filter(|line| line.verdict == Verdict::Faster);
-                (both(trace, net), line.map(|line| line.ratio))
+        frame => {
+            match frame.and_then(|frame| Some((frame.trace_speedup.known()?, frame.net_speedup.known()))) {
+                None => (Cell::plain("–"), None),
+                Some((trace, net)) => {
+                    let pays = net.filter(|line| line.verdict == Verdict::Faster);
+                    (both(trace.ratio, net.map(|line| line.ratio)), pays.map(|line| line.ratio))
+                }
             }
-        },
+        }
     }
 }
 
@@ -141,16 +144,17 @@ fn study_table(title: &str, groups: &[&StudyGroup], rays: RayClass) -> Option<Ta
 fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
     let mut methods = methods(analysis, rays);
     // None is given for a method that must trace the rays before it can sort them.
-    methods.retain(|method| {
-        analysis.recordings.iter().any(|recording| recording.frame(rays, method).and_then(of_frame).is_some())
-    });
+    let is_timed =
+        |frame: Option<&FrameAnalysis>| frame.is_some_and(|one| one.trace_speedup.known().is_some());
+    methods
+        .retain(|method| analysis.recordings.iter().any(|recording| is_timed(recording.frame(rays, method))));
     let mut rows = Vec::new();
     for configuration in distinct(analysis.recordings.iter().map(|recording| &recording.configuration)) {
         let same = analysis.recordings.iter().filter(|recording| recording.configuration == *configuration);
         let mut count = 0;
         for recording in same {
             let frames: Vec<_> = methods.iter().map(|method| recording.frame(rays, method)).collect();
-            if frames.iter().all(|frame| frame.and_then(of_frame).is_none()) {
+            if !frames.iter().any(|frame| is_timed(*frame)) {
                 continue;
             }
             let mut row = row_of(&recording.label, frames.into_iter().map(speedup_cell));
@@ -167,19 +171,15 @@ fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
                 };
                 let summary = analysis.summaries.iter().find(is_own);
                 let known =
-                    summary.and_then(|one| Some((one.trace_speedup.known()?, one.net_speedup.known()?)));
-                match known {
-                    None => (Cell::plain("–"), None),
-                    // A mean over other recordings is not to be compared.
-                    Some((trace, net)) if net.n < count => {
-                        let Cell { text, .. } = both(trace.mean, net.mean);
-                        (Cell::plain(format!("{text} ({} of {count})", net.n)), None)
-                    }
-                    Some((trace, net)) => {
-                        let pays = net.faster == net.n;
-                        (both(trace.mean, net.mean), pays.then_some(net.mean))
-                    }
+                    summary.and_then(|one| Some((one.trace_speedup.known()?, one.net_speedup.known())));
+                let Some((trace, net)) = known else { return (Cell::plain("–"), None) };
+                let cell = both(trace.mean, net.map(|net| net.mean));
+                // A mean over other recordings is not to be compared.
+                if trace.n < count {
+                    return (Cell::plain(format!("{} ({} of {count})", cell.text, trace.n)), None);
                 }
+                let pays = net.filter(|net| net.faster == net.n);
+                (cell, pays.map(|net| net.mean))
             };
             let mut row = row_of(&format!("mean: {configuration}"), methods.iter().map(mean));
             row.push(Cell::default());
@@ -188,7 +188,7 @@ fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
     }
     table(
         format!("Trace / net speedup, {} rays", rays.name()),
-        "Unsorted trace over sorted trace, and over all that the method costs: the whole frame, times of all bounces summed round by round. Marked is the best of those that are shown to pay. Means are geometric, over recordings, those that `auto` left alone with what they measured, and marked where each one pays. The control is canonical order measured like a method: what it misses 1 by is the instrument's error.",
+        "Unsorted trace over sorted trace, and over all that the method costs (– where another tracer's key and sort were not timed): the whole frame, times of all bounces summed round by round. Marked is the best of those that are shown to pay. Means are geometric, over recordings, those that `auto` left alone with what they measured, and marked where each one pays. The control is canonical order measured like a method: what it misses 1 by is the instrument's error.",
         header("recording", methods.iter().copied().chain([CONTROL])),
         rows,
     )

@@ -120,7 +120,7 @@ fn means_are_of_what_all_recordings_have() {
         assert_eq!(["aila", "two-point"].map(|method| count(method, true)), [2, 3], "{name}");
     }
     for summary in &mut analysis.summaries {
-        if let Metric::Known(mean) = &mut summary.net_speedup {
+        if let Metric::Known(mean) = &mut summary.trace_speedup {
             mean.n = if summary.method == "aila" { 2 } else { 3 };
         }
     }
