@@ -156,13 +156,13 @@ fn a_bit_is_worth_what_keys_that_end_there_are() {
                 found => break found.unwrap(),
             };
         };
-        for key_bits in 8..=24 {
+        assert_eq!(found.bits.len(), filled, "{text}: bits of the layout alone");
+        for key_bits in 8..=filled as u32 {
             context.what_if = Some(Settings { key_bits, ..settings.clone() });
             let bit = &found.bits[key_bits as usize - 1];
             assert_eq!(bit.mean_capsule_area, area(&mut context), "{text}, {key_bits} bits");
         }
-        assert!(found.bits[23].mean_capsule_area < found.unsorted_area, "{text}");
-        assert!(found.bits[filled..].iter().all(|bit| found.is_idle(bit)), "{text}");
+        assert!(found.bits[filled - 1].mean_capsule_area < found.unsorted_area, "{text}");
     }
 }
 

@@ -1,5 +1,7 @@
 //! What each bit of an order's keys is worth: how coherent the order is that keys have which end there.
 
+use std::ops::Range;
+
 use formats::metrics::order::{Keys, Places};
 use formats::traced::Traced;
 
@@ -29,12 +31,12 @@ pub struct KeyBit {
 }
 
 impl KeyBits {
-    /// Of the keys of a queue's rays, in groups of `width` rays; `lengths` are the traced lengths of all rays in
-    /// canonical order. `None` for no rays, and where an area is not finite.
+    /// Of these bits, counted from the lowest, of the keys of a queue's rays, in groups of `width` rays; `lengths` are
+    /// the traced lengths of all rays in canonical order. `None` for no rays, and where an area is not finite.
     pub fn of(
         traced: &Traced,
         lengths: &[f32],
-        (keys, key_bits): (&Keys, u32),
+        (keys, bits): (&Keys, Range<u32>),
         width: usize,
     ) -> Option<Self> {
         let rays = keys.len();
@@ -46,17 +48,17 @@ impl KeyBits {
         let unsorted_area = mean_area(&order)?;
         let mut runs = vec![rays];
         let mut mean_capsule_area = unsorted_area;
-        let mut bits = Vec::with_capacity(key_bits as usize);
-        for below in (0..key_bits).rev() {
+        let mut found = Vec::with_capacity(bits.len());
+        for below in bits.rev() {
             let is_set = |ray: u32| keys.at(ray as usize) >> below & 1 == 1;
             let ones = (0..rays as u32).filter(|&ray| is_set(ray)).count();
             if (1..rays).contains(&ones) {
                 (order, runs) = split(&order, &runs, is_set);
                 mean_capsule_area = mean_area(&order)?;
             }
-            bits.push(KeyBit { ones, mean_capsule_area });
+            found.push(KeyBit { ones, mean_capsule_area });
         }
-        Some(Self { rays, unsorted_area, bits })
+        Some(Self { rays, unsorted_area, bits: found })
     }
 
     /// Whether all keys have the same value of a bit.

@@ -150,10 +150,14 @@ const RATIO_STEPS: [&[f64]; 5] = [
 ];
 
 /// Marks of an axis of ratios for each label that there is room for.
-const MARKS_PER_LABEL: usize = 4;
+const MARKS_PER_LABEL: usize = 6;
 
-/// An axis around all ratios and 1, with marks at plain ones: those above 1, and below 1 the same of a half, a
-/// quarter and so on. As many are labelled as there is room for, and those between them marked.
+/// Steps of an axis of ratios between a half and twice, from the finest.
+const EVEN_STEPS: [f64; 5] = [0.05, 0.1, 0.2, 0.25, 0.5];
+
+/// An axis around all ratios and 1, with marks at plain ones: evenly between a half and twice, else those above 1, and
+/// below 1 the same of a half, a quarter and so on. As many are labelled as there is room for, and those between them
+/// marked.
 fn ratios(low: f64, high: f64, room: usize) -> Mapping {
     // So that some marks beside 1 are seen, too.
     let (low, high) = (low.min(0.94), high.max(1.06));
@@ -166,7 +170,15 @@ fn ratios(low: f64, high: f64, room: usize) -> Mapping {
         let shown = values.filter(|value| (range.0..=range.1).contains(value));
         shown.map(|value| Tick { value, label: ratio_label(value) }).collect()
     };
-    let fine = RATIO_STEPS.iter().map(|steps| of_steps(steps, 1));
+    let even = |step: f64| -> Vec<Tick> {
+        let reach = (1.0 / step).round() as i32;
+        let values = (-reach..=reach).map(|at| ((1.0 + f64::from(at) * step) * 1e6).round() / 1e6);
+        let shown = values.filter(|value| (range.0..=range.1).contains(value));
+        shown.map(|value| Tick { value, label: ratio_label(value) }).collect()
+    };
+    let is_near = range.0 >= 0.5 && range.1 <= 2.0;
+    let near = EVEN_STEPS.into_iter().filter(|_| is_near).map(even);
+    let fine = near.chain(RATIO_STEPS.iter().map(|steps| of_steps(steps, 1)));
     let coarse = (1..=10).map(|power| of_steps(&RATIO_STEPS[4], 1 << power));
     let labelled = fine.clone().chain(coarse).find(|ticks| ticks.len() <= room).unwrap_or_default();
     let is_between = |marks: &Vec<Tick>| {
@@ -445,7 +457,7 @@ mod tests {
             labels(&mapping).join(" ")
         };
         assert_eq!(shown(&[1.0], 6), "0.95× 1× 1.05×");
-        assert_eq!(shown(&[0.9, 1.32], 6), "0.9× 0.95× 1× 1.1× 1.2× 1.3×");
+        assert_eq!(shown(&[0.9, 1.32], 6), "0.9× 1× 1.1× 1.2× 1.3×");
         let few = Mapping::new(&Scale::Ratio, [0.45, 1.7], 3);
         assert_eq!(labels(&few), ["½×", "1×"]);
         let marks: Vec<f64> = few.ticks.iter().map(|tick| tick.value).collect();

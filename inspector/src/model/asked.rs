@@ -142,7 +142,9 @@ impl Context {
         let find = move || {
             let (keys, layout) = order.keys.as_ref().map_err(String::clone)?;
             let Queue { traced, lengths, .. } = &*order.queue;
-            let found = KeyBits::of(traced, lengths, (keys, layout.key_bits), width.rays());
+            let used = layout.key_bits.min(layout.layout.bits().len() as u32);
+            let bits = layout.key_bits - used..layout.key_bits;
+            let found = KeyBits::of(traced, lengths, (keys, bits), width.rays());
             found.map(Arc::new).ok_or_else(|| "there are no rays, or some are not finite".to_owned())
         };
         opened(self.derived.what_if_bits.of(wanted, &self.derived.waker, find))

@@ -65,7 +65,9 @@ impl Panel for PixelsPanel {
             });
         }
         let rays = counted(order.len() as u64, "ray", "rays");
-        ui.weak(format!("{}, {rays} by {}", self.colouring.name(), order.method));
+        let is_row = context.recording().is_some_and(|open| open.dump.manifest().header.options.height == 1);
+        let folded = if is_row { ", folded into a square: they came without a picture" } else { "" };
+        ui.weak(format!("{}, {rays} by {}{folded}", self.colouring.name(), order.method));
         let filtered = context.filtered(&order);
         let Some(plane) = context.recording().map(Recording::image_plane) else { return };
         let Some(numbers) = context.numbers(order.clone()) else { return };

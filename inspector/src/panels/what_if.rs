@@ -205,6 +205,5 @@ fn bits(ui: &mut egui::Ui, context: &mut Context, layout: &Layout, key_bits: u32
 
 /// Where each bit comes from, in words.
 fn names(layout: &Layout, bits: usize) -> Vec<String> {
-    let name = |at| layout.bits().get(at).map_or("always 0".to_owned(), Bit::to_string);
-    (0..bits).map(name).collect()
+    layout.bits().iter().take(bits).map(Bit::to_string).collect()
 }

@@ -46,7 +46,7 @@ impl Counted {
 const READING: &str = "Each marker is the whole frame: times of unsorted rays over those in the order, both summed over all bounces, round by round; the thick line is the 95 % interval of that ratio, by bootstrap over rounds. Small dots are the bounces by themselves";
 
 /// The same where there are several recordings.
-const OVER_SCENES: &str = "Of several recordings markers are geometric means, of methods that all of them have, and small dots the recordings.";
+const OVER_SCENES: &str = "Of several recordings markers are geometric means, of methods that all of them have, and small dots the recordings: times of unsorted rays over those in the order, both summed over all bounces.";
 
 /// Unsorted trace over sorted trace.
 pub fn trace(findings: &Findings<'_>) -> Made {
@@ -83,7 +83,7 @@ struct Words {
 fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
     let recordings = recordings(findings);
     let configurations = distinct(recordings.iter().map(|recording| recording.configuration.as_str()));
-    let mut panels = Vec::new();
+    let (mut panels, mut has_frames) = (Vec::new(), false);
     for configuration in &configurations {
         let same = recordings.iter().filter(|recording| recording.configuration == *configuration);
         let same: Vec<&RecordingAnalysis> = same.copied().collect();
@@ -110,6 +110,7 @@ fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
         }
         let are_too_many = same.len() > 1 && recordings.len() > MOST_DETAILED;
         let detailed = if are_too_many { &[] } else { same.as_slice() };
+        has_frames |= !detailed.is_empty();
         for recording in detailed {
             let of = if same.len() > 1 { format!("{}: ", recording.label) } else { String::new() };
             let totals = RayClass::ALL.map(|rays| totals(findings, recording, rays, counted));
@@ -117,8 +118,9 @@ fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
         }
     }
     let panels = panels.into_iter().map(|panel| panel.with_reference(words.reference, 1.0));
+    let reading = if has_frames { format!("{READING}. {OVER_SCENES}") } else { OVER_SCENES.to_owned() };
     let caption = format!(
-        "{}. {READING}. {OVER_SCENES} Secondary rays are closest rays of bounces ≥ 1. The control is canonical order through the same stages: what its trace misses 1 by is the instrument's error, and net it has the cost of gather and scatter. None is given for two-point-real, which must trace the rays before it can sort them, nor, by recording, for auto where it left all of them alone.",
+        "{}. {reading} Secondary rays are closest rays of bounces ≥ 1. The control is canonical order through the same stages: what its trace misses 1 by is the instrument's error, and net it has the cost of gather and scatter. None is given for two-point-real, which must trace the rays before it can sort them, nor, by recording, for auto where it left all of them alone.",
         words.what
     );
     let reason = reason(

@@ -59,12 +59,14 @@ pub fn errors(findings: &Findings<'_>) -> Made {
             if Some(pass) != last {
                 // Earlier passes take the styles after those of all methods. The constant learns nothing,
                 // so that its last pass stands for all.
-                return vec![line(format!("table, pass {pass}"), 20 + pass as usize, |of| &of.table)];
+                return vec![line(format!("two-point-adaptive, pass {pass}"), 20 + pass as usize, |of| {
+                    &of.table
+                })];
             }
             let style = |method| method_style(findings, method);
             vec![
-                line("table".to_owned(), style("two-point-adaptive"), |of| &of.table),
-                line("constant".to_owned(), style("two-point"), |of| &of.constant),
+                line("two-point-adaptive".to_owned(), style("two-point-adaptive"), |of| &of.table),
+                line("two-point".to_owned(), style("two-point"), |of| &of.constant),
             ]
         })
     });

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use formats::manifest::{Check, IMPORTED_HITS};
+use formats::manifest::{Check, IMPORTED_HITS, QueueId};
 use formats::ray::{Hit, Ray};
 use rayon::prelude::*;
 use scenes::Scene;
@@ -24,20 +24,24 @@ struct Tally {
     off: usize,
     /// Most that a distance is off, in units in the last place of the largest coordinate.
     most_ulps: f64,
+    /// The first queue with a wrong one, and which ray that is.
+    first_wrong: Option<(QueueId, usize)>,
 }
 
 impl Tally {
-    fn of(judgement: Judgement) -> Self {
+    fn of(queue: QueueId, ray: usize, judgement: Judgement) -> Self {
         let is = |verdict| usize::from(judgement.verdict == verdict);
         let off = judgement.t.filter(|t| t.ulps > t.tolerance_ulps);
-        Self {
+        let tally = Self {
             judged: 1,
             wrong_triangle: is(Verdict::WrongTriangle),
             missed: is(Verdict::Missed),
             false_hit: is(Verdict::FalseHit),
             off: usize::from(off.is_some()),
             most_ulps: judgement.t.map_or(0.0, |t| t.ulps),
-        }
+            first_wrong: None,
+        };
+        Self { first_wrong: (tally.wrong() > 0).then_some((queue, ray)), ..tally }
     }
 
     fn plus(self, other: Self) -> Self {
@@ -48,6 +52,7 @@ impl Tally {
             false_hit: self.false_hit + other.false_hit,
             off: self.off + other.off,
             most_ulps: self.most_ulps.max(other.most_ulps),
+            first_wrong: [self.first_wrong, other.first_wrong].into_iter().flatten().min(),
         }
     }
 
@@ -69,6 +74,9 @@ impl fmt::Display for Tally {
                 write!(f, ", {count} {what}")?;
             }
         }
+        if let Some((QueueId { bounce, kind, .. }, ray)) = self.first_wrong {
+            write!(f, "; the first is ray {ray} of bounce {bounce}, {kind}")?;
+        }
         write!(f, "; distances are off by up to {:.1} ulps of the largest coordinate", self.most_ulps)
     }
 }
@@ -88,10 +96,11 @@ pub(super) fn judge(scene: &Scene, queues: &[Queue]) -> Option<Check> {
         let (count, judged) = (queue.rays.len(), queue.rays.len().min(JUDGED_MAX));
         let judgements = (0..judged).into_par_iter().map(|number| {
             let at = (number as u64 * count as u64 / judged as u64) as usize;
-            Tally::of(match results {
+            let judgement = match results {
                 Results::Hits(hits) => judge_hit(&oracle, &queue.rays[at], &hits[at], triangles),
                 Results::Distances(distances) => judge_distance(&oracle, &queue.rays[at], distances[at]),
-            })
+            };
+            Tally::of(queue.id, at, judgement)
         });
         tally = tally.plus(judgements.reduce(Tally::default, Tally::plus));
         rays += count;
