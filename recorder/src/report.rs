@@ -32,8 +32,8 @@ const ABOUT_DETAILS: &str = "\nMedians in ms; speedups against unsorted in the s
 const INDENT: usize = 9;
 /// Spread of a median's rounds, in percent of it, from which on a word is said.
 const WIDE_SPREAD: f64 = 10.0;
-/// One of so many is much.
-const MUCH: usize = 4;
+/// Without details, more than one in so many are reported.
+const NOTED_SHARE: usize = 4;
 
 /// What was recorded and what sorting was worth, in a screen; with `details` the stages of every queue, too.
 ///
@@ -145,7 +145,7 @@ fn disturbances(recorded: &Recorded, details: bool) -> impl Iterator<Item = Stri
     let traces = || entries().map(|entry| entry.stages.of(Stage::Trace));
     let spread = |samples: &&[u64]| rate(1, samples).is_some_and(|(_, spread)| spread > WIDE_SPREAD);
     let (wide, all) = (traces().filter(spread).count(), traces().count());
-    let is_said = |few: usize, all: usize| few > 0 && (details || few * MUCH > all);
+    let is_said = |few: usize, all: usize| few > 0 && (details || few * NOTED_SHARE > all);
     let disturbed = is_said(disturbed, samples).then(|| {
         format!(
             "{disturbed} of {samples} samples were taken while the machine did other work; they count, and are \

@@ -66,9 +66,12 @@ fn what_paths_carry_is_kept_when_it_is_asked_for() {
     let reason = dump.array::<[f32; 3]>(&place).unwrap_err().to_string();
     assert!(reason.contains("recorded without throughput: `--keep throughput`"), "{reason}");
     let rays = place.to_string().replace("throughput", "rays");
-    let line =
-        format!("import --scene builtin:cornell --rays plain.raydump/{rays} --out a --keep throughput");
-    Program::Recorder.run(folder.path(), &line).failed_with(2, &["--keep throughput", "another tracer"]);
+    for what in ["throughput", "image"] {
+        let line =
+            format!("import --scene builtin:cornell --rays plain.raydump/{rays} --out a --keep {what}");
+        let asked = format!("--keep {what}");
+        Program::Recorder.run(folder.path(), &line).failed_with(2, &[&asked, "another tracer"]);
+    }
 }
 
 /// The front triangle's texture has one colour, and holes of it; the other one is white.

@@ -21,9 +21,9 @@ pub struct BreakEven {
     pub saved_ns: f64,
     /// 95 % interval of it; `null` with fewer than six rounds.
     pub interval: Option<(f64, f64)>,
-    /// All that its total counts besides that trace; `null` of an order of another tracer, whose key and sort were not
-    /// timed.
-    pub cost_ns: Option<f64>,
+    /// All that its total counts besides that trace: of an order of another tracer neither its key nor its sort, which
+    /// were not timed.
+    pub cost_ns: f64,
     /// The trace of unsorted rays.
     pub unsorted_ns: f64,
     /// Samples of the method.
@@ -41,17 +41,24 @@ impl BreakEven {
         let unsorted = summed(measured.iter().filter_map(|(queue, _)| traced(queue.order(UNSORTED)?)));
         let sorted = summed(measured.iter().filter_map(|(_, order)| counted_trace(order)));
         let SpeedupLine { ratio, interval, n, .. } = SpeedupLine::of(&unsorted, &sorted)?;
+        let net = match frame.net_speedup.known() {
+            Some(net) => net.ratio,
+            None => {
+                let totals = measured.iter().filter_map(|(_, order)| order.total.as_ref());
+                SpeedupLine::of(&unsorted, &summed(totals))?.ratio
+            }
+        };
         let count: f64 = measured.iter().map(|(queue, _)| queue.rays as f64).sum();
         let unsorted_ns = median(&unsorted)? / count;
         let saved = |speedup: f64| unsorted_ns * (1.0 - 1.0 / speedup);
         let found = Self {
             saved_ns: saved(ratio),
             interval: interval.map(|(low, high)| (saved(low), saved(high))),
-            cost_ns: frame.net_speedup.known().map(|net| unsorted_ns * (1.0 / net.ratio - 1.0 / ratio)),
+            cost_ns: unsorted_ns * (1.0 / net - 1.0 / ratio),
             unsorted_ns,
             n,
         };
-        (found.saved_ns + found.cost_ns.unwrap_or(0.0)).is_finite().then_some(found)
+        (found.saved_ns + found.cost_ns).is_finite().then_some(found)
     }
 }
 

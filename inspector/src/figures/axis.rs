@@ -164,17 +164,17 @@ fn ratios(low: f64, high: f64, room: usize) -> Mapping {
     let padding = (high / low).powf(PADDING);
     let range = (low / padding, high * padding);
     let (first, last) = (range.0.log2().floor() as i32, range.1.log2().floor() as i32);
-    let of_steps = |steps: &&[f64], stride: i32| -> Vec<Tick> {
-        let octaves = (first..=last).filter(|octave| octave.rem_euclid(stride) == 0);
-        let values = octaves.flat_map(|octave| steps.iter().map(move |step| step * 2f64.powi(octave)));
-        let shown = values.filter(|value| (range.0..=range.1).contains(value));
-        shown.map(|value| Tick { value, label: ratio_label(value) }).collect()
+    let shown = |values: &mut dyn Iterator<Item = f64>| -> Vec<Tick> {
+        let values = values.filter(|value| (range.0..=range.1).contains(value));
+        values.map(|value| Tick { value, label: ratio_label(value) }).collect()
     };
-    let even = |step: f64| -> Vec<Tick> {
+    let of_steps = |steps: &&[f64], stride: i32| {
+        let octaves = (first..=last).filter(|octave| octave.rem_euclid(stride) == 0);
+        shown(&mut octaves.flat_map(|octave| steps.iter().map(move |step| step * 2f64.powi(octave))))
+    };
+    let even = |step: f64| {
         let reach = (1.0 / step).round() as i32;
-        let values = (-reach..=reach).map(|at| ((1.0 + f64::from(at) * step) * 1e6).round() / 1e6);
-        let shown = values.filter(|value| (range.0..=range.1).contains(value));
-        shown.map(|value| Tick { value, label: ratio_label(value) }).collect()
+        shown(&mut (-reach..=reach).map(|at| ((1.0 + f64::from(at) * step) * 1e6).round() / 1e6))
     };
     let is_near = range.0 >= 0.5 && range.1 <= 2.0;
     let near = EVEN_STEPS.into_iter().filter(|_| is_near).map(even);
@@ -235,18 +235,18 @@ fn linear(low: f64, high: f64, from_zero: bool, room: usize, least_step: f64) ->
         step *= 2.0;
     }
     let (first, last) = ((low / step + 1e-9).floor(), (high / step - 1e-9).ceil());
-    let whole = Mapping {
+    let rounded = Mapping {
         range: (first * step, last * step),
         ticks: steps(first, last, step),
         is_logarithmic: false,
     };
     if !from_zero {
-        return whole;
+        return rounded;
     }
     // Beyond the outermost numbers there is nothing to see.
     let padding = PADDING * (high - low);
-    let range = (whole.range.0.max(low - padding), whole.range.1.min(high + padding));
-    whole.inside(range)
+    let range = (rounded.range.0.max(low - padding), rounded.range.1.min(high + padding));
+    rounded.inside(range)
 }
 
 /// An axis of whole numbers that ends beside the last one; none if fewer than two would be labelled.

@@ -66,7 +66,7 @@ impl Panel for PixelsPanel {
         }
         let rays = counted(order.len() as u64, "ray", "rays");
         let is_row = context.recording().is_some_and(|open| open.dump.manifest().header.options.height == 1);
-        let folded = if is_row { ", folded into a square: they came without a picture" } else { "" };
+        let folded = if is_row { ", one row of a picture folded into a square" } else { "" };
         ui.weak(format!("{}, {rays} by {}{folded}", self.colouring.name(), order.method));
         let filtered = context.filtered(&order);
         let Some(plane) = context.recording().map(Recording::image_plane) else { return };

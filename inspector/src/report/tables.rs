@@ -71,18 +71,15 @@ fn both(trace: f64, net: Option<f64>) -> Cell {
 
 /// A cell of a recording's row, with its net speedup if it is shown to pay: only such ones are called the best.
 fn speedup_cell(frame: Option<&FrameAnalysis>) -> (Cell, Option<f64>) {
-    match frame {
-        Some(frame) if frame.left_alone => (Cell::plain("left alone"), None),
-        frame => {
-            match frame.and_then(|frame| Some((frame.trace_speedup.known()?, frame.net_speedup.known()))) {
-                None => (Cell::plain("–"), None),
-                Some((trace, net)) => {
-                    let pays = net.filter(|line| line.verdict == Verdict::Faster);
-                    (both(trace.ratio, net.map(|line| line.ratio)), pays.map(|line| line.ratio))
-                }
-            }
-        }
+    if frame.is_some_and(|frame| frame.left_alone) {
+        return (Cell::plain("left alone"), None);
     }
+    let Some((frame, trace)) = frame.and_then(|frame| Some((frame, frame.trace_speedup.known()?))) else {
+        return (Cell::plain("–"), None);
+    };
+    let net = frame.net_speedup.known();
+    let pays = net.filter(|line| line.verdict == Verdict::Faster);
+    (both(trace.ratio, net.map(|line| line.ratio)), pays.map(|line| line.ratio))
 }
 
 /// Means over a study: a row a method, a column a machine and kind of recording.
@@ -173,6 +170,7 @@ fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
                 let known =
                     summary.and_then(|one| Some((one.trace_speedup.known()?, one.net_speedup.known())));
                 let Some((trace, net)) = known else { return (Cell::plain("–"), None) };
+                let net = net.filter(|net| net.n == trace.n);
                 let cell = both(trace.mean, net.map(|net| net.mean));
                 // A mean over other recordings is not to be compared.
                 if trace.n < count {
@@ -188,7 +186,7 @@ fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
     }
     table(
         format!("Trace / net speedup, {} rays", rays.name()),
-        "Unsorted trace over sorted trace, and over all that the method costs (– where another tracer's key and sort were not timed): the whole frame, times of all bounces summed round by round. Marked is the best of those that are shown to pay. Means are geometric, over recordings, those that `auto` left alone with what they measured, and marked where each one pays. The control is canonical order measured like a method: what it misses 1 by is the instrument's error.",
+        "Unsorted trace over sorted trace, and over all that the method costs (– where another tracer's key and sort were not timed): the whole frame, times of all bounces summed round by round. Marked is the best of those that are shown to pay. Means are geometric, over recordings (of as many as is said where others have no such order), those that `auto` left alone with what they measured, and marked where each one pays. The control is canonical order measured like a method: what it misses 1 by is the instrument's error.",
         header("recording", methods.iter().copied().chain([CONTROL])),
         rows,
     )

@@ -95,9 +95,10 @@ impl ImportArguments {
     fn options(&self) -> Result<ImportOptions, OptionError> {
         in_range("bounce", self.bounce, 0, BOUNCES_MAX - 1)?;
         let keep = Keep::parse(&self.keep)?;
-        let lacks = [(keep.throughput, "throughput: rays"), (keep.image, "image: rays")];
-        if let Some((_, what)) = lacks.into_iter().find(|(is_asked, _)| *is_asked) {
-            let message = format!("--keep {what} of another tracer come without what their paths carry");
+        let lacking = [(keep.throughput, "throughput"), (keep.image, "image")];
+        if let Some((_, what)) = lacking.into_iter().find(|(is_asked, _)| *is_asked) {
+            let message =
+                format!("--keep {what}: rays of another tracer come without what their paths carry");
             return Err(OptionError::Conflict { message });
         }
         let AskedOrders { methods, control, shuffled, auto } =

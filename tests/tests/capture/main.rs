@@ -158,7 +158,10 @@ fn what_is_wrong_with_foreign_orders_and_hits_is_found() {
     for (name, words) in [
         ("keys", "closest/morton/keys.npy: ray 5 has key 0x4d"),
         ("permutations", "closest/octants/permutation.npy: ray"),
-        ("imported hits", "1 hit what is not there"),
+        (
+            "imported hits",
+            "1 hit what is not there; the first wrong one that was judged is ray 1000 of bounce 0",
+        ),
     ] {
         let found = check(&verified, name)["problems"].to_string();
         assert!(found.contains(words), "{name}: {found}");
@@ -206,7 +209,7 @@ fn rays(count: usize, x: f32) -> Vec<u8> {
 #[test]
 fn what_rays_may_have_wrong_is_said() {
     let folder = tempdir().unwrap();
-    for (queue, count) in [("bounce-00/closest", 5), ("bounce-01/shadow", 3)] {
+    for (queue, count) in [("bounce-00/closest", 5), ("bounce-00/shadow", 4), ("bounce-01/shadow", 3)] {
         let queue = folder.path().join("queues").join(queue);
         fs::create_dir_all(&queue).unwrap();
         fs::write(queue.join("rays.npy"), rays(count, 0.25)).unwrap();
@@ -214,9 +217,10 @@ fn what_rays_may_have_wrong_is_said() {
     let line = format!("{IMPORT} --queues queues --out odd");
     let said = Program::Recorder.run(folder.path(), &line).succeeded().in_a_line();
     for words in [
-        "3 of 3 shadow rays have no end",
+        "7 of 7 shadow rays have no end (t_max is infinite)",
+        "bounce 0, shadow: fewer rays than before, of paths 0 to 3",
         "bounce 1, shadow: fewer rays than before, of paths 0 to 2",
-        "rays start between (0.2500, 0.2000, 0.2000) and (0.2500, 0.2000, 0.2000); the scene lies between",
+        "rays start between (0.25000, 0.20000, 0.20000) and (0.25000, 0.20000, 0.20000); the scene lies between",
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }

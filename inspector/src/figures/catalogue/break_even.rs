@@ -14,8 +14,8 @@ use crate::figures::style::STAGE_STYLES;
 /// Black circles: the style of `unsorted`, which has no row here.
 const SAVED_STYLE: usize = 0;
 
-/// A number, and what its interval reaches from and to; none if it is not known.
-type Number = Option<(f64, Option<(f64, f64)>)>;
+/// A number, and what its interval reaches from and to.
+type Number = (f64, Option<(f64, f64)>);
 
 /// What tracing saves and what sorting takes, nanoseconds a ray, per method.
 pub fn break_even(findings: &Findings<'_>) -> Made {
@@ -28,9 +28,9 @@ pub fn break_even(findings: &Findings<'_>) -> Made {
                 .into_iter()
                 .filter_map(|method| Some((method, BreakEven::of(recording, rays, method)?)));
             let mut found: Vec<(&str, BreakEven)> = found.collect();
+            of_recording.extend(limit(rays, &found));
             let leading = leading(findings, recording, rays);
             found.retain(|(method, _)| leading.contains(method));
-            of_recording.extend(limit(rays, &found));
             // An axis of its own: what scenes save is far apart.
             let name = if recordings.len() > 1 { format!("{}, ", recording.label) } else { String::new() };
             panels.push(panel(recording, &name, rays, &found));
@@ -38,7 +38,7 @@ pub fn break_even(findings: &Findings<'_>) -> Made {
         limits.push(format!("{}: {}", recording.label, of_recording.join(", ")));
     }
     let caption = format!(
-        "Sorting pays if all of it takes less than it saves in tracing, at best: {}. Saves: the trace of unsorted rays less that of sorted ones, over all bounces, with its 95 % interval. Takes: all else that the recording counts (keys, sort, accumulate, and gather and scatter where rays are not traced through indices). A method whose square is left of its circle has a net speedup above 1; an order of another tracer has a circle alone, which is what its key and its sort may take.{}",
+        "Sorting pays if all of it takes less than it saves in tracing, at best: {}. Saves: the trace of unsorted rays less that of sorted ones, over all bounces, with its 95 % interval. Takes: all else that the recording counts (keys, sort, accumulate, and gather and scatter where rays are not traced through indices). A method whose square is left of its circle has a net speedup above 1; of an order of another tracer the key and the sort were not timed: what is between square and circle is what they may take.{}",
         limits.join("; "),
         left_out(findings)
     );
@@ -62,11 +62,11 @@ fn limit(rays: RayClass, found: &[(&str, BreakEven)]) -> Option<String> {
 fn panel(recording: &RecordingAnalysis, name: &str, rays: RayClass, found: &[(&str, BreakEven)]) -> Panel {
     let series = |label: &str, style: usize, number: fn(&BreakEven) -> Number| {
         let point = |(row, (method, of)): (usize, &(&str, BreakEven))| {
-            let (y, spread) = number(of)?;
+            let (y, spread) = number(of);
             let number_of = building::of(recording, rays.name(), None, method);
-            Some(Point { x: row as f64, y, spread, n: of.n, of: number_of })
+            Point { x: row as f64, y, spread, n: of.n, of: number_of }
         };
-        let points = found.iter().enumerate().filter_map(point).collect();
+        let points = found.iter().enumerate().map(point).collect();
         Series { label: label.to_owned(), style, points, is_part: false }
     };
     // The colour of sorting in other figures.
@@ -76,8 +76,8 @@ fn panel(recording: &RecordingAnalysis, name: &str, rays: RayClass, found: &[(&s
         Axis::categories("", found.iter().map(|(method, _)| *method)),
         Axis::from_zero(&format!("{name}ns per {} ray", rays.name())),
         Content::Dots(vec![
-            series("sorting takes", cost_style, |of| Some((of.cost_ns?, None))),
-            series("sorting saves", SAVED_STYLE, |of| Some((of.saved_ns, of.interval))),
+            series("sorting takes", cost_style, |of| (of.cost_ns, None)),
+            series("sorting saves", SAVED_STYLE, |of| (of.saved_ns, of.interval)),
         ]),
     )
 }
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn what_a_sort_may_take_is_what_the_best_method_saves() {
         let saving =
-            |saved_ns| BreakEven { saved_ns, interval: None, cost_ns: Some(1.0), unsorted_ns: 100.0, n: 1 };
+            |saved_ns| BreakEven { saved_ns, interval: None, cost_ns: 1.0, unsorted_ns: 100.0, n: 1 };
         let found = [("a", saving(-1.0)), ("f", saving(9.0)), ("h", saving(2.0)), ("control", saving(99.0))];
         assert_eq!(limit(RayClass::Shadow, &found).unwrap(), "9.0 ns a shadow ray (f)");
         assert_eq!(limit(RayClass::Shadow, &[("a", saving(-1.0))]).unwrap(), "nothing with shadow rays");

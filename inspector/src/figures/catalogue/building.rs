@@ -7,7 +7,7 @@ use formats::metrics::speedup::{median, quantile};
 use super::{Findings, Made};
 use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
 use crate::analysis::timing::SpeedupLine;
-use crate::analysis::{FrameAnalysis, Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
+use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Figure, Of, Panel, Point, Scale, Series};
 use crate::output::counted;
 
@@ -167,22 +167,22 @@ const MOST_WITH_ALL: usize = 2;
 const MOST_METHODS: usize = 5;
 
 /// Of [`methods`], those that have rows in a panel of these rays of a recording: all that were measured there, or,
-/// where there are many recordings, those that are best net there.
+/// where there are many recordings, those that are best net there, and all whose net is not known.
 pub fn leading<'a>(findings: &Findings<'a>, recording: &RecordingAnalysis, rays: RayClass) -> Vec<&'a str> {
     let mut rows = methods(findings);
     rows.retain(|method| recording.frame(rays, method).is_some());
     if recordings(findings).len() <= MOST_WITH_ALL {
         return rows;
     }
-    let net = |method: &str| {
-        let frame = recording.frame(rays, method).and_then(|frame| frame.net_speedup.known());
-        frame.map_or(0.0, |line| line.ratio)
-    };
-    let is_candidate = |method: &&str| recording.frame(rays, method).is_some_and(FrameAnalysis::is_candidate);
-    let mut best: Vec<&str> = rows.iter().copied().filter(is_candidate).collect();
-    best.sort_by(|a, b| net(b).total_cmp(&net(a)));
-    best.truncate(MOST_METHODS);
-    rows.retain(|method| best.contains(method));
+    let frame = |method: &str| recording.frame(rays, method).filter(|frame| frame.is_candidate());
+    let net = |method: &str| frame(method)?.net_speedup.known().map(|line| line.ratio);
+    let mut nets: Vec<f64> = rows.iter().filter_map(|method| net(method)).collect();
+    nets.sort_by(|a, b| b.total_cmp(a));
+    let least = nets.get(MOST_METHODS - 1).copied().unwrap_or(f64::NEG_INFINITY);
+    rows.retain(|method| match net(method) {
+        Some(net) => net >= least,
+        None => frame(method).is_some_and(|frame| frame.trace_speedup.known().is_some()),
+    });
     rows
 }
 

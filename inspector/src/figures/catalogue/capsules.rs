@@ -15,10 +15,11 @@ use crate::figures::model::{Axis, Content, Panel, Point};
 /// Mean capsule area of each order against the time that its trace takes, both over those of unsorted rays.
 pub fn against_time(findings: &Findings<'_>) -> Made {
     let (mut panels, mut found, mut shown) = (Vec::new(), Vec::new(), Vec::new());
-    for recording in recordings(findings) {
+    let recordings = recordings(findings);
+    for recording in &recordings {
         let points = points(recording);
         if !points.is_empty() {
-            shown.push(recording);
+            shown.push(*recording);
         }
         for kind in Kind::ALL {
             let points: Vec<_> = points.iter().filter(|point| point.queue.kind == kind).collect();
@@ -27,16 +28,16 @@ pub fn against_time(findings: &Findings<'_>) -> Made {
             }
             let title = format!("{kind} rays: {}", coefficients(&correlation(points.iter().copied())));
             let of_recording = format!("{}, {title}", recording.label);
-            let title = if recordings(findings).len() > 1 { of_recording.clone() } else { title };
+            let title = if recordings.len() > 1 { of_recording.clone() } else { title };
             found.push(of_recording);
             panels.push(scatter(findings, recording, &points, title));
         }
     }
     let caption = format!(
-        "Each marker is one order of one queue (bounce, kind, method): the mean area of the capsules around groups of {} rays, weighted by rays, against its trace time, both over those of the same queue unsorted. Camera rays are among the closest ones. Left of 1: more coherent; below 1: faster. Correlation, of the ratios themselves: {}.{}",
+        "Each marker is one order of one queue (bounce, kind, method): the mean area of the capsules around groups of {} rays, weighted by rays, against its trace time, both over those of the same queue unsorted. Camera rays are among the closest ones where they were recorded. Left of 1: more coherent; below 1: faster. Correlation, of the ratios themselves: {}.{}",
         findings.analysis.group_width,
         found.join("; "),
-        without(recordings(findings), areas)
+        without(recordings, areas)
     );
     let reason = reason(findings, |order| &order.coherence, "no trace was timed");
     figure("Mean capsule area against trace time", caption, settings(shown), panels, reason)

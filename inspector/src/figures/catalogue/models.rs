@@ -1,7 +1,5 @@
 //! Models of divergence and of caches, per method.
 
-use formats::key::method::UNSORTED;
-
 use super::building::{
     each, figure, methods, methods_in_rows, of, of_method, panel_title, queues, reason, recordings, settings,
     with_number, without,
@@ -82,11 +80,15 @@ fn mean_and_recordings(
     method: &str,
     share: Share,
 ) -> Option<[Series; 2]> {
-    let of_recordings = |method: &str| -> Vec<Point> {
-        let of = |recording: &&RecordingAnalysis| mean_and_bounces(findings, recording, rays, method, share);
-        recordings.iter().filter_map(of).flat_map(|[_, all]| all.points).collect()
+    let mean = |recording: &RecordingAnalysis, method: &str| -> Option<Point> {
+        let [_, mean] = mean_and_bounces(findings, recording, rays, method, share)?;
+        mean.points.into_iter().next()
     };
-    let (parts, all) = (of_recordings(method), of_recordings(UNSORTED).len());
+    let has_any = |recording: &&&RecordingAnalysis| {
+        methods(findings).iter().any(|method| mean(recording, method).is_some())
+    };
+    let all = recordings.iter().filter(has_any).count();
+    let parts: Vec<Point> = recordings.iter().filter_map(|recording| mean(recording, method)).collect();
     let y = parts.iter().map(|point| point.y).sum::<f64>() / parts.len() as f64;
     let of = Of { kind: rays.name().to_owned(), method: method.to_owned(), ..Of::detail("all recordings") };
     let mean = (!parts.is_empty()).then_some(Point { x: 0.0, y, spread: None, n: parts.len(), of })?;

@@ -17,7 +17,7 @@ pub fn overhead(findings: &Findings<'_>) -> Made {
     figure(
         "Where the time goes, per method",
         format!(
-            "Time of all stages over all bounces, as a multiple of the trace of unsorted rays. A row ends at one over the net speedup, left of the line where that is above 1; `net-speedup` has its interval. What is traced, and what is added to it, are those of `break-even`, shared out among stages by their median times. Gather, trace and scatter count, or the trace through indices: what the recording chose for the method. None is given for two-point-real, which must trace the rays before it can sort them, nor for auto where it left all of them alone.{}",
+            "Time of all stages over all bounces, as a multiple of the trace of unsorted rays. A row ends at one over the net speedup, left of the line where that is above 1; `net-speedup` has its interval. What is traced, and what is added to it, are those of `break-even`, shared out among stages by their median times; what is added is never less than nothing. Gather, trace and scatter count, or the trace through indices: what the recording chose for the method. None is given for two-point-real, which must trace the rays before it can sort them, for orders of another tracer, whose key and sort were not timed, nor for auto where it left all of them alone.{}",
             left_out(findings)
         ),
         settings(recordings(findings)),
@@ -29,9 +29,9 @@ pub fn overhead(findings: &Findings<'_>) -> Made {
 }
 
 fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis, rays: RayClass) -> Panel {
-    let shares = |method| Some((method, shares(recording, rays, method)?));
+    let row = |method| Some((method, shares(recording, rays, method)?));
     let methods: Vec<(&str, Vec<(&FrameStage, f64)>)> =
-        leading(findings, recording, rays).into_iter().filter_map(shares).collect();
+        leading(findings, recording, rays).into_iter().filter_map(row).collect();
     let series = |(at, stage): (usize, Stage)| -> Series {
         let points = methods.iter().enumerate().filter_map(|(place, (method, shares))| {
             let (found, share) = shares.iter().find(|(found, _)| found.stage == stage)?;
@@ -57,13 +57,14 @@ fn shares<'a>(
     method: &str,
 ) -> Option<Vec<(&'a FrameStage, f64)>> {
     let BreakEven { saved_ns, cost_ns, unsorted_ns, .. } = BreakEven::of(recording, rays, method)?;
-    let cost_ns = cost_ns?;
-    let stages = &recording.frame(rays, method)?.stages;
+    let frame = recording.frame(rays, method)?;
+    frame.net_speedup.known()?;
+    let stages = &frame.stages;
     let is_trace = |stage: &FrameStage| matches!(stage.stage, Stage::Trace | Stage::TraceIndirect);
     let sum = |of_trace: bool| -> f64 {
         stages.iter().filter(|stage| is_trace(stage) == of_trace).map(|stage| stage.median_ns).sum()
     };
-    let (traces, others) = (sum(true), sum(false));
+    let (traces, others) = (Some(sum(true)).filter(|traces| *traces > 0.0)?, sum(false));
     // Ratios of few rounds may leave less than nothing for the rest.
     let cost = if others > 0.0 { cost_ns.max(0.0) } else { 0.0 };
     let trace = unsorted_ns - saved_ns + cost_ns - cost;

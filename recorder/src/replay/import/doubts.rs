@@ -1,4 +1,5 @@
-//! What imported rays may have wrong without being impossible: another space, an end or a path that was left out.
+//! What imported rays may have wrong without being impossible: an end or a path that was left out, another space than
+//! the scene's.
 
 use formats::key::LightSite;
 use formats::ray::{Kind, Ray};
@@ -9,11 +10,11 @@ use super::queues::{Queue, Queues};
 /// Share of the scene's largest side that a ray may start outside of its box without a word: a camera may.
 const NEAR: f64 = 1.0;
 
-/// A sentence for each, and last where rays start and where the scene lies: those of another space do not fit.
+/// Sentences on what looks wrong; the last one, which there always is, says where rays start and where the scene lies.
 pub(super) fn of(queues: &Queues, scene: &Scene, lights: &[LightSite]) -> Vec<String> {
-    let one = [far_away(queues, scene), endless(queues, lights)];
+    let of_all_rays = [far_away(queues, scene), endless(queues, lights)];
     let strays = queues.list.iter().filter_map(|queue| stray_paths(queues, queue));
-    one.into_iter().flatten().chain(strays).chain(Some(places(queues, scene))).collect()
+    of_all_rays.into_iter().flatten().chain(strays).chain(Some(places(queues, scene))).collect()
 }
 
 fn rays(queues: &Queues) -> impl Iterator<Item = &Ray> {
@@ -54,18 +55,18 @@ fn endless(queues: &Queues, lights: &[LightSite]) -> Option<String> {
     let all: usize = shadow().map(|queue| queue.rays.len()).sum();
     (endless > 0).then(|| {
         format!(
-            "{endless} of {all} shadow rays have no end, t_max: what lies behind their lights is in their way, too"
+            "{endless} of {all} shadow rays have no end (t_max is infinite): what lies behind their lights is in \
+             their way, too"
         )
     })
 }
 
-/// A later bounce has the paths that are left, which are hardly the first ones.
+/// A later queue has the paths that are left, which are hardly the first ones.
 fn stray_paths(queues: &Queues, queue: &Queue) -> Option<String> {
     let count = queue.rays.len();
-    let is_shorter =
-        queues.list.iter().any(|other| other.id.bounce < queue.id.bounce && other.rays.len() > count);
+    let is_shorter = queues.list.iter().any(|other| other.id < queue.id && other.rays.len() > count);
     let are_first = queue.path_ids.iter().zip(0..).all(|(&path, at): (_, u32)| path == at);
-    (is_shorter && are_first && count > 0).then(|| {
+    (is_shorter && are_first).then(|| {
         format!(
             "bounce {}, {}: fewer rays than before, of paths 0 to {}; without the right path_ids.npy rays of \
              different paths are joined",
@@ -81,7 +82,11 @@ fn places(queues: &Queues, scene: &Scene) -> String {
     let [low, high] = ends
         .map(|(none, pick)| [0, 1, 2].map(|axis| rays(queues).map(|ray| ray.origin[axis]).fold(none, pick)));
     let bounds = scene.bounds();
-    let corner = |[x, y, z]: [f32; 3]| format!("({x:.4}, {y:.4}, {z:.4})");
+    // Five digits, whatever the unit.
+    let digits =
+        |x: f32| if x == 0.0 { 0 } else { (4.0 - x.abs().log10().floor()).clamp(0.0, 45.0) as usize };
+    let number = |x: f32| format!("{x:.0$}", digits(x));
+    let corner = |corner: [f32; 3]| format!("({})", corner.map(number).join(", "));
     let [low, high, min, max] = [low, high, bounds.min, bounds.max].map(corner);
     format!("rays start between {low} and {high}; the scene lies between {min} and {max}")
 }

@@ -75,7 +75,7 @@ impl fmt::Display for Tally {
             }
         }
         if let Some((QueueId { bounce, kind, .. }, ray)) = self.first_wrong {
-            write!(f, "; the first is ray {ray} of bounce {bounce}, {kind}")?;
+            write!(f, "; the first wrong one that was judged is ray {ray} of bounce {bounce}, {kind}")?;
         }
         write!(f, "; distances are off by up to {:.1} ulps of the largest coordinate", self.most_ulps)
     }
