@@ -3,14 +3,15 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use formats::manifest::{DecisionRecord, Header, Manifest, Options, Source};
+use formats::manifest::{DecisionRecord, Header, Manifest, Options, Source, Stage};
 use formats::metrics::frame::{COLUMNS, Frame};
 use formats::reader::{Dump, DumpState};
 use formats::study::Study;
-use formats::summary::{Summary, TimingLine};
+use formats::summary::{Summary, TimingLine, hexadecimal};
 use formats::text::{one_line, wrapped};
 use serde::Serialize;
 
+use crate::analysis::timing::STAGES;
 use crate::analysis::{Analysis, AnalysisOptions, Depth, StudyAnalysis, analyse};
 use crate::method_table;
 use crate::output::{count, counted, print, print_json, say, size, sum, table, time};
@@ -218,8 +219,7 @@ fn facts(summary: &Summary, shown: &Header, source_is: Option<SourceIs>) -> Stri
 
 /// Whose rays they are, if they were not traced for this recording.
 fn source_line(shown: &Header, source_is: Option<SourceIs>) -> Option<String> {
-    let digits =
-        |sha256: &[u8]| -> String { sha256.iter().take(6).map(|byte| format!("{byte:02x}")).collect() };
+    let digits = |sha256: &[u8; 32]| hexadecimal(&sha256[..6]);
     match &shown.source {
         Source::Traced => None,
         Source::Imported { name, sha256 } => {
@@ -317,12 +317,9 @@ fn timings(summary: &Summary) -> String {
     if summary.timings.is_empty() {
         return "Nothing was timed.".to_owned();
     }
-    const STAGES: [&str; 9] =
-        ["key", "sort", "gather", "trace", "scatter", "trace_indirect", "accumulate", "generate", "shade"];
-    let timed: Vec<&str> = STAGES
-        .into_iter()
-        .filter(|stage| summary.timings.iter().any(|timing| timing.stage == *stage))
-        .collect();
+    let all = STAGES.into_iter().chain([Stage::Generate, Stage::Shade]).map(Stage::name);
+    let timed: Vec<&str> =
+        all.filter(|stage| summary.timings.iter().any(|timing| timing.stage == *stage)).collect();
     let mut rows: BTreeMap<_, BTreeMap<&str, &TimingLine>> = BTreeMap::new();
     for timing in &summary.timings {
         let at_method = summary.options.methods.iter().position(|method| *method == timing.method);

@@ -8,7 +8,7 @@ use formats::study::Study;
 use formats::text::shell_word;
 
 use crate::analysis::summary::distinct;
-use crate::analysis::{Analysis, analyse_studies, check_finished, lacking};
+use crate::analysis::{Analysis, analyse_studies, lacking, open_finished};
 use crate::figures::catalogue::{CATALOGUE, FigureMaker, Findings, Skipped};
 use crate::figures::model::Figure;
 use crate::output::{say, sentence};
@@ -64,9 +64,7 @@ impl Inputs {
     }
 
     fn add_recording(&mut self, path: &Path) -> anyhow::Result<()> {
-        let dump = Dump::open(path)?;
-        check_finished(std::slice::from_ref(&dump))?;
-        self.recordings.push(dump);
+        self.recordings.push(open_finished(path)?);
         Ok(())
     }
 
@@ -139,26 +137,4 @@ pub(crate) fn check_names(names: &[String]) -> anyhow::Result<()> {
 /// A path as a shell takes it.
 pub(crate) fn quoted(path: &Path) -> String {
     shell_word(&path.display().to_string()).into_owned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn unknown_figures_are_named() {
-        assert!(check_names(&["overhead".to_owned()]).is_ok());
-        let message = check_names(&["overheads".to_owned()]).unwrap_err().to_string();
-        assert!(message.contains("no figure overheads; there are: study-speedup"), "{message}");
-    }
-
-    #[test]
-    fn what_is_no_input_is_said() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("other.json");
-        std::fs::write(&file, "{}").unwrap();
-        let message = |path: PathBuf| Inputs::open(&[path]).err().unwrap().to_string();
-        assert!(message(file).contains("is not what `recorder bench --json` prints"));
-        assert!(message(folder.path().join("none.raydump")).contains("there is no recording"));
-    }
 }

@@ -159,10 +159,8 @@ fn mean<'q>(
 
 /// A line per method, its means over bounces: 80 columns. The smallest capsules of secondary rays come first.
 fn coherence(analysis: &Analysis) -> Option<String> {
-    let queues = |rays: RayClass| {
-        let measured = analysis.recordings.iter().flat_map(|recording| recording.measured());
-        measured.filter(move |queue| RayClass::of(queue) == Some(rays))
-    };
+    let queues =
+        |rays: RayClass| analysis.recordings.iter().flat_map(move |recording| recording.measured_of(rays));
     // Capsule area, direction spread, utilisation of 32 lanes.
     let means = |rays: RayClass, method: &str| {
         let own = || queues(rays).filter(|queue| queue.order(method).is_some());
@@ -170,9 +168,7 @@ fn coherence(analysis: &Analysis) -> Option<String> {
         [
             of_order(|order| Some(order.coherence.known()?.mean_capsule_area)),
             of_order(|order| Some(order.coherence.known()?.mean_direction_spread)),
-            of_order(|order| {
-                order.lanes.known()?.iter().find(|lanes| lanes.width == 32).map(|lanes| lanes.utilisation)
-            }),
+            of_order(OrderAnalysis::warp_utilisation),
         ]
     };
     let all = RayClass::ALL.into_iter().flat_map(queues).flat_map(|queue| &queue.orders);

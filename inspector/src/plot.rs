@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use formats::key::Termination;
-use formats::key::method::{CONTROL, Method, UNSORTED};
-use formats::manifest::{Header, Manifest, MethodRecord, Options, Source, Stage};
+use formats::key::method::{CONTROL, Method, WITHOUT_LAYOUT};
+use formats::manifest::{Header, Manifest, MethodRecord, Options, Source};
 use formats::reader::Dump;
+use formats::summary::hexadecimal;
 use formats::text::shell_word;
 use serde::Serialize;
 
@@ -262,12 +263,9 @@ fn record_command(recording: &Dump) -> String {
             (format!("recorder replay {}", quoted(Path::new(name))), String::new())
         }
         source => {
-            let hash: String = scene.content_hash[..6].iter().map(|byte| format!("{byte:02x}")).collect();
+            let hash = hexadecimal(&scene.content_hash[..6]);
             let verb = match source {
-                Source::Imported { name, .. } => {
-                    let from = if name.ends_with(".npy") { "--rays" } else { "--queues" };
-                    format!("recorder import --scene SCENE {from} {}", quoted(Path::new(name)))
-                }
+                Source::Imported { name, .. } => import_command(recording.manifest(), name),
                 _ => format!("recorder record SCENE {}", path_options(&header.options)),
             };
             (verb, format!("    # SCENE: {}, content {hash}…", scene.name))
@@ -276,44 +274,70 @@ fn record_command(recording: &Dump) -> String {
     format!("{verb} --out {out} {}{comment}", measuring_options(recording.manifest(), &header))
 }
 
+/// What was imported, and as what: a file of rays does not say.
+fn import_command(manifest: &Manifest, name: &str) -> String {
+    let from = if name.ends_with(".npy") { "--rays" } else { "--queues" };
+    let rays = manifest.queues.first().filter(|_| from == "--rays").map(|queue| queue.id);
+    let rays = rays.map_or(String::new(), |id| format!(" --kind {} --bounce {}", id.kind, id.bounce));
+    format!("recorder import --scene SCENE {from} {}{rays}", quoted(Path::new(name)))
+}
+
 /// The options that decide which rays there are.
 fn path_options(options: &Options) -> String {
     format!(
-        "--width {} --height {} --bounces {} --passes {} --seed {} --camera {} --keep {} --keep-passes {}",
+        "--width {} --height {} --bounces {} --passes {} --seed {} --camera {} --keep-passes {}{}",
         options.width,
         options.height,
         options.bounces,
         options.passes,
         options.seed,
         quoted(Path::new(&options.camera)),
-        shell_word(&options.keep.join(",")),
         shell_word(&options.keep_passes),
+        if options.russian_roulette { " --russian-roulette" } else { "" },
     )
 }
 
-/// The options that decide what is measured on them. Variants go by the method that they are variants of
-/// and by the values that they were swept over.
+/// The options that decide what is measured on them, and what is kept. Variants go by the method that they are
+/// variants of and by the values that they were swept over; orders of another tracer come with its rays again.
 fn measuring_options(manifest: &Manifest, header: &Header) -> String {
     let options = &header.options;
-    let is_builtin = |name: &str| name == UNSORTED || Method::builtin(name).is_ok();
     let bases = distinct(manifest.methods.iter().map(|method| method.base.as_str()));
-    let builtin: Vec<&str> =
-        [UNSORTED].into_iter().chain(bases.iter().copied()).filter(|&name| is_builtin(name)).collect();
-    // Orders that an import came with have no key that was timed; they come with it again.
-    let is_keyed =
-        |name: &str| manifest.timings.iter().any(|time| time.method == name && time.stage == Stage::Key);
-    let is_own = |name: &str| {
-        !is_builtin(name) && (!matches!(header.source, Source::Imported { .. }) || is_keyed(name))
-    };
-    let own = bases.iter().filter(|&&name| is_own(name)).filter_map(|name| {
-        let method = manifest.methods.iter().find(|method| method.base == *name)?;
+    let (builtin, others): (Vec<&str>, Vec<&str>) =
+        bases.into_iter().partition(|name| Method::builtin(name).is_ok());
+    let is_listed = |name: &&str| options.methods.iter().any(|listed| listed == name);
+    let listed: Vec<&str> = WITHOUT_LAYOUT.into_iter().filter(is_listed).chain(builtin).collect();
+    let is_own = |name: &&str| !manifest.foreign_orders().any(|order| order.name == *name);
+    let own = others.into_iter().filter(is_own).filter_map(|name| {
+        let method = manifest.methods.iter().find(|method| method.base == name)?;
         let own = shown::sentence(format!("{name}={}", method.text));
         Some(format!(" --method {}", shell_word(&own)))
     });
+    let threads = if options.threads > 0 { format!(" --threads {}", options.threads) } else { String::new() };
+    format!(
+        "--backend {} --trace {}{threads} --repeats {} --keep {} --methods {}{}{}",
+        header.backend.name(),
+        shell_word(&options.trace_kernel),
+        options.repeats,
+        if options.keep.is_empty() { "none".to_owned() } else { options.keep.join(",") },
+        listed.join(","),
+        own.collect::<String>(),
+        key_options(manifest, header),
+    )
+}
+
+/// What keys and length tables are made of; an import takes the bits of its keys alone.
+fn key_options(manifest: &Manifest, header: &Header) -> String {
+    let options = &header.options;
     let variants = || manifest.methods.iter().filter(|method| method.base != method.name);
     let mut key_bits: Vec<u32> = variants().map(|method| method.key_bits).collect();
+    key_bits.sort_unstable();
+    let key_bits = format!(" --key-bits {}", list(key_bits, options.key_bits));
+    if matches!(header.source, Source::Imported { .. }) {
+        return key_bits;
+    }
     let with_length = variants().filter(|method| method.termination == Termination::Fixed);
     let mut lengths: Vec<f32> = with_length.map(|method| method.two_point_length).collect();
+    lengths.sort_by(f32::total_cmp);
     let origin_bits = |method: &MethodRecord| {
         let split = method.name.strip_prefix(&method.base)?.strip_prefix("-split-")?;
         split.split('-').next()?.parse::<u32>().ok()
@@ -321,18 +345,8 @@ fn measuring_options(manifest: &Manifest, header: &Header) -> String {
     let mut splits: Vec<u32> = variants().filter_map(origin_bits).collect();
     splits.sort_unstable();
     let split = splits.first().copied().map(|first| format!(" --split {}", list(splits, first)));
-    key_bits.sort_unstable();
-    lengths.sort_by(f32::total_cmp);
-    let threads = if options.threads > 0 { format!(" --threads {}", options.threads) } else { String::new() };
     format!(
-        "--backend {} --trace {}{threads} --repeats {} --methods {}{} --key-bits {} --two-point-length {}{} \
-         --table-bits {} --table-method {}",
-        header.backend.name(),
-        shell_word(&options.trace_kernel),
-        options.repeats,
-        builtin.join(","),
-        own.collect::<String>(),
-        list(key_bits, options.key_bits),
+        "{key_bits} --two-point-length {}{} --table-bits {} --table-method {}",
         list(lengths, options.two_point_length),
         split.unwrap_or_default(),
         options.table_bits,

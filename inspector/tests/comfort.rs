@@ -296,10 +296,7 @@ fn the_command_that_is_shown_draws_what_is_seen() {
         |panel: &str, harness: &Harness<'_, App>| harness.state().command(panel, &file, &context).unwrap();
     let draw = |command: &str, panel: &str| {
         let out = folder.path().join("again.png");
-        let again = command.replacen("inspector", env!("CARGO_BIN_EXE_inspector"), 1);
-        let again = again.replace(&format!("--out {panel}.png"), &format!("--out {}", out.display()));
-        let done = std::process::Command::new("sh").args(["-c", &again]).output().unwrap();
-        assert!(done.status.success(), "{again}: {}", String::from_utf8_lossy(&done.stderr));
+        repeat(command, &format!("--out {panel}.png"), &format!("--out {}", out.display()));
         std::fs::read(out).unwrap()
     };
     for (panel, view) in
@@ -364,10 +361,7 @@ fn the_command_of_an_order_that_was_made_draws_it() {
         let command = command.replace(size, "600x4000");
         let draw = |command: &str, name: &str| {
             let out = folder.path().join(name);
-            let command = command.replacen("inspector", env!("CARGO_BIN_EXE_inspector"), 1);
-            let command = command.replace("--out rays.png", &format!("--out {}", out.display()));
-            let done = std::process::Command::new("sh").args(["-c", &command]).output().unwrap();
-            assert!(done.status.success(), "{command}: {}", String::from_utf8_lossy(&done.stderr));
+            repeat(command, "--out rays.png", &format!("--out {}", out.display()));
             std::fs::read(out).unwrap()
         };
         let drawn = draw(&command, "made.png");
@@ -380,6 +374,13 @@ fn the_command_of_an_order_that_was_made_draws_it() {
         let usual = options.split(" --set").next().unwrap();
         assert!(draw(&by_options(usual), "usual.png") != drawn, "{options} changes nothing");
     }
+}
+
+/// Runs a command that the window shows, with `to` in place of `from`.
+fn repeat(command: &str, from: &str, to: &str) {
+    let again = command.replacen("inspector", env!("CARGO_BIN_EXE_inspector"), 1).replace(from, to);
+    let done = std::process::Command::new("sh").args(["-c", &again]).output().unwrap();
+    assert!(done.status.success(), "{again}: {}", String::from_utf8_lossy(&done.stderr));
 }
 
 /// What a panel offers is in the catalogue; what is exported is what the command that is shown then writes.
@@ -398,10 +399,7 @@ fn figures_of_a_panel_are_those_of_plot() {
     assert!(has_problem(&harness, "there is no figure key-bits of these"));
     let shown = harness.query_all_by_label_contains("inspector plot").next().expect("the command is shown");
     let command = shown.accesskit_node().value().unwrap();
-    let again = command.replacen("inspector", env!("CARGO_BIN_EXE_inspector"), 1);
-    let again = again.replace(first.to_str().unwrap(), second.to_str().unwrap());
-    let done = std::process::Command::new("sh").args(["-c", &again]).output().unwrap();
-    assert!(done.status.success(), "{again}: {}", String::from_utf8_lossy(&done.stderr));
+    repeat(&command, first.to_str().unwrap(), second.to_str().unwrap());
     let files = |folder: &Path| -> Vec<(PathBuf, Vec<u8>)> {
         let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
         let mut files: Vec<_> = paths
@@ -411,5 +409,5 @@ fn figures_of_a_panel_are_those_of_plot() {
         files
     };
     assert!(files(&first).len() >= 6, "{:?}", std::fs::read_dir(&first).unwrap().count());
-    assert!(files(&first) == files(&second), "{again} writes something else");
+    assert!(files(&first) == files(&second), "{command} writes something else");
 }

@@ -35,11 +35,8 @@ fn figure(name: &str, content: Content, scale: Scale) -> Figure {
 }
 
 fn sample() -> Report {
-    let series = |style: usize| Series {
-        label: format!("series {style} {HOSTILE}"),
-        style,
-        is_part: false,
-        points: vec![point(0.0, 1.5), point(1.0, 0.7)],
+    let series = |style: usize| {
+        Series::new(format!("series {style} {HOSTILE}"), style, vec![point(0.0, 1.5), point(1.0, 0.7)])
     };
     let names = Scale::Categories(vec!["camera".into(), HOSTILE.into()]);
     let ramp: Vec<[u8; 3]> = (0..=255).map(|level| [level, 128, 255 - level]).collect();

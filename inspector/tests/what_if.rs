@@ -173,6 +173,9 @@ fn a_layout_that_is_wrong_has_no_numbers_and_says_why() {
     let mut context = ordered(sample::write(folder.path()), QUEUE, "two-point");
     let header = &context.recording().unwrap().dump.manifest().header;
     let settings = Settings::builtin("origin", header).unwrap();
+    context.what_if = Some(Settings { key_bits: 200, ..settings.clone() });
+    context.selection.order_by(WHAT_IF);
+    assert_eq!(context.awaited_order().err().unwrap(), "200 key bits, expected 8 to 64");
     context.what_if = Some(Settings { text: "foo*3 (".to_owned(), ..settings });
     let mut harness = panel("methods", context);
     let ranking = harness.state_mut().context.ranking(u64::MAX);

@@ -3,8 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::collections::BTreeMap;
+use std::fs;
+use std::process::Command;
 
+use formats::npy::{self, Dtype};
 use tempfile::tempdir;
+use tests::programs::{Program, finish};
 use tests::recordings::{arrays, assert_same, differing, record, without_methods};
 
 const SCENE: &str = "builtin:atrium?triangles=4000";
@@ -88,4 +92,45 @@ fn another_seed_gives_another_picture() {
     let different = differing(&found[0].1, &found[1].1);
     assert!(different.contains(&"pass-001/bounce-00/closest/rays.npy"), "only {different:?} differ");
     assert!(!different.contains(&"scene/positions.npy"), "the seed changed the scene");
+}
+
+/// The commands that a report gives, run somewhere else: the same options and, but for `auto`, the same arrays.
+#[test]
+fn a_report_says_how_its_recordings_are_repeated() {
+    let [folder, other] = [tempdir().unwrap(), tempdir().unwrap()];
+    let (here, there) = (folder.path(), other.path());
+    let rays: Vec<[f32; 6]> = (0..50).map(|ray| [0.1, 0.2, 0.1, 0.3, 1.0, ray as f32 * 0.1 - 2.0]).collect();
+    let npy = [&npy::header(Dtype::F4, &[50, 6]), bytemuck::cast_slice::<_, u8>(&rays)].concat();
+    [here, there].iter().for_each(|folder| fs::write(folder.join("rays.npy"), &npy).unwrap());
+    const DEVICE: &str = "--backend cpu --threads 1 --repeats 1";
+    for line in [
+        "record builtin:cornell --out paths --width 24 --height 16 --bounces 3 --passes 2 --russian-roulette \
+         --methods aila,auto,shuffled,control --method mine=(ox+oy+oz)*4 --keep rays,hits,keys,lengths,scene",
+        "replay paths.raydump --out again --methods two-point,origin --key-bits 16,24 --keep keys",
+        "import --scene builtin:cornell --rays rays.npy --kind shadow --bounce 2 --out theirs --methods aila,auto \
+         --key-bits 16 --keep rays,scene",
+    ] {
+        let words = line.split_whitespace().chain(DEVICE.split_whitespace());
+        let words = words.map(|word| word.replace('+', " "));
+        finish(Program::Recorder.command(words).current_dir(here)).succeeded();
+    }
+    let names = ["paths.raydump", "again.raydump", "theirs.raydump"];
+    Program::Inspector.run(here, &format!("report {} --out page", names.join(" "))).succeeded();
+    let page = fs::read_to_string(here.join("page/report.html")).unwrap();
+    let (_, commands) = page.split_once("How to repeat it</h2>\n<pre><code>").unwrap();
+    let commands = commands.split_once("</code>").unwrap().0.replace("&#39;", "'").replace("&amp;", "&");
+    for (command, name) in commands.lines().zip(names) {
+        let command = command.replace("SCENE", "builtin:cornell");
+        let again = command.replacen("recorder", Program::Recorder.path().to_str().unwrap(), 1);
+        finish(Command::new("sh").args(["-c", &again]).current_dir(there)).succeeded();
+        let said = |folder| Program::Inspector.run(folder, &format!("info {name} --json")).succeeded().json();
+        assert_eq!(said(here)["options"], said(there)["options"], "{command}");
+        let kept = |folder: &std::path::Path| {
+            let mut arrays = arrays(&folder.join(name));
+            arrays.retain(|path, _| !path.contains("/auto/"));
+            arrays
+        };
+        assert_same(&kept(here), &kept(there), &command);
+    }
+    assert!(commands.contains("inspector report"), "{commands}");
 }

@@ -35,6 +35,14 @@ pub struct LaneUtilisation {
     pub utilisation: f64,
 }
 
+/// Lanes of a warp: those that wait for each other on most GPUs.
+pub const WARP: usize = 32;
+
+/// The utilisation of a warp's lanes, 0 to 1; `None` if no ray did any work.
+pub fn of_warp(lanes: &[LaneUtilisation]) -> Option<f64> {
+    lanes.iter().find(|lanes| lanes.width == WARP).map(|lanes| lanes.utilisation)
+}
+
 /// The coherence of an order in groups of `width` rays; `lengths` are the traced lengths of all rays in
 /// canonical order. `None` for no rays.
 pub fn coherence(traced: &Traced, lengths: &[f32], places: &Places, width: usize) -> Option<Coherence> {

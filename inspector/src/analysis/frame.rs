@@ -2,7 +2,7 @@
 //! a bounce counts by the time that it takes.
 
 use formats::key::method::{CONTROL, UNSORTED};
-use formats::manifest::{QueueId, Stage};
+use formats::manifest::Stage;
 use formats::metrics::frame;
 use formats::metrics::samples::Samples;
 use serde::Serialize;
@@ -102,10 +102,7 @@ pub(super) fn control(
     let measured =
         || queues.iter().filter(|queue| RayClass::of(queue) == Some(rays) && !queue.orders.is_empty());
     let traces = |method: &'static str| {
-        let of = |queue: &QueueAnalysis| {
-            let id = QueueId { pass: queue.pass, bounce: queue.bounce, kind: queue.kind };
-            Some(samples.get(id, method)?.traced().to_vec())
-        };
+        let of = |queue: &QueueAnalysis| Some(samples.get(queue.id(), method)?.traced().to_vec());
         measured().map(of).collect::<Option<Vec<_>>>()
     };
     let sum = |traces: Vec<Vec<u64>>| frame::summed(traces.iter().map(Vec::as_slice));

@@ -97,10 +97,10 @@ impl<'a> Pixels<'a> {
     fn open(
         dump: &'a Dump,
         recording: &RecordingAnalysis,
-        &QueueAnalysis { pass, bounce, kind, .. }: &QueueAnalysis,
+        queue: &QueueAnalysis,
         group_width: usize,
     ) -> Result<Self, String> {
-        let queue = QueueId { pass, bounce, kind };
+        let queue = queue.id();
         let traced = Traced::open(dump, queue).map_err(|error| error.to_string())?;
         let paths: Loaded<u32> =
             dump.array(&Place::Queue(queue, QueueArray::PathIds)).map_err(|error| error.to_string())?;

@@ -1,8 +1,6 @@
 //! What some queues of a recording lack of what others have, as where a file is damaged: means and figures are without
 //! it.
 
-use formats::manifest::QueueId;
-
 use super::summary::distinct;
 use super::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 
@@ -46,6 +44,5 @@ fn measured(recording: &RecordingAnalysis) -> impl Iterator<Item = &QueueAnalysi
 }
 
 fn sentence(recording: &RecordingAnalysis, queue: &QueueAnalysis, why: &str) -> String {
-    let id = QueueId { pass: queue.pass, bounce: queue.bounce, kind: queue.kind };
-    format!("{}, {id}: {why}", recording.label)
+    format!("{}, {}: {why}", recording.label, queue.id())
 }

@@ -54,7 +54,7 @@ pub mod versus;
 pub mod visits;
 pub mod work;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::slice;
 
 use formats::reader::{Dump, DumpState};
@@ -170,11 +170,21 @@ fn analyse_by(
     Ok(pool.install(|| of_queues(dumps, options, queues)))
 }
 
+/// Opens a recording that can be analysed.
+///
+/// # Errors
+/// If it cannot be read or is not finished.
+pub(crate) fn open_finished(path: &Path) -> anyhow::Result<Dump> {
+    let dump = Dump::open(path)?;
+    check_finished(slice::from_ref(&dump))?;
+    Ok(dump)
+}
+
 /// Whether recordings can be analysed.
 ///
 /// # Errors
 /// If one is not finished.
-pub fn check_finished(dumps: &[Dump]) -> Result<(), AnalysisError> {
+fn check_finished(dumps: &[Dump]) -> Result<(), AnalysisError> {
     match dumps.iter().find(|dump| dump.state() == DumpState::Partial) {
         Some(dump) => Err(AnalysisError::Unfinished { path: dump.root().to_owned() }),
         None => Ok(()),

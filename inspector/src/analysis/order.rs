@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Metric;
 use super::arrays::QueueArrays;
-use super::coherence::{Coherence, LaneUtilisation, coherence, lanes};
+use super::coherence::{Coherence, LaneUtilisation, coherence, lanes, of_warp};
 use super::known::{KnownOrder, KnownQueue};
 use super::options::{AnalysisOptions, Depth};
 use super::timing::{SpeedupLine, StageTime, Time, stages};
@@ -22,6 +22,35 @@ use crate::shown;
 
 /// The places of an order, read only if they are asked for; if it has none, why.
 type LazyPlaces<'a> = LazyCell<Result<Places, String>, Box<dyn FnOnce() -> Result<Places, String> + 'a>>;
+
+/// What variants of a method differ in.
+#[derive(Clone, Copy, Debug)]
+pub struct Varied {
+    /// As a number that can be put in order; `None` where it does not vary.
+    pub of: fn(&OrderAnalysis) -> Option<f64>,
+    /// What must be the same in all that are compared.
+    pub other: fn(&OrderAnalysis) -> Option<f64>,
+}
+
+impl Varied {
+    /// Bits of the key.
+    pub const KEY_BITS: Self = Self {
+        of: |order| order.key_bits.map(f64::from),
+        other: |order| order.two_point_length.map(f64::from),
+    };
+
+    /// Bits of the key that are the origin's. A method itself may lay its bits out in another way than its variants.
+    pub const ORIGIN_BITS: Self = Self {
+        of: |order| order.origin_bits.filter(|_| order.method != order.base).map(f64::from),
+        other: |order| order.key_bits.map(f64::from),
+    };
+
+    /// The length that all rays are assumed to have, unit lengths.
+    pub const LENGTH: Self = Self {
+        of: |order| order.two_point_length.map(f64::from),
+        other: |order| order.key_bits.map(f64::from),
+    };
+}
 
 /// The numbers of one order of one queue.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -56,6 +85,11 @@ pub struct OrderAnalysis {
 }
 
 impl OrderAnalysis {
+    /// Utilisation of 32 lanes, 0 to 1, where it is known. A model.
+    pub fn warp_utilisation(&self) -> Option<f64> {
+        of_warp(self.lanes.known()?)
+    }
+
     /// A stage, if it was timed.
     pub fn stage(&self, stage: Stage) -> Option<&StageTime> {
         self.stages.iter().find(|found| found.stage == stage)

@@ -52,6 +52,9 @@ fn add(dump: &Dump, queue: QueueId, cost: &mut [u32]) -> Result<(), String> {
     let text = |error: formats::reader::ReadError| error.to_string();
     let work = work::work(dump, queue)?;
     let paths: Loaded<u32> = dump.array(&Place::Queue(queue, QueueArray::PathIds)).map_err(text)?;
+    if work.len() != paths.len() {
+        return Err(format!("{queue}/work.npy has {} rays, path_ids.npy {}", work.len(), paths.len()));
+    }
     for (work, &path) in work.iter().zip(&*paths) {
         let pixels = cost.len();
         let pixel = cost.get_mut(path as usize);

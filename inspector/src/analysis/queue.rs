@@ -34,6 +34,11 @@ pub struct QueueAnalysis {
 }
 
 impl QueueAnalysis {
+    /// Which queue it is.
+    pub fn id(&self) -> QueueId {
+        QueueId { pass: self.pass, bounce: self.bounce, kind: self.kind }
+    }
+
     /// All of a recording, in the order in which they were traced.
     pub(super) fn all(dump: &Dump, options: &AnalysisOptions, known: &KnownQueues) -> Vec<Self> {
         let samples = Samples::of(dump.manifest());

@@ -4,13 +4,10 @@ use std::cmp::Ordering;
 
 use formats::key::method::{CONTROL, UNSORTED};
 
-use super::coherence::{Coherence, LaneUtilisation};
+use super::coherence::{Coherence, LaneUtilisation, of_warp};
 use super::summary::RayClass;
 use super::timing::{SpeedupLine, Verdict};
 use super::{Metric, OrderAnalysis, RecordingAnalysis, Versus};
-
-/// Lanes of a warp.
-const WARP: usize = 32;
 
 /// One of the orders. Speedups are over unsorted rays, on the whole frame: closest and shadow rays of all bounces.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,8 +61,7 @@ impl RankedOrder {
         reason: &str,
     ) -> Self {
         let line = |of: Option<&Metric<SpeedupLine>>| of.cloned().unwrap_or_else(|| Metric::missing(reason));
-        let queues = times.into_iter().flat_map(RecordingAnalysis::measured);
-        let queues = queues.filter(|queue| RayClass::of(queue) == Some(rays));
+        let queues = times.into_iter().flat_map(|recording| recording.measured_of(rays));
         let gain = |order: &OrderAnalysis| {
             order.net_speedup.known().or(order.trace_speedup.known()).map(|line| line.ratio)
         };
@@ -95,10 +91,7 @@ impl RankedOrder {
             (Metric::Missing { missing }, _) => Metric::missing(missing),
         });
         self.lanes = Some(match lanes {
-            Metric::Known(lanes) => {
-                let warp = lanes.iter().find(|lanes| lanes.width == WARP);
-                warp.map(|lanes| lanes.utilisation).ok_or("no ray did any work").into()
-            }
+            Metric::Known(lanes) => of_warp(lanes).ok_or("no ray did any work").into(),
             Metric::Missing { missing } => Metric::missing(missing),
         });
         self

@@ -111,4 +111,9 @@ impl RecordingAnalysis {
     pub fn measured(&self) -> impl DoubleEndedIterator<Item = &QueueAnalysis> {
         self.queues.iter().filter(|queue| !queue.orders.is_empty())
     }
+
+    /// Those of them with these rays.
+    pub fn measured_of(&self, rays: RayClass) -> impl Iterator<Item = &QueueAnalysis> {
+        self.measured().filter(move |queue| RayClass::of(queue) == Some(rays))
+    }
 }

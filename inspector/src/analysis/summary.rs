@@ -31,6 +31,22 @@ impl RayClass {
         }
     }
 
+    /// Those of a kind, over all bounces.
+    pub fn of_kind(kind: Kind) -> Self {
+        match kind {
+            Kind::Closest => Self::Secondary,
+            Kind::Shadow => Self::Shadow,
+        }
+    }
+
+    /// Their kind.
+    pub fn kind(self) -> Kind {
+        match self {
+            Self::Secondary => Kind::Closest,
+            Self::Shadow => Kind::Shadow,
+        }
+    }
+
     /// Name in tables and figures.
     pub fn name(self) -> &'static str {
         match self {

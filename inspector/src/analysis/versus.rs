@@ -95,8 +95,7 @@ fn or_unsorted<'a>(queue: &'a QueueAnalysis, method: &str) -> Option<&'a OrderAn
 
 /// The rays of a queue of B in the recording of A.
 fn same<'a>(a: OrderOf<'a>, queue: &QueueAnalysis) -> Option<&'a QueueAnalysis> {
-    let id = |queue: &QueueAnalysis| (queue.pass, queue.bounce, queue.kind, queue.rays);
-    a.recording.queues.iter().find(|found| id(found) == id(queue))
+    a.recording.queues.iter().find(|found| (found.id(), found.rays) == (queue.id(), queue.rays))
 }
 
 /// All that tracing in an order takes: of unsorted rays the trace alone.

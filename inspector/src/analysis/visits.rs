@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use formats::hierarchy::{Hierarchy, Visit};
-use formats::ray::{Kind, Work};
+use formats::ray::Kind;
 use formats::traced::Traced;
 use rayon::prelude::*;
 
@@ -20,13 +20,11 @@ pub struct EnteredBox {
     pub is_of_ray: bool,
 }
 
-/// The boxes that a group enters, and what its ray took.
+/// The boxes that a group enters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visits {
     /// By level, then as the first ray of the group that enters them comes to them.
     pub boxes: Vec<EnteredBox>,
-    /// Nodes visited and triangles tested by the ray.
-    pub work: Work,
 }
 
 impl Visits {
@@ -49,8 +47,7 @@ impl Visits {
             }
         }
         boxes.sort_by_key(|entered| entered.level);
-        let work = traversals.iter().find(|(is_of_ray, _)| *is_of_ray).map(|(_, traversal)| traversal.work());
-        Self { boxes, work: work.unwrap_or_default() }
+        Self { boxes }
     }
 
     /// How many boxes one ray of the group alone enters; and how many the group enters.

@@ -18,6 +18,7 @@ use crate::arguments;
 use crate::filter::{Expression, FilterError};
 use crate::model::numbers::Numbers;
 use crate::model::path::on_paths;
+use crate::model::recording::queue_records;
 use crate::model::{Order, Queue};
 
 /// Which rays, in which order.
@@ -51,7 +52,7 @@ impl RayChoice {
     /// The queue that is meant.
     fn queue(&self, dump: &Dump) -> anyhow::Result<QueueId> {
         let (bounce, kind) = (self.bounce.unwrap_or(1), self.kind.unwrap_or(Kind::Closest));
-        let queues = &source_of(dump).manifest().queues;
+        let queues = queue_records(dump);
         let is_meant = |id: &QueueId| id.bounce == bounce && id.kind == kind && self.includes(*id);
         let meant = queues.iter().map(|queue| queue.id).filter(is_meant).max();
         meant.with_context(|| {
@@ -88,11 +89,6 @@ impl RayChoice {
         }
         Ok(first..(first + self.group_width.rays()).min(rays))
     }
-}
-
-/// The recording that has the rays: a replay's source.
-fn source_of(dump: &Dump) -> &Dump {
-    if dump.manifest().queues.is_empty() { dump.source().unwrap_or(dump) } else { dump }
 }
 
 /// Rays of a queue in an order.
@@ -170,7 +166,7 @@ impl ChosenRays {
         let paths: BTreeSet<u32> = self.iter().map(|ray| self.queue().path_ids[ray.index]).collect();
         let paths: Vec<u32> = paths.into_iter().collect();
         let mut found = Vec::new();
-        let queues = &source_of(dump).manifest().queues;
+        let queues = queue_records(dump);
         for id in queues.iter().map(|record| record.id).filter(|id| id.pass == pass) {
             let (traced, rays) = on_paths(dump, id, &paths).map_err(Error::msg)?;
             found.extend(rays.into_iter().map(|(_, ray)| {

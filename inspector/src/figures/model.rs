@@ -38,6 +38,11 @@ impl Panel {
         Self { title: title.into(), x, y, content, reference: None }
     }
 
+    /// A picture, without axes.
+    pub fn picture(title: impl Into<String>, picture: Picture) -> Self {
+        Self::new(title, Axis::from_zero(""), Axis::from_zero(""), Content::Picture(picture))
+    }
+
     /// With a line across.
     pub fn with_reference(self, label: &str, y: f64) -> Self {
         Self { reference: Some(Reference { label: label.to_owned(), y }), ..self }
@@ -155,6 +160,13 @@ pub struct Series {
     pub points: Vec<Point>,
     /// Whether its numbers are parts of another's, such as bounces of a frame.
     pub is_part: bool,
+}
+
+impl Series {
+    /// Of numbers that are no parts.
+    pub fn new(label: impl Into<String>, style: usize, points: Vec<Point>) -> Self {
+        Self { label: label.into(), style, points, is_part: false }
+    }
 }
 
 /// A number and how sure it is.

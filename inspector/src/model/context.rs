@@ -14,8 +14,8 @@ use super::queue::Queue;
 use super::recording::Recording;
 use super::selection::{Baseline, Playhead, Selection};
 use super::what_if::{self, WHAT_IF};
+use crate::analysis::Versus;
 use crate::analysis::versus::OrderOf;
-use crate::analysis::{QueueAnalysis, Versus};
 use crate::figures::method_style::method_style;
 
 /// Something that went wrong, and what to do.
@@ -196,10 +196,7 @@ impl Context {
         let Selection { baseline, method, queue, .. } = &self.selection;
         let a = OrderOf { recording: a.times.as_ref()?, method: &baseline.method };
         let b = OrderOf { recording: b.times.as_ref()?, method };
-        let is_selected = |found: &QueueAnalysis| {
-            (found.pass, found.bounce, found.kind) == (queue.pass, queue.bounce, queue.kind)
-        };
-        Some([Versus::on_frame([a, b]), Versus::on([a, b], is_selected)])
+        Some([Versus::on_frame([a, b]), Versus::on([a, b], |found| found.id() == *queue)])
     }
 
     /// Number of the style of a method: as in figures of what is open.

@@ -5,10 +5,10 @@ use formats::key::method::{AUTO, UNSORTED};
 use super::absent::Absent;
 use super::coherences::OrderCoherence;
 use super::context::Context;
-use super::recording::class_of;
 use super::what_if::WHAT_IF;
 use crate::analysis::Metric;
 use crate::analysis::ranking::{RankedOrder, rank};
+use crate::analysis::summary::RayClass;
 
 impl Context {
     /// All orders of the queue, the one that gains most first. How coherent they are is found in later frames.
@@ -25,7 +25,7 @@ impl Context {
             });
         }
         let Some(recording) = self.recording() else { return Vec::new() };
-        let rays = class_of(self.selection.queue.kind);
+        let rays = RayClass::of_kind(self.selection.queue.kind);
         let times = recording.times.as_ref();
         let of = |name: &str| known.iter().find(|order| order.method == name);
         let unsorted = of(UNSORTED).map(|order| &order.coherence);

@@ -9,13 +9,11 @@ use formats::hierarchy::Hierarchy;
 use formats::key::method::{AUTO, UNSORTED, is_method_name};
 use formats::manifest::{Header, MethodRecord, QueueId, QueueRecord, Source};
 use formats::metrics::frame::leaves_all_alone;
-use formats::ray::Kind;
 use formats::reader::{Dump, ReadError};
 use formats::unit_space::UnitSpace;
 
 use crate::analysis::image_plane::ImagePlane;
 use crate::analysis::ranking::best;
-use crate::analysis::summary::RayClass;
 use crate::analysis::{self, Depth, QueueAnalysis, RecordingAnalysis, Versus};
 use crate::shown;
 
@@ -92,10 +90,7 @@ impl Recording {
 
     /// The times of a queue; `None` if it has none.
     pub fn times_of(&self, queue: QueueId) -> Option<&QueueAnalysis> {
-        let is_of = |found: &&QueueAnalysis| {
-            (found.pass, found.bounce, found.kind) == (queue.pass, queue.bounce, queue.kind)
-        };
-        self.times.as_ref()?.queues.iter().find(is_of)
+        self.times.as_ref()?.queues.iter().find(|found| found.id() == queue)
     }
 
     /// What a method gains over unsorted rays on the whole frame; `None` if it orders none of its rays.
@@ -146,21 +141,17 @@ impl Recording {
     }
 }
 
-/// The rays of a kind over all bounces, but camera rays.
-pub fn class_of(kind: Kind) -> RayClass {
-    match kind {
-        Kind::Closest => RayClass::Secondary,
-        Kind::Shadow => RayClass::Shadow,
+/// The queues of a recording: of a replay, which has none of its own, those of its source.
+pub(crate) fn queue_records(dump: &Dump) -> &[QueueRecord] {
+    let own = &dump.manifest().queues;
+    match dump.source() {
+        Some(source) if own.is_empty() => &source.manifest().queues,
+        _ => own,
     }
 }
 
 fn queues(dump: &Dump) -> Vec<QueueRecord> {
-    let own = &dump.manifest().queues;
-    let queues = match dump.source() {
-        Some(source) if own.is_empty() => &source.manifest().queues,
-        _ => own,
-    };
-    let mut queues = queues.clone();
+    let mut queues = queue_records(dump).to_vec();
     queues.iter_mut().for_each(|queue| queue.methods.retain(|method| is_method_name(method)));
     queues
 }

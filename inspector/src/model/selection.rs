@@ -36,10 +36,11 @@ impl Default for Playhead {
 }
 
 impl Playhead {
-    /// The places of an order of so many rays that it leaves.
+    /// The places of an order of so many rays that it leaves, whatever a session says.
     pub fn places(self, rays: usize) -> Range<usize> {
-        let until = (f64::from(self.until) * rays as f64).round();
-        let from = (until - f64::from(self.window) * rays as f64).max(0.0).round();
+        let [until, window] = [self.until, self.window].map(|part| f64::from(part.clamp(0.0, 1.0)));
+        let until = (until * rays as f64).round();
+        let from = (until - window * rays as f64).max(0.0).round();
         from as usize..until as usize
     }
 
@@ -138,6 +139,15 @@ impl Selection {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_playhead_beyond_the_order_is_within_it() {
+        for (until, window) in [(5.0, 0.5), (1.0, -1.0), (-3.0, 2.0), (f32::NAN, f32::NAN)] {
+            let places = Playhead { until, window }.places(100);
+            assert!(places.start <= places.end && places.end <= 100, "{until}, {window}: {places:?}");
+        }
+        assert_eq!(Playhead { until: 0.5, window: 0.25 }.places(100), 25..50);
+    }
 
     #[test]
     fn rays_outlive_their_order_but_not_their_queue() {

@@ -17,10 +17,10 @@ const DECADES: [f64; 3] = [1.0, 2.0, 4.0];
 /// Of the plot of estimates with its labels, so that both of its axes are about as long.
 const WIDTH_TO_HEIGHT: f32 = 1.1;
 
-/// The plot of estimates against lengths, whose picture is made once for each queue.
+/// The plot of estimates against lengths, whose picture is made once for each queue of an opened recording.
 #[derive(Default)]
 pub(super) struct EstimatePlot {
-    made: Option<((usize, QueueId, bool), TextureHandle)>,
+    made: Option<((Option<u64>, QueueId, bool), TextureHandle)>,
 }
 
 /// How good the table's estimates are, in words; nothing while that is not known.
@@ -38,7 +38,8 @@ impl EstimatePlot {
     pub(super) fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
         let Some(estimates) = found(ui, context.estimates()) else { return };
         let theme = Theme::of(ui.ctx());
-        let key = (context.selection.recording, context.selection.queue, ui.visuals().dark_mode);
+        let opening = context.recording().map(|recording| recording.opening);
+        let key = (opening, context.selection.queue, ui.visuals().dark_mode);
         if self.made.as_ref().is_none_or(|(known, _)| *known != key) {
             let image = ColorImage::new([BINS, BINS], pixels(&estimates, theme));
             self.made = Some((key, ui.ctx().load_texture("estimates", image, TextureOptions::NEAREST)));

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use formats::key::decode::decode;
 use formats::key::{Coordinate, Extent, Layout, LayoutText};
-use formats::length_table::{TABLE_BITS_MAX, TABLE_BITS_MIN};
+use formats::length_table::{LENGTH_FRACTION_BITS, TABLE_BITS_MAX, TABLE_BITS_MIN};
 use formats::manifest::Options;
 use rayon::prelude::*;
 
@@ -70,7 +70,7 @@ pub fn cells(options: &Options, queue: &Queue, most: usize) -> (Geometry, ValueR
 }
 
 /// Parts of a unit length that sums of the length table count.
-const LENGTH_UNIT: f64 = (1u64 << 24) as f64;
+const LENGTH_UNIT: f64 = (1u64 << LENGTH_FRACTION_BITS) as f64;
 
 /// Column and row of a cell in a picture whose neighbours are neighbours in the address: bits of the
 /// address go to column and row in turn.

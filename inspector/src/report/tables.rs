@@ -8,6 +8,7 @@ use formats::metrics::speedup::median;
 use formats::ray::Kind;
 
 use super::table::{Cell, Table};
+use crate::analysis::order::Varied;
 use crate::analysis::study::StudyGroup;
 use crate::analysis::summary::{RayClass, distinct};
 use crate::analysis::timing::Verdict;
@@ -16,13 +17,10 @@ use crate::figures::catalogue::building::machine;
 use crate::figures::catalogue::study::label;
 use crate::output::counted;
 
-/// Lanes that wait for each other: those of most GPUs.
-const LANES: usize = 32;
-
 /// Every table that has a number.
 pub fn tables(analysis: &Analysis, benches: &[BenchResult]) -> Vec<Table> {
     let rays = || RayClass::ALL.into_iter();
-    let sweeps = Swept::ALL.iter().filter_map(|swept| sweep(analysis, swept));
+    let sweeps = SWEPT.iter().filter_map(|swept| sweep(analysis, swept));
     rays()
         .filter_map(|rays| study(analysis, rays))
         .chain(studied_sweeps(analysis))
@@ -266,10 +264,7 @@ type Share = fn(&QueueAnalysis, &OrderAnalysis) -> Option<(f64, f64)>;
 
 /// What lanes and caches would say, by method: lanes at each bounce, too.
 fn models(analysis: &Analysis, rays: RayClass) -> Option<Table> {
-    let lanes: Share = |queue, order| {
-        let lane = order.lanes.known()?.iter().find(|lane| lane.width == LANES)?;
-        Some((lane.utilisation, queue.rays as f64))
-    };
+    let lanes: Share = |queue, order| Some((order.warp_utilisation()?, queue.rays as f64));
     let first: Share = |_, order| order.caches.known().map(|hits| (hits.l1, hits.accesses as f64));
     let either: Share = |_, order| order.caches.known().map(|hits| (hits.either, hits.accesses as f64));
     let methods: Vec<&str> = std::iter::once(UNSORTED).chain(methods(analysis, rays)).collect();
@@ -300,8 +295,7 @@ fn models(analysis: &Analysis, rays: RayClass) -> Option<Table> {
 
 fn queues(analysis: &Analysis, rays: RayClass) -> impl Iterator<Item = (&RecordingAnalysis, &QueueAnalysis)> {
     let all = analysis.recordings.iter();
-    let queues = all.flat_map(|recording| recording.measured().map(move |queue| (recording, queue)));
-    queues.filter(move |(_, queue)| RayClass::of(queue) == Some(rays))
+    all.flat_map(move |recording| recording.measured_of(rays).map(move |queue| (recording, queue)))
 }
 
 /// Mean over recordings, percent.
@@ -313,9 +307,8 @@ fn mean_share(
     bounce: Option<u32>,
 ) -> Option<f64> {
     let of_recording = |recording: &RecordingAnalysis| {
-        let own = recording.measured().filter(|queue| {
-            RayClass::of(queue) == Some(rays) && bounce.is_none_or(|bounce| queue.bounce == bounce)
-        });
+        let of_rays = recording.measured_of(rays);
+        let own = of_rays.filter(|queue| bounce.is_none_or(|bounce| queue.bounce == bounce));
         let shares = own.filter_map(|queue| share(queue, queue.order(method)?));
         let (sum, weight) =
             shares.fold((0.0, 0.0), |(sum, weight), (share, part)| (sum + share * part, weight + part));
@@ -353,43 +346,22 @@ fn correlations(analysis: &Analysis) -> Option<Table> {
     )
 }
 
-/// What variants of a method differ in.
-struct Swept {
-    title: &'static str,
-    of: fn(&OrderAnalysis) -> Option<f64>,
-    /// What must be the same in all of them.
-    other: fn(&OrderAnalysis) -> Option<f64>,
-}
+/// What variants of a method differ in, and what that is called.
+const SWEPT: [(&str, Varied); 3] = [
+    ("bits of the key", Varied::KEY_BITS),
+    ("bits of the origin", Varied::ORIGIN_BITS),
+    ("assumed length, unit lengths", Varied::LENGTH),
+];
 
-impl Swept {
-    const ALL: [Self; 3] = [
-        Self {
-            title: "Net speedup by bits of the key",
-            of: |order| order.key_bits.map(f64::from),
-            other: |order| order.two_point_length.map(f64::from),
-        },
-        Self {
-            title: "Net speedup by bits of the origin",
-            of: |order| order.origin_bits.filter(|_| order.method != order.base).map(f64::from),
-            other: |order| order.key_bits.map(f64::from),
-        },
-        Self {
-            title: "Net speedup by assumed length, unit lengths",
-            of: |order| order.two_point_length.map(f64::from),
-            other: |order| order.key_bits.map(f64::from),
-        },
-    ];
-}
-
-fn sweep(analysis: &Analysis, swept: &Swept) -> Option<Table> {
+fn sweep(analysis: &Analysis, (what, swept): &(&str, Varied)) -> Option<Table> {
     let mut lines: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
     for (recording, rays) in analysis.recordings.iter().flat_map(|one| RayClass::ALL.map(|rays| (one, rays)))
     {
         let frames = || recording.frames.iter().filter(move |frame| frame.rays == rays);
         for base in distinct(frames().map(|frame| frame.base.as_str()).filter(|base| *base != UNSORTED)) {
             let order = |frame: &FrameAnalysis| {
-                let queues = recording.measured().filter(|queue| RayClass::of(queue) == Some(rays));
-                queues.flat_map(|queue| &queue.orders).find(|order| order.method == frame.method).cloned()
+                let mut orders = recording.measured_of(rays).flat_map(|queue| &queue.orders);
+                orders.find(|order| order.method == frame.method).cloned()
             };
             let orders: Vec<_> = frames()
                 .filter(|frame| frame.base == base)
@@ -421,7 +393,7 @@ fn sweep(analysis: &Analysis, swept: &Swept) -> Option<Table> {
         std::iter::once(Cell::plain(name.as_str())).chain(columns.iter().map(cell)).collect()
     };
     table(
-        swept.title.to_owned(),
+        format!("Net speedup by {what}"),
         "Unsorted trace over all that the method costs, the whole frame.",
         header("recording, rays, method", columns.iter().map(|column| (column * 1e3).round() / 1e3)),
         lines.iter().map(row).collect(),

@@ -25,6 +25,10 @@ mod benches;
 mod sample;
 mod several;
 
+fn no_recordings() -> Analysis {
+    Analysis { group_width: 64, recordings: vec![], summaries: vec![], correlations: vec![], study: None }
+}
+
 fn analysis(folder: &Path, depth: Depth) -> Analysis {
     let dump = Dump::open(&sample::write(folder)).unwrap();
     analyse(&[dump], &AnalysisOptions { depth, ..AnalysisOptions::default() }).unwrap()
@@ -32,13 +36,7 @@ fn analysis(folder: &Path, depth: Depth) -> Analysis {
 
 #[test]
 fn curves_of_run_time_against_error_show_what_was_measured() {
-    let analysis = Analysis {
-        group_width: 64,
-        recordings: vec![],
-        summaries: vec![],
-        correlations: vec![],
-        study: None,
-    };
+    let analysis = no_recordings();
     let benches = benches::of_each_kind();
     let findings = Findings { analysis: &analysis, benches: &benches };
     let panel = |name: &str, at: usize| figure(&findings, name).unwrap().panels.swap_remove(at);
@@ -537,13 +535,7 @@ fn a_curve_is_drawn_beside_orders_that_were_timed() {
 /// Frames by hand: a third of the time is tracing, sorting costs a tenth and saves a fifth of shading.
 #[test]
 fn frames_are_stacked_from_their_parts_beside_their_speedup() {
-    let analysis = Analysis {
-        group_width: 64,
-        recordings: vec![],
-        summaries: vec![],
-        correlations: vec![],
-        study: None,
-    };
+    let analysis = no_recordings();
     let benches = benches::of_each_kind();
     let made = figure(&Findings { analysis: &analysis, benches: &benches }, "shading").unwrap();
     let [parts, speedups] = &made.panels[..] else { panic!("{} panels", made.panels.len()) };

@@ -1,5 +1,6 @@
 //! Figures of several recordings: which of them are in it, and which of their methods.
 
+use formats::ray::Kind;
 use inspector::analysis::{Analysis, Depth, Metric};
 use inspector::figures::catalogue::Findings;
 use inspector::figures::model::Scale;
@@ -27,7 +28,12 @@ fn no_panel_of_many_is_without_its_methods() {
         let Metric::Known(line) = &mut frame.net_speedup else { panic!("it was timed") };
         line.ratio = 9.0;
     }
-    analysis.recordings = vec![whole.clone(), whole, few];
+    // One of camera rays alone.
+    let mut camera = whole.clone();
+    camera.label = "camera alone".into();
+    camera.queues.retain(|queue| queue.kind == Kind::Closest && queue.bounce == 0);
+    camera.frames.clear();
+    analysis.recordings = vec![whole.clone(), whole, few, camera];
     let expected = ["two-point-adaptive"];
     for name in ["overhead", "break-even"] {
         let made = figure(&Findings { analysis: &analysis, benches: &[] }, name).unwrap();
@@ -39,6 +45,7 @@ fn no_panel_of_many_is_without_its_methods() {
             assert!(rows.len() <= 6 && (at < 4 || *rows == expected), "{name}, panel {at}: {rows:?}");
         }
         assert_eq!(made.panels.len(), 6);
+        assert!(!made.caption.contains("camera alone"), "{}", made.caption);
     }
 }
 

@@ -174,11 +174,7 @@ impl StudyGroup {
 
 /// The times of a recording on rays of a kind.
 fn kinds(rays: RayClass, summary: &RecordingSummary) -> impl Iterator<Item = &FrameTimes> {
-    let kind = match rays {
-        RayClass::Secondary => Kind::Closest,
-        RayClass::Shadow => Kind::Shadow,
-    };
-    summary.times.iter().filter(move |times| times.kind == kind)
+    summary.times.iter().filter(move |times| times.kind == rays.kind())
 }
 
 fn row(rays: RayClass, method: &str, scenes: &[&str], summaries: &[&RecordingSummary]) -> Option<StudyRow> {

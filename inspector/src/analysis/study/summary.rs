@@ -11,7 +11,6 @@ use serde::{Deserialize, Serialize};
 
 use super::kept::{kept, place};
 use crate::analysis::labels::configuration;
-use crate::analysis::summary::RayClass;
 use crate::analysis::{AnalysisError, AnalysisOptions, Depth, analyse};
 use crate::shown;
 
@@ -73,13 +72,9 @@ impl RecordingSummary {
         let options = AnalysisOptions { depth: Depth::Arrays, ..AnalysisOptions::default() };
         let analysis = analyse(std::slice::from_ref(&dump), &options)?;
         let header = shown::header(&dump.manifest().header);
-        let kind = |rays: RayClass| match rays {
-            RayClass::Secondary => Kind::Closest,
-            RayClass::Shadow => Kind::Shadow,
-        };
         let frames = analysis.recordings.iter().flat_map(|recording| &recording.frames);
         let area = |frame: &crate::analysis::FrameAnalysis| {
-            Some((kind(frame.rays), frame.method.clone(), *frame.capsule_area_ratio.known()?))
+            Some((frame.rays.kind(), frame.method.clone(), *frame.capsule_area_ratio.known()?))
         };
         let methods = &dump.manifest().methods;
         Ok(Self {

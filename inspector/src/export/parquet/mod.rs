@@ -25,7 +25,6 @@ mod table;
 mod timings;
 
 use std::path::{Path, PathBuf};
-use std::slice;
 use std::sync::Arc;
 
 use anyhow::bail;
@@ -35,7 +34,7 @@ use serde::Serialize;
 
 use super::rays::RayChoice;
 use crate::analysis::labels::configuration;
-use crate::analysis::{AnalysisOptions, Depth, analyse_known, check_finished};
+use crate::analysis::{AnalysisOptions, Depth, analyse_known, open_finished};
 use crate::output::sentence;
 use crate::shown;
 use destination::{Destination, SUMMARIES, TIMINGS};
@@ -98,7 +97,7 @@ pub(super) fn write(
         rays: RayFiles { destination, choice, written: Written::default() },
     };
     for path in &recordings {
-        match open(path) {
+        match open_finished(path) {
             Ok(dump) => {
                 // A study has one of a name in each job.
                 let folder = if is_study { path.strip_prefix(input.join(JOBS_NAME)).ok() } else { None };
@@ -110,12 +109,6 @@ pub(super) fn write(
         }
     }
     dataset.finish(input)
-}
-
-fn open(path: &Path) -> anyhow::Result<Dump> {
-    let dump = Dump::open(path)?;
-    check_finished(slice::from_ref(&dump))?;
-    Ok(dump)
 }
 
 /// A dataset in the making.

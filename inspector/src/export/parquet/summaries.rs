@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use formats::key::method::UNSORTED;
 use formats::manifest::{Stage, Way};
-use formats::ray::Kind;
 
 use super::Recorded;
 use super::table::{Column, TableWriter};
@@ -13,9 +12,6 @@ use crate::analysis::summary::RayClass;
 use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{FrameAnalysis, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
 use crate::output::sum;
-
-/// Lanes of the utilisation that is kept: those of a warp.
-const LANES: usize = 32;
 
 type SummaryColumn = Column<'static, SummaryRow>;
 
@@ -91,7 +87,6 @@ fn of_queue(queue: &QueueAnalysis, order: &OrderAnalysis) -> SummaryRow {
     let area = coherence.map(|coherence| coherence.mean_capsule_area);
     let unsorted = queue.order(UNSORTED).and_then(|unsorted| unsorted.coherence.known());
     let ratio = area.zip(unsorted).map(|(area, unsorted)| area / unsorted.mean_capsule_area);
-    let lanes = order.lanes.known().and_then(|lanes| lanes.iter().find(|lanes| lanes.width == LANES));
     let errors = queue.estimators.known();
     SummaryRow {
         kind: queue.kind.name(),
@@ -112,7 +107,7 @@ fn of_queue(queue: &QueueAnalysis, order: &OrderAnalysis) -> SummaryRow {
         capsule_area: area,
         capsule_area_ratio: ratio.filter(|ratio| ratio.is_finite()),
         direction_spread: coherence.map(|coherence| coherence.mean_direction_spread),
-        lane_utilisation: lanes.map(|lanes| lanes.utilisation),
+        lane_utilisation: order.warp_utilisation(),
         table_fill: queue.table.known().map(|table| table.fill),
         table_error: errors.map(|errors| errors.table.mean_absolute),
         constant_error: errors.map(|errors| errors.constant.mean_absolute),
@@ -125,10 +120,7 @@ fn of_frame(frame: &FrameAnalysis, queues: &[QueueAnalysis]) -> SummaryRow {
     let measured = own.filter(|queue| queue.order(&frame.method).is_some());
     let stage = |stage| frame.stages.iter().find(|found| found.stage == stage);
     SummaryRow {
-        kind: match frame.rays {
-            RayClass::Secondary => Kind::Closest.name(),
-            RayClass::Shadow => Kind::Shadow.name(),
-        },
+        kind: frame.rays.kind().name(),
         method: frame.method.clone(),
         base: frame.base.clone(),
         rays: sum(measured.map(|queue| queue.rays)),

@@ -43,7 +43,7 @@ fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis) -> Panel {
         stages.iter().enumerate().filter_map(point).collect()
     };
     let all = of_stages(&methods(findings), "");
-    let all = Series { label: String::new(), style: STAGE_STYLES, points: all, is_part: false };
+    let all = Series::new("", STAGE_STYLES, all);
     let parts = by_method(findings, |method| of_stages(&[method], method));
     let parts = parts.into_iter().map(|series| Series { is_part: true, ..series });
     Panel::new(

@@ -37,7 +37,7 @@ fn sort_panel(rows: &[SortRow], title: String) -> Panel {
             rate(row.n as f64, row.n, &row.samples_ns, of)
         };
         let points = own.into_iter().filter_map(point).collect();
-        Series { label: format!("{key_bits} bits"), style, points, is_part: false }
+        Series::new(format!("{key_bits} bits"), style, points)
     });
     let y = Axis::from_zero("throughput (Mkeys/s)");
     Panel::new(title, Axis::logarithmic("keys", 2), y, Content::Lines(series.collect()))

@@ -2,14 +2,14 @@
 
 use formats::manifest::Stage;
 
-use super::building::{self, figure, is_method, leading, left_out, methods, reason, recordings, settings};
+use super::building::{
+    self, figure, is_method, leading, left_out, methods, reason, recordings, settings, stage_style,
+};
 use super::{Findings, Made};
 use crate::analysis::RecordingAnalysis;
 use crate::analysis::break_even::BreakEven;
 use crate::analysis::summary::RayClass;
-use crate::analysis::timing::STAGES;
 use crate::figures::model::{Axis, Content, Panel, Point, Series};
-use crate::figures::style::STAGE_STYLES;
 
 /// Black circles: the style of `unsorted`, which has no row here.
 const SAVED_STYLE: usize = 0;
@@ -35,7 +35,9 @@ pub fn break_even(findings: &Findings<'_>) -> Made {
             let name = if recordings.len() > 1 { format!("{}, ", recording.label) } else { String::new() };
             panels.push(panel(recording, &name, rays, &found));
         }
-        limits.push(format!("{}: {}", recording.label, of_recording.join(", ")));
+        if !of_recording.is_empty() {
+            limits.push(format!("{}: {}", recording.label, of_recording.join(", ")));
+        }
     }
     let caption = format!(
         "Sorting pays if all of it takes less than it saves in tracing, at best: {}. Saves: the trace of unsorted rays less that of sorted ones, over all bounces, with its 95 % interval. Takes: all else that the recording counts (keys, sort, accumulate, and gather and scatter where rays are not traced through indices). A method whose square is left of its circle has a net speedup above 1; of an order of another tracer the key and the sort were not timed: what is between square and circle is what they may take.{}",
@@ -66,17 +68,14 @@ fn panel(recording: &RecordingAnalysis, name: &str, rays: RayClass, found: &[(&s
             let number_of = building::of(recording, rays.name(), None, method);
             Point { x: row as f64, y, spread, n: of.n, of: number_of }
         };
-        let points = found.iter().enumerate().map(point).collect();
-        Series { label: label.to_owned(), style, points, is_part: false }
+        Series::new(label, style, found.iter().enumerate().map(point).collect())
     };
-    // The colour of sorting in other figures.
-    let cost_style = STAGE_STYLES + STAGES.iter().position(|stage| *stage == Stage::Sort).unwrap_or(0);
     Panel::new(
         "",
         Axis::categories("", found.iter().map(|(method, _)| *method)),
         Axis::from_zero(&format!("{name}ns per {} ray", rays.name())),
         Content::Dots(vec![
-            series("sorting takes", cost_style, |of| (of.cost_ns, None)),
+            series("sorting takes", stage_style(Stage::Sort), |of| (of.cost_ns, None)),
             series("sorting saves", SAVED_STYLE, |of| (of.saved_ns, of.interval)),
         ]),
     )

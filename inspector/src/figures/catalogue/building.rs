@@ -2,13 +2,15 @@
 
 use formats::bench_result::BenchResult;
 use formats::key::method::{CONTROL, UNSORTED};
+use formats::manifest::Stage;
 use formats::metrics::speedup::{median, quantile};
 
 use super::{Findings, Made};
 use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
-use crate::analysis::timing::SpeedupLine;
-use crate::analysis::{Metric, OrderAnalysis, QueueAnalysis, RecordingAnalysis};
+use crate::analysis::timing::{STAGES, SpeedupLine};
+use crate::analysis::{Metric, OrderAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Figure, Of, Panel, Point, Scale, Series};
+use crate::figures::style::STAGE_STYLES;
 use crate::output::counted;
 
 /// A figure of these panels, without what is empty. Its name is that in the catalogue.
@@ -92,19 +94,19 @@ pub fn by_label<'a, T>(
 ) -> Vec<Series> {
     let of = |name: &str| {
         let own = rows.iter().filter(|row| label(row) == name);
-        Series {
-            label: name.to_owned(),
-            style: style(name),
-            points: own.filter_map(|row| point(row)).collect(),
-            is_part: false,
-        }
+        Series::new(name, style(name), own.filter_map(|row| point(row)).collect())
     };
     distinct(rows.iter().map(|row| label(row))).into_iter().map(of).collect()
 }
 
+/// The style of a stage, in all figures the same.
+pub fn stage_style(stage: Stage) -> usize {
+    STAGE_STYLES + STAGES.iter().position(|other| *other == stage).unwrap_or(0)
+}
+
 /// A series of a method.
 pub fn of_method(findings: &Findings<'_>, method: &str, points: Vec<Point>) -> Series {
-    Series { label: method.to_owned(), style: method_style(findings, method), points, is_part: false }
+    Series::new(method, method_style(findings, method), points)
 }
 
 /// What a number of a recording is of: rays of a kind, in all bounces or in one, in the order of a method.
@@ -266,11 +268,6 @@ pub fn in_rows(rows: &[String], title: String, axis: Axis, mut series: Vec<Serie
     Panel::new(title, Axis::categories("", rows), axis, Content::Dots(series))
 }
 
-/// The measured queues of a recording with these rays.
-pub fn queues(recording: &RecordingAnalysis, rays: RayClass) -> impl Iterator<Item = &QueueAnalysis> {
-    recording.measured().filter(move |queue| RayClass::of(queue) == Some(rays))
-}
-
 /// What a panel of one recording is called: the rays, and the recording if there are several.
 pub fn panel_title(findings: &Findings<'_>, recording: &RecordingAnalysis, rays: &str) -> String {
     match findings.analysis.recordings.len() {
@@ -364,12 +361,8 @@ mod tests {
 
     #[test]
     fn what_has_no_row_is_on_no_other_ones() {
-        let series = ["aila", "control", "stray"].map(|label| Series {
-            label: label.to_owned(),
-            style: 0,
-            points: vec![Point { x: 7.0, y: 1.0, spread: None, n: 1, of: Of::default() }],
-            is_part: false,
-        });
+        let point = Point { x: 7.0, y: 1.0, spread: None, n: 1, of: Of::default() };
+        let series = ["aila", "control", "stray"].map(|label| Series::new(label, 0, vec![point.clone()]));
         let rows = ["aila", "control"].map(str::to_owned);
         let panel = in_rows(&rows, String::new(), Axis::ratios(""), series.into());
         let Content::Dots(series) = panel.content else { panic!("no dots") };

@@ -86,7 +86,7 @@ fn line(title: String, cells: &[Cell]) -> Panel {
             Point { x: f64::from(column), y: f64::from(row), spread: None, n: 1, of }
         };
         let points = (first..first + count).map(point).collect();
-        Series { label: label.to_owned(), style, points, is_part: false }
+        Series::new(label, style, points)
     };
     let (mut runs, mut jumps, mut first) = (Vec::new(), Vec::new(), 0);
     for run in cells.chunk_by(|a, b| !is_jump(&[*a, *b])) {
@@ -114,7 +114,7 @@ fn coloured(title: String, cells: &[Cell]) -> Panel {
         rgb[(side - 1 - row as usize) * side + column as usize] = colours[place * STEPS / cells.len()];
     }
     let picture = Picture { width: side as u32, height: side as u32, rgb, colour_bar: None };
-    Panel::new(title, Axis::from_zero(""), Axis::from_zero(""), Content::Picture(picture))
+    Panel::picture(title, picture)
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use formats::length_table::TABLE_BITS_DEFAULT;
 use formats::metrics::speedup::{Speedup, geometric_mean, median};
 use formats::ray::Kind;
 
-use super::building::{bench_settings, by_label, figure, machine, method_style, range, rate};
+use super::building::{self, bench_settings, by_label, figure, machine, range, rate};
 use super::{Findings, Made};
 use crate::analysis::summary::distinct;
 use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
@@ -153,7 +153,7 @@ fn precision_panel(
             let number = of(place, row)?;
             Some(Point { x, of: Of { scene: row.scene.clone(), ..Of::detail(test(row)) }, ..number })
         });
-        Series { label: (*named).to_owned(), style, points: points.collect(), is_part: false }
+        Series::new(*named, style, points.collect())
     };
     let series = places.iter().enumerate().map(series).collect();
     Panel::new(title, Axis::categories("", tests.iter().cloned()), axis, Content::Dots(series))
@@ -219,7 +219,7 @@ fn error_panel(
             mean(x, &ratios, Of { kind: kind.to_string(), method: method.to_owned(), ..Of::default() })
         };
         let points = places.into_iter().filter_map(point).collect();
-        Series { label: method.to_owned(), style: method_style(findings, method), points, is_part: false }
+        building::of_method(findings, method, points)
     };
     let methods = distinct(own.iter().map(|(_, row)| row.table_method.as_str()));
     let lines = Content::Lines(methods.into_iter().map(line).collect());
@@ -253,12 +253,7 @@ fn cost_panel(findings: &Findings<'_>, all: &[Placed<EstimatorRow>], kind: Kind)
     };
     let dots = |method: &&str| {
         let own = default.iter().filter(|(_, row)| row.table_method == **method);
-        Series {
-            label: (*method).to_owned(),
-            style: method_style(findings, method),
-            points: own.filter_map(|row| point(row)).collect(),
-            is_part: false,
-        }
+        building::of_method(findings, method, own.filter_map(|row| point(row)).collect())
     };
     let series = methods.iter().map(dots).collect();
     let y = Axis::from_zero("accumulate and query (ns per ray)");
@@ -311,7 +306,7 @@ fn bits_panel(
             mean(f64::from(*bits), &ratios, of)
         };
         let points = bits.iter().filter_map(point).collect();
-        Series { label: method.to_owned(), style: method_style(findings, method), points, is_part: false }
+        building::of_method(findings, method, points)
     };
     let lines = distinct(sorted().map(|(_, row)| row.method.as_str())).into_iter().map(line).collect();
     let x = Axis::marked("bits of the key", bits.iter().map(|&bits| f64::from(bits)));
@@ -348,7 +343,7 @@ pub fn image(findings: &Findings<'_>) -> Made {
         let of_place = |(style, place): (usize, &&str)| {
             let own = all.iter().filter(|(other, row)| other == place && is_shown(other, row));
             let points = own.filter_map(|(_, row)| point(row)).collect();
-            Series { label: (*place).to_owned(), style, points, is_part: false }
+            Series::new(*place, style, points)
         };
         places.iter().enumerate().map(of_place).collect::<Vec<_>>()
     };

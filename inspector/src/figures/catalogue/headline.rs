@@ -8,7 +8,7 @@ use crate::analysis::Metric;
 use crate::analysis::headline::{Headline, View};
 use crate::colour_map::ColourMap;
 use crate::figures::axis::number;
-use crate::figures::model::{Axis, Content, Panel, Picture};
+use crate::figures::model::{Panel, Picture};
 use crate::output::times;
 
 /// Pixels without a ray.
@@ -72,7 +72,7 @@ fn panel(of: &str, found: &Headline, view: &View, (low, high): (f64, f64)) -> Pa
         _ => format!(" (trace {}{net})", times(view.speedup)),
     };
     let title = format!("{of}{}: {} Mrays/s{speedup}", view.method, rate(view.mrays_per_second));
-    Panel::new(title, Axis::from_zero(""), Axis::from_zero(""), Content::Picture(picture))
+    Panel::picture(title, picture)
 }
 
 /// Three digits, as many as a clock is good for.

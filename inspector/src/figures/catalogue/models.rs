@@ -1,30 +1,25 @@
 //! Models of divergence and of caches, per method.
 
 use super::building::{
-    each, figure, methods, methods_in_rows, of, of_method, panel_title, queues, reason, recordings, settings,
+    each, figure, methods, methods_in_rows, of, of_method, panel_title, reason, recordings, settings,
     with_number, without,
 };
 use super::{Findings, Made};
+use crate::analysis::coherence::WARP;
 use crate::analysis::summary::RayClass;
 use crate::analysis::{OrderAnalysis, QueueAnalysis, RecordingAnalysis, lacking};
 use crate::figures::model::{Axis, Of, Panel, Point, Series};
-
-/// Lanes that wait for each other: those of most GPUs.
-const LANES: u32 = 32;
 
 /// A share of an order, 0 to 1, and what weighs it in a mean over bounces.
 type Share = fn(&QueueAnalysis, &OrderAnalysis) -> Option<(f64, f64)>;
 
 /// Share of lanes that work.
 pub fn lanes(findings: &Findings<'_>) -> Made {
-    let share: Share = |queue, order| {
-        let lane = order.lanes.known()?.iter().find(|lane| lane.width == LANES as usize)?;
-        Some((lane.utilisation, queue.rays as f64))
-    };
+    let share: Share = |queue, order| Some((order.warp_utilisation()?, queue.rays as f64));
     figure(
         "Lane utilisation per method, a model",
         format!(
-            "A model of control-flow divergence: work of all rays (nodes visited and triangles tested) over what it would be if each ray took as long as the slowest of its {LANES}. Means over bounces, weighted by rays; small dots are the bounces, or of more than {MOST_DETAILED} recordings these, with means of methods that all of them have.{}",
+            "A model of control-flow divergence: work of all rays (nodes visited and triangles tested) over what it would be if each ray took as long as the slowest of its {WARP}. Means over bounces, weighted by rays; small dots are the bounces, or of more than {MOST_DETAILED} recordings these, with means of methods that all of them have.{}",
             without(recordings(findings), |recording| lacking::of_orders(recording, |order| &order.lanes))
         ),
         settings(with_number(findings, |order| &order.lanes)),
@@ -106,7 +101,7 @@ fn mean_and_bounces(
     share: Share,
 ) -> Option<[Series; 2]> {
     let share = |queue: &QueueAnalysis| Some((queue.bounce, share(queue, queue.order(method)?)?));
-    let bounces: Vec<_> = queues(recording, rays).filter_map(share).collect();
+    let bounces: Vec<_> = recording.measured_of(rays).filter_map(share).collect();
     let point = |y: f64, n: usize, bounce: Option<u32>| {
         let of = of(recording, rays.name(), bounce, method);
         Point { x: 0.0, y: y * 100.0, spread: None, n, of }

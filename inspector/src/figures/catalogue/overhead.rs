@@ -38,8 +38,7 @@ fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis, rays: RayClass)
             let of = Of { detail: stage_name(stage).to_owned(), ..of(recording, rays.name(), None, method) };
             Some(Point { x: place as f64, y: *share, spread: None, n: found.n, of })
         });
-        let style = STAGE_STYLES + at;
-        Series { label: stage_name(stage).to_owned(), style, points: points.collect(), is_part: false }
+        Series::new(stage_name(stage), STAGE_STYLES + at, points.collect())
     };
     Panel::new(
         panel_title(findings, recording, &format!("{} rays", rays.name())),

@@ -7,7 +7,7 @@ use super::{Findings, Made};
 use crate::analysis::picture::PixelCost;
 use crate::analysis::{Metric, RecordingAnalysis};
 use crate::colour_map::{ColourMap, STEPS};
-use crate::figures::model::{Axis, ColourBar, Content, Panel, Picture};
+use crate::figures::model::{ColourBar, Panel, Picture};
 
 /// Share of the pixels whose work is within the colour bar; the others have its last colour.
 const SHOWN_SHARE: f64 = 0.99;
@@ -41,7 +41,7 @@ pub fn pixel_cost(findings: &Findings<'_>) -> Made {
 fn beside(findings: &Findings<'_>, recording: &RecordingAnalysis, cost: &PixelCost) -> [Panel; 2] {
     let panel = |title: &str, picture: Picture| {
         let title = panel_title(findings, recording, title);
-        Panel::new(title, Axis::from_zero(""), Axis::from_zero(""), Content::Picture(picture))
+        Panel::picture(title, picture)
     };
     let PixelCost { width, height, image, work, .. } = cost;
     let (width, height) = (*width, *height);

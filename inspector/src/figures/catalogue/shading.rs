@@ -5,12 +5,10 @@ use formats::key::method::UNSORTED;
 use formats::manifest::Stage;
 use formats::metrics::speedup::median;
 
-use super::building::{bench_settings, figure, machine};
+use super::building::{bench_settings, figure, machine, stage_style};
 use super::{Findings, Made};
 use crate::analysis::summary::distinct;
-use crate::analysis::timing::STAGES;
 use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
-use crate::figures::style::STAGE_STYLES;
 
 /// What the names of orders of hits start with.
 const HITS_BY: &str = "hits by ";
@@ -65,16 +63,15 @@ fn beside(title: &str, rows: &[&RenderRow]) -> Option<[Panel; 2]> {
     };
     let part = |(label, stage, samples): Part| {
         let of_row = |row: (usize, &&RenderRow)| Some(point(row, median(&samples(row.1))? / frame_ns, None));
-        let style = STAGE_STYLES + STAGES.iter().position(|one| *one == stage).unwrap_or(0);
         let points = rows.iter().enumerate().filter_map(of_row).collect();
-        Series { label: label.to_owned(), style, points, is_part: false }
+        Series::new(label, stage_style(stage), points)
     };
     let speedup = |row: (usize, &&RenderRow)| {
         let found = row.1.speedup?;
         Some(point(row, found.ratio, found.interval))
     };
     let points: Vec<Point> = rows.iter().enumerate().filter_map(speedup).collect();
-    let speedups = Series { label: "whole frame".to_owned(), style: SPEEDUP_STYLE, points, is_part: false };
+    let speedups = Series::new("whole frame", SPEEDUP_STYLE, points);
     let panel = |axis: Axis, content: Content| {
         let names = rows.iter().filter_map(|row| hits_by(row));
         Panel::new(title, Axis::categories("", names), axis, content).with_reference("unsorted", 1.0)

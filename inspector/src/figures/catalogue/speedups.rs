@@ -3,7 +3,7 @@
 use formats::key::method::UNSORTED;
 
 use super::building::{
-    figure, in_rows, methods, methods_in_rows, of, of_method, queues, reason, recordings, rows_of, settings,
+    figure, in_rows, methods, methods_in_rows, of, of_method, reason, recordings, rows_of, settings,
 };
 use super::{Findings, Made};
 use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
@@ -46,7 +46,7 @@ impl Counted {
 const READING: &str = "Each marker is the whole frame: times of unsorted rays over those in the order, both summed over all bounces, round by round; the thick line is the 95 % interval of that ratio, by bootstrap over rounds. Small dots are the bounces by themselves";
 
 /// The same where there are several recordings.
-const OVER_SCENES: &str = "Of several recordings markers are geometric means, of methods that all of them have, and small dots the recordings: times of unsorted rays over those in the order, both summed over all bounces.";
+const OVER_SCENES: &str = "Of several recordings markers are geometric means, of methods that all of them have, and small dots the recordings";
 
 /// Unsorted trace over sorted trace.
 pub fn trace(findings: &Findings<'_>) -> Made {
@@ -118,9 +118,13 @@ fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
         }
     }
     let panels = panels.into_iter().map(|panel| panel.with_reference(words.reference, 1.0));
-    let reading = if has_frames { format!("{READING}. {OVER_SCENES}") } else { OVER_SCENES.to_owned() };
+    let reading = match (has_frames, recordings.len() > configurations.len()) {
+        (true, false) => READING.to_owned(),
+        (true, true) => format!("{READING}. {OVER_SCENES}"),
+        (false, _) => format!("{OVER_SCENES}, by times summed over all bounces, round by round"),
+    };
     let caption = format!(
-        "{}. {reading} Secondary rays are closest rays of bounces ≥ 1. The control is canonical order through the same stages: what its trace misses 1 by is the instrument's error, and net it has the cost of gather and scatter. None is given for two-point-real, which must trace the rays before it can sort them, nor, by recording, for auto where it left all of them alone.",
+        "{}. {reading}. Secondary rays are closest rays of bounces ≥ 1. The control is canonical order through the same stages: what its trace misses 1 by is the instrument's error, and net it has the cost of gather and scatter. None is given for two-point-real, which must trace the rays before it can sort them, nor, by recording, for auto where it left all of them alone.",
         words.what
     );
     let reason = reason(
@@ -150,7 +154,7 @@ fn totals(
             let line = counted.of_queue(queue.order(method)?).known()?;
             Some(point(line, Some(queue.bounce), method))
         };
-        let points = queues(recording, rays).filter_map(bounce).collect();
+        let points = recording.measured_of(rays).filter_map(bounce).collect();
         Series { is_part: true, ..of_method(findings, method, points) }
     };
     let is_order = |method: &&str| {
@@ -234,7 +238,7 @@ pub fn kernels(findings: &Findings<'_>) -> Made {
         }
     }
     let caption = format!(
-        "Trace time of unsorted rays over that of sorted rays, without the cost of sorting, by trace kernel. {READING}. {OVER_SCENES} The dashed line is what Meister et al. 2020, \"On Ray Reordering Techniques for Faster GPU Ray Tracing\", give as the mean of their software kernel (CUDA, RTX 2080 Ti, scenes of their own)."
+        "Trace time of unsorted rays over that of sorted rays, without the cost of sorting, by trace kernel. {READING}. {OVER_SCENES}. The dashed line is what Meister et al. 2020, \"On Ray Reordering Techniques for Faster GPU Ray Tracing\", give as the mean of their software kernel (CUDA, RTX 2080 Ti, scenes of their own)."
     );
     figure(
         "Trace speedup per kernel and method",

@@ -1,6 +1,6 @@
 //! Means over a study: trace and net speedup by method, over scenes and their views.
 
-use super::building::{figure, in_rows, method_style, rows_of};
+use super::building::{figure, in_rows, of_method, rows_of};
 use super::{Findings, Made};
 use crate::analysis::study::{StudyGroup, StudyMean, StudyRow};
 use crate::analysis::summary::{RayClass, distinct};
@@ -74,12 +74,8 @@ fn series(findings: &Findings<'_>, group: &StudyGroup, rays: RayClass, of: Part)
         };
         Point { x: 0.0, y, spread, n, of }
     };
-    let series = |row: &StudyRow, is_part, points| Series {
-        label: row.method.clone(),
-        style: method_style(findings, &row.method),
-        points,
-        is_part,
-    };
+    let series =
+        |row: &StudyRow, is_part, points| Series { is_part, ..of_method(findings, &row.method, points) };
     let rows = || group.methods(rays).filter_map(|row| Some((row, of(row)?)));
     let mean = |(row, mean): (&StudyRow, &StudyMean)| {
         series(row, false, vec![point(row, "all scenes", mean.mean.ratio, mean.mean.interval, mean.views)])

@@ -3,55 +3,38 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::building::{figure, mean_speedup, method_style, queues, settings};
+use super::building::{figure, mean_speedup, method_style, settings};
 use super::{Findings, Made};
+use crate::analysis::order::Varied;
 use crate::analysis::summary::{RayClass, distinct};
 use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{Metric, OrderAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Of, Panel, Series};
 
-/// What is varied, as a number that can be put in order.
-type Varied = fn(&OrderAnalysis) -> Option<f64>;
-
 /// Speedups by bits of the key.
 pub fn key_bits(findings: &Findings<'_>) -> Made {
-    let sweep = Sweep {
-        axis: "bits of the key",
-        of: |order| order.key_bits.map(f64::from),
-        other: |order| order.two_point_length.map(f64::from),
-    };
+    let sweep = Sweep { axis: "bits of the key", varied: Varied::KEY_BITS };
     let caption = "Speedup of one method with keys of different length: the first bits of the same layout. Short keys sort in fewer passes.";
     sweep.figure(findings, "Speedup by bits of the key", caption)
 }
 
 /// Speedups by how many bits of the key are the origin's.
 pub fn split(findings: &Findings<'_>) -> Made {
-    let sweep = Sweep {
-        axis: "bits of the origin",
-        // A method itself may lay its bits out in another way than its variants.
-        of: |order| order.origin_bits.filter(|_| order.method != order.base).map(f64::from),
-        other: |order| order.key_bits.map(f64::from),
-    };
+    let sweep = Sweep { axis: "bits of the origin", varied: Varied::ORIGIN_BITS };
     let caption = "Speedup of one method that gives the origin more or fewer bits of a key, and the rest to the direction or end point, bits of both in turn.";
     sweep.figure(findings, "Speedup by bits of the origin", caption)
 }
 
 /// Speedups by the length that two-point assumes.
 pub fn length(findings: &Findings<'_>) -> Made {
-    let sweep = Sweep {
-        axis: "assumed length (unit lengths)",
-        of: |order| order.two_point_length.map(f64::from),
-        other: |order| order.key_bits.map(f64::from),
-    };
+    let sweep = Sweep { axis: "assumed length (unit lengths)", varied: Varied::LENGTH };
     let caption = "Speedup of one method that assumes different lengths for all rays, in units of the scene's largest extent.";
     sweep.figure(findings, "Speedup by assumed ray length", caption)
 }
 
 struct Sweep {
     axis: &'static str,
-    of: Varied,
-    /// What must be the same along a line.
-    other: Varied,
+    varied: Varied,
 }
 
 /// Whose line a point is on: scene, its content's hash, machine, method, and what is not varied.
@@ -99,11 +82,11 @@ impl Sweep {
     ) -> Vec<Found<'a>> {
         let of = |order: &'a OrderAnalysis| {
             let (scene, hash) = (recording.scene.as_str(), recording.content_hash.as_str());
-            let other = (self.other)(order).map(f64::to_bits);
+            let other = (self.varied.other)(order).map(f64::to_bits);
             let line = (scene, hash, recording.configuration.as_str(), order.base.as_str(), other);
-            Some((line, (self.of)(order)?.to_bits(), speedup(order).known()?))
+            Some((line, (self.varied.of)(order)?.to_bits(), speedup(order).known()?))
         };
-        queues(recording, rays).flat_map(|queue| &queue.orders).filter_map(of).collect()
+        recording.measured_of(rays).flat_map(|queue| &queue.orders).filter_map(of).collect()
     }
 
     /// A panel, and the recordings whose numbers are in it.
@@ -149,7 +132,7 @@ impl Sweep {
                 mean_speedup(f64::from_bits(varied), lines.iter().copied(), of)
             });
             let points = points.collect();
-            Series { style: method_style(findings, base), points, label: label.join(", "), is_part: false }
+            Series::new(label.join(", "), method_style(findings, base), points)
         });
         let panel = Panel::new(
             format!("{} rays: {axis}", rays.name()),

@@ -20,12 +20,7 @@ pub fn fill(findings: &Findings<'_>) -> Made {
                 let fill = queue.table.known()?;
                 Some(point(recording, queue, fill.fill * 100.0, 1))
             });
-            vec![Series {
-                label: format!("pass {pass}"),
-                style: pass as usize,
-                points: points.collect(),
-                is_part: false,
-            }]
+            vec![Series::new(format!("pass {pass}"), pass as usize, points.collect())]
         })
     });
     figure(
@@ -54,7 +49,7 @@ pub fn errors(findings: &Findings<'_>) -> Made {
                     let point = point(recording, queue, error.mean_absolute, error.n as usize);
                     Some(Point { spread: range(&ends), ..point })
                 });
-                Series { points: points.collect(), label, style, is_part: false }
+                Series::new(label, style, points.collect())
             };
             if Some(pass) != last {
                 // Earlier passes take the styles after those of all methods. The constant learns nothing,

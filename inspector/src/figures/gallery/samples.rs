@@ -65,10 +65,6 @@ pub(super) fn figure(name: &str, panels: Vec<Panel>) -> Figure {
     }
 }
 
-fn series(label: &str, style: usize, points: Vec<Point>) -> Series {
-    Series { label: label.into(), style, points, is_part: false }
-}
-
 /// A number between 0 and 1 that looks random.
 fn noise(seed: usize) -> f64 {
     ((seed as f64 * 12.9898).sin() * 43_758.547).fract().abs()
@@ -80,8 +76,9 @@ fn named<'a>(
     places: usize,
     point: impl Fn(usize, usize) -> Point + 'a,
 ) -> impl Iterator<Item = Series> + 'a {
-    let of =
-        move |(at, label): (usize, &&str)| series(label, at, (0..places).map(|x| point(at, x)).collect());
+    let of = move |(at, label): (usize, &&str)| {
+        Series::new(*label, at, (0..places).map(|x| point(at, x)).collect())
+    };
     labels.iter().enumerate().map(of)
 }
 
@@ -184,8 +181,10 @@ fn pixel_costs() -> Figure {
 fn frames() -> Figure {
     let bounce = |at: usize, bounce: usize| point(at as f64, 0.7 + noise(at + 9 * bounce), 0.2);
     let parts = named(&METHODS, 5, bounce).map(|series| Series { is_part: true, ..series });
-    let frames =
-        METHODS.iter().enumerate().map(|(at, label)| series(label, at, vec![point(at as f64, 1.1, 0.1)]));
+    let frames = METHODS
+        .iter()
+        .enumerate()
+        .map(|(at, label)| Series::new(*label, at, vec![point(at as f64, 1.1, 0.1)]));
     let (x, y) = (Axis::categories("", METHODS), Axis::ratios("net speedup"));
     let panel = Panel::new("Secondary rays", x, y, Content::Dots(parts.chain(frames).collect()));
     figure("frames", vec![panel.with_reference("unsorted", 1.0)])
@@ -214,7 +213,7 @@ fn photograph() -> Figure {
 
 fn hard(name: &str, y: fn(&str) -> Axis, values: &[f64]) -> Figure {
     let points = values.iter().enumerate().map(|(at, &y)| point(at as f64, y, 0.02)).collect();
-    let lines = Content::Lines(vec![series("series", 1, points)]);
+    let lines = Content::Lines(vec![Series::new("series", 1, points)]);
     figure(name, vec![Panel::new("", Axis::linear("bounce"), y("value (unit)"), lines)])
 }
 
@@ -244,7 +243,7 @@ fn distributions() -> Figure {
 fn markup() -> Figure {
     let hostile = "a_b & <c>, \"d\" 50 % #1 $x^2$ {~} \\e 2 × 3 ≥ µs";
     let named = Point { of: Of::detail(hostile), ..point(0.0, 1.5, 0.1) };
-    let dots = Content::Dots(vec![series(hostile, 2, vec![named, point(1.0, 0.7, 0.0)])]);
+    let dots = Content::Dots(vec![Series::new(hostile, 2, vec![named, point(1.0, 0.7, 0.0)])]);
     let x = Axis::categories("", ["R&D <scene>", "50 % #1_a"]);
     let panel = Panel::new(hostile, x, Axis::from_zero(hostile), dots);
     figure("markup", vec![panel.with_reference("a & b_c", 1.0)])

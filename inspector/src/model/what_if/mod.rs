@@ -129,8 +129,11 @@ impl Settings {
     /// The keys of a queue's rays, in canonical order, and how they are made.
     ///
     /// # Errors
-    /// If the layout is wrong, or needs what the recording did not keep.
+    /// If layout or bits are wrong, as a session may have them, or need what the recording did not keep.
     pub fn keys(&self, header: &Header, queue: &Queue) -> Result<(Vec<u64>, KeyLayout), String> {
+        if !(KEY_BITS_MIN..=LAYOUT_BITS).contains(&self.key_bits) {
+            return Err(format!("{} key bits, expected {KEY_BITS_MIN} to {LAYOUT_BITS}", self.key_bits));
+        }
         let layout = self.layout(header.extent()).map_err(|error| error.message)?;
         let lights = if layout.uses(Coordinate::needs_light) {
             let lights =
