@@ -25,7 +25,7 @@ mod headless;
 #[path = "../../formats/tests/sample/mod.rs"]
 mod sample;
 
-use headless::{State, opened, panel, panel_made, settle, window};
+use headless::{State, click, opened, panel, panel_made, settle, window};
 use sample::QUEUE;
 
 /// The ratios on the screen that have the sign of a ratio.
@@ -235,6 +235,30 @@ fn the_table_has_all_orders_the_best_first() {
         assert!(top(&name) >= top(best), "{name} is above {best}");
     }
     assert!(top(WHAT_IF) > top(UNSORTED), "what was not measured is below what was");
+}
+
+/// What orders shadow rays alone is in the table of closest rays, too, and a click goes to those; B comes back with the
+/// rays that it was chosen for.
+#[test]
+fn an_order_of_other_rays_is_found_and_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    const THEIRS: &str = "light-octahedron";
+    let mut harness = panel("methods", opened(sample::write(folder.path()), QUEUE));
+    assert!(!harness.state().context.methods().contains(&THEIRS.to_owned()));
+    harness.get_by_label("shadow only");
+    let row = harness.get_by_label(THEIRS).rect().center();
+    click(&mut harness, row);
+    let context = &mut harness.state_mut().context;
+    let shadow = QueueId { kind: Kind::Shadow, ..QUEUE };
+    assert_eq!((context.selection.queue, &*context.selection.method), (shadow, THEIRS));
+    context.go_to(QUEUE);
+    assert!(context.methods().contains(&context.selection.method));
+    context.go_to(shadow);
+    assert_eq!(context.selection.method, THEIRS);
+    context.go_to(QUEUE);
+    context.order_by("aila");
+    context.go_to(shadow);
+    assert_eq!(context.selection.method, "aila", "what was chosen meanwhile stays");
 }
 
 /// Unsorted rays beside themselves would answer nothing.

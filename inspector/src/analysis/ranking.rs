@@ -18,12 +18,14 @@ pub struct RankedOrder {
     pub net: Metric<SpeedupLine>,
     /// Of the trace alone.
     pub trace: Metric<SpeedupLine>,
-    /// Net speedup of each bounce of the selected kind, or that of the trace where there is none.
+    /// Net speedup of each bounce of the selected kind, or of the kind that it orders, or that of the trace where there is none.
     pub by_bounce: Vec<f64>,
     /// Of a queue: mean capsule area over that of unsorted rays; `None` while it is awaited.
     pub area: Option<Metric<f64>>,
     /// Of a queue: how much of a warp of 32 works; a model. `None` while it is awaited.
     pub lanes: Option<Metric<f64>>,
+    /// The rays that it orders where the queue has others.
+    pub elsewhere: Option<RayClass>,
 }
 
 /// The best is first.
@@ -71,6 +73,7 @@ impl RankedOrder {
             by_bounce: queues.filter_map(|queue| queue.order(&method).and_then(gain)).collect(),
             area: None,
             lanes: None,
+            elsewhere: None,
             method,
         }
     }
@@ -136,6 +139,7 @@ mod tests {
             by_bounce: Vec::new(),
             area: area.map(Metric::Known),
             lanes: None,
+            elsewhere: None,
         }
     }
 

@@ -64,7 +64,8 @@ impl App {
 
     /// Makes the next order of the table of methods B, or the one before.
     fn next_order(&mut self, step: isize, frame: u64) {
-        let orders = self.context.ranking(frame);
+        let mut orders = self.context.ranking(frame);
+        orders.retain(|order| order.elsewhere.is_none());
         let now = orders.iter().position(|order| order.method == self.context.selection.method);
         let next = now.and_then(|now| now.checked_add_signed(step)).and_then(|next| orders.get(next));
         if let Some(next) = next {

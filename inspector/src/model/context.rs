@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
 use formats::key::method::UNSORTED;
-use formats::manifest::QueueId;
+use formats::manifest::{QueueId, QueueRecord};
 
 use super::absent::Absent;
 use super::background::Background;
@@ -147,15 +147,35 @@ impl Context {
         self.keep_orders();
     }
 
-    /// Leaves orders that the queue has not got.
+    /// Leaves orders that the queue has not got, and takes up again what was left for that.
     pub(crate) fn keep_orders(&mut self) {
-        let Selection { queue, method, .. } = &self.selection;
-        let is_measured = |open: &Recording| open.methods(*queue).contains(method);
-        if method != WHAT_IF && !self.recording().is_some_and(is_measured) {
-            self.order_by_best();
+        let Selection { queue, method, wanted, .. } = self.selection.clone();
+        let measured = self.recording().map_or(&[][..], |open| open.methods(queue));
+        let is_there = |method: &String| method == WHAT_IF || measured.contains(method);
+        match wanted {
+            Some(wanted) if is_there(&wanted) => self.selection.order_by(&wanted),
+            _ if is_there(&method) => {}
+            wanted => {
+                self.order_by_best();
+                self.selection.wanted = wanted.or(Some(method));
+            }
         }
         let Baseline { recording, method } = self.selection.baseline.clone();
         self.hold_against(recording, &method);
+    }
+
+    /// Goes where a method was measured, if the queue is not: to rays of the other kind, of the same bounce if it can be.
+    pub fn go_where_measured(&mut self, method: &str) {
+        let QueueId { pass, bounce, .. } = self.selection.queue;
+        let Some(recording) = self.recording().filter(|_| !self.methods().iter().any(|one| one == method))
+        else {
+            return;
+        };
+        let is_measured = |record: &&QueueRecord| record.methods.iter().any(|one| one == method);
+        let queues = recording.queues().iter().filter(|record| record.id.pass == pass).filter(is_measured);
+        if let Some(queue) = queues.map(|record| record.id).min_by_key(|id| id.bounce.abs_diff(bounce)) {
+            self.go_to(queue);
+        }
     }
 
     /// Makes an order A: of that of the open recordings, or of B's if `None`. It is `unsorted` where there is no

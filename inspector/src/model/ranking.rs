@@ -11,7 +11,7 @@ use crate::analysis::ranking::{RankedOrder, rank};
 use crate::analysis::summary::RayClass;
 
 impl Context {
-    /// All orders of the queue, the one that gains most first. How coherent they are is found in later frames.
+    /// All orders of the recording, the one that gains most first, also those that order rays of the other kind alone. How coherent they are is found in later frames.
     pub fn ranking(&mut self, frame: u64) -> Vec<RankedOrder> {
         let methods = self.methods();
         let coherences = self.coherences(frame).map(|(known, _)| known.to_vec());
@@ -47,7 +47,20 @@ impl Context {
                 (None, _) => order,
             }
         };
-        let mut ranking: Vec<RankedOrder> = methods.into_iter().map(ranked).collect();
+        let elsewhere = |(method, rays): (String, RayClass)| {
+            let frame = recording.over_unsorted(&method);
+            let why = format!("it orders {} rays alone", rays.name());
+            let order = RankedOrder::timed(times, frame, rays, method, &why);
+            RankedOrder {
+                elsewhere: Some(rays),
+                ..order.with(&Metric::missing(&why), &Metric::missing(&why), None)
+            }
+        };
+        // Of a pass that was not measured there is no table.
+        let others =
+            if methods.is_empty() { Vec::new() } else { recording.methods_elsewhere(self.selection.queue) };
+        let mut ranking: Vec<RankedOrder> =
+            methods.into_iter().map(ranked).chain(others.into_iter().map(elsewhere)).collect();
         rank(&mut ranking);
         ranking
     }

@@ -14,6 +14,7 @@ use formats::unit_space::UnitSpace;
 
 use crate::analysis::image_plane::ImagePlane;
 use crate::analysis::ranking::best;
+use crate::analysis::summary::RayClass;
 use crate::analysis::{self, Depth, QueueAnalysis, RecordingAnalysis, Versus};
 use crate::shown;
 
@@ -96,6 +97,18 @@ impl Recording {
     /// What a method gains over unsorted rays on the whole frame; `None` if it orders none of its rays.
     pub fn over_unsorted(&self, method: &str) -> Option<&Versus> {
         self.over_unsorted.iter().find(|(name, _)| name == method).map(|(_, versus)| versus)
+    }
+
+    /// Methods that were timed on other queues than this one, each with the rays that it orders.
+    pub fn methods_elsewhere(&self, queue: QueueId) -> Vec<(String, RayClass)> {
+        let here = self.methods(queue);
+        let timed =
+            self.over_unsorted.iter().map(|(method, _)| method).filter(|method| !here.contains(method));
+        let of = |method: &String| {
+            let mut queues = self.queues.iter().filter(|record| record.methods.contains(method));
+            Some((method.clone(), RayClass::of_kind(queues.next()?.id.kind)))
+        };
+        timed.filter_map(of).collect()
     }
 
     /// The method of a queue that gains most on the whole frame, see [`best`], and not `auto` where it left this queue

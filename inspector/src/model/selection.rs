@@ -60,6 +60,8 @@ pub struct Selection {
     pub queue: QueueId,
     /// Order B, which panels show: a method, or `unsorted`.
     pub method: String,
+    /// What B was where the queue was measured by it: it is B again where one is.
+    pub wanted: Option<String>,
     /// Order A.
     pub baseline: Baseline,
     /// Rays of a group.
@@ -82,6 +84,7 @@ impl Default for Selection {
             recording: 0,
             queue: QueueId { pass: 0, bounce: 0, kind: Kind::Closest },
             method: UNSORTED.to_owned(),
+            wanted: None,
             baseline: Baseline { recording: None, method: UNSORTED.to_owned() },
             group_width: GroupWidth::default(),
             ray: None,
@@ -123,6 +126,7 @@ impl Selection {
 
     /// Another order of the same rays: the ray stays, the group is another.
     pub fn order_by(&mut self, method: &str) {
+        self.wanted = None;
         if self.method != method {
             method.clone_into(&mut self.method);
             self.group = None;

@@ -89,6 +89,7 @@ impl Panel for MethodsPanel {
             });
         });
         if let Some(method) = chosen {
+            context.go_where_measured(&method);
             if ui.input(|input| input.modifiers.shift) {
                 context.hold_against(None, &method);
             } else {
@@ -100,12 +101,26 @@ impl Panel for MethodsPanel {
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {
         let number = |number: Option<f64>| number.map_or(String::new(), |number| number.to_string());
         let row = move |order: RankedOrder| {
+            let speedup = |of: &Metric<SpeedupLine>| {
+                let (low, high) = of.known().and_then(|line| line.interval).unzip();
+                [order.gain(of), low, high].map(number)
+            };
             let of_rays = [order.area.as_ref(), order.lanes.as_ref()];
-            let [area, lanes] = of_rays.map(|of| number(of.and_then(Metric::known).copied()));
-            let [net, trace] = [&order.net, &order.trace].map(|of| number(order.gain(of)));
-            vec![order.method, net, trace, area, lanes]
+            let of_rays = of_rays.map(|of| number(of.and_then(Metric::known).copied()));
+            let numbers = speedup(&order.net).into_iter().chain(speedup(&order.trace)).chain(of_rays);
+            std::iter::once(order.method.clone()).chain(numbers).collect()
         };
-        let header = ["method", "net_speedup", "trace_speedup", "capsule_area_ratio", "simd_utilisation_32"];
+        let header = [
+            "method",
+            "net_speedup",
+            "net_speedup_low",
+            "net_speedup_high",
+            "trace_speedup",
+            "trace_speedup_low",
+            "trace_speedup_high",
+            "capsule_area_ratio",
+            "simd_utilisation_32",
+        ];
         Ok(Data::new(&header, context.ranking(0).into_iter().map(row)))
     }
 }
@@ -132,6 +147,10 @@ fn cells(row: &mut TableRow<'_, '_>, order: &RankedOrder, reach: f64, context: &
         let name = RichText::new(if order.method == CONTROL { "control: 1 is right" } else { &order.method });
         let name = if is_b { name.strong() } else { name };
         ui.add(Label::new(name).selectable(false).truncate()).on_hover_text(about(context, &order.method));
+        if let Some(rays) = order.elsewhere {
+            let only = RichText::new(format!("{} only", rays.name())).weak().small();
+            ui.add(Label::new(only).selectable(false)).on_hover_text("A click goes to these rays");
+        }
     });
     for of in [&order.net, &order.trace] {
         row.col(|ui| speedup(ui, order, of));

@@ -119,8 +119,19 @@ fn unsorted() -> String {
 
 impl From<&Selection> for SavedSelection {
     fn from(selection: &Selection) -> Self {
-        let Selection { recording, queue, method, baseline, group_width, ray, others, group, cell, filter } =
-            selection.clone();
+        let Selection {
+            recording,
+            queue,
+            method,
+            wanted: _,
+            baseline,
+            group_width,
+            ray,
+            others,
+            group,
+            cell,
+            filter,
+        } = selection.clone();
         Self {
             recording,
             pass: queue.pass,
