@@ -71,16 +71,27 @@ pub(crate) struct Made {
 /// Writes the files of every figure, or of those that are named.
 pub(crate) fn plot(Plot { sources, figures, width }: &Plot) -> anyhow::Result<()> {
     check_names(figures)?;
-    print_made(&make(&Inputs::open(&sources.inputs)?, figures, *width, &sources.out)?, sources.json)
+    make_folder(&sources.out)?;
+    let made = make(&Inputs::open(&sources.inputs)?, figures, *width, &sources.out, |name| say(name))?;
+    print_made(&made, sources.json)
 }
 
-/// Writes the files of every figure, or of those that are named, into a folder.
-pub(crate) fn make(inputs: &Inputs, names: &[String], width: Width, out: &Path) -> anyhow::Result<Made> {
-    make_folder(out)?;
+/// Writes the files of every figure, or of those that are named, into a folder, which is made if there are any;
+/// `begun` takes the name of each.
+pub(crate) fn make(
+    inputs: &Inputs,
+    names: &[String],
+    width: Width,
+    out: &Path,
+    begun: impl Fn(&str),
+) -> anyhow::Result<Made> {
     let (figures, skipped) = inputs.figures(&inputs.analysis()?, names)?;
+    if !figures.is_empty() {
+        make_folder(out)?;
+    }
     let mut written = Vec::new();
     for figure in &figures {
-        say(&figure.name);
+        begun(&figure.name);
         written.extend(files::write(figure, width, out)?);
     }
     Ok(Made { files: written, skipped, left_out: inputs.left_out.clone() })

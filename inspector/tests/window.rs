@@ -302,6 +302,19 @@ fn imported_rays_are_shown_in_rows() {
     assert!(harness.state().context.selection.ray.is_some(), "no ray at {at}");
 }
 
+/// Camera rays start in one place: their curve is that of what they hit.
+#[test]
+fn the_curve_of_camera_rays_goes_through_what_they_hit() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = ordered(sample::write(folder.path()), QueueId { bounce: 0, ..QUEUE }, "two-point");
+    let [by_default, through_hits] = [RayEnd::Origin, RayEnd::Termination].map(|curve_end| {
+        let drawn = layers(&mut context, &SpaceOptions { curve_end, jumps: 0, ..SpaceOptions::default() });
+        let Shape::Strip(curve) = drawn[0].geometry.shape() else { panic!("no curve") };
+        curve.iter().map(|vertex| vertex.position).collect::<Vec<_>>()
+    });
+    assert!(by_default.len() > 1 && by_default == through_hits);
+}
+
 /// Curve, rays and capsules against the recording read without the window.
 #[test]
 fn vertices_are_those_of_the_analysis() {
@@ -391,7 +404,7 @@ fn arrays_that_are_missing_are_said_in_their_place() {
     context.go_to(QUEUE);
     let mut harness = panel("methods", context);
     let ranking = harness.state_mut().context.ranking(1);
-    for order in ranking {
+    for order in ranking.into_iter().filter(|order| order.elsewhere.is_none()) {
         let why = order.area.as_ref().and_then(Metric::reason);
         assert!(why.is_some_and(|why| why.contains("hits.npy")), "{}: {why:?}", order.method);
     }

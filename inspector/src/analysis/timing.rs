@@ -90,7 +90,10 @@ pub struct SpeedupLine {
 impl SpeedupLine {
     /// Its interval for people, nothing if it has none.
     pub fn interval_text(&self) -> String {
-        self.interval.map_or(String::new(), |(low, high)| format!("[{low:.2}, {high:.2}]"))
+        // As many digits as it takes to see on which side of 1 an end lies.
+        let end =
+            |end: f64| if (end - 1.0).abs() < 0.005 { format!("{end:.3}") } else { format!("{end:.2}") };
+        self.interval.map_or(String::new(), |(low, high)| format!("[{}, {}]", end(low), end(high)))
     }
 
     /// The same beside a control that misses 1 by `error`.

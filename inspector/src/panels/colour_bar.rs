@@ -1,6 +1,7 @@
 //! What the colours of a picture stand for: a bar with its unit, and above it how many values have which colour.
 
-use egui::{Align2, Color32, Rect, Response, Sense, Ui, pos2, vec2};
+use egui::text::{LayoutJob, TextWrapping};
+use egui::{Color32, Rect, Response, Sense, Ui, pos2, vec2};
 
 use crate::colour_map::ColourMap;
 use crate::figures::axis::ratio_label;
@@ -55,8 +56,12 @@ impl ColourBar<'_> {
             }
         }
         let (line, font) = (bar_top + BAR + 2.0, egui::TextStyle::Body.resolve(ui.style()));
-        let below = pos2(rect.center().x, line + text_height);
-        painter.text(below, Align2::CENTER_TOP, self.title, font.clone(), ui.visuals().text_color());
+        let mut title =
+            LayoutJob::simple_singleline(self.title.to_owned(), font.clone(), ui.visuals().text_color());
+        title.wrap = TextWrapping::truncate_at_width(width);
+        let title = painter.layout_job(title);
+        let (is_cut, left) = (title.elided, rect.center().x - 0.5 * title.size().x);
+        painter.galley(pos2(left, line + text_height), title, ui.visuals().text_color());
         let mut taken: Vec<Rect> = Vec::new();
         let middle = (self.logarithm == Some(2.0)).then_some(0.0);
         for value in [self.range.low, self.range.high].into_iter().chain(middle) {
@@ -75,7 +80,7 @@ impl ColourBar<'_> {
                 taken.push(place);
             }
         }
-        response
+        if is_cut { response.on_hover_text(self.title) } else { response }
     }
 }
 

@@ -85,10 +85,21 @@ fn words(ui: &mut egui::Ui) {
     });
 }
 
-/// Says what is wrong with the filter, if anything is.
+/// What is wrong with the filter, if anything is, and what goes meanwhile.
+pub(super) fn said(context: &mut Context) -> Option<String> {
+    let error = problem(context)?;
+    let filter = &context.selection.filter;
+    let last = filter.in_force().filter(|_| filter.error().is_some());
+    Some(match last {
+        Some(last) => format!("{error}; until then: {}", last.text()),
+        None => format!("{error}; until then: all rays"),
+    })
+}
+
+/// Says it.
 pub(super) fn filter_problem(ui: &mut egui::Ui, context: &mut Context) {
-    if let Some(error) = problem(context) {
+    if let Some(said) = said(context) {
         let colour = Theme::of(ui.ctx()).problem();
-        ui.label(egui::RichText::new(error.to_string()).color(colour));
+        ui.label(egui::RichText::new(said).color(colour));
     }
 }

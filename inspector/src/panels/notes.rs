@@ -11,14 +11,21 @@ use crate::model::{Absent, Context, Order};
 use crate::output::{count, counted};
 use crate::theme::Theme;
 
-/// A name with its colour before it.
+/// A name with its colour before it, in one piece: it goes to the next line as a whole.
 pub(super) fn legend(ui: &mut egui::Ui, colour: egui::Color32, name: &str) {
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = 5.0;
-        let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
-        ui.painter().rect_filled(rect, 2.0, colour);
-        ui.label(name);
-    });
+    const SWATCH: f32 = 10.0;
+    let (font, text_colour) = (egui::TextStyle::Body.resolve(ui.style()), ui.visuals().text_color());
+    let text = ui.painter().layout_no_wrap(name.to_owned(), font, text_colour);
+    let size = egui::vec2(SWATCH + 5.0 + text.size().x, text.size().y.max(SWATCH));
+    let (rect, response) = ui.allocate_exact_size(size, egui::Sense::hover());
+    let square = egui::Rect::from_center_size(
+        egui::pos2(rect.left() + 0.5 * SWATCH, rect.center().y),
+        egui::Vec2::splat(SWATCH),
+    );
+    ui.painter().rect_filled(square, 2.0, colour);
+    let place = egui::pos2(rect.right() - text.size().x, rect.center().y - 0.5 * text.size().y);
+    ui.painter().galley(place, text, text_colour);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, name));
 }
 
 /// The colour of a method, the same in all panels; a ring where another method has that colour too.

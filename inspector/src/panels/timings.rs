@@ -19,8 +19,8 @@ pub(super) struct TimingsPanel;
 /// Height of a bar and its name, points: enough for both to be read.
 const BAR_ROW: f32 = 19.0;
 
-/// How far the axis goes beyond the longest bar, so that the net speedups have room.
-const ROOM_FOR_NET: f64 = 1.12;
+/// Right of the longest bar, for the net speedups, points.
+const ROOM_FOR_NET: f32 = 74.0;
 
 /// Height of the axis below the bars and the names above them, points.
 const AXIS: f32 = 64.0;
@@ -92,6 +92,7 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
     let names: Vec<String> = orders.iter().map(|(order, _)| order.method.clone()).collect();
     let break_even = orders.last().filter(|(order, _)| order.method == UNSORTED).map(|(_, takes)| *takes);
     let line = ui.horizontal_wrapped(|ui| {
+        ui.label(format!("Bounce {}, {} rays:", queue.bounce, queue.kind));
         for (at, stage) in stacked() {
             let times: Vec<f64> = orders.iter().map(|(order, _)| milliseconds(order, stage)).collect();
             if times.iter().all(|time| *time == 0.0) {
@@ -116,13 +117,15 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
         .label_spacing(4.0..=8.0)
         .formatter(move |mark, _| name_at(&names, mark.value));
     let longest = orders.iter().map(|(_, takes)| *takes).fold(0.0, f64::max);
+    let for_bars = ui.available_width() - width;
+    let room = f64::from(for_bars / (for_bars - ROOM_FOR_NET).max(ROOM_FOR_NET));
     Plot::new("timings")
         .height(height.max(80.0))
         .allow_scroll(false)
         .allow_zoom(false)
         .allow_drag(false)
         .include_x(0.0)
-        .include_x(longest * ROOM_FOR_NET)
+        .include_x(longest * room)
         .set_margin_fraction(egui::vec2(0.02, 0.03))
         .show_grid([true, false])
         .custom_x_axes(vec![AxisHints::new_x().label("milliseconds").label_spacing(30.0..=60.0)])

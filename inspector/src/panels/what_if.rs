@@ -18,6 +18,8 @@ use crate::theme::{HOLLOW, Theme};
 
 /// Height of the chart, points.
 const HEIGHT: f32 = 200.0;
+/// What the name of a bit below it takes, points.
+const NAME_WIDTH: f32 = 20.0;
 
 #[derive(Default)]
 pub(super) struct WhatIfPanel;
@@ -183,6 +185,8 @@ fn bits(ui: &mut egui::Ui, context: &mut Context, layout: &Layout, key_bits: u32
     };
     let bars = BarChart::new("bits", found.bits.iter().enumerate().map(bar).collect());
     let below = AxisHints::new_x().label_spacing(12.0..=18.0);
+    // As many names as have room.
+    let step = (NAME_WIDTH * found.bits.len() as f32 / ui.available_width()).ceil().max(1.0) as f64;
     Plot::new("bits")
         .height(HEIGHT)
         .allow_scroll(false)
@@ -196,7 +200,7 @@ fn bits(ui: &mut egui::Ui, context: &mut Context, layout: &Layout, key_bits: u32
                 .formatter(move |mark, _| name_at(&names, mark.value))
                 .label("keys end after this bit, the most significant first"),
         ])
-        .x_grid_spacer(egui_plot::uniform_grid_spacer(|_| [1.0, 1.0, 1.0]))
+        .x_grid_spacer(egui_plot::uniform_grid_spacer(move |_| [step; 3]))
         .show(ui, |plot| {
             plot.bar_chart(bars);
             plot.hline(HLine::new("unsorted", 1.0).color(theme.reference()).style(LineStyle::dashed_dense()));

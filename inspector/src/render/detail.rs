@@ -24,9 +24,9 @@ impl Detail {
         self.first + middle as usize
     }
 
-    /// Of how many places one is shown, about.
-    pub fn step(self) -> usize {
-        (self.all as f64 / self.shown.max(1) as f64).round() as usize
+    /// Of how many places one is shown, about, and how many places there are.
+    pub fn step(self) -> (usize, usize) {
+        ((self.all as f64 / self.shown.max(1) as f64).round() as usize, self.all)
     }
 
     /// The places shown.

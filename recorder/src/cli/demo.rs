@@ -16,8 +16,9 @@ use crate::report;
 
 /// The built-in scene.
 const SCENE: &str = "builtin:atrium";
-/// A size that takes seconds on two cores.
-const SIZE: &str = "--width 400 --height 225 --bounces 4 --passes 2 --repeats 7 --force --out";
+/// A size that takes seconds on two cores, and what each picture of the window is made of.
+const SIZE: &str = "--width 400 --height 225 --bounces 4 --passes 2 --repeats 7 \
+    --keep rays,hits,keys,permutations,lengths,scene,image,caches,work --force --out";
 
 #[derive(Debug, Args)]
 pub(super) struct DemoArguments {
@@ -40,7 +41,8 @@ pub(super) fn run(arguments: &DemoArguments) -> Result<()> {
     if Dump::open(&out).is_ok_and(|dump| !is_demo(dump)) {
         bail!("{} holds a recording of something else; choose another folder with --out", out.display());
     }
-    let words = [SCENE].into_iter().chain(SIZE.split(' ')).map(OsString::from).chain([out.into_os_string()]);
+    let words =
+        [SCENE].into_iter().chain(SIZE.split_whitespace()).map(OsString::from).chain([out.into_os_string()]);
     let options =
         parse_words::<RecordArguments>("record", words)?.with_device(arguments.device.clone()).options()?;
     let recorded = recording::record(&options)?;

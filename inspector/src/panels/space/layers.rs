@@ -148,9 +148,14 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Of how many rays one is in the last picture.
-    pub(super) fn step(&self) -> usize {
-        self.made.as_ref().map_or(1, |(_, made)| made.places.step())
+    /// Of how many rays one is in the last picture, and how many it is picked from.
+    pub(super) fn step(&self) -> (usize, usize) {
+        self.made.as_ref().map_or((1, 0), |(_, made)| made.places.step())
+    }
+
+    /// What of the rays the curve of the last picture goes through.
+    pub(super) fn curve_end(&self) -> Option<RayEnd> {
+        self.made.as_ref()?.0.curve
     }
 
     /// Jumps in the last picture.
@@ -222,14 +227,17 @@ impl Layers {
         let selection = &context.selection;
         let of_order = (order.serial, selection.group_width);
         let is_known = !matches!(filtered, Filtered::Unknown);
+        // All camera rays start in one place, where no curve can be seen.
+        let is_camera = selection.queue.bounce == 0 && selection.queue.kind == Kind::Closest;
+        let curve_end = if is_camera { RayEnd::Termination } else { options.curve_end };
         let key = Wanted {
             order: of_order,
             filter: selection.filter.in_force().map(|filter| (filter.clone(), is_known)),
             places: drawn_from(options, order.len()),
             detail: options.detail,
-            curve: options.curve.then_some(options.curve_end),
+            curve: options.curve.then_some(curve_end),
             // What jumps is the origin of the next ray.
-            jumps: if options.curve && options.curve_end == RayEnd::Origin { options.jumps } else { 0 },
+            jumps: if options.curve && curve_end == RayEnd::Origin { options.jumps } else { 0 },
             rays: options.rays,
             ends: options.ends,
             cells: options.cells.then_some(options.cell_count),

@@ -40,7 +40,7 @@ impl SpaceView {
             let callback = PictureCallback { view, format, picture, refusal };
             ui.painter().add(callback.shape(rect));
         }
-        let filter = filter_box::problem(context).map(|error| Absent::from(format!("filter: {error}")));
+        let filter = filter_box::said(context).map(|said| Absent::from(format!("filter: {said}")));
         let refused = self.refusal.reason().map(|reason| Absent::from(format!("not all is drawn: {reason}")));
         let drawn = [self.layers.problem.as_ref(), self.mesh_problem.as_ref()];
         let problems = drawn.into_iter().chain([filter.as_ref(), refused.as_ref()]).flatten();

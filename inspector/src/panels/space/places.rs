@@ -25,8 +25,8 @@ impl ShownPlaces {
         self.detail.places().map(place)
     }
 
-    /// Of how many that pass one is shown.
-    pub(super) fn step(&self) -> usize {
+    /// Of how many that pass one is shown, and how many there are to pick from.
+    pub(super) fn step(&self) -> (usize, usize) {
         self.detail.step()
     }
 
@@ -49,6 +49,7 @@ mod tests {
         let shown = |wanted| ShownPlaces::of(&(0..100), wanted, Some(passing.clone()));
         assert_eq!(shown(100).places().collect::<Vec<_>>(), [2, 3, 50, 51, 52, 90]);
         assert_eq!(shown(3).places().collect::<Vec<_>>(), [3, 51, 90]);
+        assert_eq!((shown(100).step(), shown(3).step()), ((1, 6), (2, 6)));
         assert_eq!(shown(100).between(&(3..52)), 1..4);
         assert_eq!(ShownPlaces::of(&(3..52), 100, Some(passing.clone())).places().count(), 3);
         assert_eq!(ShownPlaces::of(&(4..9), 100, None).places().collect::<Vec<_>>(), [4, 5, 6, 7, 8]);

@@ -199,8 +199,8 @@ impl SpaceView {
     pub(super) fn showing(&self) -> String {
         let rays = self.layers.counts().filter(|_| self.options.shows_rays());
         let rays = rays.map(|(shown, all)| match self.layers.step() {
-            0 | 1 => format!("{} of {} rays", count(shown as u64), count(all as u64)),
-            step => format!("every {} of {} rays", ordinal(step), count(all as u64)),
+            (0 | 1, _) => format!("{} of {} rays", count(shown as u64), count(all as u64)),
+            (step, of) => format!("every {} of {} rays", ordinal(step), count(of as u64)),
         });
         let jumps =
             self.layers.jump_count().map(|jumps| format!("the {} longest jumps", count(jumps as u64)));
@@ -228,8 +228,11 @@ impl SpaceView {
             let (shared, of_ray) = visits.shared();
             format!("{of_ray} boxes that the ray enters, {shared} of them with others of its group")
         });
+        let is_instead = self.layers.curve_end().is_some_and(|end| end != self.options.curve_end);
+        let curve =
+            is_instead.then(|| "a curve through what they hit, as they start in one place".to_owned());
         let parts: Vec<String> =
-            [rays, passing, jumps, capsules, cells, paths, visits].into_iter().flatten().collect();
+            [rays, passing, curve, jumps, capsules, cells, paths, visits].into_iter().flatten().collect();
         if parts.is_empty() {
             "showing the scene alone".to_owned()
         } else {
