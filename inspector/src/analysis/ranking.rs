@@ -19,7 +19,7 @@ pub struct RankedOrder {
     /// Of the trace alone.
     pub trace: Metric<SpeedupLine>,
     /// Net speedup of each bounce of the selected kind, or of the kind that it orders, or that of the trace where there is none.
-    pub by_bounce: Vec<f64>,
+    pub by_bounce: Vec<(u32, f64)>,
     /// Of a queue: mean capsule area over that of unsorted rays; `None` while it is awaited.
     pub area: Option<Metric<f64>>,
     /// Of a queue: how much of a warp of 32 works; a model. `None` while it is awaited.
@@ -70,7 +70,9 @@ impl RankedOrder {
         Self {
             net: line(frame.map(|frame| &frame.net)),
             trace: line(frame.map(|frame| &frame.trace)),
-            by_bounce: queues.filter_map(|queue| queue.order(&method).and_then(gain)).collect(),
+            by_bounce: queues
+                .filter_map(|queue| Some((queue.bounce, gain(queue.order(&method)?)?)))
+                .collect(),
             area: None,
             lanes: None,
             elsewhere: None,

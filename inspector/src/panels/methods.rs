@@ -63,8 +63,8 @@ impl Panel for MethodsPanel {
             ui.label("Speedup over unsorted, whole frame (secondary + shadow rays).");
             ui.weak("Click: B. Shift-click: A.");
         });
-        let by_bounce = ranking.iter().flat_map(|order| &order.by_bounce).filter(|ratio| **ratio > 0.0);
-        let reach = by_bounce.map(|ratio| ratio.log2().abs()).fold(LEAST_REACH.log2(), f64::max);
+        let by_bounce = ranking.iter().flat_map(|order| &order.by_bounce).filter(|(_, ratio)| *ratio > 0.0);
+        let reach = by_bounce.map(|(_, ratio)| ratio.log2().abs()).fold(LEAST_REACH.log2(), f64::max);
         let mut chosen = None;
         egui::ScrollArea::horizontal().auto_shrink([false, false]).show(ui, |ui| {
             let mut table = TableBuilder::new(ui)
@@ -202,12 +202,13 @@ fn of_rays(ui: &mut Ui, of: Option<&Metric<f64>>, text: fn(f64) -> String) {
 }
 
 /// Speedups from bounce to bounce, on a logarithmic scale that reaches as far up from 1 as down.
-fn sparkline(ui: &mut Ui, by_bounce: &[f64], reach: f64, colour: egui::Color32) {
+fn sparkline(ui: &mut Ui, by_bounce: &[(u32, f64)], reach: f64, colour: egui::Color32) {
     let (rect, response) = ui.allocate_exact_size(vec2(58.0, ROW - 4.0), egui::Sense::hover());
     if by_bounce.is_empty() {
         return;
     }
-    response.on_hover_text(by_bounce.iter().map(|ratio| times(*ratio)).collect::<Vec<_>>().join("  "));
+    let said = by_bounce.iter().map(|(bounce, ratio)| format!("bounce {bounce}: {}", times(*ratio)));
+    response.on_hover_text(said.collect::<Vec<_>>().join("\n"));
     let y_of = |ratio: f64| {
         let part = 0.5 - 0.5 * (ratio.max(f64::MIN_POSITIVE).log2() / reach).clamp(-1.0, 1.0) as f32;
         rect.top() + part * rect.height()
@@ -217,7 +218,7 @@ fn sparkline(ui: &mut Ui, by_bounce: &[f64], reach: f64, colour: egui::Color32) 
     let step = rect.width() / by_bounce.len().saturating_sub(1).max(1) as f32;
     let points = by_bounce.iter().enumerate();
     let points: Vec<egui::Pos2> =
-        points.map(|(at, ratio)| pos2(rect.left() + at as f32 * step, y_of(*ratio))).collect();
+        points.map(|(at, (_, ratio))| pos2(rect.left() + at as f32 * step, y_of(*ratio))).collect();
     if let [only] = points[..] {
         ui.painter().circle_filled(only, 2.5, colour);
     }
