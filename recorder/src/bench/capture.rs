@@ -24,6 +24,7 @@ use crate::foreign::Foreign;
 use crate::machine::{self, Device};
 use crate::measure::sampled;
 use crate::options::{Keep, RecordOptions};
+use crate::output::say;
 use crate::recording::{RaySource, Run, header, prepared};
 use crate::stages::setup::Setup;
 
@@ -52,7 +53,7 @@ pub fn run(bench: &CaptureBench) -> Result<BenchResult> {
         let options = RecordOptions { scene: name.clone(), out, ..bench.run.clone() };
         let scene = scenes::load(name)?;
         let setup = prepared(&device, &scene, &options)?;
-        eprintln!("{}", scene.name);
+        say(&scene.name);
         let turns = Turns { device: &device, scene: &scene, setup: &setup, options: &options };
         let row = backends::measure(&device, &scene, &setup, &[device.kernel(&options.device)], turns)?;
         controls.push(row.control);

@@ -32,6 +32,7 @@ use crate::calibrate;
 use crate::machine;
 use crate::measure::{Subject, sampled};
 use crate::options::RecordOptions;
+use crate::output::say;
 use crate::progress::Progress;
 use crate::recording::prepared;
 use crate::stages::setup::{MethodPlan, Setup};
@@ -62,7 +63,7 @@ pub fn run(bench: &RenderBench) -> Result<BenchResult> {
     for name in &bench.scenes {
         let scene = scenes::load(name)?;
         let setup = prepared(&device, &scene, &run)?;
-        eprintln!("{}", scene.name);
+        say(&scene.name);
         let kernel = device.kernel(&run.device);
         let frames = Frames { run: &run, scene: &scene, setup: &setup, kernel };
         let (of_scene, control) = backends::measure(&device, &scene, &setup, &[kernel], frames)?;

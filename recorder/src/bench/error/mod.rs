@@ -23,6 +23,7 @@ use scenes::Scene;
 use super::result;
 use crate::machine::{self, Device};
 use crate::options::RecordOptions;
+use crate::output::say;
 use crate::recording::prepared;
 use crate::stages::setup::Setup;
 
@@ -88,7 +89,7 @@ pub fn run(options: &ErrorBench) -> Result<BenchResult> {
         let scene = scenes::load(name)?;
         let bench = Bench { options, device: &device, scene: &scene };
         for curve in &options.curves {
-            eprintln!("{}: {curve:?}", scene.name);
+            say(format_args!("{}: {curve:?}", scene.name));
             match curve {
                 Curve::Precision => rows.precision.extend(precision::run(bench)?),
                 Curve::Estimator => rows.estimator.extend(estimator::run(bench)?),
