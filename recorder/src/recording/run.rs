@@ -1,5 +1,6 @@
 //! A run on a device: the loop or recorded rays, measured and written.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
@@ -69,6 +70,23 @@ pub(crate) enum RaySource<'a> {
     Paths,
     /// Queues that were recorded or imported.
     Recorded(Vec<RecordedRays<'a>>),
+}
+
+impl RaySource<'_> {
+    /// How often each ray is traced beyond the first time, pass by pass as they run: of a calibration, where there is
+    /// one, and of `passes`, of which the last is measured. Queues that were recorded are of as many as were kept, and
+    /// the last of them is the calibration's, too.
+    fn traces(&self, passes: u32, calibration: &[u64], measured: u64) -> Vec<u64> {
+        let (passes, calibration) = match self {
+            Self::Paths => (passes as usize, calibration),
+            Self::Recorded(queues) => {
+                let passes: BTreeSet<u32> = queues.iter().map(|queue| queue.id.pass).collect();
+                (passes.len(), &calibration[..calibration.len().min(1)])
+            }
+        };
+        let unmeasured = (1..passes).map(|_| 0);
+        calibration.iter().copied().chain(unmeasured).chain([measured]).collect()
+    }
 }
 
 /// Everything of a run but the device.
@@ -233,15 +251,9 @@ impl Run<'_> {
         // Two rounds come before those that count; the control and the baseline are traced once in each.
         let traces = (2 + repeats) * 2 * (1 + self.setup.named().len() as u64);
         let calibration = calibrate::traces(&self.setup);
-        let (passes, calibration) = match &self.rays {
-            RaySource::Paths => (self.options.passes, &calibration[..]),
-            RaySource::Recorded(_) => (1, &calibration[..1]),
-        };
         let is_calibrated = self.options.auto && self.calibration.is_empty();
-        let calibration = if is_calibrated { calibration } else { &[] };
-        let unmeasured = (1..passes).map(|_| 0);
-        let passes = calibration.iter().copied().chain(unmeasured).chain([traces]).collect();
-        Progress::new(self.options.bounces, passes)
+        let calibration = if is_calibrated { &calibration[..] } else { &[] };
+        Progress::new(self.options.bounces, self.rays.traces(self.options.passes, calibration, traces))
     }
 
     fn write_image<B: Backend>(&self, backend: &mut B, capture: &mut Capture) -> Result<ImageDigest> {
@@ -252,5 +264,29 @@ impl Run<'_> {
             capture.whole_array(Place::Image, &[height.into(), width.into(), 3], &image)?;
         }
         Ok(ImageDigest { width, height, sha256: digest.into() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use formats::manifest::QueueId;
+    use formats::ray::Kind;
+
+    use super::*;
+
+    fn recorded(passes: &[u32]) -> RaySource<'static> {
+        let id = |&pass: &u32| Kind::ALL.map(|kind| QueueId { pass, bounce: 0, kind });
+        let queue = |id| RecordedRays { id, rays: &[], path_ids: &[], lights: &[], lengths: None };
+        RaySource::Recorded(passes.iter().flat_map(id).map(queue).collect())
+    }
+
+    #[test]
+    fn as_many_passes_are_expected_as_run() {
+        let paths = RaySource::Paths;
+        assert_eq!(paths.traces(3, &[], 9), [0, 0, 9]);
+        assert_eq!(paths.traces(3, &[5, 4], 9), [5, 4, 0, 0, 9]);
+        let (all, last) = (recorded(&[0, 1, 2]), recorded(&[2]));
+        assert_eq!([&all, &last].map(|rays| rays.traces(3, &[], 9)), [vec![0, 0, 9], vec![9]]);
+        assert_eq!([&all, &last].map(|rays| rays.traces(3, &[5, 4], 9)), [vec![5, 0, 0, 9], vec![5, 9]]);
     }
 }
