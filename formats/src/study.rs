@@ -84,6 +84,11 @@ pub enum StudyError {
     },
 }
 
+/// Whether nothing has this name, also since what should hold it is a plain file: some systems leave theirs anywhere.
+fn is_absent(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
+}
+
 impl JobRecord {
     /// Reads the record in a job's folder; `None` if the job has not ended.
     ///
@@ -93,7 +98,7 @@ impl JobRecord {
         let path = job.join(JOB_NAME);
         let bytes = match read_plain(&path, BYTES_MAX) {
             Ok(bytes) => bytes,
-            Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(cause) if is_absent(&cause) => return Ok(None),
             Err(cause) => return Err(StudyError::Io { path, cause }),
         };
         let problem = |reason: String| StudyError::Job { path: path.clone(), reason };
@@ -210,6 +215,7 @@ mod tests {
         assert!(Study::is_at(root));
         record(None).write(&root.join("jobs/b-finished")).unwrap();
         record(Some("the disk is full\u{1b}")).write(&root.join("jobs/a-failed")).unwrap();
+        std::fs::write(root.join("jobs/.DS_Store"), "").unwrap();
         let study = Study::open(root).unwrap();
         let ends: Vec<Option<&str>> = study.jobs.iter().map(|job| job.record.failure.as_deref()).collect();
         assert_eq!(ends, [Some("the disk is full\\u{1b}"), None]);
