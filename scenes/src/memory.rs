@@ -13,8 +13,8 @@ pub struct Shortage {
 }
 
 /// Free memory and swap space, bytes, or what a control group (a container, a job of a cluster) leaves of
-/// them. Where the system does not tell, all that there could be, so that nothing is refused.
-pub(crate) fn free() -> u64 {
+/// them. Where the system does not tell, [`u64::MAX`], so that nothing is refused.
+pub fn free() -> u64 {
     let found = System::new().map_or(0, |mut system| {
         system.refresh_memory();
         let all = system.available_memory().saturating_add(system.free_swap());

@@ -12,8 +12,7 @@ pub mod self_check;
 use anyhow::{Context, Result, bail, ensure};
 use formats::length_table::TableCell;
 use formats::manifest::Backend;
-use scenes::Scene;
-use sysinfo::System;
+use scenes::{Scene, memory};
 
 use self::self_check::{SMALLEST_FLUSHED_SCENE, SelfCheck};
 use crate::device::{AdapterRequest, Gpu, GpuError};
@@ -166,17 +165,13 @@ impl Device {
                 let needed = (pixels.saturating_mul(CPU_BYTES_PER_PIXEL))
                     .saturating_add(triangles.saturating_mul(CPU_BYTES_PER_TRIANGLE))
                     .saturating_add(CPU_BYTES_PER_CELL << setup.table_bits);
-                // Where the system does not tell, nothing is refused.
-                let available = System::new().map_or(0, |mut system| {
-                    system.refresh_memory();
-                    system.available_memory()
-                });
-                if available > 0 && needed > available {
+                let free = memory::free();
+                if needed > free {
                     bail!(
                         "{size} pixels and {} triangles need about {} MiB of memory, but only {} MiB are free; ask for a smaller picture or scene",
                         scene.triangles.len(),
                         needed >> 20,
-                        available >> 20
+                        free >> 20
                     );
                 }
             }
