@@ -442,4 +442,6 @@ fn benchmarks_are_read_by_figures() {
     }
     let bad = Program::Recorder.run(folder.path(), "bench sort --key-bits 7");
     bad.failed_with(USAGE, &["key-bits"]);
+    // More keys than a GPU counts.
+    Program::Recorder.run(folder.path(), "bench sort --log2-n 30").failed_with(USAGE, &["log2-n", "29"]);
 }

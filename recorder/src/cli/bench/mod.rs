@@ -21,6 +21,7 @@ use crate::bench::rate;
 use crate::bench::sort::{self, SortBench};
 use crate::bench::trace::{self, TraceBench};
 use crate::options::{DeviceOptions, OptionError, RecordOptions, in_range, parse_methods};
+use crate::stages::sort::COUNT_BITS;
 use crate::stages::trace::TraceKernel;
 use capture::CaptureArguments;
 use error::ErrorArguments;
@@ -77,7 +78,7 @@ enum What {
 
 #[derive(Debug, Args)]
 struct SortArguments {
-    /// Numbers of keys, as powers of two.
+    /// Numbers of keys, as powers of two, 0 to 29.
     #[arg(long, value_delimiter = ',', default_value = "10,12,14,16,18,20,21,22,24")]
     log2_n: Vec<u32>,
     /// Bits of a key, 8 to 64.
@@ -129,7 +130,7 @@ struct TraceArguments {
 impl SortArguments {
     fn bench(&self) -> Result<SortBench, OptionError> {
         for &power in &self.log2_n {
-            in_range("log2-n", power, 0, 30)?;
+            in_range("log2-n", power, 0, COUNT_BITS - 1)?;
         }
         for &bits in &self.key_bits {
             in_range("key-bits", bits, KEY_BITS_MIN, LAYOUT_BITS)?;

@@ -3,7 +3,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::{BINS, DIGIT_BITS, DIGITS_PER_WORD, Digits};
+use super::{BINS, COUNT_BITS, DIGIT_BITS, DIGITS_PER_WORD, Digits};
 use crate::device::kernel::{LINEAR_WORKGROUP_WGSL, constants_wgsl};
 use crate::device::{AdapterDescription, Binding, DeviceArray, Gpu, GpuError, Kernel, KernelSource};
 use crate::stages::compact::WORKGROUP_SCAN_WGSL;
@@ -278,8 +278,8 @@ impl Sorter {
         for array in [&keys.low, high, permutation] {
             assert!(count <= array.len(), "{count} keys, {} in {}", array.len(), array.label());
         }
-        // The upper bits of what a tile says are not counts.
-        let count = u32::try_from(count).ok().filter(|&count| count < 1 << 30).expect("fewer than 2^30 keys");
+        let count = u32::try_from(count).ok().filter(|&count| count < 1 << COUNT_BITS);
+        let count = count.expect("fewer than 2^30 keys");
         let tiles = count.div_ceil(self.tiling.tile_keys);
         let room = self.make_room(gpu, count as usize, tiles as usize)?;
         let resources = [

@@ -45,5 +45,8 @@ pub const DIGIT_BITS: u32 = 8;
 /// Values of a digit.
 pub const BINS: usize = 1 << DIGIT_BITS;
 
+/// Bits of a number of keys on a GPU: the upper ones of what a tile says are not counts.
+pub const COUNT_BITS: u32 = 30;
+
 /// Digits of a word.
 const DIGITS_PER_WORD: u32 = u32::BITS / DIGIT_BITS;
