@@ -80,18 +80,20 @@ impl Manifest {
     /// The orders of another tracer, which came with imported rays: nobody here knows what their keys and their sort
     /// cost, so they have no times of either.
     pub fn foreign_orders(&self) -> impl Iterator<Item = &MethodRecord> {
-        let is_of =
-            |name: &str, place: &Place| matches!(place, Place::Method(_, method, _) if method == name);
-        let is_foreign = move |record: &&MethodRecord| {
-            let name = &record.name;
-            let is_keyed =
-                self.timings.iter().any(|timing| timing.method == *name && timing.stage == Stage::Key);
-            let is_there = self.timings.iter().any(|timing| timing.method == *name)
-                || self.arrays.iter().any(|array| is_of(name, &array.place));
-            is_there && !is_keyed && !BUILTIN.iter().any(|(ours, ..)| ours == name)
-        };
         let may_have = self.header.source != Source::Traced;
-        self.methods.iter().filter(move |_| may_have).filter(is_foreign)
+        let timings = self.timings.iter().filter(move |_| may_have);
+        let is_key = |timing: &&TimingRecord| timing.stage == Stage::Key;
+        let keyed: BTreeSet<&str> =
+            timings.clone().filter(is_key).map(|timing| timing.method.as_str()).collect();
+        let kept = self.arrays.iter().filter(move |_| may_have).filter_map(|array| match &array.place {
+            Place::Method(_, method, _) => Some(method.as_str()),
+            _ => None,
+        });
+        let there: BTreeSet<&str> = timings.map(|timing| timing.method.as_str()).chain(kept).collect();
+        self.methods.iter().filter(move |record| {
+            let name = record.name.as_str();
+            there.contains(name) && !keyed.contains(name) && !BUILTIN.iter().any(|(ours, ..)| *ours == name)
+        })
     }
 }
 

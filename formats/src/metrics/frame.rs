@@ -2,6 +2,7 @@
 //!
 //! What `recorder demo`, `record`, `replay` and `inspector info` end in.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
@@ -87,11 +88,12 @@ impl FrameTimes {
             }
         }
         methods.retain(|method| *method != UNSORTED);
+        let costs = Costs::of(manifest);
         let kinds = methods.into_iter().flat_map(|method| Kind::ALL.map(|kind| (method, kind)));
-        kinds.filter_map(|(method, kind)| Self::of(manifest, &samples, kind, method)).collect()
+        kinds.filter_map(|(method, kind)| Self::of(&costs, &samples, kind, method)).collect()
     }
 
-    fn of<'a>(manifest: &Manifest, samples: &Samples<'a>, kind: Kind, method: &'a str) -> Option<Self> {
+    fn of<'a>(costs: &Costs<'_>, samples: &Samples<'a>, kind: Kind, method: &'a str) -> Option<Self> {
         let queues: Vec<QueueId> = samples
             .orders()
             .filter(|(queue, order)| counts(*queue) && queue.kind == kind && *order == method)
@@ -100,7 +102,7 @@ impl FrameTimes {
         let unsorted: Option<Vec<&[u64]>> =
             queues.iter().map(|queue| Some(samples.get(*queue, UNSORTED)?.traced())).collect();
         let own = queues.iter().filter_map(|queue| Some((*queue, samples.get(*queue, method)?)));
-        let is_known = remark(manifest, method).is_none();
+        let is_known = costs.remark(method).is_none();
         let totals: Vec<Vec<u64>> = own
             .clone()
             .filter(|_| is_known)
@@ -121,16 +123,33 @@ impl FrameTimes {
     }
 }
 
-/// Why a method has no net speedup, if it has none.
-fn remark(manifest: &Manifest, method: &str) -> Option<&'static str> {
-    let record = manifest.methods.iter().find(|record| record.name == method);
-    if record.is_some_and(|record| record.termination == Termination::Real) {
-        return Some("bound");
+/// Methods of which nobody knows what they cost, by name.
+struct Costs<'a> {
+    /// Those that sort by lengths which only a trace gives.
+    bounds: BTreeSet<&'a str>,
+    /// Those of another tracer.
+    foreign: BTreeSet<&'a str>,
+}
+
+impl<'a> Costs<'a> {
+    fn of(manifest: &'a Manifest) -> Self {
+        let bounds = manifest.methods.iter().filter(|record| record.termination == Termination::Real);
+        Self {
+            bounds: bounds.map(|record| record.name.as_str()).collect(),
+            foreign: manifest.foreign_orders().map(|record| record.name.as_str()).collect(),
+        }
     }
-    if method == CONTROL {
-        return Some("1 is right");
+
+    /// Why a method has no net speedup, if it has none.
+    fn remark(&self, method: &str) -> Option<&'static str> {
+        if self.bounds.contains(method) {
+            return Some("bound");
+        }
+        if method == CONTROL {
+            return Some("1 is right");
+        }
+        self.foreign.contains(method).then_some("no key time")
     }
-    manifest.foreign_orders().any(|order| order.name == method).then_some("no key time")
 }
 
 /// Whether a method is `auto` and left all rays alone that count, so that its times are those of no order.
@@ -148,9 +167,6 @@ fn leaves_alone(manifest: &Manifest, method: &str, kind: Kind) -> bool {
 /// Unsorted trace over all stages of a method, of all rays of some kinds that count: a queue that it does not order
 /// stays unsorted.
 fn net(manifest: &Manifest, samples: &Samples<'_>, method: &str, kinds: &[Kind]) -> Option<Speedup> {
-    if remark(manifest, method).is_some() {
-        return None;
-    }
     let queues = manifest.queues.iter().map(|queue| queue.id);
     let queues = queues.filter(|queue| counts(*queue) && kinds.contains(&queue.kind));
     let timed = queues.filter_map(|queue| Some((queue, samples.get(queue, UNSORTED)?.traced())));
@@ -185,6 +201,7 @@ impl Frame {
             (rays > 0).then(|| rays as f64 / ns.max(1.0) * 1e3)
         });
         let times = FrameTimes::all(manifest);
+        let costs = Costs::of(manifest);
         let error = error_of(&times);
         let methods = times.chunk_by(|a, b| a.method == b.method);
         let row = |both: &[FrameTimes]| {
@@ -193,8 +210,13 @@ impl Frame {
             let ordered: Vec<&FrameTimes> = ordered.collect();
             let of = |kind: Kind| ordered.iter().find(|times| times.kind == kind);
             let trace = |kind: Kind| of(kind).and_then(|times| times.trace());
-            let net_of = |kind: Kind| of(kind).and_then(|_| net(manifest, &samples, method, &[kind]));
-            let net = if ordered.is_empty() { None } else { net(manifest, &samples, method, &Kind::ALL) };
+            let remark = costs.remark(method);
+            let net = |kinds: &[Kind]| match remark {
+                Some(_) => None,
+                None => net(manifest, &samples, method, kinds),
+            };
+            let net_of = |kind: Kind| of(kind).and_then(|_| net(&[kind]));
+            let net = if ordered.is_empty() { None } else { net(&Kind::ALL) };
             let verdict = if ordered.is_empty() { LEFT_ALONE } else { verdict(net, error) };
             FrameRow {
                 method: method.to_owned(),
@@ -203,7 +225,7 @@ impl Frame {
                 net_secondary: net_of(Kind::Closest),
                 net_shadow: net_of(Kind::Shadow),
                 net,
-                verdict: remark(manifest, method).unwrap_or(verdict),
+                verdict: remark.unwrap_or(verdict),
             }
         };
         let mut rows: Vec<FrameRow> = methods.map(row).collect();
