@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 
 use fastrand::Rng;
 use formats::manifest::scan::{Frame, scan};
-use formats::manifest::{ArrayRecord, End, Outcome, Place, Record};
+use formats::manifest::{ArrayRecord, Place, Record, Source};
 use formats::reader::{Dump, ReadError};
 use hostile::{assert_sentence, sample, use_everything};
+use sample::part;
 
 const SEED: u64 = 0x5eed_f00d;
 
@@ -99,40 +100,16 @@ fn names_from_a_file_stay_in_one_line() {
     let frames = frames(&dump);
     let edits: [fn(&mut Record); 7] = [
         |record| {
-            if let Record::Header(header) = record {
-                header.options.table_layout = NAME.into()
-            }
+            part::header(record).into_iter().for_each(|header| header.options.table_layout = NAME.into())
         },
+        |record| part::method(record).into_iter().for_each(|method| method.name.insert_str(0, NAME)),
+        |record| part::method(record).into_iter().for_each(|method| method.text = NAME.into()),
+        |record| part::method(record).into_iter().for_each(|method| method.text += "\n\u{a0}"),
+        |record| part::method(record).into_iter().for_each(|method| method.layout[0] = NAME.into()),
+        |record| part::queue(record).into_iter().for_each(|queue| queue.methods.push(NAME.into())),
         |record| {
-            if let Record::Method(method) = record {
-                method.name = format!("{NAME}{}", method.name)
-            }
-        },
-        |record| {
-            if let Record::Method(method) = record {
-                method.text = NAME.into()
-            }
-        },
-        |record| {
-            if let Record::Method(method) = record {
-                method.text += "\n\u{a0}"
-            }
-        },
-        |record| {
-            if let Record::Method(method) = record {
-                method.layout[0] = NAME.into()
-            }
-        },
-        |record| {
-            if let Record::Queue(queue) = record {
-                queue.methods.push(NAME.into())
-            }
-        },
-        |record| {
-            if let Record::Header(header) = record {
-                let name = NAME.into();
-                header.source = formats::manifest::Source::Replayed { name, manifest_sha256: [0; 32] };
-            }
+            let source = Source::Replayed { name: NAME.into(), manifest_sha256: [0; 32] };
+            part::header(record).into_iter().for_each(|header| header.source = source.clone());
         },
     ];
     for (at, edit) in edits.into_iter().enumerate() {
@@ -163,10 +140,7 @@ fn sources_are_looked_for_in_the_same_folder_alone() {
     fs::create_dir(&replay).unwrap();
     let manifest_sha256 = Dump::open(&source).unwrap().manifest_sha256().unwrap();
     let has_source = |name: &str| {
-        let source = formats::manifest::Source::Replayed { name: name.to_owned(), manifest_sha256 };
-        let header = formats::manifest::Header { source, ..sample::header() };
-        let end = End { outcome: Outcome::Complete, image: None, wall_ns: 0 };
-        sample::write_manifest(&replay, &[Record::Header(Box::new(header)), Record::End(end)]);
+        sample::empty_replay(&replay, name, manifest_sha256);
         use_everything(&replay);
         let dump = Dump::open(&replay).unwrap();
         let error = dump.array::<f32>(&Place::Image).err();

@@ -12,6 +12,7 @@ use formats::npy;
 use formats::ray::{Hit, Kind, Ray};
 use formats::reader::Dump;
 use formats::verify::{Report, verify};
+use sample::part;
 
 const CLOSEST: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
 const SHADOW: QueueId = QueueId { pass: 1, bounce: 0, kind: Kind::Shadow };
@@ -170,11 +171,7 @@ fn differing_keys_are_counted_where_arithmetic_is_not_ieee() {
     edit_array::<u64>(&path, &method("two-point", MethodArray::Keys), |keys| {
         keys.iter_mut().for_each(|key| *key ^= 1)
     });
-    sample::edit_records(&path, |record| {
-        if let Record::Header(header) = record {
-            header.ieee_arithmetic = false;
-        }
-    });
+    sample::edit_parts(&path, part::header, |header| header.ieee_arithmetic = false);
     let report = check(&path);
     let keys = report.checks.iter().find(|check| check.name == "keys").unwrap();
     assert_eq!(keys.problems.count, 0);

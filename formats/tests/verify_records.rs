@@ -16,6 +16,7 @@ use formats::manifest::{
 use formats::ray::Kind;
 use formats::reader::Dump;
 use formats::verify::{Report, verify};
+use sample::part;
 
 fn problems(report: &Report) -> Vec<String> {
     report.checks.iter().flat_map(|check| check.problems.first.clone()).collect()
@@ -30,7 +31,7 @@ fn assert_found<T>(part_of: fn(&mut Record) -> Option<&mut T>, cases: &[Case<T>]
     let dump = sample::write(folder.path());
     let manifest = fs::read(dump.join("manifest.bin")).unwrap();
     for (change, said) in cases {
-        sample::edit_records(&dump, |record| part_of(record).into_iter().for_each(change));
+        sample::edit_parts(&dump, part_of, change);
         let found = problems(&verify(&Dump::open(&dump).unwrap()));
         assert!(found.iter().any(|problem| problem.contains(said)), "expected {said}: {found:#?}");
         fs::write(dump.join("manifest.bin"), &manifest).unwrap();
@@ -38,46 +39,18 @@ fn assert_found<T>(part_of: fn(&mut Record) -> Option<&mut T>, cases: &[Case<T>]
     assert!(verify(&Dump::open(&dump).unwrap()).is_ok());
 }
 
-fn queue(record: &mut Record) -> Option<&mut QueueRecord> {
-    if let Record::Queue(queue) = record { Some(queue) } else { None }
-}
-
-fn timing(record: &mut Record) -> Option<&mut TimingRecord> {
-    if let Record::Timing(timing) = record { Some(timing) } else { None }
-}
-
 /// The time of one queue's unsorted rays.
 fn baseline(record: &mut Record) -> Option<&mut TimingRecord> {
     let is_meant = |timing: &&mut TimingRecord| {
         timing.method == "unsorted" && (timing.bounce, timing.kind) == (1, Some(Kind::Shadow))
     };
-    timing(record).filter(is_meant)
+    part::timing(record).filter(is_meant)
 }
 
 /// The record of one queue's unsorted rays, since one is told once.
 fn disturbed(record: &mut Record) -> Option<&mut DisturbedRecord> {
-    let Record::Disturbed(disturbed) = record else { return None };
-    ((disturbed.queue.bounce, disturbed.queue.kind) == (1, Kind::Shadow)).then_some(disturbed)
-}
-
-fn way(record: &mut Record) -> Option<&mut WayRecord> {
-    if let Record::Way(way) = record { Some(way) } else { None }
-}
-
-fn decision(record: &mut Record) -> Option<&mut DecisionRecord> {
-    if let Record::Decision(decision) = record { Some(decision) } else { None }
-}
-
-fn calibration(record: &mut Record) -> Option<&mut CalibrationRecord> {
-    if let Record::Calibration(calibration) = record { Some(calibration) } else { None }
-}
-
-fn cache(record: &mut Record) -> Option<&mut CacheRecord> {
-    if let Record::Cache(cache) = record { Some(cache) } else { None }
-}
-
-fn header(record: &mut Record) -> Option<&mut Header> {
-    if let Record::Header(header) = record { Some(header) } else { None }
+    part::disturbed(record)
+        .filter(|disturbed| (disturbed.queue.bounce, disturbed.queue.kind) == (1, Kind::Shadow))
 }
 
 /// Whatever the header says, nothing panics and nothing huge is allocated.
@@ -117,7 +90,7 @@ fn absurd_headers_are_found() {
         (|header| header.lights[0] = LightSite::Placed { centre: [f32::NAN; 3] }, "light 0 is"),
         (|header| header.lights[2] = LightSite::directional([f32::INFINITY; 3]), "light 2 is"),
     ];
-    assert_found(header, cases);
+    assert_found(part::header, cases);
 }
 
 #[test]
@@ -132,7 +105,7 @@ fn queues_outside_of_the_recording_are_found() {
             "pass-000/bounce-01/closest: pass 0, bounce 1 of a recording of 2 passes and 1 bounce",
         ),
     ];
-    assert_found(header, cases);
+    assert_found(part::header, cases);
 }
 
 #[test]
@@ -155,12 +128,7 @@ fn impossible_queues_are_found() {
             "results of reis are said to differ, but it was not measured",
         ),
     ];
-    assert_found(queue, cases);
-}
-
-/// A method record, where there is one.
-fn method(record: &mut Record) -> Option<&mut MethodRecord> {
-    if let Record::Method(method) = record { Some(method) } else { None }
+    assert_found(part::queue, cases);
 }
 
 #[test]
@@ -172,7 +140,7 @@ fn absurd_methods_are_found() {
         (|method| method.layout.reverse(), "method aila: its bits are not those"),
         (|method| method.name.insert_str(0, "x-"), "there is no record of this method"),
     ];
-    assert_found(method, cases);
+    assert_found(part::method, cases);
 }
 
 #[test]
@@ -184,7 +152,7 @@ fn lengths_that_do_not_fit_a_layout_are_found() {
         ),
         (|method| method.termination = Termination::Real, "method aila: its length is Real"),
     ];
-    assert_found(method, cases);
+    assert_found(part::method, cases);
 }
 
 #[test]
@@ -199,7 +167,7 @@ fn times_of_what_was_not_measured_are_found() {
         (|timing| timing.samples_ns.clear(), "it has 0 samples, expected 7"),
         (|timing| timing.samples_ns.push(1), "it has 8 samples, expected 7"),
     ];
-    assert_found(timing, cases);
+    assert_found(part::timing, cases);
     // Of one queue, since a time is told once.
     let cases: &[Case<TimingRecord>] = &[
         (|timing| timing.kind = None, "it has no kind of queue, expected one"),
@@ -227,7 +195,7 @@ fn disturbed_samples_and_ways_are_of_what_was_timed() {
     assert_found(disturbed, cases);
     let cases: &[Case<WayRecord>] =
         &[(|way| way.method.push('x'), "the ways of methods: there is no record of method ailax")];
-    assert_found(way, cases);
+    assert_found(part::way, cases);
 }
 
 #[test]
@@ -243,7 +211,7 @@ fn impossible_caches_are_found() {
         (|cache| cache.queue.bounce += 5, "bounce 5 of a recording"),
         (|cache| cache.method = format!("{}x", cache.method), "no record of method unsortedx"),
     ];
-    assert_found(cache, cases);
+    assert_found(part::cache, cases);
 }
 
 /// A queue that was measured in a complete recording has its record.
@@ -270,14 +238,8 @@ fn a_replay_without_its_source_is_not_right() {
     let manifest_sha256 = Dump::open(&source).unwrap().manifest_sha256().unwrap();
     let replay = folder.path().join("replay.raydump");
     fs::create_dir(&replay).unwrap();
-    let write = |name: String| {
-        let mut header = Header { source: Source::Replayed { name, manifest_sha256 }, ..sample::header() };
-        header.options.methods.truncate(1);
-        let end = End { outcome: Outcome::Complete, image: None, wall_ns: 1 };
-        sample::write_manifest(&replay, &[Record::Header(Box::new(header)), Record::End(end)]);
-    };
     let found = || problems(&verify(&Dump::open(&replay).unwrap()));
-    write("sample.raydump".into());
+    sample::empty_replay(&replay, "sample.raydump", manifest_sha256);
     assert_eq!(found(), [""; 0]);
     fs::write(
         source.join("manifest.bin"),
@@ -289,7 +251,7 @@ fn a_replay_without_its_source_is_not_right() {
         "{:?}",
         found()
     );
-    write("x".repeat(5_000_000));
+    sample::empty_replay(&replay, &"x".repeat(5_000_000), manifest_sha256);
     assert!(found()[0].len() < 500, "{:?}", found()[0].len());
 }
 
@@ -321,57 +283,22 @@ fn a_damaged_array_of_the_source_is_found() {
 }
 
 /// Where a name goes, and what is said of it.
-type NameCase = (fn(&mut Record, String), &'static str);
+type NameCase = (fn(&mut Record) -> Option<&mut String>, &'static str);
 
 /// A 5 MB name is not printed, whatever it is the name of.
 #[test]
 fn long_names_are_cut() {
     let cases: &[NameCase] = &[
+        (|record| part::method(record).map(|method| &mut method.text), "method aila"),
+        (|record| part::method(record).map(|method| &mut method.name), "is not the name of a method"),
+        (|record| part::timing(record).map(|timing| &mut timing.method), "time of trace"),
+        (|record| part::cache(record).map(|cache| &mut cache.method), "caches of xxx"),
+        (|record| part::header(record).map(|header| &mut header.options.table_layout), "layout"),
         (
-            |record, name| {
-                if let Record::Method(method) = record {
-                    method.text = name
-                }
-            },
-            "method aila",
-        ),
-        (
-            |record, name| {
-                if let Record::Method(method) = record {
-                    method.name = name
-                }
-            },
-            "is not the name of a method",
-        ),
-        (
-            |record, name| {
-                if let Record::Timing(timing) = record {
-                    timing.method = name
-                }
-            },
-            "time of trace",
-        ),
-        (
-            |record, name| {
-                if let Record::Cache(cache) = record {
-                    cache.method = name
-                }
-            },
-            "caches of xxx",
-        ),
-        (
-            |record, name| {
-                if let Record::Header(header) = record {
-                    header.options.table_layout = name
-                }
-            },
-            "layout",
-        ),
-        (
-            |record, name| {
-                if let Record::Queue(queue) = record {
-                    queue.methods.push(name)
-                }
+            |record| {
+                let methods = &mut part::queue(record)?.methods;
+                methods.push(String::new());
+                methods.last_mut()
             },
             "is not the name of a method",
         ),
@@ -379,19 +306,19 @@ fn long_names_are_cut() {
     let folder = sample::folder_in_memory();
     let dump = sample::write(folder.path());
     let manifest = fs::read(dump.join("manifest.bin")).unwrap();
-    for (change, part) in cases {
-        let mut names = 0..;
-        sample::edit_records(&dump, |record| {
-            let number: u32 = names.next().unwrap();
-            change(record, format!("{}{number}", "x".repeat(500_000)));
+    for (name_of, said) in cases {
+        let mut number = 0;
+        sample::edit_parts(&dump, *name_of, |name| {
+            *name = format!("{}{number}", "x".repeat(500_000));
+            number += 1;
         });
         let found = match Dump::open(&dump) {
             Ok(opened) => problems(&verify(&opened)),
             Err(error) => vec![error.to_string()],
         };
-        assert!(found.iter().any(|problem| problem.contains(part)), "{part}: {found:?}");
+        assert!(found.iter().any(|problem| problem.contains(said)), "{said}: {found:?}");
         let longest = found.iter().map(String::len).max().unwrap();
-        assert!(longest < 1000, "{part}: {longest} bytes");
+        assert!(longest < 1000, "{said}: {longest} bytes");
         fs::write(dump.join("manifest.bin"), &manifest).unwrap();
     }
 }
@@ -459,7 +386,7 @@ fn what_was_kept_is_there() {
         (|header| header.options.threads = 0, "it ran on 0 threads"),
         (|header| header.options.trace_kernel = "ray-query".into(), "by ray-query"),
     ];
-    assert_found(header, cases);
+    assert_found(part::header, cases);
 }
 
 /// A second time of the same would hide the first.
@@ -490,13 +417,13 @@ fn what_auto_chose_follows_from_its_calibration() {
             "there is no record of what auto chose for pass-001/bounce-01/closest",
         ),
     ];
-    assert_found(decision, cases);
+    assert_found(part::decision, cases);
     let cases: &[Case<CalibrationRecord>] = &[
         (|calibration| calibration.candidates[0].net_low = 0.99, "by the calibration it is None"),
         (|calibration| calibration.candidates[0].choice.key_bits = 7, "7 bits, expected 8 to 64"),
         (|calibration| calibration.candidates[0].choice.method = "nope".into(), "there is no method 'nope'"),
     ];
-    assert_found(calibration, cases);
+    assert_found(part::calibration, cases);
     // Both records say something else than what the rays were sorted by.
     let other: fn(&mut Record) = |record| match record {
         Record::Decision(DecisionRecord { choice: Some(choice), .. }) => choice.method = "origin".into(),
@@ -526,11 +453,7 @@ fn a_queue_of_a_calibrated_bounce_needs_no_sample() {
 fn what_auto_chose_is_held_against_the_rule_of_its_version() {
     let folder = sample::folder_in_memory();
     let dump = sample::write(folder.path());
-    sample::edit_records(&dump, |record| {
-        if let Record::Calibration(calibration) = record {
-            calibration.candidates[0].net_low = 1.01;
-        }
-    });
+    sample::edit_parts(&dump, part::calibration, |record| record.candidates[0].net_low = 1.01);
     let found = problems(&verify(&Dump::open(&dump).unwrap()));
     assert!(found.iter().any(|problem| problem.contains("by the calibration it is None")), "{found:#?}");
     sample::set_version(&dump, 8);
@@ -556,7 +479,7 @@ fn many_methods_are_verified_as_fast_as_read() {
     });
     let id = QueueId { pass: timing.pass, bounce: timing.bounce, kind: timing.kind.unwrap() };
     sample::edit_manifest(&dump, |records| {
-        let of_time = records.iter_mut().filter_map(queue).find(|queue| queue.id == id);
+        let of_time = records.iter_mut().filter_map(part::queue).find(|queue| queue.id == id);
         of_time.unwrap().methods.extend(names.clone());
         let end = records.pop();
         records.extend(many.chain(end));

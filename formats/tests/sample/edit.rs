@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use formats::manifest::scan::scan;
 use formats::manifest::{
-    End, FILE_NAME, Outcome, PREAMBLE_BYTES, Place, QueueId, Record, TimingRecord, encode_frame, preamble,
-    preamble_of,
+    End, FILE_NAME, Header, Outcome, PREAMBLE_BYTES, Place, QueueId, Record, Source, TimingRecord,
+    encode_frame, preamble, preamble_of,
 };
 use formats::reader::Dump;
 use formats::writer::DumpWriter;
@@ -24,6 +24,51 @@ pub(crate) fn edit_manifest(dump: &Path, edit: impl FnOnce(&mut Vec<Record>)) {
 /// Applies `edit` to every record of the manifest.
 pub(crate) fn edit_records(dump: &Path, edit: impl FnMut(&mut Record)) {
     edit_manifest(dump, |records| records.iter_mut().for_each(edit));
+}
+
+/// Applies `edit` to each such part of the manifest.
+pub(crate) fn edit_parts<T>(
+    dump: &Path,
+    part_of: fn(&mut Record) -> Option<&mut T>,
+    mut edit: impl FnMut(&mut T),
+) {
+    edit_records(dump, |record| part_of(record).into_iter().for_each(&mut edit));
+}
+
+/// What a record holds, if it is of that kind.
+pub(crate) mod part {
+    use formats::manifest::{
+        CacheRecord, CalibrationRecord, DecisionRecord, DisturbedRecord, Header, MethodRecord, QueueRecord,
+        Record, TimingRecord, WayRecord,
+    };
+
+    macro_rules! parts {
+        ($($name:ident: $kind:ident($part:ty),)*) => {$(
+            pub(crate) fn $name(record: &mut Record) -> Option<&mut $part> {
+                if let Record::$kind(part) = record { Some(part) } else { None }
+            }
+        )*};
+    }
+
+    parts! {
+        cache: Cache(CacheRecord),
+        calibration: Calibration(CalibrationRecord),
+        decision: Decision(DecisionRecord),
+        disturbed: Disturbed(DisturbedRecord),
+        header: Header(Header),
+        method: Method(MethodRecord),
+        queue: Queue(QueueRecord),
+        timing: Timing(TimingRecord),
+        way: Way(WayRecord),
+    }
+}
+
+/// Makes the folder at `at` a replay without orders of the recording of this name and content.
+pub(crate) fn empty_replay(at: &Path, name: &str, manifest_sha256: [u8; 32]) {
+    let mut header = Header { source: Source::Replayed { name: name.into(), manifest_sha256 }, ..header() };
+    header.options.methods.truncate(1);
+    let end = End { outcome: Outcome::Complete, image: None, wall_ns: 1 };
+    write_manifest(at, &[Record::Header(Box::new(header)), Record::End(end)]);
 }
 
 /// Writes a manifest of these records.

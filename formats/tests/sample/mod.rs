@@ -23,7 +23,9 @@ use formats::unit_space::UnitSpace;
 use formats::writer::{DumpWriter, WriteError};
 use sha2::{Digest, Sha256};
 
-pub(crate) use edit::{edit_manifest, edit_records, set_version, thinned, write_manifest};
+pub(crate) use edit::{
+    edit_manifest, edit_parts, edit_records, empty_replay, part, set_version, thinned, write_manifest,
+};
 
 pub(crate) const WIDTH: u32 = 16;
 pub(crate) const HEIGHT: u32 = 12;
