@@ -85,6 +85,7 @@ fn each_damaged_array_is_left_out_alone() {
     let dump = thinned(folder.path(), &Kind::ALL, &methods);
     let original = Original::of(&dump);
     let (whole, copy) = (arrays(&dump), folder.path().join("copy.raydump"));
+    let manifest = fs::read(dump.join("manifest.bin")).unwrap();
     for lost in &whole {
         original.write(&copy);
         let file = copy.join(lost);
@@ -95,6 +96,7 @@ fn each_damaged_array_is_left_out_alone() {
         let (leftover, files) = recovery.leftover.unwrap();
         assert_eq!(files, 2, "the array and the old manifest");
         assert_eq!(fs::read(leftover.join(lost)).unwrap(), damaged);
+        assert!(fs::read(leftover.join("manifest.bin")).unwrap() == manifest, "the old manifest is kept");
         for part in [&copy, &leftover] {
             fs::remove_dir_all(part).unwrap();
         }
