@@ -140,7 +140,7 @@ impl Run<'_> {
             let rays = counted(differing, "ray", "rays");
             notices.push(format!("{rays} found something else than in the recording"));
         }
-        if let Some(Source::BuiltNotKept { reason, .. }) = source {
+        if let Some(Source::BuiltNotKept { reason }) = source {
             notices.push(format!("every run builds the hierarchy anew, since it cannot be kept: {reason}"));
         }
         let methods = [&self.setup.methods[..], &self.foreign.methods].concat();

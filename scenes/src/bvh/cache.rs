@@ -15,7 +15,6 @@ use std::{
     env, fs,
     io::{self, Read, Write},
     path::{Path, PathBuf},
-    time::Instant,
 };
 
 use bytemuck::{Pod, Zeroable};
@@ -46,14 +45,9 @@ pub enum Source {
     /// Read from the cache.
     Cached,
     /// Built now, and kept for the next run if a folder for that was given.
-    Built {
-        /// Time that building and checking took, seconds.
-        seconds: f64,
-    },
+    Built,
     /// Built now; it could not be kept.
     BuiltNotKept {
-        /// Time that building and checking took, seconds.
-        seconds: f64,
         /// Why the cache could not be written, naming the file.
         reason: String,
     },
@@ -78,21 +72,17 @@ pub fn load_or_build(
     cache_folder: Option<&Path>,
 ) -> Result<(Bvh, Source), BvhError> {
     let Some(folder) = cache_folder else {
-        let start = Instant::now();
-        let bvh = build(scene, kind)?;
-        return Ok((bvh, Source::Built { seconds: start.elapsed().as_secs_f64() }));
+        return Ok((build(scene, kind)?, Source::Built));
     };
     let content = content_hash(scene, kind);
     let path = folder.join(file_name(&content, kind));
     if let Some(bvh) = load(&path, &content, kind, scene) {
         return Ok((bvh, Source::Cached));
     }
-    let start = Instant::now();
     let bvh = build(scene, kind)?;
-    let seconds = start.elapsed().as_secs_f64();
     let source = match keep(&path, &content, &bvh) {
-        Ok(()) => Source::Built { seconds },
-        Err(error) => Source::BuiltNotKept { seconds, reason: format!("{}: {error}", path.display()) },
+        Ok(()) => Source::Built,
+        Err(error) => Source::BuiltNotKept { reason: format!("{}: {error}", path.display()) },
     };
     Ok((bvh, source))
 }
@@ -207,7 +197,7 @@ mod tests {
     #[test]
     fn what_was_built_is_loaded() {
         let (built, again, same) = twice(|_| {});
-        assert!(matches!(built, Source::Built { .. }));
+        assert!(matches!(built, Source::Built));
         assert_eq!(again, Source::Cached);
         assert!(same);
     }
@@ -224,16 +214,16 @@ mod tests {
         };
         for at in [0, 7, 9, 41, 47, 49, 57, 60, 61, 100, 4321, usize::MAX] {
             let (_, again, same) = twice(flip(at));
-            assert!(matches!(again, Source::Built { .. }), "byte {at} changed: {again:?}");
+            assert!(matches!(again, Source::Built), "byte {at} changed: {again:?}");
             assert!(same);
         }
         let (_, again, _) = twice(|path| {
             let bytes = fs::read(path).unwrap();
             fs::write(path, &bytes[..bytes.len() / 2]).unwrap();
         });
-        assert!(matches!(again, Source::Built { .. }), "half a file: {again:?}");
+        assert!(matches!(again, Source::Built), "half a file: {again:?}");
         let (_, again, _) = twice(|path| fs::write(path, b"").unwrap());
-        assert!(matches!(again, Source::Built { .. }), "an empty file: {again:?}");
+        assert!(matches!(again, Source::Built), "an empty file: {again:?}");
     }
 
     #[test]
@@ -285,7 +275,7 @@ mod tests {
         let path = folder.path().join(file_name(&content_hash(&scene, BvhKind::Bvh2), BvhKind::Bvh2));
         assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
         let (_, source) = load_or_build(&scene, BvhKind::Bvh2, Some(folder.path())).unwrap();
-        assert!(matches!(source, Source::Built { .. }), "{source:?}");
+        assert!(matches!(source, Source::Built), "{source:?}");
         assert!(fs::metadata(&path).unwrap().is_file(), "it is replaced, like any file that is no hierarchy");
     }
 }
