@@ -18,10 +18,11 @@ use super::{gathered, untraced};
 use crate::backends::{Array, Backend, Queue, RecordedRays, Shaded, Sink, Table};
 use crate::clock::{Clock, Sample};
 use crate::stages::accumulate::cpu::Accumulator;
-use crate::stages::compact::cpu::{Paths, RayState};
+use crate::stages::compact::cpu::Paths;
 use crate::stages::key::cpu::{Lengths, encode};
 use crate::stages::setup::Setup;
 use crate::stages::shade::cpu::{Film, Shader, add_light, dark_film, light_of};
+use crate::stages::shared::PathState;
 use crate::stages::sort::cpu::{Keys, Permutation, Sorter, permutation_of};
 use crate::stages::trace::Order;
 use crate::stages::trace::cpu::CpuTracer;
@@ -130,7 +131,7 @@ impl Backend for CpuBackend {
         let (paths, ()) = self.paths[Kind::Closest as usize].filled(|paths| {
             paths.make_room(params.count as usize);
             paths.ids.iter_mut().zip(0..).for_each(|(id, pixel)| *id = pixel);
-            paths.states.fill(RayState { color: [1.0; 3], ..RayState::default() });
+            paths.states.fill(PathState { color: [1.0; 3], ..PathState::default() });
             self.clock.time(|| generate::cpu::generate(&params, &mut paths.rays));
         });
         Ok(CpuRays { id: QueueId { pass, bounce: 0, kind: Kind::Closest }, paths })
@@ -149,7 +150,7 @@ impl Backend for CpuBackend {
             paths.ids.copy_from_slice(path_ids);
             paths.lights.fill(0);
             paths.lights[..lights.len()].copy_from_slice(lights);
-            paths.states.fill(RayState::default());
+            paths.states.fill(PathState::default());
         });
         Ok(CpuRays { id, paths })
     }

@@ -255,9 +255,9 @@ shared_structs! {
 
     /// State that a path carries beside its ray.
     pub struct PathState {
-        /// Throughput of the path.
+        /// Throughput of the path; of a shadow ray the radiance that the film gets if it arrives.
         pub color: [f32; 3],
-        /// Density over solid angle of the last direction; 0 for camera rays and mirrors.
+        /// Density over solid angle of a closest ray's direction; 0 for camera rays and mirrors.
         pub density: f32,
     }
 }

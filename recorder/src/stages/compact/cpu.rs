@@ -1,18 +1,10 @@
 //! Compact on threads: what the tasks of shading leave moves together, in canonical order.
 
-use bytemuck::Zeroable;
 use formats::pages::make_room;
 use formats::ray::Ray;
 use rayon::prelude::*;
 
-/// What a ray carries beside itself.
-#[derive(Clone, Copy, Debug, Default, Zeroable)]
-pub struct RayState {
-    /// Throughput of the path; of a shadow ray the radiance that the film gets if it arrives.
-    pub color: [f32; 3],
-    /// Density over solid angle of a closest ray's direction; 0 for camera rays and mirrors.
-    pub density: f32,
-}
+use crate::stages::shared::PathState;
 
 /// Rays with what they carry, in ascending path index; as many of each.
 #[derive(Clone, Debug, Default)]
@@ -22,7 +14,7 @@ pub struct Paths {
     /// Path index of each.
     pub ids: Vec<u32>,
     /// State of each.
-    pub states: Vec<RayState>,
+    pub states: Vec<PathState>,
     /// Index of the scene's light to which each shadow ray goes, by themselves, since keys are made from them.
     pub lights: Vec<u32>,
 }
@@ -56,7 +48,7 @@ impl Paths {
 pub struct PathsMut<'a> {
     rays: &'a mut [Ray],
     ids: &'a mut [u32],
-    states: &'a mut [RayState],
+    states: &'a mut [PathState],
     lights: &'a mut [u32],
 }
 
@@ -83,7 +75,7 @@ impl<'a> PathsMut<'a> {
     }
 
     /// Writes one; a closest ray has light 0.
-    pub fn put(&mut self, at: usize, id: u32, (ray, state): (Ray, RayState), light: u32) {
+    pub fn put(&mut self, at: usize, id: u32, (ray, state): (Ray, PathState), light: u32) {
         self.rays[at] = ray;
         self.ids[at] = id;
         self.states[at] = state;

@@ -14,10 +14,10 @@ use scenes::features::Features;
 
 use super::path::{Arriving, Leaving, Outcome, shade_paths};
 use super::tables::ShadeTables;
-use crate::stages::compact::cpu::{Paths, PathsMut, RayState, compact};
+use crate::stages::compact::cpu::{Paths, PathsMut, compact};
 use crate::stages::eight::{LANES, Vec3x8};
 use crate::stages::random::{Random, RandomX8};
-use crate::stages::shared::ShadeParams;
+use crate::stages::shared::{PathState, ShadeParams};
 use crate::stages::trace::hits::Hits;
 
 /// What tracing and the arrays that shading reads are specialised on. Lobes and lights are asked for by eight paths at
@@ -222,10 +222,10 @@ impl StoredRays {
     }
 
     #[inline(always)]
-    fn ray(&self, origin: &Stored, lane: usize) -> (Ray, RayState) {
+    fn ray(&self, origin: &Stored, lane: usize) -> (Ray, PathState) {
         let (origin, direction) = (origin.lane(lane), self.direction.lane(lane));
         let ray = Ray { origin, t_min: 0.0, direction, t_max: self.t_max[lane] };
-        (ray, RayState { color: self.color.lane(lane), density: self.density[lane] })
+        (ray, PathState { color: self.color.lane(lane), density: self.density[lane] })
     }
 }
 
@@ -272,7 +272,7 @@ mod tests {
             let (origin, direction) = ([0.0; 3], direction.to_array());
             paths.rays.push(Ray { origin, t_min: 0.0, direction, t_max: f32::INFINITY });
             paths.ids.push(id);
-            paths.states.push(RayState { color: [0.5, 0.75, 1.0], density: random.f32() });
+            paths.states.push(PathState { color: [0.5, 0.75, 1.0], density: random.f32() });
             paths.lights.push(0);
             let (u, v) = (random.f32() * 0.5, random.f32() * 0.5);
             let hit = Hit { t: 1.0 + random.f32(), triangle: random.u32(0..triangles as u32), u, v };

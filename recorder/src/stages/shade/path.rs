@@ -9,10 +9,9 @@ use super::bsdf::Bsdf;
 use super::light::{LightSample, sample_light, sky_radiance};
 use super::surface::{HitSurface, hit_surface};
 use super::tables::ShadeTables;
-use crate::stages::compact::cpu::RayState;
 use crate::stages::eight::{LANES, Vec3x8, basis, dot3, luminance, normalize3};
 use crate::stages::random::RandomX8;
-use crate::stages::shared::ShadeParams;
+use crate::stages::shared::{PathState, ShadeParams};
 
 /// Bounces before Russian roulette starts.
 pub const ROULETTE_FREE_BOUNCES: u32 = 2;
@@ -24,7 +23,7 @@ pub struct Arriving<'a> {
     /// What those hit.
     pub hits: [Hit; LANES],
     /// What they carry.
-    pub states: [&'a RayState; LANES],
+    pub states: [&'a PathState; LANES],
 }
 
 /// What paths leave at their surfaces.
@@ -50,9 +49,9 @@ pub struct Leaving<S: Simd> {
     pub direction: Vec3x8<S>,
     /// How far it goes.
     pub t_max: f32x8<S>,
-    /// [`RayState::color`].
+    /// [`PathState::color`].
     pub color: Vec3x8<S>,
-    /// [`RayState::density`].
+    /// [`PathState::density`].
     pub density: f32x8<S>,
 }
 
