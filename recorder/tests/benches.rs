@@ -21,7 +21,7 @@ fn run(backend: BackendChoice) -> RecordOptions {
         height: 18,
         bounces: 3,
         repeats: 2,
-        methods: ["aila", "two-point-adaptive"].map(|name| Method::builtin(name).unwrap()).to_vec(),
+        orders: ["aila", "two-point-adaptive"].map(|name| Method::builtin(name).unwrap()).to_vec().into(),
         device: DeviceOptions { backend, threads: Some(2), ..DeviceOptions::default() },
         ..RecordOptions::base().unwrap()
     }
@@ -113,7 +113,7 @@ fn frames_are_measured_end_to_end() {
     for backend in [BackendChoice::Cpu, BackendChoice::Gpu] {
         let methods = ["aila", "two-point-real", "two-point-adaptive"];
         let methods = methods.map(|name| Method::builtin(name).unwrap()).to_vec();
-        let run = RecordOptions { methods, repeats: 6, passes: 2, ..run(backend) };
+        let run = RecordOptions { orders: methods.into(), repeats: 6, passes: 2, ..run(backend) };
         let bench = RenderBench { scenes: vec!["builtin:cornell".into()], run };
         let result = render::run(&bench).unwrap();
         assert_eq!(format!("{:.9?}", through_json(&result)), format!("{result:.9?}"));

@@ -57,8 +57,8 @@ pub fn run(bench: &RenderBench) -> Result<BenchResult> {
     let device = machine::open(&bench.run.device)?;
     let mut run = bench.run.clone();
     // What must be traced before it is sorted is no order to trace in.
-    run.methods.retain(|method| method.termination != Termination::Real);
-    run.methods.push(HitOrder::place_method()?);
+    run.orders.methods.retain(|method| method.termination != Termination::Real);
+    run.orders.methods.push(HitOrder::place_method()?);
     let (mut rows, mut controls) = (Vec::new(), Vec::new());
     for name in &bench.scenes {
         let scene = scenes::load(name)?;
@@ -106,11 +106,11 @@ impl OnBackends for Frames<'_> {
         let backend = backends.first_mut().context("there is no backend")?;
         let Self { run, setup, .. } = self;
         let methods = traced_after(setup).map(Subject::Method);
-        let chosen = run.auto.then_some(Subject::Auto).into_iter();
+        let chosen = run.orders.auto.then_some(Subject::Auto).into_iter();
         let subjects = [Subject::Unsorted, Subject::Control].into_iter().chain(chosen).chain(methods);
         let orders: Vec<FrameOrder> =
             subjects.map(FrameOrder::Rays).chain(HitOrder::ALL.map(FrameOrder::Hits)).collect();
-        let auto = match run.auto {
+        let auto = match run.orders.auto {
             false => None,
             true => Some(calibrated(backend, setup, run)?),
         };
@@ -390,7 +390,7 @@ mod tests {
     use formats::length_table::LengthCell;
 
     use super::*;
-    use crate::options::{BackendChoice, DeviceOptions};
+    use crate::options::{AskedOrders, BackendChoice, DeviceOptions};
 
     struct AgainstTheLoop<'a> {
         run: &'a RecordOptions,
@@ -450,8 +450,11 @@ mod tests {
                 height: 61,
                 bounces: 4,
                 passes: 2,
-                methods: methods.chain(HitOrder::place_method()).collect(),
-                auto: true,
+                orders: AskedOrders {
+                    methods: methods.chain(HitOrder::place_method()).collect(),
+                    auto: true,
+                    ..AskedOrders::default()
+                },
                 device: DeviceOptions { backend, threads: Some(2), ..DeviceOptions::default() },
                 ..RecordOptions::base().unwrap()
             };

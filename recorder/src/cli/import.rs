@@ -8,7 +8,7 @@ use formats::manifest::check::BOUNCES_MAX;
 use formats::ray::Kind;
 
 use super::record::{Shown, show};
-use crate::options::{AskedOrders, DeviceOptions, Keep, OptionError, RecordOptions, in_range, parse_orders};
+use crate::options::{DeviceOptions, Keep, OptionError, RecordOptions, in_range, parse_orders};
 use crate::replay::import::{ImportFrom, ImportOptions, import};
 
 pub(super) const EXAMPLES: &str = "\
@@ -101,8 +101,6 @@ impl ImportArguments {
                 format!("--keep {what}: rays of another tracer come without what their paths carry");
             return Err(OptionError::Conflict { message });
         }
-        let AskedOrders { methods, control, shuffled, auto } =
-            parse_orders(&self.methods, &self.own_methods)?;
         let run = RecordOptions {
             scene: self.scene.clone(),
             out: self.out.clone(),
@@ -110,10 +108,7 @@ impl ImportArguments {
             height: 1,
             bounces: self.bounce + 1,
             repeats: self.repeats,
-            methods,
-            control,
-            shuffled,
-            auto,
+            orders: parse_orders(&self.methods, &self.own_methods)?,
             key_bits: self.key_bits,
             device: self.device.clone(),
             keep,

@@ -5,9 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 
-use crate::options::{
-    AskedOrders, DeviceOptions, Keep, KeepPasses, OptionError, RecordOptions, parse_orders,
-};
+use crate::options::{DeviceOptions, Keep, KeepPasses, OptionError, RecordOptions, parse_orders};
 use crate::output::{print, print_json};
 use crate::recording::{self, Recorded};
 use crate::report;
@@ -117,8 +115,6 @@ impl RecordArguments {
 
     pub(super) fn options(&self) -> Result<RecordOptions, OptionError> {
         let [width, height, bounces, passes, repeats] = self.preset.values();
-        let AskedOrders { methods, control, shuffled, auto } =
-            parse_orders(&self.methods, &self.own_methods)?;
         let options = RecordOptions {
             scene: self.scene.clone(),
             out: self.out.clone(),
@@ -130,10 +126,7 @@ impl RecordArguments {
             seed: self.seed,
             camera: self.camera.clone(),
             light_radius: self.light_radius,
-            methods,
-            control,
-            shuffled,
-            auto,
+            orders: parse_orders(&self.methods, &self.own_methods)?,
             key_bits: self.key_bits,
             two_point_length: self.two_point_length,
             table_bits: self.table_bits,

@@ -38,14 +38,8 @@ pub struct RecordOptions {
     pub camera: Option<String>,
     /// Radius that point lights are given, world units; none if not given.
     pub light_radius: Option<f32>,
-    /// Methods to measure beside the baseline.
-    pub methods: Vec<Method>,
-    /// Whether the control is listed like a method.
-    pub control: bool,
-    /// Whether a random order is measured, too.
-    pub shuffled: bool,
-    /// Whether the order that `auto` chooses is.
-    pub auto: bool,
+    /// Orders to measure beside the baseline.
+    pub orders: AskedOrders,
     /// Width of keys.
     pub key_bits: u32,
     /// Length of the plain two-point method, unit lengths.
@@ -91,16 +85,23 @@ pub fn parse_methods(list: &str, own: &[String]) -> Result<Vec<Method>, OptionEr
 }
 
 /// The orders of `--methods` and of every `--method`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct AskedOrders {
     /// Those with a layout.
     pub methods: Vec<Method>,
-    /// Whether the control is among them.
+    /// Whether the control is among them; where anything is, it is measured, and if it is asked for, listed like a
+    /// method.
     pub control: bool,
     /// Whether a random order is.
     pub shuffled: bool,
     /// Whether the order that `auto` chooses is; `all` has it.
     pub auto: bool,
+}
+
+impl From<Vec<Method>> for AskedOrders {
+    fn from(methods: Vec<Method>) -> Self {
+        Self { methods, ..Self::default() }
+    }
 }
 
 /// As [`parse_methods`], with the orders that have no layout of their own.
@@ -137,10 +138,7 @@ impl RecordOptions {
             seed: 0,
             camera: None,
             light_radius: None,
-            methods: Vec::new(),
-            control: false,
-            shuffled: false,
-            auto: false,
+            orders: AskedOrders::default(),
             key_bits: 32,
             two_point_length: 0.25,
             table_bits: TABLE_BITS_DEFAULT,

@@ -66,7 +66,8 @@ pub(crate) fn header(
 }
 
 fn manifest_options(setup: &Setup, options: &RecordOptions, kernel: TraceKernel, threads: u32) -> Options {
-    let asked = [(options.control, CONTROL), (options.shuffled, SHUFFLED), (options.auto, AUTO)];
+    let orders = &options.orders;
+    let asked = [(orders.control, CONTROL), (orders.shuffled, SHUFFLED), (orders.auto, AUTO)];
     let asked = asked.into_iter().filter_map(|(is_asked, name)| is_asked.then_some(name));
     let without_layout = [UNSORTED].into_iter().chain(asked);
     let names = setup.named().iter().map(|method| method.name.clone());

@@ -99,7 +99,7 @@ pub(crate) fn choose_camera(scene: &Scene, name: Option<&str>) -> Result<Camera>
 pub(crate) fn prepared(device: &Device, scene: &Scene, options: &RecordOptions) -> Result<Arc<Setup>> {
     let camera = choose_camera(scene, options.camera.as_deref())?;
     let mut setup = setup(scene, &camera, options)?;
-    if options.auto {
+    if options.orders.auto {
         let (extent, length) = (setup.extent(), options.two_point_length);
         setup = setup.with_candidates(candidates(device.backend(), &[], extent, length)?);
     }
@@ -118,7 +118,7 @@ pub fn setup(scene: &Scene, camera: &Camera, options: &RecordOptions) -> Result<
     let setup = without_methods(scene, camera, options, unit, Setup::light_sites(scene, &unit))?;
     let extent = setup.extent();
     let plan = |method| MethodPlan::new(method, extent, options.key_bits, options.two_point_length);
-    let methods = options.methods.iter().map(plan).collect::<Result<_, _>>()?;
+    let methods = options.orders.methods.iter().map(plan).collect::<Result<_, _>>()?;
     Ok(Setup { methods, ..setup })
 }
 

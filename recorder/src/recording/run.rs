@@ -153,7 +153,7 @@ impl Run<'_> {
             methods: [&self.setup.methods[..], &self.foreign.methods].concat(),
             passes: options.passes,
             measured: self.measured(),
-            lists_control: options.control,
+            lists_control: options.orders.control,
             keep: options.keep,
             keep_passes: options.keep_passes,
             kernel_is_ours: self.kernel.is_ours(),
@@ -167,13 +167,13 @@ impl Run<'_> {
     /// The baseline and all that is compared with it, and the control where there is any.
     fn measured(&self) -> Measured {
         let methods = (0..self.setup.named().len()).map(Subject::Method);
-        let unnamed =
-            [self.options.shuffled.then_some(Subject::Shuffled), self.options.auto.then_some(Subject::Auto)];
+        let asked = &self.options.orders;
+        let unnamed = [asked.shuffled.then_some(Subject::Shuffled), asked.auto.then_some(Subject::Auto)];
         let first = self.setup.methods.len();
         let foreign = (first..first + self.foreign.methods.len()).map(Subject::Foreign);
         let compared = unnamed.into_iter().flatten().chain(methods).chain(foreign);
         let mut orders: Vec<Subject> = compared.collect();
-        let is_compared = self.options.control || !orders.is_empty();
+        let is_compared = asked.control || !orders.is_empty();
         let baseline =
             if is_compared { &[Subject::Unsorted, Subject::Control][..] } else { &[Subject::Unsorted] };
         orders.splice(..0, baseline.iter().copied());
@@ -192,7 +192,7 @@ impl Run<'_> {
         let options = self.options;
         let mut plan = self.plan(cache_model);
         let progress = self.progress();
-        if options.auto {
+        if options.orders.auto {
             plan.auto = Some(self.calibrated(backend, &progress)?);
         }
         let writer = DumpWriter::create(&options.out, self.header.clone(), options.force)?;
@@ -251,7 +251,7 @@ impl Run<'_> {
         // Two rounds come before those that count; the control and the baseline are traced once in each.
         let traces = (2 + repeats) * 2 * (1 + self.setup.named().len() as u64);
         let calibration = calibrate::traces(&self.setup);
-        let is_calibrated = self.options.auto && self.calibration.is_empty();
+        let is_calibrated = self.options.orders.auto && self.calibration.is_empty();
         let calibration = if is_calibrated { &calibration[..] } else { &[] };
         Progress::new(self.options.bounces, self.rays.traces(self.options.passes, calibration, traces))
     }

@@ -85,7 +85,9 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let theirs: Vec<&str> = dump.manifest().foreign_orders().map(|order| order.name.as_str()).collect();
     let ours = asked.manifest().methods.iter().filter(|record| !theirs.contains(&record.name.as_str()));
     let run_options = run_options(options, recorded, ours, &dump.manifest().header).with_context(cannot)?;
-    if let Some(taken) = run_options.methods.iter().find(|method| theirs.contains(&method.name.as_str())) {
+    if let Some(taken) =
+        run_options.orders.methods.iter().find(|method| theirs.contains(&method.name.as_str()))
+    {
         bail!("the recording has an order '{}' of another tracer; give your layout another name", taken.name);
     }
     run_options.device.check()?;
@@ -101,10 +103,14 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let unit = UnitSpace::from_bounds(recorded.scene.bounds_min, recorded.scene.bounds_max);
     let mut setup = without_methods(&scene, &camera, &run_options, unit, recorded.lights.clone())?;
     let fixed_length = recorded.options.two_point_length;
-    setup.methods =
-        options.sweep.plans(&run_options.methods, setup.extent(), recorded.options.key_bits, fixed_length)?;
+    setup.methods = options.sweep.plans(
+        &run_options.orders.methods,
+        setup.extent(),
+        recorded.options.key_bits,
+        fixed_length,
+    )?;
     let calibration = calibration(asked.manifest(), &device, &run_options);
-    if run_options.auto {
+    if run_options.orders.auto {
         let (extent, length) = (setup.extent(), run_options.two_point_length);
         setup = setup.with_candidates(candidates(device.backend(), calibration, extent, length)?);
     }
@@ -171,7 +177,7 @@ fn run_options<'a>(
 ) -> Result<RecordOptions> {
     let before = &recorded.options;
     let has = |name: &str| before.methods.iter().any(|method| method == name);
-    let AskedOrders { methods, control, shuffled, auto } = match &options.orders {
+    let orders = match &options.orders {
         Some(orders) => orders.clone(),
         None => AskedOrders {
             methods: recorded_methods(methods)?,
@@ -211,10 +217,7 @@ fn run_options<'a>(
         seed: before.seed,
         light_radius: None,
         camera: Some(before.camera.clone()),
-        methods,
-        control,
-        shuffled,
-        auto,
+        orders,
         key_bits: options.sweep.key_bits.first().copied().unwrap_or(before.key_bits),
         two_point_length: options.sweep.lengths.first().copied().unwrap_or(before.two_point_length),
         table_bits,

@@ -8,7 +8,7 @@ use formats::key::Extent;
 use scenes::Scene;
 
 use super::plan::Plan;
-use crate::options::{KeepPasses, RecordOptions};
+use crate::options::{AskedOrders, KeepPasses, RecordOptions};
 
 /// Share of all possible rays that are traced: paths end where they leave a scene, and shadow rays are not traced where
 /// no light can be.
@@ -57,18 +57,16 @@ impl Size {
     /// If the options of a replay exclude each other.
     pub fn of(plan: &Plan, scene: Option<&Scene>) -> Result<Self> {
         let options = &plan.record.options;
-        let orders = options.methods.len() + usize::from(options.shuffled) + usize::from(options.auto);
+        let unnamed = |asked: &AskedOrders| usize::from(asked.shuffled) + usize::from(asked.auto);
+        let orders = options.orders.methods.len() + unnamed(&options.orders);
         let mut commands = vec![record(options, orders, scene)];
         for replay in &plan.replays {
             let lights = scene.map_or(1, |scene| scene.lights.len());
             let extent = Extent { lights, picture: [options.width, options.height] };
-            let asked = replay.options.orders.as_ref();
-            let methods = asked.map_or(&options.methods, |orders| &orders.methods);
+            let asked = replay.options.orders.as_ref().unwrap_or(&options.orders);
             let sweep = &replay.options.sweep;
-            let plans = sweep.plans(methods, extent, options.key_bits, options.two_point_length)?;
-            let unnamed =
-                asked.map_or([options.shuffled, options.auto], |asked| [asked.shuffled, asked.auto]);
-            let orders = plans.len() + unnamed.into_iter().filter(|&is_asked| is_asked).count();
+            let plans = sweep.plans(&asked.methods, extent, options.key_bits, options.two_point_length)?;
+            let orders = plans.len() + unnamed(asked);
             let rays = Rays::of(options);
             let repeats = replay.options.repeats.unwrap_or(options.repeats);
             let keep = replay.options.keep;
@@ -138,7 +136,7 @@ fn seconds(traces: f64, threads: Option<usize>) -> f64 {
 fn record(options: &RecordOptions, orders: usize, scene: Option<&Scene>) -> Estimate {
     let (keep, rays) = (options.keep, Rays::of(options));
     let of = |is_kept: bool, bytes: f64| if is_kept { bytes } else { 0.0 };
-    let methods = options.methods.len() as f64;
+    let methods = options.orders.methods.len() as f64;
     let key = if options.key_bits > 32 { 8.0 } else { 4.0 };
     // Half of the rays are shadow rays, which have a distance in place of a hit, and a light.
     let per_ray = of(keep.rays, 36.0 + 0.5 * 4.0)

@@ -36,7 +36,7 @@ const TIMED_BOUNCE: u32 = 1;
 pub(super) fn run(bench: Bench<'_>) -> Result<Vec<EstimatorRow>> {
     let methods = ["two-point-adaptive", "two-point"].map(Method::builtin);
     let run = RecordOptions {
-        methods: methods.into_iter().collect::<Result<_, _>>()?,
+        orders: methods.into_iter().collect::<Result<Vec<_>, _>>()?.into(),
         ..bench.options.run.clone()
     };
     let setup = bench.setup(&run)?;

@@ -17,7 +17,7 @@ use super::super::backends::{self, OnBackends};
 use super::Bench;
 use crate::backends::{Backend, Queue, picture};
 use crate::measure::{Measured, Queued, Subject};
-use crate::options::RecordOptions;
+use crate::options::{AskedOrders, RecordOptions};
 use crate::stages::setup::Setup;
 use crate::wavefront::{self, Observer};
 
@@ -29,8 +29,8 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<ImageRow>> {
     let size = bench.options.image;
     let mut run = RecordOptions { width: size.width, height: size.height, ..bench.options.run.clone() };
     // What must be traced before it is sorted cannot win time.
-    run.methods.retain(|method| method.termination != Termination::Real);
-    let other_seed = RecordOptions { seed: !run.seed, methods: Vec::new(), ..run.clone() };
+    run.orders.methods.retain(|method| method.termination != Termination::Real);
+    let other_seed = RecordOptions { seed: !run.seed, orders: AskedOrders::default(), ..run.clone() };
     let kernels = [bench.device.kernel(&run.device)];
     let reference = Reference { passes: size.reference_passes, bounces: run.bounces };
     let setup = bench.setup(&other_seed)?;

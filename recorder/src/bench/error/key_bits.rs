@@ -30,7 +30,7 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<KeyBitsRow>> {
     let mut setup = Setup::clone(&*bench.setup(&options.run)?);
     let sweep = Sweep { key_bits: options.key_bits.clone(), ..Sweep::default() };
     setup.methods = sweep.plans(
-        &options.run.methods,
+        &options.run.orders.methods,
         setup.extent(),
         options.run.key_bits,
         options.run.two_point_length,

@@ -12,7 +12,7 @@ use super::Bench;
 use crate::clock::Clock;
 use crate::machine::Device;
 use crate::measure::sampled;
-use crate::options::{Keep, KeepPasses, RecordOptions};
+use crate::options::{AskedOrders, Keep, KeepPasses, RecordOptions};
 use crate::recording::record;
 
 /// Recordings of two passes with fewer and more arrays; the hierarchy built and loaded.
@@ -57,7 +57,7 @@ fn recording(bench: Bench<'_>, out: &Path, (keep, keep_passes): (Keep, KeepPasse
     let options = RecordOptions {
         out: out.to_owned(),
         passes: 2,
-        methods: Vec::new(),
+        orders: AskedOrders::default(),
         repeats: 1,
         keep,
         keep_passes,

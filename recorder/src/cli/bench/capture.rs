@@ -59,7 +59,7 @@ impl CaptureArguments {
             bounces: self.bounces,
             repeats: self.repeats,
             camera: self.camera.clone(),
-            methods: parse_methods(&self.methods, &[])?,
+            orders: parse_methods(&self.methods, &[])?.into(),
             key_bits: self.key_bits,
             keep: Keep::parse(KEPT)?,
             device: self.device.clone(),

@@ -81,7 +81,7 @@ impl ErrorArguments {
             repeats: self.repeats,
             seed: self.seed,
             camera: self.camera.clone(),
-            methods: parse_methods(&self.methods, &[])?,
+            orders: parse_methods(&self.methods, &[])?.into(),
             device: self.device.clone(),
             ..RecordOptions::base()?
         };

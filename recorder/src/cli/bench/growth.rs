@@ -44,7 +44,7 @@ impl GrowthArguments {
             width: 480,
             height: 270,
             repeats: self.repeats,
-            methods: parse_methods("two-point-adaptive", &[])?,
+            orders: parse_methods("two-point-adaptive", &[])?.into(),
             device: self.device.clone(),
             ..RecordOptions::base()?
         };

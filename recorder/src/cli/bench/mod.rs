@@ -158,7 +158,7 @@ impl TraceArguments {
             passes: self.passes,
             repeats: self.repeats,
             camera: self.camera.clone(),
-            methods: parse_methods(&self.methods, &[])?,
+            orders: parse_methods(&self.methods, &[])?.into(),
             key_bits: self.key_bits,
             device: DeviceOptions { trace: self.kernels.first().copied(), ..self.device.clone() },
             ..RecordOptions::base()?

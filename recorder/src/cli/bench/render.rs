@@ -8,7 +8,7 @@ use formats::metrics::speedup::{Speedup, median};
 
 use super::{milliseconds, table_of};
 use crate::bench::render::RenderBench;
-use crate::options::{AskedOrders, DeviceOptions, OptionError, RecordOptions, parse_orders};
+use crate::options::{DeviceOptions, OptionError, RecordOptions, parse_orders};
 use crate::report::speedup;
 
 #[derive(Debug, Args)]
@@ -54,8 +54,8 @@ pub(super) struct RenderArguments {
 
 impl RenderArguments {
     pub(super) fn bench(&self) -> Result<RenderBench, OptionError> {
-        let AskedOrders { methods, control: _, shuffled, auto } = parse_orders(&self.methods, &[])?;
-        if shuffled {
+        let orders = parse_orders(&self.methods, &[])?;
+        if orders.shuffled {
             let message =
                 "a renderer has no reason to trace in a random order; leave out shuffled".to_owned();
             return Err(OptionError::Conflict { message });
@@ -68,8 +68,7 @@ impl RenderArguments {
             repeats: self.repeats,
             seed: self.seed,
             camera: self.camera.clone(),
-            methods,
-            auto,
+            orders,
             key_bits: self.key_bits,
             device: self.device.clone(),
             ..RecordOptions::base()?

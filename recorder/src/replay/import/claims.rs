@@ -56,7 +56,7 @@ impl Claims {
         }
         let method = |&name: &&str| {
             let is_ours = WITHOUT_LAYOUT.contains(&name) || BUILTIN.iter().any(|(ours, ..)| *ours == name);
-            let is_asked_for = options.methods.iter().any(|method| method.name == name);
+            let is_asked_for = options.orders.methods.iter().any(|method| method.name == name);
             ensure!(
                 !is_ours && !is_asked_for,
                 "the order '{name}' has the name of a method of ours; rename its folders, for example to 'their-{name}'"
