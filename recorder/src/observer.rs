@@ -18,7 +18,7 @@ use crate::capture::Capture;
 use crate::comparison::compare;
 use crate::foreign::ForeignOrder;
 use crate::measure::{Measured, Measurement, QueueMeasurement, Queued, Subject, queue_name};
-use crate::options::{Keep, KeepPasses};
+use crate::options::{KeepPasses, RecordOptions};
 use crate::progress::Progress;
 use crate::stages::setup::MethodPlan;
 use crate::wavefront::Observer;
@@ -27,16 +27,10 @@ use crate::wavefront::Observer;
 pub struct Plan<'a> {
     /// Methods, in order.
     pub methods: Vec<MethodPlan>,
-    /// Passes of the run; the last one is measured.
-    pub passes: u32,
+    /// What was asked for; the last of its passes is measured.
+    pub options: &'a RecordOptions,
     /// What is measured on every queue of that pass.
     pub measured: Measured,
-    /// Whether the control is listed like a method.
-    pub lists_control: bool,
-    /// Arrays to keep.
-    pub keep: Keep,
-    /// Passes to keep them of.
-    pub keep_passes: KeepPasses,
     /// Whether the trace kernel is ours: it counts its work, and finds the same in every order.
     pub kernel_is_ours: bool,
     /// Says what caches would make of each order, if that is kept.
@@ -124,7 +118,7 @@ impl<'a> Recorder<'a> {
                 self.capture.record(Record::Way(WayRecord { method, way }))?;
             }
         }
-        if !self.plan.keep.lengths {
+        if !self.plan.options.keep.lengths {
             return Ok(());
         }
         for id in self.last_kept.into_iter().flatten() {
@@ -134,11 +128,11 @@ impl<'a> Recorder<'a> {
     }
 
     fn is_measured(&self, id: QueueId) -> bool {
-        id.pass + 1 == self.plan.passes
+        id.pass + 1 == self.plan.options.passes
     }
 
     fn keeps(&self, id: QueueId) -> bool {
-        self.is_measured(id) || self.plan.keep_passes == KeepPasses::All
+        self.is_measured(id) || self.plan.options.keep_passes == KeepPasses::All
     }
 
     fn write_cells<B: Backend>(&mut self, backend: &mut B, id: QueueId, array: QueueArray) -> Result<()> {
@@ -147,7 +141,7 @@ impl<'a> Recorder<'a> {
     }
 
     fn keep_queue<B: Backend>(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
-        let (keep, id) = (&self.plan.keep, rays.id());
+        let (keep, id) = (&self.plan.options.keep, rays.id());
         let differs = match self.plan.recorded {
             None => false,
             Some(dump) => {
@@ -220,7 +214,7 @@ impl<'a> Recorder<'a> {
     fn queue_record(&self, id: QueueId, rays: usize, measurements: &[Measurement]) -> QueueRecord {
         let of_method = |entry: &&Measurement| match entry.subject {
             Subject::Unsorted => false,
-            Subject::Control => self.plan.lists_control,
+            Subject::Control => self.plan.options.orders.control,
             Subject::Method(_) | Subject::Shuffled | Subject::Auto | Subject::Foreign(_) => true,
         };
         let name = |entry: &Measurement| entry.subject.name(&self.plan.methods).to_owned();
@@ -250,7 +244,7 @@ impl<B: Backend> Observer<B> for Recorder<'_> {
         if self.keeps(id) {
             self.capture.record(Record::Queue(self.queue_record(id, count, &measurements)))?;
             // The first stage of the measured pass is timed, too.
-            if id.pass + 2 == self.plan.passes {
+            if id.pass + 2 == self.plan.options.passes {
                 self.capture.drain()?;
             }
         }
@@ -310,19 +304,20 @@ impl Recorder<'_> {
         subject: Subject,
         (keys, permutation): (Option<&B::Keys>, &B::Permutation),
     ) -> Result<()> {
-        if subject == Subject::Control && !self.plan.lists_control {
+        if subject == Subject::Control && !self.plan.options.orders.control {
             return Ok(());
         }
         let name = subject.name(&self.plan.methods);
         let at = |array| Place::Method(rays.id(), name.to_owned(), array);
         let shape = [rays.len() as u64];
-        if let (Subject::Method(number), Some(keys)) = (subject, keys.filter(|_| self.plan.keep.keys)) {
+        if let (Subject::Method(number), Some(keys)) = (subject, keys.filter(|_| self.plan.options.keep.keys))
+        {
             let dtype = if self.plan.methods[number].key_bits <= 32 { Dtype::U4 } else { Dtype::U8 };
             self.capture
                 .array(at(MethodArray::Keys), dtype, &shape, |sink| backend.read(Array::Keys(keys), sink))?;
         }
         // Those that came with the queue are written as they came.
-        if self.plan.keep.permutations && !matches!(subject, Subject::Foreign(_)) {
+        if self.plan.options.keep.permutations && !matches!(subject, Subject::Foreign(_)) {
             self.capture.array(at(MethodArray::Permutation), Dtype::U4, &shape, |sink| {
                 backend.read(Array::Permutation(permutation), sink)
             })?;
@@ -338,7 +333,7 @@ impl Recorder<'_> {
 
     /// Writes the orders that came with a queue, also what is no permutation.
     fn keep_foreign(&mut self, id: QueueId) -> Result<()> {
-        let keep = self.plan.keep;
+        let keep = self.plan.options.keep;
         for ForeignOrder { name, permutation, keys, .. } in
             self.plan.foreign.iter().filter(|order| order.queue == id)
         {

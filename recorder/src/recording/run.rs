@@ -148,14 +148,10 @@ impl Run<'_> {
     }
 
     fn plan(&self, cache_model: Option<CacheModel>) -> Plan<'_> {
-        let options = self.options;
         Plan {
             methods: [&self.setup.methods[..], &self.foreign.methods].concat(),
-            passes: options.passes,
+            options: self.options,
             measured: self.measured(),
-            lists_control: options.orders.control,
-            keep: options.keep,
-            keep_passes: options.keep_passes,
             kernel_is_ours: self.kernel.is_ours(),
             cache_model,
             foreign: &self.foreign.orders,
