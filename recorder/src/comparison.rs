@@ -27,11 +27,7 @@ pub(crate) fn compare<B: Backend>(
     id: QueueId,
     hits: &B::Hits,
 ) -> Result<Difference> {
-    let results = match id.kind {
-        Kind::Closest => QueueArray::Hits,
-        Kind::Shadow => QueueArray::Distances,
-    };
-    let place = Place::Queue(id, results);
+    let place = Place::Queue(id, QueueArray::results(id.kind));
     if !dump.has(&place) {
         return Ok(Difference::default());
     }

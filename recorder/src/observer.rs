@@ -150,16 +150,13 @@ impl<'a> Recorder<'a> {
                 difference.in_bits
             }
         };
-        let (results, result_type) = match id.kind {
-            Kind::Closest => (QueueArray::Hits, Dtype::Hit),
-            Kind::Shadow => (QueueArray::Distances, Dtype::F4),
-        };
         let is_closest = id.kind == Kind::Closest;
+        let result_type = if is_closest { Dtype::Hit } else { Dtype::F4 };
         let arrays = [
             (keep.rays, QueueArray::Rays, Dtype::Ray, Array::Rays(rays)),
             (keep.rays, QueueArray::PathIds, Dtype::U4, Array::PathIds(rays)),
             (keep.rays && !is_closest, QueueArray::Lights, Dtype::U4, Array::Lights(rays)),
-            (keep.hits || differs, results, result_type, Array::Hits(hits)),
+            (keep.hits || differs, QueueArray::results(id.kind), result_type, Array::Hits(hits)),
             (keep.work && self.plan.kernel_is_ours, QueueArray::Work, Dtype::Work, Array::Work(rays)),
             (keep.throughput && is_closest, QueueArray::Throughput, Dtype::F4, Array::Throughput(rays)),
         ];

@@ -112,6 +112,14 @@ impl QueueArray {
         Self::FinalLengths,
     ];
 
+    /// What rays of this kind found.
+    pub fn results(kind: Kind) -> Self {
+        match kind {
+            Kind::Closest => Self::Hits,
+            Kind::Shadow => Self::Distances,
+        }
+    }
+
     /// File name without its extension.
     pub fn name(self) -> &'static str {
         match self {

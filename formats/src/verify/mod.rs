@@ -35,7 +35,6 @@ use crate::key::Encoder;
 use crate::length_table::{LengthCell, LengthTable};
 use crate::manifest::{MethodRecord, Place, QueueArray, QueueId, QueueRecord, SceneArray, Source};
 use crate::npy::Element;
-use crate::ray::Kind;
 use crate::reader::{Dump, Loaded, ReadError};
 use crate::stored_table::{self, StoredTableError};
 use crate::traced::{Traced, TracedError};
@@ -142,11 +141,9 @@ impl<'a> Subject<'a> {
 
     /// The same of what traced lengths are made from.
     fn traced_absence(&self, queue: QueueId) -> &'static str {
-        let results = match queue.kind {
-            Kind::Closest => QueueArray::Hits,
-            Kind::Shadow => QueueArray::Distances,
-        };
-        self.absence_of([QueueArray::Rays, results].map(|array| Place::Queue(queue, array)))
+        self.absence_of(
+            [QueueArray::Rays, QueueArray::results(queue.kind)].map(|array| Place::Queue(queue, array)),
+        )
     }
 
     /// The same of the scene's triangles and their corners.

@@ -35,7 +35,7 @@ impl RecordedQueue {
         let rules = QueueRules::new(id, header);
         let RecordedRays { rays, path_ids, lights, .. } = queue.rays();
         rules.check(QueueRays { rays, path_ids, lights }, record.rays)?;
-        let results = if is_shadow { QueueArray::Distances } else { QueueArray::Hits };
+        let results = QueueArray::results(id.kind);
         if dump.has(&Place::Queue(id, results)) {
             let found = match id.kind {
                 Kind::Closest => array::<Hit>(dump, id, results)?.len(),
