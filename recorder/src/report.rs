@@ -14,17 +14,6 @@ use crate::measure::{Measurement, Subject, has_speedup, queue_name};
 use crate::observer::{MeasuredQueue, chosen_way};
 use crate::recording::Recorded;
 
-/// The stages of the table, in the order in which they run.
-const STAGES: [(Stage, &str); 8] = [
-    (Stage::Decide, "decide"),
-    (Stage::Key, "key"),
-    (Stage::Sort, "sort"),
-    (Stage::Gather, "gather"),
-    (Stage::Trace, "trace"),
-    (Stage::Scatter, "scatter"),
-    (Stage::TraceIndirect, "indirect"),
-    (Stage::Accumulate, "accumulate"),
-];
 const ABOUT_DETAILS: &str = "\nMedians in ms; speedups against unsorted in the same round, medians with 95 % bootstrap \
                              intervals over rounds; ≈ marks no significant difference. The net speedup counts gather, \
                              trace and scatter, or the trace through indices (*).";
@@ -57,9 +46,17 @@ pub fn text(recorded: &Recorded, details: bool) -> Result<String> {
     Ok(lines.join("\n"))
 }
 
+/// What a stage is called at the head of a column.
+fn heading(stage: Stage) -> &'static str {
+    match stage {
+        Stage::TraceIndirect => "indirect",
+        other => other.name(),
+    }
+}
+
 fn table(recorded: &Recorded) -> Table {
     let mut table = Table::new();
-    let names = ["bounce", "kind", "rays", "method"].into_iter().chain(STAGES.map(|(_, name)| name));
+    let names = ["bounce", "kind", "rays", "method"].into_iter().chain(Stage::OF_ORDERS.map(heading));
     table.load_style(UTF8_BORDERS_ONLY).set_header(names.chain(["trace speedup", "net speedup"]));
     for (_, column) in table.column_iter_mut().enumerate().filter(|(index, _)| !matches!(index, 1 | 3)) {
         column.set_cell_alignment(CellAlignment::Right);
@@ -71,7 +68,7 @@ fn table(recorded: &Recorded) -> Table {
                 of_queue.into_iter().map(|text| if at == 0 { text } else { String::new() }).collect();
             row.push(entry.subject.name(&recorded.methods).to_owned());
             let way = chosen_way(&recorded.queues, entry.subject);
-            row.extend(STAGES.map(|(stage, _)| {
+            row.extend(Stage::OF_ORDERS.map(|stage| {
                 let mark = if stage == Stage::TraceIndirect && way == Some(Way::Indices) { "*" } else { "" };
                 format!("{mark}{}", milliseconds(entry.stages.of(stage)))
             }));

@@ -482,6 +482,18 @@ pub enum Stage {
 }
 
 impl Stage {
+    /// What an order is timed by, in the order in which stages run; those of both ways of tracing.
+    pub const OF_ORDERS: [Self; 8] = [
+        Self::Decide,
+        Self::Key,
+        Self::Sort,
+        Self::Gather,
+        Self::Trace,
+        Self::Scatter,
+        Self::TraceIndirect,
+        Self::Accumulate,
+    ];
+
     /// Name in JSON and tables.
     pub fn name(self) -> &'static str {
         match self {
