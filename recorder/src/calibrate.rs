@@ -152,8 +152,7 @@ impl Calibrator<'_> {
             let choice = Choice { method: plan.name.clone(), key_bits: plan.key_bits, way };
             Some(Candidate { choice, net, net_low })
         };
-        let ways = [Way::Gathered, Way::Indices];
-        found.iter().flat_map(|entry| ways.iter().filter_map(move |&way| worth(entry, way))).collect()
+        found.iter().flat_map(|entry| Way::ALL.into_iter().filter_map(move |way| worth(entry, way))).collect()
     }
 }
 

@@ -141,9 +141,7 @@ impl<P> Orders<P> {
     /// What takes its turn in a round: an order by its place here, and the way if that is not the order's own.
     fn turns(&self) -> Vec<(usize, Way)> {
         let ways = |subject| match subject {
-            Subject::Method(_) | Subject::Shuffled | Subject::Foreign(_) => {
-                &[Way::Gathered, Way::Indices][..]
-            }
+            Subject::Method(_) | Subject::Shuffled | Subject::Foreign(_) => &Way::ALL[..],
             Subject::Unsorted | Subject::Control | Subject::Auto => &[Way::Gathered],
         };
         let orders = self.0.iter().enumerate();
@@ -242,7 +240,7 @@ impl<B: Backend> Queued<'_, B> {
         for (entry, deciding) in entries.iter_mut().zip(deciding) {
             let is_taken = |way: Way| way.stages().iter().any(|&stage| !deciding.stages.of(stage).is_empty());
             let sum = |way: Way| if is_taken(way) { deciding.stages.totals(way).iter().sum() } else { 0 };
-            entry.deciding_ns = [Way::Gathered, Way::Indices].map(sum);
+            entry.deciding_ns = Way::ALL.map(sum);
             entry.mismatches = entry.mismatches.max(deciding.mismatches);
         }
         Ok(entries)

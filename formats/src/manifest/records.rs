@@ -434,6 +434,9 @@ pub enum Way {
 }
 
 impl Way {
+    /// Both ways, in the order in which numbers by way are kept.
+    pub const ALL: [Self; 2] = [Self::Gathered, Self::Indices];
+
     /// The stages that it takes.
     pub fn stages(self) -> &'static [Stage] {
         match self {

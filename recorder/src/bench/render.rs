@@ -413,7 +413,7 @@ mod tests {
             let subjects = [Subject::Unsorted, Subject::Control, Subject::Auto].into_iter().chain(methods);
             let orders = subjects.map(FrameOrder::Rays).chain(HitOrder::ALL.map(FrameOrder::Hits));
             // As if every order had been worth it, traced either way.
-            let sure = [Way::Gathered, Way::Indices].map(|way| {
+            let sure = Way::ALL.map(|way| {
                 let mut calibration = auto.calibration().to_vec();
                 for candidate in calibration.iter_mut().flat_map(|queue| &mut queue.candidates) {
                     (candidate.choice.way, candidate.net_low) = (way, 2.0);

@@ -19,7 +19,7 @@ fn what_can_be_traced_in_two_ways_takes_two_turns() {
         [Subject::Unsorted, Subject::Control, Subject::Method(3), Subject::Auto, Subject::Shuffled];
     let ordered = |subject| Ordered { subject, source: None::<Source<()>>, mismatches: 0 };
     let orders = Orders(subjects.map(ordered).into());
-    let [gathered, indices] = [Way::Gathered, Way::Indices];
+    let [gathered, indices] = Way::ALL;
     let of_two_ways = |at| [(at, gathered), (at, indices)];
     let expected = [&[(0, gathered), (1, gathered)][..], &of_two_ways(2), &[(3, gathered)], &of_two_ways(4)];
     assert_eq!(orders.turns(), expected.concat());

@@ -78,14 +78,12 @@ impl OnBackends for Reference {
     }
 }
 
-/// What passes took when traced in the order of a method, nanoseconds each, by [`WAYS`].
+/// What passes took when traced in the order of a method, nanoseconds each, by [`Way::ALL`].
 struct Sorted {
     ways_ns: [Vec<u64>; 2],
     /// The same over all passes, in the rounds that decide and no figure takes.
     deciding_ns: [u64; 2],
 }
-
-const WAYS: [Way; 2] = [Way::Gathered, Way::Indices];
 
 struct Pictures<'a> {
     bench: Bench<'a>,
@@ -131,7 +129,7 @@ impl<B: Backend> Observer<B> for Pictures<'_> {
         self.unsorted_ns[pass] += trace_ns;
         for (number, method) in self.methods.iter_mut().enumerate() {
             let sorted = found.iter().find(|entry| entry.subject == Subject::Method(number));
-            for (at, way) in WAYS.into_iter().enumerate() {
+            for (at, way) in Way::ALL.into_iter().enumerate() {
                 // What is not sorted is traced in canonical order.
                 let ns = sorted.map_or(trace_ns, |entry| entry.stages.totals(way).iter().sum());
                 method.ways_ns[at][pass] += ns;
