@@ -150,6 +150,11 @@ impl Program {
     }
 }
 
+/// The Python that `PYTHON` names, as `tests/run` does, else the system's.
+pub fn python() -> Command {
+    Command::new(std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into()))
+}
+
 /// Runs `command` to its end.
 ///
 /// # Panics

@@ -3,11 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::fs;
-use std::process::Command;
 
 use serde_json::json;
 use tempfile::tempdir;
-use tests::programs::{Program, finish};
+use tests::programs::{Program, finish, python};
 use tests::recordings::record;
 use tests::sources::root;
 
@@ -25,8 +24,7 @@ fn check(scene: &str, options: &str, key_bits: u32) {
     Program::Inspector.run(folder.path(), "verify keys.raydump").succeeded();
     let info = Program::Inspector.run(folder.path(), "info keys.raydump --json").succeeded().json();
     fs::write(folder.path().join("keys.json"), info.to_string()).unwrap();
-    let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
-    let mut command = Command::new(python);
+    let mut command = python();
     command.arg(root().join("tests/check_keys.py")).args(["keys.raydump", "keys.json"]);
     let compared = finish(command.current_dir(folder.path())).succeeded().json();
     assert_eq!(compared["left out"], json!([]), "{compared}");

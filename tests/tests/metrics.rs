@@ -4,19 +4,17 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use serde_json::Value;
 use tempfile::tempdir;
-use tests::programs::{Outcome, Program, finish};
+use tests::programs::{Outcome, Program, finish, python};
 use tests::recordings::record;
 use tests::sources::root;
 
 fn check(folder: &Path, metrics: &str) -> Outcome {
     let file = folder.join("metrics.json");
     fs::write(&file, metrics).unwrap();
-    let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
-    let mut command = Command::new(python);
+    let mut command = python();
     command.arg(root().join("tests/check_metrics.py")).arg(folder.join("cornell.raydump")).arg(file);
     finish(&mut command)
 }

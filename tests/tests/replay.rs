@@ -4,14 +4,13 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use formats::manifest::{CalibrationRecord, FILE_NAME, MAGIC, Outcome, Record, Source};
 use formats::reader::Dump;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 use tests::crafted::{copy, edit_manifest, edit_records};
-use tests::programs::{Program, finish};
+use tests::programs::{Program, finish, python};
 use tests::recordings::{SMALL, arrays, record};
 
 const FAILED: i32 = 1;
@@ -379,8 +378,7 @@ np.save('columns.npy', origin.astype('<f4'))
 #[test]
 fn rays_of_another_program() {
     let folder = tempdir().unwrap();
-    let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
-    finish(Command::new(python).args(["-c", SCRIPT]).current_dir(folder.path())).succeeded();
+    finish(python().args(["-c", SCRIPT]).current_dir(folder.path())).succeeded();
     let import = "import --scene builtin:cornell --backend cpu --repeats 1";
     let recorded =
         [("rays", "closest", "closest"), ("shadow", "shadow", "shadow"), ("shadow", "closest", "near")];

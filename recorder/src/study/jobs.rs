@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::Result;
+use formats::summary::hexadecimal;
 use scenes::hash::content_hash;
 use scenes::{Camera, Scene, views};
 use sha2::{Digest, Sha256};
@@ -164,7 +165,7 @@ fn hash(
         add(&replay.name);
         add(&typed(&replay.words));
     }
-    hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&hasher.finalize())
 }
 
 /// What a scene is called: a file without folders and extension, a built-in one without its prefix.
@@ -190,6 +191,6 @@ fn tell_apart(jobs: &mut [Job]) {
     }
     for job in jobs.iter_mut().filter(|job| counts[&job.name.to_lowercase()] > 1) {
         let digest = Sha256::digest(format!("{}\n{}", job.scene, job.camera));
-        job.name += &digest[..4].iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+        job.name += &hexadecimal(&digest[..4]);
     }
 }

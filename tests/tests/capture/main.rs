@@ -10,7 +10,7 @@ use std::process::Command;
 use formats::npy::{self, Dtype};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
-use tests::programs::{Program, finish};
+use tests::programs::{Program, finish, python};
 use tests::sources::root;
 
 const FAILED: i32 = 1;
@@ -187,8 +187,7 @@ capture.lights(2, np.zeros(2000))
 keys = (origins[:, 1] * 1000).astype('u4')
 capture.order(2, 'shadow', 'height', np.argsort(keys, kind='stable'), keys)
 ";
-    let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
-    let mut write = Command::new(python);
+    let mut write = python();
     let capture = root().join("docs/capture");
     finish(write.arg("-c").arg(script).arg(capture).current_dir(folder.path())).succeeded();
     let recorded = import(folder.path(), "python");
