@@ -100,8 +100,8 @@ fn speedups(queue: &MeasuredQueue, entry: &Measurement, recorded: &Recorded) -> 
 /// What `auto` chose, queue by queue.
 fn decisions(recorded: &Recorded) -> Vec<String> {
     let line = |decision: &DecisionRecord| {
-        let chosen = decision.choice.as_ref().map_or("left alone".to_owned(), ToString::to_string);
-        format!("auto     {}: {chosen}", queue_name(decision.queue.bounce, decision.queue.kind))
+        let queue = queue_name(decision.queue.bounce, decision.queue.kind);
+        format!("auto     {queue}: {}", decision.chosen())
     };
     recorded.decisions.iter().map(line).collect()
 }

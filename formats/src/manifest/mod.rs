@@ -18,8 +18,9 @@ pub use codec::encode_frame;
 pub use place::{MethodArray, Place, QueueArray, QueueId, SceneArray};
 pub use records::{
     Adapter, ArrayRecord, Backend, CacheRecord, CalibrationRecord, CameraPose, Candidate, Check, Choice,
-    DecisionRecord, DisturbedRecord, End, Features, Header, ImageDigest, MethodRecord, Mismatches, Options,
-    Outcome, QueueRecord, Record, SceneSummary, Source, Stage, TimingRecord, Way, WayRecord,
+    DecisionRecord, DisturbedRecord, End, Features, Header, ImageDigest, LEFT_ALONE, MethodRecord,
+    Mismatches, Options, Outcome, QueueRecord, Record, SceneSummary, Source, Stage, TimingRecord, Way,
+    WayRecord,
 };
 pub use scan::{Fault, Manifest, ManifestError};
 

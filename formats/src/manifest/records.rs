@@ -423,6 +423,16 @@ pub struct DecisionRecord {
     pub choice: Option<Choice>,
 }
 
+/// What is said of rays that `auto` gave no order.
+pub const LEFT_ALONE: &str = "left alone";
+
+impl DecisionRecord {
+    /// What was chosen, in words; [`LEFT_ALONE`] if nothing was.
+    pub fn chosen(&self) -> String {
+        self.choice.as_ref().map_or(LEFT_ALONE.to_owned(), ToString::to_string)
+    }
+}
+
 /// How sorted rays are traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Encode, Decode, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

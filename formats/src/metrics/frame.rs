@@ -11,7 +11,7 @@ use super::samples::Samples;
 use super::speedup::{Speedup, median};
 use crate::key::Termination;
 use crate::key::method::{AUTO, CONTROL, UNSORTED};
-use crate::manifest::{Manifest, QueueId};
+use crate::manifest::{LEFT_ALONE, Manifest, QueueId};
 use crate::ray::Kind;
 use crate::text::{counted, one_line, wrapped};
 
@@ -363,7 +363,6 @@ fn costly(count: usize) -> String {
     }
 }
 
-const LEFT_ALONE: &str = "left alone";
 const PAYS: &str = "pays";
 const COSTS: &str = "costs";
 
