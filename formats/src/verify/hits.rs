@@ -3,6 +3,8 @@
 //! Whether a nearer triangle was missed cannot be seen without tracing; that the point named by a
 //! hit lies on its ray, and within the ray's limits, can.
 
+use glam::{DVec3, Vec3};
+
 use super::{Check, Subject};
 use crate::holes::Holes;
 use crate::manifest::{Place, SceneArray};
@@ -83,9 +85,10 @@ impl Geometry {
     }
 
     /// The corners of a triangle; `None` if there is no such triangle or vertex.
-    fn corners(&self, triangle: u32) -> Option<[Vector; 3]> {
+    fn corners(&self, triangle: u32) -> Option<[DVec3; 3]> {
         let indices = self.triangles.get(triangle as usize)?;
-        let corner = |index: u32| self.positions.get(index as usize).map(|point| point.map(f64::from));
+        let corner =
+            |index: u32| self.positions.get(index as usize).map(|&point| Vec3::from(point).as_dvec3());
         Some([corner(indices[0])?, corner(indices[1])?, corner(indices[2])?])
     }
 }
@@ -105,24 +108,6 @@ enum Fault {
     Hole,
     #[error("is hit {apart:e} away from the triangle's point, expected at most {tolerance:e}")]
     Point { apart: f64, tolerance: f64 },
-}
-
-type Vector = [f64; 3];
-
-fn subtract(a: Vector, b: Vector) -> Vector {
-    [0, 1, 2].map(|axis| a[axis] - b[axis])
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn length(a: Vector) -> f64 {
-    dot(a, a).sqrt()
 }
 
 fn fault(ray: &Ray, hit: &Hit, scene: Option<&Geometry>) -> Option<Fault> {
@@ -152,26 +137,27 @@ fn fault(ray: &Ray, hit: &Hit, scene: Option<&Geometry>) -> Option<Fault> {
 /// Rounding moves the weights by its size over the triangle's projected area, so the point, which
 /// stays in the triangle, may move along slivers and triangles seen edge-on: the tolerance grows
 /// with (longest edge)² / projected area, up to the longest edge.
-fn distance_and_tolerance(ray: &Ray, hit: &Hit, [a, b, c]: [Vector; 3]) -> (f64, f64) {
-    let (origin, direction) = (ray.origin.map(f64::from), ray.direction.map(f64::from));
+fn distance_and_tolerance(ray: &Ray, hit: &Hit, [a, b, c]: [DVec3; 3]) -> (f64, f64) {
+    let (origin, direction) = (Vec3::from(ray.origin).as_dvec3(), Vec3::from(ray.direction).as_dvec3());
     let (t, u, v) = (f64::from(hit.t), f64::from(hit.u), f64::from(hit.v));
-    let (to_b, to_c) = (subtract(b, a), subtract(c, a));
-    let apart: Vector = [0, 1, 2]
-        .map(|axis| a[axis] + u * to_b[axis] + v * to_c[axis] - (origin[axis] + t * direction[axis]));
-    let longest = length(to_b).max(length(to_c)).max(length(subtract(c, b)));
-    let largest = |point: Vector| point.iter().fold(0.0f64, |largest, along| largest.max(along.abs()));
+    let (to_b, to_c) = (b - a, c - a);
+    let apart = a + u * to_b + v * to_c - (origin + t * direction);
+    let longest = to_b.length().max(to_c.length()).max((c - b).length());
+    let largest =
+        |point: DVec3| point.to_array().iter().fold(0.0f64, |largest, along| largest.max(along.abs()));
     let scale = [origin, a, b, c].into_iter().map(largest).fold(t.max(longest), f64::max);
     let rounding = ROUNDINGS * f64::from(f32::EPSILON) * scale;
-    let projected_area = dot(cross(to_b, to_c), direction).abs();
+    let projected_area = to_b.cross(to_c).dot(direction).abs();
     let slant = longest * longest / projected_area.max(f64::MIN_POSITIVE);
-    (length(apart), rounding + (rounding * slant).min(longest))
+    (apart.length(), rounding + (rounding * slant).min(longest))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const CORNERS: [Vector; 3] = [[0.0, 0.0, 5.0], [4.0, 0.0, 5.0], [0.0, 4.0, 5.0]];
+    const CORNERS: [DVec3; 3] =
+        [DVec3::new(0.0, 0.0, 5.0), DVec3::new(4.0, 0.0, 5.0), DVec3::new(0.0, 4.0, 5.0)];
 
     fn ray() -> Ray {
         Ray { origin: [1.0, 1.0, 0.0], t_min: 0.0, direction: [0.0, 0.0, 1.0], t_max: f32::INFINITY }
