@@ -278,3 +278,22 @@ fn results_that_a_full_disk_does_not_take() {
             .failed_with(FAILED, &["cannot write to standard output", "No space left"]);
     }
 }
+
+/// What is said on the way to a result is no reason to lose it.
+#[cfg(target_os = "linux")]
+#[test]
+fn benchmarks_that_nobody_hears_go_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let small = "builtin:cornell --width 16 --height 16 --bounces 1 --methods aila";
+    for line in [
+        format!("bench error {small} --only precision"),
+        format!("bench capture {small}"),
+        format!("bench render {small} --passes 1"),
+        "bench growth --only triangles --triangles 38".to_owned(),
+    ] {
+        let line = format!("{line} --repeats 1 --backend cpu --json");
+        let mut command = Program::Recorder.command(line.split(' '));
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        finish(command.current_dir(folder.path()).stderr(full)).succeeded();
+    }
+}
