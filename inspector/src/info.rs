@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use formats::manifest::{DecisionRecord, Header, Manifest, Options, Source, Stage};
+use formats::manifest::{Header, Manifest, Options, Source, Stage};
 use formats::metrics::frame::{COLUMNS, Frame};
 use formats::reader::{Dump, DumpState};
 use formats::study::Study;
@@ -11,7 +11,6 @@ use formats::summary::{Summary, TimingLine, hexadecimal};
 use formats::text::{one_line, wrapped};
 use serde::Serialize;
 
-use crate::analysis::timing::STAGES;
 use crate::analysis::{Analysis, AnalysisOptions, Depth, StudyAnalysis, analyse};
 use crate::method_table;
 use crate::output::{count, counted, print, print_json, say, size, sum, table, time};
@@ -184,9 +183,8 @@ fn facts(summary: &Summary, shown: &Header, source_is: Option<SourceIs>) -> Stri
     lines.extend(source_line(shown, source_is).map(|line| ("source", line)));
     lines.extend(scene_lines(summary, shown));
     lines.push(("backend", backend_line(shown)));
-    for DecisionRecord { queue, choice, .. } in &summary.decisions {
-        let chosen = choice.as_ref().map_or("left alone".to_owned(), ToString::to_string);
-        lines.push(("auto", format!("{queue}: {}", one_line(&chosen, 200))));
+    for decision in &summary.decisions {
+        lines.push(("auto", format!("{}: {}", decision.queue, one_line(&decision.chosen(), 200))));
     }
     lines.push(("options", options_line(options)));
     lines.push((
@@ -317,7 +315,7 @@ fn timings(summary: &Summary) -> String {
     if summary.timings.is_empty() {
         return "Nothing was timed.".to_owned();
     }
-    let all = STAGES.into_iter().chain([Stage::Generate, Stage::Shade]).map(Stage::name);
+    let all = Stage::OF_ORDERS.into_iter().chain([Stage::Generate, Stage::Shade]).map(Stage::name);
     let timed: Vec<&str> =
         all.filter(|stage| summary.timings.iter().any(|timing| timing.stage == *stage)).collect();
     let mut rows: BTreeMap<_, BTreeMap<&str, &TimingLine>> = BTreeMap::new();

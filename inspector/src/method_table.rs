@@ -1,6 +1,7 @@
 //! Analyses as text: methods beside each other, and what is missing for it.
 
 use formats::key::method::CONTROL;
+use formats::manifest::LEFT_ALONE;
 use formats::metrics::correlation::Correlation;
 use formats::metrics::speedup::INTERVAL_ROUNDS;
 use formats::ray::Kind;
@@ -27,7 +28,7 @@ pub(crate) fn methods(analysis: &Analysis) -> String {
         let row = [summary.rays.name().to_owned(), summary.method.clone()];
         let mut cells = means(summary);
         if is_left_alone(analysis, summary) {
-            cells[1..3].fill("left alone".to_owned());
+            cells[1..3].fill(LEFT_ALONE.to_owned());
         }
         table.add_row(row.into_iter().chain(cells).take(header.len()));
     }

@@ -72,7 +72,7 @@ pub(crate) struct Made {
 pub(crate) fn plot(Plot { sources, figures, width }: &Plot) -> anyhow::Result<()> {
     check_names(figures)?;
     make_folder(&sources.out)?;
-    let made = make(&Inputs::open(&sources.inputs)?, figures, *width, &sources.out, |name| say(name))?;
+    let made = make(&Inputs::open(&sources.inputs)?, figures, *width, &sources.out, say)?;
     print_made(&made, sources.json)
 }
 

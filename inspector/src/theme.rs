@@ -1,8 +1,8 @@
 //! Every colour of the window, light and dark, in one place. Series have the colours of the figures.
 
 use egui::{Color32, Theme as Mode};
+use formats::manifest::Stage;
 
-use crate::analysis::timing::STAGES;
 use crate::figures::style;
 
 /// A colour as shaders take it: red, green, blue, alpha, 0 to 1, in sRGB.
@@ -127,7 +127,7 @@ impl Theme {
     /// A stage, by its place among all: of a ramp that no series has, as in the figures; on a dark page tracing is
     /// dark, as it is pale on a light one.
     pub fn stage(self, place: usize) -> Color32 {
-        const ON_DARK: [[u8; 3]; STAGES.len()] = [
+        const ON_DARK: [[u8; 3]; Stage::OF_ORDERS.len()] = [
             [0xf0, 0xf0, 0xf0], // decide
             [0x8e, 0x5c, 0xd0], // key
             [0xa9, 0x9e, 0xe0], // sort

@@ -8,7 +8,7 @@ use formats::metrics::samples::Samples;
 use serde::Serialize;
 
 use super::summary::{RayClass, distinct};
-use super::timing::{STAGES, SpeedupLine, Time};
+use super::timing::{SpeedupLine, Time};
 use super::{Metric, OrderAnalysis, QueueAnalysis};
 
 /// One method on one kind of rays of a recording, over its bounces.
@@ -71,7 +71,7 @@ impl FrameAnalysis {
         let measured: Vec<(&QueueAnalysis, &OrderAnalysis)> =
             queues.iter().filter_map(|queue| Some((*queue, queue.order(method)?))).collect();
         let (_, first) = measured.first()?;
-        let stages = STAGES.into_iter().filter_map(|stage| frame_stage(&measured, stage));
+        let stages = Stage::OF_ORDERS.into_iter().filter_map(|stage| frame_stage(&measured, stage));
         Some(Self {
             rays,
             method: method.to_owned(),

@@ -119,23 +119,11 @@ impl SpeedupLine {
     }
 }
 
-/// The stages of an order, in the order in which they run.
-pub const STAGES: [Stage; 8] = [
-    Stage::Decide,
-    Stage::Key,
-    Stage::Sort,
-    Stage::Gather,
-    Stage::Trace,
-    Stage::Scatter,
-    Stage::TraceIndirect,
-    Stage::Accumulate,
-];
-
-/// The stages as bars stack them, each with its place in [`STAGES`]: tracing first, then what an order adds to it, so
+/// The stages as bars stack them, each with its place in [`Stage::OF_ORDERS`]: tracing first, then what an order adds to it, so
 /// that it is seen how much of what the trace saves is left.
 pub fn stacked() -> impl Iterator<Item = (usize, Stage)> {
     let is_trace = |(_, stage): &(usize, Stage)| matches!(stage, Stage::Trace | Stage::TraceIndirect);
-    let all = || STAGES.into_iter().enumerate();
+    let all = || Stage::OF_ORDERS.into_iter().enumerate();
     all().filter(is_trace).chain(all().filter(move |stage| !is_trace(stage)))
 }
 
@@ -156,7 +144,7 @@ pub fn stages(samples: &StageSamples, traffic: &Traffic, rays: u64) -> Vec<Stage
             bytes_per_ray.and_then(|bytes| bytes_per_second(bytes.saturating_mul(rays), time.median_ns));
         Some(StageTime { stage, time, bytes_per_ray, bytes_per_second })
     };
-    STAGES.into_iter().filter_map(of).collect()
+    Stage::OF_ORDERS.into_iter().filter_map(of).collect()
 }
 
 #[cfg(test)]

@@ -17,10 +17,13 @@ const DECADES: [f64; 3] = [1.0, 2.0, 4.0];
 /// Of the plot of estimates with its labels, so that both of its axes are about as long.
 const WIDTH_TO_HEIGHT: f32 = 1.1;
 
+/// What it is of: the opening of a recording, the queue, and whether the page is dark.
+type PlotKey = (Option<u64>, QueueId, bool);
+
 /// The plot of estimates against lengths, whose picture is made once for each queue of an opened recording.
 #[derive(Default)]
 pub(super) struct EstimatePlot {
-    made: Option<((Option<u64>, QueueId, bool), TextureHandle)>,
+    made: Option<(PlotKey, TextureHandle)>,
 }
 
 /// How good the table's estimates are, in words; nothing while that is not known.

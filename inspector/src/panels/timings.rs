@@ -4,7 +4,7 @@
 use egui::{Align2, RichText};
 use egui_plot::{AxisHints, Bar, BarChart, Plot, PlotPoint, Text, VLine};
 use formats::key::method::UNSORTED;
-use formats::manifest::Stage;
+use formats::manifest::{LEFT_ALONE, Stage};
 
 use super::notes::{hint, legend, name_at};
 use crate::analysis::timing::{Verdict, stacked, stage_name};
@@ -145,11 +145,8 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
                     Verdict::Faster if !order.is_left_alone() => theme.faster(),
                     _ => theme.reference(),
                 };
-                let text = if order.is_left_alone() {
-                    "left alone".to_owned()
-                } else {
-                    format!("{:.2}×", net.ratio)
-                };
+                let text =
+                    if order.is_left_alone() { LEFT_ALONE.to_owned() } else { format!("{:.2}×", net.ratio) };
                 let text = RichText::new(format!("  {text}")).color(colour);
                 let text = Text::new("net speedup", PlotPoint::new(longest, row as f64), text);
                 plot.text(text.anchor(Align2::LEFT_CENTER));

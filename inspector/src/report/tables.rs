@@ -2,7 +2,7 @@
 
 use formats::bench_result::{BenchResult, Rows, SortRow};
 use formats::key::method::{AUTO, CONTROL, UNSORTED};
-use formats::manifest::Stage;
+use formats::manifest::{LEFT_ALONE, Stage};
 use formats::metrics::correlation::Correlation;
 use formats::metrics::speedup::median;
 use formats::ray::Kind;
@@ -70,7 +70,7 @@ fn both(trace: f64, net: Option<f64>) -> Cell {
 /// A cell of a recording's row, with its net speedup if it is shown to pay: only such ones are called the best.
 fn speedup_cell(frame: Option<&FrameAnalysis>) -> (Cell, Option<f64>) {
     if frame.is_some_and(|frame| frame.left_alone) {
-        return (Cell::plain("left alone"), None);
+        return (Cell::plain(LEFT_ALONE), None);
     }
     let Some((frame, trace)) = frame.and_then(|frame| Some((frame, frame.trace_speedup.known()?))) else {
         return (Cell::plain("–"), None);

@@ -6,7 +6,7 @@ use super::building::{by_method, figure, methods, of, recordings, settings};
 use super::{Findings, Made};
 use crate::analysis::RecordingAnalysis;
 use crate::analysis::summary::RayClass;
-use crate::analysis::timing::{STAGES, stage_name};
+use crate::analysis::timing::stage_name;
 use crate::figures::model::{Axis, Content, Of, Panel, Point, Series};
 use crate::figures::style::STAGE_STYLES;
 
@@ -24,7 +24,7 @@ pub fn bandwidth(findings: &Findings<'_>) -> Made {
 fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis) -> Panel {
     let is_timed =
         |stage: &Stage| methods(findings).iter().any(|method| traffic(recording, method, *stage).is_some());
-    let stages: Vec<Stage> = STAGES.into_iter().filter(is_timed).collect();
+    let stages: Vec<Stage> = Stage::OF_ORDERS.into_iter().filter(is_timed).collect();
     let of_stages = |methods: &[&str], what: &str| -> Vec<Point> {
         let sum = |stage: Stage| {
             let all = methods.iter().filter_map(|method| traffic(recording, method, stage));

@@ -7,7 +7,7 @@ use formats::metrics::speedup::{median, quantile};
 
 use super::{Findings, Made};
 use crate::analysis::summary::{MeanSpeedup, RayClass, distinct};
-use crate::analysis::timing::{STAGES, SpeedupLine};
+use crate::analysis::timing::SpeedupLine;
 use crate::analysis::{Metric, OrderAnalysis, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Figure, Of, Panel, Point, Scale, Series};
 use crate::figures::style::STAGE_STYLES;
@@ -101,7 +101,7 @@ pub fn by_label<'a, T>(
 
 /// The style of a stage, in all figures the same.
 pub fn stage_style(stage: Stage) -> usize {
-    STAGE_STYLES + STAGES.iter().position(|other| *other == stage).unwrap_or(0)
+    STAGE_STYLES + Stage::OF_ORDERS.iter().position(|other| *other == stage).unwrap_or(0)
 }
 
 /// A series of a method.
