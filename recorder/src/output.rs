@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use anyhow::{Context, Result};
+use clap::ValueEnum;
 use formats::text::{printable, printable_json};
 use serde::Serialize;
 
@@ -22,6 +23,11 @@ pub(crate) fn print(text: impl std::fmt::Display) -> Result<()> {
 pub(crate) fn say(text: impl std::fmt::Display) {
     let text = text.to_string();
     let _ = writeln!(io::stderr().lock(), "{}", printable(&text));
+}
+
+/// A choice as it is typed.
+pub(crate) fn typed(choice: &impl ValueEnum) -> String {
+    choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 /// Writes a result as JSON.

@@ -18,7 +18,7 @@ use crate::backends::{Backend, Queue, Table};
 use crate::clock::Clock;
 use crate::machine::{self, Device};
 use crate::options::{DeviceOptions, RecordOptions};
-use crate::output::say;
+use crate::output::{say, typed};
 use crate::recording::prepared;
 use crate::wavefront::{self, Observer};
 
@@ -161,7 +161,7 @@ impl Series<'_> {
         let kernels = [device.kernel(&run.device)];
         let passes = backends::measure(device, scene, &setup, &kernels, Passes { run })?;
         let n = if self.size == Size::Rays { passes.rays } else { n };
-        say(format_args!("{}, {:?}: {n}", scene.name, self.size));
+        say(format_args!("{}, {}: {n}", scene.name, typed(&self.size)));
         for (stage, samples) in passes.stages_ns {
             self.add(scene, n, stage.name(), "ns", samples);
         }

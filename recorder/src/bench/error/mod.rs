@@ -23,7 +23,7 @@ use scenes::Scene;
 use super::result;
 use crate::machine::{self, Device};
 use crate::options::RecordOptions;
-use crate::output::say;
+use crate::output::{say, typed};
 use crate::recording::prepared;
 use crate::stages::setup::Setup;
 
@@ -89,7 +89,7 @@ pub fn run(options: &ErrorBench) -> Result<BenchResult> {
         let scene = scenes::load(name)?;
         let bench = Bench { options, device: &device, scene: &scene };
         for curve in &options.curves {
-            say(format_args!("{}: {curve:?}", scene.name));
+            say(format_args!("{}: {}", scene.name, typed(curve)));
             match curve {
                 Curve::Precision => rows.precision.extend(precision::run(bench)?),
                 Curve::Estimator => rows.estimator.extend(estimator::run(bench)?),
