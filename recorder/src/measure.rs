@@ -212,7 +212,7 @@ impl<B: Backend> Queued<'_, B> {
         }
         let mut nowhere = empty(&orders);
         for (at, way) in orders.turns() {
-            self.sample(backend, &orders.0[at], way, &mut nowhere[at], 0)?;
+            self.turn(backend, &orders.0[at], way, &mut nowhere[at], 0)?;
             orders.0[at].mismatches = nowhere[at].mismatches;
         }
         backend.accumulate(self.rays, self.hits, Table::Scratch)?;
@@ -235,7 +235,7 @@ impl<B: Backend> Queued<'_, B> {
         in_rounds(turns.len(), measured.repeats, seed, |turn, round| {
             let (at, way) = turns[turn];
             let entries = if round.is_some() { &mut entries } else { &mut deciding };
-            self.sample(backend, &orders.0[at], way, &mut entries[at], round.unwrap_or(0))
+            self.turn(backend, &orders.0[at], way, &mut entries[at], round.unwrap_or(0))
         })?;
         for (entry, deciding) in entries.iter_mut().zip(deciding) {
             let is_taken = |way: Way| way.stages().iter().any(|&stage| !deciding.stages.of(stage).is_empty());
@@ -247,7 +247,7 @@ impl<B: Backend> Queued<'_, B> {
     }
 
     /// One turn: a sample of each stage of an order by a way, or by that which is chosen with it.
-    fn sample(
+    fn turn(
         &self,
         backend: &mut B,
         Ordered { subject, source, .. }: &Ordered<B::Permutation>,

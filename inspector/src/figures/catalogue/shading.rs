@@ -40,7 +40,7 @@ pub fn shading(findings: &Findings<'_>) -> Made {
         }
     }
     let caption = format!(
-        "Frames as a renderer makes them, whose hits are sorted before they are shaded. Left the median times of their parts, as multiples of the frame that sorts nothing; right the speedup of the whole frame with its 95 % interval: sorting pays where that is right of the line. Distinct materials among 32 neighbours: {}.",
+        "Frames as a renderer makes them, whose hits are sorted before they are shaded. Left the median times of their parts, as multiples of the frame that sorts nothing; right the speedup of the whole frame with its 95 % interval: sorting pays where that is right of the line. Taking a key from a hit (its material or triangle) is not timed; the key of a place is. Distinct materials among 32 neighbours: {}.",
         materials(&shown)
     );
     let reason = "there is no result of `recorder bench render --json` with orders of hits";
