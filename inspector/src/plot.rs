@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use formats::key::Termination;
 use formats::key::method::{CONTROL, Method, WITHOUT_LAYOUT};
-use formats::manifest::{Header, Manifest, MethodRecord, Options, Source};
+use formats::manifest::{Backend, Header, Manifest, MethodRecord, Options, Source};
 use formats::reader::Dump;
 use formats::summary::hexadecimal;
 use formats::text::shell_word;
@@ -319,17 +319,31 @@ fn measuring_options(manifest: &Manifest, header: &Header) -> String {
     let listed: Vec<&str> = WITHOUT_LAYOUT.into_iter().filter(is_listed).chain(builtin).collect();
     let is_own = |name: &&str| !manifest.foreign_orders().any(|order| order.name == *name);
     let own = others.into_iter().filter(is_own).filter_map(|name| {
-        let method = manifest.methods.iter().find(|method| method.base == name)?;
-        let own = shown::sentence(format!("{name}={}", method.text));
+        // Of variants by the origin's share, whose text is made of coordinates alone, one that has all of them.
+        let variants = manifest.methods.iter().filter(|method| method.base == name);
+        let method = variants.max_by_key(|method| (!method.name.contains("-split-"), method.text.len()))?;
+        let estimate = match method.termination {
+            Termination::Adaptive if !method.text.contains('@') => " @adaptive",
+            Termination::Real if !method.text.contains('@') => " @real",
+            _ => "",
+        };
+        let own = shown::sentence(format!("{name}={}{estimate}", method.text));
         Some(format!(" --method {}", shell_word(&own)))
     });
-    let threads = if options.threads > 0 { format!(" --threads {}", options.threads) } else { String::new() };
+    let threads = match header.backend {
+        Backend::Cpu => format!(" --threads {}", options.threads),
+        Backend::Gpu => format!(" --adapter {}", shell_word(&header.adapter.name)),
+    };
     format!(
         "--backend {} --trace {}{threads} --repeats {} --keep {} --methods {}{}{}",
         header.backend.name(),
         shell_word(&options.trace_kernel),
         options.repeats,
-        if options.keep.is_empty() { "none".to_owned() } else { options.keep.join(",") },
+        if options.keep.is_empty() {
+            "none".into()
+        } else {
+            shell_word(&options.keep.join(",")).into_owned()
+        },
         listed.join(","),
         own.collect::<String>(),
         key_options(manifest, header),

@@ -1,6 +1,6 @@
 //! How much memory is free, so that what cannot fit is refused before it is made.
 
-use sysinfo::System;
+use sysinfo::{CGroupLimits, System};
 
 /// That something needs more memory than is free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -15,13 +15,16 @@ pub struct Shortage {
 /// Free memory and swap space, bytes, or what a control group (a container, a job of a cluster) leaves of
 /// them. Where the system does not tell, [`u64::MAX`], so that nothing is refused.
 pub fn free() -> u64 {
-    let found = System::new().map_or(0, |mut system| {
+    System::new().map_or(u64::MAX, |mut system| {
         system.refresh_memory();
         let all = system.available_memory().saturating_add(system.free_swap());
-        let limits = system.cgroup_limits();
-        limits.map_or(all, |limits| all.min(limits.free_memory.saturating_add(limits.free_swap)))
-    });
-    if found > 0 { found } else { u64::MAX }
+        let told = if all > 0 { all } else { u64::MAX };
+        // Not what the group has free: the files that it read count as taken there, and can be dropped.
+        let left = |limits: CGroupLimits| {
+            limits.total_memory.saturating_sub(limits.rss).saturating_add(limits.free_swap)
+        };
+        system.cgroup_limits().map_or(told, |limits| told.min(left(limits)))
+    })
 }
 
 /// Whether `needed` bytes fit into `free` ones.

@@ -132,5 +132,9 @@ fn a_report_says_how_its_recordings_are_repeated() {
         };
         assert_same(&kept(here), &kept(there), &command);
     }
-    assert!(commands.contains("inspector report"), "{commands}");
+    let last = commands.lines().nth(names.len()).unwrap();
+    assert!(
+        last.starts_with("inspector report") && commands.lines().count() == names.len() + 1,
+        "{commands}"
+    );
 }

@@ -417,7 +417,8 @@ pub struct DecisionRecord {
     /// The queue.
     #[serde(flatten)]
     pub queue: QueueId,
-    /// Mean capsule area of its sample, unit space; 0 where none was taken: the queue was known by its bounce and rays, or there was nothing to choose.
+    /// Mean capsule area of its sample, unit space; 0 where none was taken: the queue was known by its bounce and rays,
+    /// or there was nothing to choose.
     pub area: f64,
     /// What was chosen; `None` to leave the queue alone.
     pub choice: Option<Choice>,

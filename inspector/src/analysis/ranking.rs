@@ -18,14 +18,26 @@ pub struct RankedOrder {
     pub net: Metric<SpeedupLine>,
     /// Of the trace alone.
     pub trace: Metric<SpeedupLine>,
-    /// Net speedup of each bounce of the selected kind, or of the kind that it orders, or that of the trace where there is none.
+    /// Net speedup of each bounce of the selected kind, or of the kind that it orders; that of the trace where there is
+    /// none.
     pub by_bounce: Vec<(u32, f64)>,
     /// Of a queue: mean capsule area over that of unsorted rays; `None` while it is awaited.
     pub area: Option<Metric<f64>>,
     /// Of a queue: how much of a warp of 32 works; a model. `None` while it is awaited.
     pub lanes: Option<Metric<f64>>,
-    /// The rays that it orders where the queue has others.
-    pub elsewhere: Option<RayClass>,
+    /// Which rays it orders where those of the queue are not.
+    pub elsewhere: Option<Elsewhere>,
+}
+
+/// Rays that an order has where a queue is not ordered by it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Elsewhere {
+    /// Of the same kind.
+    OtherBounces,
+    /// Of the other kind.
+    ClosestRays,
+    /// Of the other kind.
+    ShadowRays,
 }
 
 /// The best is first.

@@ -90,7 +90,7 @@ pub struct SpeedupLine {
 impl SpeedupLine {
     /// Its interval for people, nothing if it has none.
     pub fn interval_text(&self) -> String {
-        // As many digits as it takes to see on which side of 1 an end lies.
+        // A third digit beside 1, on which side of which an end lies.
         let end =
             |end: f64| if (end - 1.0).abs() < 0.005 { format!("{end:.3}") } else { format!("{end:.2}") };
         self.interval.map_or(String::new(), |(low, high)| format!("[{}, {}]", end(low), end(high)))
@@ -119,8 +119,8 @@ impl SpeedupLine {
     }
 }
 
-/// The stages as bars stack them, each with its place in [`Stage::OF_ORDERS`]: tracing first, then what an order adds to it, so
-/// that it is seen how much of what the trace saves is left.
+/// The stages as bars stack them, each with its place in [`Stage::OF_ORDERS`]: tracing first, then what an order adds to
+/// it, so that it is seen how much of what the trace saves is left.
 pub fn stacked() -> impl Iterator<Item = (usize, Stage)> {
     let is_trace = |(_, stage): &(usize, Stage)| matches!(stage, Stage::Trace | Stage::TraceIndirect);
     let all = || Stage::OF_ORDERS.into_iter().enumerate();

@@ -164,7 +164,7 @@ impl Context {
         self.hold_against(recording, &method);
     }
 
-    /// Goes where a method was measured, if the queue is not: to rays of the other kind, of the same bounce if it can be.
+    /// Goes where a method was measured, if the queue is not: to the nearest bounce of its pass.
     pub fn go_where_measured(&mut self, method: &str) {
         let QueueId { pass, bounce, .. } = self.selection.queue;
         let Some(recording) = self.recording().filter(|_| !self.methods().iter().any(|one| one == method))

@@ -16,6 +16,10 @@ pub struct History {
 impl History {
     /// Remembers what is selected, if it is something else than before. Nothing can be redone after that.
     pub fn note(&mut self, selection: &Selection) {
+        // What B was elsewhere is nothing that anybody sees.
+        if let Some(now) = &mut self.now {
+            now.wanted.clone_from(&selection.wanted);
+        }
         if self.now.as_ref() == Some(selection) {
             return;
         }

@@ -1,5 +1,7 @@
 //! The rays of a queue with all that the recording keeps of them, in canonical order.
 
+use std::sync::OnceLock;
+
 use formats::length_table::{LengthCell, TABLE_BITS_MAX, TABLE_BITS_MIN};
 use formats::manifest::{Place, QueueArray, QueueId, SceneArray};
 use formats::metrics::capsule::Segment;
@@ -33,6 +35,7 @@ pub struct Queue {
     pub cells: Result<Loaded<LengthCell>, String>,
     /// The same as a table that rays find their cell in.
     pub table: Result<StoredTable, String>,
+    starts_in_one_place: OnceLock<bool>,
 }
 
 impl Queue {
@@ -71,6 +74,7 @@ impl Queue {
             work,
             cells: cells(dump, &place(QueueArray::Lengths)),
             table: StoredTable::open(dump, id).map_err(|error| error.to_string()),
+            starts_in_one_place: OnceLock::new(),
             traced,
         })
     }
@@ -83,6 +87,14 @@ impl Queue {
     /// Whether it has no rays.
     pub fn is_empty(&self) -> bool {
         self.lengths.is_empty()
+    }
+
+    /// Whether all rays start in one place, as those of a pinhole camera do.
+    pub fn starts_in_one_place(&self) -> bool {
+        *self.starts_in_one_place.get_or_init(|| {
+            let rays = self.traced.rays();
+            rays.iter().all(|ray| ray.origin == rays[0].origin)
+        })
     }
 
     /// A ray from its origin to where it ended, unit space.

@@ -1,17 +1,19 @@
 //! All orders of the selected queue by what they gain, as far as it is known.
 
 use formats::key::method::{AUTO, UNSORTED};
+use formats::ray::Kind;
 
 use super::absent::Absent;
 use super::coherences::OrderCoherence;
 use super::context::Context;
 use super::what_if::WHAT_IF;
 use crate::analysis::Metric;
-use crate::analysis::ranking::{RankedOrder, rank};
+use crate::analysis::ranking::{Elsewhere, RankedOrder, rank};
 use crate::analysis::summary::RayClass;
 
 impl Context {
-    /// All orders of the recording, the one that gains most first, also those that order rays of the other kind alone. How coherent they are is found in later frames.
+    /// All orders of the recording, the one that gains most first, also those that order other rays alone. How coherent
+    /// they are is found in later frames.
     pub fn ranking(&mut self, frame: u64) -> Vec<RankedOrder> {
         let methods = self.methods();
         let coherences = self.coherences(frame).map(|(known, _)| known.to_vec());
@@ -47,14 +49,18 @@ impl Context {
                 (None, _) => order,
             }
         };
-        let elsewhere = |(method, rays): (String, RayClass)| {
+        let elsewhere = |(method, kind): (String, Kind)| {
             let frame = recording.over_unsorted(&method);
-            let why = format!("it orders {} rays alone", rays.name());
-            let order = RankedOrder::timed(times, frame, rays, method, &why);
-            RankedOrder {
-                elsewhere: Some(rays),
-                ..order.with(&Metric::missing(&why), &Metric::missing(&why), None)
-            }
+            let (elsewhere, why) = match kind {
+                kind if kind == self.selection.queue.kind => {
+                    (Elsewhere::OtherBounces, "it does not order these rays")
+                }
+                Kind::Closest => (Elsewhere::ClosestRays, "it orders closest rays alone"),
+                Kind::Shadow => (Elsewhere::ShadowRays, "it orders shadow rays alone"),
+            };
+            let order = RankedOrder::timed(times, frame, RayClass::of_kind(kind), method, why);
+            let order = order.with(&Metric::missing(why), &Metric::missing(why), None);
+            RankedOrder { elsewhere: Some(elsewhere), ..order }
         };
         // Of a pass that was not measured there is no table.
         let others =

@@ -9,12 +9,12 @@ use formats::hierarchy::Hierarchy;
 use formats::key::method::{AUTO, UNSORTED, is_method_name};
 use formats::manifest::{Header, MethodRecord, QueueId, QueueRecord, Source};
 use formats::metrics::frame::leaves_all_alone;
+use formats::ray::Kind;
 use formats::reader::{Dump, ReadError};
 use formats::unit_space::UnitSpace;
 
 use crate::analysis::image_plane::ImagePlane;
 use crate::analysis::ranking::best;
-use crate::analysis::summary::RayClass;
 use crate::analysis::{self, Depth, QueueAnalysis, RecordingAnalysis, Versus};
 use crate::shown;
 
@@ -99,14 +99,16 @@ impl Recording {
         self.over_unsorted.iter().find(|(name, _)| name == method).map(|(_, versus)| versus)
     }
 
-    /// Methods that were timed on other queues than this one, each with the rays that it orders.
-    pub fn methods_elsewhere(&self, queue: QueueId) -> Vec<(String, RayClass)> {
+    /// Methods that were timed on other queues than this one, each with the kind of rays that it orders: that of this
+    /// queue if it orders some of it.
+    pub fn methods_elsewhere(&self, queue: QueueId) -> Vec<(String, Kind)> {
         let here = self.methods(queue);
         let timed =
             self.over_unsorted.iter().map(|(method, _)| method).filter(|method| !here.contains(method));
         let of = |method: &String| {
-            let mut queues = self.queues.iter().filter(|record| record.methods.contains(method));
-            Some((method.clone(), RayClass::of_kind(queues.next()?.id.kind)))
+            let queues = self.queues.iter().filter(|record| record.methods.contains(method));
+            let kind = queues.map(|record| record.id.kind).max_by_key(|kind| *kind == queue.kind);
+            Some((method.clone(), kind?))
         };
         timed.filter_map(of).collect()
     }

@@ -6,7 +6,7 @@ use formats::key::method::{CONTROL, UNSORTED};
 
 use super::notes::{hint, swatch};
 use crate::analysis::Metric;
-use crate::analysis::ranking::RankedOrder;
+use crate::analysis::ranking::{Elsewhere, RankedOrder};
 use crate::analysis::timing::{SpeedupLine, Verdict};
 use crate::model::Context;
 use crate::model::what_if::WHAT_IF;
@@ -147,9 +147,14 @@ fn cells(row: &mut TableRow<'_, '_>, order: &RankedOrder, reach: f64, context: &
         let name = RichText::new(if order.method == CONTROL { "control: 1 is right" } else { &order.method });
         let name = if is_b { name.strong() } else { name };
         ui.add(Label::new(name).selectable(false).truncate()).on_hover_text(about(context, &order.method));
-        if let Some(rays) = order.elsewhere {
-            let only = RichText::new(format!("{} only", rays.name())).weak().small();
-            ui.add(Label::new(only).selectable(false)).on_hover_text("A click goes to these rays");
+        if let Some(elsewhere) = order.elsewhere {
+            let only = match elsewhere {
+                Elsewhere::OtherBounces => "other bounces",
+                Elsewhere::ClosestRays => "closest only",
+                Elsewhere::ShadowRays => "shadow only",
+            };
+            let only = Label::new(RichText::new(only).weak().small()).selectable(false);
+            ui.add(only).on_hover_text("A click goes to these rays");
         }
     });
     for of in [&order.net, &order.trace] {

@@ -118,7 +118,7 @@ fn plot(ui: &mut egui::Ui, queue: &QueueAnalysis, height: f32) {
         .formatter(move |mark, _| name_at(&names, mark.value));
     let longest = orders.iter().map(|(_, takes)| *takes).fold(0.0, f64::max);
     let for_bars = ui.available_width() - width;
-    let room = f64::from(for_bars / (for_bars - ROOM_FOR_NET).max(ROOM_FOR_NET));
+    let room = f64::from(for_bars / (for_bars - ROOM_FOR_NET).max(ROOM_FOR_NET)).max(1.0);
     Plot::new("timings")
         .height(height.max(80.0))
         .allow_scroll(false)

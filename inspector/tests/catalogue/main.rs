@@ -166,6 +166,11 @@ fn speedups_by_kernel_are_those_of_its_recordings() {
         titles,
         ["bvh2: secondary rays", "bvh2: shadow rays", "lanes: secondary rays", "lanes: shadow rays"]
     );
+    let rays: u64 = first.measured_of(RayClass::Shadow).map(|queue| queue.rays).sum();
+    let frame = first.frame(RayClass::Shadow, "unsorted").unwrap();
+    let trace = frame.stages.iter().find(|found| found.stage == Stage::Trace).unwrap();
+    let unsorted = format!("bvh2 {:.1} of shadow rays", rays as f64 / trace.median_ns * 1e3);
+    assert!(made.caption.contains(&unsorted), "{unsorted}: {}", made.caption);
     for (at, paper) in [1.41, 2.21].into_iter().enumerate() {
         let [bvh2, lanes] = [&made.panels[at], &made.panels[at + 2]];
         assert_eq!((bvh2.reference.as_ref().unwrap().y, &bvh2.reference), (paper, &lanes.reference));

@@ -76,7 +76,7 @@ fn panel(of: &str, found: &Headline, view: &View, (low, high): (f64, f64)) -> Pa
 }
 
 /// Three digits, as many as a clock is good for.
-fn rate(mrays_per_second: f64) -> String {
+pub(super) fn rate(mrays_per_second: f64) -> String {
     let whole_digits = mrays_per_second.max(1.0).log10() as usize + 1;
     format!("{mrays_per_second:.*}", 3usize.saturating_sub(whole_digits))
 }

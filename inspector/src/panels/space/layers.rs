@@ -227,9 +227,9 @@ impl Layers {
         let selection = &context.selection;
         let of_order = (order.serial, selection.group_width);
         let is_known = !matches!(filtered, Filtered::Unknown);
-        // All camera rays start in one place, where no curve can be seen.
-        let is_camera = selection.queue.bounce == 0 && selection.queue.kind == Kind::Closest;
-        let curve_end = if is_camera { RayEnd::Termination } else { options.curve_end };
+        // As camera rays do, where no curve can be seen.
+        let is_point = order.queue.starts_in_one_place();
+        let curve_end = if is_point { RayEnd::Termination } else { options.curve_end };
         let key = Wanted {
             order: of_order,
             filter: selection.filter.in_force().map(|filter| (filter.clone(), is_known)),

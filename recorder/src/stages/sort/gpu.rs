@@ -378,6 +378,7 @@ fn wgsl(tiling: &Tiling) -> String {
         ("TILE_KEYS", tiling.tile_keys),
         ("SUBGROUPS", SUBGROUPS),
         ("ASKED_AT_ONCE", ASKED_AT_ONCE),
+        ("COUNT_BITS", COUNT_BITS),
         ("PATIENCE", tiling.patience.unwrap_or_default()),
     ];
     [&constants_wgsl(&constants), LINEAR_WORKGROUP_WGSL, include_str!("pass.wgsl"), &tiling.wgsl.join("\n")]

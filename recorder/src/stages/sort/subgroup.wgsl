@@ -13,8 +13,8 @@ const ROWS: u32 = TILE_KEYS / TILE_THREADS;
 // nothing; else the low bits are a number of keys: those in the tile, or with those of all tiles before it.
 @group(0) @binding(6) var<storage, read_write> tile_states: array<atomic<u32>>;
 
-const IN_TILE: u32 = 1u << 30u;
-const UP_TO_TILE: u32 = 2u << 30u;
+const IN_TILE: u32 = 1u << COUNT_BITS;
+const UP_TO_TILE: u32 = 2u << COUNT_BITS;
 const STATE_KEYS: u32 = IN_TILE - 1u;
 
 var<workgroup> seen_here: array<atomic<u32>, 2>;
