@@ -107,6 +107,8 @@ fn a_report_says_how_its_recordings_are_repeated() {
         "record builtin:cornell --out paths --width 24 --height 16 --bounces 3 --passes 2 --russian-roulette \
          --methods aila,auto,shuffled,control --method mine=(ox+oy+oz)*4 --keep rays,hits,keys,lengths,scene",
         "replay paths.raydump --out again --methods two-point,origin --key-bits 16,24 --keep keys",
+        "replay paths.raydump --out split --methods two-point --method learnt=(ox+oy+oz+ex+ey+ez)*4+@adaptive \
+         --split 4,10 --keep keys",
         "import --scene builtin:cornell --rays rays.npy --kind shadow --bounce 2 --out theirs --methods aila,auto \
          --key-bits 16 --keep rays,scene",
     ] {
@@ -114,12 +116,12 @@ fn a_report_says_how_its_recordings_are_repeated() {
         let words = words.map(|word| word.replace('+', " "));
         finish(Program::Recorder.command(words).current_dir(here)).succeeded();
     }
-    let names = ["paths.raydump", "again.raydump", "theirs.raydump"];
+    let names = ["paths", "again", "split", "theirs"].map(|name| format!("{name}.raydump"));
     Program::Inspector.run(here, &format!("report {} --out page", names.join(" "))).succeeded();
     let page = fs::read_to_string(here.join("page/report.html")).unwrap();
     let (_, commands) = page.split_once("How to repeat it</h2>\n<pre><code>").unwrap();
     let commands = commands.split_once("</code>").unwrap().0.replace("&#39;", "'").replace("&amp;", "&");
-    for (command, name) in commands.lines().zip(names) {
+    for (command, name) in commands.lines().zip(&names) {
         let command = command.replace("SCENE", "builtin:cornell");
         let again = command.replacen("recorder", Program::Recorder.path().to_str().unwrap(), 1);
         finish(Command::new("sh").args(["-c", &again]).current_dir(there)).succeeded();
