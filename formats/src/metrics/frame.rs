@@ -308,8 +308,9 @@ impl Frame {
                 (0, _) => format!("; no other method is shown to pay; {}", costly(with(COSTS))),
                 (too, others) => format!("; so it does with {too} of {others}; {}", costly(with(COSTS))),
             };
+            let of_all = if all == 1 { String::new() } else { format!(", one of {all} methods,") };
             format!(
-                "Sorting pays: with {name} these rays are done {ratio:.2} times as fast, key, sort and all included{others}{error}."
+                "Sorting pays: with {name}{of_all} these rays are done {ratio:.2} times as fast, key, sort and all included{others}{error}."
             )
         } else if best.verdict == COSTS {
             format!("Sorting does not pay: even {name} takes longer than it saves ({ratio:.2}×).")
@@ -488,7 +489,10 @@ mod tests {
             frame(vec![row("aila", net, verdict), costly]).meaning()
         };
         let pays = meaning(speedup(1.25, 1.125, 1.5), PAYS);
-        assert!(pays.starts_with("Sorting pays: with aila") && pays.contains("1.25 times"), "{pays}");
+        assert!(
+            pays.starts_with("Sorting pays: with aila, one of 2 methods,") && pays.contains("1.25 times"),
+            "{pays}"
+        );
         assert!(pays.contains("no other method is shown to pay; one surely costs more"), "{pays}");
         let sure = row("sure", speedup(1.1, 1.05, 1.15), PAYS);
         let rows = vec![row("lucky", speedup(1.2, 0.7, 1.7), "level"), sure];
