@@ -126,7 +126,7 @@ fn b_and_the_table_go_by_the_number_in_the_strip() {
     let mut context = opened(sample::write(folder.path()), QUEUE);
     let dump = Dump::open(context.recording().unwrap().dump.root()).unwrap();
     let said = Frame::of(dump.manifest()).text();
-    assert!(said.contains(&format!("with {} these rays", context.selection.method)), "{said}");
+    assert!(said.contains(&format!("with {}, one of ", context.selection.method)), "{said}");
     let ranking = context.ranking(1);
     let nets: Vec<f64> = ranking.iter().filter_map(|order| order.gain(&order.net)).collect();
     assert!(nets.len() > 3 && nets.is_sorted_by(|a, b| a >= b), "{nets:?}");
