@@ -261,6 +261,29 @@ fn an_order_of_other_rays_is_found_and_comes_back() {
     assert_eq!(context.selection.method, "aila", "what was chosen meanwhile stays");
 }
 
+/// An order of other bounces and of the other kind, too: a click stays with the kind that is looked at.
+#[test]
+fn an_order_is_looked_for_in_rays_of_the_same_kind_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let dump = sample::write(folder.path());
+    sample::edit_records(&dump, |record| {
+        if let Record::Queue(queue) = record
+            && queue.id == QUEUE
+        {
+            queue.methods.retain(|method| method != "mine");
+        }
+    });
+    let mut context = opened(dump, QUEUE);
+    let mine = "mine".to_owned();
+    let shadow = QueueId { kind: Kind::Shadow, ..QUEUE };
+    assert!(!context.methods().contains(&mine));
+    assert!(context.recording().unwrap().methods(shadow).contains(&mine), "nearer, but of the other kind");
+    context.go_where_measured("mine");
+    assert!(context.methods().contains(&mine));
+    let QueueId { bounce, kind, .. } = context.selection.queue;
+    assert_eq!((bounce, kind), (QUEUE.bounce - 1, Kind::Closest));
+}
+
 /// Unsorted rays beside themselves would answer nothing.
 #[test]
 fn auto_is_not_compared_where_it_left_rays_alone() {

@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 
 use formats::key::method::{CONTROL, UNSORTED};
+use formats::ray::Kind;
 
 use super::coherence::{Coherence, LaneUtilisation, of_warp};
 use super::summary::RayClass;
@@ -34,10 +35,8 @@ pub struct RankedOrder {
 pub enum Elsewhere {
     /// Of the same kind.
     OtherBounces,
-    /// Of the other kind.
-    ClosestRays,
-    /// Of the other kind.
-    ShadowRays,
+    /// Of the other kind, which is this one.
+    OtherKind(Kind),
 }
 
 /// The best is first.

@@ -164,16 +164,18 @@ impl Context {
         self.hold_against(recording, &method);
     }
 
-    /// Goes where a method was measured, if the queue is not: to the nearest bounce of its pass.
+    /// Goes where a method was measured, if the queue is not: to rays of this kind before others, to the nearest bounce
+    /// of the pass.
     pub fn go_where_measured(&mut self, method: &str) {
-        let QueueId { pass, bounce, .. } = self.selection.queue;
+        let QueueId { pass, bounce, kind } = self.selection.queue;
         let Some(recording) = self.recording().filter(|_| !self.methods().iter().any(|one| one == method))
         else {
             return;
         };
         let is_measured = |record: &&QueueRecord| record.methods.iter().any(|one| one == method);
         let queues = recording.queues().iter().filter(|record| record.id.pass == pass).filter(is_measured);
-        if let Some(queue) = queues.map(|record| record.id).min_by_key(|id| id.bounce.abs_diff(bounce)) {
+        let distance = |id: &QueueId| (id.kind != kind, id.bounce.abs_diff(bounce));
+        if let Some(queue) = queues.map(|record| record.id).min_by_key(distance) {
             self.go_to(queue);
         }
     }

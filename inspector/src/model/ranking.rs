@@ -55,8 +55,8 @@ impl Context {
                 kind if kind == self.selection.queue.kind => {
                     (Elsewhere::OtherBounces, "it does not order these rays")
                 }
-                Kind::Closest => (Elsewhere::ClosestRays, "it orders closest rays alone"),
-                Kind::Shadow => (Elsewhere::ShadowRays, "it orders shadow rays alone"),
+                Kind::Closest => (Elsewhere::OtherKind(kind), "it orders closest rays alone"),
+                Kind::Shadow => (Elsewhere::OtherKind(kind), "it orders shadow rays alone"),
             };
             let order = RankedOrder::timed(times, frame, RayClass::of_kind(kind), method, why);
             let order = order.with(&Metric::missing(why), &Metric::missing(why), None);

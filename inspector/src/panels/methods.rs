@@ -3,6 +3,7 @@
 use egui::{Align, Label, Layout, RichText, Ui, pos2, vec2};
 use egui_extras::{Column, TableBuilder, TableRow};
 use formats::key::method::{CONTROL, UNSORTED};
+use formats::ray::Kind;
 
 use super::notes::{hint, swatch};
 use crate::analysis::Metric;
@@ -150,8 +151,8 @@ fn cells(row: &mut TableRow<'_, '_>, order: &RankedOrder, reach: f64, context: &
         if let Some(elsewhere) = order.elsewhere {
             let only = match elsewhere {
                 Elsewhere::OtherBounces => "other bounces",
-                Elsewhere::ClosestRays => "closest only",
-                Elsewhere::ShadowRays => "shadow only",
+                Elsewhere::OtherKind(Kind::Closest) => "closest only",
+                Elsewhere::OtherKind(Kind::Shadow) => "shadow only",
             };
             let only = Label::new(RichText::new(only).weak().small()).selectable(false);
             ui.add(only).on_hover_text("A click goes to these rays");

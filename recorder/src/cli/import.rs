@@ -69,7 +69,7 @@ pub(super) struct ImportArguments {
     /// Methods to compare, `all` or a list such as aila,two-point; unsorted is always measured.
     #[arg(long, default_value = "all", value_name = "LIST")]
     methods: String,
-    /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10 @adaptive', in the words of the README; may
+    /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10 @adaptive', in the words of docs/keys.md; may
     /// be repeated.
     #[arg(long = "method", value_name = "NAME=LAYOUT")]
     own_methods: Vec<String>,

@@ -39,7 +39,7 @@ pub(super) struct ReplayArguments {
     /// of others such as hilbert-origin are measured if they are named.
     #[arg(long, value_name = "LIST")]
     methods: Option<String>,
-    /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10 @adaptive', in the words of the README; may
+    /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10 @adaptive', in the words of docs/keys.md; may
     /// be repeated.
     #[arg(long = "method", value_name = "NAME=LAYOUT")]
     own_methods: Vec<String>,
