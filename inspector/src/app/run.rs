@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::App;
 use super::kept::Kept;
 use crate::model::Context;
+use crate::model::context::Problem;
 use crate::output::say;
 use crate::render::gpu::{self, errors::Errors};
 use crate::session::Session;
@@ -31,11 +32,14 @@ impl eframe::App for App {
 /// Opens the window on a session, if there is one, and recordings, and stays until it is closed.
 ///
 /// # Errors
-/// If there is no screen, or nothing that can draw on it.
+/// If none of the recordings can be opened, if there is no screen, or nothing that can draw on it.
 pub fn run(paths: &[PathBuf], session: Option<Session>) -> anyhow::Result<()> {
     let mut context = session.as_ref().map_or_else(Context::default, Session::open);
     for path in paths {
         context.add(path);
+    }
+    if let Some(Problem { what, why }) = context.problems.first().filter(|_| context.recordings.is_empty()) {
+        anyhow::bail!("{what}: {why}");
     }
     // What is shown first is read while the window is made.
     context.read_ahead();
@@ -43,6 +47,7 @@ pub fn run(paths: &[PathBuf], session: Option<Session>) -> anyhow::Result<()> {
         .with_title("Rayscope inspector")
         .with_app_id(APP_ID)
         .with_inner_size([1440.0, 900.0])
+        .with_min_inner_size([640.0, 480.0])
         .with_drag_and_drop(true);
     let mut options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
     gpu::set_up(&mut options.wgpu_options.wgpu_setup);
