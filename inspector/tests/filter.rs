@@ -417,6 +417,10 @@ fn a_filter_greys_the_other_pixels() {
     let left = grey("x >= 8");
     assert!(right.len() > 1000 && left.len() > 1000, "{} and {} pixels", right.len(), left.len());
     assert!(left.iter().max() < right.iter().min(), "the wrong half is grey");
+    let order = harness.state_mut().context.order().unwrap();
+    let passing = harness.state_mut().context.filtered(&order).passing().unwrap().len();
+    assert!(passing < order.len());
+    harness.get_by_label_contains(&format!("{passing} of {} rays", order.len()));
 }
 
 #[test]

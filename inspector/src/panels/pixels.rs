@@ -21,7 +21,7 @@ use crate::model::derived::Filtered;
 use crate::model::key::ReadKey;
 use crate::model::numbers::Numbers;
 use crate::model::{Context, Order, Recording};
-use crate::output::counted;
+use crate::output::{count, counted};
 use crate::panels::data::Data;
 use crate::panels::panel::Panel;
 use crate::render::range::{ValueRange, Values};
@@ -64,11 +64,15 @@ impl Panel for PixelsPanel {
                 }
             });
         }
+        let filtered = context.filtered(&order);
         let rays = counted(order.len() as u64, "ray", "rays");
+        let rays = match &filtered {
+            Filtered::Some(passing) => format!("{} of {rays}", count(passing.len() as u64)),
+            _ => rays,
+        };
         let is_row = context.recording().is_some_and(|open| open.dump.manifest().header.options.height == 1);
         let folded = if is_row { ", one row of a picture folded into a square" } else { "" };
         ui.weak(format!("{}, {rays} by {}{folded}", self.colouring.name(), order.method));
-        let filtered = context.filtered(&order);
         let Some(plane) = context.recording().map(Recording::image_plane) else { return };
         let Some(numbers) = context.numbers(order.clone()) else { return };
         if let Some(reason) = self.colouring.missing(&numbers.rays()) {
