@@ -334,8 +334,9 @@ fn measuring_options(manifest: &Manifest, header: &Header) -> String {
         Backend::Cpu => format!(" --threads {}", options.threads),
         Backend::Gpu => format!(" --adapter {}", shell_word(&header.adapter.name)),
     };
+    let modelled = manifest.caches.first().map(|caches| format!(" --l2-kib {}", caches.l2_bytes >> 10));
     format!(
-        "--backend {} --trace {}{threads} --repeats {} --keep {} --methods {}{}{}",
+        "--backend {} --trace {}{threads} --repeats {} --keep {}{} --methods {}{}{}",
         header.backend.name(),
         shell_word(&options.trace_kernel),
         options.repeats,
@@ -344,6 +345,7 @@ fn measuring_options(manifest: &Manifest, header: &Header) -> String {
         } else {
             shell_word(&options.keep.join(",")).into_owned()
         },
+        modelled.unwrap_or_default(),
         listed.join(","),
         own.collect::<String>(),
         key_options(manifest, header),

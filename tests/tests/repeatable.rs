@@ -105,7 +105,8 @@ fn a_report_says_how_its_recordings_are_repeated() {
     const DEVICE: &str = "--backend cpu --threads 1 --repeats 1";
     for line in [
         "record builtin:cornell --out paths --width 24 --height 16 --bounces 3 --passes 2 --russian-roulette \
-         --methods aila,auto,shuffled,control --method mine=(ox+oy+oz)*4 --keep rays,hits,keys,lengths,scene",
+         --methods aila,auto,shuffled,control --method mine=(ox+oy+oz)*4 --keep rays,hits,keys,lengths,scene,caches \
+         --l2-kib 64",
         "replay paths.raydump --out again --methods two-point,origin --key-bits 16,24 --keep keys",
         "replay paths.raydump --out split --methods two-point --method learnt=(ox+oy+oz+ex+ey+ez)*4+@adaptive \
          --split 4,10 --keep keys",
@@ -126,7 +127,10 @@ fn a_report_says_how_its_recordings_are_repeated() {
         let again = command.replacen("recorder", Program::Recorder.path().to_str().unwrap(), 1);
         finish(Command::new("sh").args(["-c", &again]).current_dir(there)).succeeded();
         let said = |folder| Program::Inspector.run(folder, &format!("info {name} --json")).succeeded().json();
-        assert_eq!(said(here)["options"], said(there)["options"], "{command}");
+        // What follows `auto` is left out: the first model of a recording is that of unsorted rays.
+        for what in ["/options", "/caches/0"] {
+            assert_eq!(said(here).pointer(what), said(there).pointer(what), "{command}");
+        }
         let kept = |folder: &std::path::Path| {
             let mut arrays = arrays(&folder.join(name));
             arrays.retain(|path, _| !path.contains("/auto/"));
