@@ -81,6 +81,9 @@ pub const AUTO: &str = "auto";
 /// The orders that have no layout of their own, and so no record of a method.
 pub const WITHOUT_LAYOUT: [&str; 4] = [UNSORTED, CONTROL, SHUFFLED, AUTO];
 
+/// Orders that say what others are worth, and that nobody would choose: canonical order, itself once more, a random one.
+pub const REFERENCES: [&str; 3] = [UNSORTED, CONTROL, SHUFFLED];
+
 const TWO_POINT: &str = "(ox oy oz ex ey ez)*10 ox oy oz ex";
 
 /// How many methods of [`BUILTIN`], the first ones, `all` stands for: the paper's and our own. The rows of others

@@ -22,7 +22,7 @@ const DIGIT_BITS: u32 = 8;
 pub struct Traffic {
     /// Kind of the rays.
     pub kind: Kind,
-    /// The order: `None` for canonical order, which is traced as it lies.
+    /// Its keys; `None` of an order without keys, or with such as differ from queue to queue.
     pub order: Option<KeyTraffic>,
 }
 
@@ -36,8 +36,8 @@ pub struct KeyTraffic {
 }
 
 impl Traffic {
-    /// Bytes per ray that a stage must read and write; `None` for stages that this order does not have
-    /// and for those whose bytes depend on the scene.
+    /// Bytes per ray that a stage must read and write; `None` for keys that are not known, and for stages whose bytes
+    /// depend on the scene.
     ///
     /// | stage | reads | writes |
     /// |---|---|---|
@@ -68,13 +68,12 @@ impl Traffic {
                 let passes = u64::from(order.key_bits.div_ceil(DIGIT_BITS));
                 Some(passes * (order.key_bytes() + 2 * (order.key_bytes() + INDEX)))
             }
-            (Stage::Gather, Some(_)) => Some(INDEX + 2 * RAY),
+            (Stage::Gather, _) => Some(INDEX + 2 * RAY),
             (Stage::Trace, _) => Some(RAY + result),
-            (Stage::Scatter, Some(_)) => Some(INDEX + 2 * result),
-            (Stage::TraceIndirect, Some(_)) => Some(INDEX + RAY + result),
+            (Stage::Scatter, _) => Some(INDEX + 2 * result),
+            (Stage::TraceIndirect, _) => Some(INDEX + RAY + result),
             (Stage::Accumulate, _) => Some(RAY + result + CELL),
-            (Stage::Key | Stage::Sort | Stage::Gather | Stage::Scatter | Stage::TraceIndirect, None)
-            | (Stage::Generate | Stage::Shade | Stage::Decide, _) => None,
+            (Stage::Key | Stage::Sort, None) | (Stage::Generate | Stage::Shade | Stage::Decide, _) => None,
         }
     }
 }
@@ -121,9 +120,10 @@ mod tests {
     }
 
     #[test]
-    fn canonical_order_is_only_traced() {
+    fn an_order_without_keys_is_moved_as_others_are() {
         let unsorted = Traffic { kind: Kind::Closest, order: None };
         assert_eq!(unsorted.bytes_per_ray(Stage::Trace), Some(48));
+        assert_eq!(unsorted.bytes_per_ray(Stage::Gather), Some(68));
         assert_eq!(unsorted.bytes_per_ray(Stage::Sort), None);
         assert_eq!(unsorted.bytes_per_ray(Stage::Shade), None);
         assert_eq!(bytes_per_second(80, 2.0), Some(4e10));

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::samples::Samples;
 use super::speedup::{Speedup, median};
 use crate::key::Termination;
-use crate::key::method::{AUTO, CONTROL, UNSORTED};
+use crate::key::method::{AUTO, CONTROL, SHUFFLED, UNSORTED};
 use crate::manifest::{LEFT_ALONE, Manifest, QueueId};
 use crate::ray::Kind;
 use crate::text::{counted, one_line, wrapped};
@@ -50,8 +50,9 @@ pub struct Frame {
     /// Million unsorted rays a second: secondary, shadow.
     #[serde(rename = "unsorted_mrays_per_second")]
     pub unsorted: [Option<f64>; 2],
-    /// How far the control is from a speedup of 1, that of the kind which is farther; 0 without a control.
-    pub instrument_error: f64,
+    /// How far the control is from a speedup of 1, secondary and shadow rays; 0 without a control. What is said of both
+    /// together must exceed the larger.
+    pub instrument_errors: [f64; 2],
     /// The methods, the best net speedup first; then those without one.
     pub rows: Vec<FrameRow>,
 }
@@ -145,8 +146,11 @@ impl<'a> Costs<'a> {
         if self.bounds.contains(method) {
             return Some("bound");
         }
-        if method == CONTROL {
-            return Some("1 is right");
+        match method {
+            CONTROL => return Some("1 is right"),
+            // No key is made for it and nothing is sorted.
+            SHUFFLED => return Some("random"),
+            _ => {}
         }
         self.foreign.contains(method).then_some("no key time")
     }
@@ -202,7 +206,8 @@ impl Frame {
         });
         let times = FrameTimes::all(manifest);
         let costs = Costs::of(manifest);
-        let error = error_of(&times);
+        let errors = Kind::ALL.map(|kind| error_of(&times, kind));
+        let error = larger(errors);
         let methods = times.chunk_by(|a, b| a.method == b.method);
         let row = |both: &[FrameTimes]| {
             let method = both[0].method.as_str();
@@ -231,7 +236,7 @@ impl Frame {
         let mut rows: Vec<FrameRow> = methods.map(row).collect();
         let net = |row: &FrameRow| row.net.map_or(f64::NEG_INFINITY, |net| net.ratio);
         rows.sort_by(|a, b| net(b).total_cmp(&net(a)));
-        Self { unsorted, instrument_error: error, rows }
+        Self { unsorted, instrument_errors: errors, rows }
     }
 
     /// The table and what it means, at most [`COLUMNS`] wide and 20 lines high.
@@ -256,7 +261,7 @@ impl Frame {
         let (with_net, without): (Vec<_>, Vec<_>) = self.rows.iter().partition(|row| row.net.is_some());
         let most = MOST_ROWS.saturating_sub(without.len()).max(1);
         for row in with_net.iter().take(most).chain(&without) {
-            let _ = writeln!(text, "{}", row.text(self.instrument_error));
+            let _ = writeln!(text, "{}", row.text(self.instrument_errors));
         }
         if with_net.len() > most {
             let _ =
@@ -282,7 +287,7 @@ impl Frame {
         };
         let name = one_line(&best.method, LONG_NAME);
         let ratio = net.ratio;
-        let error = match self.instrument_error {
+        let error = match larger(self.instrument_errors) {
             small if small < 0.005 => String::new(),
             error => format!("; over the frame the control is off by {:.1} %", 100.0 * error),
         };
@@ -329,8 +334,9 @@ impl Frame {
 
     /// Where sorting does not pay over the frame: the kind of rays of which alone it does, if there is one.
     fn of_one_kind(&self) -> String {
-        let best = |name: &str, net: fn(&FrameRow) -> Option<Speedup>| {
-            let sure = self.rows.iter().filter(|row| verdict(net(row), self.instrument_error) == PAYS);
+        let [of_secondary, of_shadow] = self.instrument_errors;
+        let best = |name: &str, error: f64, net: fn(&FrameRow) -> Option<Speedup>| {
+            let sure = self.rows.iter().filter(|row| verdict(net(row), error) == PAYS);
             let nets = sure.filter_map(|row| Some((row, net(row)?)));
             let (row, Speedup { ratio, interval }) =
                 nets.max_by(|(_, a), (_, b)| a.ratio.total_cmp(&b.ratio))?;
@@ -338,7 +344,10 @@ impl Frame {
             let method = one_line(&row.method, LONG_NAME);
             Some(format!(" Of {name} rays alone it pays: {ratio:.2}× by {method}, {low:.2} to {high:.2}."))
         };
-        let kinds = [best("secondary", |row| row.net_secondary), best("shadow", |row| row.net_shadow)];
+        let kinds = [
+            best("secondary", of_secondary, |row| row.net_secondary),
+            best("shadow", of_shadow, |row| row.net_shadow),
+        ];
         kinds.into_iter().flatten().collect()
     }
 }
@@ -377,16 +386,21 @@ fn verdict(net: Option<Speedup>, error: f64) -> &'static str {
     }
 }
 
-/// How far canonical order through the same stages is from a speedup of 1.
-fn error_of(times: &[FrameTimes]) -> f64 {
-    let control = times.iter().filter(|times| times.method == CONTROL).filter_map(FrameTimes::trace);
-    control.map(|line| (line.ratio - 1.0).abs()).fold(0.0, f64::max)
+/// How far canonical order through the same stages is from a speedup of 1, on rays of this kind.
+fn error_of(times: &[FrameTimes], kind: Kind) -> f64 {
+    let control = times.iter().find(|times| times.method == CONTROL && times.kind == kind);
+    control.and_then(FrameTimes::trace).map_or(0.0, |line| (line.ratio - 1.0).abs())
+}
+
+fn larger([a, b]: [f64; 2]) -> f64 {
+    a.max(b)
 }
 
 impl FrameRow {
     /// A line; speedups are marked where they are beyond chance and the error of the instrument.
-    fn text(&self, error: f64) -> String {
-        let times = |speedup: Option<Speedup>| {
+    fn text(&self, errors: [f64; 2]) -> String {
+        let [of_secondary, of_shadow] = errors;
+        let times = |speedup: Option<Speedup>, error: f64| {
             let mark = if [PAYS, COSTS].contains(&verdict(speedup, error)) { "*" } else { " " };
             speedup.map_or("– ".to_owned(), |one| format!("{:.2}×{mark}", one.ratio))
         };
@@ -395,11 +409,11 @@ impl FrameRow {
         format!(
             "{:<NAME$}{:>9}{:>10}{:>9}{:>7}{:>8} {interval}{}",
             shortened(&self.method),
-            times(self.secondary),
-            times(self.shadow),
-            times(self.net_secondary),
-            times(self.net_shadow),
-            times(self.net),
+            times(self.secondary, of_secondary),
+            times(self.shadow, of_shadow),
+            times(self.net_secondary, of_secondary),
+            times(self.net_shadow, of_shadow),
+            times(self.net, larger(errors)),
             self.verdict
         )
         .trim_end()
@@ -416,7 +430,7 @@ mod tests {
     }
 
     fn frame(rows: Vec<FrameRow>) -> Frame {
-        Frame { unsorted: [Some(123.456), None], instrument_error: 0.0, rows }
+        Frame { unsorted: [Some(123.456), None], instrument_errors: [0.0; 2], rows }
     }
 
     fn row(method: &str, net: Option<Speedup>, verdict: &'static str) -> FrameRow {
@@ -470,7 +484,8 @@ mod tests {
             times(CONTROL, Kind::Closest, 100),
             times(CONTROL, Kind::Shadow, 125),
         ];
-        assert_eq!([&all[..], &all[..1]].map(error_of), [1.0 - 100.0 / 125.0, 0.0]);
+        assert_eq!(Kind::ALL.map(|kind| error_of(&all, kind)), [0.0, 1.0 - 100.0 / 125.0]);
+        assert_eq!(Kind::ALL.map(|kind| error_of(&all[..1], kind)), [0.0; 2]);
     }
 
     #[test]
@@ -501,13 +516,13 @@ mod tests {
         assert!(meaning(speedup(1.25, 0.9, 1.5), "level").starts_with("Sorting is not shown to pay"));
         assert!(meaning(speedup(0.9, 0.85, 0.95), COSTS).starts_with("Sorting does not pay"));
         let shy =
-            Frame { instrument_error: 0.016, ..frame(vec![row("aila", speedup(1.02, 1.0, 1.04), "level")]) };
+            Frame { instrument_errors: [0.016, 0.0], ..frame(vec![row("aila", speedup(1.02, 1.0, 1.04), "level")]) };
         assert!(shy.meaning().contains("the control is off by 1.6 %"), "{}", shy.meaning());
         let few = |ratio| meaning(Some(Speedup { ratio, interval: None }), "");
         assert!(few(2.0).contains("fewer than 6 repeats") && few(2.0).contains("chance"));
         assert!(few(0.9).contains("nothing was faster"));
         let rough = row("aila", Some(Speedup { ratio: 1.1, interval: None }), "");
-        let rough = Frame { instrument_error: 0.58, ..frame(vec![rough]) };
+        let rough = Frame { instrument_errors: [0.0, 0.58], ..frame(vec![rough]) };
         assert!(rough.meaning().ends_with("chance; over the frame the control is off by 58.0 %."));
         let alone = FrameRow { secondary: None, ..row("auto", None, LEFT_ALONE) };
         assert!(frame(vec![alone]).meaning().contains("auto left all of these rays alone"));
@@ -517,8 +532,9 @@ mod tests {
     fn what_pays_on_one_kind_of_rays_alone_is_said_and_marked() {
         let mut auto = row("auto", speedup(1.04, 0.99, 1.11), "level");
         auto.net_shadow = speedup(1.12, 1.06, 1.13);
-        let unsure = Frame { instrument_error: 0.08, ..frame(vec![auto.clone()]) };
-        let sure = frame(vec![auto]);
+        let with = |instrument_errors| Frame { instrument_errors, ..frame(vec![auto.clone()]) };
+        // What the control of the other kind is off by takes nothing away.
+        let [sure, unsure] = [[0.08, 0.0], [0.0, 0.08]].map(with);
         let said = " Of shadow rays alone it pays: 1.12× by auto, 1.06 to 1.13.";
         assert_eq!([&sure, &unsure].map(|frame| frame.meaning().ends_with(said)), [true, false]);
         assert_eq!([&sure, &unsure].map(|frame| frame.text().contains("1.12×*")), [true, false]);

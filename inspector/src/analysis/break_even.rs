@@ -31,9 +31,9 @@ pub struct BreakEven {
 }
 
 impl BreakEven {
-    /// Of a method, if it and the trace of unsorted rays were timed; none of `auto` where it sorted nothing.
+    /// Of a method that may be called the best, if it and the trace of unsorted rays were timed.
     pub fn of(recording: &RecordingAnalysis, rays: RayClass, method: &str) -> Option<Self> {
-        let frame = recording.frame(rays, method).filter(|frame| !frame.left_alone)?;
+        let frame = recording.frame(rays, method).filter(|frame| frame.is_candidate())?;
         frame.trace_speedup.known()?;
         let queues = recording.measured().filter(|queue| RayClass::of(queue) == Some(rays));
         let measured: Vec<(&QueueAnalysis, &OrderAnalysis)> =

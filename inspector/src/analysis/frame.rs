@@ -1,7 +1,7 @@
 //! The whole frame: a method over all bounces of a recording, whose times are summed round by round, so that
 //! a bounce counts by the time that it takes.
 
-use formats::key::method::{CONTROL, UNSORTED};
+use formats::key::method::{CONTROL, REFERENCES, UNSORTED};
 use formats::manifest::Stage;
 use formats::metrics::frame;
 use formats::metrics::samples::Samples;
@@ -26,7 +26,7 @@ pub struct FrameAnalysis {
     pub left_alone: bool,
     /// Stages that its total counts, in the order in which they run, summed over bounces.
     pub stages: Vec<FrameStage>,
-    /// Unsorted trace over trace in this order.
+    /// Unsorted trace over trace in this order, beside the control.
     pub trace_speedup: Metric<SpeedupLine>,
     /// Unsorted trace over all stages, beside the control.
     pub net_speedup: Metric<SpeedupLine>,
@@ -46,9 +46,9 @@ pub struct FrameStage {
 }
 
 impl FrameAnalysis {
-    /// Whether it is an order of its own that may be called the best: neither canonical order nor left so by `auto`.
+    /// Whether it may be called the best: neither what others are held against, nor left unsorted by `auto`.
     pub fn is_candidate(&self) -> bool {
-        ![UNSORTED, CONTROL].contains(&self.method.as_str()) && !self.left_alone
+        !REFERENCES.contains(&self.method.as_str()) && !self.left_alone
     }
 
     /// Every kind of rays and method of some queues, in the order in which they come up, beside the controls.
@@ -79,7 +79,8 @@ impl FrameAnalysis {
             bounces: measured.len(),
             left_alone: measured.iter().all(|(_, order)| order.is_left_alone()),
             stages: stages.collect(),
-            trace_speedup: speedup(&measured, |order| &order.trace_speedup, traced),
+            trace_speedup: speedup(&measured, |order| &order.trace_speedup, traced)
+                .map(|line| line.beyond(error)),
             net_speedup: speedup(&measured, |order| &order.net_speedup, |order| order.total.as_ref())
                 .map(|line| line.beyond(error)),
             capsule_area_ratio: area_ratio(&measured),

@@ -42,11 +42,27 @@ fn threads(threads: u32) -> String {
     if threads == 1 { "1 thread".to_owned() } else { format!("{threads} threads") }
 }
 
+/// A scene: its name as [`scene_name`] has it, and the hash of what is in it. Two scenes may share a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Scene<'a> {
+    pub(super) name: &'a str,
+    pub(super) content_hash: &'a str,
+}
+
 /// A file is known by its name without folder and extension, a built-in scene by its name.
 pub fn scene_name(scene: &str) -> &str {
     let name = scene.rsplit(['/', '\\']).next().unwrap_or(scene).trim_start_matches("builtin:");
     let stem = [".gltf", ".glb"].iter().find_map(|extension| name.strip_suffix(extension));
     stem.unwrap_or(name)
+}
+
+/// The name of a scene beside others: with some of its hash where they share it.
+pub(super) fn scene_label(scene: Scene<'_>, others: &[Scene<'_>]) -> String {
+    let Scene { name, content_hash } = scene;
+    match others.iter().filter(|other| other.name == name).count() {
+        0 | 1 => name.to_owned(),
+        _ => format!("{name} ({})", content_hash.get(..HASH_DIGITS).unwrap_or(content_hash)),
+    }
 }
 
 /// What may tell recordings of one scene apart, the most telling first.

@@ -3,7 +3,7 @@
 use std::cell::LazyCell;
 
 use formats::key::Termination;
-use formats::key::method::{AUTO, UNSORTED};
+use formats::key::method::{AUTO, SHUFFLED, UNSORTED};
 use formats::manifest::{CacheRecord, Manifest, MethodRecord, QueueId, Stage, Way};
 use formats::metrics::bandwidth::{KeyTraffic, Traffic};
 use formats::metrics::order::Places;
@@ -112,7 +112,9 @@ fn origin_bits(record: &MethodRecord) -> Option<u32> {
 /// Hit ratios of the cache model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CacheHits {
-    /// Lines that were asked for.
+    /// Rays that were modelled, a sample.
+    pub rays: u64,
+    /// Lines that they asked for.
     pub accesses: u64,
     /// Of these, the share found in the first level.
     pub l1: f64,
@@ -122,11 +124,19 @@ pub struct CacheHits {
     pub either: f64,
 }
 
+impl CacheHits {
+    /// Lines that so many rays ask for, if they are like those of the sample.
+    pub fn lines(&self, rays: u64) -> f64 {
+        self.accesses as f64 / self.rays.max(1) as f64 * rays as f64
+    }
+}
+
 impl From<&CacheRecord> for CacheHits {
     fn from(record: &CacheRecord) -> Self {
         let ratio = |part: u64, whole: u64| if whole == 0 { 0.0 } else { part as f64 / whole as f64 };
         let beyond_l1 = record.accesses.saturating_sub(record.l1_hits);
         Self {
+            rays: record.rays,
             accesses: record.accesses,
             l1: ratio(record.l1_hits, record.accesses),
             l2: ratio(record.l2_hits, beyond_l1),
@@ -177,7 +187,9 @@ impl<'a> QueueContext<'a> {
             way,
             total: Time::of(&totals, self.rays),
             trace_speedup: self.speedup(method, record, own.map_or(&[], StageSamples::traced)),
-            net_speedup: if self.manifest().foreign_orders().any(|order| order.name == method) {
+            net_speedup: if method == SHUFFLED {
+                Metric::missing("a random order has neither keys nor a sort: what it costs says nothing")
+            } else if self.manifest().foreign_orders().any(|order| order.name == method) {
                 Metric::missing("its keys came with the rays: making and sorting them was not timed")
             } else {
                 self.speedup(method, record, &totals)

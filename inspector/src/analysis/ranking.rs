@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use formats::key::method::{CONTROL, UNSORTED};
+use formats::key::method::{REFERENCES, UNSORTED};
 use formats::ray::Kind;
 
 use super::coherence::{Coherence, LaneUtilisation, of_warp};
@@ -53,8 +53,8 @@ pub fn best<'a>(over_unsorted: &[(String, Versus)], methods: &[&'a String]) -> O
             let (_, versus) = over_unsorted.iter().find(|(name, _)| name == method)?;
             pick(versus).known()
         };
-        // The control is canonical order through the same stages: what it gains is the instrument's error.
-        let methods = methods.iter().copied().filter(|method| *method != CONTROL);
+        // What the control gains is the instrument's error.
+        let methods = methods.iter().copied().filter(|method| !REFERENCES.contains(&method.as_str()));
         let lines = methods.filter_map(|method| Some((method, line(method)?)));
         let pays = |line: &SpeedupLine| line.verdict == Verdict::Faster;
         let best = lines.max_by(|(_, a), (_, b)| pays(a).cmp(&pays(b)).then(a.ratio.total_cmp(&b.ratio)));
@@ -138,6 +138,8 @@ fn descending(one: Option<f64>, other: Option<f64>) -> Ordering {
 
 #[cfg(test)]
 mod tests {
+    use formats::key::method::CONTROL;
+
     use super::*;
 
     fn order(method: &str, net: Option<f64>, trace: Option<f64>, area: Option<f64>) -> RankedOrder {

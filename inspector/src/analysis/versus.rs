@@ -78,7 +78,7 @@ impl Versus {
         let rays: Vec<RayClass> = RayClass::ALL.into_iter().filter(|class| classes.contains(class)).collect();
         let error = b.recording.instrument_error(&rays);
         Self {
-            trace: speedup(|order| &order.trace_speedup, traced),
+            trace: speedup(|order| &order.trace_speedup, traced).map(|line| line.beyond(error)),
             net: speedup(|order| &order.net_speedup, total).map(|line| line.beyond(error)),
             rays,
         }

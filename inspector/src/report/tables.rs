@@ -113,14 +113,16 @@ fn study_table(title: &str, groups: &[&StudyGroup], rays: RayClass) -> Option<Ta
                 let interval = net.mean.interval.map(|(low, high)| format!(" [{low:.2}, {high:.2}]"));
                 format!(" / {:.2}{}", net.mean.ratio, interval.unwrap_or_default())
             });
-            let text = format!("{trace:.2}{}", net.unwrap_or_default());
+            let (own, all) = (row.trace.views, group.views_of(rays));
+            let part = if own < all { format!(" ({own} of {all} views)") } else { String::new() };
+            let text = format!("{trace:.2}{}{part}", net.unwrap_or_default());
             Cell { text, is_best: best == Some(method) }
         };
         std::iter::once(Cell::plain(method)).chain(groups.iter().map(cell)).collect()
     };
     table(
         format!("{title}: trace / net speedup, {} rays", rays.name()),
-        "Geometric means over scenes of geometric means over their views (cameras and seeds), of each recording the whole frame; 95 % intervals by bootstrap over views and rounds. Marked is the best of those whose interval lies beyond 1 and what the control misses it by.",
+        "Geometric means over scenes of geometric means over their views (cameras and seeds), of each recording the whole frame; 95 % intervals by bootstrap over views and rounds. Marked is the best of those whose interval lies beyond 1 and what the control misses it by; a mean over fewer views is not compared.",
         header(
             "method",
             groups.iter().map(|group| {
@@ -184,7 +186,7 @@ fn speedups(analysis: &Analysis, rays: RayClass) -> Option<Table> {
     }
     table(
         format!("Trace / net speedup, {} rays", rays.name()),
-        "Unsorted trace over sorted trace, and over all that the method costs (– where another tracer's key and sort were not timed): the whole frame, times of all bounces summed round by round. Marked is the best of those that are shown to pay. Means are geometric, over recordings (of as many as is said where others have no such order), those that `auto` left alone with what they measured, and marked where each one pays. The control is canonical order measured like a method: what it misses 1 by is the instrument's error.",
+        "Unsorted trace over sorted trace, and over all that the method costs (– where what keys and sort cost is not known): the whole frame, times of all bounces summed round by round. Marked is the best of those that are shown to pay. Means are geometric, over recordings (of as many as is said where others have no such order), those that `auto` left alone with what they measured, and marked where each one pays. The control is canonical order measured like a method: what it misses 1 by is the instrument's error.",
         header("recording", methods.iter().copied().chain([CONTROL])),
         rows,
     )
@@ -235,7 +237,8 @@ fn overhead_row(recording: &RecordingAnalysis, frame: &FrameAnalysis) -> Option<
     let unsorted = unsorted.stages.iter().find(|found| found.stage == Stage::Trace)?.median_ns / 1e6;
     let parts =
         [Stage::Decide, Stage::Key, Stage::Sort, Stage::Gather, Stage::Scatter, Stage::Accumulate].map(time);
-    let sum: f64 = parts.iter().flatten().sum();
+    // The sum of nothing is −0, which would be printed.
+    let sum = parts.iter().flatten().sum::<f64>() + 0.0;
     let [stored, indirect] = [Stage::Trace, Stage::TraceIndirect].map(time);
     // Others are traced either way, to be compared; `auto` traces each queue one way.
     let sorted = if frame.method == AUTO {
@@ -265,8 +268,8 @@ type Share = fn(&QueueAnalysis, &OrderAnalysis) -> Option<(f64, f64)>;
 /// What lanes and caches would say, by method: lanes at each bounce, too.
 fn models(analysis: &Analysis, rays: RayClass) -> Option<Table> {
     let lanes: Share = |queue, order| Some((order.warp_utilisation()?, queue.rays as f64));
-    let first: Share = |_, order| order.caches.known().map(|hits| (hits.l1, hits.accesses as f64));
-    let either: Share = |_, order| order.caches.known().map(|hits| (hits.either, hits.accesses as f64));
+    let first: Share = |queue, order| order.caches.known().map(|hits| (hits.l1, hits.lines(queue.rays)));
+    let either: Share = |queue, order| order.caches.known().map(|hits| (hits.either, hits.lines(queue.rays)));
     let methods: Vec<&str> = std::iter::once(UNSORTED).chain(methods(analysis, rays)).collect();
     let mut bounces = distinct(queues(analysis, rays).map(|(_, queue)| queue.bounce));
     bounces.sort_unstable();
@@ -275,19 +278,19 @@ fn models(analysis: &Analysis, rays: RayClass) -> Option<Table> {
     wanted.push(("L1".to_owned(), first, None));
     wanted.push(("L1 or L2".to_owned(), either, None));
     let row = |(name, share, bounce): (String, Share, Option<u32>)| {
-        let numbers: Vec<Option<f64>> =
-            methods.iter().map(|method| mean_share(analysis, rays, method, share, bounce)).collect();
-        let best = numbers.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
-        let cell = |number: &Option<f64>| match number {
-            Some(percent) => Cell { text: format!("{percent:.1}"), is_best: *percent == best },
-            None => Cell::plain("–"),
-        };
-        let cells = numbers.iter().map(cell);
-        numbers.iter().any(Option::is_some).then(|| std::iter::once(Cell::plain(name)).chain(cells).collect())
+        let means = methods.iter().map(|method| mean_share(analysis, rays, method, share, bounce));
+        let means: Vec<Option<(f64, usize)>> = means.collect();
+        let all = means.iter().flatten().map(|(_, n)| *n).max()?;
+        let cells = means.iter().map(|mean| match mean {
+            Some((percent, n)) if *n < all => format!("{percent:.1} ({n} of {all})"),
+            Some((percent, _)) => format!("{percent:.1}"),
+            None => "–".to_owned(),
+        });
+        Some(std::iter::once(name).chain(cells).map(Cell::plain).collect())
     };
     table(
         format!("What lanes and caches would say, {} rays, %", rays.name()),
-        "Models, which do not depend on the machine's load: lanes that work of 32 that wait for each other, and lines found in a modelled L1 and L2. Means over recordings; in each the bounces are weighted by their rays, or by what they ask for.",
+        "Models, which do not depend on the machine's load: lanes that work of 32 that wait for each other, and lines found in a modelled L1 and L2. Means over recordings (of as many as is said where others have no such order); in each the bounces are weighted by their rays, or by the lines that these ask for.",
         header("", methods.iter().copied()),
         wanted.into_iter().filter_map(row).collect(),
     )
@@ -298,14 +301,14 @@ fn queues(analysis: &Analysis, rays: RayClass) -> impl Iterator<Item = (&Recordi
     all.flat_map(move |recording| recording.measured_of(rays).map(move |queue| (recording, queue)))
 }
 
-/// Mean over recordings, percent.
+/// Mean over recordings, percent, and of how many.
 fn mean_share(
     analysis: &Analysis,
     rays: RayClass,
     method: &str,
     share: Share,
     bounce: Option<u32>,
-) -> Option<f64> {
+) -> Option<(f64, usize)> {
     let of_recording = |recording: &RecordingAnalysis| {
         let of_rays = recording.measured_of(rays);
         let own = of_rays.filter(|queue| bounce.is_none_or(|bounce| queue.bounce == bounce));
@@ -315,7 +318,7 @@ fn mean_share(
         (weight > 0.0).then(|| sum / weight * 100.0)
     };
     let means: Vec<f64> = analysis.recordings.iter().filter_map(of_recording).collect();
-    (!means.is_empty()).then(|| means.iter().sum::<f64>() / means.len() as f64)
+    (!means.is_empty()).then(|| (means.iter().sum::<f64>() / means.len() as f64, means.len()))
 }
 
 fn correlations(analysis: &Analysis) -> Option<Table> {

@@ -11,14 +11,14 @@ use std::convert::Infallible;
 use formats::key::method::CONTROL;
 use formats::metrics::frame::FrameTimes;
 use formats::metrics::speedup::{Speedup, geometric_mean};
-use formats::metrics::views::{Scene, mean_of_scene, mean_over_views};
+use formats::metrics::views::{self, mean_of_scene, mean_over_views};
 use formats::ray::Kind;
 use formats::reader::Dump;
 use formats::study::Study;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::labels::scene_name;
+use super::labels::{Scene, scene_label, scene_name};
 use super::summary::{RayClass, distinct};
 use super::{AnalysisOptions, KnownQueues, QueueAnalysis};
 use kept::{kept, place};
@@ -40,7 +40,7 @@ pub struct StudyGroup {
     pub name: String,
     /// Backend, adapter, kernel and threads.
     pub configuration: String,
-    /// Names of the scenes.
+    /// The scenes by name, and where two share one by the hash of what is in them, too.
     pub scenes: Vec<String>,
     /// Recordings: views of these scenes, by camera and seed.
     pub views: usize,
@@ -71,8 +71,19 @@ pub struct StudyMean {
     /// The mean, and where it lies with 95 % confidence.
     #[serde(flatten)]
     pub mean: Speedup,
-    /// The mean over views of each scene that has any, by its place in the group's.
-    pub scenes: Vec<(usize, f64)>,
+    /// Those of the scenes that have any.
+    pub scenes: Vec<SceneMean>,
+    /// Views.
+    pub views: usize,
+}
+
+/// The mean over views of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SceneMean {
+    /// Place of the scene among the group's.
+    pub scene: usize,
+    /// The mean.
+    pub ratio: f64,
     /// Views.
     pub views: usize,
 }
@@ -130,7 +141,7 @@ impl StudyAnalysis {
 
 impl StudyGroup {
     fn of(name: &str, configuration: &str, summaries: &[&RecordingSummary]) -> Self {
-        let mut scenes = distinct(summaries.iter().map(|summary| scene_name(&summary.scene)));
+        let mut scenes = distinct(summaries.iter().map(|summary| summary.scene()));
         scenes.sort_unstable();
         let mut rows = Vec::new();
         for rays in RayClass::ALL {
@@ -146,7 +157,7 @@ impl StudyGroup {
         Self {
             name: name.to_owned(),
             configuration: configuration.to_owned(),
-            scenes: scenes.into_iter().map(str::to_owned).collect(),
+            scenes: scenes.iter().map(|scene| scene_label(*scene, &scenes)).collect(),
             views: summaries.len(),
             rows,
         }
@@ -157,8 +168,17 @@ impl StudyGroup {
         self.rows.iter().all(|row| row.is_variant || row.method == CONTROL)
     }
 
-    /// Whether a method's net speedup lies beyond 1 and what the control of these rays misses it by.
+    /// Views that have some of these rays.
+    pub fn views_of(&self, rays: RayClass) -> usize {
+        self.methods(rays).map(|row| row.trace.views).max().unwrap_or(0)
+    }
+
+    /// Whether a method's net speedup lies beyond 1 and what the control of these rays misses it by, on all views that
+    /// have such rays: a mean over others is not to be compared.
     pub fn is_shown_to_pay(&self, row: &StudyRow) -> bool {
+        if row.net.as_ref().is_none_or(|net| net.views < self.views_of(row.rays)) {
+            return false;
+        }
         let control = self.rows.iter().find(|other| other.rays == row.rays && other.method == CONTROL);
         let error = control.map_or(0.0, |control| (control.trace.mean.ratio - 1.0).abs());
         let interval = row.net.as_ref().and_then(|net| net.mean.interval);
@@ -172,12 +192,18 @@ impl StudyGroup {
     }
 }
 
+impl RecordingSummary {
+    fn scene(&self) -> Scene<'_> {
+        Scene { name: scene_name(&self.scene), content_hash: &self.content_hash }
+    }
+}
+
 /// The times of a recording on rays of a kind.
 fn kinds(rays: RayClass, summary: &RecordingSummary) -> impl Iterator<Item = &FrameTimes> {
     summary.times.iter().filter(move |times| times.kind == rays.kind())
 }
 
-fn row(rays: RayClass, method: &str, scenes: &[&str], summaries: &[&RecordingSummary]) -> Option<StudyRow> {
+fn row(rays: RayClass, method: &str, scenes: &[Scene<'_>], summaries: &[&RecordingSummary]) -> Option<StudyRow> {
     let own: Vec<(&RecordingSummary, &FrameTimes)> = summaries
         .iter()
         .filter_map(|summary| Some((*summary, kinds(rays, summary).find(|times| times.method == method)?)))
@@ -198,20 +224,22 @@ fn row(rays: RayClass, method: &str, scenes: &[&str], summaries: &[&RecordingSum
 
 fn mean(
     own: &[(&RecordingSummary, &FrameTimes)],
-    scenes: &[&str],
+    scenes: &[Scene<'_>],
     time: impl Fn(&FrameTimes) -> &[u64],
 ) -> Option<StudyMean> {
     let ratios = |times: &FrameTimes| -> Vec<f64> {
         let rounds = times.unsorted_ns.iter().zip(time(times));
         rounds.map(|(&unsorted, &own)| unsorted as f64 / own.max(1) as f64).collect()
     };
-    let views = |scene: &str| -> Scene {
-        let of_scene = own.iter().filter(|(summary, _)| scene_name(&summary.scene) == scene);
+    let views = |scene: &Scene<'_>| -> views::Scene {
+        let of_scene = own.iter().filter(|(summary, _)| summary.scene() == *scene);
         of_scene.map(|(_, times)| ratios(times)).filter(|rounds| !rounds.is_empty()).collect()
     };
-    let all: Vec<(usize, Scene)> =
-        scenes.iter().map(|scene| views(scene)).enumerate().filter(|(_, views)| !views.is_empty()).collect();
-    let by_scene = |(at, views): &(usize, Scene)| Some((*at, mean_of_scene(views)?));
+    let all: Vec<(usize, views::Scene)> =
+        scenes.iter().map(views).enumerate().filter(|(_, views)| !views.is_empty()).collect();
+    let by_scene = |(scene, views): &(usize, views::Scene)| {
+        Some(SceneMean { scene: *scene, ratio: mean_of_scene(views)?, views: views.len() })
+    };
     Some(StudyMean {
         scenes: all.iter().filter_map(by_scene).collect(),
         views: all.iter().map(|(_, views)| views.len()).sum(),
@@ -234,6 +262,7 @@ mod tests {
         let control = FrameTimes { method: "control".into(), total_ns: vec![], ..times.clone() };
         RecordingSummary {
             scene: scene.into(),
+            content_hash: "0123456789".into(),
             camera: camera.into(),
             seed: 0,
             configuration: configuration.into(),
@@ -262,7 +291,8 @@ mod tests {
         // Scene a: medians 2 and 8, mean 4; scene b: 1 and 1; of both 2. All stages take twice as long.
         assert!((aila.trace.mean.ratio - 2.0).abs() < 1e-12, "{aila:?}");
         assert!((aila.net.as_ref().unwrap().mean.ratio - 1.0).abs() < 1e-12, "{aila:?}");
-        let scenes: Vec<f64> = aila.trace.scenes.iter().map(|(_, ratio)| *ratio).collect();
+        assert!(aila.trace.scenes.iter().all(|scene| scene.views == 2), "{aila:?}");
+        let scenes: Vec<f64> = aila.trace.scenes.iter().map(|scene| scene.ratio).collect();
         assert!((scenes[0] - 4.0).abs() < 1e-12 && (scenes[1] - 1.0).abs() < 1e-12, "{scenes:?}");
         assert_eq!((aila.trace.views, aila.capsule_area_ratio), (4, Some(0.5)));
         assert_eq!((control.method.as_str(), &control.net), ("control", &None));
@@ -274,5 +304,27 @@ mod tests {
             first.is_shown_to_pay(&row)
         };
         assert!(pays(2.1) && !pays(1.9) && !first.is_shown_to_pay(aila));
+    }
+
+    /// Scenes are told apart by what is in them, whatever they are called.
+    #[test]
+    fn scenes_of_one_name_are_two() {
+        let named = |summary| ("recording".to_owned(), summary);
+        let mut summaries = [
+            named(recording("one/room.glb", "front", "m", [300, 300, 300])),
+            named(recording("other/room.glb", "front", "m", [1200, 1200, 1200])),
+            named(recording("other/room.glb", "back", "m", [1200, 1200, 1200])),
+        ];
+        let ratio = |summaries: &[Named]| {
+            let study = StudyAnalysis::of_summaries(summaries, vec![]);
+            let [group] = &study.groups[..] else { panic!("one group: {study:?}") };
+            (group.scenes.clone(), group.rows[0].trace.mean.ratio)
+        };
+        let (scenes, mean) = ratio(&summaries);
+        assert!(scenes == ["room"] && (mean - 4f64.cbrt()).abs() < 1e-12, "{scenes:?} {mean}");
+        summaries[0].1.content_hash = "9876543210".into();
+        let (scenes, mean) = ratio(&summaries);
+        assert!(scenes == ["room (01234567)", "room (98765432)"], "{scenes:?}");
+        assert!((mean - 2.0).abs() < 1e-12, "the mean of 4 and 1 is {mean}");
     }
 }

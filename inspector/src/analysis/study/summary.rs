@@ -7,6 +7,7 @@ use formats::metrics::frame::FrameTimes;
 use formats::ray::Kind;
 use formats::reader::{Dump, ReadError};
 use formats::study::Study;
+use formats::summary::hexadecimal;
 use serde::{Deserialize, Serialize};
 
 use super::kept::{kept, place};
@@ -19,6 +20,8 @@ use crate::shown;
 pub struct RecordingSummary {
     /// Name of the scene.
     pub scene: String,
+    /// SHA-256 of what is in it, hexadecimal.
+    pub content_hash: String,
     /// Camera.
     pub camera: String,
     /// Seed.
@@ -88,6 +91,7 @@ impl RecordingSummary {
                 .map(|record| record.name.clone())
                 .collect(),
             areas: frames.filter_map(area).collect(),
+            content_hash: hexadecimal(&header.scene.content_hash),
             scene: header.scene.name,
         })
     }

@@ -1,7 +1,7 @@
 //! What the figures share: series by method, settings, and the rule that nothing empty is drawn.
 
 use formats::bench_result::BenchResult;
-use formats::key::method::{CONTROL, UNSORTED};
+use formats::key::method::{REFERENCES, UNSORTED};
 use formats::manifest::Stage;
 use formats::metrics::speedup::{median, quantile};
 
@@ -158,9 +158,9 @@ pub fn methods<'a>(findings: &Findings<'a>) -> Vec<&'a str> {
     shown.map(|(method, _)| method).collect()
 }
 
-/// Neither `unsorted` nor the control, which are what methods are held against.
+/// None of those that methods are held against.
 pub fn is_method(name: &str) -> bool {
-    ![UNSORTED, CONTROL].contains(&name)
+    !REFERENCES.contains(&name)
 }
 
 /// Recordings that have a row for every method in figures with panels for each.

@@ -30,13 +30,15 @@ pub fn lanes(findings: &Findings<'_>) -> Made {
 
 /// Share of cache lines that were not found.
 pub fn caches(findings: &Findings<'_>) -> Made {
-    let first: Share = |_, order| order.caches.known().map(|hits| (1.0 - hits.l1, hits.accesses as f64));
-    let either: Share = |_, order| order.caches.known().map(|hits| (1.0 - hits.either, hits.accesses as f64));
+    let first: Share =
+        |queue, order| order.caches.known().map(|hits| (1.0 - hits.l1, hits.lines(queue.rays)));
+    let either: Share =
+        |queue, order| order.caches.known().map(|hits| (1.0 - hits.either, hits.lines(queue.rays)));
     let panels = [(first, ", not in L1"), (either, ", in neither L1 nor L2")];
     figure(
         "Cache misses per method, a model",
         format!(
-            "A model: node and triangle addresses of sampled groups, replayed through two set-associative caches. Means over bounces, weighted by accesses; small dots are the bounces, or of more than {MOST_DETAILED} recordings these, with means of methods that all of them have."
+            "A model: node and triangle addresses of sampled groups, replayed through two set-associative caches. Means over bounces, weighted by the lines that all of their rays ask for; small dots are the bounces, or of more than {MOST_DETAILED} recordings these, with means of methods that all of them have."
         ),
         settings(with_number(findings, |order| &order.caches)),
         panels.into_iter().flat_map(|(share, level)| panels_of(findings, share, level, "misses (%)")),

@@ -2,7 +2,7 @@
 
 use super::building::{figure, in_rows, of_method, rows_of};
 use super::{Findings, Made};
-use crate::analysis::study::{StudyGroup, StudyMean, StudyRow};
+use crate::analysis::study::{SceneMean, StudyGroup, StudyMean, StudyRow};
 use crate::analysis::summary::{RayClass, distinct};
 use crate::figures::model::{Axis, Of, Point, Series};
 use crate::output::counted;
@@ -43,7 +43,7 @@ pub fn speedups(findings: &Findings<'_>) -> Made {
     });
     figure(
         "Speedups over the scenes and views of a study",
-        "Each marker is a geometric mean over scenes: of each recording the median over rounds of unsorted over sorted time, all bounces summed, of each scene the geometric mean over its views (cameras and seeds). The thick line is its 95 % interval, by bootstrap over views and rounds, the scenes as they are. Small dots are the scenes. Net counts all that sorting takes.",
+        "Each marker is a geometric mean over scenes: of each recording the median over rounds of unsorted over sorted time, all bounces summed, of each scene the geometric mean over its views (cameras and seeds). The thick line is its 95 % interval, by bootstrap over views and rounds, the scenes as they are. Small dots are the scenes, of methods that were not measured on all views these alone. Net counts all that sorting takes.",
         settings.collect(),
         panels,
         "no method was measured in the study",
@@ -76,14 +76,17 @@ fn series(findings: &Findings<'_>, group: &StudyGroup, rays: RayClass, of: Part)
     };
     let series =
         |row: &StudyRow, is_part, points| Series { is_part, ..of_method(findings, &row.method, points) };
+    let all = group.views_of(rays);
     let rows = || group.methods(rays).filter_map(|row| Some((row, of(row)?)));
     let mean = |(row, mean): (&StudyRow, &StudyMean)| {
         series(row, false, vec![point(row, "all scenes", mean.mean.ratio, mean.mean.interval, mean.views)])
     };
     let scenes = |(row, mean): (&StudyRow, &StudyMean)| {
-        let points =
-            mean.scenes.iter().map(|(scene, ratio)| point(row, &group.scenes[*scene], *ratio, None, 1));
+        let points = mean.scenes.iter().map(|SceneMean { scene, ratio, views }| {
+            point(row, &group.scenes[*scene], *ratio, None, *views)
+        });
         series(row, true, points.collect())
     };
-    rows().map(mean).chain(rows().map(scenes)).collect()
+    // A mean over other views is not to be compared.
+    rows().filter(|(_, mean)| mean.views == all).map(mean).chain(rows().map(scenes)).collect()
 }
