@@ -1,11 +1,13 @@
 //! A stored length table and how rays find their cell in it.
 
+use crate::key::termination::bounded_length;
 use crate::key::{Encoder, Facts};
 use crate::length_table::{LengthCell, LengthTable, LengthTableError, TABLE_BITS_MAX, TABLE_BITS_MIN};
 use crate::manifest::{Header, Place, QueueArray, QueueId};
 use crate::ray::Ray;
 use crate::reader::{Dump, Loaded, ReadError};
 use crate::text::shown;
+use crate::unit_space::UnitSpace;
 
 /// Why a queue has no usable length table.
 #[derive(Debug, thiserror::Error)]
@@ -55,7 +57,13 @@ impl StoredTable {
         Ok(Self { encoder: header.cell_encoder().ok_or_else(layout)?, table, touched: cells.len() })
     }
 
-    /// Mean length of a ray's cell, unit lengths: what two-point-adaptive takes the ray's length for.
+    /// What two-point-adaptive takes a ray's length for, unit lengths: the mean of its cell, cut by the ray's own end
+    /// and by the scene's box.
+    pub fn estimate(&self, unit: &UnitSpace, ray: &Ray) -> f32 {
+        bounded_length(unit, ray, unit.point(ray.origin), self.mean(ray))
+    }
+
+    /// Mean length of a ray's cell, unit lengths.
     pub fn mean(&self, ray: &Ray) -> f32 {
         self.table.mean(self.encoder.encode(ray, Facts::default()) as u32)
     }

@@ -227,7 +227,7 @@ fn facts((dump, analysis): (&Dump, &RecordingAnalysis)) -> (String, String) {
     let driver = &header.adapter.driver;
     let driver = if driver.is_empty() { String::new() } else { format!(", {driver}") };
     let line = format!(
-        "{}, camera {}, {}×{}, {}, {}, {}, seed {}; {}{driver}; {} keys; timed by {}; version {}",
+        "{}, camera {}, {}×{}, {}, {}, {}, seed {}; {}{driver}; {} keys; timed by {}{}; version {}",
         counted(header.scene.triangles, "triangle", "triangles"),
         options.camera,
         options.width,
@@ -239,6 +239,7 @@ fn facts((dump, analysis): (&Dump, &RecordingAnalysis)) -> (String, String) {
         analysis.configuration,
         analysis.key_bits(),
         header.time_source,
+        analysis.disturbed(),
         header.program_version,
     );
     (analysis.label.clone(), line)

@@ -9,7 +9,6 @@ use formats::metrics::speedup::{Instrument, Speedup, median};
 use formats::reader::Dump;
 use formats::text::{counted, wrapped};
 
-use crate::bench::rate;
 use crate::measure::{Measurement, Subject, has_speedup, queue_name};
 use crate::observer::{MeasuredQueue, chosen_way};
 use crate::recording::Recorded;
@@ -19,10 +18,6 @@ const ABOUT_DETAILS: &str = "\nMedians in ms; speedups against unsorted in the s
                              trace and scatter, or the trace through indices (*).";
 /// Where the words of the first lines begin.
 const INDENT: usize = 9;
-/// Spread of a median's rounds, in percent of it, from which on a word is said.
-const WIDE_SPREAD: f64 = 10.0;
-/// Without details, more than one in so many are reported.
-const NOTED_SHARE: usize = 4;
 
 /// What was recorded and what sorting was worth, in a screen; with `details` the stages of every queue, too.
 ///
@@ -40,7 +35,6 @@ pub fn text(recorded: &Recorded, details: bool) -> Result<String> {
         lines.extend(mismatches(recorded));
         lines.extend(instrument(recorded).map(|line| wrapped(&line, COLUMNS, 0)));
     }
-    lines.extend(disturbances(recorded, details).map(|line| wrapped(&line, COLUMNS, 0)));
     lines.push(format!("\n{}\n", Frame::of(dump.manifest()).text()));
     lines.push(format!("recording: {}", recorded.path.display()));
     Ok(lines.join("\n"))
@@ -87,13 +81,13 @@ fn speedups(queue: &MeasuredQueue, entry: &Measurement, recorded: &Recorded) -> 
         Subject::Method(number) if !has_speedup(&recorded.methods[number]) => {
             ["(traced first)".to_owned(), String::new()]
         }
-        Subject::Method(_) | Subject::Shuffled | Subject::Auto => {
+        Subject::Method(_) | Subject::Auto => {
             let way =
                 chosen_way(&recorded.queues, entry.subject).unwrap_or_else(|| entry.stages.shorter_way());
             [trace(), speedup(Speedup::of(unsorted, &entry.stages.totals(way)))]
         }
-        // What the key and the sort of another tracer take is not known here.
-        Subject::Control | Subject::Foreign(_) => [trace(), String::new()],
+        // What the key and the sort of another tracer take is not known here; a random order has none.
+        Subject::Control | Subject::Shuffled | Subject::Foreign(_) => [trace(), String::new()],
     }
 }
 
@@ -131,31 +125,6 @@ pub fn instrument_line(instrument: &Instrument) -> String {
         100.0 * pooled_bias,
         counted(experiments as u64, "queue", "queues")
     )
-}
-
-/// What stood in the way of the measurement, and what would help; without `details` only if that is much.
-fn disturbances(recorded: &Recorded, details: bool) -> impl Iterator<Item = String> {
-    let entries = || recorded.queues.iter().flat_map(|queue| &queue.measurements);
-    let samples: usize =
-        entries().flat_map(|entry| entry.stages.iter()).map(|(_, samples)| samples.len()).sum();
-    let disturbed: usize = entries().flat_map(|entry| entry.disturbed.values()).map(Vec::len).sum();
-    let traces = || entries().map(|entry| entry.stages.of(Stage::Trace));
-    let spread = |samples: &&[u64]| rate(1, samples).is_some_and(|(_, spread)| spread > WIDE_SPREAD);
-    let (wide, all) = (traces().filter(spread).count(), traces().count());
-    let is_said = |few: usize, all: usize| few > 0 && (details || few * NOTED_SHARE > all);
-    let disturbed = is_said(disturbed, samples).then(|| {
-        format!(
-            "{disturbed} of {samples} samples were taken while the machine did other work; they count, and are \
-             marked in the recording"
-        )
-    });
-    let wide = is_said(wide, all).then(|| {
-        format!(
-            "{wide} of {all} trace times spread by more than {WIDE_SPREAD} % of their median: an idle machine, \
-             --pin and more --repeats help"
-        )
-    });
-    disturbed.into_iter().chain(wide)
 }
 
 fn milliseconds(samples_ns: &[u64]) -> String {

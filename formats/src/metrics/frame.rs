@@ -7,6 +7,7 @@ use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
 
+use super::noise::Noise;
 use super::samples::Samples;
 use super::speedup::{Speedup, median};
 use crate::key::Termination;
@@ -53,6 +54,8 @@ pub struct Frame {
     /// How far the control is from a speedup of 1, secondary and shadow rays; 0 without a control. What is said of both
     /// together must exceed the larger.
     pub instrument_errors: [f64; 2],
+    /// What disturbed the times.
+    pub noise: Noise,
     /// The methods, the best net speedup first; then those without one.
     pub rows: Vec<FrameRow>,
 }
@@ -236,7 +239,7 @@ impl Frame {
         let mut rows: Vec<FrameRow> = methods.map(row).collect();
         let net = |row: &FrameRow| row.net.map_or(f64::NEG_INFINITY, |net| net.ratio);
         rows.sort_by(|a, b| net(b).total_cmp(&net(a)));
-        Self { unsorted, instrument_errors: errors, rows }
+        Self { unsorted, instrument_errors: errors, noise: Noise::of(manifest), rows }
     }
 
     /// The table and what it means, at most [`COLUMNS`] wide and 20 lines high.
@@ -245,7 +248,9 @@ impl Frame {
             return "No method was measured on secondary or shadow rays, which are all that counts here."
                 .to_owned();
         }
-        let mut text = String::from(
+        let noise = self.noise.sentences().map(|sentence| wrapped(&sentence, COLUMNS, 0) + "\n\n");
+        let mut text: String = noise.collect();
+        text.push_str(
             "Whole frame: all bounces, summed per round; – left unsorted, * beyond chance.\n\
              \x20                   trace alone         net, with what sorting costs\n\
              method             secondary    shadow second. shadow    both  95 %\n",
@@ -430,7 +435,7 @@ mod tests {
     }
 
     fn frame(rows: Vec<FrameRow>) -> Frame {
-        Frame { unsorted: [Some(123.456), None], instrument_errors: [0.0; 2], rows }
+        Frame { unsorted: [Some(123.456), None], instrument_errors: [0.0; 2], noise: Noise::default(), rows }
     }
 
     fn row(method: &str, net: Option<Speedup>, verdict: &'static str) -> FrameRow {
@@ -515,8 +520,10 @@ mod tests {
         assert!(said.starts_with("Sorting pays: with sure"), "{said}");
         assert!(meaning(speedup(1.25, 0.9, 1.5), "level").starts_with("Sorting is not shown to pay"));
         assert!(meaning(speedup(0.9, 0.85, 0.95), COSTS).starts_with("Sorting does not pay"));
-        let shy =
-            Frame { instrument_errors: [0.016, 0.0], ..frame(vec![row("aila", speedup(1.02, 1.0, 1.04), "level")]) };
+        let shy = Frame {
+            instrument_errors: [0.016, 0.0],
+            ..frame(vec![row("aila", speedup(1.02, 1.0, 1.04), "level")])
+        };
         assert!(shy.meaning().contains("the control is off by 1.6 %"), "{}", shy.meaning());
         let few = |ratio| meaning(Some(Speedup { ratio, interval: None }), "");
         assert!(few(2.0).contains("fewer than 6 repeats") && few(2.0).contains("chance"));

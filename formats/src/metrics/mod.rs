@@ -5,7 +5,7 @@
 //! - [`quantity`]: the numbers that a ray or its group has, by name: one entry each
 //! - [`estimator`]: how far estimated ray lengths are from traced ones
 //! - [`samples`]: the times of a recording; [`speedup`], [`bandwidth`], [`frame`]: what they say; [`views`]: means over
-//!   many recordings
+//!   many recordings; [`noise`]: what disturbed them
 //! - [`correlation`]: how two numbers go together; [`growth`]: how costs grow
 
 pub mod bandwidth;
@@ -16,6 +16,7 @@ pub mod frame;
 pub mod group;
 pub mod growth;
 pub mod lanes;
+pub mod noise;
 pub mod order;
 pub mod quantity;
 pub mod samples;

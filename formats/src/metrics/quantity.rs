@@ -206,7 +206,7 @@ quantities! {
         whole("nodes visited + triangles tested", |at| at.work(work_of)).needs(Needs::Work);
     Cell = "cell", "Address of the ray's cell in the length table":
         whole("cell of the length table", |at| at.cell()).needs(Needs::Cells);
-    Estimate = "estimate", "Mean length of the ray's table cell, unit lengths: what two-point-adaptive assumes":
+    Estimate = "estimate", "What two-point-adaptive assumes, unit lengths: the mean of the ray's table cell, cut by its end and the scene's box":
         real("estimated length", "unit lengths", |at| at.estimate()).needs(Needs::Table);
     Ratio = "ratio", "Estimated over traced length: 1 if the table is right":
         real("estimated over actual length", "", |at| at.estimate() / at.length())
@@ -314,7 +314,7 @@ impl RayAt<'_> {
     }
 
     fn estimate(self) -> f64 {
-        self.of.table.map_or(f64::NAN, |table| f64::from(table.mean(self.ray())))
+        self.of.table.map_or(f64::NAN, |table| f64::from(table.estimate(self.of.traced.unit(), self.ray())))
     }
 }
 

@@ -1,8 +1,8 @@
 //! The length table against the lengths that were traced: how many rays have which pair of both.
 
 use formats::length_table::{LengthTable, TABLE_BITS_MIN};
-use formats::ray::Ray;
 use formats::stored_table::StoredTable;
+use formats::traced::Traced;
 use rayon::prelude::*;
 
 /// Parts of each axis.
@@ -38,7 +38,8 @@ struct Counts {
 
 impl Estimates {
     /// Of all rays of a queue with their lengths, by the table that was read for them.
-    pub fn of(rays: &[Ray], lengths: &[f32], table: &StoredTable) -> Self {
+    pub fn of(traced: &Traced, lengths: &[f32], table: &StoredTable) -> Self {
+        let rays = traced.rays();
         let dummy = LengthTable::new(TABLE_BITS_MIN).mean(0);
         // From the decade of the shortest per mille, so that a few tiny lengths do not squeeze the rest.
         let low = lowest_decade(lengths);
@@ -48,10 +49,10 @@ impl Estimates {
         };
         let none = || Counts { pairs: vec![0; BINS * BINS], within: 0, untouched: 0 };
         let add = |mut counts: Counts, (&length, ray): (&f32, _)| {
-            let estimate = table.mean(ray);
+            let estimate = table.estimate(traced.unit(), ray);
             counts.pairs[bin(estimate) * BINS + bin(length)] += 1;
             counts.within += u64::from((0.5..=2.0).contains(&(estimate / length)));
-            counts.untouched += u64::from(estimate.to_bits() == dummy.to_bits());
+            counts.untouched += u64::from(table.mean(ray).to_bits() == dummy.to_bits());
             counts
         };
         let sum = |mut a: Counts, b: Counts| {

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use formats::manifest::{Adapter, Options};
+use formats::metrics::noise::Noise;
 use formats::metrics::samples::Samples;
 use formats::metrics::speedup::Speedup;
 use formats::reader::Dump;
@@ -38,6 +39,8 @@ pub struct RecordingAnalysis {
     pub options: Options,
     /// What the times were taken with.
     pub time_source: String,
+    /// What disturbed them.
+    pub noise: Noise,
     /// Its methods over all bounces, by kind of rays.
     pub frames: Vec<FrameAnalysis>,
     /// Unsorted trace over that of the control, over all bounces: what it misses 1 by is the instrument's error.
@@ -66,6 +69,7 @@ impl RecordingAnalysis {
             adapter: header.adapter,
             options: header.options,
             time_source: header.time_source,
+            noise: Noise::of(manifest),
             frames: FrameAnalysis::all(&queues, &controls),
             controls,
             queues,
@@ -93,6 +97,15 @@ impl RecordingAnalysis {
         let is_bad =
             |line: &SpeedupLine| Speedup { ratio: line.ratio, interval: line.interval }.is_bad_control();
         self.controls.iter().filter(move |(_, line)| is_bad(line))
+    }
+
+    /// A clause for what stands below its numbers: nothing where the machine was quiet.
+    pub fn disturbed(&self) -> String {
+        let Noise { samples, disturbed, .. } = self.noise;
+        match self.noise.is_disturbed() {
+            true => format!(", {disturbed} of {samples} samples while the machine did other work"),
+            false => String::new(),
+        }
     }
 
     /// How long keys are: those that were asked for or, in a sweep, those of the variants.

@@ -173,7 +173,7 @@ impl Context {
         let wanted = (at, queue.id);
         let make = move || {
             let table = queue.table.as_ref().map_err(String::clone)?;
-            Ok(Arc::new(Estimates::of(queue.traced.rays(), &queue.lengths, table)))
+            Ok(Arc::new(Estimates::of(&queue.traced, &queue.lengths, table)))
         };
         opened(self.derived.estimates.of(wanted, &self.derived.waker, make))
     }

@@ -13,13 +13,15 @@ pub(super) struct ProblemsPanel;
 
 impl Panel for ProblemsPanel {
     fn show(&mut self, ui: &mut egui::Ui, context: &mut Context) {
-        let controls: Vec<Problem> = context.recordings.iter().flat_map(bad_controls).collect();
+        let recordings = context.recordings.iter();
+        let of_times = recordings.flat_map(|recording| bad_controls(recording).chain(disturbed(recording)));
+        let of_times: Vec<Problem> = of_times.collect();
         let colour = Theme::of(ui.ctx()).problem();
         egui::ScrollArea::vertical().show(ui, |ui| {
-            if context.problems.is_empty() && controls.is_empty() {
+            if context.problems.is_empty() && of_times.is_empty() {
                 ui.label("No problems.");
             }
-            for problem in context.problems.iter().chain(&controls) {
+            for problem in context.problems.iter().chain(&of_times) {
                 ui.label(egui::RichText::new(&problem.what).strong().color(colour));
                 ui.add(egui::Label::new(shown::sentence(problem.why.clone())).wrap());
                 ui.add_space(6.0);
@@ -38,7 +40,7 @@ impl Panel for ProblemsPanel {
 }
 
 /// What the controls of a recording say of its times.
-fn bad_controls(recording: &Recording) -> Vec<Problem> {
+fn bad_controls(recording: &Recording) -> impl Iterator<Item = Problem> {
     let controls = recording.times.iter().flat_map(|times| times.bad_controls());
     let problem = |(rays, line): &(RayClass, SpeedupLine)| {
         let (ratio, interval) = (times(line.ratio), line.interval_text());
@@ -52,5 +54,12 @@ fn bad_controls(recording: &Recording) -> Vec<Problem> {
             ),
         }
     };
-    controls.map(problem).collect()
+    controls.map(problem)
+}
+
+/// What disturbed the times of a recording, if it was much.
+fn disturbed(recording: &Recording) -> impl Iterator<Item = Problem> {
+    let sentences = recording.times.iter().flat_map(|times| times.noise.sentences());
+    let what = format!("{}: its times were disturbed", recording.label);
+    sentences.map(move |why| Problem { what: what.clone(), why: format!("{why}.") })
 }

@@ -346,13 +346,15 @@ fn variants_of_a_base_make_a_sweep() {
         labels.contains(&"aila") && !labels.contains(&"mine"),
         "a variant belongs to its sweep: {labels:?}"
     );
+    // It is the whole frame with its interval, as everywhere.
+    let frame = analysis.recordings[0].frame(RayClass::Secondary, "aila").unwrap();
+    let SpeedupLine { ratio, interval, .. } = *frame.trace_speedup.known().unwrap();
+    assert_eq!((line.points[0].y, line.points[0].spread), (ratio, interval));
     // A recording of the same scene with a single number of bits has no part in a sweep.
     let mut single = analysis.recordings[0].clone();
-    for queue in &mut single.queues {
-        queue.orders.retain(|order| order.method == "aila");
-        for line in queue.orders.iter_mut().map(|order| &mut order.trace_speedup) {
-            *line = Metric::Known(SpeedupLine { ratio: 9.0, ..*line.known().unwrap() });
-        }
+    single.frames.retain(|frame| frame.method == "aila");
+    for line in single.frames.iter_mut().map(|frame| &mut frame.trace_speedup) {
+        *line = Metric::Known(SpeedupLine { ratio: 9.0, ..*line.known().unwrap() });
     }
     analysis.recordings.push(single);
     let beside = self::figure(&Findings { analysis: &analysis, benches: &[] }, "key-bits").unwrap();

@@ -60,9 +60,14 @@ fn settings_are_those_of_what_is_in_a_figure() {
     let orders = other.queues.iter_mut().flat_map(|queue| &mut queue.orders);
     orders.for_each(|order| order.lanes = Metric::missing("not kept"));
     analysis.recordings.push(other);
-    for order in analysis.recordings[0].queues.iter_mut().flat_map(|queue| &mut queue.orders) {
+    let swept = &mut analysis.recordings[0];
+    for order in swept.queues.iter_mut().flat_map(|queue| &mut queue.orders) {
         if let Some(bits) = order.key_bits.filter(|_| ["aila", "mine"].contains(&order.method.as_str())) {
-            (order.method, order.base) = (format!("aila-{bits}-bits"), "aila".into());
+            let variant = format!("aila-{bits}-bits");
+            swept.frames.iter_mut().filter(|frame| frame.method == order.method).for_each(|frame| {
+                (frame.method, frame.base) = (variant.clone(), "aila".into());
+            });
+            (order.method, order.base) = (variant, "aila".into());
             order.two_point_length = None;
         }
     }

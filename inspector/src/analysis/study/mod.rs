@@ -203,7 +203,12 @@ fn kinds(rays: RayClass, summary: &RecordingSummary) -> impl Iterator<Item = &Fr
     summary.times.iter().filter(move |times| times.kind == rays.kind())
 }
 
-fn row(rays: RayClass, method: &str, scenes: &[Scene<'_>], summaries: &[&RecordingSummary]) -> Option<StudyRow> {
+fn row(
+    rays: RayClass,
+    method: &str,
+    scenes: &[Scene<'_>],
+    summaries: &[&RecordingSummary],
+) -> Option<StudyRow> {
     let own: Vec<(&RecordingSummary, &FrameTimes)> = summaries
         .iter()
         .filter_map(|summary| Some((*summary, kinds(rays, summary).find(|times| times.method == method)?)))

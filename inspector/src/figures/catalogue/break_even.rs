@@ -40,7 +40,7 @@ pub fn break_even(findings: &Findings<'_>) -> Made {
         }
     }
     let caption = format!(
-        "Sorting pays if all of it takes less than it saves in tracing, at best: {}. Saves: the trace of unsorted rays less that of sorted ones, over all bounces, with its 95 % interval. Takes: all else that the recording counts (keys, sort, accumulate, and gather and scatter where rays are not traced through indices). A method whose square is left of its circle has a net speedup above 1; of an order of another tracer the key and the sort were not timed: what is between square and circle is what they may take.{}",
+        "Sorting pays if all of it takes less than it saves in tracing, at best: {}. Saves: the trace of unsorted rays less that of sorted ones, over all bounces, with its 95 % interval from six rounds on. Takes: all else that the recording counts (keys, sort, accumulate, and gather and scatter where rays are not traced through indices). A method whose square is left of its circle has a net speedup above 1; of an order of another tracer the key and the sort were not timed: what is between square and circle is what they may take.{}",
         limits.join("; "),
         left_out(findings)
     );

@@ -129,14 +129,14 @@ pub fn rate(x: f64, items: u64, samples_ns: &[u64], of: Of) -> Option<Point> {
     Some(Point { x, y: rate(median(samples_ns)?), spread: (n > 1).then_some(quartiles), n, of })
 }
 
-/// Geometric mean of speedups at `x`, from the lowest to the highest; `None` for none.
+/// Geometric mean of speedups at `x`, from the lowest to the highest; of one its interval. `None` for none.
 pub fn mean_speedup<'a>(
     x: f64,
     speedups: impl IntoIterator<Item = &'a SpeedupLine>,
     of: Of,
 ) -> Option<Point> {
-    let MeanSpeedup { mean, lowest, highest, n, .. } = MeanSpeedup::of(speedups)?;
-    Some(Point { x, y: mean, spread: (n > 1).then_some((lowest, highest)), n, of })
+    let MeanSpeedup { mean, lowest, highest, interval, n, .. } = MeanSpeedup::of(speedups)?;
+    Some(Point { x, y: mean, spread: if n > 1 { Some((lowest, highest)) } else { interval }, n, of })
 }
 
 /// The style of a method: the same number in every figure. Other methods and variants come after those of
@@ -298,7 +298,7 @@ pub fn settings<'a>(recordings: impl IntoIterator<Item = &'a RecordingAnalysis>)
             format!(", {}", recording.adapter.driver)
         };
         format!(
-            "{}: scene {} ({} triangles), camera {}, {}{driver}; {}×{}, {}, {}, {}, {} keys, table of 2^{} cells by {}, seed {}; timed by {}",
+            "{}: scene {} ({} triangles), camera {}, {}{driver}; {}×{}, {}, {}, {}, {} keys, table of 2^{} cells by {}, seed {}; timed by {}{}",
             recording.label,
             recording.scene,
             recording.triangles,
@@ -313,7 +313,8 @@ pub fn settings<'a>(recordings: impl IntoIterator<Item = &'a RecordingAnalysis>)
             options.table_bits,
             options.table_method,
             options.seed,
-            recording.time_source
+            recording.time_source,
+            recording.disturbed()
         )
     };
     recordings.into_iter().map(line).collect()

@@ -46,7 +46,7 @@ impl Counted {
 }
 
 /// How to read such a figure.
-const READING: &str = "Each marker is the whole frame: times of unsorted rays over those in the order, both summed over all bounces, round by round; the thick line is the 95 % interval of that ratio, by bootstrap over rounds. Small dots are the bounces by themselves";
+const READING: &str = "Each marker is the whole frame: times of unsorted rays over those in the order, both summed over all bounces, round by round; the thick line is the 95 % interval of that ratio, by bootstrap over six rounds or more. Small dots are the bounces by themselves";
 
 /// The same where there are several recordings.
 const OVER_SCENES: &str = "Of several recordings markers are geometric means, of methods that all of them have, and small dots the recordings";

@@ -82,9 +82,10 @@ fn series(findings: &Findings<'_>, group: &StudyGroup, rays: RayClass, of: Part)
         series(row, false, vec![point(row, "all scenes", mean.mean.ratio, mean.mean.interval, mean.views)])
     };
     let scenes = |(row, mean): (&StudyRow, &StudyMean)| {
-        let points = mean.scenes.iter().map(|SceneMean { scene, ratio, views }| {
-            point(row, &group.scenes[*scene], *ratio, None, *views)
-        });
+        let points = mean
+            .scenes
+            .iter()
+            .map(|SceneMean { scene, ratio, views }| point(row, &group.scenes[*scene], *ratio, None, *views));
         series(row, true, points.collect())
     };
     // A mean over other views is not to be compared.

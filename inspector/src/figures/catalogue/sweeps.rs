@@ -8,7 +8,7 @@ use super::{Findings, Made};
 use crate::analysis::order::Varied;
 use crate::analysis::summary::{RayClass, distinct};
 use crate::analysis::timing::SpeedupLine;
-use crate::analysis::{Metric, OrderAnalysis, RecordingAnalysis};
+use crate::analysis::{FrameAnalysis, Metric, RecordingAnalysis};
 use crate::figures::model::{Axis, Content, Of, Panel, Series};
 
 /// Speedups by bits of the key.
@@ -56,15 +56,15 @@ impl Sweep {
     fn figure(&self, findings: &Findings<'_>, title: &str, caption: &str) -> Made {
         let panels = RayClass::ALL.into_iter().flat_map(|rays| {
             [
-                self.panel(findings, rays, "trace speedup", |order| &order.trace_speedup),
-                self.panel(findings, rays, "net speedup", |order| &order.net_speedup),
+                self.panel(findings, rays, "trace speedup", |frame| &frame.trace_speedup),
+                self.panel(findings, rays, "net speedup", |frame| &frame.net_speedup),
             ]
         });
         let (panels, shown): (Vec<Panel>, Vec<Vec<&RecordingAnalysis>>) = panels.unzip();
         let all = findings.analysis.recordings.iter();
         let shown = all.filter(|one| shown.iter().flatten().any(|shown| std::ptr::eq(*shown, *one)));
         let caption = format!(
-            "{caption} Geometric means over bounces; whiskers reach from the lowest to the highest bounce."
+            "{caption} The whole frame, times of all bounces summed round by round; whiskers are 95 % intervals, from six rounds on, or of several recordings of a scene, whose geometric mean is shown, reach from the lowest to the highest."
         );
         let reason = format!(
             "no method was measured with two or more values of {}; `recorder replay` can do that",
@@ -78,15 +78,16 @@ impl Sweep {
         &self,
         recording: &'a RecordingAnalysis,
         rays: RayClass,
-        speedup: fn(&OrderAnalysis) -> &Metric<SpeedupLine>,
+        speedup: fn(&FrameAnalysis) -> &Metric<SpeedupLine>,
     ) -> Vec<Found<'a>> {
-        let of = |order: &'a OrderAnalysis| {
+        let of = |frame: &'a FrameAnalysis| {
+            let order = recording.measured_of(rays).find_map(|queue| queue.order(&frame.method))?;
             let (scene, hash) = (recording.scene.as_str(), recording.content_hash.as_str());
             let other = (self.varied.other)(order).map(f64::to_bits);
             let line = (scene, hash, recording.configuration.as_str(), order.base.as_str(), other);
-            Some((line, (self.varied.of)(order)?.to_bits(), speedup(order).known()?))
+            Some((line, (self.varied.of)(order)?.to_bits(), speedup(frame).known()?))
         };
-        recording.measured_of(rays).flat_map(|queue| &queue.orders).filter_map(of).collect()
+        recording.frames.iter().filter(|frame| frame.rays == rays).filter_map(of).collect()
     }
 
     /// A panel, and the recordings whose numbers are in it.
@@ -95,7 +96,7 @@ impl Sweep {
         findings: &Findings<'a>,
         rays: RayClass,
         axis: &str,
-        speedup: fn(&OrderAnalysis) -> &Metric<SpeedupLine>,
+        speedup: fn(&FrameAnalysis) -> &Metric<SpeedupLine>,
     ) -> (Panel, Vec<&'a RecordingAnalysis>) {
         let mut lines: BTreeMap<Line<'_>, BTreeMap<u64, Vec<&SpeedupLine>>> = BTreeMap::new();
         let mut recordings: Vec<(Line<'_>, &RecordingAnalysis)> = Vec::new();

@@ -68,7 +68,7 @@ pub fn errors(findings: &Findings<'_>) -> Made {
     figure(
         "Errors of estimated ray lengths over bounces and passes",
         format!(
-            "Mean of |estimate − traced length| in unit lengths, for the mean of a ray's cell in the length table (two-point-adaptive) and for one length for all rays (two-point); both cut by the ray's own end and the scene's box, as in the keys. Whiskers reach from the median error to the root of the mean square.{}",
+            "Mean of |estimate − traced length| in unit lengths, for the mean of a ray's cell in the length table (two-point-adaptive) and for one length for all rays (two-point); both cut by the ray's own end and the scene's box, as in the keys. Whiskers span the median error, the mean and the root of the mean square.{}",
             without(with_own_tables(findings), |recording| {
                 lacking::of_queues(recording, |queue| &queue.estimators)
             })
