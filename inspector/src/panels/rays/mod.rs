@@ -168,6 +168,9 @@ impl Panel for RaysPanel {
         self.columns = columns.into_iter().map(ShownColumn::of).collect();
         let direction = if descending { Direction::Descending } else { Direction::Ascending };
         self.sorting = Sorting { by: sorted_by, direction };
+        if sorted_by != Quantity::Place && !self.quantities().contains(&sorted_by) {
+            self.show_column(sorted_by);
+        }
         Ok(())
     }
 }
@@ -222,11 +225,16 @@ impl RaysPanel {
                     match at {
                         Some(at) if self.columns.len() > 1 => drop(self.columns.remove(at)),
                         Some(_) => {}
-                        None => self.columns.push(ShownColumn::of(quantity)),
+                        None => self.show_column(quantity),
                     }
                 }
             }
         });
+    }
+
+    /// Beside the place, where it is seen without scrolling.
+    fn show_column(&mut self, quantity: Quantity) {
+        self.columns.insert(self.columns.len().min(1), ShownColumn::of(quantity));
     }
 
     /// Sorts by a column; again by the same one: the other way.
