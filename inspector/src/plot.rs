@@ -291,7 +291,9 @@ fn import_command(manifest: &Manifest, name: &str) -> String {
     let from = if name.ends_with(".npy") { "--rays" } else { "--queues" };
     let rays = manifest.queues.first().filter(|_| from == "--rays").map(|queue| queue.id);
     let rays = rays.map_or(String::new(), |id| format!(" --kind {} --bounce {}", id.kind, id.bounce));
-    format!("recorder import --scene SCENE {from} {}{rays}", quoted(Path::new(name)))
+    let Options { width, height, .. } = manifest.header.options;
+    let size = if height > 1 { format!(" --size {width}x{height}") } else { String::new() };
+    format!("recorder import --scene SCENE {from} {}{rays}{size}", quoted(Path::new(name)))
 }
 
 /// The options that decide which rays there are.

@@ -110,7 +110,7 @@ fn a_report_says_how_its_recordings_are_repeated() {
         "replay paths.raydump --out again --methods two-point,origin --key-bits 16,24 --keep keys",
         "replay paths.raydump --out split --methods two-point --method learnt=(ox+oy+oz+ex+ey+ez)*4+@adaptive \
          --split 4,10 --keep keys",
-        "import --scene builtin:cornell --rays rays.npy --kind shadow --bounce 2 --out theirs --methods aila,auto \
+        "import --scene builtin:cornell --rays rays.npy --kind shadow --bounce 2 --size 10x5 --out theirs --methods aila,auto \
          --key-bits 16 --keep rays,scene",
     ] {
         let words = line.split_whitespace().chain(DEVICE.split_whitespace());

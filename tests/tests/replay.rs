@@ -393,7 +393,18 @@ fn rays_of_another_program() {
             &format!("replay {kind}.raydump --out {kind}-again.raydump --backend cpu --key-bits 16"),
         );
     }
-    // More than a picture may be wide: imported rays have no picture.
+    let line = format!("{import} --rays rays.npy --methods aila --size 100x50 --out picture.raydump");
+    let options = &run(folder.path(), &line)["options"];
+    assert_eq!([&options["width"], &options["height"]], [100, 50]);
+    let line = format!("{import} --rays rays.npy --out bad.raydump --size");
+    for (size, code, words) in [
+        ("100x49", FAILED, ["5000 paths", "100x49"]),
+        ("0x50", USAGE, ["WIDTHxHEIGHT", "640x360"]),
+        ("100", USAGE, ["WIDTHxHEIGHT", "640x360"]),
+    ] {
+        Program::Recorder.run(folder.path(), &format!("{line} {size}")).failed_with(code, &words);
+    }
+    // More than a picture may be wide: imported rays need none.
     run(folder.path(), &format!("{import} --rays many.npy --out many.raydump --methods aila"));
     let json = run(folder.path(), "replay many.raydump --out many-again.raydump --backend cpu --key-bits 16");
     assert_eq!(json["queues"][0]["rays"], 70_000);

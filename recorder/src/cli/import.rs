@@ -34,7 +34,10 @@ holds them to: lines NAME = LAYOUT @ BITS, such as mine = (ox oy oz)*10 @ 32, or
 Examples:
   recorder import --scene sponza.glb --rays rays.npy --out mine.raydump
   recorder import --scene sponza.glb --rays shadow.npy --kind shadow --out shadow.raydump --methods all
-  recorder import --scene sponza.glb --queues queues --out theirs.raydump";
+  recorder import --scene sponza.glb --queues queues --size 1920x1080 --out theirs.raydump";
+
+/// Most pixels of a picture's side.
+const SIDE_MAX: u32 = 1 << 16;
 
 /// [`Kind`] on the command line.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -63,6 +66,9 @@ pub(super) struct ImportArguments {
     /// Bounce that they are recorded as: 0 for camera rays, 1 and more for those that left a surface.
     #[arg(long, default_value_t = 1, conflicts_with = "queues")]
     bounce: u32,
+    /// Width and height of the picture whose pixels, row by row, the paths are of; one row if not given.
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[u32; 2]>,
     /// Folder of the recording; `.raydump` is added if missing.
     #[arg(long, value_name = "X.raydump")]
     out: PathBuf,
@@ -89,6 +95,13 @@ pub(super) struct ImportArguments {
     force: bool,
     #[command(flatten)]
     shown: Shown,
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let numbers =
+        text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    let numbers = numbers.filter(|numbers| numbers.iter().all(|number| (1..=SIDE_MAX).contains(number)));
+    numbers.ok_or_else(|| format!("expected WIDTHxHEIGHT, such as 640x360, each up to {SIDE_MAX}"))
 }
 
 impl ImportArguments {
@@ -128,7 +141,7 @@ impl ImportArguments {
                 return Err(OptionError::Conflict { message });
             }
         };
-        Ok(ImportOptions { from, run })
+        Ok(ImportOptions { from, size: self.size, run })
     }
 }
 

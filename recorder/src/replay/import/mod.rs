@@ -38,7 +38,9 @@ use crate::stages::setup::Setup;
 pub struct ImportOptions {
     /// Where the rays are.
     pub from: ImportFrom,
-    /// The rest; width, height and bounces are made from the queues.
+    /// Width and height of the picture whose pixels the paths are of, pixels, row by row; one row if it is not known.
+    pub size: Option<[u32; 2]>,
+    /// The rest; width, height and bounces are made from the above.
     pub run: RecordOptions,
 }
 
@@ -69,9 +71,16 @@ pub fn import(options: &ImportOptions) -> Result<Recorded> {
     let sources = [from, Path::new(&options.run.scene)];
     DumpWriter::check(&options.run.out, options.run.force, &sources)?;
     let mut queues = Queues::read(&options.from)?;
+    let paths = queues.paths()?;
+    let [width, height] = options.size.unwrap_or([paths, 1]);
+    ensure!(
+        u64::from(paths) <= u64::from(width) * u64::from(height),
+        "{} has {paths} paths, more than a picture of {width}x{height} has pixels; see --size",
+        from.display()
+    );
     let run = RecordOptions {
-        width: queues.paths()?,
-        height: 1,
+        width,
+        height,
         passes: 1,
         bounces: queues.list.iter().map(|queue| queue.id.bounce + 1).max().unwrap_or(1),
         ..options.run.clone()
