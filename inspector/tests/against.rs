@@ -222,6 +222,18 @@ fn an_order_that_is_made_can_be_a_beside_b() {
 }
 
 #[test]
+fn an_order_that_is_made_is_among_the_capsules_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut context = opened(sample::write(folder.path()), QUEUE);
+    let header = &context.recording().unwrap().dump.manifest().header;
+    context.what_if = Some(Settings::builtin("origin", header).unwrap());
+    context.selection.order_by(WHAT_IF);
+    let mut harness = panel("coherence", context);
+    settle(&mut harness);
+    harness.get_by_label_contains(&format!("{WHAT_IF}: median "));
+}
+
+#[test]
 fn the_table_has_all_orders_the_best_first() {
     let folder = tempfile::tempdir().unwrap();
     let mut context = opened(sample::write(folder.path()), QUEUE);

@@ -106,8 +106,7 @@ impl LayoutText {
         if let Some((tile, span)) = self.tile {
             let [width, height] = extent.picture;
             if !extent.has_picture() {
-                let message =
-                    "'tile' needs a picture, and these rays have none: imported rays lie in one row";
+                let message = "'tile' needs a picture, and these rays have none: imported rays lie in one row without --size";
                 return Err(self.error(message, span));
             }
             let found = Tiles { tile, width };

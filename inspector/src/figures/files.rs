@@ -15,8 +15,8 @@ pub fn make_folder(folder: &Path) -> Result<(), FigureError> {
     fs::create_dir_all(folder).map_err(|cause| FigureError::Io { path: folder.to_owned(), cause })
 }
 
-/// Writes NAME.svg, .pdf, .png, .csv, .txt and .tex, and what the .tex reads, into a folder that exists;
-/// gives their paths. All are made before the first is written.
+/// Writes NAME.svg, .pdf, .png, .csv, .txt and .tex, what the .tex reads, and NAME.caption.tex, into a folder that
+/// exists; gives their paths. All are made before the first is written.
 ///
 /// # Errors
 /// If a file cannot be made or written; the error names it.
@@ -28,6 +28,7 @@ pub fn write(figure: &Figure, width: Width, folder: &Path) -> Result<Vec<PathBuf
         (name("png"), raster::png(&drawing)?),
         (name("csv"), csv::write(figure)?),
         (name("txt"), caption(figure).into_bytes()),
+        (name("caption.tex"), latex_caption(figure).into_bytes()),
         (name("svg"), drawing.into_bytes()),
     ];
     files.extend(pgfplots::files(figure, width)?);
@@ -39,6 +40,12 @@ fn caption(figure: &Figure) -> String {
     let mut text = format!("{}\n\n{}\n\n", figure.title, figure.caption);
     text.extend(figure.settings.iter().flat_map(|line| [line.as_str(), "\n"]));
     text
+}
+
+/// The same in a paragraph, for `\caption{\input{NAME.caption}}`.
+fn latex_caption(figure: &Figure) -> String {
+    let Figure { title, caption, settings, .. } = figure;
+    pgfplots::escape(&format!("{title}. {caption} {}.\n", settings.join("; ")))
 }
 
 /// Writes a file whole or not at all; gives its path.

@@ -12,20 +12,32 @@ use crate::analysis::ranking::{Elsewhere, RankedOrder, rank};
 use crate::analysis::summary::RayClass;
 
 impl Context {
+    /// How coherent each order of the queue is, that of *What if* too, as far as it is known; and how many there are.
+    /// More is found in later frames.
+    ///
+    /// # Errors
+    /// Why nothing can be known.
+    pub fn all_coherences(&mut self, frame: u64) -> Result<(Vec<OrderCoherence>, usize), Absent> {
+        let (known, all) = self.coherences(frame)?;
+        let mut known = known.to_vec();
+        if !self.methods().iter().any(|method| method == WHAT_IF) {
+            return Ok((known, all));
+        }
+        known.extend(match self.what_if_coherence() {
+            Ok(found) => Some(found.clone()),
+            Err(Absent::Impossible(why)) => Some(OrderCoherence::missing(WHAT_IF, &why)),
+            Err(Absent::Awaited) => None,
+        });
+        Ok((known, all + 1))
+    }
+
     /// All orders of the recording, the one that gains most first, also those that order other rays alone. How coherent
     /// they are is found in later frames.
     pub fn ranking(&mut self, frame: u64) -> Vec<RankedOrder> {
         let methods = self.methods();
-        let coherences = self.coherences(frame).map(|(known, _)| known.to_vec());
+        let coherences = self.all_coherences(frame).map(|(known, _)| known);
         let unknown = coherences.as_ref().err().cloned();
-        let mut known = coherences.unwrap_or_default();
-        if methods.iter().any(|method| method == WHAT_IF) {
-            known.extend(match self.what_if_coherence() {
-                Ok(found) => Some(found.clone()),
-                Err(Absent::Impossible(why)) => Some(OrderCoherence::missing(WHAT_IF, &why)),
-                Err(Absent::Awaited) => None,
-            });
-        }
+        let known = coherences.unwrap_or_default();
         let Some(recording) = self.recording() else { return Vec::new() };
         let rays = RayClass::of_kind(self.selection.queue.kind);
         let times = recording.times.as_ref();

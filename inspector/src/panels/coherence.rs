@@ -24,8 +24,7 @@ impl Panel for CoherencePanel {
         let b = context.selection.method.clone();
         let a = context.selection.baseline.clone();
         let a = a.recording.is_none().then_some(a.method).filter(|a| *a != b);
-        let known =
-            context.coherences(ui.ctx().cumulative_frame_nr()).map(|(known, all)| (known.to_vec(), all));
+        let known = context.all_coherences(ui.ctx().cumulative_frame_nr());
         let Some((orders, total)) = found(ui, known) else { return };
         if total == 0 {
             return hint(ui, "no method was measured on these rays; the last pass is the measured one");
@@ -62,7 +61,7 @@ impl Panel for CoherencePanel {
     }
 
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {
-        let (orders, total) = context.coherences(0)?;
+        let (orders, total) = context.all_coherences(0)?;
         if orders.len() < total {
             return Err("not all orders are known yet; try again once the panel shows them".to_owned());
         }

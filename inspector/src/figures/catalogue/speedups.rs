@@ -127,7 +127,7 @@ fn speedups(findings: &Findings<'_>, counted: Counted, words: &Words) -> Made {
         (false, _) => format!("{OVER_SCENES}, by times summed over all bounces, round by round"),
     };
     let caption = format!(
-        "{}. {reading}. Secondary rays are closest rays of bounces ≥ 1. The control is canonical order through the same stages: what its trace misses 1 by is the instrument's error, and net it has the cost of gather and scatter. None is given for two-point-real, which must trace the rays before it can sort them, nor, by recording, for auto where it left all of them alone.",
+        "{}. {reading}. Secondary rays are closest rays of bounces ≥ 1. The control is canonical order through the same stages: what its trace misses 1 by is the instrument's error, and net it has the cost of gather and scatter. None is given for two-point-real, which must trace the rays before it can sort them, nor, by recording, for auto where it left all of them alone: in a mean it counts there with what unsorted rays measured under its name.",
         words.what
     );
     let reason = reason(

@@ -197,7 +197,7 @@ fn gallery_files_are_what_their_names_say() {
             let folder = root.join(word);
             files::make_folder(&folder).unwrap();
             let paths = files::write(&figure, width, &folder).unwrap();
-            assert_eq!(paths.len(), 6 + figure.panels.len());
+            assert_eq!(paths.len(), 7 + figure.panels.len());
             let read =
                 |extension: &str| fs::read(folder.join(format!("{}.{extension}", figure.name))).unwrap();
             let png = tiny_skia::Pixmap::decode_png(&read("png")).unwrap();
@@ -221,6 +221,8 @@ fn gallery_files_are_what_their_names_say() {
             }
             let caption = String::from_utf8(read("txt")).unwrap();
             assert!(caption.contains(&figure.caption) && caption.contains(&figure.settings[1]));
+            let caption = String::from_utf8(read("caption.tex")).unwrap();
+            assert!(caption.lines().count() == 1 && !caption.contains('×'), "{caption}");
         }
     }
     assert!(
