@@ -10,8 +10,12 @@ use super::notices::Notices;
 use crate::shown::shown;
 
 /// Extensions that a file may require.
-pub const SUPPORTED_EXTENSIONS: [&str; 3] =
-    ["KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_mesh_quantization"];
+pub const SUPPORTED_EXTENSIONS: [&str; 4] = [
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    lists::SPECULAR_GLOSSINESS,
+    "KHR_mesh_quantization",
+];
 
 const GLB_MAGIC: &[u8] = b"glTF";
 const GLB_HEADER_BYTES: usize = 12;
@@ -41,7 +45,7 @@ struct PreambleAsset {
 }
 
 /// Splits and parses a file.
-pub(super) fn parse(bytes: &[u8]) -> Result<Parsed<'_>, GltfError> {
+pub(super) fn parse<'a>(bytes: &'a [u8], notices: &mut Notices) -> Result<Parsed<'a>, GltfError> {
     let (json, binary) = if bytes.starts_with(GLB_MAGIC) {
         split_glb(bytes)?
     } else if bytes.trim_ascii_start().starts_with(b"{") {
@@ -52,7 +56,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Parsed<'_>, GltfError> {
     let preamble: Preamble =
         from_slice(json).map_err(|error| GltfError::Json { problem: error.to_string() })?;
     check_preamble(preamble)?;
-    Ok(Parsed { lists: lists::parse(json)?, binary })
+    Ok(Parsed { lists: lists::parse(json, notices)?, binary })
 }
 
 /// Refuses other versions and required extensions by name, before their effect on the rest of the

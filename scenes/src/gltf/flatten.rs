@@ -164,9 +164,8 @@ fn uv_set(document: &Document, primitive: &Primitive) -> Result<Option<u32>, Glt
         return Ok(None);
     };
     let material = document.get(material, || "the primitive".into(), "material")?;
-    let texture = material.pbr_metallic_roughness.base_color_texture.as_ref();
     let has_image = |texture: &&Info| document.root.get(texture.index).and_then(materials::source).is_some();
-    Ok(texture.filter(has_image).map(|texture| texture.tex_coord))
+    Ok(materials::base_color_texture(material).filter(has_image).map(|texture| texture.tex_coord))
 }
 
 /// How one node's meshes get into the world.

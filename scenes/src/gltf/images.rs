@@ -28,9 +28,9 @@ pub(super) struct Wanted {
 /// What became of a [`Wanted`] image.
 pub(super) struct Decoded {
     pub(super) texture: Option<Texture>,
-    /// Mean of red, green and blue, taken as numbers from 0 to 1. Zero if not wanted.
-    pub(super) mean: [f32; 3],
-    /// The same of the light that the bytes stand for as sRGB.
+    /// Mean of red, green, blue and alpha, taken as numbers from 0 to 1. Zero if not wanted.
+    pub(super) mean: [f32; 4],
+    /// Mean of the red, green and blue light that the bytes stand for as sRGB. Zero if not wanted.
     pub(super) mean_linear: [f32; 3],
 }
 
@@ -80,12 +80,9 @@ fn decode(wanted: &Wanted, encoded: &[u8]) -> Result<Decoded, GltfError> {
         .map_err(|source| GltfError::Image { image: wanted.image.value(), source })?
         .into_rgba8();
     let linear: [f32; 256] = std::array::from_fn(|byte| linear_from_srgb(byte as f32 / 255.0));
-    let mean_of = |value: &dyn Fn(u8) -> f32| {
-        if wanted.mean { mean(&pixels, value) } else { [0.0; 3] }
-    };
     Ok(Decoded {
-        mean: mean_of(&|byte| f32::from(byte) / 255.0),
-        mean_linear: mean_of(&|byte| linear[byte as usize]),
+        mean: if wanted.mean { mean(&pixels, |byte| f32::from(byte) / 255.0) } else { [0.0; 4] },
+        mean_linear: if wanted.mean { mean(&pixels, |byte| linear[byte as usize]) } else { [0.0; 3] },
         texture: wanted.texels.then(|| Texture {
             width: pixels.width(),
             height: pixels.height(),
@@ -94,9 +91,9 @@ fn decode(wanted: &Wanted, encoded: &[u8]) -> Result<Decoded, GltfError> {
     })
 }
 
-/// The mean of red, green and blue, each byte standing for `value(byte)`.
-fn mean(pixels: &RgbaImage, value: &dyn Fn(u8) -> f32) -> [f32; 3] {
-    let mut sum = [0.0_f64; 3];
+/// The mean of the first `N` of red, green, blue and alpha, each byte standing for `value(byte)`.
+fn mean<const N: usize>(pixels: &RgbaImage, value: impl Fn(u8) -> f32) -> [f32; N] {
+    let mut sum = [0.0_f64; N];
     for pixel in pixels.pixels() {
         for (sum, &byte) in sum.iter_mut().zip(&pixel.0) {
             *sum += f64::from(value(byte));

@@ -6,6 +6,10 @@ use ::gltf::json::{Root, Value};
 use serde::de::DeserializeOwned;
 
 use super::error::GltfError;
+use super::notices::Notices;
+
+/// The extension whose factors count where a material has no others.
+pub(super) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
 /// Below this magnitude every whole f64 is the number that was written.
 const MAX_EXACT: f64 = (1_u64 << 53) as f64;
@@ -19,7 +23,7 @@ pub(super) struct Lists {
 }
 
 /// Parses the JSON. An error says which item of which list is at fault.
-pub(super) fn parse(json: &[u8]) -> Result<Lists, GltfError> {
+pub(super) fn parse(json: &[u8], notices: &mut Notices) -> Result<Lists, GltfError> {
     let mut file: Value = from_slice(json).map_err(|error| GltfError::Json { problem: error.to_string() })?;
     level(&mut file);
     for scene in items(&mut file, "scenes") {
@@ -36,6 +40,13 @@ pub(super) fn parse(json: &[u8]) -> Result<Lists, GltfError> {
     }
     for node in items(&mut file, "nodes") {
         forget(node, "weights");
+    }
+    for material in items(&mut file, "materials") {
+        if forget_specular_glossiness(material) {
+            let sentence =
+                "materials have specular-glossiness factors beside the metallic-roughness ones that count";
+            notices.count(sentence, 1);
+        }
     }
     let file = &mut file;
     let root = Root {
@@ -84,6 +95,15 @@ fn is_minus_zero(real: f64) -> bool {
 /// The items of a list inside an object; none if it is not there or no list.
 fn items<'a>(object: &'a mut Value, key: &str) -> impl Iterator<Item = &'a mut Value> {
     object.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten()
+}
+
+/// Removes the factors of specular and gloss where a material has metallic-roughness ones, which are written
+/// for programs that shade as this one does. Returns whether there were any.
+fn forget_specular_glossiness(material: &mut Value) -> bool {
+    let own = material.get("pbrMetallicRoughness").and_then(Value::as_object);
+    let has_own = own.is_some_and(|factors| !factors.is_empty());
+    let extensions = material.get_mut("extensions").and_then(Value::as_object_mut);
+    has_own && extensions.is_some_and(|extensions| extensions.remove(SPECULAR_GLOSSINESS).is_some())
 }
 
 fn set_default(object: &mut Value, key: &str, default: Value) {

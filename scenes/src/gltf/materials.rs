@@ -1,5 +1,6 @@
 //! Materials, and the textures of those that a triangle uses.
 
+use ::gltf::json::extensions::material::PbrSpecularGlossiness;
 use ::gltf::json::material::{AlphaMode, Material as JsonMaterial};
 use ::gltf::json::texture::{Info, Texture as JsonTexture, WrappingMode};
 use ::gltf::json::{Index, image::Image, validation::Checked};
@@ -26,9 +27,12 @@ pub(super) fn read(
     let mut wanted: Vec<Wanted> = Vec::new();
     for (index, (material, _)) in used() {
         let maps = Maps::of(document, index, material)?;
-        for (image, texels) in
-            [(maps.base_color, true), (maps.metallic_roughness, false), (maps.emissive, false)]
-        {
+        for (image, texels) in [
+            (maps.base_color, true),
+            (maps.metallic_roughness, false),
+            (maps.specular_glossiness, false),
+            (maps.emissive, false),
+        ] {
             if let Some(image) = image {
                 want(&mut wanted, image, texels);
             }
@@ -58,6 +62,10 @@ pub(super) fn read(
             read.base_color_texture = maps.base_color.and_then(place_of).and_then(|place| texture_of[place]);
             let mean = |image: Option<Index<Image>>| image.and_then(place_of).map(|place| &decoded[place]);
             apply_means(&mut read, mean(maps.metallic_roughness), mean(maps.emissive));
+            if let Some(map) = mean(maps.specular_glossiness) {
+                let [_, _, _, gloss] = map.mean;
+                read.roughness = 1.0 - (1.0 - read.roughness) * gloss;
+            }
         }
         materials.push(read);
     }
@@ -83,21 +91,40 @@ fn want(wanted: &mut Vec<Wanted>, image: Index<Image>, texels: bool) {
 struct Maps {
     base_color: Option<Index<Image>>,
     metallic_roughness: Option<Index<Image>>,
+    specular_glossiness: Option<Index<Image>>,
     emissive: Option<Index<Image>>,
 }
 
 impl Maps {
     fn of(document: &Document, material: usize, json: &JsonMaterial) -> Result<Self, GltfError> {
-        let image = |info: &Option<Info>| -> Result<Option<Index<Image>>, GltfError> {
+        let image = |info: Option<&Info>| -> Result<Option<Index<Image>>, GltfError> {
             let Some(info) = info else { return Ok(None) };
             let from = || describe(material, json);
             Ok(source(document.get(info.index, from, "texture")?))
         };
         Ok(Self {
-            base_color: image(&json.pbr_metallic_roughness.base_color_texture)?,
-            metallic_roughness: image(&json.pbr_metallic_roughness.metallic_roughness_texture)?,
-            emissive: image(&json.emissive_texture)?,
+            base_color: image(base_color_texture(json))?,
+            metallic_roughness: image(json.pbr_metallic_roughness.metallic_roughness_texture.as_ref())?,
+            specular_glossiness: image(specular_glossiness_texture(json))?,
+            emissive: image(json.emissive_texture.as_ref())?,
         })
+    }
+}
+
+/// What `KHR_materials_pbrSpecularGlossiness` says, if the material has no factors of glTF's own.
+fn specular_glossiness(json: &JsonMaterial) -> Option<&PbrSpecularGlossiness> {
+    json.extensions.as_ref()?.pbr_specular_glossiness.as_ref()
+}
+
+fn specular_glossiness_texture(json: &JsonMaterial) -> Option<&Info> {
+    specular_glossiness(json)?.specular_glossiness_texture.as_ref()
+}
+
+/// The texture of a material's base colour, which may be called its diffuse one.
+pub(super) fn base_color_texture(json: &JsonMaterial) -> Option<&Info> {
+    match specular_glossiness(json) {
+        Some(factors) => factors.diffuse_texture.as_ref(),
+        None => json.pbr_metallic_roughness.base_color_texture.as_ref(),
     }
 }
 
@@ -117,27 +144,39 @@ fn describe(index: usize, json: &JsonMaterial) -> String {
 }
 
 fn note_what_is_ignored(document: &Document, json: &JsonMaterial, notices: &mut Notices) {
+    if specular_glossiness(json).is_some() {
+        let sentence =
+            "specular-glossiness materials have their diffuse colour and gloss, but no specular colour";
+        notices.count(sentence, 1);
+    }
+    if specular_glossiness_texture(json).is_some() {
+        notices.count("specular-glossiness textures are replaced by their mean gloss", 1);
+    }
     if json.alpha_mode == Checked::Valid(AlphaMode::Blend) {
         notices.count("materials with alpha blending are treated as opaque", 1);
     }
     if json.normal_texture.is_some() {
         notices.count("normal maps are ignored", 1);
     }
-    if json.pbr_metallic_roughness.metallic_roughness_texture.is_some() {
+    let metallic_roughness_texture = json.pbr_metallic_roughness.metallic_roughness_texture.as_ref();
+    if metallic_roughness_texture.is_some() {
         notices.count("metallic-roughness textures are replaced by their means", 1);
     }
     if json.emissive_texture.is_some() {
         notices.count("emissive textures are replaced by their means", 1);
     }
-    let factors = &json.pbr_metallic_roughness;
-    for info in [&factors.base_color_texture, &factors.metallic_roughness_texture, &json.emissive_texture] {
-        let texture = info.as_ref().and_then(|info| document.root.get(info.index));
+    for info in [
+        base_color_texture(json),
+        metallic_roughness_texture,
+        specular_glossiness_texture(json),
+        json.emissive_texture.as_ref(),
+    ] {
+        let texture = info.and_then(|info| document.root.get(info.index));
         if texture.is_some_and(|texture| source(texture).is_none()) {
             notices.count("textures without an image count as white", 1);
         }
     }
-    let texture = factors.base_color_texture.as_ref();
-    let texture = texture.and_then(|info| document.root.get(info.index));
+    let texture = base_color_texture(json).and_then(|info| document.root.get(info.index));
     let sampler = texture.and_then(|texture| texture.sampler).and_then(|sampler| document.root.get(sampler));
     let wraps = |mode| mode == Checked::Valid(WrappingMode::Repeat);
     if sampler.is_some_and(|sampler| !wraps(sampler.wrap_s) || !wraps(sampler.wrap_t)) {
@@ -145,7 +184,8 @@ fn note_what_is_ignored(document: &Document, json: &JsonMaterial, notices: &mut 
     }
 }
 
-/// A material without its textures (glTF 2.0 §3.9 and `KHR_materials_emissive_strength`).
+/// A material without its textures (glTF 2.0 §3.9, `KHR_materials_emissive_strength` and of
+/// `KHR_materials_pbrSpecularGlossiness` what a dielectric has here, whose specular colour is always the same).
 fn convert(index: usize, json: &JsonMaterial) -> Result<Material, GltfError> {
     let refuse = |field, found, expected| {
         Err(GltfError::Value { what: describe(index, json), field, found, expected })
@@ -153,8 +193,14 @@ fn convert(index: usize, json: &JsonMaterial) -> Result<Material, GltfError> {
     let Checked::Valid(alpha_mode) = json.alpha_mode else {
         return refuse("an alpha mode", "that glTF does not have".into(), "OPAQUE, MASK or BLEND");
     };
-    let factors = &json.pbr_metallic_roughness;
-    let [red, green, blue, alpha] = factors.base_color_factor.0.map(|factor| factor.clamp(0.0, 1.0));
+    let (base_color, metallic, roughness) = match specular_glossiness(json) {
+        Some(factors) => (factors.diffuse_factor.0, 0.0, 1.0 - factors.glossiness_factor.0),
+        None => {
+            let factors = &json.pbr_metallic_roughness;
+            (factors.base_color_factor.0, factors.metallic_factor.0, factors.roughness_factor.0)
+        }
+    };
+    let [red, green, blue, alpha] = base_color.map(|factor| factor.clamp(0.0, 1.0));
     let strength = json.extensions.as_ref().and_then(|extensions| extensions.emissive_strength.as_ref());
     let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
     let emission = json.emissive_factor.0.map(|factor| factor * strength);
@@ -166,8 +212,8 @@ fn convert(index: usize, json: &JsonMaterial) -> Result<Material, GltfError> {
         name: json.name.as_deref().map(shown).unwrap_or_default(),
         base_color: [red, green, blue],
         base_color_texture: None,
-        metallic: factors.metallic_factor.0.clamp(0.0, 1.0),
-        roughness: factors.roughness_factor.0.clamp(0.0, 1.0),
+        metallic: metallic.clamp(0.0, 1.0),
+        roughness: roughness.clamp(0.0, 1.0),
         emission,
         alpha_cutoff: (alpha_mode == AlphaMode::Mask).then_some(cutoff),
         alpha,
@@ -178,7 +224,7 @@ fn convert(index: usize, json: &JsonMaterial) -> Result<Material, GltfError> {
 /// rarely means a surface that is all metal, or all lamp.
 fn apply_means(material: &mut Material, metallic_roughness: Option<&Decoded>, emissive: Option<&Decoded>) {
     if let Some(map) = metallic_roughness {
-        let [_, roughness, metallic] = map.mean;
+        let [_, roughness, metallic, _] = map.mean;
         material.roughness *= roughness;
         material.metallic *= metallic;
     }

@@ -70,8 +70,8 @@ impl Document<'_> {
 /// What is wrong with the file or with a file that it refers to, with the node, primitive,
 /// accessor or image at fault.
 pub fn import(name: String, bytes: &[u8], folder: &Path) -> Result<Scene, GltfError> {
-    let parsed = container::parse(bytes)?;
     let mut notices = Notices::default();
+    let parsed = container::parse(bytes, &mut notices)?;
     container::note_extensions(&parsed.lists.root, &mut notices);
     let buffers = buffers::read(&parsed, folder)?;
     let Lists { root, cameras } = parsed.lists;

@@ -224,6 +224,47 @@ fn other_textures_count_by_their_mean() {
 }
 
 #[test]
+fn specular_glossiness_gives_diffuse_colour_and_roughness() {
+    let of = |extension: Value, both: Value| {
+        let mut material = json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": extension } });
+        if !both.is_null() {
+            material["pbrMetallicRoughness"] = both;
+        }
+        let mut fixture = with_material(material);
+        let view = fixture.view(&png());
+        fixture.push("images", json!({ "bufferView": view }));
+        fixture.push("textures", json!({ "source": 0 }));
+        fixture.json["extensionsRequired"] = json!(["KHR_materials_pbrSpecularGlossiness"]);
+        fixture.scene()
+    };
+    let scene = of(json!({ "diffuseFactor": [0.1, 0.2, 0.8, 0.5], "glossinessFactor": 0.25 }), json!(null));
+    let expected =
+        Material { base_color: [0.1, 0.2, 0.8], roughness: 0.75, alpha: 0.5, ..Material::default() };
+    assert_eq!(scene.materials, [expected]);
+    let expected =
+        "specular-glossiness materials have their diffuse colour and gloss, but no specular colour (1)";
+    assert_eq!(scene.notices[0], expected);
+
+    let texture = json!({ "index": 0 });
+    let textured = json!({ "diffuseTexture": texture, "specularGlossinessTexture": texture });
+    let scene = of(textured, json!(null));
+    let material = &scene.materials[0];
+    assert_eq!((material.base_color, material.base_color_texture), ([1.0; 3], Some(0)));
+    assert_eq!((scene.textures[0].rgba.as_slice(), scene.uvs[1]), (TEXELS.as_slice(), [1.0, 0.0]));
+    // The mean alpha is that of 128 and 7.
+    assert!((material.roughness - (1.0 - 67.5 / 255.0)).abs() < 1e-6, "{material:?}");
+    assert_eq!(scene.notices[1], "specular-glossiness textures are replaced by their mean gloss (1)");
+
+    // Factors that are there for those who know no other ones are nearer to what is shaded here.
+    let scene = of(json!({ "diffuseFactor": [1, 0, 0, 1] }), json!({ "metallicFactor": 0.5 }));
+    let expected = Material { base_color: [1.0; 3], metallic: 0.5, ..Material::default() };
+    assert_eq!(scene.materials, [expected]);
+    let expected =
+        "materials have specular-glossiness factors beside the metallic-roughness ones that count (1)";
+    assert_eq!(scene.notices[0], expected);
+}
+
+#[test]
 fn images_that_cannot_be_had_are_refused() {
     let message = with_image(json!({ "uri": "missing.png" })).load().unwrap_err();
     assert!(message.contains("image 0 cannot be read: cannot read missing.png: No such file"), "{message}");
