@@ -98,10 +98,11 @@ impl<'a> Elements<'a> {
         std::array::from_fn(|axis| self.number(&element[axis * size..][..size]))
     }
 
-    /// Element `index` of an accessor of unsigned scalars.
-    pub(super) fn unsigned(&self, index: usize) -> u32 {
-        let element = &self.bytes[index * self.stride..][..self.component.size()];
-        element.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte))
+    /// Component `axis` of element `index` of an accessor of unsigned numbers.
+    pub(super) fn unsigned(&self, index: usize, axis: usize) -> u32 {
+        let size = self.component.size();
+        let number = &self.bytes[index * self.stride + axis * size..][..size];
+        number.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte))
     }
 
     /// One component as a real number; integers are normalised if the accessor says so (§3.6.2.2).
@@ -145,7 +146,7 @@ impl<'a> Elements<'a> {
 
         let target = self.bytes.to_mut();
         for place in 0..len {
-            let index = indices.unsigned(place) as usize;
+            let index = indices.unsigned(place, 0) as usize;
             if index >= self.len {
                 return Err(refuse(format!("has sparse index {index}, but only {} elements", self.len)));
             }

@@ -3,7 +3,7 @@
 use ::gltf::json::mesh::{Mesh, Mode, Primitive, Semantic};
 use ::gltf::json::texture::Info;
 use ::gltf::json::validation::Checked;
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use super::Document;
 use super::accessor;
@@ -12,6 +12,7 @@ use super::materials;
 use super::nodes::{self, PlacedNode};
 use super::notices::Notices;
 use super::primitive::{self, LIMIT, LocalMesh};
+use super::skins::Skins;
 use crate::bvh::{BYTES_PER_TRIANGLE, TRIANGLE_LIMIT};
 use crate::memory;
 
@@ -58,9 +59,6 @@ pub(super) fn flatten(
         let Some(mesh) = json.mesh else { continue };
         document.get(mesh, || nodes::describe(root, node.index), "mesh")?;
         instances.push((node, mesh.value()));
-        if json.skin.is_some() {
-            notices.count("skinned meshes are shown in their bind pose", 1);
-        }
     }
     // Nothing large is made before its size is known, so that too large a scene is refused at once.
     check_claim(document, &instances, memory::free())?;
@@ -75,11 +73,21 @@ pub(super) fn flatten(
     let mut flat = Flat::new(root.materials.len());
     let placed = instances.iter().flat_map(|&(_, mesh)| meshes[mesh].iter().flatten());
     flat.reserve(placed, LIMIT, memory::free())?;
+    let mut skins = Skins::of(document, nodes);
     for &(node, mesh) in &instances {
-        let placement = Placement::of(node);
+        let of_node = Placement::of(node.world_from_node);
         for primitive in meshes[mesh].iter().flatten() {
-            let appended = flat.append(primitive, &placement);
-            appended.map_err(|source| at(document, node, mesh, primitive.number, source))?;
+            let failed = |source| at(document, node, mesh, primitive.number, source);
+            let json = &root.meshes[mesh].primitives[primitive.number];
+            let vertices = &primitive.triangles.vertices;
+            let influences = skins.influences(node.index, json, vertices, notices).map_err(failed)?;
+            let appended = match influences {
+                Some(influences) => {
+                    flat.append(primitive, |vertex| Placement::of(influences.world_from_mesh(vertex)))
+                }
+                None => flat.append(primitive, |_| of_node),
+            };
+            appended.map_err(failed)?;
         }
     }
     flat.finish(notices)
@@ -168,9 +176,10 @@ fn uv_set(document: &Document, primitive: &Primitive) -> Result<Option<u32>, Glt
     Ok(materials::base_color_texture(material).filter(has_image).map(|texture| texture.tex_coord))
 }
 
-/// How one node's meshes get into the world.
+/// How a node's meshes, or single vertices of a skinned one, get into the world.
+#[derive(Clone, Copy)]
 struct Placement {
-    world_from_node: glam::DAffine3,
+    world_from_mesh: DAffine3,
     /// For normals: the inverse transpose up to a positive factor.
     normal_matrix: DMat3,
     /// Whether it mirrors, which turns the winding of triangles round.
@@ -178,20 +187,20 @@ struct Placement {
 }
 
 impl Placement {
-    fn of(node: &PlacedNode) -> Self {
-        let matrix = node.world_from_node.matrix3;
+    fn of(world_from_mesh: DAffine3) -> Self {
+        let matrix = world_from_mesh.matrix3;
         let mirrors = matrix.determinant() < 0.0;
         // The cofactors are the inverse transpose times the determinant, and exist where the
         // inverse does not: a mesh scaled flat keeps its normals.
         let sign = if mirrors { -1.0 } else { 1.0 };
         let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
         let normal_matrix = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign;
-        Self { world_from_node: node.world_from_node, normal_matrix, mirrors }
+        Self { world_from_mesh, normal_matrix, mirrors }
     }
 
     fn position(&self, position: [f32; 3]) -> [f64; 3] {
         let position = DVec3::from_array(position.map(f64::from));
-        self.world_from_node.transform_point3(position).to_array()
+        self.world_from_mesh.transform_point3(position).to_array()
     }
 
     /// A unit vector, or zero if there is no direction to be had.
@@ -240,13 +249,18 @@ impl Flat {
         Ok(())
     }
 
-    /// Adds one instance of a primitive.
-    fn append(&mut self, primitive: &LocalPrimitive, placement: &Placement) -> Result<(), GltfError> {
+    /// Adds one instance of a primitive. `placement_of` takes vertices by their numbers in the file; the first
+    /// one of a triangle says whether it is mirrored.
+    fn append(
+        &mut self,
+        primitive: &LocalPrimitive,
+        placement_of: impl Fn(u32) -> Placement,
+    ) -> Result<(), GltfError> {
         let &LocalPrimitive { triangles: ref local, material, .. } = primitive;
         let first_vertex = self.positions.len() as u32;
         let first_triangle = self.triangles.len() as u32;
         for (&vertex, &position) in local.vertices.iter().zip(&local.positions) {
-            let exact = placement.position(position);
+            let exact = placement_of(vertex).position(position);
             let position = exact.map(|x| x as f32);
             if !position.iter().all(|x| x.is_finite()) {
                 let (vertex, space) = (vertex as usize, " in world space");
@@ -256,14 +270,16 @@ impl Flat {
         }
         if !local.normals.is_empty() {
             self.normals.resize(first_vertex as usize, [0.0; 3]);
-            self.normals.extend(local.normals.iter().map(|&normal| placement.normal(normal)));
+            let normals = local.vertices.iter().zip(&local.normals);
+            self.normals.extend(normals.map(|(&vertex, &normal)| placement_of(vertex).normal(normal)));
         }
         if !local.uvs.is_empty() {
             self.uvs.resize(first_vertex as usize, [0.0; 2]);
             self.uvs.extend_from_slice(&local.uvs);
         }
         self.triangles.extend(local.triangles.iter().map(|&[a, b, c]| {
-            let [b, c] = if placement.mirrors { [c, b] } else { [b, c] };
+            let mirrors = placement_of(local.vertices[a as usize]).mirrors;
+            let [b, c] = if mirrors { [c, b] } else { [b, c] };
             [a, b, c].map(|vertex| first_vertex + vertex)
         }));
         self.triangle_materials.resize(self.triangles.len(), material);

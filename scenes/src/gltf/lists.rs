@@ -1,5 +1,5 @@
 //! From the text of the JSON to the lists that are read: what glTF allows and the parser does not is
-//! levelled first, and what has no effect here is not checked (animations, skins, morph targets).
+//! levelled first, and what has no effect here is not checked (animations, morph targets).
 
 use ::gltf::json::deserialize::{from_slice, from_value};
 use ::gltf::json::{Root, Value};
@@ -20,6 +20,8 @@ pub(super) struct Lists {
     pub(super) root: Root,
     /// Not yet parsed, since a camera that cannot be used is no reason to refuse the file.
     pub(super) cameras: Vec<Value>,
+    /// Not yet parsed, since only those that a mesh of the scene has count.
+    pub(super) skins: Vec<Value>,
 }
 
 /// Parses the JSON. An error says which item of which list is at fault.
@@ -65,7 +67,7 @@ pub(super) fn parse(json: &[u8], notices: &mut Notices) -> Result<Lists, GltfErr
         textures: list(file, "textures")?,
         ..Root::default()
     };
-    Ok(Lists { root, cameras: list(file, "cameras")? })
+    Ok(Lists { root, cameras: list(file, "cameras")?, skins: list(file, "skins")? })
 }
 
 /// Writes whole numbers as integers, as which JSON Schema takes `4.0` too, and removes `extras`, which may

@@ -3,8 +3,8 @@
 //! The `gltf` crate gives the types that the JSON becomes; every index and every byte range is
 //! checked here, since the files come from anywhere.
 //!
-//! What is read: node hierarchies (each instance is flattened), triangles, strips and fans,
-//! perspective cameras, metallic-roughness materials with base-colour textures and alpha masks,
+//! What is read: node hierarchies (each instance is flattened), triangles, strips and fans, skins in
+//! the pose of their nodes, perspective cameras, metallic-roughness materials with base-colour textures and alpha masks,
 //! and [`SUPPORTED_EXTENSIONS`]. What is not is named in the scene's notices.
 
 mod accessor;
@@ -20,6 +20,7 @@ mod materials;
 mod nodes;
 mod notices;
 mod primitive;
+mod skins;
 mod uri;
 
 use std::borrow::Cow;
@@ -40,6 +41,8 @@ struct Document<'a> {
     root: Root,
     /// As they stand in the file.
     cameras: Vec<Value>,
+    /// As they stand in the file.
+    skins: Vec<Value>,
     /// `None` where a buffer has no bytes of its own.
     buffers: Vec<Option<Cow<'a, [u8]>>>,
     /// Where relative URIs start.
@@ -74,8 +77,8 @@ pub fn import(name: String, bytes: &[u8], folder: &Path) -> Result<Scene, GltfEr
     let parsed = container::parse(bytes, &mut notices)?;
     container::note_extensions(&parsed.lists.root, &mut notices);
     let buffers = buffers::read(&parsed, folder)?;
-    let Lists { root, cameras } = parsed.lists;
-    let document = Document { root, cameras, buffers, folder };
+    let Lists { root, cameras, skins } = parsed.lists;
+    let document = Document { root, cameras, skins, buffers, folder };
 
     let nodes = nodes::place(&document)?;
     let flat = flatten::flatten(&document, &nodes, &mut notices)?;

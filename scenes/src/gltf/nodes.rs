@@ -76,11 +76,7 @@ fn roots(document: &Document) -> Result<(Vec<Index<Node>>, String), GltfError> {
 /// A node's own transform (glTF 2.0 §3.5.2).
 fn parent_from_node(node: &Node) -> DAffine3 {
     if let Some(matrix) = node.matrix {
-        let column = |start: usize| DVec3::from_array([0, 1, 2].map(|row| f64::from(matrix[start + row])));
-        return DAffine3 {
-            matrix3: DMat3::from_cols(column(0), column(4), column(8)),
-            translation: column(12),
-        };
+        return affine(&matrix);
     }
     let vector =
         |values: Option<[f32; 3]>, default| values.map_or(default, |v| DVec3::from_array(v.map(f64::from)));
@@ -93,4 +89,10 @@ fn parent_from_node(node: &Node) -> DAffine3 {
         rotation,
         vector(node.translation, DVec3::ZERO),
     )
+}
+
+/// A column-major matrix of 4 × 4 without its last row, which is (0, 0, 0, 1).
+pub(super) fn affine(matrix: &[f32; 16]) -> DAffine3 {
+    let column = |start: usize| DVec3::from_array([0, 1, 2].map(|row| f64::from(matrix[start + row])));
+    DAffine3 { matrix3: DMat3::from_cols(column(0), column(4), column(8)), translation: column(12) }
 }

@@ -42,10 +42,7 @@ pub(super) fn read(
         Checked::Valid(mode) => mode,
         Checked::Invalid => return Err(GltfError::Mode),
     };
-    let attribute = |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
-    let open = |accessor, shape| Elements::open(document, accessor, shape, || "the primitive".into());
-
-    let positions = open(positions, Type::Vec3)?;
+    let positions = Elements::open(document, positions, Type::Vec3, || "the primitive".into())?;
     let mut indices = vertex_indices(document, primitive.indices, positions.len())?;
     if mode == Mode::Triangles && indices.len() % 3 != 0 {
         notices.count("primitives end in an incomplete triangle, which is ignored", 1);
@@ -54,21 +51,9 @@ pub(super) fn read(
     let (vertices, indices) = compact(indices);
     let triangles = triangles(mode, &indices);
 
-    let open_attribute = |semantic: Semantic, shape| -> Result<Option<Elements>, GltfError> {
-        let Some(accessor) = attribute(semantic.clone()) else {
-            return Ok(None);
-        };
-        let elements = open(accessor, shape)?;
-        match (elements.len(), positions.len()) {
-            (found, expected) if found == expected => Ok(Some(elements)),
-            (found, expected) => {
-                Err(GltfError::AttributeCount { attribute: semantic.to_string(), found, expected })
-            }
-        }
-    };
-    let normals = open_attribute(Semantic::Normals, Type::Vec3)?;
+    let normals = attribute(document, primitive, Semantic::Normals, Type::Vec3)?;
     let uvs = match uv_set {
-        Some(set) => open_attribute(Semantic::TexCoords(set), Type::Vec2)?,
+        Some(set) => attribute(document, primitive, Semantic::TexCoords(set), Type::Vec2)?,
         None => None,
     };
     Ok(Some(LocalMesh {
@@ -82,6 +67,26 @@ pub(super) fn read(
         triangles,
         vertices,
     }))
+}
+
+/// The values of an attribute, as many as there are positions; `None` if the primitive does not have it.
+pub(super) fn attribute<'a>(
+    document: &'a Document,
+    primitive: &Primitive,
+    semantic: Semantic,
+    shape: Type,
+) -> Result<Option<Elements<'a>>, GltfError> {
+    let accessor = |semantic: &Semantic| primitive.attributes.get(&Checked::Valid(semantic.clone())).copied();
+    let Some(values) = accessor(&semantic) else {
+        return Ok(None);
+    };
+    let values = Elements::open(document, values, shape, || "the primitive".into())?;
+    let positions = accessor(&Semantic::Positions).and_then(|positions| document.root.get(positions));
+    let expected = positions.map_or(0, |positions| positions.count.0 as usize);
+    match values.len() {
+        found if found == expected => Ok(Some(values)),
+        found => Err(GltfError::AttributeCount { attribute: semantic.to_string(), found, expected }),
+    }
 }
 
 /// The primitive's vertex indices, in range; `0, 1, 2 …` if it has none.
@@ -104,7 +109,7 @@ fn vertex_indices(
         });
     }
     (0..elements.len())
-        .map(|place| match elements.unsigned(place) {
+        .map(|place| match elements.unsigned(place, 0) {
             index if (index as usize) < vertices => Ok(index),
             index => Err(GltfError::IndexOutOfRange { place, index, vertices }),
         })

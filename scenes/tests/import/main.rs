@@ -10,5 +10,6 @@ mod nodes;
 mod oracle;
 mod refusals;
 mod scene_files;
+mod skins;
 mod summaries;
 mod valid;
