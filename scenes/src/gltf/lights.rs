@@ -1,5 +1,6 @@
 //! Lights of `KHR_lights_punctual`, in the order of their nodes. Intensities keep the numbers of the
-//! file (candela and lux there, watts here): only their ratios matter to a picture.
+//! file (candela and lux there, watts here): only their ratios matter to a picture. One that makes no sense
+//! is left out and said: the file may have others.
 
 use ::gltf::json::extensions::scene::khr_lights_punctual::{Light as JsonLight, Type};
 use ::gltf::json::validation::Checked;
@@ -31,7 +32,13 @@ pub(super) fn read(
         let node = || nodes::describe(&document.root, placed.index);
         let json = document.get(reference.light, node, "light")?;
         let description = || format!("light {} of {}", reference.light.value(), node());
-        let light = convert(json, placed, &description)?;
+        let light = match convert(json, placed, &description) {
+            Ok(light) => light,
+            Err(problem) => {
+                notices.say(format!("{problem}; it is left out"));
+                continue;
+            }
+        };
         match json.intensity > 0.0 && json.color.iter().any(|&channel| channel > 0.0) {
             true => lights.push(light),
             false => notices.count("lights without intensity are left out", 1),
@@ -40,6 +47,7 @@ pub(super) fn read(
     Ok(lights)
 }
 
+/// A light, or what is wrong with it.
 fn convert(
     json: &JsonLight,
     placed: &PlacedNode,

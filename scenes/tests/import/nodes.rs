@@ -163,11 +163,32 @@ fn punctual_lights() {
 }
 
 #[test]
-fn impossible_lights_are_refused() {
-    let message = lit(json!([{ "type": "point", "intensity": -1 }])).unwrap_err();
-    assert!(message.contains("light 0 of node 1 has a colour and intensity of"), "{message}");
-    let message = lit(json!([{ "type": "lamp" }])).unwrap_err();
-    assert!(message.contains("light 0 of node 1 has a type"), "{message}");
-    let message = lit(json!([{ "type": "spot" }])).unwrap_err();
-    assert!(message.contains("expected its cone"), "{message}");
+fn a_light_that_makes_no_sense_is_left_out_and_said() {
+    let good = json!({ "type": "point", "intensity": 8 });
+    for (light, expected) in [
+        (json!({ "type": "point", "intensity": -1 }), "a colour and intensity of [1.0, 1.0, 1.0] times -1"),
+        (
+            json!({ "type": "point", "color": [1, -1, 0] }),
+            "a colour and intensity of [1.0, -1.0, 0.0] times 1",
+        ),
+        (json!({ "type": "lamp" }), "a type that is unknown, expected point, spot or directional"),
+        (json!({ "type": "spot" }), "the type spot, expected its cone beside it"),
+    ] {
+        let scene = lit(json!([light, good])).unwrap();
+        assert_eq!(scene.lights, [Light::Point { position: [1.0, 0.0, 0.0], intensity: [8.0; 3] }]);
+        let notice = &scene.notices[0];
+        assert!(notice.starts_with(&format!("light 0 of node 1 has {expected}")), "{notice}");
+        assert!(notice.ends_with("; it is left out"), "{notice}");
+    }
+    let mut fixture = Fixture::triangle();
+    let lights = json!({ "lights": [{ "type": "directional" }] });
+    fixture.json["extensions"] = json!({ "KHR_lights_punctual": lights });
+    let extensions = json!({ "KHR_lights_punctual": { "light": 0 } });
+    fixture.node(json!({ "scale": [0, 0, 0], "extensions": extensions }));
+    let expected =
+        "light 0 of node 1 has the scale 0, expected one that leaves it a direction; it is left out";
+    assert_eq!(fixture.scene().notices[0], expected);
+    fixture.json["nodes"][1]["extensions"]["KHR_lights_punctual"]["light"] = json!(5);
+    let message = fixture.load().unwrap_err();
+    assert!(message.contains("node 1 refers to light 5, which does not exist"), "{message}");
 }
