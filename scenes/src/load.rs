@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::builtin::{self, BuiltinError};
+use crate::bvh::EXTENT_LIMIT;
 use crate::camera::CameraError;
 use crate::gltf::{self, GltfError};
 use crate::shown::{shown, shown_path};
@@ -41,6 +42,12 @@ pub enum LoadError {
         shown_path(sidecar)
     )]
     AutomaticCamera { path: PathBuf, sidecar: PathBuf, source: CameraError },
+    /// Rays would miss all of its triangles. Compressed ones, which are not read, may all be one point.
+    #[error(
+        "cannot trace {}, which is {extent:?} units large, expected at least {EXTENT_LIMIT:.1e}; scale the scene up, or export it without compression",
+        shown_path(path)
+    )]
+    TooSmall { path: PathBuf, extent: f32 },
     /// No such built-in scene, or not of this size.
     #[error(transparent)]
     Builtin(#[from] BuiltinError),
@@ -88,6 +95,10 @@ fn load_file(path: &Path) -> Result<Scene, LoadError> {
     let scene = gltf::import(name, &bytes, folder);
     drop(bytes);
     let mut scene = scene.map_err(|source| LoadError::Gltf { path: path.into(), source })?;
+    let extent = scene.bounds().extent().into_iter().fold(0.0, f32::max);
+    if extent < EXTENT_LIMIT {
+        return Err(LoadError::TooSmall { path: path.into(), extent });
+    }
 
     let sidecar_path = sidecar::path_beside(path);
     match sidecar::read(&sidecar_path) {

@@ -12,6 +12,12 @@ use crate::bounds::Bounds;
 /// to 2^60 every product of a box test is finite, so no NaN ever reaches a comparison.
 pub const COORDINATE_LIMIT: f32 = 1_099_511_627_776.0;
 
+/// Smallest extent of a scene along its longest axis, world units (2^-76).
+///
+/// Whether a ray hits a triangle is told by products of two of its extents, which in f32 are 0 where a scene is
+/// hardly smaller than this.
+pub const EXTENT_LIMIT: f32 = 1.0 / (1u128 << 76) as f32;
+
 /// Most triangles in a scene: leaf slots fit into 28 bits, so that a kernel's stack entry has four
 /// to spare for a leaf's count.
 pub const TRIANGLE_LIMIT: usize = (1 << 28) - 1;

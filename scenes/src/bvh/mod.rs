@@ -21,7 +21,7 @@ mod topology;
 mod validate;
 mod wide;
 
-pub use boxes::{COORDINATE_LIMIT, TRIANGLE_LIMIT};
+pub use boxes::{COORDINATE_LIMIT, EXTENT_LIMIT, TRIANGLE_LIMIT};
 pub use cache::{Source, default_cache_folder, load_or_build};
 pub use node::{Bvh2Node, CwbvhNode, WideNode};
 pub use topology::BvhKind;

@@ -279,6 +279,21 @@ fn images_beyond_all_memory_are_refused_before_they_are_decoded() {
     assert_starts(&message, expected);
 }
 
+#[test]
+fn scenes_whose_triangles_rays_would_miss() {
+    for (scale, extent) in [(0.0, "0.0"), (1e-30, "1e-30"), (1e-23, "1e-23")] {
+        let mut fixture = Fixture::triangle();
+        fixture.json["nodes"][0]["scale"] = json!([scale, scale, scale]);
+        let expected = format!(
+            "cannot trace scene.glb, which is {extent} units large, expected at least 1.3e-23; scale the scene up, or export it without compression"
+        );
+        assert_eq!(fixture.load().unwrap_err(), expected);
+    }
+    let mut fixture = Fixture::triangle();
+    fixture.json["nodes"][0]["scale"] = json!([2e-23, 0, 0]);
+    fixture.scene();
+}
+
 /// The checksum of PNG chunks (ISO 3309), bit by bit.
 fn crc32_of(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(u32::MAX, |crc, &byte| {
