@@ -28,6 +28,8 @@ pub(super) struct Lists {
 pub(super) fn parse(json: &[u8], notices: &mut Notices) -> Result<Lists, GltfError> {
     let mut file: Value = from_slice(json).map_err(|error| GltfError::Json { problem: error.to_string() })?;
     level(&mut file);
+    let animations = items(&mut file, "animations").count();
+    notices.count("animations are ignored: nodes stay where the file puts them", animations);
     for scene in items(&mut file, "scenes") {
         set_default(scene, "nodes", Value::Array(Vec::new()));
     }

@@ -88,8 +88,9 @@ fn what_has_no_effect_is_not_looked_at() {
     fixture.json["nodes"][0]["skin"] = json!(0);
     fixture.json["nodes"][0]["weights"] = json!("none");
     let notices = fixture.scene().notices;
-    assert_eq!(notices[0], "primitives have morph targets, which are ignored (1)");
-    assert_eq!(notices[1], "skinned primitives without joints stand where their node is (1)");
+    assert_eq!(notices[0], "animations are ignored: nodes stay where the file puts them (2)");
+    assert_eq!(notices[1], "primitives have morph targets, which are ignored (1)");
+    assert_eq!(notices[2], "skinned primitives without joints stand where their node is (1)");
 }
 
 #[test]
