@@ -40,7 +40,13 @@ pub(super) fn read(
             }
         };
         match json.intensity > 0.0 && json.color.iter().any(|&channel| channel > 0.0) {
-            true => lights.push(light),
+            true => {
+                // The extension gives it to these alone.
+                if matches!(light, Light::Point { .. } | Light::Spot { .. }) && json.range.is_some() {
+                    notices.count("lights have a range, which is ignored", 1);
+                }
+                lights.push(light);
+            }
             false => notices.count("lights without intensity are left out", 1),
         }
     }

@@ -192,3 +192,16 @@ fn a_light_that_makes_no_sense_is_left_out_and_said() {
     let message = fixture.load().unwrap_err();
     assert!(message.contains("node 1 refers to light 5, which does not exist"), "{message}");
 }
+
+#[test]
+fn a_range_of_a_light_is_said_to_have_no_effect() {
+    let scene = lit(json!([
+        { "type": "point", "intensity": 8, "range": 3 },
+        { "type": "spot", "spot": {}, "range": 3 },
+        // Only point and spot lights have one.
+        { "type": "directional", "range": 3 },
+    ]));
+    let scene = scene.unwrap();
+    assert_eq!(scene.lights[0], Light::Point { position: [0.0; 3], intensity: [8.0; 3] });
+    assert_eq!(scene.notices[0], "lights have a range, which is ignored (2)");
+}
