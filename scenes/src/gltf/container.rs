@@ -18,6 +18,7 @@ pub const SUPPORTED_EXTENSIONS: [&str; 4] = [
 ];
 
 const GLB_MAGIC: &[u8] = b"glTF";
+const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 const GLB_HEADER_BYTES: usize = 12;
 const CHUNK_HEADER_BYTES: usize = 8;
 const CHUNK_JSON: u32 = u32::from_le_bytes(*b"JSON");
@@ -46,6 +47,8 @@ struct PreambleAsset {
 
 /// Splits and parses a file.
 pub(super) fn parse<'a>(bytes: &'a [u8], notices: &mut Notices) -> Result<Parsed<'a>, GltfError> {
+    // JSON must not start with a byte order mark, and some editors write one (RFC 8259 §8.1).
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     let (json, binary) = if bytes.starts_with(GLB_MAGIC) {
         split_glb(bytes)?
     } else if bytes.trim_ascii_start().starts_with(b"{") {
@@ -115,7 +118,9 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), GltfError> {
     match chunks.first() {
         Some(&(CHUNK_JSON, json)) => {
             let binary = chunks.iter().find(|(kind, _)| *kind == CHUNK_BINARY);
-            Ok((json, binary.map(|&(_, data)| data)))
+            // It should be padded by spaces.
+            let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+            Ok((&json[..end], binary.map(|&(_, data)| data)))
         }
         _ => Err(GltfError::NoJsonChunk),
     }

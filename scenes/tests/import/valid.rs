@@ -5,7 +5,7 @@ use std::fs;
 use base64::Engine;
 use serde_json::{Value, json};
 
-use crate::fixture::{Fixture, TRIANGLE, U8, U16, chunk, glb_of_chunks, load_bytes, load_in};
+use crate::fixture::{Fixture, TRIANGLE, U8, U16, chunk, glb_of_chunks, le_bytes, load_bytes, load_in};
 
 /// Writes every integer of the JSON as `4.0`, which JSON Schema takes for the same.
 fn with_reals(value: &mut Value) {
@@ -244,6 +244,27 @@ fn uris_may_be_written_in_many_ways() {
             Err(message) => panic!("{uri}: {message}"),
         }
     }
+}
+
+#[test]
+fn json_may_start_with_a_byte_order_mark() {
+    let uri = format!(
+        "data:;base64,{}",
+        base64::engine::general_purpose::STANDARD.encode(le_bytes(TRIANGLE.as_flattened()))
+    );
+    let json = Fixture::triangle().json_with_buffer(Some(&uri));
+    let scene = load_bytes("scene.gltf", &[b"\xEF\xBB\xBF".as_slice(), &json].concat()).unwrap();
+    assert_eq!(scene.positions, TRIANGLE);
+}
+
+#[test]
+fn json_may_be_padded_with_zero_bytes() {
+    let fixture = Fixture::triangle();
+    let mut json = fixture.json_with_buffer(None);
+    json.resize(json.len().next_multiple_of(4) + 4, 0);
+    let chunks = [chunk(b"JSON", &json), chunk(b"BIN\0", &fixture.binary)];
+    let scene = load_bytes("scene.glb", &glb_of_chunks(&chunks.concat())).unwrap();
+    assert_eq!(scene.positions, TRIANGLE);
 }
 
 #[test]
