@@ -1,7 +1,7 @@
 //! From bytes to JSON and binary chunk: the GLB container (glTF 2.0 §4) and the checks that come
 //! before the JSON is believed.
 
-use ::gltf::json::{Root, deserialize::from_slice};
+use ::gltf::json::{Root, Value, deserialize::from_slice};
 use serde::Deserialize;
 
 use super::error::GltfError;
@@ -40,9 +40,9 @@ struct Preamble {
 
 #[derive(Deserialize)]
 struct PreambleAsset {
-    version: String,
+    version: Value,
     #[serde(rename = "minVersion")]
-    min_version: Option<String>,
+    min_version: Option<Value>,
 }
 
 /// Splits and parses a file.
@@ -66,6 +66,7 @@ pub(super) fn parse<'a>(bytes: &'a [u8], notices: &mut Notices) -> Result<Parsed
 /// JSON becomes a puzzling error.
 fn check_preamble(preamble: Preamble) -> Result<(), GltfError> {
     let PreambleAsset { version, min_version } = preamble.asset;
+    let (version, min_version) = (version_text(&version), min_version.as_ref().map(version_text));
     let needed = min_version.as_ref().unwrap_or(&version);
     let is_supported = match min_version {
         Some(_) => needed == "2.0",
@@ -78,6 +79,15 @@ fn check_preamble(preamble: Preamble) -> Result<(), GltfError> {
     match preamble.extensions_required.into_iter().find(|name| !is_supported(name)) {
         Some(name) => Err(GltfError::RequiredExtension { name, supported: SUPPORTED_EXTENSIONS.join(", ") }),
         None => Ok(()),
+    }
+}
+
+/// A version, which some files have as a number: 1 is version 1.0.
+fn version_text(version: &Value) -> String {
+    match (version.as_str(), version.as_f64()) {
+        (Some(text), _) => text.into(),
+        (None, Some(number)) => format!("{number:?}"),
+        (None, None) => version.to_string(),
     }
 }
 

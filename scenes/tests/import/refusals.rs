@@ -65,6 +65,11 @@ fn other_versions_and_required_extensions() {
     let mut fixture = Fixture::triangle();
     fixture.json["asset"]["version"] = json!("1.0");
     assert_starts(&refusal(&fixture), "it is glTF version \"1.0\", expected 2.0");
+    // Some files write it as a number.
+    fixture.json["asset"]["version"] = json!(1);
+    assert_starts(&refusal(&fixture), "it is glTF version \"1.0\", expected 2.0");
+    fixture.json["asset"]["version"] = json!(2.0);
+    fixture.scene();
     fixture.json["asset"] = json!({ "version": "2.1", "minVersion": "2.1" });
     assert_starts(&refusal(&fixture), "it is glTF version \"2.1\", expected 2.0");
     fixture.json["asset"] = json!({ "version": "2.1", "minVersion": "2.0" });
