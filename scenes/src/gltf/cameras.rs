@@ -45,8 +45,12 @@ pub(super) fn read(
             to: "camera",
             index,
         })?;
-        let own_name = || json.get("name").and_then(Value::as_str);
-        let name = node.name.as_deref().or_else(own_name).map_or_else(|| format!("camera {index}"), shown);
+        let names = [node.name.as_deref(), json.get("name").and_then(Value::as_str)];
+        let name = names
+            .into_iter()
+            .flatten()
+            .find(|name| !name.is_empty())
+            .map_or_else(|| format!("camera {index}"), shown);
         match convert(json, &name, placed) {
             Ok(Some(camera)) => cameras.push(camera),
             Ok(None) => notices.count("cameras without perspective are skipped", 1),

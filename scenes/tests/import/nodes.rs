@@ -114,6 +114,19 @@ fn cameras_of_nodes() {
     assert_eq!(scene.notices[0], "cameras without perspective are skipped (1)");
 }
 
+#[test]
+fn a_camera_without_a_name_is_called_by_its_number() {
+    let mut fixture = Fixture::triangle();
+    fixture.push("cameras", camera(0.5));
+    fixture.push("cameras", camera(0.5));
+    fixture.json["cameras"][1]["name"] = json!("");
+    fixture.node(json!({ "camera": 0, "name": "" }));
+    fixture.node(json!({ "camera": 1, "name": "" }));
+    let scene = fixture.scene();
+    let names: Vec<&str> = scene.cameras.iter().map(|camera| &*camera.name).collect();
+    assert_eq!(names, ["inner", "camera 1"]);
+}
+
 /// A triangle and these lights, each in a node one to the right of the last one.
 fn lit(lights: Value) -> Result<Scene, String> {
     let mut fixture = Fixture::triangle();
