@@ -77,8 +77,8 @@ pub enum GltfError {
     Memory { what: String, source: Shortage },
     #[error("its scene {scene} has no nodes, so there is nothing to trace; make another one its default")]
     EmptyScene { scene: usize },
-    #[error("it has no triangles in its scene")]
-    NoTriangles,
+    #[error("it has no triangles in its scene{}", if *has_others { ", only points or lines, which rays cannot hit" } else { "" })]
+    NoTriangles { has_others: bool },
 }
 
 /// Why the bytes behind a URI were not read.

@@ -90,7 +90,11 @@ pub(super) fn flatten(
             appended.map_err(failed)?;
         }
     }
-    flat.finish(notices)
+    if flat.triangles.is_empty() {
+        let mut primitives = instances.iter().flat_map(|&(_, mesh)| &root.meshes[mesh].primitives);
+        return Err(GltfError::NoTriangles { has_others: primitives.any(primitive::is_points_or_lines) });
+    }
+    Ok(flat.finish(notices))
 }
 
 /// Refuses instances that have more triangles than can be numbered or than fit into `free` bytes, by what
@@ -290,16 +294,13 @@ impl Flat {
     }
 
     /// Fills up what only some primitives have, and counts degenerate triangles.
-    fn finish(mut self, notices: &mut Notices) -> Result<Self, GltfError> {
-        if self.triangles.is_empty() {
-            return Err(GltfError::NoTriangles);
-        }
+    fn finish(mut self, notices: &mut Notices) -> Self {
         if !self.normals.is_empty() {
             self.normals.resize(self.positions.len(), [0.0; 3]);
         }
         let degenerate = self.triangles.iter().filter(|triangle| self.is_degenerate(triangle)).count();
         notices.count("degenerate triangles stay in the scene and are never hit", degenerate);
-        Ok(self)
+        self
     }
 
     /// Whether a triangle has no area.

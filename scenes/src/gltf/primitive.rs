@@ -35,12 +35,11 @@ pub(super) fn read(
     uv_set: Option<u32>,
     notices: &mut Notices,
 ) -> Result<Option<LocalMesh>, GltfError> {
-    let mode = match primitive.mode {
-        Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) => {
-            return Ok(None);
-        }
-        Checked::Valid(mode) => mode,
-        Checked::Invalid => return Err(GltfError::Mode),
+    if is_points_or_lines(primitive) {
+        return Ok(None);
+    }
+    let Checked::Valid(mode) = primitive.mode else {
+        return Err(GltfError::Mode);
     };
     let positions = Elements::open(document, positions, Type::Vec3, || "the primitive".into())?;
     let mut indices = vertex_indices(document, primitive.indices, positions.len())?;
@@ -67,6 +66,13 @@ pub(super) fn read(
         triangles,
         vertices,
     }))
+}
+
+/// Whether a primitive has nothing that a ray could hit.
+pub(super) fn is_points_or_lines(primitive: &Primitive) -> bool {
+    use Mode::{LineLoop, LineStrip, Lines, Points};
+
+    matches!(primitive.mode, Checked::Valid(Points | Lines | LineLoop | LineStrip))
 }
 
 /// The values of an attribute, as many as there are positions; `None` if the primitive does not have it.

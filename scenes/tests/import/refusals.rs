@@ -208,6 +208,10 @@ fn nodes_that_are_no_trees() {
     fixture.json["scene"] = json!(0);
     fixture.json["nodes"] = json!([{}]);
     assert_eq!(refusal(&fixture), "it has no triangles in its scene");
+    fixture.json["nodes"] = json!([{ "mesh": 0 }]);
+    fixture.json["meshes"][0]["primitives"][0]["mode"] = json!(1);
+    let expected = "it has no triangles in its scene, only points or lines, which rays cannot hit";
+    assert_eq!(refusal(&fixture), expected);
 }
 
 #[test]
