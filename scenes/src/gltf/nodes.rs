@@ -1,5 +1,6 @@
 //! The node hierarchy: which nodes the scene has, and where in the world each one is.
 
+use ::gltf::json::scene::UnitQuaternion;
 use ::gltf::json::{Index, Node, Root, Scene};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
@@ -41,7 +42,11 @@ pub(super) fn place(document: &Document) -> Result<Vec<PlacedNode>, GltfError> {
         }
         let world_from_node = world_from_parent * parent_from_node(node);
         if !world_from_node.is_finite() {
-            let problem = "it is not finite";
+            let has_length = |rotation: &UnitQuaternion| rotation.0.iter().any(|&x| x != 0.0);
+            let problem = match node.rotation.as_ref().is_none_or(has_length) {
+                true => "it is not finite",
+                false => "its rotation has no length",
+            };
             return Err(GltfError::Transform { node: description, problem });
         }
         let children = node.children.iter().flatten().rev();

@@ -202,7 +202,8 @@ fn nodes_that_are_no_trees() {
     fixture.json["nodes"] = json!([{ "mesh": 0, "translation": [1e39, 0, 0] }]);
     assert_starts(&refusal(&fixture), "node 0 has a transform that is not usable");
     fixture.json["nodes"] = json!([{ "mesh": 0, "rotation": [0, 0, 0, 0] }]);
-    assert_starts(&refusal(&fixture), "node 0 has a transform that is not usable");
+    let expected = "node 0 has a transform that is not usable: its rotation has no length";
+    assert_eq!(refusal(&fixture), expected);
     fixture.json["scene"] = json!(3);
     assert_starts(&refusal(&fixture), "the file refers to scene 3, which does not exist");
     fixture.json["scene"] = json!(0);
