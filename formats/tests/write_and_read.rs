@@ -5,10 +5,12 @@ mod sample;
 
 use std::fs;
 use std::path::Path;
+use std::time::Duration;
 
 use formats::manifest::scan::{scan, scan_bytes};
 use formats::manifest::{
-    FORMAT_VERSION, Manifest, OLDEST_VERSION, Place, QueueArray, QueueId, Record, SceneArray,
+    FORMAT_VERSION, Header, Manifest, OLDEST_VERSION, Place, QueueArray, QueueId, RECORD_BYTES_MAX, Record,
+    SceneArray,
 };
 use formats::ray::{Hit, Kind, Ray};
 use formats::reader::{Dump, DumpState, ReadError};
@@ -73,6 +75,35 @@ fn a_recording_that_runs_can_be_read_up_to_now() {
     let other = DumpWriter::create(&folder.path().join("sample"), sample::header(), true);
     assert!(matches!(other, Err(WriteError::Busy { .. })), "{other:?}");
     writer.finish(end).unwrap();
+}
+
+/// While one recording waits for another of its name, that one may be finished.
+#[test]
+fn a_recording_that_ends_meanwhile_was_not_left_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("sample.raydump");
+    let mut writer = DumpWriter::create(&path, sample::header(), false).unwrap();
+    let end = sample::write_all(&mut writer).unwrap();
+    std::thread::scope(|scope| {
+        let path = &path;
+        let [kept, replaced] =
+            [false, true].map(|overwrite| scope.spawn(move || DumpWriter::check(path, overwrite, &[])));
+        std::thread::sleep(Duration::from_millis(200));
+        writer.finish(end).unwrap();
+        let kept = kept.join().unwrap();
+        assert!(matches!(kept, Err(WriteError::Exists { .. })), "{kept:?}");
+        replaced.join().unwrap().unwrap();
+    });
+}
+
+/// It would be in the way of the next one.
+#[test]
+fn a_recording_that_cannot_begin_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let header = Header { notices: vec!["x".repeat(RECORD_BYTES_MAX)], ..sample::header() };
+    let error = DumpWriter::create(&folder.path().join("sample"), header, false).unwrap_err();
+    assert!(matches!(error, WriteError::RecordTooLong { .. }), "{error}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
 #[test]

@@ -77,6 +77,23 @@ fn a_full_disk_is_one_clear_error_and_recovers() {
     );
 }
 
+/// Neither what has no room to begin nor what is removed at the end promises to be recovered.
+#[test]
+fn a_full_disk_keeps_nothing_of_what_cannot_begin_or_is_a_benchmark() {
+    let small = "--backend cpu --width 64 --height 36 --bounces 2 --repeats 1";
+    for (size, line) in [
+        ("16k", format!("record builtin:cornell --out small/full.raydump {small}")),
+        ("512k", format!("bench capture builtin:cornell --folder small {small}")),
+    ] {
+        let folder = tempdir().unwrap();
+        let Some(outcome) = on_small_disk(folder.path(), size, &line) else { return };
+        outcome.failed_with(1, &["no space is left", "nothing was recorded"]);
+        assert!(!outcome.stderr.contains("recover`"), "{}", outcome.stderr);
+        let left: Vec<_> = std::fs::read_dir(folder.path().join("kept")).unwrap().collect();
+        assert!(left.is_empty(), "{left:?}");
+    }
+}
+
 #[test]
 fn a_file_that_may_not_grow_is_one_clear_error_and_recovers() {
     let folder = tempdir().unwrap();

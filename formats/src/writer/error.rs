@@ -12,6 +12,9 @@ pub enum WriteError {
     /// The disk, or the user's share of it, is full.
     #[error("no space is left on the disk for {}; what was complete before is kept: make space, then run `inspector recover` on the .partial folder", path.display())]
     Full { path: PathBuf },
+    /// The same, before there is anything to keep.
+    #[error("no space is left on the disk for {}, so nothing was recorded; make space, or use another folder", path.display())]
+    NoRoom { path: PathBuf },
     /// Any other failure of the system.
     #[error("cannot {action} {}: {cause}", path.display())]
     Io { action: &'static str, path: PathBuf, cause: io::Error },
@@ -44,6 +47,16 @@ pub enum WriteError {
     Broken { path: PathBuf },
 }
 
+impl WriteError {
+    /// The same, of a recording of which nothing is kept.
+    pub fn with_nothing_kept(self) -> Self {
+        match self {
+            Self::Full { path } => Self::NoRoom { path },
+            error => error,
+        }
+    }
+}
+
 /// Turns the system's error into ours, with what was being done to which path.
 pub(super) fn io_error(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> WriteError {
     move |cause| match cause.kind() {
@@ -64,6 +77,8 @@ mod tests {
         let full = io_error("write", path)(io::ErrorKind::StorageFull.into());
         assert!(matches!(&full, WriteError::Full { .. }), "{full}");
         assert!(full.to_string().contains("image.npy") && full.to_string().contains("recover"), "{full}");
+        let nothing = full.with_nothing_kept().to_string();
+        assert!(nothing.contains("no space is left") && !nothing.contains("recover"), "{nothing}");
         let denied = io_error("create", path)(io::ErrorKind::PermissionDenied.into()).to_string();
         assert!(denied.starts_with("cannot create x.raydump.partial/image.npy"), "{denied}");
     }

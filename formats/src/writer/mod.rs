@@ -56,8 +56,17 @@ impl DumpWriter {
         fs::create_dir(&partial).map_err(|cause| match cause.kind() {
             // It was not there a moment ago.
             io::ErrorKind::AlreadyExists => WriteError::Busy { path: partial.clone() },
-            _ => io_error("create", &partial)(cause),
+            _ => io_error("create", &partial)(cause).with_nothing_kept(),
         })?;
+        Self::begin(target, partial.clone(), overwrite, header).map_err(|error| {
+            // There is nothing to recover in it, and the next recording of this name would be refused.
+            let _ = fs::remove_dir_all(&partial);
+            error.with_nothing_kept()
+        })
+    }
+
+    /// Writes what is there before the first array into the new folder `partial`.
+    fn begin(target: PathBuf, partial: PathBuf, overwrite: bool, header: Header) -> Result<Self, WriteError> {
         let path = partial.join(manifest::FILE_NAME);
         let mut file = create_file(&path)?;
         // Held until the end, so that no other process takes this folder for a left-over one. Where
@@ -101,16 +110,15 @@ impl DumpWriter {
         if let Some(recording) = folder::recording_around(&target) {
             return Err(WriteError::Source { path: target, origin: recording });
         }
-        if folder::exists(&target) {
-            if !overwrite {
-                return Err(WriteError::Exists { path: target });
-            }
-            own_contents(&target)?;
-        }
+        check_target(&target, overwrite)?;
         if folder::exists(&partial) {
             if folder::is_being_written(&partial) {
                 return Err(WriteError::Busy { path: partial });
             }
+            // Whoever was writing it may have finished meanwhile.
+            check_target(&target, overwrite)?;
+        }
+        if folder::exists(&partial) {
             if !overwrite {
                 return Err(WriteError::LeftOver { path: partial });
             }
@@ -212,8 +220,8 @@ impl DumpWriter {
         let Self { target, partial, overwrite, manifest, .. } = self;
         let path = partial.join(manifest::FILE_NAME);
         manifest.sync_all().map_err(io_error("write", &path))?;
-        // Some systems do not rename a folder in which a file is open.
-        drop(manifest);
+        // Locked until the dump has its name; other systems do not rename a folder in which a file is open.
+        let _locked = cfg!(unix).then_some(manifest);
         replace(&partial, &target, overwrite)?;
         Ok(target)
     }
@@ -226,6 +234,17 @@ impl DumpWriter {
         }
         Ok(())
     }
+}
+
+/// Whether a dump may take the place of what is at `target`.
+fn check_target(target: &Path, overwrite: bool) -> Result<(), WriteError> {
+    if folder::exists(target) {
+        if !overwrite {
+            return Err(WriteError::Exists { path: target.to_owned() });
+        }
+        own_contents(target)?;
+    }
+    Ok(())
 }
 
 fn create_file(path: &Path) -> Result<File, WriteError> {

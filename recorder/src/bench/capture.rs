@@ -13,6 +13,7 @@ use anyhow::{Context, Result};
 use formats::bench_result::{BenchResult, CaptureRow, Rows};
 use formats::manifest::Source;
 use formats::metrics::speedup::{Instrument, Speedup, median};
+use formats::writer::WriteError;
 use scenes::Scene;
 
 use super::backends::{self, OnBackends};
@@ -55,11 +56,20 @@ pub fn run(bench: &CaptureBench) -> Result<BenchResult> {
         let setup = prepared(&device, &scene, &options)?;
         say(&scene.name);
         let turns = Turns { device: &device, scene: &scene, setup: &setup, options: &options };
-        let row = backends::measure(&device, &scene, &setup, &[device.kernel(&options.device)], turns)?;
+        let row = backends::measure(&device, &scene, &setup, &[device.kernel(&options.device)], turns);
+        let row = row.map_err(nothing_kept)?;
         controls.push(row.control);
         rows.push(row);
     }
     Ok(BenchResult { instrument: Instrument::of(controls), ..result(&device, Rows::Capture(rows)) })
+}
+
+/// What could be recovered goes with the folder.
+fn nothing_kept(error: anyhow::Error) -> anyhow::Error {
+    match error.downcast::<WriteError>() {
+        Ok(error) => error.with_nothing_kept().into(),
+        Err(error) => error,
+    }
 }
 
 /// What takes a turn in each round.
