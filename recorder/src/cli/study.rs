@@ -169,7 +169,7 @@ fn show_plan(arguments: &PlanArguments) -> Result<()> {
 fn make(arguments: &RunArguments) -> Result<()> {
     let FolderArguments { plan: planned, out } = &arguments.folder;
     // What is wrong with scenes and cameras is what their jobs fail by.
-    let (plan, Jobs { jobs, .. }) = read(planned)?;
+    let (plan, Jobs { jobs, problems }) = read(planned)?;
     let chosen: Vec<&Job> = match arguments.job {
         None => jobs.iter().collect(),
         Some(number) => {
@@ -178,7 +178,9 @@ fn make(arguments: &RunArguments) -> Result<()> {
         }
     };
     run::prepare(out, &plan)?;
-    say_strays(out, &jobs)?;
+    if problems.is_empty() {
+        say_strays(out, &jobs)?;
+    }
     let states = match arguments.slurm {
         false => run::run(out, &chosen)?,
         true => match by_slurm(arguments, &jobs)? {
@@ -199,9 +201,11 @@ fn make(arguments: &RunArguments) -> Result<()> {
         .map(|(job, _)| job)
         .collect();
     let all = counted(chosen.len() as u64, "job", "jobs");
-    if let Some(first) = failed.first() {
-        let log = folder(out, first).join(LOG_NAME);
-        bail!("{} of {all} failed; see {}", failed.len(), log.display());
+    if !failed.is_empty() {
+        // Without a scene or camera there is no log, and nothing more to say.
+        let begun = failed.iter().find(|job| job.problem.is_none());
+        let log = begun.map(|job| format!("; see {}", folder(out, job).join(LOG_NAME).display()));
+        bail!("{} of {all} failed{}", failed.len(), log.unwrap_or_default());
     }
     let unfinished = states.iter().filter(|state| !matches!(state, State::Finished(_))).count();
     if unfinished > 0 {
@@ -250,16 +254,19 @@ fn by_slurm(arguments: &RunArguments, jobs: &[Job]) -> Result<Option<Vec<State>>
 
 fn show_status(arguments: &FolderArguments) -> Result<()> {
     let FolderArguments { plan, out } = arguments;
-    let (_, Jobs { jobs, .. }) = read(plan)?;
+    let (_, Jobs { jobs, problems }) = read(plan)?;
     let states = jobs.iter().map(|job| state(out, job)).collect::<Result<Vec<State>, _>>()?;
     let found: Vec<(&Job, &State)> = jobs.iter().zip(&states).collect();
     if plan.json {
         return print_json(&result_json(&found));
     }
-    say_strays(out, &jobs)?;
+    if problems.is_empty() {
+        say_strays(out, &jobs)?;
+    }
     print(result_words(&found, out))
 }
 
+/// Of a plan whose scenes and cameras are there: without them the names of its jobs are not known.
 fn say_strays(out: &Path, jobs: &[Job]) -> Result<()> {
     let strays = strays(out, jobs).with_context(|| format!("cannot list {}", out.display()))?;
     if let Some(first) = strays.first() {

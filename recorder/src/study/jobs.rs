@@ -35,6 +35,8 @@ pub struct Job {
     pub content_hash: String,
     /// About what it takes.
     pub estimate: Estimate,
+    /// Why it cannot be made, as long as its scene or camera is not there.
+    pub problem: Option<String>,
 }
 
 /// A command of a job, run in its folder.
@@ -59,7 +61,7 @@ impl Command {
 pub struct Jobs {
     /// In the order of the plan: scene by scene, camera by camera, seed by seed.
     pub jobs: Vec<Job>,
-    /// Scenes and cameras that there are not; their jobs are listed, and fail.
+    /// Scenes and cameras that there are not; their jobs are listed, and fail without a folder.
     pub problems: Vec<String>,
 }
 
@@ -70,24 +72,21 @@ pub struct Jobs {
 pub fn jobs(plan: &Plan) -> Result<Jobs> {
     let mut found = Jobs { jobs: Vec::new(), problems: Vec::new() };
     for planned in &plan.scenes {
-        let scene = match scenes::load(&planned.source) {
-            Ok(scene) => Some(scene),
-            Err(error) => {
-                found.problems.push(format!("scenes: {:#}", anyhow::Error::from(error)));
-                None
-            }
+        let (scene, no_scene) = match scenes::load(&planned.source) {
+            Ok(scene) => (Some(scene), None),
+            Err(error) => (None, Some(format!("{:#}", anyhow::Error::from(error)))),
         };
+        found.problems.extend(no_scene.iter().map(|problem| format!("scenes: {problem}")));
         let size = Size::of(plan, scene.as_ref())?;
         let content = scene.as_ref().map(content_hash);
         for camera in cameras(planned, scene.as_ref()) {
             let pose = scene.as_ref().map(|scene| choose_camera(scene, Some(&camera)));
-            let pose = match pose.transpose() {
-                Ok(pose) => pose,
-                Err(error) => {
-                    found.problems.push(format!("cameras: {error:#}"));
-                    None
-                }
+            let (pose, no_camera) = match pose.transpose() {
+                Ok(pose) => (pose, None),
+                Err(error) => (None, Some(format!("{error:#}"))),
             };
+            found.problems.extend(no_camera.iter().map(|problem| format!("cameras: {problem}")));
+            let problem = no_scene.clone().or(no_camera);
             for &seed in &plan.seeds {
                 let commands = commands(plan, planned, &camera, seed, &size);
                 found.jobs.push(Job {
@@ -99,6 +98,7 @@ pub fn jobs(plan: &Plan) -> Result<Jobs> {
                     content_hash: hash(plan, planned, content, pose.as_ref(), seed),
                     commands,
                     estimate: size.job(),
+                    problem: problem.clone(),
                 });
             }
         }

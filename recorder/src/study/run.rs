@@ -8,14 +8,13 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use formats::files::replace;
 use formats::folder::partial_of;
-use formats::study::{JOB_NAME, JOB_VERSION, JOBS_NAME, JobRecord, PLAN_NAME};
+use formats::study::{JOB_NAME, JOBS_NAME, PLAN_NAME};
 use indicatif::{HumanBytes, ProgressBar, ProgressStyle};
-use sysinfo::System;
 
 use super::child;
 use super::jobs::{Command, Job};
 use super::plan::Plan;
-use super::state::{LOCK_NAME, State, ended, folder};
+use super::state::{LOCK_NAME, State, ended, folder, record};
 use crate::bench::folder_bytes;
 use crate::interrupt;
 use crate::output::say;
@@ -120,7 +119,8 @@ impl Runner<'_> {
             Ok(Some((lock, None))) => self.make(job, &folder, &lock),
             Err(error) => {
                 self.bar.inc(in_ms(job.estimate.seconds));
-                State::Failed(record(job, Vec::new(), 0, start, Some(format!("{error:#}"))))
+                let seconds = start.elapsed().as_secs_f64();
+                State::Failed(record(job, Vec::new(), 0, seconds, Some(format!("{error:#}"))))
             }
         };
         self.tell(job, &state);
@@ -129,6 +129,9 @@ impl Runner<'_> {
 
     /// The job's lock, and if it is finished, its state; `None` if another process holds it.
     fn locked(&self, folder: &Path, job: &Job, patience: Patience) -> Result<Option<(File, Option<State>)>> {
+        if let Some(problem) = &job.problem {
+            bail!("{problem}");
+        }
         fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
         let path = folder.join(LOCK_NAME);
         let lock = OpenOptions::new().create(true).truncate(false).read(true).write(true).open(&path);
@@ -164,7 +167,7 @@ impl Runner<'_> {
             Ok(bytes) => (bytes, failure),
             Err(error) => (0, failure.or(Some(format!("its recordings cannot be listed: {error:#}")))),
         };
-        let mut record = record(job, recordings, bytes, start, failure);
+        let mut record = record(job, recordings, bytes, start.elapsed().as_secs_f64(), failure);
         if let Err(error) = record.write(folder) {
             record.failure.get_or_insert(format!("cannot write {JOB_NAME}: {error}"));
         }
@@ -235,27 +238,5 @@ fn remove_partial(folder: &Path, command: &Command) -> Result<()> {
             Err(error).with_context(|| format!("cannot remove {}", partial.display()))
         }
         _ => Ok(()),
-    }
-}
-
-fn record(
-    job: &Job,
-    recordings: Vec<String>,
-    bytes: u64,
-    start: Instant,
-    failure: Option<String>,
-) -> JobRecord {
-    JobRecord {
-        rayscope_job: JOB_VERSION,
-        content_hash: job.content_hash.clone(),
-        scene: job.scene.clone(),
-        camera: job.camera.clone(),
-        seed: job.seed,
-        commands: job.commands.iter().map(Command::typed).collect(),
-        recordings,
-        host: System::host_name().unwrap_or_default(),
-        seconds: start.elapsed().as_secs_f64(),
-        bytes,
-        failure,
     }
 }

@@ -3,10 +3,11 @@
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
-use formats::study::{JOBS_NAME, JobRecord, StudyError};
+use formats::study::{JOB_VERSION, JOBS_NAME, JobRecord, StudyError};
+use sysinfo::System;
 
 use super::estimate::{Estimate, TIME_FACTOR};
-use super::jobs::Job;
+use super::jobs::{Command, Job};
 
 /// Held by whoever makes the job, in its folder; the system lets it go when that process and its child are dead.
 pub(super) const LOCK_NAME: &str = "lock";
@@ -16,7 +17,7 @@ pub(super) const LOCK_NAME: &str = "lock";
 pub enum State {
     /// Its recordings are there.
     Finished(JobRecord),
-    /// It ended without them; `recorder study run` makes it again.
+    /// It ended without them, or its scene or camera is not there; `recorder study run` makes it again.
     Failed(JobRecord),
     /// A process is making it.
     Running,
@@ -54,6 +55,9 @@ pub fn folder(out: &Path, job: &Job) -> PathBuf {
 /// # Errors
 /// If what its folder says cannot be read.
 pub fn state(out: &Path, job: &Job) -> Result<State, StudyError> {
+    if let Some(problem) = &job.problem {
+        return Ok(State::Failed(record(job, Vec::new(), 0, 0.0, Some(problem.clone()))));
+    }
     let folder = folder(out, job);
     if let Some(state) = ended(&folder, job)? {
         return Ok(state);
@@ -71,6 +75,29 @@ pub(super) fn ended(folder: &Path, job: &Job) -> Result<Option<State>, StudyErro
         Some(_) => State::Failed(record),
         None => State::Finished(record),
     }))
+}
+
+/// How a job ended on this machine.
+pub(super) fn record(
+    job: &Job,
+    recordings: Vec<String>,
+    bytes: u64,
+    seconds: f64,
+    failure: Option<String>,
+) -> JobRecord {
+    JobRecord {
+        rayscope_job: JOB_VERSION,
+        content_hash: job.content_hash.clone(),
+        scene: job.scene.clone(),
+        camera: job.camera.clone(),
+        seed: job.seed,
+        commands: job.commands.iter().map(Command::typed).collect(),
+        recordings,
+        host: System::host_name().unwrap_or_default(),
+        seconds,
+        bytes,
+        failure,
+    }
 }
 
 /// Jobs of the folder that the plan does not have: of an earlier one.
@@ -133,8 +160,6 @@ impl Experience {
 
 #[cfg(test)]
 mod tests {
-    use formats::study::JOB_VERSION;
-
     use super::*;
 
     fn finished(seconds: f64) -> (Job, State) {
@@ -161,6 +186,7 @@ mod tests {
             commands: Vec::new(),
             content_hash: String::new(),
             estimate,
+            problem: None,
         };
         (job, State::Finished(record))
     }
