@@ -110,9 +110,16 @@ fn a_plan_is_made_once_and_what_changes_is_made_again() {
     for (name, record) in &third {
         assert_eq!(*record == second[name], name.starts_with("cornell"), "{name}");
     }
-    let changed = fs::read_to_string(path.join("study.toml")).unwrap().replace("[16, 32]", "[8, 32]");
+    let changed =
+        fs::read_to_string(path.join("study.toml")).unwrap().replace("[replay.bits]", "[replay.few]");
     fs::write(path.join("study.toml"), changed).unwrap();
     assert!(states(path).iter().all(|(_, state)| state == "waiting"), "{:?}", states(path));
+    // Replays of a recording that is made again go with it, whatever else lies there stays.
+    let job = path.join("made/jobs/cornell-front-0");
+    fs::write(job.join("notes.txt"), "mine").unwrap();
+    study(path, "run study.toml --out made --job 1").succeeded();
+    let is_there = |name: &str| job.join(name).exists();
+    assert!(!is_there("bits.raydump") && is_there("few.raydump") && is_there("notes.txt"));
 }
 
 #[test]

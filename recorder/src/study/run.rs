@@ -2,13 +2,13 @@
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use formats::files::replace;
-use formats::folder::partial_of;
-use formats::study::{JOB_NAME, JOBS_NAME, PLAN_NAME};
+use formats::folder::{EXTENSION, partial_of};
+use formats::study::{JOB_NAME, JOBS_NAME, JobRecord, PLAN_NAME};
 use indicatif::{HumanBytes, ProgressBar, ProgressStyle};
 
 use super::child;
@@ -215,9 +215,15 @@ struct Failure {
     sentence: String,
 }
 
-/// Clears the job's folder of what was not finished, and begins its log. A recording that is there stays until the new
-/// one is complete.
+/// Clears the job's folder of what was not finished and of replays that the job no longer has, whose recording is about
+/// to be another one, and begins its log. A recording that is there stays until the new one is complete.
 fn begin(job: &Job, folder: &Path) -> Result<File> {
+    let before = JobRecord::read(folder)?.map(|record| record.recordings).unwrap_or_default();
+    let is_left = |name: &&String| {
+        Path::new(name).extension().is_some_and(|end| end == EXTENSION)
+            && !job.commands.iter().any(|command| command.recording == **name)
+    };
+    before.iter().filter(is_left).try_for_each(|name| remove_folder(&folder.join(name)))?;
     let record = folder.join(JOB_NAME);
     match fs::remove_file(&record) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
@@ -232,10 +238,14 @@ fn begin(job: &Job, folder: &Path) -> Result<File> {
 
 /// Removes what a command left unfinished.
 fn remove_partial(folder: &Path, command: &Command) -> Result<()> {
-    let partial: PathBuf = partial_of(&folder.join(&command.recording));
-    match fs::remove_dir_all(&partial) {
+    remove_folder(&partial_of(&folder.join(&command.recording)))
+}
+
+/// Removes a folder that need not be there.
+fn remove_folder(folder: &Path) -> Result<()> {
+    match fs::remove_dir_all(folder) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
-            Err(error).with_context(|| format!("cannot remove {}", partial.display()))
+            Err(error).with_context(|| format!("cannot remove {}", folder.display()))
         }
         _ => Ok(()),
     }
