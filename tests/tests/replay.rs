@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::Path;
 
-use formats::manifest::{CalibrationRecord, FILE_NAME, MAGIC, Outcome, Record, Source};
+use formats::manifest::{Backend, CalibrationRecord, FILE_NAME, MAGIC, Outcome, Record, Source};
 use formats::reader::Dump;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
@@ -252,6 +252,18 @@ fn sweeps_and_other_tables() {
     assert_eq!(json["source"]["name"], "first.raydump");
     assert_eq!(json["options"]["table_bits"], 12);
     assert_eq!(json["options"]["trace_kernel"], "bvh2");
+    // Ray queries that nobody asks for are replayed by threads, too.
+    edit_records(&folder.path().join("first.raydump"), |record| {
+        if let Record::Header(header) = record {
+            header.backend = Backend::Gpu;
+            header.options.threads = 0;
+            header.options.trace_kernel = "ray-query".to_owned();
+        }
+    });
+    let json = run(folder.path(), "replay first.raydump --out query.raydump --backend cpu");
+    assert_eq!(json["options"]["trace_kernel"], "wide");
+    let asked = "replay first.raydump --out y --backend cpu --trace ray-query";
+    Program::Recorder.run(folder.path(), asked).failed_with(USAGE, &["ray-query needs a GPU"]);
 }
 
 #[test]
@@ -274,7 +286,11 @@ fn what_cannot_be_replayed_is_refused() {
     let bare =
         "record builtin:cornell --out bare.raydump --width 32 --height 18 --bounces 1 --passes 1 --repeats 1";
     run(folder.path(), &format!("{bare} --backend cpu --methods aila --keep hits,scene"));
-    fails("replay bare.raydump --out y --backend cpu", FAILED, &["rays.npy", "--keep"]);
+    fails(
+        "replay bare.raydump --out y --backend cpu",
+        FAILED,
+        &["rays.npy", "needs the rays, length tables and scene of a recording: ", "`--keep rays`"],
+    );
     run(folder.path(), "replay first.raydump --out again.raydump --backend cpu");
     // The source must be there, and be what it was.
     fs::rename(folder.path().join("first.raydump"), folder.path().join("other.raydump")).unwrap();

@@ -6,14 +6,15 @@ use formats::npy::MaterialMask;
 use formats::reader::Dump;
 use scenes::{Material, Scene, Texture};
 
+use super::queues::NEEDED;
+
 /// What rays can be traced through.
 ///
 /// # Errors
 /// If the scene was not kept, or its arrays do not belong together.
 pub(super) fn scene(dump: &Dump) -> Result<Scene> {
-    let kept = "a replay needs the scene of a recording; record with --keep scene and more";
-    let positions = dump.checked_array::<[f32; 3]>(&Place::Scene(SceneArray::Positions)).context(kept)?;
-    let triangles = dump.checked_array::<[u32; 3]>(&Place::Scene(SceneArray::Triangles)).context(kept)?;
+    let positions = dump.checked_array::<[f32; 3]>(&Place::Scene(SceneArray::Positions)).context(NEEDED)?;
+    let triangles = dump.checked_array::<[u32; 3]>(&Place::Scene(SceneArray::Triangles)).context(NEEDED)?;
     if let Some(at) = positions.iter().position(|point| !point.iter().all(|along| along.is_finite())) {
         bail!("scene/positions.npy: vertex {at} is {:?}, expected finite numbers", positions[at]);
     }

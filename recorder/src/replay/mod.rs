@@ -31,7 +31,7 @@ use crate::auto::candidates;
 use crate::foreign::Foreign;
 use crate::machine::description::Description;
 use crate::machine::{self, Device};
-use crate::options::{AskedOrders, DeviceOptions, Keep, KeepPasses, RecordOptions};
+use crate::options::{AskedOrders, BackendChoice, DeviceOptions, Keep, KeepPasses, RecordOptions};
 use crate::recording::{RaySource, Recorded, Run, header, without_methods};
 use crate::stages::trace::TraceKernel;
 use queues::RecordedQueue;
@@ -84,7 +84,8 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let cannot = || format!("{} cannot be replayed", options.source.display());
     let theirs: Vec<&str> = dump.manifest().foreign_orders().map(|order| order.name.as_str()).collect();
     let ours = asked.manifest().methods.iter().filter(|record| !theirs.contains(&record.name.as_str()));
-    let run_options = run_options(options, recorded, ours, &dump.manifest().header).with_context(cannot)?;
+    let mut run_options =
+        run_options(options, recorded, ours, &dump.manifest().header).with_context(cannot)?;
     if let Some(taken) =
         run_options.orders.methods.iter().find(|method| theirs.contains(&method.name.as_str()))
     {
@@ -99,7 +100,7 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let queues = queues::open(dump, !run_options.keep.lengths)?;
     let scene = geometry::scene(dump).with_context(cannot)?;
     let camera = camera(recorded);
-    let device = machine::open(&run_options.device)?;
+    let device = open(options, &mut run_options.device)?;
     let unit = UnitSpace::from_bounds(recorded.scene.bounds_min, recorded.scene.bounds_max);
     let mut setup = without_methods(&scene, &camera, &run_options, unit, recorded.lights.clone())?;
     let fixed_length = recorded.options.two_point_length;
@@ -133,6 +134,18 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let calibration = calibration.to_vec();
     let kernel = device.kernel(&options.device);
     Run { scene, setup, options, kernel, header, rays, foreign, recorded, calibration, start }.on(device)
+}
+
+/// Opens the device of a run. Ray queries that were recorded, and not asked for now, are done without where there is no
+/// such device, which then traces by a kernel of its own.
+fn open(asked: &ReplayOptions, run: &mut DeviceOptions) -> Result<Device> {
+    match machine::open(run) {
+        Err(_) if run.trace == Some(TraceKernel::RayQuery) && asked.device.trace.is_none() => {
+            run.trace = None;
+            machine::open(run)
+        }
+        device => device,
+    }
 }
 
 /// Refuses a recording that is not finished, or says what no recorder writes.
@@ -196,8 +209,11 @@ fn run_options<'a>(
     let recorded_kernel = TraceKernel::from_str(&before.trace_kernel, false).ok().with_context(|| {
         format!("it names an unknown trace kernel '{}'", one_line(&before.trace_kernel, 80))
     })?;
-    // `wide` is what threads take by themselves, and GPUs have no kernel for threads.
-    let is_missing = |kernel: TraceKernel| options.device.asks_for_gpu() && !kernel.is_for_gpus();
+    // `wide` is what threads take by themselves, GPUs have no kernel for threads, and threads no ray queries.
+    let is_missing = |kernel: TraceKernel| match kernel {
+        TraceKernel::RayQuery => options.device.backend == BackendChoice::Cpu,
+        _ => options.device.asks_for_gpu() && !kernel.is_for_gpus(),
+    };
     let recorded_kernel =
         Some(recorded_kernel).filter(|&kernel| kernel != TraceKernel::Wide && !is_missing(kernel));
     let trace = options.device.trace.or(recorded_kernel);

@@ -83,7 +83,8 @@ pub fn open(dump: &Dump, is_same_table: bool) -> Result<Vec<RecordedQueue>> {
     opened.with_context(|| format!("{} cannot be replayed", dump.root().display()))
 }
 
-const NEEDED: &str = "a replay needs the rays and length tables of a recording; record with --keep rays,hits,lengths,scene and more";
+/// What a recording that can be replayed has kept.
+pub(super) const NEEDED: &str = "a replay needs the rays, length tables and scene of a recording";
 
 fn array<T: Element>(dump: &Dump, id: QueueId, array: QueueArray) -> Result<Loaded<T>> {
     let place = Place::Queue(id, array);
