@@ -199,6 +199,7 @@ fn what_is_wrong_with_a_plan_is_said_at_once_and_before_anything_runs() {
         ),
         ("scenes = []", &["scenes: expected a list of files and built-in scenes"]),
         ("scenes = [3]", &["scenes: found 3, expected a name"]),
+        ("scenes = ['']", &["scenes: found \"\", expected a name"]),
         ("scenes = [{ file = 'a.glb', camera = 3 }]", &["scenes: camera: there is no such key", "'cameras'"]),
         ("scenes = ['builtin:cornell', 'builtin:cornell']", &["'builtin:cornell' is listed twice"]),
         ("scenes = ['builtin:cornell']\ncameras = 'al'", &["cameras: found", "\"all\"", "1 to 16"]),
@@ -219,6 +220,10 @@ fn what_is_wrong_with_a_plan_is_said_at_once_and_before_anything_runs() {
         (
             "scenes = ['builtin:cornell']\n[record]\nbackend = 'cpv'",
             &["[record]: invalid value 'cpv'", "'cpu'"],
+        ),
+        (
+            "scenes = ['builtin:cornell']\n[record]\nwidth = '--force'",
+            &["[record]: invalid value '--force' for '--width <WIDTH>': invalid digit found in string\n"],
         ),
         ("scenes = ['builtin:cornell']\n[record]\nbounces = 0", &["[record]: --bounces is 0"]),
         ("scenes = ['builtin:cornell']\n[replay.bits]\nkey-bits = [4]", &["[replay.bits]: --key-bits"]),

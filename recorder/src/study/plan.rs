@@ -252,7 +252,7 @@ impl Reader<'_> {
             }
             _ => (None, None),
         };
-        let Some(name) = name else {
+        let Some(name) = name.filter(|name| !name.is_empty()) else {
             let found = one_line(&value.to_string(), SHOWN);
             return self.refuse(format!(
                 "scenes: found {found}, expected a name, or {{ file = \"NAME\", cameras = … }}"

@@ -87,7 +87,8 @@ fn option_words(key: &str, value: &Value, command: &clap::Command) -> Result<Vec
 
 /// A parser's error on one line, without the lines about how to use it.
 pub fn sentence(error: &anyhow::Error) -> String {
-    let text = format!("{error:#}");
+    // With its causes, clap would say them twice.
+    let text = error.to_string();
     let lines = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
     let lines = lines.filter(|line| !line.is_empty() && !line.starts_with("For more information"));
     let joined = lines.collect::<Vec<_>>().join("; ");
