@@ -138,6 +138,7 @@ fn names_that_nobody_knows() {
     refuses_options("builtin:cornell", "--methods aila,aila", USAGE, &["aila", "twice"]);
     refuses_options("builtin:cornell", "--trace nobody", USAGE, &["nobody", "bvh2"]);
     refuses_options("builtin:cornell", "--keep rays,nobody", USAGE, &["nobody", "hits"]);
+    refuses_options("builtin:cornell", "--camera auto-17", FAILED, &["auto-2 to auto-16"]);
     refuses_options("builtin:cornell", "--table-method two-point", USAGE, &["two-point"]);
     refuses_options("builtin:cornell", "--adapter nobody", FAILED, &["nobody"]);
     refuses_options("builtin:cornell", "--backend nobody", USAGE, &["nobody", "cpu"]);
@@ -155,6 +156,8 @@ fn numbers_that_make_no_sense() {
     refuses_options("builtin:cornell", "--key-bits 65", USAGE, &["key-bits", "64"]);
     refuses_options("builtin:cornell", "--table-bits 25", USAGE, &["table-bits", "24"]);
     refuses_options("builtin:cornell", "--width -3", USAGE, &["-3"]);
+    #[cfg(target_os = "linux")]
+    refuses_options("builtin:cornell", "--backend cpu --pin --threads 1025", USAGE, &["1025", "--pin"]);
     refuses_options("builtin:cornell", "--width 60000 --height 60000 --bounces 9", USAGE, &["2^32"]);
 }
 
@@ -289,7 +292,7 @@ fn benchmarks_that_nobody_hears_go_on() {
         format!("bench error {small} --only precision"),
         format!("bench capture {small}"),
         format!("bench render {small} --passes 1"),
-        "bench growth --only triangles --triangles 38".to_owned(),
+        "bench growth --only triangles --triangles 38,100".to_owned(),
     ] {
         let line = format!("{line} --repeats 1 --backend cpu --json");
         let mut command = Program::Recorder.command(line.split(' '));

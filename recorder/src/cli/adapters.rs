@@ -19,10 +19,7 @@ pub(super) fn run(arguments: &AdaptersArguments) -> Result<()> {
         return print_json(&reports);
     }
     if reports.is_empty() {
-        print(format_args!(
-            "No GPU adapter was found; recordings run on the cpu backend. {}",
-            crate::device::GpuError::NoAdapter
-        ))?;
+        print(format_args!("Recordings run on the cpu backend: {}", crate::device::GpuError::NoAdapter))?;
     }
     for report in &reports {
         print(report)?;

@@ -34,23 +34,33 @@ pub(super) fn facts() -> Vec<(String, u64)> {
     facts.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
 }
 
-/// Ties each thread of a pool to a processor that this process may use, in turn if there are more threads.
+/// Ties each thread of a pool to a processor of its own that this process may use.
 ///
 /// # Errors
-/// What the system says.
+/// If there are more threads than such processors, and what the system says.
 #[cfg(target_os = "linux")]
 pub(super) fn pin(pool: &rayon::ThreadPool) -> Result<()> {
     use anyhow::Context;
     use nix::sched::{CpuSet, sched_getaffinity, sched_setaffinity};
     use nix::unistd::Pid;
 
+    use crate::options::OptionError;
+
     let this_thread = Pid::from_raw(0);
     let allowed = sched_getaffinity(this_thread).context("asking which processors may be used")?;
     let processors: Vec<usize> =
         (0..CpuSet::count()).filter(|&processor| allowed.is_set(processor) == Ok(true)).collect();
+    let threads = pool.current_num_threads();
+    if threads > processors.len() {
+        let message = format!(
+            "--pin gives each thread a processor of its own, but {threads} threads may use {}; ask for fewer with --threads, or leave --pin out",
+            processors.len()
+        );
+        return Err(OptionError::Conflict { message }.into());
+    }
     let tied = pool.broadcast(|thread| {
         let mut set = CpuSet::new();
-        set.set(processors[thread.index() % processors.len()])?;
+        set.set(processors[thread.index()])?;
         sched_setaffinity(this_thread, &set)
     });
     tied.into_iter().collect::<Result<(), _>>().context("tying threads to processors (--pin)")

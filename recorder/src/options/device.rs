@@ -73,10 +73,10 @@ impl DeviceOptions {
         } else if self.pin && self.asks_for_gpu() {
             "--pin ties the threads of the cpu backend, but --backend gpu or --adapter asks for a GPU; leave one of them out"
         } else if is_cpu && self.trace == Some(TraceKernel::RayQuery) {
-            "--trace ray-query needs a GPU that has ray queries; use --backend gpu, or --trace wide, cwbvh, bvh2, lanes or packet"
+            "kernel ray-query needs a GPU that has ray queries; use --backend gpu, or wide, cwbvh, bvh2, lanes or packet"
         } else if let Some(kernel) = for_threads.filter(|_| self.asks_for_gpu()) {
             let message = format!(
-                "--trace {} is for threads; use --backend cpu without --adapter, or --trace cwbvh or bvh2",
+                "kernel {} is for threads; use --backend cpu without --adapter, or cwbvh or bvh2",
                 kernel.name()
             );
             return Err(OptionError::Conflict { message });

@@ -76,13 +76,17 @@ impl Keep {
     /// From a comma-separated list; `none` for nothing.
     ///
     /// # Errors
-    /// An unknown word.
+    /// An unknown word, or `none` beside others.
     pub fn parse(list: &str) -> Result<Self, OptionError> {
         let mut keep = Self::default();
         if list.trim() == "none" {
             return Ok(keep);
         }
         for word in list.split(',').map(str::trim) {
+            if word == "none" {
+                let message = "--keep: 'none' stands alone; leave it or the arrays out".to_owned();
+                return Err(OptionError::Conflict { message });
+            }
             *keep.flag(word).ok_or_else(|| OptionError::Keep { word: word.to_owned() })? = true;
         }
         Ok(keep)
@@ -107,6 +111,7 @@ mod tests {
     fn keep_lists() {
         assert_eq!(Keep::parse("rays,work").unwrap().words(), ["rays", "work"]);
         assert_eq!(Keep::parse("none").unwrap(), Keep::default());
+        assert!(Keep::parse("none,rays").unwrap_err().to_string().contains("'none' stands alone"));
         assert!(Keep::parse("rays,picture").unwrap_err().to_string().contains("'picture'"));
     }
 }

@@ -84,9 +84,10 @@ pub(crate) fn choose_camera(scene: &Scene, name: Option<&str>) -> Result<Camera>
             }
             let names: Vec<_> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
             bail!(
-                "scene '{}' has no camera '{name}'; it has {}, and views chosen automatically: auto, auto-2 …",
+                "scene '{}' has no camera '{name}'; it has {}, and views chosen automatically: auto, auto-2 to auto-{}",
                 scene.name,
-                names.join(", ")
+                names.join(", "),
+                scenes::views::VIEWS_MAX
             )
         }
     }

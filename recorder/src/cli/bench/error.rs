@@ -5,7 +5,7 @@ use comfy_table::Table;
 use formats::bench_result::error::{ErrorRows, EstimatorRow, ImageRow, KeyBitsRow, PrecisionRow};
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS};
 
-use super::{milliseconds, table_of};
+use super::{milliseconds, once, table_of};
 use crate::bench::error::{Curve, ErrorBench, ImageSize};
 use crate::bench::rate;
 use crate::options::{DeviceOptions, OptionError, RecordOptions, in_range, parse_methods};
@@ -88,7 +88,7 @@ impl ErrorArguments {
         run.check()?;
         RecordOptions { width: self.image_width, height: self.image_height, ..run.clone() }.check()?;
         let all = Curve::value_variants();
-        let curves = if self.only.is_empty() { all.to_vec() } else { self.only.clone() };
+        let curves = if self.only.is_empty() { all.to_vec() } else { once(&self.only) };
         let mut key_bits = self.key_bits.clone();
         key_bits.sort_unstable();
         key_bits.dedup();

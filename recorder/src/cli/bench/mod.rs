@@ -164,14 +164,14 @@ impl TraceArguments {
             ..RecordOptions::base()?
         };
         run.check()?;
-        let mut kernels = Vec::new();
-        for &kernel in &self.kernels {
-            if !kernels.contains(&kernel) {
-                kernels.push(kernel);
-            }
-        }
-        Ok(TraceBench { scenes: self.scenes.clone(), kernels, run })
+        Ok(TraceBench { scenes: self.scenes.clone(), kernels: once(&self.kernels), run })
     }
+}
+
+/// What was listed, without what was listed before.
+fn once<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
+    let is_first = |(at, item): &(usize, &T)| !list[..*at].contains(item);
+    list.iter().enumerate().filter(is_first).map(|(_, &item)| item).collect()
 }
 
 pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
