@@ -154,6 +154,7 @@ fn numbers_that_make_no_sense() {
     }
     refuses_options("builtin:cornell", "--key-bits 7", USAGE, &["key-bits", "8"]);
     refuses_options("builtin:cornell", "--key-bits 65", USAGE, &["key-bits", "64"]);
+    refuses_options("builtin:cornell", "--key-bits 8,16", USAGE, &["key-bits", "one number", "replay"]);
     refuses_options("builtin:cornell", "--table-bits 25", USAGE, &["table-bits", "24"]);
     refuses_options("builtin:cornell", "--width -3", USAGE, &["-3"]);
     #[cfg(target_os = "linux")]

@@ -74,7 +74,7 @@ pub(super) struct RecordArguments {
     #[arg(long = "method", value_name = "NAME=LAYOUT")]
     own_methods: Vec<String>,
     /// Bits of a key, 8 to 64.
-    #[arg(long, default_value_t = 32)]
+    #[arg(long, default_value_t = 32, value_parser = one_number)]
     key_bits: u32,
     /// Length that two-point assumes, in units of the scene's largest extent.
     #[arg(long, default_value_t = 0.25, allow_negative_numbers = true)]
@@ -105,6 +105,14 @@ pub(super) struct RecordArguments {
     force: bool,
     #[command(flatten)]
     shown: Shown,
+}
+
+/// Of an option that `recorder replay` takes a list for.
+fn one_number(text: &str) -> Result<u32, String> {
+    text.parse().map_err(|error| match text.contains(',') {
+        true => "expected one number; `recorder replay` sweeps over several".to_owned(),
+        false => format!("{error}"),
+    })
 }
 
 impl RecordArguments {
