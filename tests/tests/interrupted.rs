@@ -83,7 +83,7 @@ fn a_full_disk_keeps_nothing_of_what_cannot_begin_or_is_a_benchmark() {
     let small = "--backend cpu --width 64 --height 36 --bounces 2 --repeats 1";
     for (size, line) in [
         ("16k", format!("record builtin:cornell --out small/full.raydump {small}")),
-        ("512k", format!("bench capture builtin:cornell --folder small {small}")),
+        ("256k", format!("bench capture builtin:cornell --folder small {small}")),
     ] {
         let folder = tempdir().unwrap();
         let Some(outcome) = on_small_disk(folder.path(), size, &line) else { return };
