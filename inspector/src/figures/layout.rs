@@ -358,18 +358,22 @@ fn fitting(width: f64, with_labels: impl Fn(usize) -> Mapping) -> Mapping {
 fn reached(content: &Content) -> Vec<f64> {
     let mut reached = Vec::new();
     let mut tops: BTreeMap<u64, f64> = BTreeMap::new();
-    for point in content.series().iter().flat_map(|series| &series.points) {
-        let below = match content {
-            Content::Stacks(_) if point.y.is_finite() => {
-                let top = tops.entry(point.x.to_bits()).or_insert(0.0);
-                *top += point.y;
-                *top - point.y
+    for series in content.series() {
+        // Parts of numbers are drawn as dots alone.
+        let has_spreads = has_spreads(content) && !series.is_part;
+        for point in &series.points {
+            let below = match content {
+                Content::Stacks(_) if point.y.is_finite() => {
+                    let top = tops.entry(point.x.to_bits()).or_insert(0.0);
+                    *top += point.y;
+                    *top - point.y
+                }
+                _ => 0.0,
+            };
+            reached.push(below + point.y);
+            if let Some((low, high)) = point.spread.filter(|_| has_spreads) {
+                reached.extend([below + low, below + high]);
             }
-            _ => 0.0,
-        };
-        reached.push(below + point.y);
-        if let Some((low, high)) = point.spread.filter(|_| has_spreads(content)) {
-            reached.extend([below + low, below + high]);
         }
     }
     reached
@@ -392,4 +396,20 @@ fn x_mapping(figure: &Figure, panel: &Panel, width: f64) -> Mapping {
     let points = alike.flat_map(|other| other.content.series()).flat_map(|series| &series.points);
     let values: Vec<f64> = points.map(|point| point.x).collect();
     fitting(width, |most| Mapping::new(&panel.x.scale, values.iter().copied(), most))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::model::{Of, Point, Series};
+    use super::*;
+
+    #[test]
+    fn what_is_not_drawn_takes_no_room() {
+        let point = Point { x: 0.0, y: 1.1, spread: Some((0.1, 9.0)), n: 7, of: Of::default() };
+        let of = |is_part| {
+            let series = Series { is_part, ..Series::new("aila", 0, vec![point.clone()]) };
+            reached(&Content::Dots(vec![series]))
+        };
+        assert_eq!([of(true), of(false)], [vec![1.1], vec![1.1, 0.1, 9.0]]);
+    }
 }
