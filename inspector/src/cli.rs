@@ -61,13 +61,14 @@ Examples:
   inspector recover sponza.raydump          the same, or a recording whose files were damaged";
 
 const PLOT_EXAMPLES: &str = "\
-Each figure is NAME.svg, .pdf, .png (300 dpi), .csv (every number), .tex (pgfplots, reads the CSV) and
-.txt (caption and settings). Widths are those of a two-column page: 3.5 in and 7 in.
+Each figure is NAME.svg, .pdf, .png (300 dpi), .csv (every number), .tex (pgfplots, reads the CSV), .txt (caption
+and settings) and .caption.tex (the same for LaTeX). Widths are those of a two-column page: 3.5 in and 7 in.
 
 Examples:
   inspector plot sponza.raydump kitchen.raydump --out figures/
   inspector plot sort.json --out figures/   what `recorder bench sort --json > sort.json` measured
-  inspector plot *.raydump sort.json --out figures/ --figure trace-speedup --width two-column";
+  inspector plot *.raydump sort.json --out figures/ --figure trace-speedup --width two-column
+  inspector plot *.raydump --out figures/ --figure net-speedup --methods aila,two-point,auto";
 
 const REPORT_EXAMPLES: &str = "\
 Writes DIR/report.html: it needs no other file, no network and no scripts, and prints well.

@@ -54,6 +54,9 @@ pub(crate) struct Plot {
     /// Only these figures.
     #[arg(long = "figure", value_name = "NAME", num_args = 1.., value_delimiter = ',')]
     figures: Vec<String>,
+    /// Only these methods and their variants, beside unsorted rays; `control` is one of them.
+    #[arg(long, value_name = "LIST", num_args = 1.., value_delimiter = ',')]
+    methods: Vec<String>,
     /// How wide figures are on paper.
     #[arg(long, value_enum, default_value_t = Width::OneColumn)]
     width: Width,
@@ -69,10 +72,15 @@ pub(crate) struct Made {
 }
 
 /// Writes the files of every figure, or of those that are named.
-pub(crate) fn plot(Plot { sources, figures, width }: &Plot) -> anyhow::Result<()> {
+pub(crate) fn plot(Plot { sources, figures, methods, width }: &Plot) -> anyhow::Result<()> {
     check_names(figures)?;
     make_folder(&sources.out)?;
-    let made = make(&Inputs::open(&sources.inputs)?, figures, *width, &sources.out, say)?;
+    let inputs = Inputs::open(&sources.inputs)?;
+    let mut analysis = inputs.analysis()?;
+    if !methods.is_empty() {
+        analysis = analysis.only(methods).map_err(anyhow::Error::msg)?;
+    }
+    let made = make(&inputs, &analysis, figures, *width, &sources.out, say)?;
     print_made(&made, sources.json)
 }
 
@@ -80,12 +88,13 @@ pub(crate) fn plot(Plot { sources, figures, width }: &Plot) -> anyhow::Result<()
 /// `begun` takes the name of each.
 pub(crate) fn make(
     inputs: &Inputs,
+    analysis: &Analysis,
     names: &[String],
     width: Width,
     out: &Path,
     begun: impl Fn(&str),
 ) -> anyhow::Result<Made> {
-    let (figures, skipped) = inputs.figures(&inputs.analysis()?, names)?;
+    let (figures, skipped) = inputs.figures(analysis, names)?;
     if !figures.is_empty() {
         make_folder(out)?;
     }

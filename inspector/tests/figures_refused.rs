@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -46,6 +47,26 @@ fn remove_all(folder: &Path, name: &str) {
             fs::remove_file(path).unwrap();
         }
     }
+}
+
+/// Those that are asked for are drawn, and no others; one that was not measured is named with those that were.
+#[test]
+fn methods_that_are_asked_for_are_drawn_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let (dump, out) = (sample::write(folder.path()), folder.path().join("out"));
+    let plot = |methods: &str| run("plot", &dump, &out, &["--figure", "net-speedup", "--methods", methods]);
+    let (code, _, error) = plot("aila,ailla");
+    assert_eq!((code, out.exists()), (1, false), "{error}");
+    assert!(error.contains("no method ailla") && error.contains("aila, "), "{error}");
+    let drawn = |methods: &str| -> BTreeSet<String> {
+        let (code, _, error) = plot(methods);
+        assert_eq!(code, 0, "{error}");
+        let mut csv = csv::Reader::from_path(out.join("net-speedup.csv")).unwrap();
+        let column = csv.headers().unwrap().iter().position(|name| name == "method").unwrap();
+        csv.records().map(|record| record.unwrap()[column].to_owned()).collect()
+    };
+    assert_eq!(drawn("aila,two-point"), ["aila", "two-point"].map(str::to_owned).into());
+    assert_eq!(drawn("auto"), BTreeSet::from(["auto".to_owned()]));
 }
 
 #[test]

@@ -57,6 +57,7 @@ pub mod work;
 use std::path::{Path, PathBuf};
 use std::slice;
 
+use formats::key::method::UNSORTED;
 use formats::reader::{Dump, DumpState};
 use formats::study::Study;
 use serde::Serialize;
@@ -75,7 +76,7 @@ use summary::distinct;
 pub use versus::Versus;
 
 /// The numbers of recordings.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Analysis {
     /// Rays of a group.
     pub group_width: usize,
@@ -88,6 +89,38 @@ pub struct Analysis {
     /// Means over the studies that were given; the recordings above are then each scene's first view.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub study: Option<StudyAnalysis>,
+}
+
+impl Analysis {
+    /// The same of some methods alone, their variants and unsorted rays.
+    ///
+    /// # Errors
+    /// The first of them that was measured nowhere, and those that were.
+    pub fn only(mut self, methods: &[String]) -> Result<Self, String> {
+        let orders = self.recordings.iter().flat_map(|one| &one.queues).flat_map(|queue| &queue.orders);
+        let of_studies = self.study.iter().flat_map(|study| &study.groups).flat_map(|group| &group.rows);
+        let measured = orders.map(|order| order.base.as_str()).chain(of_studies.map(|row| row.method.as_str()));
+        let measured = distinct(measured.filter(|name| *name != UNSORTED));
+        if let Some(unknown) = methods.iter().find(|name| !measured.contains(&name.as_str())) {
+            return Err(format!("there is no method {unknown} in them; there are {}", measured.join(", ")));
+        }
+        let is_kept = |name: &str| name == UNSORTED || methods.iter().any(|method| method == name);
+        for recording in &mut self.recordings {
+            recording.frames.retain(|frame| is_kept(&frame.base));
+            recording.queues.iter_mut().for_each(|queue| queue.orders.retain(|order| is_kept(&order.base)));
+        }
+        for group in self.study.iter_mut().flat_map(|study| &mut study.groups) {
+            group.rows.retain(|row| is_kept(&row.method));
+        }
+        Ok(self.summed_up())
+    }
+
+    /// What follows from all recordings together.
+    fn summed_up(self) -> Self {
+        let summaries = summary::summaries(&self.recordings);
+        let correlations = correlations::correlations(&self.recordings);
+        Self { summaries, correlations, ..self }
+    }
 }
 
 /// Why recordings cannot be analysed.
@@ -198,8 +231,6 @@ fn of_queues(
 ) -> Analysis {
     let labels = labels::labels(dumps);
     let recording = |(dump, label)| RecordingAnalysis::of(dump, label, queues(dump));
-    let recordings: Vec<RecordingAnalysis> = dumps.iter().zip(labels).map(recording).collect();
-    let summaries = summary::summaries(&recordings);
-    let correlations = correlations::correlations(&recordings);
-    Analysis { group_width: options.group_width.rays(), recordings, summaries, correlations, study: None }
+    let recordings = dumps.iter().zip(labels).map(recording).collect();
+    Analysis { group_width: options.group_width.rays(), recordings, ..Analysis::default() }.summed_up()
 }

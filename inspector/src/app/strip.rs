@@ -22,6 +22,8 @@ const NARROW: f32 = 1000.0;
 /// Size of the numbers of the whole frame, and of those of the selected rays, points.
 const LARGE: f32 = 24.0;
 const SMALLER: f32 = 17.0;
+/// Height of the numbers with what they are of, or of a sentence in their place, so that nothing below moves, points.
+const HEIGHT: f32 = 66.0;
 
 /// What the numbers depend on: both recordings, as they were opened, both orders and the queue.
 type Key = ([u64; 2], [String; 2], QueueId);
@@ -54,6 +56,7 @@ impl Strip {
 
     /// By how much B is faster, on the frame and on the selected rays.
     fn outcomes(&mut self, ui: &mut Ui, context: &Context) {
+        ui.set_min_height(HEIGHT);
         let Some((a, b)) = context.baseline_recording().zip(context.recording()) else { return };
         let Selection { baseline, method, queue, recording, .. } = &context.selection;
         if baseline.method == *method && baseline.recording.is_none_or(|at| at == *recording) {
@@ -130,7 +133,7 @@ fn rays(ui: &mut Ui, context: &mut Context) {
 fn facts(recording: &Recording) -> String {
     let header = &recording.shown;
     let options = &header.options;
-    let size = match recording.is_imported() {
+    let size = match recording.is_imported() && options.height == 1 {
         true => "imported rays".to_owned(),
         false => format!("{} × {} pixels", options.width, options.height),
     };
