@@ -290,7 +290,11 @@ fn estimates_are_those_of_the_table() {
     let queue = context.queue().unwrap();
     let table = queue.table.as_ref().unwrap();
     assert_eq!(estimates.counts.iter().sum::<u32>() as usize, queue.len());
-    let ratio = |ray: usize| table.mean(&queue.traced.rays()[ray]) / queue.lengths[ray];
+    let (rays, unit) = (queue.traced.rays(), queue.traced.unit());
+    let exit = |ray: usize| unit.exit(unit.point(rays[ray].origin), rays[ray].direction);
+    let estimate =
+        |ray: usize| table.mean(&rays[ray]).min(rays[ray].t_max * unit.scale).min(exit(ray)).max(0.0);
+    let ratio = |ray: usize| estimate(ray) / queue.lengths[ray];
     let within = (0..queue.len()).filter(|&ray| (0.5..=2.0).contains(&ratio(ray))).count();
     assert_eq!(estimates.within_factor_two, within as f64 / queue.len() as f64);
     assert!(within > 0 && within < queue.len());
