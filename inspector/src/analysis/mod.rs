@@ -99,7 +99,8 @@ impl Analysis {
     pub fn only(mut self, methods: &[String]) -> Result<Self, String> {
         let orders = self.recordings.iter().flat_map(|one| &one.queues).flat_map(|queue| &queue.orders);
         let of_studies = self.study.iter().flat_map(|study| &study.groups).flat_map(|group| &group.rows);
-        let measured = orders.map(|order| order.base.as_str()).chain(of_studies.map(|row| row.method.as_str()));
+        let measured =
+            orders.map(|order| order.base.as_str()).chain(of_studies.map(|row| row.method.as_str()));
         let measured = distinct(measured.filter(|name| *name != UNSORTED));
         if let Some(unknown) = methods.iter().find(|name| !measured.contains(&name.as_str())) {
             return Err(format!("there is no method {unknown} in them; there are {}", measured.join(", ")));

@@ -45,7 +45,14 @@ impl Export {
             if let Some(why) = inputs.left_out.first() {
                 anyhow::bail!("{why}");
             }
-            plot::make(&inputs, &inputs.analysis()?, &[self.name.to_owned()], Width::OneColumn, &self.folder, |_| {})
+            plot::make(
+                &inputs,
+                &inputs.analysis()?,
+                &[self.name.to_owned()],
+                Width::OneColumn,
+                &self.folder,
+                |_| {},
+            )
         };
         made().map(|made| made.files.len()).map_err(|error| error.to_string())
     }
