@@ -56,7 +56,7 @@ fn methods_that_are_asked_for_are_drawn_alone() {
     let (dump, out) = (sample::write(folder.path()), folder.path().join("out"));
     let plot = |methods: &str| run("plot", &dump, &out, &["--figure", "net-speedup", "--methods", methods]);
     let (code, _, error) = plot("aila,ailla");
-    assert_eq!((code, out.exists()), (1, false), "{error}");
+    assert_eq!((code, error.lines().count()), (1, 1), "{error}");
     assert!(error.contains("no method ailla") && error.contains("aila, "), "{error}");
     let drawn = |methods: &str| -> BTreeSet<String> {
         let (code, _, error) = plot(methods);
