@@ -1,23 +1,23 @@
 //! Which style a method has: the same in all figures of some recordings and in the window that shows them.
 
-use formats::key::method::{BUILTIN, IN_ALL, UNSORTED};
+use formats::key::method::{AUTO, BUILTIN, CONTROL, IN_ALL, SHUFFLED, UNSORTED};
 
 use crate::analysis::RecordingAnalysis;
 use crate::analysis::summary::distinct;
 
-/// The number of a method's style: its place among `unsorted`, the built-in ones of `all`, and others that were
-/// measured; after all of them for one that was not, as a study's control.
+/// The number of a method's style: its place among `unsorted`, the built-in ones of `all`, the other orders without a
+/// layout, and those that were measured besides; after all of them for one that was not.
 pub fn method_style<'a>(
     recordings: impl Iterator<Item = &'a RecordingAnalysis> + Clone,
     method: &str,
 ) -> usize {
-    let builtin = [UNSORTED].into_iter().chain(BUILTIN[..IN_ALL].iter().map(|(name, ..)| *name));
-    let builtin: Vec<&str> = builtin.collect();
-    if let Some(place) = builtin.iter().position(|name| *name == method) {
+    let of_all = BUILTIN[..IN_ALL].iter().map(|(name, ..)| *name);
+    let known: Vec<&str> = [UNSORTED].into_iter().chain(of_all).chain([CONTROL, AUTO, SHUFFLED]).collect();
+    if let Some(place) = known.iter().position(|name| *name == method) {
         return place;
     }
     let measured = measured_methods(recordings).into_iter().map(|(name, _)| name);
-    let names = distinct(builtin.into_iter().chain(measured));
+    let names = distinct(known.into_iter().chain(measured));
     names.iter().position(|name| *name == method).unwrap_or(names.len())
 }
 
