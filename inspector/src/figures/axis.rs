@@ -49,7 +49,7 @@ impl Mapping {
             }
             Scale::Logarithmic { base } => powers(low, high, f64::from((*base).max(2)), room).cut(low, high),
             Scale::Ratio => ratios(low, high, room),
-            Scale::Marked(marks) => marked(marks, low, high),
+            Scale::Marked(marks) => marked(marks, low, high, room),
             Scale::Categories(names) => categories(names),
         }
     }
@@ -201,12 +201,16 @@ pub(crate) fn ratio_label(value: f64) -> String {
     }
 }
 
-/// An axis around all values, with ticks at these alone.
-fn marked(marks: &[f64], low: f64, high: f64) -> Mapping {
+/// An axis around all values, with ticks at these alone, as many of them labelled as there is room for.
+fn marked(marks: &[f64], low: f64, high: f64, room: usize) -> Mapping {
     let (low, high) = marks.iter().fold((low, high), |(low, high), mark| (low.min(*mark), high.max(*mark)));
     let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
     let padding = if high > low { PADDING * (high - low) } else { 0.5 };
-    let ticks = marks.iter().map(|&value| Tick { value, label: number(value) }).collect();
+    // Evenly, so that it is seen which are left out.
+    let stride = marks.len().div_ceil(room.max(1)).max(1);
+    let label = |at: usize, value| if at.is_multiple_of(stride) { number(value) } else { String::new() };
+    let ticks =
+        marks.iter().enumerate().map(|(at, &value)| Tick { value, label: label(at, value) }).collect();
     Mapping { range: (low - padding, high + padding), ticks, is_logarithmic: false }
 }
 
@@ -420,8 +424,11 @@ mod tests {
 
     #[test]
     fn marks_are_where_numbers_were_measured() {
-        let mapping = Mapping::new(&Scale::Marked(vec![8.0, 16.0, 64.0]), [8.0, 16.0, 64.0], 2);
+        let marked = |room| Mapping::new(&Scale::Marked(vec![8.0, 16.0, 64.0]), [8.0, 16.0, 64.0], room);
+        let mapping = marked(3);
         assert_eq!(labels(&mapping), ["8", "16", "64"]);
+        assert_eq!(marked(2).ticks.len(), 3);
+        assert_eq!(labels(&marked(2)), ["8", "64"]);
         assert!(mapping.range.0 < 8.0 && mapping.range.1 > 64.0);
     }
 
