@@ -294,7 +294,10 @@ impl Frame {
         let ratio = net.ratio;
         let error = match larger(self.instrument_errors) {
             small if small < 0.005 => String::new(),
-            error => format!("; over the frame the control is off by {:.1} %", 100.0 * error),
+            error => {
+                let rays = if error == self.instrument_errors[0] { "secondary" } else { "shadow" };
+                format!("; over all bounces the control of {rays} rays is off by {:.1} %", 100.0 * error)
+            }
         };
         let Some((low, high)) = net.interval else {
             let so = if ratio > 1.0 {
@@ -524,13 +527,17 @@ mod tests {
             instrument_errors: [0.016, 0.0],
             ..frame(vec![row("aila", speedup(1.02, 1.0, 1.04), "level")])
         };
-        assert!(shy.meaning().contains("the control is off by 1.6 %"), "{}", shy.meaning());
+        assert!(shy.meaning().contains("the control of secondary rays is off by 1.6 %"), "{}", shy.meaning());
         let few = |ratio| meaning(Some(Speedup { ratio, interval: None }), "");
         assert!(few(2.0).contains("fewer than 6 repeats") && few(2.0).contains("chance"));
         assert!(few(0.9).contains("nothing was faster"));
         let rough = row("aila", Some(Speedup { ratio: 1.1, interval: None }), "");
         let rough = Frame { instrument_errors: [0.0, 0.58], ..frame(vec![rough]) };
-        assert!(rough.meaning().ends_with("chance; over the frame the control is off by 58.0 %."));
+        assert!(
+            rough
+                .meaning()
+                .ends_with("chance; over all bounces the control of shadow rays is off by 58.0 %.")
+        );
         let alone = FrameRow { secondary: None, ..row("auto", None, LEFT_ALONE) };
         assert!(frame(vec![alone]).meaning().contains("auto left all of these rays alone"));
     }
