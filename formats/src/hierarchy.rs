@@ -211,6 +211,8 @@ struct Walk<'a> {
     kind: Kind,
     origin: [f32; 3],
     inverse: [f32; 3],
+    /// The reciprocals for far planes, padded.
+    padded: [f32; 3],
     t_min: f32,
     shear: Shear,
     best: Hit,
@@ -225,6 +227,7 @@ impl<'a> Walk<'a> {
             kind,
             origin: ray.origin,
             inverse,
+            padded: inverse.map(|inverse| inverse * PADDING),
             // No negative zero.
             t_min: ray.t_min + 0.0,
             shear: Shear::new(ray, inverse),
@@ -264,15 +267,15 @@ impl<'a> Walk<'a> {
         let corners = &self.hierarchy.boxes[place];
         let (mut near, mut far) = (f32::NEG_INFINITY, f32::INFINITY);
         for axis in 0..3 {
-            let distance = |plane: f32| (plane - self.origin[axis]) * self.inverse[axis];
-            let (low, high) = (distance(corners[axis]), distance(corners[axis + 3]));
-            let is_negative = self.inverse[axis] < 0.0;
-            near = near.max(if is_negative { high } else { low });
-            far = far.min(if is_negative { low } else { high });
+            let distance = |plane: f32, inverse: f32| (plane - self.origin[axis]) * inverse;
+            let (low, high) = (corners[axis], corners[axis + 3]);
+            let (enter, leave) = if self.inverse[axis] < 0.0 { (high, low) } else { (low, high) };
+            near = near.max(distance(enter, self.inverse[axis]));
+            far = far.min(distance(leave, self.padded[axis]));
         }
         // A plane that the ray starts on may be at minus zero, which would come last.
         let near = if near > self.t_min { near } else { self.t_min };
-        (near <= (far * PADDING).min(self.limit())).then_some(near)
+        (near <= far.min(self.limit())).then_some(near)
     }
 
     /// Tests the triangles of a leaf, counting them; true if the search is over.

@@ -4,12 +4,13 @@
 
 use std::path::Path;
 
-use formats::hierarchy::{Hierarchy, Traversal, Visit};
+use formats::hierarchy::{CHILDREN, Hierarchy, Traversal, Visit};
 use formats::manifest::{Place, SceneArray};
 use formats::ray::{Kind, Ray, Work};
 use formats::reader::{Dump, Loaded};
 use formats::traced::{Results, Traced};
 use formats::verify::verify;
+use glam::DVec3;
 use recorder::stages::trace::TraceKernel;
 use recorder::stages::trace::cpu::CpuTracer;
 use tempfile::tempdir;
@@ -118,6 +119,41 @@ fn ways_from_planes_of_boxes_are_those_of_the_tracer() {
                 let trail = reads_of_tracer(&tracer, &moved, queue.kind);
                 assert_eq!(reads_of(&hierarchy.traversal(&moved, queue.kind), &blocks), trail, "{moved:?}");
             }
+        }
+    }
+}
+
+/// A ray that leaves a box about as much before it enters it as far planes are padded by: the last bit decides.
+#[test]
+fn ways_past_edges_of_boxes_are_those_of_the_tracer() {
+    let name = "builtin:cornell";
+    let folder = tempdir().unwrap();
+    let dump = record(folder.path(), name);
+    let hierarchy = Hierarchy::open(&dump).unwrap();
+    let scene = scenes::load(name).unwrap();
+    let (bvh, _) = TraceKernel::Wide.hierarchy(&scene).unwrap().unwrap();
+    let tracer = CpuTracer::new(&scene, &bvh);
+    let blocks = blocks_of_leaves(&dump);
+    let boxes: Vec<_> = (0..CHILDREN).map(|place| hierarchy.bounds(Some(place))).collect();
+    let boxes: Vec<_> = boxes.into_iter().filter(|[low, _]| low[0].is_finite()).collect();
+    let mut random = fastrand::Rng::with_seed(2);
+    for _ in 0..1_000 {
+        let [low, high] = boxes[random.usize(..boxes.len())].map(|corner| DVec3::from(corner.map(f64::from)));
+        let first = random.usize(..3);
+        let [enters, leaves, within] = [first, (first + 1) % 3, (first + 2) % 3];
+        let mut along = DVec3::from([0; 3].map(|_| random.f64() - 0.5)).normalize();
+        along[enters] = along[enters].abs();
+        along[leaves] = along[leaves].abs();
+        let t = 0.5 + random.f64();
+        let late = (-19f64).exp2() + (random.f64() - 0.5) * (-22f64).exp2();
+        let mut origin = high - t * along;
+        origin[enters] = low[enters] - (1.0 + late) * t * along[enters];
+        origin[within] -= random.f64() * (high - low)[within];
+        let (origin, direction) = (origin.as_vec3().into(), along.as_vec3().into());
+        let ray = Ray { origin, t_min: 0.0, direction, t_max: f32::INFINITY };
+        for kind in Kind::ALL {
+            let trail = reads_of_tracer(&tracer, &ray, kind);
+            assert_eq!(reads_of(&hierarchy.traversal(&ray, kind), &blocks), trail, "{ray:?}");
         }
     }
 }
