@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use crate::manifest::{Header, QueueArray, QueueId, Source};
-use crate::ray::{Kind, Ray};
+use crate::ray::{Kind, ORIGIN_LIMIT, Ray};
 use crate::text::counted;
 
 /// How far the length of a unit vector may be from 1.
@@ -73,8 +73,8 @@ impl QueueRules {
     pub fn ray_problem(&self, ray: &Ray) -> Option<&'static str> {
         let squared: f64 = ray.direction.iter().map(|&along| f64::from(along) * f64::from(along)).sum();
         let is_unit = (squared.sqrt() - 1.0).abs() < UNIT_TOLERANCE;
-        if !ray.origin.iter().all(|along| along.is_finite()) {
-            Some("has an origin that is not finite")
+        if !ray.origin.iter().all(|along| along.abs() <= ORIGIN_LIMIT) {
+            Some("has an origin with a coordinate that is no number, or beyond 2^60")
         } else if !is_unit {
             Some("has a direction that is no unit vector")
         } else if !(ray.t_min >= 0.0 && ray.t_min.is_finite()) {
@@ -187,8 +187,10 @@ mod tests {
     fn each_fault_of_a_ray_is_found() {
         assert_eq!(ENDLESS.ray_problem(&RAY), None);
         assert_eq!(RULES.ray_problem(&Ray { t_max: 0.5, ..RAY }), None);
+        assert_eq!(RULES.ray_problem(&Ray { origin: [ORIGIN_LIMIT; 3], ..RAY }), None);
         for (bad, rules, part) in [
             (Ray { origin: [0.0, f32::NAN, 0.0], ..RAY }, RULES, "origin"),
+            (Ray { origin: [0.0, -1.01 * ORIGIN_LIMIT, 0.0], ..RAY }, RULES, "origin"),
             (Ray { direction: [0.6, 0.0, -0.81], ..RAY }, RULES, "unit"),
             (Ray { direction: [f32::NAN; 3], ..RAY }, RULES, "unit"),
             (Ray { direction: [0.0; 3], ..RAY }, RULES, "unit"),

@@ -3,12 +3,16 @@
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 
+/// Largest absolute coordinate of a ray's origin, world units (2^60): with it, and coordinates of the scene of at most
+/// 2^40, no edge function of the triangle test overflows.
+pub const ORIGIN_LIMIT: f32 = (1u64 << 60) as f32;
+
 /// A ray in world space; 32 bytes, and in memory aligned to them: rays that are read in no order then never lie
 /// in two cache lines.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Ray {
-    /// Start, world units.
+    /// Start, world units; at most [`ORIGIN_LIMIT`] either way.
     pub origin: [f32; 3],
     /// Hits nearer than this do not count, world units, ≥ 0.
     pub t_min: f32,

@@ -8,8 +8,9 @@ use crate::bounds::Bounds;
 
 /// Largest absolute coordinate, world units (2^40).
 ///
-/// The kernels clamp reciprocals of directions at 2^80; with coordinates up to 2^40 and origins up
-/// to 2^60 every product of a box test is finite, so no NaN ever reaches a comparison.
+/// The kernels clamp reciprocals of directions at 2^80. With coordinates up to 2^40 and origins up to
+/// 2^60 a product of a box test may overflow to infinity, but is never 0 · ∞: no NaN reaches a
+/// comparison.
 pub const COORDINATE_LIMIT: f32 = 1_099_511_627_776.0;
 
 /// Smallest extent of a scene along its longest axis, world units (2^-76).

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, bail, ensure};
 use formats::npy::{self, Dtype};
-use formats::ray::Ray;
+use formats::ray::{ORIGIN_LIMIT, Ray};
 
 /// Directions whose length differs from 1 by less than this are taken as they are.
 const UNIT_TOLERANCE: f64 = 1e-6;
@@ -50,7 +50,11 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Vec<Ray>, Vec<f64>)> {
 
 /// The ray with a unit direction, distances in world units, and the length that the direction had.
 fn checked(ray: Ray) -> Result<(Ray, f64)> {
-    ensure!(ray.origin.iter().all(|value| value.is_finite()), "the origin {:?} is not finite", ray.origin);
+    ensure!(
+        ray.origin.iter().all(|value| value.abs() <= ORIGIN_LIMIT),
+        "the origin {:?} has a coordinate that is no number, or beyond {ORIGIN_LIMIT:e}: give rays in the scene's units",
+        ray.origin
+    );
     ensure!(
         ray.direction.iter().all(|value| value.is_finite()),
         "the direction {:?} is not finite",

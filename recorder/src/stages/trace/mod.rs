@@ -6,12 +6,13 @@
 //! result depends on that ray alone, also where others are traced with it.
 //!
 //! **Ray.** Per axis the reciprocal `i = 1/d` if |d| > 2^-80, else 2^80 with the sign bit of `d`:
-//! with coordinates up to [`scenes::bvh::COORDINATE_LIMIT`] no product of a box test overflows, and
-//! no NaN arises.
+//! with coordinates up to [`scenes::bvh::COORDINATE_LIMIT`] and origins up to [`formats::ray::ORIGIN_LIMIT`] no NaN
+//! arises in a box test.
 //!
 //! **Boxes.** Slabs in the form `(b − o)·i`: a difference of two floats has the right sign and is
 //! monotonic, and the form leaves nothing to contract. `near = max(t_min, near planes)`,
-//! `far = min(far planes)·`[`PADDING`]; a box is entered if `near <= min(far, t·PADDING)` with `t` the
+//! `far = min(far planes)·`[`PADDING`], in the wide hierarchy with the padding in the far planes' reciprocals:
+//! `(b − o)·(i·PADDING)`. A box is entered if `near <= min(far, t·PADDING)` with `t` the
 //! nearest hit so far, at first `t_max`. So boxes at equal `t` are still entered (ties), and the
 //! rounding of all of the above and of the triangle test is covered (Ize 2013, "Robust BVH Ray
 //! Traversal"; errors that grow with a triangle and not with its distance are covered by the

@@ -93,10 +93,9 @@ fn intersect(shear: TriangleRay, corner_a: vec3<f32>, corner_b: vec3<f32>, corne
     let a = edge(r, q);
     let b = edge(p, r);
     let c = edge(q, p);
-    let is_negative = a < 0.0 || b < 0.0 || c < 0.0;
-    let is_positive = a > 0.0 || b > 0.0 || c > 0.0;
+    let is_inside = (a >= 0.0 && b >= 0.0 && c >= 0.0) || (a <= 0.0 && b <= 0.0 && c <= 0.0);
     let sum = (a + b) + c;
-    if (is_negative && is_positive) || sum == 0.0 {
+    if !is_inside || sum == 0.0 {
         return NO_INTERSECTION;
     }
     let x = shear.inverse.x * vec3(moved_a.x, moved_b.x, moved_c.x);
