@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use formats::intersect::Shear;
 use formats::metrics::lanes::LaneUse;
+use formats::pages::room_on_huge_pages;
 use formats::ray::{Hit, Kind, Ray, Work};
 use rayon::prelude::*;
 use scenes::Scene;
@@ -89,7 +90,11 @@ impl CpuTracer {
         let leaf = |&triangle: &u32| {
             LeafTriangle::new(&scene.corners(triangle as usize), triangle, masks.number(triangle))
         };
-        let leaves = || bvh.order().par_iter().map(leaf).collect();
+        let leaves = || {
+            let mut leaves = room_on_huge_pages(bvh.order().len());
+            bvh.order().par_iter().map(leaf).collect_into_vec(&mut leaves);
+            leaves
+        };
         let tree = match bvh {
             Bvh::Bvh2 { nodes, .. } => AnyTree::Binary(BinaryTree::new(nodes, leaves())),
             Bvh::Cwbvh { nodes, .. } => AnyTree::Compressed(CompressedTree::new(nodes, leaves())),

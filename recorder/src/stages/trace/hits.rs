@@ -25,10 +25,12 @@ impl Default for Hits {
 impl Hits {
     /// `count` results of unknown value.
     pub fn new(kind: Kind, count: usize) -> Self {
-        match kind {
-            Kind::Closest => Self::Closest((0..count).map(|_| Default::default()).collect()),
-            Kind::Shadow => Self::Shadow((0..count).map(|_| AtomicU32::default()).collect()),
-        }
+        let mut hits = match kind {
+            Kind::Closest => Self::Closest(Vec::new()),
+            Kind::Shadow => Self::Shadow(Vec::new()),
+        };
+        hits.make_room(kind, count);
+        hits
     }
 
     /// Makes and touches room for so many results of any value.

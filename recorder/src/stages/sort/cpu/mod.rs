@@ -12,7 +12,7 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
 
-use formats::pages::make_room;
+use formats::pages::{make_room, on_huge_pages};
 use formats::prefetch::prefetch_to_write;
 use rayon::prelude::*;
 
@@ -37,7 +37,7 @@ pub type Permutation = Vec<AtomicU32>;
 
 /// A permutation of these canonical indices.
 pub fn permutation_of(indices: &[u32]) -> Permutation {
-    indices.iter().copied().map(AtomicU32::new).collect()
+    on_huge_pages(indices.iter().copied().map(AtomicU32::new))
 }
 
 /// Sorts, in memory that it keeps for the next time.
