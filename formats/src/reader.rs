@@ -212,7 +212,8 @@ impl Dump {
                 if kept.iter().any(|kept| kept == word) {
                     String::new()
                 } else {
-                    format!("; it was recorded without {word}: `--keep {word}`")
+                    let all: Vec<&str> = kept.iter().map(String::as_str).chain([word]).collect();
+                    format!("; it was recorded without {word}: `--keep {}`", all.join(","))
                 }
             }
         };
