@@ -89,8 +89,9 @@ pub(crate) fn load<T>(root: &Path, record: &ArrayRecord, access: Access) -> Resu
 
 fn map(opened: Opened, record: &ArrayRecord) -> Result<Memory, ReadError> {
     // SAFETY: the map is read-only, and the file's length was just compared with the record's. Dumps are
-    // not changed once they have their name; whoever cuts a file that is mapped ends this process by a
-    // signal, and whoever writes to it changes plain numbers that are valid whatever their bits.
+    // not changed once they have their name. That nobody else changes one while it is mapped is an assumption, which
+    // nothing here can enforce: a file that is cut ends this process by a signal; one that is written to changes plain
+    // numbers, valid whatever their bits, and what reads them checks each index that it reads.
     let map = match unsafe { Mmap::map(&opened.file) } {
         Ok(map) => map,
         Err(cause) => return Err(opened.io_error(cause)),

@@ -53,7 +53,7 @@ Examples:
   inspector verify sponza.raydump --json | jq '.checks[] | select(.problems.count > 0)'";
 
 const RECOVER_EXAMPLES: &str = "\
-Keeps the longest run of complete arrays and gives it the recording's name. Nothing is deleted: what
+Keeps every complete array whose record can be read and gives it the recording's name. Nothing is deleted: what
 does not belong to it is moved to NAME.raydump.leftover.
 
 Examples:
@@ -71,7 +71,7 @@ Examples:
   inspector plot *.raydump --out figures/ --figure net-speedup --methods aila,two-point,auto";
 
 const REPORT_EXAMPLES: &str = "\
-Writes DIR/report.html: it needs no other file, no network and no scripts, and prints well.
+Writes DIR/report.html, which needs no other file, no network and no scripts, and prints well; tables.md; tables.tex.
 
 Examples:
   inspector report sponza.raydump --out page/

@@ -124,7 +124,8 @@ mod machine {
     pub(super) struct Counters {
         is_read: bool,
         /// `/proc/stat`, whose first line says for all processors together how ticks were spent. It is read once a
-        /// tick at most: that takes longer than tracing a short queue, and leaves traces in the caches that one feels.
+        /// tick at most: that takes longer than tracing a short queue, and leaves traces in the caches that one feels. So
+        /// of sections shorter than a tick the one that meets the next reading bears what was stolen since the last.
         pub(super) ticks: Option<File>,
         /// What was stolen, and when that was read.
         stolen: Option<(Instant, u64)>,

@@ -66,7 +66,7 @@ pub(super) struct ImportArguments {
     /// Bounce that they are recorded as: 0 for camera rays, 1 and more for those that left a surface.
     #[arg(long, default_value_t = 1, conflicts_with = "queues")]
     bounce: u32,
-    /// Width and height of the picture whose pixels, row by row, the paths are of; one row if not given.
+    /// Picture size: path ids number its pixels row by row; one row if not given.
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
     /// Folder of the recording; `.raydump` is added if missing.

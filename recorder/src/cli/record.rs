@@ -65,8 +65,8 @@ pub(super) struct RecordArguments {
     #[arg(long, allow_negative_numbers = true)]
     light_radius: Option<f32>,
     /// Methods to compare, `all` or a list such as aila,two-point,auto; auto is what a calibration finds best for
-    /// each queue; unsorted is always measured, control (canonical order, measured like a method), shuffled (a random
-    /// order) and rows of others such as hilbert-origin if they are named.
+    /// each queue; unsorted and control (canonical order, measured like a method) are always measured, shuffled (a
+    /// random order) and rows of others such as hilbert-origin if they are named.
     #[arg(long, default_value = "all", value_name = "LIST")]
     methods: String,
     /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10 @adaptive', in the words of docs/keys.md; may

@@ -35,8 +35,8 @@ pub(super) struct ReplayArguments {
     #[arg(long, value_name = "Y.raydump")]
     out: PathBuf,
     /// Methods to compare, `all` or a list such as aila,two-point,auto; auto chooses by the recording's calibration
-    /// if that is of this device and kernel, else by a new one; control, shuffled (a random order) and rows
-    /// of others such as hilbert-origin are measured if they are named.
+    /// if that is of this device and kernel, else by a new one; control is always measured, shuffled (a random order)
+    /// and rows of others such as hilbert-origin if they are named.
     #[arg(long, value_name = "LIST")]
     methods: Option<String>,
     /// A layout of your own, such as 'mine=(ox oy oz)*4 (u v ex ey ez)*10 @adaptive', in the words of docs/keys.md; may

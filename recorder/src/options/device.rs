@@ -24,7 +24,7 @@ pub struct DeviceOptions {
     /// GPU by a part of its name, driver or backend (see `recorder adapters`).
     #[arg(long, value_name = "TEXT")]
     pub adapter: Option<String>,
-    /// Trace kernel: wide on threads and cwbvh on GPUs, unless a recording says otherwise.
+    /// Trace kernel; if not given a replay's source's, else wide on threads and cwbvh on GPUs.
     #[arg(long, value_enum)]
     pub trace: Option<TraceKernel>,
     /// Second level of the cache model in KiB; its first level has 128.

@@ -62,7 +62,8 @@ pub struct CwbvhNode {
 
 /// A node with up to eight children and their boxes in f32, 224 bytes.
 ///
-/// Children come first to last without a gap, the one with the largest box first; an empty slot's box is
+/// Children come first to last without a gap, the one first that costs shadow rays most for what it is likely to
+/// block, since they take the last one that they hit (`Plan::children` of the builder); an empty slot's box is
 /// inside out, so that no ray enters it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
