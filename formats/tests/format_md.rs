@@ -39,8 +39,7 @@ fn python(folder: &Path, arguments: &[&str]) -> String {
 
 /// The sample dump with the reader beside it.
 fn sample_and_reader() -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let dump = sample::write(folder.path());
+    let (folder, dump) = sample::in_memory();
     fs::write(folder.path().join("reader.py"), python_reader()).unwrap();
     (folder, dump)
 }
@@ -91,8 +90,7 @@ for path, array in arrays.items():
 
     let dump = Dump::open(&path).unwrap();
     let manifest = dump.manifest();
-    let frames = formats::manifest::scan::scan(&path.join("manifest.bin")).unwrap().frames;
-    let mut expected: Vec<String> = frames.iter().map(|frame| kind_and_name(&frame.record)).collect();
+    let mut expected: Vec<String> = sample::records(&path).iter().map(kind_and_name).collect();
     let header = &manifest.header;
     expected.push(format!("{} False {}", header.options.table_layout, header.scene.vertices));
     expected.push(format!("['placed', 'directional', 'environment'] {} 134217728", header.notices[0]));

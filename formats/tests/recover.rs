@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use formats::manifest::Record;
-use formats::manifest::scan::{Frame, scan, scan_bytes};
+use formats::manifest::scan::{Frame, scan_bytes};
 use formats::reader::{Dump, DumpState};
 use formats::recover::{RecoverError, recover};
 use formats::verify::verify;
@@ -42,10 +42,9 @@ fn assert_right(dump: &Path) {
 
 #[test]
 fn a_manifest_cut_at_any_byte_gives_the_records_before_it() {
-    let folder = sample::folder_in_memory();
-    let path = sample::write(folder.path());
+    let (_folder, path) = sample::in_memory();
     let bytes = fs::read(path.join("manifest.bin")).unwrap();
-    let frames = scan(&path.join("manifest.bin")).unwrap().frames;
+    let frames = sample::frames(&path);
     for cut in 0..bytes.len() {
         let scan = scan_bytes(&bytes[..cut], cut as u64, &path).unwrap();
         let expected = frames.iter().take_while(|frame| frame.end <= cut as u64).count();
@@ -62,7 +61,7 @@ fn a_manifest_cut_at_any_byte_gives_the_records_before_it() {
 fn killed_at_any_record_the_rest_is_recovered() {
     let source = sample::folder_in_memory();
     let sample = sample::write(source.path());
-    let frames = scan(&sample.join("manifest.bin")).unwrap().frames;
+    let frames = sample::frames(&sample);
     let first_array = frames.iter().position(|frame| matches!(frame.record, Record::Array(_))).unwrap();
     // All of the first two queues; from then on the records repeat, and some are enough.
     for (at, frame) in frames.iter().enumerate().filter(|(at, _)| *at < 40 || at % 5 == 0) {
@@ -94,8 +93,7 @@ fn killed_at_any_record_the_rest_is_recovered() {
 
 #[test]
 fn killed_before_the_rename_nothing_is_lost() {
-    let folder = sample::folder_in_memory();
-    let path = sample::write(folder.path());
+    let (folder, path) = sample::in_memory();
     let partial = folder.path().join("sample.raydump.partial");
     fs::rename(&path, &partial).unwrap();
     // By the name that it was going to have.
@@ -120,8 +118,7 @@ fn a_dropped_writer_can_be_recovered_and_a_running_one_is_left_alone() {
 
 #[test]
 fn bytes_after_the_end_are_cut_off() {
-    let folder = sample::folder_in_memory();
-    let path = sample::write(folder.path());
+    let (_folder, path) = sample::in_memory();
     let manifest = path.join("manifest.bin");
     let original = fs::read(&manifest).unwrap();
     fs::write(&manifest, [&original[..], b"more"].concat()).unwrap();
@@ -133,8 +130,7 @@ fn bytes_after_the_end_are_cut_off() {
 
 #[test]
 fn nothing_is_written_over() {
-    let folder = sample::folder_in_memory();
-    let path = sample::write(folder.path());
+    let (folder, path) = sample::in_memory();
     let partial = folder.path().join("sample.raydump.partial");
     fs::create_dir(&partial).unwrap();
     fs::write(partial.join("manifest.bin"), fs::read(path.join("manifest.bin")).unwrap()).unwrap();

@@ -7,17 +7,14 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use formats::manifest::scan::{Frame, scan};
+use formats::manifest::scan::scan;
 use formats::manifest::{QueueId, Record};
 use formats::ray::Kind;
 use formats::reader::{Dump, DumpState};
 use formats::recover::{RecoverError, Recovery, recover};
 use formats::verify::verify;
 use hostile::{assert_sentence, sample, use_everything};
-
-fn frames(dump: &Path) -> Vec<Frame> {
-    scan(&dump.join("manifest.bin")).unwrap().frames
-}
+use sample::frames;
 
 /// The paths of the arrays that the manifest names.
 fn arrays(dump: &Path) -> BTreeSet<String> {
@@ -105,8 +102,7 @@ fn each_damaged_array_is_left_out_alone() {
 
 #[test]
 fn any_damaged_arrays_are_left_out() {
-    let folder = sample::folder_in_memory();
-    let whole_dump = sample::write(folder.path());
+    let (folder, whole_dump) = sample::in_memory();
     let original = Original::of(&whole_dump);
     let (whole, copy) = (arrays(&whole_dump), folder.path().join("copy.raydump"));
     let mut random = fastrand::Rng::with_seed(0x5eed_f00d);

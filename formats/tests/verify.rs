@@ -11,7 +11,7 @@ use formats::manifest::{ArrayRecord, MethodArray, Place, QueueArray, QueueId, Re
 use formats::npy;
 use formats::ray::{Hit, Kind, Ray};
 use formats::reader::Dump;
-use formats::verify::{Report, verify};
+use formats::verify::{Check, Report, verify};
 use sample::part;
 
 const CLOSEST: QueueId = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
@@ -33,10 +33,14 @@ fn check(path: &Path) -> Report {
     verify(&Dump::open(path).unwrap())
 }
 
-/// What the check of this name found, as one text; empty if it found nothing.
+/// What the check of this name found.
+fn of_check<'a>(report: &'a Report, name: &str) -> &'a Check {
+    report.checks.iter().find(|check| check.name == name).unwrap()
+}
+
+/// Its problems as one text; empty if there are none.
 fn problems(report: &Report, name: &str) -> String {
-    let check = report.checks.iter().find(|check| check.name == name).unwrap();
-    check.problems.first.join("\n")
+    of_check(report, name).problems.first.join("\n")
 }
 
 /// Changes the data of an array and its checksum, so that only its meaning is wrong.
@@ -56,8 +60,7 @@ fn edit_array<T: bytemuck::Pod>(path: &Path, place: &Place, edit: impl FnOnce(&m
 
 /// The sample after `edit`, and whether the check `name` then finds `part`.
 fn assert_found(name: &str, part: &str, edit: impl FnOnce(&Path)) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (_folder, path) = sample::in_memory();
     edit(&path);
     let report = check(&path);
     assert!(!report.is_ok(), "{name}: expected {part}");
@@ -76,7 +79,7 @@ fn a_right_dump_is_right_and_everything_was_looked_at() {
         assert_eq!(check.not_checked.len(), usize::from(check.name == "work"), "{check:?}");
         assert_eq!(check.differences.count, 0, "{check:?}");
     }
-    let checked = |name| report.checks.iter().find(|check| check.name == name).unwrap().checked;
+    let checked = |name| of_check(&report, name).checked;
     // 4 queues of each kind, each with its table, and two last states.
     assert_eq!(checked("length tables"), 10);
     assert!(checked("keys") > 2000 && checked("permutations") > 2000 && checked("hits") > 600);
@@ -102,12 +105,8 @@ fn damaged_files_are_found() {
 /// What is damaged, or in a source that is not there, was kept all the same.
 #[test]
 fn why_something_was_not_checked_is_said() {
-    let not_checked = |path: &Path, name: &str| {
-        let report = check(path);
-        report.checks.into_iter().find(|check| check.name == name).unwrap().not_checked
-    };
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let not_checked = |path: &Path, name: &str| of_check(&check(path), name).not_checked.clone();
+    let (_folder, path) = sample::in_memory();
     let rays = path.join(queue(QueueArray::Rays).to_string());
     fs::OpenOptions::new().write(true).open(rays).unwrap().set_len(2000).unwrap();
     for (name, what) in [("rays", "rays"), ("keys", "the rays"), ("length tables", "its traced lengths")] {
@@ -115,8 +114,7 @@ fn why_something_was_not_checked_is_said() {
         let damaged = format!("{what} were damaged");
         assert!(!said.is_empty() && said.iter().all(|line| line.contains(&damaged)), "{name}: {said:?}");
     }
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (_folder, path) = sample::in_memory();
     sample::edit_manifest(&path, |records| {
         let Some(Record::Header(header)) = records.first_mut() else { panic!("no header") };
         header.source = Source::Replayed { name: "gone.raydump".into(), manifest_sha256: [7; 32] };
@@ -166,14 +164,13 @@ fn wrong_keys_of_every_method_are_found() {
 
 #[test]
 fn differing_keys_are_counted_where_arithmetic_is_not_ieee() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (_folder, path) = sample::in_memory();
     edit_array::<u64>(&path, &method("two-point", MethodArray::Keys), |keys| {
         keys.iter_mut().for_each(|key| *key ^= 1)
     });
     sample::edit_parts(&path, part::header, |header| header.ieee_arithmetic = false);
     let report = check(&path);
-    let keys = report.checks.iter().find(|check| check.name == "keys").unwrap();
+    let keys = of_check(&report, "keys");
     assert_eq!(keys.problems.count, 0);
     assert!(keys.differences.count > 50 && keys.differences.first.len() == 5, "{keys:?}");
 }
@@ -269,8 +266,7 @@ fn wrong_scenes_and_pictures_are_found() {
 /// Recordings of before have no colours, and are complete.
 #[test]
 fn a_scene_lacks_colours_since_version_8() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = sample::write(folder.path());
+    let (_folder, path) = sample::in_memory();
     let colours = Place::Scene(SceneArray::Colours);
     fs::remove_file(path.join(colours.to_string())).unwrap();
     sample::edit_manifest(&path, |records| {

@@ -4,22 +4,31 @@
 mod sample;
 
 use std::fs;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use formats::key::{LightSite, Termination};
-use formats::manifest::scan::scan;
 use formats::manifest::{
     CacheRecord, CalibrationRecord, DecisionRecord, DisturbedRecord, End, Header, MethodRecord, Mismatches,
     Outcome, Place, QueueArray, QueueId, QueueRecord, Record, Source, Stage, TimingRecord, WayRecord,
 };
 use formats::ray::Kind;
 use formats::reader::Dump;
-use formats::verify::{Report, verify};
+use formats::verify::verify;
 use sample::part;
 
-fn problems(report: &Report) -> Vec<String> {
-    report.checks.iter().flat_map(|check| check.problems.first.clone()).collect()
+fn problems(dump: &Dump) -> Vec<String> {
+    verify(dump).checks.into_iter().flat_map(|check| check.problems.first).collect()
+}
+
+fn problems_in(dump: &Path) -> Vec<String> {
+    problems(&Dump::open(dump).unwrap())
+}
+
+#[track_caller]
+fn assert_said(problems: &[String], part: &str) {
+    assert!(problems.iter().any(|problem| problem.contains(part)), "expected {part}: {problems:#?}");
 }
 
 /// A change of a part of a record, and what is said of it.
@@ -27,13 +36,11 @@ type Case<T> = (fn(&mut T), &'static str);
 
 /// Asserts that each of these edits of every record that has such a part is found.
 fn assert_found<T>(part_of: fn(&mut Record) -> Option<&mut T>, cases: &[Case<T>]) {
-    let folder = sample::folder_in_memory();
-    let dump = sample::write(folder.path());
+    let (_folder, dump) = sample::in_memory();
     let manifest = fs::read(dump.join("manifest.bin")).unwrap();
     for (change, said) in cases {
         sample::edit_parts(&dump, part_of, change);
-        let found = problems(&verify(&Dump::open(&dump).unwrap()));
-        assert!(found.iter().any(|problem| problem.contains(said)), "expected {said}: {found:#?}");
+        assert_said(&problems_in(&dump), said);
         fs::write(dump.join("manifest.bin"), &manifest).unwrap();
     }
     assert!(verify(&Dump::open(&dump).unwrap()).is_ok());
@@ -217,28 +224,22 @@ fn impossible_caches_are_found() {
 /// A queue that was measured in a complete recording has its record.
 #[test]
 fn times_of_a_queue_without_a_record_are_found() {
-    let folder = sample::folder_in_memory();
-    let dump = sample::write(folder.path());
+    let (_folder, dump) = sample::in_memory();
     let gone = QueueId { pass: 1, bounce: 0, kind: Kind::Shadow };
     sample::edit_manifest(&dump, |records| {
         records.retain(|record| !matches!(record, Record::Queue(queue) if queue.id == gone));
     });
-    let found = problems(&verify(&Dump::open(&dump).unwrap()));
-    assert!(
-        found.iter().any(|problem| problem.contains("no record of queue pass-001/bounce-00/shadow")),
-        "{found:?}"
-    );
+    assert_said(&problems_in(&dump), "no record of queue pass-001/bounce-00/shadow");
 }
 
 /// A replay holds the orders alone: without its source nothing of them can be checked.
 #[test]
 fn a_replay_without_its_source_is_not_right() {
-    let folder = sample::folder_in_memory();
-    let source = sample::write(folder.path());
+    let (folder, source) = sample::in_memory();
     let manifest_sha256 = Dump::open(&source).unwrap().manifest_sha256().unwrap();
     let replay = folder.path().join("replay.raydump");
     fs::create_dir(&replay).unwrap();
-    let found = || problems(&verify(&Dump::open(&replay).unwrap()));
+    let found = || problems_in(&replay);
     sample::empty_replay(&replay, "sample.raydump", manifest_sha256);
     assert_eq!(found(), [""; 0]);
     fs::write(
@@ -258,8 +259,7 @@ fn a_replay_without_its_source_is_not_right() {
 /// What a replay reads of its source is checked like its own.
 #[test]
 fn a_damaged_array_of_the_source_is_found() {
-    let folder = sample::folder_in_memory();
-    let source = sample::write(folder.path());
+    let (folder, source) = sample::in_memory();
     let manifest_sha256 = Dump::open(&source).unwrap().manifest_sha256().unwrap();
     let replay = folder.path().join("replay.raydump");
     fs::create_dir(&replay).unwrap();
@@ -273,7 +273,7 @@ fn a_damaged_array_of_the_source_is_found() {
         records.insert(0, Record::Header(Box::new(header)));
         records.push(end);
     });
-    let check = || problems(&verify(&Dump::open(&replay).unwrap()));
+    let check = || problems_in(&replay);
     assert_eq!(check(), [""; 0]);
     let queue = QueueId { pass: 1, bounce: 1, kind: Kind::Closest };
     let rays = Place::Queue(queue, QueueArray::Rays).to_string();
@@ -303,8 +303,7 @@ fn long_names_are_cut() {
             "is not the name of a method",
         ),
     ];
-    let folder = sample::folder_in_memory();
-    let dump = sample::write(folder.path());
+    let (_folder, dump) = sample::in_memory();
     let manifest = fs::read(dump.join("manifest.bin")).unwrap();
     for (name_of, said) in cases {
         let mut number = 0;
@@ -313,10 +312,10 @@ fn long_names_are_cut() {
             number += 1;
         });
         let found = match Dump::open(&dump) {
-            Ok(opened) => problems(&verify(&opened)),
+            Ok(opened) => problems(&opened),
             Err(error) => vec![error.to_string()],
         };
-        assert!(found.iter().any(|problem| problem.contains(said)), "{said}: {found:?}");
+        assert_said(&found, said);
         let longest = found.iter().map(String::len).max().unwrap();
         assert!(longest < 1000, "{said}: {longest} bytes");
         fs::write(dump.join("manifest.bin"), &manifest).unwrap();
@@ -326,8 +325,7 @@ fn long_names_are_cut() {
 /// A mapped file that is cut ends the process by a signal.
 #[test]
 fn a_file_that_shrinks_meanwhile_is_a_sentence() {
-    let folder = sample::folder_in_memory();
-    let dump = sample::write(folder.path());
+    let (_folder, dump) = sample::in_memory();
     let queue = QueueId { pass: 1, bounce: 0, kind: Kind::Closest };
     let file = dump.join(Place::Queue(queue, QueueArray::Rays).to_string());
     let bytes = fs::read(&file).unwrap();
@@ -340,7 +338,7 @@ fn a_file_that_shrinks_meanwhile_is_a_sentence() {
             }
         });
         for _ in 0..200 {
-            for problem in problems(&verify(&opened)) {
+            for problem in problems(&opened) {
                 assert!(!problem.is_empty());
             }
         }
@@ -352,12 +350,11 @@ fn a_file_that_shrinks_meanwhile_is_a_sentence() {
 /// What a complete recording lacks, and what nobody said was kept.
 #[test]
 fn what_was_kept_is_there() {
-    let folder = sample::folder_in_memory();
-    let dump = sample::write(folder.path());
+    let (_folder, dump) = sample::in_memory();
     let manifest = fs::read(dump.join("manifest.bin")).unwrap();
     let without = |is_gone: &dyn Fn(&Record) -> bool| {
         sample::edit_manifest(&dump, |records| records.retain(|record| !is_gone(record)));
-        let found = problems(&verify(&Dump::open(&dump).unwrap()));
+        let found = problems_in(&dump);
         fs::write(dump.join("manifest.bin"), &manifest).unwrap();
         found
     };
@@ -365,13 +362,12 @@ fn what_was_kept_is_there() {
     for word in words.iter().filter(|word| *word != "caches") {
         let is_of_word =
             |record: &Record| matches!(record, Record::Array(array) if array.place.kept_with() == word);
-        let (found, said) = (without(&is_of_word), format!("but {word} were kept by the header"));
-        assert!(found.iter().any(|problem| problem.contains(&said)), "{word}: {found:#?}");
+        assert_said(&without(&is_of_word), &format!("but {word} were kept by the header"));
     }
-    let found = without(&|record| matches!(record, Record::Cache(_)));
-    assert!(found.iter().any(|problem| problem.contains("there are no caches of unsorted")), "{found:#?}");
-    let found = without(&|record| matches!(record, Record::Timing(_)));
-    assert!(found.iter().any(|problem| problem.contains("there are no times of unsorted")), "{found:#?}");
+    let is_cache = |record: &Record| matches!(record, Record::Cache(_));
+    assert_said(&without(&is_cache), "there are no caches of unsorted");
+    let is_timing = |record: &Record| matches!(record, Record::Timing(_));
+    assert_said(&without(&is_timing), "there are no times of unsorted");
     let cases: &[Case<Header>] = &[
         (|header| header.options.keep.clear(), "the header does not say that scene were kept"),
         (|header| header.options.keep.push("rays".into()), "kept arrays name 'rays' twice"),
@@ -392,8 +388,7 @@ fn what_was_kept_is_there() {
 /// A second time of the same would hide the first.
 #[test]
 fn a_time_is_told_once() {
-    let folder = sample::folder_in_memory();
-    let dump = sample::write(folder.path());
+    let (_folder, dump) = sample::in_memory();
     let times = |record: &Record| 1 + usize::from(matches!(record, Record::Timing(_)));
     sample::edit_manifest(&dump, |records| {
         *records = records.iter().flat_map(|record| vec![record.clone(); times(record)]).collect();
@@ -436,41 +431,35 @@ fn what_auto_chose_follows_from_its_calibration() {
 /// Nor is one asked for where the queue has rays and no record, as when a recording was ended early.
 #[test]
 fn a_queue_of_a_calibrated_bounce_needs_no_sample() {
-    let folder = sample::folder_in_memory();
-    let dump = sample::write(folder.path());
+    let (_folder, dump) = sample::in_memory();
     sample::edit_records(&dump, |record| match record {
         Record::Calibration(calibration) => calibration.bounce = 1,
         Record::Decision(decision) => decision.area = 0.0,
         _ => {}
     });
-    assert_eq!(problems(&verify(&Dump::open(&dump).unwrap())), [""; 0]);
+    assert_eq!(problems_in(&dump), [""; 0]);
     sample::edit_manifest(&dump, |records| records.retain(|record| !matches!(record, Record::Queue(_))));
-    let found = problems(&verify(&Dump::open(&dump).unwrap()));
+    let found = problems_in(&dump);
     assert!(!found.iter().any(|problem| problem.contains("sample")), "{found:#?}");
 }
 
 #[test]
 fn what_auto_chose_is_held_against_the_rule_of_its_version() {
-    let folder = sample::folder_in_memory();
-    let dump = sample::write(folder.path());
+    let (_folder, dump) = sample::in_memory();
     sample::edit_parts(&dump, part::calibration, |record| record.candidates[0].net_low = 1.01);
-    let found = problems(&verify(&Dump::open(&dump).unwrap()));
-    assert!(found.iter().any(|problem| problem.contains("by the calibration it is None")), "{found:#?}");
+    assert_said(&problems_in(&dump), "by the calibration it is None");
     sample::set_version(&dump, 8);
-    assert_eq!(problems(&verify(&Dump::open(&dump).unwrap())), [""; 0]);
+    assert_eq!(problems_in(&dump), [""; 0]);
 }
 
 /// What is looked up for each of many times is not searched for: opening looks at each record once, too.
 #[test]
 fn many_methods_are_verified_as_fast_as_read() {
     const COUNT: usize = 60_000;
-    let folder = sample::folder_in_memory();
-    let dump = sample::write(folder.path());
-    let frames = scan(&dump.join("manifest.bin")).unwrap().frames;
-    let part =
-        |of: fn(&Record) -> bool| frames.iter().find(|frame| of(&frame.record)).unwrap().record.clone();
-    let Record::Method(method) = part(|record| matches!(record, Record::Method(_))) else { unreachable!() };
-    let Record::Timing(timing) = part(|record| matches!(record, Record::Timing(_))) else { unreachable!() };
+    let (_folder, dump) = sample::in_memory();
+    let mut records = sample::records(&dump);
+    let method = records.iter_mut().find_map(part::method).unwrap().clone();
+    let timing = records.iter_mut().find_map(part::timing).unwrap().clone();
     let names: Vec<String> = (0..COUNT).map(|number| format!("{number:0>100}")).collect();
     let many = names.iter().flat_map(|name| {
         let method = MethodRecord { name: name.clone(), ..method.clone() };
@@ -487,7 +476,7 @@ fn many_methods_are_verified_as_fast_as_read() {
     let start = Instant::now();
     let opened = Dump::open(&dump).unwrap();
     let opening = start.elapsed();
-    assert!(!problems(&verify(&opened)).is_empty());
+    assert!(!problems(&opened).is_empty());
     let verifying = start.elapsed() - opening;
     eprintln!("opened in {opening:?}, verified in {verifying:?}");
     // About 5 times as long, most of it reading layouts; one search of all methods for each takes 120 times.

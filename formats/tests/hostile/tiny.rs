@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use formats::key::{Encoder, Facts, Method};
 use formats::length_table::{LengthTable, TABLE_BITS_MIN};
 use formats::manifest::{
-    End, Header, MethodArray, MethodRecord, Mismatches, Outcome, Place, QueueArray, QueueId, QueueRecord,
-    Record, SceneArray, Stage, TimingRecord,
+    End, Header, MethodRecord, Mismatches, Outcome, Place, QueueArray, QueueId, QueueRecord, Record,
+    SceneArray, Stage,
 };
 use formats::npy::Element;
 use formats::ray::{Hit, Kind, Ray};
@@ -84,32 +84,16 @@ fn write_queue(writer: &mut DumpWriter, whole: &Dump, header: &Header, kind: Kin
         .zip(&lights)
         .map(|(ray, &light)| encoder.encode(ray, Facts { length: table.mean(cell(ray)), light, path: 0 }))
         .collect();
-    write_method(writer, id, method, &keys);
+    sample::write_order(writer, id, &method.name, method.key_bits, &keys).unwrap();
     add_all();
     write_table(writer, QueueArray::FinalLengths);
     let methods = vec!["unsorted".to_owned(), method.name.clone()];
-    for method in methods.clone() {
-        let QueueId { pass, bounce, kind } = id;
+    for method in &methods {
         let samples_ns = vec![9; header.options.repeats as usize];
-        let timing = TimingRecord { pass, bounce, kind: Some(kind), method, stage: Stage::Trace, samples_ns };
-        writer.record(&Record::Timing(timing)).unwrap();
+        writer.record(&sample::timing(id, method, Stage::Trace, samples_ns)).unwrap();
     }
     let mismatches = methods.iter().map(|method| Mismatches { method: method.clone(), rays: 0 }).collect();
     writer.record(&Record::Queue(QueueRecord { id, rays: RAYS as u64, methods, mismatches })).unwrap();
-}
-
-fn write_method(writer: &mut DumpWriter, queue: QueueId, method: &MethodRecord, keys: &[u64]) {
-    let place = |array| Place::Method(queue, method.name.clone(), array);
-    let shape = [RAYS as u64];
-    if method.key_bits > 32 {
-        writer.whole_array(&place(MethodArray::Keys), &shape, keys).unwrap();
-    } else {
-        let narrow: Vec<u32> = keys.iter().map(|&key| key as u32).collect();
-        writer.whole_array(&place(MethodArray::Keys), &shape, &narrow).unwrap();
-    }
-    let mut permutation: Vec<u32> = (0..RAYS as u32).collect();
-    permutation.sort_by_key(|&ray| keys[ray as usize]);
-    writer.whole_array(&place(MethodArray::Permutation), &shape, &permutation).unwrap();
 }
 
 /// Copies the first entries of an array; returns them.

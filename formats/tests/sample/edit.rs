@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use formats::manifest::scan::scan;
+use formats::manifest::scan::{Frame, scan};
 use formats::manifest::{
     End, FILE_NAME, Header, Outcome, PREAMBLE_BYTES, Place, QueueId, Record, Source, TimingRecord,
     encode_frame, preamble, preamble_of,
@@ -13,10 +13,19 @@ use formats::writer::DumpWriter;
 
 use super::header;
 
+/// The records of a dump, and where they lie in its manifest.
+pub(crate) fn frames(dump: &Path) -> Vec<Frame> {
+    scan(&dump.join(FILE_NAME)).unwrap().frames
+}
+
+/// The records alone.
+pub(crate) fn records(dump: &Path) -> Vec<Record> {
+    frames(dump).into_iter().map(|frame| frame.record).collect()
+}
+
 /// Writes the manifest anew from what `edit` makes of its records.
 pub(crate) fn edit_manifest(dump: &Path, edit: impl FnOnce(&mut Vec<Record>)) {
-    let frames = scan(&dump.join(FILE_NAME)).unwrap().frames;
-    let mut records: Vec<Record> = frames.into_iter().map(|frame| frame.record).collect();
+    let mut records = records(dump);
     edit(&mut records);
     write_manifest(dump, &records);
 }
@@ -101,8 +110,8 @@ pub(crate) fn thinned(whole: &Path, name: &str, queues: &[QueueId], methods: &[&
         header.options.keep_passes = "measured".to_owned();
     }
     let mut writer = DumpWriter::create(&whole.with_file_name(name), header, false).unwrap();
-    for frame in scan(&whole.join(FILE_NAME)).unwrap().frames {
-        match frame.record {
+    for record in records(whole) {
+        match record {
             Record::Method(method) if methods.contains(&method.name.as_str()) => {
                 writer.record(&Record::Method(method)).unwrap();
             }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use formats::auto::{sample, sampled_area};
 use formats::key::method::AUTO;
-use formats::key::{Encoder, Extent, Facts, LightSite, Method, Termination};
+use formats::key::{Encoder, Facts, LightSite, Method, Termination};
 use formats::length_table::LengthTable;
 use formats::manifest::check::KEEP_WORDS;
 use formats::manifest::{
@@ -24,14 +24,14 @@ use formats::writer::{DumpWriter, WriteError};
 use sha2::{Digest, Sha256};
 
 pub(crate) use edit::{
-    edit_manifest, edit_parts, edit_records, empty_replay, part, set_version, thinned, write_manifest,
+    edit_manifest, edit_parts, edit_records, empty_replay, frames, part, records, set_version, thinned,
+    write_manifest,
 };
 
 pub(crate) const WIDTH: u32 = 16;
 pub(crate) const HEIGHT: u32 = 12;
 pub(crate) const PASSES: u32 = 2;
 pub(crate) const BOUNCES: u32 = 2;
-const TABLE_LAYOUT: &str = "(ox oy oz)*3 (ox oy oz dx dy dz)*9 ox";
 
 /// A box of 4 × 2 × 3 without its ceiling, with a board across it.
 pub(crate) fn positions() -> Vec<[f32; 3]> {
@@ -121,6 +121,11 @@ struct Queue {
 }
 
 impl Queue {
+    fn empty(id: QueueId) -> Self {
+        let (path_ids, lights) = (Vec::new(), Vec::new());
+        Self { id, path_ids, rays: Vec::new(), hits: Vec::new(), distances: Vec::new(), lights }
+    }
+
     fn traced_length(&self, ray: usize) -> f32 {
         match self.id.kind {
             Kind::Closest => unit().closest_length(&self.rays[ray], &self.hits[ray]),
@@ -143,7 +148,7 @@ fn closest_queue(pass: u32, bounce: u32, paths: Vec<(u32, [f32; 3])>) -> Queue {
     let hits = rays.iter().map(nearest).collect();
     let path_ids = paths.into_iter().map(|(path, _)| path).collect();
     let id = QueueId { pass, bounce, kind: Kind::Closest };
-    Queue { id, path_ids, rays, hits, distances: Vec::new(), lights: Vec::new() }
+    Queue { path_ids, rays, hits, ..Queue::empty(id) }
 }
 
 /// Where the hits of a queue are, a little before the surface.
@@ -154,15 +159,7 @@ fn hit_points(queue: &Queue) -> Vec<(u32, [f32; 3])> {
 }
 
 fn shadow_queue(pass: u32, bounce: u32, points: &[(u32, [f32; 3])]) -> Queue {
-    let id = QueueId { pass, bounce, kind: Kind::Shadow };
-    let mut queue = Queue {
-        id,
-        path_ids: Vec::new(),
-        rays: Vec::new(),
-        hits: Vec::new(),
-        distances: Vec::new(),
-        lights: Vec::new(),
-    };
+    let mut queue = Queue::empty(QueueId { pass, bounce, kind: Kind::Shadow });
     for &(path, origin) in points {
         let light = (path + pass + bounce) % 3;
         let (direction, t_max) = match light {
@@ -209,7 +206,7 @@ pub(crate) fn header() -> Header {
             two_point_length: 0.25,
             table_bits: 12,
             table_method: "aila".into(),
-            table_layout: TABLE_LAYOUT.into(),
+            table_layout: "(ox oy oz)*3 (ox oy oz dx dy dz)*9 ox".into(),
             trace_kernel: "bvh2".into(),
             threads: 1,
             keep: KEEP_WORDS.map(str::to_owned).to_vec(),
@@ -309,8 +306,8 @@ fn write_queue(writer: &mut DumpWriter, queue: &Queue) -> Result<(), WriteError>
     writer.whole_array(&place(QueueArray::Work), &[rays], &work)
 }
 
-fn cell_of(encoder: &Encoder, ray: &Ray) -> u32 {
-    encoder.encode(ray, Facts::default()) as u32
+fn cell_of(cells: &Encoder, ray: &Ray) -> u32 {
+    cells.encode(ray, Facts::default()) as u32
 }
 
 fn write_method(
@@ -322,7 +319,7 @@ fn write_method(
 ) -> Result<(), WriteError> {
     let layout = method.layout.expand(header().extent()).unwrap();
     let encoder = Encoder::new(&layout, key_bits, unit(), &lights());
-    let cells = Encoder::new(&table_layout(), table.bits(), unit(), &[]);
+    let cells = header().cell_encoder().unwrap();
     let keys: Vec<u64> = (0..queue.rays.len())
         .map(|i| {
             let ray = &queue.rays[i];
@@ -336,26 +333,44 @@ fn write_method(
             encoder.encode(ray, Facts { length, light, path: queue.path_ids[i] })
         })
         .collect();
-    let place = |array| Place::Method(queue.id, method.name.clone(), array);
-    let rays = queue.rays.len() as u64;
+    write_order(writer, queue.id, &method.name, key_bits, &keys)
+}
+
+/// Writes the keys of a queue's rays, and the order by them.
+pub(crate) fn write_order(
+    writer: &mut DumpWriter,
+    queue: QueueId,
+    method: &str,
+    key_bits: u32,
+    keys: &[u64],
+) -> Result<(), WriteError> {
+    let place = |array| Place::Method(queue, method.to_owned(), array);
+    let shape = [keys.len() as u64];
     if key_bits > 32 {
-        writer.whole_array(&place(MethodArray::Keys), &[rays], &keys)?;
+        writer.whole_array(&place(MethodArray::Keys), &shape, keys)?;
     } else {
         let narrow: Vec<u32> = keys.iter().map(|&key| key as u32).collect();
-        writer.whole_array(&place(MethodArray::Keys), &[rays], &narrow)?;
+        writer.whole_array(&place(MethodArray::Keys), &shape, &narrow)?;
     }
-    let mut permutation: Vec<u32> = (0..queue.rays.len() as u32).collect();
-    permutation.sort_by_key(|&ray| keys[ray as usize]);
     // Streamed in odd pieces, as readbacks come.
-    let mut array = writer.array(&place(MethodArray::Permutation), Dtype::U4, &[rays])?;
-    for piece in bytemuck::cast_slice::<u32, u8>(&permutation).chunks(100) {
+    let mut array = writer.array(&place(MethodArray::Permutation), Dtype::U4, &shape)?;
+    for piece in bytemuck::cast_slice::<u32, u8>(&sorted(keys)).chunks(100) {
         array.write(piece)?;
     }
     array.finish()
 }
 
-fn table_layout() -> formats::key::Layout {
-    formats::key::LayoutText::parse(TABLE_LAYOUT).unwrap().expand(Extent::NOTHING).unwrap()
+/// The stable order by these keys.
+fn sorted(keys: &[u64]) -> Vec<u32> {
+    let mut permutation: Vec<u32> = (0..keys.len() as u32).collect();
+    permutation.sort_by_key(|&ray| keys[ray as usize]);
+    permutation
+}
+
+/// The times of a stage.
+pub(crate) fn timing(queue: QueueId, method: &str, stage: Stage, samples_ns: Vec<u64>) -> Record {
+    let (QueueId { pass, bounce, kind }, method) = (queue, method.to_owned());
+    Record::Timing(TimingRecord { pass, bounce, kind: Some(kind), method, stage, samples_ns })
 }
 
 /// The sample's methods with their key bits: narrow, wide, one of a user.
@@ -387,23 +402,11 @@ fn write_timings(writer: &mut DumpWriter, id: QueueId, method: &str, number: u64
         stages.push((Stage::Accumulate, around(250)));
     }
     for (stage, samples_ns) in stages {
-        let (pass, bounce, kind) = (id.pass, id.bounce, Some(id.kind));
-        writer.record(&Record::Timing(TimingRecord {
-            pass,
-            bounce,
-            kind,
-            method: method.to_owned(),
-            stage,
-            samples_ns,
-        }))?;
+        writer.record(&timing(id, method, stage, samples_ns))?;
     }
     if method == "unsorted" {
-        writer.record(&Record::Disturbed(DisturbedRecord {
-            queue: id,
-            method: method.to_owned(),
-            stage: Stage::Trace,
-            samples: vec![1],
-        }))?;
+        let (method, stage, samples) = (method.to_owned(), Stage::Trace, vec![1]);
+        writer.record(&Record::Disturbed(DisturbedRecord { queue: id, method, stage, samples }))?;
     }
     Ok(())
 }
@@ -416,15 +419,14 @@ fn write_auto(writer: &mut DumpWriter, queue: &Queue) -> Result<(), WriteError> 
     let (method, key_bits) = methods().remove(0);
     let encoder =
         Encoder::new(&method.layout.expand(header().extent()).unwrap(), key_bits, unit(), &lights());
-    let mut permutation: Vec<u32> = (0..queue.rays.len() as u32).collect();
-    permutation.sort_by_key(|&ray| encoder.encode(&queue.rays[ray as usize], Facts::default()));
+    let keys: Vec<u64> = queue.rays.iter().map(|ray| encoder.encode(ray, Facts::default())).collect();
     let place = Place::Method(queue.id, AUTO.to_owned(), MethodArray::Permutation);
-    writer.whole_array(&place, &[permutation.len() as u64], &permutation)?;
+    writer.whole_array(&place, &[keys.len() as u64], &sorted(&keys))?;
     let sampled: Vec<Ray> = sample(queue.rays.len()).flat_map(|range| &queue.rays[range]).copied().collect();
     let (rays, area) = (queue.rays.len() as u64, sampled_area(&unit(), &sampled));
     let choice = Choice { method: method.name, key_bits, way: Way::Indices };
     let candidates = vec![Candidate { choice: choice.clone(), net: 1.25, net_low: 1.2 }];
-    let QueueId { pass, bounce, kind } = queue.id;
+    let QueueId { bounce, kind, .. } = queue.id;
     // Of another bounce, so that the sample says which queue it is most like.
     let calibrated = CalibrationRecord { bounce: bounce + 1, kind, rays, area, candidates };
     writer.record(&Record::Calibration(calibrated))?;
@@ -432,15 +434,7 @@ fn write_auto(writer: &mut DumpWriter, queue: &Queue) -> Result<(), WriteError> 
     for (stage, ns) in
         [(Stage::Decide, 10), (Stage::Key, 400), (Stage::Sort, 500), (Stage::TraceIndirect, 11_000)]
     {
-        let (method, samples_ns) = (AUTO.to_owned(), vec![ns; 7]);
-        writer.record(&Record::Timing(TimingRecord {
-            pass,
-            bounce,
-            kind: Some(kind),
-            method,
-            stage,
-            samples_ns,
-        }))?;
+        writer.record(&timing(queue.id, AUTO, stage, vec![ns; 7]))?;
     }
     Ok(())
 }
@@ -469,7 +463,7 @@ fn write_measured(
         write_auto(writer, queue)?;
         measured.push(AUTO.to_owned());
     }
-    let cells = Encoder::new(&table_layout(), table.bits(), unit(), &[]);
+    let cells = header().cell_encoder().unwrap();
     for (i, ray) in queue.rays.iter().enumerate() {
         table.add(cell_of(&cells, ray), queue.traced_length(i));
     }
@@ -541,6 +535,13 @@ pub(crate) fn write_all(writer: &mut DumpWriter) -> Result<End, WriteError> {
 /// A folder in memory where the system has one: syncing thousands of recordings to a disk takes minutes.
 pub(crate) fn folder_in_memory() -> tempfile::TempDir {
     tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap()
+}
+
+/// `sample.raydump` in a folder of its own, in memory.
+pub(crate) fn in_memory() -> (tempfile::TempDir, PathBuf) {
+    let folder = folder_in_memory();
+    let path = write(folder.path());
+    (folder, path)
 }
 
 /// Writes `sample.raydump` into a folder.
