@@ -113,18 +113,4 @@ mod tests {
         assert_eq!(paraboloid([0.0, -1.0, 0.0]), [0.75, 0.0]);
         assert_eq!(paraboloid([-0.8, 0.0, -0.6]), [0.125, 0.5]);
     }
-
-    #[test]
-    fn seen_from_a_light() {
-        let placed = LightSite::Placed { centre: [0.5; 3] };
-        let [u, v, r] = from_light(&placed, [0.5, 0.5, 1.0], [0.0; 3]);
-        assert_eq!([u, v], [0.5, 0.5]);
-        assert!((r - 0.5 / 3f32.sqrt()).abs() < 1e-7);
-        let sun = LightSite::directional([0.0, 0.0, 1.0]);
-        let [u, v, r] = from_light(&sun, [0.25, 0.5, 1.0], [0.0; 3]);
-        let expected = |x: f32| (x / 3f32.sqrt() + 1.0) / 2.0;
-        for (found, x) in [(u, 0.25), (v, 0.5), (r, 1.0)] {
-            assert!((found - expected(x)).abs() < 1e-6);
-        }
-    }
 }
