@@ -25,7 +25,7 @@ impl Holes {
     /// # Errors
     /// If an array that masks need is not there, or cannot be read.
     pub fn open(dump: &Dump) -> Result<Option<Self>, ReadError> {
-        let place = |array| Place::Scene(array);
+        let place = Place::Scene;
         if !dump.has(&place(SceneArray::Masks)) {
             return Ok(None);
         }
@@ -37,9 +37,7 @@ impl Holes {
                 continue;
             }
             let alphas = dump.array::<u8>(&place)?;
-            let owner = [Some(dump), dump.source()].into_iter().flatten();
-            let record = owner.filter_map(|dump| dump.record(&place)).next();
-            if let Some(&[height, width]) = record.map(|record| record.shape.as_slice())
+            if let Some(&[height, width]) = dump.shape(&place)
                 && !alphas.is_empty()
             {
                 textures.insert(texture, (alphas, [width as usize, height as usize]));

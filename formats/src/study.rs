@@ -65,23 +65,12 @@ pub struct JobRecord {
 
 /// Why a study cannot be read.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "each message says what it and its fields mean")]
 pub enum StudyError {
-    /// A file or folder.
     #[error("cannot read {}: {cause}", path.display())]
-    Io {
-        /// Which one.
-        path: PathBuf,
-        /// What the system said.
-        cause: io::Error,
-    },
-    /// No record of a job.
+    Io { path: PathBuf, cause: io::Error },
     #[error("{} is no record of a job: {reason}; delete it, and `recorder study run` makes the job again", path.display())]
-    Job {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        reason: String,
-    },
+    Job { path: PathBuf, reason: String },
 }
 
 /// Whether nothing has this name, also since what should hold it is a plain file: some systems leave theirs anywhere.

@@ -220,7 +220,7 @@ quantities! {
         whole("light", |at| at.of.lights.map_or(f64::NAN, |lights| f64::from(lights[at.index])))
             .needs(Needs::Lights);
     Occlusion = "occlusion", "1 where a surface was hit, 0 where nothing was":
-        whole("0 nothing hit, 1 a surface hit", |at| f64::from(u8::from(at.is_at_surface())));
+        whole("0 nothing hit, 1 a surface hit", |at| f64::from(u8::from(at.of.traced.is_at_surface(at.index))));
 }
 
 impl<'a> OrderedRays<'a> {
@@ -272,13 +272,6 @@ impl RayAt<'_> {
         let material = |triangle: f64| self.of.materials.ok()?.get(triangle as usize).copied();
         let triangle = Some(self.triangle()).filter(|triangle| triangle.is_finite());
         triangle.and_then(material).map_or(f64::NAN, f64::from)
-    }
-
-    fn is_at_surface(&self) -> bool {
-        match self.of.traced.results() {
-            Results::Hits(hits) => hits[self.index].is_hit(),
-            Results::Distances(distances) => distances[self.index].is_finite(),
-        }
     }
 
     /// To the origin of the ray at the next place; NaN for the last one.

@@ -185,20 +185,12 @@ impl<'a> Recomputed<'a> {
         let rays = rays.ok_or_else(|| absent("rays were", QueueArray::Rays))?;
         let parsed = LayoutText::parse(&method.text).and_then(|text| text.expand(header.extent()));
         let layout = parsed.map_err(|error| error.message)?;
-        let lights = if layout.uses(Coordinate::needs_light) {
-            let lights = subject.queue_array::<u32>(queue, QueueArray::Lights);
-            let lights = lights.filter(|lights| lights.len() == rays.len());
-            Some(lights.ok_or_else(|| absent("lights were", QueueArray::Lights))?)
-        } else {
-            None
+        let if_used = |needs: fn(Coordinate) -> bool, what: &str, array| -> Result<Option<_>, String> {
+            let load = || subject.queue_array(queue, array).filter(|found| found.len() == rays.len());
+            layout.uses(needs).then(|| load().ok_or_else(|| absent(what, array))).transpose()
         };
-        let path_ids = if layout.uses(Coordinate::needs_path) {
-            let ids = subject.queue_array::<u32>(queue, QueueArray::PathIds);
-            let ids = ids.filter(|ids| ids.len() == rays.len());
-            Some(ids.ok_or_else(|| absent("path ids were", QueueArray::PathIds))?)
-        } else {
-            None
-        };
+        let lights = if_used(Coordinate::needs_light, "lights were", QueueArray::Lights)?;
+        let path_ids = if_used(Coordinate::needs_path, "path ids were", QueueArray::PathIds)?;
         let length = match method.termination {
             Termination::Unused => Length::Fixed(0.0),
             Termination::Fixed => Length::Fixed(method.two_point_length),

@@ -18,7 +18,7 @@ pub struct Report {
 impl Report {
     /// Whether nothing is wrong. Differences that the adapter's arithmetic explains are not wrong.
     pub fn is_ok(&self) -> bool {
-        self.checks.iter().all(|check| check.problems.count == 0)
+        self.problems() == 0
     }
 
     /// How many things are wrong.
