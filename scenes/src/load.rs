@@ -77,10 +77,8 @@ pub fn load(source: &str) -> Result<Scene, LoadError> {
 }
 
 fn load_builtin(name: &str) -> Result<Scene, LoadError> {
-    let (name, parameter) = match name.split_once('?') {
-        Some((name, parameter)) => (name, Some(parameter)),
-        None => (name, None),
-    };
+    let (name, parameter) =
+        name.split_once('?').map_or((name, None), |(name, parameter)| (name, Some(parameter)));
     let count = |parameter: &str| match parameter.strip_prefix("triangles=").map(str::parse) {
         Some(Ok(count)) => Ok(count),
         _ => Err(LoadError::BuiltinParameter { parameter: parameter.into() }),
@@ -104,9 +102,7 @@ fn load_file(path: &Path) -> Result<Scene, LoadError> {
     match sidecar::read(&sidecar_path) {
         Ok(Some(sidecar)) => add_sidecar(&mut scene, sidecar),
         Ok(None) => {}
-        Err(source) => {
-            return Err(LoadError::Sidecar { path: sidecar_path, source });
-        }
+        Err(source) => return Err(LoadError::Sidecar { path: sidecar_path, source }),
     }
     make_names_unique(&mut scene.cameras);
     if let Err(source) = complete(&mut scene, &sidecar_path) {

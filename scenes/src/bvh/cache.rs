@@ -111,14 +111,9 @@ fn load(path: &Path, content: &[u8; 32], kind: BvhKind, scene: &Scene) -> Option
     let mut header = Header::zeroed();
     file.read_exact(bytemuck::bytes_of_mut(&mut header)).ok()?;
     let (nodes, slots) = (u64::from_le_bytes(header.nodes), u64::from_le_bytes(header.slots));
-    let node_size = match kind {
-        BvhKind::Bvh2 => size_of::<Bvh2Node>(),
-        BvhKind::Cwbvh => size_of::<CwbvhNode>(),
-        BvhKind::Wide => size_of::<WideNode>(),
-    } as u64;
     // Nothing is allocated before the file's length agrees with what it claims to hold.
     let expected = nodes
-        .checked_mul(node_size)
+        .checked_mul(node_bytes(kind) as u64)
         .and_then(|size| size.checked_add(slots.checked_mul(4)?))
         .and_then(|size| size.checked_add(size_of::<Header>() as u64))?;
     if header.magic != MAGIC || header.content != *content || bytes != expected {
@@ -143,6 +138,15 @@ fn load(path: &Path, content: &[u8; 32], kind: BvhKind, scene: &Scene) -> Option
     is_intact.then_some(bvh)
 }
 
+/// Bytes of a node.
+fn node_bytes(kind: BvhKind) -> usize {
+    match kind {
+        BvhKind::Bvh2 => size_of::<Bvh2Node>(),
+        BvhKind::Cwbvh => size_of::<CwbvhNode>(),
+        BvhKind::Wide => size_of::<WideNode>(),
+    }
+}
+
 /// Reads `count` items and adds their bytes to the checksum.
 fn read_array<T: Pod>(file: &mut impl Read, count: u64, checksum: &mut u32) -> Option<Vec<T>> {
     let mut items = vec![T::zeroed(); usize::try_from(count).ok()?];
@@ -157,11 +161,7 @@ fn keep(path: &Path, content: &[u8; 32], bvh: &Bvh) -> io::Result<()> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder)?;
     }
-    let nodes = match bvh {
-        Bvh::Bvh2 { nodes, .. } => nodes.len(),
-        Bvh::Cwbvh { nodes, .. } => nodes.len(),
-        Bvh::Wide { nodes, .. } => nodes.len(),
-    };
+    let nodes = bvh.node_bytes().len() / node_bytes(bvh.kind());
     let order: &[u8] = bytemuck::cast_slice(bvh.order());
     let header = Header {
         magic: MAGIC,

@@ -141,9 +141,9 @@ fn verdict(kind: BvhKind, change: impl Fn(&mut Bvh)) -> Result<(), Defect> {
 #[test]
 fn defects_of_bvh2_are_found() {
     let nodes_of = |change: fn(&mut Vec<Bvh2Node>)| {
-        verdict(BvhKind::Bvh2, |bvh| match bvh {
-            Bvh::Bvh2 { nodes, .. } => change(nodes),
-            Bvh::Cwbvh { .. } | Bvh::Wide { .. } => unreachable!(),
+        verdict(BvhKind::Bvh2, |bvh| {
+            let Bvh::Bvh2 { nodes, .. } = bvh else { unreachable!() };
+            change(nodes);
         })
     };
     assert_eq!(nodes_of(|_| {}), Ok(()));
@@ -157,9 +157,9 @@ fn defects_of_bvh2_are_found() {
         Err(Defect::Reference { .. } | Defect::Shared { .. })
     ));
     assert!(matches!(
-        verdict(BvhKind::Bvh2, |bvh| match bvh {
-            Bvh::Bvh2 { order, .. } => order[3] = order[4],
-            Bvh::Cwbvh { .. } | Bvh::Wide { .. } => unreachable!(),
+        verdict(BvhKind::Bvh2, |bvh| {
+            let Bvh::Bvh2 { order, .. } = bvh else { unreachable!() };
+            order[3] = order[4];
         }),
         Err(Defect::Order { slot: 4, .. })
     ));
@@ -168,9 +168,9 @@ fn defects_of_bvh2_are_found() {
 #[test]
 fn defects_of_cwbvh_are_found() {
     let nodes_of = |change: fn(&mut Vec<CwbvhNode>)| {
-        verdict(BvhKind::Cwbvh, |bvh| match bvh {
-            Bvh::Cwbvh { nodes, .. } => change(nodes),
-            Bvh::Bvh2 { .. } | Bvh::Wide { .. } => unreachable!(),
+        verdict(BvhKind::Cwbvh, |bvh| {
+            let Bvh::Cwbvh { nodes, .. } = bvh else { unreachable!() };
+            change(nodes);
         })
     };
     assert_eq!(nodes_of(|_| {}), Ok(()));
@@ -188,12 +188,11 @@ fn defects_of_cwbvh_are_found() {
 #[test]
 fn defects_of_wide_are_found() {
     let nodes_of = |change: fn(&mut Vec<WideNode>)| {
-        verdict(BvhKind::Wide, |bvh| match bvh {
-            Bvh::Wide { nodes, .. } => change(nodes),
-            Bvh::Bvh2 { .. } | Bvh::Cwbvh { .. } => unreachable!(),
+        verdict(BvhKind::Wide, |bvh| {
+            let Bvh::Wide { nodes, .. } = bvh else { unreachable!() };
+            change(nodes);
         })
     };
-    let leaf = |count: u32, first: u32| count << WideNode::FIRST_BITS | first;
     assert_eq!(nodes_of(|_| {}), Ok(()));
     assert!(matches!(nodes_of(|nodes| nodes[0].children[0] = 4000), Err(Defect::Reference { node: 0 })));
     assert!(matches!(nodes_of(|nodes| nodes[0].children[0] = 0), Err(Defect::Reference { node: 0 })));
@@ -201,11 +200,10 @@ fn defects_of_wide_are_found() {
         nodes_of(|nodes| nodes[0].children[0] = nodes[0].children[1]),
         Err(Defect::Shared { .. })
     ));
-    let too_many = verdict(BvhKind::Wide, |bvh| match bvh {
-        Bvh::Wide { nodes, .. } => nodes[0].children[0] = leaf(WIDE_LEAF + 1, 0),
-        Bvh::Bvh2 { .. } | Bvh::Cwbvh { .. } => unreachable!(),
-    });
-    assert!(matches!(too_many, Err(Defect::Reference { node: 0 })));
+    let too_many = |nodes: &mut Vec<WideNode>| {
+        nodes[0].children[0] = (WIDE_LEAF + 1) << WideNode::FIRST_BITS;
+    };
+    assert!(matches!(nodes_of(too_many), Err(Defect::Reference { node: 0 })));
     assert!(matches!(
         nodes_of(|nodes| nodes[1].planes[2][1][0] = nodes[1].planes[2][0][0]),
         Err(Defect::Box { node: 1 })

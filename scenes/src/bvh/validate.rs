@@ -41,23 +41,16 @@ pub fn validate(bvh: &Bvh, scene: &Scene) -> Result<(), Defect> {
         let corners = slots.map(|slot| scene.corners(bvh.order()[slot as usize] as usize));
         corners.fold(Bounds::EMPTY, |all, corners| all.union(&Bounds::of(&corners)))
     };
-    let nodes = match bvh {
-        Bvh::Bvh2 { nodes, order } => {
-            let tree = |index: usize| bvh2_children(&nodes[index]);
-            check_tree(nodes.len(), order.len(), BVH2_STACK, Some(1), tree)?;
-            nodes.len()
-        }
-        Bvh::Cwbvh { nodes, order } => {
-            let tree = |index: usize| cwbvh_children(&nodes[index]);
-            check_tree(nodes.len(), order.len(), CWBVH_STACK, None, tree)?;
-            nodes.len()
-        }
-        Bvh::Wide { nodes, order } => {
-            let tree = |index: usize| wide_children(&nodes[index]);
-            check_tree(nodes.len(), order.len(), WIDE_LEVELS, None, tree)?;
-            nodes.len()
-        }
+    let (nodes, limit, unused) = match bvh {
+        Bvh::Bvh2 { nodes, .. } => (nodes.len(), BVH2_STACK, Some(1)),
+        Bvh::Cwbvh { nodes, .. } => (nodes.len(), CWBVH_STACK, None),
+        Bvh::Wide { nodes, .. } => (nodes.len(), WIDE_LEVELS, None),
     };
+    check_tree(nodes, bvh.order().len(), limit, unused, |index| match bvh {
+        Bvh::Bvh2 { nodes, .. } => bvh2_children(&nodes[index]),
+        Bvh::Cwbvh { nodes, .. } => std::array::from_fn(|slot| nodes[index].child(slot)),
+        Bvh::Wide { nodes, .. } => std::array::from_fn(|slot| nodes[index].child(slot)),
+    })?;
     // From the back, so that what is below a node has been seen before the node.
     let mut exact = vec![Bounds::EMPTY; nodes];
     for index in (0..nodes).rev() {
@@ -106,14 +99,6 @@ fn bvh2_children(node: &Bvh2Node) -> Children {
         children[1] = Child::Inner(node.first.saturating_add(1));
     }
     children
-}
-
-fn cwbvh_children(node: &CwbvhNode) -> Children {
-    std::array::from_fn(|slot| node.child(slot))
-}
-
-fn wide_children(node: &WideNode) -> Children {
-    std::array::from_fn(|slot| node.child(slot))
 }
 
 /// Walks the tree from its root: every reference in range, everything reached once, children after their
