@@ -1,6 +1,10 @@
 //! What must hold for each built-in scene.
 #![allow(clippy::unwrap_used, reason = "this is test code, also outside test functions")]
 
+#[allow(dead_code, reason = "what makes files is not used here")]
+#[path = "import/fixture.rs"]
+mod fixture;
+
 use std::sync::LazyLock;
 
 use glam::DVec3;
@@ -40,30 +44,9 @@ fn digest(scene: &Scene) -> String {
 #[test]
 fn scenes_keep_the_invariants_of_a_scene() {
     for scene in samples() {
-        let name = &scene.name;
-        let vertices = scene.positions.len();
-        assert!(!scene.triangles.is_empty() && !scene.cameras.is_empty(), "{name}");
-        assert_eq!(scene.triangle_materials.len(), scene.triangles.len(), "{name}");
-        assert!(scene.normals.is_empty() || scene.normals.len() == vertices, "{name}");
-        assert!(scene.uvs.is_empty() || scene.uvs.len() == vertices, "{name}");
-        let textured = scene.materials.iter().any(|material| material.base_color_texture.is_some());
-        assert_eq!(textured, !scene.uvs.is_empty(), "{name}: uvs without need, or none");
-        assert!(scene.triangles.iter().flatten().all(|&index| (index as usize) < vertices), "{name}");
-        let materials = scene.materials.len() as u32;
-        assert!(scene.triangle_materials.iter().all(|&material| material < materials), "{name}");
-        assert!(scene.positions.iter().flatten().all(|x| x.is_finite()), "{name}");
-        assert!(scene.uvs.iter().flatten().all(|x| x.is_finite()), "{name}");
-        for normal in &scene.normals {
-            let square: f32 = normal.iter().map(|x| x * x).sum();
-            assert!(square == 0.0 || (square - 1.0).abs() < 1e-5, "{name}: normal {normal:?}");
-        }
-        let textures = scene.textures.len() as u32;
-        for material in &scene.materials {
-            assert!(material.base_color_texture.is_none_or(|texture| texture < textures), "{name}");
-        }
-        for texture in &scene.textures {
-            assert_eq!(texture.rgba.len() as u32, texture.width * texture.height, "{name}");
-        }
+        // The name stands above the message if the check panics.
+        eprintln!("{}", scene.name);
+        fixture::check_invariants(scene);
     }
 }
 

@@ -194,6 +194,7 @@ pub(crate) fn check_invariants(scene: &Scene) {
     }
     let is_textured = scene.materials.iter().any(|material| material.base_color_texture.is_some());
     assert_eq!(scene.uvs.len(), if is_textured { vertices } else { 0 });
+    assert!(scene.uvs.iter().flatten().all(|x| x.is_finite()));
     for material in &scene.materials {
         assert!(material.base_color_texture.is_none_or(|texture| (texture as usize) < scene.textures.len()));
     }

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::Cursor;
 
 use base64::Engine;
-use image::{ImageFormat, Rgb, RgbImage, Rgba, RgbaImage};
+use image::{DynamicImage, ImageFormat, Rgb, RgbImage, Rgba, RgbaImage};
 use scenes::features::Features;
 use scenes::{Light, Material, Scene};
 use serde_json::{Value, json};
@@ -15,9 +15,13 @@ use crate::fixture::{Fixture, load_in};
 const TEXELS: [[u8; 4]; 2] = [[255, 0, 10, 128], [0, 200, 30, 7]];
 
 fn png() -> Vec<u8> {
-    let image = RgbaImage::from_fn(2, 1, |x, _| Rgba(TEXELS[x as usize]));
+    encoded(RgbaImage::from_fn(2, 1, |x, _| Rgba(TEXELS[x as usize])), ImageFormat::Png)
+}
+
+/// The file of an image.
+pub(crate) fn encoded(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
-    image.write_to(&mut bytes, ImageFormat::Png).expect("PNG can be written");
+    image.into().write_to(&mut bytes, format).expect("images can be written");
     bytes.into_inner()
 }
 
@@ -40,6 +44,14 @@ fn with_image(image: Value) -> Fixture {
     let mut fixture = with_material(json!({ "pbrMetallicRoughness": base_color }));
     fixture.push("textures", json!({ "source": 0 }));
     fixture.push("images", image);
+    fixture
+}
+
+/// The same with the bytes of an image in the file.
+fn with_bytes(image: &[u8]) -> Fixture {
+    let mut fixture = with_image(json!({}));
+    let view = fixture.view(image);
+    fixture.json["images"][0]["bufferView"] = json!(view);
     fixture
 }
 
@@ -127,9 +139,8 @@ fn textures_from_views_uris_and_files() {
         assert!(Features::of(scene).textures);
     };
 
-    let mut fixture = with_image(json!({ "mimeType": "image/jpeg" }));
-    let view = fixture.view(&png());
-    fixture.json["images"][0]["bufferView"] = json!(view);
+    let mut fixture = with_bytes(&png());
+    fixture.json["images"][0]["mimeType"] = json!("image/jpeg");
     check(&fixture.scene());
 
     let encoded = base64::engine::general_purpose::STANDARD.encode(png());
@@ -145,12 +156,8 @@ fn textures_from_views_uris_and_files() {
 
 #[test]
 fn jpeg_textures() {
-    let mut bytes = Cursor::new(Vec::new());
-    RgbImage::from_pixel(8, 8, Rgb([200, 100, 50])).write_to(&mut bytes, ImageFormat::Jpeg).unwrap();
-    let mut fixture = with_image(json!({}));
-    let view = fixture.view(&bytes.into_inner());
-    fixture.json["images"][0]["bufferView"] = json!(view);
-    for [red, green, blue, alpha] in &fixture.scene().textures[0].rgba {
+    let jpeg = encoded(RgbImage::from_pixel(8, 8, Rgb([200, 100, 50])), ImageFormat::Jpeg);
+    for [red, green, blue, alpha] in &with_bytes(&jpeg).scene().textures[0].rgba {
         assert!(red.abs_diff(200) < 4 && green.abs_diff(100) < 4 && blue.abs_diff(50) < 4);
         assert_eq!(*alpha, 255);
     }
@@ -158,9 +165,7 @@ fn jpeg_textures() {
 
 #[test]
 fn a_texture_says_which_coordinates_it_wants() {
-    let mut fixture = with_image(json!({}));
-    let view = fixture.view(&png());
-    fixture.json["images"][0]["bufferView"] = json!(view);
+    let mut fixture = with_bytes(&png());
     fixture.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = json!(1);
     assert_eq!(fixture.scene().uvs, [[0.25, 0.75]; 3]);
     fixture.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = json!(2);
@@ -171,9 +176,7 @@ fn a_texture_says_which_coordinates_it_wants() {
 
 #[test]
 fn an_image_is_kept_once_and_only_if_a_triangle_shows_it() {
-    let mut fixture = with_image(json!({}));
-    let view = fixture.view(&png());
-    fixture.json["images"][0]["bufferView"] = json!(view);
+    let mut fixture = with_bytes(&png());
     fixture.push("textures", json!({ "source": 0 }));
     let same_image = json!({ "baseColorTexture": { "index": 1 } });
     fixture.push("materials", json!({ "pbrMetallicRoughness": same_image }));
@@ -195,9 +198,7 @@ fn an_image_is_kept_once_and_only_if_a_triangle_shows_it() {
 
 #[test]
 fn other_textures_count_by_their_mean() {
-    let mut fixture = with_image(json!({}));
-    let view = fixture.view(&png());
-    fixture.json["images"][0]["bufferView"] = json!(view);
+    let mut fixture = with_bytes(&png());
     let texture = json!({ "index": 0 });
     fixture.json["materials"][0] = json!({
         "pbrMetallicRoughness": { "metallicRoughnessTexture": texture, "roughnessFactor": 0.5 },

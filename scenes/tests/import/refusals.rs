@@ -5,6 +5,7 @@ use std::fs;
 use serde_json::json;
 
 use crate::fixture::{Fixture, U16, chunk, glb_of_chunks, le_bytes, load_bytes, load_in};
+use crate::materials::encoded;
 
 /// The sentence with which a file is refused, after its `cannot load scene.glb: `.
 #[track_caller]
@@ -267,9 +268,7 @@ fn instances_beyond_all_memory_are_refused_before_they_are_made() {
 fn images_beyond_all_memory_are_refused_before_they_are_decoded() {
     let mut fixture = Fixture::triangle();
     // Headers of 5 GB images, a thousand times: their pixels need not be there to be counted.
-    let mut png = std::io::Cursor::new(Vec::new());
-    image::GrayImage::new(1, 1).write_to(&mut png, image::ImageFormat::Png).unwrap();
-    let mut png = png.into_inner();
+    let mut png = encoded(image::GrayImage::new(1, 1), image::ImageFormat::Png);
     png[16..20].copy_from_slice(&36_000_u32.to_be_bytes());
     png[20..24].copy_from_slice(&36_000_u32.to_be_bytes());
     let checksum = crc32_of(&png[12..29]);

@@ -7,6 +7,7 @@ use scenes::{Environment, Light};
 use serde_json::json;
 
 use crate::fixture::{Fixture, load_bytes, load_in, sentence};
+use crate::materials::encoded;
 
 const SIDECAR: &str = r#"
 [[camera]]
@@ -118,12 +119,11 @@ fn pipes_and_devices_are_not_waited_for() {
     fixture.push("images", json!({ "uri": "image.png" }));
     let texture = json!({ "baseColorTexture": { "index": 0 } });
     fixture.json["materials"][0]["pbrMetallicRoughness"] = texture;
-    let mut image = std::io::Cursor::new(Vec::new());
-    image::RgbImage::new(1, 1).write_to(&mut image, image::ImageFormat::Png).unwrap();
+    let image = encoded(image::RgbImage::new(1, 1), image::ImageFormat::Png);
     let whole: [(&str, &[u8]); 4] = [
         ("scene.gltf", &fixture.json_with_buffer(Some("a.bin"))),
         ("a.bin", &fixture.binary),
-        ("image.png", image.get_ref()),
+        ("image.png", &image),
         ("scene.rayscope.toml", SIDECAR.as_bytes()),
     ];
     whole.iter().for_each(|(name, bytes)| write(folder.path(), name, bytes));

@@ -3,9 +3,11 @@
 use std::fs;
 
 use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
 use crate::fixture::{Fixture, TRIANGLE, U8, U16, chunk, glb_of_chunks, le_bytes, load_bytes, load_in};
+use crate::materials::encoded;
 
 /// Writes every integer of the JSON as `4.0`, which JSON Schema takes for the same.
 fn with_reals(value: &mut Value) {
@@ -206,10 +208,7 @@ fn normalised_texture_coordinates() {
         let uvs = fixture.accessor(&bytes, component, "VEC2", count);
         fixture.json["accessors"][uvs]["normalized"] = json!(true);
         fixture.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(uvs);
-        let image = image::RgbImage::new(1, 1);
-        let mut png = std::io::Cursor::new(Vec::new());
-        image.write_to(&mut png, image::ImageFormat::Png).unwrap();
-        let view = fixture.view(&png.into_inner());
+        let view = fixture.view(&encoded(image::RgbImage::new(1, 1), image::ImageFormat::Png));
         fixture.push("images", json!({ "bufferView": view }));
         fixture.json["textures"][0]["source"] = json!(0);
         let scene = fixture.scene();
@@ -225,7 +224,7 @@ fn uris_may_be_written_in_many_ways() {
     fs::create_dir(folder.path().join("a b")).unwrap();
     let longer = [fixture.binary.clone(), vec![7; 100]].concat();
     fs::write(folder.path().join("a b/c.bin"), &longer).unwrap();
-    let encoded = base64::engine::general_purpose::STANDARD.encode(&fixture.binary);
+    let encoded = STANDARD.encode(&fixture.binary);
     let escaped = encoded.replace('+', "%2B").replace('/', "%2F").replace('=', "%3D").replace('A', "%41");
     let mut uris = vec![
         "a%20b/c.bin".to_owned(),
@@ -248,10 +247,7 @@ fn uris_may_be_written_in_many_ways() {
 
 #[test]
 fn json_may_start_with_a_byte_order_mark() {
-    let uri = format!(
-        "data:;base64,{}",
-        base64::engine::general_purpose::STANDARD.encode(le_bytes(TRIANGLE.as_flattened()))
-    );
+    let uri = format!("data:;base64,{}", STANDARD.encode(le_bytes(TRIANGLE.as_flattened())));
     let json = Fixture::triangle().json_with_buffer(Some(&uri));
     let scene = load_bytes("scene.gltf", &[b"\xEF\xBB\xBF".as_slice(), &json].concat()).unwrap();
     assert_eq!(scene.positions, TRIANGLE);
