@@ -11,7 +11,7 @@ use std::cell::RefCell;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use formats::manifest::scan::{scan, scan_bytes};
+use formats::manifest::scan::scan_bytes;
 use formats::manifest::{ArrayRecord, Place, QueueArray, Record, encode_frame, preamble};
 use formats::npy;
 use formats::ray::{Kind, Ray};
@@ -55,48 +55,16 @@ fn edits(mut bytes: &[u8]) -> Vec<Edit<'_>> {
     edits
 }
 
-/// What is edited, written once, and its records.
-struct Original {
-    /// Where it lies, and where it is.
+/// A sample and its copy that is edited.
+struct Files {
+    /// Where both lie.
     folder: tempfile::TempDir,
-    path: PathBuf,
+    original: PathBuf,
+    copy: PathBuf,
+    /// Of the original's records.
     payloads: Vec<Vec<u8>>,
     arrays: Vec<ArrayRecord>,
-}
-
-impl Original {
-    fn new(kind: Kind) -> Self {
-        // In memory, where the thousands of recordings that a fuzzer makes of it are synced at once.
-        let folder = sample::folder_in_memory();
-        let path = tiny::write(folder.path(), kind);
-        assert!(use_everything(&path), "what is edited is right before");
-        let records: Vec<Record> =
-            scan(&path.join("manifest.bin")).unwrap().frames.into_iter().map(|frame| frame.record).collect();
-        let payloads = records.iter().map(|record| encode_frame(record).unwrap().split_off(8)).collect();
-        let arrays = records.into_iter().filter_map(|record| match record {
-            Record::Array(array) => Some(array),
-            _ => None,
-        });
-        Self { folder, path, payloads, arrays: arrays.collect() }
-    }
-}
-
-/// A copy of the sample, whose files are made again where an edit has changed them.
-struct Copy<'a> {
-    original: &'a Original,
-    path: PathBuf,
-    payloads: Vec<Vec<u8>>,
-    /// Arrays whose files are no longer those of the sample.
-    changed: Vec<usize>,
-    /// Written over the manifest's bytes in the end, and where it is cut.
-    manifest_edits: Vec<(usize, Vec<u8>)>,
-    manifest_bytes: Option<usize>,
-}
-
-/// The original and the files of the copy that is edited.
-struct Files {
-    original: Original,
-    path: PathBuf,
+    /// Arrays whose files in the copy are not those of the original.
     changed: Vec<usize>,
 }
 
@@ -107,54 +75,56 @@ thread_local! {
 
 impl Files {
     fn new(kind: Kind) -> Self {
-        let original = Original::new(kind);
-        let path = original.folder.path().join("edited.raydump");
-        Self { changed: (0..original.arrays.len()).collect(), original, path }
+        // In memory, where the thousands of recordings that a fuzzer makes of it are synced at once.
+        let folder = sample::folder_in_memory();
+        let original = tiny::write(folder.path(), kind);
+        assert!(use_everything(&original), "what is edited is right before");
+        let payloads = sample::records(&original).iter().map(payload).collect();
+        let arrays = Dump::open(&original).unwrap().manifest().arrays.clone();
+        let (copy, changed) = (folder.path().join("edited.raydump"), (0..arrays.len()).collect());
+        Self { folder, original, copy, payloads, arrays, changed }
     }
 
     /// Links what has changed to the bytes of the sample again.
     fn mend(&mut self) {
         for at in self.changed.drain(..) {
-            let relative = self.original.arrays[at].place.to_string();
-            let file = self.path.join(&relative);
+            let relative = self.arrays[at].place.to_string();
+            let file = self.copy.join(&relative);
             fs::create_dir_all(file.parent().unwrap()).unwrap();
             // What is there may be a folder by now, or nothing.
             let _ = fs::remove_file(&file);
             let _ = fs::remove_dir(&file);
-            fs::hard_link(self.original.path.join(&relative), file).unwrap();
+            fs::hard_link(self.original.join(&relative), file).unwrap();
         }
     }
 
     /// All of it is made again, since `recover` moves what it likes.
     fn begin_again(&mut self) {
-        fs::remove_dir_all(&self.path).unwrap();
-        let leftover = self.path.with_extension("raydump.leftover");
+        fs::remove_dir_all(&self.copy).unwrap();
+        let leftover = self.copy.with_extension("raydump.leftover");
         if leftover.exists() {
             fs::remove_dir_all(leftover).unwrap();
         }
-        self.changed = (0..self.original.arrays.len()).collect();
+        self.changed = (0..self.arrays.len()).collect();
     }
 }
 
-impl<'a> Copy<'a> {
-    fn new(original: &'a Original, path: PathBuf) -> Self {
-        let payloads = original.payloads.clone();
-        Self {
-            original,
-            path,
-            payloads,
-            changed: Vec::new(),
-            manifest_edits: Vec::new(),
-            manifest_bytes: None,
-        }
-    }
+/// What is edited in files at once, and in the manifest when that is written in the end.
+struct Edited<'a> {
+    files: &'a mut Files,
+    payloads: Vec<Vec<u8>>,
+    /// Written over the manifest's bytes, and where it is cut.
+    manifest_edits: Vec<(usize, Vec<u8>)>,
+    manifest_bytes: Option<usize>,
+}
 
+impl Edited<'_> {
     fn apply(&mut self, edit: &Edit<'_>) {
         let payloads = self.payloads.len();
-        let at = edit.which % self.original.arrays.len();
-        let array = &self.original.arrays[at];
+        let at = edit.which % self.files.arrays.len();
+        let array = &self.files.arrays[at].clone();
         if edit.kind % 12 > 6 {
-            self.changed.push(at);
+            self.files.changed.push(at);
         }
         match edit.kind % 12 {
             0 | 1 if payloads > 0 => put(&mut self.payloads[edit.which % payloads], edit.offset, edit.bytes),
@@ -179,7 +149,7 @@ impl<'a> Copy<'a> {
     }
 
     fn file(&self, array: &ArrayRecord) -> PathBuf {
-        self.path.join(array.place.to_string())
+        self.files.copy.join(array.place.to_string())
     }
 
     fn read(&self, array: &ArrayRecord) -> Vec<u8> {
@@ -206,9 +176,9 @@ impl<'a> Copy<'a> {
 
     /// So that only the meaning of the data is wrong.
     fn mend_checksum(&mut self, array: &ArrayRecord, data: &[u8]) {
-        let old = encode_frame(&Record::Array(array.clone())).unwrap().split_off(8);
+        let old = payload(&Record::Array(array.clone()));
         let edited = ArrayRecord { crc32c: crc32c::crc32c(data), ..array.clone() };
-        let new = encode_frame(&Record::Array(edited)).unwrap().split_off(8);
+        let new = payload(&Record::Array(edited));
         // Everything but the last twelve bytes, checksum and length, says which array it is.
         let kept = old.len() - 12;
         let record = self.payloads.iter_mut().find(|payload| payload.starts_with(&old[..kept]));
@@ -225,14 +195,14 @@ impl<'a> Copy<'a> {
         match choice % 3 {
             0 => fs::create_dir(&file).unwrap(),
             #[cfg(unix)]
-            1 => std::os::unix::fs::symlink(self.original.folder.path(), &file).unwrap(),
+            1 => std::os::unix::fs::symlink(self.files.folder.path(), &file).unwrap(),
             _ => {}
         }
     }
 
     fn has_large_tables(&self) -> bool {
         let bytes = manifest(self.payloads.iter().take(1));
-        let first = scan_bytes(&bytes[..], bytes.len() as u64, &self.path).ok();
+        let first = scan_bytes(&bytes[..], bytes.len() as u64, &self.files.copy).ok();
         match first.and_then(|scan| scan.frames.into_iter().next()).map(|frame| frame.record) {
             Some(Record::Header(header)) => header.options.table_bits > SMALL_TABLE_BITS,
             _ => false,
@@ -245,8 +215,13 @@ impl<'a> Copy<'a> {
             put(&mut bytes, *offset, edit);
         }
         bytes.truncate(self.manifest_bytes.unwrap_or(bytes.len()));
-        fs::write(self.path.join("manifest.bin"), bytes).unwrap();
+        fs::write(self.files.copy.join("manifest.bin"), bytes).unwrap();
     }
+}
+
+/// A record's bytes after their length and checksum.
+fn payload(record: &Record) -> Vec<u8> {
+    encode_frame(record).unwrap().split_off(8)
 }
 
 /// The manifest of these records' bytes.
@@ -271,19 +246,19 @@ pub(crate) fn dump(bytes: &[u8]) {
     FILES.with_borrow_mut(|files| {
         let files = &mut files[bytes.len() % 2];
         files.mend();
-        let mut copy = Copy::new(&files.original, files.path.clone());
+        let (payloads, manifest_edits) = (files.payloads.clone(), Vec::new());
+        let mut edited = Edited { files, payloads, manifest_edits, manifest_bytes: None };
         let edits = edits(bytes);
-        edits.iter().for_each(|edit| copy.apply(edit));
-        files.changed = std::mem::take(&mut copy.changed);
+        edits.iter().for_each(|edit| edited.apply(edit));
         // A large table takes as long as a hundred dumps: tried by itself alone.
-        if edits.len() > 1 && copy.has_large_tables() {
+        if edits.len() > 1 && edited.has_large_tables() {
             return;
         }
-        copy.write_manifest();
-        use_everything(&copy.path);
+        edited.write_manifest();
+        use_everything(&files.copy);
         // Making all files again takes longer than everything else.
         if (bytes.len() / 2).is_multiple_of(RECOVERED_OF) {
-            recover_and_verify(&copy.path);
+            recover_and_verify(&files.copy);
             files.begin_again();
         }
     });

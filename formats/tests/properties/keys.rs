@@ -200,6 +200,15 @@ fn exact(name: &str, bounds: &Bounds, ray: &Ray, light: u32) -> Option<u32> {
     })
 }
 
+/// Checks the value of such a coordinate.
+fn assert_exact(field: &DecodedField, bounds: &Bounds, ray: &Ray, light: u32) {
+    let name = field.bit.coordinate().unwrap().name();
+    if let Some(expected) = exact(name, bounds, ray, light) {
+        let expected = expected >> (width(name, lights().len()) - field.bits);
+        assert_eq!(field.value, u64::from(expected), "{name} of {ray:?}");
+    }
+}
+
 /// The path of a ray that goes to a light.
 fn path_of(light: u32) -> u32 {
     light * 1789 + 333
@@ -241,14 +250,9 @@ proptest! {
         (bounds, ray) in bounds().prop_flat_map(|bounds| (Just(bounds), ray_in(bounds))),
         light in 0u32..3,
     ) {
-        let fields = decode(&layout, key_bits, key(&layout, key_bits, &bounds, &ray, light));
-        for field in fields {
+        for field in decode(&layout, key_bits, key(&layout, key_bits, &bounds, &ray, light)) {
             let name = field.bit.coordinate().unwrap().name();
-            if let Some(expected) = exact(name, &bounds, &ray, light) {
-                let width = width(name, lights().len());
-                let expected = u64::from(expected >> (width - field.bits));
-                prop_assert_eq!(field.value, expected, "{} of {:?}", name, ray);
-            }
+            assert_exact(&field, &bounds, &ray, light);
             if !is_number(name) {
                 let site = &lights()[light as usize];
                 let truth = coordinate(name, &bounds, &ray, LENGTH.into(), site).clamp(0.0, 1.0);
@@ -268,12 +272,7 @@ proptest! {
         light in 0u32..3,
     ) {
         for field in decode(&layout, key_bits, key(&layout, key_bits, &bounds, &ray, light)) {
-            let name = field.bit.coordinate().unwrap().name();
-            if let Some(expected) = exact(name, &bounds, &ray, light) {
-                let width = width(name, lights().len());
-                let expected = u64::from(expected >> (width - field.bits));
-                prop_assert_eq!(field.value, expected, "{} of {:?}", name, ray);
-            }
+            assert_exact(&field, &bounds, &ray, light);
         }
     }
 

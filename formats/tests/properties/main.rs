@@ -5,7 +5,6 @@
 mod capsules;
 mod keys;
 mod length_tables;
-#[path = "../oracle/mod.rs"]
 mod oracle;
 mod permutations;
 
