@@ -9,23 +9,18 @@ use formats::manifest::scan::scan;
 use formats::manifest::{ArrayRecord, FILE_NAME, Record, encode_frame, preamble};
 use formats::npy::{self, Element};
 
+use crate::sources::files_below;
+
 /// A copy of the recording `from` as `NAME.raydump` beside it.
 ///
 /// # Panics
 /// If it cannot be made.
 pub fn copy(from: &Path, name: &str) -> PathBuf {
     let to = from.with_file_name(format!("{name}.raydump"));
-    let mut folders = vec![PathBuf::new()];
-    while let Some(folder) = folders.pop() {
-        fs::create_dir(to.join(&folder)).unwrap();
-        for entry in fs::read_dir(from.join(&folder)).unwrap() {
-            let path = folder.join(entry.unwrap().file_name());
-            if from.join(&path).is_dir() {
-                folders.push(path);
-            } else {
-                fs::copy(from.join(&path), to.join(&path)).unwrap();
-            }
-        }
+    for file in files_below(from, |_| true) {
+        let (from, to) = (from.join(&file), to.join(&file));
+        fs::create_dir_all(to.parent().unwrap()).unwrap();
+        fs::copy(from, to).unwrap();
     }
     to
 }

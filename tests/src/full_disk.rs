@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::fs;
-use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use crate::drivers::skipped;
 use crate::programs::{Outcome, Program, finish};
 
 /// Runs a shell script with the recorder's path, then `line`'s words, as its arguments.
@@ -24,8 +24,7 @@ pub fn shell(folder: &Path, wrapper: &[&str], script: &str, line: &str) -> Outco
 /// If the folders cannot be made.
 pub fn on_small_disk(folder: &Path, size: &str, line: &str) -> Option<Outcome> {
     let Some(mounter) = mounter() else {
-        // Past the test harness, which shows what a passing test prints to nobody.
-        let _ = writeln!(std::io::stderr(), "NOTE: no tmpfs can be mounted here; no disk is filled");
+        skipped("full disks", "no tmpfs can be mounted here");
         return None;
     };
     for name in ["small", "kept"] {

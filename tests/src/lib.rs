@@ -7,7 +7,9 @@
 //! - [`recordings`]: the arrays of a recording, byte by byte
 //! - [`crafted`]: recordings that somebody changed, with right checksums
 //! - [`slurm`]: a cluster on this machine
+//! - [`studies`]: small studies, and what was made of them
 //! - [`scene_files`]: small GLB files, sound and broken
+//! - [`shapes`]: closed surfaces
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -17,6 +19,8 @@ pub mod full_disk;
 pub mod programs;
 pub mod recordings;
 pub mod scene_files;
+pub mod shapes;
 #[cfg(target_os = "linux")]
 pub mod slurm;
 pub mod sources;
+pub mod studies;

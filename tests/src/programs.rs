@@ -6,9 +6,15 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use tempfile::TempDir;
+
+/// Exit code of a command that failed.
+pub const FAILED: i32 = 1;
+/// Exit code of a command line that makes no sense.
+pub const USAGE: i32 = 2;
 
 struct Programs {
     recorder: PathBuf,
@@ -153,6 +159,18 @@ impl Program {
 /// The Python that `PYTHON` names, as `tests/run` does, else the system's.
 pub fn python() -> Command {
     Command::new(std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into()))
+}
+
+/// Waits until something is so.
+///
+/// # Panics
+/// If it is not after a minute.
+pub fn until(what: &str, is_so: impl Fn() -> bool) {
+    let begun = Instant::now();
+    while !is_so() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "not so after a minute: {what}");
+        std::thread::sleep(Duration::from_millis(20));
+    }
 }
 
 /// Runs `command` to its end.

@@ -9,6 +9,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::programs::Program;
+use crate::sources::files_below;
 
 /// A picture and a path length that take a second or two, with every array that can be kept.
 pub const SMALL: &str = "--width 64 --height 36 --bounces 3 --passes 2 \
@@ -21,6 +22,14 @@ pub const SMALL: &str = "--width 64 --height 36 --bounces 3 --passes 2 \
 pub fn record(folder: &Path, name: &str, scene: &str, options: &str) -> Value {
     let line = format!("record {scene} --out {name}.raydump --json {SMALL} {options}");
     Program::Recorder.run(folder, &line).succeeded().json()
+}
+
+/// Checks that `inspector verify` finds nothing wrong with `NAME.raydump` in `folder`.
+///
+/// # Panics
+/// If it does.
+pub fn verify(folder: &Path, name: &str) {
+    Program::Inspector.run(folder, &format!("verify {name}.raydump")).succeeded();
 }
 
 /// What `inspector info --json` says of a recording without what another run of it has otherwise: times and what follows
@@ -43,24 +52,11 @@ pub fn without_times(folder: &Path, recording: &str) -> Value {
 /// # Panics
 /// If it has none, or one that cannot be read.
 pub fn arrays(recording: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    collect(recording, "", &mut found);
+    let paths = files_below(recording, |_| true).into_iter().filter(|path| path.ends_with(".npy"));
+    let read = |path: String| (path.clone(), fs::read(recording.join(path)).expect("the array can be read"));
+    let found: BTreeMap<_, _> = paths.map(read).collect();
     assert!(!found.is_empty(), "{} has no arrays", recording.display());
     found
-}
-
-fn collect(folder: &Path, prefix: &str, found: &mut BTreeMap<String, Vec<u8>>) {
-    let entries =
-        fs::read_dir(folder).unwrap_or_else(|error| panic!("cannot list {}: {error}", folder.display()));
-    for entry in entries {
-        let entry = entry.expect("the folder can be listed");
-        let path = format!("{prefix}{}", entry.file_name().to_string_lossy());
-        if entry.path().is_dir() {
-            collect(&entry.path(), &format!("{path}/"), found);
-        } else if path.ends_with(".npy") {
-            found.insert(path, fs::read(entry.path()).expect("the array can be read"));
-        }
-    }
 }
 
 /// The arrays that may not depend on which methods were measured.

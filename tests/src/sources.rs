@@ -24,11 +24,36 @@ pub struct Source {
 /// # Panics
 /// If there is none, or one that is not readable as UTF-8: a test over no files could not fail.
 pub fn files(folder: &str, extension: &str) -> Vec<Source> {
-    let mut paths = Vec::new();
-    collect(&root().join(folder), extension, &mut paths);
+    let is_ours = |name: &str| !name.starts_with('.') && name != "target" && !name.contains(".raydump");
+    let mut paths = files_below(&root().join(folder), is_ours);
+    paths.retain(|path| Path::new(path).extension().is_some_and(|found| found == extension));
     paths.sort();
     assert!(!paths.is_empty(), "no .{extension} file found below {folder:?}, expected at least one");
-    paths.into_iter().map(read).collect()
+    paths.into_iter().map(|path| read(root().join(folder).join(path))).collect()
+}
+
+/// Paths of all files in a folder and in those below it that are to be entered by their names, from there, with `/`
+/// between names.
+///
+/// # Panics
+/// If a folder cannot be listed.
+pub fn files_below(top: &Path, is_entered: impl Fn(&str) -> bool) -> Vec<String> {
+    let (mut files, mut folders) = (Vec::new(), vec![String::new()]);
+    while let Some(folder) = folders.pop() {
+        let path = top.join(&folder);
+        let entries =
+            fs::read_dir(&path).unwrap_or_else(|error| panic!("cannot list {}: {error}", path.display()));
+        for entry in entries.map(|entry| entry.expect("the folder can be listed")) {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let below = format!("{folder}{name}");
+            if !entry.path().is_dir() {
+                files.push(below);
+            } else if is_entered(&name) {
+                folders.push(below + "/");
+            }
+        }
+    }
+    files
 }
 
 fn read(path: PathBuf) -> Source {
@@ -37,23 +62,4 @@ fn read(path: PathBuf) -> Source {
     let relative = path.strip_prefix(root()).expect("the file was found below the root");
     let path = relative.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/");
     Source { path, text }
-}
-
-fn collect(folder: &Path, extension: &str, paths: &mut Vec<PathBuf>) {
-    let entries =
-        fs::read_dir(folder).unwrap_or_else(|error| panic!("cannot list {}: {error}", folder.display()));
-    for entry in entries {
-        let entry = entry.unwrap_or_else(|error| panic!("cannot list {}: {error}", folder.display()));
-        let path = entry.path();
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        if path.is_dir() {
-            let is_ours = !name.starts_with('.') && name != "target" && !name.contains(".raydump");
-            if is_ours {
-                collect(&path, extension, paths);
-            }
-        } else if path.extension().is_some_and(|found| found == extension) {
-            paths.push(path);
-        }
-    }
 }

@@ -9,6 +9,7 @@ use formats::reader::Dump;
 use tempfile::tempdir;
 use tests::drivers::skipped;
 use tests::programs::Program;
+use tests::recordings::verify;
 
 /// Radiance is clamped here, so that one bright path does not decide.
 const BRIGHTEST: f32 = 10.0;
@@ -30,7 +31,7 @@ fn record(folder: &Path, name: &str, scene: &str, options: &str) -> Vec<[f32; 3]
         "record {scene} --out {name}.raydump --width 128 --height 72 --bounces 4 --passes 2 --repeats 1 --methods two-point {options}"
     );
     Program::Recorder.run(folder, &line).succeeded();
-    Program::Inspector.run(folder, &format!("verify {name}.raydump")).succeeded();
+    verify(folder, name);
     let dump = Dump::open(&folder.join(format!("{name}.raydump"))).unwrap();
     dump.array::<[f32; 3]>(&Place::Image).unwrap().to_vec()
 }

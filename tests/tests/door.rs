@@ -12,7 +12,7 @@ use formats::ray::{Hit, Ray};
 use tempfile::{TempDir, tempdir};
 use tests::crafted::{copy, edit_array, edit_records};
 use tests::programs::Program;
-use tests::recordings::record;
+use tests::recordings::{record, verify};
 
 const QUEUE: &str = "pass-001/bounce-01";
 
@@ -49,6 +49,11 @@ fn queue_count(change: fn(u64) -> u64) -> Box<dyn Fn(&Path)> {
             }
         });
     })
+}
+
+fn positions(path: &Path) {
+    let array = "scene/positions.npy";
+    edit_array(path, array, |positions: &mut Vec<[f32; 3]>| positions[1][2] = f32::NAN);
 }
 
 fn arrays() -> Vec<Case> {
@@ -106,14 +111,7 @@ fn arrays() -> Vec<Case> {
                 edit_array(path, array, |triangles: &mut Vec<[u32; 3]>| triangles[2][1] = u32::MAX);
             }),
         ),
-        (
-            "position",
-            &["positions.npy", "vertex 1"],
-            Box::new(|path| {
-                let array = "scene/positions.npy";
-                edit_array(path, array, |positions: &mut Vec<[f32; 3]>| positions[1][2] = f32::NAN);
-            }),
-        ),
+        ("position", &["positions.npy", "vertex 1"], Box::new(positions)),
     ]
 }
 
@@ -246,11 +244,10 @@ fn masks_are_checked() {
 /// A replay finds what is behind a hole; `verify` says that no ray can have been stopped there.
 #[test]
 fn hits_in_holes_are_found() {
-    let folder = tempdir().unwrap();
-    record(folder.path(), "right", "builtin:atrium", "--backend cpu --repeats 1 --methods aila");
+    let folder = recorded("builtin:atrium");
     let path = copy(&folder.path().join("right.raydump"), "holes");
     edit_array(&path, "scene/mask-000.npy", |alphas: &mut Vec<u8>| alphas.fill(0));
-    Program::Inspector.run(folder.path(), "verify right.raydump").succeeded();
+    verify(folder.path(), "right");
     let outcome = Program::Inspector.run(folder.path(), "verify holes.raydump");
     assert!(outcome.code == Some(1) && outcome.stdout.contains("mask has a hole"), "{}", outcome.stdout);
 }
@@ -258,8 +255,7 @@ fn hits_in_holes_are_found() {
 /// What a replay reads of its source is held against the source's checksums, before and after it is made.
 #[test]
 fn a_source_that_was_changed_is_named() {
-    let folder = tempdir().unwrap();
-    record(folder.path(), "right", "builtin:cornell", "--backend cpu --repeats 1 --methods aila");
+    let folder = recorded("builtin:cornell");
     let replay = "replay right.raydump --backend cpu --repeats 1";
     Program::Recorder.run(folder.path(), &format!("{replay} --out before")).succeeded();
     for array in ["rays", "hits", "path_ids", "lengths"] {
@@ -275,14 +271,13 @@ fn a_source_that_was_changed_is_named() {
         assert!(verified.code == Some(1) && verified.stdout.contains("its source"), "{}", verified.stdout);
         fs::write(&file, right).unwrap();
     }
-    Program::Inspector.run(folder.path(), "verify before.raydump").succeeded();
+    verify(folder.path(), "before");
 }
 
 /// A view of rays or surfaces that cannot be drawn does not pass for one of none.
 #[test]
 fn a_picture_of_what_cannot_be_drawn_is_a_failure() {
-    let folder = tempdir().unwrap();
-    record(folder.path(), "right", "builtin:cornell", "--backend cpu --repeats 1 --methods aila");
+    let folder = recorded("builtin:cornell");
     let shot = "--view rays --bounce 0 --kind closest --method aila --set mesh=solid --size 320x240 --out picture.png";
     let draw = |name: &str| Program::Inspector.run(folder.path(), &format!("shot {name}.raydump {shot}"));
     draw("right").succeeded();
@@ -292,6 +287,6 @@ fn a_picture_of_what_cannot_be_drawn_is_a_failure() {
     });
     draw("rays").failed_with(1, &["rays.npy", "ray 3"]);
     let path = copy(&folder.path().join("right.raydump"), "mesh");
-    edit_array(&path, "scene/positions.npy", |positions: &mut Vec<[f32; 3]>| positions[1][2] = f32::NAN);
+    positions(&path);
     draw("mesh").failed_with(1, &["positions.npy", "vertex 1"]);
 }

@@ -9,7 +9,7 @@ use std::process::Command;
 use tempfile::{TempDir, tempdir};
 use tests::drivers::{is_validation_expected, on_driver, second_driver, skipped, validate};
 use tests::programs::{Program, finish};
-use tests::recordings::{arrays, assert_same};
+use tests::recordings::{arrays, assert_same, verify};
 
 /// Small: a driver takes seconds for its kernels alone. The methods bind all that keys are made of.
 const OPTIONS: &str = "--width 48 --height 32 --bounces 3 --passes 2 --repeats 1 --key-bits 64 \
@@ -35,7 +35,7 @@ fn record(
     let mut command = recorder(folder, &format!("record {SCENE} --out {name}.raydump {OPTIONS} {options}"));
     change(&mut command);
     finish(&mut command).succeeded();
-    Program::Inspector.run(folder, &format!("verify {name}.raydump")).succeeded();
+    verify(folder, name);
     arrays(&folder.join(format!("{name}.raydump")))
 }
 

@@ -9,7 +9,7 @@ use std::time::Instant;
 use tempfile::tempdir;
 use tests::full_disk::{on_small_disk, shell};
 use tests::programs::Program;
-use tests::recordings::SMALL;
+use tests::recordings::{SMALL, verify};
 
 const KILLS: u32 = 20;
 
@@ -20,7 +20,7 @@ fn recovers(folder: &Path, name: &str) -> bool {
         recovered.failed_with(1, &["nothing was complete yet"]);
         return false;
     }
-    Program::Inspector.run(folder, &format!("verify {name}.raydump")).succeeded();
+    verify(folder, name);
     let info = Program::Inspector.run(folder, &format!("info {name}.raydump --json")).succeeded().json();
     assert_eq!(info["complete"], false, "a recovered recording is not complete");
     true
@@ -56,7 +56,7 @@ fn killed_at_any_moment_it_recovers() {
         if folder.path().join(format!("{name}.raydump.partial")).exists() {
             recovered += u32::from(recovers(folder.path(), &name));
         } else if folder.path().join(format!("{name}.raydump")).exists() {
-            Program::Inspector.run(folder.path(), &format!("verify {name}.raydump")).succeeded();
+            verify(folder.path(), &name);
         }
     }
     assert!(

@@ -7,7 +7,7 @@ use std::fs;
 use serde_json::json;
 use tempfile::tempdir;
 use tests::programs::{Program, finish, python};
-use tests::recordings::record;
+use tests::recordings::{record, verify};
 use tests::sources::root;
 
 /// Rows that `all` does not stand for.
@@ -21,7 +21,7 @@ fn check(scene: &str, options: &str, key_bits: u32) {
     let folder = tempdir().unwrap();
     let methods = format!("--methods all,{OTHERS} --method {SMALL_TILES}");
     record(folder.path(), "keys", scene, &format!("--repeats 1 --key-bits {key_bits} {methods} {options}"));
-    Program::Inspector.run(folder.path(), "verify keys.raydump").succeeded();
+    verify(folder.path(), "keys");
     let info = Program::Inspector.run(folder.path(), "info keys.raydump --json").succeeded().json();
     fs::write(folder.path().join("keys.json"), info.to_string()).unwrap();
     let mut command = python();

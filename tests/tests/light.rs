@@ -9,6 +9,7 @@ use formats::ray::{Hit, Kind};
 use formats::reader::{Dump, Loaded};
 use tempfile::tempdir;
 use tests::programs::Program;
+use tests::recordings::verify;
 use tests::scene_files::masked;
 
 const OPTIONS: &str = "--width 48 --height 32 --passes 1 --repeats 1 --methods unsorted";
@@ -16,7 +17,7 @@ const OPTIONS: &str = "--width 48 --height 32 --passes 1 --repeats 1 --methods u
 fn record(folder: &Path, scene: &str, name: &str, options: &str) -> Dump {
     let line = format!("record {scene} --out {name}.raydump {OPTIONS} {options}");
     Program::Recorder.run(folder, &line).succeeded();
-    Program::Inspector.run(folder, &format!("verify {name}.raydump")).succeeded();
+    verify(folder, name);
     Dump::open(&folder.join(format!("{name}.raydump"))).unwrap()
 }
 

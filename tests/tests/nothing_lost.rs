@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use formats::manifest::{Place, QueueArray, QueueId};
 use formats::ray::Kind;
@@ -13,8 +13,8 @@ use formats::reader::Dump;
 use formats::writer::DumpWriter;
 use recorder::capture::Capture;
 use tempfile::tempdir;
-use tests::programs::Program;
-use tests::recordings::{arrays, assert_same, record};
+use tests::programs::{Program, until};
+use tests::recordings::{arrays, assert_same, record, verify};
 
 const CPU: &str = "--backend cpu --repeats 1 --methods aila";
 
@@ -122,11 +122,8 @@ const LONG: &str = "record builtin:cornell --out long --backend cpu --width 400 
 #[cfg(unix)]
 fn begun(mut command: Command, folder: &Path) -> std::process::Child {
     let child = command.current_dir(folder).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    let start = Instant::now();
-    while !folder.join("long.raydump.partial/scene/materials.npy").exists() {
-        assert!(start.elapsed() < Duration::from_secs(60), "nothing is recorded");
-        std::thread::sleep(Duration::from_millis(10));
-    }
+    let array = folder.join("long.raydump.partial/scene/materials.npy");
+    until("something is recorded", || array.exists());
     child
 }
 
@@ -191,7 +188,7 @@ fn signals_end_a_recording_with_a_sentence_and_a_second_recorder_waits_its_turn(
             "{said}"
         );
         Program::Inspector.run(folder.path(), "recover long.raydump.partial").succeeded();
-        Program::Inspector.run(folder.path(), "verify long.raydump").succeeded();
+        verify(folder.path(), "long");
         fs::remove_dir_all(folder.path().join("long.raydump")).unwrap();
     }
 }

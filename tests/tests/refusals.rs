@@ -9,14 +9,9 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use tempfile::{TempDir, tempdir};
-use tests::programs::{Program, finish};
+use tests::programs::{FAILED, Program, USAGE, finish};
 use tests::recordings::SMALL;
 use tests::scene_files::{glb, triangle_bytes, triangle_json};
-
-/// Exit code of a command that failed.
-const FAILED: i32 = 1;
-/// Exit code of a command line that makes no sense.
-const USAGE: i32 = 2;
 
 fn refuses_options(scene: &str, options: &str, code: i32, words: &[&str]) {
     let folder = tempdir().unwrap();

@@ -10,11 +10,8 @@ use formats::reader::Dump;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 use tests::crafted::{copy, edit_manifest, edit_records};
-use tests::programs::{Program, finish, python};
-use tests::recordings::{SMALL, arrays, record};
-
-const FAILED: i32 = 1;
-const USAGE: i32 = 2;
+use tests::programs::{FAILED, Program, USAGE, finish, python};
+use tests::recordings::{SMALL, arrays, record, verify};
 
 fn recorded(scene: &str, options: &str) -> TempDir {
     let folder = tempdir().unwrap();
@@ -79,7 +76,7 @@ fn a_random_order_is_measured_where_it_is_named() {
         assert!(table.contains("shuffled") && table.contains(others), "{table}");
         assert!(first == of_shuffled("again.raydump"), "another order in {line}");
         for name in ["first", "again"] {
-            Program::Inspector.run(folder.path(), &format!("verify {name}.raydump")).succeeded();
+            verify(folder.path(), name);
         }
     }
     let info = Program::Inspector.run(folder.path(), "info again.raydump --details").succeeded().stdout;
@@ -93,8 +90,8 @@ fn the_control_is_a_row_where_it_is_named() {
     for line in ["", "--methods aila,control --keep permutations"] {
         let line = format!("replay first.raydump --out again.raydump --backend cpu --force {line}");
         Program::Recorder.run(folder.path(), &line).succeeded();
-        for name in ["first.raydump", "again.raydump"] {
-            let found = orders(folder.path(), name);
+        for name in ["first", "again"] {
+            let found = orders(folder.path(), &format!("{name}.raydump"));
             let of_control = found.iter().filter(|(path, _)| path.contains("/control/"));
             let mut permutations = 0;
             for (path, bytes) in of_control {
@@ -105,7 +102,7 @@ fn the_control_is_a_row_where_it_is_named() {
                 permutations += 1;
             }
             assert!(permutations > 3, "{name}: {permutations}");
-            Program::Inspector.run(folder.path(), &format!("verify {name}")).succeeded();
+            verify(folder.path(), name);
         }
     }
     let info = Program::Inspector.run(folder.path(), "info again.raydump --details").succeeded().stdout;
@@ -153,7 +150,7 @@ fn what_auto_chooses_is_repeated_with_its_calibration() {
                 assert_ne!(again.0, calibration, "measured anew");
             }
             for name in ["first", "again"] {
-                Program::Inspector.run(folder.path(), &format!("verify {name}.raydump")).succeeded();
+                verify(folder.path(), name);
             }
         }
     }
@@ -193,7 +190,7 @@ fn shares_of_the_origin_are_swept_over_and_drawn() {
     let line = "replay first.raydump --out split.raydump --backend cpu --repeats 1 --methods octahedron,two-point \
         --split 4..28:3";
     run(folder.path(), line);
-    Program::Inspector.run(folder.path(), "verify split.raydump").succeeded();
+    verify(folder.path(), "split");
     let info = Program::Inspector.run(folder.path(), "info split.raydump --json").succeeded().json();
     let methods = ["octahedron", "two-point"].into_iter().flat_map(|method| {
         ["4-28", "16-16", "28-4"].map(|split| Value::from(format!("{method}-split-{split}")))
@@ -240,13 +237,13 @@ fn sweeps_and_other_tables() {
             "two-point-adaptive-40-bits",
         ]
     );
-    Program::Inspector.run(folder.path(), "verify sweep.raydump").succeeded();
+    verify(folder.path(), "sweep");
     // A table of other addresses is learnt anew, and kept.
     let line =
         "replay first.raydump --out table.raydump --backend cpu --table-bits 12 --table-method octahedron";
     run(folder.path(), line);
     assert!(arrays(&folder.path().join("table.raydump")).keys().any(|path| path.ends_with("/lengths.npy")));
-    Program::Inspector.run(folder.path(), "verify table.raydump").succeeded();
+    verify(folder.path(), "table");
     // A replay of a replay measures the rays of the first recording.
     let json = run(folder.path(), "replay table.raydump --out twice.raydump --backend cpu --trace bvh2");
     assert_eq!(json["source"]["name"], "first.raydump");
@@ -336,14 +333,11 @@ fn recordings_that_name_each_other() {
 fn what_another_kernel_finds_is_kept_where_it_differs() {
     let folder =
         recorded("builtin:atrium?triangles=4000", "--backend cpu --repeats 1 --methods two-point-real");
-    let verified = |name: &str| {
-        Program::Inspector.run(folder.path(), &format!("verify {name}.raydump")).succeeded();
-    };
     let line = "replay first.raydump --backend cpu --trace bvh2";
     run(folder.path(), &format!("{line} --out other --methods two-point-real,two-point-adaptive"));
-    verified("other");
+    verify(folder.path(), "other");
     run(folder.path(), &format!("{line} --out table --methods two-point-adaptive --table-bits 12"));
-    verified("table");
+    verify(folder.path(), "table");
     let kept =
         |end: &str| arrays(&folder.path().join("other.raydump")).keys().any(|path| path.ends_with(end));
     assert!(kept("shadow/distances.npy") && !kept("closest/hits.npy") && !kept("rays.npy"));
@@ -364,7 +358,7 @@ fn what_another_kernel_finds_is_kept_where_it_differs() {
         for (array, _) in arrays(&path).into_iter().filter(|(array, _)| array.ends_with(ended)) {
             fs::remove_file(path.join(array)).unwrap();
         }
-        verified("ended");
+        verify(folder.path(), "ended");
         fs::remove_dir_all(path).unwrap();
     }
 }
@@ -403,7 +397,7 @@ fn rays_of_another_program() {
         let json = run(folder.path(), &line);
         assert_eq!(json["queues"][0]["rays"], 5000);
         assert_eq!(json["source"]["how"], "imported");
-        Program::Inspector.run(folder.path(), &format!("verify {kind}.raydump")).succeeded();
+        verify(folder.path(), kind);
         run(
             folder.path(),
             &format!("replay {kind}.raydump --out {kind}-again.raydump --backend cpu --key-bits 16"),

@@ -3,31 +3,16 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::Stdio;
-use std::time::{Duration, Instant};
 
 use serde_json::json;
 use tempfile::tempdir;
-use tests::programs::{Outcome, Program, finish};
-use tests::recordings::{arrays, assert_same, without_times};
+use tests::programs::{FAILED, Outcome, Program, USAGE, finish, until};
 use tests::scene_files::{glb, triangle_bytes, triangle_json};
 use tests::slurm::Cluster;
-
-const FAILED: i32 = 1;
-const USAGE: i32 = 2;
-
-/// Options with which a recording takes a moment, and a replay.
-const TINY: &str = "
-    [record]\nwidth = 16\nheight = 9\nbounces = 2\npasses = 1\nrepeats = 1\nbackend = \"cpu\"
-    methods = [\"aila\", \"two-point\"]
-    [replay.bits]\nkey-bits = [16, 32]\nmethods = \"aila\"\nrepeats = 1\nbackend = \"cpu\"\n";
-
-fn plan(folder: &Path, text: &str) {
-    fs::write(folder.join("study.toml"), text).unwrap();
-}
+use tests::studies::{assert_same_jobs, plan, records};
 
 /// `recorder study` where jobs are submitted to the cluster.
 fn study(cluster: &Cluster, folder: &Path, words: &str) -> Outcome {
@@ -42,33 +27,10 @@ fn states(folder: &Path) -> Vec<String> {
     jobs.map(|job| job["state"].as_str().unwrap().to_owned()).collect()
 }
 
-/// Waits until something is so.
-fn until(what: &str, is_so: impl Fn() -> bool) {
-    let begun = Instant::now();
-    while !is_so() {
-        assert!(begun.elapsed() < Duration::from_secs(60), "not so after a minute: {what}");
-        std::thread::sleep(Duration::from_millis(20));
-    }
-}
-
-/// The record of each job, as bytes: a job that is made again has another one, by its time.
-fn records(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let jobs = fs::read_dir(folder.join("made/jobs")).unwrap().map(|entry| entry.unwrap());
-    let record = |job: &fs::DirEntry| fs::read(job.path().join("job.json")).unwrap();
-    jobs.map(|job| (job.file_name().into_string().unwrap(), record(&job))).collect()
-}
-
 /// Checks that the jobs in `made` are those that a run on this machine alone makes.
 fn same_as_here(folder: &Path, recordings: &[&str]) {
     Program::Recorder.run(folder, "study run study.toml --out here").succeeded();
-    let jobs = fs::read_dir(folder.join("here/jobs")).unwrap();
-    for name in jobs.map(|job| job.unwrap().file_name().into_string().unwrap()) {
-        for recording in recordings {
-            let [made, here] = ["made", "here"].map(|out| folder.join(out).join("jobs").join(&name));
-            assert_same(&arrays(&made.join(recording)), &arrays(&here.join(recording)), &name);
-            assert_eq!(without_times(&made, recording), without_times(&here, recording), "{name}");
-        }
-    }
+    assert_same_jobs(folder, ["here", "made"], recordings);
 }
 
 #[test]
@@ -77,7 +39,7 @@ fn an_array_makes_what_is_left_and_the_same_as_a_run_here() {
     let folder = tempdir().unwrap();
     let path = folder.path();
     let scenes = "[{ file = 'builtin:cornell', cameras = 3 }, { file = 'late.glb', cameras = ['view'] }]";
-    plan(path, &format!("scenes = {scenes}\n{TINY}"));
+    plan(path, &format!("scenes = {scenes}"));
     let first = study(&cluster, path, "run study.toml --out made --slurm --wait");
     assert_eq!(first.code, Some(FAILED));
     assert!(first.stderr.ends_with("\nerror: 1 of 4 jobs failed\n"), "{}", first.stderr);
@@ -112,11 +74,9 @@ fn the_task_of_a_node_that_vanishes_is_made_again() {
     let Some(cluster) = Cluster::start() else { return };
     let folder = tempdir().unwrap();
     let path = folder.path();
-    plan(
-        path,
-        "scenes = ['builtin:cornell']\nseeds = [0, 1]\n
-        [record]\nwidth = 64\nheight = 36\npasses = 60\nrepeats = 1\nbackend = \"cpu\"\nmethods = \"aila\"",
-    );
+    let text = "scenes = ['builtin:cornell']\nseeds = [0, 1]\n
+        [record]\nwidth = 64\nheight = 36\npasses = 60\nrepeats = 1\nbackend = \"cpu\"\nmethods = \"aila\"";
+    fs::write(path.join("study.toml"), text).unwrap();
     let said = study(&cluster, path, "run study.toml --out made --slurm --constraint second").succeeded();
     assert!(said.stdout.contains("Slurm has 2 of 2 jobs as array 1"), "{}", said.stdout);
     let first = path.join("made/jobs/cornell-front-0");
@@ -141,12 +101,12 @@ fn what_slurm_does_not_take_is_a_sentence() {
     let Some(cluster) = Cluster::start() else { return };
     let folder = tempdir().unwrap();
     let path = folder.path();
-    plan(path, &format!("scenes = ['builtin:cornell']\nseeds = [0, 1, 2, 3, 4, 5, 6]\n{TINY}"));
+    plan(path, "scenes = ['builtin:cornell']\nseeds = [0, 1, 2, 3, 4, 5, 6]");
     study(&cluster, path, "run study.toml --out made --slurm").failed_with(
         FAILED,
         &["Slurm does not take the jobs", "Invalid job array", "number 7, and MaxArraySize"],
     );
-    plan(path, &format!("scenes = ['builtin:cornell']\n{TINY}"));
+    plan(path, "scenes = ['builtin:cornell']");
     study(&cluster, path, "run study.toml --out made --slurm --wait --constraint nowhere")
         .failed_with(FAILED, &["Slurm does not take the jobs", "Invalid feature specification"]);
     let words = "study run study.toml --out made --slurm".split(' ');

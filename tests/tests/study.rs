@@ -6,28 +6,16 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use serde_json::Value;
 use tempfile::tempdir;
 use tests::full_disk::on_small_disk;
-use tests::programs::{Outcome, Program, finish};
-use tests::recordings::{arrays, assert_same, without_times};
+use tests::programs::{FAILED, Outcome, Program, USAGE, finish, until};
+use tests::recordings::verify;
 use tests::scene_files::{glb, triangle_bytes, triangle_json};
 use tests::sources::root;
-
-const FAILED: i32 = 1;
-const USAGE: i32 = 2;
-
-/// Options with which a recording takes a moment.
-const TINY: &str = "[record]\nwidth = 16\nheight = 9\nbounces = 2\npasses = 1\nrepeats = 1\nbackend = \"cpu\"\n\
-    methods = [\"aila\", \"two-point\"]\n";
-const BITS: &str = "[replay.bits]\nkey-bits = [16, 32]\nmethods = \"aila\"\nrepeats = 1\nbackend = \"cpu\"\n";
-
-/// Writes a plan with [`TINY`] options and a replay.
-fn plan(folder: &Path, top: &str) {
-    fs::write(folder.join("study.toml"), format!("{top}\n{TINY}{BITS}")).unwrap();
-}
+use tests::studies::{assert_same_jobs, plan, records};
 
 fn study(folder: &Path, words: &str) -> Outcome {
     Program::Recorder.run(folder, &format!("study {words}"))
@@ -49,16 +37,6 @@ fn states_are(folder: &Path, expected: &[(&str, &str)]) {
     let expected: Vec<_> =
         expected.iter().map(|(name, state)| (name.to_string(), state.to_string())).collect();
     assert_eq!(states(folder), expected);
-}
-
-/// The record of each job, as bytes: a job that is made again has another one, by its time.
-fn records(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let jobs = fs::read_dir(folder.join("made/jobs")).unwrap().map(|entry| entry.unwrap());
-    jobs.map(|job| {
-        let record = fs::read(job.path().join("job.json")).unwrap();
-        (job.file_name().into_string().unwrap(), record)
-    })
-    .collect()
 }
 
 #[test]
@@ -84,9 +62,7 @@ fn a_plan_is_made_once_and_what_changes_is_made_again() {
     assert_eq!(said.stderr.matches("finished ").count(), 3, "a line for each job: {}", said.stderr);
     states_are(path, &names.map(|name| (name, "finished")));
     let job = path.join("made/jobs/triangle-auto-2-0");
-    for name in ["recording.raydump", "bits.raydump"] {
-        Program::Inspector.run(&job, &format!("verify {name}")).succeeded();
-    }
+    ["recording", "bits"].iter().for_each(|name| verify(&job, name));
     assert!(fs::read_to_string(job.join("log.txt")).unwrap().contains("$ recorder replay recording.raydump"));
     assert!(path.join("made/study.toml").exists());
 
@@ -303,7 +279,7 @@ fn a_full_disk_is_a_sentence_and_what_fits_is_made() {
     let Some(outcome) = on_small_disk(folder.path(), "2m", line) else { return };
     outcome.failed_with(FAILED, &["1 of 2 jobs failed", "no space is left"]);
     let kept = folder.path().join("kept/made/jobs");
-    Program::Inspector.run(&kept, "verify cornell-front-0/recording.raydump").succeeded();
+    verify(&kept.join("cornell-front-0"), "recording");
     let left: Vec<_> = fs::read_dir(kept.join("atrium_triangles_100000-court-0")).unwrap().collect();
     assert_eq!(left.len(), 3, "job.json, lock and log.txt, nothing unfinished: {left:?}");
 }
@@ -341,13 +317,9 @@ fn killed_three_times_it_comes_to_the_same() {
         assert!(states.iter().all(|(_, state)| state != "failed"), "{states:?}");
     }
     study(path, "run study.toml --out made").succeeded();
-    for (name, job) in status(path) {
-        assert_eq!(job["state"], "finished");
-        for recording in ["recording.raydump", "bits.raydump"] {
-            let [made, whole] = ["made", "whole"].map(|out| path.join(out).join("jobs").join(&name));
-            assert_same(&arrays(&made.join(recording)), &arrays(&whole.join(recording)), &name);
-            assert_eq!(without_times(&made, recording), without_times(&whole, recording), "{name}");
-        }
+    assert_same_jobs(path, ["whole", "made"], &["recording.raydump", "bits.raydump"]);
+    for (name, state) in states(path) {
+        assert_eq!(state, "finished");
         let left = fs::read_dir(path.join("made/jobs").join(&name)).unwrap().count();
         assert_eq!(left, 5, "two recordings, job.json, lock and log.txt, nothing unfinished");
     }
@@ -379,11 +351,7 @@ fn long_plan(folder: &Path) {
 /// The process that a study has started, once it records.
 #[cfg(target_os = "linux")]
 fn recorder_of(study: &Child, partial: &Path) -> String {
-    let start = Instant::now();
-    while !partial.exists() {
-        assert!(start.elapsed() < Duration::from_secs(60), "nothing is recorded");
-        std::thread::sleep(Duration::from_millis(10));
-    }
+    until("something is recorded", || partial.exists());
     let parent = format!("PPid:\t{}\n", study.id());
     let processes =
         fs::read_dir("/proc").unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
@@ -423,10 +391,6 @@ fn a_recorder_that_is_killed_fails_its_job_and_a_study_that_is_ended_takes_its_r
     assert_eq!(child.wait().unwrap().signal(), Some(15));
     let said = std::io::read_to_string(child.stderr.take().unwrap()).unwrap();
     assert!(said.contains("interrupted; finished jobs stay in") && said.lines().count() == 1, "{said}");
-    let start = Instant::now();
-    while Path::new("/proc").join(&recorder).exists() {
-        assert!(start.elapsed() < Duration::from_secs(20), "the recorder goes on");
-        std::thread::sleep(Duration::from_millis(10));
-    }
+    until("the recorder has ended", || !Path::new("/proc").join(&recorder).exists());
     states_are(path, &[("cornell-front-0", "waiting")]);
 }

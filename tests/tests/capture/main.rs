@@ -10,10 +10,10 @@ use std::process::Command;
 use formats::npy::{self, Dtype};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
-use tests::programs::{Program, finish, python};
+use tests::programs::{FAILED, Program, finish, python};
+use tests::recordings::verify;
 use tests::sources::root;
 
-const FAILED: i32 = 1;
 const IMPORT: &str = "import --scene builtin:cornell --backend cpu --repeats 1 --methods aila";
 
 /// Compiles the small tracer, runs it over Cornell's box, and returns the folder with its `queues`.
@@ -104,7 +104,7 @@ fn carried_along(folder: &Path, lacking: &str) {
             assert_eq!(read(name), read("theirs"), "{path}");
         }
         assert!(stages("aila").contains("key"), "{json}");
-        Program::Inspector.run(folder, &format!("verify {name}.raydump")).succeeded();
+        verify(folder, name);
         let info = Program::Inspector.run(folder, &format!("info {name}.raydump")).succeeded().stdout;
         assert!(info.contains(lacking), "{info}");
     }
@@ -192,7 +192,7 @@ capture.order(2, 'shadow', 'height', np.argsort(keys, kind='stable'), keys)
     finish(write.arg("-c").arg(script).arg(capture).current_dir(folder.path())).succeeded();
     let recorded = import(folder.path(), "python");
     assert_eq!(recorded["queues"][0]["rays"], 2000, "{recorded}");
-    Program::Inspector.run(folder.path(), "verify python.raydump").succeeded();
+    verify(folder.path(), "python");
     let line = "plot python.raydump --out figures --figure trace-speedup";
     Program::Inspector.run(folder.path(), line).succeeded();
 }

@@ -1,8 +1,10 @@
 //! Furnaces: surroundings of one radiance everywhere, in which a surface is as bright as it is white.
 
-use crate::picture::{Estimate, exactly, expect, expect_with_roulette, pictures};
-use crate::scene::{SceneOf, cube, glowing, matt, sphere};
 use scenes::Material;
+use tests::shapes::{cube, sphere};
+
+use crate::picture::{Estimate, exactly, expect, expect_with_roulette, pictures};
+use crate::scene::{SceneOf, glowing, matt};
 
 /// A sphere that reflects everything cannot be told from the white sky around it, one that reflects half
 /// is half as bright. The picture shows the sphere alone.
@@ -30,7 +32,7 @@ fn a_glowing_room_adds_up_its_reflections() {
     let room = |walls: &[_]| {
         SceneOf::seen([0.1, 0.05, 0.2], [0.4, 0.1, -1.0], 40.0).surface(walls, glowing(reflectance, emission))
     };
-    let (round, square) = (room(&sphere(10)).scene(), room(&cube()).scene());
+    let (round, square) = (room(&sphere(10)).scene(), room(&cube(1)).scene());
     for bounces in [1, 2, 5] {
         expect(&format!("glowing sphere, {bounces} bounces"), &round, bounces as u32, known(bounces));
         expect(&format!("glowing box, {bounces} bounces"), &square, bounces as u32, known(bounces));

@@ -1,11 +1,12 @@
 //! Rooms without a formula, against a path tracer over the oracle.
 
 use recorder::stages::random::Random;
+use scenes::{Light, Scene};
+use tests::shapes::{cube, placed, sphere};
 
 use crate::path_tracer::Reference;
 use crate::picture::{Estimate, expect};
-use crate::scene::{SceneOf, cube, glowing, matt, parallelogram, sphere};
-use scenes::{Light, Scene};
+use crate::scene::{SceneOf, glowing, matt, parallelogram};
 
 /// Samples of the picture's mean, one per path, in f64.
 fn reference(scene: &Scene, bounces: u32, paths: u32) -> Estimate {
@@ -29,11 +30,9 @@ fn reference(scene: &Scene, bounces: u32, paths: u32) -> Estimate {
 #[test]
 fn a_room_with_a_lamp_and_a_ball() {
     let lamp = parallelogram([-0.6, 0.98, -0.6], [1.2, 0.0, 0.0], [0.0, 0.0, 1.2]);
-    let ball: Vec<_> =
-        sphere(8).iter().map(|triangle| triangle.map(|corner| corner.map(|x| 0.35 * x))).collect();
     let scene = SceneOf::seen([0.0, 0.2, 0.95], [0.0, -0.3, -1.0], 60.0)
-        .surface(&cube(), matt(0.7))
-        .surface(&ball, matt(0.4))
+        .surface(&cube(1), matt(0.7))
+        .surface(&placed(&sphere(8), 0.35, [0.0; 3]), matt(0.4))
         .surface(&lamp, glowing(0.1, 3.0))
         .scene();
     for bounces in [1, 3] {
@@ -46,12 +45,10 @@ fn a_room_with_a_lamp_and_a_ball() {
 #[test]
 fn a_ball_on_a_floor_under_sky_and_lamp() {
     let floor = parallelogram([-2.0, -0.5, -2.0], [4.0, 0.0, 0.0], [0.0, 0.0, 4.0]);
-    let ball: Vec<_> =
-        sphere(8).iter().map(|triangle| triangle.map(|corner| corner.map(|x| 0.5 * x))).collect();
     let sky = scenes::Environment { zenith: [0.2, 0.8, 1.0], nadir: [0.4, 0.1, 0.3] };
     let scene = SceneOf::seen([0.0, 1.0, 3.0], [0.0, -0.2, 0.0], 40.0)
         .surface(&floor, matt(0.8))
-        .surface(&ball, matt(0.6))
+        .surface(&placed(&sphere(8), 0.5, [0.0; 3]), matt(0.6))
         .light(Light::Sphere { position: [0.9, 0.9, 0.4], radius: 0.3, intensity: [0.5; 3] })
         .light(Light::Environment(sky))
         .scene();

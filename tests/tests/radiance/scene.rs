@@ -1,8 +1,7 @@
 //! Scenes put together by hand.
 
 use scenes::{Camera, Environment, Light, Material, Scene};
-
-pub(crate) type Triangle = [[f32; 3]; 3];
+use tests::shapes::Triangle;
 
 /// Surfaces of one material each, lights, and a camera.
 pub(crate) struct SceneOf {
@@ -30,39 +29,6 @@ pub(crate) fn parallelogram(corner: [f32; 3], along: [f32; 3], up: [f32; 3]) -> 
     let (b, d) = (plus(corner, along), plus(corner, up));
     let c = plus(b, up);
     vec![[corner, b, c], [corner, c, d]]
-}
-
-/// A closed box from −1 to 1.
-pub(crate) fn cube() -> Vec<Triangle> {
-    let faces = [
-        ([-1.0, -1.0, -1.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]),
-        ([-1.0, -1.0, 1.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]),
-        ([-1.0, -1.0, -1.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0]),
-        ([-1.0, 1.0, -1.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0]),
-        ([-1.0, -1.0, -1.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]),
-        ([1.0, -1.0, -1.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]),
-    ];
-    faces.into_iter().flat_map(|(corner, along, up)| parallelogram(corner, along, up)).collect()
-}
-
-/// A closed sphere of radius 1 around the origin.
-pub(crate) fn sphere(rings: u32) -> Vec<Triangle> {
-    let point = |ring: u32, segment: u32| {
-        let polar = std::f64::consts::PI * f64::from(ring) / f64::from(rings);
-        let azimuth = std::f64::consts::TAU * f64::from(segment % (2 * rings)) / f64::from(2 * rings);
-        let sine = if ring == rings { 0.0 } else { polar.sin() };
-        [sine * azimuth.cos(), polar.cos(), sine * azimuth.sin()].map(|x| x as f32)
-    };
-    let mut triangles = Vec::new();
-    for ring in 0..rings {
-        for segment in 0..2 * rings {
-            let [a, b] = [point(ring, segment), point(ring, segment + 1)];
-            let [c, d] = [point(ring + 1, segment), point(ring + 1, segment + 1)];
-            triangles.extend((ring > 0).then_some([a, b, c]));
-            triangles.extend((ring + 1 < rings).then_some([b, d, c]));
-        }
-    }
-    triangles
 }
 
 impl SceneOf {
