@@ -165,7 +165,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups
             label: &self.label,
             wgsl: &self.wgsl(gpu.rounding()),
             entry_point: "main",
-            groups: &[&bindings],
+            bindings: &bindings,
             immediate_bytes: self.immediate_bytes,
         };
         // SAFETY: modules are made of this crate's own WGSL alone.
@@ -235,7 +235,7 @@ impl ItemKernel {
             }
         }
         let count = u32::try_from(count).expect("binding limits keep arrays below 2^32 elements");
-        Ok(BoundKernel { kernel: &self.kernel, group: self.kernel.bind(gpu, 0, resources)?, count })
+        Ok(BoundKernel { kernel: &self.kernel, group: self.kernel.bind(gpu, resources)?, count })
     }
 
     /// Runs the kernel for `count` items and waits for it; returns the device's time in nanoseconds.

@@ -39,8 +39,8 @@ pub struct KernelSource<'a> {
     pub wgsl: &'a str,
     /// The function to run.
     pub entry_point: &'a str,
-    /// The bindings of group 0, group 1 and so on, numbered from 0 in each.
-    pub groups: &'a [&'a [Binding]],
+    /// The bindings of group 0, numbered from 0.
+    pub bindings: &'a [Binding],
     /// Size of the `var<immediate>` that the module declares; 0 if none.
     pub immediate_bytes: u32,
 }
@@ -50,7 +50,7 @@ pub struct KernelSource<'a> {
 pub struct Kernel {
     pub(super) pipeline: wgpu::ComputePipeline,
     pub(super) label: String,
-    layouts: Vec<wgpu::BindGroupLayout>,
+    layout: wgpu::BindGroupLayout,
     pub(super) immediate_bytes: u32,
 }
 
@@ -78,16 +78,15 @@ impl Kernel {
         let module = unsafe { gpu.device().create_shader_module_trusted(descriptor, checks) };
         let running = format!("compiling {}", source.label);
         gpu.check(&running)?;
-        let layouts: Vec<_> =
-            source.groups.iter().map(|bindings| group_layout(gpu, source.label, bindings)).collect();
-        let layout = gpu.device().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        let layout = group_layout(gpu, source.label, source.bindings);
+        let pipeline_layout = gpu.device().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(source.label),
-            bind_group_layouts: &layouts.iter().map(Some).collect::<Vec<_>>(),
+            bind_group_layouts: &[Some(&layout)],
             immediate_size: source.immediate_bytes,
         });
         let pipeline = gpu.device().create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(source.label),
-            layout: Some(&layout),
+            layout: Some(&pipeline_layout),
             module: &module,
             entry_point: Some(source.entry_point),
             compilation_options: wgpu::PipelineCompilationOptions {
@@ -98,12 +97,7 @@ impl Kernel {
             cache: None,
         });
         gpu.check(&running)?;
-        Ok(Self {
-            pipeline,
-            label: source.label.to_owned(),
-            layouts,
-            immediate_bytes: source.immediate_bytes,
-        })
+        Ok(Self { pipeline, label: source.label.to_owned(), layout, immediate_bytes: source.immediate_bytes })
     }
 
     /// `stage::name`.
@@ -111,17 +105,13 @@ impl Kernel {
         &self.label
     }
 
-    /// Binds resources to the kernel's group `group`, in the order of its bindings.
+    /// Binds resources, in the order of the kernel's bindings.
     ///
     /// # Errors
-    /// [`GpuError::Refused`] when they do not fit the group.
-    ///
-    /// # Panics
-    /// If the kernel has no such group.
+    /// [`GpuError::Refused`] when they do not fit these.
     pub fn bind(
         &self,
         gpu: &Gpu,
-        group: usize,
         resources: &[wgpu::BindingResource<'_>],
     ) -> Result<wgpu::BindGroup, GpuError> {
         let entries: Vec<_> = (0..)
@@ -130,10 +120,10 @@ impl Kernel {
             .collect();
         let bound = gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(&self.label),
-            layout: &self.layouts[group],
+            layout: &self.layout,
             entries: &entries,
         });
-        gpu.check(&format!("binding group {group} of {}", self.label))?;
+        gpu.check(&format!("binding group 0 of {}", self.label))?;
         Ok(bound)
     }
 }
@@ -193,7 +183,7 @@ mod tests {
             label: "test::count",
             wgsl: &wgsl,
             entry_point: "count",
-            groups: &[&[Binding::ReadWrite]],
+            bindings: &[Binding::ReadWrite],
             immediate_bytes: 8,
         };
         // SAFETY: items are below the count, which the tests keep to the array.
@@ -206,9 +196,9 @@ mod tests {
         let kernel = count_kernel(gpu, 1);
         let items = gpu.adapter().limits.workgroups_per_axis.min(1 << 20) + 4_321;
         let visits = gpu.array::<u32>("test::visits", items as usize).unwrap();
-        let group = kernel.bind(gpu, 0, &[visits.binding()]).unwrap();
+        let group = kernel.bind(gpu, &[visits.binding()]).unwrap();
         let mut run = gpu.stage("test");
-        run.dispatch(&kernel, &[&group], &[0, items], items);
+        run.dispatch(&kernel, &group, &[0, items], items);
         run.finish().unwrap();
         assert!(gpu.read_vec(&visits).unwrap().iter().all(|&count| count == 1));
     }
@@ -230,7 +220,7 @@ mod tests {
             label: "test::nonsense",
             wgsl: "fn main( {",
             entry_point: "main",
-            groups: &[],
+            bindings: &[],
             immediate_bytes: 0,
         };
         // SAFETY: it is no kernel.
@@ -245,13 +235,13 @@ mod tests {
         let visits = gpu.array_of("test::visits", &[7_u32; 100]).unwrap();
         let before = gpu.array::<u32>("test::before", 100).unwrap();
         let after = gpu.array::<u32>("test::after", 100).unwrap();
-        let group = kernel.bind(gpu, 0, &[visits.binding()]).unwrap();
+        let group = kernel.bind(gpu, &[visits.binding()]).unwrap();
         let mut run = gpu.stage("test");
         run.copy(&visits, &before, 100);
         run.clear(&visits);
-        run.dispatch(&kernel, &[&group], &[0, 100], 2);
+        run.dispatch(&kernel, &group, &[0, 100], 2);
         run.copy(&visits, &after, 50);
-        run.dispatch(&kernel, &[&group], &[0, 10], 1);
+        run.dispatch(&kernel, &group, &[0, 10], 1);
         let elapsed_ns = run.finish().unwrap();
         assert_eq!(gpu.read_vec(&before).unwrap(), [7; 100]);
         assert_eq!(gpu.read_vec(&after).unwrap(), [[1; 50], [0; 50]].concat());

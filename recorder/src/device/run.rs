@@ -19,20 +19,9 @@ pub struct StageRun<'gpu> {
 
 #[derive(Debug)]
 enum Command {
-    Dispatch {
-        pipeline: wgpu::ComputePipeline,
-        groups: Vec<wgpu::BindGroup>,
-        immediates: Vec<u8>,
-        grid: [u32; 3],
-    },
-    Clear {
-        buffer: wgpu::Buffer,
-    },
-    Copy {
-        from: wgpu::Buffer,
-        to: wgpu::Buffer,
-        bytes: u64,
-    },
+    Dispatch { pipeline: wgpu::ComputePipeline, group: wgpu::BindGroup, immediates: Vec<u8>, grid: [u32; 3] },
+    Clear { buffer: wgpu::Buffer },
+    Copy { from: wgpu::Buffer, to: wgpu::Buffer, bytes: u64 },
 }
 
 impl Gpu {
@@ -50,7 +39,7 @@ impl StageRun<'_> {
     pub fn dispatch<I: NoUninit>(
         &mut self,
         kernel: &Kernel,
-        groups: &[&wgpu::BindGroup],
+        group: &wgpu::BindGroup,
         immediates: &I,
         workgroups: u32,
     ) {
@@ -67,7 +56,7 @@ impl StageRun<'_> {
         let largest_axis = self.gpu.adapter().limits.workgroups_per_axis;
         self.push(Command::Dispatch {
             pipeline: kernel.pipeline.clone(),
-            groups: groups.iter().map(|&group| group.clone()).collect(),
+            group: group.clone(),
             immediates,
             grid: grid(workgroups, largest_axis),
         });
@@ -97,7 +86,7 @@ impl StageRun<'_> {
             let workgroups = chunk.count.div_ceil(THREADS);
             for BoundKernel { kernel, group, count } in kernels {
                 assert_eq!(*count, items, "items of {}", kernel.label);
-                self.dispatch(kernel, &[group], &parameters.of(chunk), workgroups);
+                self.dispatch(kernel, group, &parameters.of(chunk), workgroups);
             }
         }
     }
@@ -247,11 +236,9 @@ fn encode(
 }
 
 fn encode_dispatch(pass: &mut wgpu::ComputePass<'_>, command: &Command) {
-    if let Command::Dispatch { pipeline, groups, immediates, grid: [x, y, z] } = command {
+    if let Command::Dispatch { pipeline, group, immediates, grid: [x, y, z] } = command {
         pass.set_pipeline(pipeline);
-        for (index, group) in (0..).zip(groups) {
-            pass.set_bind_group(index, group, &[]);
-        }
+        pass.set_bind_group(0, group, &[]);
         if !immediates.is_empty() {
             pass.set_immediates(0, immediates);
         }

@@ -50,7 +50,7 @@ impl Scan {
                 label: &format!("compact::{entry_point}"),
                 wgsl: &wgsl,
                 entry_point,
-                groups: &[&[Binding::Read, Binding::ReadWrite, Binding::ReadWrite]],
+                bindings: &[Binding::Read, Binding::ReadWrite, Binding::ReadWrite],
                 immediate_bytes: size_of::<ScanSpan>() as u32,
             };
             // SAFETY: items are below `count` and tiles below `tiles`, which `run` checks against
@@ -86,11 +86,11 @@ impl Scan {
         let span = ScanSpan { count, tiles };
         let tile_places = gpu.array::<u32>("compact::tile_places", tiles as usize + 1)?;
         let resources = [directions.binding(), places.binding(), tile_places.binding()];
-        let group = self.sum_tiles.bind(gpu, 0, &resources)?;
+        let group = self.sum_tiles.bind(gpu, &resources)?;
         let mut run = gpu.stage("compact");
-        run.dispatch(&self.sum_tiles, &[&group], &span, tiles);
-        run.dispatch(&self.place_tiles, &[&group], &span, 1);
-        run.dispatch(&self.place_items, &[&group], &span, tiles);
+        run.dispatch(&self.sum_tiles, &group, &span, tiles);
+        run.dispatch(&self.place_tiles, &group, &span, 1);
+        run.dispatch(&self.place_items, &group, &span, tiles);
         let elapsed_ns = run.finish()?;
         let last = tiles as usize;
         let total = Readback::default().read_vec(gpu, &tile_places, last..last + 1)?[0];

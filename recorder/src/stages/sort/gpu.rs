@@ -208,22 +208,14 @@ impl Sorter {
             wgsl = write_out(&wgsl, "LOOK_KEYS_PER_THREAD", LOOK_KEYS_PER_THREAD);
             wgsl = write_out(&wgsl, "ROWS", tiling.tile_keys / tiling.threads);
         }
-        let groups: &[&[Binding]] = &[&[
-            Binding::Read,
-            Binding::Read,
-            Binding::ReadWrite,
-            Binding::ReadWrite,
-            Binding::ReadWrite,
-            Binding::ReadWrite,
-            Binding::ReadWrite,
-            Binding::ReadWrite,
-        ]];
+        let mut bindings = [Binding::ReadWrite; 8];
+        bindings[..2].fill(Binding::Read);
         let compile = |entry_point: &str| {
             let source = KernelSource {
                 label: &format!("sort::{entry_point}"),
                 wgsl: &wgsl,
                 entry_point,
-                groups,
+                bindings: &bindings,
                 immediate_bytes: size_of::<SortPass>() as u32,
             };
             // SAFETY: places are below `count`, or clamped to the last of them where there is one (without keys
@@ -292,7 +284,7 @@ impl Sorter {
             room.tile_counts.binding(),
             self.totals.binding(),
         ];
-        let group = self.look.bind(gpu, 0, &resources)?;
+        let group = self.look.bind(gpu, &resources)?;
         let mut run = gpu.stage("sort");
         if count == 0 {
             return run.finish();
@@ -307,17 +299,17 @@ impl Sorter {
         if looks {
             let workgroups = count.div_ceil(LOOK_THREADS * LOOK_KEYS_PER_THREAD);
             for word in 0..if is_wide { 2 } else { 1 } {
-                run.dispatch(&self.look, &[&group], &pass_of(word * DIGITS_PER_WORD), workgroups);
+                run.dispatch(&self.look, &group, &pass_of(word * DIGITS_PER_WORD), workgroups);
             }
         }
         let workgroups = tiles.div_ceil(self.tiling.tiles_per_workgroup);
         for pass in (0..passes).map(pass_of) {
             match &self.pass {
-                PassKernels::Sweep(sweep) => run.dispatch(sweep, &[&group], &pass, workgroups),
+                PassKernels::Sweep(sweep) => run.dispatch(sweep, &group, &pass, workgroups),
                 PassKernels::ReduceThenScan { count, scan, scatter } => {
-                    run.dispatch(count, &[&group], &pass, workgroups);
-                    run.dispatch(scan, &[&group], &pass, BINS as u32);
-                    run.dispatch(scatter, &[&group], &pass, workgroups);
+                    run.dispatch(count, &group, &pass, workgroups);
+                    run.dispatch(scan, &group, &pass, BINS as u32);
+                    run.dispatch(scatter, &group, &pass, workgroups);
                 }
             }
         }
