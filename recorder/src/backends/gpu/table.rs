@@ -1,6 +1,6 @@
 //! A length table on the GPU: sums and counts.
 
-use formats::length_table::{DUMMY_SUM, LengthCell, LengthTable};
+use formats::length_table::{LengthCell, LengthTable};
 
 use crate::device::{DeviceArray, Gpu, GpuError, StageRun};
 
@@ -10,19 +10,10 @@ pub(super) struct GpuTable {
     counts: DeviceArray<u32>,
 }
 
-/// A sum's words.
-fn words(sum: u64) -> [u32; 2] {
-    [sum as u32, (sum >> 32) as u32]
-}
-
 impl GpuTable {
     /// 2^`bits` cells, each with its dummy ray.
     pub(super) fn new(gpu: &Gpu, bits: u32) -> Result<Self, GpuError> {
-        let cells = 1usize << bits;
-        Ok(Self {
-            sums: gpu.array_of("length_table::sums", &vec![words(DUMMY_SUM); cells])?,
-            counts: gpu.array_of("length_table::counts", &vec![1u32; cells])?,
-        })
+        Self::filled(gpu, &LengthTable::new(bits))
     }
 
     /// Takes the cells of another table of as many.
@@ -39,7 +30,7 @@ impl GpuTable {
     /// A copy of a table.
     pub(super) fn filled(gpu: &Gpu, table: &LengthTable) -> Result<Self, GpuError> {
         let (sums, counts): (Vec<u64>, Vec<u32>) = table.cells().unzip();
-        let sums: Vec<[u32; 2]> = sums.into_iter().map(words).collect();
+        let sums: Vec<[u32; 2]> = sums.into_iter().map(|sum| [sum as u32, (sum >> 32) as u32]).collect();
         Ok(Self {
             sums: gpu.array_of("length_table::sums", &sums)?,
             counts: gpu.array_of("length_table::counts", &counts)?,

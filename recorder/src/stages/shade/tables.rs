@@ -68,9 +68,7 @@ impl ShadeTables {
             nadir: sky.map_or(Vec3::ZERO, |sky| Vec3::from(sky.nadir)),
         }
     }
-}
 
-impl ShadeTables {
     /// The same with arrays for kernels of these features: where a scene has none, normals of length 0, which
     /// stand for the triangle's own, and one texture that no material has.
     #[must_use]

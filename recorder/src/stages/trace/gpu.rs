@@ -6,7 +6,7 @@ use scenes::Scene;
 use scenes::bvh::Bvh;
 use scenes::features::Features;
 
-use super::driver::DriverHierarchy;
+use super::driver;
 use super::leaves::Leaves;
 use super::mask::Masks;
 use super::variant::TraceVariant;
@@ -93,15 +93,7 @@ pub struct Tracer {
 
 enum Hierarchy {
     Nodes(DeviceArray<[u32; 4]>),
-    Driver(DriverHierarchy),
-}
-
-/// The masks of a scene that has any.
-fn mask_array(gpu: &Gpu, masks: &Masks) -> Result<Option<DeviceArray<u32>>> {
-    if masks.is_empty() {
-        return Ok(None);
-    }
-    Ok(Some(gpu.array_of("trace::masks", &mask_words(masks)?)?))
+    Driver(wgpu::Tlas),
 }
 
 /// All masks in one array of words: per scene triangle the word where its mask begins, 0 for none;
@@ -170,7 +162,7 @@ impl Tracer {
         let (leaves, hierarchy) = match (bvh, kernel.bvh_kind()) {
             (None, None) => (
                 leaves(&(0..scene.triangles.len() as u32).collect::<Vec<_>>())?,
-                Hierarchy::Driver(DriverHierarchy::new(gpu, scene, masks.is_empty())?),
+                Hierarchy::Driver(driver::hierarchy(gpu, scene, masks.is_empty())?),
             ),
             (bvh, _) => {
                 let bvh = bvh.with_context(|| format!("trace kernel {} needs a hierarchy", kernel.name()))?;
@@ -178,10 +170,11 @@ impl Tracer {
                 (leaves(bvh.order())?, Hierarchy::Nodes(gpu.array_of("trace::nodes", &nodes)?))
             }
         };
+        let masks = (!masks.is_empty()).then(|| mask_words(&masks)).transpose()?;
         Ok(Self {
             kernel,
             leaves,
-            masks: mask_array(gpu, &masks)?,
+            masks: masks.map(|words| gpu.array_of("trace::masks", &words)).transpose()?,
             hierarchy,
             precision: Precision::default(),
             compiled: Vec::new(),
@@ -244,7 +237,7 @@ impl Tracer {
         resources.extend(self.masks.as_ref().map(DeviceArray::binding));
         resources.push(match &self.hierarchy {
             Hierarchy::Nodes(nodes) => nodes.binding(),
-            Hierarchy::Driver(hierarchy) => hierarchy.binding(),
+            Hierarchy::Driver(top) => top.as_binding(),
         });
         Ok(kernel.run(gpu, &resources, count, ITEMS)?)
     }
@@ -254,10 +247,7 @@ impl Tracer {
     /// # Errors
     /// If the driver refuses a kernel.
     pub fn compile(&mut self, gpu: &Gpu) -> Result<()> {
-        Kind::ALL.into_iter().try_for_each(|kind| {
-            self.compiled(gpu, kind, Order::Stored, false)?;
-            Ok(())
-        })
+        Kind::ALL.into_iter().try_for_each(|kind| self.compiled(gpu, kind, Order::Stored, false).map(drop))
     }
 
     /// The kernel of a variant, compiled when it is first needed.

@@ -66,11 +66,11 @@ impl LeafForm {
 }
 
 /// Leaves on the GPU.
-pub(super) enum Leaves {
-    /// Corner and triangle index, corner, corner.
-    Gathered(DeviceArray<Words>),
-    /// Indices of corners and triangle, and the positions that they count.
-    Indexed { leaves: DeviceArray<Words>, positions: DeviceArray<[f32; 4]> },
+pub(super) struct Leaves {
+    /// Corner and triangle index, corner, corner; or the indices of corners and triangle.
+    words: DeviceArray<Words>,
+    /// What indices of corners count.
+    positions: Option<DeviceArray<[f32; 4]>>,
 }
 
 impl Leaves {
@@ -101,27 +101,19 @@ impl Leaves {
                 }
             }
         }
-        let leaves = gpu.array_of("trace::leaves", &words)?;
-        Ok(match form {
-            LeafForm::Gathered => Self::Gathered(leaves),
-            LeafForm::Indexed => Self::Indexed { leaves, positions: position_array(gpu, scene)? },
-        })
+        let words = gpu.array_of("trace::leaves", &words)?;
+        let positions = (form == LeafForm::Indexed).then(|| position_array(gpu, scene)).transpose()?;
+        Ok(Self { words, positions })
     }
 
     /// Where the corners are.
     pub(super) fn form(&self) -> LeafForm {
-        match self {
-            Self::Gathered(_) => LeafForm::Gathered,
-            Self::Indexed { .. } => LeafForm::Indexed,
-        }
+        if self.positions.is_some() { LeafForm::Indexed } else { LeafForm::Gathered }
     }
 
     /// In the order in which [`LeafForm::declare`] declares them.
-    pub(super) fn bindings(&self) -> Vec<wgpu::BindingResource<'_>> {
-        match self {
-            Self::Gathered(leaves) => vec![leaves.binding()],
-            Self::Indexed { leaves, positions } => vec![leaves.binding(), positions.binding()],
-        }
+    pub(super) fn bindings(&self) -> impl Iterator<Item = wgpu::BindingResource<'_>> {
+        [self.words.binding()].into_iter().chain(self.positions.as_ref().map(DeviceArray::binding))
     }
 }
 

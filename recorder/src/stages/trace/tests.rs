@@ -392,7 +392,6 @@ fn threads_and_orders_do_not_change_results() {
             assert!(!hit.is_hit() || (all.nodes > 0 && all.triangles > 0), "{name}");
         }
 
-        let of_bytes = |kind, hits: &[u8]| Hits::from_bytes(kind, hits);
         let places = permutation_of(&permutation);
         let home = |kind| {
             let home = Hits::new(kind, rays.len());
@@ -403,7 +402,7 @@ fn threads_and_orders_do_not_change_results() {
         for traced in [&home as &dyn Fn(Kind) -> Hits, &through_indices] {
             let scattered = traced(Kind::Closest);
             let differences = |hits: &[Hit]| {
-                differences_between(&scattered, &of_bytes(Kind::Closest, bytemuck::cast_slice(hits)))
+                differences_between(&scattered, &Hits::from_bytes(Kind::Closest, bytemuck::cast_slice(hits)))
             };
             assert_eq!(differences(&hits), 0, "{name}");
             let mut other = hits.clone();
@@ -413,7 +412,7 @@ fn threads_and_orders_do_not_change_results() {
 
             let scattered = traced(Kind::Shadow);
             let differences = |hits: &[f32]| {
-                differences_between(&scattered, &of_bytes(Kind::Shadow, bytemuck::cast_slice(hits)))
+                differences_between(&scattered, &Hits::from_bytes(Kind::Shadow, bytemuck::cast_slice(hits)))
             };
             assert_eq!(differences(&distances), 0, "{name}");
             let nearer: Vec<f32> = distances.iter().map(|distance| 0.5 * distance).collect();

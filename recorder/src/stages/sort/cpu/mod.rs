@@ -104,14 +104,6 @@ impl Sorter {
             }
         }
     }
-
-    /// The permutation that sorts keys stably, in memory of its own.
-    pub fn sorted(&mut self, keys: &Keys) -> Vec<u32> {
-        let mut permutation = Permutation::new();
-        self.make_room(keys, &mut permutation);
-        self.sort(keys, &mut permutation);
-        permutation.into_iter().map(AtomicU32::into_inner).collect()
-    }
 }
 
 /// A word above the lower 32 bits of its index. All of them are there; cut off, they tell the compiler that the
@@ -269,6 +261,13 @@ mod tests {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
     }
 
+    fn sorted(keys: &[u64], bits: u32) -> Vec<u32> {
+        let (mut sorter, keys, mut permutation) = (Sorter::default(), Keys::of(keys, bits), Vec::new());
+        sorter.make_room(&keys, &mut permutation);
+        sorter.sort(&keys, &mut permutation);
+        permutation.into_iter().map(AtomicU32::into_inner).collect()
+    }
+
     #[test]
     fn keys_of_any_width_sort_like_the_standard_stable_sort() {
         let counts =
@@ -276,7 +275,7 @@ mod tests {
         for threads in [1, 2, 5] {
             for count in counts {
                 for (what, bits, keys) in test_keys::cases(count) {
-                    let found = pool(threads).install(|| Sorter::default().sorted(&Keys::of(&keys, bits)));
+                    let found = pool(threads).install(|| sorted(&keys, bits));
                     assert!(found == expected(&keys), "{count} {what} of {bits} bits, {threads} threads");
                 }
             }
@@ -297,7 +296,7 @@ mod tests {
         ];
         for threads in [1, 3] {
             for (what, keys) in &cases {
-                let found = pool(threads).install(|| Sorter::default().sorted(&Keys::of(keys, 64)));
+                let found = pool(threads).install(|| sorted(keys, 64));
                 assert!(found == expected(keys), "{what}, {threads} threads");
             }
         }
@@ -307,8 +306,7 @@ mod tests {
     fn sixteen_million_keys_and_more() {
         for bits in [15, 24] {
             let keys = test_keys::random((1 << 24) + 12_345, bits, 3);
-            let found = Sorter::default().sorted(&Keys::of(&keys, bits));
-            assert!(found == expected(&keys), "{bits} bits");
+            assert!(sorted(&keys, bits) == expected(&keys), "{bits} bits");
         }
     }
 }
