@@ -22,7 +22,7 @@ use crate::study::plan::{self, Plan};
 use crate::study::run::{self, LOG_NAME};
 use crate::study::slurm::Array;
 use crate::study::state::{Experience, State, folder, state, strays};
-use crate::study::words::Commands;
+use crate::study::words::{Commands, Parser};
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
@@ -116,12 +116,15 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<()> {
 }
 
 fn read(arguments: &PlanArguments) -> Result<(Plan, Jobs)> {
-    let commands = Commands {
-        record: RecordArguments::augment_args(clap::Command::new("record")),
-        replay: ReplayArguments::augment_args(clap::Command::new("replay")),
-        record_options: |words| Ok(parse_words::<RecordArguments>("record", words)?.options()?),
-        replay_options: |words| Ok(parse_words::<ReplayArguments>("replay", words)?.options()?),
+    let record = Parser {
+        command: RecordArguments::augment_args(clap::Command::new("record")),
+        options: |words| Ok(parse_words::<RecordArguments>("record", words)?.options()?),
     };
+    let replay = Parser {
+        command: ReplayArguments::augment_args(clap::Command::new("replay")),
+        options: |words| Ok(parse_words::<ReplayArguments>("replay", words)?.options()?),
+    };
+    let commands = Commands { record, replay };
     let plan = plan::read(&arguments.file, arguments.scenes.as_deref(), &commands)?;
     let jobs = jobs(&plan).with_context(|| format!("{} cannot be run", arguments.file.display()))?;
     Ok((plan, jobs))
@@ -194,12 +197,8 @@ fn make(arguments: &RunArguments) -> Result<()> {
     } else {
         print(result_words(&ended, out))?;
     }
-    let failed: Vec<&&Job> = chosen
-        .iter()
-        .zip(&states)
-        .filter(|(_, state)| matches!(state, State::Failed(_)))
-        .map(|(job, _)| job)
-        .collect();
+    let failed = ended.iter().filter(|(_, state)| matches!(state, State::Failed(_)));
+    let failed: Vec<&Job> = failed.map(|(job, _)| *job).collect();
     let all = counted(chosen.len() as u64, "job", "jobs");
     if !failed.is_empty() {
         // Without a scene or camera there is no log, and nothing more to say.
@@ -219,8 +218,7 @@ fn make(arguments: &RunArguments) -> Result<()> {
 /// Hands what is left to Slurm; how it ended, if that was waited for.
 fn by_slurm(arguments: &RunArguments, jobs: &[Job]) -> Result<Option<Vec<State>>> {
     let FolderArguments { plan: planned, out } = &arguments.folder;
-    let states = || jobs.iter().map(|job| state(out, job)).collect::<Result<Vec<State>, _>>();
-    let before = states()?;
+    let before = states(out, jobs)?;
     let is_left = |state: &State| matches!(state, State::Failed(_) | State::Waiting);
     let numbers: Vec<usize> =
         jobs.iter().zip(&before).filter(|(_, state)| is_left(state)).map(|(job, _)| job.number).collect();
@@ -249,13 +247,17 @@ fn by_slurm(arguments: &RunArguments, jobs: &[Job]) -> Result<Option<Vec<State>>
         Ok(())
     };
     array.submit(submitted)?;
-    if arguments.wait { Ok(Some(states()?)) } else { Ok(None) }
+    arguments.wait.then(|| states(out, jobs)).transpose()
+}
+
+fn states(out: &Path, jobs: &[Job]) -> Result<Vec<State>> {
+    Ok(jobs.iter().map(|job| state(out, job)).collect::<Result<_, _>>()?)
 }
 
 fn show_status(arguments: &FolderArguments) -> Result<()> {
     let FolderArguments { plan, out } = arguments;
     let (_, Jobs { jobs, problems }) = read(plan)?;
-    let states = jobs.iter().map(|job| state(out, job)).collect::<Result<Vec<State>, _>>()?;
+    let states = states(out, &jobs)?;
     let found: Vec<(&Job, &State)> = jobs.iter().zip(&states).collect();
     if plan.json {
         return print_json(&result_json(&found));
@@ -286,25 +288,21 @@ fn left(found: &[(&Job, &State)]) -> (Estimate, Experience) {
 }
 
 fn result_words(found: &[(&Job, &State)], out: &Path) -> String {
-    let mut lines = Vec::new();
-    let mut counts = Vec::new();
-    for word in ["finished", "failed", "running", "waiting"] {
+    let counts = ["finished", "failed", "running", "waiting"].into_iter().filter_map(|word| {
         let count = found.iter().filter(|(_, state)| state.word() == word).count();
-        if count > 0 {
-            counts.push(format!("{count} {word}"));
-        }
-    }
+        (count > 0).then(|| format!("{count} {word}"))
+    });
     let records = || found.iter().filter_map(|(_, state)| state.record());
     let (seconds, written) =
         records().fold((0.0, 0_u64), |(s, b), record| (s + record.seconds, b.saturating_add(record.bytes)));
-    lines.push(format!(
+    let mut lines = vec![format!(
         "{} of {} in {}: {}, {}",
-        counts.join(", "),
+        counts.collect::<Vec<_>>().join(", "),
         counted(found.len() as u64, "job", "jobs"),
         out.display(),
         duration(seconds),
         HumanBytes(written)
-    ));
+    )];
     for (job, state) in found {
         if let Some(failure) = state.record().and_then(|record| record.failure.as_ref()) {
             lines.push(format!("job {} {} failed: {failure}", job.number, job.name));

@@ -22,7 +22,7 @@ use formats::text::{did_you_mean, one_line};
 use toml::{Table, Value};
 
 use super::PlanError;
-use super::words::{Commands, sentence, words};
+use super::words::{Commands, Parser, sentence, words};
 use crate::options::RecordOptions;
 use crate::replay::ReplayOptions;
 
@@ -141,7 +141,8 @@ impl Reader<'_> {
         };
         let seeds = self.seeds(table.get("seeds"));
         let record = self.table(table.get("record"), "[record]");
-        let record = self.record(&record);
+        let scene = "builtin:cornell".to_owned();
+        let record = self.planned(RECORDING, "[record]", &record, scene, &self.commands.record);
         let replays = self.table(table.get("replay"), "[replay.NAME]");
         let replays: Vec<_> = replays.iter().map(|(name, value)| self.replay(name, value)).collect();
         Some(Plan {
@@ -240,13 +241,10 @@ impl Reader<'_> {
 
     fn scene(&mut self, value: &Value, cameras: Option<&Cameras>) -> Option<PlannedScene> {
         let (name, cameras) = match value {
-            Value::String(name) => (Some(name), cameras.cloned()),
+            Value::String(name) => (Some(name.as_str()), cameras.cloned()),
             Value::Table(table) => {
                 self.know(table, &SCENE_KEYS, "scenes: ");
-                let name = match table.get("file") {
-                    Some(Value::String(name)) => Some(name),
-                    _ => None,
-                };
+                let name = table.get("file").and_then(Value::as_str);
                 let own = table.get("cameras");
                 (name, own.map_or(cameras.cloned(), |own| self.cameras(own, "scenes: cameras")))
             }
@@ -259,10 +257,10 @@ impl Reader<'_> {
             ));
         };
         let source = match name.starts_with("builtin:") {
-            true => name.clone(),
+            true => name.to_owned(),
             false => self.source(&self.base.join(name))?,
         };
-        Some(PlannedScene { name: name.clone(), source, cameras: cameras? })
+        Some(PlannedScene { name: name.to_owned(), source, cameras: cameras? })
     }
 
     /// The scene files of a folder, by name.
@@ -302,12 +300,20 @@ impl Reader<'_> {
         }
     }
 
-    fn record(&mut self, table: &Table) -> Option<Planned<RecordOptions>> {
-        let words = words(table, "[record]", &self.commands.record, &mut self.problems);
-        let line = [["builtin:cornell".to_owned(), format!("--out={RECORDING}")].as_slice(), &words].concat();
-        match (self.commands.record_options)(&line) {
-            Ok(options) => Some(Planned { name: RECORDING.to_owned(), words, options }),
-            Err(error) => self.refuse(format!("[record]: {}", sentence(&error))),
+    /// A command by a table of options, `first` being what it is for.
+    fn planned<T>(
+        &mut self,
+        name: &str,
+        place: &str,
+        table: &Table,
+        first: String,
+        parser: &Parser<T>,
+    ) -> Option<Planned<T>> {
+        let words = words(table, place, &parser.command, &mut self.problems);
+        let line = [[first, format!("--out={name}")].as_slice(), &words].concat();
+        match (parser.options)(&line) {
+            Ok(options) => Some(Planned { name: name.to_owned(), words, options }),
+            Err(error) => self.refuse(format!("{place}: {}", sentence(&error))),
         }
     }
 
@@ -320,12 +326,7 @@ impl Reader<'_> {
             ));
         }
         let table = self.table(Some(value), &place);
-        let words = words(&table, &place, &self.commands.replay, &mut self.problems);
-        let line = [[format!("{RECORDING}.raydump"), format!("--out={name}")].as_slice(), &words].concat();
-        match (self.commands.replay_options)(&line) {
-            Ok(options) => Some(Planned { name: name.to_owned(), words, options }),
-            Err(error) => self.refuse(format!("{place}: {}", sentence(&error))),
-        }
+        self.planned(name, &place, &table, format!("{RECORDING}.raydump"), &self.commands.replay)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -61,10 +61,7 @@ pub fn run(out: &Path, jobs: &[&Job]) -> Result<Vec<State>> {
     )));
     let bar = bar(jobs);
     let runner = Runner { program: &program, out: &out, bar: &bar, count: jobs.len() };
-    let mut states: Vec<Option<State>> = Vec::new();
-    for job in jobs {
-        states.push(runner.turn(job, Patience::None));
-    }
+    let states: Vec<_> = jobs.iter().map(|job| runner.turn(job, Patience::None)).collect();
     // Two studies on one folder share its jobs out.
     let states = states.into_iter().zip(jobs).map(|(state, job)| {
         let state = state.or_else(|| runner.turn(job, Patience::UntilFree));
@@ -158,10 +155,7 @@ impl Runner<'_> {
     /// Runs a job's commands and writes down how it ended.
     fn make(&self, job: &Job, folder: &Path, lock: &File) -> State {
         let start = Instant::now();
-        let (recordings, failure) = match self.commands(job, folder, lock) {
-            Ok(recordings) => (recordings, None),
-            Err(Failure { recordings, sentence }) => (recordings, Some(sentence)),
-        };
+        let (recordings, failure) = self.commands(job, folder, lock);
         let bytes = recordings.iter().map(|name| folder_bytes(&folder.join(name))).sum::<Result<u64>>();
         let (bytes, failure) = match bytes {
             Ok(bytes) => (bytes, failure),
@@ -174,11 +168,14 @@ impl Runner<'_> {
         if record.failure.is_some() { State::Failed(record) } else { State::Finished(record) }
     }
 
-    /// Runs a job's commands one after the other; gives the names of the recordings.
-    fn commands(&self, job: &Job, folder: &Path, lock: &File) -> Result<Vec<String>, Failure> {
+    /// Runs a job's commands one after the other; gives the names of the recordings, and why the next one failed, if
+    /// it did.
+    fn commands(&self, job: &Job, folder: &Path, lock: &File) -> (Vec<String>, Option<String>) {
         let mut recordings = Vec::new();
-        let fail = |recordings: &[String], sentence| Failure { recordings: recordings.to_vec(), sentence };
-        let mut log = begin(job, folder).map_err(|error| fail(&[], format!("{error:#}")))?;
+        let mut log = match begin(job, folder) {
+            Ok(log) => log,
+            Err(error) => return (recordings, Some(format!("{error:#}"))),
+        };
         for command in &job.commands {
             self.bar.set_message(format!("{}/{} {} {}", job.number, self.count, job.name, command.recording));
             // The bar shows what is being made; it stands still until that is done.
@@ -187,15 +184,14 @@ impl Runner<'_> {
                 .map_err(|error| format!("cannot write {LOG_NAME}: {error}"))
                 .and_then(|()| child::run(self.program, &command.words, folder, lock, &mut log));
             self.bar.inc(in_ms(command.share * job.estimate.seconds));
-            let Err(sentence) = ended else {
-                recordings.push(command.recording.clone());
-                continue;
-            };
-            let sentence = format!("{}: {sentence}", command.recording);
-            let left = remove_partial(folder, command).err().map(|error| format!("; and {error:#}"));
-            return Err(fail(&recordings, sentence + &left.unwrap_or_default()));
+            if let Err(sentence) = ended {
+                let left = remove_partial(folder, command).err().map(|error| format!("; and {error:#}"));
+                let left = left.unwrap_or_default();
+                return (recordings, Some(format!("{}: {sentence}{left}", command.recording)));
+            }
+            recordings.push(command.recording.clone());
         }
-        Ok(recordings)
+        (recordings, None)
     }
 
     /// A line about a job that has just ended.
@@ -209,12 +205,6 @@ impl Runner<'_> {
     }
 }
 
-/// Why a job failed, and what was finished of it.
-struct Failure {
-    recordings: Vec<String>,
-    sentence: String,
-}
-
 /// Clears the job's folder of what was not finished and of replays that the job no longer has, whose recording is about
 /// to be another one, and begins its log. A recording that is there stays until the new one is complete.
 fn begin(job: &Job, folder: &Path) -> Result<File> {
@@ -223,14 +213,9 @@ fn begin(job: &Job, folder: &Path) -> Result<File> {
         Path::new(name).extension().is_some_and(|end| end == EXTENSION)
             && !job.commands.iter().any(|command| command.recording == **name)
     };
-    before.iter().filter(is_left).try_for_each(|name| remove_folder(&folder.join(name)))?;
+    before.iter().filter(is_left).map(|name| folder.join(name)).try_for_each(remove_folder)?;
     let record = folder.join(JOB_NAME);
-    match fs::remove_file(&record) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => {
-            return Err(error).with_context(|| format!("cannot remove {}", record.display()));
-        }
-        _ => {}
-    }
+    removed(&record, fs::remove_file(&record))?;
     job.commands.iter().try_for_each(|command| remove_partial(folder, command))?;
     let log = folder.join(LOG_NAME);
     File::create(&log).with_context(|| format!("cannot write {}", log.display()))
@@ -238,15 +223,17 @@ fn begin(job: &Job, folder: &Path) -> Result<File> {
 
 /// Removes what a command left unfinished.
 fn remove_partial(folder: &Path, command: &Command) -> Result<()> {
-    remove_folder(&partial_of(&folder.join(&command.recording)))
+    remove_folder(partial_of(&folder.join(&command.recording)))
 }
 
-/// Removes a folder that need not be there.
-fn remove_folder(folder: &Path) -> Result<()> {
-    match fs::remove_dir_all(folder) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => {
-            Err(error).with_context(|| format!("cannot remove {}", folder.display()))
-        }
-        _ => Ok(()),
+fn remove_folder(folder: PathBuf) -> Result<()> {
+    removed(&folder, fs::remove_dir_all(&folder))
+}
+
+/// How removing something went that need not be there.
+fn removed(path: &Path, result: io::Result<()>) -> Result<()> {
+    match result {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        result => result.with_context(|| format!("cannot remove {}", path.display())),
     }
 }

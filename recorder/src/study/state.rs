@@ -163,20 +163,6 @@ mod tests {
     use super::*;
 
     fn finished(seconds: f64) -> (Job, State) {
-        let estimate = Estimate { seconds: 10.0, bytes: 100.0, bytes_max: 200.0 };
-        let record = JobRecord {
-            rayscope_job: JOB_VERSION,
-            content_hash: String::new(),
-            scene: String::new(),
-            camera: String::new(),
-            seed: 0,
-            commands: Vec::new(),
-            recordings: Vec::new(),
-            host: String::new(),
-            seconds,
-            bytes: 150,
-            failure: None,
-        };
         let job = Job {
             number: 1,
             name: String::new(),
@@ -185,9 +171,10 @@ mod tests {
             seed: 0,
             commands: Vec::new(),
             content_hash: String::new(),
-            estimate,
+            estimate: Estimate { seconds: 10.0, bytes: 100.0, bytes_max: 200.0 },
             problem: None,
         };
+        let record = record(&job, Vec::new(), 150, seconds, None);
         (job, State::Finished(record))
     }
 

@@ -11,16 +11,20 @@ use crate::replay::ReplayOptions;
 /// Most characters of a problem's words that are shown.
 const SHOWN: usize = 200;
 
-/// The commands that a study runs, as the command line knows them.
+/// A command as the command line knows it.
+pub struct Parser<T> {
+    /// Its options by name.
+    pub command: clap::Command,
+    /// What words after it stand for.
+    pub options: fn(&[String]) -> Result<T>,
+}
+
+/// The commands that a study runs.
 pub struct Commands {
     /// `recorder record`.
-    pub record: clap::Command,
+    pub record: Parser<RecordOptions>,
     /// `recorder replay`.
-    pub replay: clap::Command,
-    /// What words after `recorder record` stand for.
-    pub record_options: fn(&[String]) -> Result<RecordOptions>,
-    /// What words after `recorder replay` stand for.
-    pub replay_options: fn(&[String]) -> Result<ReplayOptions>,
+    pub replay: Parser<ReplayOptions>,
 }
 
 /// Options that the study itself gives, and how a plan asks for them, if it may.
@@ -56,10 +60,9 @@ fn option_words(key: &str, value: &Value, command: &clap::Command) -> Result<Vec
         return Err(format!("the study gives this option itself: {instead}"));
     }
     let Some(option) = command.get_arguments().find(|option| option.get_long() == Some(key)) else {
-        let known: Vec<&str> = command.get_arguments().filter_map(clap::Arg::get_long).collect();
-        let known: Vec<&str> =
-            known.into_iter().filter(|name| !OWN.iter().any(|(own, _)| own == name)).collect();
-        let hint = did_you_mean(key, &known);
+        let known = command.get_arguments().filter_map(clap::Arg::get_long);
+        let known = known.filter(|name| !OWN.iter().any(|(own, _)| own == name));
+        let hint = did_you_mean(key, &known.collect::<Vec<_>>());
         return Err(format!("`recorder {}` has no such option; {hint}", command.get_name()));
     };
     let takes_values = option.get_action().takes_values();
