@@ -165,15 +165,11 @@ mod tests {
 
     use super::*;
     use crate::auto;
-    use crate::backends::RecordedRays;
     use crate::backends::cpu::CpuBackend;
     use crate::stages::trace::Order;
-    use crate::stages::trace::cpu::CpuTracer;
 
     #[test]
     fn two_passes_that_disagree_give_an_interval_that_holds_both() {
-        let scene = scenes::load("builtin:cornell").unwrap();
-        let bvh = scenes::bvh::build(&scene, scenes::bvh::BvhKind::Bvh2).unwrap();
         let setup = Setup { width: 128, height: 128, ..Setup::made_up(false, 32) };
         let tried = |backend| auto::candidates(backend, &[], setup.extent(), 0.25).unwrap();
         let of_kinds = |backend| {
@@ -184,7 +180,7 @@ mod tests {
         assert_eq!(of_kinds(manifest::Backend::Gpu), (8, [5, 4]));
         let candidates = tried(manifest::Backend::Cpu);
         let setup = Arc::new(setup.with_candidates(candidates));
-        let mut backend = CpuBackend::new(setup.clone(), Arc::new(CpuTracer::new(&scene, &bvh)));
+        let mut backend = CpuBackend::in_cornell(setup.clone());
         let auto = Auto::new(&setup, Vec::new()).unwrap();
         let progress = Progress::new(2, traces(&setup).to_vec());
         let mut calibrator =
@@ -197,11 +193,8 @@ mod tests {
             t_max: 1.0,
         };
         let rays: Vec<Ray> = (0..FEWEST_RAYS).map(ray).collect();
-        let (path_ids, lights): (Vec<u32>, Vec<u32>) = (0..rays.len() as u32).map(|at| (at, 0)).unzip();
         let mut show = |calibrator: &mut Calibrator<'_>, pass| {
-            let id = QueueId { pass, bounce: 1, kind: Kind::Shadow };
-            let queue = RecordedRays { id, rays: &rays, path_ids: &path_ids, lights: &lights, lengths: None };
-            let queue = backend.upload(queue).unwrap();
+            let queue = backend.shadow_queue(pass, &rays);
             let hits = backend.trace(&queue, Order::Stored).unwrap();
             calibrator.measure(&mut backend, &queue, &hits).unwrap();
         };

@@ -110,6 +110,23 @@ impl CpuBackend {
     }
 }
 
+#[cfg(test)]
+impl CpuBackend {
+    /// One over the Cornell box.
+    pub(crate) fn in_cornell(setup: Arc<Setup>) -> Self {
+        let scene = scenes::load("builtin:cornell").unwrap();
+        let bvh = scenes::bvh::build(&scene, scenes::bvh::BvhKind::Bvh2).unwrap();
+        Self::new(setup, Arc::new(CpuTracer::new(&scene, &bvh)))
+    }
+
+    /// A queue of shadow rays to the first light, of bounce 1.
+    pub(crate) fn shadow_queue(&mut self, pass: u32, rays: &[Ray]) -> CpuRays {
+        let (path_ids, lights): (Vec<u32>, Vec<u32>) = (0..rays.len() as u32).map(|at| (at, 0)).unzip();
+        let id = QueueId { pass, bounce: 1, kind: Kind::Shadow };
+        self.upload(RecordedRays { id, rays, path_ids: &path_ids, lights: &lights, lengths: None }).unwrap()
+    }
+}
+
 impl Backend for CpuBackend {
     type Rays = CpuRays;
     type Hits = Arc<Hits>;

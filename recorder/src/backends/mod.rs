@@ -233,15 +233,11 @@ mod tests {
 
     use super::cpu::CpuBackend;
     use super::*;
-    use crate::stages::trace::cpu::CpuTracer;
 
     #[test]
     fn what_kernels_must_not_be_given_is_not_uploaded() {
-        let scene = scenes::load("builtin:cornell").unwrap();
-        let bvh = scenes::bvh::build(&scene, scenes::bvh::BvhKind::Bvh2).unwrap();
-        let tracer = Arc::new(CpuTracer::new(&scene, &bvh));
-        let setup = Arc::new(Setup { width: 2, height: 2, ..Setup::made_up(false, 32) });
-        let mut backend = CpuBackend::new(setup, tracer);
+        let setup = Setup { width: 2, height: 2, ..Setup::made_up(false, 32) };
+        let mut backend = CpuBackend::in_cornell(Arc::new(setup));
         let rays = [Ray { origin: [0.0; 3], t_min: 0.0, direction: [0.0, 0.0, 1.0], t_max: 1.0 }; 5];
         let mut upload = |rays: &[Ray], path_ids: &[u32], lights: &[u32]| {
             let id = QueueId { pass: 0, bounce: 1, kind: Kind::Shadow };

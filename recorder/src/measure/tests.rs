@@ -11,7 +11,6 @@ use crate::auto;
 use crate::backends::cpu::CpuBackend;
 use crate::backends::{Array, RecordedRays, Shaded, Sink};
 use crate::stages::setup::Setup;
-use crate::stages::trace::cpu::CpuTracer;
 
 #[test]
 fn what_can_be_traced_in_two_ways_takes_two_turns() {
@@ -51,10 +50,22 @@ struct Noting {
     verbs: Vec<&'static str>,
 }
 
+/// Those that are noted by their names.
+const NOTED: [&str; 6] = ["forget", "key", "sort", "gather", "trace", "scatter"];
+
 type Rays = <CpuBackend as Backend>::Rays;
 type Hits = <CpuBackend as Backend>::Hits;
 type Keys = <CpuBackend as Backend>::Keys;
 type Permutation = <CpuBackend as Backend>::Permutation;
+
+macro_rules! handed_on {
+    ($($verb:ident($($name:ident: $type:ty),*) -> $given:ty;)*) => {
+        $(fn $verb(&mut self, $($name: $type),*) -> Result<$given> {
+            self.verbs.extend(NOTED.iter().find(|noted| **noted == stringify!($verb)));
+            self.backend.$verb($($name),*)
+        })*
+    };
+}
 
 impl Backend for Noting {
     type Rays = Rays;
@@ -66,74 +77,23 @@ impl Backend for Noting {
         self.backend.sample()
     }
 
-    fn restart(&mut self) -> Result<()> {
-        self.backend.restart()
-    }
-
-    fn generate(&mut self, pass: u32) -> Result<Rays> {
-        self.backend.generate(pass)
-    }
-
-    fn upload(&mut self, queue: RecordedRays<'_>) -> Result<Rays> {
-        self.backend.upload(queue)
-    }
-
-    fn upload_permutation(&mut self, indices: &[u32]) -> Result<Permutation> {
-        self.backend.upload_permutation(indices)
-    }
-
-    fn upload_keys(&mut self, keys: &[u64], bits: u32) -> Result<Keys> {
-        self.backend.upload_keys(keys, bits)
-    }
-
-    fn trace(&mut self, rays: &Rays, order: Order<&Permutation>) -> Result<Hits> {
-        self.verbs.push("trace");
-        self.backend.trace(rays, order)
-    }
-
-    fn forget(&mut self, rays: &Rays) -> Result<()> {
-        self.verbs.push("forget");
-        self.backend.forget(rays)
-    }
-
-    fn accumulate(&mut self, rays: &Rays, hits: &Hits, table: Table) -> Result<()> {
-        self.backend.accumulate(rays, hits, table)
-    }
-
-    fn shade(&mut self, rays: &Rays, hits: &Hits) -> Result<Shaded<Rays>> {
-        self.backend.shade(rays, hits)
-    }
-
-    fn add_light(&mut self, rays: &Rays, hits: &Hits) -> Result<()> {
-        self.backend.add_light(rays, hits)
-    }
-
-    fn key(&mut self, rays: &Rays, hits: Option<&Hits>, method: usize) -> Result<Keys> {
-        self.verbs.push("key");
-        self.backend.key(rays, hits, method)
-    }
-
-    fn sort(&mut self, keys: &Keys) -> Result<Permutation> {
-        self.verbs.push("sort");
-        self.backend.sort(keys)
-    }
-
-    fn scatter(&mut self, hits: &Hits, permutation: &Permutation) -> Result<Hits> {
-        self.verbs.push("scatter");
-        self.backend.scatter(hits, permutation)
-    }
-
-    fn gather(&mut self, rays: &Rays, permutation: &Permutation) -> Result<Rays> {
-        self.verbs.push("gather");
-        self.backend.gather(rays, permutation)
-    }
-
-    fn reorder(&mut self, rays: &Rays, permutation: &Permutation) -> Result<Rays> {
-        self.backend.reorder(rays, permutation)
-    }
-
-    fn differences(&mut self, hits: &Hits, others: &Hits) -> Result<u64> {
-        self.backend.differences(hits, others)
+    handed_on! {
+        restart() -> ();
+        generate(pass: u32) -> Rays;
+        upload(queue: RecordedRays<'_>) -> Rays;
+        upload_permutation(indices: &[u32]) -> Permutation;
+        upload_keys(keys: &[u64], bits: u32) -> Keys;
+        trace(rays: &Rays, order: Order<&Permutation>) -> Hits;
+        forget(rays: &Rays) -> ();
+        accumulate(rays: &Rays, hits: &Hits, table: Table) -> ();
+        shade(rays: &Rays, hits: &Hits) -> Shaded<Rays>;
+        add_light(rays: &Rays, hits: &Hits) -> ();
+        key(rays: &Rays, hits: Option<&Hits>, method: usize) -> Keys;
+        sort(keys: &Keys) -> Permutation;
+        scatter(hits: &Hits, permutation: &Permutation) -> Hits;
+        gather(rays: &Rays, permutation: &Permutation) -> Rays;
+        reorder(rays: &Rays, permutation: &Permutation) -> Rays;
+        differences(hits: &Hits, others: &Hits) -> u64;
     }
 
     fn read(&mut self, array: Array<'_, Self>, sink: &mut Sink<'_>) -> Result<()> {
@@ -146,19 +106,12 @@ impl Backend for Noting {
 /// What is asked for in the turns of measuring a queue whose order a calibration of another bounce decides: canonical
 /// order, the control, what was chosen and a method.
 fn turns(calibration: Vec<CalibrationRecord>) -> BTreeMap<String, usize> {
-    let scene = scenes::load("builtin:cornell").unwrap();
-    let bvh = scenes::bvh::build(&scene, scenes::bvh::BvhKind::Bvh2).unwrap();
     let setup = Setup::made_up(false, 32);
     let candidates = auto::candidates(manifest::Backend::Cpu, &calibration, setup.extent(), 0.25).unwrap();
     let setup = Arc::new(setup.with_candidates(candidates));
-    let backend = CpuBackend::new(setup.clone(), Arc::new(CpuTracer::new(&scene, &bvh)));
-    let mut backend = Noting { backend, verbs: Vec::new() };
+    let mut backend = Noting { backend: CpuBackend::in_cornell(setup.clone()), verbs: Vec::new() };
     let ray = Ray { origin: [0.0; 3], t_min: 0.0, direction: [0.0, 0.0, 1.0], t_max: 1.0 };
-    let rays = vec![ray; 100];
-    let (path_ids, lights): (Vec<u32>, Vec<u32>) = (0..rays.len() as u32).map(|at| (at, 0)).unzip();
-    let id = QueueId { pass: 0, bounce: 1, kind: Kind::Shadow };
-    let queue = RecordedRays { id, rays: &rays, path_ids: &path_ids, lights: &lights, lengths: None };
-    let rays = backend.upload(queue).unwrap();
+    let rays = backend.backend.shadow_queue(0, &[ray; 100]);
     let hits = backend.trace(&rays, Order::Stored).unwrap();
     let auto = Auto::new(&setup, calibration).unwrap();
     let orders = vec![Subject::Unsorted, Subject::Control, Subject::Auto, Subject::Method(2)];
