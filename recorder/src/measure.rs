@@ -398,11 +398,6 @@ pub fn sampled<T>(
     Ok(samples)
 }
 
-/// Whether a speedup may be quoted: the real length is only known once the ray was traced.
-pub fn has_speedup(method: &MethodPlan) -> bool {
-    method.termination != Termination::Real
-}
-
 /// Name of a queue for messages.
 pub fn queue_name(bounce: u32, kind: Kind) -> String {
     format!("bounce {bounce}, {kind} rays")

@@ -3,13 +3,14 @@
 use anyhow::Result;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use comfy_table::{CellAlignment, Table};
+use formats::key::Termination;
 use formats::manifest::{DecisionRecord, Stage, Way};
 use formats::metrics::frame::{COLUMNS, Frame};
 use formats::metrics::speedup::{Instrument, Speedup, median};
 use formats::reader::Dump;
 use formats::text::{counted, wrapped};
 
-use crate::measure::{Measurement, Subject, has_speedup, queue_name};
+use crate::measure::{Measurement, Subject, queue_name};
 use crate::observer::{MeasuredQueue, chosen_way};
 use crate::recording::Recorded;
 
@@ -78,7 +79,8 @@ fn speedups(queue: &MeasuredQueue, entry: &Measurement, recorded: &Recorded) -> 
     let trace = || speedup(Speedup::of(unsorted, entry.stages.traced()));
     match entry.subject {
         Subject::Unsorted => [String::new(), String::new()],
-        Subject::Method(number) if !has_speedup(&recorded.methods[number]) => {
+        // The real length is only known once the ray was traced.
+        Subject::Method(number) if recorded.methods[number].termination == Termination::Real => {
             ["(traced first)".to_owned(), String::new()]
         }
         Subject::Method(_) | Subject::Auto => {

@@ -23,6 +23,13 @@ pub trait Observer<B: Backend> {
     }
 }
 
+/// What only looks at queues.
+impl<B: Backend, F: FnMut(&mut B, &B::Rays, &B::Hits) -> Result<()>> Observer<B> for F {
+    fn measure(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
+        self(backend, rays, hits)
+    }
+}
+
 /// Traces paths from the camera: a sample per pixel for each of `passes`, of up to `bounces` bounces.
 ///
 /// # Errors

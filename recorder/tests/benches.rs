@@ -4,6 +4,7 @@
 
 use std::collections::BTreeSet;
 
+use clap::ValueEnum;
 use formats::bench_result::{BenchResult, Rows};
 use formats::key::Method;
 use formats::key::method::{CONTROL, UNSORTED};
@@ -170,7 +171,7 @@ fn what_is_kept_is_written_in_turns_with_nothing_and_leaves_nothing_behind() {
 fn costs_are_measured_over_each_size_and_have_exponents() {
     for backend in [BackendChoice::Cpu, BackendChoice::Gpu] {
         let bench = GrowthBench {
-            only: Size::ALL.to_vec(),
+            only: Size::value_variants().to_vec(),
             scene: "builtin:cornell".into(),
             triangles: vec![100, 400, 1600],
             pictures: vec![[16, 9], [32, 18], [64, 36]],

@@ -268,6 +268,7 @@ fn every_precision_finds_the_same_on_both_backends() {
         }
     }
 }
+
 /// Rays that no tracer makes but a file may hold: origins outside of the box and on its faces, zeros of
 /// both signs, NaN and infinity, all at one place.
 fn odd_rays(unit_min: [f32; 3], unit_max: [f32; 3]) -> Vec<Ray> {

@@ -1,4 +1,4 @@
-//! Backends for benchmarks: one per trace kernel, all of them on one device.
+//! Backends for benchmarks, on one device: one, or one per trace kernel.
 
 use std::sync::Arc;
 
@@ -14,15 +14,38 @@ use crate::stages::trace::TraceKernel;
 use crate::stages::trace::cpu::CpuTracer;
 
 /// Something to measure on any backend.
+pub(super) trait OnBackend {
+    /// What it gives.
+    type Output: Send;
+
+    /// Measures.
+    ///
+    /// # Errors
+    /// Any of the backend.
+    fn run<B: Backend>(self, backend: &mut B) -> Result<Self::Output>;
+}
+
+/// The same on several at once.
 pub(super) trait OnBackends {
     /// What it gives.
     type Output: Send;
 
-    /// Measures; `backends` has one for each kernel.
+    /// Measures; `backends` has one for each configuration.
     ///
     /// # Errors
     /// Any of the backends.
     fn run<B: Backend>(self, backends: Vec<B>) -> Result<Self::Output>;
+}
+
+/// The first of several, which is the only one.
+struct Only<M>(M);
+
+impl<M: OnBackend> OnBackends for Only<M> {
+    type Output = M::Output;
+
+    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<M::Output> {
+        self.0.run(&mut backends[0])
+    }
 }
 
 /// What a backend is made for.
@@ -31,20 +54,19 @@ pub(super) struct Configuration {
     pub(super) kernel: TraceKernel,
 }
 
-/// Runs a measurement with a backend for each kernel: see [`measure_all`].
+/// Runs a measurement on one backend: see [`measure_all`].
 ///
 /// # Errors
 /// As [`measure_all`].
-pub(super) fn measure<M: OnBackends + Send>(
+pub(super) fn measure<M: OnBackend + Send>(
     device: &Device,
     scene: &Scene,
     setup: &Arc<Setup>,
-    kernels: &[TraceKernel],
+    kernel: TraceKernel,
     measurement: M,
 ) -> Result<M::Output> {
-    let of_kernel = |&kernel: &TraceKernel| Configuration { setup: Arc::clone(setup), kernel };
-    let configurations: Vec<_> = kernels.iter().map(of_kernel).collect();
-    measure_all(device, scene, &configurations, measurement)
+    let configuration = Configuration { setup: Arc::clone(setup), kernel };
+    measure_all(device, scene, &[configuration], Only(measurement))
 }
 
 /// Runs a measurement with several backends, on the threads of the device if it has its own.

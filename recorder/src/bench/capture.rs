@@ -11,22 +11,20 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use formats::bench_result::{BenchResult, CaptureRow, Rows};
-use formats::manifest::Source;
 use formats::metrics::speedup::{Instrument, Speedup, median};
 use formats::writer::WriteError;
 use scenes::Scene;
 
-use super::backends::{self, OnBackends};
+use super::backends::{self, OnBackend};
 use super::{folder_bytes, result};
 use crate::backends::Backend;
 use crate::capture::BUFFER_BYTES;
 use crate::clock::Clock;
-use crate::foreign::Foreign;
 use crate::machine::{self, Device};
 use crate::measure::sampled;
 use crate::options::{Keep, RecordOptions};
 use crate::output::say;
-use crate::recording::{RaySource, Run, header, prepared};
+use crate::recording::{Run, prepared};
 use crate::stages::setup::Setup;
 
 /// What to measure.
@@ -56,7 +54,7 @@ pub fn run(bench: &CaptureBench) -> Result<BenchResult> {
         let setup = prepared(&device, &scene, &options)?;
         say(&scene.name);
         let turns = Turns { device: &device, scene: &scene, setup: &setup, options: &options };
-        let row = backends::measure(&device, &scene, &setup, &[device.kernel(&options.device)], turns);
+        let row = backends::measure(&device, &scene, &setup, device.kernel(&options.device), turns);
         let row = row.map_err(nothing_kept)?;
         controls.push(row.control);
         rows.push(row);
@@ -72,19 +70,7 @@ fn nothing_kept(error: anyhow::Error) -> anyhow::Error {
     }
 }
 
-/// What takes a turn in each round.
-#[derive(Clone, Copy)]
-enum Turn {
-    Nothing,
-    /// Nothing kept once more: what its time differs by is the clock's error.
-    Control,
-    Everything,
-    /// The bytes of a recording, alone.
-    Alone,
-}
-
-const TURNS: [Turn; 4] = [Turn::Nothing, Turn::Control, Turn::Everything, Turn::Alone];
-
+/// Recordings, and writing alone, that take turns in each round.
 struct Turns<'a> {
     device: &'a Device,
     scene: &'a Scene,
@@ -92,21 +78,21 @@ struct Turns<'a> {
     options: &'a RecordOptions,
 }
 
-impl OnBackends for Turns<'_> {
+impl OnBackend for Turns<'_> {
     type Output = CaptureRow;
 
-    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<CaptureRow> {
-        let backend = backends.first_mut().context("there is no backend")?;
+    fn run<B: Backend>(self, backend: &mut B) -> Result<CaptureRow> {
         let Self { setup, options, .. } = self;
         let mut clock = Clock::of_processor();
         // The first recording says how many bytes there are.
         let (rays, bytes) = self.record(backend, &mut clock, options.keep)?;
         let alone = options.out.with_extension("bytes");
-        let samples = sampled(TURNS.len(), options.repeats, options.seed, |at| {
-            match TURNS[at] {
-                Turn::Nothing | Turn::Control => drop(self.record(backend, &mut clock, Keep::default())?),
-                Turn::Everything => drop(self.record(backend, &mut clock, options.keep)?),
-                Turn::Alone => write_alone(&alone, bytes, &mut clock)?,
+        // Nothing kept, twice: what these times differ by is the clock's error; everything kept; its bytes alone.
+        let samples = sampled(4, options.repeats, options.seed, |turn| {
+            match turn {
+                0 | 1 => drop(self.record(backend, &mut clock, Keep::default())?),
+                2 => drop(self.record(backend, &mut clock, options.keep)?),
+                _ => write_alone(&alone, bytes, &mut clock)?,
             }
             Ok(clock.last().elapsed_ns)
         })?;
@@ -136,22 +122,9 @@ impl Turns<'_> {
         let Self { device, scene, setup, .. } = *self;
         // The fewest rounds of measuring, beside which nothing is written.
         let options = &RecordOptions { keep, repeats: 1, ..self.options.clone() };
-        let header = header(scene, setup, options, device, Vec::new(), Source::Traced);
         // Of no interest here: the time that the recording itself will say.
         let start = Instant::now();
-        let (setup, rays) = (Arc::clone(setup), RaySource::Paths);
-        let run = Run {
-            scene,
-            setup,
-            options,
-            kernel: device.kernel(&options.device),
-            header,
-            rays,
-            foreign: &Foreign::default(),
-            recorded: None,
-            calibration: Vec::new(),
-            start,
-        };
+        let run = Run::of_paths(device, scene, Arc::clone(setup), options, Vec::new(), start);
         backend.restart()?;
         let (path, queues, ..) = clock.time(|| run.with(backend, None))?;
         let bytes = folder_bytes(&path)?;

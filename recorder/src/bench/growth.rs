@@ -6,13 +6,13 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use formats::bench_result::growth::{GrowthPoint, GrowthRow};
 use formats::bench_result::{BenchResult, Rows};
 use formats::manifest::Stage;
 use scenes::{Light, Scene, builtin, bvh};
 
-use super::backends::{self, OnBackends};
+use super::backends::{self, OnBackend};
 use super::result;
 use crate::backends::{Backend, Queue, Table};
 use crate::clock::Clock;
@@ -38,11 +38,6 @@ pub enum Size {
     Lights,
     /// Of the cpu backend, as many as there are.
     Threads,
-}
-
-impl Size {
-    /// All of them.
-    pub const ALL: [Self; 5] = [Self::Triangles, Self::Rays, Self::Bounces, Self::Lights, Self::Threads];
 }
 
 /// What to measure; sizes in ascending order.
@@ -142,11 +137,7 @@ impl Series<'_> {
         let (mut clock, mut samples) = (Clock::of_processor(), Vec::new());
         forget_peak();
         for round in 0..=self.run.repeats {
-            let mut build = || clock.time(|| bvh::build(scene, kind)).map(drop);
-            match device {
-                Device::Cpu(cpu) => cpu.pool.install(build)?,
-                Device::Gpu(_) => build()?,
-            }
+            device.install(|| clock.time(|| bvh::build(scene, kind)).map(drop))?;
             samples.extend((round > 0).then_some(clock.last().elapsed_ns));
         }
         let n = scene.triangles.len() as u64;
@@ -158,8 +149,8 @@ impl Series<'_> {
     /// Passes over a scene; n is the number of their rays where that is what grows.
     fn point(&mut self, device: &Device, scene: &Scene, n: u64, run: &RecordOptions) -> Result<()> {
         let setup = prepared(device, scene, run)?;
-        let kernels = [device.kernel(&run.device)];
-        let passes = backends::measure(device, scene, &setup, &kernels, Passes { run })?;
+        let kernel = device.kernel(&run.device);
+        let passes = backends::measure(device, scene, &setup, kernel, Passes { run })?;
         let n = if self.size == Size::Rays { passes.rays } else { n };
         say(format_args!("{}, {}: {n}", scene.name, typed(&self.size)));
         for (stage, samples) in passes.stages_ns {
@@ -182,7 +173,7 @@ impl Series<'_> {
             Some(row) => row.points.push(point),
             None => self.rows.push(GrowthRow {
                 scene: scene.name.clone(),
-                against: format!("{:?}", self.size).to_lowercase(),
+                against: typed(&self.size),
                 cost: cost.to_owned(),
                 unit: unit.to_owned(),
                 points: vec![point],
@@ -203,11 +194,10 @@ struct Passes<'a> {
     run: &'a RecordOptions,
 }
 
-impl OnBackends for Passes<'_> {
+impl OnBackend for Passes<'_> {
     type Output = Took;
 
-    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Took> {
-        let backend = backends.first_mut().context("there is no backend")?;
+    fn run<B: Backend>(self, backend: &mut B) -> Result<Took> {
         let mut took = Took { stages_ns: BTreeMap::new(), rays: 0 };
         // What building or reading the hierarchy took is another cost.
         forget_peak();

@@ -6,14 +6,14 @@ use formats::manifest::Stage;
 use formats::metrics::speedup::{Instrument, Speedup};
 use scenes::Scene;
 
-use super::backends::{self, OnBackends};
+use super::backends::{self, OnBackend};
 use super::result;
 use crate::backends::{Backend, Queue};
 use crate::machine;
 use crate::measure::{Measured, QueueMeasurement, Queued, Subject};
 use crate::options::RecordOptions;
 use crate::recording::prepared;
-use crate::wavefront::{self, Observer};
+use crate::wavefront;
 
 /// What to measure.
 #[derive(Clone, Debug)]
@@ -37,7 +37,7 @@ pub fn run(bench: &InstrumentBench) -> Result<BenchResult> {
         let scene = scenes::load(name)?;
         let setup = prepared(&device, &scene, &bench.run)?;
         let paths = OverPaths { bench, scene: &scene };
-        rows.extend(backends::measure(&device, &scene, &setup, &[device.kernel(&bench.run.device)], paths)?);
+        rows.extend(backends::measure(&device, &scene, &setup, device.kernel(&bench.run.device), paths)?);
     }
     let instrument = Instrument::of(rows.iter().map(|row| row.control));
     Ok(BenchResult { instrument, ..result(&device, Rows::Instrument(rows)) })
@@ -48,61 +48,39 @@ struct OverPaths<'a> {
     scene: &'a Scene,
 }
 
-impl OnBackends for OverPaths<'_> {
+impl OnBackend for OverPaths<'_> {
     type Output = Vec<InstrumentRow>;
 
-    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<InstrumentRow>> {
-        let backend = backends.first_mut().context("there is no backend")?;
+    fn run<B: Backend>(self, backend: &mut B) -> Result<Vec<InstrumentRow>> {
         let run = &self.bench.run;
-        let mut counted = Counted(0);
-        wavefront::run(backend, 0..1, run.bounces, &mut counted)?;
-        let passes = self.bench.experiments.div_ceil(counted.0.max(1));
-        let mut experiments = Experiments {
-            scene: self.scene,
-            measured: Measured {
-                orders: vec![Subject::Unsorted, Subject::Control, Subject::Shuffled],
-                repeats: run.repeats,
-                seed: run.seed,
-            },
-            rows: Vec::new(),
+        let mut queues: u32 = 0;
+        let mut count = |_: &mut B, _: &B::Rays, _: &B::Hits| {
+            queues += 1;
+            Ok(())
         };
-        wavefront::run(backend, 0..passes, run.bounces, &mut experiments)?;
-        Ok(experiments.rows)
-    }
-}
-
-/// How many queues a pass has.
-struct Counted(u32);
-
-impl<B: Backend> Observer<B> for Counted {
-    fn measure(&mut self, _: &mut B, _: &B::Rays, _: &B::Hits) -> Result<()> {
-        self.0 += 1;
-        Ok(())
-    }
-}
-
-struct Experiments<'a> {
-    scene: &'a Scene,
-    measured: Measured,
-    rows: Vec<InstrumentRow>,
-}
-
-impl<B: Backend> Observer<B> for Experiments<'_> {
-    fn measure(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
-        let queue = Queued { rays, hits, methods: &[], foreign: &[], auto: None };
-        let orders = queue.warm_up(backend, &self.measured, |_, _, _, _| Ok(()))?;
-        let found = queue.measure(backend, &self.measured, &orders)?;
-        let (id, count) = (rays.id(), rays.len() as u64);
-        self.rows.push(InstrumentRow {
-            scene: self.scene.name.clone(),
-            pass: id.pass,
-            bounce: id.bounce,
-            kind: id.kind,
-            rays: count,
-            control: trace_speedup(&found, Subject::Control)?,
-            shuffled: trace_speedup(&found, Subject::Shuffled)?,
-        });
-        Ok(())
+        wavefront::run(backend, 0..1, run.bounces, &mut count)?;
+        let passes = self.bench.experiments.div_ceil(queues.max(1));
+        let orders = vec![Subject::Unsorted, Subject::Control, Subject::Shuffled];
+        let measured = Measured { orders, repeats: run.repeats, seed: run.seed };
+        let mut rows = Vec::new();
+        let mut experiment = |backend: &mut B, rays: &B::Rays, hits: &B::Hits| {
+            let queue = Queued { rays, hits, methods: &[], foreign: &[], auto: None };
+            let orders = queue.warm_up(backend, &measured, |_, _, _, _| Ok(()))?;
+            let found = queue.measure(backend, &measured, &orders)?;
+            let id = rays.id();
+            rows.push(InstrumentRow {
+                scene: self.scene.name.clone(),
+                pass: id.pass,
+                bounce: id.bounce,
+                kind: id.kind,
+                rays: rays.len() as u64,
+                control: trace_speedup(&found, Subject::Control)?,
+                shuffled: trace_speedup(&found, Subject::Shuffled)?,
+            });
+            Ok(())
+        };
+        wavefront::run(backend, 0..passes, run.bounces, &mut experiment)?;
+        Ok(rows)
     }
 }
 

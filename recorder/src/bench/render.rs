@@ -23,7 +23,7 @@ use formats::metrics::speedup::{Instrument, Speedup};
 use formats::ray::Kind;
 use scenes::Scene;
 
-use super::backends::{self, OnBackends};
+use super::backends::{self, OnBackend};
 use super::hit_orders::{HitOrder, Tally};
 use super::result;
 use crate::auto::Auto;
@@ -66,7 +66,7 @@ pub fn run(bench: &RenderBench) -> Result<BenchResult> {
         say(&scene.name);
         let kernel = device.kernel(&run.device);
         let frames = Frames { run: &run, scene: &scene, setup: &setup, kernel };
-        let (of_scene, control) = backends::measure(&device, &scene, &setup, &[kernel], frames)?;
+        let (of_scene, control) = backends::measure(&device, &scene, &setup, kernel, frames)?;
         rows.extend(of_scene);
         controls.push(control);
     }
@@ -98,12 +98,11 @@ struct Frames<'a> {
     kernel: TraceKernel,
 }
 
-impl OnBackends for Frames<'_> {
+impl OnBackend for Frames<'_> {
     type Output = (Vec<RenderRow>, Speedup);
 
     /// Rows, and what the control's frames but for moving paths come to, which must be 1.
-    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Self::Output> {
-        let backend = backends.first_mut().context("there is no backend")?;
+    fn run<B: Backend>(self, backend: &mut B) -> Result<Self::Output> {
         let Self { run, setup, .. } = self;
         let methods = traced_after(setup).map(Subject::Method);
         let chosen = run.orders.auto.then_some(Subject::Auto).into_iter();
@@ -397,11 +396,11 @@ mod tests {
         setup: &'a Setup,
     }
 
-    impl OnBackends for AgainstTheLoop<'_> {
+    impl OnBackend for AgainstTheLoop<'_> {
         type Output = ();
 
-        fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<()> {
-            let (backend, Self { run, setup }) = (&mut backends[0], self);
+        fn run<B: Backend>(self, backend: &mut B) -> Result<()> {
+            let Self { run, setup } = self;
             let lengths = |backend: &mut B| -> [Vec<LengthCell>; 2] {
                 Kind::ALL.map(|kind| collected(backend, Array::Lengths(kind)).unwrap())
             };
@@ -463,7 +462,7 @@ mod tests {
                 let scene = scenes::load(name).unwrap();
                 let setup = prepared(&device, &scene, &run).unwrap();
                 let work = AgainstTheLoop { run: &run, setup: &setup };
-                backends::measure(&device, &scene, &setup, &[device.kernel(&run.device)], work).unwrap();
+                backends::measure(&device, &scene, &setup, device.kernel(&run.device), work).unwrap();
             }
         }
     }

@@ -98,22 +98,18 @@ pub(super) struct SortedBy {
     pub(super) order: Vec<u32>,
 }
 
-/// Sorts keys of 32 bits by each choice of digits, in rounds.
+/// Sorts keys of 32 bits by the digits that differ and by all, in rounds.
 ///
 /// # Errors
 /// If the keys do not fit the device.
-pub(super) fn sorted_by(
-    device: &Device,
-    keys: &[u64],
-    choices: &[Digits],
-    repeats: u32,
-) -> Result<Vec<SortedBy>> {
+pub(super) fn sorted_by_both(device: &Device, keys: &[u64], repeats: u32) -> Result<[SortedBy; 2]> {
+    let choices = [Digits::Differing, Digits::All];
     match device {
         Device::Cpu(cpu) => cpu.pool.install(|| {
             let keys = sort::cpu::Keys::of(keys, u32::BITS);
-            let mut sorters: Vec<_> = choices.iter().map(|&digits| sort::cpu::Sorter::by(digits)).collect();
+            let mut sorters = choices.map(sort::cpu::Sorter::by);
             let (mut clock, mut order) = (Clock::of_processor(), Permutation::new());
-            sorted_in_rounds(choices.len(), repeats, |at| {
+            sorted_in_rounds(repeats, |at| {
                 let elapsed_ns = on_threads(&mut clock, &mut sorters[at], &mut order, &keys);
                 Ok((elapsed_ns, order.iter().map(|place| place.load(Relaxed)).collect()))
             })
@@ -121,10 +117,10 @@ pub(super) fn sorted_by(
         Device::Gpu(device) => {
             let gpu = &device.gpu;
             let keys = sort::gpu::Keys::upload(gpu, keys, u32::BITS)?;
-            let sorters = choices.iter().map(|&digits| Ok(Sorter::new(gpu)?.by(digits)));
-            let mut sorters: Vec<Sorter> = sorters.collect::<Result<_>>()?;
+            let [one, other] = choices.map(|digits| Sorter::new(gpu).map(|sorter| sorter.by(digits)));
+            let mut sorters = [one?, other?];
             let order = gpu.array("sort::permutation", keys.count)?;
-            sorted_in_rounds(choices.len(), repeats, |at| {
+            sorted_in_rounds(repeats, |at| {
                 let elapsed_ns = sorters[at].sort(gpu, &keys, &order)?;
                 Ok((elapsed_ns, gpu.read_vec(&order)?))
             })
@@ -133,12 +129,11 @@ pub(super) fn sorted_by(
 }
 
 fn sorted_in_rounds(
-    choices: usize,
     repeats: u32,
     mut sort: impl FnMut(usize) -> Result<(u64, Vec<u32>)>,
-) -> Result<Vec<SortedBy>> {
-    let mut sorted = vec![SortedBy::default(); choices];
-    in_rounds(choices, repeats, 0, |at, round| {
+) -> Result<[SortedBy; 2]> {
+    let mut sorted = <[SortedBy; 2]>::default();
+    in_rounds(sorted.len(), repeats, 0, |at, round| {
         let (elapsed_ns, order) = sort(at)?;
         sorted[at].samples_ns.extend(round.map(|_| elapsed_ns));
         sorted[at].order = order;

@@ -28,26 +28,20 @@ use crate::stages::trace::gpu::Tracer;
 /// One sentence on what went wrong with scene or device.
 pub fn run(options: &SkipBench) -> Result<BenchResult> {
     let mut steps = Steps::new();
-    let mut opened = None;
-    for _ in 0..options.run.repeats {
-        opened = Some(steps.timed("device", || machine::open(&options.run.device))?);
+    let mut open = || steps.timed("device", || machine::open(&options.run.device));
+    let mut device = open()?;
+    for _ in 1..options.run.repeats {
+        device = open()?;
     }
-    let device = match opened {
-        Some(device) => device,
-        None => machine::open(&options.run.device)?,
-    };
-    let mut rows = steps.rows("", 0, device.kernel(&options.run.device));
+    let kernel = device.kernel(&options.run.device);
+    let mut rows = steps.rows("", 0, kernel);
     for name in &options.scenes {
         let mut steps = Steps::new();
         let mut scene = scenes::load(name)?;
         for _ in 0..options.run.repeats {
             scene = start(&device, name, &options.run, &mut steps)?;
         }
-        rows.extend(steps.rows(
-            &scene.name,
-            scene.triangles.len() as u64,
-            device.kernel(&options.run.device),
-        ));
+        rows.extend(steps.rows(&scene.name, scene.triangles.len() as u64, kernel));
     }
     Ok(result(&device, Rows::Startup(rows)))
 }

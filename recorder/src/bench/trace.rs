@@ -1,5 +1,7 @@
 //! Trace rate per scene, kernel, bounce, kind and order, all of them on the same rays, in rounds.
 
+use std::sync::Arc;
+
 use anyhow::Result;
 use formats::bench_result::{BenchResult, LaneRow, Rows, TraceRow};
 use formats::key::method::UNSORTED;
@@ -8,7 +10,7 @@ use formats::metrics::lanes::{LaneUse, work_of};
 use formats::ray::Work;
 use scenes::Scene;
 
-use super::backends::{self, OnBackends};
+use super::backends::{Configuration, OnBackends, measure_all};
 use super::queues::Copied;
 use super::result;
 use crate::backends::{Array, Backend, Queue, collected};
@@ -47,7 +49,9 @@ pub fn run(bench: &TraceBench) -> Result<BenchResult> {
         let scene = scenes::load(name)?;
         let setup = prepared(&device, &scene, &bench.run)?;
         let paths = OverPaths { bench, scene: &scene, setup: &setup };
-        rows.extend(backends::measure(&device, &scene, &setup, &bench.kernels, paths)?);
+        let of_kernel = |&kernel: &TraceKernel| Configuration { setup: Arc::clone(&setup), kernel };
+        let configurations: Vec<_> = bench.kernels.iter().map(of_kernel).collect();
+        rows.extend(measure_all(&device, &scene, &configurations, paths)?);
     }
     Ok(result(&device, Rows::Trace(rows)))
 }

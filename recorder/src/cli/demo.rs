@@ -43,9 +43,9 @@ pub(super) fn run(arguments: &DemoArguments) -> Result<()> {
     }
     let words =
         [SCENE].into_iter().chain(SIZE.split_whitespace()).map(OsString::from).chain([out.into_os_string()]);
-    let options =
-        parse_words::<RecordArguments>("record", words)?.with_device(arguments.device.clone()).options()?;
-    let recorded = recording::record(&options)?;
+    let mut record = parse_words::<RecordArguments>("record", words)?;
+    record.device = arguments.device.clone();
+    let recorded = recording::record(&record.options()?)?;
     if arguments.json {
         return print_json(&recorded.summary()?);
     }

@@ -110,9 +110,9 @@ impl ImportArguments {
         let keep = Keep::parse(&self.keep)?;
         let lacking = [(keep.throughput, "throughput"), (keep.image, "image")];
         if let Some((_, what)) = lacking.into_iter().find(|(is_asked, _)| *is_asked) {
-            let message =
-                format!("--keep {what}: rays of another tracer come without what their paths carry");
-            return Err(OptionError::Conflict { message });
+            return Err(OptionError::conflict(format!(
+                "--keep {what}: rays of another tracer come without what their paths carry"
+            )));
         }
         let run = RecordOptions {
             scene: self.scene.clone(),
@@ -136,10 +136,7 @@ impl ImportArguments {
         let from = match (&self.rays, &self.queues) {
             (Some(file), _) => ImportFrom::Rays { file: file.clone(), kind, bounce: self.bounce },
             (None, Some(folder)) => ImportFrom::Queues(folder.clone()),
-            (None, None) => {
-                let message = "give --rays or --queues".to_owned();
-                return Err(OptionError::Conflict { message });
-            }
+            (None, None) => return Err(OptionError::conflict("give --rays or --queues")),
         };
         Ok(ImportOptions { from, size: self.size, run })
     }

@@ -86,7 +86,7 @@ pub(super) struct RecordArguments {
     #[arg(long, default_value = "aila", value_name = "METHOD")]
     table_method: String,
     #[command(flatten)]
-    device: DeviceOptions,
+    pub(super) device: DeviceOptions,
     /// Arrays to keep: rays,hits,keys,permutations,lengths,scene,image,caches,work,hierarchy,throughput, or none.
     #[arg(
         long,
@@ -116,11 +116,6 @@ fn one_number(text: &str) -> Result<u32, String> {
 }
 
 impl RecordArguments {
-    /// The same on another device.
-    pub(super) fn with_device(self, device: DeviceOptions) -> Self {
-        Self { device, ..self }
-    }
-
     pub(super) fn options(&self) -> Result<RecordOptions, OptionError> {
         let [width, height, bounces, passes, repeats] = self.preset.values();
         let options = RecordOptions {

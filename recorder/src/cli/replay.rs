@@ -79,12 +79,10 @@ impl ReplayArguments {
         let keep = Keep::parse(&self.keep)?;
         let allowed = Keep { keys: true, permutations: true, work: true, caches: true, ..Keep::default() };
         if let Some(word) = keep.words().into_iter().find(|word| !allowed.words().contains(word)) {
-            return Err(OptionError::Conflict {
-                message: format!(
-                    "--keep {word}: a replay keeps what differs, {}; the rest is in the recording it refers to",
-                    allowed.words().join(", ")
-                ),
-            });
+            return Err(OptionError::conflict(format!(
+                "--keep {word}: a replay keeps what differs, {}; the rest is in the recording it refers to",
+                allowed.words().join(", ")
+            )));
         }
         self.repeats.map(|repeats| in_range("repeats", repeats, 1, REPEATS_MAX)).transpose()?;
         let table_method = self.table_method.as_deref().map(Method::builtin).transpose()?;

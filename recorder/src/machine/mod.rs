@@ -148,6 +148,14 @@ impl Device {
         options.trace.unwrap_or_else(|| self.kernels()[0])
     }
 
+    /// Does some work on the threads of the device, if it has its own.
+    pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        match self {
+            Self::Cpu(cpu) => cpu.pool.install(work),
+            Self::Gpu(_) => work(),
+        }
+    }
+
     /// Refuses what cannot fit, before anything runs.
     ///
     /// # Errors

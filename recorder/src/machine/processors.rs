@@ -52,11 +52,11 @@ pub(super) fn pin(pool: &rayon::ThreadPool) -> Result<()> {
         (0..CpuSet::count()).filter(|&processor| allowed.is_set(processor) == Ok(true)).collect();
     let threads = pool.current_num_threads();
     if threads > processors.len() {
-        let message = format!(
+        let error = OptionError::conflict(format!(
             "--pin gives each thread a processor of its own, but {threads} threads may use {}; ask for fewer with --threads, or leave --pin out",
             processors.len()
-        );
-        return Err(OptionError::Conflict { message }.into());
+        ));
+        return Err(error.into());
     }
     let tied = pool.broadcast(|thread| {
         let mut set = CpuSet::new();

@@ -75,16 +75,15 @@ impl DeviceOptions {
         } else if is_cpu && self.trace == Some(TraceKernel::RayQuery) {
             "kernel ray-query needs a GPU that has ray queries; use --backend gpu, or wide, cwbvh, bvh2, lanes or packet"
         } else if let Some(kernel) = for_threads.filter(|_| self.asks_for_gpu()) {
-            let message = format!(
+            return Err(OptionError::conflict(format!(
                 "kernel {} is for threads; use --backend cpu without --adapter, or cwbvh or bvh2",
                 kernel.name()
-            );
-            return Err(OptionError::Conflict { message });
+            )));
         } else if is_cpu && self.adapter.is_some() {
             "--adapter names a GPU, but --backend cpu asks for threads; leave one of them out"
         } else {
             return Ok(());
         };
-        Err(OptionError::Conflict { message: message.to_owned() })
+        Err(OptionError::conflict(message))
     }
 }

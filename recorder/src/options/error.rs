@@ -47,6 +47,13 @@ pub enum OptionError {
     },
 }
 
+impl OptionError {
+    /// Options that exclude each other: what is wrong and what to do.
+    pub fn conflict(message: impl Into<String>) -> Self {
+        Self::Conflict { message: message.into() }
+    }
+}
+
 /// Checks that a number lies in a range.
 ///
 /// # Errors

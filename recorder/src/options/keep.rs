@@ -53,9 +53,6 @@ pub struct Keep {
 }
 
 impl Keep {
-    /// The words of `--keep`, in the order in which they are listed.
-    pub const WORDS: [&'static str; 11] = KEEP_WORDS;
-
     fn flag(&mut self, word: &str) -> Option<&mut bool> {
         Some(match word {
             "rays" => &mut self.rays,
@@ -84,22 +81,17 @@ impl Keep {
         }
         for word in list.split(',').map(str::trim) {
             if word == "none" {
-                let message = "--keep: 'none' stands alone; leave it or the arrays out".to_owned();
-                return Err(OptionError::Conflict { message });
+                return Err(OptionError::conflict("--keep: 'none' stands alone; leave it or the arrays out"));
             }
             *keep.flag(word).ok_or_else(|| OptionError::Keep { word: word.to_owned() })? = true;
         }
         Ok(keep)
     }
 
-    /// The words for what is kept.
-    pub fn words(&self) -> Vec<String> {
-        let mut copy = *self;
-        Self::WORDS
-            .iter()
-            .filter(|word| copy.flag(word).is_some_and(|flag| *flag))
-            .map(|&word| word.to_owned())
-            .collect()
+    /// The words for what is kept, in the order in which they are listed.
+    pub fn words(mut self) -> Vec<String> {
+        let kept = KEEP_WORDS.into_iter().filter(|word| self.flag(word).is_some_and(|flag| *flag));
+        kept.map(str::to_owned).collect()
     }
 }
 

@@ -177,11 +177,10 @@ impl RecordOptions {
         let additions =
             u64::from(self.width) * u64::from(self.height) * u64::from(self.bounces) * u64::from(self.passes);
         if additions >= 1 << 32 {
-            let message = format!(
+            return Err(OptionError::conflict(format!(
                 "{} × {} rays over {} bounces and {} passes could add {additions} lengths to one cell of the length table, whose count ends at 2^32; ask for less",
                 self.width, self.height, self.bounces, self.passes
-            );
-            return Err(OptionError::Conflict { message });
+            )));
         }
         Ok(())
     }

@@ -9,7 +9,6 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use formats::key::{Extent, LightSite};
-use formats::manifest::Source;
 use formats::unit_space::UnitSpace;
 use formats::writer::DumpWriter;
 use scenes::features::Features;
@@ -20,7 +19,6 @@ pub use run::Recorded;
 pub(crate) use run::{RaySource, Run};
 
 use crate::auto::candidates;
-use crate::foreign::Foreign;
 use crate::machine::{self, Device};
 use crate::options::RecordOptions;
 use crate::stages::setup::{MethodPlan, Setup};
@@ -42,21 +40,7 @@ pub fn record(options: &RecordOptions) -> Result<Recorded> {
     let setup = prepared(&device, &scene, options)?;
     let mut notices = scene.notices.clone();
     notices.extend(device.notices());
-    let header = header(&scene, &setup, options, &device, notices, Source::Traced);
-    let rays = RaySource::Paths;
-    Run {
-        scene: &scene,
-        setup,
-        options,
-        kernel: device.kernel(&options.device),
-        header,
-        rays,
-        foreign: &Foreign::default(),
-        recorded: None,
-        calibration: Vec::new(),
-        start,
-    }
-    .on(device)
+    Run::of_paths(&device, &scene, setup, options, notices, start).on(device)
 }
 
 /// The camera of this name, be it a view chosen automatically, or the first.
@@ -65,32 +49,27 @@ pub fn record(options: &RecordOptions) -> Result<Recorded> {
 /// If there is none.
 pub(crate) fn choose_camera(scene: &Scene, name: Option<&str>) -> Result<Camera> {
     let Some(name) = name else {
-        return scene
-            .cameras
-            .first()
-            .cloned()
-            .with_context(|| format!("scene '{}' has no camera", scene.name));
+        let first = scene.cameras.first().cloned();
+        return first.with_context(|| format!("scene '{}' has no camera", scene.name));
     };
-    match scene.cameras.iter().find(|camera| camera.name == name) {
-        Some(camera) => Ok(camera.clone()),
-        None => {
-            // One that cannot be used was left out, and said why.
-            let why = format!("the camera \"{name}\" ");
-            if let Some(view) = scenes::views::view(scene, name) {
-                return view.with_context(|| format!("no camera can be made for scene '{}'", scene.name));
-            }
-            if let Some(notice) = scene.notices.iter().find(|notice| notice.starts_with(&why)) {
-                bail!("{notice}");
-            }
-            let names: Vec<_> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
-            bail!(
-                "scene '{}' has no camera '{name}'; it has {}, and views chosen automatically: auto, auto-2 to auto-{}",
-                scene.name,
-                names.join(", "),
-                scenes::views::VIEWS_MAX
-            )
-        }
+    if let Some(camera) = scene.cameras.iter().find(|camera| camera.name == name) {
+        return Ok(camera.clone());
     }
+    if let Some(view) = scenes::views::view(scene, name) {
+        return view.with_context(|| format!("no camera can be made for scene '{}'", scene.name));
+    }
+    // One that cannot be used was left out, and said why.
+    let why = format!("the camera \"{name}\" ");
+    if let Some(notice) = scene.notices.iter().find(|notice| notice.starts_with(&why)) {
+        bail!("{notice}");
+    }
+    let names: Vec<_> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    bail!(
+        "scene '{}' has no camera '{name}'; it has {}, and views chosen automatically: auto, auto-2 to auto-{}",
+        scene.name,
+        names.join(", "),
+        scenes::views::VIEWS_MAX
+    )
 }
 
 /// What kernels depend on, for a scene that fits the device, seen by the camera that was asked for.

@@ -8,7 +8,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use formats::folder::partial_of;
 use formats::manifest::{
-    CalibrationRecord, DecisionRecord, End, Header, ImageDigest, Outcome, Place, Record,
+    self, CalibrationRecord, DecisionRecord, End, Header, ImageDigest, Outcome, Place, Record,
 };
 use formats::reader::Dump;
 use formats::summary::Summary;
@@ -99,7 +99,7 @@ pub(crate) struct Run<'a> {
     pub(crate) header: Header,
     pub(crate) rays: RaySource<'a>,
     /// Orders that came with them.
-    pub(crate) foreign: &'a Foreign,
+    pub(crate) foreign: Foreign,
     /// The recording whose queues these are, if they are.
     pub(crate) recorded: Option<&'a Dump>,
     /// What `auto` chooses by; made before the run if there is nothing.
@@ -110,7 +110,30 @@ pub(crate) struct Run<'a> {
 /// What a run left: the dump, what was measured, what was chosen, and rays that did not find what was recorded.
 pub(crate) type Outcomes = (PathBuf, Vec<MeasuredQueue>, Vec<DecisionRecord>, u64);
 
-impl Run<'_> {
+impl<'a> Run<'a> {
+    /// A run of paths from the camera.
+    pub(crate) fn of_paths(
+        device: &Device,
+        scene: &'a Scene,
+        setup: Arc<Setup>,
+        options: &'a RecordOptions,
+        notices: Vec<String>,
+        start: Instant,
+    ) -> Self {
+        Self {
+            header: header::header(scene, &setup, options, device, notices, manifest::Source::Traced),
+            kernel: device.kernel(&options.device),
+            rays: RaySource::Paths,
+            foreign: Foreign::default(),
+            recorded: None,
+            calibration: Vec::new(),
+            scene,
+            setup,
+            options,
+            start,
+        }
+    }
+
     /// Runs on a device.
     ///
     /// # Errors

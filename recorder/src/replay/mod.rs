@@ -103,13 +103,8 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
     let device = open(options, &mut run_options.device)?;
     let unit = UnitSpace::from_bounds(recorded.scene.bounds_min, recorded.scene.bounds_max);
     let mut setup = without_methods(&scene, &camera, &run_options, unit, recorded.lights.clone())?;
-    let fixed_length = recorded.options.two_point_length;
-    setup.methods = options.sweep.plans(
-        &run_options.orders.methods,
-        setup.extent(),
-        recorded.options.key_bits,
-        fixed_length,
-    )?;
+    let (bits, length) = (recorded.options.key_bits, recorded.options.two_point_length);
+    setup.methods = options.sweep.plans(&run_options.orders.methods, setup.extent(), bits, length)?;
     let calibration = calibration(asked.manifest(), &device, &run_options);
     if run_options.orders.auto {
         let (extent, length) = (setup.extent(), run_options.two_point_length);
@@ -129,11 +124,19 @@ pub fn replay(options: &ReplayOptions) -> Result<Recorded> {
         ..header(&scene, &setup, &run_options, &device, notices, source)
     };
     header.options.methods.extend(foreign.methods.iter().map(|method| method.name.clone()));
-    let rays = RaySource::Recorded(queues.iter().map(RecordedQueue::rays).collect());
-    let (scene, options, foreign, recorded) = (&scene, &run_options, &foreign, Some(dump));
-    let calibration = calibration.to_vec();
-    let kernel = device.kernel(&options.device);
-    Run { scene, setup, options, kernel, header, rays, foreign, recorded, calibration, start }.on(device)
+    let run = Run {
+        scene: &scene,
+        setup,
+        options: &run_options,
+        kernel: device.kernel(&run_options.device),
+        header,
+        rays: RaySource::Recorded(queues.iter().map(RecordedQueue::rays).collect()),
+        foreign,
+        recorded: Some(dump),
+        calibration: calibration.to_vec(),
+        start,
+    };
+    run.on(device)
 }
 
 /// Opens the device of a run. Ray queries that were recorded, and not asked for now, are done without where there is no

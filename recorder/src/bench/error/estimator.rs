@@ -15,14 +15,14 @@ use formats::ray::{Kind, Ray};
 use formats::unit_space::UnitSpace;
 use rayon::prelude::*;
 
-use super::super::backends::{self, OnBackends};
+use super::super::backends::OnBackend;
 use super::super::queues::{Copied, strata};
 use super::Bench;
 use super::table_costs::{Address, CONSTANT, Cost, FIXED, TABLE_BITS, costs};
 use crate::backends::{Array, Backend, Queue, collected};
 use crate::options::RecordOptions;
 use crate::stages::trace::hits::Hits;
-use crate::wavefront::{self, Observer};
+use crate::wavefront;
 
 /// Methods whose keys can address a table: those that need no length and no light.
 pub const TABLE_METHODS: [&str; 5] = ["origin", "reis", "costa", "aila", "octahedron"];
@@ -32,6 +32,7 @@ const MOST_BITS: u32 = TABLE_BITS[TABLE_BITS.len() - 1];
 const PASSES: u32 = 8;
 /// The queue on which costs are measured: rays that left the first surface, and their shadow rays.
 const TIMED_BOUNCE: u32 = 1;
+
 /// Measures all tables on all rays of a scene.
 pub(super) fn run(bench: Bench<'_>) -> Result<Vec<EstimatorRow>> {
     let methods = ["two-point-adaptive", "two-point"].map(Method::builtin);
@@ -47,9 +48,7 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<EstimatorRow>> {
         let encoder = Encoder::new(&layout, MOST_BITS, unit, &[]);
         addresses.push(Address { name, layout, encoder });
     }
-    let work = Learning { bench, addresses: &addresses, learnt: Learnt::default() };
-    let Learnt { queues, timed } =
-        backends::measure(bench.device, bench.scene, &setup, &[bench.device.kernel(&run.device)], work)?;
+    let Learnt { queues, timed } = bench.measure(&setup, Learning { bench, addresses: &addresses })?;
     let costs = costs(bench, &setup, &addresses, &timed)?;
     let mut rows = Vec::new();
     for kind in Kind::ALL {
@@ -85,7 +84,6 @@ struct Lengths {
     looked_at: Vec<(u32, f32)>,
 }
 
-#[derive(Default)]
 struct Learnt {
     queues: Vec<Lengths>,
     /// The queues on which costs are measured.
@@ -95,28 +93,23 @@ struct Learnt {
 struct Learning<'a> {
     bench: Bench<'a>,
     addresses: &'a [Address],
-    learnt: Learnt,
 }
 
-impl OnBackends for Learning<'_> {
+impl OnBackend for Learning<'_> {
     type Output = Learnt;
 
-    fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Learnt> {
-        let bounces = self.bench.options.run.bounces;
-        wavefront::run(&mut backends[0], 0..PASSES, bounces, &mut self)?;
-        Ok(self.learnt)
-    }
-}
-
-impl<B: Backend> Observer<B> for Learning<'_> {
-    fn measure(&mut self, backend: &mut B, rays: &B::Rays, hits: &B::Hits) -> Result<()> {
-        let id = rays.id();
-        if id.pass + 1 == PASSES && id.bounce == TIMED_BOUNCE {
-            self.learnt.timed.push(Copied::of(backend, rays)?);
-        }
-        let lengths = self.lengths(backend, rays, hits)?;
-        self.learnt.queues.push(lengths);
-        Ok(())
+    fn run<B: Backend>(self, backend: &mut B) -> Result<Learnt> {
+        let (mut queues, mut timed) = (Vec::new(), Vec::new());
+        let mut learn = |backend: &mut B, rays: &B::Rays, hits: &B::Hits| {
+            let id = rays.id();
+            if id.pass + 1 == PASSES && id.bounce == TIMED_BOUNCE {
+                timed.push(Copied::of(backend, rays)?);
+            }
+            queues.push(self.lengths(backend, rays, hits)?);
+            Ok(())
+        };
+        wavefront::run(backend, 0..PASSES, self.bench.options.run.bounces, &mut learn)?;
+        Ok(Learnt { queues, timed })
     }
 }
 

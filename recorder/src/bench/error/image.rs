@@ -13,7 +13,7 @@ use formats::manifest::{Stage, Way};
 use formats::metrics::speedup::Speedup;
 use formats::ray::Kind;
 
-use super::super::backends::{self, OnBackends};
+use super::super::backends::OnBackend;
 use super::Bench;
 use crate::backends::{Backend, Queue, picture};
 use crate::measure::{Measured, Queued, Subject};
@@ -31,10 +31,9 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<ImageRow>> {
     // What must be traced before it is sorted cannot win time.
     run.orders.methods.retain(|method| method.termination != Termination::Real);
     let other_seed = RecordOptions { seed: !run.seed, orders: AskedOrders::default(), ..run.clone() };
-    let kernels = [bench.device.kernel(&run.device)];
     let reference = Reference { passes: size.reference_passes, bounces: run.bounces };
     let setup = bench.setup(&other_seed)?;
-    let reference = backends::measure(bench.device, bench.scene, &setup, &kernels, reference)?;
+    let reference = bench.measure(&setup, reference)?;
     let setup = bench.setup(&run)?;
     let passes = || vec![0; size.passes as usize];
     let sorted = || Sorted { ways_ns: [passes(), passes()], deciding_ns: [0; 2] };
@@ -48,7 +47,7 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<ImageRow>> {
         methods: setup.methods.iter().map(|_| sorted()).collect(),
         noise: Vec::new(),
     };
-    backends::measure(bench.device, bench.scene, &setup, &kernels, work)
+    bench.measure(&setup, work)
 }
 
 /// Mean over all pixels and channels of the squared difference, each over the reference's square.
@@ -69,12 +68,12 @@ struct Reference {
     bounces: u32,
 }
 
-impl OnBackends for Reference {
+impl OnBackend for Reference {
     type Output = Vec<[f32; 3]>;
 
-    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<[f32; 3]>> {
-        wavefront::run(&mut backends[0], 0..self.passes, self.bounces, &mut ())?;
-        picture(&mut backends[0], self.passes)
+    fn run<B: Backend>(self, backend: &mut B) -> Result<Vec<[f32; 3]>> {
+        wavefront::run(backend, 0..self.passes, self.bounces, &mut ())?;
+        picture(backend, self.passes)
     }
 }
 
@@ -99,12 +98,11 @@ struct Pictures<'a> {
     noise: Vec<f64>,
 }
 
-impl OnBackends for Pictures<'_> {
+impl OnBackend for Pictures<'_> {
     type Output = Vec<ImageRow>;
 
-    fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Vec<ImageRow>> {
+    fn run<B: Backend>(mut self, backend: &mut B) -> Result<Vec<ImageRow>> {
         let passes = self.bench.options.image.passes;
-        let backend = &mut backends[0];
         wavefront::run(backend, 0..passes, self.bench.options.run.bounces, &mut self)?;
         self.look(backend)?;
         Ok(self.rows())

@@ -10,7 +10,7 @@ use formats::ray::{Kind, Ray};
 use formats::unit_space::UnitSpace;
 use rayon::prelude::*;
 
-use super::super::backends::{self, OnBackends};
+use super::super::backends::OnBackend;
 use super::Bench;
 use super::estimator::traced_lengths;
 use crate::backends::{Array, Backend, Queue, collected};
@@ -36,8 +36,7 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<KeyBitsRow>> {
         options.run.two_point_length,
     )?;
     let setup = std::sync::Arc::new(setup);
-    let work = Orders { bench, setup: &setup, rows: Vec::new() };
-    backends::measure(bench.device, bench.scene, &setup, &[bench.device.kernel(&options.run.device)], work)
+    bench.measure(&setup, Orders { bench, setup: &setup, rows: Vec::new() })
 }
 
 struct Orders<'a> {
@@ -46,12 +45,12 @@ struct Orders<'a> {
     rows: Vec<KeyBitsRow>,
 }
 
-impl OnBackends for Orders<'_> {
+impl OnBackend for Orders<'_> {
     type Output = Vec<KeyBitsRow>;
 
-    fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Vec<KeyBitsRow>> {
+    fn run<B: Backend>(mut self, backend: &mut B) -> Result<Vec<KeyBitsRow>> {
         let run = &self.bench.options.run;
-        wavefront::run(&mut backends[0], 0..run.passes, run.bounces, &mut self)?;
+        wavefront::run(backend, 0..run.passes, run.bounces, &mut self)?;
         Ok(self.rows)
     }
 }

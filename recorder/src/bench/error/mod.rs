@@ -20,6 +20,7 @@ use formats::bench_result::{BenchResult, Rows};
 use formats::unit_space::UnitSpace;
 use scenes::Scene;
 
+use super::backends::{self, OnBackend};
 use super::result;
 use crate::machine::{self, Device};
 use crate::options::RecordOptions;
@@ -104,6 +105,12 @@ pub fn run(options: &ErrorBench) -> Result<BenchResult> {
 impl Bench<'_> {
     fn setup(&self, run: &RecordOptions) -> Result<Arc<Setup>> {
         prepared(self.device, self.scene, run)
+    }
+
+    /// Runs a measurement with the kernel that was asked for.
+    fn measure<M: OnBackend + Send>(&self, setup: &Arc<Setup>, measurement: M) -> Result<M::Output> {
+        let kernel = self.device.kernel(&self.options.run.device);
+        backends::measure(self.device, self.scene, setup, kernel, measurement)
     }
 
     fn unit(&self) -> UnitSpace {

@@ -12,7 +12,7 @@ use formats::ray::{Hit, Kind, Ray};
 use rayon::prelude::*;
 use scenes::Scene;
 
-use super::super::backends::{Configuration, OnBackends, measure, measure_all};
+use super::super::backends::{Configuration, OnBackend, OnBackends, measure, measure_all};
 use super::super::queues::strata;
 use super::Bench;
 use crate::backends::{Array, Backend, Queue, RecordedRays, collected};
@@ -21,7 +21,7 @@ use crate::measure::sampled;
 use crate::oracle::{ExactHit, Oracle, Verdict};
 use crate::stages::setup::Setup;
 use crate::stages::trace::{Order, Precision, TraceKernel};
-use crate::wavefront::{self, Observer};
+use crate::wavefront;
 
 /// Name of tests that are the driver's affair.
 const DRIVER: &str = "driver";
@@ -31,8 +31,8 @@ pub(super) fn run(bench: Bench<'_>) -> Result<Vec<PrecisionRow>> {
     let run = &bench.options.run;
     let setup = bench.setup(run)?;
     let wanted = (bench.options.rays / (run.bounces.max(2) as usize - 1)).max(1);
-    let sample = Sample { bounces: run.bounces, wanted, rays: Vec::new() };
-    let rays = measure(bench.device, bench.scene, &setup, &[TraceKernel::Cwbvh], sample)?;
+    let sample = Sample { bounces: run.bounces, wanted };
+    let rays = measure(bench.device, bench.scene, &setup, TraceKernel::Cwbvh, sample)?;
     let mut variants = Vec::new();
     for kernel in bench.device.kernels() {
         variants.extend(Precision::ALL.map(|precision| (kernel, precision)));
@@ -74,26 +74,23 @@ struct Sample {
     bounces: u32,
     /// Most rays of a bounce.
     wanted: usize,
-    rays: Vec<Ray>,
 }
 
-impl OnBackends for Sample {
+impl OnBackend for Sample {
     type Output = Vec<Ray>;
 
-    fn run<B: Backend>(mut self, mut backends: Vec<B>) -> Result<Vec<Ray>> {
-        wavefront::run(&mut backends[0], 0..1, self.bounces, &mut self)?;
-        Ok(self.rays)
-    }
-}
-
-impl<B: Backend> Observer<B> for Sample {
-    fn measure(&mut self, backend: &mut B, rays: &B::Rays, _: &B::Hits) -> Result<()> {
-        let id = rays.id();
-        if id.kind == Kind::Closest && id.bounce > 0 {
-            let queue: Vec<Ray> = collected(backend, Array::Rays(rays))?;
-            self.rays.extend(strata(rays.len(), self.wanted).map(|at| queue[at]));
-        }
-        Ok(())
+    fn run<B: Backend>(self, backend: &mut B) -> Result<Vec<Ray>> {
+        let mut sampled = Vec::new();
+        let mut sample = |backend: &mut B, rays: &B::Rays, _: &B::Hits| {
+            let id = rays.id();
+            if id.kind == Kind::Closest && id.bounce > 0 {
+                let queue: Vec<Ray> = collected(backend, Array::Rays(rays))?;
+                sampled.extend(strata(rays.len(), self.wanted).map(|at| queue[at]));
+            }
+            Ok(())
+        };
+        wavefront::run(backend, 0..1, self.bounces, &mut sample)?;
+        Ok(sampled)
     }
 }
 

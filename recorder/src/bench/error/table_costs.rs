@@ -6,7 +6,7 @@ use anyhow::Result;
 use formats::key::{Encoder, Layout};
 use formats::ray::Kind;
 
-use super::super::backends::{self, OnBackends};
+use super::super::backends::OnBackend;
 use super::super::queues::Copied;
 use super::Bench;
 use crate::backends::{Backend, Table};
@@ -46,22 +46,14 @@ pub(super) fn costs(
     addresses: &[Address],
     queues: &[Copied],
 ) -> Result<Vec<Cost>> {
-    let measure = |setup: &Arc<Setup>, timing: Timing<'_>| {
-        backends::measure(
-            bench.device,
-            bench.scene,
-            setup,
-            &[bench.device.kernel(&bench.options.run.device)],
-            timing,
-        )
-    };
     let repeats = bench.options.run.repeats;
-    let mut costs = measure(setup, Timing { queues, repeats, method: FIXED, name: CONSTANT, bits: 0 })?;
+    let fixed = Timing { queues, repeats, method: FIXED, name: CONSTANT, bits: 0 };
+    let mut costs = bench.measure(setup, fixed)?;
     for Address { name, layout, .. } in addresses {
         for bits in TABLE_BITS {
             let addressed = Setup { table_bits: bits, table_layout: layout.clone(), ..Setup::clone(setup) };
             let timing = Timing { queues, repeats, method: ADAPTIVE, name, bits };
-            costs.extend(measure(&Arc::new(addressed), timing)?);
+            costs.extend(bench.measure(&Arc::new(addressed), timing)?);
         }
     }
     Ok(costs)
@@ -77,11 +69,10 @@ struct Timing<'a> {
     bits: u32,
 }
 
-impl OnBackends for Timing<'_> {
+impl OnBackend for Timing<'_> {
     type Output = Vec<Cost>;
 
-    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<Cost>> {
-        let backend = &mut backends[0];
+    fn run<B: Backend>(self, backend: &mut B) -> Result<Vec<Cost>> {
         let mut costs = Vec::new();
         for queue in self.queues {
             let rays = backend.upload(queue.queue(None))?;

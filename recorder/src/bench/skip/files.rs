@@ -4,13 +4,13 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use formats::bench_result::skip::{Cost, SkipRow};
+use formats::manifest::check::KEEP_WORDS;
 use formats::reader::Dump;
 use scenes::bvh::{self, Source};
 
 use super::super::folder_bytes;
 use super::Bench;
 use crate::clock::Clock;
-use crate::machine::Device;
 use crate::measure::sampled;
 use crate::options::{AskedOrders, Keep, KeepPasses, RecordOptions};
 use crate::recording::record;
@@ -19,10 +19,9 @@ use crate::recording::record;
 pub(super) fn rows(bench: Bench<'_>) -> Result<Vec<SkipRow>> {
     let folder = tempfile::tempdir().context("cannot make a temporary folder")?;
     let nothing = Keep::default();
-    let everything = Keep::parse(&Keep::WORDS.join(","))?;
-    let [none, measured, all] =
+    let everything = Keep::parse(&KEEP_WORDS.join(","))?;
+    let kept =
         [(nothing, KeepPasses::Measured), (everything, KeepPasses::Measured), (everything, KeepPasses::All)];
-    let kept = [none, measured, all];
     let out = folder.path().join("skip.raydump");
     let recordings =
         sampled(kept.len(), bench.run.repeats, bench.run.seed, |at| recording(bench, &out, kept[at]))?;
@@ -83,7 +82,7 @@ fn hierarchy(bench: Bench<'_>, cache: &Path) -> Result<Option<SkipRow>> {
             let (loaded, source) = clock.time(|| bvh::load_or_build(bench.scene, kind, Some(cache)))?;
             (loaded, source == Source::Cached)
         } else {
-            (clock.time(|| on_threads_of(bench.device, || bvh::build(bench.scene, kind)))?, false)
+            (clock.time(|| bench.device.install(|| bvh::build(bench.scene, kind)))?, false)
         };
         row.is_same &= found == kept && was_cached == is_loaded;
         Ok(clock.last().elapsed_ns)
@@ -92,11 +91,4 @@ fn hierarchy(bench: Bench<'_>, cache: &Path) -> Result<Option<SkipRow>> {
     row.skipped.samples_ns = samples.pop().unwrap_or_default();
     row.skipped.bytes = folder_bytes(cache)?;
     Ok(Some(row))
-}
-
-fn on_threads_of<T: Send>(device: &Device, work: impl FnOnce() -> T + Send) -> T {
-    match device {
-        Device::Cpu(cpu) => cpu.pool.install(work),
-        Device::Gpu(_) => work(),
-    }
 }

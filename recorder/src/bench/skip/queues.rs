@@ -6,13 +6,12 @@ use formats::length_table::LengthCell;
 use formats::manifest::QueueId;
 use formats::ray::Kind;
 
-use super::super::backends::{self, OnBackends};
-use super::super::sort::{random_keys, sorted_by};
+use super::super::backends::{self, OnBackend};
+use super::super::sort::{random_keys, sorted_by_both};
 use super::Bench;
 use crate::backends::{Array, Backend, RecordedRays, Table, collected, picture};
 use crate::clock::Clock;
 use crate::measure::sampled;
-use crate::stages::sort::Digits;
 use crate::stages::trace::Order;
 use crate::wavefront;
 
@@ -23,14 +22,9 @@ const DIFFERING: u64 = 0xff00_ff00;
 
 /// What is skipped in every scene, on its paths.
 pub(super) fn rows(bench: Bench<'_>) -> Result<Vec<SkipRow>> {
-    let work = OverPaths { bench };
-    let mut rows = backends::measure(
-        bench.device,
-        bench.scene,
-        bench.setup,
-        &[bench.device.kernel(&bench.run.device)],
-        work,
-    )?;
+    let kernel = bench.device.kernel(&bench.run.device);
+    let paths = OverPaths { bench };
+    let mut rows = backends::measure(bench.device, bench.scene, bench.setup, kernel, paths)?;
     let random = random_keys(KEYS);
     let constant_digits: Vec<u64> = random.iter().map(|key| (key >> 32) & DIFFERING).collect();
     let (skipped, done, is_same) = sorts(bench, &constant_digits)?;
@@ -46,22 +40,19 @@ pub(super) fn rows(bench: Bench<'_>) -> Result<Vec<SkipRow>> {
 
 /// Costs with the differing digits and with all, in turns, and whether the order is the same.
 fn sorts(bench: Bench<'_>, keys: &[u64]) -> Result<(Cost, Cost, bool)> {
-    let mut samples = sorted_by(bench.device, keys, &[Digits::Differing, Digits::All], bench.run.repeats)?;
-    let is_same = samples[0].order == samples[1].order;
+    let [differing, all] = sorted_by_both(bench.device, keys, bench.run.repeats)?;
     let cost = |samples_ns| Cost { samples_ns, bytes: 0 };
-    let all = cost(std::mem::take(&mut samples[1].samples_ns));
-    Ok((cost(std::mem::take(&mut samples[0].samples_ns)), all, is_same))
+    Ok((cost(differing.samples_ns), cost(all.samples_ns), differing.order == all.order))
 }
 
 struct OverPaths<'a> {
     bench: Bench<'a>,
 }
 
-impl OnBackends for OverPaths<'_> {
+impl OnBackend for OverPaths<'_> {
     type Output = Vec<SkipRow>;
 
-    fn run<B: Backend>(self, mut backends: Vec<B>) -> Result<Vec<SkipRow>> {
-        let backend = &mut backends[0];
+    fn run<B: Backend>(self, backend: &mut B) -> Result<Vec<SkipRow>> {
         wavefront::run(backend, 0..1, self.bench.run.bounces, &mut ())?;
         let bounce = self.empty_bounce(backend)?;
         let mut rows = vec![bounce];

@@ -1,11 +1,11 @@
 //! `recorder bench error`.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use comfy_table::Table;
 use formats::bench_result::error::{ErrorRows, EstimatorRow, ImageRow, KeyBitsRow, PrecisionRow};
 use formats::key::{KEY_BITS_MIN, LAYOUT_BITS};
 
-use super::{milliseconds, once, table_of};
+use super::{chosen, milliseconds, table_of};
 use crate::bench::error::{Curve, ErrorBench, ImageSize};
 use crate::bench::rate;
 use crate::options::{DeviceOptions, OptionError, RecordOptions, in_range, parse_methods};
@@ -87,8 +87,6 @@ impl ErrorArguments {
         };
         run.check()?;
         RecordOptions { width: self.image_width, height: self.image_height, ..run.clone() }.check()?;
-        let all = Curve::value_variants();
-        let curves = if self.only.is_empty() { all.to_vec() } else { once(&self.only) };
         let mut key_bits = self.key_bits.clone();
         key_bits.sort_unstable();
         key_bits.dedup();
@@ -98,7 +96,8 @@ impl ErrorArguments {
             passes: self.image_passes,
             reference_passes: self.reference_passes,
         };
-        Ok(ErrorBench { scenes: self.scenes.clone(), curves, rays: self.rays, key_bits, image, run })
+        let (scenes, curves) = (self.scenes.clone(), chosen(&self.only));
+        Ok(ErrorBench { scenes, curves, rays: self.rays, key_bits, image, run })
     }
 }
 

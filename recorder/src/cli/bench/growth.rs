@@ -5,7 +5,7 @@ use comfy_table::Table;
 use formats::bench_result::growth::{GrowthRow, Verdict};
 use formats::metrics::growth::Exponent;
 
-use super::{once, table_of};
+use super::{chosen, table_of};
 use crate::bench::growth::{GrowthBench, Size};
 use crate::options::{DeviceOptions, OptionError, RecordOptions, in_range, parse_methods};
 
@@ -35,11 +35,11 @@ impl GrowthArguments {
     pub(super) fn bench(&self) -> Result<GrowthBench, OptionError> {
         if !self.triangles.is_sorted() {
             let message = "--triangles: found a number below the one before it, expected them ascending";
-            return Err(OptionError::Conflict { message: message.to_owned() });
+            return Err(OptionError::conflict(message));
         }
         if self.triangles.first() == self.triangles.last() {
             let message = "--triangles: found one size, expected at least two; an exponent is between sizes";
-            return Err(OptionError::Conflict { message: message.to_owned() });
+            return Err(OptionError::conflict(message));
         }
         for &count in &self.triangles {
             in_range("triangles", count, 38, 50_000_000)?;
@@ -54,7 +54,7 @@ impl GrowthArguments {
         };
         run.check()?;
         Ok(GrowthBench {
-            only: if self.only.is_empty() { Size::ALL.to_vec() } else { once(&self.only) },
+            only: chosen(&self.only),
             scene: self.scene.clone(),
             triangles: self.triangles.clone(),
             pictures: (0..=4).map(|power| [120, 68].map(|side| side << power)).collect(),

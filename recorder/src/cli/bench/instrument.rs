@@ -4,14 +4,13 @@ use std::collections::BTreeMap;
 
 use clap::Args;
 use comfy_table::Table;
-use formats::bench_result::{BenchResult, InstrumentRow};
+use formats::bench_result::InstrumentRow;
 use formats::metrics::speedup::geometric_mean;
 use formats::ray::Kind;
 
 use super::table_of;
 use crate::bench::instrument::InstrumentBench;
 use crate::options::{DeviceOptions, OptionError, RecordOptions, in_range};
-use crate::report::instrument_line;
 
 #[derive(Debug, Args)]
 pub(super) struct InstrumentArguments {
@@ -55,11 +54,6 @@ impl InstrumentArguments {
         run.check()?;
         Ok(InstrumentBench { scenes: self.scenes.clone(), experiments: self.experiments, run })
     }
-}
-
-/// What all experiments come to, in a sentence.
-pub(super) fn verdict(result: &BenchResult) -> Option<String> {
-    result.instrument.as_ref().map(instrument_line)
 }
 
 /// A line for the queues of each bounce and kind.

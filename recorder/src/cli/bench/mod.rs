@@ -8,7 +8,7 @@ mod render;
 mod skip;
 
 use anyhow::Result;
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 use comfy_table::Table;
 use comfy_table::presets::UTF8_BORDERS_ONLY;
 use formats::bench_result::{BenchResult, Rows};
@@ -21,6 +21,7 @@ use crate::bench::rate;
 use crate::bench::sort::{self, SortBench};
 use crate::bench::trace::{self, TraceBench};
 use crate::options::{DeviceOptions, OptionError, RecordOptions, in_range, parse_methods};
+use crate::report::instrument_line;
 use crate::stages::sort::COUNT_BITS;
 use crate::stages::trace::TraceKernel;
 use capture::CaptureArguments;
@@ -148,8 +149,8 @@ impl SortArguments {
 impl TraceArguments {
     fn bench(&self) -> Result<TraceBench, OptionError> {
         if self.device.trace.is_some() {
-            let message = "--trace: a benchmark of tracing takes its kernels from --kernels".to_owned();
-            return Err(OptionError::Conflict { message });
+            let message = "--trace: a benchmark of tracing takes its kernels from --kernels";
+            return Err(OptionError::conflict(message));
         }
         let run = RecordOptions {
             width: self.width,
@@ -174,6 +175,11 @@ fn once<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
     list.iter().enumerate().filter(is_first).map(|(_, &item)| item).collect()
 }
 
+/// What `--only` lists; all if it lists nothing.
+fn chosen<T: ValueEnum + Copy + PartialEq>(only: &[T]) -> Vec<T> {
+    if only.is_empty() { T::value_variants().to_vec() } else { once(only) }
+}
+
 pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
     let result = match &arguments.what {
         What::Sort(arguments) => sort::run(&arguments.bench()?)?,
@@ -195,7 +201,8 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
     };
     print(format_args!("{} ({}), {shown}", result.adapter, result.backend))?;
     tables(&result).into_iter().try_for_each(print)?;
-    instrument::verdict(&result).map_or(Ok(()), print)
+    // What all experiments come to, in a sentence.
+    result.instrument.as_ref().map(instrument_line).map_or(Ok(()), print)
 }
 
 fn tables(result: &BenchResult) -> Vec<Table> {

@@ -56,9 +56,8 @@ impl RenderArguments {
     pub(super) fn bench(&self) -> Result<RenderBench, OptionError> {
         let orders = parse_orders(&self.methods, &[])?;
         if orders.shuffled {
-            let message =
-                "a renderer has no reason to trace in a random order; leave out shuffled".to_owned();
-            return Err(OptionError::Conflict { message });
+            let message = "a renderer has no reason to trace in a random order; leave out shuffled";
+            return Err(OptionError::conflict(message));
         }
         let run = RecordOptions {
             width: self.width,

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use comfy_table::Table;
-use formats::bench_result::skip::{Cost, SkipRow, StartupRow};
+use formats::bench_result::skip::{SkipRow, StartupRow};
 use formats::metrics::speedup::Speedup;
 
 use super::{milliseconds, table_of};
@@ -56,14 +56,13 @@ pub(super) fn skip_table(rows: &[SkipRow]) -> Table {
          skipped bytes | done bytes | same",
     );
     for row in rows {
-        let Cost { samples_ns: done, .. } = &row.done;
         table.add_row([
             row.scene.clone(),
             row.what.clone(),
             row.of.clone(),
             milliseconds(&row.skipped.samples_ns),
-            milliseconds(done),
-            speedup(Speedup::of(done, &row.skipped.samples_ns)),
+            milliseconds(&row.done.samples_ns),
+            speedup(Speedup::of(&row.done.samples_ns, &row.skipped.samples_ns)),
             bytes(row.skipped.bytes),
             bytes(row.done.bytes),
             format!("{}{}", row.same, if row.is_same { "" } else { ": DIFFERS" }),

@@ -25,7 +25,7 @@ use formats::writer::DumpWriter;
 use scenes::Scene;
 
 use self::claims::Claims;
-use self::queues::Queues;
+use self::queues::{Queue, Queues};
 use crate::backends::RecordedRays;
 use crate::foreign::Foreign;
 use crate::machine;
@@ -97,25 +97,26 @@ pub fn import(options: &ImportOptions) -> Result<Recorded> {
     let sha256 = queues.sha256();
     let mut header = header(&scene, &setup, &run, &device, notices, Source::Imported { name, sha256 });
     header.options.methods.extend(foreign.methods.iter().map(|method| method.name.clone()));
-    for queue in &queues.list {
-        let found = QueueRays { rays: &queue.rays, path_ids: &queue.path_ids, lights: &queue.lights };
-        QueueRules::new(queue.id, &header)
-            .check(found, queue.rays.len() as u64)
+    let rays: Vec<RecordedRays<'_>> = queues.list.iter().map(Queue::rays).collect();
+    for &RecordedRays { id, rays, path_ids, lights, .. } in &rays {
+        QueueRules::new(id, &header)
+            .check(QueueRays { rays, path_ids, lights }, rays.len() as u64)
             .with_context(|| format!("{} cannot be imported", from.display()))?;
     }
     let verdict = verdict::judge(&scene, &queues.list);
     header.self_check.extend(verdict.clone());
-    let recorded = queues.list.iter().map(|queue| RecordedRays {
-        id: queue.id,
-        rays: &queue.rays,
-        path_ids: &queue.path_ids,
-        lights: &queue.lights,
-        lengths: None,
-    });
-    let rays = RaySource::Recorded(recorded.collect());
-    let (scene, foreign, options, kernel) = (&scene, &foreign, &run, device.kernel(&run.device));
-    let (recorded, calibration) = (None, Vec::new());
-    let run = Run { scene, setup, options, kernel, header, rays, foreign, recorded, calibration, start };
+    let run = Run {
+        scene: &scene,
+        setup,
+        options: &run,
+        kernel: device.kernel(&run.device),
+        header,
+        rays: RaySource::Recorded(rays),
+        foreign,
+        recorded: None,
+        calibration: Vec::new(),
+        start,
+    };
     let mut recorded = run.on(device)?;
     let said = verdict.map(|Check { name, outcome, detail }| format!("{name}: {outcome} ({detail})"));
     recorded.notices.extend(said);

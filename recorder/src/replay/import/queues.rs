@@ -14,6 +14,7 @@ use formats::text::one_line;
 use sha2::{Digest, Sha256};
 
 use super::{ImportFrom, claims, rays};
+use crate::backends::RecordedRays;
 use crate::foreign::ForeignOrder;
 use crate::stages::sort::cpu::Words;
 
@@ -32,6 +33,14 @@ pub(super) struct Queue {
     pub(super) lights: Vec<u32>,
     pub(super) results: Option<Results>,
     pub(super) orders: Vec<ForeignOrder>,
+}
+
+impl Queue {
+    /// As the loop takes it.
+    pub(super) fn rays(&self) -> RecordedRays<'_> {
+        let Self { id, rays, path_ids, lights, .. } = self;
+        RecordedRays { id: *id, rays, path_ids, lights, lengths: None }
+    }
 }
 
 /// What the other tracer found, distances in world units.
@@ -126,10 +135,8 @@ impl Queues {
         let twice = self.list.windows(2).find(|pair| pair[0].id == pair[1].id);
         ensure!(twice.is_none(), "{} has a bounce twice, such as bounce-01 and bounce-001", folder.display());
         if let Some(path) = claims {
-            let text = self.file(&path)?;
-            let text =
-                String::from_utf8(text).ok().with_context(|| format!("{} is not UTF-8", path.display()));
-            self.claims = text?;
+            let text = String::from_utf8(self.file(&path)?).ok();
+            self.claims = text.with_context(|| format!("{} is not UTF-8", path.display()))?;
         }
         Ok(())
     }
@@ -239,10 +246,7 @@ fn entries_of<T: Element>(bytes: &[u8], count: usize) -> Result<Vec<T>> {
         header.shape,
         T::DTYPE.descr()
     );
-    let data = &bytes[header.data_offset..];
-    let expected = npy::data_bytes(header.dtype, &header.shape).unwrap_or(u64::MAX);
-    ensure!(data.len() as u64 == expected, "there are {} bytes of data, expected {expected}", data.len());
-    Ok(bytemuck::pod_collect_to_vec(data))
+    Ok(bytemuck::pod_collect_to_vec(rays::data(bytes, &header)?))
 }
 
 /// What a folder holds, by name, but for hidden files.

@@ -1,7 +1,7 @@
 //! Rays as other programs write them: three forms of NPY files.
 
 use anyhow::{Context, Result, bail, ensure};
-use formats::npy::{self, Dtype};
+use formats::npy::{self, Dtype, NpyHeader};
 use formats::ray::{ORIGIN_LIMIT, Ray};
 
 /// Directions whose length differs from 1 by less than this are taken as they are.
@@ -15,9 +15,7 @@ const UNIT_TOLERANCE: f64 = 1e-6;
 pub(super) fn parse(bytes: &[u8]) -> Result<(Vec<Ray>, Vec<f64>)> {
     let header = npy::parse_header(bytes)?;
     let shape = header.shape.as_slice();
-    let data = &bytes[header.data_offset..];
-    let expected = npy::data_bytes(header.dtype, shape).unwrap_or(u64::MAX);
-    ensure!(data.len() as u64 == expected, "there are {} bytes of data, expected {expected}", data.len());
+    let data = data(bytes, &header)?;
     let rays: Vec<Ray> = match (header.dtype, shape) {
         (Dtype::Ray, [_]) => bytemuck::pod_collect_to_vec(data),
         (Dtype::F4, [_, 8]) => bytemuck::pod_collect_to_vec(data),
@@ -46,6 +44,17 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Vec<Ray>, Vec<f64>)> {
         .enumerate()
         .map(|(row, ray)| checked(ray).with_context(|| format!("ray {row}")))
         .collect()
+}
+
+/// What follows the header of an NPY file.
+///
+/// # Errors
+/// If it is not as long as that says.
+pub(super) fn data<'a>(bytes: &'a [u8], header: &NpyHeader) -> Result<&'a [u8]> {
+    let data = &bytes[header.data_offset..];
+    let expected = npy::data_bytes(header.dtype, &header.shape).unwrap_or(u64::MAX);
+    ensure!(data.len() as u64 == expected, "there are {} bytes of data, expected {expected}", data.len());
+    Ok(data)
 }
 
 /// The ray with a unit direction, distances in world units, and the length that the direction had.
