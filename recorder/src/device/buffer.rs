@@ -51,9 +51,8 @@ impl Gpu {
     /// # Errors
     /// [`GpuError::TooLarge`] before anything is allocated, [`GpuError::OutOfMemory`] after.
     pub fn array<T: Pod>(&self, label: &str, len: usize) -> Result<DeviceArray<T>, GpuError> {
-        let element_bytes = size_of::<T>().max(4) as u64;
-        // wgpu copies and binds in words of four bytes.
-        let bytes = (len.max(1) as u64).saturating_mul(element_bytes).next_multiple_of(4);
+        const { assert!(size_of::<T>().is_multiple_of(4), "wgpu copies and binds in words of four bytes") };
+        let bytes = (len.max(1) as u64).saturating_mul(size_of::<T>() as u64);
         let limits = &self.adapter().limits;
         let allowed = [
             ("largest buffer", limits.buffer_bytes),
@@ -104,13 +103,7 @@ impl Gpu {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let mut offset = 0;
         for piece in bytes.chunks(UPLOAD_BYTES) {
-            let whole_words = piece.len() & !3;
-            self.queue().write_buffer(array.buffer(), offset, &piece[..whole_words]);
-            if whole_words < piece.len() {
-                let mut last = [0; 4];
-                last[..piece.len() - whole_words].copy_from_slice(&piece[whole_words..]);
-                self.queue().write_buffer(array.buffer(), offset + whole_words as u64, &last);
-            }
+            self.queue().write_buffer(array.buffer(), offset, piece);
             offset += piece.len() as u64;
             if offset < bytes.len() as u64 {
                 let sent = self.queue().submit([]);

@@ -100,11 +100,6 @@ impl Kernel {
         Ok(Self { pipeline, label: source.label.to_owned(), layout, immediate_bytes: source.immediate_bytes })
     }
 
-    /// `stage::name`.
-    pub fn label(&self) -> &str {
-        &self.label
-    }
-
     /// Binds resources, in the order of the kernel's bindings.
     ///
     /// # Errors

@@ -58,7 +58,7 @@ impl Readback {
     /// Those of the device, and the first that `take` returns; nothing is handed over after it.
     ///
     /// # Panics
-    /// If the range is not inside the array or does not begin and end at multiples of four bytes.
+    /// If the range is not inside the array.
     pub fn read_chunks<T: Pod, E: From<GpuError>>(
         &mut self,
         gpu: &Gpu,

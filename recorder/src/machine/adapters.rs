@@ -21,19 +21,13 @@ pub struct AdapterReport {
 
 /// Opens and checks every adapter, the best first.
 pub fn reports() -> Vec<AdapterReport> {
-    enumerate()
-        .iter()
-        .map(|adapter| {
-            let description = AdapterDescription::of(adapter);
-            let checked =
-                Gpu::open_adapter(adapter, wgpu::Features::empty()).and_then(|gpu| SelfCheck::look(&gpu));
-            let (self_check, error) = match checked {
-                Ok(found) => (Some(found), None),
-                Err(error) => (None, Some(error.to_string())),
-            };
-            AdapterReport { adapter: description, self_check, error }
-        })
-        .collect()
+    let report = |adapter: &wgpu::Adapter| {
+        let gpu = Gpu::open_adapter(adapter, wgpu::Features::empty());
+        let checked = gpu.and_then(|gpu| SelfCheck::look(&gpu));
+        let error = checked.as_ref().err().map(ToString::to_string);
+        AdapterReport { adapter: AdapterDescription::of(adapter), self_check: checked.ok(), error }
+    };
+    enumerate().iter().map(report).collect()
 }
 
 impl AdapterReport {

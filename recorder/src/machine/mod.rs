@@ -9,7 +9,7 @@ pub mod description;
 mod processors;
 pub mod self_check;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use formats::length_table::TableCell;
 use formats::manifest::Backend;
 use scenes::{Scene, memory};
@@ -57,12 +57,11 @@ impl GpuDevice {
     /// Refuses scenes so small that products of lengths are denormal, where the device takes those for 0.
     fn check_extent(&self, scene: &Scene) -> Result<()> {
         let extent = scene.bounds().extent().into_iter().fold(0.0, f32::max);
-        if self.self_check.flushes_denormals && extent < SMALLEST_FLUSHED_SCENE {
-            bail!(
-                "the scene is {extent:e} units large, and {} takes numbers below 1.2e-38 for 0, with which rays miss triangles of scenes smaller than {SMALLEST_FLUSHED_SCENE}; scale the scene up, or use --backend cpu",
-                self.gpu.adapter().title()
-            );
-        }
+        ensure!(
+            !self.self_check.flushes_denormals || extent >= SMALLEST_FLUSHED_SCENE,
+            "the scene is {extent:e} units large, and {} takes numbers below 1.2e-38 for 0, with which rays miss triangles of scenes smaller than {SMALLEST_FLUSHED_SCENE}; scale the scene up, or use --backend cpu",
+            self.gpu.adapter().title()
+        );
         Ok(())
     }
 }
@@ -174,14 +173,12 @@ impl Device {
                     .saturating_add(triangles.saturating_mul(CPU_BYTES_PER_TRIANGLE))
                     .saturating_add(CPU_BYTES_PER_CELL << setup.table_bits);
                 let free = memory::free();
-                if needed > free {
-                    bail!(
-                        "{size} pixels and {} triangles need about {} MiB of memory, but only {} MiB are free; ask for a smaller picture or scene",
-                        scene.triangles.len(),
-                        needed >> 20,
-                        free >> 20
-                    );
-                }
+                ensure!(
+                    needed <= free,
+                    "{size} pixels and {triangles} triangles need about {} MiB of memory, but only {} MiB are free; ask for a smaller picture or scene",
+                    needed >> 20,
+                    free >> 20
+                );
             }
             Self::Gpu(device) => {
                 device.check_extent(scene)?;
@@ -195,14 +192,13 @@ impl Device {
                 ];
                 for (what, count) in items {
                     let needed = count.saturating_mul(GPU_BYTES_PER_ITEM);
-                    if needed > limit {
-                        bail!(
-                            "{what} need a storage binding of {} MiB, but {} allows {} MiB; ask for less, or use --backend cpu",
-                            needed.div_ceil(1 << 20),
-                            device.gpu.adapter().title(),
-                            limit >> 20
-                        );
-                    }
+                    ensure!(
+                        needed <= limit,
+                        "{what} need a storage binding of {} MiB, but {} allows {} MiB; ask for less, or use --backend cpu",
+                        needed.div_ceil(1 << 20),
+                        device.gpu.adapter().title(),
+                        limit >> 20
+                    );
                 }
             }
         }
