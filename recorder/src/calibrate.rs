@@ -139,15 +139,12 @@ impl Calibrator<'_> {
 
     /// What orders were worth by each way.
     fn worths(&self, found: &[Measurement]) -> Vec<Candidate> {
-        let unsorted: Vec<u64> = found
-            .iter()
-            .filter(|entry| entry.subject == Subject::Unsorted)
-            .flat_map(|entry| entry.stages.of(Stage::Trace).to_vec())
-            .collect();
+        let unsorted = found.iter().find(|entry| entry.subject == Subject::Unsorted);
+        let unsorted = unsorted.map_or(&[][..], |entry| entry.stages.of(Stage::Trace));
         let worth = |entry: &Measurement, way: Way| {
             let Subject::Method(number) = entry.subject else { return None };
             let plan = &self.setup.methods[number];
-            let Speedup { ratio: net, interval } = Speedup::of(&unsorted, &entry.stages.totals(way))?;
+            let Speedup { ratio: net, interval } = Speedup::of(unsorted, &entry.stages.totals(way))?;
             let (net_low, _) = interval?;
             let choice = Choice { method: plan.name.clone(), key_bits: plan.key_bits, way };
             Some(Candidate { choice, net, net_low })

@@ -12,8 +12,7 @@ use formats::metrics::speedup::{Speedup, median};
 use recorder::bench::capture::{self, CaptureBench};
 use recorder::bench::error::{self, Curve, ErrorBench, ImageSize};
 use recorder::bench::growth::{self, GrowthBench, Size};
-use recorder::bench::render::{self, RenderBench};
-use recorder::bench::skip::{self, SkipBench};
+use recorder::bench::{Runs, render, skip};
 use recorder::options::{BackendChoice, DeviceOptions, Keep, RecordOptions};
 
 fn run(backend: BackendChoice) -> RecordOptions {
@@ -115,7 +114,7 @@ fn frames_are_measured_end_to_end() {
         let methods = ["aila", "two-point-real", "two-point-adaptive"];
         let methods = methods.map(|name| Method::builtin(name).unwrap()).to_vec();
         let run = RecordOptions { orders: methods.into(), repeats: 6, passes: 2, ..run(backend) };
-        let bench = RenderBench { scenes: vec!["builtin:cornell".into()], run };
+        let bench = Runs { scenes: vec!["builtin:cornell".into()], run };
         let result = render::run(&bench).unwrap();
         assert_eq!(format!("{:.9?}", through_json(&result)), format!("{result:.9?}"));
         assert_eq!(result.instrument.as_ref().map(|instrument| instrument.experiments), Some(1));
@@ -201,14 +200,8 @@ fn costs_are_measured_over_each_size_and_have_exponents() {
         }
         let built = rows.iter().find(|row| row.cost == "hierarchy").unwrap();
         assert!(built.points[0].n.abs_diff(100) < 10 && built.points[2].n.abs_diff(1600) < 80, "{built:?}");
-        let rays: Vec<u64> = rows
-            .iter()
-            .find(|row| row.against == "rays")
-            .unwrap()
-            .points
-            .iter()
-            .map(|point| point.n)
-            .collect();
+        let over_rays = rows.iter().find(|row| row.against == "rays").unwrap();
+        let rays: Vec<u64> = over_rays.points.iter().map(|point| point.n).collect();
         assert!(rays[0] > 16 * 9 && rays[1].abs_diff(4 * rays[0]) < rays[0], "{rays:?}");
     }
 }
@@ -216,7 +209,7 @@ fn costs_are_measured_over_each_size_and_have_exponents() {
 #[test]
 fn what_is_skipped_changes_nothing_but_time_and_bytes() {
     for backend in [BackendChoice::Cpu, BackendChoice::Gpu] {
-        let bench = SkipBench { scenes: vec!["builtin:cornell".into()], run: run(backend) };
+        let bench = Runs { scenes: vec!["builtin:cornell".into()], run: run(backend) };
         let result = skip::run(&bench).unwrap();
         assert_eq!(through_json(&result), result);
         let Rows::Skip(rows) = &result.rows else { panic!("skipped things") };

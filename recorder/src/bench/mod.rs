@@ -32,6 +32,16 @@ use formats::metrics::speedup::{interquartile_range, median};
 
 use crate::machine::Device;
 use crate::machine::description::Description;
+use crate::options::RecordOptions;
+
+/// Scenes to run, one after the other.
+#[derive(Clone, Debug)]
+pub struct Runs {
+    /// Scenes, files or built-in names.
+    pub scenes: Vec<String>,
+    /// Size of the run, methods, device; what is to be kept is of no interest.
+    pub run: RecordOptions,
+}
 
 /// What was measured, on which device.
 pub(crate) fn result(device: &Device, rows: Rows) -> BenchResult {

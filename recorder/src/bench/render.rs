@@ -25,7 +25,7 @@ use scenes::Scene;
 
 use super::backends::{self, OnBackend};
 use super::hit_orders::{HitOrder, Tally};
-use super::result;
+use super::{Runs, result};
 use crate::auto::Auto;
 use crate::backends::{Array, Backend, Queue, Table, collected, picture};
 use crate::calibrate;
@@ -39,21 +39,12 @@ use crate::stages::setup::{MethodPlan, Setup};
 use crate::stages::trace::{Order, TraceKernel};
 use crate::wavefront;
 
-/// What to measure.
-#[derive(Clone, Debug)]
-pub struct RenderBench {
-    /// Scenes, files or built-in names.
-    pub scenes: Vec<String>,
-    /// Size of the run, methods, device; what is to be kept is of no interest. A frame has all passes.
-    pub run: RecordOptions,
-}
-
 /// Renders every scene in canonical order, in that of every method, with hits in several orders, and through a
-/// control.
+/// control; a frame has all passes.
 ///
 /// # Errors
 /// One sentence on what went wrong with scene or device, or if a picture depends on the order.
-pub fn run(bench: &RenderBench) -> Result<BenchResult> {
+pub fn run(bench: &Runs) -> Result<BenchResult> {
     let device = machine::open(&bench.run.device)?;
     let mut run = bench.run.clone();
     // What must be traced before it is sorted is no order to trace in.

@@ -6,8 +6,7 @@ use formats::bench_result::{BenchResult, Rows};
 use scenes::Scene;
 use scenes::bvh::{self, Bvh};
 
-use super::result;
-use super::skip::SkipBench;
+use super::{Runs, result};
 use crate::backends::gpu::kernels::Kernels;
 use crate::backends::gpu::scene::SceneArrays;
 use crate::clock::Clock;
@@ -26,7 +25,7 @@ use crate::stages::trace::gpu::Tracer;
 ///
 /// # Errors
 /// One sentence on what went wrong with scene or device.
-pub fn run(options: &SkipBench) -> Result<BenchResult> {
+pub fn run(options: &Runs) -> Result<BenchResult> {
     let mut steps = Steps::new();
     let mut open = || steps.timed("device", || machine::open(&options.run.device));
     let mut device = open()?;

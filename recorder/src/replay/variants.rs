@@ -163,12 +163,8 @@ mod tests {
         let methods = ["aila", "two-point"].map(|name| Method::builtin(name).unwrap());
         let names = |bits: &str, lengths: &str| -> Vec<String> {
             let sweep = Sweep::parse(Some(bits), Some(lengths), None).unwrap();
-            sweep
-                .plans(&methods, Extent::NOTHING, 32, 0.25)
-                .unwrap()
-                .into_iter()
-                .map(|plan| plan.name)
-                .collect()
+            let plans = sweep.plans(&methods, Extent::NOTHING, 32, 0.25).unwrap();
+            plans.into_iter().map(|plan| plan.name).collect()
         };
         assert_eq!(names("32", "0.25"), ["aila", "two-point"]);
         assert_eq!(names("8,16", "0.25").len(), 4);

@@ -12,24 +12,15 @@ mod queues;
 use std::sync::Arc;
 
 use anyhow::Result;
-use formats::bench_result::skip::SkipRow;
+use formats::bench_result::skip::{Cost, SkipRow};
 use formats::bench_result::{BenchResult, Rows};
 use scenes::Scene;
 
-use super::result;
+use super::{Runs, result};
 use crate::machine::{self, Device};
 use crate::options::RecordOptions;
 use crate::recording::prepared;
 use crate::stages::setup::Setup;
-
-/// What to measure: scenes one after the other.
-#[derive(Clone, Debug)]
-pub struct SkipBench {
-    /// Scenes, files or built-in names.
-    pub scenes: Vec<String>,
-    /// Size of the runs, device; methods and what is to be kept are of no interest.
-    pub run: RecordOptions,
-}
 
 /// One scene on one device.
 #[derive(Clone, Copy)]
@@ -40,11 +31,11 @@ struct Bench<'a> {
     setup: &'a Arc<Setup>,
 }
 
-/// Measures everything that is skipped.
+/// Measures everything that is skipped; methods are of no interest.
 ///
 /// # Errors
 /// One sentence on what went wrong with scene, device or disk.
-pub fn run(options: &SkipBench) -> Result<BenchResult> {
+pub fn run(options: &Runs) -> Result<BenchResult> {
     let device = machine::open(&options.run.device)?;
     let mut rows = Vec::new();
     for name in &options.scenes {
@@ -66,8 +57,8 @@ impl Bench<'_> {
             scene: self.scene.name.clone(),
             what: what.to_owned(),
             of: of.to_owned(),
-            skipped: formats::bench_result::skip::Cost::default(),
-            done: formats::bench_result::skip::Cost::default(),
+            skipped: Cost::default(),
+            done: Cost::default(),
             same: same.to_owned(),
             is_same: true,
         }

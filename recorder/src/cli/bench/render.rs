@@ -7,7 +7,7 @@ use formats::key::method::CONTROL;
 use formats::metrics::speedup::{Speedup, median};
 
 use super::{milliseconds, table_of};
-use crate::bench::render::RenderBench;
+use crate::bench::Runs;
 use crate::options::{DeviceOptions, OptionError, RecordOptions, parse_orders};
 use crate::report::speedup;
 
@@ -53,7 +53,7 @@ pub(super) struct RenderArguments {
 }
 
 impl RenderArguments {
-    pub(super) fn bench(&self) -> Result<RenderBench, OptionError> {
+    pub(super) fn bench(&self) -> Result<Runs, OptionError> {
         let orders = parse_orders(&self.methods, &[])?;
         if orders.shuffled {
             let message = "a renderer has no reason to trace in a random order; leave out shuffled";
@@ -73,7 +73,7 @@ impl RenderArguments {
             ..RecordOptions::base()?
         };
         run.check()?;
-        Ok(RenderBench { scenes: self.scenes.clone(), run })
+        Ok(Runs { scenes: self.scenes.clone(), run })
     }
 }
 

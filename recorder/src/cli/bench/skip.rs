@@ -6,7 +6,7 @@ use formats::bench_result::skip::{SkipRow, StartupRow};
 use formats::metrics::speedup::Speedup;
 
 use super::{milliseconds, table_of};
-use crate::bench::skip::SkipBench;
+use crate::bench::Runs;
 use crate::options::{DeviceOptions, OptionError, RecordOptions};
 use crate::report::speedup;
 
@@ -35,7 +35,7 @@ pub(super) struct SkipArguments {
 }
 
 impl SkipArguments {
-    pub(super) fn bench(&self) -> Result<SkipBench, OptionError> {
+    pub(super) fn bench(&self) -> Result<Runs, OptionError> {
         let run = RecordOptions {
             width: self.width,
             height: self.height,
@@ -46,7 +46,7 @@ impl SkipArguments {
             ..RecordOptions::base()?
         };
         run.check()?;
-        Ok(SkipBench { scenes: self.scenes.clone(), run })
+        Ok(Runs { scenes: self.scenes.clone(), run })
     }
 }
 
