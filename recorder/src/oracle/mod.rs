@@ -50,11 +50,6 @@ pub struct ExactHit {
 }
 
 impl ExactHit {
-    fn new(triangle: u32, crossing: Crossing) -> Self {
-        let Crossing { t, error, weights: [_, u, v] } = crossing;
-        Self { t, error, triangle, u, v }
-    }
-
     /// Whether this is the hit that counts of the two: the nearer one, or of equal distances that with the
     /// lower triangle index.
     fn is_before(&self, other: &Self) -> bool {
@@ -97,10 +92,9 @@ impl Oracle {
 
     /// Where a line hits a triangle, for any distance, if that is no hole.
     fn hit(&self, line: &Line, triangle: u32) -> Option<ExactHit> {
-        let crossing = line.cross(&self.corners[triangle as usize])?;
-        let hit = ExactHit::new(triangle, crossing);
+        let Crossing { t, error, weights: [_, u, v] } = line.cross(&self.corners[triangle as usize])?;
         let number = self.masks.number(triangle);
-        let is_hole = number != 0 && self.masks.is_hole(number, hit.u as f32, hit.v as f32);
-        (!is_hole).then_some(hit)
+        let is_hole = number != 0 && self.masks.is_hole(number, u as f32, v as f32);
+        (!is_hole).then_some(ExactHit { t, error, triangle, u, v })
     }
 }

@@ -191,11 +191,11 @@ impl<'a> Run<'a> {
         let first = self.setup.methods.len();
         let foreign = (first..first + self.foreign.methods.len()).map(Subject::Foreign);
         let compared = unnamed.into_iter().flatten().chain(methods).chain(foreign);
-        let mut orders: Vec<Subject> = compared.collect();
-        let is_compared = asked.control || !orders.is_empty();
-        let baseline =
-            if is_compared { &[Subject::Unsorted, Subject::Control][..] } else { &[Subject::Unsorted] };
-        orders.splice(..0, baseline.iter().copied());
+        let mut orders = vec![Subject::Unsorted, Subject::Control];
+        orders.extend(compared);
+        if orders.len() == 2 && !asked.control {
+            orders.pop();
+        }
         Measured { orders, repeats: self.options.repeats, seed: self.options.seed }
     }
 

@@ -9,7 +9,7 @@ use scenes::{Camera, Scene, views};
 use sha2::{Digest, Sha256};
 
 use super::estimate::{Estimate, Size};
-use super::plan::{Cameras, Plan, PlannedScene};
+use super::plan::{Cameras, Plan, Planned, PlannedScene};
 use super::words::typed;
 use crate::recording::choose_camera;
 
@@ -129,19 +129,17 @@ fn commands(plan: &Plan, planned: &PlannedScene, camera: &str, seed: u64, size: 
         format!("--seed={seed}"),
         "--force".to_owned(),
     ];
-    let mut commands = vec![(recording, record.into_iter().chain(plan.record.words.clone()).collect())];
-    for replay in &plan.replays {
-        let words = ["replay".to_owned(), format!("{recording}.raydump"), format!("--out={}", replay.name)];
-        let words = words.into_iter().chain(["--force".to_owned()]).chain(replay.words.clone());
-        commands.push((&replay.name, words.collect()));
+    let mut commands = vec![(recording, [&record[..], &plan.record.words].concat())];
+    for Planned { name, words, .. } in &plan.replays {
+        let replay = ["replay", &format!("{recording}.raydump"), &format!("--out={name}"), "--force"];
+        commands.push((name, [&replay.map(str::to_owned)[..], words].concat()));
     }
-    let shares = size.shares();
     let command = |((name, words), share): ((&String, Vec<String>), f64)| Command {
         recording: format!("{name}.{}", formats::folder::EXTENSION),
         words,
         share,
     };
-    commands.into_iter().zip(shares).map(command).collect()
+    commands.into_iter().zip(size.shares()).map(command).collect()
 }
 
 /// SHA-256 of what a job is made from. Where the scene's file lies does not count, what is in it does.
