@@ -39,8 +39,9 @@ use crate::output::sentence;
 use crate::shown;
 use destination::{Destination, SUMMARIES, TIMINGS};
 use queues::RayFiles;
-use summaries::Summaries;
-use timings::Timings;
+use summaries::SummaryRow;
+use table::TableWriter;
+use timings::TimingRow;
 
 /// The recording that a row is of, by the values of its folder.
 #[derive(Default)]
@@ -92,8 +93,8 @@ pub(super) fn write(
         if is_study { Study::open(input)?.recordings().collect() } else { vec![input.to_owned()] };
     let destination = Destination::new(out, may_replace)?;
     let mut dataset = Dataset {
-        timings: Timings::create(destination.file(TIMINGS))?,
-        summaries: Summaries::create(destination.file(SUMMARIES))?,
+        timings: TableWriter::create(destination.file(TIMINGS), timings::columns())?,
+        summaries: TableWriter::create(destination.file(SUMMARIES), summaries::columns())?,
         rays: RayFiles { destination, choice, written: Written::default() },
     };
     for path in &recordings {
@@ -113,8 +114,8 @@ pub(super) fn write(
 
 /// A dataset in the making.
 struct Dataset<'a> {
-    timings: Timings,
-    summaries: Summaries,
+    timings: TableWriter<'static, TimingRow>,
+    summaries: TableWriter<'static, SummaryRow>,
     rays: RayFiles<'a>,
 }
 
@@ -126,10 +127,12 @@ impl Dataset<'_> {
             machine: partition::cut(&configuration(&header)),
             recording,
         });
-        self.timings.add(&recorded, dump.manifest())?;
+        timings::add(&mut self.timings, &recorded, dump.manifest())?;
         let known = self.rays.add(dump, &recorded)?;
         let analysis = analyse_known(dump, options, &known)?;
-        analysis.recordings.iter().try_for_each(|analysis| self.summaries.add(&recorded, analysis))?;
+        for analysis in &analysis.recordings {
+            summaries::add(&mut self.summaries, &recorded, analysis)?;
+        }
         self.rays.written.recordings += 1;
         Ok(())
     }

@@ -1,6 +1,5 @@
 //! What `inspector info --metrics` says of each order: a row each, and one for it over all bounces.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use formats::key::method::UNSORTED;
@@ -17,7 +16,7 @@ type SummaryColumn = Column<'static, SummaryRow>;
 
 /// One order of a queue, or over all bounces.
 #[derive(Default)]
-struct SummaryRow {
+pub(super) struct SummaryRow {
     of: Arc<Recorded>,
     camera: Arc<str>,
     seed: u64,
@@ -42,44 +41,27 @@ struct SummaryRow {
     constant_error: Option<f64>,
 }
 
-/// The table of all orders.
-pub(super) struct Summaries(TableWriter<'static, SummaryRow>);
-
-impl Summaries {
-    /// Starts it.
-    ///
-    /// # Errors
-    /// If it cannot be written.
-    pub(super) fn create(path: PathBuf) -> anyhow::Result<Self> {
-        Ok(Self(TableWriter::create(path, columns())?))
-    }
-
-    /// Adds the orders of a recording.
-    ///
-    /// # Errors
-    /// If they cannot be written.
-    pub(super) fn add(&mut self, of: &Arc<Recorded>, analysis: &RecordingAnalysis) -> anyhow::Result<()> {
-        let camera: Arc<str> = analysis.options.camera.as_str().into();
-        let row = |row: SummaryRow| SummaryRow {
-            of: of.clone(),
-            camera: camera.clone(),
-            seed: analysis.options.seed,
-            ..row
-        };
-        let orders =
-            analysis.queues.iter().flat_map(|queue| queue.orders.iter().map(move |order| (queue, order)));
-        let orders = orders.map(|(queue, order)| of_queue(queue, order));
-        let frames = analysis.frames.iter().map(|frame| of_frame(frame, &analysis.queues));
-        self.0.add(&orders.chain(frames).map(row).collect::<Vec<_>>())
-    }
-
-    /// Ends it; gives its rows.
-    ///
-    /// # Errors
-    /// If it cannot be written.
-    pub(super) fn finish(self) -> anyhow::Result<u64> {
-        self.0.finish()
-    }
+/// Adds the orders of a recording to the table of all.
+///
+/// # Errors
+/// If they cannot be written.
+pub(super) fn add(
+    table: &mut TableWriter<'static, SummaryRow>,
+    of: &Arc<Recorded>,
+    analysis: &RecordingAnalysis,
+) -> anyhow::Result<()> {
+    let camera: Arc<str> = analysis.options.camera.as_str().into();
+    let row = |row: SummaryRow| SummaryRow {
+        of: of.clone(),
+        camera: camera.clone(),
+        seed: analysis.options.seed,
+        ..row
+    };
+    let orders =
+        analysis.queues.iter().flat_map(|queue| queue.orders.iter().map(move |order| (queue, order)));
+    let orders = orders.map(|(queue, order)| of_queue(queue, order));
+    let frames = analysis.frames.iter().map(|frame| of_frame(frame, &analysis.queues));
+    table.add(&orders.chain(frames).map(row).collect::<Vec<_>>())
 }
 
 fn of_queue(queue: &QueueAnalysis, order: &OrderAnalysis) -> SummaryRow {
@@ -132,7 +114,7 @@ fn of_frame(frame: &FrameAnalysis, queues: &[QueueAnalysis]) -> SummaryRow {
     }
 }
 
-fn columns() -> Vec<SummaryColumn> {
+pub(super) fn columns() -> Vec<SummaryColumn> {
     [what(), times(), coherence()].into_iter().flatten().collect()
 }
 

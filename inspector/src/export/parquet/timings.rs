@@ -1,7 +1,6 @@
 //! Every sample of every time: a row each.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use formats::manifest::{DisturbedRecord, Manifest, TimingRecord};
@@ -14,7 +13,7 @@ use crate::shown;
 type TimingColumn = Column<'static, TimingRow>;
 
 /// One sample.
-struct TimingRow {
+pub(super) struct TimingRow {
     of: Arc<Recorded>,
     pass: u32,
     bounce: u32,
@@ -26,62 +25,41 @@ struct TimingRow {
     is_disturbed: bool,
 }
 
-/// The table of all samples.
-pub(super) struct Timings(TableWriter<'static, TimingRow>);
-
-impl Timings {
-    /// Starts it.
-    ///
-    /// # Errors
-    /// If it cannot be written.
-    pub(super) fn create(path: PathBuf) -> anyhow::Result<Self> {
-        Ok(Self(TableWriter::create(path, columns())?))
-    }
-
-    /// Adds the samples of a recording.
-    ///
-    /// # Errors
-    /// If they cannot be written.
-    pub(super) fn add<'m>(
-        &mut self,
-        of_recording: &Arc<Recorded>,
-        manifest: &'m Manifest,
-    ) -> anyhow::Result<()> {
-        let of = |record: &'m DisturbedRecord| {
-            let DisturbedRecord { queue, method, stage, samples } = record;
-            ((queue.pass, queue.bounce, Some(queue.kind), method.as_str(), *stage), samples.as_slice())
+/// Adds the samples of a recording to the table of all.
+///
+/// # Errors
+/// If they cannot be written.
+pub(super) fn add<'m>(
+    table: &mut TableWriter<'static, TimingRow>,
+    of_recording: &Arc<Recorded>,
+    manifest: &'m Manifest,
+) -> anyhow::Result<()> {
+    let of = |record: &'m DisturbedRecord| {
+        let DisturbedRecord { queue, method, stage, samples } = record;
+        ((queue.pass, queue.bounce, Some(queue.kind), method.as_str(), *stage), samples.as_slice())
+    };
+    let disturbed: BTreeMap<_, &[u32]> = manifest.disturbed.iter().map(of).collect();
+    for record in &manifest.timings {
+        let TimingRecord { pass, bounce, kind, method, stage, samples_ns } = record;
+        let shown: Arc<str> = shown::name(method).into();
+        let rounds = disturbed.get(&(*pass, *bounce, *kind, method.as_str(), *stage));
+        let row = |(round, &ns): (u32, &u64)| TimingRow {
+            of: of_recording.clone(),
+            pass: *pass,
+            bounce: *bounce,
+            kind: kind.map(Kind::name),
+            method: shown.clone(),
+            stage: stage.name(),
+            round,
+            ns,
+            is_disturbed: rounds.is_some_and(|rounds| rounds.contains(&round)),
         };
-        let disturbed: BTreeMap<_, &[u32]> = manifest.disturbed.iter().map(of).collect();
-        for record in &manifest.timings {
-            let TimingRecord { pass, bounce, kind, method, stage, samples_ns } = record;
-            let shown: Arc<str> = shown::name(method).into();
-            let rounds = disturbed.get(&(*pass, *bounce, *kind, method.as_str(), *stage));
-            let row = |(round, &ns): (u32, &u64)| TimingRow {
-                of: of_recording.clone(),
-                pass: *pass,
-                bounce: *bounce,
-                kind: kind.map(Kind::name),
-                method: shown.clone(),
-                stage: stage.name(),
-                round,
-                ns,
-                is_disturbed: rounds.is_some_and(|rounds| rounds.contains(&round)),
-            };
-            self.0.add(&(0..).zip(samples_ns).map(row).collect::<Vec<_>>())?;
-        }
-        Ok(())
+        table.add(&(0..).zip(samples_ns).map(row).collect::<Vec<_>>())?;
     }
-
-    /// Ends it.
-    ///
-    /// # Errors
-    /// If it cannot be written.
-    pub(super) fn finish(self) -> anyhow::Result<u64> {
-        self.0.finish()
-    }
+    Ok(())
 }
 
-fn columns() -> Vec<TimingColumn> {
+pub(super) fn columns() -> Vec<TimingColumn> {
     vec![
         TimingColumn::text("scene", "Scene", |row| Some(&row.of.scene)),
         TimingColumn::text("machine", "Backend, adapter, kernel and threads", |row| Some(&row.of.machine)),
