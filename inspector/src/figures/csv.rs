@@ -128,5 +128,5 @@ fn colours(panel: &Panel) -> Vec<(String, Point)> {
 
 /// A number of which nothing else is known.
 pub(crate) fn bare_point(x: f64, y: f64, detail: &str) -> Point {
-    Point { x, y, spread: None, n: 0, of: Of::detail(detail) }
+    Point::new(x, y, 0, Of::detail(detail))
 }

@@ -184,6 +184,13 @@ pub struct Point {
     pub of: Of,
 }
 
+impl Point {
+    /// A number whose spread is not known.
+    pub fn new(x: f64, y: f64, n: usize, of: Of) -> Self {
+        Self { x, y, spread: None, n, of }
+    }
+}
+
 /// What a number is of. What does not apply, or is all of them, is empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Of {

@@ -38,7 +38,7 @@ fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis) -> Panel {
             let Traffic { bytes, ns, n } = sum(*stage)?;
             let of = Of { detail: stage_name(*stage).to_owned(), ..of(recording, "", None, what) };
             // Bytes a nanosecond are gigabytes a second.
-            Some(Point { x: place as f64, y: bytes / ns, spread: None, n, of })
+            Some(Point::new(place as f64, bytes / ns, n, of))
         };
         stages.iter().enumerate().filter_map(point).collect()
     };

@@ -95,13 +95,7 @@ fn trace_panel(findings: &Findings<'_>, rows: &[&TraceRow], title: String) -> Pa
         let ns: f64 = own.iter().filter_map(|row| median(&row.samples_ns)).sum();
         let n = own.iter().map(|row| row.samples_ns.len()).min().unwrap_or(0);
         let first = own.first().filter(|_| ns > 0.0);
-        let all = first.map(|row| Point {
-            x: place as f64,
-            y: rays as f64 / ns * 1e3,
-            spread: None,
-            n,
-            of: of(row, None),
-        });
+        let all = first.map(|row| Point::new(place as f64, rays as f64 / ns * 1e3, n, of(row, None)));
         let style = own.first().map_or(0, |row| method_style(findings, &row.order));
         let made = |points, is_part| Series { label: named.clone(), style, points, is_part };
         [made(own.iter().filter_map(bounce).collect(), true), made(all.into_iter().collect(), false)]

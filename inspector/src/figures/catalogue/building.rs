@@ -362,7 +362,7 @@ mod tests {
 
     #[test]
     fn what_has_no_row_is_on_no_other_ones() {
-        let point = Point { x: 7.0, y: 1.0, spread: None, n: 1, of: Of::default() };
+        let point = Point::new(7.0, 1.0, 1, Of::default());
         let series = ["aila", "control", "stray"].map(|label| Series::new(label, 0, vec![point.clone()]));
         let rows = ["aila", "control"].map(str::to_owned);
         let panel = in_rows(&rows, String::new(), Axis::ratios(""), series.into());

@@ -65,8 +65,7 @@ fn scatter(
     let point = |at: &AreaAndTime<'_>| {
         let QueueAnalysis { bounce, kind, .. } = at.queue;
         let of = of(recording, kind, Some(*bounce), &at.order.method);
-        let n = at.trace.samples_ns.len();
-        Some(Point { x: at.area, y: at.time, spread: None, n, of })
+        Some(Point::new(at.area, at.time, at.trace.samples_ns.len(), of))
     };
     let series = by_label(points, |at| &at.order.base, |base| method_style(findings, base), point);
     Panel::new(
@@ -114,12 +113,9 @@ fn shares(findings: &Findings<'_>, recording: &RecordingAnalysis, kind: Kind) ->
         let queue = queue?;
         let coherence = queue.order(method)?.coherence.known()?;
         let shares = coherence.area_quantiles.iter().enumerate().filter(|(_, area)| **area > 0.0);
-        let point = |(percent, &area): (usize, &f64)| Point {
-            x: area,
-            y: percent as f64,
-            spread: None,
-            n: queue.rays as usize,
-            of: of(recording, kind, Some(queue.bounce), method),
+        let point = |(percent, &area): (usize, &f64)| {
+            let of = of(recording, kind, Some(queue.bounce), method);
+            Point::new(area, percent as f64, queue.rays as usize, of)
         };
         Some(shares.map(point).collect())
     };

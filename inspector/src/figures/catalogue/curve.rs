@@ -83,7 +83,7 @@ fn line(title: String, cells: &[Cell]) -> Panel {
         let point = |at: usize| {
             let [column, row] = cells[at];
             let of = Of::detail(format!("cell {at} of {}", cells.len()));
-            Point { x: f64::from(column), y: f64::from(row), spread: None, n: 1, of }
+            Point::new(f64::from(column), f64::from(row), 1, of)
         };
         let points = (first..first + count).map(point).collect();
         Series::new(label, style, points)

@@ -54,13 +54,8 @@ fn nanoseconds(samples_ns: &[u64], items: u64) -> Option<f64> {
 
 /// Geometric mean over scenes, from the lowest to the highest; `None` for none.
 fn mean(x: f64, numbers: &[f64], of: Of) -> Option<Point> {
-    Some(Point {
-        x,
-        y: geometric_mean(numbers.iter().copied())?,
-        spread: range(numbers),
-        n: numbers.len(),
-        of,
-    })
+    let y = geometric_mean(numbers.iter().copied())?;
+    Some(Point { spread: range(numbers), ..Point::new(x, y, numbers.len(), of) })
 }
 
 /// What rays of a kind are called here, where camera rays are left out.
@@ -90,13 +85,7 @@ pub fn precision(findings: &Findings<'_>) -> Made {
         let spread = point.spread.map(|(low, high)| (low / careful, high / careful));
         Some(Point { y: point.y / careful, spread, ..point })
     };
-    let of_rays = |row: &PrecisionRow, y: f64| Point {
-        x: 0.0,
-        y,
-        spread: None,
-        n: row.errors.rays as usize,
-        of: Of::default(),
-    };
+    let of_rays = |row: &PrecisionRow, y: f64| Point::new(0.0, y, row.errors.rays as usize, Of::default());
     let wrong = |row: &PrecisionRow| {
         let errors = &row.errors;
         errors.missed.saturating_add(errors.false_hits).saturating_add(errors.wrong_triangles)
@@ -238,18 +227,11 @@ fn cost_panel(findings: &Findings<'_>, all: &[Placed<EstimatorRow>], kind: Kind)
         let fixed = timed.iter().find(|(other, row)| other == place && row.table_method == CONSTANT);
         let fixed_ns = fixed.and_then(|(_, row)| nanoseconds(&row.key_ns, row.rays_timed)).unwrap_or(0.0);
         let query_ns = nanoseconds(&row.key_ns, row.rays_timed)? - fixed_ns;
-        Some(Point {
-            x: methods.iter().position(|method| *method == row.table_method)? as f64,
-            y: query_ns + nanoseconds(&row.accumulate_ns, row.rays_timed).unwrap_or(0.0),
-            spread: None,
-            n: row.key_ns.len(),
-            of: Of {
-                scene: row.scene.clone(),
-                kind: kind.to_string(),
-                method: row.table_method.clone(),
-                ..Of::default()
-            },
-        })
+        let x = methods.iter().position(|method| *method == row.table_method)? as f64;
+        let y = query_ns + nanoseconds(&row.accumulate_ns, row.rays_timed).unwrap_or(0.0);
+        let (scene, method) = (row.scene.clone(), row.table_method.clone());
+        let of = Of { scene, kind: kind.to_string(), method, ..Of::default() };
+        Some(Point::new(x, y, row.key_ns.len(), of))
     };
     let dots = |method: &&str| {
         let own = default.iter().filter(|(_, row)| row.table_method == **method);
@@ -331,13 +313,7 @@ pub fn image(findings: &Findings<'_>) -> Made {
         Some(Point { x, y: ratio, spread: interval, n: row.passes as usize, of: of(row) })
     };
     let noise = |row: &ImageRow| {
-        Some(Point {
-            x: row.wall_ns as f64 / 1e9,
-            y: row.relative_mse,
-            spread: None,
-            n: row.passes as usize,
-            of: of(row),
-        })
+        Some(Point::new(row.wall_ns as f64 / 1e9, row.relative_mse, row.passes as usize, of(row)))
     };
     let series = |is_shown: &dyn Fn(&str, &ImageRow) -> bool, point: &dyn Fn(&ImageRow) -> Option<Point>| {
         let of_place = |(style, place): (usize, &&str)| {

@@ -88,7 +88,7 @@ fn mean_and_recordings(
     let parts: Vec<Point> = recordings.iter().filter_map(|recording| mean(recording, method)).collect();
     let y = parts.iter().map(|point| point.y).sum::<f64>() / parts.len() as f64;
     let of = Of { kind: rays.name().to_owned(), method: method.to_owned(), ..Of::detail("all recordings") };
-    let mean = (!parts.is_empty()).then_some(Point { x: 0.0, y, spread: None, n: parts.len(), of })?;
+    let mean = (!parts.is_empty()).then_some(Point::new(0.0, y, parts.len(), of))?;
     let means = if parts.len() < all { Vec::new() } else { vec![mean] };
     let parts = Series { is_part: true, ..of_method(findings, method, parts) };
     Some([parts, of_method(findings, method, means)])
@@ -105,8 +105,7 @@ fn mean_and_bounces(
     let share = |queue: &QueueAnalysis| Some((queue.bounce, share(queue, queue.order(method)?)?));
     let bounces: Vec<_> = recording.measured_of(rays).filter_map(share).collect();
     let point = |y: f64, n: usize, bounce: Option<u32>| {
-        let of = of(recording, rays.name(), bounce, method);
-        Point { x: 0.0, y: y * 100.0, spread: None, n, of }
+        Point::new(0.0, y * 100.0, n, of(recording, rays.name(), bounce, method))
     };
     let parts = bounces.iter().map(|(bounce, (share, _))| point(*share, 1, Some(*bounce)));
     let parts = Series { is_part: true, ..of_method(findings, method, parts.collect()) };

@@ -36,7 +36,7 @@ fn panel(findings: &Findings<'_>, recording: &RecordingAnalysis, rays: RayClass)
         let points = methods.iter().enumerate().filter_map(|(place, (method, shares))| {
             let (found, share) = shares.iter().find(|(found, _)| found.stage == stage)?;
             let of = Of { detail: stage_name(stage).to_owned(), ..of(recording, rays.name(), None, method) };
-            Some(Point { x: place as f64, y: *share, spread: None, n: found.n, of })
+            Some(Point::new(place as f64, *share, found.n, of))
         });
         Series::new(stage_name(stage), STAGE_STYLES + at, points.collect())
     };

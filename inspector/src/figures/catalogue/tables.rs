@@ -113,16 +113,8 @@ fn over_bounces(
 }
 
 fn point(recording: &RecordingAnalysis, queue: &QueueAnalysis, y: f64, n: usize) -> Point {
-    Point {
-        x: f64::from(queue.bounce),
-        y,
-        spread: None,
-        n,
-        of: Of {
-            detail: format!("pass {}", queue.pass),
-            ..of(recording, queue.kind, Some(queue.bounce), "")
-        },
-    }
+    let detail = format!("pass {}", queue.pass);
+    Point::new(queue.bounce.into(), y, n, Of { detail, ..of(recording, queue.kind, Some(queue.bounce), "") })
 }
 
 fn reason<'a>(findings: &Findings<'a>, of: impl Fn(&'a QueueAnalysis) -> Option<&'a str>) -> String {
