@@ -182,7 +182,7 @@ fn facts(summary: &Summary, shown: &Header, source_is: Option<SourceIs>) -> Stri
     ];
     lines.extend(source_line(shown, source_is).map(|line| ("source", line)));
     lines.extend(scene_lines(summary, shown));
-    lines.push(("backend", backend_line(shown)));
+    lines.push(("backend", format!("{}, timed by {}", machine_line(shown), shown.time_source)));
     for decision in &summary.decisions {
         lines.push(("auto", format!("{}: {}", decision.queue, one_line(&decision.chosen(), 200))));
     }
@@ -280,10 +280,6 @@ fn machine_line(shown: &Header) -> String {
         adapter.backend,
         shown.options.trace_kernel
     )
-}
-
-fn backend_line(shown: &Header) -> String {
-    format!("{}, timed by {}", machine_line(shown), shown.time_source)
 }
 
 fn or_none(names: &[String]) -> String {

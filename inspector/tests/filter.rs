@@ -95,7 +95,7 @@ fn names_mean_what_the_recording_holds() {
     check("key > 0x4000000000000000", &|_, ray| keys.at(ray) > 1 << 62);
     check("displacement > 50", &|place, ray| place.abs_diff(ray) > 50);
     check("group == 1", &|place, _| place / 64 == 1);
-    let mean = groups.mean_area();
+    let mean = groups.mean_area;
     check(&format!("area > {mean}"), &|place, _| group(place).area > mean);
     check("spread < 0.8", &|place, _| group(place).spread < 0.8);
     let lanes = groups.groups[0].lanes.unwrap();

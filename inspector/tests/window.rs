@@ -361,7 +361,7 @@ fn vertices_are_those_of_the_analysis() {
     let order = context.awaited_order().unwrap();
     let places = Places::sorted(permutation, segments.len()).unwrap();
     let analysed = coherence(&traced, &order.queue.lengths, &places, width.rays()).unwrap();
-    let mean = order.groups(width).mean_area();
+    let mean = order.groups(width).mean_area;
     assert!((mean / analysed.mean_capsule_area - 1.0).abs() < 1e-12);
 }
 

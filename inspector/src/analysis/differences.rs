@@ -95,7 +95,7 @@ pub fn counts(comparison: &Comparison) -> Vec<Row> {
     };
     let alone = found.rays.map(|rays| rays - found.matched);
     let keys = "Rays with another key";
-    let mut rows = vec![
+    vec![
         Row::of("rays", "Rays of the queue", found.rays.map(number)),
         Row {
             differs: alone != [0, 0],
@@ -108,11 +108,10 @@ pub fn counts(comparison: &Comparison) -> Vec<Row> {
             Ok(differing) => of_all("keys", keys, *differing),
             Err(why) => Row::of("keys", keys, ["not comparable".to_owned(), why.clone()]),
         },
-    ];
-    rows.push(Row::of(
-        "mean capsule area",
-        "Of the groups, weighted by rays, in unit space",
-        comparison.mean_areas.map(|area| format!("{area:.5}")),
-    ));
-    rows
+        Row::of(
+            "mean capsule area",
+            "Of the groups, weighted by rays, in unit space",
+            comparison.mean_areas.map(|area| format!("{area:.5}")),
+        ),
+    ]
 }

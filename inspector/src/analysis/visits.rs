@@ -37,8 +37,7 @@ impl Visits {
         for (is_of_ray, traversal) in &traversals {
             for &Visit { place, level, .. } in &traversal.visits {
                 let at = *known.entry(place).or_insert_with(|| {
-                    let [low, high] = hierarchy.bounds(place).map(|corner| traced.unit().point(corner));
-                    let corners = (low, high);
+                    let corners = hierarchy.bounds(place).map(|corner| traced.unit().point(corner)).into();
                     boxes.push(EnteredBox { corners, level, rays: 0, is_of_ray: false });
                     boxes.len() - 1
                 });

@@ -18,8 +18,9 @@ pub struct Groups {
     pub width: usize,
     /// The groups, in order; the last may be shorter.
     pub groups: Vec<Group>,
+    /// Mean capsule area, weighted by rays; 0 for no groups.
+    pub mean_area: f64,
     rays: usize,
-    mean_area: f64,
 }
 
 impl Groups {
@@ -31,17 +32,12 @@ impl Groups {
         let groups: Vec<Group> = groups.filter_map(of).collect();
         let weighted = |group: &Group| group.area * f64::from(group.rays);
         let mean_area = groups.iter().map(weighted).sum::<f64>() / rays.max(1) as f64;
-        Self { width, groups, rays, mean_area }
+        Self { width, groups, mean_area, rays }
     }
 
     /// The places of a group.
     pub fn places(&self, group: usize) -> Range<usize> {
         places_of(group, self.width, self.rays)
-    }
-
-    /// Mean capsule area, weighted by rays; 0 for no groups.
-    pub fn mean_area(&self) -> f64 {
-        self.mean_area
     }
 
     /// The groups with the largest capsules, the worst first.

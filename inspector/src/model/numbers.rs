@@ -52,7 +52,7 @@ impl Numbers {
     /// The order as one of two that are compared.
     pub fn side(&self) -> Side<'_> {
         let order = &*self.order;
-        let mean_area = order.groups(self.width).mean_area();
+        let mean_area = order.groups(self.width).mean_area;
         let layout = order.keys.as_ref().map_or("", |(_, layout)| &layout.text);
         Side { name: &order.method, rays: self.rays(), place_of_ray: order.place_of_ray(), layout, mean_area }
     }

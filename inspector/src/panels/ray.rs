@@ -9,7 +9,6 @@ use formats::traced::Results;
 
 use super::notes::{cost, found, headings, hint};
 use crate::analysis::GroupWidth;
-use crate::model::groups::Groups;
 use crate::model::key::ReadKey;
 use crate::model::path::PathRay;
 use crate::model::{Absent, Context, Order};
@@ -55,7 +54,7 @@ impl Panel for RayPanel {
     }
 
     fn data(&mut self, context: &mut Context) -> Result<Data, String> {
-        let order = context.order().map_err(|reason| reason.to_string())?;
+        let order = context.order()?;
         let ray = context.selection.ray.filter(|&ray| ray < order.len()).ok_or("no ray is chosen")?;
         let facts = facts(&order, ray).into_iter().map(|(name, value)| vec![name.to_owned(), value]);
         let key = ReadKey::of(&order, ray).ok();
@@ -192,7 +191,7 @@ fn group(ui: &mut egui::Ui, context: &mut Context, order: &Arc<Order>, ray: usiz
     let width = context.selection.group_width;
     let at = order.place_of_ray()[ray] as usize / width.rays();
     let Some(group) = order.group(at, width) else { return };
-    let mean = context.groups(order).map(Groups::mean_area);
+    let mean = context.groups(order).map(|groups| groups.mean_area);
     let visits = match context.visits(order, ray) {
         Ok(visits) => {
             let (shared, of_ray) = visits.shared();

@@ -250,7 +250,7 @@ impl Scene {
 /// The picture of the selected order below its name.
 fn side(ui: &mut Ui, context: &mut Context, (name, style, height): (&str, usize, f32), view: &mut SpaceView) {
     let order = context.order().ok();
-    let area = order.as_ref().and_then(|order| context.groups(order)).map(|groups| groups.mean_area());
+    let area = order.as_ref().and_then(|order| context.groups(order)).map(|groups| groups.mean_area);
     let label = context.recording().filter(|_| context.recordings.len() > 1);
     let label = label.map_or(String::new(), |open| format!(" of {}", open.label));
     let area = area.map_or(String::new(), |area| format!("mean capsule area {area:.4}"));

@@ -41,7 +41,7 @@ impl WorstGroups {
             Some((known, worst)) if *known == key => worst,
             _ => &self.known.insert((key, groups.worst(LISTED))).1,
         };
-        let mean = groups.mean_area().max(f64::MIN_POSITIVE);
+        let mean = groups.mean_area.max(f64::MIN_POSITIVE);
         let chosen = table(ui, "worst", COLUMNS, worst, |&at| {
             let group = groups.groups.get(at)?;
             let lanes = group.lanes.map_or("-".to_owned(), |lanes| format!("{lanes:.3}"));

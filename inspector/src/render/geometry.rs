@@ -283,24 +283,23 @@ pub fn capsule_template() -> (Vec<[f32; 4]>, Vec<u32>) {
 mod tests {
     use std::f64::consts::FRAC_PI_2;
 
+    use glam::DVec3;
+
     use super::*;
 
-    /// The shader's formula in f64: a corner of the template on a capsule.
-    fn on_surface(capsule: &Capsule, [sphere, part, cosine, sine]: [f32; 4]) -> Point {
-        let difference = capsule.origin_radius - capsule.end_radius;
-        let between = [0, 1, 2].map(|axis| capsule.end_centre[axis] - capsule.origin_centre[axis]);
-        let apart = between.iter().map(|along| along * along).sum::<f64>().sqrt();
-        assert_eq!((between[0], between[1]), (0.0, 0.0), "this test looks along z");
-        let tangent = (difference / apart).clamp(-1.0, 1.0).asin();
-        let (low, high) = if sphere == 0.0 { (-FRAC_PI_2, tangent) } else { (tangent, FRAC_PI_2) };
-        let (along, around) = (low + (high - low) * f64::from(part)).sin_cos();
-        let (centre, radius) = if sphere == 0.0 {
-            (capsule.origin_centre, capsule.origin_radius)
+    /// The shader's formula in f64: a corner of the template on a capsule that lies along z.
+    fn on_surface(capsule: &Capsule, [sphere, part, cosine, sine]: [f32; 4]) -> DVec3 {
+        let Capsule { origin_centre, origin_radius, end_centre, end_radius } = *capsule;
+        let apart = end_centre[2] - origin_centre[2];
+        let tangent = ((origin_radius - end_radius) / apart).clamp(-1.0, 1.0).asin();
+        let (centre, radius, low, high) = if sphere == 0.0 {
+            (origin_centre, origin_radius, -FRAC_PI_2, tangent)
         } else {
-            (capsule.end_centre, capsule.end_radius)
+            (end_centre, end_radius, tangent, FRAC_PI_2)
         };
-        let across = [f64::from(cosine) * around, f64::from(sine) * around, along];
-        [0, 1, 2].map(|axis| centre[axis] + radius * across[axis])
+        let (along, around) = (low + (high - low) * f64::from(part)).sin_cos();
+        let across = DVec3::new(f64::from(cosine) * around, f64::from(sine) * around, along);
+        DVec3::from(centre) + radius * across
     }
 
     #[test]
@@ -313,17 +312,14 @@ mod tests {
                 end_radius,
             };
             let (corners, indices) = capsule_template();
-            let points: Vec<Point> = corners.iter().map(|&corner| on_surface(&capsule, corner)).collect();
-            let area: f64 =
-                indices.chunks(3).map(|at| triangle_area([0, 1, 2].map(|i| points[at[i] as usize]))).sum();
+            let points: Vec<DVec3> = corners.iter().map(|&corner| on_surface(&capsule, corner)).collect();
+            let triangle = |corners: &[u32]| {
+                let [a, b, c] = [0, 1, 2].map(|i| points[corners[i] as usize]);
+                0.5 * (b - a).cross(c - a).length()
+            };
+            let area: f64 = indices.chunks(3).map(triangle).sum();
             assert!((area / capsule.area() - 1.0).abs() < 0.03, "{area} is not {}", capsule.area());
         }
-    }
-
-    fn triangle_area([a, b, c]: [Point; 3]) -> f64 {
-        let (u, v) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
-        let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        0.5 * cross.iter().map(|part| part * part).sum::<f64>().sqrt()
     }
 
     #[test]

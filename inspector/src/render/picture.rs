@@ -144,14 +144,11 @@ impl LayerUniform {
     /// Of a layer of a picture, drawn with this opacity.
     pub fn of(picture: &SpacePicture, layer: &Layer, opacity: f32) -> Self {
         let [width, height] = picture.pixels.map(|pixels| pixels as f32);
-        let (plain, faded) = match layer.paint {
-            Paint::Plain(colour) => (colour, [0.0; 4]),
-            Paint::Values(..) => ([0.0; 4], [0.0; 4]),
-            Paint::Base { plain, faded } => (plain, faded),
-        };
-        let (map, range) = match layer.paint {
-            Paint::Values(map, range) => (map.row() as u32, range),
-            Paint::Plain(_) | Paint::Base { .. } => (0, ValueRange { low: 0.0, high: 1.0 }),
+        let unused = ValueRange { low: 0.0, high: 1.0 };
+        let (plain, faded, map, range) = match layer.paint {
+            Paint::Plain(colour) => (colour, [0.0; 4], 0, unused),
+            Paint::Values(map, range) => ([0.0; 4], [0.0; 4], map.row() as u32, range),
+            Paint::Base { plain, faded } => (plain, faded, 0, unused),
         };
         // Rays and what is computed of them are never cut: they are what one looks for inside.
         let cut = match layer.stage {
